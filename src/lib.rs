@@ -1,0 +1,3 @@
+//! Abbe: a spectral photon-mapping renderer.
+
+pub mod error;

@@ -1,0 +1,2 @@
+//! The `abbe` command.
+fn main() {}
