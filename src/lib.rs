@@ -1,3 +1,4 @@
 //! Abbe: a spectral photon-mapping renderer.
 
 pub mod error;
+pub mod spectrum;
