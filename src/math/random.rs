@@ -9,6 +9,9 @@ use rand_pcg::Pcg32;
 /// The largest `f64` below 1, where a sampler's `u` ends.
 pub const ONE_MINUS_ULP: f64 = 1.0 - f64::EPSILON / 2.0;
 
+/// Noise is measured over this many replicates of the whole picture; pass i belongs to replicate i mod 8.
+pub const REPLICATES: usize = 8;
+
 /// What a stream is for; streams of different purposes are independent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u64)]
