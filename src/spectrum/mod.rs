@@ -5,6 +5,8 @@
 //! line is ever lost between samples. What one writes down, tables, formulas, colours, becomes such a function once,
 //! when it is read.
 
+pub mod library;
+
 mod continuum;
 mod distribution;
 mod index;
