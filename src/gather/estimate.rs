@@ -104,13 +104,13 @@ fn shared_power(photon: &Photon, lane: usize) -> Option<f64> {
 /// Whether light from the other side counts.
 fn transmits(surface: &Surface) -> bool {
     match surface {
-        Surface::Translucent { .. } | Surface::Dielectric { .. } | Surface::Mix(_) => true,
+        Surface::Translucent(_) | Surface::Dielectric(_) | Surface::Mix(_) => true,
         Surface::Absorber
-        | Surface::Diffuse { .. }
-        | Surface::Mirror { .. }
-        | Surface::Conductor { .. }
-        | Surface::ThinDielectric { .. }
-        | Surface::Glossy { .. } => false,
+        | Surface::Diffuse(_)
+        | Surface::Mirror(_)
+        | Surface::Conductor(_)
+        | Surface::ThinDielectric(_)
+        | Surface::Glossy(_) => false,
     }
 }
 

@@ -10,7 +10,7 @@ use crate::plan::partition::{Estimator, LightPath, View, estimator};
 use crate::plan::{IndirectPlan, Plan, WavelengthPlan};
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Lanes};
-use crate::walk::{Encounter, Leg, Sink, Start, Tally, next};
+use crate::walk::{Encounter, Leg, Sink, Start, Tally, draw_consistently, next};
 use glam::DVec3;
 
 /// Wavelength-free camera paths choose between reflection and refraction, and compare densities, at this wavelength (nm); what
@@ -280,13 +280,13 @@ impl<'a> Gatherer<'a> {
             return self.go_on_through_dispersive(path, encounter, sample);
         }
         let u = sample.numbers.stream.triple();
-        self.scatter_once(path, encounter, u, 1.0, sample)
+        self.scatter_once(path, encounter, u, sample)
     }
 
     /// Whether refraction here would send wavelengths different ways.
     fn disperses(&self, encounter: &Encounter<'a>) -> bool {
         self.plan.wavelengths != WavelengthPlan::Free
-            && matches!(encounter.surface, Surface::Dielectric { .. })
+            && matches!(encounter.surface, Surface::Dielectric(_))
             && (encounter.sides.here.is_dispersive() || encounter.sides.there.is_dispersive())
     }
 
@@ -347,7 +347,7 @@ impl<'a> Gatherer<'a> {
             let mut single = CameraPath { colour: Colour::Shared { lane, nm, throughput }, ..path };
             let goes_on = match refracted {
                 Some(probability) => self.scatter_forced(&mut single, encounter, Event::Transmission, probability, sample),
-                None => self.scatter_once(&mut single, encounter, u, 1.0, sample),
+                None => self.scatter_once(&mut single, encounter, u, sample),
             };
             if goes_on && survives(&mut single, sample) {
                 self.follow(single, sample);
@@ -368,74 +368,55 @@ impl<'a> Gatherer<'a> {
             Event::Reflection => [0.0; 3],
             Event::Transmission => [ONE_MINUS_ULP; 3],
         };
-        let (wo, sides, nm) = (encounter.wo, encounter.sides, path.reference_nm());
-        match encounter.surface.sample(wo, sides, nm, Transport::Radiance, u) {
-            Some(scatter) if scatter.event == event => {
-                self.continue_along(path, encounter, &Scatter { probability, ..scatter }, sample)
+        let nm = path.reference_nm();
+        let draw = |e: &Encounter<'a>| e.surface.sample(e.wo, e.sides, nm, Transport::Radiance, u);
+        match draw_consistently(encounter, draw) {
+            Some((encounter, scatter)) if scatter.event == event => {
+                continue_along(path, &encounter, &Scatter { probability, ..scatter }, sample.scratch)
             }
             Some(_) | None => false,
         }
     }
 
-    /// Scatters as the surface draws it; `probability` is that of having come here by choice.
+    /// Scatters as the surface draws it.
     fn scatter_once<S: Sink>(
         &self,
         path: &mut CameraPath,
         encounter: &Encounter<'a>,
         u: [f64; 3],
-        probability: f64,
         sample: &mut Sample<'_, 'a, S>,
     ) -> bool {
         let nm = path.reference_nm();
-        let Some(scatter) = encounter.surface.sample(encounter.wo, encounter.sides, nm, Transport::Radiance, u) else {
-            return false;
-        };
-        let scatter = Scatter { probability: scatter.probability * probability, ..scatter };
-        self.continue_along(path, encounter, &scatter, sample)
-    }
-
-    /// Takes the path along a scattered direction.
-    fn continue_along<S: Sink>(
-        &self,
-        path: &mut CameraPath,
-        encounter: &Encounter<'a>,
-        scatter: &Scatter,
-        sample: &mut Sample<'_, 'a, S>,
-    ) -> bool {
-        let mut encounter = *encounter;
-        let mut scatter = *scatter;
-        let mut direction = encounter.frame.to_world(scatter.wi);
-        if encounter.leads_back(direction) != (scatter.event == Event::Reflection) {
-            // An interpolated normal sends this way through the wrong side: take the true one.
-            encounter = encounter.with_true_normal();
-            let u = match scatter.event {
-                Event::Reflection => [0.0, 0.5, 0.5],
-                Event::Transmission => [ONE_MINUS_ULP, 0.5, 0.5],
-            };
-            let (wo, sides, nm) = (encounter.wo, encounter.sides, path.reference_nm());
-            let Some(again) = encounter.surface.sample(wo, sides, nm, Transport::Radiance, u) else {
-                return false;
-            };
-            let probability = if again.delta { scatter.probability } else { again.probability };
-            scatter = Scatter { probability, ..again };
-            direction = encounter.frame.to_world(scatter.wi);
+        let draw = |e: &Encounter<'a>| e.surface.sample(e.wo, e.sides, nm, Transport::Radiance, u);
+        match draw_consistently(encounter, draw) {
+            Some((encounter, scatter)) => continue_along(path, &encounter, &scatter, sample.scratch),
+            None => false,
         }
-        let (surface, wo, sides) = (encounter.surface, encounter.wo, encounter.sides);
-        let factor = Factor::Scattering { surface, wo, scatter, sides, probability: scatter.probability };
-        path.multiply(factor, sample.scratch);
-        path.view = View::Relayed;
-        path.counts = match (scatter.delta, path.counts) {
-            (false, _) => Counts::Shared { place: encounter.hit.position, pdf: scatter.probability },
-            (true, Counts::Fully) => Counts::Fully,
-            (true, Counts::Shared { .. } | Counts::Not) => Counts::Not,
-        };
-        let interior = match scatter.event {
-            Event::Reflection => encounter.here,
-            Event::Transmission => encounter.there,
-        };
-        path.start = encounter.leave(direction, interior);
-        true
     }
+}
+
+/// Takes the path along a scattered direction; false where a rough surface sends it into itself.
+fn continue_along<'a>(
+    path: &mut CameraPath,
+    encounter: &Encounter<'a>,
+    scatter: &Scatter,
+    scratch: &mut Scratch<'a>,
+) -> bool {
+    let direction = encounter.frame.to_world(scatter.wi);
+    if !encounter.agrees(direction, scatter.event) {
+        return false;
+    }
+    let (surface, wo, sides) = (encounter.surface, encounter.wo, encounter.sides);
+    let factor = Factor::Scattering { surface, wo, scatter: *scatter, sides, probability: scatter.probability };
+    path.multiply(factor, scratch);
+    path.view = View::Relayed;
+    path.counts = match (scatter.delta, path.counts) {
+        (false, _) => Counts::Shared { place: encounter.hit.position, pdf: scatter.probability },
+        (true, Counts::Fully) => Counts::Fully,
+        (true, Counts::Shared { .. } | Counts::Not) => Counts::Not,
+    };
+    path.start = encounter.leave(direction, encounter.interior_after(scatter.event));
+    true
 }
 
 impl CameraPath {

@@ -6,12 +6,14 @@ pub mod budget;
 pub mod effects;
 pub mod explain;
 pub mod partition;
+mod prepare;
 
 use crate::error::Result;
 use crate::scene::facts::Facts;
 
 pub use budget::Budget;
 pub use effects::{EFFECTS, Effect, Row, State};
+pub use prepare::prepare;
 
 /// What will be simulated. Each field is an effect; `effects::EFFECTS` says which fact calls for it and what its absence means.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -75,6 +75,11 @@ impl Camera {
         self.aperture
     }
 
+    /// Makes it a pinhole.
+    pub fn close_aperture(&mut self) {
+        self.aperture = Aperture::Pinhole;
+    }
+
     /// The angle that a pixel in the middle subtends, in radians: a point at distance d has a footprint of d times this.
     pub fn pixel_angle(&self) -> f64 {
         self.pixel

@@ -20,7 +20,7 @@ use camera::Camera;
 use geometry::Geometry;
 use glam::DVec3;
 use interior::Interior;
-use light::{Light, World};
+use light::{Emitter, Light, World};
 
 /// A resolved scene. Positions are relative to `centre`.
 #[derive(Debug)]
@@ -141,6 +141,19 @@ impl Scene {
     /// What distant lights need to know.
     pub fn world(&self) -> World<'_> {
         World { geometry: &self.geometry, radius_m: self.radius_m }
+    }
+
+    /// Finds the distant lights, and every object's light, again after lights were added or taken out.
+    pub fn renumber_lights(&mut self) {
+        self.objects.iter_mut().for_each(|object| object.light = None);
+        self.distant_lights.clear();
+        for (number, light) in self.lights.iter().enumerate() {
+            match &light.emitter {
+                Emitter::Area(area) => self.objects[area.object as usize].light = Some(number),
+                Emitter::Environment(_) | Emitter::Directional(_) => self.distant_lights.push(number),
+                Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) => {}
+            }
+        }
     }
 
     /// The material of an object.

@@ -1,7 +1,7 @@
 //! A ray's way to the next surface that matters to it.
 
 use crate::math::frame::Frame;
-use crate::optics::surface::{Sides, Surface};
+use crate::optics::surface::{Event, Sides, Surface};
 use crate::scene::Scene;
 use crate::scene::interior::Interior;
 use crate::scene::shape::{Hit, Ray, SurfaceId};
@@ -116,7 +116,7 @@ impl<'a> Encounter<'a> {
     /// The same encounter seen with the geometric normal, for scattered directions that an interpolated normal sends to the
     /// wrong side of the surface.
     #[must_use]
-    pub fn with_true_normal(&self) -> Self {
+    pub(super) fn with_true_normal(&self) -> Self {
         let frame = Frame::new(self.hit.normal);
         Self { frame, wo: frame.to_local(-self.incoming), ..*self }
     }
@@ -129,6 +129,19 @@ impl<'a> Encounter<'a> {
     /// Whether `direction` leads back to the side from which the path came.
     pub fn leads_back(&self, direction: DVec3) -> bool {
         direction.dot(self.hit.normal) * self.incoming.dot(self.hit.normal) < 0.0
+    }
+
+    /// Whether a scattered direction leads to the side that its event says.
+    pub fn agrees(&self, direction: DVec3, event: Event) -> bool {
+        self.leads_back(direction) == (event == Event::Reflection)
+    }
+
+    /// The bodies around a ray after this event.
+    pub fn interior_after(&self, event: Event) -> Interior {
+        match event {
+            Event::Reflection => self.here,
+            Event::Transmission => self.there,
+        }
     }
 
     /// The refractive indices seen from the side to which `direction` leads.

@@ -7,6 +7,6 @@ mod scatter;
 mod sink;
 
 pub use encounter::{Encounter, Leg, Start, next};
-pub use scatter::{Scattered, scatter};
+pub use scatter::{Scattered, draw_consistently, scatter};
 pub use sink::Sink;
 pub use tally::Tally;

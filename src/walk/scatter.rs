@@ -5,8 +5,7 @@
 use super::encounter::Encounter;
 use crate::math::random::Stream;
 use crate::optics::fresnel;
-use crate::optics::surface::{Event, Surface, Transport};
-use crate::scene::interior::Interior;
+use crate::optics::surface::{Event, Scatter, Surface, Transport};
 use crate::spectrum::{LANES, Lanes, Wavelengths};
 use glam::DVec3;
 
@@ -36,8 +35,8 @@ pub fn scatter(encounter: &Encounter<'_>, wavelengths: &Wavelengths, transport: 
     let disperses = encounter.sides.here.is_dispersive() || encounter.sides.there.is_dispersive();
     let several = wavelengths.count > 1;
     match encounter.surface {
-        Surface::Dielectric { alpha } if several && disperses => {
-            if *alpha == 0.0 {
+        Surface::Dielectric(dielectric) if several && disperses => {
+            if dielectric.is_smooth() {
                 split_at_dispersive_interface(encounter, wavelengths, transport, stream)
             } else {
                 // The rough interface's facets send each wavelength its own way: choose the wavelength first.
@@ -49,13 +48,13 @@ pub fn scatter(encounter: &Encounter<'_>, wavelengths: &Wavelengths, transport: 
             }
         }
         Surface::Absorber
-        | Surface::Diffuse { .. }
-        | Surface::Translucent { .. }
-        | Surface::Mirror { .. }
-        | Surface::Conductor { .. }
-        | Surface::Dielectric { .. }
-        | Surface::ThinDielectric { .. }
-        | Surface::Glossy { .. }
+        | Surface::Diffuse(_)
+        | Surface::Translucent(_)
+        | Surface::Mirror(_)
+        | Surface::Conductor(_)
+        | Surface::Dielectric(_)
+        | Surface::ThinDielectric(_)
+        | Surface::Glossy(_)
         | Surface::Mix(_) => scatter_together(encounter, wavelengths, transport, stream),
     }
 }
@@ -68,25 +67,24 @@ fn scatter_together(
     stream: &mut Stream,
 ) -> Option<Scattered> {
     let u = stream.triple();
-    with_consistent_normal(encounter, |encounter| {
-        let (surface, wo, sides) = (encounter.surface, encounter.wo, encounter.sides);
-        let drawn = surface.sample(wo, sides, wavelengths.hero(), transport, u)?;
-        let mut weight = [0.0; LANES];
-        let mut absorbed = [0.0; LANES];
-        for (k, &nm) in wavelengths.active().iter().enumerate() {
-            weight[k] = surface.response(wo, &drawn, sides, transport, nm) / drawn.probability;
-            absorbed[k] = surface.absorbed(wo, &drawn, sides, nm);
-        }
-        Some(Scattered {
-            direction: encounter.frame.to_world(drawn.wi),
-            interior: interior_after(encounter, drawn.event),
-            weight,
-            absorbed,
-            kept: None,
-            delta: drawn.delta,
-            pdf: if drawn.delta { 0.0 } else { drawn.probability },
-            event: drawn.event,
-        })
+    let draw = |e: &Encounter<'_>| e.surface.sample(e.wo, e.sides, wavelengths.hero(), transport, u);
+    let (encounter, drawn) = draw_consistently(encounter, draw)?;
+    let (surface, wo, sides) = (encounter.surface, encounter.wo, encounter.sides);
+    let mut weight = [0.0; LANES];
+    let mut absorbed = [0.0; LANES];
+    for (k, &nm) in wavelengths.active().iter().enumerate() {
+        weight[k] = surface.response(wo, &drawn, sides, transport, nm) / drawn.probability;
+        absorbed[k] = surface.absorbed(wo, &drawn, sides, nm);
+    }
+    Some(Scattered {
+        direction: encounter.frame.to_world(drawn.wi),
+        interior: encounter.interior_after(drawn.event),
+        weight,
+        absorbed,
+        kept: None,
+        delta: drawn.delta,
+        pdf: if drawn.delta { 0.0 } else { drawn.probability },
+        event: drawn.event,
     })
 }
 
@@ -149,22 +147,30 @@ fn draw_transmitted(reflectance: &[f64], mut rest: f64) -> Option<usize> {
     drawn.or_else(|| reflectance.iter().rposition(|&f| f < 1.0))
 }
 
-/// Scatters in the frame of the shading normal; where that would send a reflected ray through the surface, or hold a
-/// transmitted one back, again in the frame of the true normal.
+/// Draws in the frame of the shading normal; where that would send a reflected ray through the surface, or hold a transmitted one
+/// back, again in the frame of the true normal. Returns the encounter with the frame that counts.
+pub fn draw_consistently<'a>(
+    encounter: &Encounter<'a>,
+    draw: impl Fn(&Encounter<'a>) -> Option<Scatter>,
+) -> Option<(Encounter<'a>, Scatter)> {
+    let drawn = draw(encounter)?;
+    if encounter.agrees(encounter.frame.to_world(drawn.wi), drawn.event) {
+        return Some((*encounter, drawn));
+    }
+    let true_encounter = encounter.with_true_normal();
+    draw(&true_encounter).map(|drawn| (true_encounter, drawn))
+}
+
+/// The same for an event that has been worked out for all wavelengths.
 fn with_consistent_normal<'a>(
     encounter: &Encounter<'a>,
     scatter: impl Fn(&Encounter<'a>) -> Option<Scattered>,
 ) -> Option<Scattered> {
     let scattered = scatter(encounter)?;
-    let consistent = encounter.leads_back(scattered.direction) == (scattered.event == Event::Reflection);
-    if consistent { Some(scattered) } else { scatter(&encounter.with_true_normal()) }
-}
-
-/// The bodies around a ray after this event.
-fn interior_after(encounter: &Encounter<'_>, event: Event) -> Interior {
-    match event {
-        Event::Reflection => encounter.here,
-        Event::Transmission => encounter.there,
+    if encounter.agrees(scattered.direction, scattered.event) {
+        Some(scattered)
+    } else {
+        scatter(&encounter.with_true_normal())
     }
 }
 
