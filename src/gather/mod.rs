@@ -15,7 +15,7 @@ pub use photon_gather::{Gatherer, Landing, Scratch};
 use crate::math::random::{Purpose, REPLICATES, Stream, hash64};
 use crate::math::sobol::Sobol;
 use crate::scene::camera::{Aperture, Camera};
-use crate::scene::shape::Ray;
+use crate::scene::geometry::Ray;
 use glam::DVec2;
 
 /// The random numbers of one camera sample: a pixel's samples over the passes of a replicate are low-discrepancy points, and the
