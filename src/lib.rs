@@ -1,5 +1,6 @@
 //! Abbe: a spectral photon-mapping renderer.
 
+pub mod colour;
 pub mod emit;
 pub mod error;
 pub mod gather;

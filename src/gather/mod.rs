@@ -39,7 +39,7 @@ impl CameraNumbers {
             points: Sobol::new(key),
             index: index as u32,
             stream: Stream::new(seed, Purpose::Camera, pass, pixel),
-            wavelength: golden(index, hash64([key, 0x5eed])),
+            wavelength: golden(index as u32, hash64([key, 0x5eed])),
         }
     }
 

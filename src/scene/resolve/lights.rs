@@ -17,8 +17,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// What all lights are resolved against.
-struct Surrounding<'a> {
-    geometry: &'a Geometry,
+struct Surrounding {
     centre: DVec3,
     observer: &'static Observer,
 }
@@ -67,7 +66,7 @@ impl Resolver<'_> {
         observer: &'static Observer,
         notes: &mut Vec<String>,
     ) -> Result<Vec<Light>> {
-        let around = Surrounding { geometry, centre, observer };
+        let around = Surrounding { centre, observer };
         let root = JsonPath::Root;
         let mut lights = Vec::new();
         let at = root.key("lights");
@@ -95,7 +94,7 @@ impl Resolver<'_> {
         &self,
         at: &JsonPath<'_>,
         (number, file): (usize, &LightFile),
-        around: &Surrounding<'_>,
+        around: &Surrounding,
         notes: &mut Vec<String>,
     ) -> Result<Light> {
         let (kind, resolved) = match file {
@@ -111,7 +110,7 @@ impl Resolver<'_> {
     }
 
     /// The shape of a light's spectrum.
-    fn shape(&self, at: &JsonPath<'_>, file: &SpectrumFile, notes: &mut Vec<String>) -> Result<Shape> {
+    fn light_shape(&self, at: &JsonPath<'_>, file: &SpectrumFile, notes: &mut Vec<String>) -> Result<Shape> {
         let at = at.key("spectrum");
         let spectrum = self.spectrum(&at, file, Role::Light)?;
         notes.extend(self.match_note(file, &at.to_string()));
@@ -131,11 +130,11 @@ impl Resolver<'_> {
         &self,
         path: &JsonPath<'_>,
         file: &PointFile,
-        around: &Surrounding<'_>,
+        around: &Surrounding,
         notes: &mut Vec<String>,
     ) -> Result<(Emitter, Shape)> {
         let PointFile { at, spectrum, transform, motion, power: _, luminous_flux: _, .. } = file;
-        let shape = self.shape(path, spectrum, notes)?;
+        let shape = self.light_shape(path, spectrum, notes)?;
         let intensity = match self.at(path, file.quantity().and_then(|q| shape.watts(q)))? {
             QuantityFile::Power(power) => power / (4.0 * PI),
             other => other.key_and_value().1,
@@ -149,11 +148,11 @@ impl Resolver<'_> {
         &self,
         path: &JsonPath<'_>,
         file: &SpotFile,
-        around: &Surrounding<'_>,
+        around: &Surrounding,
         notes: &mut Vec<String>,
     ) -> Result<(Emitter, Shape)> {
         let SpotFile { at, to, half_angle, penumbra, spectrum, transform, motion, .. } = file;
-        let shape = self.shape(path, spectrum, notes)?;
+        let shape = self.light_shape(path, spectrum, notes)?;
         let (half_angle, penumbra) = (half_angle.to_radians(), penumbra.to_radians());
         let intensity = match self.at(path, file.quantity().and_then(|q| shape.watts(q)))? {
             QuantityFile::Power(power) => power / Spot::power_per_intensity(half_angle, penumbra),
@@ -168,11 +167,11 @@ impl Resolver<'_> {
         &self,
         path: &JsonPath<'_>,
         file: &BeamFile,
-        around: &Surrounding<'_>,
+        around: &Surrounding,
         notes: &mut Vec<String>,
     ) -> Result<(Emitter, Shape)> {
         let BeamFile { from, to, radius, divergence, spectrum, transform, motion, .. } = file;
-        let shape = self.shape(path, spectrum, notes)?;
+        let shape = self.light_shape(path, spectrum, notes)?;
         let power = self.at(path, file.quantity().and_then(|q| shape.watts(q)))?.key_and_value().1;
         let placing = self.placing(path, transform, !motion.is_empty())?;
         let from = self.placed_point(&placing, *from, around.centre);
@@ -191,7 +190,7 @@ impl Resolver<'_> {
         notes: &mut Vec<String>,
     ) -> Result<(Emitter, Shape)> {
         let DirectionalFile { toward, angular_diameter, spectrum, transform, motion, .. } = file;
-        let shape = self.shape(path, spectrum, notes)?;
+        let shape = self.light_shape(path, spectrum, notes)?;
         let irradiance = self.at(path, file.quantity().and_then(|q| shape.watts(q)))?.key_and_value().1;
         let placing = self.placing(path, transform, !motion.is_empty())?;
         let toward = placing.transform_vector3(DVec3::from(*toward)).normalize();
@@ -214,7 +213,7 @@ impl Resolver<'_> {
                 let map = self.at(&at.key("path"), map)?;
                 (Shape::new(&map.mean_spectrum()), Some(Arc::new(map)))
             }
-            (Some(spectrum), None) => (self.shape(path, spectrum, notes)?, None),
+            (Some(spectrum), None) => (self.light_shape(path, spectrum, notes)?, None),
             (None, None) => {
                 return self.at(path, Err(Error::input("found neither").expected("one of `spectrum`, `image`")));
             }
@@ -230,7 +229,7 @@ impl Resolver<'_> {
         area_m2: f64,
         notes: &mut Vec<String>,
     ) -> Result<(Shape, f64)> {
-        let shape = self.shape(path, &file.spectrum, notes)?;
+        let shape = self.light_shape(path, &file.spectrum, notes)?;
         let radiance = match self.at(path, file.quantity().and_then(|q| shape.watts(q)))? {
             QuantityFile::Power(power) => power / (PI * area_m2),
             other => other.key_and_value().1,

@@ -66,11 +66,18 @@ impl<'a> Resolver<'a> {
         let name = name.clone().unwrap_or_else(|| format!("object {number}"));
         let written = transform.to_affine();
         let mut to_world = DAffine3 { matrix3: written.matrix3, translation: written.translation * self.metres };
-        if let ShapeFile::Sphere { center, .. } = shape {
-            to_world *= DAffine3::from_translation(DVec3::from(*center) * self.metres);
+        match shape {
+            ShapeFile::Sphere { center, .. } => to_world *= DAffine3::from_translation(DVec3::from(*center) * self.metres),
+            ShapeFile::Mesh { .. } => to_world *= DAffine3::from_scale(DVec3::splat(self.metres)),
+            ShapeFile::Rectangle { .. }
+            | ShapeFile::Disk { .. }
+            | ShapeFile::Box { .. }
+            | ShapeFile::Cylinder { .. }
+            | ShapeFile::Prism { .. }
+            | ShapeFile::Lens { .. } => {}
         }
         let mut emitters = Vec::new();
-        let mut add = |things: &mut Things<'a>, shape: Shape, name: String, material: usize| {
+        let add = |things: &mut Things<'a>, shape: Shape, name: String, material: usize| {
             let object_number = things.objects.len() as u32;
             things.objects.push(object(name, material));
             things.placed.push(Placed { shape, to_world, object: object_number });
@@ -92,8 +99,7 @@ impl<'a> Resolver<'a> {
                     None => self.own_material(&mesh_at, &part, things)?,
                 };
                 self.check_mesh(&part, &part_name, &things.materials[part_material], notes);
-                let mesh = scaled(part.mesh, self.metres);
-                let object_number = add(things, Shape::Mesh(Arc::new(mesh)), part_name, part_material);
+                let object_number = add(things, Shape::Mesh(Arc::new(part.mesh)), part_name, part_material);
                 emitters.push(object_number);
                 if material.is_none() && emission.is_none() && own_light.iter().any(|&c| c > 0.0) {
                     things.emitting.push((number, vec![object_number], Emission::OfMesh(own_light)));
@@ -165,16 +171,11 @@ impl<'a> Resolver<'a> {
     }
 }
 
-/// A mesh in m.
-fn scaled(mesh: mesh::TriangleMesh, metres: f64) -> mesh::TriangleMesh {
-    if metres == 1.0 { mesh } else { mesh.scaled(metres) }
-}
-
 /// The middle of all shapes' bounding boxes, in m: positions relative to it keep their digits wherever the scene stands.
 pub(super) fn centre(placed: &[Placed]) -> DVec3 {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for thing in placed {
-        let (min, max) = thing.shape.bounds();
+        let (min, max) = bounds(&thing.shape);
         for corner in 0..8 {
             let pick = |axis: usize| if corner >> axis & 1 == 0 { min[axis] } else { max[axis] };
             let point = thing.to_world.transform_point3(DVec3::new(pick(0), pick(1), pick(2)));
@@ -184,6 +185,27 @@ pub(super) fn centre(placed: &[Placed]) -> DVec3 {
     }
     let middle = 0.5 * (low + high);
     if middle.is_finite() { middle } else { DVec3::ZERO }
+}
+
+/// Corners of a box around a shape in its own frame, in m. (For a prism, a ball's would do as well: only the middle counts.)
+fn bounds(shape: &Shape) -> (DVec3, DVec3) {
+    let around = |half: DVec3| (-half, half);
+    match shape {
+        Shape::Sphere { radius } => around(DVec3::splat(*radius)),
+        Shape::Rectangle { width, height } => around(0.5 * DVec3::new(*width, 0.0, *height)),
+        Shape::Disk { radius } => around(DVec3::new(*radius, 0.0, *radius)),
+        Shape::Box { size } => around(0.5 * *size),
+        Shape::Cylinder { radius, height } => around(DVec3::new(*radius, 0.5 * height, *radius)),
+        Shape::Prism { side, length, .. } => around(DVec3::new(*side, *side, 0.5 * length)),
+        Shape::Lens { thickness, diameter, .. } => {
+            let rim = 0.5 * diameter;
+            (DVec3::new(-rim, -rim, 0.0), DVec3::new(rim, rim, *thickness))
+        }
+        Shape::Mesh(mesh) => {
+            let corners = mesh.positions().iter();
+            corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)))
+        }
+    }
 }
 
 /// The radius of a ball around the origin that holds all surfaces.

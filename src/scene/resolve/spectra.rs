@@ -1,10 +1,10 @@
 //! Spectra as written → functions of wavelength, in the role that their place gives them.
 
 use super::Resolver;
-use crate::colour::match_primaries;
+use crate::colour::{Match, match_primaries};
 use crate::error::{Error, Result};
 use crate::scene::file::{JsonPath, LineFile, SpectrumFile};
-use crate::spectrum::{Outside, SpectralLine, Spectrum, library, read};
+use crate::spectrum::{Observer, Outside, SpectralLine, Spectrum, library, read};
 
 /// What a spectrum is used for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -94,7 +94,8 @@ impl Resolver<'_> {
         match library::find(name) {
             Ok(entry) => Ok(entry.spectrum),
             Err(_) => {
-                let known: Vec<&str> = self.scene.spectra.keys().map(String::as_str).chain(library::names()).collect();
+                let own: Vec<&str> = self.scene.spectra.keys().map(String::as_str).collect();
+                let known = own.into_iter().chain(library::names().map(|name| -> &str { name }));
                 let error = Error::unknown_name("spectrum", name, known)
                     .expected("a name of the scene's `spectra` or of `abbe spectrum --list`");
                 self.at(at, Err(error))
@@ -115,8 +116,8 @@ impl Resolver<'_> {
         let resolve = |file: &SpectrumFile| self.spectrum_at_depth(&root, file, Role::Light, 0).ok();
         let target = resolve(target)?;
         let primaries: Option<Vec<Spectrum>> = primaries.iter().map(resolve).collect();
-        let found = match_primaries(&target, &primaries?.iter().collect::<Vec<_>>()).ok()?;
-        let far = if found.delta_xy > 0.002 { ": the target is out of the primaries' reach" } else { "" };
+        let found = nearest_mix(&target, &primaries?).ok()?;
+        let far = if !found.is_reached() { ": the target is out of the primaries' reach" } else { "" };
         Some(format!(
             "{what} matches its target to Δxy {:.5}, ΔE2000 {:.3}{far}",
             found.delta_xy, found.delta_e_2000
@@ -129,10 +130,16 @@ fn line(file: &LineFile) -> SpectralLine {
     SpectralLine { nm, power, fwhm_nm }
 }
 
+/// The weights of the primaries whose mix comes nearest the target's colour (CIE 1931).
+fn nearest_mix(target: &Spectrum, primaries: &[Spectrum]) -> Result<Match> {
+    let observer = Observer::cie1931();
+    let colours: Vec<[f64; 3]> = primaries.iter().map(|primary| observer.xyz(primary)).collect();
+    match_primaries(observer.xyz(target), &colours)
+}
+
 /// The mix of the primaries that comes nearest the target's colour.
 fn matched(target: &Spectrum, primaries: &[Spectrum]) -> Result<Spectrum> {
-    let references: Vec<&Spectrum> = primaries.iter().collect();
-    let found = match_primaries(target, &references)?;
+    let found = nearest_mix(target, primaries)?;
     let parts: Vec<(f64, &Spectrum)> = found.weights.iter().copied().zip(primaries).collect();
     Ok(Spectrum::mix(&parts))
 }
