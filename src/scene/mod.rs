@@ -1,0 +1,3 @@
+//! The scene: as written, and what it means.
+
+pub mod file;
