@@ -1,4 +1,5 @@
 //! Abbe: a spectral photon-mapping renderer.
 
+pub mod colour;
 pub mod error;
 pub mod spectrum;
