@@ -13,13 +13,14 @@ use serde_json::Value;
 
 fn golden(name: &str) -> Value {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
-    serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
+    serde_json::from_str(&fs::read_to_string(path).expect("the golden files and the library agree"))
+        .expect("the golden files and the library agree")
 }
 
 fn numbers<const N: usize>(value: &Value) -> [f64; N] {
-    let list = value.as_array().unwrap();
+    let list = value.as_array().expect("a list");
     assert_eq!(list.len(), N);
-    std::array::from_fn(|i| list[i].as_f64().unwrap())
+    std::array::from_fn(|i| list[i].as_f64().expect("a number"))
 }
 
 /// Every component within `tolerance`, relative to the largest.
@@ -67,9 +68,11 @@ fn lamp(name: &str) -> Spectrum {
         let known = library::list()
             .iter()
             .find(|entry| entry.name.starts_with("lamp/") && entry.description.ends_with(&format!(": {measured}")));
-        return library::find(known.unwrap_or_else(|| panic!("{name}")).name).unwrap().spectrum;
+        return library::find(known.unwrap_or_else(|| panic!("{name}")).name)
+            .expect("the golden files and the library agree")
+            .spectrum;
     }
-    library::find(renamed).unwrap().spectrum
+    library::find(renamed).expect("the golden files and the library agree").spectrum
 }
 
 fn unit(xyz: [f64; 3], scale: f64) -> [f64; 3] {
@@ -95,8 +98,11 @@ fn check_lamp(name: &str, light: &Spectrum, known: &Value) {
         assert_near(name, &xyz, &numbers::<3>(raw), 1e-6);
     }
     if let Some(efficacy) = known.get("luminous_efficacy_lm_per_W") {
-        let found = report::Report::of_light(light, Observer::cie1931()).unwrap().efficacy_lm_per_w.unwrap();
-        assert_near(name, &[found], &[efficacy.as_f64().unwrap()], 1e-6);
+        let found = report::Report::of_light(light, Observer::cie1931())
+            .expect("the golden files and the library agree")
+            .efficacy_lm_per_w
+            .expect("the golden files and the library agree");
+        assert_near(name, &[found], &[efficacy.as_f64().expect("a number")], 1e-6);
     }
 }
 
@@ -105,10 +111,11 @@ fn check_temperature(name: &str, light: &Spectrum, known: &Value) -> Option<Corr
     if known["cct_meaningful"] != Value::Bool(true) {
         return None;
     }
-    let found = colour::cct_duv(report::xyz(light, Observer::cie1931())).unwrap();
-    let cct_k = known["cct_K"].as_f64().unwrap();
+    let found =
+        colour::cct_duv(report::xyz(light, Observer::cie1931())).expect("the golden files and the library agree");
+    let cct_k = known["cct_K"].as_f64().expect("a number");
     assert!((found.cct_k - cct_k).abs() <= 0.5_f64.max(1e-4 * cct_k), "{name}: {} K, not {cct_k} K", found.cct_k);
-    assert_within(name, &[found.duv], &[known["duv"].as_f64().unwrap()], 1e-6);
+    assert_within(name, &[found.duv], &[known["duv"].as_f64().expect("a number")], 1e-6);
     Some(found)
 }
 
@@ -184,7 +191,9 @@ fn patch_of(title: &str) -> Spectrum {
     let known = library::list()
         .iter()
         .find(|entry| entry.name.starts_with("colorchecker/") && entry.description.ends_with(&format!(": {title}")));
-    library::find(known.unwrap_or_else(|| panic!("{title}")).name).unwrap().spectrum
+    library::find(known.unwrap_or_else(|| panic!("{title}")).name)
+        .expect("the golden files and the library agree")
+        .spectrum
 }
 
 #[test]

@@ -6,6 +6,7 @@
 //! when it is read.
 
 pub mod library;
+pub mod read;
 
 mod continuum;
 mod daylight;
