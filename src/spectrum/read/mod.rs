@@ -93,6 +93,6 @@ pub fn samples(path: &Path) -> Result<Samples> {
 ///
 /// # Errors
 /// As [`samples`] and [`Spectrum::table`].
-pub fn spectrum(path: &Path, outside: Outside) -> Result<Spectrum> {
+pub fn spectrum_file(path: &Path, outside: Outside) -> Result<Spectrum> {
     samples(path)?.spectrum(outside).map_err(|error| error.in_file(path))
 }
