@@ -250,6 +250,20 @@ mod tests {
     }
 
     #[test]
+    fn luminance_weights_are_the_published_ones() {
+        for (space, weights) in [
+            (RgbSpace::Srgb, [0.2126, 0.7152, 0.0722]),
+            (RgbSpace::DisplayP3, [0.2290, 0.6917, 0.0793]),
+            (RgbSpace::Rec2020, [0.2627, 0.6780, 0.0593]),
+            (RgbSpace::AcesCg, [0.2722, 0.6741, 0.0537]),
+        ] {
+            for (found, known) in space.luminance_weights().iter().zip(weights) {
+                assert!((found - known).abs() < 5.1e-5, "{space:?}: {found} {known}");
+            }
+        }
+    }
+
+    #[test]
     fn fast_codes_are_the_rounded_codes() {
         for i in -10..=70_000 {
             let component = f64::from(i) / 65_536.0;

@@ -222,7 +222,6 @@ mod tests {
                 worst = (error, rgb);
             }
         }
-        println!("worst {worst:?}");
         assert!(worst.0 <= 1e-3, "{worst:?}");
     }
 }
