@@ -86,7 +86,8 @@ impl Index {
     /// A formula that holds within `range_nm`, two increasing wavelengths in nm (the end values are held outside). Fails where n is
     /// below 1 in the band, if a resonance lies within the range, and on NaN.
     pub fn new(dispersion: Dispersion, range_nm: (f64, f64)) -> Result<Self> {
-        if !(range_nm.0 <= range_nm.1) {
+        let in_order = range_nm.0 <= range_nm.1;
+        if !in_order {
             let what = format!("a range from {} nm to {} nm", range_nm.0, range_nm.1);
             return Err(Error::input(what).expected("two increasing wavelengths"));
         }

@@ -235,9 +235,13 @@ impl Surface {
     /// all that arrived, at every wavelength. `u[0]` and `u[1]` choose the direction, `u[2]` between reflection and transmission
     /// or between lobes; all lie in \[0, 1).
     ///
-    /// What is drawn does not depend on `transport`, which is taken so that it may. A mixture first picks a component by `u[2]`,
-    /// and its scatter keeps that component's probability.
-    pub fn sample(&self, wo: DVec3, sides: Sides<'_>, nm: f64, transport: Transport, u: [f64; 3]) -> Option<Scatter> {
+    /// A mixture first picks a component by `u[2]`, and its scatter keeps that component's probability. No surface here draws
+    /// otherwise for radiance than for power; the argument stands in the signature for one that would.
+    pub fn sample(&self, wo: DVec3, sides: Sides<'_>, nm: f64, _transport: Transport, u: [f64; 3]) -> Option<Scatter> {
+        self.draw(wo, sides, nm, u)
+    }
+
+    fn draw(&self, wo: DVec3, sides: Sides<'_>, nm: f64, u: [f64; 3]) -> Option<Scatter> {
         match self {
             Self::Absorber => None,
             Self::Diffuse(diffuse) => Some(diffuse.sample(wo, u)),
@@ -250,8 +254,7 @@ impl Surface {
             Self::Mix(mix) => {
                 let mut choice = u[2];
                 let component = mix.draw(&mut choice);
-                let chosen = &mix.components()[component];
-                let scatter = chosen.sample(wo, sides, nm, transport, [u[0], u[1], choice])?;
+                let scatter = mix.components()[component].draw(wo, sides, nm, [u[0], u[1], choice])?;
                 Some(Scatter { component, ..scatter })
             }
         }
