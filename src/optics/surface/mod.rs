@@ -99,17 +99,37 @@ pub struct Scatter {
     pub disperses: bool,
     /// The probability at the hero wavelength of having reflected rather than transmitted, or the reverse.
     choice: f64,
+    /// The cosine at the facet that chose (the half vector tells it badly where the facet is seen edge-on).
+    facet_cos: f64,
     /// Which component of a [`Mix`] scattered.
     component: usize,
 }
 
 impl Scatter {
     fn delta(wi: DVec3, event: Event, probability: f64) -> Self {
-        Self { wi, event, delta: true, probability, disperses: false, choice: probability, component: 0 }
+        Self {
+            wi,
+            event,
+            delta: true,
+            probability,
+            disperses: false,
+            choice: probability,
+            facet_cos: wi.z.abs(),
+            component: 0,
+        }
     }
 
     fn spread(wi: DVec3, event: Event, density: f64) -> Self {
-        Self { wi, event, delta: false, probability: density, disperses: false, choice: 1.0, component: 0 }
+        Self {
+            wi,
+            event,
+            delta: false,
+            probability: density,
+            disperses: false,
+            choice: 1.0,
+            facet_cos: wi.z.abs(),
+            component: 0,
+        }
     }
 
     /// Whether the path gets away from the surface, on the side that its event says.
