@@ -109,7 +109,7 @@ impl What {
 /// Names that are allowed, as a list, or where to find it if it is long.
 pub(super) fn one_of(names: &[&str]) -> String {
     match names {
-        [only] => format!("{only}"),
+        [only] => (*only).to_string(),
         _ if names.len() <= LISTED => format!("one of {}", names.join(", ")),
         _ => format!("one of {}, … (see `abbe schema`)", names[..LISTED].join(", ")),
     }
