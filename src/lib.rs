@@ -1,14 +1,8 @@
 //! Abbe: a spectral photon-mapping renderer.
 
-pub mod emit;
 pub mod error;
-pub mod gather;
-pub mod map;
 pub mod math;
 pub mod optics;
-pub mod plan;
-pub mod render;
-pub mod scene;
+pub mod output;
 pub mod sensor;
 pub mod spectrum;
-pub mod walk;
