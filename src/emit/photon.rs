@@ -8,7 +8,7 @@ use crate::optics::surface::{Class, Transport};
 use crate::plan::partition::LightPath;
 use crate::scene::Scene;
 use crate::scene::light::{Emission, EmissionNumbers, Light};
-use crate::scene::shape::Ray;
+use crate::scene::geometry::Ray;
 use crate::spectrum::{LANES, Lanes, Wavelengths};
 use crate::walk::ledger::Ledger;
 use crate::walk::{Encounter, Leg, Scattered, Start, next, scatter};

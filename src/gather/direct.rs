@@ -4,7 +4,7 @@
 use crate::optics::surface::Transport;
 use crate::scene::Scene;
 use crate::scene::light::{Light, Tint};
-use crate::scene::shape::{Hit, Ray};
+use crate::scene::geometry::{Hit, Ray};
 use crate::walk::{Encounter, Start, Tally};
 use crate::math::distribution::Discrete;
 use glam::DVec3;

@@ -15,7 +15,7 @@ pub use photon_gather::{Gatherer, Landing, Scratch};
 use crate::math::random::{Purpose, REPLICATES, Stream, hash64};
 use crate::math::sobol::Sobol;
 use crate::scene::camera::{Aperture, Camera};
-use crate::scene::shape::Ray;
+use crate::scene::geometry::Ray;
 use glam::DVec2;
 
 /// The random numbers of one camera sample: a pixel's samples over the passes of a replicate are low-discrepancy points, and the
@@ -39,7 +39,7 @@ impl CameraNumbers {
             points: Sobol::new(key),
             index: index as u32,
             stream: Stream::new(seed, Purpose::Camera, pass, pixel),
-            wavelength: golden(index, hash64([key, 0x5eed])),
+            wavelength: golden(index as u32, hash64([key, 0x5eed])),
         }
     }
 

@@ -371,8 +371,9 @@ impl<'a> Gatherer<'a> {
         let nm = path.reference_nm();
         let draw = |e: &Encounter<'a>| e.surface.sample(e.wo, e.sides, nm, Transport::Radiance, u);
         match draw_consistently(encounter, draw) {
-            Some((encounter, scatter)) if scatter.event == event => {
-                continue_along(path, &encounter, &Scatter { probability, ..scatter }, sample.scratch)
+            Some((encounter, mut scatter)) if scatter.event == event => {
+                scatter.probability = probability;
+                continue_along(path, &encounter, &scatter, sample.scratch)
             }
             Some(_) | None => false,
         }

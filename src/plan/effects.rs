@@ -218,7 +218,7 @@ pub(super) fn decide(facts: &Facts, force: &[String], forbid: &[String]) -> Resu
     let mut rows = Vec::with_capacity(EFFECTS.len());
     for effect in &EFFECTS {
         let (callers, what) = (effect.calls)(facts);
-        let named = |list: &Vec<String>| list.iter().any(|name| name == effect.name);
+        let named = |list: &[String]| list.iter().any(|name| name == effect.name);
         let state = match (callers.is_empty(), named(force), named(forbid)) {
             (_, _, true) if callers.is_empty() => State::Off,
             (_, _, true) => State::Forbidden,

@@ -5,7 +5,7 @@
 
 use crate::math::warp;
 use crate::scene::interior::Interior;
-use crate::scene::shape::Ray;
+use crate::scene::geometry::Ray;
 use glam::{DVec2, DVec3};
 
 /// What lets the light in.

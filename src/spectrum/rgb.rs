@@ -7,8 +7,8 @@
 use std::sync::OnceLock;
 
 use super::observer::Observer;
-use super::value::{Outside, Spectrum};
-use super::{BAND_NM, smooth};
+use super::value::Spectrum;
+use super::{BAND_NM, library, smooth};
 use crate::error::{Error, Result};
 
 /// Linear sRGB from XYZ (IEC 61966-2-1: its primaries' chromaticities and the white x, y = 0.3127, 0.3290).
@@ -37,15 +37,7 @@ struct Basis {
 fn basis() -> &'static Basis {
     static BASIS: OnceLock<Basis> = OnceLock::new();
     BASIS.get_or_init(|| {
-        let (nm, values): (Vec<f64>, Vec<f64>) = include_str!("../../data/illuminants/cie_standard_1nm.csv")
-            .lines()
-            .skip(1)
-            .filter_map(|row| {
-                let mut cells = row.split(',').map(|cell| cell.parse::<f64>().expect("the built-in table is numeric"));
-                Some((cells.next()?, cells.nth(3)?))
-            })
-            .unzip();
-        let table = Spectrum::table(&nm, &values, Outside::Zero).expect("the built-in table of D65 is a good table");
+        let table = library::find("D65").expect("the built-in library holds D65").spectrum;
         let observer = Observer::cie1931();
         let d65 = table.scaled(observer.xyz(&table)[1].recip());
         let mut to_rgb: Vec<Vec3> = (0..SAMPLES)

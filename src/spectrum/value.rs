@@ -209,6 +209,17 @@ impl Spectrum {
         self.continuum.at(nm)
     }
 
+    /// The spectrum without its lines.
+    #[must_use]
+    pub fn continuum_only(&self) -> Self {
+        Self { lines: Lines::none(), ..self.clone() }
+    }
+
+    /// A spectrum that consists of these segments; where some overlap their densities add up.
+    pub(crate) fn of_segments(segments: &[LineSegment]) -> Self {
+        Self { lines: Lines::from_segments(segments.to_vec()), ..Self::constant(0.0) }
+    }
+
     pub(crate) fn smooth(continuum: Continuum) -> Self {
         Self { continuum, lines: Lines::none(), narrow: None }
     }

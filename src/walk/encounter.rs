@@ -4,7 +4,7 @@ use crate::math::frame::Frame;
 use crate::optics::surface::{Event, Sides, Surface};
 use crate::scene::Scene;
 use crate::scene::interior::Interior;
-use crate::scene::shape::{Hit, Ray, SurfaceId};
+use crate::scene::geometry::{Hit, Ray, SurfaceId};
 use glam::DVec3;
 
 /// Where a leg starts: the ray, the surface it leaves, and the bodies it is inside of.

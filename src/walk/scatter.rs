@@ -6,6 +6,7 @@ use super::encounter::Encounter;
 use crate::math::random::Stream;
 use crate::optics::fresnel;
 use crate::optics::surface::{Event, Scatter, Surface, Transport};
+use crate::scene::interior::Interior;
 use crate::spectrum::{LANES, Lanes, Wavelengths};
 use glam::DVec3;
 
@@ -36,7 +37,7 @@ pub fn scatter(encounter: &Encounter<'_>, wavelengths: &Wavelengths, transport: 
     let several = wavelengths.count > 1;
     match encounter.surface {
         Surface::Dielectric(dielectric) if several && disperses => {
-            if dielectric.is_smooth() {
+            if !dielectric.is_rough() {
                 split_at_dispersive_interface(encounter, wavelengths, transport, stream)
             } else {
                 // The rough interface's facets send each wavelength its own way: choose the wavelength first.
@@ -122,7 +123,7 @@ fn split_at_dispersive_interface(
         let kept = draw_transmitted(&reflectance[..wavelengths.count], (u - mean) * count)?;
         let nm = wavelengths.nm[kept];
         let (n_here, n_there) = (sides.here.n(nm), sides.there.n(nm));
-        let refracted = fresnel::refract(-wo, DVec3::Z, n_here, n_there)?;
+        let refracted = fresnel::refract(wo, DVec3::Z, n_here, n_there)?;
         let scale = match transport {
             Transport::Radiance => (n_here / n_there) * (n_here / n_there),
             Transport::Importance => 1.0,

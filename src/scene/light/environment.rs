@@ -65,13 +65,14 @@ impl EnvironmentMap {
 
     /// The direction *from* which light comes, seen at a point of the unit square: the middle of the image is −z, its
     /// right quarter +x, the top +y.
-    fn direction(point: [f64; 2]) -> DVec3 {
+    pub fn direction(point: [f64; 2]) -> DVec3 {
         let (sin_theta, cos_theta) = (PI * point[1]).sin_cos();
         let (sin_phi, cos_phi) = (TAU * (point[0] - 0.5)).sin_cos();
         DVec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi)
     }
 
-    fn point(direction: DVec3) -> [f64; 2] {
+    /// The point of the unit square for a direction; the inverse of [`EnvironmentMap::direction`].
+    pub fn point(direction: DVec3) -> [f64; 2] {
         let phi = direction.x.atan2(-direction.z);
         [(phi / TAU + 0.5).clamp(0.0, 1.0), direction.y.clamp(-1.0, 1.0).acos() / PI]
     }

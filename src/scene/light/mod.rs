@@ -21,7 +21,7 @@ pub use point::{Point, Spot};
 
 use super::geometry::Geometry;
 use super::interior::Interior;
-use super::shape::{Hit, SurfaceId};
+use super::geometry::{Hit, SurfaceId};
 use crate::spectrum::{Spectrum, WavelengthDistribution};
 use glam::DVec3;
 

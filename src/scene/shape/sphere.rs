@@ -1,0 +1,49 @@
+//! The sphere: one face, number 0.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+
+use super::line::{Crossing, Line, ball_roots, chord};
+use super::solid::LocalSurface;
+
+/// A sphere about the origin.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sphere {
+    pub(crate) radius: f64,
+}
+
+impl Sphere {
+    pub(crate) fn next(&self, line: &Line, on: Option<u32>, after: f64) -> Option<Crossing> {
+        let t = match on {
+            Some(_) => Some(chord(line)).filter(|&t| t > after.max(0.0)),
+            None => {
+                let (enter, exit) = ball_roots(line, self.radius)?;
+                if enter > after { Some(enter) } else { Some(exit).filter(|&t| t > after) }
+            }
+        };
+        t.map(|t| Crossing { t, face: 0 })
+    }
+
+    pub(crate) fn surface(&self, point: DVec3) -> LocalSurface {
+        let normal = point.normalize_or(DVec3::Y);
+        let u = (normal.z.atan2(normal.x) / TAU).rem_euclid(1.0);
+        let v = normal.y.clamp(-1.0, 1.0).acos() / PI;
+        LocalSurface { point: self.radius * normal, normal, uv: [u, v] }
+    }
+
+    pub(crate) fn area(&self) -> f64 {
+        4.0 * PI * self.radius * self.radius
+    }
+
+    pub(crate) fn sample(&self, u: [f64; 2]) -> DVec3 {
+        self.radius * on_unit_sphere(1.0 - 2.0 * u[0], u[1])
+    }
+}
+
+/// The unit vector at height `y` above the equator and `turn` (0 to 1) of a full turn about y.
+fn on_unit_sphere(y: f64, turn: f64) -> DVec3 {
+    let ring = ((1.0 - y) * (1.0 + y)).max(0.0).sqrt();
+    let (sin, cos) = (TAU * turn).sin_cos();
+    DVec3::new(ring * cos, y, ring * sin)
+}

@@ -1,0 +1,84 @@
+//! Triangles, watertight: a line that passes between two triangles passes through exactly one of them.
+//!
+//! As in Woop, Benthin & Wald, "Watertight ray/triangle intersection" (JCGT 2, 2013), vertices are first brought
+//! into a frame whose third axis is the ray, with the same arithmetic in whatever triangle they stand, and the
+//! signs of the edges are taken there; an edge seen from its other triangle has exactly the negated value. A line
+//! exactly on an edge or a vertex is decided as if it lay an infinitely small step beside it, the same step for
+//! every triangle, so that it still meets one triangle and not two or none.
+
+use glam::DVec3;
+
+/// What of a ray all its triangle tests share.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TriangleRay {
+    origin: DVec3,
+    direction: DVec3,
+    across_x: DVec3,
+    across_y: DVec3,
+}
+
+/// Where a line meets a triangle's plane inside it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TriangleHit {
+    /// Ray parameter; may be negative.
+    pub(crate) t: f64,
+    /// Barycentric weights of the three vertices.
+    pub(crate) weights: [f64; 3],
+}
+
+impl TriangleRay {
+    /// Builds the frame of a ray with a unit direction (Duff et al., JCGT 6, 2017).
+    pub(crate) fn new(origin: DVec3, direction: DVec3) -> Self {
+        let sign = 1.0_f64.copysign(direction.z);
+        let a = -1.0 / (sign + direction.z);
+        let b = direction.x * direction.y * a;
+        let across_x = DVec3::new(1.0 + sign * direction.x * direction.x * a, sign * b, -sign * direction.x);
+        let across_y = DVec3::new(b, sign + direction.y * direction.y * a, -direction.y);
+        Self { origin, direction, across_x, across_y }
+    }
+
+    /// Two unit vectors at right angles to the ray and to each other.
+    pub(crate) fn across(&self) -> (DVec3, DVec3) {
+        (self.across_x, self.across_y)
+    }
+
+    /// Where the line meets the triangle, on either side of the origin.
+    #[inline]
+    pub(crate) fn meet(&self, vertices: [DVec3; 3]) -> Option<TriangleHit> {
+        let from_origin = vertices.map(|vertex| vertex - self.origin);
+        let x = from_origin.map(|vertex| vertex.dot(self.across_x));
+        let y = from_origin.map(|vertex| vertex.dot(self.across_y));
+        let edges = [x[1] * y[2] - y[1] * x[2], x[2] * y[0] - y[2] * x[0], x[0] * y[1] - y[0] * x[1]];
+        let has_zero = edges[0] == 0.0 || edges[1] == 0.0 || edges[2] == 0.0;
+        let inside = if has_zero {
+            beside(x, y, edges)
+        } else {
+            (edges[0] > 0.0) == (edges[1] > 0.0) && (edges[1] > 0.0) == (edges[2] > 0.0)
+        };
+        if !inside {
+            return None;
+        }
+        let determinant = edges[0] + edges[1] + edges[2];
+        if determinant == 0.0 {
+            return None;
+        }
+        let weights = edges.map(|edge| edge / determinant);
+        let depth = from_origin.map(|vertex| vertex.dot(self.direction));
+        let t = weights[0] * depth[0] + weights[1] * depth[1] + weights[2] * depth[2];
+        Some(TriangleHit { t, weights })
+    }
+}
+
+/// Whether the line is inside when at least one edge passes exactly through it: every such edge is judged for a
+/// line moved by (ε, ε²) with ε → 0. An edge from p to q then changes by ε (p.y − q.y) + ε² (q.x − p.x).
+#[cold]
+fn beside(x: [f64; 3], y: [f64; 3], edges: [f64; 3]) -> bool {
+    let sign = |edge: usize| {
+        let (p, q) = ((edge + 1) % 3, (edge + 2) % 3);
+        [edges[edge], y[p] - y[q], x[q] - x[p]].into_iter().find(|&value| value != 0.0)
+    };
+    match (sign(0), sign(1), sign(2)) {
+        (Some(a), Some(b), Some(c)) => (a > 0.0) == (b > 0.0) && (b > 0.0) == (c > 0.0),
+        _ => false,
+    }
+}
