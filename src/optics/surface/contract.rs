@@ -1,1 +1,469 @@
+//! The contract that every surface keeps, tested on all of them alike.
+//!
+//! A case is a surface between two media; each is seen from both sides, at several angles and wavelengths. Chance enters with
+//! fixed seeds; χ² and mean tests leave about one false alarm in 10⁵ per comparison before the seeds were fixed.
 
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+
+use glam::DVec3;
+use rand::RngExt;
+use rand_pcg::Pcg32;
+
+use super::*;
+use crate::spectrum::Outside;
+
+/// A surface and the media in front of it and behind it.
+struct Case {
+    name: &'static str,
+    surface: Surface,
+    front: Index,
+    behind: Index,
+}
+
+impl Case {
+    fn sides(&self, wo: DVec3) -> Sides<'_> {
+        if wo.z >= 0.0 {
+            Sides { here: &self.front, there: &self.behind }
+        } else {
+            Sides { here: &self.behind, there: &self.front }
+        }
+    }
+
+    fn sample(&self, wo: DVec3, nm: f64, u: [f64; 3]) -> Option<Scatter> {
+        self.surface.sample(wo, self.sides(wo), nm, Transport::Importance, u)
+    }
+
+    fn weight(&self, wo: DVec3, scatter: &Scatter, transport: Transport, nm: f64) -> f64 {
+        self.surface.response(wo, scatter, self.sides(wo), transport, nm) / scatter.probability
+    }
+
+    fn absorbed(&self, wo: DVec3, scatter: &Scatter, nm: f64) -> f64 {
+        self.surface.absorbed(wo, scatter, self.sides(wo), nm)
+    }
+
+    fn eval(&self, wo: DVec3, wi: DVec3, transport: Transport, nm: f64) -> f64 {
+        self.surface.eval(wo, wi, self.sides(wo), transport, nm)
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3, nm: f64) -> f64 {
+        self.surface.pdf(wo, wi, self.sides(wo), nm)
+    }
+}
+
+fn ramp(at_360: f64, at_830: f64) -> Spectrum {
+    Spectrum::table(&[360.0, 830.0], &[at_360, at_830], Outside::Hold).unwrap()
+}
+
+fn copper_like(alpha: f64) -> Surface {
+    Surface::conductor(ramp(1.3, 0.2), ramp(1.8, 5.0), alpha).unwrap()
+}
+
+fn glass(name: &str) -> Index {
+    Index::catalogue(name).unwrap()
+}
+
+/// Every variant, smooth and rough, with spectra that vary.
+fn cases() -> Vec<Case> {
+    let air = || Index::constant(1.0).unwrap();
+    let in_air = |name, surface| Case { name, surface, front: air(), behind: air() };
+    let into = |name, alpha, behind| Case { name, surface: Surface::dielectric(alpha).unwrap(), front: air(), behind };
+    let leaf = || Surface::translucent(ramp(0.05, 0.6), ramp(0.0, 0.35)).unwrap();
+    let paint = |alpha| Surface::glossy(ramp(0.1, 0.9), glass("polystyrene"), alpha).unwrap();
+    let mixture = Surface::mix(vec![
+        (0.5, Surface::diffuse(ramp(0.2, 0.9)).unwrap()),
+        (1.0, copper_like(0.3)),
+        (0.3, Surface::mirror(ramp(0.9, 0.7)).unwrap()),
+        (0.2, Surface::mix(vec![(1.0, Surface::Absorber), (3.0, leaf())]).unwrap()),
+    ]);
+    vec![
+        in_air("absorber", Surface::Absorber),
+        in_air("diffuse", Surface::diffuse(ramp(0.0, 1.0)).unwrap()),
+        in_air("white diffuse", Surface::diffuse(Spectrum::constant(1.0)).unwrap()),
+        in_air("translucent", leaf()),
+        in_air("black translucent", Surface::translucent(ramp(0.0, 0.0), ramp(0.0, 0.0)).unwrap()),
+        in_air("mirror", Surface::mirror(ramp(0.9, 0.3)).unwrap()),
+        in_air("polished metal", copper_like(0.0)),
+        in_air("rough metal", copper_like(0.15)),
+        in_air("very rough metal", copper_like(0.8)),
+        Case { name: "rough metal under water", front: glass("water 20C"), ..in_air("", copper_like(0.4)) },
+        into("polished glass", 0.0, glass("N-SF10")),
+        into("rough glass", 0.2, glass("N-SF10")),
+        into("rough plain glass", 0.5, Index::constant(1.5).unwrap()),
+        into("rough matched glass", 0.3, air()),
+        Case { name: "rough glass to water", front: glass("N-BK7"), ..into("", 0.3, glass("water 20C")) },
+        in_air("pane", Surface::thin_dielectric(glass("N-BK7"))),
+        in_air("paint", paint(0.25)),
+        in_air("varnish", paint(0.08)),
+        in_air("clear coat on black", Surface::glossy(ramp(0.0, 0.0), Index::constant(1.6).unwrap(), 0.5).unwrap()),
+        in_air("mixture", mixture.unwrap()),
+    ]
+}
+
+/// Directions that a surface is seen from: along the normal, at mid angles, near grazing; from the front and from behind.
+fn views() -> Vec<DVec3> {
+    let at = |degrees: f64, azimuth: f64, side: f64| {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        DVec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos * side)
+    };
+    vec![DVec3::Z, at(35.0, 0.7, 1.0), at(60.0, 3.9, 1.0), at(82.0, 5.1, 1.0), at(20.0, 2.2, -1.0), at(65.0, 1.3, -1.0)]
+}
+
+const WAVELENGTHS_NM: [f64; 2] = [430.0, 690.0];
+
+fn random(seed: u64) -> impl FnMut() -> [f64; 3] {
+    let mut stream = Pcg32::new(seed, 7);
+    move || [stream.random(), stream.random(), stream.random()]
+}
+
+fn any_direction(u: [f64; 3]) -> DVec3 {
+    let z = 2.0 * u[0] - 1.0;
+    let (sin, cos) = (TAU * u[1]).sin_cos();
+    let r = (1.0 - z * z).sqrt();
+    DVec3::new(r * cos, r * sin, z)
+}
+
+/// The sphere in cells of equal solid angle.
+mod grid {
+    use super::*;
+
+    pub(super) const BANDS: usize = 16;
+    pub(super) const SECTORS: usize = 32;
+    const FIVE_POINT: [(f64, f64); 5] = [
+        (0.046_910_077_030_668, 0.118_463_442_528_095),
+        (0.230_765_344_947_158, 0.239_314_335_249_683),
+        (0.5, 0.284_444_444_444_444),
+        (0.769_234_655_052_841, 0.239_314_335_249_683),
+        (0.953_089_922_969_332, 0.118_463_442_528_095),
+    ];
+
+    pub(super) fn cell(w: DVec3) -> usize {
+        let band = ((0.5 * (w.z + 1.0) * BANDS as f64) as usize).min(BANDS - 1);
+        let turn = w.y.atan2(w.x).rem_euclid(TAU) / TAU;
+        band * SECTORS + ((turn * SECTORS as f64) as usize).min(SECTORS - 1)
+    }
+
+    /// A rectangle of the unit square that maps to the sphere.
+    #[derive(Clone, Copy)]
+    struct Patch {
+        at: [f64; 2],
+        size: [f64; 2],
+    }
+
+    impl Patch {
+        fn integral(self, f: &impl Fn(DVec3) -> f64) -> f64 {
+            let mut sum = 0.0;
+            for (x, weight_x) in FIVE_POINT {
+                for (y, weight_y) in FIVE_POINT {
+                    let u = [self.at[0] + x * self.size[0], self.at[1] + y * self.size[1], 0.0];
+                    sum += weight_x * weight_y * f(any_direction(u));
+                }
+            }
+            2.0 * TAU * self.size[0] * self.size[1] * sum
+        }
+
+        fn quarters(self) -> [Self; 4] {
+            let size = self.size.map(|side| 0.5 * side);
+            let [x, y] = self.at;
+            [[x, y], [x + size[0], y], [x, y + size[1]], [x + size[0], y + size[1]]].map(|at| Self { at, size })
+        }
+
+        /// The integral, by quartering until that changes next to nothing.
+        fn refined(self, f: &impl Fn(DVec3) -> f64, known: f64, depth: usize) -> f64 {
+            let quarters = self.quarters().map(|quarter| (quarter, quarter.integral(f)));
+            let sum: f64 = quarters.iter().map(|(_, value)| value).sum();
+            if depth == 0 || (sum - known).abs() < 1e-7 {
+                return sum;
+            }
+            quarters.iter().map(|(quarter, value)| quarter.refined(f, *value, depth - 1)).sum()
+        }
+    }
+
+    /// ∫ f dω over each cell.
+    pub(super) fn integrals(f: impl Fn(DVec3) -> f64) -> Vec<f64> {
+        let size = [1.0 / BANDS as f64, 1.0 / SECTORS as f64];
+        (0..BANDS * SECTORS)
+            .map(|cell| {
+                let at = [(cell / SECTORS) as f64 * size[0], (cell % SECTORS) as f64 * size[1]];
+                let patch = Patch { at, size };
+                patch.refined(&f, patch.integral(&f), 8)
+            })
+            .collect()
+    }
+}
+
+/// Where samples went: into cells of the sphere, along deltas, or nowhere.
+struct Histogram {
+    cells: Vec<f64>,
+    deltas: f64,
+    nowhere: f64,
+    total: f64,
+}
+
+fn histogram(case: &Case, wo: DVec3, nm: f64, samples: usize, seed: u64) -> Histogram {
+    let mut random = random(seed);
+    let mut seen =
+        Histogram { cells: vec![0.0; grid::BANDS * grid::SECTORS], deltas: 0.0, nowhere: 0.0, total: samples as f64 };
+    for _ in 0..samples {
+        match case.sample(wo, nm, random()) {
+            Some(scatter) if scatter.delta => seen.deltas += 1.0,
+            Some(scatter) if scatter.gets_away(wo) => seen.cells[grid::cell(scatter.wi)] += 1.0,
+            Some(_) | None => seen.nowhere += 1.0,
+        }
+    }
+    seen
+}
+
+/// How many standard deviations χ² lies above its mean (Wilson & Hilferty 1931), cells of fewer than 8 expected samples taken together.
+fn chi_square_deviations(seen: &Histogram, expected: &[f64]) -> f64 {
+    let (mut sum, mut degrees) = (0.0, -1.0);
+    let (mut rare_seen, mut rare_expected) = (0.0, 0.0);
+    let missing = seen.total - expected.iter().sum::<f64>();
+    let mut count = |seen: f64, expected: f64| {
+        sum += (seen - expected) * (seen - expected) / expected;
+        degrees += 1.0;
+    };
+    let elsewhere = seen.deltas + seen.nowhere;
+    for (&seen, &expected) in seen.cells.iter().zip(expected).chain([(&elsewhere, &missing)]) {
+        if expected >= 8.0 {
+            count(seen, expected);
+        } else {
+            rare_seen += seen;
+            rare_expected += expected;
+        }
+    }
+    if rare_expected >= 8.0 {
+        count(rare_seen, rare_expected);
+    } else if rare_seen > 8.0 + 6.0 * 8.0_f64.sqrt() {
+        return f64::INFINITY;
+    }
+    if degrees < 1.0 {
+        return 0.0;
+    }
+    let spread = 2.0 / (9.0 * degrees);
+    ((sum / degrees).cbrt() - (1.0 - spread)) / spread.sqrt()
+}
+
+/// Every combination of case, view and wavelength, with its own seed.
+fn each_view(mut check: impl FnMut(&Case, DVec3, f64, u64)) {
+    let mut seed = 0;
+    for case in cases() {
+        for wo in views() {
+            for nm in WAVELENGTHS_NM {
+                seed += 1;
+                check(&case, wo, nm, seed);
+            }
+        }
+    }
+}
+
+#[test]
+fn samples_fall_as_their_density_says() {
+    const SAMPLES: usize = 30_000;
+    each_view(|case, wo, nm, seed| {
+        let name = case.name;
+        let seen = histogram(case, wo, nm, SAMPLES, seed);
+        let density = grid::integrals(|wi| case.pdf(wo, wi, nm));
+        let mass: f64 = density.iter().sum();
+        let elsewhere = (seen.deltas + seen.nowhere) / seen.total;
+        let error = (mass + elsewhere - 1.0).abs();
+        let bound = 4.5 * (elsewhere * (1.0 - elsewhere) / seen.total).sqrt() + 1e-5;
+        assert!(error < bound, "{name} from {wo} at {nm} nm: the density integrates to {mass}, not 1 − {elsewhere}");
+        let expected: Vec<f64> = density.iter().map(|mass| mass * seen.total).collect();
+        let deviations = chi_square_deviations(&seen, &expected);
+        assert!(deviations < 4.5, "{name} from {wo} at {nm} nm: χ² is {deviations} deviations too large");
+    });
+}
+
+#[test]
+fn the_chi_square_test_rejects_a_density_of_a_slightly_different_roughness() {
+    let (metal, near) = (copper_like(0.3), copper_like(0.34));
+    let air = Index::constant(1.0).unwrap();
+    let case = Case { name: "metal", surface: metal, front: air.clone(), behind: air };
+    for wo in views() {
+        let seen = histogram(&case, wo, 500.0, 30_000, 3);
+        let expected = grid::integrals(|wi| 30_000.0 * near.pdf(wo, wi, case.sides(wo), 500.0));
+        assert!(chi_square_deviations(&seen, &expected) > 4.5, "from {wo}");
+    }
+}
+
+#[test]
+fn a_scatter_carries_the_density_of_its_direction() {
+    each_view(|case, wo, nm, seed| {
+        let mut random = random(seed);
+        for _ in 0..50 {
+            let mut u = random();
+            let part = case.surface.pick(&mut u[2]);
+            let Some(scatter) = part.sample(wo, case.sides(wo), nm, Transport::Radiance, u) else { continue };
+            assert!((scatter.wi.length() - 1.0).abs() < 1e-12, "{}: |wi| = {}", case.name, scatter.wi.length());
+            assert!(scatter.probability > 0.0, "{}", case.name);
+            if !scatter.delta && scatter.gets_away(wo) {
+                let density = part.pdf(wo, scatter.wi, case.sides(wo), nm);
+                let error = (density / scatter.probability - 1.0).abs();
+                assert!(error < 1e-9, "{}: {density} and {}", case.name, scatter.probability);
+            }
+        }
+    });
+}
+
+#[test]
+fn no_surface_gives_back_more_power_than_arrives() {
+    each_view(|case, wo, nm, seed| {
+        let spread: f64 = grid::integrals(|wi| case.eval(wo, wi, Transport::Importance, nm) * wi.z.abs()).iter().sum();
+        let mut random = random(seed);
+        let mut deltas = 0.0;
+        for _ in 0..2000 {
+            let scatter = case.sample(wo, nm, random()).filter(|scatter| scatter.delta);
+            deltas += scatter.map_or(0.0, |scatter| case.weight(wo, &scatter, Transport::Importance, nm) / 2000.0);
+        }
+        assert!(spread + deltas < 1.0 + 1e-5, "{} from {wo} at {nm} nm: {spread} + {deltas}", case.name);
+    });
+}
+
+/// The mean and its standard error.
+fn mean_and_error(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (n - 1.0);
+    (mean, (variance / n).sqrt())
+}
+
+/// Per sample at `nm`, for a path that chose at `hero_nm`: the weight and what is absorbed.
+fn balance(case: &Case, wo: DVec3, hero_nm: f64, nm: f64, seed: u64) -> Vec<f64> {
+    let mut random = random(seed);
+    (0..20_000)
+        .map(|_| match case.sample(wo, hero_nm, random()) {
+            Some(scatter) => case.weight(wo, &scatter, Transport::Importance, nm) + case.absorbed(wo, &scatter, nm),
+            None => 1.0,
+        })
+        .collect()
+}
+
+#[test]
+fn what_goes_on_and_what_is_absorbed_add_up_to_what_arrives() {
+    each_view(|case, wo, nm, seed| {
+        let (mean, error) = mean_and_error(&balance(case, wo, nm, nm, seed));
+        let off = (mean - 1.0).abs();
+        assert!(off <= 4.5 * error + 2e-5, "{} from {wo} at {nm} nm: {mean} ± {error}", case.name);
+        let event_by_event = matches!(
+            case.name,
+            "diffuse"
+                | "white diffuse"
+                | "mirror"
+                | "polished metal"
+                | "rough metal"
+                | "very rough metal"
+                | "rough metal under water"
+                | "polished glass"
+                | "rough glass"
+                | "rough plain glass"
+                | "rough glass to water"
+                | "pane"
+        );
+        if event_by_event {
+            assert!(error < 1e-9, "{} from {wo} at {nm} nm is not balanced in each event: ± {error}", case.name);
+        }
+    });
+}
+
+#[test]
+fn the_other_wavelengths_of_a_path_balance_too() {
+    for case in cases() {
+        // Refraction at rough dispersive glass leaves the path one wavelength only.
+        if matches!(case.name, "rough glass" | "rough glass to water") {
+            continue;
+        }
+        for (seed, wo) in views().into_iter().enumerate() {
+            let (mean, error) = mean_and_error(&balance(&case, wo, 640.0, 460.0, seed as u64));
+            assert!((mean - 1.0).abs() <= 4.5 * error + 2e-5, "{} from {wo}: {mean} ± {error}", case.name);
+        }
+    }
+}
+
+#[test]
+fn light_takes_the_same_way_back() {
+    for case in cases() {
+        let mut random = random(11);
+        for _ in 0..4000 {
+            let (wo, wi) = (any_direction(random()), any_direction(random()));
+            for nm in WAVELENGTHS_NM {
+                let (here, there) = (case.sides(wo).here.n(nm), case.sides(wi).here.n(nm));
+                let forth = case.eval(wo, wi, Transport::Radiance, nm);
+                let back = case.eval(wi, wo, Transport::Radiance, nm);
+                let (a, b) = (forth / (here * here), back / (there * there));
+                assert!((a - b).abs() <= 1e-9 * a.max(b), "{}: f({wo}, {wi})/n² is {a} but {b} back", case.name);
+                let adjoint = case.eval(wi, wo, Transport::Importance, nm);
+                assert!((forth - adjoint).abs() <= 1e-9 * forth, "{}: {forth}, adjoint {adjoint}", case.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_delta_takes_the_same_way_back() {
+    for case in cases() {
+        for wo in views() {
+            for u in [0.0, 0.999_999] {
+                let Some(scatter) = case.sample(wo, 500.0, [0.3, 0.4, u]).filter(|scatter| scatter.delta) else {
+                    continue;
+                };
+                let back = Scatter { wi: wo, ..scatter };
+                let forth = case.surface.response(wo, &scatter, case.sides(wo), Transport::Radiance, 500.0);
+                let back = case.surface.response(scatter.wi, &back, case.sides(scatter.wi), Transport::Radiance, 500.0);
+                let (here, there) = (case.sides(wo).here.n(500.0), case.sides(scatter.wi).here.n(500.0));
+                // Where the density per solid angle f of spread light changes by n², so does the solid angle itself.
+                let (a, b) = (forth * (there * there) / (here * here), back * (here * here) / (there * there));
+                assert!((a - b).abs() <= 1e-12 * a.max(b), "{} from {wo}: {a} but {b} back", case.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn extreme_random_numbers_and_angles_stay_finite() {
+    let extremes = [0.0, f64::MIN_POSITIVE, 0.25, 0.5, 1.0 - f64::EPSILON / 2.0];
+    let grazing = [0.0, -0.0, 1e-300, 1e-12, -1e-12, 1e-5, -1e-5]
+        .map(|z: f64| DVec3::new(FRAC_1_SQRT_2 * (1.0 - z * z).sqrt(), FRAC_1_SQRT_2 * (1.0 - z * z).sqrt(), z));
+    let every_u = extremes.iter().flat_map(|&a| extremes.iter().flat_map(move |&b| extremes.map(|c| [a, b, c])));
+    for case in cases() {
+        for wo in views().into_iter().chain(grazing).chain([DVec3::NEG_Z]) {
+            for u in every_u.clone() {
+                let Some(scatter) = case.sample(wo, 500.0, u) else { continue };
+                let name = case.name;
+                assert!((scatter.wi.length() - 1.0).abs() < 1e-9, "{name} from {wo} with {u:?}: {:?}", scatter.wi);
+                assert!(scatter.probability > 0.0 && scatter.probability.is_finite(), "{name} from {wo} with {u:?}");
+                for nm in [360.0, 500.0, 830.0] {
+                    for transport in [Transport::Radiance, Transport::Importance] {
+                        let weight = case.weight(wo, &scatter, transport, nm);
+                        assert!(weight.is_finite() && weight >= 0.0, "{name} from {wo} with {u:?}: weight {weight}");
+                    }
+                }
+                let absorbed = case.absorbed(wo, &scatter, 500.0);
+                assert!((0.0..=1.0 + 1e-12).contains(&absorbed), "{name} from {wo} with {u:?}: absorbs {absorbed}");
+            }
+        }
+    }
+}
+
+#[test]
+fn only_refraction_by_dispersive_media_makes_a_path_choose_its_wavelength() {
+    each_view(|case, wo, nm, seed| {
+        let mut random = random(seed);
+        let dispersive = case.front.is_dispersive() || case.behind.is_dispersive();
+        let refracts = matches!(case.surface, Surface::Dielectric(_));
+        for _ in 0..50 {
+            let Some(scatter) = case.sample(wo, nm, random()) else { continue };
+            let expected = refracts && dispersive && scatter.event == Event::Transmission;
+            assert_eq!(scatter.disperses, expected, "{} from {wo}", case.name);
+        }
+    });
+}
+
+#[test]
+fn classes_say_how_widely_light_is_spread() {
+    let classes: Vec<_> = cases().iter().map(|case| (case.name, case.surface.class())).collect();
+    let of = |name| classes.iter().find(|(other, _)| *other == name).unwrap().1;
+    assert_eq!(of("absorber"), Class::Absorbing);
+    assert_eq!(["mirror", "polished metal", "polished glass", "pane"].map(of), [Class::Specular; 4]);
+    assert_eq!(["rough metal", "rough glass", "paint"].map(of), [Class::Glossy; 3]);
+    assert_eq!(["diffuse", "translucent", "mixture"].map(of), [Class::Diffuse; 3]);
+}

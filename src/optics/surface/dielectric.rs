@@ -48,7 +48,7 @@ impl Dielectric {
         };
         if self.is_rough() {
             let density = if scatter.gets_away(wo) { self.pdf(wo, scatter.wi, sides, nm) } else { 1.0 };
-            scatter = Scatter { delta: false, probability: density, ..scatter };
+            scatter = Scatter { delta: false, probability: density, facet_cos: up.dot(m), ..scatter };
         }
         (scatter.probability > 0.0).then_some(scatter)
     }
@@ -61,8 +61,7 @@ impl Dielectric {
         // The event was chosen by the hero's Fresnel factor; another wavelength is lost in proportion to its own.
         match scatter.event {
             Event::Reflection => {
-                let cos = wo.dot((wo + scatter.wi).normalize());
-                lost * fresnel::dielectric(cos, sides.here.n(nm), sides.there.n(nm)) / scatter.choice
+                lost * fresnel::dielectric(scatter.facet_cos, sides.here.n(nm), sides.there.n(nm)) / scatter.choice
             }
             Event::Transmission => lost,
         }
@@ -98,8 +97,11 @@ impl Dielectric {
         let side = side(wo);
         let (up, wi_up) = (turned(wo, side), turned(wi, side));
         if same_side(wo, wi) {
-            let m = (up + wi_up).normalize();
+            let m = (up + wi_up).normalize_or_zero();
             let cos_o = up.dot(m);
+            if cos_o <= 0.0 {
+                return None;
+            }
             let fraction = fresnel::dielectric(cos_o, n_here, n_there);
             // dω_m/dω_i = 1/(4·|o·m|) (Walter et al. 2007, equation 14).
             return Some(Facet { ggx, m, cos_o, fraction, spread: 0.25 / cos_o, event: Event::Reflection });

@@ -90,7 +90,7 @@ impl Glossy {
             return 0.0;
         }
         let index = self.index.n(nm);
-        let m = (wo + wi).normalize();
+        let m = (wo + wi).normalize_or_zero();
         let lobe = self.facets.reflected_density(turned(m, side(wo)), wo.z.abs(), wi.z.abs());
         let (coat_o, coat_i) = (self.coat.at(wo.z.abs(), index), self.coat.at(wi.z.abs(), index));
         // Both of the base's factors vanish where the coat reflects everything, and so does what they are divided by.
@@ -102,7 +102,7 @@ impl Glossy {
         if !same_side(wo, wi) {
             return 0.0;
         }
-        let m = turned((wo + wi).normalize(), side(wo));
+        let m = turned((wo + wi).normalize_or_zero(), side(wo));
         let coat = 0.25 * self.facets.g1_per_cos(wo.z.abs()) * self.facets.density(m);
         let share = self.coat_share(wo, nm);
         share * coat + (1.0 - share) * cosine_density(wi)

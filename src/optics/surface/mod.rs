@@ -99,17 +99,37 @@ pub struct Scatter {
     pub disperses: bool,
     /// The probability at the hero wavelength of having reflected rather than transmitted, or the reverse.
     choice: f64,
+    /// The cosine at the facet that chose (the half vector tells it badly where the facet is seen edge-on).
+    facet_cos: f64,
     /// Which component of a [`Mix`] scattered.
     component: usize,
 }
 
 impl Scatter {
     fn delta(wi: DVec3, event: Event, probability: f64) -> Self {
-        Self { wi, event, delta: true, probability, disperses: false, choice: probability, component: 0 }
+        Self {
+            wi,
+            event,
+            delta: true,
+            probability,
+            disperses: false,
+            choice: probability,
+            facet_cos: wi.z.abs(),
+            component: 0,
+        }
     }
 
     fn spread(wi: DVec3, event: Event, density: f64) -> Self {
-        Self { wi, event, delta: false, probability: density, disperses: false, choice: 1.0, component: 0 }
+        Self {
+            wi,
+            event,
+            delta: false,
+            probability: density,
+            disperses: false,
+            choice: 1.0,
+            facet_cos: wi.z.abs(),
+            component: 0,
+        }
     }
 
     /// Whether the path gets away from the surface, on the side that its event says.
@@ -235,9 +255,13 @@ impl Surface {
     /// all that arrived, at every wavelength. `u[0]` and `u[1]` choose the direction, `u[2]` between reflection and transmission
     /// or between lobes; all lie in \[0, 1).
     ///
-    /// What is drawn does not depend on `transport`, which is taken so that it may. A mixture first picks a component by `u[2]`,
-    /// and its scatter keeps that component's probability.
-    pub fn sample(&self, wo: DVec3, sides: Sides<'_>, nm: f64, transport: Transport, u: [f64; 3]) -> Option<Scatter> {
+    /// A mixture first picks a component by `u[2]`, and its scatter keeps that component's probability. No surface here draws
+    /// otherwise for radiance than for power; the argument stands in the signature for one that would.
+    pub fn sample(&self, wo: DVec3, sides: Sides<'_>, nm: f64, _transport: Transport, u: [f64; 3]) -> Option<Scatter> {
+        self.draw(wo, sides, nm, u)
+    }
+
+    fn draw(&self, wo: DVec3, sides: Sides<'_>, nm: f64, u: [f64; 3]) -> Option<Scatter> {
         match self {
             Self::Absorber => None,
             Self::Diffuse(diffuse) => Some(diffuse.sample(wo, u)),
@@ -250,8 +274,7 @@ impl Surface {
             Self::Mix(mix) => {
                 let mut choice = u[2];
                 let component = mix.draw(&mut choice);
-                let chosen = &mix.components()[component];
-                let scatter = chosen.sample(wo, sides, nm, transport, [u[0], u[1], choice])?;
+                let scatter = mix.components()[component].draw(wo, sides, nm, [u[0], u[1], choice])?;
                 Some(Scatter { component, ..scatter })
             }
         }
