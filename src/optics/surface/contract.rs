@@ -366,6 +366,27 @@ fn what_goes_on_and_what_is_absorbed_add_up_to_what_arrives() {
 }
 
 #[test]
+fn the_balance_test_rejects_absorption_that_forgets_shadowed_light() {
+    let case = cases().into_iter().find(|case| case.name == "very rough metal").unwrap();
+    let Surface::Conductor(metal) = &case.surface else { panic!("a metal is a conductor") };
+    for wo in views() {
+        let mut random = random(5);
+        let mutant: Vec<f64> = (0..20_000)
+            .map(|_| match case.sample(wo, 500.0, random()) {
+                Some(scatter) => {
+                    let cos = wo.dot((wo + scatter.wi).normalize());
+                    let lost_in_the_metal = 1.0 - metal.fresnel(cos, case.sides(wo), 500.0);
+                    case.weight(wo, &scatter, Transport::Importance, 500.0) + lost_in_the_metal
+                }
+                None => 1.0,
+            })
+            .collect();
+        let (mean, error) = mean_and_error(&mutant);
+        assert!((mean - 1.0).abs() > 4.5 * error + 2e-5, "from {wo}: {mean} ± {error}");
+    }
+}
+
+#[test]
 fn the_other_wavelengths_of_a_path_balance_too() {
     for case in cases() {
         // Refraction at rough dispersive glass leaves the path one wavelength only.
@@ -396,6 +417,24 @@ fn light_takes_the_same_way_back() {
             }
         }
     }
+}
+
+#[test]
+fn reciprocity_fails_without_the_squared_index() {
+    let case = cases().into_iter().find(|case| case.name == "rough plain glass").unwrap();
+    let mut random = random(12);
+    let (mut broken, mut through) = (0, 0);
+    for _ in 0..4000 {
+        let (wo, wi) = (any_direction(random()), any_direction(random()));
+        let forth = case.eval(wo, wi, Transport::Importance, 500.0);
+        let back = case.eval(wi, wo, Transport::Importance, 500.0);
+        let (here, there) = (case.sides(wo).here.n(500.0), case.sides(wi).here.n(500.0));
+        if wo.z * wi.z < 0.0 && forth > 0.0 {
+            through += 1;
+            broken += u32::from((forth / (here * here) - back / (there * there)).abs() > 1e-9 * forth);
+        }
+    }
+    assert!(through > 300 && broken == through, "{broken} of {through}");
 }
 
 #[test]
