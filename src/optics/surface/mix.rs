@@ -2,6 +2,7 @@
 
 use super::Surface;
 use crate::error::{Error, Result};
+use crate::math::random::ONE_MINUS_ULP;
 
 /// A weighted mixture: each path meets one of the components, with probability equal to its share of the weights.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,7 +72,7 @@ impl Mix {
         let component = self.cumulative.partition_point(|sum| *sum <= *u).min(self.components.len() - 1);
         let start = self.start(component);
         let stretched = (*u - start) / (self.cumulative[component] - start);
-        *u = stretched.clamp(0.0, 1.0 - f64::EPSILON / 2.0);
+        *u = stretched.clamp(0.0, ONE_MINUS_ULP);
         component
     }
 }
@@ -108,7 +109,7 @@ mod tests {
             let mut number = u;
             assert_eq!((mix.draw(&mut number), number), (component, rest), "u = {u}");
         }
-        let mut last = 1.0 - f64::EPSILON / 2.0;
+        let mut last = ONE_MINUS_ULP;
         assert_eq!(mix.draw(&mut last), 1);
         assert!(last < 1.0);
     }
