@@ -247,6 +247,15 @@ fn number(cell: &str) -> f64 {
     cell.parse().expect("a built-in table holds numbers")
 }
 
+/// The first columns of a table with a header line.
+pub(crate) fn columns<const N: usize>(text: &str) -> [Vec<f64>; N] {
+    let mut columns = std::array::from_fn(|_| Vec::new());
+    for row in text.lines().skip(1) {
+        columns.iter_mut().zip(row.split(',')).for_each(|(column, cell)| column.push(number(cell)));
+    }
+    columns
+}
+
 /// A column of a table with wavelengths in its first column.
 fn table(text: &str, column: &str, outside: Outside) -> Spectrum {
     let header = text.lines().next().expect("a built-in table has a header");

@@ -6,8 +6,10 @@
 //! when it is read.
 
 pub mod library;
+pub mod read;
 
 mod continuum;
+mod daylight;
 mod distribution;
 mod index;
 mod lanes;
@@ -21,6 +23,8 @@ mod table;
 mod value;
 
 pub use continuum::Piece;
+pub use daylight::DAYLIGHT_K;
+pub(crate) use daylight::daylight_extended;
 pub use distribution::WavelengthDistribution;
 pub use lanes::{LANES, Lanes, Wavelengths};
 pub use line::{DEFAULT_LINE_WIDTH_NM, LineSegment, MIN_WIDTH_NM, SpectralLine};

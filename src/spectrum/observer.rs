@@ -3,8 +3,7 @@
 use std::sync::OnceLock;
 
 use super::continuum::Continuum;
-use super::sweep;
-use super::{BAND_NM, Spectrum};
+use super::{BAND_NM, Spectrum, library, sweep};
 use crate::error::{Error, Result};
 
 /// Luminous efficacy of radiation where ȳ = 1, in lm/W.
@@ -104,11 +103,9 @@ impl Observer {
     /// Reads a table of four columns with 1 nm steps that is part of the program.
     fn parse(name: &'static str, csv: &str) -> Self {
         let mut every_nm = vec![[0.0; 3]; (BAND_NM.1 - BAND_NM.0) as usize + 2];
-        for row in csv.lines().skip(1) {
-            let mut numbers = row.split(',').map(|cell| cell.parse::<f64>().expect("the built-in table holds numbers"));
-            let nm = numbers.next().expect("a row of the built-in table has four columns");
-            let entry = &mut every_nm[(nm - BAND_NM.0) as usize];
-            entry.iter_mut().zip(numbers).for_each(|(bar, number)| *bar = number);
+        let [nm, x, y, z] = library::columns(csv);
+        for (i, nm) in nm.iter().enumerate() {
+            every_nm[(nm - BAND_NM.0) as usize] = [x[i], y[i], z[i]];
         }
         let last = every_nm.len() - 1;
         every_nm[last] = every_nm[last - 1];

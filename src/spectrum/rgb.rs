@@ -7,12 +7,12 @@
 use std::sync::OnceLock;
 
 use super::observer::Observer;
-use super::value::{Outside, Spectrum};
-use super::{BAND_NM, smooth};
+use super::value::Spectrum;
+use super::{BAND_NM, library, smooth};
 use crate::error::{Error, Result};
 
 /// Linear sRGB from XYZ (IEC 61966-2-1: its primaries' chromaticities and the white x, y = 0.3127, 0.3290).
-pub(crate) const XYZ_TO_LINEAR_SRGB: [[f64; 3]; 3] = [
+const XYZ_TO_LINEAR_SRGB: [[f64; 3]; 3] = [
     [3.240_969_941_904_521, -1.537_383_177_570_093, -0.498_610_760_293],
     [-0.969_243_636_280_879_4, 1.875_967_501_507_72, 0.041_555_057_407_175_56],
     [0.055_630_079_696_993_59, -0.203_976_958_888_976_5, 1.056_971_514_242_878],
@@ -37,15 +37,7 @@ struct Basis {
 fn basis() -> &'static Basis {
     static BASIS: OnceLock<Basis> = OnceLock::new();
     BASIS.get_or_init(|| {
-        let (nm, values): (Vec<f64>, Vec<f64>) = include_str!("../../data/illuminants/cie_standard_1nm.csv")
-            .lines()
-            .skip(1)
-            .filter_map(|row| {
-                let mut cells = row.split(',').map(|cell| cell.parse::<f64>().expect("the built-in table is numeric"));
-                Some((cells.next()?, cells.nth(3)?))
-            })
-            .unzip();
-        let table = Spectrum::table(&nm, &values, Outside::Zero).expect("the built-in table of D65 is a good table");
+        let table = library::find("D65").expect("the built-in library holds D65").spectrum;
         let observer = Observer::cie1931();
         let d65 = table.scaled(observer.xyz(&table)[1].recip());
         let mut to_rgb: Vec<Vec3> = (0..SAMPLES)
