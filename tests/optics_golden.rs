@@ -6,15 +6,15 @@ use abbe::spectrum::library;
 use serde_json::Value;
 
 fn golden(text: &str) -> Value {
-    serde_json::from_str(text).unwrap()
+    serde_json::from_str(text).expect("golden files are JSON")
 }
 
 fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap()
+    value.as_f64().expect("a number")
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().unwrap().iter().map(number).collect()
+    value.as_array().expect("a list").iter().map(number).collect()
 }
 
 fn close(what: &str, got: f64, golden: f64, tolerance: f64) {

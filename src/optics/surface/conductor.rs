@@ -35,7 +35,7 @@ impl Conductor {
         self.facets.is_some()
     }
 
-    fn fresnel(&self, cos: f64, sides: Sides<'_>, nm: f64) -> f64 {
+    pub(super) fn fresnel(&self, cos: f64, sides: Sides<'_>, nm: f64) -> f64 {
         fresnel::conductor(cos, self.n.at(nm), self.k.at(nm), sides.here.n(nm))
     }
 

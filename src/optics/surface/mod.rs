@@ -365,15 +365,16 @@ fn checked_nm() -> impl Iterator<Item = f64> {
 
 /// Fails where a spectrum leaves \[0, `most`\] within the band, naming it `what`.
 fn check_within(what: &str, spectrum: &Spectrum, most: f64) -> Result<()> {
-    for nm in checked_nm() {
-        let value = spectrum.at(nm);
-        if !(0.0..=most).contains(&value) || !value.is_finite() {
-            let expected =
-                if most.is_finite() { format!("values from 0 to {most}") } else { "values from 0 up".into() };
-            return Err(Error::input(format!("a {what} of {value} at {nm} nm")).expected(expected));
-        }
-    }
-    Ok(())
+    let possible = |value: f64| value.is_finite() && (0.0..=most).contains(&value);
+    // Whole nanometres say where it is wrong; the extremes also see what lies between them.
+    let at_nm = checked_nm().find(|nm| !possible(spectrum.at(*nm)));
+    let at_nm = at_nm.map(|nm| (spectrum.at(nm), format!(" at {nm} nm")));
+    let extreme = || [spectrum.min(), spectrum.max()].into_iter().find(|value| !possible(*value));
+    let Some((value, place)) = at_nm.or_else(|| extreme().map(|value| (value, String::new()))) else {
+        return Ok(());
+    };
+    let expected = if most.is_finite() { format!("values from 0 to {most}") } else { "values from 0 up".into() };
+    Err(Error::input(format!("a {what} of {value}{place}")).expected(expected))
 }
 
 /// Fails unless a roughness lies in \[0, 1\].
@@ -382,4 +383,34 @@ fn check_alpha(alpha: f64) -> Result<()> {
         return Ok(());
     }
     Err(Error::input(format!("a roughness of {alpha}")).expected("a number from 0 to 1"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectrum::Outside;
+
+    #[test]
+    fn fractions_outside_0_to_1_are_refused_and_named() {
+        for bad in [-0.1, 1.5, f64::NAN] {
+            let message = Surface::diffuse(Spectrum::constant(bad)).unwrap_err().to_string();
+            assert!(message.contains("reflectance") && message.contains("from 0 to 1"), "{message}");
+            assert!(Surface::mirror(Spectrum::constant(bad)).is_err());
+            let index = Index::constant(1.5).unwrap();
+            assert!(Surface::glossy(Spectrum::constant(bad), index, 0.1).is_err());
+        }
+        let spike = Spectrum::table(&[500.0, 500.5, 501.0], &[0.5, 1.2, 0.5], Outside::Hold).unwrap();
+        assert!(Surface::diffuse(spike).unwrap_err().to_string().contains("a reflectance of 1.2"));
+        assert!(Surface::conductor(Spectrum::constant(-1.0), Spectrum::constant(2.0), 0.0).is_err());
+        assert!(Surface::conductor(Spectrum::constant(0.2), Spectrum::constant(3.0), 2.0).is_err());
+    }
+
+    #[test]
+    fn a_leaf_is_its_own_component_and_its_own_pick() {
+        let surface = Surface::diffuse(Spectrum::constant(0.5)).unwrap();
+        let mut u = 0.7;
+        assert_eq!(surface.pick(&mut u), &surface);
+        assert_eq!(u, 0.7);
+        assert_eq!(surface.components().count(), 1);
+    }
 }
