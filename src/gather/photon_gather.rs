@@ -10,7 +10,7 @@ use crate::plan::partition::{Estimator, LightPath, View, estimator};
 use crate::plan::{IndirectPlan, Plan, WavelengthPlan};
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Lanes};
-use crate::walk::{Encounter, Leg, Sink, Start, Tally, draw_consistently, next};
+use crate::walk::{Encounter, Sink, Start, Tally, draw_consistently, next};
 use glam::DVec3;
 
 /// Wavelength-free camera paths choose between reflection and refraction, and compare densities, at this wavelength (nm); what
@@ -145,8 +145,8 @@ impl<'a> Gatherer<'a> {
         let factors_before = sample.scratch.factors.len();
         while path.depth < self.max_depth {
             let encounter = match next(self.scene, path.start, &mut sample.numbers.stream.uniform()) {
-                Leg::Meets(encounter) => encounter,
-                Leg::Escaped => {
+                Some(encounter) => encounter,
+                None => {
                     self.look_outside(&path, sample);
                     break;
                 }
@@ -186,7 +186,12 @@ impl<'a> Gatherer<'a> {
     }
 
     /// Beer's law along the last stretch.
-    fn absorb_on_the_way<S: Sink>(&self, path: &mut CameraPath, encounter: &Encounter<'a>, sample: &mut Sample<'_, 'a, S>) {
+    fn absorb_on_the_way<S: Sink>(
+        &self,
+        path: &mut CameraPath,
+        encounter: &Encounter<'a>,
+        sample: &mut Sample<'_, 'a, S>,
+    ) {
         if let Some(coefficient) = self.scene.absorption_in(&encounter.here) {
             sample.tally.absorptions += 1;
             path.multiply(Factor::Absorption { coefficient, distance: encounter.distance }, sample.scratch);
@@ -347,7 +352,11 @@ impl<'a> Gatherer<'a> {
     /// Reflectance of a smooth interface at the reference wavelength.
     fn reflectance(&self, encounter: &Encounter<'a>) -> f64 {
         let sides = encounter.sides;
-        crate::optics::fresnel::dielectric(encounter.wo.z.abs(), sides.here.n(REFERENCE_NM), sides.there.n(REFERENCE_NM))
+        crate::optics::fresnel::dielectric(
+            encounter.wo.z.abs(),
+            sides.here.n(REFERENCE_NM),
+            sides.there.n(REFERENCE_NM),
+        )
     }
 
     /// Sends the path on from here once for each shared wavelength; `refracted` says with which probability refraction was chosen, or that
@@ -369,7 +378,9 @@ impl<'a> Gatherer<'a> {
             sample.tally.shared_paths += 1;
             let mut single = CameraPath { colour: Colour::Shared { lane, nm, throughput }, ..path };
             let goes_on = match refracted {
-                Some(probability) => self.scatter_forced(&mut single, encounter, Event::Transmission, probability, sample),
+                Some(probability) => {
+                    self.scatter_forced(&mut single, encounter, Event::Transmission, probability, sample)
+                }
                 None => self.scatter_once(&mut single, encounter, u, sample),
             };
             if goes_on && survives(&mut single, sample) {
