@@ -1,6 +1,178 @@
-//! The scene: what stands where, of which shape.
+//! The scene: as written (`file`), and resolved into surfaces, lights, materials and a camera in metres and watts.
+//!
+//! Rendering a resolved scene cannot fail for a reason in the scene.
 
 pub mod bvh;
+pub mod camera;
+pub mod facts;
+pub mod file;
 pub mod geometry;
+pub mod interior;
+pub mod light;
 pub mod mesh;
+pub mod resolve;
 pub mod shape;
+
+use crate::optics::glass::Index;
+use crate::optics::surface::Surface;
+use crate::spectrum::{Observer, Spectrum};
+use camera::Camera;
+use geometry::Geometry;
+use glam::DVec3;
+use interior::Interior;
+use light::{Emitter, Light, World};
+
+/// A resolved scene. Positions are relative to `centre`.
+#[derive(Debug)]
+pub struct Scene {
+    /// The title, or the file's name.
+    pub title: String,
+    /// Where the origin of all positions stands in the scene file's world, in m.
+    pub centre: DVec3,
+    /// The radius of a ball around the origin that holds all surfaces and local lights, in m.
+    pub radius_m: f64,
+    /// The camera.
+    pub camera: Camera,
+    /// The film.
+    pub film: FilmSpec,
+    /// All surfaces.
+    pub geometry: Geometry,
+    /// What the surfaces belong to, by object number.
+    pub objects: Vec<Object>,
+    /// The materials, by number.
+    pub materials: Vec<Material>,
+    /// The lights, by number.
+    pub lights: Vec<Light>,
+    /// The lights at infinity, which rays that leave the scene see.
+    pub distant_lights: Vec<usize>,
+    /// Render settings as far as the scene states them.
+    pub settings: Settings,
+    /// What a reader should know: residuals of matched lights, clamped indices, open meshes, …
+    pub notes: Vec<String>,
+    /// The index of the air.
+    pub air: Index,
+}
+
+/// An object: a surface with a material.
+#[derive(Debug, Clone)]
+pub struct Object {
+    /// Its name for reports.
+    pub name: String,
+    /// Its material's number.
+    pub material: usize,
+    /// Its light's number, if it shines.
+    pub light: Option<usize>,
+}
+
+/// A material: a surface, and what stands behind it.
+#[derive(Debug, Clone)]
+pub struct Material {
+    /// Its name for reports.
+    pub name: String,
+    /// What the surface does to light.
+    pub surface: Surface,
+    /// What fills the object, if it is transparent.
+    pub body: Option<Body>,
+}
+
+/// The inside of a transparent object.
+#[derive(Debug, Clone)]
+pub struct Body {
+    /// Refractive index.
+    pub index: Index,
+    /// Absorption coefficient in 1/m; `None` is perfectly clear.
+    pub absorption: Option<Spectrum>,
+    /// Which body rules where several overlap: the higher.
+    pub priority: i32,
+}
+
+/// The film as the scene wants it.
+#[derive(Debug, Clone)]
+pub struct FilmSpec {
+    /// Pixels per row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Whose eye sees it.
+    pub observer: &'static Observer,
+    /// Number of spectral bands kept, 0 for none.
+    pub spectral_bands: u32,
+    /// What is done with colours outside the output space.
+    pub gamut: file::GamutFile,
+    /// How bright the PNG is.
+    pub exposure: Exposure,
+}
+
+/// How radiance becomes brightness in the PNG.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Exposure {
+    /// So that the picture is neither dark nor burnt out.
+    Auto,
+    /// The given luminance factor 2^ev relative to 1 cd/m² = white.
+    Ev(f64),
+    /// Luminance 1 cd/m² is white.
+    None,
+}
+
+/// Render settings, as far as stated.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Settings {
+    /// Number of passes.
+    pub passes: Option<u64>,
+    /// Photon paths a pass.
+    pub photons: Option<u64>,
+    /// Surface events a path may have.
+    pub max_depth: Option<u32>,
+    /// Photons within the first radius.
+    pub nearest: Option<u32>,
+    /// First radius in m, instead of `nearest`.
+    pub radius_m: Option<f64>,
+    /// Seed of all random streams.
+    pub seed: Option<u64>,
+    /// Worker threads.
+    pub threads: Option<u32>,
+    /// Effects to switch on though no fact calls for them.
+    pub force: Vec<String>,
+    /// Effects to leave out though a fact calls for them.
+    pub forbid: Vec<String>,
+}
+
+impl Scene {
+    /// What distant lights need to know.
+    pub fn world(&self) -> World<'_> {
+        World { geometry: &self.geometry, radius_m: self.radius_m }
+    }
+
+    /// Finds the distant lights, and every object's light, again after lights were added or taken out.
+    pub fn renumber_lights(&mut self) {
+        self.objects.iter_mut().for_each(|object| object.light = None);
+        self.distant_lights.clear();
+        for (number, light) in self.lights.iter().enumerate() {
+            match &light.emitter {
+                Emitter::Area(area) => self.objects[area.object as usize].light = Some(number),
+                Emitter::Environment(_) | Emitter::Directional(_) => self.distant_lights.push(number),
+                Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) => {}
+            }
+        }
+    }
+
+    /// The material of an object.
+    pub fn material_of(&self, object: u32) -> &Material {
+        &self.materials[self.objects[object as usize].material]
+    }
+
+    /// The body that fills an object, if it is transparent.
+    pub fn body_of(&self, object: u32) -> Option<&Body> {
+        self.material_of(object).body.as_ref()
+    }
+
+    /// The refractive index that rules inside these bodies.
+    pub fn index_in(&self, interior: &Interior) -> &Index {
+        interior.ruler().and_then(|object| self.body_of(object)).map_or(&self.air, |body| &body.index)
+    }
+
+    /// The absorption that rules inside these bodies.
+    pub fn absorption_in(&self, interior: &Interior) -> Option<&Spectrum> {
+        interior.ruler().and_then(|object| self.body_of(object)).and_then(|body| body.absorption.as_ref())
+    }
+}

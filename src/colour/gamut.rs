@@ -1,0 +1,155 @@
+//! Bringing colours that a display cannot show into its gamut, the cube [0, 1]³ of linear components.
+
+use super::coordinates;
+use super::space::RgbSpace;
+use super::{Rgb, Xyz};
+use crate::error::{Error, Result};
+
+/// How colours outside the gamut are brought into it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum GamutMapping {
+    /// Towards the neutral of equal luminance, as far as needed.
+    #[default]
+    Desaturate,
+    /// Each component by itself.
+    Clip,
+    /// Towards the neutral of equal Oklab lightness, at constant hue.
+    Oklab,
+}
+
+impl GamutMapping {
+    /// Every mapping.
+    pub const ALL: [Self; 3] = [Self::Desaturate, Self::Clip, Self::Oklab];
+
+    /// The name by which it is chosen.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Desaturate => "desaturate",
+            Self::Clip => "clip",
+            Self::Oklab => "oklab",
+        }
+    }
+
+    /// A mapping by its name: `desaturate`, `clip` or `oklab`.
+    ///
+    /// # Errors
+    /// A name that is none of these.
+    pub fn by_name(name: &str) -> Result<Self> {
+        let names = Self::ALL.map(Self::name);
+        Self::ALL
+            .into_iter()
+            .find(|mapping| mapping.name().eq_ignore_ascii_case(name))
+            .ok_or_else(|| Error::unknown_name("gamut mapping", name, names).expected(names.join(", ")))
+    }
+
+    /// The colour inside the gamut; a colour that is inside already stays as it is.
+    #[inline]
+    pub fn map(self, rgb: Rgb, space: RgbSpace) -> Rgb {
+        match self {
+            Self::Desaturate => desaturate(rgb, space),
+            Self::Clip => clip(rgb),
+            Self::Oklab => oklab(rgb, space),
+        }
+    }
+}
+
+/// Whether all components lie in [0, 1].
+#[inline]
+pub fn contains(rgb: Rgb) -> bool {
+    rgb.iter().all(|component| (0.0..=1.0).contains(component))
+}
+
+/// Clipped to [0, 1]; what is no number becomes 0, which `clamp` would not do.
+#[inline]
+fn unit(value: f64) -> f64 {
+    if value > 0.0 { value.min(1.0) } else { 0.0 }
+}
+
+/// Each component clipped to [0, 1]; what is no number becomes 0.
+#[inline]
+pub fn clip(rgb: Rgb) -> Rgb {
+    rgb.map(unit)
+}
+
+/// The colour on the way to the neutral of equal luminance that is first inside. Luminance is kept where it lies in
+/// [0, 1]; brighter colours become white, darker ones black.
+#[inline]
+pub fn desaturate(rgb: Rgb, space: RgbSpace) -> Rgb {
+    if contains(rgb) {
+        return rgb;
+    }
+    let weights = space.luminance_weights();
+    let luminance = weights[0] * rgb[0] + weights[1] * rgb[1] + weights[2] * rgb[2];
+    let grey = unit(luminance);
+    if grey != luminance {
+        return [grey; 3];
+    }
+    // The largest share of the way from grey to the colour that leaves every component inside.
+    let mut share: f64 = 1.0;
+    for component in rgb {
+        if component < 0.0 {
+            share = share.min(grey / (grey - component));
+        } else if component > 1.0 {
+            share = share.min((1.0 - grey) / (component - grey));
+        }
+    }
+    clip(rgb.map(|component| grey + share * (component - grey)))
+}
+
+/// The colour of the same Oklab lightness and hue with the most chroma that is inside (found to 10⁻⁶ of the chroma).
+pub fn oklab(rgb: Rgb, space: RgbSpace) -> Rgb {
+    if contains(rgb) {
+        return rgb;
+    }
+    // Oklab is defined about D65; the adaptation of ACEScg's white is undone by taking its white for white.
+    let (to_d65, from_d65) = (to_d65(space), from_d65(space));
+    let [lightness, a, b] = coordinates::oklab(to_d65(rgb));
+    let grey = from_d65(coordinates::from_oklab([unit(lightness), 0.0, 0.0]));
+    if !(lightness > 0.0 && lightness < 1.0) {
+        return clip(grey);
+    }
+    let with_chroma = |share: f64| from_d65(coordinates::from_oklab([lightness, share * a, share * b]));
+    let (mut inside, mut outside) = (0.0, 1.0);
+    for _ in 0..20 {
+        let middle = 0.5 * (inside + outside);
+        if contains(with_chroma(middle)) { inside = middle } else { outside = middle }
+    }
+    clip(with_chroma(inside))
+}
+
+fn to_d65(space: RgbSpace) -> impl Fn(Rgb) -> Xyz {
+    let matrix = super::matrix::inverse(&space.picture_matrix());
+    move |rgb| super::matrix::apply(&matrix, rgb)
+}
+
+fn from_d65(space: RgbSpace) -> impl Fn(Xyz) -> Rgb {
+    let matrix = space.picture_matrix();
+    move |xyz| super::matrix::apply(&matrix, xyz)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sodium_light_keeps_its_luminance() {
+        // Low-pressure sodium at Y = 0.3.
+        let rgb = [2.771_426_5, 0.587_216_4, -0.128_436_9].map(|component| 0.3 * component);
+        let mapped = desaturate(rgb, RgbSpace::Srgb);
+        let luminance =
+            |rgb: Rgb| -> f64 { RgbSpace::Srgb.luminance_weights().iter().zip(rgb).map(|(w, c)| w * c).sum() };
+        assert!(contains(mapped) && (luminance(mapped) - luminance(rgb)).abs() < 1e-12, "{mapped:?}");
+        assert_eq!(mapped[2], 0.0);
+    }
+
+    #[test]
+    fn too_bright_is_white_and_too_dark_black() {
+        for mapping in [GamutMapping::Desaturate, GamutMapping::Oklab] {
+            assert_eq!(mapping.map([9.0, 7.0, 8.0], RgbSpace::Srgb).map(|c| (c * 1e6).round()), [1e6; 3]);
+            assert_eq!(mapping.map([-0.1, -0.2, -0.3], RgbSpace::Srgb), [0.0; 3]);
+        }
+        for mapping in GamutMapping::ALL {
+            assert!(contains(mapping.map([f64::NAN, 0.5, -1.0], RgbSpace::Srgb)), "{mapping:?}");
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! The mix of primaries that looks most like a target.
+
+use super::Xyz;
+use super::coordinates::{lab, xy};
+use super::difference::delta_e_2000;
+use super::matrix::{Matrix, dot};
+use crate::error::{Error, Result};
+
+/// Beyond this distance in x, y a match is called out of reach.
+const REACHED: f64 = 1e-4;
+
+/// A non-negative mix of primaries, and how near it comes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Match {
+    /// What each primary is multiplied with; at most three are above 0.
+    pub weights: Vec<f64>,
+    /// XYZ of the mix, on the target's scale.
+    pub xyz: Xyz,
+    /// The distance from the target in x, y.
+    pub delta_xy: f64,
+    /// ΔE2000 from the target, with the target for white.
+    pub delta_e_2000: f64,
+    /// Relative error of Y.
+    pub delta_y: f64,
+}
+
+impl Match {
+    /// Whether the target lies within the primaries' reach, so that the mix matches it.
+    pub fn is_reached(&self) -> bool {
+        self.delta_xy < REACHED && self.delta_y.abs() < REACHED
+    }
+}
+
+/// The non-negative weights of primaries whose mix comes nearest to a target in XYZ (least squares).
+///
+/// A least-squares optimum with non-negative weights can always be had with as many primaries as there are equations
+/// (Carathéodory), so that every set of at most three is solved and the best is taken.
+///
+/// # Errors
+/// No primaries, one without colour, or a target without luminance.
+pub fn match_primaries(target: Xyz, primaries: &[Xyz]) -> Result<Match> {
+    if !(target.iter().all(|value| value.is_finite()) && target[1] > 0.0) {
+        return Err(Error::input("a target without luminance to match").expected("a light that is seen"));
+    }
+    if primaries.is_empty() {
+        return Err(Error::input("a match without primaries").expected("at least one primary"));
+    }
+    if let Some(i) = primaries.iter().position(|xyz| !(dot(*xyz, *xyz) > 0.0 && dot(*xyz, *xyz).is_finite())) {
+        return Err(Error::input("a primary without light that is seen").on_path(format!("primaries[{i}]")));
+    }
+    // Unit vectors keep the search independent of everybody's scale.
+    let scales: Vec<f64> = primaries.iter().map(|xyz| dot(*xyz, *xyz).sqrt()).collect();
+    let units: Vec<Xyz> = primaries.iter().zip(&scales).map(|(xyz, scale)| xyz.map(|value| value / scale)).collect();
+    let wanted = target.map(|value| value / target[1]);
+    let best = best_mix(wanted, &units);
+    let mut weights = vec![0.0; primaries.len()];
+    best.iter().for_each(|&(i, weight)| weights[i] += weight * target[1] / scales[i]);
+    let mut mixed = [0.0; 3];
+    for (weight, xyz) in weights.iter().zip(primaries) {
+        mixed.iter_mut().zip(xyz).for_each(|(sum, value)| *sum += weight * value);
+    }
+    let (found, aim) = (xy(mixed), xy(target));
+    Ok(Match {
+        xyz: mixed,
+        delta_xy: (found[0] - aim[0]).hypot(found[1] - aim[1]),
+        delta_e_2000: delta_e_2000(lab(mixed, target), lab(target, target)),
+        delta_y: mixed[1] / target[1] - 1.0,
+        weights,
+    })
+}
+
+/// The best mix of at most three, as pairs of number and weight.
+fn best_mix(target: Xyz, units: &[Xyz]) -> Vec<(usize, f64)> {
+    let mut best = (dot(target, target), Vec::new());
+    let mut offer = |set: &[usize]| {
+        let Some(weights) = least_squares(target, set, units) else { return };
+        let mut left = target;
+        for (&i, weight) in set.iter().zip(&weights) {
+            left.iter_mut().zip(units[i]).for_each(|(left, value)| *left -= weight * value);
+        }
+        // A larger set must be better by more than rounding.
+        if dot(left, left) < best.0 - 1e-20 {
+            best = (dot(left, left), set.iter().copied().zip(weights).collect());
+        }
+    };
+    for i in 0..units.len() {
+        offer(&[i]);
+        for j in 0..i {
+            offer(&[i, j]);
+            for k in 0..j {
+                offer(&[i, j, k]);
+            }
+        }
+    }
+    best.1
+}
+
+/// Unconstrained least squares over a set of one to three; none if a weight is negative or the set is dependent.
+fn least_squares(target: Xyz, set: &[usize], units: &[Xyz]) -> Option<Vec<f64>> {
+    // Orthogonalise (modified Gram–Schmidt), then substitute backwards.
+    let mut directions: Vec<Xyz> = Vec::with_capacity(3);
+    let mut triangle: Matrix = [[0.0; 3]; 3];
+    for (column, &i) in set.iter().enumerate() {
+        let mut rest = units[i];
+        for (row, direction) in directions.iter().enumerate() {
+            let along = dot(*direction, rest);
+            triangle[row][column] = along;
+            rest.iter_mut().zip(direction).for_each(|(rest, part)| *rest -= along * part);
+        }
+        let length = dot(rest, rest).sqrt();
+        if length < 1e-9 {
+            return None;
+        }
+        triangle[column][column] = length;
+        directions.push(rest.map(|value| value / length));
+    }
+    let mut weights = vec![0.0; set.len()];
+    for row in (0..set.len()).rev() {
+        let known: f64 = (row + 1..set.len()).map(|column| triangle[row][column] * weights[column]).sum();
+        weights[row] = (dot(directions[row], target) - known) / triangle[row][row];
+    }
+    weights.iter().all(|weight| *weight >= 0.0).then_some(weights)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mix_of_primaries_is_found_again() {
+        let primaries = [[41.0, 21.0, 2.0], [0.35, 0.71, 0.12], [18.0, 7.0, 95.0], [1.0, 1.0, 1.0]];
+        let target = [0, 1, 2].map(|i| 0.3 * primaries[0][i] + 25.0 * primaries[1][i] + 0.1 * primaries[2][i]);
+        let found = match_primaries(target, &primaries[..3]).unwrap();
+        assert!(found.is_reached() && found.delta_e_2000 < 1e-6, "{found:?}");
+        for (weight, known) in found.weights.iter().zip([0.3, 25.0, 0.1]) {
+            assert!((weight / known - 1.0).abs() < 1e-9, "{found:?}");
+        }
+        assert!(match_primaries(target, &primaries).unwrap().is_reached());
+    }
+
+    #[test]
+    fn a_target_out_of_reach_gets_the_nearest_mix_and_says_so() {
+        let found = match_primaries([0.1, 1.0, 0.1], &[[1.0, 1.0, 1.0], [1.0, 0.5, 0.1]]).unwrap();
+        assert!(!found.is_reached());
+        assert!(found.weights.iter().all(|weight| *weight >= 0.0));
+        // The gradient of the squared error must not point into the allowed region.
+        let left = [0, 1, 2].map(|i| found.xyz[i] - [0.1, 1.0, 0.1][i]);
+        assert!(dot(left, [1.0, 1.0, 1.0]).abs() < 1e-12 || found.weights[0] == 0.0);
+    }
+
+    #[test]
+    fn what_cannot_be_matched_is_an_error() {
+        assert!(match_primaries([0.0; 3], &[[1.0; 3]]).is_err());
+        assert!(match_primaries([1.0; 3], &[]).is_err());
+        assert!(match_primaries([1.0; 3], &[[1.0; 3], [0.0; 3]]).unwrap_err().to_string().contains("primaries[1]"));
+    }
+}

@@ -1,0 +1,34 @@
+//! What an eye makes of light: tristimulus values and everything that is computed from them.
+//!
+//! Values named XYZ are relative to nothing but the spectrum they come from: ∫ Φ x̄ȳz̄ dλ, without the factor 683.
+//! RGB values are linear unless a name says `encode`; they may be negative or above 1 until [`gamut`] maps them.
+
+pub mod adaptation;
+pub mod coordinates;
+pub mod difference;
+pub mod dominant;
+pub mod gamut;
+pub mod lamps;
+pub mod matching;
+mod matrix;
+pub mod rendering;
+pub mod report;
+pub mod space;
+pub mod temperature;
+
+pub use adaptation::{Transform, adapt, adaptation};
+pub use coordinates::{from_lab, from_luv, from_oklab, from_xy, lab, luv, oklab, uv1960, uv1976, xy};
+pub use difference::{delta_e_76, delta_e_2000};
+pub use dominant::{Dominant, dominant};
+pub use lamps::{PatchDifference, compare_lights};
+pub use matching::{Match, match_primaries};
+pub use rendering::{ColourRendering, cri};
+pub use report::Report;
+pub use space::{RgbSpace, decode_srgb, encode_srgb, encode_srgb_u8, linear_srgb_to_xyz, srgb_hex, xyz_to_linear_srgb};
+pub use temperature::{CorrelatedTemperature, cct_duv};
+
+/// Tristimulus values X, Y, Z.
+pub type Xyz = [f64; 3];
+
+/// Linear red, green and blue.
+pub type Rgb = [f64; 3];

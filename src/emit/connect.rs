@@ -1,0 +1,36 @@
+//! A photon's hit, connected to the camera: light tracing, without a kernel and so without bias.
+
+use super::photon::Arrival;
+use crate::optics::surface::Transport;
+use crate::scene::Scene;
+use crate::spectrum::{LANES, Lanes};
+
+/// What a connected photon adds to one pixel.
+#[derive(Debug, Clone, Copy)]
+pub struct Splat {
+    /// The pixel.
+    pub pixel: u32,
+    /// Radiance (W/m²/sr) per wavelength of the photon, already divided by all densities.
+    pub radiance: Lanes,
+}
+
+/// Connects the photon's hit to the camera through the place of the aperture that `lens` draws, if `wanted` takes light for that pixel;
+/// `None` if the camera does not see it.
+pub fn connect(scene: &Scene, arrival: &Arrival<'_>, lens: [f64; 2], wanted: impl Fn(u32) -> bool) -> Option<Splat> {
+    let encounter = arrival.encounter;
+    let sighting = scene.camera.sight(encounter.hit.position, lens).filter(|sighting| wanted(sighting.pixel))?;
+    let to_camera = encounter.frame.to_local(sighting.direction);
+    let to_light = encounter.wo;
+    let sides = encounter.sides_towards(sighting.direction);
+    let geometry =
+        to_camera.z.abs() * encounter.adjoint_correction(arrival.to_light(), sighting.direction) * sighting.importance;
+    let mut radiance = [0.0; LANES];
+    let mut any = false;
+    for (k, &nm) in arrival.wavelengths.active().iter().enumerate() {
+        let f = encounter.surface.eval(to_camera, to_light, sides, Transport::Radiance, nm);
+        radiance[k] = f * arrival.power[k] * geometry;
+        any |= radiance[k] > 0.0;
+    }
+    (any && encounter.sees(scene, sighting.direction, sighting.distance, None))
+        .then_some(Splat { pixel: sighting.pixel, radiance })
+}

@@ -1,0 +1,249 @@
+//! One photon's life.
+
+use super::aim::Aim;
+use crate::math::distribution::Discrete;
+use crate::math::random::{Purpose, Stream, hash64};
+use crate::math::sobol::Sobol;
+use crate::optics::surface::{Class, Transport};
+use crate::plan::partition::LightPath;
+use crate::scene::Scene;
+use crate::scene::geometry::Ray;
+use crate::scene::light::{Emission, EmissionNumbers, Light};
+use crate::spectrum::{LANES, Lanes, Wavelengths};
+use crate::walk::ledger::Ledger;
+use crate::walk::{Encounter, Scattered, Start, next, scatter};
+use glam::DVec3;
+
+/// Which wavelengths the photons of a set carry.
+#[derive(Debug, Clone, Copy)]
+pub enum Wavelengthed {
+    /// Each photon draws its own from its light's power and the eye's sensitivity.
+    Free,
+    /// All carry the pass's shared wavelengths (nm), drawn with these densities (per nm).
+    Shared {
+        /// The wavelengths.
+        nm: Lanes,
+        /// Their densities.
+        pdf: Lanes,
+    },
+}
+
+/// A photon set's common ground: who emits, how many, on which wavelengths.
+#[derive(Debug)]
+pub struct Emitters<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Draws the light.
+    pub choice: &'a Discrete,
+    /// Where each light aims.
+    pub aims: &'a [Aim],
+    /// Which wavelengths.
+    pub wavelengths: Wavelengthed,
+    /// How many photon paths the set has.
+    pub count: u64,
+    /// Surface events a path may have.
+    pub max_depth: u32,
+    /// The render's seed.
+    pub seed: u64,
+    /// The purpose of the set's random streams.
+    pub purpose: Purpose,
+    /// The pass.
+    pub pass: u64,
+}
+
+/// A photon where it meets a surface.
+#[derive(Debug)]
+pub struct Arrival<'a> {
+    /// The surface.
+    pub encounter: &'a Encounter<'a>,
+    /// What happened to it before.
+    pub path: LightPath,
+    /// Its wavelengths.
+    pub wavelengths: Wavelengths,
+    /// Power per wavelength: W for free photons, W/nm for shared ones.
+    pub power: Lanes,
+    /// Which of the set's shared wavelengths a single wavelength is.
+    pub lane: usize,
+}
+
+/// Takes photons where they meet surfaces.
+pub trait Receiver {
+    /// A photon has come to a diffuse or glossy surface.
+    fn arrive(&mut self, arrival: &Arrival<'_>, stream: &mut Stream);
+
+    /// A photon path starts at this cell of its light's aiming grid.
+    fn depart(&mut self, light: usize, cell: usize);
+}
+
+impl Emitters<'_> {
+    /// The wavelengths of a photon from this light, and S(λ)/p(λ) for each: the power per lane of one watt.
+    fn draw_wavelengths(&self, light: &Light, emission: &Emission, u: f64) -> (Wavelengths, Lanes) {
+        match self.wavelengths {
+            Wavelengthed::Free => {
+                let mut nm = [0.0; LANES];
+                let mut share = [0.0; LANES];
+                for k in 0..LANES {
+                    let (drawn, pdf) = light.wavelengths.sample((u + k as f64) / LANES as f64);
+                    nm[k] = drawn;
+                    share[k] = light.shape_at(emission.tint, drawn) / (pdf * LANES as f64);
+                }
+                (Wavelengths::new(nm), share)
+            }
+            Wavelengthed::Shared { nm, .. } => (Wavelengths::new(nm), nm.map(|nm| light.shape_at(emission.tint, nm))),
+        }
+    }
+
+    /// What one unit of a lane's power means in W, for the ledger.
+    fn watts(&self) -> Lanes {
+        match self.wavelengths {
+            Wavelengthed::Free => [1.0; LANES],
+            Wavelengthed::Shared { pdf, .. } => pdf.map(|pdf| if pdf > 0.0 { 1.0 / (pdf * LANES as f64) } else { 0.0 }),
+        }
+    }
+
+    /// The set's low-discrepancy points; a pass's points are scrambled apart from every other pass's.
+    pub fn points(&self) -> Sobol {
+        Sobol::new(hash64([self.seed, self.purpose as u64, self.pass]))
+    }
+}
+
+/// A photon under way.
+struct Flight {
+    start: Start,
+    wavelengths: Wavelengths,
+    power: Lanes,
+    watts: Lanes,
+    lane: usize,
+    path: LightPath,
+}
+
+impl Flight {
+    fn total_w(&self) -> f64 {
+        (0..self.wavelengths.count).map(|k| self.power[k] * self.watts[k]).sum()
+    }
+}
+
+/// Emits photon number `index` of the set and follows it to its end.
+pub fn trace<R: Receiver>(emitters: &Emitters<'_>, points: &Sobol, index: u64, receiver: &mut R, ledger: &mut Ledger) {
+    let mut stream = Stream::new(emitters.seed, emitters.purpose, emitters.pass, index);
+    let mut flight = emit(emitters, points, index as u32, receiver);
+    ledger.emitted += flight.total_w();
+    let scene = emitters.scene;
+    for _ in 0..emitters.max_depth {
+        let Some(encounter) = next(scene, flight.start, &mut stream.uniform()) else {
+            ledger.escaped += flight.total_w();
+            return;
+        };
+        absorb_on_the_way(scene, &mut flight, &encounter, ledger);
+        if encounter.crossed_hidden && flight.path == LightPath::Direct {
+            flight.path = LightPath::Caustic;
+        }
+        if matches!(encounter.surface.class(), Class::Diffuse | Class::Glossy) {
+            let (wavelengths, power) = (flight.wavelengths, flight.power);
+            let arrival = Arrival { encounter: &encounter, path: flight.path, wavelengths, power, lane: flight.lane };
+            receiver.arrive(&arrival, &mut stream);
+        }
+        let Some(scattered) = scatter(&encounter, &flight.wavelengths, Transport::Importance, &mut stream) else {
+            ledger.absorbed[encounter.material] += flight.total_w();
+            return;
+        };
+        if !go_on(&mut flight, &encounter, &scattered, ledger, &mut stream) {
+            return;
+        }
+    }
+    ledger.depth_limit += flight.total_w();
+}
+
+fn emit<R: Receiver>(emitters: &Emitters<'_>, points: &Sobol, index: u32, receiver: &mut R) -> Flight {
+    let u = |dimension| points.at(index, dimension);
+    let mut which = u(1);
+    let number = emitters.choice.sample(&mut which);
+    let light = &emitters.scene.lights[number];
+    let (aim, density) = emitters.aims[number].draw([u(2), u(3)]);
+    receiver.depart(number, Aim::cell(aim));
+    let emission = light.emit(emitters.scene.world(), EmissionNumbers { aim, rest: [u(4), u(5), u(6)] });
+    let (wavelengths, share) = emitters.draw_wavelengths(light, &emission, u(0));
+    let flux = emission.flux_w / (emitters.count as f64 * emitters.choice.probability(number) * density);
+    Flight {
+        start: Start {
+            ray: Ray { origin: emission.origin, direction: emission.direction },
+            from: emission.from,
+            interior: light.interior,
+        },
+        wavelengths,
+        power: share.map(|s| s * flux),
+        watts: emitters.watts(),
+        lane: LANES,
+        path: LightPath::Direct,
+    }
+}
+
+/// Beer's law on the way to the encounter.
+fn absorb_on_the_way(scene: &Scene, flight: &mut Flight, encounter: &Encounter<'_>, ledger: &mut Ledger) {
+    let Some(absorption) = scene.absorption_in(&encounter.here) else {
+        return;
+    };
+    for k in 0..flight.wavelengths.count {
+        let depth = absorption.at(flight.wavelengths.nm[k]) * encounter.distance;
+        ledger.absorbed_inside += flight.power[k] * flight.watts[k] * -(-depth).exp_m1();
+        flight.power[k] *= (-depth).exp();
+    }
+}
+
+/// Applies a scattering event and Russian roulette; false where the photon ends.
+fn go_on(
+    flight: &mut Flight,
+    encounter: &Encounter<'_>,
+    scattered: &Scattered,
+    ledger: &mut Ledger,
+    stream: &mut Stream,
+) -> bool {
+    let before = flight.total_w();
+    let correction =
+        if scattered.delta { 1.0 } else { encounter.adjoint_correction(-encounter.incoming, scattered.direction) };
+    let mut absorbed = 0.0;
+    // Roulette keeps the photons' powers alike: a photon survives with the mean of its lanes' weights.
+    let (mut weights, count) = (0.0, flight.wavelengths.count as f64);
+    for k in 0..flight.wavelengths.count {
+        absorbed += flight.power[k] * flight.watts[k] * scattered.absorbed[k];
+        flight.power[k] *= scattered.weight[k] * correction;
+        weights += scattered.weight[k] * correction;
+    }
+    if let Some(kept) = scattered.kept {
+        flight.keep(kept);
+    }
+    ledger.absorbed[encounter.material] += absorbed;
+    let survival = (weights / count).min(1.0);
+    let survives = survival > 0.0 && stream.uniform() < survival;
+    if survives {
+        flight.power.iter_mut().for_each(|power| *power /= survival);
+    } else {
+        flight.power = [0.0; LANES];
+    }
+    ledger.sampling += flight.total_w() + absorbed - before;
+    flight.start = encounter.leave(scattered.direction, scattered.interior);
+    flight.path = match (flight.path, scattered.delta) {
+        (LightPath::Indirect, _) | (_, false) => LightPath::Indirect,
+        (LightPath::Direct | LightPath::Caustic, true) => LightPath::Caustic,
+    };
+    survives
+}
+
+impl Flight {
+    /// Gives up all wavelengths but one.
+    fn keep(&mut self, kept: usize) {
+        self.lane = kept;
+        self.wavelengths = Wavelengths::single(self.wavelengths.nm[kept]);
+        let only = |lanes: Lanes| std::array::from_fn(|k| if k == 0 { lanes[kept] } else { 0.0 });
+        self.power = only(self.power);
+        self.watts = only(self.watts);
+    }
+}
+
+/// The direction from an arrival back towards where the photon came from.
+impl Arrival<'_> {
+    /// Towards the light, unit.
+    pub fn to_light(&self) -> DVec3 {
+        -self.encounter.incoming
+    }
+}

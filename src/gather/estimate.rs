@@ -1,0 +1,125 @@
+//! Density estimation: from the photons around a point to the radiance that leaves it.
+
+use super::photon_gather::Gatherer;
+use super::throughput::{Colour, Factor, product};
+use crate::map::{Photon, PhotonIndex, kernel};
+use crate::optics::surface::{Surface, Transport};
+use crate::spectrum::LANES;
+use crate::walk::{Encounter, Sink};
+use glam::DVec3;
+
+/// The photon maps of one set of photons: caustics are sharp and want small kernels, indirect light is smooth and wants large ones.
+#[derive(Debug, Default)]
+pub struct Maps {
+    /// Photons that came by mirrors and glass only.
+    pub caustic: PhotonIndex,
+    /// Photons that were scattered before.
+    pub indirect: PhotonIndex,
+}
+
+/// Which radius of a pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RadiusKind {
+    /// For free caustic photons.
+    FreeCaustic,
+    /// For free indirect photons.
+    FreeIndirect,
+    /// For shared caustic photons.
+    SharedCaustic,
+    /// For shared indirect photons.
+    SharedIndirect,
+}
+
+/// A pixel's first radii in m, by [`RadiusKind`].
+pub type Radii = [f32; 4];
+
+/// Photons whose surface faces another way by more than acos of this do not count.
+const NORMAL_TOLERANCE: f64 = 0.7;
+
+/// Photons off the tangent plane by more than this share of the radius do not count.
+const PLANE_TOLERANCE: f64 = 0.3;
+
+impl Gatherer<'_> {
+    /// Adds the radiance that the photons of one map around the encounter send back along the path.
+    pub(super) fn estimate<S: Sink>(
+        &self,
+        encounter: &Encounter<'_>,
+        (map, first_radius): (&PhotonIndex, f32),
+        colour: Colour,
+        factors: &[Factor<'_>],
+        sink: &mut S,
+    ) {
+        let radius = first_radius * self.radius_scale as f32;
+        let r2 = f64::from(radius) * f64::from(radius);
+        let place = encounter.hit.position;
+        let normal = encounter.hit.normal;
+        let facing = if encounter.leads_back(normal) { normal } else { -normal };
+        let through = transmits(encounter.surface);
+        map.within(place.as_vec3().to_array(), radius, |found| {
+            let photon = &found.photon;
+            let alignment = photon.normal().dot(facing);
+            let aligned = if through { alignment.abs() } else { alignment };
+            let offset = DVec3::new(
+                f64::from(found.position[0]) - place.x,
+                f64::from(found.position[1]) - place.y,
+                f64::from(found.position[2]) - place.z,
+            );
+            if aligned < NORMAL_TOLERANCE || offset.dot(normal).abs() > PLANE_TOLERANCE * f64::from(radius) {
+                return;
+            }
+            let to_light = photon.to_light();
+            let kernels = kernel::at(f64::from(found.distance2).min(r2), r2);
+            let correction = cosine_ratio(encounter, to_light);
+            let sides = encounter.sides;
+            let wi = encounter.frame.to_local(to_light);
+            let bsdf = |nm: f64| encounter.surface.eval(encounter.wo, wi, sides, Transport::Radiance, nm) * correction;
+            match colour {
+                Colour::Free => {
+                    for k in 0..usize::from(photon.count) {
+                        let nm = f64::from(photon.nm[k]);
+                        let radiance = bsdf(nm) * product(factors, nm) * f64::from(photon.power[k]);
+                        sink.density(nm, radiance * kernels.estimate, radiance * kernels.bias());
+                    }
+                }
+                Colour::Shared { lane, nm, throughput } => {
+                    if let Some(power) = shared_power(photon, lane) {
+                        let radiance = bsdf(nm) * throughput * power;
+                        sink.density(nm, radiance * kernels.estimate, radiance * kernels.bias());
+                    }
+                }
+            }
+        });
+    }
+}
+
+/// The photon's power at the pass's shared wavelength number `lane`, if it still carries that.
+fn shared_power(photon: &Photon, lane: usize) -> Option<f64> {
+    if usize::from(photon.count) == LANES {
+        Some(f64::from(photon.power[lane]))
+    } else {
+        (usize::from(photon.lane) == lane).then_some(f64::from(photon.power[0]))
+    }
+}
+
+/// Whether light from the other side counts.
+fn transmits(surface: &Surface) -> bool {
+    match surface {
+        Surface::Translucent(_) | Surface::Dielectric(_) | Surface::Mix(_) => true,
+        Surface::Absorber
+        | Surface::Diffuse(_)
+        | Surface::Mirror(_)
+        | Surface::Conductor(_)
+        | Surface::ThinDielectric(_)
+        | Surface::Glossy(_) => false,
+    }
+}
+
+/// |ω·n_s| / |ω·n_g| for interpolated normals: photons came through the true surface, the reflectance is for the shaded one.
+fn cosine_ratio(encounter: &Encounter<'_>, to_light: DVec3) -> f64 {
+    let shading = encounter.frame.to_world(DVec3::Z);
+    if shading == encounter.hit.normal {
+        return 1.0;
+    }
+    let true_cosine = to_light.dot(encounter.hit.normal).abs();
+    if true_cosine > 0.0 { to_light.dot(shading).abs() / true_cosine } else { 0.0 }
+}

@@ -1,0 +1,78 @@
+//! Camera path → spectral radiance: through mirrors and glass to the first surface that scatters, and what light is there.
+//! Beside it the reference path tracer.
+
+mod direct;
+mod estimate;
+mod path_tracer;
+mod photon_gather;
+mod throughput;
+
+pub use direct::Direct;
+pub use estimate::{Maps, Radii, RadiusKind};
+pub use path_tracer::PathTracer;
+pub use photon_gather::{Gatherer, Landing, Scratch};
+
+use crate::math::random::{Purpose, REPLICATES, Stream, hash64};
+use crate::math::sobol::Sobol;
+use crate::scene::camera::{Aperture, Camera};
+use crate::scene::geometry::Ray;
+use glam::DVec2;
+
+/// The random numbers of one camera sample: a pixel's samples over the passes of a replicate are low-discrepancy points, and the
+/// replicates are scrambled apart.
+#[derive(Debug)]
+pub struct CameraNumbers {
+    points: Sobol,
+    index: u32,
+    /// For everything beyond the first few dimensions.
+    pub stream: Stream,
+    /// Shifts the wavelengths of this sample; from a sequence of its own, so that colour is correlated with nothing.
+    pub wavelength: f64,
+}
+
+impl CameraNumbers {
+    /// The numbers of `pixel` in `pass`.
+    pub fn new(seed: u64, pass: u64, pixel: u64) -> Self {
+        let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64);
+        let key = hash64([seed, Purpose::Camera as u64, replicate, pixel]);
+        Self {
+            points: Sobol::new(key),
+            index: index as u32,
+            stream: Stream::new(seed, Purpose::Camera, pass, pixel),
+            wavelength: golden(index as u32, hash64([key, 0x5eed])),
+        }
+    }
+
+    /// Where in the pixel.
+    fn film(&self) -> [f64; 2] {
+        [self.points.at(self.index, 0), self.points.at(self.index, 1)]
+    }
+
+    /// Where on the lens.
+    fn lens(&self) -> [f64; 2] {
+        [self.points.at(self.index, 2), self.points.at(self.index, 3)]
+    }
+
+    /// Where on a lamp.
+    fn lamp(&self) -> [f64; 3] {
+        [self.points.at(self.index, 4), self.points.at(self.index, 5), self.points.at(self.index, 6)]
+    }
+
+    /// The ray through the pixel.
+    fn ray(&self, camera: &Camera, pixel: u64) -> Ray {
+        let width = camera.width() as u64;
+        let corner = DVec2::new((pixel % width) as f64, (pixel / width) as f64);
+        let lens = match camera.aperture() {
+            Aperture::Pinhole => [0.5; 2],
+            Aperture::ThinLens { .. } => self.lens(),
+        };
+        camera.ray(corner + DVec2::from(self.film()), lens)
+    }
+}
+
+/// Point `index` of the golden-ratio sequence, shifted by a hash: evenly spread for any number of points.
+pub fn golden(index: u32, shift: u64) -> f64 {
+    // 2⁶⁴/φ; the product wraps around as the sequence wants.
+    let turned = u64::from(index).wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(shift);
+    (turned >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
+}

@@ -1,0 +1,143 @@
+//! The reference: a plain spectral path tracer with next-event estimation.
+//!
+//! It shares with photon mapping the surfaces, lights and geometry, and none of the estimators: no photons, no kernels, no shared
+//! wavelengths. Four stratified wavelengths go together until the first dispersive refraction. It cannot find a light
+//! without extent through glass; photon mapping can.
+
+use super::CameraNumbers;
+use super::direct::{Asking, Counts, Direct, Found, Lit};
+use crate::optics::surface::{Class, Transport};
+use crate::scene::Scene;
+use crate::spectrum::{LANES, Lanes, WavelengthDistribution, Wavelengths};
+use crate::walk::{Encounter, Scattered, Sink, Start, Tally, next, scatter};
+
+/// All that the path tracer needs.
+#[derive(Debug)]
+pub struct PathTracer<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Who asks which lamps.
+    pub direct: Direct<'a>,
+    /// Draws a path's wavelengths.
+    pub wavelengths: &'a WavelengthDistribution,
+    /// Surface events a path may have.
+    pub max_depth: u32,
+}
+
+/// A path under way.
+struct Path {
+    start: Start,
+    wavelengths: Wavelengths,
+    /// What the path lets through per wavelength, divided by all densities.
+    throughput: Lanes,
+    counts: Counts,
+}
+
+impl<'a> PathTracer<'a> {
+    /// Estimates the radiance of one sample of a pixel and hands it to the sink.
+    pub fn sample<S: Sink>(&self, pixel: u64, mut numbers: CameraNumbers, tally: &mut Tally, sink: &mut S) {
+        let ray = numbers.ray(&self.scene.camera, pixel);
+        let mut nm = [0.0; LANES];
+        let mut throughput = [0.0; LANES];
+        for k in 0..LANES {
+            let (drawn, pdf) = self.wavelengths.sample((numbers.wavelength + k as f64) / LANES as f64);
+            nm[k] = drawn;
+            throughput[k] = 1.0 / (pdf * LANES as f64);
+        }
+        let mut path = Path {
+            start: Start { ray, from: None, interior: self.scene.camera.interior },
+            wavelengths: Wavelengths::new(nm),
+            throughput,
+            counts: Counts::Fully,
+        };
+        let first = throughput;
+        for depth in 0..self.max_depth {
+            let Some(encounter) = next(self.scene, path.start, &mut numbers.stream.uniform()) else {
+                self.direct.found_outside(path.start.ray.direction, path.counts, tally, |lamp| path.see(&lamp, sink));
+                return;
+            };
+            self.absorb_on_the_way(&mut path, &encounter);
+            if encounter.crossed_hidden && !matches!(path.counts, Counts::Fully) {
+                // Shadow rays stop at hidden faces: a lamp behind one is counted where the path finds it.
+                path.counts = Counts::Fully;
+            }
+            if let Some(lamp) = self.direct.found_on_surface(encounter.incoming, &encounter.hit, path.counts) {
+                path.see(&lamp, sink);
+            }
+            if matches!(encounter.surface.class(), Class::Diffuse | Class::Glossy) {
+                let u = if depth == 0 { numbers.lamp() } else { numbers.stream.triple() };
+                self.ask_lamps(&path, &encounter, u, tally, sink);
+            }
+            let Some(scattered) = scatter(&encounter, &path.wavelengths, Transport::Radiance, &mut numbers.stream)
+            else {
+                return;
+            };
+            path.go_on(&encounter, &scattered);
+            if !path.survives(&first, depth, &mut numbers) {
+                return;
+            }
+        }
+    }
+
+    fn absorb_on_the_way(&self, path: &mut Path, encounter: &Encounter<'_>) {
+        if let Some(coefficient) = self.scene.absorption_in(&encounter.here) {
+            for k in 0..path.wavelengths.count {
+                path.throughput[k] *= (-coefficient.at(path.wavelengths.nm[k]) * encounter.distance).exp();
+            }
+        }
+    }
+
+    fn ask_lamps<S: Sink>(&self, path: &Path, encounter: &Encounter<'a>, u: [f64; 3], tally: &mut Tally, sink: &mut S) {
+        let asking = Asking { encounter, nm: path.wavelengths.hero(), u };
+        self.direct.ask(asking, tally, |Lit { light, wi, strength, tint }| {
+            for (k, &nm) in path.wavelengths.active().iter().enumerate() {
+                let f = encounter.surface.eval(encounter.wo, wi, encounter.sides, Transport::Radiance, nm);
+                sink.radiance(nm, path.throughput[k] * f * light.shape_at(tint, nm) * strength);
+            }
+        });
+    }
+}
+
+impl Path {
+    /// A lamp found by the path itself.
+    fn see<S: Sink>(&self, lamp: &Found<'_>, sink: &mut S) {
+        for (k, &nm) in self.wavelengths.active().iter().enumerate() {
+            sink.radiance(nm, self.throughput[k] * lamp.light.shape_at(lamp.tint, nm) * lamp.radiance);
+        }
+    }
+
+    fn go_on(&mut self, encounter: &Encounter<'_>, scattered: &Scattered) {
+        (0..LANES).for_each(|k| self.throughput[k] *= scattered.weight[k]);
+        if let Some(kept) = scattered.kept {
+            self.wavelengths = Wavelengths::single(self.wavelengths.nm[kept]);
+            self.throughput = std::array::from_fn(|k| if k == 0 { self.throughput[kept] } else { 0.0 });
+        }
+        self.counts = if scattered.delta {
+            // A lamp behind mirrors or glass is out of reach for shadow rays.
+            Counts::Fully
+        } else {
+            Counts::Shared { place: encounter.hit.position, pdf: scattered.pdf }
+        };
+        self.start = encounter.leave(scattered.direction, scattered.interior);
+    }
+
+    /// Russian roulette by what the path still lets through, relative to its start.
+    fn survives(&mut self, first: &Lanes, depth: u32, numbers: &mut CameraNumbers) -> bool {
+        const FREE_EVENTS: u32 = 3;
+        let count = self.wavelengths.count;
+        let start = first[..count].iter().copied().fold(0.0, f64::max);
+        let level = self.throughput[..count].iter().copied().fold(0.0, f64::max) / start;
+        if level <= 0.0 {
+            return false;
+        }
+        if depth < FREE_EVENTS {
+            return true;
+        }
+        let survival = level.clamp(0.05, 0.95);
+        if numbers.stream.uniform() >= survival {
+            return false;
+        }
+        self.throughput.iter_mut().for_each(|t| *t /= survival);
+        true
+    }
+}

@@ -1,0 +1,512 @@
+//! One camera sample: along mirrors and glass to the first surface that scatters, then light from lamps and photons there.
+
+use super::CameraNumbers;
+use super::direct::{Asking, Counts, Direct, Found, Lit};
+use super::estimate::{Maps, Radii, RadiusKind};
+use super::throughput::{Colour, Factor, product};
+use crate::math::random::ONE_MINUS_ULP;
+use crate::optics::surface::{Class, Event, Scatter, Surface, Transport};
+use crate::plan::partition::{Estimator, LightPath, View, estimator};
+use crate::plan::{IndirectPlan, Plan, WavelengthPlan};
+use crate::scene::Scene;
+use crate::spectrum::{LANES, Lanes};
+use crate::walk::{Encounter, Sink, Start, Tally, draw_consistently, next};
+use glam::DVec3;
+
+/// Wavelength-free camera paths choose between reflection and refraction, and compare densities, at this wavelength (nm); what
+/// that does to other wavelengths is in the path's factors.
+const REFERENCE_NM: f64 = 550.0;
+
+/// All that camera paths of a pass need.
+#[derive(Debug)]
+pub struct Gatherer<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// What the scene calls for.
+    pub plan: &'a Plan,
+    /// Who asks which lamps.
+    pub direct: Direct<'a>,
+    /// Photons with wavelengths of their own.
+    pub free: &'a Maps,
+    /// Photons on the shared wavelengths.
+    pub shared: &'a Maps,
+    /// The pass's shared wavelengths in nm, and their densities per nm.
+    pub shared_nm: Lanes,
+    /// Densities of the shared wavelengths, per nm.
+    pub shared_pdf: Lanes,
+    /// Pixels at edges of surfaces, where connections take the place of kernels for what is directly seen; none if empty.
+    pub edges: &'a [bool],
+    /// How far kernels have shrunk since the first pass.
+    pub radius_scale: f64,
+    /// Surface events a path may have.
+    pub max_depth: u32,
+}
+
+/// Where a camera path came to rest, for the pilot.
+#[derive(Debug, Clone, Copy)]
+pub struct Landing {
+    /// The place.
+    pub position: DVec3,
+    /// The surface's unit normal.
+    pub normal: DVec3,
+    /// The side of the pixel's footprint there, in m, as if the way had been straight.
+    pub footprint_m: f64,
+    /// What stood between it and the camera.
+    pub view: View,
+    /// Whether the path had refracted dispersively.
+    pub shared: bool,
+}
+
+impl Landing {
+    /// Whether the surface here goes on smoothly to the other place.
+    pub fn continues_to(&self, other: &Self) -> bool {
+        /// Cosine of the largest turn, and largest height over the tangent plane as a share of the distance.
+        const COSINE: f64 = 0.9;
+        const SLOPE: f64 = 0.25;
+        let offset = other.position - self.position;
+        self.normal.dot(other.normal) > COSINE && offset.dot(self.normal).abs() <= SLOPE * offset.length()
+    }
+}
+
+/// Buffers that one worker reuses from path to path.
+#[derive(Debug, Default)]
+pub struct Scratch<'a> {
+    factors: Vec<Factor<'a>>,
+    /// Where paths came to rest in the last call.
+    pub landings: Vec<Landing>,
+}
+
+/// A camera path under way.
+#[derive(Debug, Clone, Copy)]
+struct CameraPath {
+    start: Start,
+    colour: Colour,
+    view: View,
+    counts: Counts,
+    /// Grey estimate of what the path lets through, for roulette.
+    level: f64,
+    distance: f64,
+    depth: u32,
+}
+
+/// What one camera sample uses from end to end.
+struct Sample<'s, 'a, S> {
+    numbers: CameraNumbers,
+    radii: &'s Radii,
+    scratch: &'s mut Scratch<'a>,
+    sink: &'s mut S,
+    tally: &'s mut Tally,
+}
+
+impl<'a> Gatherer<'a> {
+    /// Estimates the radiance of one sample of a pixel and hands it to the sink.
+    pub fn sample<S: Sink>(
+        &self,
+        pixel: u64,
+        numbers: CameraNumbers,
+        radii: &Radii,
+        (scratch, tally): (&mut Scratch<'a>, &mut Tally),
+        sink: &mut S,
+    ) {
+        scratch.factors.clear();
+        scratch.landings.clear();
+        let ray = numbers.ray(&self.scene.camera, pixel);
+        tally.lens_rays += u64::from(self.plan.aperture.is_finite());
+        let path = CameraPath {
+            start: Start { ray, from: None, interior: self.scene.camera.interior },
+            colour: Colour::Free,
+            view: if self.edges.get(pixel as usize) == Some(&true) { View::SeenAtEdge } else { View::Seen },
+            counts: Counts::Fully,
+            level: 1.0,
+            distance: 0.0,
+            depth: 0,
+        };
+        let mut sample = Sample { numbers, radii, scratch, sink, tally };
+        if self.plan.wavelengths == WavelengthPlan::Shared {
+            self.split(path, &mut sample);
+        } else {
+            self.follow(path, &mut sample);
+        }
+    }
+
+    /// Sends a path on once for each shared wavelength.
+    fn split<S: Sink>(&self, path: CameraPath, sample: &mut Sample<'_, 'a, S>) {
+        for lane in 0..LANES {
+            let (nm, pdf) = (self.shared_nm[lane], self.shared_pdf[lane]);
+            let throughput = product(&sample.scratch.factors, nm) / (pdf * LANES as f64);
+            sample.tally.shared_paths += 1;
+            if pdf > 0.0 && throughput > 0.0 {
+                self.follow(CameraPath { colour: Colour::Shared { lane, nm, throughput }, ..path }, sample);
+            }
+        }
+    }
+
+    fn follow<S: Sink>(&self, mut path: CameraPath, sample: &mut Sample<'_, 'a, S>) {
+        let factors_before = sample.scratch.factors.len();
+        while path.depth < self.max_depth {
+            let encounter = match next(self.scene, path.start, &mut sample.numbers.stream.uniform()) {
+                Some(encounter) => encounter,
+                None => {
+                    self.look_outside(&path, sample);
+                    break;
+                }
+            };
+            self.absorb_on_the_way(&mut path, &encounter, sample);
+            path.depth += 1;
+            path.distance += encounter.distance;
+            if encounter.crossed_hidden {
+                path.view = View::Relayed;
+                path.counts = match path.counts {
+                    Counts::Fully => Counts::Fully,
+                    Counts::Shared { .. } | Counts::Not => Counts::Not,
+                };
+            }
+            if let Some(lamp) = self.direct.found_on_surface(encounter.incoming, &encounter.hit, path.counts) {
+                self.add_lamp(path.colour, &lamp, sample);
+            }
+            let goes_on = match encounter.surface.class() {
+                Class::Absorbing => false,
+                Class::Diffuse => {
+                    self.land(&path, &encounter, sample);
+                    false
+                }
+                Class::Glossy => {
+                    sample.tally.rough_events += 1;
+                    self.gather_lamps(&path, &encounter, sample);
+                    self.gather_photons(&path, &encounter, sample);
+                    self.go_on(&mut path, &encounter, sample)
+                }
+                Class::Specular => self.go_on(&mut path, &encounter, sample),
+            };
+            if !goes_on || !survives(&mut path, sample) {
+                break;
+            }
+        }
+        sample.scratch.factors.truncate(factors_before);
+    }
+
+    /// Beer's law along the last stretch.
+    fn absorb_on_the_way<S: Sink>(
+        &self,
+        path: &mut CameraPath,
+        encounter: &Encounter<'a>,
+        sample: &mut Sample<'_, 'a, S>,
+    ) {
+        if let Some(coefficient) = self.scene.absorption_in(&encounter.here) {
+            sample.tally.absorptions += 1;
+            path.multiply(Factor::Absorption { coefficient, distance: encounter.distance }, sample.scratch);
+        }
+    }
+
+    /// The lamps at infinity.
+    fn look_outside<S: Sink>(&self, path: &CameraPath, sample: &mut Sample<'_, 'a, S>) {
+        let mut lamps: [Option<Found<'a>>; 4] = [None, None, None, None];
+        let mut count = 0;
+        self.direct.found_outside(path.start.ray.direction, path.counts, sample.tally, |lamp| {
+            if count < lamps.len() {
+                lamps[count] = Some(lamp);
+                count += 1;
+            }
+        });
+        for lamp in lamps.iter().flatten() {
+            self.add_lamp(path.colour, lamp, sample);
+        }
+    }
+
+    /// A lamp seen by the path.
+    fn add_lamp<S: Sink>(&self, colour: Colour, lamp: &Found<'a>, sample: &mut Sample<'_, 'a, S>) {
+        let u = sample.numbers.wavelength;
+        let Sample { scratch, sink, .. } = sample;
+        each_wavelength(colour, &scratch.factors, lamp.light, u, |nm, share| {
+            sink.radiance(nm, share * lamp.light.shape_at(lamp.tint, nm) * lamp.radiance);
+        });
+    }
+
+    /// The end of a path at a diffuse surface: lamps and photons.
+    fn land<S: Sink>(&self, path: &CameraPath, encounter: &Encounter<'a>, sample: &mut Sample<'_, 'a, S>) {
+        let shared = matches!(path.colour, Colour::Shared { .. });
+        sample.scratch.landings.push(Landing {
+            position: encounter.hit.position,
+            normal: encounter.hit.normal,
+            footprint_m: path.distance * self.scene.camera.pixel_angle(),
+            view: path.view,
+            shared,
+        });
+        self.gather_lamps(path, encounter, sample);
+        self.gather_scattered_lamps(path, encounter, sample);
+        self.gather_photons(path, encounter, sample);
+    }
+
+    /// Light straight from lamps, by shadow rays.
+    fn gather_lamps<S: Sink>(&self, path: &CameraPath, encounter: &Encounter<'a>, sample: &mut Sample<'_, 'a, S>) {
+        let (u, lamp) = (sample.numbers.wavelength, sample.numbers.lamp());
+        let asking = Asking { encounter, nm: path.reference_nm(), u: lamp };
+        let Sample { scratch, sink, tally, .. } = sample;
+        self.direct.ask(asking, tally, |Lit { light, wi, strength, tint }| {
+            let (surface, wo, sides) = (encounter.surface, encounter.wo, encounter.sides);
+            each_wavelength(path.colour, &scratch.factors, light, u, |nm, share| {
+                let f = surface.eval(wo, wi, sides, Transport::Radiance, nm);
+                sink.radiance(nm, share * light.shape_at(tint, nm) * strength * f);
+            });
+        });
+    }
+
+    /// Light straight from lamps, by a scattered ray that may find one. (Glossy surfaces' own continuation does this for them.)
+    fn gather_scattered_lamps<S: Sink>(
+        &self,
+        path: &CameraPath,
+        encounter: &Encounter<'a>,
+        sample: &mut Sample<'_, 'a, S>,
+    ) {
+        if !self.plan.direct.scatters_to_lamps() {
+            return;
+        }
+        let nm = path.reference_nm();
+        let u = sample.numbers.stream.triple();
+        let (surface, wo, sides) = (encounter.surface, encounter.wo, encounter.sides);
+        let Some(scatter) = surface.sample(wo, sides, nm, Transport::Radiance, u) else {
+            return;
+        };
+        let direction = encounter.frame.to_world(scatter.wi);
+        let start = encounter.leave(direction, encounter.interior_towards(direction));
+        let wavelength = sample.numbers.wavelength;
+        let Sample { scratch, sink, tally, .. } = sample;
+        self.direct.look(start, scatter.probability, tally, |lamp| {
+            each_wavelength(path.colour, &scratch.factors, lamp.light, wavelength, |nm, share| {
+                let response = surface.response(wo, &scatter, sides, Transport::Radiance, nm) / scatter.probability;
+                sink.radiance(nm, share * lamp.light.shape_at(lamp.tint, nm) * lamp.radiance * response);
+            });
+        });
+    }
+
+    /// Light that photons brought, as far as the partition leaves it to the maps.
+    fn gather_photons<S: Sink>(&self, path: &CameraPath, encounter: &Encounter<'a>, sample: &mut Sample<'_, 'a, S>) {
+        let class = encounter.surface.class();
+        let (maps, kinds) = match path.colour {
+            Colour::Free => (self.free, [RadiusKind::FreeCaustic, RadiusKind::FreeIndirect]),
+            Colour::Shared { .. } => (self.shared, [RadiusKind::SharedCaustic, RadiusKind::SharedIndirect]),
+        };
+        // Only free photons are connected to the camera, so a shared camera path that sees the surface directly takes the map.
+        let view = match path.colour {
+            Colour::Free => path.view,
+            Colour::Shared { .. } => View::Relayed,
+        };
+        let classes = [(LightPath::Caustic, &maps.caustic, kinds[0]), (LightPath::Indirect, &maps.indirect, kinds[1])];
+        for (light_path, map, kind) in classes {
+            let wanted = light_path != LightPath::Indirect || self.plan.indirect != IndirectPlan::Absent;
+            if wanted && !map.is_empty() && estimator(light_path, class, view) == Estimator::PhotonMap {
+                sample.tally.map_queries += 1;
+                let radius = sample.radii[kind as usize];
+                self.estimate(encounter, (map, radius), path.colour, &sample.scratch.factors, sample.sink);
+            }
+        }
+    }
+
+    /// Scatters the path at a mirror, at glass or at a rough surface; false where it ends.
+    fn go_on<S: Sink>(&self, path: &mut CameraPath, encounter: &Encounter<'a>, sample: &mut Sample<'_, 'a, S>) -> bool {
+        if let (Colour::Free, true) = (path.colour, self.disperses(encounter)) {
+            return self.go_on_through_dispersive(path, encounter, sample);
+        }
+        let u = sample.numbers.stream.triple();
+        self.scatter_once(path, encounter, u, sample)
+    }
+
+    /// Whether refraction here would send wavelengths different ways.
+    fn disperses(&self, encounter: &Encounter<'a>) -> bool {
+        self.plan.wavelengths != WavelengthPlan::Free
+            && matches!(encounter.surface, Surface::Dielectric(_))
+            && (encounter.sides.here.is_dispersive() || encounter.sides.there.is_dispersive())
+    }
+
+    /// A wavelength-free path at dispersive glass: reflected it stays free, refracted it goes on once for each shared wavelength.
+    fn go_on_through_dispersive<S: Sink>(
+        &self,
+        path: &mut CameraPath,
+        encounter: &Encounter<'a>,
+        sample: &mut Sample<'_, 'a, S>,
+    ) -> bool {
+        let surface = encounter.surface;
+        if surface.class() == Class::Glossy {
+            // Rough dispersive glass: each wavelength scatters for itself, reflections included.
+            let start = *path;
+            self.split_at(start, encounter, None, sample);
+            return false;
+        }
+        // At the first surface both ways are followed; further on, one is drawn.
+        let reflectance = self.reflectance(encounter);
+        let both = path.depth == 1;
+        let reflects = both || sample.numbers.stream.uniform() < reflectance;
+        let refracts = both || !reflects;
+        if refracts && reflectance < 1.0 {
+            let probability = if both { 1.0 } else { 1.0 - reflectance };
+            sample.tally.dispersions += 1;
+            self.split_at(*path, encounter, Some(probability), sample);
+        }
+        if !reflects {
+            return false;
+        }
+        let probability = if both { 1.0 } else { reflectance };
+        self.scatter_forced(path, encounter, Event::Reflection, probability, sample)
+    }
+
+    /// Reflectance of a smooth interface at the reference wavelength.
+    fn reflectance(&self, encounter: &Encounter<'a>) -> f64 {
+        let sides = encounter.sides;
+        crate::optics::fresnel::dielectric(
+            encounter.wo.z.abs(),
+            sides.here.n(REFERENCE_NM),
+            sides.there.n(REFERENCE_NM),
+        )
+    }
+
+    /// Sends the path on from here once for each shared wavelength; `refracted` says with which probability refraction was chosen, or that
+    /// each wavelength chooses for itself.
+    fn split_at<S: Sink>(
+        &self,
+        path: CameraPath,
+        encounter: &Encounter<'a>,
+        refracted: Option<f64>,
+        sample: &mut Sample<'_, 'a, S>,
+    ) {
+        let u = sample.numbers.stream.triple();
+        for lane in 0..LANES {
+            let (nm, pdf) = (self.shared_nm[lane], self.shared_pdf[lane]);
+            if pdf <= 0.0 {
+                continue;
+            }
+            let throughput = product(&sample.scratch.factors, nm) / (pdf * LANES as f64);
+            sample.tally.shared_paths += 1;
+            let mut single = CameraPath { colour: Colour::Shared { lane, nm, throughput }, ..path };
+            let goes_on = match refracted {
+                Some(probability) => {
+                    self.scatter_forced(&mut single, encounter, Event::Transmission, probability, sample)
+                }
+                None => self.scatter_once(&mut single, encounter, u, sample),
+            };
+            if goes_on && survives(&mut single, sample) {
+                self.follow(single, sample);
+            }
+        }
+    }
+
+    /// Scatters into the reflection or the refraction of a smooth interface, whichever is told; false where there is none.
+    fn scatter_forced<S: Sink>(
+        &self,
+        path: &mut CameraPath,
+        encounter: &Encounter<'a>,
+        event: Event,
+        probability: f64,
+        sample: &mut Sample<'_, 'a, S>,
+    ) -> bool {
+        let u = match event {
+            Event::Reflection => [0.0; 3],
+            Event::Transmission => [ONE_MINUS_ULP; 3],
+        };
+        let nm = path.reference_nm();
+        let draw = |e: &Encounter<'a>| e.surface.sample(e.wo, e.sides, nm, Transport::Radiance, u);
+        match draw_consistently(encounter, draw) {
+            Some((encounter, mut scatter)) if scatter.event == event => {
+                scatter.probability = probability;
+                continue_along(path, &encounter, &scatter, sample.scratch)
+            }
+            Some(_) | None => false,
+        }
+    }
+
+    /// Scatters as the surface draws it.
+    fn scatter_once<S: Sink>(
+        &self,
+        path: &mut CameraPath,
+        encounter: &Encounter<'a>,
+        u: [f64; 3],
+        sample: &mut Sample<'_, 'a, S>,
+    ) -> bool {
+        let nm = path.reference_nm();
+        let draw = |e: &Encounter<'a>| e.surface.sample(e.wo, e.sides, nm, Transport::Radiance, u);
+        match draw_consistently(encounter, draw) {
+            Some((encounter, scatter)) => continue_along(path, &encounter, &scatter, sample.scratch),
+            None => false,
+        }
+    }
+}
+
+/// Takes the path along a scattered direction; false where a rough surface sends it into itself.
+fn continue_along<'a>(
+    path: &mut CameraPath,
+    encounter: &Encounter<'a>,
+    scatter: &Scatter,
+    scratch: &mut Scratch<'a>,
+) -> bool {
+    let direction = encounter.frame.to_world(scatter.wi);
+    if !encounter.agrees(direction, scatter.event) {
+        return false;
+    }
+    let (surface, wo, sides) = (encounter.surface, encounter.wo, encounter.sides);
+    let factor = Factor::Scattering { surface, wo, scatter: *scatter, sides, probability: scatter.probability };
+    path.multiply(factor, scratch);
+    path.view = View::Relayed;
+    path.counts = match (scatter.delta, path.counts) {
+        (false, _) => Counts::Shared { place: encounter.hit.position, pdf: scatter.probability },
+        (true, Counts::Fully) => Counts::Fully,
+        (true, Counts::Shared { .. } | Counts::Not) => Counts::Not,
+    };
+    path.start = encounter.leave(direction, encounter.interior_after(scatter.event));
+    true
+}
+
+impl CameraPath {
+    /// The wavelength at which directions are chosen.
+    fn reference_nm(&self) -> f64 {
+        match self.colour {
+            Colour::Free => REFERENCE_NM,
+            Colour::Shared { nm, .. } => nm,
+        }
+    }
+
+    /// Multiplies what the path lets through by an event's factor.
+    fn multiply<'a>(&mut self, factor: Factor<'a>, scratch: &mut Scratch<'a>) {
+        let at_reference = factor.at(self.reference_nm());
+        self.level *= at_reference;
+        match &mut self.colour {
+            Colour::Free => scratch.factors.push(factor),
+            Colour::Shared { throughput, .. } => *throughput *= at_reference,
+        }
+    }
+}
+
+/// Russian roulette for paths that have lost most of their light.
+fn survives<S: Sink>(path: &mut CameraPath, sample: &mut Sample<'_, '_, S>) -> bool {
+    const FREE_EVENTS: u32 = 8;
+    if path.level <= 0.0 && matches!(path.colour, Colour::Shared { .. }) {
+        return false;
+    }
+    if path.depth < FREE_EVENTS || path.level >= 0.5 {
+        return true;
+    }
+    let survival = path.level.max(0.05);
+    if sample.numbers.stream.uniform() >= survival {
+        return false;
+    }
+    path.multiply(Factor::Grey(1.0 / survival), sample.scratch);
+    true
+}
+
+/// Calls `f` with wavelengths (nm) and what the path lets through there divided by their density: a stratified set drawn from the
+/// lamp for free paths, the path's own wavelength for shared ones.
+fn each_wavelength(
+    colour: Colour,
+    factors: &[Factor<'_>],
+    light: &crate::scene::light::Light,
+    u: f64,
+    mut f: impl FnMut(f64, f64),
+) {
+    match colour {
+        Colour::Free => {
+            for k in 0..LANES {
+                let (nm, pdf) = light.wavelengths.sample((u + k as f64) / LANES as f64);
+                f(nm, product(factors, nm) / (pdf * LANES as f64));
+            }
+        }
+        Colour::Shared { nm, throughput, .. } => f(nm, throughput),
+    }
+}

@@ -1,0 +1,57 @@
+//! What a camera path lets through, as a function of wavelength.
+
+use crate::optics::surface::{Scatter, Sides, Surface, Transport};
+use crate::spectrum::Spectrum;
+use glam::DVec3;
+
+/// One event's factor on the radiance that a camera path carries back.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Factor<'a> {
+    /// A scattering event.
+    Scattering {
+        surface: &'a Surface,
+        wo: DVec3,
+        scatter: Scatter,
+        sides: Sides<'a>,
+        /// The probability or density with which the direction was chosen.
+        probability: f64,
+    },
+    /// Absorption along a stretch of glass or liquid (m).
+    Absorption { coefficient: &'a Spectrum, distance: f64 },
+    /// The same for all wavelengths.
+    Grey(f64),
+}
+
+impl Factor<'_> {
+    /// The factor at a wavelength.
+    pub(super) fn at(&self, nm: f64) -> f64 {
+        match self {
+            Factor::Scattering { surface, wo, scatter, sides, probability } => {
+                surface.response(*wo, scatter, *sides, Transport::Radiance, nm) / probability
+            }
+            Factor::Absorption { coefficient, distance } => (-coefficient.at(nm) * distance).exp(),
+            Factor::Grey(value) => *value,
+        }
+    }
+}
+
+/// The product of the factors at a wavelength.
+pub(super) fn product(factors: &[Factor<'_>], nm: f64) -> f64 {
+    factors.iter().map(|factor| factor.at(nm)).product()
+}
+
+/// How a camera path is coloured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Colour {
+    /// Still a function of wavelength: the path's factors.
+    Free,
+    /// At one of the pass's shared wavelengths.
+    Shared {
+        /// Which.
+        lane: usize,
+        /// The wavelength in nm.
+        nm: f64,
+        /// What the path lets through, divided by the wavelength's density.
+        throughput: f64,
+    },
+}

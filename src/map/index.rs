@@ -1,0 +1,130 @@
+//! The spatial index over a pass's photons: kiddo's immutable kd-tree, which takes any number of coplanar or coincident points.
+
+use super::photon::Photon;
+use kiddo::leaf_strategies::VecOfArenas;
+use kiddo::stem_strategies::Eytzinger;
+use kiddo::{KdTree, SquaredEuclidean};
+use std::num::NonZero;
+
+/// Photons per leaf; 8 measured best.
+const LEAF: usize = 8;
+
+type Tree = KdTree<f32, Photon, Eytzinger, VecOfArenas<f32, Photon, 3, LEAF>, 3, LEAF>;
+
+/// Photons by place. Positions are in m relative to the scene's centre.
+#[derive(Debug, Default)]
+pub struct PhotonIndex {
+    tree: Option<Tree>,
+}
+
+/// A photon found near a place.
+#[derive(Debug, Clone, Copy)]
+pub struct Found {
+    /// The photon.
+    pub photon: Photon,
+    /// Its place.
+    pub position: [f32; 3],
+    /// The squared distance in m².
+    pub distance2: f32,
+}
+
+impl PhotonIndex {
+    /// Builds the index, on all threads of the current pool; the result does not depend on their number.
+    pub fn build(photons: &[(Photon, [f32; 3])]) -> Self {
+        if photons.is_empty() {
+            return Self::default();
+        }
+        let tree =
+            Tree::new_from_entries_parallel(photons).expect("photon positions are finite and their leaves can grow");
+        Self { tree: Some(tree) }
+    }
+
+    /// How many photons there are.
+    pub fn len(&self) -> usize {
+        self.tree.as_ref().map_or(0, KdTree::size)
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.tree.is_none()
+    }
+
+    /// Calls `visit` for every photon within `radius` (m) of the place; allocates nothing.
+    #[inline]
+    pub fn within(&self, place: [f32; 3], radius: f32, mut visit: impl FnMut(Found)) {
+        if let Some(tree) = &self.tree {
+            tree.query(&place).within::<SquaredEuclidean<f32>>(radius * radius).unsorted().with_points().visit(
+                |found| {
+                    visit(Found { photon: found.item, position: found.point, distance2: found.distance });
+                },
+            );
+        }
+    }
+
+    /// The distance (m) of the `k`-th nearest photon, or of the farthest if there are fewer; `None` without photons.
+    pub fn kth_distance(&self, place: [f32; 3], k: NonZero<usize>) -> Option<f32> {
+        let found = self.tree.as_ref()?.query(&place).nearest_n::<SquaredEuclidean<f32>>(k).execute();
+        found.last().map(|last| last.distance.sqrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::{Purpose, Stream};
+    use glam::DVec3;
+
+    fn numbered(i: usize) -> Photon {
+        let mut photon = Photon::new(DVec3::Y, DVec3::Y, 4, 0);
+        photon.nm = [i as f32; 4];
+        photon
+    }
+
+    fn found(index: &PhotonIndex, place: [f32; 3], radius: f32) -> Vec<usize> {
+        let mut hits = Vec::new();
+        index.within(place, radius, |f| hits.push(f.photon.nm[0] as usize));
+        hits.sort_unstable();
+        hits
+    }
+
+    #[test]
+    fn a_hundred_thousand_coplanar_photons_are_found_like_by_brute_force() {
+        let mut stream = Stream::new(1, Purpose::Pilot, 0, 0);
+        let photons: Vec<_> = (0..100_000)
+            .map(|i| (numbered(i), [stream.uniform() as f32 - 0.5, 0.0, stream.uniform() as f32 - 0.5]))
+            .collect();
+        let index = PhotonIndex::build(&photons);
+        assert_eq!(index.len(), photons.len());
+        for _ in 0..50 {
+            let place = [stream.uniform() as f32 - 0.5, 0.001, stream.uniform() as f32 - 0.5];
+            let radius = 0.02_f32;
+            let distance2 = |p: [f32; 3]| (0..3).map(|a| (p[a] - place[a]).powi(2)).sum::<f32>();
+            let expected: Vec<usize> =
+                (0..photons.len()).filter(|&i| distance2(photons[i].1) <= radius * radius).collect();
+            assert_eq!(found(&index, place, radius), expected);
+            let mut all: Vec<f32> = photons.iter().map(|p| distance2(p.1)).collect();
+            all.sort_by(f32::total_cmp);
+            let kth = index.kth_distance(place, NonZero::new(60).unwrap()).unwrap();
+            assert!((kth - all[59].sqrt()).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn ten_thousand_coincident_photons_are_all_found() {
+        let photons: Vec<_> = (0..10_000).map(|i| (numbered(i), [0.25, -1.0, 3.0])).collect();
+        let index = PhotonIndex::build(&photons);
+        assert_eq!(found(&index, [0.25, -1.0, 3.0], 1e-3).len(), 10_000);
+        assert!(found(&index, [0.25, -1.1, 3.0], 1e-3).is_empty());
+        assert_eq!(index.kth_distance([0.25, -1.0, 3.0], NonZero::new(50).unwrap()), Some(0.0));
+    }
+
+    #[test]
+    fn one_photon_and_none() {
+        let one = PhotonIndex::build(&[(numbered(7), [1.0, 2.0, 3.0])]);
+        assert_eq!(found(&one, [1.0, 2.0, 3.0], 0.1), [7]);
+        assert_eq!(one.kth_distance([1.0, 2.0, 4.0], NonZero::new(50).unwrap()), Some(1.0));
+        let none = PhotonIndex::build(&[]);
+        assert!(none.is_empty() && found(&none, [0.0; 3], 10.0).is_empty());
+        assert_eq!(none.kth_distance([0.0; 3], NonZero::<usize>::MIN), None);
+    }
+}

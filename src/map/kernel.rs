@@ -1,0 +1,65 @@
+//! Kernels: how a photon's power spreads over the surface around it.
+
+use std::f64::consts::FRAC_1_PI;
+
+/// The kernel in use, that of Epanechnikov in two dimensions, and the uniform one of the same radius; both integrate to 1 over the disk.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Kernels {
+    /// Epanechnikov's: 2/(πr²)·(1 − d²/r²).
+    pub estimate: f64,
+    /// The uniform kernel: 1/(πr²).
+    pub uniform: f64,
+}
+
+/// The kernels' values (1/m²) at the squared distance `d2` within the squared radius `r2`.
+pub fn at(d2: f64, r2: f64) -> Kernels {
+    let uniform = FRAC_1_PI / r2;
+    Kernels { estimate: 2.0 * uniform * (1.0 - d2 / r2), uniform }
+}
+
+impl Kernels {
+    /// A photon's share in the estimated bias of the Epanechnikov estimate L_e, from L_u by the uniform kernel of the same radius. The
+    /// bias of a second-order kernel is proportional to its second moment μ; μ_u = r²/2 and μ_e = r²/3, so that
+    /// b = μ_e/(μ_u − μ_e)·(L_u − L_e).
+    pub fn bias(&self) -> f64 {
+        2.0 * (self.uniform - self.estimate)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    /// ∫ f(d²) over the disk of radius r.
+    fn over_disk(r: f64, f: impl Fn(f64) -> f64) -> f64 {
+        let n = 100_000;
+        (0..n)
+            .map(|i| {
+                let d = (f64::from(i) + 0.5) / f64::from(n) * r;
+                f(d * d) * TAU * d * r / f64::from(n)
+            })
+            .sum()
+    }
+
+    #[test]
+    fn kernels_integrate_to_one_and_have_the_stated_second_moments() {
+        let r = 0.3_f64;
+        let r2 = r * r;
+        assert!((over_disk(r, |d2| at(d2, r2).estimate) - 1.0).abs() < 1e-8);
+        assert!((over_disk(r, |d2| at(d2, r2).uniform) - 1.0).abs() < 1e-8);
+        assert!((over_disk(r, |d2| d2 * at(d2, r2).estimate) - r2 / 3.0).abs() < 1e-8);
+        assert!((over_disk(r, |d2| d2 * at(d2, r2).uniform) - r2 / 2.0).abs() < 1e-8);
+    }
+
+    #[test]
+    fn the_bias_of_a_parabola_is_found_exactly() {
+        // Density 1 + c·d² seen at its vertex: the estimate is 1 + c·μ_e, its bias c·μ_e.
+        let (r, c) = (0.5_f64, 0.8);
+        let r2 = r * r;
+        let estimate = over_disk(r, |d2| (1.0 + c * d2) * at(d2, r2).estimate);
+        let uniform = over_disk(r, |d2| (1.0 + c * d2) * at(d2, r2).uniform);
+        let bias = Kernels { estimate, uniform }.bias();
+        assert!((bias - (estimate - 1.0)).abs() < 1e-8);
+    }
+}

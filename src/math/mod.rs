@@ -1,0 +1,8 @@
+//! Random streams, low-discrepancy points, warps with their densities, distributions, exact sums, frames.
+
+pub mod distribution;
+pub mod frame;
+pub mod random;
+pub mod sobol;
+pub mod sum;
+pub mod warp;

@@ -1,0 +1,105 @@
+//! Independent streams of random numbers: one per path, seeded by a hash of what the path is.
+//!
+//! Every random number of a render comes from here or from [`super::sobol`], so that the picture depends on
+//! (seed, pass, path) and on nothing else: not on threads, not on the order in which the work was done.
+
+use rand::Rng;
+use rand_pcg::Pcg32;
+
+/// The largest `f64` below 1, where a sampler's `u` ends.
+pub const ONE_MINUS_ULP: f64 = 1.0 - f64::EPSILON / 2.0;
+
+/// Noise is measured over this many replicates of the whole picture; pass i belongs to replicate i mod 8.
+pub const REPLICATES: usize = 8;
+
+/// What a stream is for; streams of different purposes are independent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u64)]
+pub enum Purpose {
+    /// Photons with wavelengths of their own.
+    FreePhoton = 1,
+    /// Photons on the pass's shared wavelengths.
+    SharedPhoton,
+    /// Camera paths.
+    Camera,
+    /// What a whole pass draws once: time, shared wavelengths.
+    Pass,
+    /// The pilot that fixes radii and guides before pass 0.
+    Pilot,
+}
+
+/// Mixes a 64-bit word thoroughly (the finaliser of SplitMix64, Steele, Lea & Flood 2014).
+pub fn mix64(mut x: u64) -> u64 {
+    x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
+
+/// A hash of several words, order included.
+pub fn hash64<const N: usize>(words: [u64; N]) -> u64 {
+    words.into_iter().fold(0x243f_6a88_85a3_08d3, |state, word| mix64(state ^ word))
+}
+
+/// A stream of uniform numbers for one path.
+#[derive(Debug, Clone)]
+pub struct Stream(Pcg32);
+
+impl Stream {
+    /// The stream of path `path` in pass `pass`. State and sequence are hashed apart: consecutive sequences on
+    /// one state are visibly correlated.
+    pub fn new(seed: u64, purpose: Purpose, pass: u64, path: u64) -> Self {
+        let key = hash64([seed, purpose as u64, pass, path]);
+        Self(Pcg32::new(key, mix64(key)))
+    }
+
+    /// A number in [0, 1) with 32 random bits.
+    pub fn uniform(&mut self) -> f64 {
+        f64::from(self.0.next_u32()) * (1.0 / 4_294_967_296.0)
+    }
+
+    /// Two numbers in [0, 1).
+    pub fn pair(&mut self) -> [f64; 2] {
+        [self.uniform(), self.uniform()]
+    }
+
+    /// Three numbers in [0, 1).
+    pub fn triple(&mut self) -> [f64; 3] {
+        [self.uniform(), self.uniform(), self.uniform()]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbouring_streams_are_uncorrelated() {
+        // The correlation of n pairs has standard deviation 1/√n; four of them is the bound.
+        let n = 20_000_u64;
+        for (purpose, step) in [(Purpose::Camera, 1), (Purpose::FreePhoton, 1 << 32)] {
+            let mut sum = 0.0;
+            for path in 0..n {
+                let a = Stream::new(7, purpose, 3, path * step).uniform() - 0.5;
+                let b = Stream::new(7, purpose, 3, (path + 1) * step).uniform() - 0.5;
+                sum += a * b * 12.0;
+            }
+            assert!((sum / n as f64).abs() < 4.0 / (n as f64).sqrt(), "correlation {}", sum / n as f64);
+        }
+    }
+
+    #[test]
+    fn a_stream_depends_on_all_its_words() {
+        let first = |seed, purpose, pass, path| Stream::new(seed, purpose, pass, path).uniform();
+        let base = first(1, Purpose::Camera, 2, 3);
+        assert_eq!(base, first(1, Purpose::Camera, 2, 3));
+        for other in [
+            first(2, Purpose::Camera, 2, 3),
+            first(1, Purpose::Pilot, 2, 3),
+            first(1, Purpose::Camera, 3, 3),
+            first(1, Purpose::Camera, 2, 4),
+        ] {
+            assert_ne!(base, other);
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! Owen-scrambled Sobol points: each prefix of the sequence is well spread in every dimension and pair.
+//!
+//! Direction numbers: Joe & Kuo 2008 (primitive polynomials and initial values of their first dimensions).
+//! Scrambling: nested uniform scrambling by a hash of the higher bits, Laine & Karras 2011 with the hash of
+//! Vegdahl 2021, as laid out in Burley 2020. 32 bits: the sequence repeats after 2³² points.
+
+/// How many dimensions there are.
+pub const DIMENSIONS: usize = 8;
+
+/// Polynomial degree, coefficient bits, and initial direction numbers of dimensions 1…7 (dimension 0 is the
+/// van der Corput sequence).
+const JOE_KUO: [(u32, u32, [u32; 5]); DIMENSIONS - 1] = [
+    (1, 0, [1, 0, 0, 0, 0]),
+    (2, 1, [1, 3, 0, 0, 0]),
+    (3, 1, [1, 3, 1, 0, 0]),
+    (3, 2, [1, 1, 1, 0, 0]),
+    (4, 1, [1, 1, 3, 3, 0]),
+    (4, 4, [1, 3, 5, 13, 0]),
+    (5, 2, [1, 1, 5, 5, 17]),
+];
+
+/// The generator matrices' columns, most significant digit in bit 31.
+const DIRECTIONS: [[u32; 32]; DIMENSIONS] = directions();
+
+const fn directions() -> [[u32; 32]; DIMENSIONS] {
+    let mut all = [[0_u32; 32]; DIMENSIONS];
+    let mut bit = 0;
+    while bit < 32 {
+        all[0][bit] = 1 << (31 - bit);
+        bit += 1;
+    }
+    let mut dimension = 1;
+    while dimension < DIMENSIONS {
+        let (degree, coefficients, initial) = JOE_KUO[dimension - 1];
+        let degree = degree as usize;
+        let mut i = 0;
+        while i < 32 {
+            all[dimension][i] = if i < degree {
+                initial[i] << (31 - i)
+            } else {
+                let mut v = all[dimension][i - degree] ^ (all[dimension][i - degree] >> degree);
+                let mut k = 1;
+                while k < degree {
+                    if (coefficients >> (degree - 1 - k)) & 1 == 1 {
+                        v ^= all[dimension][i - k];
+                    }
+                    k += 1;
+                }
+                v
+            };
+            i += 1;
+        }
+        dimension += 1;
+    }
+    all
+}
+
+/// A scrambled point set; different seeds give independent scramblings.
+#[derive(Debug, Clone, Copy)]
+pub struct Sobol {
+    seed: u64,
+}
+
+impl Sobol {
+    /// The point set scrambled by this seed.
+    pub fn new(seed: u64) -> Self {
+        Self { seed }
+    }
+
+    /// Coordinate `dimension` (below [`DIMENSIONS`]) of point `index`, in [0, 1).
+    #[inline]
+    pub fn at(&self, index: u32, dimension: usize) -> f64 {
+        let columns = &DIRECTIONS[dimension];
+        let mut digits = 0;
+        let mut rest = index;
+        while rest != 0 {
+            digits ^= columns[rest.trailing_zeros() as usize];
+            rest &= rest - 1;
+        }
+        let scramble = super::random::mix64(self.seed ^ ((dimension as u64 + 1) << 56)) as u32;
+        f64::from(owen(digits, scramble)) * (1.0 / 4_294_967_296.0)
+    }
+}
+
+/// Nested uniform scrambling of the digits: each bit is flipped by a hash of the bits above it.
+#[inline]
+fn owen(digits: u32, seed: u32) -> u32 {
+    let mut x = digits.reverse_bits();
+    x ^= x.wrapping_mul(0x3d20_adea);
+    x = x.wrapping_add(seed);
+    x = x.wrapping_mul((seed >> 16) | 1);
+    x ^= x.wrapping_mul(0x0552_6c56);
+    x ^= x.wrapping_mul(0x53a2_2864);
+    x.reverse_bits()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_dimension_fills_every_stratum_once() {
+        for seed in [0, 1, 99] {
+            let sobol = Sobol::new(seed);
+            for dimension in 0..DIMENSIONS {
+                let mut seen = [false; 256];
+                for index in 0..256 {
+                    seen[(sobol.at(index, dimension) * 256.0) as usize] = true;
+                }
+                assert!(seen.iter().all(|&s| s), "seed {seed} dimension {dimension}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_first_two_dimensions_are_a_zero_two_sequence() {
+        let sobol = Sobol::new(5);
+        for rows in [1_usize, 2, 4, 8, 16] {
+            let columns = 16 / rows;
+            let mut seen = [0; 16];
+            for index in 0..16 {
+                let (a, b) = (sobol.at(index, 0), sobol.at(index, 1));
+                seen[(a * rows as f64) as usize * columns + (b * columns as f64) as usize] += 1;
+            }
+            assert!(seen.iter().all(|&s| s == 1), "{rows} rows: {seen:?}");
+        }
+    }
+
+    #[test]
+    fn an_integral_converges_faster_than_random() {
+        // ∫ Π (0.5 + u_d) over [0,1]⁸ = 1, with 4096 points; random numbers would err by about 0.01.
+        let sobol = Sobol::new(11);
+        let n = 4096;
+        let product = |index| (0..DIMENSIONS).map(|d| 0.5 + sobol.at(index, d)).product::<f64>();
+        let mean = (0..n).map(product).sum::<f64>() / f64::from(n);
+        assert!((mean - 1.0).abs() < 2e-3, "{mean}");
+    }
+}

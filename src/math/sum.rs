@@ -1,0 +1,82 @@
+//! Sums that do not depend on the order of their terms.
+
+use std::ops::AddAssign;
+
+/// An exact sum in fixed point: 128 bits with a quantum of 2⁻⁶⁴, so that it holds magnitudes up to 9·10¹⁸ and adds in any
+/// order to the same bits. A term is rounded once to the quantum; a sum out of range sticks at the end and says so.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct ExactSum(i128);
+
+/// 2⁶⁴, the reciprocal of the quantum.
+const SCALE: f64 = 18_446_744_073_709_551_616.0;
+
+impl ExactSum {
+    /// The sum so far.
+    pub fn value(self) -> f64 {
+        self.0 as f64 / SCALE
+    }
+
+    /// Whether a term or the sum ran out of range (or a term was not a number).
+    pub fn overflowed(self) -> bool {
+        self.0 == i128::MAX || self.0 == i128::MIN
+    }
+
+    /// The sum's bits, for checkpoints and merging.
+    pub fn bits(self) -> i128 {
+        self.0
+    }
+
+    /// A sum from its bits.
+    pub fn from_bits(bits: i128) -> Self {
+        Self(bits)
+    }
+}
+
+/// A term in quanta. A float-to-integer cast saturates; it would take NaN to 0, which is marked as out of range instead.
+fn quanta(term: f64) -> i128 {
+    if term.is_nan() { i128::MAX } else { (term * SCALE) as i128 }
+}
+
+impl AddAssign<f64> for ExactSum {
+    fn add_assign(&mut self, term: f64) {
+        self.0 = self.0.saturating_add(quanta(term));
+    }
+}
+
+impl AddAssign for ExactSum {
+    fn add_assign(&mut self, other: Self) {
+        self.0 = self.0.saturating_add(other.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_order_of_terms_does_not_matter() {
+        let terms: Vec<f64> = (1..2000).map(|i| (f64::from(i) * 0.7).sin() * 10f64.powi(i % 12 - 6)).collect();
+        let (mut forward, mut backward) = (ExactSum::default(), ExactSum::default());
+        terms.iter().for_each(|&t| forward += t);
+        terms.iter().rev().for_each(|&t| backward += t);
+        assert_eq!(forward, backward);
+        assert!((forward.value() - terms.iter().sum::<f64>()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_hundred_million_small_powers_add_exactly() {
+        let mut sum = ExactSum::default();
+        (0..100_000).for_each(|_| sum += 1e-8);
+        assert!((sum.value() - 1e-3).abs() < 1e-14);
+    }
+
+    #[test]
+    fn overflow_and_nan_are_noticed() {
+        let mut sum = ExactSum::default();
+        sum += 1e30;
+        assert!(sum.overflowed());
+        let mut sum = ExactSum::default();
+        sum += f64::NAN;
+        assert!(sum.overflowed());
+    }
+}

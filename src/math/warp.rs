@@ -1,0 +1,87 @@
+//! Warps of the unit square onto disks, spheres and cones, each beside its density.
+
+use glam::{DVec2, DVec3};
+use std::f64::consts::{FRAC_PI_4, PI, TAU};
+
+/// The unit disk, uniformly (density 1/π), with little distortion: Shirley & Chiu 1997.
+pub fn disk(u: [f64; 2]) -> DVec2 {
+    let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
+    if a == 0.0 && b == 0.0 {
+        return DVec2::ZERO;
+    }
+    let (radius, angle) =
+        if a.abs() > b.abs() { (a, FRAC_PI_4 * (b / a)) } else { (b, 2.0 * FRAC_PI_4 - FRAC_PI_4 * (a / b)) };
+    DVec2::new(radius * angle.cos(), radius * angle.sin())
+}
+
+/// The hemisphere around +z with density cos θ / π per steradian (Malley's method).
+pub fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
+    let d = disk(u);
+    d.extend((1.0 - d.length_squared()).max(0.0).sqrt())
+}
+
+/// The whole sphere, uniformly (density 1/4π per steradian).
+pub fn sphere(u: [f64; 2]) -> DVec3 {
+    let z = 1.0 - 2.0 * u[0];
+    let (sin, cos) = (TAU * u[1]).sin_cos();
+    let r = (2.0 * u[0].sqrt() * (1.0 - u[0]).sqrt()).min(1.0);
+    DVec3::new(r * cos, r * sin, z)
+}
+
+/// 1 − cos of a half-angle in radians, without cancellation for narrow cones.
+pub fn one_minus_cos(half_angle: f64) -> f64 {
+    let s = (0.5 * half_angle).sin();
+    2.0 * s * s
+}
+
+/// The solid angle in steradians of a cone of this half-angle in radians.
+pub fn cone_solid_angle(half_angle: f64) -> f64 {
+    TAU * one_minus_cos(half_angle)
+}
+
+/// A cone around +z given by 1 − cos of its half-angle, uniformly over its solid angle
+/// (density 1/(2π·`one_minus_cos`)); exact for very narrow cones too.
+pub fn cone(one_minus_cos: f64, u: [f64; 2]) -> DVec3 {
+    let h = u[0] * one_minus_cos;
+    let (sin, cos) = (TAU * u[1]).sin_cos();
+    let r = (h * (2.0 - h)).max(0.0).sqrt();
+    DVec3::new(r * cos, r * sin, 1.0 - h)
+}
+
+/// The density per steradian of [`cosine_hemisphere`].
+pub fn cosine_hemisphere_pdf(cos_theta: f64) -> f64 {
+    cos_theta.max(0.0) / PI
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::sobol::Sobol;
+
+    fn mean(n: u32, f: impl Fn([f64; 2]) -> f64) -> f64 {
+        let sobol = Sobol::new(3);
+        (0..n).map(|i| f([sobol.at(i, 0), sobol.at(i, 1)])).sum::<f64>() / f64::from(n)
+    }
+
+    #[test]
+    fn first_and_second_moments_are_those_of_the_densities() {
+        let n = 1 << 16;
+        assert!((mean(n, |u| disk(u).length_squared()) - 0.5).abs() < 1e-4);
+        assert!((mean(n, |u| cosine_hemisphere(u).z) - 2.0 / 3.0).abs() < 1e-4);
+        assert!((mean(n, |u| sphere(u).z * sphere(u).z) - 1.0 / 3.0).abs() < 1e-4);
+        let omc = one_minus_cos(0.5);
+        assert!((mean(n, |u| cone(omc, u).z) - (1.0 - omc / 2.0)).abs() < 1e-6);
+    }
+
+    #[test]
+    fn directions_are_unit_at_the_ends_of_u() {
+        let ends = [0.0, 0.5, crate::math::random::ONE_MINUS_ULP];
+        for a in ends {
+            for b in ends {
+                for d in [cosine_hemisphere([a, b]), sphere([a, b]), cone(1e-12, [a, b])] {
+                    assert!((d.length() - 1.0).abs() < 1e-12, "{a} {b} {d}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! The formulas of dispersion, n(λ).
+
+/// One term b·λ²/(λ² − c) of Sellmeier's formula.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pole {
+    /// Strength, without unit (in [`Dispersion::Gas`] in 1/µm²).
+    pub b: f64,
+    /// The squared resonance wavelength in µm² (in [`Dispersion::Gas`] the squared wavenumber in 1/µm²).
+    pub c: f64,
+}
+
+/// One term c·λᵖ of a power series, λ in µm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Power {
+    /// The coefficient, in µm⁻ᵖ.
+    pub c: f64,
+    /// The exponent.
+    pub p: i32,
+}
+
+/// A formula for the index of refraction. Coefficients are for λ in µm; the argument of [`Dispersion::n`] is in nm.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Dispersion {
+    /// The same at every wavelength.
+    Constant(f64),
+    /// Cauchy 1836: n = a + b/λ² + c/λ⁴.
+    Cauchy {
+        /// The index at long wavelengths.
+        a: f64,
+        /// In µm².
+        b: f64,
+        /// In µm⁴.
+        c: f64,
+    },
+    /// Sellmeier 1871: n² = 1 + c0 + Σ b λ²/(λ² − c).
+    Sellmeier {
+        /// What resonances far in the ultraviolet add at every wavelength.
+        c0: f64,
+        /// The resonances.
+        poles: Box<[Pole]>,
+    },
+    /// n² = c0 + Σ c λᵖ, as Schott used it until 1992.
+    SquaredPowers {
+        /// The constant term.
+        c0: f64,
+        /// The others.
+        powers: Box<[Power]>,
+    },
+    /// n = c0 + Σ c λᵖ.
+    Powers {
+        /// The constant term.
+        c0: f64,
+        /// The others.
+        powers: Box<[Power]>,
+    },
+    /// n² = c₁ + c₂ λ^c₃/(λ² − c₄^c₅) + c₆ λ^c₇/(λ² − c₈^c₉): formula 4 of refractiveindex.info.
+    Rational(Box<[f64; 9]>),
+    /// n = 1 + c0 + Σ b/(c − λ⁻²), for gases (Ciddor 1996).
+    Gas {
+        /// The constant term.
+        c0: f64,
+        /// The resonances.
+        poles: Box<[Pole]>,
+    },
+    /// Straight lines between measured points; the end values are held outside.
+    Table {
+        /// Wavelengths in nm, strictly increasing, at least one.
+        nm: Box<[f64]>,
+        /// The index at each.
+        n: Box<[f64]>,
+    },
+}
+
+impl Dispersion {
+    /// The index at a wavelength in nm, wherever that lies: [`super::Index::n`] keeps to the formula's range. NaN where the
+    /// formula gives a negative square.
+    pub fn n(&self, wavelength_nm: f64) -> f64 {
+        let um = wavelength_nm * 1e-3;
+        match self {
+            Self::Constant(n) => *n,
+            Self::Cauchy { a, b, c } => {
+                let per_um2 = 1.0 / (um * um);
+                a + per_um2 * (b + per_um2 * c)
+            }
+            Self::Sellmeier { c0, poles } => {
+                let um2 = um * um;
+                let sum: f64 = poles.iter().map(|pole| pole.b * um2 / (um2 - pole.c)).sum();
+                (1.0 + c0 + sum).sqrt()
+            }
+            Self::SquaredPowers { c0, powers } => (c0 + sum_of_powers(powers, um)).sqrt(),
+            Self::Powers { c0, powers } => c0 + sum_of_powers(powers, um),
+            Self::Rational(c) => {
+                let first = c[1] * um.powf(c[2]) / (um * um - c[3].powf(c[4]));
+                let second = c[5] * um.powf(c[6]) / (um * um - c[7].powf(c[8]));
+                (c[0] + first + second).sqrt()
+            }
+            Self::Gas { c0, poles } => {
+                let per_um2 = 1.0 / (um * um);
+                let sum: f64 = poles.iter().map(|pole| pole.b / (pole.c - per_um2)).sum();
+                1.0 + c0 + sum
+            }
+            Self::Table { nm, n } => interpolate(nm, n, wavelength_nm),
+        }
+    }
+}
+
+fn sum_of_powers(powers: &[Power], um: f64) -> f64 {
+    powers.iter().map(|power| power.c * um.powi(power.p)).sum()
+}
+
+/// The value at `x` of the straight lines through (`xs`, `ys`), `xs` strictly increasing and not empty; the end values are held
+/// outside.
+pub(super) fn interpolate(xs: &[f64], ys: &[f64], x: f64) -> f64 {
+    let next = xs.partition_point(|&knot| knot <= x);
+    if next == 0 {
+        return ys[0];
+    }
+    if next == xs.len() {
+        return ys[next - 1];
+    }
+    let t = (x - xs[next - 1]) / (xs[next] - xs[next - 1]);
+    ys[next - 1] + t * (ys[next] - ys[next - 1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cauchy_is_a_plus_b_over_the_square_in_micrometres() {
+        let cauchy = Dispersion::Cauchy { a: 1.5, b: 0.004, c: 0.0001 };
+        assert!((cauchy.n(500.0) - (1.5 + 0.004 / 0.25 + 0.0001 / 0.0625)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_table_is_linear_between_its_points_and_held_outside() {
+        let table = Dispersion::Table { nm: [400.0, 500.0, 700.0].into(), n: [1.6, 1.5, 1.4].into() };
+        let values = [300.0, 400.0, 450.0, 500.0, 600.0, 700.0, 900.0].map(|nm| table.n(nm));
+        assert_eq!(values, [1.6, 1.6, 1.55, 1.5, 1.45, 1.4, 1.4]);
+    }
+}

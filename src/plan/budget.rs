@@ -1,0 +1,60 @@
+//! How many passes and photons, and how much memory.
+
+use crate::scene::Scene;
+
+/// Passes without any stop rule.
+pub const DEFAULT_PASSES: u64 = 64;
+
+/// Photon paths a pass: enough to fill the first radii, few enough that passes are short and wavelengths many.
+pub const DEFAULT_PHOTONS: u64 = 200_000;
+
+/// Surface events a path may have.
+pub const DEFAULT_MAX_DEPTH: u32 = 64;
+
+/// Photons within the first radius.
+pub const DEFAULT_NEAREST: u32 = 50;
+
+/// Bytes of a stored photon: payload and position in the tree, and once more while it is sorted.
+const PHOTON_BYTES: u64 = 2 * 56;
+
+/// Numbers that fix a render, from the scene's settings or by default.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Budget {
+    /// Passes, if no other stop rule holds.
+    pub passes: u64,
+    /// Photon paths a pass.
+    pub photons: u64,
+    /// Surface events a path may have.
+    pub max_depth: u32,
+    /// Photons within the first radius.
+    pub nearest: u32,
+    /// First radius in m, if the scene fixes it.
+    pub radius_m: Option<f64>,
+    /// Seed.
+    pub seed: u64,
+    /// Estimated memory of film and photons.
+    pub memory_bytes: u64,
+}
+
+impl Budget {
+    /// The budget of a scene whose film takes `film_bytes` (the film is the sensor's business, of which the plan knows nothing).
+    pub fn of(scene: &Scene, film_bytes: u64) -> Self {
+        let settings = &scene.settings;
+        let photons = settings.photons.unwrap_or(DEFAULT_PHOTONS);
+        let (width, height) = (scene.film.width as usize, scene.film.height as usize);
+        // A photon path meets a few diffuse surfaces; two are kept on average.
+        let memory_bytes = film_bytes
+            + 16 * (width * height) as u64
+            + 2 * photons * PHOTON_BYTES
+            + scene.geometry.memory_bytes() as u64;
+        Self {
+            passes: settings.passes.unwrap_or(DEFAULT_PASSES),
+            photons,
+            max_depth: settings.max_depth.unwrap_or(DEFAULT_MAX_DEPTH),
+            nearest: settings.nearest.unwrap_or(DEFAULT_NEAREST),
+            radius_m: settings.radius_m,
+            seed: settings.seed.unwrap_or(0),
+            memory_bytes,
+        }
+    }
+}

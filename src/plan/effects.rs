@@ -1,0 +1,245 @@
+//! The table of effects: the fact that calls for each, the field of the plan, the code that reads it, and what its absence means.
+
+use super::{
+    AbsorptionPlan, AimPlan, AperturePlan, CausticPlan, DirectPlan, EnvironmentPlan, IndirectPlan, Plan, RoughnessPlan,
+    WavelengthPlan,
+};
+use crate::error::{Error, Result};
+use crate::scene::facts::Facts;
+
+/// One effect that a scene may call for.
+#[derive(Debug, Clone, Copy)]
+pub struct Effect {
+    /// Its name for `--force`, `--forbid` and reports.
+    pub name: &'static str,
+    /// The field of the plan.
+    pub field: &'static str,
+    /// The code that reads it.
+    pub read_by: &'static str,
+    /// What it costs where it is on.
+    pub cost: &'static str,
+    /// What its absence means.
+    pub absent: &'static str,
+    /// The names of the scene's things that call for it, and what they are; empty if nothing does.
+    calls: fn(&Facts) -> (Vec<String>, &'static str),
+    /// Switches it on or off in a plan.
+    set: fn(&mut Plan, &Facts, bool),
+}
+
+/// All effects.
+pub const EFFECTS: [Effect; 10] = [
+    Effect {
+        name: "dispersion",
+        field: "wavelengths",
+        read_by: "gather (camera paths), emit (the shared photon set)",
+        cost: "four camera paths behind dispersive glass, and a second photon set on the pass's shared wavelengths",
+        absent: "one photon set; camera paths stay functions of wavelength; no shared wavelength is drawn",
+        calls: |facts| (facts.dispersive.clone(), "dispersive glass"),
+        set: |plan, _, on| plan.wavelengths = if on { WavelengthPlan::Both } else { WavelengthPlan::Free },
+    },
+    Effect {
+        name: "shared",
+        field: "wavelengths",
+        read_by: "gather (camera paths), emit (the shared photon set)",
+        cost: "every camera path at the pass's shared wavelengths: more colour noise; for tests",
+        absent: "camera paths stay wavelength-free until they refract dispersively",
+        calls: |_| (Vec::new(), "nothing: only for comparing"),
+        set: |plan, _, on| {
+            if on {
+                plan.wavelengths = WavelengthPlan::Shared;
+            }
+        },
+    },
+    Effect {
+        name: "caustics",
+        field: "caustics",
+        read_by: "emit (what photons are kept or connected)",
+        cost: "a photon's path through the glass, a shadow ray to the camera, 56 bytes in the map",
+        absent: "no photon is kept or connected on its way from mirrors and glass",
+        calls: |facts| {
+            if facts.diffuse.is_empty() && facts.glossy.is_empty() {
+                (Vec::new(), "no surface for a caustic to fall on")
+            } else {
+                (facts.specular.clone(), "mirrors or glass")
+            }
+        },
+        set: |plan, _, on| plan.caustics = if on { CausticPlan::Photons } else { CausticPlan::Absent },
+    },
+    Effect {
+        name: "indirect",
+        field: "indirect",
+        read_by: "emit (what photons are kept), gather (map queries)",
+        cost: "56 bytes a photon event, the tree, one query a camera path",
+        absent: "photons end at the first diffuse surface's far side: none is kept after scattering",
+        calls: |facts| {
+            let reflecting = [facts.diffuse.as_slice(), &facts.glossy].concat();
+            (reflecting, "surfaces that pass light on")
+        },
+        set: |plan, _, on| plan.indirect = if on { IndirectPlan::Photons } else { IndirectPlan::Absent },
+    },
+    Effect {
+        name: "direct",
+        field: "direct",
+        read_by: "gather (shadow rays)",
+        cost: "a shadow ray for each lamp, and a scattered ray where a lamp can be hit",
+        absent: "no shadow ray",
+        calls: |facts| {
+            let scattering = !(facts.diffuse.is_empty() && facts.glossy.is_empty());
+            (if scattering { facts.lights.clone() } else { Vec::new() }, "lamps within reach of shadow rays")
+        },
+        set: |plan, facts, on| {
+            plan.direct = match (on, facts.hittable_lights.is_empty()) {
+                (false, _) => DirectPlan::Absent,
+                (true, true) => DirectPlan::ShadowRays,
+                (true, false) => DirectPlan::ShadowAndScatteredRays,
+            }
+        },
+    },
+    Effect {
+        name: "depth-of-field",
+        field: "aperture",
+        read_by: "gather (camera rays), emit (connections)",
+        cost: "a point on the lens for each camera ray and connection",
+        absent: "all rays start at the pinhole; no lens point is drawn",
+        calls: |facts| {
+            let opening = facts.aperture_nm.map(|nm| format!("opening of radius {:.3} mm", nm as f64 * 1e-6));
+            (opening.into_iter().collect(), "the camera's lens")
+        },
+        set: |plan, _, on| plan.aperture = if on { AperturePlan::ThinLens } else { AperturePlan::Pinhole },
+    },
+    Effect {
+        name: "environment",
+        field: "environment",
+        read_by: "gather (rays that leave the scene)",
+        cost: "a look at the surroundings for each ray that leaves the scene",
+        absent: "rays that leave the scene find nothing",
+        calls: |facts| (facts.surroundings.clone(), "light from infinity"),
+        set: |plan, _, on| plan.environment = if on { EnvironmentPlan::Looked } else { EnvironmentPlan::Absent },
+    },
+    Effect {
+        name: "roughness",
+        field: "roughness",
+        read_by: "gather (camera paths go on)",
+        cost: "a longer camera path with shadow rays at each rough surface",
+        absent: "no such event",
+        calls: |facts| (facts.glossy.clone(), "rough or coated surfaces"),
+        set: |plan, _, on| plan.roughness = if on { RoughnessPlan::Sampled } else { RoughnessPlan::Absent },
+    },
+    Effect {
+        name: "absorption",
+        field: "absorption",
+        read_by: "walk (stretches inside bodies)",
+        cost: "an exponential per wavelength and stretch",
+        absent: "bodies are clear",
+        calls: |facts| (facts.absorbing_bodies.clone(), "absorbing glass or liquid"),
+        set: |plan, _, on| plan.absorption = if on { AbsorptionPlan::Beer } else { AbsorptionPlan::Absent },
+    },
+    Effect {
+        name: "aim",
+        field: "aim",
+        read_by: "emit (where lights send photons)",
+        cost: "a pilot of some photons, and a table look-up a photon",
+        absent: "photons start as the lights shine",
+        calls: |facts| {
+            if facts.diffuse.is_empty() && facts.glossy.is_empty() {
+                (Vec::new(), "no photon is used")
+            } else {
+                (facts.specular.clone(), "mirrors or glass that fill only a part of the lights' view")
+            }
+        },
+        set: |plan, _, on| plan.aim = if on { AimPlan::Learned } else { AimPlan::Plain },
+    },
+];
+
+/// Whether an effect is simulated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum State {
+    /// Yes: the scene calls for it.
+    On,
+    /// No: nothing calls for it.
+    Off,
+    /// Yes, though nothing calls for it.
+    Forced,
+    /// No, though something calls for it: the picture lacks it.
+    Forbidden,
+}
+
+impl State {
+    /// Whether the effect is simulated.
+    pub fn is_on(self) -> bool {
+        matches!(self, Self::On | Self::Forced)
+    }
+
+    /// The word for reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::On => "on",
+            Self::Off => "off",
+            Self::Forced => "forced",
+            Self::Forbidden => "forbidden",
+        }
+    }
+}
+
+/// One row of the explanation.
+#[derive(Debug, Clone)]
+pub struct Row {
+    /// The effect.
+    pub effect: &'static Effect,
+    /// Its state.
+    pub state: State,
+    /// Why.
+    pub because: String,
+}
+
+/// Decides every effect.
+pub(super) fn decide(facts: &Facts, force: &[String], forbid: &[String]) -> Result<(Plan, Vec<Row>)> {
+    for name in force.iter().chain(forbid) {
+        if !EFFECTS.iter().any(|effect| effect.name == name) {
+            let names: Vec<&str> = EFFECTS.iter().map(|effect| effect.name).collect();
+            return Err(Error::unknown_name("effect", name, names.iter().copied())
+                .expected(format!("one of {}", names.join(", "))));
+        }
+    }
+    if let Some(name) = force.iter().find(|name| forbid.contains(name)) {
+        return Err(Error::input(format!("the effect \"{name}\" is both forced and forbidden")));
+    }
+    let mut plan = Plan {
+        wavelengths: WavelengthPlan::Free,
+        caustics: CausticPlan::Absent,
+        indirect: IndirectPlan::Absent,
+        direct: DirectPlan::Absent,
+        aperture: AperturePlan::Pinhole,
+        environment: EnvironmentPlan::Absent,
+        roughness: RoughnessPlan::Absent,
+        absorption: AbsorptionPlan::Absent,
+        aim: AimPlan::Plain,
+    };
+    let mut rows = Vec::with_capacity(EFFECTS.len());
+    for effect in &EFFECTS {
+        let (callers, what) = (effect.calls)(facts);
+        let named = |list: &[String]| list.iter().any(|name| name == effect.name);
+        let state = match (callers.is_empty(), named(force), named(forbid)) {
+            (_, _, true) if callers.is_empty() => State::Off,
+            (_, _, true) => State::Forbidden,
+            (false, _, false) => State::On,
+            (true, true, false) => State::Forced,
+            (true, false, false) => State::Off,
+        };
+        (effect.set)(&mut plan, facts, state.is_on());
+        let because = match state {
+            State::On | State::Forbidden => format!("{what}: {}", listed(&callers)),
+            State::Off => format!("no {what}").replace("no no ", "no ").replace("no nothing", "nothing"),
+            State::Forced => format!("asked for by name; the scene has no {what}").replace("no nothing", "nothing"),
+        };
+        rows.push(Row { effect, state, because });
+    }
+    Ok((plan, rows))
+}
+
+/// The first few names.
+fn listed(names: &[String]) -> String {
+    const SHOWN: usize = 3;
+    let shown = names.iter().take(SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
+    if names.len() > SHOWN { format!("{shown} and {} more", names.len() - SHOWN) } else { shown }
+}

@@ -1,0 +1,41 @@
+//! The plan in words.
+
+use super::{Budget, Plan, Row, WavelengthPlan};
+use crate::scene::Scene;
+
+/// `free`, `shared` or `both`.
+pub fn wavelengths_word(plan: &Plan) -> &'static str {
+    match plan.wavelengths {
+        WavelengthPlan::Free => "free",
+        WavelengthPlan::Shared => "shared",
+        WavelengthPlan::Both => "both",
+    }
+}
+
+/// The whole plan as text, a line for each effect with its reason.
+pub fn text(scene: &Scene, plan: &Plan, rows: &[Row], budget: &Budget) -> String {
+    let mut lines = vec![format!("{}", scene.title), String::new(), "Effects:".to_string()];
+    for row in rows {
+        lines.push(format!("  {:<15} {:<9} {}", row.effect.name, row.state.word(), row.because));
+        let consequence = if row.state.is_on() { row.effect.cost } else { row.effect.absent };
+        lines.push(format!("  {:<15} {:<9} → {consequence}", "", ""));
+    }
+    let film = &scene.film;
+    lines.push(String::new());
+    lines.push(format!("Wavelengths: {}", wavelengths_word(plan)));
+    lines.push(format!(
+        "Film: {} × {}, {} primitives, {} lights",
+        film.width,
+        film.height,
+        scene.geometry.primitive_count(),
+        scene.lights.len()
+    ));
+    lines.push(format!("Passes: {}, each of {} photon paths", budget.passes, budget.photons));
+    lines.push(match budget.radius_m {
+        Some(radius) => format!("First radius: {radius} m, as the scene says"),
+        None => format!("First radius: per pixel, around the {} nearest photons of a pilot", budget.nearest),
+    });
+    lines.push(format!("Memory: about {:.0} MB", budget.memory_bytes as f64 / 1e6));
+    lines.extend(scene.notes.iter().map(|note| format!("Note: {note}")));
+    lines.join("\n") + "\n"
+}

@@ -1,0 +1,145 @@
+//! Which effects does this scene call for? Facts → plan.
+//!
+//! The table stands in [`effects`]; who counts which class of light path in [`partition`]; passes, photons and memory in [`budget`].
+
+pub mod budget;
+pub mod effects;
+pub mod explain;
+pub mod partition;
+mod prepare;
+
+use crate::error::Result;
+use crate::scene::facts::Facts;
+
+pub use budget::Budget;
+pub use effects::{EFFECTS, Effect, Row, State};
+pub use prepare::prepare;
+
+/// What will be simulated. Each field is an effect; `effects::EFFECTS` says which fact calls for it and what its absence means.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Plan {
+    /// How wavelengths are shared between photons and camera paths.
+    pub wavelengths: WavelengthPlan,
+    /// Light through glass and from mirrors.
+    pub caustics: CausticPlan,
+    /// Light scattered from surface to surface.
+    pub indirect: IndirectPlan,
+    /// Light straight from lamps.
+    pub direct: DirectPlan,
+    /// The camera's opening.
+    pub aperture: AperturePlan,
+    /// Light from infinity.
+    pub environment: EnvironmentPlan,
+    /// Rough and coated surfaces.
+    pub roughness: RoughnessPlan,
+    /// Absorption inside bodies.
+    pub absorption: AbsorptionPlan,
+    /// Where photons are sent.
+    pub aim: AimPlan,
+}
+
+/// How wavelengths are shared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WavelengthPlan {
+    /// Every photon has its own; no camera path meets dispersive glass.
+    Free,
+    /// Every camera path takes the pass's shared wavelengths from the start.
+    Shared,
+    /// Camera paths are free until they refract dispersively, then shared.
+    Both,
+}
+
+/// Light through glass and from mirrors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CausticPlan {
+    /// None.
+    Absent,
+    /// Photons: connected to the camera where it sees the surface, from the map elsewhere.
+    Photons,
+}
+
+/// Light scattered from surface to surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum IndirectPlan {
+    /// None.
+    Absent,
+    /// Photons in a map.
+    Photons,
+}
+
+/// Light straight from lamps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DirectPlan {
+    /// None: no surface scatters.
+    Absent,
+    /// Shadow rays alone: no scattered ray can hit a lamp.
+    ShadowRays,
+    /// Shadow rays and scattered rays, weighted against each other.
+    ShadowAndScatteredRays,
+}
+
+impl DirectPlan {
+    /// Whether scattered rays look for lamps.
+    pub fn scatters_to_lamps(self) -> bool {
+        self == Self::ShadowAndScatteredRays
+    }
+}
+
+/// The camera's opening.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AperturePlan {
+    /// A point.
+    Pinhole,
+    /// A lens with depth of field.
+    ThinLens,
+}
+
+impl AperturePlan {
+    /// Whether rays start all over a lens.
+    pub fn is_finite(self) -> bool {
+        self == Self::ThinLens
+    }
+}
+
+/// Light from infinity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EnvironmentPlan {
+    /// None.
+    Absent,
+    /// Rays that leave the scene look at it.
+    Looked,
+}
+
+/// Rough and coated surfaces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RoughnessPlan {
+    /// None.
+    Absent,
+    /// Camera paths go on in a drawn direction.
+    Sampled,
+}
+
+/// Absorption inside bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AbsorptionPlan {
+    /// All bodies are clear.
+    Absent,
+    /// Beer's law.
+    Beer,
+}
+
+/// Where photons are sent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AimPlan {
+    /// As the lights shine.
+    Plain,
+    /// Where the pilot found them useful.
+    Learned,
+}
+
+impl Plan {
+    /// The plan for these facts, with effects forced on or forbidden by name; the rows tell state and reason of each.
+    pub fn new(facts: &Facts, force: &[String], forbid: &[String]) -> Result<(Self, Vec<Row>)> {
+        effects::decide(facts, force, forbid)
+    }
+}

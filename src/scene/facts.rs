@@ -1,0 +1,75 @@
+//! What a scene contains, as far as it decides which effects it calls for.
+
+use super::Scene;
+use super::camera::Aperture;
+use super::light::Emitter;
+use crate::optics::surface::{Class, Surface};
+
+/// Facts about a scene, each with the names that prove it.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Facts {
+    /// Objects of glass whose index depends on wavelength.
+    pub dispersive: Vec<String>,
+    /// Objects that only mirror or refract.
+    pub specular: Vec<String>,
+    /// Objects with rough or coated surfaces.
+    pub glossy: Vec<String>,
+    /// Objects that scatter diffusely.
+    pub diffuse: Vec<String>,
+    /// Objects of absorbing glass or liquid.
+    pub absorbing_bodies: Vec<String>,
+    /// Lights, all of which shadow rays can ask.
+    pub lights: Vec<String>,
+    /// Lights that a scattered ray can hit by itself.
+    pub hittable_lights: Vec<String>,
+    /// Lights at infinity that have extent.
+    pub surroundings: Vec<String>,
+    /// The radius of the camera's opening in nm (an integer, so that facts compare), if it is not a pinhole.
+    pub aperture_nm: Option<u64>,
+}
+
+impl Facts {
+    /// Looks a scene over.
+    pub fn of(scene: &Scene) -> Self {
+        let mut facts = Self::default();
+        for object in &scene.objects {
+            let material = &scene.materials[object.material];
+            let mut classes: Vec<Class> = material.surface.components().map(Surface::class).collect();
+            classes.dedup();
+            for class in classes {
+                let list = match class {
+                    Class::Absorbing => continue,
+                    Class::Specular => &mut facts.specular,
+                    Class::Glossy => &mut facts.glossy,
+                    Class::Diffuse => &mut facts.diffuse,
+                };
+                if list.last() != Some(&object.name) {
+                    list.push(object.name.clone());
+                }
+            }
+            if let Some(body) = &material.body {
+                if body.index.is_dispersive() {
+                    facts.dispersive.push(object.name.clone());
+                }
+                if body.absorption.is_some() {
+                    facts.absorbing_bodies.push(object.name.clone());
+                }
+            }
+        }
+        for light in &scene.lights {
+            facts.lights.push(light.name.clone());
+            if light.can_be_hit() {
+                facts.hittable_lights.push(light.name.clone());
+            }
+            match &light.emitter {
+                Emitter::Environment(_) | Emitter::Directional(_) => facts.surroundings.push(light.name.clone()),
+                Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Area(_) => {}
+            }
+        }
+        facts.aperture_nm = match scene.camera.aperture() {
+            Aperture::Pinhole => None,
+            Aperture::ThinLens { radius_m, .. } => Some((radius_m * 1e9) as u64).filter(|&nm| nm > 0),
+        };
+        facts
+    }
+}

@@ -1,0 +1,149 @@
+//! Rules that a single value can break: ranges, lengths, directions.
+//!
+//! Every check takes the JSON path of its value; the caller adds file, line and column.
+
+use super::path::JsonPath;
+use crate::error::{Error, Result};
+
+/// An error at a path: what was found there and what is allowed.
+pub(super) fn fault(at: &JsonPath, what: impl Into<String>, expected: impl Into<String>) -> Error {
+    Error::input(what).expected(expected).on_path(at.to_string())
+}
+
+/// A number as a person would write it.
+pub(super) fn number(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 || (1e-5..1e15).contains(&size) { value.to_string() } else { format!("{value:e}") }
+}
+
+/// Three numbers as they stand in a file.
+pub(super) fn triple(value: [f64; 3]) -> String {
+    format!("[{}, {}, {}]", number(value[0]), number(value[1]), number(value[2]))
+}
+
+/// Passes if `holds`, else reports the number and what is allowed.
+pub(super) fn rule(at: &JsonPath, value: f64, holds: bool, expected: &str) -> Result<()> {
+    if holds { Ok(()) } else { Err(fault(at, format!("found {}", number(value)), expected)) }
+}
+
+/// A size, a temperature, a wavelength: above 0.
+pub(super) fn positive(at: &JsonPath, value: f64) -> Result<()> {
+    rule(at, value, value > 0.0, "a number above 0")
+}
+
+/// A quantity that may vanish: 0 or more.
+pub(super) fn not_negative(at: &JsonPath, value: f64) -> Result<()> {
+    rule(at, value, value >= 0.0, "a number of at least 0")
+}
+
+/// A share, such as a reflectance: 0 to 1.
+pub(super) fn share(at: &JsonPath, value: f64) -> Result<()> {
+    rule(at, value, (0.0..=1.0).contains(&value), "a number from 0 to 1")
+}
+
+/// Strictly between two bounds.
+pub(super) fn between(at: &JsonPath, value: f64, low: f64, high: f64) -> Result<()> {
+    let allowed = format!("a number above {} and below {}", number(low), number(high));
+    rule(at, value, low < value && value < high, &allowed)
+}
+
+/// A count within bounds, both allowed.
+pub(super) fn count(at: &JsonPath, value: u64, low: u64, high: u64) -> Result<()> {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    let allowed = if high == u64::MAX {
+        format!("a whole number of at least {low}")
+    } else {
+        format!("a whole number from {low} to {high}")
+    };
+    Err(fault(at, format!("found {value}"), allowed))
+}
+
+/// A direction or axis: not the zero vector.
+pub(super) fn direction(at: &JsonPath, value: [f64; 3]) -> Result<()> {
+    if glam::DVec3::from_array(value).length() > 0.0 {
+        return Ok(());
+    }
+    Err(fault(at, format!("found {}", triple(value)), "a direction that is not zero"))
+}
+
+/// Two points that must differ; `at` is the second one's place and `other` the first one's key.
+pub(super) fn apart(at: &JsonPath, value: [f64; 3], other_key: &str, other: [f64; 3]) -> Result<()> {
+    if glam::DVec3::from_array(value) != glam::DVec3::from_array(other) {
+        return Ok(());
+    }
+    Err(fault(at, format!("found {}, the same point as `{other_key}`", triple(value)), "another point"))
+}
+
+/// A list with at least `least` entries; `allowed` says so in words.
+pub(super) fn entries(at: &JsonPath, found: usize, least: usize, allowed: &str) -> Result<()> {
+    if found >= least {
+        return Ok(());
+    }
+    let found = if found == 0 { "an empty array".to_string() } else { format!("an array of {found}") };
+    Err(fault(at, format!("found {found}"), allowed))
+}
+
+/// Numbers that must rise from each to the next.
+pub(super) fn rising(at: &JsonPath, values: impl IntoIterator<Item = f64>, key: Option<&str>) -> Result<()> {
+    let mut last = f64::NEG_INFINITY;
+    for (i, value) in values.into_iter().enumerate() {
+        if value <= last {
+            let element = at.index(i);
+            let place = key.map_or(element, |key| element.key(key));
+            let (value, last) = (number(value), number(last));
+            return Err(fault(&place, format!("found {value} after {last}"), format!("a number above {last}")));
+        }
+        last = value;
+    }
+    Ok(())
+}
+
+/// Weights of a mix: none negative, not all zero; `of` gives each weight, which stands under the key `weight`.
+pub(super) fn weights(at: &JsonPath, values: impl IntoIterator<Item = f64>) -> Result<()> {
+    let mut sum = 0.0;
+    for (i, value) in values.into_iter().enumerate() {
+        not_negative(&at.index(i).key("weight"), value)?;
+        sum += value;
+    }
+    if sum > 0.0 { Ok(()) } else { Err(fault(at, "found only weights of 0", "at least one weight above 0")) }
+}
+
+/// Exactly one of several optional keys must be given: the error if none or more than one is.
+pub(super) fn exactly_one(at: &JsonPath, given: &[(&str, bool)]) -> Result<()> {
+    let list = given.iter().map(|(key, _)| *key).collect::<Vec<_>>().join(", ");
+    let mut present = given.iter().filter(|(_, present)| *present).map(|(key, _)| *key);
+    match (present.next(), present.next()) {
+        (Some(_), None) => Ok(()),
+        (None, _) => Err(fault(at, "found none of the keys it needs", format!("exactly one of {list}"))),
+        (Some(first), Some(second)) => {
+            Err(fault(&at.key(second), format!("found beside `{first}`"), format!("exactly one of {list}")))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_as_written() {
+        assert_eq!([0.0, -1.0, 0.25, 1e-9, 2.5e20].map(number), ["0", "-1", "0.25", "1e-9", "2.5e20"]);
+    }
+
+    #[test]
+    fn exactly_one_names_none_and_the_second() {
+        let at = JsonPath::Root.key("lamp");
+        let error = |a, b| exactly_one(&at, &[("power", a), ("luminance", b)]).map_err(|error| error.to_string());
+        assert_eq!(error(true, false), Ok(()));
+        assert_eq!(
+            error(false, false).unwrap_err(),
+            "lamp: found none of the keys it needs; expected exactly one of power, luminance"
+        );
+        assert_eq!(
+            error(true, true).unwrap_err(),
+            "lamp.luminance: found beside `power`; expected exactly one of power, luminance"
+        );
+    }
+}

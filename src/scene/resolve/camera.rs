@@ -1,0 +1,69 @@
+//! The camera as written → origin, axes, field of view, aperture.
+
+use super::{Resolver, unsupported};
+use crate::error::{Error, Result};
+use crate::scene::camera::{Aperture, Camera};
+use crate::scene::file::{CameraFile, JsonPath, LensFile, ThinLensFile, ThinLensForm};
+use glam::DVec3;
+
+impl Resolver<'_> {
+    /// Resolves the camera. (The shutter matters only to what moves, and nothing does yet.)
+    pub(super) fn camera(
+        &self,
+        at: &JsonPath<'_>,
+        file: &CameraFile,
+        size: (u32, u32),
+        centre: DVec3,
+    ) -> Result<Camera> {
+        let CameraFile { from, at: target, up, lens, shutter: _, motion } = file;
+        if !motion.is_empty() {
+            return self.at(&at.key("motion"), Err(unsupported("motion is")));
+        }
+        let lens_at = at.key("lens");
+        let (tan_half_height, aperture) = match lens {
+            LensFile::Pinhole { fov } => ((0.5 * fov.to_radians()).tan(), Aperture::Pinhole),
+            LensFile::Thin(file) => {
+                let at = lens_at.key("thin");
+                self.refuse_stop_details(&at, file)?;
+                self.thin_lens(self.at(&at, file.form())?).map_err(|e| self.source.error_at(&at.to_string(), e))?
+            }
+            LensFile::System(_) => return self.at(&lens_at.key("system"), Err(unsupported("lens systems are"))),
+        };
+        let forward = (DVec3::from(*target) - DVec3::from(*from)).normalize();
+        let right = forward.cross(DVec3::from(*up)).normalize();
+        let axes = (forward, right.cross(forward));
+        Ok(Camera::new(self.point(*from, centre), axes, tan_half_height, size, aperture))
+    }
+
+    fn refuse_stop_details(&self, at: &JsonPath<'_>, file: &ThinLensFile) -> Result<()> {
+        if file.blades.is_some() {
+            return self.at(&at.key("blades"), Err(unsupported("polygonal stops are")));
+        }
+        if file.diffraction {
+            return self.at(&at.key("diffraction"), Err(unsupported("diffraction is")));
+        }
+        Ok(())
+    }
+
+    /// Half the field of view's tangent, and the aperture.
+    fn thin_lens(&self, form: ThinLensForm) -> Result<(f64, Aperture)> {
+        match form {
+            ThinLensForm::Photographic { focal_length_mm, f_number, focus_distance, sensor_height_mm } => {
+                let (focal_m, focus_m) = (focal_length_mm * 1e-3, focus_distance * self.metres);
+                if focus_m <= focal_m {
+                    return Err(Error::input(format!("found the focus at {focus_m} m"))
+                        .expected(format!("a focus farther than the focal length of {focal_m} m")));
+                }
+                // 1/f = 1/u + 1/v; the field of view follows from v, not from f.
+                let image_m = focal_m * focus_m / (focus_m - focal_m);
+                let tan_half_height = 0.5 * sensor_height_mm * 1e-3 / image_m;
+                Ok((tan_half_height, Aperture::ThinLens { radius_m: 0.5 * focal_m / f_number, focus_m }))
+            }
+            ThinLensForm::Angular { fov, focus_distance, defocus_angle } => {
+                let focus_m = focus_distance * self.metres;
+                let radius_m = focus_m * (0.5 * defocus_angle.to_radians()).tan();
+                Ok(((0.5 * fov.to_radians()).tan(), Aperture::ThinLens { radius_m, focus_m }))
+            }
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! From the scene as written to the scene as meant: names → numbers, units → SI, spectra → functions of wavelength.
+//!
+//! Every key of the file is read here or answered with "not supported yet": structs are taken apart exhaustively, so that a
+//! forgotten field does not compile.
+
+mod camera;
+mod lights;
+mod materials;
+mod mesh_materials;
+mod objects;
+mod spectra;
+mod surroundings;
+
+use super::file::{self, FilmFile, JsonPath, OutputSpaceFile, RenderFile, SceneFile, Source, WhiteBalanceFile};
+use super::geometry::{Geometry, Ray};
+use super::interior::Interior;
+use super::{Body, Exposure, FilmSpec, Material, Object, Scene, Settings};
+use crate::error::{Error, Result};
+use crate::optics::glass::Index;
+use crate::spectrum::Observer;
+use glam::DVec3;
+use std::path::Path;
+
+/// Reads and resolves a scene file; `sets` are `PATH=JSON` patches.
+///
+/// # Errors
+/// Whatever is wrong with the file, with its place; and what it asks for that is not supported yet.
+pub fn load(path: &Path, sets: &[String]) -> Result<Scene> {
+    let (scene, source) = file::read(path, sets)?;
+    resolve(&scene, &source)
+}
+
+/// Resolves a scene.
+///
+/// # Errors
+/// Unknown names, files that cannot be read, quantities that make no sense together, what is not supported yet; each with its
+/// place in `source`.
+pub fn resolve(scene: &SceneFile, source: &Source) -> Result<Scene> {
+    let resolver = Resolver { scene, source, metres: scene.unit.metres() };
+    resolver.run()
+}
+
+/// The answer to a part of the scene file that this version cannot simulate.
+fn unsupported(what: &str) -> Error {
+    Error::input(format!("{what} not supported yet"))
+}
+
+/// What resolving needs at hand.
+struct Resolver<'a> {
+    scene: &'a SceneFile,
+    source: &'a Source,
+    /// Metres in a unit of length.
+    metres: f64,
+}
+
+impl Resolver<'_> {
+    /// Gives an error its place.
+    fn at<T>(&self, path: &JsonPath<'_>, result: Result<T>) -> Result<T> {
+        result.map_err(|error| self.source.error_at(&path.to_string(), error))
+    }
+
+    fn run(&self) -> Result<Scene> {
+        let SceneFile { schema: _, title, unit: _, camera, film, spectra, media: _, materials: _, .. } = self.scene;
+        let SceneFile { objects: _, lights: _, atmosphere, render, .. } = self.scene;
+        let root = JsonPath::Root;
+        if atmosphere.is_some() {
+            return self.at(&root.key("atmosphere"), Err(unsupported("an atmosphere is")));
+        }
+        // Spectra that nothing uses are checked all the same.
+        for name in spectra.keys() {
+            self.named_spectrum(name, spectra::Role::Coefficient)?;
+        }
+        let mut notes = Vec::new();
+        let mut things = self.objects(&mut notes)?;
+        let centre = objects::centre(&things.placed);
+        let geometry = self.at(&root.key("objects"), self.build(&mut things, centre))?;
+        let radius_m = objects::radius(&geometry);
+        let film = self.film(&root.key("film"), film)?;
+        let camera = self.camera(&root.key("camera"), camera, (film.width, film.height), centre)?;
+        let lights = self.lights(&things, (&geometry, centre), film.observer, &mut notes)?;
+        if lights.is_empty() {
+            let error = Error::input("the scene has no light")
+                .expected("at least one entry in `lights` or an object with `emission`");
+            return Err(self.source.error_at("", error));
+        }
+        let mut resolved = Scene {
+            title: title.clone().unwrap_or_else(|| stem(&self.source.path)),
+            centre,
+            radius_m,
+            camera,
+            film,
+            geometry,
+            objects: things.objects,
+            materials: things.materials,
+            lights,
+            distant_lights: Vec::new(),
+            settings: self.settings(&root.key("render"), render)?,
+            notes,
+            air: Index::constant(1.0)?,
+        };
+        resolved.renumber_lights();
+        resolved.find_interiors();
+        Ok(resolved)
+    }
+
+    /// Builds the geometry; errors name the object by its number.
+    fn build(&self, things: &mut objects::Things, centre: DVec3) -> Result<Geometry> {
+        Geometry::build(std::mem::take(&mut things.placed), centre)
+    }
+
+    fn film(&self, at: &JsonPath<'_>, film: &FilmFile) -> Result<FilmSpec> {
+        let FilmFile { width, height, observer, spectral_bands, gamut, white_balance, output_space, exposure } = film;
+        if *white_balance != WhiteBalanceFile::None {
+            return self.at(&at.key("white_balance"), Err(unsupported("white balance is")));
+        }
+        if *output_space != OutputSpaceFile::Srgb {
+            return self.at(&at.key("output_space"), Err(unsupported("output spaces other than srgb are")));
+        }
+        let exposure = match exposure {
+            file::ExposureFile::Auto => Exposure::Auto,
+            file::ExposureFile::None => Exposure::None,
+            file::ExposureFile::Ev(ev) => Exposure::Ev(*ev),
+            file::ExposureFile::Iso(_) => {
+                return self.at(&at.key("exposure"), Err(unsupported("physical exposure by `iso` is")));
+            }
+        };
+        let observer = match observer {
+            file::ObserverFile::Cie1931 => Observer::cie1931(),
+            file::ObserverFile::Cie1964 => Observer::cie1964(),
+            file::ObserverFile::Cie2015Two => Observer::cie2015_2(),
+            file::ObserverFile::Cie2015Ten => Observer::cie2015_10(),
+        };
+        let (width, height, spectral_bands, gamut) = (*width, *height, *spectral_bands, *gamut);
+        Ok(FilmSpec { width, height, observer, spectral_bands, gamut, exposure })
+    }
+
+    fn settings(&self, at: &JsonPath<'_>, render: &RenderFile) -> Result<Settings> {
+        let RenderFile { passes, photons, max_depth, nearest, radius, seed, threads, .. } = render;
+        let RenderFile { checkpoint_seconds, march_steps, light_map, force, forbid, .. } = render;
+        for (key, given) in [
+            ("checkpoint_seconds", checkpoint_seconds.is_some()),
+            ("march_steps", march_steps.is_some()),
+            ("light_map", light_map.is_some()),
+        ] {
+            if given {
+                return self.at(&at.key(key), Err(unsupported(&format!("`{key}` is"))));
+            }
+        }
+        Ok(Settings {
+            passes: *passes,
+            photons: *photons,
+            max_depth: *max_depth,
+            nearest: *nearest,
+            radius_m: radius.map(|radius| radius * self.metres),
+            seed: *seed,
+            threads: *threads,
+            force: force.clone(),
+            forbid: forbid.clone(),
+        })
+    }
+
+    /// A point of the file in m, relative to the scene's centre.
+    fn point(&self, point: [f64; 3], centre: DVec3) -> DVec3 {
+        DVec3::from(point) * self.metres - centre
+    }
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "scene".to_string(), |stem| stem.to_string_lossy().into_owned())
+}
+
+impl Scene {
+    /// Finds the bodies of glass in which the camera and the lamps stand.
+    fn find_interiors(&mut self) {
+        self.camera.interior = self.interior_at(self.camera.origin());
+        let interiors: Vec<Interior> = self.lights.iter().map(|light| self.interior_of_light(light)).collect();
+        self.lights.iter_mut().zip(interiors).for_each(|(light, interior)| light.interior = interior);
+    }
+
+    fn interior_of_light(&self, light: &super::light::Light) -> Interior {
+        use super::light::Emitter;
+        match &light.emitter {
+            Emitter::Point(light) => self.interior_at(light.at),
+            Emitter::Spot(light) => self.interior_at(light.at()),
+            Emitter::Beam(light) => self.interior_at(light.centre()),
+            Emitter::Directional(_) | Emitter::Environment(_) => Interior::AIR,
+            Emitter::Area(area) => {
+                let place = self.geometry.sample_area(area.object, [0.37, 0.61, 0.53]);
+                self.interior_along(Ray { origin: place.position, direction: place.normal }, Some(place.surface))
+            }
+        }
+    }
+
+    /// The bodies around a point.
+    pub fn interior_at(&self, point: DVec3) -> Interior {
+        // Any direction does; this one is parallel to nothing that people build.
+        let direction = DVec3::new(0.391_827, 0.803_153, 0.448_713).normalize();
+        self.interior_along(Ray { origin: point, direction }, None)
+    }
+
+    /// The bodies around a ray's origin: those that it leaves more often than it enters, the outermost (left last) first.
+    fn interior_along(&self, ray: Ray, from: Option<super::geometry::SurfaceId>) -> Interior {
+        let mut open: Vec<(u32, i32, f64)> = Vec::new();
+        self.geometry.for_each_hit(&ray, from, |hit| {
+            if self.body_of(hit.object).is_none() {
+                return;
+            }
+            let leaves = if ray.direction.dot(hit.normal) > 0.0 { 1 } else { -1 };
+            match open.iter_mut().find(|(object, _, _)| *object == hit.object) {
+                Some(entry) => {
+                    entry.1 += leaves;
+                    entry.2 = hit.t;
+                }
+                None => open.push((hit.object, leaves, hit.t)),
+            }
+        });
+        open.retain(|&(_, balance, _)| balance > 0);
+        open.sort_by(|a, b| b.2.total_cmp(&a.2));
+        open.iter().fold(Interior::AIR, |interior, &(object, _, _)| {
+            interior.entered(object, self.body_of(object).map_or(0, |body: &Body| body.priority))
+        })
+    }
+}
+
+/// A material for objects whose own could not be named otherwise.
+fn number_of(materials: &mut Vec<Material>, material: Material) -> usize {
+    materials.push(material);
+    materials.len() - 1
+}
+
+/// A plain object.
+fn object(name: String, material: usize) -> Object {
+    Object { name, material, light: None }
+}

@@ -1,0 +1,156 @@
+//! Spectra as written → functions of wavelength, in the role that their place gives them.
+
+use super::Resolver;
+use crate::colour::{Match, match_primaries};
+use crate::error::{Error, Result};
+use crate::scene::file::{JsonPath, LineFile, SpectrumFile};
+use crate::spectrum::{Observer, Outside, SpectralLine, Spectrum, library, read};
+
+/// What a spectrum is used for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    /// The shape of a lamp's power: 0 beyond a table's ends; any scale; some power in the band.
+    Light,
+    /// A share of light: end values held; within [0, 1].
+    Reflectance,
+    /// Any other non-negative quantity: end values held.
+    Coefficient,
+}
+
+impl Role {
+    fn outside(self) -> Outside {
+        match self {
+            Self::Light => Outside::Zero,
+            Self::Reflectance | Self::Coefficient => Outside::Hold,
+        }
+    }
+}
+
+/// How deep named spectra may refer to each other; beyond it they can only go in a circle.
+const MAX_DEPTH: usize = 64;
+
+impl Resolver<'_> {
+    /// Resolves a spectrum and checks it for its role.
+    pub(super) fn spectrum(&self, at: &JsonPath<'_>, file: &SpectrumFile, role: Role) -> Result<Spectrum> {
+        let spectrum = self.spectrum_at_depth(at, file, role, 0)?;
+        self.at(at, check_role(&spectrum, role))?;
+        Ok(spectrum)
+    }
+
+    /// Resolves one of the scene's named spectra, only to check it.
+    pub(super) fn named_spectrum(&self, name: &str, role: Role) -> Result<Spectrum> {
+        let root = JsonPath::Root;
+        let at = root.key("spectra");
+        self.spectrum_at_depth(&at.key(name), &self.scene.spectra[name], role, 0)
+    }
+
+    fn spectrum_at_depth(&self, at: &JsonPath<'_>, file: &SpectrumFile, role: Role, depth: usize) -> Result<Spectrum> {
+        if depth > MAX_DEPTH {
+            return self.at(at, Err(Error::input("this spectrum refers to itself, directly or through others")));
+        }
+        let within = |at: &JsonPath<'_>, file: &SpectrumFile| self.spectrum_at_depth(at, file, role, depth + 1);
+        let made = match file {
+            SpectrumFile::Number(value) => Ok(Spectrum::constant(*value)),
+            SpectrumFile::Name(name) => return self.spectrum_by_name(at, name, role, depth),
+            SpectrumFile::Table { nm, values } => Spectrum::table(nm, values, role.outside()),
+            SpectrumFile::File(path) => read::spectrum_file(&self.source.folder().join(path), role.outside()),
+            SpectrumFile::Lines(lines) => Spectrum::lines(&lines.iter().map(line).collect::<Vec<_>>()),
+            SpectrumFile::Blackbody { temperature } => Spectrum::blackbody(*temperature),
+            SpectrumFile::Gaussian { peak_nm, fwhm_nm } => Spectrum::gaussian(*peak_nm, *fwhm_nm),
+            SpectrumFile::Rgb(rgb) => match role {
+                Role::Light => Spectrum::rgb_light(*rgb),
+                Role::Reflectance | Role::Coefficient => Spectrum::rgb_reflectance(*rgb),
+            },
+            SpectrumFile::Mix(parts) => {
+                let at = at.key("mix");
+                let mut resolved = Vec::with_capacity(parts.len());
+                for (i, part) in parts.iter().enumerate() {
+                    let at = at.index(i);
+                    resolved.push((part.weight, within(&at.key("spectrum"), &part.spectrum)?));
+                }
+                Ok(Spectrum::mix(&resolved.iter().map(|(weight, part)| (*weight, part)).collect::<Vec<_>>()))
+            }
+            SpectrumFile::PowerLaw { reference_nm, value, exponent } => {
+                Spectrum::power_law(*reference_nm, *value, *exponent)
+            }
+            SpectrumFile::Match { target, primaries } => {
+                let at = at.key("match");
+                let target = within(&at.key("target"), target)?;
+                let at = at.key("primaries");
+                let primaries: Result<Vec<Spectrum>> =
+                    primaries.iter().enumerate().map(|(i, primary)| within(&at.index(i), primary)).collect();
+                matched(&target, &primaries?)
+            }
+        };
+        self.at(at, made)
+    }
+
+    fn spectrum_by_name(&self, at: &JsonPath<'_>, name: &str, role: Role, depth: usize) -> Result<Spectrum> {
+        if let Some(file) = self.scene.spectra.get(name) {
+            let root = JsonPath::Root;
+            let spectra = root.key("spectra");
+            return self.spectrum_at_depth(&spectra.key(name), file, role, depth + 1);
+        }
+        match library::find(name) {
+            Ok(entry) => Ok(entry.spectrum),
+            Err(_) => {
+                let own: Vec<&str> = self.scene.spectra.keys().map(String::as_str).collect();
+                let known = own.into_iter().chain(library::names().map(|name| -> &str { name }));
+                let error = Error::unknown_name("spectrum", name, known)
+                    .expected("a name of the scene's `spectra` or of `abbe spectrum --list`");
+                self.at(at, Err(error))
+            }
+        }
+    }
+
+    /// How far a matched spectrum is from its target, as a note; `None` for other spectra.
+    pub(super) fn match_note(&self, file: &SpectrumFile, what: &str) -> Option<String> {
+        let file = if let SpectrumFile::Name(name) = file { self.scene.spectra.get(name)? } else { file };
+        let SpectrumFile::Match { target, primaries } = file else {
+            return None;
+        };
+        let root = JsonPath::Root;
+        let resolve = |file: &SpectrumFile| self.spectrum_at_depth(&root, file, Role::Light, 0).ok();
+        let target = resolve(target)?;
+        let primaries: Option<Vec<Spectrum>> = primaries.iter().map(resolve).collect();
+        let found = nearest_mix(&target, &primaries?).ok()?;
+        let far = if !found.is_reached() { ": the target is out of the primaries' reach" } else { "" };
+        Some(format!("{what} matches its target to Δxy {:.5}, ΔE2000 {:.3}{far}", found.delta_xy, found.delta_e_2000))
+    }
+}
+
+fn line(file: &LineFile) -> SpectralLine {
+    let LineFile { nm, power, fwhm_nm } = *file;
+    SpectralLine { nm, power, fwhm_nm }
+}
+
+/// The weights of the primaries whose mix comes nearest the target's colour (CIE 1931).
+fn nearest_mix(target: &Spectrum, primaries: &[Spectrum]) -> Result<Match> {
+    let observer = Observer::cie1931();
+    let colours: Vec<[f64; 3]> = primaries.iter().map(|primary| observer.xyz(primary)).collect();
+    match_primaries(observer.xyz(target), &colours)
+}
+
+/// The mix of the primaries that comes nearest the target's colour.
+fn matched(target: &Spectrum, primaries: &[Spectrum]) -> Result<Spectrum> {
+    let found = nearest_mix(target, primaries)?;
+    let parts: Vec<(f64, &Spectrum)> = found.weights.iter().copied().zip(primaries).collect();
+    Ok(Spectrum::mix(&parts))
+}
+
+/// Checks that a spectrum can play its role.
+fn check_role(spectrum: &Spectrum, role: Role) -> Result<()> {
+    match role {
+        Role::Light if spectrum.integral() <= 0.0 => {
+            Err(Error::input("the spectrum has no power within 360–830 nm").expected("some light to see"))
+        }
+        Role::Reflectance if spectrum.max() > 1.0 + 1e-9 => {
+            Err(Error::input(format!("found values up to {:.4}", spectrum.max()))
+                .expected("a share of light, from 0 to 1"))
+        }
+        Role::Reflectance | Role::Coefficient if spectrum.min() < 0.0 => {
+            Err(Error::input(format!("found values down to {:.4}", spectrum.min())).expected("values of at least 0"))
+        }
+        Role::Light | Role::Reflectance | Role::Coefficient => Ok(()),
+    }
+}

@@ -1,0 +1,65 @@
+//! An image of the surroundings as a light.
+
+use crate::error::{Error, Result};
+use crate::scene::light::EnvironmentMap;
+use crate::spectrum::Spectrum;
+use glam::DAffine3;
+use std::path::Path;
+
+/// Reads a latitude–longitude image (EXR, Radiance HDR, PNG or JPEG) as linear sRGB and turns it by `placing`.
+pub(super) fn load(path: &Path, placing: DAffine3) -> Result<EnvironmentMap> {
+    let (width, height, rgb) = read(path).map_err(|error| error.in_file(path))?;
+    if rgb.iter().flatten().any(|c| !c.is_finite() || *c < 0.0) {
+        return Err(Error::input("the image holds values that are negative or not finite").in_file(path));
+    }
+    let rgb = if placing == DAffine3::IDENTITY { rgb } else { turned(width, height, &rgb, placing) };
+    let lights = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let [red, green, blue] = lights.map(Spectrum::rgb_light);
+    EnvironmentMap::new(width, height, &rgb, [&red?, &green?, &blue?])
+        .ok_or_else(|| Error::input("the image is black").expected("some light").in_file(path))
+}
+
+type Pixels = (usize, usize, Vec<[f32; 3]>);
+
+fn read(path: &Path) -> Result<Pixels> {
+    let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
+    if is_exr { read_exr(path) } else { read_other(path) }
+}
+
+fn read_exr(path: &Path) -> Result<Pixels> {
+    use exr::prelude::*;
+    let image = read_first_rgba_layer_from_file(
+        path,
+        |size, _| (size.0, vec![[0.0_f32; 3]; size.0 * size.1]),
+        |(width, pixels), position, (r, g, b, _): (f32, f32, f32, f32)| {
+            pixels[position.1 * *width + position.0] = [r, g, b];
+        },
+    )
+    .map_err(|error| crate::error::Error::input(format!("the image cannot be read: {error}")))?;
+    let size = image.layer_data.size;
+    Ok((size.0, size.1, image.layer_data.channel_data.pixels.1))
+}
+
+fn read_other(path: &Path) -> Result<Pixels> {
+    let image = image::open(path).map_err(|error| Error::input(format!("the image cannot be read: {error}")))?;
+    let linear = matches!(image, image::DynamicImage::ImageRgb32F(_) | image::DynamicImage::ImageRgba32F(_));
+    let pixels = image.to_rgb32f();
+    let decode = |c: f32| if linear { c } else { crate::colour::decode_srgb(f64::from(c)) as f32 };
+    let rgb = pixels.pixels().map(|pixel| pixel.0.map(decode)).collect();
+    Ok((pixels.width() as usize, pixels.height() as usize, rgb))
+}
+
+/// The image as seen after turning the world by `placing`: each pixel takes what stood in its direction before.
+fn turned(width: usize, height: usize, rgb: &[[f32; 3]], placing: DAffine3) -> Vec<[f32; 3]> {
+    let back = placing.matrix3.inverse();
+    (0..width * height)
+        .map(|index| {
+            let centre = [(index % width) as f64 + 0.5, (index / width) as f64 + 0.5];
+            let direction = EnvironmentMap::direction([centre[0] / width as f64, centre[1] / height as f64]);
+            let [u, v] = EnvironmentMap::point((back * direction).normalize());
+            let column = ((u * width as f64) as usize).min(width - 1);
+            let row = ((v * height as f64) as usize).min(height - 1);
+            rgb[row * width + column]
+        })
+        .collect()
+}

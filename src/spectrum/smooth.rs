@@ -1,0 +1,69 @@
+//! Functions given by a formula, turned into pieces fine enough that nobody can tell.
+
+use super::BAND_NM;
+use super::continuum::Continuum;
+
+/// The largest error of the linear pieces, relative to the function's maximum: less than half of what is promised, so that a
+/// peak may still be scaled to its exact area.
+const TOLERANCE: f64 = 4e-7;
+
+/// How often a stretch between two given knots may be divided again.
+const MAX_DIVISIONS: u32 = 12;
+
+/// The most parts of one division.
+const MAX_PARTS: f64 = 8.0;
+
+/// A smooth function as pieces: knots at every whole nm of the band and at `extra`, and as many between them as it
+/// takes to stay within one part in 10⁶ of the maximum.
+pub(crate) fn sampled(function: impl Fn(f64) -> f64, extra: &[f64]) -> Continuum {
+    let mut knots: Vec<f64> = (BAND_NM.0 as u32..=BAND_NM.1 as u32).map(f64::from).collect();
+    knots.extend(extra.iter().filter(|nm| (BAND_NM.0..=BAND_NM.1).contains(*nm)));
+    knots.sort_by(f64::total_cmp);
+    knots.dedup();
+    let values: Vec<f64> = knots.iter().map(|&nm| function(nm)).collect();
+    let tolerance = TOLERANCE * values.iter().copied().fold(0.0, f64::max);
+    let mut pieces = vec![(knots[0], values[0])];
+    for i in 1..knots.len() {
+        let (from, to) = ((knots[i - 1], values[i - 1]), (knots[i], values[i]));
+        refine(&function, [from, to], (tolerance, MAX_DIVISIONS), &mut pieces);
+    }
+    Continuum::from_knots(&pieces)
+}
+
+/// Appends the knots after `from` up to and including `to`.
+fn refine(
+    function: &impl Fn(f64) -> f64,
+    [from, to]: [(f64, f64); 2],
+    (tolerance, divisions): (f64, u32),
+    knots: &mut Vec<(f64, f64)>,
+) {
+    let at = |t: f64| from.0 + t * (to.0 - from.0);
+    let error = |t: f64| (function(at(t)) - (from.1 + t * (to.1 - from.1))).abs();
+    let worst = error(0.25).max(error(0.5)).max(error(0.75));
+    if worst <= tolerance || divisions == 0 {
+        knots.push(to);
+        return;
+    }
+    // The error of linear interpolation goes with the square of the width.
+    let parts = (worst / tolerance).sqrt().ceil().clamp(2.0, MAX_PARTS);
+    let mut lower = from;
+    for part in 1..=parts as u32 {
+        let nm = at(f64::from(part) / parts);
+        let upper = if nm < to.0 { (nm, function(nm)) } else { to };
+        if upper.0 > lower.0 {
+            refine(function, [lower, upper], (tolerance, divisions - 1), knots);
+        }
+        lower = upper;
+    }
+}
+
+/// The integral over the band of the function itself, by Simpson's rule on its own pieces.
+pub(crate) fn integral_of(function: impl Fn(f64) -> f64, pieces: &Continuum) -> f64 {
+    pieces
+        .pieces()
+        .map(|piece| {
+            let middle = function(0.5 * (piece.nm.0 + piece.nm.1));
+            (piece.nm.1 - piece.nm.0) / 6.0 * (piece.values.0 + 4.0 * middle + piece.values.1)
+        })
+        .sum()
+}

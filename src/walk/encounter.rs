@@ -1,0 +1,163 @@
+//! A ray's way to the next surface that matters to it.
+
+use crate::math::frame::Frame;
+use crate::optics::surface::{Event, Sides, Surface};
+use crate::scene::Scene;
+use crate::scene::geometry::{Hit, Ray, SurfaceId};
+use crate::scene::interior::Interior;
+use glam::DVec3;
+
+/// Where a leg starts: the ray, the surface it leaves, and the bodies it is inside of.
+#[derive(Debug, Clone, Copy)]
+pub struct Start {
+    /// The ray.
+    pub ray: Ray,
+    /// The surface that it leaves, which it does not hit again at distance 0.
+    pub from: Option<SurfaceId>,
+    /// The bodies around its origin.
+    pub interior: Interior,
+}
+
+/// A surface met by a path, with all that scattering there needs.
+#[derive(Debug, Clone, Copy)]
+pub struct Encounter<'a> {
+    /// The hit.
+    pub hit: Hit,
+    /// The way from the last event, in m; all of it lies in one body.
+    pub distance: f64,
+    /// The direction in which the path came.
+    pub incoming: DVec3,
+    /// The material's number.
+    pub material: usize,
+    /// The surface: of a mix, the component drawn.
+    pub surface: &'a Surface,
+    /// The frame of the shading normal.
+    pub frame: Frame,
+    /// The direction back along the path, in the frame.
+    pub wo: DVec3,
+    /// The bodies on this side of the surface.
+    pub here: Interior,
+    /// The bodies on its other side.
+    pub there: Interior,
+    /// The refractive indices on this side and on the other.
+    pub sides: Sides<'a>,
+    /// Whether the way here led through faces that no event marks (they lie inside a body of higher priority). Shadow rays
+    /// stop at such faces, so a path that crossed one is not among those that shadow rays count.
+    pub crossed_hidden: bool,
+}
+
+/// Follows the ray to the next surface that matters; `None` where it leaves the scene. Faces inside a body of higher priority (the same body rules on both sides)
+/// are passed without an event. `component` draws the component of mixed surfaces.
+pub fn next<'a>(scene: &'a Scene, start: Start, component: &mut f64) -> Option<Encounter<'a>> {
+    let Start { mut ray, mut from, mut interior } = start;
+    let mut distance = 0.0;
+    let mut crossed_hidden = false;
+    loop {
+        let hit = scene.geometry.intersect(&ray, from, f64::INFINITY)?;
+        distance += hit.t;
+        let object = hit.object;
+        let there = match scene.body_of(object) {
+            None => interior,
+            Some(body) if ray.direction.dot(hit.normal) < 0.0 => interior.entered(object, body.priority),
+            Some(_) => interior.left(object),
+        };
+        let unseen = scene.body_of(object).is_some() && there.ruler() == interior.ruler();
+        if unseen {
+            ray.origin = hit.position;
+            from = Some(hit.surface);
+            interior = there;
+            crossed_hidden = true;
+            continue;
+        }
+        let encounter = Encounter::new(scene, ray.direction, hit, (interior, there), component);
+        return Some(Encounter { distance, crossed_hidden, ..encounter });
+    }
+}
+
+impl<'a> Encounter<'a> {
+    fn new(
+        scene: &'a Scene,
+        incoming: DVec3,
+        hit: Hit,
+        (here, there): (Interior, Interior),
+        component: &mut f64,
+    ) -> Self {
+        let material = scene.objects[hit.object as usize].material;
+        let surface = scene.materials[material].surface.pick(component);
+        // An interpolated normal that the ray sees from the wrong side would let light through: use the true one there.
+        let agree = incoming.dot(hit.shading_normal) * incoming.dot(hit.normal) > 0.0;
+        let frame = Frame::new(if agree { hit.shading_normal } else { hit.normal });
+        Self {
+            distance: hit.t,
+            crossed_hidden: false,
+            incoming,
+            material,
+            surface,
+            wo: frame.to_local(-incoming),
+            frame,
+            here,
+            there,
+            sides: Sides { here: scene.index_in(&here), there: scene.index_in(&there) },
+            hit,
+        }
+    }
+
+    /// The same encounter seen with the geometric normal, for scattered directions that an interpolated normal sends to the
+    /// wrong side of the surface.
+    #[must_use]
+    pub(super) fn with_true_normal(&self) -> Self {
+        let frame = Frame::new(self.hit.normal);
+        Self { frame, wo: frame.to_local(-self.incoming), ..*self }
+    }
+
+    /// Where a ray from here towards `direction` starts.
+    pub fn leave(&self, direction: DVec3, interior: Interior) -> Start {
+        Start { ray: Ray { origin: self.hit.position, direction }, from: Some(self.hit.surface), interior }
+    }
+
+    /// Whether `direction` leads back to the side from which the path came.
+    pub fn leads_back(&self, direction: DVec3) -> bool {
+        direction.dot(self.hit.normal) * self.incoming.dot(self.hit.normal) < 0.0
+    }
+
+    /// Whether a scattered direction leads to the side that its event says.
+    pub fn agrees(&self, direction: DVec3, event: Event) -> bool {
+        self.leads_back(direction) == (event == Event::Reflection)
+    }
+
+    /// The bodies around a ray after this event.
+    pub fn interior_after(&self, event: Event) -> Interior {
+        match event {
+            Event::Reflection => self.here,
+            Event::Transmission => self.there,
+        }
+    }
+
+    /// The refractive indices seen from the side to which `direction` leads.
+    pub fn sides_towards(&self, direction: DVec3) -> Sides<'a> {
+        if self.leads_back(direction) { self.sides } else { Sides { here: self.sides.there, there: self.sides.here } }
+    }
+
+    /// The bodies on the side to which `direction` leads.
+    pub fn interior_towards(&self, direction: DVec3) -> Interior {
+        if self.leads_back(direction) { self.here } else { self.there }
+    }
+
+    /// Whether nothing stands between here and a light along `direction`, at `distance`, on the surface `target`.
+    pub fn sees(&self, scene: &Scene, direction: DVec3, distance: f64, target: Option<SurfaceId>) -> bool {
+        let ray = Ray { origin: self.hit.position, direction };
+        !scene.geometry.occluded(&ray, Some(self.hit.surface), target, distance)
+    }
+
+    /// The correction of a photon's power where the shading normal differs from the true one (Veach 1997, eq. 5.19):
+    /// |ω_i·n_s||ω_o·n_g| / (|ω_i·n_g||ω_o·n_s|), ω_i towards the light, ω_o towards the camera.
+    pub fn adjoint_correction(&self, to_light: DVec3, to_camera: DVec3) -> f64 {
+        let n_s = self.frame.to_world(DVec3::Z);
+        let n_g = self.hit.normal;
+        if n_s == n_g {
+            return 1.0;
+        }
+        let denominator = to_light.dot(n_g) * to_camera.dot(n_s);
+        if denominator == 0.0 { 0.0 } else { (to_light.dot(n_s) * to_camera.dot(n_g) / denominator).abs() }
+    }
+}

@@ -1,0 +1,51 @@
+//! Event counters: how often each effect was at work. An effect that the plan leaves out counts zero.
+
+/// Counts of events, summed over threads in any order.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Photon paths emitted.
+    pub photons: u64,
+    /// Photons stored in maps.
+    pub stored: u64,
+    /// Photon hits connected to the camera.
+    pub connections: u64,
+    /// Queries of photon maps.
+    pub map_queries: u64,
+    /// Refractions that sent each wavelength its own way.
+    pub dispersions: u64,
+    /// Camera paths that went on at one of the pass's shared wavelengths.
+    pub shared_paths: u64,
+    /// Shadow rays.
+    pub shadow_rays: u64,
+    /// Rays that left the scene and looked at the surroundings.
+    pub environment_rays: u64,
+    /// Rays through a lens of finite aperture.
+    pub lens_rays: u64,
+    /// Scatterings by rough or coated surfaces.
+    pub rough_events: u64,
+    /// Stretches of absorbing glass or liquid.
+    pub absorptions: u64,
+    /// Photons sent by a learned aim.
+    pub aimed: u64,
+    /// Contributions that were not finite and were dropped; 0 unless there is a bug.
+    pub rejected: u64,
+}
+
+impl Tally {
+    /// Adds another's counts.
+    pub fn add(&mut self, other: &Self) {
+        self.photons += other.photons;
+        self.stored += other.stored;
+        self.connections += other.connections;
+        self.map_queries += other.map_queries;
+        self.dispersions += other.dispersions;
+        self.shared_paths += other.shared_paths;
+        self.shadow_rays += other.shadow_rays;
+        self.environment_rays += other.environment_rays;
+        self.lens_rays += other.lens_rays;
+        self.rough_events += other.rough_events;
+        self.absorptions += other.absorptions;
+        self.aimed += other.aimed;
+        self.rejected += other.rejected;
+    }
+}
