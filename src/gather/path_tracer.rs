@@ -9,7 +9,7 @@ use super::direct::{Asking, Counts, Direct, Found, Lit};
 use crate::optics::surface::{Class, Transport};
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Lanes, WavelengthDistribution, Wavelengths};
-use crate::walk::{Encounter, Leg, Scattered, Sink, Start, Tally, next, scatter};
+use crate::walk::{Encounter, Scattered, Sink, Start, Tally, next, scatter};
 
 /// All that the path tracer needs.
 #[derive(Debug)]
@@ -52,7 +52,7 @@ impl<'a> PathTracer<'a> {
         };
         let first = throughput;
         for depth in 0..self.max_depth {
-            let Leg::Meets(encounter) = next(self.scene, path.start, &mut numbers.stream.uniform()) else {
+            let Some(encounter) = next(self.scene, path.start, &mut numbers.stream.uniform()) else {
                 self.direct.found_outside(path.start.ray.direction, path.counts, tally, |lamp| path.see(&lamp, sink));
                 return;
             };
@@ -68,7 +68,8 @@ impl<'a> PathTracer<'a> {
                 let u = if depth == 0 { numbers.lamp() } else { numbers.stream.triple() };
                 self.ask_lamps(&path, &encounter, u, tally, sink);
             }
-            let Some(scattered) = scatter(&encounter, &path.wavelengths, Transport::Radiance, &mut numbers.stream) else {
+            let Some(scattered) = scatter(&encounter, &path.wavelengths, Transport::Radiance, &mut numbers.stream)
+            else {
                 return;
             };
             path.go_on(&encounter, &scattered);
