@@ -7,6 +7,7 @@ pub mod gather;
 pub mod map;
 pub mod math;
 pub mod optics;
+pub mod output;
 pub mod plan;
 pub mod render;
 pub mod scene;
