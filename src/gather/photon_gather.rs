@@ -34,6 +34,8 @@ pub struct Gatherer<'a> {
     pub shared_nm: Lanes,
     /// Densities of the shared wavelengths, per nm.
     pub shared_pdf: Lanes,
+    /// Pixels at edges of surfaces, where connections take the place of kernels for what is directly seen; none if empty.
+    pub edges: &'a [bool],
     /// How far kernels have shrunk since the first pass.
     pub radius_scale: f64,
     /// Surface events a path may have.
@@ -45,10 +47,25 @@ pub struct Gatherer<'a> {
 pub struct Landing {
     /// The place.
     pub position: DVec3,
-    /// The length of the way there, in m.
-    pub distance: f64,
+    /// The surface's unit normal.
+    pub normal: DVec3,
+    /// The side of the pixel's footprint there, in m, as if the way had been straight.
+    pub footprint_m: f64,
+    /// What stood between it and the camera.
+    pub view: View,
     /// Whether the path had refracted dispersively.
     pub shared: bool,
+}
+
+impl Landing {
+    /// Whether the surface here goes on smoothly to the other place.
+    pub fn continues_to(&self, other: &Self) -> bool {
+        /// Cosine of the largest turn, and largest height over the tangent plane as a share of the distance.
+        const COSINE: f64 = 0.9;
+        const SLOPE: f64 = 0.25;
+        let offset = other.position - self.position;
+        self.normal.dot(other.normal) > COSINE && offset.dot(self.normal).abs() <= SLOPE * offset.length()
+    }
 }
 
 /// Buffers that one worker reuses from path to path.
@@ -98,7 +115,7 @@ impl<'a> Gatherer<'a> {
         let path = CameraPath {
             start: Start { ray, from: None, interior: self.scene.camera.interior },
             colour: Colour::Free,
-            view: View::Seen,
+            view: if self.edges.get(pixel as usize) == Some(&true) { View::SeenAtEdge } else { View::Seen },
             counts: Counts::Fully,
             level: 1.0,
             distance: 0.0,
@@ -203,7 +220,13 @@ impl<'a> Gatherer<'a> {
     /// The end of a path at a diffuse surface: lamps and photons.
     fn land<S: Sink>(&self, path: &CameraPath, encounter: &Encounter<'a>, sample: &mut Sample<'_, 'a, S>) {
         let shared = matches!(path.colour, Colour::Shared { .. });
-        sample.scratch.landings.push(Landing { position: encounter.hit.position, distance: path.distance, shared });
+        sample.scratch.landings.push(Landing {
+            position: encounter.hit.position,
+            normal: encounter.hit.normal,
+            footprint_m: path.distance * self.scene.camera.pixel_angle(),
+            view: path.view,
+            shared,
+        });
         self.gather_lamps(path, encounter, sample);
         self.gather_scattered_lamps(path, encounter, sample);
         self.gather_photons(path, encounter, sample);

@@ -69,9 +69,12 @@ impl PhotonIndex {
 mod tests {
     use super::*;
     use crate::math::random::{Purpose, Stream};
+    use glam::DVec3;
 
     fn numbered(i: usize) -> Photon {
-        Photon { nm: [i as f32; 4], ..Photon::default() }
+        let mut photon = Photon::new(DVec3::Y, DVec3::Y, 4, 0);
+        photon.nm = [i as f32; 4];
+        photon
     }
 
     fn found(index: &PhotonIndex, place: [f32; 3], radius: f32) -> Vec<usize> {
@@ -119,6 +122,6 @@ mod tests {
         assert_eq!(one.kth_distance([1.0, 2.0, 4.0], NonZero::new(50).unwrap()), Some(1.0));
         let none = PhotonIndex::build(&[]);
         assert!(none.is_empty() && found(&none, [0.0; 3], 10.0).is_empty());
-        assert_eq!(none.kth_distance([0.0; 3], NonZero::MIN), None);
+        assert_eq!(none.kth_distance([0.0; 3], NonZero::<usize>::MIN), None);
     }
 }

@@ -1,5 +1,6 @@
 //! From placed shapes to primitives, boxes, tree and areas.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
@@ -34,7 +35,9 @@ impl Geometry {
         let boxes: Vec<_> = primitives.list.iter().map(|primitive| primitives.bounds(primitive)).collect();
         let (tree, order) = Tree::build(&boxes)?;
         primitives.list = order.iter().map(|&index| primitives.list[index as usize]).collect();
-        let objects = primitives.objects();
+        primitives.shrink_to_fit();
+        let mut objects = primitives.objects();
+        objects.shrink_to_fit();
         let (low, high) = tree.bounds();
         let reach = low.abs().max(high.abs()).max_element();
         let near = if reach.is_finite() { NEAR * reach } else { 0.0 };
@@ -157,17 +160,19 @@ impl Analytic {
         if self.is_similarity() || self.solid.has_flat_faces() {
             return local * scale_at([0.5, 0.5]);
         }
-        // The mean over the face, which `sample` covers evenly: around the axis by equal steps (exact for
-        // periodic functions up to their smoothness), along it by Gauss's three points in short pieces.
-        const PIECES: u32 = 128;
+        // The mean over the face, which `sample` covers evenly: around the axis by equal steps, which converge as
+        // fast as the function is smooth; along it by Gauss's three points in short pieces, shortest at the ends,
+        // where stretched bodies are most curved. A needle of 1000 : 1 is right to 1e-6.
+        const PIECES: u32 = 256;
         const TURN: u32 = 512;
         let gauss = [(-0.6_f64.sqrt(), 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.6_f64.sqrt(), 5.0 / 18.0)];
         let mut mean = 0.0;
         for piece in 0..PIECES {
             for (node, weight) in gauss {
-                let u = (f64::from(piece) + 0.5 + 0.5 * node) / f64::from(PIECES);
+                let (sin, cos) = (PI * (f64::from(piece) + 0.5 + 0.5 * node) / f64::from(PIECES)).sin_cos();
+                let u = 0.5 * (1.0 - cos);
                 let around: f64 = (0..TURN).map(|i| scale_at([u, (f64::from(i) + 0.5) / f64::from(TURN)])).sum();
-                mean += weight * around / f64::from(TURN * PIECES);
+                mean += 0.5 * PI * sin * weight * around / f64::from(TURN * PIECES);
             }
         }
         local * mean

@@ -210,6 +210,14 @@ impl Primitives {
         Hit { t: t.max(0.0), position, normal, shading_normal, uv, object: mesh.object, surface }
     }
 
+    pub(super) fn shrink_to_fit(&mut self) {
+        self.list.shrink_to_fit();
+        self.analytic.shrink_to_fit();
+        self.vertices.shrink_to_fit();
+        self.normals.shrink_to_fit();
+        self.uvs.shrink_to_fit();
+    }
+
     pub(super) fn memory_bytes(&self) -> usize {
         self.list.capacity() * size_of::<Primitive>()
             + self.analytic.capacity() * size_of::<Analytic>()

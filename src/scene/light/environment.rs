@@ -18,7 +18,7 @@ pub struct Environment {
     pub map: Option<Arc<EnvironmentMap>>,
 }
 
-/// A latitude–longitude image: rows from +y (top) to −y, columns around y from −z over +x (the middle column looks along +z… see
+/// A latitude–longitude image: rows from +y (top) to −y, columns around y, the middle one towards −z (see
 /// [`EnvironmentMap::direction`]); mean radiance 1.
 #[derive(Debug)]
 pub struct EnvironmentMap {
