@@ -70,6 +70,7 @@ fn gatherer<'a>(prepared: &'a Prepared, maps: &'a Maps) -> Gatherer<'a> {
         shared: maps,
         shared_nm: wavelengths,
         shared_pdf: wavelengths.map(|nm| prepared.choice.wavelengths.pdf(nm)),
+        edges: &[],
         radius_scale: 1.0,
         max_depth: 64,
     }
