@@ -3,7 +3,7 @@
 use super::CameraNumbers;
 use super::direct::{Asking, Counts, Direct, Found, Lit};
 use super::estimate::{Maps, Radii, RadiusKind};
-use super::throughput::{Colour, Factor, product};
+use super::throughput::{Colour, Factor, product, relative_n2};
 use crate::math::random::ONE_MINUS_ULP;
 use crate::optics::surface::{Class, Event, Scatter, Surface, Transport};
 use crate::plan::partition::{Estimator, LightPath, View, estimator};
@@ -178,7 +178,7 @@ impl<'a> Gatherer<'a> {
                 }
                 Class::Specular => self.go_on(&mut path, &encounter, sample),
             };
-            if !goes_on || !survives(&mut path, sample) {
+            if !goes_on || !survives(self.scene, &mut path, sample) {
                 break;
             }
         }
@@ -383,7 +383,7 @@ impl<'a> Gatherer<'a> {
                 }
                 None => self.scatter_once(&mut single, encounter, u, sample),
             };
-            if goes_on && survives(&mut single, sample) {
+            if goes_on && survives(self.scene, &mut single, sample) {
                 self.follow(single, sample);
             }
         }
@@ -474,16 +474,20 @@ impl CameraPath {
     }
 }
 
-/// Russian roulette for paths that have lost most of their light.
-fn survives<S: Sink>(path: &mut CameraPath, sample: &mut Sample<'_, '_, S>) -> bool {
+/// Russian roulette for paths that have lost most of their light (by more than glass takes and gives back with its n²).
+fn survives<S: Sink>(scene: &Scene, path: &mut CameraPath, sample: &mut Sample<'_, '_, S>) -> bool {
     const FREE_EVENTS: u32 = 8;
     if path.level <= 0.0 && matches!(path.colour, Colour::Shared { .. }) {
         return false;
     }
-    if path.depth < FREE_EVENTS || path.level >= 0.5 {
+    if path.depth < FREE_EVENTS {
         return true;
     }
-    let survival = path.level.max(0.05);
+    let level = path.level * relative_n2(scene, &path.start, path.reference_nm());
+    if level >= 0.5 {
+        return true;
+    }
+    let survival = level.max(0.05);
     if sample.numbers.stream.uniform() >= survival {
         return false;
     }

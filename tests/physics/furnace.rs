@@ -94,7 +94,7 @@ fn frosted_glass_in_uniform_surroundings_never_shines_brighter() {
 }
 
 /// A white core in a shell of glass, with or without air between, seen so that the core fills the picture.
-fn core_in_a_shell(ior: Value, core_radius: f64, gap: bool) -> Value {
+fn core_in_a_shell(ior: Value, core_radius: f64, gap: bool, fov: f64) -> Value {
     let mut objects = vec![
         json!({ "name": "shell", "shape": { "sphere": { "radius": 1 } }, "material": "glass" }),
         json!({ "name": "core", "shape": { "sphere": { "radius": core_radius } }, "material": "white" }),
@@ -104,7 +104,7 @@ fn core_in_a_shell(ior: Value, core_radius: f64, gap: bool) -> Value {
             .push(json!({ "name": "gap", "shape": { "sphere": { "radius": core_radius + 0.1 } }, "material": "air" }));
     }
     json!({
-        "camera": { "from": [0, 0, 5], "at": [0, 0, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 8 } } },
+        "camera": { "from": [0, 0, 5], "at": [0, 0, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": fov } } },
         "film": { "width": 8, "height": 8 },
         "materials": { "glass": glass(ior), "white": diffuse(1), "air": { "dielectric": { "ior": 1, "priority": 1 } } },
         "objects": objects, "lights": surroundings(), "render": { "photons": 20000, "radius": 0.1 }
@@ -113,7 +113,7 @@ fn core_in_a_shell(ior: Value, core_radius: f64, gap: bool) -> Value {
 
 #[test]
 fn a_white_core_in_glass_lit_through_the_photon_map_only() {
-    let scene = core_in_a_shell(json!(1.5), 0.5, false);
+    let scene = core_in_a_shell(json!(1.5), 0.5, false, 12.0);
     check("core in glass, n = 1.5", &scene, (Integrator::Photon, 16));
     check("core in glass, n = 1.5", &scene, (Integrator::Path, 64));
 }
@@ -121,21 +121,21 @@ fn a_white_core_in_glass_lit_through_the_photon_map_only() {
 #[test]
 fn a_large_white_core_in_glass_whose_light_is_partly_shut_in() {
     // Beyond core radius 1/n some of what the core scatters is totally reflected back to it.
-    let scene = core_in_a_shell(json!(1.5), 0.85, false);
+    let scene = core_in_a_shell(json!(1.5), 0.85, false, 16.0);
     check("large core in glass, n = 1.5", &scene, (Integrator::Photon, 16));
     check("large core in glass, n = 1.5", &scene, (Integrator::Path, 64));
 }
 
 #[test]
 fn a_white_core_in_dispersive_glass_lit_through_the_shared_photon_map() {
-    let scene = core_in_a_shell(json!("SF10"), 0.5, false);
+    let scene = core_in_a_shell(json!("SF10"), 0.5, false, 14.0);
     check("core in SF10", &scene, (Integrator::Photon, 64));
     check("core in SF10", &scene, (Integrator::Path, 96));
 }
 
 #[test]
 fn a_white_core_behind_glass_and_air() {
-    let scene = core_in_a_shell(json!(1.5), 0.5, true);
+    let scene = core_in_a_shell(json!(1.5), 0.5, true, 8.0);
     check("core behind glass and air", &scene, (Integrator::Photon, 16));
     check("core behind glass and air", &scene, (Integrator::Path, 64));
 }
