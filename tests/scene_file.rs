@@ -7,7 +7,8 @@ use abbe::scene::file::{self, SceneFile};
 /// All JSON files of a folder of the package, by name.
 fn scenes(folder: &str) -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
-    let entries = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path());
+    let entries = std::fs::read_dir(&folder).expect("the folder is in the package");
+    let entries = entries.map(|entry| entry.expect("the folder can be listed").path());
     let mut scenes: Vec<_> = entries.filter(|path| path.extension().is_some_and(|it| it == "json")).collect();
     scenes.retain(|path| !path.ends_with("scene.schema.json"));
     scenes.sort();

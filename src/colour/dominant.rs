@@ -20,7 +20,8 @@ pub struct Dominant {
 /// The dominant wavelength of a chromaticity x, y against a white's; none for neutral colours.
 pub fn dominant(colour: [f64; 2], white: [f64; 2], observer: &Observer) -> Option<Dominant> {
     let direction = [colour[0] - white[0], colour[1] - white[1]];
-    if !(direction[0].hypot(direction[1]) >= NEUTRAL) {
+    let distance = direction[0].hypot(direction[1]);
+    if distance.is_nan() || distance < NEUTRAL {
         return None;
     }
     let locus: Vec<Point> = (BAND_NM.0 as u32..=BAND_NM.1 as u32)

@@ -1,6 +1,6 @@
 //! Bringing colours that a display cannot show into its gamut, the cube [0, 1]³ of linear components.
 
-use super::coordinates::{from_oklab, oklab};
+use super::coordinates;
 use super::space::RgbSpace;
 use super::{Rgb, Xyz};
 use crate::error::{Error, Result};
@@ -48,7 +48,7 @@ impl GamutMapping {
         match self {
             Self::Desaturate => desaturate(rgb, space),
             Self::Clip => clip(rgb),
-            Self::Oklab => self::oklab_chroma(rgb, space),
+            Self::Oklab => oklab(rgb, space),
         }
     }
 }
@@ -59,11 +59,16 @@ pub fn contains(rgb: Rgb) -> bool {
     rgb.iter().all(|component| (0.0..=1.0).contains(component))
 }
 
+/// Clipped to [0, 1]; what is no number becomes 0, which `clamp` would not do.
+#[inline]
+fn unit(value: f64) -> f64 {
+    if value > 0.0 { value.min(1.0) } else { 0.0 }
+}
+
 /// Each component clipped to [0, 1]; what is no number becomes 0.
 #[inline]
 pub fn clip(rgb: Rgb) -> Rgb {
-    // `max` prefers a number to what is none.
-    rgb.map(|component| component.max(0.0).min(1.0))
+    rgb.map(unit)
 }
 
 /// The colour on the way to the neutral of equal luminance that is first inside. Luminance is kept where it lies in
@@ -75,7 +80,7 @@ pub fn desaturate(rgb: Rgb, space: RgbSpace) -> Rgb {
     }
     let weights = space.luminance_weights();
     let luminance = weights[0] * rgb[0] + weights[1] * rgb[1] + weights[2] * rgb[2];
-    let grey = luminance.max(0.0).min(1.0);
+    let grey = unit(luminance);
     if grey != luminance {
         return [grey; 3];
     }
@@ -92,18 +97,18 @@ pub fn desaturate(rgb: Rgb, space: RgbSpace) -> Rgb {
 }
 
 /// The colour of the same Oklab lightness and hue with the most chroma that is inside (found to 10⁻⁶ of the chroma).
-pub fn oklab_chroma(rgb: Rgb, space: RgbSpace) -> Rgb {
+pub fn oklab(rgb: Rgb, space: RgbSpace) -> Rgb {
     if contains(rgb) {
         return rgb;
     }
     // Oklab is defined about D65; the adaptation of ACEScg's white is undone by taking its white for white.
     let (to_d65, from_d65) = (to_d65(space), from_d65(space));
-    let [lightness, a, b] = oklab(to_d65(rgb));
-    let grey = from_d65(from_oklab([lightness.max(0.0).min(1.0), 0.0, 0.0]));
+    let [lightness, a, b] = coordinates::oklab(to_d65(rgb));
+    let grey = from_d65(coordinates::from_oklab([unit(lightness), 0.0, 0.0]));
     if !(lightness > 0.0 && lightness < 1.0) {
         return clip(grey);
     }
-    let with_chroma = |share: f64| from_d65(from_oklab([lightness, share * a, share * b]));
+    let with_chroma = |share: f64| from_d65(coordinates::from_oklab([lightness, share * a, share * b]));
     let (mut inside, mut outside) = (0.0, 1.0);
     for _ in 0..20 {
         let middle = 0.5 * (inside + outside);
@@ -131,8 +136,9 @@ mod tests {
         // Low-pressure sodium at Y = 0.3.
         let rgb = [2.771_426_5, 0.587_216_4, -0.128_436_9].map(|component| 0.3 * component);
         let mapped = desaturate(rgb, RgbSpace::Srgb);
-        let luminance: f64 = RgbSpace::Srgb.luminance_weights().iter().zip(mapped).map(|(w, c)| w * c).sum();
-        assert!(contains(mapped) && (luminance - 0.3).abs() < 1e-9, "{mapped:?}");
+        let luminance =
+            |rgb: Rgb| -> f64 { RgbSpace::Srgb.luminance_weights().iter().zip(rgb).map(|(w, c)| w * c).sum() };
+        assert!(contains(mapped) && (luminance(mapped) - luminance(rgb)).abs() < 1e-12, "{mapped:?}");
         assert_eq!(mapped[2], 0.0);
     }
 

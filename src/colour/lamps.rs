@@ -60,3 +60,31 @@ pub fn split_pairs(patches: &[PatchDifference], alike: f64, different: f64) -> V
     pairs.sort_by(|a, b| split(b).total_cmp(&split(a)));
     pairs
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectrum::library;
+
+    #[test]
+    fn sodium_light_splits_what_daylight_tells_apart() {
+        let named = |name: &str| library::find(name).unwrap().spectrum;
+        let surfaces: Vec<(&str, Spectrum)> =
+            library::names().filter(|name| name.starts_with("colorchecker/")).map(|name| (name, named(name))).collect();
+        let surfaces: Vec<(&str, &Spectrum)> = surfaces.iter().map(|(name, surface)| (*name, surface)).collect();
+        let (d65, sodium) = (named("D65"), named("sodium-low-pressure"));
+        let patches = compare_lights([&d65, &sodium], &surfaces, Observer::cie1931());
+        assert_eq!(patches.len(), 24);
+        let neutral = patches.iter().find(|patch| patch.name == "colorchecker/neutral-5").unwrap();
+        let red = patches.iter().find(|patch| patch.name == "colorchecker/red").unwrap();
+        assert!(neutral.delta_e_2000 < 2.0 && red.delta_e_2000 > 20.0, "{neutral:?} {red:?}");
+        let pairs = split_pairs(&patches, 3.0, 20.0);
+        assert!(!pairs.is_empty());
+        for pair in &pairs {
+            assert!(pair.delta_e_2000[0] >= 20.0 && pair.delta_e_2000[1] <= 3.0, "{pair:?}");
+        }
+        let split = |pair: &SplitPair| pair.delta_e_2000[0] - pair.delta_e_2000[1];
+        assert!(pairs.windows(2).all(|two| split(&two[0]) >= split(&two[1])));
+        assert!(split_pairs(&patches, -1.0, 0.0).is_empty());
+    }
+}

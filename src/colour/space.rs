@@ -234,13 +234,31 @@ pub fn srgb_hex(rgb: Rgb) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectrum::XYZ_TO_LINEAR_SRGB;
 
     #[test]
     fn the_matrix_of_srgb_is_the_published_one() {
-        for (row, known) in SRGB.from_xyz.iter().zip(XYZ_TO_LINEAR_SRGB) {
+        let published = [
+            [3.240_969_941_904_521, -1.537_383_177_570_093, -0.498_610_760_293],
+            [-0.969_243_636_280_879_4, 1.875_967_501_507_72, 0.041_555_057_407_175_56],
+            [0.055_630_079_696_993_59, -0.203_976_958_888_976_5, 1.056_971_514_242_878],
+        ];
+        for (row, known) in SRGB.from_xyz.iter().zip(published) {
             for (entry, known) in row.iter().zip(known) {
                 assert!((entry - known).abs() < 1e-14, "{entry} {known}");
+            }
+        }
+    }
+
+    #[test]
+    fn luminance_weights_are_the_published_ones() {
+        for (space, weights) in [
+            (RgbSpace::Srgb, [0.2126, 0.7152, 0.0722]),
+            (RgbSpace::DisplayP3, [0.2290, 0.6917, 0.0793]),
+            (RgbSpace::Rec2020, [0.2627, 0.6780, 0.0593]),
+            (RgbSpace::AcesCg, [0.2722, 0.6741, 0.0537]),
+        ] {
+            for (found, known) in space.luminance_weights().iter().zip(weights) {
+                assert!((found - known).abs() < 5.1e-5, "{space:?}: {found} {known}");
             }
         }
     }

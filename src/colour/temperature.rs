@@ -31,11 +31,12 @@ pub fn cct_duv(xyz: Xyz) -> Option<CorrelatedTemperature> {
     let square = |uv: [f64; 2]| (uv[0] - target[0]).powi(2) + (uv[1] - target[1]).powi(2);
     let table = locus_table();
     let nearest = (0..table.len()).min_by(|&a, &b| square(table[a]).total_cmp(&square(table[b])))?;
+    let bracket = (mired_of(nearest.saturating_sub(1)), mired_of((nearest + 1).min(STEPS)));
+    let mired = minimum(|mired| square(locus(mired)), bracket.0, bracket.1);
     // A nearest point at an end of the locus means that the colour lies beyond it.
-    if nearest == 0 || nearest == STEPS {
+    if mired < MIREDS.0 * (1.0 + 1e-6) || mired > MIREDS.1 * (1.0 - 1e-6) {
         return None;
     }
-    let mired = minimum(|mired| square(locus(mired)), mired_of(nearest - 1), mired_of(nearest + 1));
     let (foot, before, after) = (locus(mired), locus(mired - 0.01), locus(mired + 0.01));
     let tangent = [after[0] - before[0], after[1] - before[1]];
     let offset = [target[0] - foot[0], target[1] - foot[1]];

@@ -34,7 +34,8 @@ impl PhotonIndex {
         if photons.is_empty() {
             return Self::default();
         }
-        let tree = Tree::new_from_entries_parallel(photons).expect("photon positions are finite and their leaves can grow");
+        let tree =
+            Tree::new_from_entries_parallel(photons).expect("photon positions are finite and their leaves can grow");
         Self { tree: Some(tree) }
     }
 
@@ -52,9 +53,11 @@ impl PhotonIndex {
     #[inline]
     pub fn within(&self, place: [f32; 3], radius: f32, mut visit: impl FnMut(Found)) {
         if let Some(tree) = &self.tree {
-            tree.query(&place).within::<SquaredEuclidean<f32>>(radius * radius).unsorted().with_points().visit(|found| {
-                visit(Found { photon: found.item, position: found.point, distance2: found.distance });
-            });
+            tree.query(&place).within::<SquaredEuclidean<f32>>(radius * radius).unsorted().with_points().visit(
+                |found| {
+                    visit(Found { photon: found.item, position: found.point, distance2: found.distance });
+                },
+            );
         }
     }
 
@@ -69,9 +72,12 @@ impl PhotonIndex {
 mod tests {
     use super::*;
     use crate::math::random::{Purpose, Stream};
+    use glam::DVec3;
 
     fn numbered(i: usize) -> Photon {
-        Photon { nm: [i as f32; 4], ..Photon::default() }
+        let mut photon = Photon::new(DVec3::Y, DVec3::Y, 4, 0);
+        photon.nm = [i as f32; 4];
+        photon
     }
 
     fn found(index: &PhotonIndex, place: [f32; 3], radius: f32) -> Vec<usize> {
@@ -119,6 +125,6 @@ mod tests {
         assert_eq!(one.kth_distance([1.0, 2.0, 4.0], NonZero::new(50).unwrap()), Some(1.0));
         let none = PhotonIndex::build(&[]);
         assert!(none.is_empty() && found(&none, [0.0; 3], 10.0).is_empty());
-        assert_eq!(none.kth_distance([0.0; 3], NonZero::MIN), None);
+        assert_eq!(none.kth_distance([0.0; 3], NonZero::<usize>::MIN), None);
     }
 }

@@ -46,13 +46,16 @@ pub fn conductor_sp(cos_i: f64, n: f64, k: f64, n_outside: f64) -> (f64, f64) {
     let c = cos_i.abs().min(1.0);
     let (eta, kappa) = (n / n_outside, k / n_outside);
     let sin2 = (1.0 - c) * (1.0 + c);
+    if eta == 1.0 && kappa == 0.0 {
+        return (0.0, 0.0);
+    }
+    if c == 0.0 {
+        return (1.0, 1.0);
+    }
     // (a + ib)² = (η + iκ)² − sin²θ. Take the larger of a, b by the square root, the other from a·b = ηκ.
-    let real = (eta - kappa) * (eta + kappa) - sin2;
+    let real = (eta - 1.0) * (eta + 1.0) + c * c - kappa * kappa;
     let imaginary = eta * kappa;
     let modulus = real.hypot(2.0 * imaginary);
-    if c == 0.0 {
-        return if modulus == 0.0 { (0.0, 0.0) } else { (1.0, 1.0) };
-    }
     let larger = (0.5 * (modulus + real.abs())).sqrt();
     let a = if real >= 0.0 || larger == 0.0 { larger } else { imaginary / larger };
     let s = (modulus + c * c - 2.0 * a * c) / (modulus + c * c + 2.0 * a * c);
@@ -102,4 +105,130 @@ pub fn critical_angle_deg(n_i: f64, n_t: f64) -> Option<f64> {
 /// The angle of incidence, in degrees, at which p-polarised light is not reflected at all.
 pub fn brewster_angle_deg(n_i: f64, n_t: f64) -> f64 {
     n_t.atan2(n_i).to_degrees()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Cosines from grazing to normal incidence.
+    fn cosines() -> impl Iterator<Item = f64> {
+        (0..=1000).map(|i| (f64::from(i) / 1000.0).powi(3)).chain([1e-300, 1e-16, 1e-8])
+    }
+
+    #[test]
+    fn reflectance_lies_between_0_and_1_at_any_angle_and_index() {
+        for n_i in [1.0, 1.0 + 1e-15, 1.33, 1.5, 2.4] {
+            for n_t in [1.0, 1.0 + 1e-15, 1.33, 1.5, 1.5 + 1e-9, 2.4] {
+                for cos in cosines() {
+                    let r = dielectric(cos, n_i, n_t);
+                    assert!((0.0..=1.0).contains(&r), "R = {r} at cosine {cos} from {n_i} to {n_t}");
+                    let metal = conductor(cos, n_t, 0.3, n_i);
+                    assert!((0.0..=1.0).contains(&metal), "metal: R = {metal} at cosine {cos}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn equal_indices_reflect_nothing_and_grazing_light_is_reflected() {
+        for cos in cosines() {
+            assert_eq!(dielectric(cos, 1.5, 1.5), 0.0);
+        }
+        for (n_i, n_t) in [(1.0, 1.5), (1.5, 1.0), (1.0, 1.0 + 1e-12)] {
+            assert!((dielectric(0.0, n_i, n_t) - 1.0).abs() < 1e-15);
+        }
+        assert_eq!(conductor(0.0, 0.2, 3.0, 1.0), 1.0);
+    }
+
+    #[test]
+    fn nearly_equal_indices_keep_all_digits() {
+        let step = 2.0_f64.powi(-40);
+        // R = (δ/(2 + δ))² at normal incidence; the textbook quotient has a relative error of 1e-4 here.
+        let exact = (step / (2.0 + step)).powi(2);
+        assert!((dielectric(1.0, 1.0, 1.0 + step) / exact - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn within_an_ulp_of_the_critical_angle_all_is_finite_and_total_reflection_begins_with_refraction_s_end() {
+        for (n_i, n_t) in [(1.5, 1.0), (2.4175, 1.333), (1.0 + 1e-9, 1.0)] {
+            let critical = f64::sqrt((n_i - n_t) * (n_i + n_t)) / n_i;
+            let mut cos = critical;
+            for _ in 0..20 {
+                cos = cos.next_down();
+            }
+            for _ in 0..40 {
+                let r = dielectric(cos, n_i, n_t);
+                let w = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+                assert!((0.99..=1.0).contains(&r), "R = {r} at cosine {cos}");
+                match refract(w, DVec3::Z, n_i, n_t) {
+                    None => assert_eq!(r, 1.0),
+                    Some(t) => assert!(t.is_finite() && t.z <= 0.0),
+                }
+                cos = cos.next_up();
+            }
+            assert_eq!(dielectric(critical * (1.0 - 1e-12), n_i, n_t), 1.0);
+            assert!(dielectric(critical * (1.0 + 1e-9), n_i, n_t) < 1.0);
+        }
+    }
+
+    #[test]
+    fn s_and_p_follow_the_textbook_where_that_is_stable() {
+        for (n_i, n_t) in [(1.0, 1.5), (1.5, 1.0), (1.33, 2.4)] {
+            for degrees in [5.0_f64, 20.0, 30.0, 40.0] {
+                let (sin, cos) = degrees.to_radians().sin_cos();
+                let cos_t = (1.0 - (sin * n_i / n_t).powi(2)).sqrt();
+                let s = ((n_i * cos - n_t * cos_t) / (n_i * cos + n_t * cos_t)).powi(2);
+                let p = ((n_t * cos - n_i * cos_t) / (n_t * cos + n_i * cos_t)).powi(2);
+                let (got_s, got_p) = dielectric_sp(cos, n_i, n_t);
+                assert!((got_s - s).abs() < 1e-14 && (got_p - p).abs() < 1e-14, "{n_i} to {n_t} at {degrees}°");
+            }
+        }
+    }
+
+    #[test]
+    fn p_polarised_light_is_not_reflected_at_brewster_s_angle() {
+        let angle = brewster_angle_deg(1.0, 1.5).to_radians();
+        assert!(dielectric_sp(angle.cos(), 1.0, 1.5).1 < 1e-30);
+    }
+
+    #[test]
+    fn a_metal_that_does_not_absorb_is_a_dielectric() {
+        for (n_i, n_t) in [(1.0, 1.5), (1.5, 1.0), (1.2, 1.2)] {
+            for cos in cosines() {
+                let (a, b) = (conductor(cos, n_t, 0.0, n_i), dielectric(cos, n_i, n_t));
+                // The metal's modulus subtracts near the critical angle, where R has an infinite slope.
+                assert!((a - b).abs() < 1e-6, "{a} and {b} at cosine {cos} from {n_i} to {n_t}");
+            }
+        }
+    }
+
+    #[test]
+    fn refraction_obeys_snell_to_the_last_digits_in_a_unit_vector() {
+        let normal = DVec3::new(0.36, 0.48, 0.8);
+        let tangent = normal.any_orthonormal_vector();
+        for (n_i, n_t) in [(1.0, 1.5), (1.5, 1.0), (1.0, 1.0 + 1e-10), (2.4, 1.33)] {
+            for i in 1..200 {
+                let angle = f64::from(i) * 0.005 * std::f64::consts::PI;
+                let w = (normal * angle.cos() + tangent * angle.sin()).normalize();
+                let Some(t) = refract(w, normal, n_i, n_t) else {
+                    assert!(n_i * angle.sin() > n_t);
+                    continue;
+                };
+                assert!((t.length() - 1.0).abs() < 1e-15);
+                assert!((n_i * w.dot(tangent) + n_t * t.dot(tangent)).abs() < 1e-15, "{n_i} to {n_t} at {angle}");
+                assert!(w.dot(normal) * t.dot(normal) <= 0.0);
+                assert_eq!(refract(w, -normal, n_i, n_t), Some(t));
+            }
+        }
+    }
+
+    #[test]
+    fn refraction_is_its_own_inverse() {
+        let w = DVec3::new(0.6, 0.0, 0.8);
+        let t = refract(w, DVec3::Z, 1.0, 1.7).unwrap();
+        assert!((refract(t, DVec3::Z, 1.7, 1.0).unwrap() - w).length() < 1e-15);
+        assert_eq!(refract(w, DVec3::Z, 1.5, 1.5), Some(-w));
+        assert_eq!(reflect(w, DVec3::Z), DVec3::new(-0.6, 0.0, 0.8));
+    }
 }

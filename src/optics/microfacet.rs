@@ -98,3 +98,90 @@ impl Ggx {
         DVec3::new(self.alpha * n.x, self.alpha * n.y, n.z.max(f64::MIN_POSITIVE)).normalize()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALPHAS: [f64; 4] = [0.02, 0.1, 0.5, 1.0];
+
+    /// ∫ f(m) dω over the upper hemisphere, by the midpoint rule in φ and y, where x = 1 − y² = tan²θ/(α² + tan²θ) follows
+    /// the distribution and y spreads its far end.
+    fn over_facets(alpha: f64, f: impl Fn(DVec3) -> f64) -> f64 {
+        const STEPS: usize = 400;
+        let mut sum = 0.0;
+        for i in 0..STEPS {
+            let y = (i as f64 + 0.5) / STEPS as f64;
+            let x = 1.0 - y * y;
+            let tan2 = alpha * alpha * x / (y * y);
+            let cos2 = 1.0 / (1.0 + tan2);
+            // dω = sinθ dθ dφ = ½cos³θ d(tan²θ) dφ.
+            let measure = 2.0 * y * 0.5 * cos2 * cos2.sqrt() * alpha * alpha / (y * y * y * y);
+            for j in 0..STEPS {
+                let (sin_phi, cos_phi) = (2.0 * PI * (j as f64 + 0.5) / STEPS as f64).sin_cos();
+                let sin = (1.0 - cos2).sqrt();
+                let m = DVec3::new(sin * cos_phi, sin * sin_phi, cos2.sqrt());
+                sum += measure * 2.0 * PI / (STEPS * STEPS) as f64 * f(m);
+            }
+        }
+        sum
+    }
+
+    #[test]
+    fn facets_cover_the_surface_exactly_once() {
+        for alpha in ALPHAS {
+            let ggx = Ggx::new(alpha);
+            let area = over_facets(alpha, |m| ggx.density(m) * m.z);
+            assert!((area - 1.0).abs() < 1e-6, "alpha {alpha}: {area}");
+        }
+    }
+
+    #[test]
+    fn visible_facets_cover_what_is_seen_exactly_once() {
+        // The definition of G₁: ∫ G₁·max(0, w·m)·D dω_m = cosθ_w.
+        for alpha in ALPHAS {
+            let ggx = Ggx::new(alpha);
+            for cos in [1.0, 0.7, 0.3, 0.1_f64] {
+                let w = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+                let mass = over_facets(alpha, |m| ggx.visible_density(w, m));
+                assert!((mass - 1.0).abs() < 1e-5, "alpha {alpha}, cosine {cos}: {mass}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_escapes_and_what_is_shadowed_add_up() {
+        for alpha in ALPHAS {
+            let ggx = Ggx::new(alpha);
+            for cos_o in [1.0, 0.5, 0.01, 1e-9] {
+                for cos_i in [1.0, 0.6, 0.02, 1e-7] {
+                    let sum = ggx.escaping(cos_o, cos_i) + ggx.shadowed(cos_o, cos_i);
+                    assert!((sum - 1.0).abs() < 1e-14, "alpha {alpha}: {sum}");
+                    let quotient = ggx.g2_per_cos(cos_o, cos_i) * cos_i / ggx.g1_per_cos(cos_o);
+                    assert!((quotient - ggx.escaping(cos_o, cos_i)).abs() < 1e-14);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn light_along_the_normal_is_never_shadowed() {
+        assert_eq!(Ggx::new(0.5).shadowed(0.3, 1.0), 0.0);
+        assert_eq!(Ggx::new(0.5).escaping(1.0, 1.0), 1.0);
+    }
+
+    #[test]
+    fn drawn_facets_face_the_viewer_and_the_sky() {
+        for alpha in ALPHAS {
+            let ggx = Ggx::new(alpha);
+            for cos in [1.0, 0.5, 1e-6, 0.0_f64] {
+                let w = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+                for i in 0..100 {
+                    let (u, v) = (f64::from(i) / 100.0, f64::from(i * 37 % 100) / 100.0);
+                    let m = ggx.sample_visible(w, u, v);
+                    assert!((m.length() - 1.0).abs() < 1e-14 && m.z >= 0.0 && w.dot(m) >= -1e-15, "{m}");
+                }
+            }
+        }
+    }
+}

@@ -1,7 +1,6 @@
 //! How many passes and photons, and how much memory.
 
 use crate::scene::Scene;
-use crate::sensor::Film;
 
 /// Passes without any stop rule.
 pub const DEFAULT_PASSES: u64 = 64;
@@ -38,14 +37,16 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// The budget of a scene.
-    pub fn of(scene: &Scene) -> Self {
+    /// The budget of a scene whose film takes `film_bytes` (the film is the sensor's business, of which the plan knows nothing).
+    pub fn of(scene: &Scene, film_bytes: u64) -> Self {
         let settings = &scene.settings;
         let photons = settings.photons.unwrap_or(DEFAULT_PHOTONS);
         let (width, height) = (scene.film.width as usize, scene.film.height as usize);
         // A photon path meets a few diffuse surfaces; two are kept on average.
-        let film = Film::memory_bytes(width, height, scene.film.spectral_bands as usize) as u64;
-        let memory_bytes = film + 16 * (width * height) as u64 + 2 * photons * PHOTON_BYTES + scene.geometry.memory_bytes() as u64;
+        let memory_bytes = film_bytes
+            + 16 * (width * height) as u64
+            + 2 * photons * PHOTON_BYTES
+            + scene.geometry.memory_bytes() as u64;
         Self {
             passes: settings.passes.unwrap_or(DEFAULT_PASSES),
             photons,

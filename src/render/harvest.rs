@@ -28,6 +28,8 @@ pub(super) struct Harvest<'a> {
     scene: &'a Scene,
     plan: &'a Plan,
     connects: bool,
+    /// Pixels at edges of surfaces; none if empty.
+    edges: &'a [bool],
     pub(super) caustic: Vec<Placed>,
     pub(super) indirect: Vec<Placed>,
     pub(super) splats: SplatSink,
@@ -35,13 +37,14 @@ pub(super) struct Harvest<'a> {
 }
 
 impl<'a> Harvest<'a> {
-    pub(super) fn new(scene: &'a Scene, plan: &'a Plan, set: Set, splats: SplatSink) -> Self {
+    pub(super) fn new(scene: &'a Scene, plan: &'a Plan, set: Set, edges: &'a [bool], splats: SplatSink) -> Self {
         // Camera paths that take shared wavelengths from the start leave connections to nobody: the map serves them.
         let connects = set == Set::Free && plan.wavelengths != WavelengthPlan::Shared;
         Self {
             scene,
             plan,
             connects,
+            edges,
             caustic: Vec::new(),
             indirect: Vec::new(),
             splats,
@@ -49,12 +52,21 @@ impl<'a> Harvest<'a> {
         }
     }
 
+    /// Connects an arrival to the camera, where the partition leaves pixels of this view to connections.
     fn connect(&mut self, arrival: &Arrival<'_>, stream: &mut Stream) {
+        let class = arrival.encounter.surface.class();
+        let connects = |view| estimator(arrival.path, class, view) == Estimator::Connection;
+        let (seen, at_edge) = (connects(View::Seen), connects(View::SeenAtEdge) && !self.edges.is_empty());
+        if !(self.connects && (seen || at_edge)) {
+            return;
+        }
+        let edges = self.edges;
+        let is_edge = |pixel: u32| edges.get(pixel as usize).is_some_and(|&edge| edge);
         let lens = match self.plan.aperture {
             AperturePlan::Pinhole => [0.5; 2],
             AperturePlan::ThinLens => stream.pair(),
         };
-        if let Some(splat) = connect(self.scene, arrival, lens) {
+        if let Some(splat) = connect(self.scene, arrival, lens, |pixel| if is_edge(pixel) { at_edge } else { seen }) {
             self.tally.connections += 1;
             let lanes = arrival.wavelengths.active().iter().copied().zip(splat.radiance);
             self.splats.splat(splat.pixel, lanes);
@@ -73,9 +85,7 @@ impl Receiver for Harvest<'_> {
         if !wanted {
             return;
         }
-        if self.connects && estimator(arrival.path, class, View::Seen) == Estimator::Connection {
-            self.connect(arrival, stream);
-        }
+        self.connect(arrival, stream);
         if kept_in_map(arrival.path, class) {
             self.tally.stored += 1;
             let placed = (stored(arrival), arrival.encounter.hit.position.as_vec3().to_array());

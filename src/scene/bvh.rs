@@ -12,6 +12,8 @@ use std::mem::size_of;
 
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
@@ -53,7 +55,7 @@ impl Tree {
     /// which it refers to them: its primitive number i is the caller's `order[i]`.
     ///
     /// # Errors
-    /// A box that is not finite, or a tree too deep for the traversal's stack.
+    /// A box that is not finite, or more than 2³² of them.
     pub(crate) fn build(boxes: &[(DVec3, DVec3)]) -> Result<(Self, Vec<u32>)> {
         let nothing = (DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY));
         let (low, high) = boxes.iter().fold(nothing, |(low, high), b| (low.min(b.0), high.max(b.1)));
@@ -73,13 +75,11 @@ impl Tree {
             return Ok((tree, (0..count).collect()));
         }
         let padded: Vec<Aabb> = boxes.iter().map(|&(low, high)| tree.padded(low, high)).collect();
-        let mut wide = build_wide(&padded, PlocSearchDistance::Low, 0.05);
+        let mut wide = widened(&by_surface_area(&padded));
         if depth(&wide) > DEEPEST {
-            wide = build_wide(&padded, PlocSearchDistance::Minimum, 0.0);
+            wide = widened(&by_halves(&padded));
         }
-        if depth(&wide) > DEEPEST {
-            return Err(Error::machine("the tree of the scene's boxes is too deep"));
-        }
+        wide.nodes.shrink_to_fit();
         let order = std::mem::take(&mut wide.primitive_indices);
         tree.boxes = Boxes::Wide(wide);
         Ok((tree, order))
@@ -164,13 +164,50 @@ impl Tree {
     }
 }
 
+/// A binary tree by the surface area heuristic (parallel locally-ordered clustering, then reinsertion).
+///
 /// The crate's own `build_cwbvh` checks, in debug builds, that boxes nest to an absolute 1e-5, which our frame's
 /// numbers are too large for; so its steps are called one by one.
-fn build_wide(boxes: &[Aabb], search: PlocSearchDistance, reinsertion: f32) -> CwBvh {
+fn by_surface_area(boxes: &[Aabb]) -> Bvh2 {
     let indices = (0..boxes.len() as u32).collect();
+    let search = PlocSearchDistance::Medium;
     let mut binary = PlocBuilder::with_capacity(boxes.len()).build(search, boxes, indices, SortPrecision::U64, 2);
-    ReinsertionOptimizer::default().run(&mut binary, reinsertion, None);
-    bvh2_to_cwbvh(&binary, 3, true, false)
+    ReinsertionOptimizer::default().run(&mut binary, 0.1, None);
+    binary
+}
+
+/// A binary tree that splits the boxes in halves along the axis in which their centres spread most: at most as
+/// deep as the count has binary digits, whatever the boxes are. For scenes (hundreds of nested shells) in which
+/// clustering makes one long chain.
+fn by_halves(boxes: &[Aabb]) -> Bvh2 {
+    let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
+    let mut nodes = vec![Bvh2Node::default()];
+    let mut open = vec![(0_usize, 0..boxes.len())];
+    while let Some((node, range)) = open.pop() {
+        let part = &mut order[range.clone()];
+        let around = part.iter().fold(Aabb::empty(), |around, &index| around.union(&boxes[index as usize]));
+        if part.len() == 1 {
+            nodes[node] = Bvh2Node::new(around, 1, range.start as u32);
+            continue;
+        }
+        let centres = part.iter().fold(Aabb::empty(), |centres, &index| {
+            let centre = boxes[index as usize].center();
+            centres.union(&Aabb::new(centre, centre))
+        });
+        let axis = centres.largest_axis();
+        let along = |index: u32| boxes[index as usize].center()[axis];
+        let half = part.len() / 2;
+        part.select_nth_unstable_by(half, |&a, &b| along(a).total_cmp(&along(b)).then(a.cmp(&b)));
+        nodes[node] = Bvh2Node::new(around, 0, nodes.len() as u32);
+        open.push((nodes.len(), range.start..range.start + half));
+        open.push((nodes.len() + 1, range.start + half..range.end));
+        nodes.extend([Bvh2Node::default(); 2]);
+    }
+    Bvh2 { nodes, primitive_indices: order, ..Bvh2::default() }
+}
+
+fn widened(binary: &Bvh2) -> CwBvh {
+    bvh2_to_cwbvh(binary, 3, true, false)
 }
 
 /// Levels of nodes below the root.

@@ -6,6 +6,7 @@
 //! when it is read.
 
 pub mod library;
+pub mod read;
 
 mod continuum;
 mod daylight;
@@ -29,10 +30,7 @@ pub use lanes::{LANES, Lanes, Wavelengths};
 pub use line::{DEFAULT_LINE_WIDTH_NM, LineSegment, MIN_WIDTH_NM, SpectralLine};
 pub use observer::{LUMENS_PER_WATT, OBSERVER_NAMES, Observer};
 pub use planck::planck;
-pub(crate) use rgb::XYZ_TO_LINEAR_SRGB;
 pub use value::{Outside, Spectrum};
 
 /// The band of wavelengths that Abbe simulates, in nm. Every power and every integral is meant over it.
 pub const BAND_NM: (f64, f64) = (360.0, 830.0);
-/// x
-pub mod read { pub fn spectrum_file(p: &std::path::Path, _o: super::Outside) -> crate::error::Result<super::Spectrum> { Err(crate::error::Error::input("x").in_file(p)) } }

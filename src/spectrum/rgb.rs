@@ -12,7 +12,7 @@ use super::{BAND_NM, library, smooth};
 use crate::error::{Error, Result};
 
 /// Linear sRGB from XYZ (IEC 61966-2-1: its primaries' chromaticities and the white x, y = 0.3127, 0.3290).
-pub(crate) const XYZ_TO_LINEAR_SRGB: [[f64; 3]; 3] = [
+const XYZ_TO_LINEAR_SRGB: [[f64; 3]; 3] = [
     [3.240_969_941_904_521, -1.537_383_177_570_093, -0.498_610_760_293],
     [-0.969_243_636_280_879_4, 1.875_967_501_507_72, 0.041_555_057_407_175_56],
     [0.055_630_079_696_993_59, -0.203_976_958_888_976_5, 1.056_971_514_242_878],
@@ -222,7 +222,6 @@ mod tests {
                 worst = (error, rgb);
             }
         }
-        println!("worst {worst:?}");
         assert!(worst.0 <= 1e-3, "{worst:?}");
     }
 }

@@ -3,11 +3,15 @@
 use super::BAND_NM;
 use super::continuum::Continuum;
 
-/// The largest error of the linear pieces, relative to the function's maximum.
-const TOLERANCE: f64 = 2e-7;
+/// The largest error of the linear pieces, relative to the function's maximum: less than half of what is promised, so that a
+/// peak may still be scaled to its exact area.
+const TOLERANCE: f64 = 4e-7;
 
-/// How often a stretch between two given knots may be halved.
-const MAX_HALVINGS: u32 = 24;
+/// How often a stretch between two given knots may be divided again.
+const MAX_DIVISIONS: u32 = 12;
+
+/// The most parts of one division.
+const MAX_PARTS: f64 = 8.0;
 
 /// A smooth function as pieces: knots at every whole nm of the band and at `extra`, and as many between them as it
 /// takes to stay within one part in 10⁶ of the maximum.
@@ -21,7 +25,7 @@ pub(crate) fn sampled(function: impl Fn(f64) -> f64, extra: &[f64]) -> Continuum
     let mut pieces = vec![(knots[0], values[0])];
     for i in 1..knots.len() {
         let (from, to) = ((knots[i - 1], values[i - 1]), (knots[i], values[i]));
-        refine(&function, from, to, (tolerance, MAX_HALVINGS), &mut pieces);
+        refine(&function, [from, to], (tolerance, MAX_DIVISIONS), &mut pieces);
     }
     Continuum::from_knots(&pieces)
 }
@@ -29,21 +33,28 @@ pub(crate) fn sampled(function: impl Fn(f64) -> f64, extra: &[f64]) -> Continuum
 /// Appends the knots after `from` up to and including `to`.
 fn refine(
     function: &impl Fn(f64) -> f64,
-    from: (f64, f64),
-    to: (f64, f64),
-    (tolerance, halvings): (f64, u32),
+    [from, to]: [(f64, f64); 2],
+    (tolerance, divisions): (f64, u32),
     knots: &mut Vec<(f64, f64)>,
 ) {
     let at = |t: f64| from.0 + t * (to.0 - from.0);
     let error = |t: f64| (function(at(t)) - (from.1 + t * (to.1 - from.1))).abs();
-    let fits = error(0.5) <= tolerance && error(0.25) <= tolerance && error(0.75) <= tolerance;
-    if fits || halvings == 0 {
+    let worst = error(0.25).max(error(0.5)).max(error(0.75));
+    if worst <= tolerance || divisions == 0 {
         knots.push(to);
         return;
     }
-    let middle = (at(0.5), function(at(0.5)));
-    refine(function, from, middle, (tolerance, halvings - 1), knots);
-    refine(function, middle, to, (tolerance, halvings - 1), knots);
+    // The error of linear interpolation goes with the square of the width.
+    let parts = (worst / tolerance).sqrt().ceil().clamp(2.0, MAX_PARTS);
+    let mut lower = from;
+    for part in 1..=parts as u32 {
+        let nm = at(f64::from(part) / parts);
+        let upper = if nm < to.0 { (nm, function(nm)) } else { to };
+        if upper.0 > lower.0 {
+            refine(function, [lower, upper], (tolerance, divisions - 1), knots);
+        }
+        lower = upper;
+    }
 }
 
 /// The integral over the band of the function itself, by Simpson's rule on its own pieces.

@@ -84,9 +84,11 @@ impl Spectrum {
         let shape = |nm: f64| (-0.5 * ((nm - peak_nm) / sigma_nm).powi(2)).exp();
         let knots: Vec<f64> = (-32..=32).map(|i| peak_nm + 0.25 * f64::from(i) * sigma_nm).collect();
         let pieces = smooth::sampled(shape, &knots);
-        let area = pieces.integral();
-        let exact = if area > 0.0 { smooth::integral_of(shape, &pieces) / area } else { 1.0 };
-        let continuum = pieces.scaled(exact);
+        let whole = BAND_NM.0 < peak_nm - 9.0 * sigma_nm && peak_nm + 9.0 * sigma_nm < BAND_NM.1;
+        let area =
+            if whole { sigma_nm * (2.0 * std::f64::consts::PI).sqrt() } else { smooth::integral_of(shape, &pieces) };
+        let found = pieces.integral();
+        let continuum = if found > 0.0 { pieces.scaled(area / found) } else { pieces };
         let narrow = (fwhm_nm < NARROW_NM).then(|| Box::new(continuum.clone()));
         Ok(Self { narrow, ..Self::smooth(continuum) })
     }

@@ -174,7 +174,7 @@ impl From<Entry> for Glass {
     fn from(entry: Entry) -> Self {
         let mut index = Index::new(entry.dispersion.into(), entry.range_nm)
             .expect("a test reads the whole of the embedded catalogue");
-        index.explain(&entry.name);
+        index.explain(&entry.name, entry.relative_to);
         let Fit { a, b_um2, c_um4, range_nm, max_error } = entry.cauchy;
         Self {
             index,

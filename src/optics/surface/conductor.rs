@@ -35,7 +35,7 @@ impl Conductor {
         self.facets.is_some()
     }
 
-    fn fresnel(&self, cos: f64, sides: Sides<'_>, nm: f64) -> f64 {
+    pub(super) fn fresnel(&self, cos: f64, sides: Sides<'_>, nm: f64) -> f64 {
         fresnel::conductor(cos, self.n.at(nm), self.k.at(nm), sides.here.n(nm))
     }
 
@@ -59,7 +59,7 @@ impl Conductor {
         let Some(facets) = &self.facets else {
             return 1.0 - self.fresnel(wo.z, sides, nm);
         };
-        let m = (wo + scatter.wi).normalize();
+        let m = (wo + scatter.wi).normalize_or_zero();
         let reflected = self.fresnel(wo.dot(m), sides, nm);
         (1.0 - reflected) + reflected * facets.shadowed(wo.z.abs(), scatter.wi.z.abs())
     }
@@ -68,7 +68,7 @@ impl Conductor {
         let Some(facets) = self.facets.as_ref().filter(|_| same_side(wo, wi)) else {
             return 0.0;
         };
-        let m = (wo + wi).normalize();
+        let m = (wo + wi).normalize_or_zero();
         let lobe = facets.reflected_density(turned(m, side(wo)), wo.z.abs(), wi.z.abs());
         self.fresnel(wo.dot(m), sides, nm) * lobe
     }
@@ -77,7 +77,7 @@ impl Conductor {
         let Some(facets) = self.facets.as_ref().filter(|_| same_side(wo, wi)) else {
             return 0.0;
         };
-        let m = turned((wo + wi).normalize(), side(wo));
+        let m = turned((wo + wi).normalize_or_zero(), side(wo));
         0.25 * facets.g1_per_cos(wo.z.abs()) * facets.density(m)
     }
 }

@@ -48,7 +48,7 @@ impl Dielectric {
         };
         if self.is_rough() {
             let density = if scatter.gets_away(wo) { self.pdf(wo, scatter.wi, sides, nm) } else { 1.0 };
-            scatter = Scatter { delta: false, probability: density, ..scatter };
+            scatter = Scatter { delta: false, probability: density, facet_cos: up.dot(m), ..scatter };
         }
         (scatter.probability > 0.0).then_some(scatter)
     }
@@ -61,8 +61,7 @@ impl Dielectric {
         // The event was chosen by the hero's Fresnel factor; another wavelength is lost in proportion to its own.
         match scatter.event {
             Event::Reflection => {
-                let cos = wo.dot((wo + scatter.wi).normalize());
-                lost * fresnel::dielectric(cos, sides.here.n(nm), sides.there.n(nm)) / scatter.choice
+                lost * fresnel::dielectric(scatter.facet_cos, sides.here.n(nm), sides.there.n(nm)) / scatter.choice
             }
             Event::Transmission => lost,
         }
@@ -98,8 +97,11 @@ impl Dielectric {
         let side = side(wo);
         let (up, wi_up) = (turned(wo, side), turned(wi, side));
         if same_side(wo, wi) {
-            let m = (up + wi_up).normalize();
+            let m = (up + wi_up).normalize_or_zero();
             let cos_o = up.dot(m);
+            if cos_o <= 0.0 {
+                return None;
+            }
             let fraction = fresnel::dielectric(cos_o, n_here, n_there);
             // dω_m/dω_i = 1/(4·|o·m|) (Walter et al. 2007, equation 14).
             return Some(Facet { ggx, m, cos_o, fraction, spread: 0.25 / cos_o, event: Event::Reflection });
@@ -148,5 +150,42 @@ fn squeeze(sides: Sides<'_>, transport: Transport, nm: f64) -> f64 {
             ratio * ratio
         }
         Transport::Importance => 1.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::glass::Index;
+
+    #[test]
+    fn radiance_is_squeezed_by_the_squared_index_and_power_is_not() {
+        let (air, glass) = (Index::constant(1.0).unwrap(), Index::constant(1.5).unwrap());
+        let from_air = Sides { here: &air, there: &glass };
+        let through = |sides, transport| coefficient(DVec3::Z, Event::Transmission, sides, transport, 500.0);
+        assert!((through(from_air, Transport::Importance) - 0.96).abs() < 1e-15);
+        // A camera in air that looks into glass sees its radiance thinned by 1/1.5², and the reverse.
+        assert!((through(from_air, Transport::Radiance) - 0.96 / 2.25).abs() < 1e-15);
+        let from_glass = Sides { here: &glass, there: &air };
+        assert!((through(from_glass, Transport::Radiance) - 0.96 * 2.25).abs() < 1e-15);
+    }
+
+    #[test]
+    fn between_equal_indices_light_goes_straight_on_even_where_the_surface_is_rough() {
+        let water = Index::catalogue("water 20C").unwrap();
+        let sides = Sides { here: &water, there: &water };
+        let wo = DVec3::new(0.6, 0.0, -0.8);
+        for alpha in [0.0, 0.5] {
+            let scatter = Dielectric::new(alpha).unwrap().sample(wo, sides, 500.0, [0.3, 0.6, 0.0]).unwrap();
+            assert_eq!((scatter.wi, scatter.delta, scatter.disperses), (-wo, true, false));
+            assert_eq!(scatter.probability, 1.0);
+        }
+    }
+
+    #[test]
+    fn roughness_must_lie_between_0_and_1() {
+        for alpha in [-0.1, 1.1, f64::NAN] {
+            assert!(Dielectric::new(alpha).unwrap_err().to_string().contains("from 0 to 1"));
+        }
     }
 }

@@ -68,7 +68,8 @@ impl Glossy {
 
     pub(super) fn sample(&self, wo: DVec3, nm: f64, u: [f64; 3]) -> Scatter {
         let side = side(wo);
-        let wi = if u[2] < self.coat_share(wo, nm) {
+        let share = self.coat_share(wo, nm);
+        let wi = if u[2] < share {
             let up = turned(wo, side);
             let m = self.facets.sample_visible(up, u[0], u[1]);
             turned(fresnel::reflect(up, m), side)
@@ -76,7 +77,7 @@ impl Glossy {
             sample_cosine(side, u[0], u[1])
         };
         // A facet may send the path into the surface; any positive density will do then, for its response is 0.
-        let density = self.pdf(wo, wi, nm);
+        let density = self.density(wo, wi, share);
         Scatter::spread(wi, Event::Reflection, if density > 0.0 { density } else { 1.0 })
     }
 
@@ -90,7 +91,7 @@ impl Glossy {
             return 0.0;
         }
         let index = self.index.n(nm);
-        let m = (wo + wi).normalize();
+        let m = (wo + wi).normalize_or_zero();
         let lobe = self.facets.reflected_density(turned(m, side(wo)), wo.z.abs(), wi.z.abs());
         let (coat_o, coat_i) = (self.coat.at(wo.z.abs(), index), self.coat.at(wi.z.abs(), index));
         // Both of the base's factors vanish where the coat reflects everything, and so does what they are divided by.
@@ -99,12 +100,16 @@ impl Glossy {
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3, nm: f64) -> f64 {
+        self.density(wo, wi, self.coat_share(wo, nm))
+    }
+
+    /// The density of `wi` where the coat gets this share of the samples.
+    fn density(&self, wo: DVec3, wi: DVec3, share: f64) -> f64 {
         if !same_side(wo, wi) {
             return 0.0;
         }
-        let m = turned((wo + wi).normalize(), side(wo));
+        let m = turned((wo + wi).normalize_or_zero(), side(wo));
         let coat = 0.25 * self.facets.g1_per_cos(wo.z.abs()) * self.facets.density(m);
-        let share = self.coat_share(wo, nm);
         share * coat + (1.0 - share) * cosine_density(wi)
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Surface;
 use crate::error::{Error, Result};
+use crate::math::random::ONE_MINUS_ULP;
 
 /// A weighted mixture: each path meets one of the components, with probability equal to its share of the weights.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,7 +72,45 @@ impl Mix {
         let component = self.cumulative.partition_point(|sum| *sum <= *u).min(self.components.len() - 1);
         let start = self.start(component);
         let stretched = (*u - start) / (self.cumulative[component] - start);
-        *u = stretched.clamp(0.0, 1.0 - f64::EPSILON / 2.0);
+        *u = stretched.clamp(0.0, ONE_MINUS_ULP);
         component
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectrum::Spectrum;
+
+    fn grey(reflectance: f64) -> Surface {
+        Surface::diffuse(Spectrum::constant(reflectance)).unwrap()
+    }
+
+    #[test]
+    fn weights_must_be_numbers_from_0_up_and_one_must_be_positive() {
+        for weights in [vec![], vec![0.0], vec![1.0, -1.0], vec![f64::NAN], vec![f64::INFINITY]] {
+            let parts = weights.iter().map(|&weight| (weight, Surface::Absorber)).collect();
+            assert!(Mix::new(parts).is_err(), "{weights:?}");
+        }
+    }
+
+    #[test]
+    fn mixtures_in_mixtures_are_taken_apart() {
+        let inner = Surface::mix(vec![(1.0, grey(0.1)), (3.0, grey(0.2))]).unwrap();
+        let mix = Mix::new(vec![(2.0, grey(0.3)), (0.0, grey(0.9)), (2.0, inner)]).unwrap();
+        assert_eq!(mix.components(), &[grey(0.3), grey(0.1), grey(0.2)]);
+        assert_eq!(mix.shares().collect::<Vec<_>>(), [0.5, 0.125, 0.375]);
+    }
+
+    #[test]
+    fn drawing_follows_the_shares_and_leaves_a_fresh_number() {
+        let mix = Mix::new(vec![(1.0, grey(0.1)), (3.0, grey(0.2))]).unwrap();
+        for (u, component, rest) in [(0.0, 0, 0.0), (0.125, 0, 0.5), (0.25, 1, 0.0), (0.625, 1, 0.5)] {
+            let mut number = u;
+            assert_eq!((mix.draw(&mut number), number), (component, rest), "u = {u}");
+        }
+        let mut last = ONE_MINUS_ULP;
+        assert_eq!(mix.draw(&mut last), 1);
+        assert!(last < 1.0);
     }
 }

@@ -99,17 +99,37 @@ pub struct Scatter {
     pub disperses: bool,
     /// The probability at the hero wavelength of having reflected rather than transmitted, or the reverse.
     choice: f64,
+    /// The cosine at the facet that chose (the half vector tells it badly where the facet is seen edge-on).
+    facet_cos: f64,
     /// Which component of a [`Mix`] scattered.
     component: usize,
 }
 
 impl Scatter {
     fn delta(wi: DVec3, event: Event, probability: f64) -> Self {
-        Self { wi, event, delta: true, probability, disperses: false, choice: probability, component: 0 }
+        Self {
+            wi,
+            event,
+            delta: true,
+            probability,
+            disperses: false,
+            choice: probability,
+            facet_cos: wi.z.abs(),
+            component: 0,
+        }
     }
 
     fn spread(wi: DVec3, event: Event, density: f64) -> Self {
-        Self { wi, event, delta: false, probability: density, disperses: false, choice: 1.0, component: 0 }
+        Self {
+            wi,
+            event,
+            delta: false,
+            probability: density,
+            disperses: false,
+            choice: 1.0,
+            facet_cos: wi.z.abs(),
+            component: 0,
+        }
     }
 
     /// Whether the path gets away from the surface, on the side that its event says.
@@ -235,9 +255,13 @@ impl Surface {
     /// all that arrived, at every wavelength. `u[0]` and `u[1]` choose the direction, `u[2]` between reflection and transmission
     /// or between lobes; all lie in \[0, 1).
     ///
-    /// What is drawn does not depend on `transport`, which is taken so that it may. A mixture first picks a component by `u[2]`,
-    /// and its scatter keeps that component's probability.
-    pub fn sample(&self, wo: DVec3, sides: Sides<'_>, nm: f64, transport: Transport, u: [f64; 3]) -> Option<Scatter> {
+    /// A mixture first picks a component by `u[2]`, and its scatter keeps that component's probability. No surface here draws
+    /// otherwise for radiance than for power; the argument stands in the signature for one that would.
+    pub fn sample(&self, wo: DVec3, sides: Sides<'_>, nm: f64, _transport: Transport, u: [f64; 3]) -> Option<Scatter> {
+        self.draw(wo, sides, nm, u)
+    }
+
+    fn draw(&self, wo: DVec3, sides: Sides<'_>, nm: f64, u: [f64; 3]) -> Option<Scatter> {
         match self {
             Self::Absorber => None,
             Self::Diffuse(diffuse) => Some(diffuse.sample(wo, u)),
@@ -250,8 +274,7 @@ impl Surface {
             Self::Mix(mix) => {
                 let mut choice = u[2];
                 let component = mix.draw(&mut choice);
-                let chosen = &mix.components()[component];
-                let scatter = chosen.sample(wo, sides, nm, transport, [u[0], u[1], choice])?;
+                let scatter = mix.components()[component].draw(wo, sides, nm, [u[0], u[1], choice])?;
                 Some(Scatter { component, ..scatter })
             }
         }
@@ -342,15 +365,16 @@ fn checked_nm() -> impl Iterator<Item = f64> {
 
 /// Fails where a spectrum leaves \[0, `most`\] within the band, naming it `what`.
 fn check_within(what: &str, spectrum: &Spectrum, most: f64) -> Result<()> {
-    for nm in checked_nm() {
-        let value = spectrum.at(nm);
-        if !(0.0..=most).contains(&value) || !value.is_finite() {
-            let expected =
-                if most.is_finite() { format!("values from 0 to {most}") } else { "values from 0 up".into() };
-            return Err(Error::input(format!("a {what} of {value} at {nm} nm")).expected(expected));
-        }
-    }
-    Ok(())
+    let possible = |value: f64| value.is_finite() && (0.0..=most).contains(&value);
+    // Whole nanometres say where it is wrong; the extremes also see what lies between them.
+    let at_nm = checked_nm().find(|nm| !possible(spectrum.at(*nm)));
+    let at_nm = at_nm.map(|nm| (spectrum.at(nm), format!(" at {nm} nm")));
+    let extreme = || [spectrum.min(), spectrum.max()].into_iter().find(|value| !possible(*value));
+    let Some((value, place)) = at_nm.or_else(|| extreme().map(|value| (value, String::new()))) else {
+        return Ok(());
+    };
+    let expected = if most.is_finite() { format!("values from 0 to {most}") } else { "values from 0 up".into() };
+    Err(Error::input(format!("a {what} of {value}{place}")).expected(expected))
 }
 
 /// Fails unless a roughness lies in \[0, 1\].
@@ -359,4 +383,34 @@ fn check_alpha(alpha: f64) -> Result<()> {
         return Ok(());
     }
     Err(Error::input(format!("a roughness of {alpha}")).expected("a number from 0 to 1"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectrum::Outside;
+
+    #[test]
+    fn fractions_outside_0_to_1_are_refused_and_named() {
+        for bad in [-0.1, 1.5, f64::NAN] {
+            let message = Surface::diffuse(Spectrum::constant(bad)).unwrap_err().to_string();
+            assert!(message.contains("reflectance") && message.contains("from 0 to 1"), "{message}");
+            assert!(Surface::mirror(Spectrum::constant(bad)).is_err());
+            let index = Index::constant(1.5).unwrap();
+            assert!(Surface::glossy(Spectrum::constant(bad), index, 0.1).is_err());
+        }
+        let spike = Spectrum::table(&[500.0, 500.5, 501.0], &[0.5, 1.2, 0.5], Outside::Hold).unwrap();
+        assert!(Surface::diffuse(spike).unwrap_err().to_string().contains("a reflectance of 1.2"));
+        assert!(Surface::conductor(Spectrum::constant(-1.0), Spectrum::constant(2.0), 0.0).is_err());
+        assert!(Surface::conductor(Spectrum::constant(0.2), Spectrum::constant(3.0), 2.0).is_err());
+    }
+
+    #[test]
+    fn a_leaf_is_its_own_component_and_its_own_pick() {
+        let surface = Surface::diffuse(Spectrum::constant(0.5)).unwrap();
+        let mut u = 0.7;
+        assert_eq!(surface.pick(&mut u), &surface);
+        assert_eq!(u, 0.7);
+        assert_eq!(surface.components().count(), 1);
+    }
 }

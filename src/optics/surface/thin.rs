@@ -38,3 +38,18 @@ impl ThinDielectric {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_window_pane_reflects_both_its_faces() {
+        let (air, glass) = (Index::constant(1.0).unwrap(), Index::constant(1.5).unwrap());
+        let pane = ThinDielectric::new(glass);
+        let sides = Sides { here: &air, there: &air };
+        // One face reflects 0.04; the sum over all bounces is 2·0.04/1.04.
+        assert!((pane.coefficient(DVec3::Z, Event::Reflection, sides, 500.0) - 0.08 / 1.04).abs() < 1e-15);
+        assert!((pane.coefficient(DVec3::Z, Event::Transmission, sides, 500.0) - 0.96 / 1.04).abs() < 1e-15);
+    }
+}

@@ -88,3 +88,26 @@ impl Translucent {
         if black { 0.0 } else { choice * cosine_density(wi) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectrum::Outside;
+
+    #[test]
+    fn more_than_all_light_is_refused() {
+        let (low, high) = (Spectrum::constant(0.4), Spectrum::constant(0.7));
+        let message = Translucent::new(high, low).unwrap_err().to_string();
+        assert!(message.contains("sum to 1.1"), "{message}");
+        assert!(Translucent::new(Spectrum::constant(0.6), Spectrum::constant(0.4)).is_ok());
+    }
+
+    #[test]
+    fn a_hero_that_is_not_transmitted_leaves_the_others_a_chance() {
+        let green = Spectrum::table(&[500.0, 510.0, 560.0, 570.0], &[0.0, 0.5, 0.5, 0.0], Outside::Zero).unwrap();
+        let sheet = Translucent::new(Spectrum::constant(0.2), green).unwrap();
+        let scatter = sheet.sample(DVec3::Z, 700.0, [0.5, 0.5, 0.999]).unwrap();
+        assert_eq!(scatter.event, Event::Transmission);
+        assert!(sheet.eval(DVec3::Z, scatter.wi, 530.0) > 0.0);
+    }
+}

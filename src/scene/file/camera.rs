@@ -3,11 +3,10 @@
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::de::MapAccess;
-use serde::de::value::MapAccessDeserializer;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::check;
-use super::forms::{self, Forms};
+use super::forms::{self, Form, Forms};
 use super::index::IndexFile;
 use super::path::JsonPath;
 use crate::error::{Error, Result};
@@ -196,8 +195,8 @@ impl Forms for PrescriptionFile {
         Some(Self::Name(name))
     }
 
-    fn from_object<'de, A: MapAccess<'de>>(object: A) -> std::result::Result<Self, A::Error> {
-        Self::deserialize(MapAccessDeserializer::new(object))
+    fn from_object<'de, A: MapAccess<'de>>(form: Form<A>) -> std::result::Result<Self, A::Error> {
+        Self::deserialize(form)
     }
 }
 
@@ -277,7 +276,7 @@ impl ShutterFile {
         check::rule(&at.key("close"), *close, close >= open, &allowed)?;
         let Some(curve) = curve else { return Ok(()) };
         let at = at.key("curve");
-        check::entries(&at, curve.len(), 2, "pairs of time and transmission")?;
+        check::entries(&at, curve.len(), 2, "at least 2 pairs of time and transmission")?;
         for (i, &[time, transmission]) in curve.iter().enumerate() {
             check::share(&at.index(i).index(0), time)?;
             check::share(&at.index(i).index(1), transmission)?;
@@ -334,7 +333,7 @@ impl ThinLensFile {
             check::fault(at, format!("missing key \"{key}\""), EXPECTED)
         };
         match (first(&photographic), first(&angular)) {
-            (Some(one), Some(other)) => Err(check::fault(&at.key(other), format!("found it beside `{one}`"), EXPECTED)),
+            (Some(one), Some(other)) => Err(check::fault(&at.key(other), format!("found beside `{one}`"), EXPECTED)),
             (None, None) => Err(check::fault(at, "found neither `focal_length_mm` nor `fov`", EXPECTED)),
             (Some(_), None) => match (self.focal_length_mm, self.f_number, self.sensor_height_mm) {
                 (Some(focal_length_mm), Some(f_number), Some(sensor_height_mm)) => {
@@ -389,7 +388,7 @@ impl SystemLensFile {
 
 /// Checks the surfaces of a prescription: at least one, at most one stop, each wide enough for its radius.
 fn validate_surfaces(at: &JsonPath, surfaces: &[LensSurfaceFile]) -> Result<()> {
-    check::entries(at, surfaces.len(), 1, "a surface")?;
+    check::entries(at, surfaces.len(), 1, "at least one surface")?;
     let mut stop = None;
     for (i, surface) in surfaces.iter().enumerate() {
         let at = at.index(i);

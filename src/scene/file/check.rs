@@ -76,13 +76,12 @@ pub(super) fn apart(at: &JsonPath, value: [f64; 3], other_key: &str, other: [f64
     Err(fault(at, format!("found {}, the same point as `{other_key}`", triple(value)), "another point"))
 }
 
-/// A list with at least `least` entries; `entries` names them in the plural.
-pub(super) fn entries(at: &JsonPath, found: usize, least: usize, entries: &str) -> Result<()> {
+/// A list with at least `least` entries; `allowed` says so in words.
+pub(super) fn entries(at: &JsonPath, found: usize, least: usize, allowed: &str) -> Result<()> {
     if found >= least {
         return Ok(());
     }
     let found = if found == 0 { "an empty array".to_string() } else { format!("an array of {found}") };
-    let allowed = if least == 1 { format!("at least one of {entries}") } else { format!("at least {least} {entries}") };
     Err(fault(at, format!("found {found}"), allowed))
 }
 
@@ -119,7 +118,7 @@ pub(super) fn exactly_one(at: &JsonPath, given: &[(&str, bool)]) -> Result<()> {
         (Some(_), None) => Ok(()),
         (None, _) => Err(fault(at, "found none of the keys it needs", format!("exactly one of {list}"))),
         (Some(first), Some(second)) => {
-            Err(fault(&at.key(second), format!("found it beside `{first}`"), format!("exactly one of {list}")))
+            Err(fault(&at.key(second), format!("found beside `{first}`"), format!("exactly one of {list}")))
         }
     }
 }
@@ -144,7 +143,7 @@ mod tests {
         );
         assert_eq!(
             error(true, true).unwrap_err(),
-            "lamp.luminance: found it beside `power`; expected exactly one of power, luminance"
+            "lamp.luminance: found beside `power`; expected exactly one of power, luminance"
         );
     }
 }

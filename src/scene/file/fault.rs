@@ -96,7 +96,7 @@ impl What {
             Self::SecondKey(known) => {
                 let error = Error::input(format!("found a second key {}", shorten(value.written())));
                 if known.is_empty() {
-                    error.expected("exactly one")
+                    error.expected("exactly one key")
                 } else {
                     error.expected(format!("exactly {}", one_of(known)))
                 }
@@ -109,7 +109,7 @@ impl What {
 /// Names that are allowed, as a list, or where to find it if it is long.
 pub(super) fn one_of(names: &[&str]) -> String {
     match names {
-        [only] => format!("{only}"),
+        [only] => (*only).to_string(),
         _ if names.len() <= LISTED => format!("one of {}", names.join(", ")),
         _ => format!("one of {}, … (see `abbe schema`)", names[..LISTED].join(", ")),
     }
@@ -137,17 +137,16 @@ fn shorten(text: &str) -> String {
 }
 
 /// What serde expects, in the words of this program.
-fn in_words(expected: &dyn de::Expected) -> String {
+fn in_words(found: de::Unexpected<'_>, expected: &dyn de::Expected) -> String {
     let expected = expected.to_string();
     match expected.as_str() {
         "f64" => "a number".into(),
-        "u32" => format!("a whole number from 0 to {}", u32::MAX),
-        "i32" => format!("a whole number from {} to {}", i32::MIN, i32::MAX),
-        "u64" => "a whole number of at least 0".into(),
+        "i32" => "a whole number".into(),
+        "u32" if matches!(found, de::Unexpected::Unsigned(_)) => format!("a whole number of at most {}", u32::MAX),
+        "u32" | "u64" => "a whole number of at least 0".into(),
         "a boolean" => "true or false".into(),
         "a sequence" => "an array".into(),
         "a map" => "an object".into(),
-        text if text.starts_with("struct ") => "an object".into(),
         text => match text.strip_prefix("an array of length ") {
             Some(length) => format!("an array of {length}"),
             None => expected,
@@ -168,16 +167,16 @@ impl de::Error for Fault {
         Self::new(What::Other(what.to_string()))
     }
 
-    fn invalid_type(_: de::Unexpected<'_>, expected: &dyn de::Expected) -> Self {
-        Self::mismatch(in_words(expected))
+    fn invalid_type(found: de::Unexpected<'_>, expected: &dyn de::Expected) -> Self {
+        Self::mismatch(in_words(found, expected))
     }
 
-    fn invalid_value(_: de::Unexpected<'_>, expected: &dyn de::Expected) -> Self {
-        Self::mismatch(in_words(expected))
+    fn invalid_value(found: de::Unexpected<'_>, expected: &dyn de::Expected) -> Self {
+        Self::mismatch(in_words(found, expected))
     }
 
     fn invalid_length(_: usize, expected: &dyn de::Expected) -> Self {
-        Self::mismatch(in_words(expected))
+        Self::mismatch(in_words(de::Unexpected::Seq, expected))
     }
 
     fn unknown_variant(name: &str, known: &'static [&'static str]) -> Self {

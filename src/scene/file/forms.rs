@@ -8,8 +8,10 @@ use std::fmt;
 use std::marker::PhantomData;
 
 use schemars::Schema;
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserialize, DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
+use serde::de::{
+    Deserialize, DeserializeSeed, Deserializer, EnumAccess, Error, IntoDeserializer, MapAccess, SeqAccess, Unexpected,
+    VariantAccess, Visitor,
+};
 use serde::forward_to_deserialize_any;
 
 /// A type with plain forms beside its object form; a plain form that it does not have gives `None`.
@@ -35,8 +37,8 @@ pub(super) trait Forms: Sized {
     /// Whether three numbers are a form of it.
     const HAS_TRIPLE: bool = false;
 
-    /// From an object.
-    fn from_object<'de, A: MapAccess<'de>>(object: A) -> Result<Self, A::Error>;
+    /// From an object; `form` reads the whole of it, and its first key is known already.
+    fn from_object<'de, A: MapAccess<'de>>(form: Form<A>) -> Result<Self, A::Error>;
 }
 
 /// Reads a value in whichever of its forms it is written.
@@ -81,30 +83,56 @@ impl<'de, T: Forms> Visitor<'de> for FormsVisitor<T> {
         T::from_triple(triple).ok_or_else(|| A::Error::invalid_type(Unexpected::Seq, &self))
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, object: A) -> Result<T, A::Error> {
-        T::from_object(object)
+    fn visit_map<A: MapAccess<'de>>(self, mut object: A) -> Result<T, A::Error> {
+        match object.next_key()? {
+            Some(key) => T::from_object(Form { key, rest: object }),
+            None => Err(A::Error::invalid_type(Unexpected::Map, &self)),
+        }
     }
 }
 
-/// An object whose first key was read already; it is handed out again.
-pub(super) struct KeyFirst<A> {
+/// A deserialiser of an object whose first key was read already.
+pub(super) struct Form<A> {
+    /// The first key.
+    pub(super) key: String,
+    /// The object from that key's value on.
+    rest: A,
+}
+
+impl<'de, A: MapAccess<'de>> Deserializer<'de> for Form<A> {
+    type Error = A::Error;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, A::Error> {
+        visitor.visit_map(Entries { key: Some(self.key), rest: self.rest })
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, A::Error> {
+        visitor.visit_enum(self)
+    }
+
+    forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf option unit unit_struct
+        newtype_struct seq tuple tuple_struct map struct identifier ignored_any
+    }
+}
+
+/// The entries of a [`Form`], its first key again among them.
+struct Entries<A> {
     key: Option<String>,
     rest: A,
 }
 
-impl<'de, A: MapAccess<'de>> KeyFirst<A> {
-    /// A deserialiser of the whole object, `key` included.
-    pub(super) fn deserializer(key: String, rest: A) -> MapAccessDeserializer<Self> {
-        MapAccessDeserializer::new(Self { key: Some(key), rest })
-    }
-}
-
-impl<'de, A: MapAccess<'de>> MapAccess<'de> for KeyFirst<A> {
+impl<'de, A: MapAccess<'de>> MapAccess<'de> for Entries<A> {
     type Error = A::Error;
 
     fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, A::Error> {
         match self.key.take() {
-            Some(key) => seed.deserialize(KeyDeserializer(key, PhantomData)).map(Some),
+            Some(key) => seed.deserialize(key.into_deserializer()).map(Some),
             None => self.rest.next_key_seed(seed),
         }
     }
@@ -114,19 +142,55 @@ impl<'de, A: MapAccess<'de>> MapAccess<'de> for KeyFirst<A> {
     }
 }
 
-/// A key as a value.
-struct KeyDeserializer<E>(String, PhantomData<E>);
+impl<'de, A: MapAccess<'de>> EnumAccess<'de> for Form<A> {
+    type Error = A::Error;
+    type Variant = Self;
 
-impl<'de, E: Error> Deserializer<'de> for KeyDeserializer<E> {
-    type Error = E;
+    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, Self), A::Error> {
+        let variant = seed.deserialize(self.key.as_str().into_deserializer())?;
+        Ok((variant, self))
+    }
+}
 
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, E> {
-        visitor.visit_string(self.0)
+impl<'de, A: MapAccess<'de>> VariantAccess<'de> for Form<A> {
+    type Error = A::Error;
+
+    fn unit_variant(mut self) -> Result<(), A::Error> {
+        self.rest.next_value()
     }
 
-    forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf option unit unit_struct
-        newtype_struct seq tuple tuple_struct map struct enum identifier ignored_any
+    fn newtype_variant_seed<T: DeserializeSeed<'de>>(mut self, seed: T) -> Result<T::Value, A::Error> {
+        self.rest.next_value_seed(seed)
+    }
+
+    fn tuple_variant<V: Visitor<'de>>(mut self, length: usize, visitor: V) -> Result<V::Value, A::Error> {
+        self.rest.next_value_seed(Contents { fields: None, length, visitor })
+    }
+
+    fn struct_variant<V: Visitor<'de>>(
+        mut self,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, A::Error> {
+        self.rest.next_value_seed(Contents { fields: Some(fields), length: 0, visitor })
+    }
+}
+
+/// The contents of a variant: a struct with these fields, or a tuple of this length.
+struct Contents<V> {
+    fields: Option<&'static [&'static str]>,
+    length: usize,
+    visitor: V,
+}
+
+impl<'de, V: Visitor<'de>> DeserializeSeed<'de> for Contents<V> {
+    type Value = V::Value;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<V::Value, D::Error> {
+        match self.fields {
+            Some(fields) => deserializer.deserialize_struct("", fields, self.visitor),
+            None => deserializer.deserialize_tuple(self.length, self.visitor),
+        }
     }
 }
 
@@ -171,11 +235,31 @@ pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
-/// The names of the object forms in a type's schema: the one key that each of its objects has.
 #[cfg(test)]
-pub(super) fn object_forms<T: schemars::JsonSchema>() -> Vec<String> {
-    let schema = schemars::schema_for!(T);
-    let choices = schema.get("anyOf").or_else(|| schema.get("oneOf")).and_then(serde_json::Value::as_array);
-    let keys = choices.into_iter().flatten().filter_map(|choice| choice.get("required")?.get(0)?.as_str());
-    keys.map(str::to_string).collect()
+mod tests {
+    use super::super::camera::PrescriptionFile;
+    use super::super::index::IndexFile;
+    use super::super::spectrum::{REFLECTANCE_FORMS, ReflectanceFile, SpectrumFile};
+    use super::*;
+
+    /// The object forms in a type's schema: the one key that each of its objects has.
+    fn object_forms<T: schemars::JsonSchema>() -> Vec<String> {
+        let schema = schemars::schema_for!(T);
+        let choices = schema.get("anyOf").and_then(serde_json::Value::as_array).unwrap();
+        let keys = choices.iter().filter_map(|choice| choice.get("required")?.get(0)?.as_str());
+        keys.map(str::to_string).collect()
+    }
+
+    #[test]
+    fn errors_list_the_forms_that_the_types_have() {
+        let ends_with = |expected: &str, forms: &[String]| expected.ends_with(&forms.join(", "));
+        let spectrum = object_forms::<SpectrumFile>();
+        assert_eq!(spectrum.len(), 9);
+        assert!(ends_with(SpectrumFile::EXPECTED, &spectrum));
+        let reflectance = [spectrum, object_forms::<ReflectanceFile>()].concat();
+        assert_eq!(reflectance, REFLECTANCE_FORMS);
+        assert!(ends_with(ReflectanceFile::EXPECTED, &reflectance));
+        assert!(ends_with(IndexFile::EXPECTED, &object_forms::<IndexFile>()));
+        assert!(ends_with(PrescriptionFile::EXPECTED, &object_forms::<PrescriptionFile>()));
+    }
 }

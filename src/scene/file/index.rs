@@ -2,11 +2,10 @@
 
 use schemars::JsonSchema;
 use serde::de::MapAccess;
-use serde::de::value::MapAccessDeserializer;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::check;
-use super::forms::{self, Forms};
+use super::forms::{self, Form, Forms};
 use super::path::JsonPath;
 use super::spectrum::validate_table;
 use crate::error::Result;
@@ -89,8 +88,8 @@ impl Forms for IndexFile {
         Some(Self::Name(name))
     }
 
-    fn from_object<'de, A: MapAccess<'de>>(object: A) -> std::result::Result<Self, A::Error> {
-        Self::deserialize(MapAccessDeserializer::new(object))
+    fn from_object<'de, A: MapAccess<'de>>(form: Form<A>) -> std::result::Result<Self, A::Error> {
+        Self::deserialize(form)
     }
 }
 
@@ -125,7 +124,7 @@ impl IndexFile {
             Self::Name(_) | Self::Cauchy { .. } | Self::Glass { .. } => Ok(()),
             Self::Sellmeier { b, c } => {
                 let at = at.key("sellmeier");
-                check::entries(&at.key("b"), b.len(), 1, "a coefficient")?;
+                check::entries(&at.key("b"), b.len(), 1, "at least one coefficient")?;
                 if b.len() == c.len() {
                     return Ok(());
                 }

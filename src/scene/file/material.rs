@@ -132,7 +132,7 @@ impl MaterialFile {
             }
             Self::Mix(parts) => {
                 let at = at.key("mix");
-                check::entries(&at, parts.len(), 1, "a material with its weight")?;
+                check::entries(&at, parts.len(), 1, "at least one material with its weight")?;
                 check::weights(&at, parts.iter().map(|part| part.weight))
             }
             Self::Boundary { medium: _ } | Self::Absorber => Ok(()),
@@ -170,13 +170,14 @@ impl ConductorFile {
     /// Checks ranges and that it is stated in exactly one way.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { metal, eta, k, roughness } = self;
-        check::exactly_one(at, &[("metal", metal.is_some()), ("eta", eta.is_some() || k.is_some())])?;
-        for (key, other, given, other_given) in
-            [("eta", "k", eta.is_some(), k.is_some()), ("k", "eta", k.is_some(), eta.is_some())]
-        {
-            if given && !other_given {
-                return Err(check::fault(at, format!("found `{key}` without `{other}`"), "both `eta` and `k`"));
-            }
+        let allowed = "either `metal` or both `eta` and `k`";
+        match (metal, eta, k) {
+            (Some(_), None, None) | (None, Some(_), Some(_)) => {}
+            (Some(_), Some(_), _) => return Err(check::fault(&at.key("eta"), "found beside `metal`", allowed)),
+            (Some(_), None, Some(_)) => return Err(check::fault(&at.key("k"), "found beside `metal`", allowed)),
+            (None, Some(_), None) => return Err(check::fault(at, "found `eta` without `k`", allowed)),
+            (None, None, Some(_)) => return Err(check::fault(at, "found `k` without `eta`", allowed)),
+            (None, None, None) => return Err(check::fault(at, "found none of the keys it needs", allowed)),
         }
         eta.as_ref().map_or(Ok(()), |it| it.validate(&at.key("eta"), Use::NotNegative))?;
         k.as_ref().map_or(Ok(()), |it| it.validate(&at.key("k"), Use::NotNegative))?;

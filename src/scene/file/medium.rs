@@ -377,7 +377,7 @@ impl MediumEmissionFile {
             for (key, value) in [("radiance", radiance), ("power", power)] {
                 if value.is_some() {
                     let allowed = "no quantity, since the temperature gives the scale";
-                    return Err(check::fault(&at.key(key), "found it beside `blackbody`", allowed));
+                    return Err(check::fault(&at.key(key), "found beside `blackbody`", allowed));
                 }
             }
         }

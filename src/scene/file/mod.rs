@@ -25,6 +25,8 @@ mod set;
 mod shape;
 mod source;
 mod spectrum;
+#[cfg(test)]
+mod tests;
 mod transform;
 
 use std::collections::BTreeMap;

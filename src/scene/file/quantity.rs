@@ -49,7 +49,7 @@ pub(super) type Kind = fn(f64) -> QuantityFile;
 pub(super) fn one_quantity(choices: &[(Option<f64>, Kind)]) -> Result<QuantityFile> {
     let given = choices.iter().map(|(value, kind)| (kind(0.0).key_and_value().0, value.is_some()));
     check::exactly_one(&JsonPath::Root, &given.collect::<Vec<_>>())?;
-    let found = choices.iter().find_map(|(value, kind)| value.map(|value| kind(value)));
+    let found = choices.iter().find_map(|(value, kind)| value.map(kind));
     let quantity = found.ok_or_else(|| Error::input("found no quantity"))?;
     let (key, value) = quantity.key_and_value();
     check::not_negative(&JsonPath::Root.key(key), value)?;

@@ -82,7 +82,7 @@ impl RenderFile {
         }
         self.radius.map_or(Ok(()), |radius| check::positive(&at.key("radius"), radius))?;
         if self.nearest.is_some() && self.radius.is_some() {
-            return Err(check::fault(&at.key("radius"), "found it beside `nearest`", "at most one of nearest, radius"));
+            return Err(check::fault(&at.key("radius"), "found beside `nearest`", "at most one of nearest, radius"));
         }
         let seconds_at = at.key("checkpoint_seconds");
         self.checkpoint_seconds.map_or(Ok(()), |seconds| check::not_negative(&seconds_at, seconds))?;

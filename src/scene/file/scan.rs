@@ -54,8 +54,8 @@ struct Scanner<'t> {
 enum Level {
     /// In an object: the number of the current key's node, if one was read.
     Object(Option<u32>),
-    /// In an array: the index of the current element.
-    Array(usize),
+    /// In an array: the index of the current element, and whether it was begun and is not yet finished.
+    Array(usize, bool),
 }
 
 impl Scanner<'_> {
@@ -75,7 +75,8 @@ impl Scanner<'_> {
                     let key = decode(&self.text[node.start as usize..node.end as usize]);
                     push_key(&mut path, &key);
                 }
-                Level::Array(index) => path += &format!("[{index}]"),
+                Level::Array(index, true) => path += &format!("[{index}]"),
+                Level::Array(_, false) => {}
             }
         }
         path
@@ -136,7 +137,7 @@ impl Scanner<'_> {
     fn value(&mut self) -> Scanned<()> {
         match self.peek() {
             Some(b'{') => self.container(Level::Object(None)),
-            Some(b'[') => self.container(Level::Array(0)),
+            Some(b'[') => self.container(Level::Array(0, false)),
             Some(b'"') => self.string(),
             Some(_) | None => self.word(),
         }
@@ -145,8 +146,10 @@ impl Scanner<'_> {
     /// Reads an object or array.
     fn container(&mut self, level: Level) -> Scanned<()> {
         if self.open.len() >= MAX_NESTING {
-            let found = format!("found arrays and objects nested more than {MAX_NESTING} deep");
-            return Err(self.malformed(self.at, found, format!("at most {MAX_NESTING}")));
+            // Its path would fill the screen: the position has to do.
+            let what = format!("found arrays and objects nested more than {MAX_NESTING} deep");
+            let error = Error::input(what).expected(format!("at most {MAX_NESTING} levels"));
+            return Err(Malformed { offset: self.at, error });
         }
         let id = self.begin();
         let is_object = matches!(level, Level::Object(_));
@@ -171,7 +174,11 @@ impl Scanner<'_> {
             } else if self.peek().is_none() {
                 return Err(self.unfinished(id, close));
             }
+            if let Some(Level::Array(_, inside)) = self.open.last_mut() {
+                *inside = true;
+            }
             self.value()?;
+            self.leave_value();
             self.skip_blanks()?;
             match self.peek() {
                 Some(byte) if byte == close => return Ok(()),
@@ -182,9 +189,15 @@ impl Scanner<'_> {
                     return Err(self.malformed(self.at, found, format!("`,` or `{}`", char::from(close))));
                 }
             }
-            if let Some(Level::Array(index)) = self.open.last_mut() {
-                *index += 1;
-            }
+        }
+    }
+
+    /// Notes that the innermost container's current value is complete.
+    fn leave_value(&mut self) {
+        match self.open.last_mut() {
+            Some(Level::Object(key)) => *key = None,
+            Some(Level::Array(index, inside)) => (*index, *inside) = (*index + 1, false),
+            None => {}
         }
     }
 
@@ -202,9 +215,6 @@ impl Scanner<'_> {
 
     /// Reads a key and its colon; `id` is the object's node.
     fn key(&mut self, id: usize) -> Scanned<()> {
-        if let Some(level) = self.open.last_mut() {
-            *level = Level::Object(None);
-        }
         match self.peek() {
             Some(b'"') => {}
             None => return Err(self.unfinished(id, b'}')),
@@ -389,4 +399,62 @@ fn is_number(word: &str) -> bool {
         && (whole == "0" || !whole.starts_with('0'))
         && fraction.is_none_or(digits)
         && exponent.is_none_or(digits)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The message for a text.
+    fn message(text: &str) -> String {
+        let Malformed { offset, error } = scan(text).unwrap_err();
+        format!("{offset}: {error}")
+    }
+
+    #[test]
+    fn numbers_follow_the_grammar_of_json() {
+        for good in ["0", "-0", "12", "0.5", "-1.25e-3", "1E5", "1e+5", "10.0", "1e308", "1e-999"] {
+            assert!(is_number(good) && scan(good).is_ok(), "{good}");
+        }
+        for bad in ["", "-", "01", "00", "1.", ".5", "+1", "1e", "1e+", "0x10", "1_000", "1e5.0", "--1", "1.2.3", "١"]
+        {
+            assert!(!is_number(bad) && scan(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn nesting_is_limited_and_not_by_the_stack() {
+        let nested = |depth: usize| "[".repeat(depth) + &"]".repeat(depth);
+        assert!(scan(&nested(MAX_NESTING)).is_ok());
+        let deep =
+            format!("{MAX_NESTING}: found arrays and objects nested more than 128 deep; expected at most 128 levels");
+        assert_eq!(message(&nested(MAX_NESTING + 1)), deep);
+        assert_eq!(message(&"[".repeat(10_000_000)), deep);
+        assert_eq!(message(&"{\"a\":".repeat(1000)).split(": ").nth(1), deep.split(": ").nth(1));
+    }
+
+    #[test]
+    fn escapes_are_checked() {
+        for good in [r#""\"\\\/\b\f\n\r\t""#, r#""\u00e9\uD83c\uDF08""#] {
+            assert!(scan(good).is_ok(), "{good}");
+        }
+        for bad in [r#""\x""#, r#""\u12""#, r#""\u12é4""#, r#""\ud83c""#, r#""\udf08\ud83c""#, r#""\ud83c\n""#, r#""\"#]
+        {
+            assert!(scan(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn positions_are_spans_in_the_order_of_the_text() {
+        let text = r#" {"a": [1, {"b": "x"}], "c": null} "#;
+        let positions = scan(text).unwrap();
+        let root = positions.root(text);
+        assert_eq!(root.written(), text.trim());
+        let entries: Vec<_> = root.entries().map(|(key, value)| (key.content(), value.written())).collect();
+        assert_eq!(entries, [("a".into(), r#"[1, {"b": "x"}]"#), ("c".into(), "null")]);
+        let paths: Vec<_> = (0..positions.0.len() as u32).map(|id| root.path_to(id)).collect();
+        assert_eq!(paths, ["", "a", "a", "a[0]", "a[1]", "a[1].b", "a[1].b", "c", "c"]);
+        let keys: Vec<_> = (0..positions.0.len() as u32).filter(|id| root.is_key(*id)).collect();
+        assert_eq!(keys, [1, 5, 7]);
+    }
 }

@@ -105,10 +105,11 @@ fn split_at_equals(set: &str) -> Option<(&str, &str)> {
     None
 }
 
-/// Whether a text looks like a string whose quotes the shell took.
+/// Whether a text looks like a string whose quotes the shell took; words that the scanner explains better do not count.
 fn is_bare_word(json: &str) -> bool {
     let starts = json.starts_with(|c: char| c.is_alphabetic() || matches!(c, '_' | '/' | '.' | '~'));
-    starts && !json.contains(['"', '{', '[', '\n']) && !matches!(json, "true" | "false" | "null")
+    let explained = ["true", "false", "null", "none", "nan", "inf", "infinity"];
+    starts && !json.contains(['"', '{', '[', '\n']) && !explained.contains(&json.to_ascii_lowercase().as_str())
 }
 
 impl Patch<'_> {
@@ -199,4 +200,99 @@ fn split(pieces: &[Piece], edit: &Edit, label: &str, length: usize) -> Vec<Piece
     before.push(Piece { start: edit.from, origin: Origin::Set(label.to_string()) });
     before.extend(after);
     before
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The text after patches.
+    fn after(text: &str, sets: &[&str]) -> String {
+        let sets: Vec<_> = sets.iter().map(|set| set.to_string()).collect();
+        patched(text, Path::new("scene.json"), &sets).map_or_else(|error| error.to_string(), |source| source.text)
+    }
+
+    #[test]
+    fn a_value_is_replaced() {
+        let text = r#"{"a": [1, {"name": "x", "b": 2}], "c d": 3}"#;
+        assert_eq!(after(text, &["a[0]=7"]), r#"{"a": [7, {"name": "x", "b": 2}], "c d": 3}"#);
+        assert_eq!(after(text, &["a[1].b = {\"y\": 1}"]), r#"{"a": [1, {"name": "x", "b": {"y": 1}}], "c d": 3}"#);
+        assert_eq!(after(text, &["a[name=x].b=null"]), r#"{"a": [1, {"name": "x", "b": null}], "c d": 3}"#);
+        assert_eq!(after(text, &[r#"["c d"]="=""#]), r#"{"a": [1, {"name": "x", "b": 2}], "c d": "="}"#);
+        assert_eq!(after(text, &["c d=4"]), r#"{"a": [1, {"name": "x", "b": 2}], "c d": 4}"#);
+    }
+
+    #[test]
+    fn missing_keys_and_elements_are_added() {
+        assert_eq!(after(r#"{"a": 1}"#, &["b=2"]), r#"{"a": 1, "b": 2}"#);
+        assert_eq!(after(r#"{"a": {} }"#, &["a.b.c=2"]), r#"{"a": {"b": {"c": 2}} }"#);
+        assert_eq!(after(r#"{"a": []}"#, &["a[-]=1", "a[-]=2", "a[-].b=3"]), r#"{"a": [1, 2, {"b": 3}]}"#);
+        assert_eq!(after("{ }", &["a.b=1", "a.c=2", "a.b=3"]), r#"{"a": {"b": 3, "c": 2} }"#);
+    }
+
+    #[test]
+    fn what_cannot_be_patched_is_explained() {
+        let text = r#"{"a": [1, {"name": "prism"}], "e": [], "f": [1]}"#;
+        for (set, message) in [
+            ("a", "--set a: found no `=`; expected PATH=JSON, such as render.passes=4"),
+            ("=1", "--set : found no path before `=`; expected PATH=JSON, such as render.passes=4"),
+            ("a=", "--set a: found no value behind `=`; expected a JSON value"),
+            ("a..b=1", "--set a..b: cannot read the path \"a..b\"; expected one like objects[0].shape.sphere.radius"),
+            (
+                "a[0]=crown",
+                "--set a[0]: found the bare word crown; expected JSON; a string needs its quotes, and those a shell's: \
+                 --set 'a[0]=\"crown\"'",
+            ),
+            ("a={\"b\": 1,}", "--set a: malformed JSON: found a trailing comma; expected no comma before `}`"),
+            ("a=1 2", "--set a: malformed JSON: found 2 after the end; expected nothing more"),
+            ("a=NaN", "--set a: malformed JSON: found NaN; expected a finite number"),
+            ("a[2]=1", "--set a[2]: found no element 2; expected an index of a from 0 to 1; a[-] adds an element"),
+            ("e[0]=1", "--set e[0]: found no element 0; expected no index, as e is empty; e[-] adds an element"),
+            ("f[1]=1", "--set f[1]: found no element 1; expected index 0, the only one of f; f[-] adds an element"),
+            ("a.b=1", "--set a.b: found an array of 2 at a; expected an object"),
+            ("a[0].b=1", "--set a[0].b: found 1 at a[0]; expected an object"),
+            ("[0]=1", "--set [0]: found an object at the scene; expected an array"),
+            ("x[0]=1", "--set x[0]: found nothing at x; expected a path through values of the scene"),
+            ("x.y[0]=1", "--set x.y[0]: found nothing at x; expected a path through values of the scene"),
+            (
+                "a[name=prisn].b=1",
+                "--set a[name=prisn].b: found no element with the name \"prisn\" in a; did you mean \"prism\"?",
+            ),
+        ] {
+            assert_eq!(after(text, &[set]), message, "{set}");
+        }
+    }
+
+    #[test]
+    fn a_patch_can_go_too_deep() {
+        let deep = "[".repeat(128) + &"]".repeat(128);
+        let message = "--set a: found arrays and objects nested more than 128 deep; expected at most 128 levels";
+        assert_eq!(after("{}", &[&format!("a={deep}")]), message);
+    }
+
+    #[test]
+    fn places_are_those_of_the_file_or_of_the_patch() {
+        let text = "{\"a\": 1,\n \"b\": [1, 2],\n \"c\": 3}";
+        let sets = ["b[0]={\"long\": [1,\n2, 3]}", "b[0].long[1]=\"x\"", "d=4", "a=\n\n5"].map(str::to_string);
+        let source = patched(text, Path::new("scene.json"), &sets).unwrap();
+        let place = |path: &str| source.error_at(path, Error::input("wrong")).to_string();
+        for (path, expected) in [
+            ("", "scene.json:1:1: wrong"),
+            ("a", "--set a: a: wrong"),
+            ("b", "scene.json:2:7: b: wrong"),
+            ("b[0]", "--set b[0]: b[0]: wrong"),
+            ("b[0].long[0]", "--set b[0]: b[0].long[0]: wrong"),
+            ("b[0].long[1]", "--set b[0].long[1]: b[0].long[1]: wrong"),
+            ("b[0].long[2]", "--set b[0]: b[0].long[2]: wrong"),
+            ("b[1]", "scene.json:2:11: b[1]: wrong"),
+            ("b[1].no.such", "scene.json:2:11: b[1].no.such: wrong"),
+            ("c", "scene.json:3:7: c: wrong"),
+            ("d", "--set d: d: wrong"),
+            ("no path [", "scene.json:1:1: no path [: wrong"),
+        ] {
+            assert_eq!(place(path), expected);
+        }
+        let elsewhere = Error::input("wrong").in_file(Path::new("lamp.csv")).at(3, 1);
+        assert_eq!(source.error_at("c", elsewhere).to_string(), "lamp.csv:3:1: c: wrong");
+    }
 }

@@ -145,7 +145,7 @@ mod tests {
     fn lines_and_columns_count_from_one_and_in_characters() {
         let text = "ab\nλµ x\r\n\n";
         for (offset, place) in
-            [(0, (1, 1)), (2, (1, 3)), (3, (2, 1)), (5, (2, 2)), (8, (2, 4)), (10, (3, 1)), (11, (4, 1))]
+            [(0, (1, 1)), (2, (1, 3)), (3, (2, 1)), (5, (2, 2)), (8, (2, 4)), (11, (3, 1)), (12, (4, 1))]
         {
             assert_eq!(line_column(text, offset), place, "offset {offset}");
         }

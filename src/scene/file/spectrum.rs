@@ -1,12 +1,11 @@
 //! A spectrum as written: wherever a scene wants a function of wavelength.
 
 use schemars::JsonSchema;
-use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error as _, MapAccess};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::check;
-use super::forms::{self, Forms, KeyFirst};
+use super::forms::{self, Form, Forms};
 use super::path::JsonPath;
 use crate::error::Result;
 
@@ -99,10 +98,6 @@ pub struct WeightedSpectrumFile {
     pub weight: f64,
 }
 
-/// The object forms of a spectrum.
-const SPECTRUM_FORMS: [&str; 9] =
-    ["table", "file", "lines", "blackbody", "gaussian", "rgb", "mix", "power_law", "match"];
-
 impl Forms for SpectrumFile {
     const EXPECTED: &'static str = "a number, a spectrum's name, or an object with one of the keys table, file, lines, \
                                     blackbody, gaussian, rgb, mix, power_law, match";
@@ -115,8 +110,8 @@ impl Forms for SpectrumFile {
         Some(Self::Name(name))
     }
 
-    fn from_object<'de, A: MapAccess<'de>>(object: A) -> std::result::Result<Self, A::Error> {
-        Self::deserialize(MapAccessDeserializer::new(object))
+    fn from_object<'de, A: MapAccess<'de>>(form: Form<A>) -> std::result::Result<Self, A::Error> {
+        Self::deserialize(form)
     }
 }
 
@@ -165,11 +160,11 @@ fn or_spectrum(schema: &mut schemars::Schema) {
     forms::allow_also(schema, &[serde_json::json!({"$ref": "#/$defs/SpectrumFile"})]);
 }
 
-/// The keys that a reflectance has beyond a spectrum's.
+/// The object forms that a reflectance has beyond a spectrum's.
 const PATTERN_FORMS: [&str; 2] = ["image", "checker"];
 
 /// All object forms of a reflectance.
-const REFLECTANCE_FORMS: [&str; 11] =
+pub(super) const REFLECTANCE_FORMS: [&str; 11] =
     ["table", "file", "lines", "blackbody", "gaussian", "rgb", "mix", "power_law", "match", "image", "checker"];
 
 impl Forms for ReflectanceFile {
@@ -184,16 +179,14 @@ impl Forms for ReflectanceFile {
         Some(Self::Spectrum(SpectrumFile::Name(name)))
     }
 
-    fn from_object<'de, A: MapAccess<'de>>(mut object: A) -> std::result::Result<Self, A::Error> {
-        let Some(key) = object.next_key::<String>()? else {
-            return Err(A::Error::invalid_value(serde::de::Unexpected::Map, &Self::EXPECTED));
-        };
-        if PATTERN_FORMS.contains(&key.as_str()) {
-            Self::deserialize(KeyFirst::deserializer(key, object))
-        } else if SPECTRUM_FORMS.contains(&key.as_str()) {
-            SpectrumFile::deserialize(KeyFirst::deserializer(key, object)).map(Self::Spectrum)
+    fn from_object<'de, A: MapAccess<'de>>(form: Form<A>) -> std::result::Result<Self, A::Error> {
+        let key = form.key.as_str();
+        if PATTERN_FORMS.contains(&key) {
+            Self::deserialize(form)
+        } else if REFLECTANCE_FORMS.contains(&key) {
+            SpectrumFile::deserialize(form).map(Self::Spectrum)
         } else {
-            Err(A::Error::unknown_variant(&key, &REFLECTANCE_FORMS))
+            Err(A::Error::unknown_variant(key, &REFLECTANCE_FORMS))
         }
     }
 }
@@ -230,8 +223,8 @@ impl Forms for ImageFile {
         Some(Self { path })
     }
 
-    fn from_object<'de, A: MapAccess<'de>>(object: A) -> std::result::Result<Self, A::Error> {
-        Self::deserialize(MapAccessDeserializer::new(object))
+    fn from_object<'de, A: MapAccess<'de>>(form: Form<A>) -> std::result::Result<Self, A::Error> {
+        Self::deserialize(form)
     }
 }
 
@@ -294,7 +287,7 @@ impl SpectrumFile {
             }
             Self::Mix(parts) => {
                 let at = at.key("mix");
-                check::entries(&at, parts.len(), 1, "a spectrum with its weight")?;
+                check::entries(&at, parts.len(), 1, "at least one spectrum with its weight")?;
                 check::weights(&at, parts.iter().map(|part| part.weight))?;
                 let mut parts = parts.iter().enumerate();
                 parts.try_for_each(|(i, part)| part.spectrum.validate(&at.index(i).key("spectrum"), Use::Any))
@@ -308,7 +301,7 @@ impl SpectrumFile {
                 let at = at.key("match");
                 target.validate(&at.key("target"), Use::NotNegative)?;
                 let at = at.key("primaries");
-                check::entries(&at, primaries.len(), 1, "a spectrum")?;
+                check::entries(&at, primaries.len(), 1, "at least one spectrum")?;
                 let mut primaries = primaries.iter().enumerate();
                 primaries.try_for_each(|(i, primary)| primary.validate(&at.index(i), Use::NotNegative))
             }
@@ -324,7 +317,7 @@ pub(super) fn validate_table(
     value_rule: impl Fn(&JsonPath, f64) -> Result<()>,
 ) -> Result<()> {
     let (nm_at, values_at) = (at.key("nm"), at.key("values"));
-    check::entries(&nm_at, nm.len(), 2, "wavelengths")?;
+    check::entries(&nm_at, nm.len(), 2, "at least 2 wavelengths")?;
     if values.len() != nm.len() {
         let found = format!("found an array of {}", values.len());
         return Err(check::fault(&values_at, found, format!("an array of {}, one value for each of `nm`", nm.len())));
@@ -336,7 +329,7 @@ pub(super) fn validate_table(
 
 /// Checks lines: at least one, each at a wavelength above 0 with a width above 0, and some power.
 fn validate_lines(at: &JsonPath, lines: &[LineFile]) -> Result<()> {
-    check::entries(at, lines.len(), 1, "a line")?;
+    check::entries(at, lines.len(), 1, "at least one line")?;
     for (i, LineFile { nm, power, fwhm_nm }) in lines.iter().enumerate() {
         let at = at.index(i);
         check::positive(&at.key("nm"), *nm)?;

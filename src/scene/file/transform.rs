@@ -6,7 +6,7 @@ use serde::de::MapAccess;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::check;
-use super::forms::{self, Forms};
+use super::forms::{self, Form, Forms};
 use super::path::JsonPath;
 use crate::error::Result;
 
@@ -56,7 +56,7 @@ impl Forms for ScaleFile {
         Some(Self::Axes(triple))
     }
 
-    fn from_object<'de, A: MapAccess<'de>>(_: A) -> std::result::Result<Self, A::Error> {
+    fn from_object<'de, A: MapAccess<'de>>(_: Form<A>) -> std::result::Result<Self, A::Error> {
         Err(serde::de::Error::invalid_type(serde::de::Unexpected::Map, &Self::EXPECTED))
     }
 }

@@ -1,5 +1,6 @@
 //! From placed shapes to primitives, boxes, tree and areas.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
@@ -34,7 +35,10 @@ impl Geometry {
         let boxes: Vec<_> = primitives.list.iter().map(|primitive| primitives.bounds(primitive)).collect();
         let (tree, order) = Tree::build(&boxes)?;
         primitives.list = order.iter().map(|&index| primitives.list[index as usize]).collect();
-        let objects = primitives.objects();
+        primitives.number_vertices_by_use();
+        primitives.shrink_to_fit();
+        let mut objects = primitives.objects();
+        objects.shrink_to_fit();
         let (low, high) = tree.bounds();
         let reach = low.abs().max(high.abs()).max_element();
         let near = if reach.is_finite() { NEAR * reach } else { 0.0 };
@@ -111,6 +115,45 @@ impl Primitives {
         Ok(())
     }
 
+    /// Renumbers each mesh's vertices in the order in which the tree's triangles use them, so that triangles near
+    /// each other in space are near each other in memory. Vertices that nothing uses come last.
+    fn number_vertices_by_use(&mut self) {
+        const UNUSED: u32 = u32::MAX;
+        let mut new_number = vec![UNUSED; self.vertices.len()];
+        let mut next: Vec<u32> = self.meshes.iter().map(|mesh| mesh.first_vertex).collect();
+        for primitive in &mut self.list {
+            let Primitive::Triangle(triangle) = primitive else { continue };
+            for vertex in &mut triangle.vertices {
+                let number = &mut new_number[*vertex as usize];
+                if *number == UNUSED {
+                    *number = next[triangle.mesh as usize];
+                    next[triangle.mesh as usize] += 1;
+                }
+                *vertex = *number;
+            }
+        }
+        let ends: Vec<u32> =
+            (self.meshes.iter().skip(1).map(|mesh| mesh.first_vertex)).chain([self.vertices.len() as u32]).collect();
+        let old = (self.vertices.clone(), self.normals.clone(), self.uvs.clone());
+        for ((mesh, end), next) in self.meshes.iter().zip(ends).zip(&mut next) {
+            for vertex in mesh.first_vertex..end {
+                let number = &mut new_number[vertex as usize];
+                if *number == UNUSED {
+                    *number = *next;
+                    *next += 1;
+                }
+                let (from, to) = ((vertex - mesh.first_vertex) as usize, (*number - mesh.first_vertex) as usize);
+                self.vertices[*number as usize] = old.0[vertex as usize];
+                if let Some(first) = mesh.first_normal {
+                    self.normals[first as usize + to] = old.1[first as usize + from];
+                }
+                if let Some(first) = mesh.first_uv {
+                    self.uvs[first as usize + to] = old.2[first as usize + from];
+                }
+            }
+        }
+    }
+
     fn bounds(&self, primitive: &Primitive) -> (DVec3, DVec3) {
         match primitive {
             Primitive::Analytic(index) => {
@@ -157,17 +200,19 @@ impl Analytic {
         if self.is_similarity() || self.solid.has_flat_faces() {
             return local * scale_at([0.5, 0.5]);
         }
-        // The mean over the face, which `sample` covers evenly: around the axis by equal steps (exact for
-        // periodic functions up to their smoothness), along it by Gauss's three points in short pieces.
-        const PIECES: u32 = 128;
+        // The mean over the face, which `sample` covers evenly: around the axis by equal steps, which converge as
+        // fast as the function is smooth; along it by Gauss's three points in short pieces, shortest at the ends,
+        // where stretched bodies are most curved. A needle of 1000 : 1 is right to 1e-6.
+        const PIECES: u32 = 256;
         const TURN: u32 = 512;
         let gauss = [(-0.6_f64.sqrt(), 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.6_f64.sqrt(), 5.0 / 18.0)];
         let mut mean = 0.0;
         for piece in 0..PIECES {
             for (node, weight) in gauss {
-                let u = (f64::from(piece) + 0.5 + 0.5 * node) / f64::from(PIECES);
+                let (sin, cos) = (PI * (f64::from(piece) + 0.5 + 0.5 * node) / f64::from(PIECES)).sin_cos();
+                let u = 0.5 * (1.0 - cos);
                 let around: f64 = (0..TURN).map(|i| scale_at([u, (f64::from(i) + 0.5) / f64::from(TURN)])).sum();
-                mean += weight * around / f64::from(TURN * PIECES);
+                mean += 0.5 * PI * sin * weight * around / f64::from(TURN * PIECES);
             }
         }
         local * mean

@@ -78,6 +78,11 @@ impl Objects {
         }
     }
 
+    pub(super) fn shrink_to_fit(&mut self) {
+        self.list.shrink_to_fit();
+        self.list.iter_mut().for_each(|object| object.pieces.shrink_to_fit());
+    }
+
     pub(super) fn memory_bytes(&self) -> usize {
         let pieces: usize = self.list.iter().map(|object| object.pieces.capacity() * size_of::<Piece>()).sum();
         pieces + self.list.capacity() * size_of::<Object>()

@@ -123,8 +123,10 @@ pub(super) struct Candidate {
 }
 
 impl Primitives {
+    #[inline]
     pub(super) fn corners(&self, triangle: &Triangle) -> [DVec3; 3] {
-        triangle.vertices.map(|index| self.vertices[index as usize])
+        let [a, b, c] = triangle.vertices;
+        [self.vertices[a as usize], self.vertices[b as usize], self.vertices[c as usize]]
     }
 
     pub(super) fn object(&self, primitive: u32) -> u32 {
@@ -208,6 +210,14 @@ impl Primitives {
             [p[0] + q[0] + r[0], p[1] + q[1] + r[1]]
         });
         Hit { t: t.max(0.0), position, normal, shading_normal, uv, object: mesh.object, surface }
+    }
+
+    pub(super) fn shrink_to_fit(&mut self) {
+        self.list.shrink_to_fit();
+        self.analytic.shrink_to_fit();
+        self.vertices.shrink_to_fit();
+        self.normals.shrink_to_fit();
+        self.uvs.shrink_to_fit();
     }
 
     pub(super) fn memory_bytes(&self) -> usize {

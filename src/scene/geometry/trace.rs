@@ -5,7 +5,7 @@ use super::{Geometry, Hit, Ray, SurfaceId};
 use crate::scene::shape::TriangleRay;
 
 /// A search along one ray: what it needs at every primitive.
-struct Search<'a> {
+pub(super) struct Search<'a> {
     geometry: &'a Geometry,
     ray: &'a Ray,
     /// Built only where there are triangles.
@@ -16,7 +16,7 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(geometry: &'a Geometry, ray: &'a Ray, from: Option<SurfaceId>) -> Self {
+    pub(super) fn new(geometry: &'a Geometry, ray: &'a Ray, from: Option<SurfaceId>) -> Self {
         let has_triangles = !geometry.primitives.meshes.is_empty();
         let triangle_ray = has_triangles.then(|| TriangleRay::new(ray.origin, ray.direction));
         let near = if from.is_some() { geometry.near } else { 0.0 };
@@ -24,8 +24,8 @@ impl<'a> Search<'a> {
     }
 
     /// The first crossing of a primitive that counts.
-    #[inline]
-    fn first_crossing(&self, primitive: u32) -> Option<Candidate> {
+    #[inline(always)]
+    pub(super) fn first_crossing(&self, primitive: u32) -> Option<Candidate> {
         match &self.geometry.primitives.list[primitive as usize] {
             Primitive::Triangle(_) if self.from.is_some_and(|from| from.primitive == primitive) => None,
             Primitive::Triangle(triangle) => {

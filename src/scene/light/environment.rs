@@ -18,7 +18,7 @@ pub struct Environment {
     pub map: Option<Arc<EnvironmentMap>>,
 }
 
-/// A latitude–longitude image: rows from +y (top) to −y, columns around y from −z over +x (the middle column looks along +z… see
+/// A latitude–longitude image: rows from +y (top) to −y, columns around y, the middle one towards −z (see
 /// [`EnvironmentMap::direction`]); mean radiance 1.
 #[derive(Debug)]
 pub struct EnvironmentMap {
@@ -46,8 +46,7 @@ impl EnvironmentMap {
             return None;
         }
         weights.iter_mut().for_each(|w| w.iter_mut().for_each(|c| *c /= mean));
-        let masses: Vec<f64> =
-            weights.iter().enumerate().map(|(i, w)| w.iter().sum::<f64>() * row_weight(i)).collect();
+        let masses: Vec<f64> = weights.iter().enumerate().map(|(i, w)| w.iter().sum::<f64>() * row_weight(i)).collect();
         let basis = std::array::from_fn(|c| lights[c].scaled(1.0 / powers[c]));
         Some(Self { width, height, weights, pixels: Grid::new(width, &masses)?, basis })
     }

@@ -105,10 +105,7 @@ impl Resolver<'_> {
 
     /// How far a matched spectrum is from its target, as a note; `None` for other spectra.
     pub(super) fn match_note(&self, file: &SpectrumFile, what: &str) -> Option<String> {
-        let file = match file {
-            SpectrumFile::Name(name) => self.scene.spectra.get(name)?,
-            other => other,
-        };
+        let file = if let SpectrumFile::Name(name) = file { self.scene.spectra.get(name)? } else { file };
         let SpectrumFile::Match { target, primaries } = file else {
             return None;
         };
@@ -118,10 +115,7 @@ impl Resolver<'_> {
         let primaries: Option<Vec<Spectrum>> = primaries.iter().map(resolve).collect();
         let found = nearest_mix(&target, &primaries?).ok()?;
         let far = if !found.is_reached() { ": the target is out of the primaries' reach" } else { "" };
-        Some(format!(
-            "{what} matches its target to Δxy {:.5}, ΔE2000 {:.3}{far}",
-            found.delta_xy, found.delta_e_2000
-        ))
+        Some(format!("{what} matches its target to Δxy {:.5}, ΔE2000 {:.3}{far}", found.delta_xy, found.delta_e_2000))
     }
 }
 
@@ -151,7 +145,8 @@ fn check_role(spectrum: &Spectrum, role: Role) -> Result<()> {
             Err(Error::input("the spectrum has no power within 360–830 nm").expected("some light to see"))
         }
         Role::Reflectance if spectrum.max() > 1.0 + 1e-9 => {
-            Err(Error::input(format!("found values up to {:.4}", spectrum.max())).expected("a share of light, from 0 to 1"))
+            Err(Error::input(format!("found values up to {:.4}", spectrum.max()))
+                .expected("a share of light, from 0 to 1"))
         }
         Role::Reflectance | Role::Coefficient if spectrum.min() < 0.0 => {
             Err(Error::input(format!("found values down to {:.4}", spectrum.min())).expected("values of at least 0"))

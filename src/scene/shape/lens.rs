@@ -278,9 +278,14 @@ impl Cap {
         };
         let centre = DVec3::new(0.0, 0.0, self.centre_z());
         let radial = (point - centre).normalize_or(DVec3::new(0.0, 0.0, self.outward));
-        // z from the sagitta: adding the radius to the centre's z would lose the digits of a flat surface.
-        let across = point.with_z(0.0).length().min(radius);
-        let snapped = point.with_z(self.vertex_z - self.outward * self.sagitta(across));
+        let across = point.with_z(0.0).length();
+        // z from the sagitta, since adding the radius to the centre's z would lose the digits of a flat surface;
+        // along the radius where the surface is steep.
+        let snapped = if across < 0.7 * radius {
+            point.with_z(self.vertex_z - self.outward * self.sagitta(across))
+        } else {
+            centre + radius * radial
+        };
         LocalSurface { point: snapped, normal: outwards * radial, uv: planar }
     }
 

@@ -1,0 +1,168 @@
+//! A comparison as one page that needs no other file: both pictures, their differences, the figures.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::compare::{Comparison, Scale, Selection, delta_e_map};
+use super::data_uri::data_uri;
+use super::png::{Screen, develop};
+use crate::colour::gamut::GamutMapping;
+use crate::error::Result;
+use crate::sensor::{Picture, exposure};
+
+/// Two pictures with their names.
+#[derive(Debug, Clone, Copy)]
+pub struct Pair<'a> {
+    /// The picture and its name.
+    pub picture: (&'a str, &'a Picture),
+    /// What it is compared with.
+    pub reference: (&'a str, &'a Picture),
+}
+
+/// The relative difference in Y that is shown in full red or blue.
+const FULL_DIFFERENCE: f64 = 0.5;
+
+/// The colour difference that is shown in white.
+const FULL_DELTA_E: f64 = 10.0;
+
+/// The page.
+///
+/// # Errors
+/// The machine's: pictures too large for PNG.
+pub fn page(pair: Pair<'_>, selection: &Selection, comparison: &Comparison) -> Result<String> {
+    let Pair { picture: (name_a, a), reference: (name_b, b) } = pair;
+    let exposure = exposure::automatic(b);
+    let shown = |picture: &Picture| develop(picture, exposure, GamutMapping::Desaturate);
+    let title = format!("{name_a} against {name_b}");
+    let signed =
+        "Difference in Y: red where A is brighter, blue where it is darker; full colour at 50 % of the reference.";
+    let colours = "Colour difference ΔE2000: black at 0, white at 10 and above.";
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                h1 { (title) }
+                (figures(comparison))
+                div.pictures {
+                    (figure(&shown(a), &format!("A: {name_a}"))?)
+                    (figure(&shown(b), &format!("B, the reference: {name_b}"))?)
+                    (figure(&luminance_differences(a, b, selection), signed)?)
+                    (figure(&colour_differences(a, b, selection), colours)?)
+                }
+                p { "Both pictures are shown at the reference's automatic exposure: "
+                    (format!("{:.4}", 1.0 / exposure)) " cd/m² is white. Pixels that do not count are grey in the differences." }
+            }
+        }
+    };
+    Ok(page.into_string())
+}
+
+const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:80rem;padding:0 1rem;color:#222;\
+    background:#fff}h1{font-size:1.4rem;overflow-wrap:anywhere}table{border-collapse:collapse}\
+    td,th{padding:.2rem 1rem .2rem 0;text-align:left;font-weight:400}td{font-variant-numeric:tabular-nums}\
+    .pictures{display:grid;grid-template-columns:repeat(auto-fit,minmax(20rem,1fr));gap:1.5rem;margin:1.5rem 0}\
+    figure{margin:0}img{width:100%;height:auto;image-rendering:pixelated;background:#000}figcaption{color:#555}";
+
+fn figures(comparison: &Comparison) -> Markup {
+    let number = |value: f64| format!("{value:.6}");
+    html! {
+        table {
+            @for (name, value) in [
+                ("Relative mean square error", number(comparison.relative_mse)),
+                ("… without the worst 2 % of the pixels", number(comparison.relative_mse_trimmed)),
+                ("RMSE of Y in cd/m²", number(comparison.rmse)),
+                ("Mean Y, A / B", number(comparison.mean_ratio)),
+                ("ΔE2000, mean", number(comparison.delta_e_2000.mean)),
+                ("ΔE2000, 95 % are below", number(comparison.delta_e_2000.p95)),
+                ("Share of pixels with |z| < 1.96", comparison.z.map_or("errors unknown".to_string(), |z| number(z.share))),
+                ("Pixels compared", comparison.pixels.to_string()),
+                ("Pixels that are no numbers", comparison.non_finite_pixels.to_string()),
+            ] {
+                tr { th scope="row" { (name) } td { (value) } }
+            }
+        }
+    }
+}
+
+fn figure(screen: &Screen, caption: &str) -> Result<Markup> {
+    let source = data_uri("image/png", &screen.png()?);
+    Ok(html! { figure { img src=(source) alt=(caption); figcaption { (caption) } } })
+}
+
+/// A pixel that does not count.
+const LEFT_OUT: [u8; 3] = [128, 128, 128];
+
+/// Every pixel by its number, grey where it does not count.
+fn map(of: &Picture, selection: &Selection, colour: impl Fn(usize) -> [u8; 3]) -> Screen {
+    let width = of.width;
+    let pixel = |i: usize| if selection.counts(i % width, i / width, width) { colour(i) } else { LEFT_OUT };
+    Screen { width, height: of.height, rgb: (0..of.xyz.len()).map(pixel).collect() }
+}
+
+fn luminance_differences(a: &Picture, b: &Picture, selection: &Selection) -> Screen {
+    let scale = Scale::of(b);
+    map(b, selection, |i| {
+        let (a, b) = (a.xyz[i][1], b.xyz[i][1]);
+        let share = ((a - b) / scale.unit(b, 1) / FULL_DIFFERENCE).clamp(-1.0, 1.0);
+        let faded = (255.0 * (1.0 - share.abs())) as u8;
+        if share > 0.0 { [255, faded, faded] } else { [faded, faded, 255] }
+    })
+}
+
+fn colour_differences(a: &Picture, b: &Picture, selection: &Selection) -> Screen {
+    let differences = delta_e_map(a, b);
+    map(b, selection, |i| heat(differences[i] / FULL_DELTA_E))
+}
+
+/// A share from 0 to 1 as black over violet and orange to white, brighter all the way; NaN is white.
+fn heat(share: f64) -> [u8; 3] {
+    const STOPS: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [90.0, 20.0, 130.0], [240.0, 120.0, 30.0], [255.0, 255.0, 255.0]];
+    let place = if share < 1.0 { share.max(0.0) * 3.0 } else { 3.0 };
+    let stop = (place as usize).min(2);
+    let t = place - stop as f64;
+    [0, 1, 2].map(|c| (STOPS[stop][c] + t * (STOPS[stop + 1][c] - STOPS[stop][c])).round() as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::compare::{Region, compare};
+
+    #[test]
+    fn the_page_holds_four_pictures_and_nothing_from_elsewhere() {
+        let mut a = Picture::black(4, 2);
+        a.xyz.fill([1.0; 3]);
+        let mut b = a.clone();
+        b.xyz[3] = [2.0; 3];
+        let comparison = compare(&a, &b, &Selection::default()).unwrap();
+        let pair = Pair { picture: ("<a>.exr", &a), reference: ("b.exr", &b) };
+        let page = page(pair, &Selection::default(), &comparison).unwrap();
+        assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 4);
+        assert!(!page.contains("http") && !page.contains("<script"), "the page is self-contained");
+        assert!(page.contains("&lt;a&gt;.exr") && !page.contains("<a>"));
+        assert!(page.contains(&format!("{:.6}", comparison.relative_mse)));
+    }
+
+    #[test]
+    fn brighter_is_red_darker_blue_and_what_does_not_count_grey() {
+        let mut b = Picture::black(4, 1);
+        b.xyz.fill([1.0; 3]);
+        let mut a = b.clone();
+        (a.xyz[0][1], a.xyz[1][1], a.xyz[3][1]) = (5.0, 0.0, 5.0);
+        let selection = Selection { regions: vec![Region { x0: 0, y0: 0, x1: 3, y1: 1 }], mask: None };
+        let shown = luminance_differences(&a, &b, &selection).rgb;
+        assert_eq!(shown, [[255, 0, 0], [0, 0, 255], [255, 255, 255], LEFT_OUT]);
+    }
+
+    #[test]
+    fn larger_colour_differences_are_brighter() {
+        let brightness = |share: f64| heat(share).map(u32::from).iter().sum::<u32>();
+        assert!((0..100).all(|i| brightness(f64::from(i + 1) * 0.01) >= brightness(f64::from(i) * 0.01)));
+        assert_eq!([0.0, 1.0, 7.0, f64::INFINITY, f64::NAN].map(brightness), [0, 765, 765, 765, 765]);
+    }
+}

@@ -1,0 +1,91 @@
+//! Pictures to EXR.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use ::exr::meta::attribute::Chromaticities;
+use ::exr::prelude::{
+    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes, Text, Vec2,
+    WritableImage,
+};
+
+use super::{BIAS, NOISE, XYZ, spectral};
+use crate::colour::{RgbSpace, xyz_to_linear_srgb};
+use crate::error::{Error, Result};
+use crate::output::{Metadata, file};
+use crate::sensor::{Bands, Picture};
+
+/// Writes a picture, whole or not at all.
+///
+/// # Errors
+/// The machine's: a folder that is missing or cannot be written to, a full disk.
+pub fn write(path: &Path, picture: &Picture, metadata: &Metadata) -> Result<()> {
+    let bytes = encode(picture, metadata).map_err(|error| error.in_file(path))?;
+    file::write_whole(path, &bytes)
+}
+
+/// The bytes of a picture's file.
+///
+/// # Errors
+/// The machine's: a picture that the format cannot hold.
+pub fn encode(picture: &Picture, metadata: &Metadata) -> Result<Vec<u8>> {
+    let size = Vec2(picture.width, picture.height);
+    let channels = AnyChannels::sort(channels(picture).into_iter().collect());
+    let mut attributes = LayerAttributes {
+        white_luminance: Some(1.0),
+        software_name: Some(text(&format!("abbe {}", env!("CARGO_PKG_VERSION")))),
+        ..LayerAttributes::default()
+    };
+    for (name, value) in metadata.iter().chain(spectral_attributes(picture)) {
+        attributes.other.insert(text(name), AttributeValue::Text(text(value)));
+    }
+    let mut image = Image::from_layer(Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, channels));
+    image.attributes.chromaticities = Some(chromaticities());
+    let mut bytes = Cursor::new(Vec::new());
+    image
+        .write()
+        .to_buffered(&mut bytes)
+        .map_err(|error| Error::machine(format!("cannot be written as EXR: {error}")))?;
+    Ok(bytes.into_inner())
+}
+
+fn channels(picture: &Picture) -> Vec<AnyChannel<FlatSamples>> {
+    let of_each =
+        |value: &dyn Fn(&[f64; 3]) -> f64| FlatSamples::F32(picture.xyz.iter().map(|xyz| value(xyz) as f32).collect());
+    let mut channels = vec![
+        AnyChannel::new(NOISE, FlatSamples::F32(picture.noise.clone())),
+        AnyChannel::new(BIAS, FlatSamples::F32(picture.bias.clone())),
+    ];
+    for (c, name) in XYZ.into_iter().enumerate() {
+        channels.push(AnyChannel::new(name, of_each(&|xyz| xyz[c])));
+    }
+    for (c, name) in ["R", "G", "B"].into_iter().enumerate() {
+        channels.push(AnyChannel::new(name, of_each(&|xyz| xyz_to_linear_srgb(*xyz)[c])));
+    }
+    if let Some(Bands { centres_nm, values }) = &picture.bands {
+        for (band, &nm) in centres_nm.iter().enumerate() {
+            let samples = values.iter().skip(band).step_by(centres_nm.len()).copied().collect();
+            channels.push(AnyChannel::new(text(&spectral::channel_name(nm)), FlatSamples::F32(samples)));
+        }
+    }
+    channels
+}
+
+/// What the spectral layout asks for. Its unit of radiance is understood per nm; ours is said in so many words too.
+fn spectral_attributes<'a>(picture: &Picture) -> impl Iterator<Item = (&'a str, &'a str)> + use<'a> {
+    let attributes =
+        [("spectralLayoutVersion", "1.0"), ("emissiveUnits", "W.m^-2.sr^-1"), ("abbe.bandUnits", "W.m^-2.sr^-1.nm^-1")];
+    let wanted = picture.bands.is_some();
+    attributes.into_iter().filter(move |_| wanted)
+}
+
+fn chromaticities() -> Chromaticities {
+    let vector = |xy: [f64; 2]| Vec2(xy[0] as f32, xy[1] as f32);
+    let [red, green, blue] = RgbSpace::Srgb.primaries_xy().map(vector);
+    Chromaticities { red, green, blue, white: vector(RgbSpace::Srgb.white_xy()) }
+}
+
+/// A header's text: names are ours, values escaped; what is still not Latin-1 becomes a question mark.
+fn text(text: &str) -> Text {
+    Text::from_slice_unchecked(text.chars().map(|c| u8::try_from(c).unwrap_or(b'?')).collect::<Vec<u8>>().as_slice())
+}

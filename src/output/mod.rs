@@ -1,0 +1,16 @@
+//! What a render leaves behind: EXR and PNG pictures, the comparison of two of them, plots and reports.
+//!
+//! [`exr`] holds the measured picture (absolute XYZ, its error bars, its spectrum, where it comes from), [`png`] what a
+//! screen shows of it, [`compare`] says how far two pictures are apart.
+
+pub mod compare;
+pub mod comparison_page;
+pub mod data_uri;
+pub mod exr;
+pub mod file;
+pub mod hash;
+pub mod metadata;
+pub mod plot;
+pub mod png;
+
+pub use metadata::Metadata;

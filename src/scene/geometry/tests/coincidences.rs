@@ -1,0 +1,111 @@
+//! Surfaces that touch each other.
+
+use super::*;
+
+/// A floor with a block of glass on it, turned as a whole so that nothing is exactly representable. Objects: 0 the
+/// floor, 1 the block, 2 a second block on top of it.
+fn block_on_floor(scale: f64, order: [usize; 3], floor_faces_up: bool) -> Geometry {
+    let up = |height: f64| DAffine3::from_translation(DVec3::new(0.0, height, 0.0));
+    let flip = if floor_faces_up { DAffine3::IDENTITY } else { DAffine3::from_rotation_x(std::f64::consts::PI) };
+    let things = [
+        placed(Shape::Rectangle { width: 9.0, height: 9.0 }, turned(scale) * flip, 0),
+        placed(Shape::Box { size: DVec3::new(1.0, 0.7, 1.3) }, turned(scale) * up(0.35), 1),
+        placed(mesh(box_mesh(DVec3::new(1.0, 0.4, 1.3))), turned(scale) * up(0.9), 2),
+    ];
+    let things = order.map(|index| things[index].clone()).to_vec();
+    Geometry::build(things, DVec3::ZERO).unwrap()
+}
+
+#[test]
+fn paths_between_touching_bodies_and_floor_keep_their_order() {
+    for (scale, order, faces_up) in
+        [(1.0, [0, 1, 2], true), (1e-6, [2, 1, 0], true), (1e6, [1, 0, 2], true), (1.0, [2, 0, 1], false)]
+    {
+        let geometry = block_on_floor(scale, order, faces_up);
+        let up = turned(1.0).transform_vector3(DVec3::Y);
+        let centre = turned(scale).transform_point3(DVec3::new(0.0, 0.35, 0.0));
+        let mut rng = random(21);
+        for _ in 0..20_000 {
+            let mut ray = Ray::new(centre, unit_vector(&mut rng));
+            let (mut from, mut inside) = (None, [false, true, false]);
+            for _ in 0..24 {
+                let Some(hit) = geometry.intersect(&ray, from, f64::INFINITY) else {
+                    assert_eq!(inside, [false; 3], "lost inside a body at {ray:?}");
+                    break;
+                };
+                let object = hit.object as usize;
+                let cos = ray.direction.dot(hit.normal);
+                let mut direction = unit_vector(&mut rng);
+                if object == 0 {
+                    assert_eq!(inside, [false; 3], "the floor was met from inside a body");
+                    assert!(ray.direction.dot(up) < 0.0, "the floor was met from below");
+                    if direction.dot(up) < 0.0 {
+                        direction = -direction;
+                    }
+                } else {
+                    assert_eq!(cos > 0.0, inside[object], "object {object} entered or left twice");
+                    inside[object] = rng.random::<f64>() < 0.7;
+                    if (direction.dot(hit.normal) < 0.0) != inside[object] {
+                        direction = -direction;
+                    }
+                }
+                assert!(turned(scale).inverse().transform_point3(hit.position).y > -1e-12, "below the floor");
+                ray = Ray::new(hit.position, direction);
+                from = Some(hit.surface);
+            }
+        }
+    }
+}
+
+#[test]
+fn rays_straight_through_a_stack_meet_every_surface_once_in_order() {
+    let geometry = block_on_floor(1.0, [1, 2, 0], true);
+    let to_world = turned(1.0);
+    let mut rng = random(2);
+    for _ in 0..10_000 {
+        let across = DVec3::new(rng.random_range(-0.3..0.3), 0.0, rng.random_range(-0.3..0.3));
+        let tilt = DVec3::new(rng.random_range(-0.1..0.1), -1.0, rng.random_range(-0.1..0.1));
+        let direction = to_world.transform_vector3(tilt).normalize();
+        let ray = Ray::new(to_world.transform_point3(across + DVec3::new(0.0, 2.0, 0.0)), direction);
+        let mut met = Vec::new();
+        geometry.for_each_hit(&ray, None, |hit| met.push((hit.object, ray.direction.dot(hit.normal) > 0.0)));
+        assert_eq!(met, [(2, false), (2, true), (1, false), (1, true), (0, false)]);
+        let back = Ray::new(ray.at(5.0), -ray.direction);
+        let mut met = Vec::new();
+        geometry.for_each_hit(&back, None, |hit| met.push((hit.object, back.direction.dot(hit.normal) > 0.0)));
+        assert_eq!(met, [(0, true), (1, false), (1, true), (2, false), (2, true)]);
+    }
+}
+
+#[test]
+fn a_lamp_flush_with_a_ceiling_is_seen_by_rays_and_shadow_rays_alike() {
+    let down = turned(1.0) * DAffine3::from_rotation_x(std::f64::consts::PI);
+    let lamp = placed(Shape::Rectangle { width: 0.5, height: 0.5 }, down, 0);
+    let ceiling = placed(Shape::Rectangle { width: 4.0, height: 4.0 }, down, 1);
+    let geometry = Geometry::build(vec![ceiling, lamp], DVec3::ZERO).unwrap();
+    let mut rng = random(4);
+    for _ in 0..10_000 {
+        let from = turned(1.0).transform_point3(DVec3::new(0.3, -2.0, 0.1)) + 0.5 * unit_vector(&mut rng);
+        let sample = geometry.sample_area(0, numbers(&mut rng));
+        let ray = towards(from, sample.position);
+        let distance = from.distance(sample.position);
+        assert!(!geometry.occluded(&ray, None, Some(sample.surface), distance));
+        assert_eq!(geometry.intersect(&ray, None, f64::INFINITY).unwrap().object, 0);
+    }
+}
+
+#[test]
+fn a_thin_gap_is_a_gap() {
+    // A nanometre of air under a block a metre large is not coincidence.
+    let gap = 1e-9;
+    let floor = placed(Shape::Rectangle { width: 9.0, height: 9.0 }, turned(1.0), 0);
+    let lifted = turned(1.0) * DAffine3::from_translation(DVec3::new(0.0, 0.5 + gap, 0.0));
+    let geometry =
+        Geometry::build(vec![floor, placed(Shape::Box { size: DVec3::ONE }, lifted, 1)], DVec3::ZERO).unwrap();
+    let direction = turned(1.0).transform_vector3(DVec3::NEG_Y);
+    let start = turned(1.0).transform_point3(DVec3::new(0.1, 0.5, 0.2));
+    let leaves = geometry.intersect(&Ray::new(start, direction), None, f64::INFINITY).unwrap();
+    let floor = geometry.intersect(&Ray::new(leaves.position, direction), Some(leaves.surface), f64::INFINITY).unwrap();
+    assert_eq!((leaves.object, floor.object), (1, 0));
+    assert!((floor.t - gap).abs() < 1e-14);
+}

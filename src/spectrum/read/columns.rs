@@ -1,0 +1,182 @@
+//! Two columns of numbers, however they are separated.
+
+use super::Samples;
+use crate::error::{Error, Result};
+
+/// How numbers stand in a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Format {
+    separator: Separator,
+    decimal_comma: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Separator {
+    Character(char),
+    /// Any number of blanks.
+    Blank,
+}
+
+/// The formats tried, in this order, on the first row of numbers.
+const FORMATS: [Format; 8] = [
+    Format { separator: Separator::Character(';'), decimal_comma: false },
+    Format { separator: Separator::Character('\t'), decimal_comma: false },
+    Format { separator: Separator::Character('|'), decimal_comma: false },
+    Format { separator: Separator::Character(','), decimal_comma: false },
+    Format { separator: Separator::Blank, decimal_comma: false },
+    Format { separator: Separator::Character(';'), decimal_comma: true },
+    Format { separator: Separator::Character('\t'), decimal_comma: true },
+    Format { separator: Separator::Blank, decimal_comma: true },
+];
+
+/// A cell and the column, from 1, where it begins.
+type Cell<'a> = (usize, &'a str);
+
+impl Format {
+    fn cells(self, row: &str) -> Vec<Cell<'_>> {
+        let mut cells: Vec<Cell<'_>> = match self.separator {
+            Separator::Character(separator) => pieces(row, |c| c == separator).collect(),
+            Separator::Blank => pieces(row, char::is_whitespace).filter(|(_, cell)| !cell.is_empty()).collect(),
+        };
+        // A separator at the end of the row separates nothing.
+        if cells.len() > 1 && cells.last().is_some_and(|(_, cell)| cell.is_empty()) {
+            cells.pop();
+        }
+        cells
+    }
+
+    fn number(self, cell: &str) -> Option<f64> {
+        let cell = cell.trim_matches('"').trim();
+        // What Rust calls a number beyond digits ("inf", "nan") is reported as a value, not as a word.
+        if self.decimal_comma { cell.replace(',', ".").parse().ok() } else { cell.parse().ok() }
+    }
+
+    /// Whether the row is two or more numbers in this format.
+    fn fits(self, row: &str) -> bool {
+        let cells = self.cells(row);
+        cells.len() >= 2 && cells.iter().all(|(_, cell)| self.number(cell).is_some())
+    }
+}
+
+/// The parts of a row with the column, counted in characters from 1, at which each begins, blanks left out.
+fn pieces(row: &str, is_separator: impl Fn(char) -> bool + Copy) -> impl Iterator<Item = Cell<'_>> {
+    let mut start = 0;
+    row.split(is_separator).map(move |cell| {
+        let begins = start + (cell.len() - cell.trim_start().len());
+        start += cell.len() + row[start + cell.len()..].chars().next().map_or(0, char::len_utf8);
+        (row[..begins].chars().count() + 1, cell.trim())
+    })
+}
+
+/// Reads rows of wavelength and value. Cells are separated by a semicolon, tab, bar, comma or blanks; with anything but
+/// a comma between them numbers may have a decimal comma. Empty rows and rows that begin with `#`, `%` or `//` are
+/// passed over. One header row may come first; where its first title says µm (or um) wavelengths are in µm, otherwise in
+/// nm.
+///
+/// # Errors
+/// A row that is not two numbers, and samples that cannot be a spectrum, with line and column.
+pub fn parse(text: &str) -> Result<Samples> {
+    let rows = text
+        .lines()
+        .enumerate()
+        .map(|(i, row)| (i + 1, row))
+        .filter(|(_, row)| !row.trim().is_empty())
+        .filter(|(_, row)| !["#", "%", "//"].iter().any(|mark| row.trim_start().starts_with(mark)));
+    let mut format = None;
+    let mut nm_per_unit = None;
+    let mut samples = Vec::new();
+    for (line, row) in rows {
+        let known = format.or_else(|| FORMATS.into_iter().find(|format| format.fits(row)));
+        let Some(known) = known else {
+            if nm_per_unit.is_some() {
+                return Err(not_two_numbers(row).at(line, 1));
+            }
+            nm_per_unit = Some(unit_of_header(row));
+            continue;
+        };
+        format = Some(known);
+        let cells = known.cells(row);
+        let [(nm_column, nm), (value_column, value)] = cells[..] else {
+            let what = format!("a row of {} cells", cells.len());
+            return Err(Error::input(what).expected("two columns: wavelength and value").at(line, 1));
+        };
+        let number = |column: usize, cell: &str| {
+            known.number(cell).ok_or_else(|| Error::input(format!("\"{cell}\"")).expected("a number").at(line, column))
+        };
+        let nm = number(nm_column, nm)?;
+        // Rounded far below any line's width, so that 0.5005 µm is 500.5 nm.
+        let nm = nm_per_unit.filter(|unit| *unit != 1.0).map_or(nm, |unit| (nm * unit * 1e9).round() / 1e9);
+        samples.push(((nm, (line, nm_column)), (number(value_column, value)?, (line, value_column))));
+    }
+    Samples::checked(&samples, None)
+}
+
+fn not_two_numbers(row: &str) -> Error {
+    let shown: String = row.trim().chars().take(40).collect();
+    Error::input(format!("the row \"{shown}\"")).expected("two numbers: wavelength and value")
+}
+
+/// How many nm the unit of the wavelengths has, by the words of the first title.
+fn unit_of_header(row: &str) -> f64 {
+    let first = row.split([';', '\t', '|', ',']).next().unwrap_or(row).to_lowercase();
+    // µ is written with two different code points, and comes as the replacement character from other encodings.
+    let is_micro =
+        |word: &str| ["um", "µm", "μm", "\u{fffd}m", "micron", "microns", "micrometer", "micrometre"].contains(&word);
+    let mut words = first.split(|c: char| !(c.is_alphabetic() || c == '\u{fffd}'));
+    if words.any(is_micro) { 1000.0 } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(text: &str) -> (Vec<f64>, Vec<f64>) {
+        let samples = parse(text).unwrap();
+        (samples.nm, samples.values)
+    }
+
+    #[test]
+    fn every_way_to_write_two_columns_is_read() {
+        let expected = (vec![400.0, 500.5], vec![0.25, 1.0]);
+        for text in [
+            "400,0.25\n500.5,1\n",
+            "wavelength_nm,value\r\n400,0.25\r\n500.5,1\r\n",
+            "# a comment\nnm;W\n\n400;0,25\n500,5;1,0\n",
+            "400\t0.25\n500.5\t1\t\n",
+            "  400   2.5e-1\n  500.5 1",
+            "400 | 0.25\n500.5|1",
+            "400,0 0,25\n500,5 1,0\n",
+            "\"400\", \"0.25\"\n\"500.5\", \"1\"\n",
+            "Wavelength (µm), power\n0.4, 0.25\n0.5005, 1\n",
+            "lambda_um luminance\n0.4 0.25\n0.5005 1\n",
+        ] {
+            assert_eq!(of(text), expected, "{text}");
+        }
+        // The word "spectrum" holds the letters of a unit but is none.
+        assert_eq!(of("spectrum nm,value\n400,0.25\n500.5,1\n"), expected);
+    }
+
+    #[test]
+    fn faults_name_line_and_column() {
+        for (text, place, word) in [
+            ("400,1\n390,1\n", (2, 1), "ascending"),
+            ("nm,W\n400,1\n\n400,2\n", (4, 1), "twice"),
+            ("400,1\n500,-1\n", (2, 1), "negative"),
+            ("400,1\n500,nan\n", (2, 1), "NaN"),
+            ("400,1\n500,inf\n", (2, 1), "inf"),
+            ("400,1\n  500, red\n", (2, 8), "\"red\""),
+            ("400,1,2\n", (1, 1), "3 cells"),
+            ("400,1\n500\n", (2, 1), "1 cells"),
+            ("nm,W\nsecond header\n400,1\n", (2, 1), "second header"),
+            ("0.4,1\n0.5,1\n", (1, 1), "µm"),
+            ("900,1\n1000,1\n", (1, 1), "band"),
+            ("1,1\n400,1\n", (1, 1), "wavelengths from 10"),
+        ] {
+            let error = parse(text).unwrap_err();
+            assert_eq!(error.place.line_column, Some(place), "{text}: {error}");
+            assert!(error.to_string().contains(word), "{text}: {error}");
+        }
+        assert!(parse("").unwrap_err().to_string().contains("no samples"));
+        assert!(parse("nm,W\n").unwrap_err().to_string().contains("no samples"));
+    }
+}

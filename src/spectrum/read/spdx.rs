@@ -1,0 +1,108 @@
+//! IES TM-27: spectral data as XML.
+//!
+//! ANSI/IES TM-27-14 and TM-27-20, *Standard Format for the Electronic Transfer of Spectral Data*: within
+//! `SpectralDistribution`, one `SpectralData` element a sample, its wavelength in nm as an attribute and its value as
+//! text; `SpectralQuantity` names what is measured.
+
+use roxmltree::{Document, Node};
+
+use super::{Placed, Samples};
+use crate::error::{Error, Result};
+use crate::spectrum::library::Kind;
+
+/// Reads the samples of a TM-27 document.
+///
+/// # Errors
+/// What is not well-formed XML, has no spectral data, or holds samples that cannot be a spectrum, with line and column.
+pub fn parse(text: &str) -> Result<Samples> {
+    let document = Document::parse(text).map_err(|error| {
+        let place = error.pos();
+        Error::input(format!("XML that cannot be read: {error}")).at(place.row as usize, place.col as usize)
+    })?;
+    let distribution = child(document.root_element(), "SpectralDistribution").ok_or_else(|| {
+        let root = document.root_element();
+        let (line, column) = place(root);
+        let what = format!("<{}> without <SpectralDistribution>", root.tag_name().name());
+        Error::input(what).expected("an IES TM-27 document").at(line, column)
+    })?;
+    let data = distribution.children().filter(|node| node.tag_name().name() == "SpectralData");
+    let samples = data.map(sample).collect::<Result<Vec<_>>>()?;
+    Samples::checked(&samples, child(distribution, "SpectralQuantity").and_then(|node| kind_of(node.text()?)))
+}
+
+fn child<'a, 'b>(node: Node<'a, 'b>, name: &str) -> Option<Node<'a, 'b>> {
+    node.children().find(|child| child.tag_name().name() == name)
+}
+
+fn place(node: Node<'_, '_>) -> (usize, usize) {
+    let place = node.document().text_pos_at(node.range().start);
+    (place.row as usize, place.col as usize)
+}
+
+fn sample(node: Node<'_, '_>) -> Result<(Placed, Placed)> {
+    let (line, column) = place(node);
+    let number = |text: &str| {
+        text.trim()
+            .parse::<f64>()
+            .map_err(|_| Error::input(format!("\"{text}\"")).expected("a number").at(line, column))
+    };
+    let Some(nm) = node.attribute("wavelength") else {
+        return Err(Error::input("a sample without its wavelength")
+            .expected("wavelength=\"…\" in nm")
+            .at(line, column));
+    };
+    Ok(((number(nm)?, (line, column)), (number(node.text().unwrap_or(""))?, (line, column))))
+}
+
+/// The kind of a measured quantity; absorptance and unnamed quantities are none of the kinds.
+fn kind_of(quantity: &str) -> Option<Kind> {
+    match quantity.trim().to_ascii_lowercase().as_str() {
+        "flux" | "intensity" | "irradiance" | "radiance" | "exitance" | "relative" => Some(Kind::Light),
+        "reflectance" | "r-factor" => Some(Kind::Reflectance),
+        "transmittance" | "t-factor" => Some(Kind::Transmittance),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LAMP: &str = r#"<?xml version="1.0" encoding="utf-8"?>
+<IESTM2714 xmlns="http://www.ies.org/iestm2714" version="1.0">
+  <Header><Description>A lamp</Description></Header>
+  <SpectralDistribution>
+    <SpectralQuantity>relative</SpectralQuantity>
+    <SpectralData wavelength="400.0">0.034</SpectralData>
+    <SpectralData wavelength="403.1">0.037</SpectralData>
+    <SpectralData wavelength="405.5"> 1e-1 </SpectralData>
+  </SpectralDistribution>
+</IESTM2714>"#;
+
+    #[test]
+    fn irregular_samples_and_their_kind_are_read() {
+        let samples = parse(LAMP).unwrap();
+        assert_eq!(samples.nm, [400.0, 403.1, 405.5]);
+        assert_eq!(samples.values, [0.034, 0.037, 0.1]);
+        assert_eq!(samples.kind, Some(Kind::Light));
+    }
+
+    #[test]
+    fn faults_name_line_and_column() {
+        for (from, to, place, word) in [
+            ("403.1", "399", Some((7, 5)), "ascending"),
+            ("0.037", "-1", Some((7, 5)), "negative"),
+            ("0.037", "bright", Some((7, 5)), "\"bright\""),
+            ("wavelength=\"403.1\"", "", Some((7, 5)), "without its wavelength"),
+            ("</IESTM2714>", "", Some((9, 26)), "XML"),
+            ("SpectralDistribution", "Distribution", Some((2, 1)), "TM-27"),
+            ("SpectralData", "Data", None, "no samples"),
+        ] {
+            let error = parse(&LAMP.replace(from, to)).unwrap_err();
+            assert!(error.to_string().contains(word), "{word}: {error}");
+            if word != "XML" {
+                assert_eq!(error.place.line_column, place, "{error}");
+            }
+        }
+    }
+}
