@@ -57,9 +57,13 @@ impl Plot {
             let (x, foot) = (frame.x(nm), height - BOTTOM);
             let top = foot - share * (foot - TOP);
             let colour = spectral_colour(nm);
-            append(&mut svg, format_args!("<path d=\"M{x:.2} {foot}V{top:.2}\" stroke=\"{colour}\" stroke-width=\"2\"/>\n"));
+            append(
+                &mut svg,
+                format_args!("<path d=\"M{x:.2} {foot}V{top:.2}\" stroke=\"{colour}\" stroke-width=\"2\"/>\n"),
+            );
         }
-        for (curve, colour) in self.curves.iter().zip(COLOURS.iter().cycle()).rev() {
+        for (i, curve) in self.curves.iter().enumerate().rev() {
+            let colour = COLOURS[i % COLOURS.len()];
             let path = path(&frame, &curve.points);
             let style = "fill=\"none\" stroke-width=\"2\" stroke-linejoin=\"round\"";
             append(&mut svg, format_args!("<path d=\"{path}\" {style} stroke=\"{colour}\"/>\n"));
@@ -75,10 +79,14 @@ impl Plot {
         if self.curves.len() < 2 {
             return svg;
         }
-        for (i, (curve, colour)) in self.curves.iter().zip(COLOURS.iter().cycle()).enumerate() {
+        for (i, curve) in self.curves.iter().enumerate() {
+            let colour = COLOURS[i % COLOURS.len()];
             let (x, y) = (SIZE.0 - RIGHT - 12.0, TOP + 20.0 + 20.0 * i as f64);
             let name = escaped(&curve.name);
-            append(&mut svg, format_args!("<text x=\"{x}\" y=\"{y}\" text-anchor=\"end\" fill=\"{colour}\">{name}</text>\n"));
+            append(
+                &mut svg,
+                format_args!("<text x=\"{x}\" y=\"{y}\" text-anchor=\"end\" fill=\"{colour}\">{name}</text>\n"),
+            );
         }
         svg
     }
@@ -121,7 +129,11 @@ impl Frame {
 /// The step of 1, 2 or 5 times a power of ten that is nearest above.
 fn nice_step(step: f64) -> f64 {
     let power = 10.0_f64.powf(step.log10().floor());
-    [1.0, 2.0, 5.0].into_iter().map(|factor| factor * power).find(|nice| *nice >= step * (1.0 - 1e-9)).unwrap_or(10.0 * power)
+    [1.0, 2.0, 5.0]
+        .into_iter()
+        .map(|factor| factor * power)
+        .find(|nice| *nice >= step * (1.0 - 1e-9))
+        .unwrap_or(10.0 * power)
 }
 
 /// A tick's number with as many digits as the step needs.

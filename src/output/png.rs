@@ -101,7 +101,7 @@ mod tests {
         let (desaturated, clipped) = (shown(GamutMapping::Desaturate), shown(GamutMapping::Clip));
         assert_eq!((desaturated[2], clipped[2]), (0, 0));
         assert!(desaturated[0] < clipped[0], "{desaturated:?} {clipped:?}");
-let oklab = shown(GamutMapping::Oklab);
+        let oklab = shown(GamutMapping::Oklab);
         assert!(oklab != desaturated && oklab != clipped, "{oklab:?}");
     }
 
