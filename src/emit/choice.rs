@@ -28,7 +28,8 @@ impl LightChoice {
             return None;
         }
         let share = |i: usize| (1.0 - BY_WATTS) * visible[i] / visible_sum + BY_WATTS * powers[i] / power_w;
-        let parts: Vec<(f64, &Spectrum)> = powers.iter().copied().zip(scene.lights.iter().map(|l| &l.spectrum)).collect();
+        let parts: Vec<(f64, &Spectrum)> =
+            powers.iter().copied().zip(scene.lights.iter().map(|l| &l.spectrum)).collect();
         Some(Self {
             lights: Discrete::new((0..powers.len()).map(share))?,
             wavelengths: WavelengthDistribution::important(&Spectrum::mix(&parts), scene.film.observer)?,

@@ -16,20 +16,14 @@ pub struct Splat {
 
 /// Connects the photon's hit to the camera through the place of the aperture that `lens` draws, if `wanted` takes light for that pixel;
 /// `None` if the camera does not see it.
-pub fn connect(
-    scene: &Scene,
-    arrival: &Arrival<'_>,
-    lens: [f64; 2],
-    wanted: impl Fn(u32) -> bool,
-) -> Option<Splat> {
+pub fn connect(scene: &Scene, arrival: &Arrival<'_>, lens: [f64; 2], wanted: impl Fn(u32) -> bool) -> Option<Splat> {
     let encounter = arrival.encounter;
     let sighting = scene.camera.sight(encounter.hit.position, lens).filter(|sighting| wanted(sighting.pixel))?;
     let to_camera = encounter.frame.to_local(sighting.direction);
     let to_light = encounter.wo;
     let sides = encounter.sides_towards(sighting.direction);
-    let geometry = to_camera.z.abs()
-        * encounter.adjoint_correction(arrival.to_light(), sighting.direction)
-        * sighting.importance;
+    let geometry =
+        to_camera.z.abs() * encounter.adjoint_correction(arrival.to_light(), sighting.direction) * sighting.importance;
     let mut radiance = [0.0; LANES];
     let mut any = false;
     for (k, &nm) in arrival.wavelengths.active().iter().enumerate() {

@@ -7,11 +7,11 @@ use crate::math::sobol::Sobol;
 use crate::optics::surface::{Class, Transport};
 use crate::plan::partition::LightPath;
 use crate::scene::Scene;
-use crate::scene::light::{Emission, EmissionNumbers, Light};
 use crate::scene::geometry::Ray;
+use crate::scene::light::{Emission, EmissionNumbers, Light};
 use crate::spectrum::{LANES, Lanes, Wavelengths};
 use crate::walk::ledger::Ledger;
-use crate::walk::{Encounter, Leg, Scattered, Start, next, scatter};
+use crate::walk::{Encounter, Scattered, Start, next, scatter};
 use glam::DVec3;
 
 /// Which wavelengths the photons of a set carry.
@@ -89,9 +89,7 @@ impl Emitters<'_> {
                 }
                 (Wavelengths::new(nm), share)
             }
-            Wavelengthed::Shared { nm, .. } => {
-                (Wavelengths::new(nm), nm.map(|nm| light.shape_at(emission.tint, nm)))
-            }
+            Wavelengthed::Shared { nm, .. } => (Wavelengths::new(nm), nm.map(|nm| light.shape_at(emission.tint, nm))),
         }
     }
 
@@ -132,7 +130,7 @@ pub fn trace<R: Receiver>(emitters: &Emitters<'_>, points: &Sobol, index: u64, r
     ledger.emitted += flight.total_w();
     let scene = emitters.scene;
     for _ in 0..emitters.max_depth {
-        let Leg::Meets(encounter) = next(scene, flight.start, &mut stream.uniform()) else {
+        let Some(encounter) = next(scene, flight.start, &mut stream.uniform()) else {
             ledger.escaped += flight.total_w();
             return;
         };
@@ -201,11 +199,8 @@ fn go_on(
     stream: &mut Stream,
 ) -> bool {
     let before = flight.total_w();
-    let correction = if scattered.delta {
-        1.0
-    } else {
-        encounter.adjoint_correction(-encounter.incoming, scattered.direction)
-    };
+    let correction =
+        if scattered.delta { 1.0 } else { encounter.adjoint_correction(-encounter.incoming, scattered.direction) };
     let mut absorbed = 0.0;
     // Roulette keeps the photons' powers alike: a photon survives with the mean of its lanes' weights.
     let (mut weights, count) = (0.0, flight.wavelengths.count as f64);

@@ -1,12 +1,12 @@
 //! Light straight from the lamps: shadow rays, and scattered rays that find a lamp by themselves, weighted by multiple importance
 //! sampling (Veach & Guibas 1995, power heuristic).
 
+use crate::math::distribution::Discrete;
 use crate::optics::surface::Transport;
 use crate::scene::Scene;
-use crate::scene::light::{Light, Tint};
 use crate::scene::geometry::{Hit, Ray};
+use crate::scene::light::{Light, Tint};
 use crate::walk::{Encounter, Start, Tally};
-use crate::math::distribution::Discrete;
 use glam::DVec3;
 
 /// At most this many lamps are all asked at every point; of more, one is drawn.
@@ -66,12 +66,7 @@ impl<'a> Direct<'a> {
     }
 
     /// Calls `lit` for every lamp asked that reaches the encounter.
-    pub(super) fn ask(
-        &self,
-        asking: Asking<'_, '_>,
-        tally: &mut Tally,
-        mut lit: impl FnMut(Lit<'a>),
-    ) {
+    pub(super) fn ask(&self, asking: Asking<'_, '_>, tally: &mut Tally, mut lit: impl FnMut(Lit<'a>)) {
         let lights = &self.scene.lights;
         if lights.len() <= ASK_ALL {
             for number in 0..lights.len() {

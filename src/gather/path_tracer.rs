@@ -6,10 +6,11 @@
 
 use super::CameraNumbers;
 use super::direct::{Asking, Counts, Direct, Found, Lit};
+use super::throughput::relative_n2;
 use crate::optics::surface::{Class, Transport};
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Lanes, WavelengthDistribution, Wavelengths};
-use crate::walk::{Encounter, Leg, Scattered, Sink, Start, Tally, next, scatter};
+use crate::walk::{Encounter, Scattered, Sink, Start, Tally, next, scatter};
 
 /// All that the path tracer needs.
 #[derive(Debug)]
@@ -30,6 +31,8 @@ struct Path {
     wavelengths: Wavelengths,
     /// What the path lets through per wavelength, divided by all densities.
     throughput: Lanes,
+    /// What the throughput was at the start, for roulette.
+    first: Lanes,
     counts: Counts,
 }
 
@@ -48,11 +51,11 @@ impl<'a> PathTracer<'a> {
             start: Start { ray, from: None, interior: self.scene.camera.interior },
             wavelengths: Wavelengths::new(nm),
             throughput,
+            first: throughput,
             counts: Counts::Fully,
         };
-        let first = throughput;
         for depth in 0..self.max_depth {
-            let Leg::Meets(encounter) = next(self.scene, path.start, &mut numbers.stream.uniform()) else {
+            let Some(encounter) = next(self.scene, path.start, &mut numbers.stream.uniform()) else {
                 self.direct.found_outside(path.start.ray.direction, path.counts, tally, |lamp| path.see(&lamp, sink));
                 return;
             };
@@ -68,11 +71,12 @@ impl<'a> PathTracer<'a> {
                 let u = if depth == 0 { numbers.lamp() } else { numbers.stream.triple() };
                 self.ask_lamps(&path, &encounter, u, tally, sink);
             }
-            let Some(scattered) = scatter(&encounter, &path.wavelengths, Transport::Radiance, &mut numbers.stream) else {
+            let Some(scattered) = scatter(&encounter, &path.wavelengths, Transport::Radiance, &mut numbers.stream)
+            else {
                 return;
             };
             path.go_on(&encounter, &scattered);
-            if !path.survives(&first, depth, &mut numbers) {
+            if !path.survives(self.scene, depth, &mut numbers) {
                 return;
             }
         }
@@ -109,7 +113,8 @@ impl Path {
         (0..LANES).for_each(|k| self.throughput[k] *= scattered.weight[k]);
         if let Some(kept) = scattered.kept {
             self.wavelengths = Wavelengths::single(self.wavelengths.nm[kept]);
-            self.throughput = std::array::from_fn(|k| if k == 0 { self.throughput[kept] } else { 0.0 });
+            let only = |lanes: Lanes| std::array::from_fn(|k| if k == 0 { lanes[kept] } else { 0.0 });
+            (self.throughput, self.first) = (only(self.throughput), only(self.first));
         }
         self.counts = if scattered.delta {
             // A lamp behind mirrors or glass is out of reach for shadow rays.
@@ -120,19 +125,20 @@ impl Path {
         self.start = encounter.leave(scattered.direction, scattered.interior);
     }
 
-    /// Russian roulette by what the path still lets through, relative to its start.
-    fn survives(&mut self, first: &Lanes, depth: u32, numbers: &mut CameraNumbers) -> bool {
+    /// Russian roulette by what the path still lets through, relative to its start, in the mean over the wavelengths that it started with.
+    /// Radiance changes with n² where it enters and leaves glass; only what it loses beside that counts, or paths would die inside glass and
+    /// the survivors come out of it too heavy.
+    fn survives(&mut self, scene: &Scene, depth: u32, numbers: &mut CameraNumbers) -> bool {
         const FREE_EVENTS: u32 = 3;
-        let count = self.wavelengths.count;
-        let start = first[..count].iter().copied().fold(0.0, f64::max);
-        let level = self.throughput[..count].iter().copied().fold(0.0, f64::max) / start;
-        if level <= 0.0 {
+        let lanes = self.throughput.iter().zip(&self.first).take(self.wavelengths.count);
+        let passed = lanes.filter(|(_, first)| **first > 0.0).map(|(t, first)| t / first).sum::<f64>() / LANES as f64;
+        if passed <= 0.0 {
             return false;
         }
         if depth < FREE_EVENTS {
             return true;
         }
-        let survival = level.clamp(0.05, 0.95);
+        let survival = (passed * relative_n2(scene, &self.start, self.wavelengths.hero())).clamp(0.05, 0.95);
         if numbers.stream.uniform() >= survival {
             return false;
         }

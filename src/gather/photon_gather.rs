@@ -3,14 +3,14 @@
 use super::CameraNumbers;
 use super::direct::{Asking, Counts, Direct, Found, Lit};
 use super::estimate::{Maps, Radii, RadiusKind};
-use super::throughput::{Colour, Factor, product};
+use super::throughput::{Colour, Factor, product, relative_n2};
 use crate::math::random::ONE_MINUS_ULP;
 use crate::optics::surface::{Class, Event, Scatter, Surface, Transport};
 use crate::plan::partition::{Estimator, LightPath, View, estimator};
 use crate::plan::{IndirectPlan, Plan, WavelengthPlan};
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Lanes};
-use crate::walk::{Encounter, Leg, Sink, Start, Tally, draw_consistently, next};
+use crate::walk::{Encounter, Sink, Start, Tally, draw_consistently, next};
 use glam::DVec3;
 
 /// Wavelength-free camera paths choose between reflection and refraction, and compare densities, at this wavelength (nm); what
@@ -145,8 +145,8 @@ impl<'a> Gatherer<'a> {
         let factors_before = sample.scratch.factors.len();
         while path.depth < self.max_depth {
             let encounter = match next(self.scene, path.start, &mut sample.numbers.stream.uniform()) {
-                Leg::Meets(encounter) => encounter,
-                Leg::Escaped => {
+                Some(encounter) => encounter,
+                None => {
                     self.look_outside(&path, sample);
                     break;
                 }
@@ -178,7 +178,7 @@ impl<'a> Gatherer<'a> {
                 }
                 Class::Specular => self.go_on(&mut path, &encounter, sample),
             };
-            if !goes_on || !survives(&mut path, sample) {
+            if !goes_on || !survives(self.scene, &mut path, sample) {
                 break;
             }
         }
@@ -186,7 +186,12 @@ impl<'a> Gatherer<'a> {
     }
 
     /// Beer's law along the last stretch.
-    fn absorb_on_the_way<S: Sink>(&self, path: &mut CameraPath, encounter: &Encounter<'a>, sample: &mut Sample<'_, 'a, S>) {
+    fn absorb_on_the_way<S: Sink>(
+        &self,
+        path: &mut CameraPath,
+        encounter: &Encounter<'a>,
+        sample: &mut Sample<'_, 'a, S>,
+    ) {
         if let Some(coefficient) = self.scene.absorption_in(&encounter.here) {
             sample.tally.absorptions += 1;
             path.multiply(Factor::Absorption { coefficient, distance: encounter.distance }, sample.scratch);
@@ -347,7 +352,11 @@ impl<'a> Gatherer<'a> {
     /// Reflectance of a smooth interface at the reference wavelength.
     fn reflectance(&self, encounter: &Encounter<'a>) -> f64 {
         let sides = encounter.sides;
-        crate::optics::fresnel::dielectric(encounter.wo.z.abs(), sides.here.n(REFERENCE_NM), sides.there.n(REFERENCE_NM))
+        crate::optics::fresnel::dielectric(
+            encounter.wo.z.abs(),
+            sides.here.n(REFERENCE_NM),
+            sides.there.n(REFERENCE_NM),
+        )
     }
 
     /// Sends the path on from here once for each shared wavelength; `refracted` says with which probability refraction was chosen, or that
@@ -369,10 +378,12 @@ impl<'a> Gatherer<'a> {
             sample.tally.shared_paths += 1;
             let mut single = CameraPath { colour: Colour::Shared { lane, nm, throughput }, ..path };
             let goes_on = match refracted {
-                Some(probability) => self.scatter_forced(&mut single, encounter, Event::Transmission, probability, sample),
+                Some(probability) => {
+                    self.scatter_forced(&mut single, encounter, Event::Transmission, probability, sample)
+                }
                 None => self.scatter_once(&mut single, encounter, u, sample),
             };
-            if goes_on && survives(&mut single, sample) {
+            if goes_on && survives(self.scene, &mut single, sample) {
                 self.follow(single, sample);
             }
         }
@@ -463,16 +474,20 @@ impl CameraPath {
     }
 }
 
-/// Russian roulette for paths that have lost most of their light.
-fn survives<S: Sink>(path: &mut CameraPath, sample: &mut Sample<'_, '_, S>) -> bool {
+/// Russian roulette for paths that have lost most of their light (by more than glass takes and gives back with its n²).
+fn survives<S: Sink>(scene: &Scene, path: &mut CameraPath, sample: &mut Sample<'_, '_, S>) -> bool {
     const FREE_EVENTS: u32 = 8;
     if path.level <= 0.0 && matches!(path.colour, Colour::Shared { .. }) {
         return false;
     }
-    if path.depth < FREE_EVENTS || path.level >= 0.5 {
+    if path.depth < FREE_EVENTS {
         return true;
     }
-    let survival = path.level.max(0.05);
+    let level = path.level * relative_n2(scene, &path.start, path.reference_nm());
+    if level >= 0.5 {
+        return true;
+    }
+    let survival = level.max(0.05);
     if sample.numbers.stream.uniform() >= survival {
         return false;
     }

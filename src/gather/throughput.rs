@@ -1,7 +1,10 @@
 //! What a camera path lets through, as a function of wavelength.
 
 use crate::optics::surface::{Scatter, Sides, Surface, Transport};
+use crate::scene::Scene;
+use crate::scene::interior::Interior;
 use crate::spectrum::Spectrum;
+use crate::walk::Start;
 use glam::DVec3;
 
 /// One event's factor on the radiance that a camera path carries back.
@@ -38,6 +41,12 @@ impl Factor<'_> {
 /// The product of the factors at a wavelength.
 pub(super) fn product(factors: &[Factor<'_>], nm: f64) -> f64 {
     factors.iter().map(|factor| factor.at(nm)).product()
+}
+
+/// (n here / n at the camera)²: radiance over n² is what glass leaves as it is. `start` is where the path goes on.
+pub(super) fn relative_n2(scene: &Scene, start: &Start, nm: f64) -> f64 {
+    let n = |interior: &Interior| scene.index_in(interior).n(nm);
+    (n(&start.interior) / n(&scene.camera.interior)).powi(2)
 }
 
 /// How a camera path is coloured.

@@ -34,7 +34,8 @@ impl PhotonIndex {
         if photons.is_empty() {
             return Self::default();
         }
-        let tree = Tree::new_from_entries_parallel(photons).expect("photon positions are finite and their leaves can grow");
+        let tree =
+            Tree::new_from_entries_parallel(photons).expect("photon positions are finite and their leaves can grow");
         Self { tree: Some(tree) }
     }
 
@@ -52,9 +53,11 @@ impl PhotonIndex {
     #[inline]
     pub fn within(&self, place: [f32; 3], radius: f32, mut visit: impl FnMut(Found)) {
         if let Some(tree) = &self.tree {
-            tree.query(&place).within::<SquaredEuclidean<f32>>(radius * radius).unsorted().with_points().visit(|found| {
-                visit(Found { photon: found.item, position: found.point, distance2: found.distance });
-            });
+            tree.query(&place).within::<SquaredEuclidean<f32>>(radius * radius).unsorted().with_points().visit(
+                |found| {
+                    visit(Found { photon: found.item, position: found.point, distance2: found.distance });
+                },
+            );
         }
     }
 

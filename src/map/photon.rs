@@ -42,7 +42,7 @@ impl Photon {
     }
 }
 
-/// A unit vector on the octahedron, 16 bits a coordinate (Cigolle et al. 2014); off by less than 5·10⁻⁵ rad.
+/// A unit vector on the octahedron, 16 bits a coordinate (Cigolle et al. 2014); off by less than 7·10⁻⁵ rad.
 #[derive(Debug, Clone, Copy, Default, PartialEq, PartialOrd)]
 struct Octahedral([i16; 2]);
 
@@ -78,7 +78,7 @@ mod tests {
         let axes = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
         let random = (0..1000).map(|i| warp::sphere([sobol.at(i, 0), sobol.at(i, 1)]));
         for v in axes.into_iter().chain(random) {
-            assert!((Octahedral::encode(v).decode() - v).length() < 5e-5, "{v}");
+            assert!((Octahedral::encode(v).decode() - v).length() < 7e-5, "{v}");
         }
     }
 

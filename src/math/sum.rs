@@ -32,11 +32,14 @@ impl ExactSum {
     }
 }
 
+/// A term in quanta. A float-to-integer cast saturates; it would take NaN to 0, which is marked as out of range instead.
+fn quanta(term: f64) -> i128 {
+    if term.is_nan() { i128::MAX } else { (term * SCALE) as i128 }
+}
+
 impl AddAssign<f64> for ExactSum {
     fn add_assign(&mut self, term: f64) {
-        // A float-to-integer cast saturates, and takes NaN to 0: mark NaN as out of range instead.
-        let quanta = if term.is_nan() { i128::MAX } else { (term * SCALE) as i128 };
-        self.0 = self.0.saturating_add(quanta);
+        self.0 = self.0.saturating_add(quanta(term));
     }
 }
 

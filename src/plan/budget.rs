@@ -43,7 +43,10 @@ impl Budget {
         let photons = settings.photons.unwrap_or(DEFAULT_PHOTONS);
         let (width, height) = (scene.film.width as usize, scene.film.height as usize);
         // A photon path meets a few diffuse surfaces; two are kept on average.
-        let memory_bytes = film_bytes + 16 * (width * height) as u64 + 2 * photons * PHOTON_BYTES + scene.geometry.memory_bytes() as u64;
+        let memory_bytes = film_bytes
+            + 16 * (width * height) as u64
+            + 2 * photons * PHOTON_BYTES
+            + scene.geometry.memory_bytes() as u64;
         Self {
             passes: settings.passes.unwrap_or(DEFAULT_PASSES),
             photons,

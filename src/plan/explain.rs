@@ -23,7 +23,13 @@ pub fn text(scene: &Scene, plan: &Plan, rows: &[Row], budget: &Budget) -> String
     let film = &scene.film;
     lines.push(String::new());
     lines.push(format!("Wavelengths: {}", wavelengths_word(plan)));
-    lines.push(format!("Film: {} × {}, {} primitives, {} lights", film.width, film.height, scene.geometry.primitive_count(), scene.lights.len()));
+    lines.push(format!(
+        "Film: {} × {}, {} primitives, {} lights",
+        film.width,
+        film.height,
+        scene.geometry.primitive_count(),
+        scene.lights.len()
+    ));
     lines.push(format!("Passes: {}, each of {} photon paths", budget.passes, budget.photons));
     lines.push(match budget.radius_m {
         Some(radius) => format!("First radius: {radius} m, as the scene says"),

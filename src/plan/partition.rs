@@ -60,7 +60,9 @@ pub fn estimator(path: LightPath, class: Class, view: View) -> Estimator {
 
 /// Whether any view needs photons of this kind kept in the map at a surface of this class.
 pub fn kept_in_map(path: LightPath, class: Class) -> bool {
-    [View::Seen, View::SeenAtEdge, View::Relayed].into_iter().any(|view| estimator(path, class, view) == Estimator::PhotonMap)
+    [View::Seen, View::SeenAtEdge, View::Relayed]
+        .into_iter()
+        .any(|view| estimator(path, class, view) == Estimator::PhotonMap)
 }
 
 #[cfg(test)]

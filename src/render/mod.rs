@@ -114,8 +114,9 @@ impl Job {
     /// Plans a scene. Errors name effects that do not exist or cannot be left out, and scenes without visible light.
     pub fn new(mut scene: Scene) -> Result<Self> {
         let (plan, rows) = crate::plan::prepare(&mut scene)?;
-        let choice = LightChoice::new(&scene)
-            .ok_or_else(|| Error::input("no light in the scene has power within 360–830 nm: there is nothing to see"))?;
+        let choice = LightChoice::new(&scene).ok_or_else(|| {
+            Error::input("no light in the scene has power within 360–830 nm: there is nothing to see")
+        })?;
         let film = &scene.film;
         let film_bytes = Film::memory_bytes(film.width as usize, film.height as usize, film.spectral_bands as usize);
         let budget = Budget::of(&scene, film_bytes as u64);

@@ -6,7 +6,7 @@ use super::pass::{emit, shared_wavelengths};
 use super::{Job, Seconds};
 use crate::emit::{Aim, Arrival, CELLS, Emitters, Receiver, Wavelengthed, trace};
 use crate::error::Result;
-use crate::gather::{CameraNumbers, Direct, Gatherer, Landing, Maps, RadiusKind, Radii, Scratch};
+use crate::gather::{CameraNumbers, Direct, Gatherer, Landing, Maps, Radii, RadiusKind, Scratch};
 use crate::map::{PhotonIndex, radius};
 use crate::math::random::{Purpose, Stream};
 use crate::plan::partition::{LightPath, View};
@@ -50,7 +50,8 @@ impl Pilot {
             AimPlan::Learned => learn_aims(job, plain),
         };
         let half = job.budget.photons / 2;
-        let mut pilot = Self { aims, radii: Vec::new(), edges: Vec::new(), free_photons: half.max(1), shared_photons: half.max(1) };
+        let mut pilot =
+            Self { aims, radii: Vec::new(), edges: Vec::new(), free_photons: half.max(1), shared_photons: half.max(1) };
         match job.plan.wavelengths {
             WavelengthPlan::Free => (pilot.free_photons, pilot.shared_photons) = (job.budget.photons, 0),
             WavelengthPlan::Shared => (pilot.free_photons, pilot.shared_photons) = (0, job.budget.photons),

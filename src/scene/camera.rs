@@ -4,8 +4,8 @@
 //! pinhole and the thin lens.
 
 use crate::math::warp;
-use crate::scene::interior::Interior;
 use crate::scene::geometry::Ray;
+use crate::scene::interior::Interior;
 use glam::{DVec2, DVec3};
 
 /// What lets the light in.

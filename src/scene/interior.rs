@@ -53,6 +53,9 @@ impl Interior {
             self.objects.copy_within(level + 1..self.depth, level);
             self.priorities.copy_within(level + 1..self.depth, level);
             self.depth -= 1;
+            // What is beyond the depth stays 0, so that equal nestings compare equal.
+            self.objects[self.depth] = 0;
+            self.priorities[self.depth] = 0;
         }
         self
     }

@@ -43,7 +43,14 @@ impl Picture {
     /// A picture without light.
     pub fn black(width: usize, height: usize) -> Self {
         let count = width * height;
-        Self { width, height, xyz: vec![[0.0; 3]; count], noise: vec![-1.0; count], bias: vec![-1.0; count], bands: None }
+        Self {
+            width,
+            height,
+            xyz: vec![[0.0; 3]; count],
+            noise: vec![-1.0; count],
+            bias: vec![-1.0; count],
+            bands: None,
+        }
     }
 
     /// Mean of Y over all pixels, cd/m².

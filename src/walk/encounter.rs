@@ -3,8 +3,8 @@
 use crate::math::frame::Frame;
 use crate::optics::surface::{Event, Sides, Surface};
 use crate::scene::Scene;
-use crate::scene::interior::Interior;
 use crate::scene::geometry::{Hit, Ray, SurfaceId};
+use crate::scene::interior::Interior;
 use glam::DVec3;
 
 /// Where a leg starts: the ray, the surface it leaves, and the bodies it is inside of.
@@ -16,15 +16,6 @@ pub struct Start {
     pub from: Option<SurfaceId>,
     /// The bodies around its origin.
     pub interior: Interior,
-}
-
-/// What a ray comes to.
-#[derive(Debug)]
-pub enum Leg<'a> {
-    /// It left the scene; the bodies it was still in (none, if the scene's glass is closed).
-    Escaped,
-    /// It meets a surface.
-    Meets(Encounter<'a>),
 }
 
 /// A surface met by a path, with all that scattering there needs.
@@ -55,16 +46,14 @@ pub struct Encounter<'a> {
     pub crossed_hidden: bool,
 }
 
-/// Follows the ray to the next surface that matters. Faces inside a body of higher priority (the same body rules on both sides)
+/// Follows the ray to the next surface that matters; `None` where it leaves the scene. Faces inside a body of higher priority (the same body rules on both sides)
 /// are passed without an event. `component` draws the component of mixed surfaces.
-pub fn next<'a>(scene: &'a Scene, start: Start, component: &mut f64) -> Leg<'a> {
+pub fn next<'a>(scene: &'a Scene, start: Start, component: &mut f64) -> Option<Encounter<'a>> {
     let Start { mut ray, mut from, mut interior } = start;
     let mut distance = 0.0;
     let mut crossed_hidden = false;
     loop {
-        let Some(hit) = scene.geometry.intersect(&ray, from, f64::INFINITY) else {
-            return Leg::Escaped;
-        };
+        let hit = scene.geometry.intersect(&ray, from, f64::INFINITY)?;
         distance += hit.t;
         let object = hit.object;
         let there = match scene.body_of(object) {
@@ -81,7 +70,7 @@ pub fn next<'a>(scene: &'a Scene, start: Start, component: &mut f64) -> Leg<'a> 
             continue;
         }
         let encounter = Encounter::new(scene, ray.direction, hit, (interior, there), component);
-        return Leg::Meets(Encounter { distance, crossed_hidden, ..encounter });
+        return Some(Encounter { distance, crossed_hidden, ..encounter });
     }
 }
 

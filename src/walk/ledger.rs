@@ -39,13 +39,9 @@ impl Ledger {
 
     /// Multiplies all entries.
     pub fn scale(&mut self, factor: f64) {
-        for entry in [
-            &mut self.emitted,
-            &mut self.sampling,
-            &mut self.absorbed_inside,
-            &mut self.escaped,
-            &mut self.depth_limit,
-        ] {
+        for entry in
+            [&mut self.emitted, &mut self.sampling, &mut self.absorbed_inside, &mut self.escaped, &mut self.depth_limit]
+        {
             *entry *= factor;
         }
         self.absorbed.iter_mut().for_each(|entry| *entry *= factor);

@@ -2,11 +2,11 @@
 
 mod encounter;
 pub mod ledger;
-mod tally;
 mod scatter;
 mod sink;
+mod tally;
 
-pub use encounter::{Encounter, Leg, Start, next};
+pub use encounter::{Encounter, Start, next};
 pub use scatter::{Scattered, draw_consistently, scatter};
 pub use sink::Sink;
 pub use tally::Tally;

@@ -32,7 +32,12 @@ pub struct Scattered {
 }
 
 /// Scatters a path with these wavelengths; `None` where it ends (an absorber).
-pub fn scatter(encounter: &Encounter<'_>, wavelengths: &Wavelengths, transport: Transport, stream: &mut Stream) -> Option<Scattered> {
+pub fn scatter(
+    encounter: &Encounter<'_>,
+    wavelengths: &Wavelengths,
+    transport: Transport,
+    stream: &mut Stream,
+) -> Option<Scattered> {
     let disperses = encounter.sides.here.is_dispersive() || encounter.sides.there.is_dispersive();
     let several = wavelengths.count > 1;
     match encounter.surface {
@@ -45,7 +50,12 @@ pub fn scatter(encounter: &Encounter<'_>, wavelengths: &Wavelengths, transport: 
                 let single = Wavelengths::single(wavelengths.nm[kept]);
                 let one = scatter_together(encounter, &single, transport, stream)?;
                 let spread = |value: f64| lane(kept, value * wavelengths.count as f64);
-                Some(Scattered { weight: spread(one.weight[0]), absorbed: spread(one.absorbed[0]), kept: Some(kept), ..one })
+                Some(Scattered {
+                    weight: spread(one.weight[0]),
+                    absorbed: spread(one.absorbed[0]),
+                    kept: Some(kept),
+                    ..one
+                })
             }
         }
         Surface::Absorber

@@ -123,8 +123,10 @@ pub(super) struct Candidate {
 }
 
 impl Primitives {
+    #[inline]
     pub(super) fn corners(&self, triangle: &Triangle) -> [DVec3; 3] {
-        triangle.vertices.map(|index| self.vertices[index as usize])
+        let [a, b, c] = triangle.vertices;
+        [self.vertices[a as usize], self.vertices[b as usize], self.vertices[c as usize]]
     }
 
     pub(super) fn object(&self, primitive: u32) -> u32 {

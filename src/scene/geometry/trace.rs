@@ -24,7 +24,7 @@ impl<'a> Search<'a> {
     }
 
     /// The first crossing of a primitive that counts.
-    #[inline]
+    #[inline(always)]
     pub(super) fn first_crossing(&self, primitive: u32) -> Option<Candidate> {
         match &self.geometry.primitives.list[primitive as usize] {
             Primitive::Triangle(_) if self.from.is_some_and(|from| from.primitive == primitive) => None,

@@ -92,8 +92,7 @@ impl Beam {
             let distance = local.z / way.z;
             let source = local - way * distance;
             let inside = DVec2::new(source.x, source.y).length() <= self.radius_m;
-            inside
-                .then(|| self.incident(self.frame.to_world(-way), distance, self.radiance() * cone_solid_angle))
+            inside.then(|| self.incident(self.frame.to_world(-way), distance, self.radiance() * cone_solid_angle))
         }
     }
 

@@ -46,8 +46,7 @@ impl EnvironmentMap {
             return None;
         }
         weights.iter_mut().for_each(|w| w.iter_mut().for_each(|c| *c /= mean));
-        let masses: Vec<f64> =
-            weights.iter().enumerate().map(|(i, w)| w.iter().sum::<f64>() * row_weight(i)).collect();
+        let masses: Vec<f64> = weights.iter().enumerate().map(|(i, w)| w.iter().sum::<f64>() * row_weight(i)).collect();
         let basis = std::array::from_fn(|c| lights[c].scaled(1.0 / powers[c]));
         Some(Self { width, height, weights, pixels: Grid::new(width, &masses)?, basis })
     }

@@ -20,8 +20,8 @@ pub use environment::{Environment, EnvironmentMap};
 pub use point::{Point, Spot};
 
 use super::geometry::Geometry;
-use super::interior::Interior;
 use super::geometry::{Hit, SurfaceId};
+use super::interior::Interior;
 use crate::spectrum::{Spectrum, WavelengthDistribution};
 use glam::DVec3;
 

@@ -82,7 +82,13 @@ impl Spot {
         let local = warp::cone(self.outer, u.aim);
         let solid_angle = TAU * self.outer;
         let flux_w = self.intensity_at(u.aim[0] * self.outer) * solid_angle;
-        Emission { origin: self.at, direction: Frame::new(self.axis).to_world(local), from: None, flux_w, tint: Tint::Own }
+        Emission {
+            origin: self.at,
+            direction: Frame::new(self.axis).to_world(local),
+            from: None,
+            flux_w,
+            tint: Tint::Own,
+        }
     }
 
     pub(super) fn towards(&self, from: DVec3) -> Option<Incident> {

@@ -5,8 +5,8 @@ use super::spectra::Role;
 use super::{Resolver, surroundings, unsupported};
 use crate::error::{Error, Result};
 use crate::scene::file::{
-    BeamFile, DirectionalFile, EmissionFile, EnvironmentFile, JsonPath, LightFile, PointFile, QuantityFile, SpectrumFile,
-    SpotFile, TransformFile,
+    BeamFile, DirectionalFile, EmissionFile, EnvironmentFile, JsonPath, LightFile, PointFile, QuantityFile,
+    SpectrumFile, SpotFile, TransformFile,
 };
 use crate::scene::geometry::Geometry;
 use crate::scene::interior::Interior;
@@ -36,24 +36,25 @@ impl Shape {
         Self { spectrum, lumens_per_watt }
     }
 
-    /// A quantity in W-based units: photometric ones are divided by the luminous efficacy.
-    fn watts(&self, quantity: QuantityFile) -> Result<QuantityFile> {
+    /// A quantity in W-based units (photometric ones divided by the luminous efficacy), and whether it is a power.
+    fn watts(&self, quantity: QuantityFile) -> Result<(f64, bool)> {
         let by_eye = |value: f64| {
             if value > 0.0 && self.lumens_per_watt <= 0.0 {
-                return Err(Error::input("the spectrum has no visible light").expected("a spectrum that the eye can see, or a quantity in W"));
+                return Err(Error::input("the spectrum has no visible light")
+                    .expected("a spectrum that the eye can see, or a quantity in W"));
             }
             Ok(if value > 0.0 { value / self.lumens_per_watt } else { 0.0 })
         };
-        Ok(match quantity {
-            QuantityFile::LuminousFlux(value) => QuantityFile::Power(by_eye(value)?),
-            QuantityFile::LuminousIntensity(value) => QuantityFile::Intensity(by_eye(value)?),
-            QuantityFile::Luminance(value) => QuantityFile::Radiance(by_eye(value)?),
-            QuantityFile::Illuminance(value) => QuantityFile::Irradiance(by_eye(value)?),
-            QuantityFile::Power(_)
-            | QuantityFile::Intensity(_)
-            | QuantityFile::Radiance(_)
-            | QuantityFile::Irradiance(_) => quantity,
-        })
+        match quantity {
+            QuantityFile::Power(value) => Ok((value, true)),
+            QuantityFile::LuminousFlux(value) => Ok((by_eye(value)?, true)),
+            QuantityFile::Intensity(value) | QuantityFile::Radiance(value) | QuantityFile::Irradiance(value) => {
+                Ok((value, false))
+            }
+            QuantityFile::LuminousIntensity(value)
+            | QuantityFile::Luminance(value)
+            | QuantityFile::Illuminance(value) => Ok((by_eye(value)?, false)),
+        }
     }
 }
 
@@ -101,8 +102,12 @@ impl Resolver<'_> {
             LightFile::Point(file) => ("point", self.point_light(&at.key("point"), file, around, notes)),
             LightFile::Spot(file) => ("spot", self.spot_light(&at.key("spot"), file, around, notes)),
             LightFile::Beam(file) => ("beam", self.beam_light(&at.key("beam"), file, around, notes)),
-            LightFile::Directional(file) => ("directional", self.directional_light(&at.key("directional"), file, notes)),
-            LightFile::Environment(file) => ("environment", self.environment_light(&at.key("environment"), file, notes)),
+            LightFile::Directional(file) => {
+                ("directional", self.directional_light(&at.key("directional"), file, notes))
+            }
+            LightFile::Environment(file) => {
+                ("environment", self.environment_light(&at.key("environment"), file, notes))
+            }
             LightFile::Ies(_) => ("ies", self.at(&at.key("ies"), Err(unsupported("IES lamps are")))),
         };
         let (emitter, shape) = resolved?;
@@ -136,8 +141,8 @@ impl Resolver<'_> {
         let PointFile { at, spectrum, transform, motion, power: _, luminous_flux: _, .. } = file;
         let shape = self.light_shape(path, spectrum, notes)?;
         let intensity = match self.at(path, file.quantity().and_then(|q| shape.watts(q)))? {
-            QuantityFile::Power(power) => power / (4.0 * PI),
-            other => other.key_and_value().1,
+            (power, true) => power / (4.0 * PI),
+            (intensity, false) => intensity,
         };
         let placing = self.placing(path, transform, !motion.is_empty())?;
         let at = self.placed_point(&placing, *at, around.centre);
@@ -155,11 +160,12 @@ impl Resolver<'_> {
         let shape = self.light_shape(path, spectrum, notes)?;
         let (half_angle, penumbra) = (half_angle.to_radians(), penumbra.to_radians());
         let intensity = match self.at(path, file.quantity().and_then(|q| shape.watts(q)))? {
-            QuantityFile::Power(power) => power / Spot::power_per_intensity(half_angle, penumbra),
-            other => other.key_and_value().1,
+            (power, true) => power / Spot::power_per_intensity(half_angle, penumbra),
+            (intensity, false) => intensity,
         };
         let placing = self.placing(path, transform, !motion.is_empty())?;
-        let (at, to) = (self.placed_point(&placing, *at, around.centre), self.placed_point(&placing, *to, around.centre));
+        let (at, to) =
+            (self.placed_point(&placing, *at, around.centre), self.placed_point(&placing, *to, around.centre));
         Ok((Emitter::Spot(Spot::new(at, (to - at).normalize(), half_angle, penumbra, intensity)), shape))
     }
 
@@ -172,7 +178,7 @@ impl Resolver<'_> {
     ) -> Result<(Emitter, Shape)> {
         let BeamFile { from, to, radius, divergence, spectrum, transform, motion, .. } = file;
         let shape = self.light_shape(path, spectrum, notes)?;
-        let power = self.at(path, file.quantity().and_then(|q| shape.watts(q)))?.key_and_value().1;
+        let power = self.at(path, file.quantity().and_then(|q| shape.watts(q)))?.0;
         let placing = self.placing(path, transform, !motion.is_empty())?;
         let from = self.placed_point(&placing, *from, around.centre);
         let to = self.placed_point(&placing, *to, around.centre);
@@ -191,7 +197,7 @@ impl Resolver<'_> {
     ) -> Result<(Emitter, Shape)> {
         let DirectionalFile { toward, angular_diameter, spectrum, transform, motion, .. } = file;
         let shape = self.light_shape(path, spectrum, notes)?;
-        let irradiance = self.at(path, file.quantity().and_then(|q| shape.watts(q)))?.key_and_value().1;
+        let irradiance = self.at(path, file.quantity().and_then(|q| shape.watts(q)))?.0;
         let placing = self.placing(path, transform, !motion.is_empty())?;
         let toward = placing.transform_vector3(DVec3::from(*toward)).normalize();
         let angular_radius = 0.5 * angular_diameter.to_radians();
@@ -218,7 +224,7 @@ impl Resolver<'_> {
                 return self.at(path, Err(Error::input("found neither").expected("one of `spectrum`, `image`")));
             }
         };
-        let irradiance = self.at(path, file.quantity().and_then(|q| shape.watts(q)))?.key_and_value().1;
+        let irradiance = self.at(path, file.quantity().and_then(|q| shape.watts(q)))?.0;
         Ok((Emitter::Environment(Environment { mean_radiance: irradiance / PI, map }), shape))
     }
 
@@ -231,8 +237,8 @@ impl Resolver<'_> {
     ) -> Result<(Shape, f64)> {
         let shape = self.light_shape(path, &file.spectrum, notes)?;
         let radiance = match self.at(path, file.quantity().and_then(|q| shape.watts(q)))? {
-            QuantityFile::Power(power) => power / (PI * area_m2),
-            other => other.key_and_value().1,
+            (power, true) => power / (PI * area_m2),
+            (radiance, false) => radiance,
         };
         Ok((shape, radiance))
     }
@@ -241,7 +247,7 @@ impl Resolver<'_> {
     fn mesh_emission(&self, path: &JsonPath<'_>, rgb: [f64; 3]) -> Result<(Shape, f64)> {
         let shape = Shape::new(&self.at(path, Spectrum::rgb_light(rgb))?);
         let luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
-        let radiance = self.at(path, shape.watts(QuantityFile::Luminance(luminance)))?.key_and_value().1;
+        let radiance = self.at(path, shape.watts(QuantityFile::Luminance(luminance)))?.0;
         Ok((shape, radiance))
     }
 }

@@ -25,11 +25,21 @@ impl Resolver<'_> {
         self.material_at_depth(at, name, notes, 0)
     }
 
-    fn material_at_depth(&self, at: &JsonPath<'_>, name: &str, notes: &mut Vec<String>, depth: usize) -> Result<Material> {
+    fn material_at_depth(
+        &self,
+        at: &JsonPath<'_>,
+        name: &str,
+        notes: &mut Vec<String>,
+        depth: usize,
+    ) -> Result<Material> {
         let Some(file) = self.scene.materials.get(name) else {
             let known = self.scene.materials.keys().map(String::as_str);
             let names: Vec<&str> = known.clone().collect();
-            let allowed = if names.is_empty() { "a name of the scene's `materials`, which is empty".into() } else { format!("one of {}", names.join(", ")) };
+            let allowed = if names.is_empty() {
+                "a name of the scene's `materials`, which is empty".into()
+            } else {
+                format!("one of {}", names.join(", "))
+            };
             return self.at(at, Err(Error::unknown_name("material", name, known).expected(allowed)));
         };
         if depth > MAX_DEPTH {
@@ -74,7 +84,8 @@ impl Resolver<'_> {
                 let (mut surfaces, mut body) = (Vec::new(), None);
                 for (i, part) in parts.iter().enumerate() {
                     let at = at.index(i);
-                    let part_material = self.material_at_depth(&at.key("material"), &part.material, notes, depth + 1)?;
+                    let part_material =
+                        self.material_at_depth(&at.key("material"), &part.material, notes, depth + 1)?;
                     surfaces.push((part.weight, part_material.surface));
                     body = body.or(part_material.body);
                 }
@@ -110,7 +121,9 @@ impl Resolver<'_> {
                 let eta = self.spectrum(&at.key("eta"), eta, Role::Coefficient)?;
                 (eta, self.spectrum(&at.key("k"), k, Role::Coefficient)?)
             }
-            (None, _, _) => return self.at(at, Err(Error::input("found no metal").expected("`metal`, or `eta` and `k`"))),
+            (None, _, _) => {
+                return self.at(at, Err(Error::input("found no metal").expected("`metal`, or `eta` and `k`")));
+            }
         };
         Surface::conductor(n, k, alpha(*roughness))
     }
@@ -119,7 +132,9 @@ impl Resolver<'_> {
     pub(super) fn reflectance(&self, at: &JsonPath<'_>, file: &ReflectanceFile) -> Result<Spectrum> {
         match file {
             ReflectanceFile::Spectrum(spectrum) => self.spectrum(at, spectrum, Role::Reflectance),
-            ReflectanceFile::Image(_) | ReflectanceFile::Checker { .. } => self.at(at, Err(unsupported("textures are"))),
+            ReflectanceFile::Image(_) | ReflectanceFile::Checker { .. } => {
+                self.at(at, Err(unsupported("textures are")))
+            }
         }
     }
 

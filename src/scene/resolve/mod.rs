@@ -13,7 +13,9 @@ mod surroundings;
 
 pub use spectra::Role;
 
-use super::file::{self, FilmFile, JsonPath, OutputSpaceFile, RenderFile, SceneFile, Source, SpectrumFile, WhiteBalanceFile};
+use super::file::{
+    self, FilmFile, JsonPath, OutputSpaceFile, RenderFile, SceneFile, Source, SpectrumFile, WhiteBalanceFile,
+};
 use super::geometry::{Geometry, Ray};
 use super::interior::Interior;
 use super::{Body, Exposure, FilmSpec, Material, Object, Scene, Settings};
@@ -90,7 +92,8 @@ impl Resolver<'_> {
         let camera = self.camera(&root.key("camera"), camera, (film.width, film.height), centre)?;
         let lights = self.lights(&things, (&geometry, centre), film.observer, &mut notes)?;
         if lights.is_empty() {
-            let error = Error::input("the scene has no light").expected("at least one entry in `lights` or an object with `emission`");
+            let error = Error::input("the scene has no light")
+                .expected("at least one entry in `lights` or an object with `emission`");
             return Err(self.source.error_at("", error));
         }
         let mut resolved = Scene {

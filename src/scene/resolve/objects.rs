@@ -67,7 +67,9 @@ impl<'a> Resolver<'a> {
         let written = transform.to_affine();
         let mut to_world = DAffine3 { matrix3: written.matrix3, translation: written.translation * self.metres };
         match shape {
-            ShapeFile::Sphere { center, .. } => to_world *= DAffine3::from_translation(DVec3::from(*center) * self.metres),
+            ShapeFile::Sphere { center, .. } => {
+                to_world *= DAffine3::from_translation(DVec3::from(*center) * self.metres)
+            }
             ShapeFile::Mesh { .. } => to_world *= DAffine3::from_scale(DVec3::splat(self.metres)),
             ShapeFile::Rectangle { .. }
             | ShapeFile::Disk { .. }

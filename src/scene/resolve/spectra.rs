@@ -71,10 +71,7 @@ impl Resolver<'_> {
         let primaries: Option<Vec<Spectrum>> = primaries.iter().map(resolve).collect();
         let found = nearest_mix(&target, &primaries?).ok()?;
         let far = if !found.is_reached() { ": the target is out of the primaries' reach" } else { "" };
-        Some(format!(
-            "{what} matches its target to Δxy {:.5}, ΔE2000 {:.3}{far}",
-            found.delta_xy, found.delta_e_2000
-        ))
+        Some(format!("{what} matches its target to Δxy {:.5}, ΔE2000 {:.3}{far}", found.delta_xy, found.delta_e_2000))
     }
 }
 
@@ -177,7 +174,8 @@ fn check_role(spectrum: &Spectrum, role: Role) -> Result<()> {
             Err(Error::input("the spectrum has no power within 360–830 nm").expected("some light to see"))
         }
         Role::Reflectance if spectrum.max() > 1.0 + 1e-9 => {
-            Err(Error::input(format!("found values up to {:.4}", spectrum.max())).expected("a share of light, from 0 to 1"))
+            Err(Error::input(format!("found values up to {:.4}", spectrum.max()))
+                .expected("a share of light, from 0 to 1"))
         }
         Role::Reflectance | Role::Coefficient if spectrum.min() < 0.0 => {
             Err(Error::input(format!("found values down to {:.4}", spectrum.min())).expected("values of at least 0"))

@@ -142,15 +142,18 @@ mod speed {
     use super::*;
 
     fn rate(name: &str, geometry: &Geometry) {
+        if std::env::var("ONLY").is_ok_and(|only| !name.starts_with(&only)) {
+            return;
+        }
         let (low, high) = geometry.bounds();
         let (middle, reach) = (0.5 * (low + high), 0.5 * (high - low).length());
         let mut rng = random(1);
-        let rays: Vec<Ray> = (0..65536)
+        let rays: Vec<Ray> = (0..4096)
             .map(|_| towards(middle + reach * unit_vector(&mut rng), middle + 0.5 * reach * unit_vector(&mut rng)))
             .collect();
         let mut best = f64::INFINITY;
         let mut hits = 0;
-        for _ in 0..12 {
+        for _ in 0..150 {
             let start = std::time::Instant::now();
             hits = 0;
             for ray in &rays {
@@ -171,7 +174,7 @@ mod speed {
             })
             .collect();
         let mut occ = f64::INFINITY;
-        for _ in 0..12 {
+        for _ in 0..150 {
             let start = std::time::Instant::now();
             for (ray, from) in &starts {
                 hits += usize::from(geometry.intersect(ray, *from, f64::INFINITY).is_some());
@@ -196,6 +199,13 @@ mod speed {
     #[ignore = "prints speeds"]
     fn speeds() {
         rate("12 triangles", &alone(mesh(box_mesh(DVec3::ONE)), DAffine3::IDENTITY));
+        if std::env::var("BIG").is_ok() {
+            let ball = mesh(icosphere(8));
+            let start = std::time::Instant::now();
+            let big = alone(ball, DAffine3::IDENTITY);
+            println!("rays build {}", start.elapsed().as_secs_f64());
+            rate("1310720", &big);
+        }
         rate("81920 triangles", &alone(mesh(icosphere(6)), DAffine3::IDENTITY));
         let floor = placed(Shape::Rectangle { width: 4.0, height: 4.0 }, DAffine3::IDENTITY, 0);
         let ball = placed(Shape::Sphere { radius: 1.0 }, DAffine3::from_translation(DVec3::Y), 1);

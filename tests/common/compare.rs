@@ -1,0 +1,175 @@
+//! Are two renders the same, up to their noise? Measured values from independent seeds, and Welch's test with Šidák's correction.
+
+use super::render;
+use abbe::render::{Integrator, Rendered};
+use serde_json::Value;
+
+/// How likely a test of the suite may be to fail without a fault.
+const SUITE_LEVEL: f64 = 0.01;
+
+/// How many comparisons the suite makes (an upper bound).
+const SUITE_COMPARISONS: f64 = 40.0;
+
+/// Values measured in several renders that differ in nothing but their seeds.
+#[derive(Debug, Clone)]
+pub(crate) struct Measured {
+    runs: Vec<Vec<f64>>,
+}
+
+impl Measured {
+    /// Renders the scene once for each seed and takes values of each render.
+    pub(crate) fn new(
+        scene: &Value,
+        (integrator, passes): (Integrator, u64),
+        seeds: std::ops::Range<u64>,
+        take: impl Fn(&Rendered) -> Vec<f64>,
+    ) -> Self {
+        let run = |seed: u64| take(&render(&super::with_setting(scene, "seed", seed), integrator, passes));
+        Self { runs: seeds.map(run).collect() }
+    }
+
+    /// From values already measured, one list a run.
+    pub(crate) fn from_runs(runs: Vec<Vec<f64>>) -> Self {
+        Self { runs }
+    }
+
+    /// Another quantity, worked out within each run from several.
+    pub(crate) fn combine(parts: &[&Self], combine: impl Fn(&[f64]) -> f64) -> Self {
+        let runs = (0..parts[0].runs.len()).map(|run| {
+            let count = parts[0].runs[run].len();
+            (0..count).map(|i| combine(&parts.iter().map(|part| part.runs[run][i]).collect::<Vec<_>>())).collect()
+        });
+        Self { runs: runs.collect() }
+    }
+
+    /// The limit of radius 0 from renders with radius r and r/2: (4·L_{r/2} − L_r)/3 takes away a bias proportional to r².
+    pub(crate) fn extrapolated(whole: &Self, half: &Self) -> Self {
+        Self::combine(&[half, whole], |l| (4.0 * l[0] - l[1]) / 3.0)
+    }
+
+    /// How many values a run has.
+    pub(crate) fn count(&self) -> usize {
+        self.runs[0].len()
+    }
+
+    /// Mean over the runs of one value.
+    pub(crate) fn mean(&self, i: usize) -> f64 {
+        self.runs.iter().map(|run| run[i]).sum::<f64>() / self.runs.len() as f64
+    }
+
+    /// Standard error of that mean.
+    pub(crate) fn error(&self, i: usize) -> f64 {
+        let (n, mean) = (self.runs.len() as f64, self.mean(i));
+        (self.runs.iter().map(|run| (run[i] - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt()
+    }
+
+    /// The mean over all values.
+    pub(crate) fn overall(&self) -> f64 {
+        (0..self.count()).map(|i| self.mean(i)).sum::<f64>() / self.count() as f64
+    }
+
+    /// The mean standard error of a value, relative to the mean over all values.
+    pub(crate) fn relative_error(&self) -> f64 {
+        let mean_error = (0..self.count()).map(|i| self.error(i)).sum::<f64>() / self.count() as f64;
+        mean_error / self.overall()
+    }
+
+    fn degrees(&self) -> f64 {
+        self.runs.len() as f64 - 1.0
+    }
+}
+
+/// What a comparison of two lists of values found.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Comparison {
+    /// The probability that equal pictures differ so much anywhere, Šidák's correction over the values included.
+    pub(crate) p: f64,
+    /// The largest |t|.
+    pub(crate) largest: f64,
+    /// √mean t²; about 1 for equal pictures.
+    pub(crate) rms: f64,
+    /// How many values were compared.
+    pub(crate) count: usize,
+    /// Ratio of the means over all values.
+    pub(crate) ratio: f64,
+}
+
+impl Comparison {
+    /// Whether the two are the same as far as noise lets one tell.
+    pub(crate) fn is_equal(&self) -> bool {
+        let level = 1.0 - (1.0 - SUITE_LEVEL).powf(1.0 / SUITE_COMPARISONS);
+        self.p >= level
+    }
+}
+
+impl std::fmt::Display for Comparison {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { p, largest, rms, count, ratio } = self;
+        write!(f, "p = {p:.2e}, largest |t| {largest:.2} of {count}, rms {rms:.2}, ratio of means {ratio:.5}")
+    }
+}
+
+/// Compares value by value with Welch's t; a standard error below 0.05 % of the overall mean counts as that, so that no value of accidentally
+/// small spread decides.
+pub(crate) fn compare(a: &Measured, b: &Measured) -> Comparison {
+    const FLOOR: f64 = 5e-4;
+    assert_eq!(a.count(), b.count());
+    let floor = FLOOR * 0.5 * (a.overall() + b.overall()).abs();
+    let (mut least_p, mut largest, mut squares) = (1.0_f64, 0.0_f64, 0.0);
+    for i in 0..a.count() {
+        let [va, vb] = [a.error(i).max(floor).powi(2), b.error(i).max(floor).powi(2)];
+        let t = (a.mean(i) - b.mean(i)) / (va + vb).sqrt();
+        let degrees = (va + vb).powi(2) / (va * va / a.degrees() + vb * vb / b.degrees());
+        least_p = least_p.min(two_sided(t, degrees));
+        largest = largest.max(t.abs());
+        squares += t * t;
+    }
+    let count = a.count();
+    Comparison {
+        p: -((count as f64) * (-least_p).ln_1p()).exp_m1(),
+        largest,
+        rms: (squares / count as f64).sqrt(),
+        count,
+        ratio: a.overall() / b.overall(),
+    }
+}
+
+/// Compares one number with what it should be.
+pub(crate) fn compare_with(a: &Measured, truth: &[f64]) -> Comparison {
+    let exact = Measured { runs: vec![truth.to_vec(), truth.to_vec()] };
+    let (mut least_p, mut largest, mut squares) = (1.0_f64, 0.0_f64, 0.0);
+    for (i, truth) in truth.iter().enumerate() {
+        let t = (a.mean(i) - truth) / a.error(i).max(1e-12 * truth.abs()).max(f64::MIN_POSITIVE);
+        least_p = least_p.min(two_sided(t, a.degrees()));
+        largest = largest.max(t.abs());
+        squares += t * t;
+    }
+    let count = a.count();
+    Comparison {
+        p: -((count as f64) * (-least_p).ln_1p()).exp_m1(),
+        largest,
+        rms: (squares / count as f64).sqrt(),
+        count,
+        ratio: a.overall() / exact.overall(),
+    }
+}
+
+/// The probability of |t| or more by Student's distribution: I_{ν/(ν+t²)}(ν/2, 1/2), the integral worked out in the angle φ with
+/// t = √ν tan φ, where the density is cos^{ν−1} φ.
+fn two_sided(t: f64, degrees: f64) -> f64 {
+    let from = (t.abs() / degrees.sqrt()).atan();
+    let integral = |from: f64| {
+        const STEPS: usize = 4000;
+        let step = (std::f64::consts::FRAC_PI_2 - from) / STEPS as f64;
+        (0..STEPS).map(|i| (from + (i as f64 + 0.5) * step).cos().powf(degrees - 1.0) * step).sum::<f64>()
+    };
+    (integral(from) / integral(0.0)).min(1.0)
+}
+
+#[test]
+fn the_tails_of_students_distribution_are_those_of_the_tables() {
+    // Two-sided 5 % and 0.1 % points (any table): ν = 5 → 2.5706, 6.8688; ν = 20 → 2.0860, 3.8495.
+    for (degrees, t, p) in [(5.0, 2.5706, 0.05), (5.0, 6.8688, 0.001), (20.0, 2.0860, 0.05), (20.0, 3.8495, 0.001)] {
+        assert!((two_sided(t, degrees) / p - 1.0).abs() < 1e-3);
+    }
+}

@@ -1,0 +1,36 @@
+//! Pixels at whose surface a kernel would reach over an edge: density estimates are wrong there by design, and comparisons leave them out.
+
+use abbe::render::Job;
+use abbe::scene::geometry::{Hit, Ray};
+use glam::{DVec2, DVec3};
+
+/// For each pixel, whether the surface seen in it (at its corners and its middle) goes on for `reach` (m) all around, with nothing standing on it.
+pub(crate) fn away_from_edges(job: &Job, reach: f64) -> Vec<bool> {
+    let width = job.scene.camera.width();
+    let places = [[0.5, 0.5], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+    let pixel = |index: usize| {
+        let corner = DVec2::new((index % width) as f64, (index / width) as f64);
+        places.iter().all(|&place| {
+            let ray = job.scene.camera.ray(corner + DVec2::from(place), [0.5; 2]);
+            let hit = job.scene.geometry.intersect(&ray, None, f64::INFINITY);
+            hit.is_some_and(|hit| goes_on(job, &ray, &hit, reach))
+        })
+    };
+    (0..job.scene.camera.pixel_count()).map(pixel).collect()
+}
+
+fn goes_on(job: &Job, ray: &Ray, hit: &Hit, reach: f64) -> bool {
+    const AROUND: usize = 12;
+    let geometry = &job.scene.geometry;
+    let up = if ray.direction.dot(hit.normal) < 0.0 { hit.normal } else { -hit.normal };
+    let right = up.any_orthonormal_vector();
+    let ahead = up.cross(right);
+    let lifted = hit.position + up * (0.25 * reach);
+    (0..AROUND).all(|i| {
+        let (sin, cos) = (i as f64 / AROUND as f64 * std::f64::consts::TAU).sin_cos();
+        let way: DVec3 = right * cos + ahead * sin;
+        let free = geometry.intersect(&Ray::new(lifted, way), None, reach).is_none();
+        let down = Ray::new(lifted + way * reach, -up);
+        free && geometry.intersect(&down, None, reach).is_some_and(|below| below.object == hit.object)
+    })
+}

@@ -1,0 +1,86 @@
+//! What the tests of pictures share: scenes from JSON, renders, measured values with their spread, and the tests of equality.
+
+pub(crate) mod compare;
+pub(crate) mod edges;
+
+use abbe::render::{Integrator, Job, Rendered, Request, StopRules, Unwatched};
+use abbe::scene::{file, resolve};
+use serde_json::Value;
+use std::path::Path;
+
+/// A scene from JSON, planned.
+pub(crate) fn job(scene: &Value) -> Job {
+    let (file, source) =
+        file::parse(&scene.to_string(), Path::new("tests/inline.json"), &[]).expect("the scene parses");
+    Job::new(resolve::resolve(&file, &source).expect("the scene resolves")).expect("the scene can be planned")
+}
+
+/// Renders a scene with a fixed number of passes.
+pub(crate) fn render(scene: &Value, integrator: Integrator, passes: u64) -> Rendered {
+    let request = Request { integrator, stop: StopRules { passes: Some(passes), ..StopRules::default() } };
+    let rendered = job(scene).render(request, &mut Unwatched).expect("the scene renders");
+    assert_eq!(rendered.stats.rejected_samples, 0, "contributions that are not finite");
+    rendered
+}
+
+/// The scene with one of its render settings changed.
+pub(crate) fn with_setting(scene: &Value, key: &str, value: impl Into<Value>) -> Value {
+    let mut scene = scene.clone();
+    scene["render"][key] = value.into();
+    scene
+}
+
+/// A material in one line.
+pub(crate) fn diffuse(reflectance: impl Into<Value>) -> Value {
+    serde_json::json!({ "diffuse": { "reflectance": reflectance.into() } })
+}
+
+/// Glass in one line.
+pub(crate) fn glass(ior: impl Into<Value>) -> Value {
+    serde_json::json!({ "dielectric": { "ior": ior.into() } })
+}
+
+/// A camera that looks straight down from `height` at a square of floor around `above` (x, z), `side` wide: the square is what a square film
+/// sees. Rows run along +z, columns along +x.
+pub(crate) fn overhead_camera(above: [f64; 2], height: f64, side: f64) -> Value {
+    let fov = 2.0 * (0.5 * side / height).atan().to_degrees();
+    serde_json::json!({
+        "from": [above[0], height, above[1]], "at": [above[0], 0.0, above[1]], "up": [0, 0, -1],
+        "lens": { "pinhole": { "fov": fov } }
+    })
+}
+
+/// Mean Y of the picture.
+pub(crate) fn mean_y(rendered: &Rendered) -> Vec<f64> {
+    vec![rendered.picture.mean_y()]
+}
+
+/// Mean X, Y and Z over the picture.
+pub(crate) fn mean_xyz(rendered: &Rendered) -> [f64; 3] {
+    let pixels = &rendered.picture.xyz;
+    std::array::from_fn(|c| pixels.iter().map(|xyz| xyz[c]).sum::<f64>() / pixels.len() as f64)
+}
+
+/// Y of all pixels.
+pub(crate) fn all_y(rendered: &Rendered) -> Vec<f64> {
+    rendered.picture.xyz.iter().map(|xyz| xyz[1]).collect()
+}
+
+/// Means of Y over blocks of `side` × `side` pixels, rows first; pixels whose `mask` is false do not count, and blocks less than a quarter of
+/// whose pixels count are left out.
+pub(crate) fn block_means(y: &[f64], width: usize, side: usize, mask: &[bool]) -> Vec<f64> {
+    let height = y.len() / width;
+    let mut means = Vec::new();
+    for top in (0..height).step_by(side) {
+        for left in (0..width).step_by(side) {
+            let places = (top..(top + side).min(height))
+                .flat_map(|j| (left..(left + side).min(width)).map(move |i| j * width + i))
+                .filter(|&place| mask[place]);
+            let values: Vec<f64> = places.map(|place| y[place]).collect();
+            if 4 * values.len() >= side * side {
+                means.push(values.iter().sum::<f64>() / values.len() as f64);
+            }
+        }
+    }
+    means
+}

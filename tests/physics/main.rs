@@ -1,0 +1,10 @@
+//! Pictures that have known answers: closed forms, conservation of energy, and two methods that share no estimator.
+//!
+//! `cargo test --release --test physics` runs the fast versions; `cargo test --release --test physics -- --ignored` the slow ones.
+//! Add `--nocapture` to read the measured figures.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod furnace;
+mod irradiance;
