@@ -1,5 +1,7 @@
 //! `abbe spectrum`, `abbe glass`, `abbe schema`, help and wrong commands.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 mod cli_common;
 
 use cli_common::{abbe, command};

@@ -1,5 +1,7 @@
 //! `abbe compare` and `abbe probe` on pictures made for the purpose.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 mod cli_common;
 
 use abbe::output::{Metadata, exr, png};

@@ -4,13 +4,13 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 /// What a run of `abbe` left behind.
-pub struct Said {
+pub(crate) struct Said {
     /// Exit status.
-    pub status: i32,
+    pub(crate) status: i32,
     /// Standard output.
-    pub out: String,
+    pub(crate) out: String,
     /// Standard error.
-    pub err: String,
+    pub(crate) err: String,
 }
 
 impl From<Output> for Said {
@@ -26,14 +26,14 @@ impl From<Output> for Said {
 
 impl Said {
     /// Its standard output as JSON, after a success.
-    pub fn json(&self) -> serde_json::Value {
+    pub(crate) fn json(&self) -> serde_json::Value {
         assert_eq!(self.status, 0, "{}", self.err);
         serde_json::from_str(&self.out).expect("--json prints JSON")
     }
 
     /// Checks for one line of error with these words, nothing on standard output, and no panic.
     #[track_caller]
-    pub fn is_error(&self, status: i32, words: &[&str]) {
+    pub(crate) fn is_error(&self, status: i32, words: &[&str]) {
         let err = &self.err;
         assert_eq!(self.status, status, "{err}");
         assert!(err.starts_with("error: ") && err.trim_end().lines().count() == 1, "{err}");
@@ -43,13 +43,13 @@ impl Said {
 }
 
 /// The command, ready to be given arguments, in a folder of its own.
-pub fn command(folder: &Path) -> Command {
+pub(crate) fn command(folder: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_abbe"));
     command.current_dir(folder).stdin(Stdio::null());
     command
 }
 
 /// Runs `abbe` in a folder.
-pub fn abbe(folder: &Path, arguments: &[&str]) -> Said {
+pub(crate) fn abbe(folder: &Path, arguments: &[&str]) -> Said {
     command(folder).args(arguments).output().expect("abbe can be started").into()
 }
