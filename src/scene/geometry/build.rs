@@ -41,7 +41,7 @@ impl Geometry {
         objects.shrink_to_fit();
         let (low, high) = tree.bounds();
         let reach = low.abs().max(high.abs()).max_element();
-        let near = if reach.is_finite() { NEAR * reach } else { 0.0 };
+        let near = if reach.is_finite() { NEAR * reach + 256.0 * primitives.centre_rounding() } else { 0.0 };
         Ok(Self { tree, primitives, objects, near })
     }
 }

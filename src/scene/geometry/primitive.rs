@@ -109,7 +109,7 @@ pub(super) struct Primitives {
     pub(super) normals: Vec<[f32; 3]>,
     pub(super) uvs: Vec<[f32; 2]>,
     pub(super) dropped: usize,
-    /// Largest coordinate of the centre that was subtracted: the positions were rounded at that distance.
+    /// Largest coordinate of the centre that was subtracted.
     pub(super) centre_reach: f64,
 }
 
@@ -145,13 +145,12 @@ impl Primitives {
 
     /// Largest coordinate that takes part in placing a primitive.
     pub(super) fn reach(&self, primitive: u32) -> f64 {
-        let reach = match &self.list[primitive as usize] {
+        match &self.list[primitive as usize] {
             Primitive::Analytic(index) => self.analytic[*index as usize].position.abs().max_element(),
             Primitive::Triangle(triangle) => {
                 self.corners(triangle).into_iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max)
             }
-        };
-        reach + self.centre_reach
+        }
     }
 
     /// The mesh that a primitive is a triangle of.
