@@ -239,7 +239,7 @@ mod tests {
         let zero = Frame::of(&plot(vec![(400.0, 0.0)], true));
         assert!(zero.least == 0.0 && zero.most >= 1.0);
         let level = Frame::of(&plot(vec![(400.0, 0.5), (800.0, 0.5)], true));
-        assert!(level.least == 0.0 && level.most > 0.5);
+        assert!(level.least == 0.0 && level.most >= 0.5);
         let nothing = Frame::of(&plot(vec![(400.0, f64::NAN)], false));
         assert!(nothing.least.is_finite() && nothing.most > nothing.least, "{nothing:?}");
     }
