@@ -40,7 +40,10 @@ const NORMAL_TOLERANCE: f64 = 0.7;
 const PLANE_TOLERANCE: f64 = 0.3;
 
 impl Gatherer<'_> {
-    /// Adds the radiance that the photons of one map around the encounter send back along the path.
+    /// Adds the radiance that the photons of one map around the encounter send back along the path. The angle at which a photon came in is
+    /// taken from the surface where it arrived: by the tangent plane here, flat light on a curved surface would partly seem to come
+    /// from below. With interpolated normals the flux came through the true surface and the reflectance is for the shaded one:
+    /// |ω·n_s| / |ω·n_g|.
     pub(super) fn estimate<S: Sink>(
         &self,
         encounter: &Encounter<'_>,
@@ -55,9 +58,12 @@ impl Gatherer<'_> {
         let normal = encounter.hit.normal;
         let facing = if encounter.leads_back(normal) { normal } else { -normal };
         let through = transmits(encounter.surface);
+        let shading = encounter.frame.to_world(DVec3::Z);
+        let interpolated = shading != normal;
         map.within(place.as_vec3().to_array(), radius, |found| {
             let photon = &found.photon;
-            let alignment = photon.normal().dot(facing);
+            let photon_normal = photon.normal();
+            let alignment = photon_normal.dot(facing);
             let aligned = if through { alignment.abs() } else { alignment };
             let offset = DVec3::new(
                 f64::from(found.position[0]) - place.x,
@@ -69,9 +75,15 @@ impl Gatherer<'_> {
             }
             let to_light = photon.to_light();
             let kernels = kernel::at(f64::from(found.distance2).min(r2), r2);
-            let correction = cosine_ratio(encounter, to_light);
+            // Photons bring flux through their own piece of surface; on a curved one that is tilted against the place in question.
+            let own_cosine = to_light.dot(photon_normal) * alignment.signum();
+            let (wi, correction) = if interpolated {
+                (to_light, if own_cosine == 0.0 { 0.0 } else { (to_light.dot(shading) / own_cosine).abs() })
+            } else {
+                ((to_light + (own_cosine - to_light.dot(facing)) * facing).normalize(), 1.0)
+            };
             let sides = encounter.sides;
-            let wi = encounter.frame.to_local(to_light);
+            let wi = encounter.frame.to_local(wi);
             let bsdf = |nm: f64| encounter.surface.eval(encounter.wo, wi, sides, Transport::Radiance, nm) * correction;
             match colour {
                 Colour::Free => {
@@ -112,14 +124,4 @@ fn transmits(surface: &Surface) -> bool {
         | Surface::ThinDielectric(_)
         | Surface::Glossy(_) => false,
     }
-}
-
-/// |ω·n_s| / |ω·n_g| for interpolated normals: photons came through the true surface, the reflectance is for the shaded one.
-fn cosine_ratio(encounter: &Encounter<'_>, to_light: DVec3) -> f64 {
-    let shading = encounter.frame.to_world(DVec3::Z);
-    if shading == encounter.hit.normal {
-        return 1.0;
-    }
-    let true_cosine = to_light.dot(encounter.hit.normal).abs();
-    if true_cosine > 0.0 { to_light.dot(shading).abs() / true_cosine } else { 0.0 }
 }
