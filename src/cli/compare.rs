@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use abbe::error::Result;
 use abbe::output::compare::{Comparison, Region, Selection, compare};
 use abbe::output::comparison_page::{Pair, page};
-use abbe::output::{exr, file, png};
+use abbe::output::exr::read;
+use abbe::output::{file, png};
 
 use super::{Outcome, print, values};
 
@@ -35,8 +36,8 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    let picture = exr::read(&arguments.picture)?.picture;
-    let reference = exr::read(&arguments.reference)?.picture;
+    let picture = read(&arguments.picture)?.picture;
+    let reference = read(&arguments.reference)?.picture;
     let mask = match &arguments.mask {
         Some(path) => Some(png::read_mask(path, reference.width, reference.height)?),
         None => None,

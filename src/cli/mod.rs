@@ -134,14 +134,15 @@ fn run(command: &Command) -> Result<Outcome> {
 /// What clap has to say: help and version are results, everything else an error of one line.
 fn refuse(error: &clap::Error) -> Result<Outcome> {
     let text = error.to_string();
-    match error.kind() {
-        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => print::result(&text).map(|()| Outcome::Done),
-        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-            print::remark(text.trim_end());
-            Ok(Outcome::Reported(2))
-        }
-        _ => Err(Error::input(one_line(&text))),
+    let kind = error.kind();
+    if matches!(kind, ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
+        return print::result(&text).map(|()| Outcome::Done);
     }
+    if kind == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        print::remark(text.trim_end());
+        return Ok(Outcome::Reported(2));
+    }
+    Err(Error::input(one_line(&text)))
 }
 
 /// Clap's message up to its usage, on one line.
@@ -149,7 +150,7 @@ fn one_line(text: &str) -> String {
     let said = text.split("\nUsage:").next().unwrap_or(text);
     let said = said.split("\nFor more information").next().unwrap_or(said);
     let lines: Vec<&str> = said.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
-    lines.join(" ").trim_start_matches("error: ").to_string()
+    lines.join(" ").replace(" tip: ", "; tip: ").trim_start_matches("error: ").to_string()
 }
 
 #[cfg(test)]

@@ -33,5 +33,6 @@ pub(crate) fn error(error: &Error) {
 
 /// Prints an error's text on one line.
 pub(crate) fn error_line(text: &str) {
-    remark(&format!("error: {}", text.split_whitespace().collect::<Vec<_>>().join(" ")));
+    let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+    remark(&format!("error: {}", lines.join(" ")));
 }

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use abbe::colour::gamut::desaturate;
 use abbe::colour::{RgbSpace, srgb_hex, xy, xyz_to_linear_srgb};
 use abbe::error::{Error, Result};
+use abbe::output::exr::read;
+use abbe::output::file;
 use abbe::output::plot::{Curve, Plot};
-use abbe::output::{exr, file};
 use abbe::sensor::{Picture, exposure};
 use serde::Serialize;
 
@@ -57,7 +58,7 @@ struct Bands {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    let picture = exr::read(&arguments.picture)?.picture;
+    let picture = read(&arguments.picture)?.picture;
     let pixel = pixel(&picture, arguments.x, arguments.y).map_err(|error| error.in_file(&arguments.picture))?;
     if let Some(path) = &arguments.svg {
         let Some(Bands { nm, values }) = &pixel.spectrum else {

@@ -5,8 +5,9 @@ use std::time::Duration;
 
 use abbe::colour::gamut::GamutMapping;
 use abbe::error::{Error, Result};
-use abbe::output::{exr, file as files, png};
-use abbe::render::{Integrator, Job, Rendered, Request, StopRules};
+use abbe::output::exr::write as write_exr;
+use abbe::output::{file as files, png};
+use abbe::render::{Integrator, Job, Rendered, Request, StopRules, on_threads};
 use abbe::scene::file::{self, GamutFile, Source};
 use abbe::scene::{Exposure, FilmSpec, resolve};
 use abbe::sensor::{Picture, exposure};
@@ -83,12 +84,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     let request = arguments.request();
     interrupt::watch()?;
-    let pool = thread_pool(job.scene.settings.threads)?;
+    let threads = job.scene.settings.threads;
     let mut display = Display::new(arguments.quiet);
-    let rendered = pool.install(|| job.render(request, &mut display));
+    let rendered = on_threads(threads, || job.render(request, &mut display));
     display.finish();
-    let rendered = rendered.map_err(|error| error.in_file(&arguments.scene))?;
-    pool.install(|| outputs.save(&source, &job, request.integrator, &rendered))?;
+    let rendered = rendered?.map_err(|error| error.in_file(&arguments.scene))?;
+    on_threads(threads, || outputs.save(&source, &job, request.integrator, &rendered))??;
     if rendered.interrupted {
         let passes = rendered.stats.passes;
         print::remark(&format!("interrupted after {passes} passes; saved in {}", outputs.named()));
@@ -160,11 +161,6 @@ fn check_memory(bytes: u64) -> Result<()> {
     }
 }
 
-fn thread_pool(threads: Option<u32>) -> Result<rayon::ThreadPool> {
-    let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0) as usize);
-    builder.build().map_err(|error| Error::machine(format!("threads cannot be started: {error}")))
-}
-
 /// The files to be written.
 #[derive(Debug)]
 struct Outputs {
@@ -200,7 +196,7 @@ impl Outputs {
 
     fn save(&self, source: &Source, job: &Job, integrator: Integrator, rendered: &Rendered) -> Result<()> {
         let picture = &rendered.picture;
-        exr::write(&self.exr, picture, &origin::metadata(source, job, integrator, rendered))?;
+        write_exr(&self.exr, picture, &origin::metadata(source, job, integrator, rendered))?;
         let film = &job.scene.film;
         png::develop(picture, exposure_factor(film, picture), gamut(film)).write_png(&self.png)?;
         if let Some(path) = &self.stats {

@@ -2,8 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::colour::gamut::desaturate;
-use crate::colour::{RgbSpace, srgb_hex, xyz_to_linear_srgb};
+use crate::colour::{srgb_hex, xyz_to_linear_srgb};
 use crate::spectrum::{BAND_NM, Observer};
 
 /// A curve over wavelength.
@@ -184,16 +183,18 @@ fn strip(frame: &Frame) -> String {
     svg
 }
 
-/// How a wavelength is shown: its colour as bright as sRGB allows, darker towards the ends of what an eye sees.
+/// How a wavelength is shown: its colour with just enough white added that sRGB holds it, as bright as can be, and
+/// darker towards the ends of what an eye sees. (Keeping the luminance instead would leave violet all but black.)
 fn spectral_colour(nm: f64) -> String {
     let bar = Observer::cie1931().xyz_bar(nm);
     let linear = xyz_to_linear_srgb(bar);
-    let brightest = linear.into_iter().fold(0.0, f64::max);
-    let seen = (bar.iter().sum::<f64>() / 0.5).min(1.0).powf(0.35);
+    let white = linear.into_iter().fold(0.0, |white: f64, component| white.max(-component));
+    let brightest = white + linear.into_iter().fold(0.0, f64::max);
     if brightest <= 0.0 {
         return "#000000".to_string();
     }
-    srgb_hex(desaturate(linear.map(|component| component / brightest * seen), RgbSpace::Srgb))
+    let seen = (bar.iter().sum::<f64>() / 0.5).min(1.0).powf(0.5);
+    srgb_hex(linear.map(|component| (component + white) / brightest * seen))
 }
 
 /// A curve's path; it is interrupted where a value is not finite.
@@ -238,7 +239,7 @@ mod tests {
         let zero = Frame::of(&plot(vec![(400.0, 0.0)], true));
         assert!(zero.least == 0.0 && zero.most >= 1.0);
         let level = Frame::of(&plot(vec![(400.0, 0.5), (800.0, 0.5)], true));
-        assert!(level.least == 0.0 && level.most > 0.5);
+        assert!(level.least == 0.0 && level.most >= 0.5);
         let nothing = Frame::of(&plot(vec![(400.0, f64::NAN)], false));
         assert!(nothing.least.is_finite() && nothing.most > nothing.least, "{nothing:?}");
     }
