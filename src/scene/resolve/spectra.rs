@@ -58,10 +58,7 @@ impl Resolver<'_> {
 
     /// How far a matched spectrum is from its target, as a note; `None` for other spectra.
     pub(super) fn match_note(&self, file: &SpectrumFile, what: &str) -> Option<String> {
-        let file = match file {
-            SpectrumFile::Name(name) => self.scene.spectra.get(name)?,
-            other => other,
-        };
+        let file = if let SpectrumFile::Name(name) = file { self.scene.spectra.get(name)? } else { file };
         let SpectrumFile::Match { target, primaries } = file else {
             return None;
         };
