@@ -225,7 +225,8 @@ impl Primitives {
         let determinant = bb * cc - bc * bc;
         let (v, w) = ((cc * pb - bc * pc) / determinant, (bb * pc - bc * pb) / determinant);
         mesh.first_uv.map_or([v, w], |first| {
-            let corner = |i: usize| self.uvs[(triangle.vertices[i] - mesh.first_vertex + first) as usize].map(f64::from);
+            let corner =
+                |i: usize| self.uvs[(triangle.vertices[i] - mesh.first_vertex + first) as usize].map(f64::from);
             let [p, q, r] = [corner(0), corner(1), corner(2)];
             std::array::from_fn(|i| (1.0 - v - w) * p[i] + v * q[i] + w * r[i])
         })
