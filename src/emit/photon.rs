@@ -155,14 +155,14 @@ pub fn trace<R: Receiver>(emitters: &Emitters<'_>, points: &Sobol, index: u64, r
 }
 
 fn emit<R: Receiver>(emitters: &Emitters<'_>, points: &Sobol, index: u32, receiver: &mut R) -> Flight {
-    let u = |dimension| points.at(index, dimension);
-    let mut which = u(1);
+    let u = points.point(index);
+    let mut which = u[1];
     let number = emitters.choice.sample(&mut which);
     let light = &emitters.scene.lights[number];
-    let (aim, density) = emitters.aims[number].draw([u(2), u(3)]);
+    let (aim, density) = emitters.aims[number].draw([u[2], u[3]]);
     receiver.depart(number, Aim::cell(aim));
-    let emission = light.emit(emitters.scene.world(), EmissionNumbers { aim, rest: [u(4), u(5), u(6)] });
-    let (wavelengths, share) = emitters.draw_wavelengths(light, &emission, u(0));
+    let emission = light.emit(emitters.scene.world(), EmissionNumbers { aim, rest: [u[4], u[5], u[6]] });
+    let (wavelengths, share) = emitters.draw_wavelengths(light, &emission, u[0]);
     let flux = emission.flux_w / (emitters.count as f64 * emitters.choice.probability(number) * density);
     Flight {
         start: Start {

@@ -13,7 +13,7 @@ pub use path_tracer::PathTracer;
 pub use photon_gather::{Gatherer, Landing, Scratch};
 
 use crate::math::random::{Purpose, REPLICATES, Stream, hash64};
-use crate::math::sobol::Sobol;
+use crate::math::sobol::{DIMENSIONS, Sobol};
 use crate::scene::camera::{Aperture, Camera};
 use crate::scene::geometry::Ray;
 use glam::DVec2;
@@ -22,8 +22,7 @@ use glam::DVec2;
 /// replicates are scrambled apart.
 #[derive(Debug)]
 pub struct CameraNumbers {
-    points: Sobol,
-    index: u32,
+    point: [f64; DIMENSIONS],
     /// For everything beyond the first few dimensions.
     pub stream: Stream,
     /// Shifts the wavelengths of this sample; from a sequence of its own, so that colour is correlated with nothing.
@@ -36,8 +35,7 @@ impl CameraNumbers {
         let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64);
         let key = hash64([seed, Purpose::Camera as u64, replicate, pixel]);
         Self {
-            points: Sobol::new(key),
-            index: index as u32,
+            point: Sobol::new(key).point(index as u32),
             stream: Stream::new(seed, Purpose::Camera, pass, pixel),
             wavelength: golden(index as u32, hash64([key, 0x5eed])),
         }
@@ -45,17 +43,17 @@ impl CameraNumbers {
 
     /// Where in the pixel.
     fn film(&self) -> [f64; 2] {
-        [self.points.at(self.index, 0), self.points.at(self.index, 1)]
+        [self.point[0], self.point[1]]
     }
 
     /// Where on the lens.
     fn lens(&self) -> [f64; 2] {
-        [self.points.at(self.index, 2), self.points.at(self.index, 3)]
+        [self.point[2], self.point[3]]
     }
 
     /// Where on a lamp.
     fn lamp(&self) -> [f64; 3] {
-        [self.points.at(self.index, 4), self.points.at(self.index, 5), self.points.at(self.index, 6)]
+        [self.point[4], self.point[5], self.point[6]]
     }
 
     /// The ray through the pixel.

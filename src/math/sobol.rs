@@ -19,10 +19,11 @@ const JOE_KUO: [(u32, u32, [u32; 5]); DIMENSIONS - 1] = [
     (5, 2, [1, 1, 5, 5, 17]),
 ];
 
-/// The generator matrices' columns, most significant digit in bit 31.
-const DIRECTIONS: [[u32; 32]; DIMENSIONS] = directions();
+/// The generator matrices' columns, side by side for all dimensions; most significant digit in bit 0, which is the order in which the
+/// scrambling wants them.
+static DIRECTIONS: [[u32; DIMENSIONS]; 32] = directions();
 
-const fn directions() -> [[u32; 32]; DIMENSIONS] {
+const fn directions() -> [[u32; DIMENSIONS]; 32] {
     let mut all = [[0_u32; 32]; DIMENSIONS];
     let mut bit = 0;
     while bit < 32 {
@@ -52,46 +53,62 @@ const fn directions() -> [[u32; 32]; DIMENSIONS] {
         }
         dimension += 1;
     }
-    all
+    let mut columns = [[0_u32; DIMENSIONS]; 32];
+    let mut entry = 0;
+    while entry < 32 * DIMENSIONS {
+        let (bit, dimension) = (entry / DIMENSIONS, entry % DIMENSIONS);
+        columns[bit][dimension] = all[dimension][bit].reverse_bits();
+        entry += 1;
+    }
+    columns
 }
 
 /// A scrambled point set; different seeds give independent scramblings.
 #[derive(Debug, Clone, Copy)]
 pub struct Sobol {
-    seed: u64,
+    scrambles: [u32; DIMENSIONS],
 }
 
 impl Sobol {
     /// The point set scrambled by this seed.
     pub fn new(seed: u64) -> Self {
-        Self { seed }
+        Self {
+            scrambles: std::array::from_fn(|dimension| {
+                super::random::mix64(seed ^ ((dimension as u64 + 1) << 56)) as u32
+            }),
+        }
+    }
+
+    /// Point `index`, all coordinates in [0, 1).
+    #[inline]
+    pub fn point(&self, index: u32) -> [f64; DIMENSIONS] {
+        let mut digits = [0_u32; DIMENSIONS];
+        let mut rest = index;
+        while rest != 0 {
+            let columns = &DIRECTIONS[rest.trailing_zeros() as usize];
+            (0..DIMENSIONS).for_each(|dimension| digits[dimension] ^= columns[dimension]);
+            rest &= rest - 1;
+        }
+        (0..DIMENSIONS).for_each(|dimension| digits[dimension] = owen(digits[dimension], self.scrambles[dimension]));
+        digits.map(|digits| f64::from(digits.reverse_bits()) * (1.0 / 4_294_967_296.0))
     }
 
     /// Coordinate `dimension` (below [`DIMENSIONS`]) of point `index`, in [0, 1).
     #[inline]
     pub fn at(&self, index: u32, dimension: usize) -> f64 {
-        let columns = &DIRECTIONS[dimension];
-        let mut digits = 0;
-        let mut rest = index;
-        while rest != 0 {
-            digits ^= columns[rest.trailing_zeros() as usize];
-            rest &= rest - 1;
-        }
-        let scramble = super::random::mix64(self.seed ^ ((dimension as u64 + 1) << 56)) as u32;
-        f64::from(owen(digits, scramble)) * (1.0 / 4_294_967_296.0)
+        self.point(index)[dimension]
     }
 }
 
-/// Nested uniform scrambling of the digits: each bit is flipped by a hash of the bits above it.
+/// Nested uniform scrambling of the digits, most significant in bit 0: each bit is flipped by a hash of the bits below it.
 #[inline]
 fn owen(digits: u32, seed: u32) -> u32 {
-    let mut x = digits.reverse_bits();
+    let mut x = digits;
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
     x = x.wrapping_mul((seed >> 16) | 1);
     x ^= x.wrapping_mul(0x0552_6c56);
-    x ^= x.wrapping_mul(0x53a2_2864);
-    x.reverse_bits()
+    x ^ x.wrapping_mul(0x53a2_2864)
 }
 
 #[cfg(test)]

@@ -78,6 +78,11 @@ impl Continuum {
     /// The value at a wavelength of the band; at a jump that of the side of longer wavelengths.
     #[inline]
     pub(crate) fn at(&self, nm: f64) -> f64 {
+        if let [only] = self.cells.as_slice()
+            && only.rise == 0.0
+        {
+            return only.value;
+        }
         let cell = &self.cells[self.index.find(nm, |i| self.cells[i].lower)];
         // The minimum keeps rounding from overshooting the end, so that values never leave their piece's range.
         cell.value + ((nm - cell.lower) * cell.per_width).min(1.0) * cell.rise

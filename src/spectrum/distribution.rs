@@ -11,23 +11,50 @@ const VISUAL_SHARE: f64 = 0.85;
 /// How near, as a share of its width, a draw may come to the end of a stretch where the density vanishes.
 const END_GUARD: f64 = 1e-6;
 
-/// A stretch with a linear density.
+/// A stretch with a linear density, with the reciprocals that spare the inner loop its divisions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Stretch {
     lower: f64,
-    upper: f64,
+    /// The last number below its upper end.
+    last: f64,
+    width: f64,
+    per_width: f64,
     /// Density per nm at the lower end, and how much higher it is at the upper end.
     density: f64,
     rise: f64,
-    /// The probability of all before it, and its own.
+    /// The probability of all before it, and the reciprocal of its own.
+    before: f64,
+    per_mass: f64,
+}
+
+/// A stretch before the total is known: its ends in nm, the weights per nm there, the mass of all before it and its own.
+struct Part {
+    ends: (f64, f64),
+    weights: (f64, f64),
     before: f64,
     mass: f64,
 }
 
 impl Stretch {
+    fn new(part: &Part, total: f64) -> Self {
+        let (lower, upper) = part.ends;
+        let width = upper - lower;
+        Self {
+            lower,
+            last: upper.next_down(),
+            width,
+            per_width: width.recip(),
+            density: part.weights.0 / total,
+            rise: (part.weights.1 - part.weights.0) / total,
+            before: part.before / total,
+            // Infinite of the smallest masses, and 0 times that would be no number.
+            per_mass: (total / part.mass).min(f64::MAX),
+        }
+    }
+
     #[inline]
     fn at(&self, nm: f64) -> f64 {
-        self.density + ((nm - self.lower) / (self.upper - self.lower)).min(1.0) * self.rise
+        self.density + ((nm - self.lower) * self.per_width).min(1.0) * self.rise
     }
 
     /// The wavelength below which a share `v` of the stretch's mass lies.
@@ -35,12 +62,12 @@ impl Stretch {
     fn quantile(&self, v: f64) -> f64 {
         let (from, to) = (self.density, self.density + self.rise);
         // The root of the quadratic in the form without cancellation.
-        let root = (from * from + v * (to * to - from * from)).max(0.0).sqrt();
+        let root = (from * from + v * (self.rise * (from + to))).max(0.0).sqrt();
         let mut t = v * (from + to) / (from + root);
         if from.min(to) < 1e-9 * from.max(to) {
             t = if t > 0.0 { t.clamp(END_GUARD, 1.0 - END_GUARD) } else { END_GUARD };
         }
-        (self.lower + t * (self.upper - self.lower)).clamp(self.lower, self.upper.next_down())
+        (self.lower + t * self.width).min(self.last)
     }
 }
 
@@ -84,27 +111,22 @@ impl WavelengthDistribution {
         }
         let one = Spectrum::constant(1.0);
         let (weight, a, b) = weight.unwrap_or((&one, 1.0, 0.0));
-        let mut stretches = Vec::new();
+        let mut parts = Vec::new();
         let mut total = 0.0;
         sweep([spectrum, weight], |(lower, upper), [power, weight]| {
             let from = power.0 / peak * (a * weight.0 + b);
             let to = power.1 / peak * (a * weight.1 + b);
             let mass = (upper - lower) * (0.5 * from + 0.5 * to);
             if mass > 0.0 {
-                stretches.push(Stretch { lower, upper, density: from, rise: to - from, before: total, mass });
+                parts.push(Part { ends: (lower, upper), weights: (from, to), before: total, mass });
                 total += mass;
             }
         });
-        (total > 0.0 && total.is_finite()).then(|| Self::normalised(stretches, total))
+        (total > 0.0 && total.is_finite()).then(|| Self::normalised(&parts, total))
     }
 
-    fn normalised(mut stretches: Vec<Stretch>, total: f64) -> Self {
-        for stretch in &mut stretches {
-            stretch.density /= total;
-            stretch.rise /= total;
-            stretch.before /= total;
-            stretch.mass /= total;
-        }
+    fn normalised(parts: &[Part], total: f64) -> Self {
+        let stretches: Vec<Stretch> = parts.iter().map(|part| Stretch::new(part, total)).collect();
         let steps = stretches.len();
         let mut guide = Vec::with_capacity(steps);
         let mut stretch = 0;
@@ -134,7 +156,7 @@ impl WavelengthDistribution {
             i += 1;
         }
         let stretch = &self.stretches[i];
-        let nm = stretch.quantile(((u - stretch.before) / stretch.mass).clamp(0.0, 1.0));
+        let nm = stretch.quantile(((u - stretch.before) * stretch.per_mass).clamp(0.0, 1.0));
         (nm, stretch.at(nm))
     }
 
@@ -142,11 +164,11 @@ impl WavelengthDistribution {
     #[inline]
     pub fn pdf(&self, nm: f64) -> f64 {
         let first = self.stretches[0].lower;
-        let last = self.stretches[self.stretches.len() - 1].upper;
-        if !(nm >= first && nm < last) {
+        let last = self.stretches[self.stretches.len() - 1].last;
+        if !(nm >= first && nm <= last) {
             return 0.0;
         }
         let stretch = &self.stretches[self.by_wavelength.find(nm, |i| self.stretches[i].lower)];
-        if nm < stretch.upper { stretch.at(nm) } else { 0.0 }
+        if nm <= stretch.last { stretch.at(nm) } else { 0.0 }
     }
 }

@@ -65,8 +65,6 @@ pub struct Hit {
     pub normal: DVec3,
     /// Unit normal for shading: interpolated on meshes with normals, on the same side as `normal`.
     pub shading_normal: DVec3,
-    /// Texture coordinates, in [0, 1] on the analytic shapes.
-    pub uv: [f64; 2],
     /// The object it belongs to.
     pub object: u32,
     /// Where it is; a ray that goes on from here starts with it.
@@ -100,6 +98,12 @@ impl Geometry {
     /// Least and largest coordinates, relative to the centre, in m. Of an empty scene the least are +∞.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         self.tree.bounds()
+    }
+
+    /// Texture coordinates where a ray hit; in [0, 1] on the analytic shapes, the mesh's own or barycentric weights on meshes.
+    /// Worked out only for those who ask: most surfaces have no texture.
+    pub fn uv(&self, hit: &Hit) -> [f64; 2] {
+        self.primitives.uv(hit.surface, hit.position)
     }
 
     /// How many primitives there are: analytic shapes and triangles.

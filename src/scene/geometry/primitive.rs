@@ -29,7 +29,6 @@ pub(super) struct Analytic {
 pub(super) struct WorldSurface {
     pub(super) position: DVec3,
     pub(super) normal: DVec3,
-    pub(super) uv: [f64; 2],
     /// Area in the world per area in the shape's frame.
     pub(super) area_scale: f64,
 }
@@ -57,7 +56,6 @@ impl Analytic {
         WorldSurface {
             position: self.to_world * surface.point + self.position,
             normal: normal / length,
-            uv: surface.uv,
             area_scale: length * self.volume_scale,
         }
     }
@@ -181,7 +179,6 @@ impl Primitives {
                     position: found.position,
                     normal: found.normal,
                     shading_normal: found.normal,
-                    uv: found.uv,
                     object: analytic.object,
                     surface,
                 }
@@ -203,12 +200,35 @@ impl Primitives {
             let mean = (corner(0) + corner(1) + corner(2)).normalize_or(normal);
             if mean.dot(normal) < 0.0 { -mean } else { mean }
         });
-        let uv = mesh.first_uv.map_or([weights[1], weights[2]], |first| {
-            let corner = |i: usize| self.uvs[attribute(first, i)].map(|x| weights[i] * f64::from(x));
+        Hit { t: t.max(0.0), position, normal, shading_normal, object: mesh.object, surface }
+    }
+
+    /// Texture coordinates of a point of a surface.
+    pub(super) fn uv(&self, surface: SurfaceId, point: DVec3) -> [f64; 2] {
+        match self.list[surface.primitive as usize] {
+            Primitive::Analytic(index) => {
+                let analytic = &self.analytic[index as usize];
+                analytic.solid.uv(analytic.to_local * (point - analytic.position), surface.face)
+            }
+            Primitive::Triangle(triangle) => self.triangle_uv(&triangle, point),
+        }
+    }
+
+    fn triangle_uv(&self, triangle: &Triangle, point: DVec3) -> [f64; 2] {
+        let mesh = &self.meshes[triangle.mesh as usize];
+        let [a, b, c] = self.corners(triangle);
+        let (to_b, to_c, to_point) = (b - a, c - a, point - a);
+        // Barycentric weights: the normal equations of point = a + v (b − a) + w (c − a).
+        let (bb, bc, cc) = (to_b.length_squared(), to_b.dot(to_c), to_c.length_squared());
+        let (pb, pc) = (to_point.dot(to_b), to_point.dot(to_c));
+        let determinant = bb * cc - bc * bc;
+        let (v, w) = ((cc * pb - bc * pc) / determinant, (bb * pc - bc * pb) / determinant);
+        mesh.first_uv.map_or([v, w], |first| {
+            let corner =
+                |i: usize| self.uvs[(triangle.vertices[i] - mesh.first_vertex + first) as usize].map(f64::from);
             let [p, q, r] = [corner(0), corner(1), corner(2)];
-            [p[0] + q[0] + r[0], p[1] + q[1] + r[1]]
-        });
-        Hit { t: t.max(0.0), position, normal, shading_normal, uv, object: mesh.object, surface }
+            std::array::from_fn(|i| (1.0 - v - w) * p[i] + v * q[i] + w * r[i])
+        })
     }
 
     pub(super) fn shrink_to_fit(&mut self) {

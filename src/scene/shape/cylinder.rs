@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 
 use super::line::{Crossing, Line, Span, ball_roots, chord};
-use super::solid::LocalSurface;
+use super::solid::{LocalSurface, turn};
 
 const SIDE: u32 = 0;
 const TOP: u32 = 1;
@@ -66,17 +66,21 @@ impl Cylinder {
 
     pub(crate) fn surface(&self, point: DVec3, face: u32) -> LocalSurface {
         let radial = DVec3::new(point.x, 0.0, point.z);
-        let planar = [0.5 + 0.5 * point.x / self.radius, 0.5 + 0.5 * point.z / self.radius];
         match face {
             SIDE => {
                 let normal = radial.normalize_or(DVec3::X);
-                let u = (normal.z.atan2(normal.x) / TAU).rem_euclid(1.0);
-                let v = 0.5 + 0.5 * point.y / self.half_height;
-                LocalSurface { point: (self.radius * normal).with_y(point.y), normal, uv: [u, v] }
+                LocalSurface { point: (self.radius * normal).with_y(point.y), normal }
             }
-            TOP => LocalSurface { point: radial.with_y(self.half_height), normal: DVec3::Y, uv: planar },
-            _ => LocalSurface { point: radial.with_y(-self.half_height), normal: DVec3::NEG_Y, uv: planar },
+            TOP => LocalSurface { point: radial.with_y(self.half_height), normal: DVec3::Y },
+            _ => LocalSurface { point: radial.with_y(-self.half_height), normal: DVec3::NEG_Y },
         }
+    }
+
+    pub(crate) fn uv(&self, point: DVec3, face: u32) -> [f64; 2] {
+        if face == SIDE {
+            return [turn(point.x, point.z), 0.5 + 0.5 * point.y / self.half_height];
+        }
+        [0.5 + 0.5 * point.x / self.radius, 0.5 + 0.5 * point.z / self.radius]
     }
 
     pub(crate) fn area(&self, face: u32) -> f64 {

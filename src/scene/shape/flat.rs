@@ -35,13 +35,16 @@ impl Sheet {
     }
 
     pub(crate) fn surface(&self, point: DVec3) -> LocalSurface {
-        let uv = match *self {
+        LocalSurface { point: DVec3::new(point.x, 0.0, point.z), normal: DVec3::Y }
+    }
+
+    pub(crate) fn uv(&self, point: DVec3) -> [f64; 2] {
+        match *self {
             Self::Rectangle { half_width, half_height } => {
                 [0.5 + 0.5 * point.x / half_width, 0.5 + 0.5 * point.z / half_height]
             }
             Self::Disk { radius } => [0.5 + 0.5 * point.x / radius, 0.5 + 0.5 * point.z / radius],
-        };
-        LocalSurface { point: DVec3::new(point.x, 0.0, point.z), normal: DVec3::Y, uv }
+        }
     }
 
     pub(crate) fn area(&self) -> f64 {

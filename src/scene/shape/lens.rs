@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 
 use super::line::{Crossing, Line, Span, ball_roots, chord, ordered_roots};
-use super::solid::LocalSurface;
+use super::solid::{LocalSurface, turn};
 
 const FRONT: u32 = 0;
 const BACK: u32 = 1;
@@ -156,18 +156,22 @@ impl Lens {
     }
 
     pub(crate) fn surface(&self, point: DVec3, face: u32) -> LocalSurface {
-        let planar = [0.5 + 0.5 * point.x / self.edge_radius, 0.5 + 0.5 * point.y / self.edge_radius];
         match face {
-            FRONT => self.front.surface(point, planar),
-            BACK => self.back.surface(point, planar),
+            FRONT => self.front.surface(point),
+            BACK => self.back.surface(point),
             _ => {
                 let normal = point.with_z(0.0).normalize_or(DVec3::X);
-                let u = (normal.y.atan2(normal.x) / TAU).rem_euclid(1.0);
-                let (z0, z1) = self.rims();
-                let v = (point.z - z0) / (z1 - z0).max(f64::MIN_POSITIVE);
-                LocalSurface { point: (self.edge_radius * normal).with_z(point.z), normal, uv: [u, v] }
+                LocalSurface { point: (self.edge_radius * normal).with_z(point.z), normal }
             }
         }
+    }
+
+    pub(crate) fn uv(&self, point: DVec3, face: u32) -> [f64; 2] {
+        if matches!(face, FRONT | BACK) {
+            return [0.5 + 0.5 * point.x / self.edge_radius, 0.5 + 0.5 * point.y / self.edge_radius];
+        }
+        let (z0, z1) = self.rims();
+        [turn(point.x, point.y), (point.z - z0) / (z1 - z0).max(f64::MIN_POSITIVE)]
     }
 
     pub(crate) fn area(&self, face: u32) -> f64 {
@@ -280,11 +284,11 @@ impl Cap {
         if t > 0.0 && !on_cap { f64::INFINITY } else { t }
     }
 
-    fn surface(&self, point: DVec3, planar: [f64; 2]) -> LocalSurface {
+    fn surface(&self, point: DVec3) -> LocalSurface {
         let outwards = if self.kept { 1.0 } else { -1.0 };
         let Some(radius) = self.radius else {
             let normal = DVec3::new(0.0, 0.0, self.outward * outwards);
-            return LocalSurface { point: point.with_z(self.vertex_z), normal, uv: planar };
+            return LocalSurface { point: point.with_z(self.vertex_z), normal };
         };
         let centre = DVec3::new(0.0, 0.0, self.centre_z());
         let radial = (point - centre).normalize_or(DVec3::new(0.0, 0.0, self.outward));
@@ -296,7 +300,7 @@ impl Cap {
         } else {
             centre + radius * radial
         };
-        LocalSurface { point: snapped, normal: outwards * radial, uv: planar }
+        LocalSurface { point: snapped, normal: outwards * radial }
     }
 
     fn area(&self, edge_radius: f64) -> f64 {

@@ -135,10 +135,13 @@ impl Polyhedron {
 
     pub(crate) fn surface(&self, point: DVec3, face: u32) -> LocalSurface {
         let HalfSpace { normal, offset } = self.half_spaces[face as usize];
+        LocalSurface { point: point + (offset - normal.dot(point)) * normal, normal }
+    }
+
+    pub(crate) fn uv(&self, point: DVec3, face: u32) -> [f64; 2] {
         let facet = &self.facets[face as usize];
-        let point = point + (offset - normal.dot(point)) * normal;
         let along = |edge: DVec3| (point - facet.corner).dot(edge) / edge.length_squared();
-        LocalSurface { point, normal, uv: [along(facet.edge_u), along(facet.edge_v)] }
+        [along(facet.edge_u), along(facet.edge_v)]
     }
 
     pub(crate) fn faces(&self) -> u32 {

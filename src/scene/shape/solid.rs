@@ -1,5 +1,7 @@
 //! An analytic shape, whichever it is: one match a question.
 
+use std::f64::consts::TAU;
+
 use glam::{DMat3, DVec3};
 
 use super::Shape;
@@ -10,6 +12,7 @@ use super::line::{Crossing, Line};
 use super::polyhedron::Polyhedron;
 use super::sphere::Sphere;
 use crate::error::{Error, Result};
+use crate::math::random::ONE_MINUS_ULP;
 
 /// A shape that is not a mesh, ready to be traced in its own frame.
 #[derive(Debug, Clone)]
@@ -26,7 +29,12 @@ pub(crate) enum Solid {
 pub(crate) struct LocalSurface {
     pub(crate) point: DVec3,
     pub(crate) normal: DVec3,
-    pub(crate) uv: [f64; 2],
+}
+
+/// The share of a full turn from x towards y, in [0, 1).
+pub(super) fn turn(x: f64, y: f64) -> f64 {
+    // A tiny negative angle would round to 1.
+    (y.atan2(x) / TAU).rem_euclid(1.0).min(ONE_MINUS_ULP)
 }
 
 impl Solid {
@@ -87,6 +95,17 @@ impl Solid {
             Self::Polyhedron(body) => body.surface(point, face),
             Self::Cylinder(cylinder) => cylinder.surface(point, face),
             Self::Lens(lens) => lens.surface(point, face),
+        }
+    }
+
+    /// Texture coordinates of a point of a face, in [0, 1].
+    pub(crate) fn uv(&self, point: DVec3, face: u32) -> [f64; 2] {
+        match self {
+            Self::Sphere(sphere) => sphere.uv(point),
+            Self::Sheet(sheet) => sheet.uv(point),
+            Self::Polyhedron(body) => body.uv(point, face),
+            Self::Cylinder(cylinder) => cylinder.uv(point, face),
+            Self::Lens(lens) => lens.uv(point, face),
         }
     }
 

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 
 use super::line::{Crossing, Line, ball_roots, chord};
-use super::solid::LocalSurface;
+use super::solid::{LocalSurface, turn};
 
 /// A sphere about the origin.
 #[derive(Debug, Clone, Copy)]
@@ -27,9 +27,12 @@ impl Sphere {
 
     pub(crate) fn surface(&self, point: DVec3) -> LocalSurface {
         let normal = point.normalize_or(DVec3::Y);
-        let u = (normal.z.atan2(normal.x) / TAU).rem_euclid(1.0);
-        let v = normal.y.clamp(-1.0, 1.0).acos() / PI;
-        LocalSurface { point: self.radius * normal, normal, uv: [u, v] }
+        LocalSurface { point: self.radius * normal, normal }
+    }
+
+    pub(crate) fn uv(&self, point: DVec3) -> [f64; 2] {
+        let normal = point.normalize_or(DVec3::Y);
+        [turn(normal.x, normal.z), normal.y.clamp(-1.0, 1.0).acos() / PI]
     }
 
     pub(crate) fn area(&self) -> f64 {

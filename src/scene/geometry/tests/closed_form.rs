@@ -191,7 +191,7 @@ fn hits_stop_at_t_max_and_the_other_faces_of_a_mesh_interpolate() {
     let ray = Ray::new(DVec3::new(0.5, 1.0, 0.25), DVec3::NEG_Y);
     assert!(geometry.intersect(&ray, None, 1.0).is_none());
     let hit = geometry.intersect(&ray, None, 1.000001).unwrap();
-    assert_eq!((hit.position, hit.uv), (DVec3::new(0.5, 0.0, 0.25), [0.5, 0.25]));
+    assert_eq!((hit.position, geometry.uv(&hit)), (DVec3::new(0.5, 0.0, 0.25), [0.5, 0.25]));
     assert_eq!(hit.normal, DVec3::NEG_Y);
     let expected = DVec3::new(0.5, -1.0, 0.0);
     // The middle normal is stored as a unit vector: (1,−1,0)/√2.
@@ -231,4 +231,35 @@ fn an_empty_scene_is_never_hit() {
     assert!(geometry.intersect(&ray, None, f64::INFINITY).is_none());
     assert!(!geometry.occluded(&ray, None, None, f64::INFINITY));
     assert_eq!(geometry.area(0), 0.0);
+}
+
+#[test]
+fn texture_coordinates_cover_the_unit_square_and_stay_in_it() {
+    let shapes = [
+        Shape::Sphere { radius: 0.5 },
+        Shape::Rectangle { width: 2.0, height: 1.0 },
+        Shape::Disk { radius: 0.7 },
+        Shape::Box { size: DVec3::new(1.0, 2.0, 0.5) },
+        Shape::Cylinder { radius: 0.5, height: 1.0 },
+        Shape::Lens { radius1: 1.0, radius2: -1.0, thickness: 0.4, diameter: 0.8 },
+    ];
+    for shape in shapes {
+        let geometry = alone(shape.clone(), turned(1.0));
+        let mut rng = random(3);
+        let (mut low, mut high) = ([1.0_f64; 2], [0.0_f64; 2]);
+        for _ in 0..4000 {
+            let place = geometry.sample_area(0, numbers(&mut rng));
+            let ray = Ray::new(place.position + place.normal, -place.normal);
+            let hit = geometry.intersect(&ray, None, 2.0).unwrap();
+            for (i, x) in geometry.uv(&hit).into_iter().enumerate() {
+                assert!((-1e-9..1.0 + 1e-9).contains(&x), "{shape:?}: {x}");
+                (low[i], high[i]) = (low[i].min(x), high[i].max(x));
+            }
+        }
+        assert!(low.iter().all(|&x| x < 0.05) && high.iter().all(|&x| x > 0.95), "{shape:?}: {low:?} to {high:?}");
+    }
+    let ball = alone(Shape::Sphere { radius: 1.0 }, DAffine3::IDENTITY);
+    let seen = |from: DVec3| ball.uv(&ball.intersect(&Ray::new(2.0 * from, -from), None, 3.0).unwrap());
+    assert_eq!(seen(DVec3::Y)[1], 0.0);
+    assert_eq!([DVec3::X, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Z].map(seen), [0.0, 0.25, 0.5, 0.75].map(|u| [u, 0.5]));
 }
