@@ -29,7 +29,7 @@ const ORDER: [(&str, &[&str]); 16] = [
 const HOT: [&str; 4] = ["walk", "map", "emit", "gather"];
 
 /// Where a crate may be used: in these files or folders (below src), or everywhere.
-const CRATES: [(&str, &[&str]); 21] = [
+const CRATES: [(&str, &[&str]); 22] = [
     ("glam", &[""]),
     ("serde", &[""]),
     ("obvhs", &["scene/bvh.rs"]),
@@ -49,6 +49,7 @@ const CRATES: [(&str, &[&str]); 21] = [
     ("thiserror", &["error.rs"]),
     ("clap", &["cli/"]),
     ("indicatif", &["cli/"]),
+    ("maud", &["output/", "study/"]),
     ("ctrlc", &["cli/"]),
     ("tobj", &["scene/mesh/"]),
     ("stl_io", &["scene/mesh/"]),

@@ -4,8 +4,10 @@ mod harvest;
 mod pass;
 mod pilot;
 mod stats;
+mod threads;
 
 pub use stats::{Seconds, Stats};
+pub use threads::on_threads;
 
 use crate::emit::LightChoice;
 use crate::error::{Error, Result};

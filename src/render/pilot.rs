@@ -194,16 +194,23 @@ fn first_radius(job: &Job, landing: &Landing, map: &PhotonIndex, largest_pixels:
 /// their bias; of 0.5, 0.25 and 0.1 the last gave the least error on the diffuse box from 8 to 128 passes.
 const EDGE_SHARE: f64 = 0.1;
 
+/// Where the first kernel spans more pixels than this, too few photons fall on a single pixel for connections to serve it.
+const SPARSE_PIXELS: f64 = 5.0;
+
 /// Marks the pixels from whose surface the kernel would reach over an edge: a neighbour, as far as half a kernel away, sees no
 /// surface, or one that does not continue this one (at least the neighbouring pixel is asked).
 fn edges(seen: &[Option<Landing>], radii: &[Radii], width: usize) -> Vec<bool> {
     let height = seen.len() / width;
     let is_edge = |pixel: usize| {
         let Some(here) = &seen[pixel] else {
-            // Mixed or relayed views: their directly seen part is a sliver at an edge.
-            return true;
+            // Nothing seen, or something relayed: what is directly seen is a sliver at an edge, if anything, and its radius is unknown.
+            return false;
         };
-        let reach = EDGE_SHARE * f64::from(radii[pixel][RadiusKind::FreeIndirect as usize]);
+        let radius = f64::from(radii[pixel][RadiusKind::FreeIndirect as usize]);
+        if radius > SPARSE_PIXELS * here.footprint_m {
+            return false;
+        }
+        let reach = EDGE_SHARE * radius;
         let pixels = (reach / here.footprint_m).ceil().clamp(1.0, LARGEST_INDIRECT_PIXELS) as isize;
         let (x, y) = ((pixel % width) as isize, (pixel / width) as isize);
         let steps = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)];

@@ -170,9 +170,9 @@ impl Tree {
 /// numbers are too large for; so its steps are called one by one.
 fn by_surface_area(boxes: &[Aabb]) -> Bvh2 {
     let indices = (0..boxes.len() as u32).collect();
-    let search = PlocSearchDistance::Low;
+    let search = PlocSearchDistance::Medium;
     let mut binary = PlocBuilder::with_capacity(boxes.len()).build(search, boxes, indices, SortPrecision::U64, 2);
-    ReinsertionOptimizer::default().run(&mut binary, 0.05, None);
+    ReinsertionOptimizer::default().run(&mut binary, 0.1, None);
     binary
 }
 

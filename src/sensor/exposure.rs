@@ -2,21 +2,96 @@
 
 use super::picture::Picture;
 
+/// Luminance of middle grey, where white is 1.
+const MIDDLE_GREY: f64 = 0.18;
+
+/// This share of the pixels may be brighter than white.
+const BURNT_SHARE: f64 = 0.003;
+
 /// The factor on luminance (cd/m²) that shows a picture neither dark nor burnt out: the log-average of the lit pixels goes to
-/// middle grey (0.18), but not so far that more than 1 % of the pixels exceed white by more than half, nor that the whole
-/// picture stays below one half. After Reinhard et al. 2002 (log-average), with percentiles against small bright lamps.
+/// middle grey (0.18; after Reinhard et al. 2002), but not so far that more than 0.3 % of the pixels exceed white, nor that the
+/// whole picture stays below one half. Lamps in view are not metered: they are white whatever the exposure.
 pub fn automatic(picture: &Picture) -> f64 {
     let mut lit: Vec<f64> = picture.xyz.iter().map(|xyz| xyz[1]).filter(|&y| y > 0.0 && y.is_finite()).collect();
     if lit.is_empty() {
         return 1.0;
     }
     lit.sort_by(f64::total_cmp);
-    let quantile = |share: f64| lit[((lit.len() - 1) as f64 * share) as usize];
+    let metered = without_lamps(&lit);
+    let highlight = metered[((metered.len() - 1) as f64 * (1.0 - BURNT_SHARE)) as usize];
     // Pixels far darker than the bright ones (unlit background) say nothing about exposure.
-    let floor = quantile(0.99) * 1e-3;
-    let bright = &lit[lit.partition_point(|&y| y < floor)..];
+    let floor = highlight * 1e-3;
+    let bright = &metered[metered.partition_point(|&y| y < floor)..];
     let log_mean = bright.iter().map(|y| y.ln()).sum::<f64>() / bright.len() as f64;
-    let grey = 0.18 / log_mean.exp();
-    let highlight = quantile(0.99);
-    grey.clamp(0.5 / highlight, 1.5 / highlight)
+    let grey = MIDDLE_GREY / log_mean.exp();
+    grey.clamp(0.5 / highlight, 1.0 / highlight)
+}
+
+/// The luminances (sorted) less those of lamps: bright pixels, at most a tenth of all, that stand clear of the rest by a factor of eight
+/// with hardly a pixel between. What lamps light, caustics too, fades into its surroundings and leaves no such gap.
+fn without_lamps(sorted: &[f64]) -> &[f64] {
+    const GAP: f64 = 8.0;
+    const LARGEST_SHARE: f64 = 0.1;
+    /// Pixels half on a lamp's edge lie in the gap: this many for each pixel of the lamp.
+    const EDGES: f64 = 0.25;
+    let below = |y: f64| sorted.partition_point(|&other| other < y);
+    let mut top = sorted[sorted.len() - 1];
+    let first = sorted[((sorted.len() - 1) as f64 * (1.0 - LARGEST_SHARE)) as usize];
+    while top / GAP >= first {
+        let (rest, lamps) = (below(top / GAP), sorted.len() - below(top));
+        let between = sorted.len() - rest - lamps;
+        if lamps > 0 && (between as f64) < EDGES * lamps as f64 {
+            return &sorted[..rest];
+        }
+        top /= 2.0_f64.sqrt();
+    }
+    sorted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(luminances: impl IntoIterator<Item = f64>) -> Picture {
+        let xyz: Vec<[f64; 3]> = luminances.into_iter().map(|y| [y; 3]).collect();
+        let mut picture = Picture::black(xyz.len(), 1);
+        picture.xyz = xyz;
+        picture
+    }
+
+    /// A room from 10 to 100 cd/m².
+    fn room() -> impl Iterator<Item = f64> {
+        (0..10_000).map(|i| 10.0 + 0.009 * f64::from(i))
+    }
+
+    #[test]
+    fn an_even_room_has_its_log_average_at_middle_grey() {
+        let log_mean = room().map(f64::ln).sum::<f64>() / 10_000.0;
+        assert!((automatic(&picture(room())) * log_mean.exp() / 0.18 - 1.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn a_lamp_in_view_does_not_darken_the_room() {
+        let lamp = std::iter::repeat_n(20_000.0, 300);
+        let edge = (0..60).map(|i| 300.0 * f64::from(i));
+        let with_lamp = automatic(&picture(room().chain(lamp).chain(edge)));
+        assert!((with_lamp / automatic(&picture(room())) - 1.0).abs() < 0.05, "{with_lamp}");
+    }
+
+    #[test]
+    fn a_caustic_on_a_dark_table_is_not_burnt_out() {
+        // It fades from 5000 cd/m² into a table of 10 cd/m².
+        let caustic = (0..300).map(|i| 5000.0 * (-f64::from(i) / 60.0).exp());
+        let table = std::iter::repeat_n(10.0, 9_700);
+        let exposure = automatic(&picture(caustic.clone().chain(table)));
+        let burnt = caustic.filter(|y| y * exposure > 1.0).count();
+        assert!((20..=35).contains(&burnt), "{burnt} of 10,000 pixels");
+    }
+
+    #[test]
+    fn a_dark_picture_and_a_white_one_are_shown_within_bounds() {
+        assert_eq!(automatic(&picture([0.0, 0.0])), 1.0);
+        assert!((automatic(&picture([4.0; 100])) - 0.5 / 4.0).abs() < 1e-12, "grey paper stays bright paper");
+        assert!(automatic(&picture([1e-9, 1e9])).is_finite());
+    }
 }

@@ -10,7 +10,8 @@ use std::path::Path;
 
 /// A scene from JSON, planned.
 pub(crate) fn job(scene: &Value) -> Job {
-    let (file, source) = file::parse(&scene.to_string(), Path::new("tests/inline.json"), &[]).expect("the scene parses");
+    let (file, source) =
+        file::parse(&scene.to_string(), Path::new("tests/inline.json"), &[]).expect("the scene parses");
     Job::new(resolve::resolve(&file, &source).expect("the scene resolves")).expect("the scene can be planned")
 }
 

@@ -100,7 +100,8 @@ fn core_in_a_shell(ior: Value, core_radius: f64, gap: bool, fov: f64) -> Value {
         json!({ "name": "core", "shape": { "sphere": { "radius": core_radius } }, "material": "white" }),
     ];
     if gap {
-        objects.push(json!({ "name": "gap", "shape": { "sphere": { "radius": core_radius + 0.1 } }, "material": "air" }));
+        objects
+            .push(json!({ "name": "gap", "shape": { "sphere": { "radius": core_radius + 0.1 } }, "material": "air" }));
     }
     json!({
         "camera": { "from": [0, 0, 5], "at": [0, 0, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": fov } } },

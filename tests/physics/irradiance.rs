@@ -15,7 +15,8 @@ const MIDDLE: f64 = 0.7;
 
 /// A floor at y = 0 seen from above.
 fn floor(objects: &[Value], lights: &[Value]) -> Value {
-    let mut all = vec![json!({ "name": "floor", "shape": { "rectangle": { "width": 40, "height": 40 } }, "material": "grey" })];
+    let mut all =
+        vec![json!({ "name": "floor", "shape": { "rectangle": { "width": 40, "height": 40 } }, "material": "grey" })];
     all.extend_from_slice(objects);
     json!({
         "camera": overhead_camera([MIDDLE, 0.0], 0.5, 2.0 * HALF),

@@ -35,12 +35,13 @@ impl Geometry {
         let boxes: Vec<_> = primitives.list.iter().map(|primitive| primitives.bounds(primitive)).collect();
         let (tree, order) = Tree::build(&boxes)?;
         primitives.list = order.iter().map(|&index| primitives.list[index as usize]).collect();
+        primitives.number_vertices_by_use();
         primitives.shrink_to_fit();
         let mut objects = primitives.objects();
         objects.shrink_to_fit();
         let (low, high) = tree.bounds();
         let reach = low.abs().max(high.abs()).max_element();
-        let near = if reach.is_finite() { NEAR * reach } else { 0.0 };
+        let near = if reach.is_finite() { NEAR * reach + 256.0 * primitives.centre_rounding() } else { 0.0 };
         Ok(Self { tree, primitives, objects, near })
     }
 }
@@ -112,6 +113,45 @@ impl Primitives {
             return Err(Error::input("the placed mesh has no area"));
         }
         Ok(())
+    }
+
+    /// Renumbers each mesh's vertices in the order in which the tree's triangles use them, so that triangles near
+    /// each other in space are near each other in memory. Vertices that nothing uses come last.
+    fn number_vertices_by_use(&mut self) {
+        const UNUSED: u32 = u32::MAX;
+        let mut new_number = vec![UNUSED; self.vertices.len()];
+        let mut next: Vec<u32> = self.meshes.iter().map(|mesh| mesh.first_vertex).collect();
+        for primitive in &mut self.list {
+            let Primitive::Triangle(triangle) = primitive else { continue };
+            for vertex in &mut triangle.vertices {
+                let number = &mut new_number[*vertex as usize];
+                if *number == UNUSED {
+                    *number = next[triangle.mesh as usize];
+                    next[triangle.mesh as usize] += 1;
+                }
+                *vertex = *number;
+            }
+        }
+        let ends: Vec<u32> =
+            (self.meshes.iter().skip(1).map(|mesh| mesh.first_vertex)).chain([self.vertices.len() as u32]).collect();
+        let old = (self.vertices.clone(), self.normals.clone(), self.uvs.clone());
+        for ((mesh, end), next) in self.meshes.iter().zip(ends).zip(&mut next) {
+            for vertex in mesh.first_vertex..end {
+                let number = &mut new_number[vertex as usize];
+                if *number == UNUSED {
+                    *number = *next;
+                    *next += 1;
+                }
+                let (from, to) = ((vertex - mesh.first_vertex) as usize, (*number - mesh.first_vertex) as usize);
+                self.vertices[*number as usize] = old.0[vertex as usize];
+                if let Some(first) = mesh.first_normal {
+                    self.normals[first as usize + to] = old.1[first as usize + from];
+                }
+                if let Some(first) = mesh.first_uv {
+                    self.uvs[first as usize + to] = old.2[first as usize + from];
+                }
+            }
+        }
     }
 
     fn bounds(&self, primitive: &Primitive) -> (DVec3, DVec3) {

@@ -109,7 +109,7 @@ pub(super) struct Primitives {
     pub(super) normals: Vec<[f32; 3]>,
     pub(super) uvs: Vec<[f32; 2]>,
     pub(super) dropped: usize,
-    /// Largest coordinate of the centre that was subtracted: the positions were rounded at that distance.
+    /// Largest coordinate of the centre that was subtracted.
     pub(super) centre_reach: f64,
 }
 
@@ -123,8 +123,10 @@ pub(super) struct Candidate {
 }
 
 impl Primitives {
+    #[inline]
     pub(super) fn corners(&self, triangle: &Triangle) -> [DVec3; 3] {
-        triangle.vertices.map(|index| self.vertices[index as usize])
+        let [a, b, c] = triangle.vertices;
+        [self.vertices[a as usize], self.vertices[b as usize], self.vertices[c as usize]]
     }
 
     pub(super) fn object(&self, primitive: u32) -> u32 {
@@ -143,13 +145,12 @@ impl Primitives {
 
     /// Largest coordinate that takes part in placing a primitive.
     pub(super) fn reach(&self, primitive: u32) -> f64 {
-        let reach = match &self.list[primitive as usize] {
+        match &self.list[primitive as usize] {
             Primitive::Analytic(index) => self.analytic[*index as usize].position.abs().max_element(),
             Primitive::Triangle(triangle) => {
                 self.corners(triangle).into_iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max)
             }
-        };
-        reach + self.centre_reach
+        }
     }
 
     /// The mesh that a primitive is a triangle of.

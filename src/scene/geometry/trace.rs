@@ -24,7 +24,7 @@ impl<'a> Search<'a> {
     }
 
     /// The first crossing of a primitive that counts.
-    #[inline]
+    #[inline(always)]
     pub(super) fn first_crossing(&self, primitive: u32) -> Option<Candidate> {
         match &self.geometry.primitives.list[primitive as usize] {
             Primitive::Triangle(_) if self.from.is_some_and(|from| from.primitive == primitive) => None,
@@ -56,9 +56,7 @@ impl<'a> Search<'a> {
 
     fn counts_near_start(&self, candidate: &Candidate) -> bool {
         match self.from {
-            Some(from) if candidate.t >= -self.near => {
-                self.geometry.primitives.follows_start(self.ray, from, candidate)
-            }
+            Some(from) if candidate.t >= -self.near => self.geometry.follows_start(self.ray, from, candidate),
             _ => false,
         }
     }
@@ -92,7 +90,7 @@ impl Geometry {
         if (candidate.t - best.t).abs() > self.near {
             return candidate.t < best.t;
         }
-        candidate.t < t_max && self.primitives.precedes(ray, candidate, best)
+        candidate.t < t_max && self.precedes(ray, candidate, best)
     }
 
     /// Whether anything stands between the ray's start and `t_max`. `to` is the surface aimed at: it does not
@@ -119,7 +117,7 @@ impl Geometry {
         if (candidate.t - t_max).abs() > self.near {
             return candidate.t < t_max;
         }
-        self.primitives.precedes(ray, candidate, end)
+        self.precedes(ray, candidate, end)
     }
 
     /// Calls `f` with every surface along the ray, near to far.

@@ -21,6 +21,7 @@ pub(super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Vec<MeshPart>>
     let mut root = unchecked.document.into_json();
     // Read below, though the crate does not know it.
     root.extensions_required.retain(|name| name != "KHR_materials_dispersion");
+    check_attributes(&root)?;
     let document = Document::from_json(root).map_err(|error| invalid(&error))?;
     check_uris(&document)?;
     let buffers = ::gltf::import_buffers(&document, folder, unchecked.blob).map_err(|error| invalid(&error))?;
@@ -52,6 +53,16 @@ fn check_length(bytes: &[u8]) -> Result<()> {
         Some(stated) if stated >= 20 => Ok(()),
         Some(_) | None => Err(Error::input("not a valid glTF file: its header is incomplete")),
     }
+}
+
+/// The crate looks the positions' accessors up before it checks their numbers.
+fn check_attributes(root: &::gltf::json::Root) -> Result<()> {
+    let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let largest = primitives.flat_map(|primitive| primitive.attributes.values()).map(|index| index.value()).max();
+    if largest.is_some_and(|index| index >= root.accessors.len()) {
+        return Err(Error::input("not a valid glTF file: an attribute names an accessor that does not exist"));
+    }
+    Ok(())
 }
 
 /// The crate takes for granted that the bytes behind an address's percent signs are text.

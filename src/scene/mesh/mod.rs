@@ -63,3 +63,6 @@ fn read(path: &Path) -> Result<Vec<u8>> {
 fn fan(polygon: &[u32]) -> impl Iterator<Item = [u32; 3]> {
     polygon.windows(2).skip(1).map(|pair| [polygon[0], pair[0], pair[1]])
 }
+
+#[cfg(test)]
+mod tests;

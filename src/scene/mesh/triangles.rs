@@ -1,7 +1,5 @@
 //! A mesh of triangles with shared vertices, checked once when it is made.
 
-use std::collections::HashMap;
-
 use glam::DVec3;
 
 use crate::error::{Error, Result};
@@ -14,6 +12,7 @@ pub struct TriangleMesh {
     uvs: Option<Vec<[f64; 2]>>,
     triangles: Vec<[u32; 3]>,
     dropped: usize,
+    closed: bool,
 }
 
 impl TriangleMesh {
@@ -50,7 +49,8 @@ impl TriangleMesh {
         if triangles.is_empty() {
             return Err(Error::input("the mesh has no area").expected("triangles whose corners are not in one line"));
         }
-        Ok(Self { dropped: before - triangles.len(), positions, normals, uvs, triangles })
+        let closed = bounds_a_volume(&positions, &triangles);
+        Ok(Self { dropped: before - triangles.len(), closed, positions, normals, uvs, triangles })
     }
 
     /// Positions of the vertices.
@@ -103,31 +103,39 @@ impl TriangleMesh {
     /// Whether the triangles bound a volume: every edge belongs to exactly two of them, in opposite directions.
     /// Vertices count as one where they stand at the same place.
     pub fn is_closed(&self) -> bool {
-        let places = self.places();
-        let mut balance: HashMap<(u32, u32), (u32, u32)> = HashMap::with_capacity(2 * self.triangles.len());
-        for triangle in &self.triangles {
-            let [a, b, c] = triangle.map(|index| places[index as usize]);
-            for (from, to) in [(a, b), (b, c), (c, a)] {
-                let uses = balance.entry((from.min(to), from.max(to))).or_default();
-                if from < to {
-                    uses.0 += 1;
-                } else {
-                    uses.1 += 1;
-                }
-            }
-        }
-        balance.values().all(|&uses| uses == (1, 1))
+        self.closed
     }
+}
 
-    /// For each vertex the first one that stands at the same place.
-    fn places(&self) -> Vec<u32> {
-        let mut first = HashMap::with_capacity(self.positions.len());
-        let place = |(index, position): (u32, &DVec3)| {
-            // Adding 0 makes −0 and 0 the same place.
-            *first.entry((*position + DVec3::ZERO).to_array().map(f64::to_bits)).or_insert(index)
-        };
-        (0..).zip(&self.positions).map(place).collect()
+/// See [`TriangleMesh::is_closed`].
+fn bounds_a_volume(positions: &[DVec3], triangles: &[[u32; 3]]) -> bool {
+    let places = places(positions);
+    // Each use of an edge as (smaller end, larger end, whether it runs from the smaller to the larger).
+    let mut uses: Vec<(u32, u32, bool)> = triangles
+        .iter()
+        .flat_map(|triangle| {
+            let [a, b, c] = triangle.map(|index| places[index as usize]);
+            [(a, b), (b, c), (c, a)].map(|(from, to)| (from.min(to), from.max(to), from < to))
+        })
+        .collect();
+    uses.sort_unstable();
+    let same_edge = |a: &(u32, u32, bool), b: &(u32, u32, bool)| (a.0, a.1) == (b.0, b.1);
+    uses.chunk_by(same_edge).all(|edge| edge.len() == 2 && edge[0].2 != edge[1].2)
+}
+
+/// For each vertex one of those that stand at the same place, the same for all of them.
+fn places(positions: &[DVec3]) -> Vec<u32> {
+    // Adding 0 makes −0 and 0 the same place.
+    let place = |index: u32| (positions[index as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
+    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
+    order.sort_unstable_by_key(|&index| place(index));
+    let mut places = vec![0; positions.len()];
+    for same in order.chunk_by(|&a, &b| place(a) == place(b)) {
+        for &index in same {
+            places[index as usize] = same[0];
+        }
     }
+    places
 }
 
 /// (b − a) × (c − a): normal to the triangle, twice its area long.

@@ -11,14 +11,19 @@ mod objects;
 mod spectra;
 mod surroundings;
 
-use super::file::{self, FilmFile, JsonPath, OutputSpaceFile, RenderFile, SceneFile, Source, WhiteBalanceFile};
+pub use spectra::Role;
+
+use super::file::{
+    self, FilmFile, JsonPath, OutputSpaceFile, RenderFile, SceneFile, Source, SpectrumFile, WhiteBalanceFile,
+};
 use super::geometry::{Geometry, Ray};
 use super::interior::Interior;
 use super::{Body, Exposure, FilmSpec, Material, Object, Scene, Settings};
 use crate::error::{Error, Result};
 use crate::optics::glass::Index;
-use crate::spectrum::Observer;
+use crate::spectrum::{Observer, Spectrum};
 use glam::DVec3;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Reads and resolves a scene file; `sets` are `PATH=JSON` patches.
@@ -38,6 +43,14 @@ pub fn load(path: &Path, sets: &[String]) -> Result<Scene> {
 pub fn resolve(scene: &SceneFile, source: &Source) -> Result<Scene> {
     let resolver = Resolver { scene, source, metres: scene.unit.metres() };
     resolver.run()
+}
+
+/// Resolves a spectrum that stands by itself, outside any scene: it can name no spectra but the library's.
+///
+/// # Errors
+/// Unknown names, files that cannot be read, values that do not fit the role; each with its place in `source`.
+pub fn lone_spectrum(spectrum: &SpectrumFile, source: &Source, role: Role) -> Result<Spectrum> {
+    spectra::Spectra { named: &BTreeMap::new(), source }.checked(&JsonPath::Root, spectrum, role)
 }
 
 /// The answer to a part of the scene file that this version cannot simulate.

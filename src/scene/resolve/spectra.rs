@@ -1,14 +1,16 @@
 //! Spectra as written → functions of wavelength, in the role that their place gives them.
 
+use std::collections::BTreeMap;
+
 use super::Resolver;
 use crate::colour::{Match, match_primaries};
 use crate::error::{Error, Result};
-use crate::scene::file::{JsonPath, LineFile, SpectrumFile};
+use crate::scene::file::{JsonPath, LineFile, Source, SpectrumFile};
 use crate::spectrum::{Observer, Outside, SpectralLine, Spectrum, library, read};
 
 /// What a spectrum is used for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Role {
+pub enum Role {
     /// The shape of a lamp's power: 0 beyond a table's ends; any scale; some power in the band.
     Light,
     /// A share of light: end values held; within [0, 1].
@@ -29,19 +31,61 @@ impl Role {
 /// How deep named spectra may refer to each other; beyond it they can only go in a circle.
 const MAX_DEPTH: usize = 64;
 
+/// What resolving a spectrum needs at hand.
+pub(super) struct Spectra<'a> {
+    /// The scene's named spectra.
+    pub(super) named: &'a BTreeMap<String, SpectrumFile>,
+    /// Where spectra stand.
+    pub(super) source: &'a Source,
+}
+
 impl Resolver<'_> {
+    fn spectra(&self) -> Spectra<'_> {
+        Spectra { named: &self.scene.spectra, source: self.source }
+    }
+
     /// Resolves a spectrum and checks it for its role.
     pub(super) fn spectrum(&self, at: &JsonPath<'_>, file: &SpectrumFile, role: Role) -> Result<Spectrum> {
-        let spectrum = self.spectrum_at_depth(at, file, role, 0)?;
-        self.at(at, check_role(&spectrum, role))?;
-        Ok(spectrum)
+        self.spectra().checked(at, file, role)
     }
 
     /// Resolves one of the scene's named spectra, only to check it.
     pub(super) fn named_spectrum(&self, name: &str, role: Role) -> Result<Spectrum> {
         let root = JsonPath::Root;
         let at = root.key("spectra");
-        self.spectrum_at_depth(&at.key(name), &self.scene.spectra[name], role, 0)
+        self.spectra().spectrum_at_depth(&at.key(name), &self.scene.spectra[name], role, 0)
+    }
+
+    /// How far a matched spectrum is from its target, as a note; `None` for other spectra.
+    pub(super) fn match_note(&self, file: &SpectrumFile, what: &str) -> Option<String> {
+        let file = match file {
+            SpectrumFile::Name(name) => self.scene.spectra.get(name)?,
+            other => other,
+        };
+        let SpectrumFile::Match { target, primaries } = file else {
+            return None;
+        };
+        let root = JsonPath::Root;
+        let resolve = |file: &SpectrumFile| self.spectra().spectrum_at_depth(&root, file, Role::Light, 0).ok();
+        let target = resolve(target)?;
+        let primaries: Option<Vec<Spectrum>> = primaries.iter().map(resolve).collect();
+        let found = nearest_mix(&target, &primaries?).ok()?;
+        let far = if !found.is_reached() { ": the target is out of the primaries' reach" } else { "" };
+        Some(format!("{what} matches its target to Δxy {:.5}, ΔE2000 {:.3}{far}", found.delta_xy, found.delta_e_2000))
+    }
+}
+
+impl Spectra<'_> {
+    /// Resolves a spectrum and checks it for its role.
+    pub(super) fn checked(&self, at: &JsonPath<'_>, file: &SpectrumFile, role: Role) -> Result<Spectrum> {
+        let spectrum = self.spectrum_at_depth(at, file, role, 0)?;
+        self.at(at, check_role(&spectrum, role))?;
+        Ok(spectrum)
+    }
+
+    /// Gives an error its place.
+    fn at<T>(&self, path: &JsonPath<'_>, result: Result<T>) -> Result<T> {
+        result.map_err(|error| self.source.error_at(&path.to_string(), error))
     }
 
     fn spectrum_at_depth(&self, at: &JsonPath<'_>, file: &SpectrumFile, role: Role, depth: usize) -> Result<Spectrum> {
@@ -86,7 +130,7 @@ impl Resolver<'_> {
     }
 
     fn spectrum_by_name(&self, at: &JsonPath<'_>, name: &str, role: Role, depth: usize) -> Result<Spectrum> {
-        if let Some(file) = self.scene.spectra.get(name) {
+        if let Some(file) = self.named.get(name) {
             let root = JsonPath::Root;
             let spectra = root.key("spectra");
             return self.spectrum_at_depth(&spectra.key(name), file, role, depth + 1);
@@ -94,28 +138,13 @@ impl Resolver<'_> {
         match library::find(name) {
             Ok(entry) => Ok(entry.spectrum),
             Err(_) => {
-                let own: Vec<&str> = self.scene.spectra.keys().map(String::as_str).collect();
+                let own: Vec<&str> = self.named.keys().map(String::as_str).collect();
                 let known = own.into_iter().chain(library::names().map(|name| -> &str { name }));
                 let error = Error::unknown_name("spectrum", name, known)
                     .expected("a name of the scene's `spectra` or of `abbe spectrum --list`");
                 self.at(at, Err(error))
             }
         }
-    }
-
-    /// How far a matched spectrum is from its target, as a note; `None` for other spectra.
-    pub(super) fn match_note(&self, file: &SpectrumFile, what: &str) -> Option<String> {
-        let file = if let SpectrumFile::Name(name) = file { self.scene.spectra.get(name)? } else { file };
-        let SpectrumFile::Match { target, primaries } = file else {
-            return None;
-        };
-        let root = JsonPath::Root;
-        let resolve = |file: &SpectrumFile| self.spectrum_at_depth(&root, file, Role::Light, 0).ok();
-        let target = resolve(target)?;
-        let primaries: Option<Vec<Spectrum>> = primaries.iter().map(resolve).collect();
-        let found = nearest_mix(&target, &primaries?).ok()?;
-        let far = if !found.is_reached() { ": the target is out of the primaries' reach" } else { "" };
-        Some(format!("{what} matches its target to Δxy {:.5}, ΔE2000 {:.3}{far}", found.delta_xy, found.delta_e_2000))
     }
 }
 

@@ -66,14 +66,13 @@ impl Lens {
         (self.front.rim_z(self.edge_radius), self.back.rim_z(self.edge_radius))
     }
 
-    /// The least and the largest z of the lens.
-    pub(crate) fn extent_z(&self) -> (f64, f64) {
-        let (front_rim, back_rim) = self.rims();
-        (self.front.vertex_z.min(front_rim), self.back.vertex_z.max(back_rim))
-    }
-
-    pub(crate) fn edge_radius(&self) -> f64 {
-        self.edge_radius
+    /// How far the lens reaches along a direction of any length: the largest p·direction over its points p.
+    pub(crate) fn reach(&self, direction: DVec3) -> f64 {
+        let across = self.edge_radius * direction.x.hypot(direction.y);
+        let (front, back) = self.rims();
+        let rims = across + (front * direction.z).max(back * direction.z);
+        let caps = [&self.front, &self.back].into_iter().filter(|cap| cap.kept);
+        caps.filter_map(|cap| cap.reach(direction, self.edge_radius)).fold(rims, f64::max)
     }
 
     pub(crate) fn next(&self, line: &Line, on: Option<u32>, after: f64) -> Option<Crossing> {
@@ -211,6 +210,17 @@ impl Cap {
 
     fn rim_z(&self, edge_radius: f64) -> f64 {
         self.vertex_z - self.outward * self.sagitta(edge_radius)
+    }
+
+    /// How far the ball reaches along a direction, if it does so in the cap and not at its rim.
+    fn reach(&self, direction: DVec3, edge_radius: f64) -> Option<f64> {
+        let radius = self.radius?;
+        let sin = edge_radius / radius;
+        let in_cap = self.outward * direction.z >= direction.length() * ((1.0 - sin) * (1.0 + sin)).max(0.0).sqrt();
+        // From the vertex, so that a flat cap keeps its digits: r(|d| − d·axis) = r|d across|²/(|d| + d·axis).
+        let along = self.outward * direction.z;
+        let bulge = radius * direction.with_z(0.0).length_squared() / (direction.length() + along);
+        in_cap.then_some(self.vertex_z * direction.z + bulge)
     }
 
     /// The span of the line inside the set.

@@ -51,21 +51,21 @@ impl Span {
 /// The t between which a line is within `radius` of the origin of its frame.
 ///
 /// For a cylinder, pass origin and direction with the axial component set to 0. The discriminant comes from the
-/// distance of closest approach and the roots from the sum that does not cancel, so that small, distant and
-/// nearly grazed balls keep their digits.
+/// point of closest approach and the roots from the sum that does not cancel, so that small, distant and nearly
+/// grazed balls keep their digits.
+#[inline]
 pub(crate) fn ball_roots(line: &Line, radius: f64) -> Option<(f64, f64)> {
     let a = line.direction.length_squared();
-    let distance = line.origin.length();
+    let c = line.origin.length_squared() - radius * radius;
     if a == 0.0 {
-        return (distance <= radius).then_some((f64::NEG_INFINITY, f64::INFINITY));
+        return (c <= 0.0).then_some((f64::NEG_INFINITY, f64::INFINITY));
     }
     let b = line.origin.dot(line.direction);
-    let closest = (line.origin - b / a * line.direction).length();
-    let discriminant = (radius - closest) * (radius + closest);
+    let closest = line.origin - b / a * line.direction;
+    let discriminant = radius * radius - closest.length_squared();
     if discriminant < 0.0 {
         return None;
     }
-    let c = (distance - radius) * (distance + radius);
     Some(ordered_roots(a, b, c, discriminant * a))
 }
 
@@ -77,6 +77,7 @@ pub(crate) fn chord(line: &Line) -> f64 {
 }
 
 /// The roots of a t² + 2b t + c in order, from its discriminant b² − ac ≥ 0, without cancellation.
+#[inline]
 pub(crate) fn ordered_roots(a: f64, b: f64, c: f64, discriminant: f64) -> (f64, f64) {
     let q = -b - discriminant.sqrt().copysign(b);
     if q == 0.0 {

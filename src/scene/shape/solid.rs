@@ -174,10 +174,8 @@ impl Solid {
                 symmetric(rows.map(|r| radius * r.x.hypot(r.z) + half_height * r.y.abs()))
             }
             Self::Lens(ref lens) => {
-                let (z0, z1) = lens.extent_z();
-                let reach = DVec3::from_array(rows.map(|r| lens.edge_radius() * r.x.hypot(r.y)));
-                let (near, far) = (linear.z_axis * z0, linear.z_axis * z1);
-                (near.min(far) - reach, near.max(far) + reach)
+                let [low, high] = [-1.0, 1.0].map(|sign| DVec3::from_array(rows.map(|r| sign * lens.reach(sign * r))));
+                (low, high)
             }
         }
     }

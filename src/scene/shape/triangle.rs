@@ -43,27 +43,28 @@ impl TriangleRay {
     }
 
     /// Where the line meets the triangle, on either side of the origin.
-    #[inline]
-    pub(crate) fn meet(&self, vertices: [DVec3; 3]) -> Option<TriangleHit> {
-        let from_origin = vertices.map(|vertex| vertex - self.origin);
-        let x = from_origin.map(|vertex| vertex.dot(self.across_x));
-        let y = from_origin.map(|vertex| vertex.dot(self.across_y));
+    #[inline(always)]
+    pub(crate) fn meet(&self, [a, b, c]: [DVec3; 3]) -> Option<TriangleHit> {
+        let (a, b, c) = (a - self.origin, b - self.origin, c - self.origin);
+        let x = [a.dot(self.across_x), b.dot(self.across_x), c.dot(self.across_x)];
+        let y = [a.dot(self.across_y), b.dot(self.across_y), c.dot(self.across_y)];
         let edges = [x[1] * y[2] - y[1] * x[2], x[2] * y[0] - y[2] * x[0], x[0] * y[1] - y[0] * x[1]];
+        let least = edges[0].min(edges[1]).min(edges[2]);
+        let largest = edges[0].max(edges[1]).max(edges[2]);
+        if least < 0.0 && largest > 0.0 {
+            return None;
+        }
         let has_zero = edges[0] == 0.0 || edges[1] == 0.0 || edges[2] == 0.0;
-        let inside = if has_zero {
-            beside(x, y, edges)
-        } else {
-            (edges[0] > 0.0) == (edges[1] > 0.0) && (edges[1] > 0.0) == (edges[2] > 0.0)
-        };
-        if !inside {
+        if has_zero && !beside(x, y, edges) {
             return None;
         }
         let determinant = edges[0] + edges[1] + edges[2];
         if determinant == 0.0 {
             return None;
         }
-        let weights = edges.map(|edge| edge / determinant);
-        let depth = from_origin.map(|vertex| vertex.dot(self.direction));
+        let inverse = 1.0 / determinant;
+        let weights = [edges[0] * inverse, edges[1] * inverse, edges[2] * inverse];
+        let depth = [a.dot(self.direction), b.dot(self.direction), c.dot(self.direction)];
         let t = weights[0] * depth[0] + weights[1] * depth[1] + weights[2] * depth[2];
         Some(TriangleHit { t, weights })
     }

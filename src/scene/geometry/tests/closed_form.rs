@@ -147,6 +147,30 @@ fn sheets_are_hit_inside_their_outline_only() {
 }
 
 #[test]
+fn bounds_hold_every_point_and_little_more() {
+    let mut rng = random(10);
+    let sheets = [Shape::Rectangle { width: 1.0, height: 2.0 }, Shape::Disk { radius: 0.7 }, mesh(icosphere(1))];
+    for shape in closed_shapes().into_iter().chain(sheets) {
+        for to_world in [turned(1.0), stretched()] {
+            let geometry = alone(shape.clone(), to_world);
+            let (low, high) = geometry.bounds();
+            let (mut least, mut largest) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+            for _ in 0..20_000 {
+                let position = geometry.sample_area(0, numbers(&mut rng)).position;
+                least = least.min(position);
+                largest = largest.max(position);
+            }
+            let rounding = 1e-15 * (high - low).length();
+            assert!(least.cmpge(low - rounding).all() && largest.cmple(high + rounding).all(), "{shape:?}");
+            assert!(
+                ((largest - least) / (high - low)).min_element() > 0.8,
+                "{shape:?}: {low} {high} for {least} {largest}"
+            );
+        }
+    }
+}
+
+#[test]
 fn far_and_tiny_balls_are_hit_to_the_last_digits() {
     // Seen from 10⁶ radii away, half a radius off the axis: t = d − √(1 − ¼).
     let geometry = alone(Shape::Sphere { radius: 1.0 }, DAffine3::IDENTITY);

@@ -1,0 +1,92 @@
+//! The benchmark scenes, and what the stages make of them.
+
+use abbe::emit::{Aim, Arrival, Emitters, LightChoice, Receiver, Wavelengthed, trace};
+use abbe::gather::Maps;
+use abbe::map::{Photon, PhotonIndex};
+use abbe::math::random::{Purpose, Stream};
+use abbe::plan::partition::{LightPath, kept_in_map};
+use abbe::plan::{Plan, prepare};
+use abbe::scene::Scene;
+use abbe::walk::ledger::Ledger;
+use std::path::Path;
+
+/// A scene with what transport needs to know of it.
+pub(crate) struct Prepared {
+    pub(crate) scene: Scene,
+    pub(crate) plan: Plan,
+    pub(crate) choice: LightChoice,
+    aims: Vec<Aim>,
+}
+
+/// A benchmark scene by its file's name, with changes as by `--set`.
+pub(crate) fn load(name: &str, changes: &[&str]) -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/scenes").join(name);
+    let changes: Vec<String> = changes.iter().map(ToString::to_string).collect();
+    abbe::scene::resolve::load(&path, &changes).expect("a benchmark scene is valid")
+}
+
+impl Prepared {
+    pub(crate) fn new(name: &str) -> Self {
+        let mut scene = load(name, &[]);
+        let (plan, _) = prepare(&mut scene).expect("a benchmark scene can be planned");
+        let choice = LightChoice::new(&scene).expect("a benchmark scene is lit");
+        let aims = vec![Aim::plain(); scene.lights.len()];
+        Self { scene, plan, choice, aims }
+    }
+
+    /// Emits `count` unaimed photons of pass 0 and hands them to the receiver.
+    pub(crate) fn emit(&self, count: u64, receiver: &mut impl Receiver) -> Ledger {
+        let emitters = Emitters {
+            scene: &self.scene,
+            choice: &self.choice.lights,
+            aims: &self.aims,
+            wavelengths: Wavelengthed::Free,
+            count,
+            max_depth: 64,
+            seed: 1,
+            purpose: Purpose::FreePhoton,
+            pass: 0,
+        };
+        let mut ledger = Ledger::new(self.scene.materials.len());
+        let points = emitters.points();
+        (0..count).for_each(|index| trace(&emitters, &points, index, receiver, &mut ledger));
+        ledger
+    }
+
+    /// The photons of a pass of `count` paths, as they are kept for the maps.
+    pub(crate) fn harvest(&self, count: u64) -> Harvest {
+        let mut harvest = Harvest::default();
+        self.emit(count, &mut harvest);
+        harvest
+    }
+}
+
+/// Keeps what the maps keep.
+#[derive(Default)]
+pub(crate) struct Harvest {
+    caustic: Vec<(Photon, [f32; 3])>,
+    pub(crate) indirect: Vec<(Photon, [f32; 3])>,
+}
+
+impl Harvest {
+    pub(crate) fn maps(&self) -> Maps {
+        Maps { caustic: PhotonIndex::build(&self.caustic), indirect: PhotonIndex::build(&self.indirect) }
+    }
+}
+
+impl Receiver for Harvest {
+    fn arrive(&mut self, arrival: &Arrival<'_>, _: &mut Stream) {
+        let hit = &arrival.encounter.hit;
+        if !kept_in_map(arrival.path, arrival.encounter.surface.class()) {
+            return;
+        }
+        let facing = if arrival.to_light().dot(hit.normal) >= 0.0 { hit.normal } else { -hit.normal };
+        let mut photon = Photon::new(arrival.to_light(), facing, arrival.wavelengths.count, 0);
+        photon.nm = arrival.wavelengths.nm.map(|nm| nm as f32);
+        photon.power = arrival.power.map(|power| power as f32);
+        let list = if arrival.path == LightPath::Caustic { &mut self.caustic } else { &mut self.indirect };
+        list.push((photon, hit.position.as_vec3().to_array()));
+    }
+
+    fn depart(&mut self, _: usize, _: usize) {}
+}

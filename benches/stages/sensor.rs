@@ -1,0 +1,39 @@
+//! The film: exposing it, adding splats, developing it.
+
+use abbe::sensor::Film;
+use abbe::spectrum::Observer;
+use criterion::{Criterion, Throughput};
+
+const SIDE: usize = 256;
+const SPLATS: u32 = 100_000;
+
+pub(crate) fn benches(c: &mut Criterion) {
+    let mut film = Film::new(SIDE, SIDE, Observer::cie1931(), 0);
+    let pixels = (SIDE * SIDE) as u64;
+    let mut group = c.benchmark_group("sensor");
+    group.throughput(Throughput::Elements(pixels));
+    group.bench_function("expose a pixel to four wavelengths", |b| {
+        b.iter(|| {
+            for mut row in film.rows() {
+                row.expose(0, |pixel, sink| {
+                    (0..4).for_each(|k| sink.radiance(430.0 + 60.0 * f64::from(k), pixel as f64));
+                });
+            }
+        });
+    });
+    film.count_pass(0);
+    film.count_pass(1);
+    group.bench_function("develop a pixel", |b| b.iter(|| film.develop().mean_y()));
+    group.throughput(Throughput::Elements(u64::from(SPLATS)));
+    group.bench_function("splat four wavelengths", |b| {
+        b.iter(|| {
+            let mut sink = film.splat_sink();
+            for i in 0..SPLATS {
+                let pixel = i.wrapping_mul(2_654_435_761) % pixels as u32;
+                sink.splat(pixel, (0..4).map(|k| (430.0 + 60.0 * f64::from(k), 1.0)));
+            }
+            film.add_splats(1, &sink)
+        });
+    });
+    group.finish();
+}

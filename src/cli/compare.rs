@@ -1,0 +1,85 @@
+//! `abbe compare`: how far a picture is from a reference.
+
+use std::path::{Path, PathBuf};
+
+use abbe::error::Result;
+use abbe::output::compare::{Comparison, Region, Selection, compare};
+use abbe::output::comparison_page::{Pair, page};
+use abbe::output::exr::read;
+use abbe::output::{file, png};
+
+use super::{Outcome, print, values};
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Arguments {
+    /// The picture
+    #[arg(value_name = "A.exr")]
+    picture: PathBuf,
+    /// The reference
+    #[arg(value_name = "B.exr")]
+    reference: PathBuf,
+    /// Compare these pixels only: columns from x0 up to x1, rows from y0 up to y1, ends left out (repeatable)
+    #[arg(long, value_name = "x0,y0,x1,y1", value_parser = values::region)]
+    region: Vec<Region>,
+    /// Compare only where this picture is not black
+    #[arg(long, value_name = "FILE.png")]
+    mask: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    /// Write a page with the pictures, their differences and the figures
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+    /// End with status 3 if the relative mean square error exceeds this
+    #[arg(long, value_name = "RELMSE", value_parser = values::limit)]
+    fail_above: Option<f64>,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+    let picture = read(&arguments.picture)?.picture;
+    let reference = read(&arguments.reference)?.picture;
+    let mask = match &arguments.mask {
+        Some(path) => Some(png::read_mask(path, reference.width, reference.height)?),
+        None => None,
+    };
+    let selection = Selection { regions: arguments.region.clone(), mask };
+    let comparison = compare(&picture, &reference, &selection)?;
+    if let Some(path) = &arguments.html {
+        let (a, b) = (name(&arguments.picture), name(&arguments.reference));
+        let pair = Pair { picture: (&a, &picture), reference: (&b, &reference) };
+        file::write_whole(path, page(pair, &selection, &comparison)?.as_bytes())?;
+    }
+    if arguments.json {
+        print::json(&comparison)?
+    } else {
+        print::result(&text(&comparison))?
+    }
+    // What is no number exceeds every limit.
+    let within = arguments.fail_above.is_none_or(|limit| comparison.relative_mse <= limit);
+    Ok(if within { Outcome::Done } else { Outcome::Exceeded })
+}
+
+fn name(path: &Path) -> String {
+    path.display().to_string()
+}
+
+fn text(comparison: &Comparison) -> String {
+    let z = comparison.z.map_or("unknown: an error layer is missing".to_string(), |z| {
+        format!("{:.1} % of {} pixels have |z| < 1.96", 100.0 * z.share, z.pixels)
+    });
+    let mut text = format!(
+        "relative MSE   {:.6}   without the worst 2 %: {:.6}\nRMSE of Y      {:.6} cd/m²\nmean Y, A / B  {:.6}\n\
+         ΔE2000         {:.3} mean, {:.3} at 95 %\nz-test         {z}\npixels         {}\n",
+        comparison.relative_mse,
+        comparison.relative_mse_trimmed,
+        comparison.rmse,
+        comparison.mean_ratio,
+        comparison.delta_e_2000.mean,
+        comparison.delta_e_2000.p95,
+        comparison.pixels,
+    );
+    if comparison.non_finite_pixels > 0 {
+        text += &format!("not finite     {} pixels\n", comparison.non_finite_pixels);
+    }
+    text
+}

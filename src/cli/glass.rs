@@ -1,0 +1,224 @@
+//! `abbe glass`: the index of a material.
+
+use std::path::PathBuf;
+
+use abbe::error::{Error, Result};
+use abbe::optics::glass::catalogue::{self, Glass, Kind};
+use abbe::optics::glass::{CauchyFit, Dispersion, Pole};
+use abbe::output::file;
+use abbe::output::plot::{Curve, Plot};
+use abbe::spectrum::BAND_NM;
+use serde::Serialize;
+
+use super::{Outcome, print, values};
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Arguments {
+    /// The name of a material in the catalogue
+    #[arg(value_name = "NAME", required_unless_present = "list")]
+    name: Option<String>,
+    /// Give the index at these wavelengths in nm
+    #[arg(long, value_name = "NM,…", value_delimiter = ',', value_parser = values::wavelength_nm)]
+    at: Vec<f64>,
+    /// Plot the index
+    #[arg(long, value_name = "FILE.svg")]
+    svg: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    /// List the catalogue
+    #[arg(long, conflicts_with_all = ["name", "at", "svg"])]
+    list: bool,
+}
+
+/// A material for programs to read.
+#[derive(Debug, Serialize)]
+struct Report<'a> {
+    name: &'a str,
+    kind: &'static str,
+    nd: f64,
+    /// Null where the range does not hold the F and C lines.
+    vd: Option<f64>,
+    range_nm: [f64; 2],
+    /// Null for materials with another formula.
+    sellmeier: Option<Sellmeier>,
+    cauchy: Cauchy,
+    /// Only with `--at`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    n: Vec<Sample>,
+    source: &'a str,
+    warning: Option<&'a str>,
+}
+
+/// n² = 1 + c0 + Σ b λ²/(λ² − c), λ in µm.
+#[derive(Debug, Serialize)]
+struct Sellmeier {
+    c0: f64,
+    b: Vec<f64>,
+    c: Vec<f64>,
+}
+
+/// n = a + b/λ² + c/λ⁴, λ in µm, fitted within a range.
+#[derive(Debug, Serialize)]
+struct Cauchy {
+    a: f64,
+    b: f64,
+    c: f64,
+    max_error: f64,
+    range_nm: [f64; 2],
+}
+
+#[derive(Debug, Serialize)]
+struct Sample {
+    nm: f64,
+    n: f64,
+}
+
+/// A line of the list.
+#[derive(Debug, Serialize)]
+struct Listed<'a> {
+    name: &'a str,
+    kind: &'static str,
+    nd: f64,
+    vd: Option<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct List<'a> {
+    glasses: Vec<Listed<'a>>,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+    match &arguments.name {
+        Some(name) => one(name, arguments)?,
+        None => list(arguments.json)?,
+    }
+    Ok(Outcome::Done)
+}
+
+fn one(name: &str, arguments: &Arguments) -> Result<()> {
+    let glass = catalogue::find(name)?;
+    if let Some(bad) = arguments.at.iter().find(|&&nm| !(BAND_NM.0..=BAND_NM.1).contains(&nm) && !in_range(glass, nm)) {
+        let (from, to) = glass.index.range_nm();
+        let what = format!("the index of {} at {bad} nm", glass.name);
+        return Err(Error::input(what).expected(format!("wavelengths from {from} to {to} nm")));
+    }
+    if let Some(path) = &arguments.svg {
+        file::write_whole(path, plot(glass).svg().as_bytes())?;
+    }
+    let report = report(glass, &arguments.at);
+    if arguments.json { print::json(&report) } else { print::result(&text(&report)) }
+}
+
+fn in_range(glass: &Glass, nm: f64) -> bool {
+    let (from, to) = glass.index.range_nm();
+    (from..=to).contains(&nm)
+}
+
+fn list(json: bool) -> Result<()> {
+    let listed = |glass: &'static Glass| Listed {
+        name: &glass.name,
+        kind: kind_word(glass.kind),
+        nd: glass.index.nd(),
+        vd: glass.index.vd(),
+    };
+    let glasses: Vec<Listed<'_>> = catalogue::all().iter().map(listed).collect();
+    if json {
+        return print::json(&List { glasses });
+    }
+    let line = |glass: &Listed<'_>| {
+        let vd = glass.vd.map_or(String::new(), |vd| format!("V_d {vd:.2}"));
+        format!("{:<24} {:<14} n_d {:.5}  {vd}", glass.name, glass.kind, glass.nd).trim_end().to_string() + "\n"
+    };
+    print::result(&glasses.iter().map(line).collect::<String>())
+}
+
+fn report<'a>(glass: &'a Glass, at: &[f64]) -> Report<'a> {
+    let index = &glass.index;
+    let (from, to) = index.range_nm();
+    let CauchyFit { a, b, c, range_nm, max_error } = glass.cauchy;
+    Report {
+        name: &glass.name,
+        kind: kind_word(glass.kind),
+        nd: index.nd(),
+        vd: index.vd(),
+        range_nm: [from, to],
+        sellmeier: sellmeier(index.dispersion()),
+        cauchy: Cauchy { a, b, c, max_error, range_nm: [range_nm.0, range_nm.1] },
+        n: at.iter().map(|&nm| Sample { nm, n: index.n(nm) }).collect(),
+        source: &glass.source,
+        warning: index.warning(),
+    }
+}
+
+fn sellmeier(dispersion: &Dispersion) -> Option<Sellmeier> {
+    match dispersion {
+        Dispersion::Sellmeier { c0, poles } => {
+            let (b, c) = poles.iter().map(|&Pole { b, c }| (b, c)).unzip();
+            Some(Sellmeier { c0: *c0, b, c })
+        }
+        Dispersion::Constant(_)
+        | Dispersion::Cauchy { .. }
+        | Dispersion::SquaredPowers { .. }
+        | Dispersion::Powers { .. }
+        | Dispersion::Rational(_)
+        | Dispersion::Gas { .. }
+        | Dispersion::Table { .. } => None,
+    }
+}
+
+fn kind_word(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Glass => "glass",
+        Kind::GlassCeramic => "glass ceramic",
+        Kind::Crystal => "crystal",
+        Kind::Polymer => "polymer",
+        Kind::Liquid => "liquid",
+        Kind::Gas => "gas",
+    }
+}
+
+fn text(report: &Report<'_>) -> String {
+    let [from, to] = report.range_nm;
+    let mut text = format!("{} ({})\nn_d        {:.6}\n", report.name, report.kind, report.nd);
+    text += &match report.vd {
+        Some(vd) => format!("V_d        {vd:.3}\n"),
+        None => "V_d        undefined: the range does not hold the F and C lines\n".to_string(),
+    };
+    text += &format!("range      {from} to {to} nm\n");
+    text += &match &report.sellmeier {
+        Some(Sellmeier { c0, b, c }) => {
+            let shift = if *c0 == 0.0 { String::new() } else { format!("   c0 = {c0}") };
+            format!("Sellmeier  B = {b:?}   C = {c:?} µm²{shift}\n")
+        }
+        None => "Sellmeier  none: the material has another formula\n".to_string(),
+    };
+    let Cauchy { a, b, c, max_error, range_nm: [from, to] } = report.cauchy;
+    text +=
+        &format!("Cauchy     a = {a}   b = {b} µm²   c = {c} µm⁴   (error below {max_error:.1e}, {from} to {to} nm)\n");
+    report.n.iter().for_each(|Sample { nm, n }| text += &format!("n({nm} nm) = {n:.7}\n"));
+    text += &format!("source     {}\n", report.source);
+    text += &report.warning.map_or(String::new(), |warning| format!("note       {warning}\n"));
+    text
+}
+
+/// The index over the part of the band where it is known, with the Cauchy fit beside it.
+fn plot(glass: &Glass) -> Plot {
+    let (from, to) = glass.index.range_nm();
+    let CauchyFit { a, b, c, range_nm, .. } = glass.cauchy;
+    let fit = Dispersion::Cauchy { a, b, c };
+    let curve = |name: &str, (from, to): (f64, f64), n: &dyn Fn(f64) -> f64| {
+        let (from, to) = (from.max(BAND_NM.0), to.min(BAND_NM.1));
+        let points = (0..=235).map(|i| from + (to - from) * f64::from(i) / 235.0).map(|nm| (nm, n(nm))).collect();
+        Curve { name: name.to_string(), points }
+    };
+    let own = curve(&glass.name, (from, to), &|nm| glass.index.n(nm));
+    let cauchy = curve("Cauchy fit", range_nm, &|nm| fit.n(nm));
+    Plot {
+        title: format!("{}: index of refraction", glass.name),
+        values: "n".to_string(),
+        curves: vec![own, cauchy],
+        lines: Vec::new(),
+        from_zero: false,
+    }
+}

@@ -1,0 +1,122 @@
+//! Where a picture comes from: the header of its file, and a hash of its scene.
+
+use std::path::Path;
+
+use abbe::output::hash::Hash;
+use abbe::output::metadata::{Metadata, names};
+use abbe::render::{Integrator, Job, Rendered};
+use abbe::scene::file::Source;
+use serde_json::Value;
+
+use super::explain::PlanReport;
+
+/// All that the header of a picture's file says.
+pub(crate) fn metadata(source: &Source, job: &Job, integrator: Integrator, rendered: &Rendered) -> Metadata {
+    let scene: Value = serde_json::from_str(&source.text).unwrap_or(Value::Null);
+    let stats = &rendered.stats;
+    let integrator = match integrator {
+        Integrator::Photon => "photon",
+        Integrator::Path => "path",
+    };
+    Metadata::new()
+        .with(names::VERSION, env!("CARGO_PKG_VERSION"))
+        .with(names::SCENE_HASH, &scene_hash(&scene, source.folder()))
+        .with_json(names::SCENE, &scene)
+        .with_json(names::PLAN, &PlanReport::of(job))
+        .with(names::INTEGRATOR, integrator)
+        .with(names::SEED, &job.budget.seed.to_string())
+        .with(names::PASSES, &stats.passes.to_string())
+        .with(names::PHOTONS, &job.budget.photons.to_string())
+        .with_json(names::LEDGER, &stats.ledger_w)
+        .with(names::SECONDS, &format!("{:.3}", stats.seconds.total))
+        .with_json(names::NOTES, &job.scene.notes)
+}
+
+/// Settings of `render` that change how much is computed and where, but not what of.
+const NOT_OF_THE_SCENE: [&str; 3] = ["passes", "threads", "checkpoint_seconds"];
+
+/// A hash of a scene and of the files that it refers to. Two scenes of the same hash have the same passes: the numbers
+/// of passes and of threads, and where the files lie, do not enter.
+fn scene_hash(scene: &Value, folder: &Path) -> String {
+    let mut scene = scene.clone();
+    if let Some(Value::Object(render)) = scene.get_mut("render") {
+        render.retain(|key, _| !NOT_OF_THE_SCENE.contains(&key.as_str()));
+    }
+    let mut hash = Hash::default();
+    hash.add_part(scene.to_string().as_bytes());
+    add_files(&scene, folder, &mut hash);
+    hash.hex()
+}
+
+/// Takes in every file that a scene's keys name, in the order in which they stand.
+fn add_files(value: &Value, folder: &Path, hash: &mut Hash) {
+    match value {
+        Value::Object(entries) => {
+            for (key, value) in entries {
+                match value {
+                    Value::String(name) if ["path", "file", "image"].contains(&key.as_str()) => {
+                        add_file(&folder.join(name), hash);
+                    }
+                    Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
+                    Value::Array(_) | Value::Object(_) => add_files(value, folder, hash),
+                }
+            }
+        }
+        Value::Array(values) => values.iter().for_each(|value| add_files(value, folder, hash)),
+        Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
+    }
+}
+
+/// Takes in a file and the files that it names itself: an OBJ's materials, a glTF's buffers and images.
+fn add_file(path: &Path, hash: &mut Hash) {
+    let Ok(bytes) = std::fs::read(path) else {
+        return;
+    };
+    hash.add_part(&bytes);
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+    match extension.as_deref() {
+        Some("obj") => {
+            let text = String::from_utf8_lossy(&bytes);
+            let named = text.lines().filter_map(|line| line.trim().strip_prefix("mtllib "));
+            named.for_each(|name| add_bytes(&folder.join(name.trim()), hash));
+        }
+        Some("gltf") => {
+            let gltf: Value = serde_json::from_slice(&bytes).unwrap_or(Value::Null);
+            let of = |list: &str| gltf.get(list).and_then(Value::as_array).cloned().unwrap_or_default();
+            let entries = [of("buffers"), of("images")].concat();
+            let named = entries.iter().filter_map(|entry| entry.get("uri")?.as_str());
+            named.filter(|uri| !uri.starts_with("data:")).for_each(|uri| add_bytes(&folder.join(uri), hash));
+        }
+        Some(_) | None => {}
+    }
+}
+
+fn add_bytes(path: &Path, hash: &mut Hash) {
+    if let Ok(bytes) = std::fs::read(path) {
+        hash.add_part(&bytes);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn the_hash_follows_the_scene_and_its_files_but_not_its_passes() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("a.obj"), "mtllib a.mtl\n").unwrap();
+        std::fs::write(folder.path().join("a.mtl"), "newmtl red\n").unwrap();
+        let scene = |passes: u64, seed: u64| json!({"objects": [{"shape": {"mesh": {"path": "a.obj"}}}], "render": {"passes": passes, "seed": seed}});
+        let hash = |scene: &Value| scene_hash(scene, folder.path());
+        let first = hash(&scene(8, 0));
+        assert_eq!(first, hash(&scene(64, 0)));
+        assert_ne!(first, hash(&scene(8, 1)));
+        std::fs::write(folder.path().join("a.mtl"), "newmtl blue\n").unwrap();
+        let second = hash(&scene(8, 0));
+        assert_ne!(first, second);
+        std::fs::write(folder.path().join("a.obj"), "mtllib a.mtl\nv 0 0 0\n").unwrap();
+        assert_ne!(second, hash(&scene(8, 0)));
+    }
+}

@@ -1,0 +1,131 @@
+//! `abbe probe`: what a picture's file says about one pixel.
+
+use std::path::PathBuf;
+
+use abbe::colour::gamut::desaturate;
+use abbe::colour::{RgbSpace, srgb_hex, xy, xyz_to_linear_srgb};
+use abbe::error::{Error, Result};
+use abbe::output::exr::read;
+use abbe::output::file;
+use abbe::output::plot::{Curve, Plot};
+use abbe::sensor::{Picture, exposure};
+use serde::Serialize;
+
+use super::{Outcome, print};
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Arguments {
+    /// The picture
+    #[arg(value_name = "FILE.exr")]
+    picture: PathBuf,
+    /// Column, from 0 at the left
+    #[arg(value_name = "X")]
+    x: usize,
+    /// Row, from 0 at the top
+    #[arg(value_name = "Y")]
+    y: usize,
+    /// Plot the pixel's spectrum
+    #[arg(long, value_name = "FILE.svg")]
+    svg: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// A pixel for programs to read.
+#[derive(Debug, Serialize)]
+struct Pixel {
+    pixel: [usize; 2],
+    /// Y in cd/m².
+    xyz: [f64; 3],
+    /// Null where it is black.
+    xy: Option<[f64; 2]>,
+    /// 1 is 1 cd/m² of white.
+    linear_srgb: [f64; 3],
+    /// At the picture's automatic exposure.
+    srgb_hex: String,
+    /// Standard error and estimated bias of Y in cd/m²; null where unknown.
+    noise: Option<f64>,
+    bias: Option<f64>,
+    spectrum: Option<Bands>,
+}
+
+#[derive(Debug, Serialize)]
+struct Bands {
+    nm: Vec<f64>,
+    /// W/m²/sr/nm.
+    values: Vec<f64>,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+    let picture = read(&arguments.picture)?.picture;
+    let pixel = pixel(&picture, arguments.x, arguments.y).map_err(|error| error.in_file(&arguments.picture))?;
+    if let Some(path) = &arguments.svg {
+        let Some(Bands { nm, values }) = &pixel.spectrum else {
+            let error = Error::input("holds no spectrum").expected("a picture rendered with --spectral-bands");
+            return Err(error.in_file(&arguments.picture));
+        };
+        let points = nm.iter().copied().zip(values.iter().copied()).collect();
+        let plot = Plot {
+            title: format!("{}, pixel {}, {}", arguments.picture.display(), arguments.x, arguments.y),
+            values: "radiance in W/m²/sr/nm".to_string(),
+            curves: vec![Curve { name: "radiance".to_string(), points }],
+            lines: Vec::new(),
+            from_zero: true,
+        };
+        file::write_whole(path, plot.svg().as_bytes())?;
+    }
+    if arguments.json {
+        print::json(&pixel)?
+    } else {
+        print::result(&text(&pixel))?
+    }
+    Ok(Outcome::Done)
+}
+
+fn pixel(picture: &Picture, x: usize, y: usize) -> Result<Pixel> {
+    let (width, height) = (picture.width, picture.height);
+    if x >= width || y >= height {
+        let what = format!("the pixel {x}, {y} in a picture of {width} × {height} pixels");
+        return Err(Error::input(what).expected(format!("0 ≤ X < {width} and 0 ≤ Y < {height}")));
+    }
+    let i = y * width + x;
+    let xyz = picture.xyz[i];
+    let exposed = xyz_to_linear_srgb(xyz.map(|value| value * exposure::automatic(picture)));
+    let known = |value: f32| (value >= 0.0).then_some(f64::from(value));
+    let spectrum = picture.bands.as_ref().map(|bands| {
+        let count = bands.centres_nm.len();
+        let values = bands.values[i * count..(i + 1) * count].iter().map(|&value| f64::from(value)).collect();
+        Bands { nm: bands.centres_nm.clone(), values }
+    });
+    Ok(Pixel {
+        pixel: [x, y],
+        xyz,
+        xy: (xyz.iter().sum::<f64>() > 0.0).then(|| xy(xyz)),
+        linear_srgb: xyz_to_linear_srgb(xyz),
+        srgb_hex: srgb_hex(desaturate(exposed, RgbSpace::Srgb)),
+        noise: known(picture.noise[i]),
+        bias: known(picture.bias[i]),
+        spectrum,
+    })
+}
+
+fn text(pixel: &Pixel) -> String {
+    let Pixel { pixel: [x, y], xyz, xy, linear_srgb: [r, g, b], srgb_hex, noise, bias, spectrum } = pixel;
+    let bar = |value: &Option<f64>| value.map_or("unknown".to_string(), |value| format!("{value:.6} cd/m²"));
+    let mut text =
+        format!("pixel        {x}, {y}\nXYZ          {:.6}  {:.6}  {:.6}   (Y in cd/m²)\n", xyz[0], xyz[1], xyz[2]);
+    if let Some([x, y]) = xy {
+        text += &format!("xy           {x:.5}  {y:.5}\n");
+    }
+    text += &format!("linear sRGB  {r:.6}  {g:.6}  {b:.6}\nsRGB         {srgb_hex} at automatic exposure\n");
+    text += &format!("noise of Y   {}\nbias of Y    {}\n", bar(noise), bar(bias));
+    match spectrum {
+        Some(Bands { nm, values }) => {
+            text += "spectrum     nm, W/m²/sr/nm\n";
+            nm.iter().zip(values).for_each(|(nm, value)| text += &format!("  {nm:8.3}  {value:.6e}\n"));
+        }
+        None => text += "spectrum     none (render with --spectral-bands)\n",
+    }
+    text
+}

@@ -1,0 +1,189 @@
+//! How a render is going: a bar on a terminal, a line now and then elsewhere.
+
+use std::io::IsTerminal;
+use std::time::Duration;
+
+use abbe::render::{Monitor, Progress};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::{interrupt, print};
+
+/// Shows progress on standard error, and ends the render when the user asks for it.
+#[derive(Debug)]
+pub(crate) enum Display {
+    /// A bar on a terminal.
+    Bar(ProgressBar),
+    /// A line every few seconds; when the last was printed.
+    Lines(Option<Duration>),
+    /// Nothing.
+    Quiet,
+}
+
+/// Steps of the bar.
+const STEPS: u64 = 1000;
+
+/// How often a line is printed where there is no terminal.
+const LINE_EVERY: Duration = Duration::from_secs(5);
+
+impl Display {
+    /// The display that fits standard error.
+    pub(crate) fn new(quiet: bool) -> Self {
+        if quiet {
+            return Self::Quiet;
+        }
+        if !std::io::stderr().is_terminal() {
+            return Self::Lines(None);
+        }
+        let bar = ProgressBar::new(STEPS);
+        let style = ProgressStyle::with_template("{spinner} [{bar:30}] {msg}").expect("the template is well-formed");
+        bar.set_style(style.progress_chars("=> "));
+        bar.set_message("finding where the light goes");
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self::Bar(bar)
+    }
+
+    /// Takes the bar away.
+    pub(crate) fn finish(&self) {
+        match self {
+            Self::Bar(bar) => bar.finish_and_clear(),
+            Self::Lines(_) | Self::Quiet => {}
+        }
+    }
+}
+
+impl Monitor for Display {
+    fn after_pass(&mut self, progress: &Progress) -> bool {
+        match self {
+            Self::Bar(bar) => {
+                let done = share_done(progress).unwrap_or(0.0);
+                bar.set_position((done * STEPS as f64) as u64);
+                bar.set_message(line(progress));
+            }
+            Self::Lines(last) => {
+                if last.is_none_or(|last| progress.elapsed >= last + LINE_EVERY) {
+                    print::remark(&line(progress));
+                    *last = Some(progress.elapsed);
+                }
+            }
+            Self::Quiet => {}
+        }
+        !interrupt::asked()
+    }
+}
+
+/// The time until the first stop rule holds, as far as it can be told.
+fn time_left(progress: &Progress) -> Option<Duration> {
+    let elapsed = progress.elapsed.as_secs_f64();
+    let by_passes = progress.passes_wanted.map(|wanted| elapsed * (wanted as f64 / progress.passes as f64 - 1.0));
+    let by_time = progress.time_wanted.map(|wanted| wanted.as_secs_f64() - elapsed);
+    // Noise falls with the square root of the number of passes.
+    let by_error = progress.error_wanted.zip(progress.relative_error);
+    let by_error = by_error.map(|(wanted, error)| elapsed * ((error / wanted).powi(2) - 1.0));
+    let left = [by_passes, by_time, by_error].into_iter().flatten().reduce(f64::min)?;
+    Duration::try_from_secs_f64(left.max(0.0)).ok()
+}
+
+fn share_done(progress: &Progress) -> Option<f64> {
+    let (elapsed, left) = (progress.elapsed.as_secs_f64(), time_left(progress)?.as_secs_f64());
+    Some(if left > 0.0 { elapsed / (elapsed + left) } else { 1.0 })
+}
+
+/// Passes, photons per second, error, time left.
+fn line(progress: &Progress) -> String {
+    let mut parts = vec![match progress.passes_wanted {
+        Some(wanted) => format!("{}/{wanted} passes", progress.passes),
+        None => format!("{} passes", progress.passes),
+    }];
+    if progress.photons_per_second > 0.0 {
+        parts.push(format!("{} photons/s", count(progress.photons_per_second)));
+    }
+    if let Some(error) = progress.relative_error {
+        parts.push(format!("error {}", percent(error)));
+    }
+    if let Some(left) = time_left(progress) {
+        parts.push(format!("{} left", time(left)));
+    }
+    parts.join(", ")
+}
+
+/// A large number in short.
+pub(crate) fn count(number: f64) -> String {
+    if number >= 1e6 {
+        format!("{:.1} M", number * 1e-6)
+    } else if number >= 1e4 {
+        format!("{:.0} k", number * 1e-3)
+    } else {
+        format!("{number:.0}")
+    }
+}
+
+/// A share in percent.
+pub(crate) fn percent(share: f64) -> String {
+    if share < 0.1 { format!("{:.2} %", 100.0 * share) } else { format!("{:.0} %", 100.0 * share) }
+}
+
+/// A time in its two largest units.
+pub(crate) fn time(duration: Duration) -> String {
+    let seconds = duration.as_secs_f64();
+    if seconds < 9.95 {
+        return format!("{seconds:.1} s");
+    }
+    let seconds = seconds.round() as u64;
+    match seconds {
+        0..60 => format!("{seconds} s"),
+        60..3600 => format!("{} min {:02} s", seconds / 60, seconds % 60),
+        3600.. => format!("{} h {:02} min", seconds / 3600, seconds / 60 % 60),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn after(passes: u64, seconds: f64) -> Progress {
+        Progress {
+            passes,
+            passes_wanted: None,
+            elapsed: Duration::from_secs_f64(seconds),
+            time_wanted: None,
+            photons_per_second: 2.5e6,
+            relative_error: None,
+            error_wanted: None,
+        }
+    }
+
+    #[test]
+    fn the_time_left_is_that_of_the_first_rule_to_hold() {
+        let left = |progress: &Progress| time_left(progress).map(|left| left.as_secs_f64());
+        let mut progress = after(16, 10.0);
+        assert_eq!(left(&progress), None);
+        progress.passes_wanted = Some(64);
+        assert_eq!(left(&progress), Some(30.0));
+        progress.error_wanted = Some(0.02);
+        progress.relative_error = Some(0.03);
+        assert!((left(&progress).unwrap() - 12.5).abs() < 1e-9);
+        progress.time_wanted = Some(Duration::from_secs(15));
+        assert_eq!(left(&progress), Some(5.0));
+        assert!((share_done(&progress).unwrap() - 10.0 / 15.0).abs() < 1e-9);
+        progress.relative_error = Some(0.01);
+        assert_eq!(left(&progress), Some(0.0), "reached");
+    }
+
+    #[test]
+    fn a_line_says_what_is_known() {
+        let mut progress = after(16, 10.0);
+        assert_eq!(line(&progress), "16 passes, 2.5 M photons/s");
+        progress.passes_wanted = Some(64);
+        progress.relative_error = Some(0.0312);
+        assert_eq!(line(&progress), "16/64 passes, 2.5 M photons/s, error 3.12 %, 30 s left");
+    }
+
+    #[test]
+    fn times_and_counts_are_short() {
+        let times = [(0.5, "0.5 s"), (59.6, "1 min 00 s"), (125.0, "2 min 05 s"), (3725.0, "1 h 02 min")];
+        for (seconds, text) in times {
+            assert_eq!(time(Duration::from_secs_f64(seconds)), text);
+        }
+        assert_eq!([1.23e6, 45_600.0, 999.0].map(count), ["1.2 M", "46 k", "999"]);
+    }
+}

@@ -1,0 +1,111 @@
+//! Values on the command line.
+
+use std::time::Duration;
+
+use abbe::output::compare::Region;
+
+/// A duration such as `90s`, `5m`, `1h30m`, `500ms`; a bare number counts seconds.
+pub(crate) fn duration(text: &str) -> Result<Duration, String> {
+    let wrong = || "expected a time such as 90s, 5m or 1h30m".to_string();
+    let mut seconds = 0.0;
+    let mut rest = text.trim();
+    if rest.is_empty() {
+        return Err(wrong());
+    }
+    while !rest.is_empty() {
+        let digits = rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(rest.len());
+        let number: f64 = rest[..digits].parse().map_err(|_| wrong())?;
+        rest = &rest[digits..];
+        let letters = rest.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(rest.len());
+        let unit = match &rest[..letters] {
+            "" | "s" => 1.0,
+            "ms" => 1e-3,
+            "m" | "min" => 60.0,
+            "h" => 3600.0,
+            _ => return Err(wrong()),
+        };
+        seconds += number * unit;
+        rest = &rest[letters..];
+    }
+    match Duration::try_from_secs_f64(seconds) {
+        Ok(duration) if !duration.is_zero() => Ok(duration),
+        _ => Err("expected a time above 0".to_string()),
+    }
+}
+
+/// A share such as `2%` or `0.02`, above 0.
+pub(crate) fn share(text: &str) -> Result<f64, String> {
+    let (number, unit) = match text.trim().strip_suffix('%') {
+        Some(percent) => (percent.trim_end(), 0.01),
+        None => (text.trim(), 1.0),
+    };
+    match number.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value * unit),
+        _ => Err("expected a share above 0 such as 2% or 0.02".to_string()),
+    }
+}
+
+/// A size such as `640x360`.
+pub(crate) fn size(text: &str) -> Result<(u32, u32), String> {
+    let parse = |number: &str| number.trim().parse::<u32>().ok().filter(|&n| n > 0);
+    text.split_once(['x', 'X', '×'])
+        .and_then(|(width, height)| Some((parse(width)?, parse(height)?)))
+        .ok_or_else(|| "expected a size in pixels such as 640x360".to_string())
+}
+
+/// A region such as `0,0,64,32`: columns from x0 up to x1, rows from y0 up to y1.
+pub(crate) fn region(text: &str) -> Result<Region, String> {
+    let numbers: Option<Vec<usize>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(Region { x0, y0, x1, y1 }),
+        _ => Err("expected x0,y0,x1,y1 in pixels with x0 < x1 and y0 < y1".to_string()),
+    }
+}
+
+/// A wavelength in nm, above 0.
+pub(crate) fn wavelength_nm(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(nm) if nm > 0.0 && nm.is_finite() => Ok(nm),
+        _ => Err("expected a wavelength in nm".to_string()),
+    }
+}
+
+/// A limit of 0 or more.
+pub(crate) fn limit(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if value >= 0.0 && value.is_finite() => Ok(value),
+        _ => Err("expected a number of 0 or more".to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations() {
+        let seconds = |text| duration(text).map(|duration| duration.as_secs_f64());
+        let known = [("90s", 90.0), ("5m", 300.0), ("1h30m", 5400.0), ("500ms", 0.5), ("12", 12.0), ("1.5m", 90.0)];
+        for (text, value) in known {
+            assert_eq!(seconds(text), Ok(value), "{text}");
+        }
+        for text in ["", "s", "-3s", "5 parsecs", "0s", "1e3s", "nan", "5m-2s", "99999999999999999999h"] {
+            assert!(seconds(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn shares() {
+        assert_eq!(share("2%"), Ok(0.02));
+        assert_eq!(share("0.02"), Ok(0.02));
+        assert!(["0", "-1%", "nan", "inf", "", "%", "two"].iter().all(|text| share(text).is_err()));
+    }
+
+    #[test]
+    fn sizes_and_regions() {
+        assert_eq!(size("640x360"), Ok((640, 360)));
+        assert!(["640", "0x3", "3x0", "-1x2", "1x2x3"].iter().all(|text| size(text).is_err()));
+        assert_eq!(region("1,2,3,4"), Ok(Region { x0: 1, y0: 2, x1: 3, y1: 4 }));
+        assert!(["1,2,3", "3,2,1,4", "1,2,3,2", "a,b,c,d", "1,2,3,4,5"].iter().all(|text| region(text).is_err()));
+    }
+}
