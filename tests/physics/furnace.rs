@@ -1,7 +1,7 @@
 //! White furnaces: where light of radiance 1 comes from everywhere and nothing is lost, everything looks alike.
 
-use crate::common::compare::{Measured, compare_with};
-use crate::common::{all_y, block_means, diffuse, glass};
+use crate::common::compare::{Measured, compare, compare_with};
+use crate::common::{all_y, block_means, diffuse, glass, mean_y, with_setting};
 use abbe::render::Integrator;
 use serde_json::{Value, json};
 
@@ -17,7 +17,7 @@ fn check(name: &str, scene: &Value, (integrator, passes): (Integrator, u64)) {
     let found = compare_with(&measured, &[1.0; 5]);
     let (mean, error) = (measured.mean(0), measured.error(0));
     println!("furnace, {name}, {integrator:?}: {mean:.5} ± {error:.5}, {found}");
-    assert!(error < 1.5e-3, "too noisy to tell");
+    assert!(error < 2e-3, "too noisy to tell");
     assert!((mean - 1.0).abs() < 5e-3, "{name}: {mean}");
     assert!(found.is_equal(), "{name}: {found}");
 }
@@ -77,20 +77,20 @@ fn a_ball_of_glass_in_uniform_surroundings() {
 
 #[test]
 fn a_dispersive_ball_of_glass_in_uniform_surroundings() {
-    check("ball, SF10", &ball(json!("SF10")), (Integrator::Photon, 96));
-    check("ball, SF10", &ball(json!("SF10")), (Integrator::Path, 96));
+    check("ball, SF10", &ball(json!("SF10")), (Integrator::Photon, 32));
+    check("ball, SF10", &ball(json!("SF10")), (Integrator::Path, 512));
 }
 
 #[test]
 fn frosted_glass_in_uniform_surroundings_never_shines_brighter() {
-    // Rough glass loses what its facets scatter more than once: that much is the model's (Walter et al. 2007) and not checked here.
+    // Rough glass loses what its facets scatter more than once: that much is the model's (Walter et al. 2007).
     let mut scene = ball(json!(1.5));
     scene["materials"]["glass"]["dielectric"]["roughness"] = json!(0.3);
-    for (integrator, passes) in [(Integrator::Photon, 32), (Integrator::Path, 64)] {
-        let measured = Measured::new(&scene, (integrator, passes), 0..4, all_y);
-        println!("furnace, frosted ball, {integrator:?}: mean {:.4}", measured.overall());
-        assert!(measured.overall() < 1.001 && measured.overall() > 0.9);
-    }
+    let [photon, path] = [(Integrator::Photon, 64), (Integrator::Path, 64)].map(|way| Measured::new(&scene, way, 0..8, mean_y));
+    let found = compare(&photon, &path);
+    println!("furnace, frosted ball: {:.4}, photon against path: {found}", photon.mean(0));
+    assert!(photon.mean(0) < 1.0 && photon.mean(0) > 0.9);
+    assert!(found.is_equal(), "{found}");
 }
 
 /// A white core in a shell of glass, with or without air between, seen so that the core fills the picture.
@@ -129,8 +129,8 @@ fn a_large_white_core_in_glass_whose_light_is_partly_shut_in() {
 #[test]
 fn a_white_core_in_dispersive_glass_lit_through_the_shared_photon_map() {
     let scene = core_in_a_shell(json!("SF10"), 0.5, false, 14.0);
-    check("core in SF10", &scene, (Integrator::Photon, 64));
-    check("core in SF10", &scene, (Integrator::Path, 96));
+    check("core in SF10", &with_setting(&scene, "photons", 10000), (Integrator::Photon, 64));
+    check("core in SF10", &scene, (Integrator::Path, 512));
 }
 
 #[test]
@@ -150,6 +150,6 @@ fn a_white_ball_and_a_ball_of_glass_in_uniform_surroundings() {
         { "shape": { "sphere": { "radius": 1, "center": [1.4, 0, -1.6] } }, "material": "white" }
     ]);
     scene["render"] = json!({ "photons": 20000, "radius": 0.1 });
-    check("white ball beside BK7", &scene, (Integrator::Photon, 64));
-    check("white ball beside BK7", &scene, (Integrator::Path, 128));
+    check("white ball beside BK7", &scene, (Integrator::Photon, 24));
+    check("white ball beside BK7", &scene, (Integrator::Path, 512));
 }

@@ -8,3 +8,5 @@ mod common;
 
 mod furnace;
 mod irradiance;
+mod photon_and_path;
+mod prism;

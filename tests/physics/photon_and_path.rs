@@ -1,0 +1,158 @@
+//! Photon mapping and path tracing share no estimator beyond light straight from lamps: where both can, they must agree; and the
+//! comparison must see named faults.
+
+use crate::common::compare::{Measured, compare};
+use crate::common::edges::away_from_edges;
+use crate::common::{all_y, block_means, diffuse, glass, job, with_setting};
+use abbe::render::{Integrator, Rendered};
+use serde_json::{Value, json};
+
+/// Pixels a side.
+const FILM: usize = 32;
+
+/// Y in blocks of `side` × `side` pixels, edges left out.
+fn blocks(mask: &[bool], side: usize) -> impl Fn(&Rendered) -> Vec<f64> + '_ {
+    move |rendered| block_means(&all_y(rendered), FILM, side, mask)
+}
+
+/// Photon mapping at radius 0, from two fixed first radii.
+fn photons(scene: &Value, radius: f64, passes: u64, take: impl Fn(&Rendered) -> Vec<f64>) -> Measured {
+    let [whole, half] = [radius, 0.5 * radius].map(|radius| {
+        Measured::new(&with_setting(scene, "radius", radius), (Integrator::Photon, passes), 0..8, &take)
+    });
+    Measured::extrapolated(&whole, &half)
+}
+
+/// A white box with one red and one green wall, a white ball and a lamp under the ceiling; `albedo` is that of the white.
+fn cornell(albedo: f64) -> Value {
+    let wall = |name: &str, material: &str, transform: Value| {
+        json!({ "name": name, "shape": { "rectangle": { "width": 2, "height": 2 } }, "material": material, "transform": transform })
+    };
+    json!({
+        "camera": { "from": [0, 0, 3.9], "at": [0, 0, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 38 } } },
+        "film": { "width": FILM, "height": FILM },
+        "materials": {
+            "white": diffuse(albedo), "black": "absorber",
+            "red": diffuse(json!({ "table": { "nm": [360, 580, 600, 830], "values": [0.06, 0.06, 0.6, 0.6] } })),
+            "green": diffuse(json!({ "table": { "nm": [360, 490, 510, 560, 590, 830], "values": [0.1, 0.1, 0.5, 0.5, 0.1, 0.1] } }))
+        },
+        "objects": [
+            wall("floor", "white", json!([{ "translate": [0, -1, 0] }])),
+            wall("ceiling", "white", json!([{ "rotate": { "axis": [1, 0, 0], "degrees": 180 } }, { "translate": [0, 1, 0] }])),
+            wall("back", "white", json!([{ "rotate": { "axis": [1, 0, 0], "degrees": 90 } }, { "translate": [0, 0, -1] }])),
+            wall("left", "red", json!([{ "rotate": { "axis": [0, 0, 1], "degrees": -90 } }, { "translate": [-1, 0, 0] }])),
+            wall("right", "green", json!([{ "rotate": { "axis": [0, 0, 1], "degrees": 90 } }, { "translate": [1, 0, 0] }])),
+            { "name": "ball", "shape": { "sphere": { "radius": 0.35, "center": [0.3, -0.6, 0.1] } }, "material": "white" },
+            { "name": "lamp", "shape": { "rectangle": { "width": 0.6, "height": 0.6 } }, "material": "black",
+              "emission": { "spectrum": "D65", "luminance": 10 },
+              "transform": [ { "rotate": { "axis": [1, 0, 0], "degrees": 180 } }, { "translate": [0, 0.99, 0] } ] }
+        ],
+        "render": { "photons": 20000 }
+    })
+}
+
+#[test]
+fn a_diffuse_box_and_faults_in_it() {
+    const RADIUS: f64 = 0.12;
+    let scene = cornell(0.73);
+    let mask = away_from_edges(&job(&scene), 2.0 * RADIUS);
+    let path = Measured::new(&scene, (Integrator::Path, 96), 100..108, blocks(&mask, 8));
+    let photon = photons(&scene, RADIUS, 24, blocks(&mask, 8));
+    let found = compare(&photon, &path);
+    println!("box, photon against path: {found}; standard errors {:.4}, {:.4}", photon.relative_error(), path.relative_error());
+    assert!(photon.relative_error() < 5e-3 && path.relative_error() < 5e-3, "too noisy to tell");
+    assert!(found.is_equal(), "{found}");
+
+    let brighter = compare(&photon, &Measured::new(&cornell(0.73 * 1.02), (Integrator::Path, 96), 100..108, blocks(&mask, 8)));
+    println!("box, mutant albedo × 1.02: {brighter}");
+    assert!(!brighter.is_equal());
+
+    let mut direct_only = scene.clone();
+    direct_only["render"]["forbid"] = json!(["indirect"]);
+    let direct = Measured::new(&direct_only, (Integrator::Photon, 24), 0..8, blocks(&mask, 8));
+    let twice = compare(&Measured::combine(&[&photon, &direct], |l| l[0] + l[1]), &path);
+    println!("box, mutant direct light twice: {twice}");
+    assert!(!twice.is_equal());
+}
+
+/// A ball of glass with a white core, on a floor under a large lamp.
+fn ball(ior: Value) -> Value {
+    json!({
+        "camera": { "from": [0, 2.2, 5], "at": [0.2, 0.6, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 32 } } },
+        "film": { "width": FILM, "height": FILM },
+        "materials": { "grey": diffuse(0.5), "white": diffuse(0.8), "black": "absorber", "glass": glass(ior) },
+        "objects": [
+            { "name": "floor", "shape": { "rectangle": { "width": 12, "height": 12 } }, "material": "grey" },
+            { "name": "ball", "shape": { "sphere": { "radius": 1, "center": [0, 1.01, 0] } }, "material": "glass" },
+            { "name": "core", "shape": { "sphere": { "radius": 0.4, "center": [0, 1.01, 0] } }, "material": "white" },
+            { "name": "lamp", "shape": { "disk": { "radius": 1.8 } }, "material": "black",
+              "emission": { "spectrum": "D65", "luminance": 10 },
+              "transform": [ { "rotate": { "axis": [1, 0, 0], "degrees": 180 } }, { "translate": [-0.4, 2.8, 0] } ] }
+        ],
+        "render": { "photons": 8000 }
+    })
+}
+
+/// Pixels that see the core's middle through the ball, as a mask of all pixels.
+fn sees_the_core(scene: &Value) -> Vec<bool> {
+    let job = job(scene);
+    let names = |object: u32| job.scene.objects[object as usize].name.as_str();
+    (0..FILM * FILM)
+        .map(|pixel| {
+            let film = glam::DVec2::new((pixel % FILM) as f64 + 0.5, (pixel / FILM) as f64 + 0.5);
+            let ray = job.scene.camera.ray(film, [0.5; 2]);
+            let mut seen = false;
+            job.scene.geometry.for_each_hit(&ray, None, |hit| seen |= names(hit.object) == "core");
+            seen
+        })
+        .collect()
+}
+
+/// Compares the two integrators on a scene after `passes` of each, in blocks of `side` pixels.
+fn compare_balls(name: &str, scene: &Value, passes: [u64; 2], side: usize) -> (Measured, Measured) {
+    const RADIUS: f64 = 0.1;
+    let everything = vec![true; FILM * FILM];
+    let path = Measured::new(scene, (Integrator::Path, passes[1]), 100..108, blocks(&everything, side));
+    let photon = photons(scene, RADIUS, passes[0], blocks(&everything, side));
+    let found = compare(&photon, &path);
+    println!("{name}, photon against path: {found}; standard errors {:.4}, {:.4}", photon.relative_error(), path.relative_error());
+    assert!(photon.relative_error() < 5e-3 && path.relative_error() < 5e-3, "too noisy to tell");
+    assert!(found.is_equal(), "{found}");
+    (photon, path)
+}
+
+/// Compares, and shows that a program that forgot n² would not pass: radiance inside glass is that outside times n², and without the
+/// factor the core would look so much darker.
+fn compare_with_missing_n2(name: &str, passes: [u64; 2], side: usize) {
+    let scene = ball(json!(1.5));
+    let (photon, path) = compare_balls(name, &scene, passes, side);
+    let share: Vec<f64> = sees_the_core(&scene).iter().map(|&core| f64::from(core)).collect();
+    let factors: Vec<f64> = share.iter().map(|core| 1.0 + core * (1.5_f64.powi(-2) - 1.0)).collect();
+    let factors = block_means(&factors, FILM, side, &vec![true; FILM * FILM]);
+    let mutant = Measured::combine(&[&photon, &Measured::from_runs(vec![factors; 8])], |l| l[0] * l[1]);
+    let found = compare(&mutant, &path);
+    println!("{name}, mutant missing n²: {found}");
+    assert!(!found.is_equal());
+}
+
+#[test]
+fn a_ball_of_glass_with_a_core_and_a_missing_n_squared() {
+    compare_with_missing_n2("ball, n = 1.5", [64, 96], 16);
+}
+
+#[test]
+#[ignore = "slow: two minutes of CPU time; finer blocks than the version above"]
+fn a_ball_of_glass_with_a_core_in_small_blocks() {
+    compare_with_missing_n2("ball in small blocks, n = 1.5", [512, 1024], 8);
+}
+
+#[test]
+fn a_ball_of_dispersive_glass_with_a_core() {
+    compare_balls("ball, SF10", &ball(json!("SF10")), [96, 160], 16);
+}
+
+#[test]
+#[ignore = "slow: three minutes of CPU time; finer blocks than the version above"]
+fn a_ball_of_dispersive_glass_with_a_core_in_small_blocks() {
+    compare_balls("ball in small blocks, SF10", &ball(json!("SF10")), [768, 2048], 8);
+}
