@@ -9,13 +9,14 @@ use std::path::{Path, PathBuf};
 
 fn job(text: &str, sets: &[&str]) -> Job {
     let sets: Vec<String> = sets.iter().map(|set| set.to_string()).collect();
-    let (scene, source) = file::parse(text, Path::new("test.json"), &sets).unwrap();
-    Job::new(resolve::resolve(&scene, &source).unwrap()).unwrap()
+    let (scene, source) = file::parse(text, Path::new("test.json"), &sets).expect("the test's scene is right");
+    let scene = resolve::resolve(&scene, &source).expect("the test's scene resolves");
+    Job::new(scene).expect("the test's scene has light")
 }
 
 fn render(job: &Job, integrator: Integrator, passes: u64) -> Rendered {
     let stop = StopRules { passes: Some(passes), ..StopRules::default() };
-    job.render(Request { integrator, stop }, &mut Unwatched).unwrap()
+    job.render(Request { integrator, stop }, &mut Unwatched).expect("the render ends")
 }
 
 fn mean_xyz(rendered: &Rendered) -> [f64; 3] {

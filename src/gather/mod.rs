@@ -3,14 +3,16 @@
 
 mod direct;
 mod estimate;
+mod landing;
 mod path_tracer;
 mod photon_gather;
 mod throughput;
 
 pub use direct::Direct;
 pub use estimate::{Maps, Radii, RadiusKind};
+pub use landing::Landing;
 pub use path_tracer::PathTracer;
-pub use photon_gather::{Gatherer, Landing, Scratch};
+pub use photon_gather::{Gatherer, Scratch};
 
 use crate::math::random::{Purpose, REPLICATES, Stream, hash64};
 use crate::math::sobol::{DIMENSIONS, Sobol};

@@ -86,7 +86,8 @@ fn frosted_glass_in_uniform_surroundings_never_shines_brighter() {
     // Rough glass loses what its facets scatter more than once: that much is the model's (Walter et al. 2007).
     let mut scene = ball(json!(1.5));
     scene["materials"]["glass"]["dielectric"]["roughness"] = json!(0.3);
-    let [photon, path] = [(Integrator::Photon, 64), (Integrator::Path, 64)].map(|way| Measured::new(&scene, way, 0..8, mean_y));
+    let [photon, path] =
+        [(Integrator::Photon, 64), (Integrator::Path, 64)].map(|way| Measured::new(&scene, way, 0..8, mean_y));
     let found = compare(&photon, &path);
     println!("furnace, frosted ball: {:.4}, photon against path: {found}", photon.mean(0));
     assert!(photon.mean(0) < 1.0 && photon.mean(0) > 0.9);

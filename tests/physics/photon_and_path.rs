@@ -17,17 +17,14 @@ fn blocks(mask: &[bool], side: usize) -> impl Fn(&Rendered) -> Vec<f64> + '_ {
 
 /// Photon mapping at radius 0, from two fixed first radii.
 fn photons(scene: &Value, radius: f64, passes: u64, take: impl Fn(&Rendered) -> Vec<f64>) -> Measured {
-    let [whole, half] = [radius, 0.5 * radius].map(|radius| {
-        Measured::new(&with_setting(scene, "radius", radius), (Integrator::Photon, passes), 0..8, &take)
-    });
+    let [whole, half] = [radius, 0.5 * radius]
+        .map(|radius| Measured::new(&with_setting(scene, "radius", radius), (Integrator::Photon, passes), 0..8, &take));
     Measured::extrapolated(&whole, &half)
 }
 
 /// A white box with one red and one green wall, a white ball and a lamp under the ceiling; `albedo` is that of the white.
 fn cornell(albedo: f64) -> Value {
-    let wall = |name: &str, material: &str, transform: Value| {
-        json!({ "name": name, "shape": { "rectangle": { "width": 2, "height": 2 } }, "material": material, "transform": transform })
-    };
+    let wall = |name: &str, material: &str, transform: Value| json!({ "name": name, "shape": { "rectangle": { "width": 2, "height": 2 } }, "material": material, "transform": transform });
     json!({
         "camera": { "from": [0, 0, 3.9], "at": [0, 0, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 38 } } },
         "film": { "width": FILM, "height": FILM },
@@ -59,11 +56,16 @@ fn a_diffuse_box_and_faults_in_it() {
     let path = Measured::new(&scene, (Integrator::Path, 96), 100..108, blocks(&mask, 8));
     let photon = photons(&scene, RADIUS, 24, blocks(&mask, 8));
     let found = compare(&photon, &path);
-    println!("box, photon against path: {found}; standard errors {:.4}, {:.4}", photon.relative_error(), path.relative_error());
+    println!(
+        "box, photon against path: {found}; standard errors {:.4}, {:.4}",
+        photon.relative_error(),
+        path.relative_error()
+    );
     assert!(photon.relative_error() < 5e-3 && path.relative_error() < 5e-3, "too noisy to tell");
     assert!(found.is_equal(), "{found}");
 
-    let brighter = compare(&photon, &Measured::new(&cornell(0.73 * 1.02), (Integrator::Path, 96), 100..108, blocks(&mask, 8)));
+    let brighter =
+        compare(&photon, &Measured::new(&cornell(0.73 * 1.02), (Integrator::Path, 96), 100..108, blocks(&mask, 8)));
     println!("box, mutant albedo × 1.02: {brighter}");
     assert!(!brighter.is_equal());
 
@@ -115,7 +117,11 @@ fn compare_balls(name: &str, scene: &Value, passes: [u64; 2], side: usize) -> (M
     let path = Measured::new(scene, (Integrator::Path, passes[1]), 100..108, blocks(&everything, side));
     let photon = photons(scene, RADIUS, passes[0], blocks(&everything, side));
     let found = compare(&photon, &path);
-    println!("{name}, photon against path: {found}; standard errors {:.4}, {:.4}", photon.relative_error(), path.relative_error());
+    println!(
+        "{name}, photon against path: {found}; standard errors {:.4}, {:.4}",
+        photon.relative_error(),
+        path.relative_error()
+    );
     assert!(photon.relative_error() < 5e-3 && path.relative_error() < 5e-3, "too noisy to tell");
     assert!(found.is_equal(), "{found}");
     (photon, path)
