@@ -12,7 +12,6 @@ use crate::plan::{IndirectPlan, Plan, WavelengthPlan};
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Lanes};
 use crate::walk::{Encounter, Sink, Start, Tally, draw_consistently, next};
-use glam::DVec3;
 
 /// Wavelength-free camera paths choose between reflection and refraction, and compare densities, at this wavelength (nm); what
 /// that does to other wavelengths is in the path's factors.

@@ -4,7 +4,7 @@
 //! centred on the origin and scaled by a power of two to a half-extent of 2⁹ to 2¹⁰. A ray's origin is first
 //! moved forward, in double precision, to where it enters that box. In this frame all rounding (of origin and
 //! direction to single precision, of the slab tests, of the boxes' compression) moves a plane by less than
-//! 2.3e-3; the boxes are padded by [`PADDING`], more than that, so that no primitive is ever missed. The padding
+//! 2.3e-3; the boxes are padded by `PADDING`, more than that, so that no primitive is ever missed. The padding
 //! also lifts every box that holds a ray's origin above the tree's built-in least distance of 1e-4, whatever the
 //! scene's true size.
 

@@ -383,7 +383,7 @@ fn shorten(word: &str) -> String {
     }
 }
 
-/// Whether a word is a number by JSON's grammar: -? (0 | [1-9][0-9]*) (. [0-9]+)? ([eE] [+-]? [0-9]+)?
+/// Whether a word is a number by JSON's grammar: -? (0 | \[1-9\]\[0-9\]*) (. \[0-9\]+)? (\[eE\] \[+-\]? \[0-9\]+)?
 fn is_number(word: &str) -> bool {
     let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
     let unsigned = word.strip_prefix('-').unwrap_or(word);

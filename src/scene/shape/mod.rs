@@ -1,6 +1,6 @@
 //! The shapes a scene is made of, in their own frames.
 //!
-//! Every shape answers the same four questions: where does a line cross it next ([`line`](mod@line)), which
+//! Every shape answers the same four questions: where does a line cross it next (`line`), which
 //! surface is at a point of it (position snapped to the surface, normal, uv), how large are its faces, and what
 //! is a uniform point on a face. The frame's origin and axes are those of the scene file; placing, tracing and
 //! sampling in the world are the business of [`geometry`](super::geometry).
