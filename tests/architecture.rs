@@ -50,6 +50,7 @@ const CRATES: [(&str, &[&str]); 22] = [
     ("clap", &["cli/"]),
     ("indicatif", &["cli/"]),
     ("maud", &["output/", "study/"]),
+    ("roxmltree", &["spectrum/"]),
     ("ctrlc", &["cli/"]),
     ("tobj", &["scene/mesh/"]),
     ("stl_io", &["scene/mesh/"]),

@@ -68,7 +68,7 @@ fn facets() -> Vec<Plane> {
         planes.push(star(k));
         planes.push(Plane::facing(45.0 * k, PAVILION_DEG - 90.0, DVec3::new(0.0, culet, 0.0)));
         // What stands between two mains, on either side of the middle at 22.5°.
-        let tip = meeting(&star(k), &bezel(k), &bezel(k + 1.0)).unwrap();
+        let tip = meeting(&star(k), &bezel(k), &bezel(k + 1.0)).expect("star and bezels meet in a point");
         let middle = 45.0 * k + 22.5;
         let slope = PAVILION_DEG.to_radians().tan() * 22.5_f64.to_radians().cos();
         let low = around(middle, LOWER_HALVES_REACH, culet + LOWER_HALVES_REACH * slope);
@@ -103,7 +103,7 @@ fn brilliant_obj() -> String {
     for corner in &corners {
         // Rounded before it is printed, and without a sign on 0.
         let corner = (*corner * 1e9).round() / 1e9 + DVec3::ZERO;
-        writeln!(text, "v {:.9} {:.9} {:.9}", corner.x, corner.y, corner.z).unwrap();
+        writeln!(text, "v {:.9} {:.9} {:.9}", corner.x, corner.y, corner.z).expect("a string takes all");
     }
     for plane in &planes {
         let mut face: Vec<usize> =
@@ -114,7 +114,7 @@ fn brilliant_obj() -> String {
         let angle = |i: usize| (corners[i] - centre).dot(v).atan2((corners[i] - centre).dot(u));
         face.sort_by(|&a, &b| angle(a).total_cmp(&angle(b)));
         let indices: Vec<String> = face.iter().map(|i| (i + 1).to_string()).collect();
-        writeln!(text, "f {}", indices.join(" ")).unwrap();
+        writeln!(text, "f {}", indices.join(" ")).expect("a string takes all");
     }
     text
 }

@@ -278,3 +278,23 @@ fn photons_with_shared_and_with_free_wavelengths_paint_the_same_floor() {
     // Šidák's bound for 16 blocks at 1 % is 3.4; Student's t with some 14 degrees of freedom makes it 4.3.
     assert!(worst < 4.3, "{worst}");
 }
+
+#[test]
+fn a_mixed_floor_sends_as_much_light_on_by_photons_as_by_paths() {
+    let text = r#"{
+  "camera": {"from": [0, 1, 3], "at": [0, 1, 0], "lens": {"pinhole": {"fov": 50}}},
+  "film": {"width": 12, "height": 12},
+  "materials": {
+    "white": {"diffuse": {"reflectance": 0.8}}, "mirror": {"mirror": {"reflectance": 0.8}},
+    "mixed": {"mix": [{"material": "white", "weight": 1}, {"material": "mirror", "weight": 1}]}},
+  "objects": [
+    {"shape": {"rectangle": {"width": 6, "height": 6}}, "material": "mixed"},
+    {"shape": {"rectangle": {"width": 6, "height": 6}}, "material": "white", "transform": [{"rotate": {"axis": [1, 0, 0], "degrees": 180}}, {"translate": [0, 2, 0]}]}],
+  "lights": [{"environment": {"spectrum": "E", "illuminance": 100}}],
+  "render": {"photons": 40000, "radius": 0.05}}"#;
+    let job = job(text, &[]);
+    let photon = render(&job, Integrator::Photon, 24).picture.mean_y();
+    let path = render(&job, Integrator::Path, 400).picture.mean_y();
+    println!("mixed floor: photon / path {:.4}", photon / path);
+    assert!((photon / path - 1.0).abs() < 0.02, "{photon} against {path}");
+}

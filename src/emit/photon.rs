@@ -138,7 +138,9 @@ pub fn trace<R: Receiver>(emitters: &Emitters<'_>, points: &Sobol, index: u64, r
         if encounter.crossed_hidden && flight.path == LightPath::Direct {
             flight.path = LightPath::Caustic;
         }
-        if matches!(encounter.surface.class(), Class::Diffuse | Class::Glossy) {
+        // Offered whichever component of a mix the photon drew: camera paths draw theirs anew.
+        let mut components = scene.materials[encounter.material].surface.components();
+        if components.any(|surface| matches!(surface.class(), Class::Diffuse | Class::Glossy)) {
             let (wavelengths, power) = (flight.wavelengths, flight.power);
             let arrival = Arrival { encounter: &encounter, path: flight.path, wavelengths, power, lane: flight.lane };
             receiver.arrive(&arrival, &mut stream);

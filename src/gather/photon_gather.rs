@@ -174,17 +174,13 @@ impl<'a> Gatherer<'a> {
 
     /// The lamps at infinity.
     fn look_outside<S: Sink>(&self, path: &CameraPath, sample: &mut Sample<'_, 'a, S>) {
-        let mut lamps: [Option<Found<'a>>; 4] = [None, None, None, None];
-        let mut count = 0;
-        self.direct.found_outside(path.start.ray.direction, path.counts, sample.tally, |lamp| {
-            if count < lamps.len() {
-                lamps[count] = Some(lamp);
-                count += 1;
-            }
+        let u = sample.numbers.wavelength;
+        let Sample { scratch, sink, tally, .. } = sample;
+        self.direct.found_outside(path.start.ray.direction, path.counts, tally, |lamp| {
+            each_wavelength(path.colour, &scratch.factors, lamp.light, u, |nm, share| {
+                sink.radiance(nm, share * lamp.light.shape_at(lamp.tint, nm) * lamp.radiance);
+            });
         });
-        for lamp in lamps.iter().flatten() {
-            self.add_lamp(path.colour, lamp, sample);
-        }
     }
 
     /// A lamp seen by the path.

@@ -76,7 +76,6 @@ impl<'a> Harvest<'a> {
 
 impl Receiver for Harvest<'_> {
     fn arrive(&mut self, arrival: &Arrival<'_>, stream: &mut Stream) {
-        let class = arrival.encounter.surface.class();
         let wanted = match arrival.path {
             LightPath::Direct => false,
             LightPath::Caustic => self.plan.caustics != CausticPlan::Absent,
@@ -86,7 +85,8 @@ impl Receiver for Harvest<'_> {
             return;
         }
         self.connect(arrival, stream);
-        if kept_in_map(arrival.path, class) {
+        let mut components = self.scene.materials[arrival.encounter.material].surface.components();
+        if components.any(|surface| kept_in_map(arrival.path, surface.class())) {
             self.tally.stored += 1;
             let placed = (stored(arrival), arrival.encounter.hit.position.as_vec3().to_array());
             match arrival.path {

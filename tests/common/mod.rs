@@ -55,12 +55,6 @@ pub(crate) fn mean_y(rendered: &Rendered) -> Vec<f64> {
     vec![rendered.picture.mean_y()]
 }
 
-/// Mean X, Y and Z over the picture.
-pub(crate) fn mean_xyz(rendered: &Rendered) -> [f64; 3] {
-    let pixels = &rendered.picture.xyz;
-    std::array::from_fn(|c| pixels.iter().map(|xyz| xyz[c]).sum::<f64>() / pixels.len() as f64)
-}
-
 /// Y of all pixels.
 pub(crate) fn all_y(rendered: &Rendered) -> Vec<f64> {
     rendered.picture.xyz.iter().map(|xyz| xyz[1]).collect()
