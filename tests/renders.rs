@@ -298,3 +298,20 @@ fn a_mixed_floor_sends_as_much_light_on_by_photons_as_by_paths() {
     println!("mixed floor: photon / path {:.4}", photon / path);
     assert!((photon / path - 1.0).abs() < 0.02, "{photon} against {path}");
 }
+
+#[test]
+fn two_prisms_give_back_the_lamps_white_at_the_centre() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/two_prisms.json");
+    let small = ["film.width=160", "film.height=90"].map(String::from);
+    let job = Job::new(resolve::load(&path, &small).unwrap()).unwrap();
+    let picture = render(&job, Integrator::Photon, 16).picture;
+    // The middle of the bright patch on the lower card.
+    let mut sum = [0.0; 3];
+    for (x, y) in (56..63).flat_map(|y| (127..130).map(move |x| (x, y))) {
+        (0..3).for_each(|c| sum[c] += picture.xyz[y * 160 + x][c]);
+    }
+    let [x, y] = colour::xy(sum);
+    let distance = ((x - 0.3127).powi(2) + (y - 0.3290).powi(2)).sqrt();
+    println!("two prisms: xy ({x:.4}, {y:.4}), Δxy {distance:.4}");
+    assert!(distance < 0.005, "({x}, {y})");
+}

@@ -97,9 +97,13 @@ pub fn all() -> &'static [Glass] {
     &GLASSES
 }
 
-/// The material of this name, without regard to case. Fails on an unknown name, with the nearest known one.
+/// The material of this name, without regard to case; without its qualifier ("water" for "water 20C") the first of that name. Fails on
+/// an unknown name, with the nearest known one.
 pub fn find(name: &str) -> Result<&'static Glass> {
-    let found = GLASSES.iter().find(|glass| glass.name.to_lowercase() == name.to_lowercase());
+    let wanted = name.to_lowercase();
+    let found = GLASSES.iter().find(|glass| glass.name.to_lowercase() == wanted);
+    let found =
+        found.or_else(|| GLASSES.iter().find(|glass| glass.name.to_lowercase().starts_with(&format!("{wanted} "))));
     found.ok_or_else(|| Error::unknown_name("glass", name, names()).expected("a name of `abbe glass --list`"))
 }
 
