@@ -242,9 +242,8 @@ impl Flight {
     }
 }
 
-/// The direction from an arrival back towards where the photon came from.
 impl Arrival<'_> {
-    /// Towards the light, unit.
+    /// The direction back towards where the photon came from, unit.
     pub fn to_light(&self) -> DVec3 {
         -self.encounter.incoming
     }

@@ -30,7 +30,7 @@ pub struct Gatherer<'a> {
     pub free: &'a Maps,
     /// Photons on the shared wavelengths.
     pub shared: &'a Maps,
-    /// The pass's shared wavelengths in nm, and their densities per nm.
+    /// The pass's shared wavelengths in nm.
     pub shared_nm: Lanes,
     /// Densities of the shared wavelengths, per nm.
     pub shared_pdf: Lanes,
@@ -106,13 +106,21 @@ impl<'a> Gatherer<'a> {
     /// Sends a path on once for each shared wavelength.
     fn split<S: Sink>(&self, path: CameraPath, sample: &mut Sample<'_, 'a, S>) {
         for lane in 0..LANES {
-            let (nm, pdf) = (self.shared_nm[lane], self.shared_pdf[lane]);
-            let throughput = product(&sample.scratch.factors, nm) / (pdf * LANES as f64);
-            sample.tally.shared_paths += 1;
-            if pdf > 0.0 && throughput > 0.0 {
-                self.follow(CameraPath { colour: Colour::Shared { lane, nm, throughput }, ..path }, sample);
+            if let Some(single) = self.on_lane(path, lane, sample) {
+                self.follow(single, sample);
             }
         }
+    }
+
+    /// A wavelength-free path, taken to one of the shared wavelengths; `None` where the lights have no power there.
+    fn on_lane<S: Sink>(&self, path: CameraPath, lane: usize, sample: &mut Sample<'_, 'a, S>) -> Option<CameraPath> {
+        let (nm, pdf) = (self.shared_nm[lane], self.shared_pdf[lane]);
+        if pdf <= 0.0 {
+            return None;
+        }
+        sample.tally.shared_paths += 1;
+        let throughput = product(&sample.scratch.factors, nm) / (pdf * LANES as f64);
+        Some(CameraPath { colour: Colour::Shared { lane, nm, throughput }, ..path })
     }
 
     fn follow<S: Sink>(&self, mut path: CameraPath, sample: &mut Sample<'_, 'a, S>) {
@@ -136,7 +144,7 @@ impl<'a> Gatherer<'a> {
                 };
             }
             if let Some(lamp) = self.direct.found_on_surface(encounter.incoming, &encounter.hit, path.counts) {
-                self.add_lamp(path.colour, &lamp, sample);
+                add_lamp(path.colour, &sample.scratch.factors, &lamp, sample.numbers.wavelength, sample.sink);
             }
             let goes_on = match encounter.surface.class() {
                 Class::Absorbing => false,
@@ -177,18 +185,7 @@ impl<'a> Gatherer<'a> {
         let u = sample.numbers.wavelength;
         let Sample { scratch, sink, tally, .. } = sample;
         self.direct.found_outside(path.start.ray.direction, path.counts, tally, |lamp| {
-            each_wavelength(path.colour, &scratch.factors, lamp.light, u, |nm, share| {
-                sink.radiance(nm, share * lamp.light.shape_at(lamp.tint, nm) * lamp.radiance);
-            });
-        });
-    }
-
-    /// A lamp seen by the path.
-    fn add_lamp<S: Sink>(&self, colour: Colour, lamp: &Found<'a>, sample: &mut Sample<'_, 'a, S>) {
-        let u = sample.numbers.wavelength;
-        let Sample { scratch, sink, .. } = sample;
-        each_wavelength(colour, &scratch.factors, lamp.light, u, |nm, share| {
-            sink.radiance(nm, share * lamp.light.shape_at(lamp.tint, nm) * lamp.radiance);
+            add_lamp(path.colour, &scratch.factors, &lamp, u, *sink);
         });
     }
 
@@ -298,8 +295,7 @@ impl<'a> Gatherer<'a> {
         let surface = encounter.surface;
         if surface.class() == Class::Glossy {
             // Rough dispersive glass: each wavelength scatters for itself, reflections included.
-            let start = *path;
-            self.split_at(start, encounter, None, sample);
+            self.split_at(*path, encounter, None, sample);
             return false;
         }
         // At the first surface both ways are followed; further on, one is drawn.
@@ -340,13 +336,9 @@ impl<'a> Gatherer<'a> {
     ) {
         let u = sample.numbers.stream.triple();
         for lane in 0..LANES {
-            let (nm, pdf) = (self.shared_nm[lane], self.shared_pdf[lane]);
-            if pdf <= 0.0 {
+            let Some(mut single) = self.on_lane(path, lane, sample) else {
                 continue;
-            }
-            let throughput = product(&sample.scratch.factors, nm) / (pdf * LANES as f64);
-            sample.tally.shared_paths += 1;
-            let mut single = CameraPath { colour: Colour::Shared { lane, nm, throughput }, ..path };
+            };
             let goes_on = match refracted {
                 Some(probability) => {
                     self.scatter_forced(&mut single, encounter, Event::Transmission, probability, sample)
@@ -463,6 +455,13 @@ fn survives<S: Sink>(scene: &Scene, path: &mut CameraPath, sample: &mut Sample<'
     }
     path.multiply(Factor::Grey(1.0 / survival), sample.scratch);
     true
+}
+
+/// Adds a lamp that a path sees; `u` shifts the wavelengths at which it is looked at.
+fn add_lamp<S: Sink>(colour: Colour, factors: &[Factor<'_>], lamp: &Found<'_>, u: f64, sink: &mut S) {
+    each_wavelength(colour, factors, lamp.light, u, |nm, share| {
+        sink.radiance(nm, share * lamp.light.shape_at(lamp.tint, nm) * lamp.radiance);
+    });
 }
 
 /// Calls `f` with wavelengths (nm) and what the path lets through there divided by their density: a stratified set drawn from the

@@ -141,7 +141,7 @@ impl Job {
             seconds: Seconds::default(),
         };
         let pilot = match request.integrator {
-            Integrator::Photon => Some(Pilot::fly(self, &mut run.seconds)?),
+            Integrator::Photon => Some(Pilot::fly(self, &mut run.seconds)),
             Integrator::Path => None,
         };
         let wanted = request.stop.passes.or_else(|| {
@@ -153,8 +153,8 @@ impl Job {
         let mut pass = 0;
         while wanted.is_none_or(|wanted| pass < wanted) {
             match &pilot {
-                Some(pilot) => pass::photon_pass(self, pilot, pass, &mut run)?,
-                None => pass::path_pass(self, pass, &mut run)?,
+                Some(pilot) => pass::photon_pass(self, pilot, pass, &mut run),
+                None => pass::path_pass(self, pass, &mut run),
             }
             pass += 1;
             let elapsed = start.elapsed();

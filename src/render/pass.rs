@@ -4,7 +4,6 @@ use super::harvest::{Harvest, Placed, Set};
 use super::pilot::Pilot;
 use super::{Job, Run};
 use crate::emit::{Emitters, Wavelengthed, trace};
-use crate::error::Result;
 use crate::gather::{CameraNumbers, Direct, Gatherer, Maps, PathTracer, Scratch, golden};
 use crate::map::{PhotonIndex, radius};
 use crate::math::random::{Purpose, REPLICATES, hash64};
@@ -92,7 +91,7 @@ pub(super) fn emit(
 }
 
 /// One pass of photon mapping.
-pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) -> Result<()> {
+pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) {
     let begun = Instant::now();
     let (nm, pdf) = shared_wavelengths(job, pass);
     let film = &run.film;
@@ -124,7 +123,7 @@ pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) ->
         max_depth: job.budget.max_depth,
     };
     let seed = job.budget.seed;
-    expose_rows(run, pass, |row, tally| {
+    expose_rows(run, |row, tally| {
         let mut scratch = Scratch::default();
         row.expose(pass, |pixel, sink| {
             let numbers = CameraNumbers::new(seed, pass, pixel as u64);
@@ -147,11 +146,10 @@ pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) ->
         ledger.scale(count as f64 / total);
         run.ledger.add(&ledger);
     }
-    Ok(())
 }
 
 /// One pass of path tracing.
-pub(super) fn path_pass(job: &Job, pass: u64, run: &mut Run) -> Result<()> {
+pub(super) fn path_pass(job: &Job, pass: u64, run: &mut Run) {
     let begun = Instant::now();
     let tracer = PathTracer {
         scene: &job.scene,
@@ -160,18 +158,17 @@ pub(super) fn path_pass(job: &Job, pass: u64, run: &mut Run) -> Result<()> {
         max_depth: job.budget.max_depth,
     };
     let seed = job.budget.seed;
-    expose_rows(run, pass, |row, tally| {
+    expose_rows(run, |row, tally| {
         row.expose(pass, |pixel, sink| {
             tracer.sample(pixel as u64, CameraNumbers::new(seed, pass, pixel as u64), tally, sink);
         })
     });
     run.film.count_pass(pass);
     run.seconds.gather += begun.elapsed().as_secs_f64();
-    Ok(())
 }
 
 /// Exposes all rows of the film in parallel.
-fn expose_rows(run: &mut Run, _pass: u64, expose: impl Fn(&mut FilmRow<'_>, &mut Tally) -> u64 + Sync) {
+fn expose_rows(run: &mut Run, expose: impl Fn(&mut FilmRow<'_>, &mut Tally) -> u64 + Sync) {
     let rows: Vec<FilmRow<'_>> = run.film.rows().collect();
     let tallies: Vec<Tally> = rows
         .into_par_iter()

@@ -5,7 +5,6 @@ use super::harvest::Set;
 use super::pass::{emit, shared_wavelengths};
 use super::{Job, Seconds};
 use crate::emit::{Aim, Arrival, CELLS, Emitters, Receiver, Wavelengthed, trace};
-use crate::error::Result;
 use crate::gather::{CameraNumbers, Direct, Gatherer, Landing, Maps, Radii, RadiusKind, Scratch};
 use crate::map::{PhotonIndex, radius};
 use crate::math::random::{Purpose, Stream};
@@ -42,7 +41,7 @@ const LEAST_SHARE: f64 = 0.08;
 
 impl Pilot {
     /// Flies the pilot.
-    pub(super) fn fly(job: &Job, seconds: &mut Seconds) -> Result<Self> {
+    pub(super) fn fly(job: &Job, seconds: &mut Seconds) -> Self {
         let begun = Instant::now();
         let plain = vec![Aim::plain(); job.scene.lights.len()];
         let aims = match job.plan.aim {
@@ -57,9 +56,9 @@ impl Pilot {
             WavelengthPlan::Shared => (pilot.free_photons, pilot.shared_photons) = (0, job.budget.photons),
             WavelengthPlan::Both => {}
         }
-        pilot.measure(job)?;
+        pilot.measure(job);
         seconds.pilot += begun.elapsed().as_secs_f64();
-        Ok(pilot)
+        pilot
     }
 
     /// What emits a set of photons.
@@ -77,7 +76,7 @@ impl Pilot {
     }
 
     /// Fixes the radii and the shares of the two sets.
-    fn measure(&mut self, job: &Job) -> Result<()> {
+    fn measure(&mut self, job: &Job) {
         let (nm, pdf) = shared_wavelengths(job, 0);
         let observer = job.scene.film.observer;
         let blank = Film::new(1, 1, observer, 0);
@@ -117,7 +116,6 @@ impl Pilot {
             self.edges = edges(&seen, &self.radii, width);
         }
         self.share_photons(job, landings);
-        Ok(())
     }
 
     fn measure_row<'a>(
@@ -197,8 +195,8 @@ const EDGE_SHARE: f64 = 0.1;
 /// Where the first kernel spans more pixels than this, too few photons fall on a single pixel for connections to serve it.
 const SPARSE_PIXELS: f64 = 5.0;
 
-/// Marks the pixels from whose surface the kernel would reach over an edge: a neighbour, as far as half a kernel away, sees no
-/// surface, or one that does not continue this one (at least the neighbouring pixel is asked).
+/// Marks the pixels from whose surface the kernel would reach over an edge: a pixel [`EDGE_SHARE`] of a kernel away, at least the
+/// neighbour, sees no surface, or one that does not continue this one.
 fn edges(seen: &[Option<Landing>], radii: &[Radii], width: usize) -> Vec<bool> {
     let height = seen.len() / width;
     let is_edge = |pixel: usize| {
