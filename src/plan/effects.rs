@@ -20,8 +20,12 @@ pub struct Effect {
     pub cost: &'static str,
     /// What its absence means.
     pub absent: &'static str,
-    /// The names of the scene's things that call for it, and what they are; empty if nothing does.
-    calls: fn(&Facts) -> (Vec<String>, &'static str),
+    /// What calls for it.
+    called_by: &'static str,
+    /// Why it is off where nothing does.
+    uncalled: &'static str,
+    /// The names of the scene's things that call for it; empty if nothing does.
+    calls: fn(&Facts) -> Vec<String>,
     /// Switches it on or off in a plan.
     set: fn(&mut Plan, &Facts, bool),
 }
@@ -34,7 +38,9 @@ pub const EFFECTS: [Effect; 10] = [
         read_by: "gather (camera paths), emit (the shared photon set)",
         cost: "four camera paths behind dispersive glass, and a second photon set on the pass's shared wavelengths",
         absent: "one photon set; camera paths stay functions of wavelength; no shared wavelength is drawn",
-        calls: |facts| (facts.dispersive.clone(), "dispersive glass"),
+        called_by: "dispersive glass",
+        uncalled: "no glass whose index depends on the wavelength",
+        calls: |facts| facts.dispersive.clone(),
         set: |plan, _, on| plan.wavelengths = if on { WavelengthPlan::Both } else { WavelengthPlan::Free },
     },
     Effect {
@@ -43,7 +49,9 @@ pub const EFFECTS: [Effect; 10] = [
         read_by: "gather (camera paths), emit (the shared photon set)",
         cost: "every camera path at the pass's shared wavelengths: more colour noise; for tests",
         absent: "camera paths stay wavelength-free until they refract dispersively",
-        calls: |_| (Vec::new(), "nothing: only for comparing"),
+        called_by: "nothing",
+        uncalled: "no scene calls for it: it is there to compare with",
+        calls: |_| Vec::new(),
         set: |plan, _, on| {
             if on {
                 plan.wavelengths = WavelengthPlan::Shared;
@@ -56,13 +64,9 @@ pub const EFFECTS: [Effect; 10] = [
         read_by: "emit (what photons are kept or connected)",
         cost: "a photon's path through the glass, a shadow ray to the camera, 56 bytes in the map",
         absent: "no photon is kept or connected on its way from mirrors and glass",
-        calls: |facts| {
-            if facts.diffuse.is_empty() && facts.glossy.is_empty() {
-                (Vec::new(), "no surface for a caustic to fall on")
-            } else {
-                (facts.specular.clone(), "mirrors or glass")
-            }
-        },
+        called_by: "mirrors or glass",
+        uncalled: "no mirror or glass, or no surface for its light to fall on",
+        calls: |facts| if facts.scatters() { facts.specular.clone() } else { Vec::new() },
         set: |plan, _, on| plan.caustics = if on { CausticPlan::Photons } else { CausticPlan::Absent },
     },
     Effect {
@@ -70,11 +74,10 @@ pub const EFFECTS: [Effect; 10] = [
         field: "indirect",
         read_by: "emit (what photons are kept), gather (map queries)",
         cost: "56 bytes a photon event, the tree, one query a camera path",
-        absent: "photons end at the first diffuse surface's far side: none is kept after scattering",
-        calls: |facts| {
-            let reflecting = [facts.diffuse.as_slice(), &facts.glossy].concat();
-            (reflecting, "surfaces that pass light on")
-        },
+        absent: "no photon is kept once it has been scattered",
+        called_by: "surfaces that pass light on",
+        uncalled: "no surface passes light on",
+        calls: |facts| [facts.diffuse.as_slice(), &facts.glossy].concat(),
         set: |plan, _, on| plan.indirect = if on { IndirectPlan::Photons } else { IndirectPlan::Absent },
     },
     Effect {
@@ -83,10 +86,9 @@ pub const EFFECTS: [Effect; 10] = [
         read_by: "gather (shadow rays)",
         cost: "a shadow ray for each lamp, and a scattered ray where a lamp can be hit",
         absent: "no shadow ray",
-        calls: |facts| {
-            let scattering = !(facts.diffuse.is_empty() && facts.glossy.is_empty());
-            (if scattering { facts.lights.clone() } else { Vec::new() }, "lamps within reach of shadow rays")
-        },
+        called_by: "lamps within reach of shadow rays",
+        uncalled: "no surface for a lamp to light, or no lamp",
+        calls: |facts| if facts.scatters() { facts.lights.clone() } else { Vec::new() },
         set: |plan, facts, on| {
             plan.direct = match (on, facts.hittable_lights.is_empty()) {
                 (false, _) => DirectPlan::Absent,
@@ -101,9 +103,11 @@ pub const EFFECTS: [Effect; 10] = [
         read_by: "gather (camera rays), emit (connections)",
         cost: "a point on the lens for each camera ray and connection",
         absent: "all rays start at the pinhole; no lens point is drawn",
+        called_by: "the camera's opening",
+        uncalled: "the camera is a pinhole",
         calls: |facts| {
-            let opening = facts.aperture_nm.map(|nm| format!("opening of radius {:.3} mm", nm as f64 * 1e-6));
-            (opening.into_iter().collect(), "the camera's lens")
+            let opening = facts.aperture_nm.map(|nm| format!("of radius {:.3} mm", nm as f64 * 1e-6));
+            opening.into_iter().collect()
         },
         set: |plan, _, on| plan.aperture = if on { AperturePlan::ThinLens } else { AperturePlan::Pinhole },
     },
@@ -113,7 +117,9 @@ pub const EFFECTS: [Effect; 10] = [
         read_by: "gather (rays that leave the scene)",
         cost: "a look at the surroundings for each ray that leaves the scene",
         absent: "rays that leave the scene find nothing",
-        calls: |facts| (facts.surroundings.clone(), "light from infinity"),
+        called_by: "light from infinity",
+        uncalled: "no light from infinity",
+        calls: |facts| facts.surroundings.clone(),
         set: |plan, _, on| plan.environment = if on { EnvironmentPlan::Looked } else { EnvironmentPlan::Absent },
     },
     Effect {
@@ -122,7 +128,9 @@ pub const EFFECTS: [Effect; 10] = [
         read_by: "gather (camera paths go on)",
         cost: "a longer camera path with shadow rays at each rough surface",
         absent: "no such event",
-        calls: |facts| (facts.glossy.clone(), "rough or coated surfaces"),
+        called_by: "rough or coated surfaces",
+        uncalled: "no rough or coated surface",
+        calls: |facts| facts.glossy.clone(),
         set: |plan, _, on| plan.roughness = if on { RoughnessPlan::Sampled } else { RoughnessPlan::Absent },
     },
     Effect {
@@ -131,7 +139,9 @@ pub const EFFECTS: [Effect; 10] = [
         read_by: "walk (stretches inside bodies)",
         cost: "an exponential per wavelength and stretch",
         absent: "bodies are clear",
-        calls: |facts| (facts.absorbing_bodies.clone(), "absorbing glass or liquid"),
+        called_by: "absorbing glass or liquid",
+        uncalled: "no absorbing glass or liquid",
+        calls: |facts| facts.absorbing_bodies.clone(),
         set: |plan, _, on| plan.absorption = if on { AbsorptionPlan::Beer } else { AbsorptionPlan::Absent },
     },
     Effect {
@@ -140,13 +150,9 @@ pub const EFFECTS: [Effect; 10] = [
         read_by: "emit (where lights send photons)",
         cost: "a pilot of some photons, and a table look-up a photon",
         absent: "photons start as the lights shine",
-        calls: |facts| {
-            if facts.diffuse.is_empty() && facts.glossy.is_empty() {
-                (Vec::new(), "no photon is used")
-            } else {
-                (facts.specular.clone(), "mirrors or glass that fill only a part of the lights' view")
-            }
-        },
+        called_by: "mirrors or glass that fill only a part of the lights' view",
+        uncalled: "no mirror or glass to aim at, or no surface for its light to fall on",
+        calls: |facts| if facts.scatters() { facts.specular.clone() } else { Vec::new() },
         set: |plan, _, on| plan.aim = if on { AimPlan::Learned } else { AimPlan::Plain },
     },
 ];
@@ -217,7 +223,7 @@ pub(super) fn decide(facts: &Facts, force: &[String], forbid: &[String]) -> Resu
     };
     let mut rows = Vec::with_capacity(EFFECTS.len());
     for effect in &EFFECTS {
-        let (callers, what) = (effect.calls)(facts);
+        let callers = (effect.calls)(facts);
         let named = |list: &[String]| list.iter().any(|name| name == effect.name);
         let state = match (callers.is_empty(), named(force), named(forbid)) {
             (_, _, true) if callers.is_empty() => State::Off,
@@ -228,9 +234,9 @@ pub(super) fn decide(facts: &Facts, force: &[String], forbid: &[String]) -> Resu
         };
         (effect.set)(&mut plan, facts, state.is_on());
         let because = match state {
-            State::On | State::Forbidden => format!("{what}: {}", listed(&callers)),
-            State::Off => format!("no {what}").replace("no no ", "no ").replace("no nothing", "nothing"),
-            State::Forced => format!("asked for by name; the scene has no {what}").replace("no nothing", "nothing"),
+            State::On | State::Forbidden => format!("{}: {}", effect.called_by, listed(&callers)),
+            State::Off => effect.uncalled.to_owned(),
+            State::Forced => format!("asked for by name; {}", effect.uncalled),
         };
         rows.push(Row { effect, state, because });
     }

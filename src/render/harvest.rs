@@ -27,7 +27,7 @@ pub(super) enum Set {
 pub(super) struct Harvest<'a> {
     scene: &'a Scene,
     plan: &'a Plan,
-    connects: bool,
+    set: Set,
     /// Pixels at edges of surfaces; none if empty.
     edges: &'a [bool],
     pub(super) caustic: Vec<Placed>,
@@ -38,18 +38,7 @@ pub(super) struct Harvest<'a> {
 
 impl<'a> Harvest<'a> {
     pub(super) fn new(scene: &'a Scene, plan: &'a Plan, set: Set, edges: &'a [bool], splats: SplatSink) -> Self {
-        // Camera paths that take shared wavelengths from the start leave connections to nobody: the map serves them.
-        let connects = set == Set::Free && plan.wavelengths != WavelengthPlan::Shared;
-        Self {
-            scene,
-            plan,
-            connects,
-            edges,
-            caustic: Vec::new(),
-            indirect: Vec::new(),
-            splats,
-            tally: Tally::default(),
-        }
+        Self { scene, plan, set, edges, caustic: Vec::new(), indirect: Vec::new(), splats, tally: Tally::default() }
     }
 
     /// Connects an arrival to the camera, where the partition leaves pixels of this view to connections.
@@ -57,7 +46,9 @@ impl<'a> Harvest<'a> {
         let class = arrival.encounter.surface.class();
         let connects = |view| estimator(arrival.path, class, view) == Estimator::Connection;
         let (seen, at_edge) = (connects(View::Seen), connects(View::SeenAtEdge) && !self.edges.is_empty());
-        if !(self.connects && (seen || at_edge)) {
+        // Camera paths that take shared wavelengths from the start leave connections to nobody: the map serves them.
+        let free = self.set == Set::Free && self.plan.wavelengths != WavelengthPlan::Shared;
+        if !(free && (seen || at_edge)) {
             return;
         }
         let edges = self.edges;
@@ -98,6 +89,7 @@ impl Receiver for Harvest<'_> {
 
     fn depart(&mut self, _light: usize, _cell: usize) {
         self.tally.photons += 1;
+        self.tally.shared_photons += u64::from(self.set == Set::Shared);
         self.tally.aimed += u64::from(self.plan.aim == crate::plan::AimPlan::Learned);
     }
 }

@@ -193,7 +193,7 @@ fn first_radius(job: &Job, landing: &Landing, map: &PhotonIndex, largest_pixels:
 const EDGE_SHARE: f64 = 0.1;
 
 /// Where the first kernel spans more pixels than this, too few photons fall on a single pixel for connections to serve it.
-const SPARSE_PIXELS: f64 = 5.0;
+const SPARSE_PIXELS: f64 = 12.0;
 
 /// Marks the pixels from whose surface the kernel would reach over an edge: a pixel [`EDGE_SHARE`] of a kernel away, at least the
 /// neighbour, sees no surface, or one that does not continue this one.

@@ -1,7 +1,7 @@
 //! What a render measured: for `--stats`, headers and tests.
 
 use super::{Job, Run};
-use crate::plan::{State, explain};
+use crate::plan::{State, WavelengthPlan, explain};
 use crate::sensor::Picture;
 use crate::walk::Tally;
 use crate::walk::ledger::Ledger;
@@ -75,6 +75,8 @@ pub struct Stats {
     pub passes: u64,
     /// Photon paths emitted.
     pub photons_emitted: u64,
+    /// Those of them on the passes' shared wavelengths.
+    pub photons_shared: u64,
     /// Photons stored in maps.
     pub photons_stored: u64,
     /// Wall-clock seconds.
@@ -104,6 +106,7 @@ impl Stats {
         Self {
             passes,
             photons_emitted: run.tally.photons,
+            photons_shared: run.tally.shared_photons,
             photons_stored: run.tally.stored,
             seconds: run.seconds,
             photons_per_second: if emit_seconds > 0.0 { run.tally.photons as f64 / emit_seconds } else { 0.0 },
@@ -140,7 +143,7 @@ fn ledger_stats(job: &Job, ledger: &Ledger) -> LedgerStats {
 fn effect_stats(job: &Job, tally: &Tally) -> BTreeMap<&'static str, EffectStats> {
     let events = |name: &str| match name {
         "dispersion" => tally.dispersions,
-        "shared" => tally.shared_paths,
+        "shared" if job.plan.wavelengths == WavelengthPlan::Shared => tally.shared_paths,
         "caustics" => tally.connections,
         "indirect" => tally.map_queries,
         "direct" => tally.shadow_rays,

@@ -29,6 +29,11 @@ pub struct Facts {
 }
 
 impl Facts {
+    /// Whether any surface spreads the light that falls on it.
+    pub fn scatters(&self) -> bool {
+        !(self.diffuse.is_empty() && self.glossy.is_empty())
+    }
+
     /// Looks a scene over.
     pub fn of(scene: &Scene) -> Self {
         let mut facts = Self::default();

@@ -5,6 +5,8 @@
 pub struct Tally {
     /// Photon paths emitted.
     pub photons: u64,
+    /// Those of them on the pass's shared wavelengths.
+    pub shared_photons: u64,
     /// Photons stored in maps.
     pub stored: u64,
     /// Photon hits connected to the camera.
@@ -35,6 +37,7 @@ impl Tally {
     /// Adds another's counts.
     pub fn add(&mut self, other: &Self) {
         self.photons += other.photons;
+        self.shared_photons += other.shared_photons;
         self.stored += other.stored;
         self.connections += other.connections;
         self.map_queries += other.map_queries;

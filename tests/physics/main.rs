@@ -6,7 +6,10 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod caustic_colours;
+mod free_and_shared;
 mod furnace;
 mod irradiance;
 mod photon_and_path;
 mod prism;
+mod references;

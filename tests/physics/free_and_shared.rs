@@ -1,0 +1,199 @@
+//! Photons with wavelengths of their own and photons on the pass's shared wavelengths converge to the same picture, and the dispersive glass
+//! in a scene makes only those pixels noisier that look through it.
+
+use crate::common::compare::{Measured, compare};
+use crate::common::{block_means, diffuse, glass, job, render, with_setting};
+use abbe::emit::LightChoice;
+use abbe::render::{Integrator, Job, Rendered};
+use glam::DVec2;
+use serde_json::{Value, json};
+
+/// X, Y and Z in blocks of a square picture.
+fn colour_blocks(width: usize, side: usize) -> impl Fn(&Rendered) -> Vec<f64> {
+    move |rendered| {
+        let everything = vec![true; width * width];
+        let channel = |c: usize| rendered.picture.xyz.iter().map(|xyz| xyz[c]).collect::<Vec<_>>();
+        (0..3).flat_map(|c| block_means(&channel(c), width, side, &everything)).collect()
+    }
+}
+
+/// The caustic of a ball of dense flint, seen from below the ball: nothing but floor in view.
+fn floor_only() -> Value {
+    json!({
+        "camera": { "from": [-0.6, 0.45, 2.0], "at": [-0.6, 0, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 20 } } },
+        "film": { "width": 16, "height": 16 },
+        "materials": { "grey": diffuse(0.5), "black": "absorber", "flint": glass("SF10") },
+        "objects": [
+            { "shape": { "rectangle": { "width": 10, "height": 10 } }, "material": "grey" },
+            { "shape": { "sphere": { "radius": 1, "center": [0, 1.6, 0] } }, "material": "flint" },
+            { "shape": { "rectangle": { "width": 1, "height": 1 } }, "material": "black",
+              "emission": { "spectrum": "D65", "luminance": 1000 },
+              "transform": [ { "rotate": { "axis": [0, 0, 1], "degrees": 158 } }, { "translate": [2, 6, 0] } ] }
+        ],
+        "render": { "photons": 20000 }
+    })
+}
+
+#[test]
+fn forced_onto_shared_wavelengths_a_picture_of_a_floor_stays_the_same() {
+    let take = colour_blocks(16, 8);
+    let scene = floor_only();
+    let free = Measured::new(&scene, (Integrator::Photon, 16), 0..8, &take);
+    let forced = with_setting(&scene, "force", json!(["shared"]));
+    let [whole, half] = [0.1, 0.05].map(|radius| {
+        Measured::new(&with_setting(&forced, "radius", radius), (Integrator::Photon, 32), 100..108, &take)
+    });
+    let shared = Measured::extrapolated(&whole, &half);
+    let found = compare(&free, &shared);
+    println!(
+        "floor only, free against shared: {found}; standard errors {:.4}, {:.4}",
+        free.relative_error(),
+        shared.relative_error()
+    );
+    assert!(free.relative_error() < 1e-2 && shared.relative_error() < 1e-2, "too noisy to tell");
+    assert!(found.is_equal(), "{found}");
+}
+
+/// A small flint ball on a floor under a large lamp, seen through a flint prism that bends the view down to its caustic.
+fn through_a_prism() -> Value {
+    json!({
+        "camera": { "from": [-3.2, 1.25, 0], "at": [-2.5, 1.5, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 12 } } },
+        "film": { "width": 16, "height": 16 },
+        "materials": { "grey": diffuse(0.5), "black": "absorber", "flint": glass("N-SF11") },
+        "objects": [
+            { "shape": { "rectangle": { "width": 12, "height": 6 } }, "material": "grey" },
+            { "shape": { "prism": { "side": 1, "length": 1, "apex": 45 } }, "material": "flint",
+              "transform": [ { "translate": [-2.5, 1.5, 0] } ] },
+            { "shape": { "sphere": { "radius": 0.3, "center": [1.6, 0.5, 0] } }, "material": "flint" },
+            { "shape": { "disk": { "radius": 1 } }, "material": "black", "emission": { "spectrum": "D65", "luminance": 100 },
+              "transform": [ { "rotate": { "axis": [1, 0, 0], "degrees": 180 } }, { "translate": [1.6, 1.8, 0] } ] }
+        ],
+        "render": { "photons": 10000 }
+    })
+}
+
+#[test]
+fn a_caustic_seen_through_a_dispersive_prism_keeps_its_energy() {
+    let take = colour_blocks(16, 8);
+    let scene = through_a_prism();
+    let path = Measured::new(&scene, (Integrator::Path, 512), 100..108, &take);
+    let [whole, half] = [0.06, 0.03]
+        .map(|radius| Measured::new(&with_setting(&scene, "radius", radius), (Integrator::Photon, 64), 0..8, &take));
+    let photon = Measured::extrapolated(&whole, &half);
+    let found = compare(&photon, &path);
+    println!(
+        "caustic through a prism, photon against path: {found}; standard errors {:.4}, {:.4}",
+        photon.relative_error(),
+        path.relative_error()
+    );
+    assert!(photon.relative_error() < 1e-2 && path.relative_error() < 1e-2, "too noisy to tell");
+    assert!(found.is_equal(), "{found}");
+}
+
+/// S1 of the benchmark scenes, near its caustic, with another index for the ball.
+pub(crate) fn s1(ior: Value, force: &[&str]) -> Value {
+    let mut scene: Value =
+        serde_json::from_str(include_str!("../../benches/scenes/s1_ball.json")).expect("s1_ball.json");
+    scene["camera"]["at"] = json!([-0.508, 0, 0.014]);
+    scene["camera"]["lens"] = json!({ "pinhole": { "fov": 6.4 } });
+    scene["film"] = json!({ "width": FILM, "height": FILM });
+    scene["materials"]["bk7"]["dielectric"]["ior"] = ior;
+    scene["render"] = json!({ "photons": 20000, "force": force });
+    scene
+}
+
+/// Pixels on a side of [`s1`]'s film.
+const FILM: usize = 32;
+
+/// Pixels nowhere of which the ball is seen.
+pub(crate) fn beside_the_ball(scene: &Value) -> Vec<usize> {
+    let job = job(scene);
+    let camera = &job.scene.camera;
+    let width = camera.width();
+    let sees_floor = |film: DVec2| {
+        let hit = job.scene.geometry.intersect(&camera.ray(film, [0.5; 2]), None, f64::INFINITY);
+        hit.is_some_and(|hit| job.scene.objects[hit.object as usize].name == "floor")
+    };
+    let places = |pixel: usize| {
+        let corner = DVec2::new((pixel % width) as f64, (pixel / width) as f64);
+        (0..25).map(move |i| corner + DVec2::new(f64::from(i % 5), f64::from(i / 5)) * 0.25)
+    };
+    (0..camera.pixel_count()).filter(|&pixel| places(pixel).all(sees_floor)).collect()
+}
+
+/// Pixels' means and variances over runs.
+type Moments = (Vec<[f64; 3]>, Vec<[f64; 3]>);
+
+/// Means over several runs of X, Y and Z pixel by pixel, and their variances in one run.
+fn moments(scene: &Value) -> Moments {
+    const RUNS: usize = 12;
+    let runs: Vec<Vec<[f64; 3]>> = (0..RUNS as u64)
+        .map(|seed| render(&with_setting(scene, "seed", seed), Integrator::Photon, 8).picture.xyz)
+        .collect();
+    let over_runs =
+        |pixel: usize, c: usize, f: &dyn Fn(f64) -> f64| runs.iter().map(|run| f(run[pixel][c])).sum::<f64>();
+    let mean = |p: usize| std::array::from_fn(|c| over_runs(p, c, &|v| v) / RUNS as f64);
+    let means: Vec<[f64; 3]> = (0..FILM * FILM).map(mean).collect();
+    let variance =
+        |p: usize| std::array::from_fn(|c| over_runs(p, c, &|v| (v - means[p][c]).powi(2)) / (RUNS - 1) as f64);
+    let variances = (0..FILM * FILM).map(variance).collect();
+    (means, variances)
+}
+
+/// How much larger the mean square of what a photon adds to X, Y and Z is if it carries one wavelength and not four stratified ones.
+fn spread_of_colour(job: &Job) -> [f64; 3] {
+    const STEPS: usize = 4000;
+    let choice = LightChoice::new(&job.scene).expect("a light");
+    let observer = job.scene.film.observer;
+    let values: Vec<[f64; 3]> = (0..STEPS)
+        .map(|i| {
+            let (nm, pdf) = choice.wavelengths.sample((i as f64 + 0.5) / STEPS as f64);
+            observer.xyz_bar(nm).map(|bar| bar * job.scene.lights[0].spectrum.at(nm) / pdf)
+        })
+        .collect();
+    std::array::from_fn(|c| {
+        let mean = |of: &[[f64; 3]]| of.iter().map(|value| value[c]).sum::<f64>() / of.len() as f64;
+        let square = values.iter().map(|value| value[c].powi(2)).sum::<f64>() / STEPS as f64;
+        let between: f64 = values.chunks(STEPS / 4).map(|quarter| mean(quarter).powi(2)).sum::<f64>() / 4.0;
+        // One from each quarter: the quarters' own variances, over 4·4 for each of the four.
+        let of_four = mean(&values).powi(2) + (square - between) / 4.0;
+        square / of_four
+    })
+}
+
+#[test]
+fn dispersion_in_the_ball_makes_the_caustic_beside_it_no_noisier_than_its_colours_do() {
+    let cauchy = json!({ "cauchy": { "a": 1.5046, "b": 0.0042 } });
+    let n_550 = 1.5046 + 0.0042 / 0.55_f64.powi(2);
+    let dispersive_scene = s1(cauchy.clone(), &[]);
+    let beside = beside_the_ball(&dispersive_scene);
+    let (mean, dispersive) = moments(&dispersive_scene);
+    let (fixed_mean, fixed) = moments(&s1(json!(n_550), &[]));
+    let (_, shared) = moments(&s1(cauchy, &["shared"]));
+    // The core: where either ball makes the floor as bright as the rest of it in full light.
+    let core: Vec<usize> = beside.into_iter().filter(|&p| mean[p][1].min(fixed_mean[p][1]) > 0.5).collect();
+    // Photons arrive at random, so the variance is proportional to the light: per unit of light it tells how unequal the photons are.
+    let per_light = |means: &[[f64; 3]], variances: &[[f64; 3]], c: usize| {
+        core.iter().map(|&p| variances[p][c]).sum::<f64>() / core.iter().map(|&p| means[p][c]).sum::<f64>()
+    };
+    assert!(core.len() > 30, "{} pixels", core.len());
+    let stats = render(&dispersive_scene, Integrator::Photon, 1).stats;
+    let free = 1.0 - stats.photons_shared as f64 / stats.photons_emitted as f64;
+    let spread = spread_of_colour(&job(&dispersive_scene));
+    println!(
+        "S1 core, {} pixels, variance per unit of light with the ball dispersive over that with n(550 nm):",
+        core.len()
+    );
+    for (c, channel) in ["X", "Y", "Z"].iter().enumerate() {
+        let of_fixed = per_light(&fixed_mean, &fixed, c);
+        let (ratio, all_shared) =
+            (per_light(&mean, &dispersive, c) / of_fixed, per_light(&mean, &shared, c) / of_fixed);
+        let explained = spread[c] / free;
+        println!(
+            "{channel}: {ratio:.2}, {explained:.2} explained; with every path on shared wavelengths {all_shared:.1}"
+        );
+        // More than the colours explain is left because photons' stratified origins are worth less where each wavelength takes its own way.
+        assert!(ratio < 2.0 * explained, "{channel}: {ratio}, {explained} explained");
+        assert!(all_shared > 3.0 * ratio, "{channel}: {all_shared} and {ratio}");
+    }
+}

@@ -1,0 +1,91 @@
+//! The benchmark scenes against references that an independent program rendered (benches/scenes/README.md says which).
+
+use crate::common::{render, with_setting};
+use abbe::output::compare::{Region, Selection, compare};
+use abbe::output::exr;
+use abbe::render::Integrator;
+use abbe::sensor::Picture;
+use serde_json::Value;
+use std::path::Path;
+
+/// The largest difference of a region's mean Y that two right programs should have.
+const BETWEEN_PROGRAMS: f64 = 0.01;
+
+struct Benchmark {
+    scene: Value,
+    reference: Picture,
+}
+
+impl Benchmark {
+    fn read(name: &str) -> Self {
+        let benches = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches");
+        let scene = std::fs::read_to_string(benches.join("scenes").join(format!("{name}.json"))).expect("the scene");
+        let reference =
+            exr::read(&benches.join("references").join(format!("{name}_reference.exr"))).expect("the reference");
+        Self { scene: serde_json::from_str(&scene).expect("JSON"), reference: reference.picture }
+    }
+
+    fn picture(&self, passes: u64) -> Picture {
+        render(&with_setting(&self.scene, "seed", 0), Integrator::Photon, passes).picture
+    }
+
+    /// relMSE and the ratio of the mean Y over the pixels selected.
+    fn measure(&self, picture: &Picture, selection: &Selection) -> (f64, f64) {
+        let found = compare(picture, &self.reference, selection).expect("comparable");
+        (found.relative_mse, found.mean_ratio)
+    }
+
+    /// Checks the mean Y of regions, and that the error falls from few passes to many, to below `floor`.
+    fn agrees(&self, name: &str, regions: &[(&str, Selection)], [few, many]: [u64; 2], floor: f64) {
+        let (rough, fine) = (self.picture(few), self.picture(many));
+        for (region, selection) in regions {
+            let (error, ratio) = self.measure(&fine, selection);
+            println!("{name}, {region}: mean Y {ratio:.4} of the reference's, relMSE {error:.5} at {many} passes");
+            assert!((ratio - 1.0).abs() < BETWEEN_PROGRAMS, "{name}, {region}: {ratio}");
+        }
+        let [before, after] = [&rough, &fine].map(|picture| self.measure(picture, &Selection::default()).0);
+        println!("{name}: relMSE {before:.5} at {few} passes, {after:.5} at {many}");
+        assert!(after < floor, "{name}: relMSE {after} at {many} passes");
+        assert!(after < 0.5 * before, "{name}: {before} at {few} passes, {after} at {many}");
+    }
+}
+
+/// A rectangle of pixels, first and last included.
+fn pixels(rows: [usize; 2], columns: [usize; 2]) -> Selection {
+    let region = Region { x0: columns[0], y0: rows[0], x1: columns[1] + 1, y1: rows[1] + 1 };
+    Selection { regions: vec![region], mask: None }
+}
+
+/// S1's caustic where the reference's Y is above 0.5 cd/m².
+fn core(reference: &Picture) -> Selection {
+    let mask = reference.xyz.iter().map(|xyz| xyz[1] > 0.5).collect();
+    Selection { mask: Some(mask), ..pixels([138, 157], [85, 129]) }
+}
+
+#[test]
+fn s1_floor_and_caustic() {
+    let s1 = Benchmark::read("s1_ball");
+    let regions = [("floor", pixels([175, 249], [20, 235])), ("core", core(&s1.reference))];
+    s1.agrees("S1", &regions, [4, 48], 0.006);
+}
+
+#[test]
+fn s2_spectrum() {
+    Benchmark::read("s2_prism").agrees("S2", &[("spectrum", pixels([110, 145], [20, 200]))], [1, 32], 0.003);
+}
+
+#[test]
+fn s3_walls() {
+    let walls = [("red", [10, 50]), ("green", [206, 246]), ("back", [60, 100])];
+    let regions = walls.map(|(name, columns)| (name, pixels([60, 190], columns)));
+    Benchmark::read("s3_box").agrees("S3", &regions, [4, 32], 0.005);
+}
+
+#[test]
+#[ignore = "slow: minutes of rendering, to three times the references' own noise"]
+fn errors_fall_to_three_times_the_references_noise() {
+    let s1 = Benchmark::read("s1_ball");
+    s1.agrees("S1 core", &[("core", core(&s1.reference))], [8, 128], 0.006);
+    Benchmark::read("s2_prism").agrees("S2", &[], [1, 64], 0.003);
+    Benchmark::read("s3_box").agrees("S3", &[], [8, 512], 0.0015);
+}
