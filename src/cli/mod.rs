@@ -4,10 +4,12 @@
 //! 2 the input or the command is wrong, 3 `compare --fail-above` was exceeded, 130 interrupted.
 
 mod check;
+mod colour;
 mod compare;
 mod explain;
 mod glass;
 mod interrupt;
+mod named;
 mod origin;
 mod print;
 mod probe;

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::colour::{srgb_hex, xyz_to_linear_srgb};
-use crate::spectrum::{BAND_NM, Observer};
+use crate::spectrum::{BAND_NM, Observer, Spectrum};
 
 /// A curve over wavelength.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,12 +39,34 @@ const STRIP: f64 = 14.0;
 const COLOURS: [&str; 4] = ["#1b1b1b", "#c0392b", "#2471a3", "#1e8449"];
 
 impl Plot {
+    /// A spectrum over the band: its continuum as a curve, its lines as strokes as high as their share of the
+    /// strongest one's power. `values` is the quantity and unit of the continuum.
+    pub fn of_spectrum(title: &str, spectrum: &Spectrum, values: &str) -> Self {
+        let lines = spectrum.line_segments();
+        let strongest = lines.iter().map(|line| line.power).fold(0.0, f64::max);
+        let nm = (0..=(BAND_NM.1 - BAND_NM.0) as u32).map(|i| BAND_NM.0 + f64::from(i));
+        let points: Vec<(f64, f64)> = nm.map(|nm| (nm, spectrum.continuum_at(nm))).collect();
+        let has_continuum = lines.is_empty() || points.iter().any(|point| point.1 > 0.0);
+        let values = match (lines.is_empty(), has_continuum) {
+            (true, _) => values.to_string(),
+            (false, true) => format!("{values}; lines: power relative to the strongest"),
+            (false, false) => "power of each line, relative to the strongest".to_string(),
+        };
+        Self {
+            title: title.to_string(),
+            values,
+            curves: if has_continuum { vec![Curve { name: "continuum".to_string(), points }] } else { Vec::new() },
+            lines: lines.iter().map(|line| (line.centre(), line.power / strongest)).collect(),
+            from_zero: true,
+        }
+    }
+
     /// The plot as a file that needs no other. Points that are not finite interrupt their curve.
     pub fn svg(&self) -> String {
         let frame = Frame::of(self);
         let (width, height) = SIZE;
         let mut svg = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
+            "<svg class=\"plot\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
              font-family=\"system-ui, sans-serif\" font-size=\"14\" fill=\"#222\">\n\
              <rect width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>\n\
              <text x=\"{LEFT}\" y=\"30\" font-size=\"18\">{}</text>\n",
