@@ -13,7 +13,7 @@ use super::print;
 /// A spectrum with its name and where it comes from.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Named {
-    /// The library's name, or the argument as it was typed.
+    /// The library's name, a few words for simple spectra written as JSON, or the argument as it was typed.
     pub(crate) name: String,
     /// What it is and whose numbers these are, in words.
     pub(crate) origin: String,
@@ -23,10 +23,10 @@ pub(crate) struct Named {
 /// The spectrum that an argument names.
 pub(crate) fn spectrum(text: &str, role: Role) -> Result<Named> {
     let origin = Path::new("the command line");
-    let typed = |spectrum: Spectrum, origin: &str| Named { name: text.to_string(), origin: origin.into(), spectrum };
     if text.trim_start().starts_with(['{', '"']) || text.trim().parse::<f64>().is_ok() {
-        let (spectrum, source) = file::parse_spectrum(text, origin)?;
-        return Ok(typed(resolve::lone_spectrum(&spectrum, &source, role)?, "written on the command line"));
+        let (file, source) = file::parse_spectrum(text, origin)?;
+        let spectrum = resolve::lone_spectrum(&file, &source, role)?;
+        return Ok(Named { name: described(&file, text), origin: format!("given as {text}"), spectrum });
     }
     let unknown = match library::find(text) {
         Ok(entry) => {
@@ -45,9 +45,30 @@ pub(crate) fn spectrum(text: &str, role: Role) -> Result<Named> {
             Role::Light => Outside::Zero,
             Role::Reflectance | Role::Coefficient => Outside::Hold,
         };
-        return Ok(typed(read::spectrum_file(path, outside)?, "read from this file"));
+        let spectrum = read::spectrum_file(path, outside)?;
+        return Ok(Named { name: text.to_string(), origin: "read from this file".to_string(), spectrum });
     }
     Err(unknown.expected("a name of `abbe spectrum --list`, a file, or a spectrum as JSON"))
+}
+
+/// What a spectrum is called that has no name: simple ones in words, others as they are written.
+fn described(file: &SpectrumFile, text: &str) -> String {
+    match file {
+        SpectrumFile::Name(name) => name.clone(),
+        SpectrumFile::Lines(lines) => match lines.as_slice() {
+            [line] => format!("a line at {} nm", line.nm),
+            _ => text.to_string(),
+        },
+        SpectrumFile::Blackbody { temperature } => format!("a black body at {temperature} K"),
+        SpectrumFile::Gaussian { peak_nm, fwhm_nm } => format!("a Gaussian band at {peak_nm} nm, {fwhm_nm} nm wide"),
+        SpectrumFile::Number(_)
+        | SpectrumFile::Table { .. }
+        | SpectrumFile::File(_)
+        | SpectrumFile::Rgb(_)
+        | SpectrumFile::Mix(_)
+        | SpectrumFile::PowerLaw { .. }
+        | SpectrumFile::Match { .. } => text.to_string(),
+    }
 }
 
 /// The light that an argument names; what the library knows to be something else is taken with a remark.

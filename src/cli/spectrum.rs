@@ -93,7 +93,7 @@ fn one(text: &str, observer: &'static Observer, arguments: &Arguments) -> Result
     };
     let report = report.map_err(|error| Error { what: format!("{text}: {}", error.what), ..error })?;
     if let Some(path) = &arguments.svg {
-        file::write_whole(path, Plot::of_spectrum(text, &named.spectrum, "value").svg().as_bytes())?;
+        file::write_whole(path, Plot::of_spectrum(text, &named.spectrum, "value", None).svg().as_bytes())?;
     }
     if arguments.json {
         print::json(&Colour::new(&named.name, &report, observer, under))

@@ -66,8 +66,9 @@ impl LampComparison {
     }
 
     /// The patch that differs most.
-    pub fn worst(&self) -> Option<&PatchDifference> {
-        self.patches.iter().max_by(|a, b| a.delta_e_2000.total_cmp(&b.delta_e_2000))
+    pub fn worst(&self) -> &PatchDifference {
+        let most = self.patches.iter().max_by(|a, b| a.delta_e_2000.total_cmp(&b.delta_e_2000));
+        most.expect("the chart has patches")
     }
 
     /// How many pairs the surfaces form.
@@ -98,6 +99,13 @@ pub struct PatchDifference {
     pub lab: [[f64; 3]; 2],
     /// ΔE2000 between the two.
     pub delta_e_2000: f64,
+}
+
+impl PatchDifference {
+    /// The name without that of the chart.
+    pub fn short_name(&self) -> &str {
+        self.name.strip_prefix(CHART).unwrap_or(&self.name)
+    }
 }
 
 /// What two lights make of each surface, each light being the white of its own column.

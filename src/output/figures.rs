@@ -1,6 +1,6 @@
 //! The figures of a colour in words, for tables.
 
-use crate::colour::Report;
+use crate::colour::{LightDifference, Report};
 
 /// What a report says, each with its name; undefined figures say so. A reflectance has neither colour temperature nor
 /// colour rendering nor efficacy.
@@ -26,6 +26,11 @@ pub fn figures(report: &Report) -> Vec<(&'static str, String)> {
         rows.push(("efficacy", format!("{efficacy:.2} lm/W")));
     }
     rows
+}
+
+/// How far two lights are apart.
+pub fn apart(lights: LightDifference) -> String {
+    format!("Δxy {:.5}, ΔE2000 {:.2}", lights.delta_xy, lights.delta_e_2000)
 }
 
 #[cfg(test)]
