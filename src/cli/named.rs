@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use abbe::error::Result;
+use abbe::error::{Error, Result};
 use abbe::scene::file::{self, SpectrumFile};
 use abbe::scene::resolve::{self, Role};
 use abbe::spectrum::library::{self, Kind};
@@ -45,7 +45,9 @@ pub(crate) fn spectrum(text: &str, role: Role) -> Result<Named> {
             Role::Light => Outside::Zero,
             Role::Reflectance | Role::Coefficient => Outside::Hold,
         };
-        let spectrum = read::spectrum_file(path, outside)?;
+        // A slip in a library's name such as led/red looks like a missing file.
+        let near = unknown.near.filter(|_| !path.exists());
+        let spectrum = read::spectrum_file(path, outside).map_err(|error| Error { near, ..error })?;
         return Ok(Named { name: text.to_string(), origin: "read from this file".to_string(), spectrum });
     }
     Err(unknown.expected("a name of `abbe spectrum --list`, a file, or a spectrum as JSON"))

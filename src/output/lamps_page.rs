@@ -114,12 +114,7 @@ fn plot(badge: &str, lamp: &Lamp<'_>, observer: &Observer) -> Plot {
     if name.len() < lamp.name.len() {
         name += "…";
     }
-    Plot::of_spectrum(
-        &format!("{badge}: {name}"),
-        &lamp.spectrum.scaled(1000.0 / lumens),
-        "mW/nm per lumen",
-        Some("mW per lumen"),
-    )
+    Plot::of_spectrum(&format!("{badge}: {name}"), &lamp.spectrum.scaled(1000.0 / lumens), "mW/(nm lm)", Some("mW/lm"))
 }
 
 fn charts(comparison: &LampComparison) -> Markup {
