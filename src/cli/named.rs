@@ -26,7 +26,7 @@ pub(crate) fn spectrum(text: &str, role: Role) -> Result<Named> {
     if text.trim_start().starts_with(['{', '"']) || text.trim().parse::<f64>().is_ok() {
         let (file, source) = file::parse_spectrum(text, origin)?;
         let spectrum = resolve::lone_spectrum(&file, &source, role)?;
-        return Ok(Named { name: described(&file, text), origin: format!("given as {text}"), spectrum });
+        return Ok(Named { name: described(&file, text), origin: "written on the command line".to_string(), spectrum });
     }
     let unknown = match library::find(text) {
         Ok(entry) => {
