@@ -130,6 +130,9 @@ fn wrong_lamps_are_answered_with_a_hint() {
     lamps(&["D65", "A", "--match", "led/red"]).is_error(2, &["--match", "cannot be used with"]);
     lamps(&["D65", "--match"]).is_error(2, &["--match"]);
     lamps(&["D65", "no/such.csv"]).is_error(2, &["no/such.csv"]);
+    std::fs::write(folder.path().join("dark.csv"), "nm,value\n360,0\n830,0\n").unwrap();
+    lamps(&["D65", "dark.csv"]).is_error(2, &["lights[1]", "without power"]);
+    lamps(&["D65", "--match", "led/red", "dark.csv"]).is_error(2, &["primaries[1]", "without light"]);
     lamps(&["D65", "A", "--observer", "cat"]).is_error(2, &["cat", "cie1931"]);
     lamps(&["D65", "A", "--html", "no/folder.html"]).is_error(1, &["no/folder.html"]);
 }

@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::spectrum::library::{self, Kind};
 use crate::spectrum::{Observer, Spectrum};
 
-/// Surfaces that differ by at most this ΔE2000 look alike: about what an eye just tells apart.
+/// Surfaces that differ by at most this ΔE2000 look alike: an eye hardly sees so much.
 pub const ALIKE: f64 = 2.0;
 
 /// Surfaces that differ by at least this ΔE2000 look different at a glance.
@@ -44,7 +44,9 @@ impl LampComparison {
     /// # Errors
     /// A light without power that the observer sees.
     pub fn between(lights: [&Spectrum; 2], observer: &Observer) -> Result<Self> {
-        let reports = [Report::of_light(lights[0], observer)?, Report::of_light(lights[1], observer)?];
+        let report =
+            |i: usize| Report::of_light(lights[i], observer).map_err(|error| error.on_path(format!("lights[{i}]")));
+        let reports = [report(0)?, report(1)?];
         let mut patches = compare_lights(lights, &surfaces(&[CHART]), observer);
         let chart = patches.len();
         patches.extend(compare_lights(lights, &surfaces(&FURTHER), observer));
