@@ -126,7 +126,7 @@ fn wrong_lamps_are_answered_with_a_hint() {
     lamps(&["D65", "D66"]).is_error(2, &["D66", "did you mean \"D65\""]);
     lamps(&["D65", "--match", "led/red", "led/gren"]).is_error(2, &["led/gren", "did you mean \"led/green\""]);
     lamps(&["D65", r#"{"blackbody": {"temperature": -3}}"#]).is_error(2, &["blackbody.temperature", "-3"]);
-    lamps(&["D65"]).is_error(2, &["required", "B"]);
+    lamps(&["D65"]).is_error(2, &["required", "B", "--match"]);
     lamps(&["D65", "A", "--match", "led/red"]).is_error(2, &["--match", "cannot be used with"]);
     lamps(&["D65", "--match"]).is_error(2, &["--match"]);
     lamps(&["D65", "no/such.csv"]).is_error(2, &["no/such.csv"]);

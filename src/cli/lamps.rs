@@ -16,12 +16,14 @@ use super::named::{self, Named};
 use super::{Outcome, print};
 
 #[derive(Debug, clap::Args)]
+#[command(group(clap::ArgGroup::new("against").required(true).args(["b", "primaries"])))]
+#[command(override_usage = "abbe lamps A B [OPTIONS]\n       abbe lamps A --match PRIMARY... [OPTIONS]")]
 pub(crate) struct Arguments {
     /// A lamp: a name of the library, a file (columns nm,value; or IES TM-27 .spdx), or a spectrum as JSON
     #[arg(value_name = "A")]
     a: String,
     /// The lamp that it is compared with
-    #[arg(value_name = "B", required_unless_present = "primaries", conflicts_with = "primaries")]
+    #[arg(value_name = "B")]
     b: Option<String>,
     /// Instead of with B, compare A with the mix of these lights that comes nearest to it
     #[arg(long = "match", value_name = "PRIMARY", num_args = 1..)]

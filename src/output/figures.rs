@@ -36,14 +36,14 @@ pub fn apart(lights: LightDifference) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectrum::{Observer, Spectrum, library};
+    use crate::spectrum::{Observer, SpectralLine, Spectrum, library};
 
     #[test]
     fn a_light_has_its_temperature_and_a_reflectance_none() {
         let d65 = library::find("D65").unwrap().spectrum;
         let light = figures(&Report::of_light(&d65, Observer::cie1931()).unwrap());
         assert!(light.iter().any(|(name, value)| *name == "CCT" && value.starts_with("650")), "{light:?}");
-        let laser = library::find("helium-neon-laser").unwrap().spectrum;
+        let laser = Spectrum::lines(&[SpectralLine { nm: 532.0, power: 1.0, fwhm_nm: None }]).unwrap();
         let laser = figures(&Report::of_light(&laser, Observer::cie1931()).unwrap());
         assert!(laser.contains(&("CCT", "undefined".to_string())), "{laser:?}");
         let grey = Report::of_reflectance(&Spectrum::constant(0.5), &d65, Observer::cie1931()).unwrap();

@@ -287,6 +287,22 @@ mod tests {
     }
 
     #[test]
+    fn spectra_are_labelled_for_what_they_hold() {
+        let line = |nm, power| crate::spectrum::SpectralLine { nm, power, fwhm_nm: None };
+        let lines = Spectrum::lines(&[line(500.0, 2.0), line(600.0, 4.0)]).unwrap();
+        let (smooth, mixed) =
+            (Spectrum::constant(0.5), Spectrum::mix(&[(0.5, &lines), (1.0, &Spectrum::constant(0.5))]));
+        let values = |spectrum: &Spectrum, power| Plot::of_spectrum("", spectrum, "W/nm", power).values;
+        assert_eq!(values(&smooth, Some("W")), "W/nm");
+        assert_eq!(values(&lines, Some("W")), "line power; 1 is 4.000 W");
+        assert_eq!(values(&mixed, Some("W")), "W/nm; tallest line 2.000 W");
+        assert_eq!(values(&lines, None), "line power, relative to the tallest");
+        let plot = Plot::of_spectrum("", &mixed, "W/nm", None);
+        assert_eq!(plot.lines.iter().map(|line| line.1).collect::<Vec<_>>(), [0.5, 1.0]);
+        assert!(plot.svg().contains("fill-opacity") && Plot::of_spectrum("", &lines, "W/nm", None).curves.is_empty());
+    }
+
+    #[test]
     fn steps_and_ticks_are_short() {
         assert_eq!([0.11, 0.2, 3.0, 7.0].map(nice_step), [0.2, 0.2, 5.0, 10.0]);
         assert_eq!(tick(0.30000000000000004, 0.1), "0.3");
