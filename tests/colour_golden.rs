@@ -226,11 +226,9 @@ fn metameric_lamps_split_the_colorchecker_as_far_as_computed() {
         let found = colour::match_primaries(report::xyz(&light, observer), &xyz).unwrap();
         assert!(found.is_reached());
         assert_near(name, &found.weights, &numbers::<3>(&known["weights"]), 1e-6);
-        let parts = [0, 1, 2].map(|i| (found.weights[i], &primaries[i]));
-        let twin = Spectrum::mix(&parts);
+        let twin = found.mix(&primaries);
         let patches = known["patches"].as_object().unwrap();
         let surfaces: Vec<(&str, Spectrum)> = patches.keys().map(|title| (title.as_str(), patch_of(title))).collect();
-        let surfaces: Vec<(&str, &Spectrum)> = surfaces.iter().map(|(title, surface)| (*title, surface)).collect();
         let compared = colour::compare_lights([&light, &twin], &surfaces, observer);
         for (patch, known) in compared.iter().zip(patches.values()) {
             let what = format!("{} under {name}", patch.name);

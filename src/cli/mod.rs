@@ -4,10 +4,13 @@
 //! 2 the input or the command is wrong, 3 `compare --fail-above` was exceeded, 130 interrupted.
 
 mod check;
+mod colour;
 mod compare;
 mod explain;
 mod glass;
 mod interrupt;
+mod lamps;
+mod named;
 mod origin;
 mod print;
 mod probe;
@@ -47,6 +50,8 @@ enum Command {
     Spectrum(spectrum::Arguments),
     /// A glass: its index at any wavelength, its Abbe number, its formulas
     Glass(glass::Arguments),
+    /// Compare two lamps, or a lamp with its match from primaries: their colours, and what they make of surfaces
+    Lamps(lamps::Arguments),
     /// Compare a picture with a reference
     Compare(compare::Arguments),
     /// The spectrum, the colour and the error bars of a pixel
@@ -126,6 +131,7 @@ fn run(command: &Command) -> Result<Outcome> {
         Command::Schema(schema::Arguments {}) => schema::run(),
         Command::Spectrum(arguments) => spectrum::run(arguments),
         Command::Glass(arguments) => glass::run(arguments),
+        Command::Lamps(arguments) => lamps::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Probe(arguments) => probe::run(arguments),
     }

@@ -41,9 +41,13 @@ fn lightness_curve_inverse(f: f64) -> f64 {
     if f > DELTA { f * f * f } else { 3.0 * DELTA * DELTA * (f - 4.0 / 29.0) }
 }
 
-/// CIE 1976 L*, a*, b* relative to a white (CIE 15).
+/// CIE 1976 L*, a*, b* relative to a white (CIE 15). What a white of pure light lacks (deep red has no Z) tells no
+/// colours apart: it counts as neutral.
 pub fn lab(xyz: Xyz, white: Xyz) -> [f64; 3] {
-    let [x, y, z] = [0, 1, 2].map(|i| lightness_curve(xyz[i] / white[i]));
+    let [x, y, z] = [0, 1, 2].map(|i| {
+        let i = if white[i] == 0.0 { 1 } else { i };
+        lightness_curve(xyz[i] / white[i])
+    });
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 

@@ -1,4 +1,8 @@
-//! Colour differences between L*, a*, b* values.
+//! Colour differences: between L*, a*, b* values, and between lights.
+
+use super::Xyz;
+use super::coordinates::{lab, xy};
+use super::space::RgbSpace;
 
 /// ΔE*ab of 1976: the distance.
 pub fn delta_e_76(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -37,6 +41,26 @@ pub fn delta_e_2000(a: [f64; 3], b: [f64; 3]) -> f64 {
     square.max(0.0).sqrt()
 }
 
+/// How far apart two lights are when they are seen side by side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LightDifference {
+    /// The distance in x, y.
+    pub delta_xy: f64,
+    /// ΔE2000 with D65 for white, for an eye that daylight has adapted. (With the light itself for white, CIELAB's b*
+    /// would magnify differences beyond all sense where the light has next to no Z, as that of sodium.)
+    pub delta_e_2000: f64,
+}
+
+/// The difference between a light and another on the same scale; the first has luminance.
+pub fn light_difference(light: Xyz, other: Xyz) -> LightDifference {
+    let seen = |xyz: Xyz| lab(xyz.map(|value| value / light[1]), RgbSpace::Srgb.white());
+    let (from, to) = (xy(light), xy(other));
+    LightDifference {
+        delta_xy: (to[0] - from[0]).hypot(to[1] - from[1]),
+        delta_e_2000: delta_e_2000(seen(light), seen(other)),
+    }
+}
+
 /// √(C⁷ / (C⁷ + 25⁷)).
 fn seventh_share(chroma: f64) -> f64 {
     let power = chroma.powi(7);
@@ -73,6 +97,15 @@ fn mean_hue_degrees(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lights_that_hardly_differ_have_a_small_difference_even_without_blue() {
+        // Low-pressure sodium and its mix of 550 and 620 nm; no eye tells them apart.
+        let found = light_difference([1.329_710, 1.0, 0.001_484], [1.329_725, 0.999_965, 0.004_689]);
+        assert!((found.delta_xy - 0.000_978).abs() < 1e-6 && (found.delta_e_2000 - 0.7662).abs() < 1e-3, "{found:?}");
+        let itself = light_difference([2.0, 3.0, 4.0], [2.0, 3.0, 4.0]);
+        assert_eq!((itself.delta_xy, itself.delta_e_2000), (0.0, 0.0));
+    }
 
     #[test]
     fn ciede2000_meets_the_published_test_pairs() {

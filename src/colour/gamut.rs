@@ -53,6 +53,13 @@ impl GamutMapping {
     }
 }
 
+/// The colour as bright as sRGB can show it, desaturated where it lies outside: what a light's chromaticity looks like.
+/// Black for what has no positive component.
+pub fn brightest(linear_srgb: Rgb) -> Rgb {
+    let most = linear_srgb.into_iter().fold(0.0, f64::max);
+    if most > 0.0 { desaturate(linear_srgb.map(|component| component / most), RgbSpace::Srgb) } else { [0.0; 3] }
+}
+
 /// Whether all components lie in [0, 1].
 #[inline]
 pub fn contains(rgb: Rgb) -> bool {

@@ -1,10 +1,10 @@
 //! The mix of primaries that looks most like a target.
 
 use super::Xyz;
-use super::coordinates::{lab, xy};
-use super::difference::delta_e_2000;
+use super::difference::{LightDifference, light_difference};
 use super::matrix::{Matrix, dot};
 use crate::error::{Error, Result};
+use crate::spectrum::Spectrum;
 
 /// Beyond this distance in x, y a match is called out of reach.
 const REACHED: f64 = 1e-4;
@@ -16,10 +16,8 @@ pub struct Match {
     pub weights: Vec<f64>,
     /// XYZ of the mix, on the target's scale.
     pub xyz: Xyz,
-    /// The distance from the target in x, y.
-    pub delta_xy: f64,
-    /// ΔE2000 from the target, with the target for white.
-    pub delta_e_2000: f64,
+    /// What is left between the target and the mix, which need not have the target's luminance.
+    pub left: LightDifference,
     /// Relative error of Y.
     pub delta_y: f64,
 }
@@ -27,7 +25,12 @@ pub struct Match {
 impl Match {
     /// Whether the target lies within the primaries' reach, so that the mix matches it.
     pub fn is_reached(&self) -> bool {
-        self.delta_xy < REACHED && self.delta_y.abs() < REACHED
+        self.left.delta_xy < REACHED && self.delta_y.abs() < REACHED
+    }
+
+    /// The mix itself, of the spectra whose XYZ were the primaries.
+    pub fn mix<'a>(&self, primaries: impl IntoIterator<Item = &'a Spectrum>) -> Spectrum {
+        Spectrum::mix(&self.weights.iter().copied().zip(primaries).collect::<Vec<_>>())
     }
 }
 
@@ -59,14 +62,7 @@ pub fn match_primaries(target: Xyz, primaries: &[Xyz]) -> Result<Match> {
     for (weight, xyz) in weights.iter().zip(primaries) {
         mixed.iter_mut().zip(xyz).for_each(|(sum, value)| *sum += weight * value);
     }
-    let (found, aim) = (xy(mixed), xy(target));
-    Ok(Match {
-        xyz: mixed,
-        delta_xy: (found[0] - aim[0]).hypot(found[1] - aim[1]),
-        delta_e_2000: delta_e_2000(lab(mixed, target), lab(target, target)),
-        delta_y: mixed[1] / target[1] - 1.0,
-        weights,
-    })
+    Ok(Match { xyz: mixed, left: light_difference(target, mixed), delta_y: mixed[1] / target[1] - 1.0, weights })
 }
 
 /// The best mix of at most three, as pairs of number and weight.
@@ -131,7 +127,7 @@ mod tests {
         let primaries = [[41.0, 21.0, 2.0], [0.35, 0.71, 0.12], [18.0, 7.0, 95.0], [1.0, 1.0, 1.0]];
         let target = [0, 1, 2].map(|i| 0.3 * primaries[0][i] + 25.0 * primaries[1][i] + 0.1 * primaries[2][i]);
         let found = match_primaries(target, &primaries[..3]).unwrap();
-        assert!(found.is_reached() && found.delta_e_2000 < 1e-6, "{found:?}");
+        assert!(found.is_reached() && found.left.delta_e_2000 < 1e-6, "{found:?}");
         for (weight, known) in found.weights.iter().zip([0.3, 25.0, 0.1]) {
             assert!((weight / known - 1.0).abs() < 1e-9, "{found:?}");
         }

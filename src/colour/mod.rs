@@ -18,9 +18,9 @@ pub mod temperature;
 
 pub use adaptation::{Transform, adapt, adaptation};
 pub use coordinates::{from_lab, from_luv, from_oklab, from_xy, lab, luv, oklab, uv1960, uv1976, xy};
-pub use difference::{delta_e_76, delta_e_2000};
+pub use difference::{LightDifference, delta_e_76, delta_e_2000, light_difference};
 pub use dominant::{Dominant, dominant};
-pub use lamps::{PatchDifference, compare_lights};
+pub use lamps::{LampComparison, PatchDifference, compare_lights};
 pub use matching::{Match, match_primaries};
 pub use rendering::{ColourRendering, cri};
 pub use report::Report;

@@ -93,14 +93,12 @@ impl Report {
         let raw = xyz(light, observer);
         let unit = unit_luminance(raw)?;
         let linear_srgb = xyz_to_linear_srgb(unit);
-        let brightest = linear_srgb.iter().copied().fold(0.0, f64::max);
-        let swatch = gamut::desaturate(linear_srgb.map(|component| component / brightest), RgbSpace::Srgb);
         let temperature = cct_duv(xyz(light, Observer::cie1931()));
         Ok(Self {
             xyz: unit.map(|value| 100.0 * value),
             xy: coordinates::xy(unit),
             linear_srgb,
-            srgb_hex: srgb_hex(swatch),
+            srgb_hex: srgb_hex(gamut::brightest(linear_srgb)),
             dominant: dominant(coordinates::xy(unit), [1.0 / 3.0; 2], observer),
             temperature,
             rendering: temperature.and_then(|temperature| cri(light, temperature)),

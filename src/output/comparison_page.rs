@@ -1,9 +1,10 @@
 //! A comparison as one page that needs no other file: both pictures, their differences, the figures.
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 use super::compare::{Comparison, Scale, Selection, delta_e_map};
 use super::data_uri::data_uri;
+use super::page::document;
 use super::png::{Screen, develop};
 use crate::colour::gamut::GamutMapping;
 use crate::error::Result;
@@ -36,37 +37,23 @@ pub fn page(pair: Pair<'_>, selection: &Selection, comparison: &Comparison) -> R
     let signed =
         "Difference in Y: red where A is brighter, blue where it is darker; full colour at 50 % of the reference.";
     let colours = "Colour difference ΔE2000: black at 0, white at 10 and above.";
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (title) }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                h1 { (title) }
-                (figures(comparison))
-                div.pictures {
-                    (figure(&shown(a), &format!("A: {name_a}"))?)
-                    (figure(&shown(b), &format!("B, the reference: {name_b}"))?)
-                    (figure(&luminance_differences(a, b, selection), signed)?)
-                    (figure(&colour_differences(a, b, selection), colours)?)
-                }
-                p { "Both pictures are shown at the reference's automatic exposure: "
-                    (format!("{:.4}", 1.0 / exposure)) " cd/m² is white. Pixels that do not count are grey in the differences." }
-            }
+    let body = html! {
+        h1 { (title) }
+        (figures(comparison))
+        div.pictures {
+            (figure(&shown(a), &format!("A: {name_a}"))?)
+            (figure(&shown(b), &format!("B, the reference: {name_b}"))?)
+            (figure(&luminance_differences(a, b, selection), signed)?)
+            (figure(&colour_differences(a, b, selection), colours)?)
         }
+        p { "Both pictures are shown at the reference's automatic exposure: "
+            (format!("{:.4}", 1.0 / exposure)) " cd/m² is white. Pixels that do not count are grey in the differences." }
     };
-    Ok(page.into_string())
+    Ok(document(&title, STYLE, &body))
 }
 
-const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:80rem;padding:0 1rem;color:#222;\
-    background:#fff}h1{font-size:1.4rem;overflow-wrap:anywhere}table{border-collapse:collapse}\
-    td,th{padding:.2rem 1rem .2rem 0;text-align:left;font-weight:400}td{font-variant-numeric:tabular-nums}\
-    .pictures{display:grid;grid-template-columns:repeat(auto-fit,minmax(20rem,1fr));gap:1.5rem;margin:1.5rem 0}\
-    figure{margin:0}img{width:100%;height:auto;image-rendering:pixelated;background:#000}figcaption{color:#555}";
+const STYLE: &str = ".pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(20rem, 1fr)); gap: 1.5rem; \
+    margin: 1.5rem 0; }\nimg { width: 100%; height: auto; image-rendering: pixelated; background: #000; }\n";
 
 fn figures(comparison: &Comparison) -> Markup {
     let number = |value: f64| format!("{value:.6}");

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::colour::{srgb_hex, xyz_to_linear_srgb};
-use crate::spectrum::{BAND_NM, Observer};
+use crate::spectrum::{BAND_NM, Observer, Spectrum};
 
 /// A curve over wavelength.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,19 +39,47 @@ const STRIP: f64 = 14.0;
 const COLOURS: [&str; 4] = ["#1b1b1b", "#c0392b", "#2471a3", "#1e8449"];
 
 impl Plot {
+    /// A spectrum over the band: its continuum as a curve, its lines as strokes as high as their share of the
+    /// strongest one's power. `density` is the quantity and unit of the continuum, `power` that of a line where there
+    /// is one.
+    pub fn of_spectrum(title: &str, spectrum: &Spectrum, density: &str, power: Option<&str>) -> Self {
+        let lines = spectrum.line_segments();
+        let strongest = lines.iter().map(|line| line.power).fold(0.0, f64::max);
+        let nm = (0..=(BAND_NM.1 - BAND_NM.0) as u32).map(|i| BAND_NM.0 + f64::from(i));
+        let points: Vec<(f64, f64)> = nm.map(|nm| (nm, spectrum.continuum_at(nm))).collect();
+        let has_continuum = lines.is_empty() || points.iter().any(|point| point.1 > 0.0);
+        let values = match (lines.is_empty(), has_continuum, power) {
+            (true, ..) => density.to_string(),
+            (false, true, Some(unit)) => format!("{density}; tallest line {strongest:.3} {unit}"),
+            (false, true, None) => format!("{density}; lines: power relative to the tallest"),
+            (false, false, Some(unit)) => format!("line power; 1 is {strongest:.3} {unit}"),
+            (false, false, None) => "line power, relative to the tallest".to_string(),
+        };
+        Self {
+            title: title.to_string(),
+            values,
+            curves: if has_continuum { vec![Curve { name: "continuum".to_string(), points }] } else { Vec::new() },
+            lines: lines.iter().map(|line| (line.centre(), line.power / strongest)).collect(),
+            from_zero: true,
+        }
+    }
+
     /// The plot as a file that needs no other. Points that are not finite interrupt their curve.
     pub fn svg(&self) -> String {
         let frame = Frame::of(self);
         let (width, height) = SIZE;
         let mut svg = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
+            "<svg class=\"plot\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
              font-family=\"system-ui, sans-serif\" font-size=\"14\" fill=\"#222\">\n\
-             <rect width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>\n\
+             <rect class=\"paper\" width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>\n\
              <text x=\"{LEFT}\" y=\"30\" font-size=\"18\">{}</text>\n",
             escaped(&self.title)
         );
         svg += &strip(&frame);
         svg += &axes(&frame, &self.values);
+        if let Some(curve) = self.curves.first().filter(|_| self.from_zero) {
+            svg += &area(&frame, &curve.points);
+        }
         for &(nm, share) in &self.lines {
             let (x, foot) = (frame.x(nm), height - BOTTOM);
             let top = foot - share * (foot - TOP);
@@ -65,7 +93,7 @@ impl Plot {
             let colour = COLOURS[i % COLOURS.len()];
             let path = path(&frame, &curve.points);
             let style = "fill=\"none\" stroke-width=\"2\" stroke-linejoin=\"round\"";
-            append(&mut svg, format_args!("<path d=\"{path}\" {style} stroke=\"{colour}\"/>\n"));
+            append(&mut svg, format_args!("<path class=\"curve{i}\" d=\"{path}\" {style} stroke=\"{colour}\"/>\n"));
         }
         svg += &self.legend();
         svg += "</svg>\n";
@@ -152,16 +180,17 @@ fn axes(frame: &Frame, values: &str) -> String {
     for i in 0..=count {
         let value = frame.least + i as f64 * frame.step;
         let y = frame.y(value);
-        append(&mut svg, format_args!("<path d=\"M{LEFT} {y:.2}H{right}\" stroke=\"#ddd\"/>\n"));
+        append(&mut svg, format_args!("<path class=\"rule\" d=\"M{LEFT} {y:.2}H{right}\" stroke=\"#ddd\"/>\n"));
         let (x, y, label) = (LEFT - 8.0, y + 5.0, tick(value, frame.step));
         append(&mut svg, format_args!("<text x=\"{x}\" y=\"{y:.2}\" text-anchor=\"end\">{label}</text>\n"));
     }
     for nm in (400..=800).step_by(50) {
         let (x, top, y) = (frame.x(f64::from(nm)), foot + STRIP, foot + STRIP + 22.0);
-        append(&mut svg, format_args!("<path d=\"M{x:.2} {top}v5\" stroke=\"#222\"/>\n"));
+        append(&mut svg, format_args!("<path class=\"ink\" d=\"M{x:.2} {top}v5\" stroke=\"#222\"/>\n"));
         append(&mut svg, format_args!("<text x=\"{x:.2}\" y=\"{y}\" text-anchor=\"middle\">{nm}</text>\n"));
     }
-    append(&mut svg, format_args!("<path d=\"M{LEFT} {TOP}V{foot}H{right}\" fill=\"none\" stroke=\"#222\"/>\n"));
+    let frame = format!("d=\"M{LEFT} {TOP}V{foot}H{right}\" fill=\"none\"");
+    append(&mut svg, format_args!("<path class=\"ink\" {frame} stroke=\"#222\"/>\n"));
     let (x, y) = (0.5 * (LEFT + right), SIZE.1 - 18.0);
     append(&mut svg, format_args!("<text x=\"{x}\" y=\"{y}\" text-anchor=\"middle\">wavelength in nm</text>\n"));
     let (y, label) = (0.5 * (TOP + foot), escaped(values));
@@ -172,13 +201,15 @@ fn axes(frame: &Frame, values: &str) -> String {
 
 /// The colours of the spectrum along the axis.
 fn strip(frame: &Frame) -> String {
-    let mut svg = String::from("<defs><linearGradient id=\"spectrum\">\n");
+    let (from, to) = (frame.x(BAND_NM.0), frame.x(BAND_NM.1));
+    let place = format!("gradientUnits=\"userSpaceOnUse\" x1=\"{from}\" x2=\"{to}\"");
+    let mut svg = format!("<defs><linearGradient id=\"spectrum\" {place}>\n");
     for nm in (BAND_NM.0 as u32..=BAND_NM.1 as u32).step_by(10).map(f64::from) {
         let (share, colour) = ((nm - BAND_NM.0) / (BAND_NM.1 - BAND_NM.0), spectral_colour(nm));
         append(&mut svg, format_args!("<stop offset=\"{share:.4}\" stop-color=\"{colour}\"/>\n"));
     }
-    let (x, y, width) = (frame.x(BAND_NM.0), SIZE.1 - BOTTOM, frame.x(BAND_NM.1) - frame.x(BAND_NM.0));
-    let place = format!("x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{STRIP}\"");
+    let (y, width) = (SIZE.1 - BOTTOM, to - from);
+    let place = format!("x=\"{from}\" y=\"{y}\" width=\"{width}\" height=\"{STRIP}\"");
     append(&mut svg, format_args!("</linearGradient></defs>\n<rect {place} fill=\"url(#spectrum)\"/>\n"));
     svg
 }
@@ -212,6 +243,17 @@ fn path(frame: &Frame, points: &[(f64, f64)]) -> String {
     path
 }
 
+/// What lies between a curve and zero, in the colours of the spectrum; nothing where the curve is interrupted.
+fn area(frame: &Frame, points: &[(f64, f64)]) -> String {
+    let (Some(first), Some(last)) = (points.first(), points.last()) else { return String::new() };
+    if !points.iter().all(|(nm, value)| nm.is_finite() && value.is_finite()) {
+        return String::new();
+    }
+    let (path, foot) = (path(frame, points), frame.y(0.0));
+    let (from, to) = (frame.x(first.0), frame.x(last.0));
+    format!("<path d=\"{path}L{to:.2} {foot:.2}H{from:.2}Z\" fill=\"url(#spectrum)\" fill-opacity=\"0.45\"/>\n")
+}
+
 fn append(text: &mut String, arguments: std::fmt::Arguments<'_>) {
     text.write_fmt(arguments).expect("writing to a string cannot fail");
 }
@@ -242,6 +284,22 @@ mod tests {
         assert!(level.least == 0.0 && level.most >= 0.5);
         let nothing = Frame::of(&plot(vec![(400.0, f64::NAN)], false));
         assert!(nothing.least.is_finite() && nothing.most > nothing.least, "{nothing:?}");
+    }
+
+    #[test]
+    fn spectra_are_labelled_for_what_they_hold() {
+        let line = |nm, power| crate::spectrum::SpectralLine { nm, power, fwhm_nm: None };
+        let lines = Spectrum::lines(&[line(500.0, 2.0), line(600.0, 4.0)]).unwrap();
+        let (smooth, mixed) =
+            (Spectrum::constant(0.5), Spectrum::mix(&[(0.5, &lines), (1.0, &Spectrum::constant(0.5))]));
+        let values = |spectrum: &Spectrum, power| Plot::of_spectrum("", spectrum, "W/nm", power).values;
+        assert_eq!(values(&smooth, Some("W")), "W/nm");
+        assert_eq!(values(&lines, Some("W")), "line power; 1 is 4.000 W");
+        assert_eq!(values(&mixed, Some("W")), "W/nm; tallest line 2.000 W");
+        assert_eq!(values(&lines, None), "line power, relative to the tallest");
+        let plot = Plot::of_spectrum("", &mixed, "W/nm", None);
+        assert_eq!(plot.lines.iter().map(|line| line.1).collect::<Vec<_>>(), [0.5, 1.0]);
+        assert!(plot.svg().contains("fill-opacity") && Plot::of_spectrum("", &lines, "W/nm", None).curves.is_empty());
     }
 
     #[test]

@@ -68,7 +68,8 @@ impl Resolver<'_> {
         let primaries: Option<Vec<Spectrum>> = primaries.iter().map(resolve).collect();
         let found = nearest_mix(&target, &primaries?).ok()?;
         let far = if !found.is_reached() { ": the target is out of the primaries' reach" } else { "" };
-        Some(format!("{what} matches its target to Δxy {:.5}, ΔE2000 {:.3}{far}", found.delta_xy, found.delta_e_2000))
+        let left = found.left;
+        Some(format!("{what} matches its target to Δxy {:.5}, ΔE2000 {:.3}{far}", left.delta_xy, left.delta_e_2000))
     }
 }
 
@@ -159,9 +160,7 @@ fn nearest_mix(target: &Spectrum, primaries: &[Spectrum]) -> Result<Match> {
 
 /// The mix of the primaries that comes nearest the target's colour.
 fn matched(target: &Spectrum, primaries: &[Spectrum]) -> Result<Spectrum> {
-    let found = nearest_mix(target, primaries)?;
-    let parts: Vec<(f64, &Spectrum)> = found.weights.iter().copied().zip(primaries).collect();
-    Ok(Spectrum::mix(&parts))
+    Ok(nearest_mix(target, primaries)?.mix(primaries))
 }
 
 /// Checks that a spectrum can play its role.

@@ -1,0 +1,52 @@
+//! The figures of a colour in words, for tables.
+
+use crate::colour::{LightDifference, Report};
+
+/// What a report says, each with its name; undefined figures say so. A reflectance has neither colour temperature nor
+/// colour rendering nor efficacy.
+pub fn figures(report: &Report) -> Vec<(&'static str, String)> {
+    let Report { xyz, xy, linear_srgb, srgb_hex, dominant, temperature, rendering, efficacy_lm_per_w } = report;
+    let three = |values: &[f64; 3], decimals: usize| values.map(|value| format!("{value:.decimals$}")).join("  ");
+    let undefined = || "undefined".to_string();
+    let dominant = dominant.map_or_else(undefined, |dominant| {
+        let complementary = if dominant.complementary { " (complementary: a purple)" } else { "" };
+        format!("{:.2} nm{complementary}, purity {:.4}", dominant.nm, dominant.purity)
+    });
+    let mut rows = vec![
+        ("XYZ", three(xyz, 4)),
+        ("xy", format!("{:.6}  {:.6}", xy[0], xy[1])),
+        ("linear sRGB", three(linear_srgb, 6)),
+        ("sRGB", srgb_hex.clone()),
+        ("dominant", dominant),
+    ];
+    if let Some(efficacy) = efficacy_lm_per_w {
+        rows.push(("CCT", temperature.map_or_else(undefined, |found| format!("{:.1} K", found.cct_k))));
+        rows.push(("Duv", temperature.map_or_else(undefined, |found| format!("{:+.5}", found.duv))));
+        rows.push(("Ra", rendering.as_ref().map_or_else(undefined, |found| format!("{:.1}", found.ra))));
+        rows.push(("efficacy", format!("{efficacy:.2} lm/W")));
+    }
+    rows
+}
+
+/// How far two lights are apart.
+pub fn apart(lights: LightDifference) -> String {
+    format!("Δxy {:.5}, ΔE2000 {:.2}", lights.delta_xy, lights.delta_e_2000)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectrum::{Observer, SpectralLine, Spectrum, library};
+
+    #[test]
+    fn a_light_has_its_temperature_and_a_reflectance_none() {
+        let d65 = library::find("D65").unwrap().spectrum;
+        let light = figures(&Report::of_light(&d65, Observer::cie1931()).unwrap());
+        assert!(light.iter().any(|(name, value)| *name == "CCT" && value.starts_with("650")), "{light:?}");
+        let laser = Spectrum::lines(&[SpectralLine { nm: 532.0, power: 1.0, fwhm_nm: None }]).unwrap();
+        let laser = figures(&Report::of_light(&laser, Observer::cie1931()).unwrap());
+        assert!(laser.contains(&("CCT", "undefined".to_string())), "{laser:?}");
+        let grey = Report::of_reflectance(&Spectrum::constant(0.5), &d65, Observer::cie1931()).unwrap();
+        assert!(figures(&grey).iter().all(|(name, _)| !["CCT", "Ra", "efficacy"].contains(name)));
+    }
+}
