@@ -307,7 +307,7 @@ fn two_prisms_give_back_the_lamps_white_at_the_centre() {
     let picture = render(&job, Integrator::Photon, 16).picture;
     // The middle of the bright patch on the lower card.
     let mut sum = [0.0; 3];
-    for (x, y) in (56..63).flat_map(|y| (127..130).map(move |x| (x, y))) {
+    for (x, y) in (63..70).flat_map(|y| (129..132).map(move |x| (x, y))) {
         (0..3).for_each(|c| sum[c] += picture.xyz[y * 160 + x][c]);
     }
     let [x, y] = colour::xy(sum);

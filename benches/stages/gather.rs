@@ -1,7 +1,7 @@
 //! Camera samples: the specular chain, lamps, and photons around the end.
 
 use super::scenes::{Prepared, load};
-use abbe::gather::{CameraNumbers, Direct, Gatherer, Maps, PathTracer, Scratch};
+use abbe::gather::{CameraNumbers, Direct, Gatherer, Maps, Outlines, PathTracer, Scratch};
 use abbe::walk::{Sink, Tally};
 use criterion::{Criterion, Throughput};
 
@@ -28,7 +28,8 @@ pub(crate) fn benches(c: &mut Criterion) {
         let pixels: Vec<u64> = (0..prepared.scene.camera.pixel_count() as u64).step_by(STEP).collect();
         group.throughput(Throughput::Elements(pixels.len() as u64));
         let maps = prepared.harvest(100_000).maps();
-        let gatherer = gatherer(&prepared, &maps);
+        let outlines = Outlines::default();
+        let gatherer = gatherer(&prepared, (&maps, &outlines));
         // Kernels of about 50 photons; the exact radii of a render are its pilot's.
         let radii = [0.05_f32; 4];
         group.bench_function(format!("photon maps/{name}"), |b| {
@@ -60,7 +61,7 @@ pub(crate) fn benches(c: &mut Criterion) {
     group.finish();
 }
 
-fn gatherer<'a>(prepared: &'a Prepared, maps: &'a Maps) -> Gatherer<'a> {
+fn gatherer<'a>(prepared: &'a Prepared, (maps, outlines): (&'a Maps, &'a Outlines)) -> Gatherer<'a> {
     let wavelengths = [450.0, 520.0, 590.0, 650.0];
     Gatherer {
         scene: &prepared.scene,
@@ -70,7 +71,7 @@ fn gatherer<'a>(prepared: &'a Prepared, maps: &'a Maps) -> Gatherer<'a> {
         shared: maps,
         shared_nm: wavelengths,
         shared_pdf: wavelengths.map(|nm| prepared.choice.wavelengths.pdf(nm)),
-        edges: &[],
+        outlines,
         radius_scale: 1.0,
         max_depth: 64,
     }

@@ -14,11 +14,10 @@ pub struct Splat {
     pub radiance: Lanes,
 }
 
-/// Connects the photon's hit to the camera through the place of the aperture that `lens` draws, if `wanted` takes light for that pixel;
-/// `None` if the camera does not see it.
-pub fn connect(scene: &Scene, arrival: &Arrival<'_>, lens: [f64; 2], wanted: impl Fn(u32) -> bool) -> Option<Splat> {
+/// Connects the photon's hit to the camera through the place of the aperture that `lens` draws; `None` if the camera does not see it.
+pub fn connect(scene: &Scene, arrival: &Arrival<'_>, lens: [f64; 2]) -> Option<Splat> {
     let encounter = arrival.encounter;
-    let sighting = scene.camera.sight(encounter.hit.position, lens).filter(|sighting| wanted(sighting.pixel))?;
+    let sighting = scene.camera.sight(encounter.hit.position, lens)?;
     let to_camera = encounter.frame.to_local(sighting.direction);
     let to_light = encounter.wo;
     let sides = encounter.sides_towards(sighting.direction);

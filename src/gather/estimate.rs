@@ -40,27 +40,27 @@ const NORMAL_TOLERANCE: f64 = 0.7;
 const PLANE_TOLERANCE: f64 = 0.3;
 
 impl Gatherer<'_> {
-    /// Adds the radiance that the photons of one map around the encounter send back along the path. The angle at which a photon came in is
+    /// Adds the radiance that the photons of one map within `radius` (m) around the encounter send back along the path; of the kernel a
+    /// `share` lies on the surface. The angle at which a photon came in is
     /// taken from the surface where it arrived: by the tangent plane here, flat light on a curved surface would partly seem to come
     /// from below. With interpolated normals the flux came through the true surface and the reflectance is for the shaded one:
     /// |ω·n_s| / |ω·n_g|.
     pub(super) fn estimate<S: Sink>(
         &self,
         encounter: &Encounter<'_>,
-        (map, first_radius): (&PhotonIndex, f32),
+        (map, radius, share): (&PhotonIndex, f64, f64),
         colour: Colour,
         factors: &[Factor<'_>],
         sink: &mut S,
     ) {
-        let radius = first_radius * self.radius_scale as f32;
-        let r2 = f64::from(radius) * f64::from(radius);
+        let r2 = radius * radius;
         let place = encounter.hit.position;
         let normal = encounter.hit.normal;
         let facing = if encounter.leads_back(normal) { normal } else { -normal };
         let through = transmits(encounter.surface);
         let shading = encounter.frame.to_world(DVec3::Z);
         let interpolated = shading != normal;
-        map.within(place.as_vec3().to_array(), radius, |found| {
+        map.within(place.as_vec3().to_array(), radius as f32, |found| {
             let photon = &found.photon;
             let photon_normal = photon.normal();
             let alignment = photon_normal.dot(facing);
@@ -70,11 +70,11 @@ impl Gatherer<'_> {
                 f64::from(found.position[1]) - place.y,
                 f64::from(found.position[2]) - place.z,
             );
-            if aligned < NORMAL_TOLERANCE || offset.dot(normal).abs() > PLANE_TOLERANCE * f64::from(radius) {
+            if aligned < NORMAL_TOLERANCE || offset.dot(normal).abs() > PLANE_TOLERANCE * radius {
                 return;
             }
             let to_light = photon.to_light();
-            let kernels = kernel::at(f64::from(found.distance2).min(r2), r2);
+            let kernels = kernel::at(f64::from(found.distance2).min(r2), r2).over(share);
             // Photons bring flux through their own piece of surface; on a curved one that is tilted against the place in question.
             let own_cosine = to_light.dot(photon_normal) * alignment.signum();
             let (wi, correction) = if interpolated {

@@ -4,6 +4,7 @@
 mod direct;
 mod estimate;
 mod landing;
+mod outline;
 mod path_tracer;
 mod photon_gather;
 mod throughput;
@@ -11,6 +12,7 @@ mod throughput;
 pub use direct::Direct;
 pub use estimate::{Maps, Radii, RadiusKind};
 pub use landing::Landing;
+pub use outline::{Outline, Outlines};
 pub use path_tracer::PathTracer;
 pub use photon_gather::{Gatherer, Scratch};
 

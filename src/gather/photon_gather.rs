@@ -4,6 +4,7 @@ use super::CameraNumbers;
 use super::direct::{Asking, Counts, Direct, Found, Lit};
 use super::estimate::{Maps, Radii, RadiusKind};
 use super::landing::Landing;
+use super::outline::Outlines;
 use super::throughput::{Colour, Factor, product, relative_n2};
 use crate::math::random::ONE_MINUS_ULP;
 use crate::optics::surface::{Class, Event, Scatter, Surface, Transport};
@@ -34,8 +35,8 @@ pub struct Gatherer<'a> {
     pub shared_nm: Lanes,
     /// Densities of the shared wavelengths, per nm.
     pub shared_pdf: Lanes,
-    /// Pixels at edges of surfaces, where connections take the place of kernels for what is directly seen; none if empty.
-    pub edges: &'a [bool],
+    /// How far surfaces go on around what pixels see directly.
+    pub outlines: &'a Outlines,
     /// How far kernels have shrunk since the first pass.
     pub radius_scale: f64,
     /// Surface events a path may have.
@@ -65,6 +66,7 @@ struct CameraPath {
 
 /// What one camera sample uses from end to end.
 struct Sample<'s, 'a, S> {
+    pixel: u64,
     numbers: CameraNumbers,
     radii: &'s Radii,
     scratch: &'s mut Scratch<'a>,
@@ -89,13 +91,13 @@ impl<'a> Gatherer<'a> {
         let path = CameraPath {
             start: Start { ray, from: None, interior: self.scene.camera.interior },
             colour: Colour::Free,
-            view: if self.edges.get(pixel as usize) == Some(&true) { View::SeenAtEdge } else { View::Seen },
+            view: View::Seen,
             counts: Counts::Fully,
             level: 1.0,
             distance: 0.0,
             depth: 0,
         };
-        let mut sample = Sample { numbers, radii, scratch, sink, tally };
+        let mut sample = Sample { pixel, numbers, radii, scratch, sink, tally };
         if self.plan.wavelengths == WavelengthPlan::Shared {
             self.split(path, &mut sample);
         } else {
@@ -191,17 +193,21 @@ impl<'a> Gatherer<'a> {
 
     /// The end of a path at a diffuse surface: lamps and photons.
     fn land<S: Sink>(&self, path: &CameraPath, encounter: &Encounter<'a>, sample: &mut Sample<'_, 'a, S>) {
-        let shared = matches!(path.colour, Colour::Shared { .. });
-        sample.scratch.landings.push(Landing {
-            position: encounter.hit.position,
-            normal: encounter.hit.normal,
-            footprint_m: path.distance * self.scene.camera.pixel_angle(),
-            view: path.view,
-            shared,
-        });
+        sample.scratch.landings.push(self.landing(path, encounter));
         self.gather_lamps(path, encounter, sample);
         self.gather_scattered_lamps(path, encounter, sample);
         self.gather_photons(path, encounter, sample);
+    }
+
+    fn landing(&self, path: &CameraPath, encounter: &Encounter<'a>) -> Landing {
+        let normal = encounter.hit.normal;
+        Landing {
+            position: encounter.hit.position,
+            facing: if encounter.leads_back(normal) { normal } else { -normal },
+            footprint_m: path.distance * self.scene.camera.pixel_angle(),
+            view: path.view,
+            shared: matches!(path.colour, Colour::Shared { .. }),
+        }
     }
 
     /// Light straight from lamps, by shadow rays.
@@ -263,8 +269,12 @@ impl<'a> Gatherer<'a> {
             let wanted = light_path != LightPath::Indirect || self.plan.indirect != IndirectPlan::Absent;
             if wanted && !map.is_empty() && estimator(light_path, class, view) == Estimator::PhotonMap {
                 sample.tally.map_queries += 1;
-                let radius = sample.radii[kind as usize];
-                self.estimate(encounter, (map, radius), path.colour, &sample.scratch.factors, sample.sink);
+                let radius = f64::from(sample.radii[kind as usize]) * self.radius_scale;
+                let share = match path.view {
+                    View::Seen => self.outlines.share(sample.pixel as usize, &self.landing(path, encounter), radius),
+                    View::Relayed => 1.0,
+                };
+                self.estimate(encounter, (map, radius, share), path.colour, &sample.scratch.factors, sample.sink);
             }
         }
     }

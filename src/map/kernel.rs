@@ -17,7 +17,18 @@ pub fn at(d2: f64, r2: f64) -> Kernels {
     Kernels { estimate: 2.0 * uniform * (1.0 - d2 / r2), uniform }
 }
 
+/// The share of the kernel's mass within `t` radii of its centre.
+pub fn mass_within(t: f64) -> f64 {
+    let t2 = (t * t).min(1.0);
+    t2 * (2.0 - t2)
+}
+
 impl Kernels {
+    /// The kernels where only a share of them lies on the surface: what lies there integrates to 1 again.
+    pub fn over(self, share: f64) -> Self {
+        Self { estimate: self.estimate / share, uniform: self.uniform / share }
+    }
+
     /// A photon's share in the estimated bias of the Epanechnikov estimate L_e, from L_u by the uniform kernel of the same radius. The
     /// bias of a second-order kernel is proportional to its second moment μ; μ_u = r²/2 and μ_e = r²/3, so that
     /// b = μ_e/(μ_u − μ_e)·(L_u − L_e).
@@ -50,6 +61,13 @@ mod tests {
         assert!((over_disk(r, |d2| at(d2, r2).uniform) - 1.0).abs() < 1e-8);
         assert!((over_disk(r, |d2| d2 * at(d2, r2).estimate) - r2 / 3.0).abs() < 1e-8);
         assert!((over_disk(r, |d2| d2 * at(d2, r2).uniform) - r2 / 2.0).abs() < 1e-8);
+    }
+
+    #[test]
+    fn the_mass_within_half_a_radius_is_the_integral_over_it() {
+        let within = over_disk(0.5, |d2| at(d2, 1.0).estimate);
+        assert!((mass_within(0.5) - within).abs() < 1e-8);
+        assert_eq!([mass_within(1.0), mass_within(f64::INFINITY)], [1.0; 2]);
     }
 
     #[test]

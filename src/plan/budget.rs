@@ -17,6 +17,9 @@ pub const DEFAULT_NEAREST: u32 = 50;
 /// Bytes of a stored photon: payload and position in the tree, and once more while it is sorted.
 const PHOTON_BYTES: u64 = 2 * 56;
 
+/// What the pilot leaves of a pixel: four radii, the number of its outline, and a third of an outline (44 bytes, near edges only).
+const PILOT_BYTES_A_PIXEL: u64 = 4 * 4 + 4 + 44 / 3;
+
 /// Numbers that fix a render, from the scene's settings or by default.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Budget {
@@ -44,7 +47,7 @@ impl Budget {
         let (width, height) = (scene.film.width as usize, scene.film.height as usize);
         // A photon path meets a few diffuse surfaces; two are kept on average.
         let memory_bytes = film_bytes
-            + 16 * (width * height) as u64
+            + PILOT_BYTES_A_PIXEL * (width * height) as u64
             + 2 * photons * PHOTON_BYTES
             + scene.geometry.memory_bytes() as u64;
         Self {

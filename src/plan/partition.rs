@@ -2,8 +2,8 @@
 //!
 //! A path from a light to the camera is cut at the first surface, seen from the camera, that is neither a mirror nor clear glass.
 //! What happened between the light and that surface, and between that surface and the camera, decides who counts it.
-//! `emit` and `gather` read this table and nothing else. Indirect light is smooth, so kernels serve it best, but not at the edges of
-//! surfaces, where part of a kernel lies beside the surface and the estimate is too dark: there photons are connected instead.
+//! `emit` and `gather` read this table and nothing else. Caustics are sharp, so connections serve them best where the camera sees them;
+//! indirect light is smooth, and kernels serve that.
 
 use crate::optics::surface::Class;
 
@@ -23,8 +23,6 @@ pub enum LightPath {
 pub enum View {
     /// Nothing: a straight line.
     Seen,
-    /// Nothing, in a pixel that the pilot found at an edge of the surface, where a kernel would reach into the void.
-    SeenAtEdge,
     /// Mirrors, glass or rough surfaces.
     Relayed,
 }
@@ -50,19 +48,16 @@ pub fn estimator(path: LightPath, class: Class, view: View) -> Estimator {
         (Class::Absorbing, _, _) => Estimator::Nobody,
         (Class::Specular, _, _) => Estimator::Continuation,
         (Class::Diffuse | Class::Glossy, LightPath::Direct, _) => Estimator::ShadowRays,
-        (Class::Diffuse | Class::Glossy, LightPath::Caustic, View::Seen | View::SeenAtEdge) => Estimator::Connection,
+        (Class::Diffuse | Class::Glossy, LightPath::Caustic, View::Seen) => Estimator::Connection,
         (Class::Diffuse | Class::Glossy, LightPath::Caustic, View::Relayed) => Estimator::PhotonMap,
-        (Class::Diffuse, LightPath::Indirect, View::SeenAtEdge) => Estimator::Connection,
-        (Class::Diffuse, LightPath::Indirect, View::Seen | View::Relayed) => Estimator::PhotonMap,
+        (Class::Diffuse, LightPath::Indirect, _) => Estimator::PhotonMap,
         (Class::Glossy, LightPath::Indirect, _) => Estimator::Continuation,
     }
 }
 
 /// Whether any view needs photons of this kind kept in the map at a surface of this class.
 pub fn kept_in_map(path: LightPath, class: Class) -> bool {
-    [View::Seen, View::SeenAtEdge, View::Relayed]
-        .into_iter()
-        .any(|view| estimator(path, class, view) == Estimator::PhotonMap)
+    [View::Seen, View::Relayed].into_iter().any(|view| estimator(path, class, view) == Estimator::PhotonMap)
 }
 
 #[cfg(test)]

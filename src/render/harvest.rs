@@ -28,8 +28,6 @@ pub(super) struct Harvest<'a> {
     scene: &'a Scene,
     plan: &'a Plan,
     set: Set,
-    /// Pixels at edges of surfaces; none if empty.
-    edges: &'a [bool],
     pub(super) caustic: Vec<Placed>,
     pub(super) indirect: Vec<Placed>,
     pub(super) splats: SplatSink,
@@ -37,27 +35,24 @@ pub(super) struct Harvest<'a> {
 }
 
 impl<'a> Harvest<'a> {
-    pub(super) fn new(scene: &'a Scene, plan: &'a Plan, set: Set, edges: &'a [bool], splats: SplatSink) -> Self {
-        Self { scene, plan, set, edges, caustic: Vec::new(), indirect: Vec::new(), splats, tally: Tally::default() }
+    pub(super) fn new(scene: &'a Scene, plan: &'a Plan, set: Set, splats: SplatSink) -> Self {
+        Self { scene, plan, set, caustic: Vec::new(), indirect: Vec::new(), splats, tally: Tally::default() }
     }
 
-    /// Connects an arrival to the camera, where the partition leaves pixels of this view to connections.
+    /// Connects an arrival to the camera, if the partition leaves it to connections.
     fn connect(&mut self, arrival: &Arrival<'_>, stream: &mut Stream) {
         let class = arrival.encounter.surface.class();
-        let connects = |view| estimator(arrival.path, class, view) == Estimator::Connection;
-        let (seen, at_edge) = (connects(View::Seen), connects(View::SeenAtEdge) && !self.edges.is_empty());
+        let connects = estimator(arrival.path, class, View::Seen) == Estimator::Connection;
         // Camera paths that take shared wavelengths from the start leave connections to nobody: the map serves them.
         let free = self.set == Set::Free && self.plan.wavelengths != WavelengthPlan::Shared;
-        if !(free && (seen || at_edge)) {
+        if !(free && connects) {
             return;
         }
-        let edges = self.edges;
-        let is_edge = |pixel: u32| edges.get(pixel as usize).is_some_and(|&edge| edge);
         let lens = match self.plan.aperture {
             AperturePlan::Pinhole => [0.5; 2],
             AperturePlan::ThinLens => stream.pair(),
         };
-        if let Some(splat) = connect(self.scene, arrival, lens, |pixel| if is_edge(pixel) { at_edge } else { seen }) {
+        if let Some(splat) = connect(self.scene, arrival, lens) {
             self.tally.connections += 1;
             let lanes = arrival.wavelengths.active().iter().copied().zip(splat.radiance);
             self.splats.splat(splat.pixel, lanes);

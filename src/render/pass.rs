@@ -57,17 +57,12 @@ pub(super) fn shared_wavelengths(job: &Job, pass: u64) -> (Lanes, Lanes) {
 }
 
 /// Emits a set of photons on all threads of the pool; the result does not depend on their number.
-pub(super) fn emit(
-    job: &Job,
-    emitters: &Emitters<'_>,
-    (set, edges): (Set, &[bool]),
-    splats: impl Fn() -> SplatSink + Sync,
-) -> Emitted {
+pub(super) fn emit(job: &Job, emitters: &Emitters<'_>, set: Set, splats: impl Fn() -> SplatSink + Sync) -> Emitted {
     let points = emitters.points();
     let chunks: Vec<(Harvest<'_>, Ledger)> = (0..emitters.count.div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
-            let mut harvest = Harvest::new(&job.scene, &job.plan, set, edges, splats());
+            let mut harvest = Harvest::new(&job.scene, &job.plan, set, splats());
             let mut ledger = Ledger::new(job.scene.materials.len());
             for index in chunk * CHUNK..((chunk + 1) * CHUNK).min(emitters.count) {
                 trace(emitters, &points, index, &mut harvest, &mut ledger);
@@ -101,7 +96,7 @@ pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) {
     ];
     let [free, shared] = sets.map(|(set, purpose, wavelengths, count)| {
         let emitters = pilot.emitters(job, wavelengths, count, purpose, pass);
-        emit(job, &emitters, (set, &pilot.edges), || film.splat_sink())
+        emit(job, &emitters, set, || film.splat_sink())
     });
     run.seconds.emit += begun.elapsed().as_secs_f64();
 
@@ -119,7 +114,7 @@ pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) {
         shared_nm: nm,
         shared_pdf: pdf,
         radius_scale: radius::scale(pass),
-        edges: &pilot.edges,
+        outlines: &pilot.outlines,
         max_depth: job.budget.max_depth,
     };
     let seed = job.budget.seed;

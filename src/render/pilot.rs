@@ -5,7 +5,7 @@ use super::harvest::Set;
 use super::pass::{emit, shared_wavelengths};
 use super::{Job, Seconds};
 use crate::emit::{Aim, Arrival, CELLS, Emitters, Receiver, Wavelengthed, trace};
-use crate::gather::{CameraNumbers, Direct, Gatherer, Landing, Maps, Radii, RadiusKind, Scratch};
+use crate::gather::{CameraNumbers, Direct, Gatherer, Landing, Maps, Outline, Outlines, Radii, RadiusKind, Scratch};
 use crate::map::{PhotonIndex, radius};
 use crate::math::random::{Purpose, Stream};
 use crate::plan::partition::{LightPath, View};
@@ -23,8 +23,8 @@ pub(super) struct Pilot {
     pub(super) aims: Vec<Aim>,
     /// First radii per pixel.
     pub(super) radii: Vec<Radii>,
-    /// Pixels at edges of surfaces.
-    pub(super) edges: Vec<bool>,
+    /// How far surfaces go on around what pixels see.
+    pub(super) outlines: Outlines,
     pub(super) free_photons: u64,
     pub(super) shared_photons: u64,
 }
@@ -49,8 +49,13 @@ impl Pilot {
             AimPlan::Learned => learn_aims(job, plain),
         };
         let half = job.budget.photons / 2;
-        let mut pilot =
-            Self { aims, radii: Vec::new(), edges: Vec::new(), free_photons: half.max(1), shared_photons: half.max(1) };
+        let mut pilot = Self {
+            aims,
+            radii: Vec::new(),
+            outlines: Outlines::default(),
+            free_photons: half.max(1),
+            shared_photons: half.max(1),
+        };
         match job.plan.wavelengths {
             WavelengthPlan::Free => (pilot.free_photons, pilot.shared_photons) = (job.budget.photons, 0),
             WavelengthPlan::Shared => (pilot.free_photons, pilot.shared_photons) = (0, job.budget.photons),
@@ -82,11 +87,11 @@ impl Pilot {
         let blank = Film::new(1, 1, observer, 0);
         let maps = |set, wavelengths, count, pass| {
             let emitters = self.emitters(job, wavelengths, count, Purpose::Pilot, pass);
-            emit(job, &emitters, (set, &[]), || blank.splat_sink()).maps()
+            emit(job, &emitters, set, || blank.splat_sink()).maps()
         };
         let free = maps(Set::Free, Wavelengthed::Free, self.free_photons, 0);
         let shared = maps(Set::Shared, Wavelengthed::Shared { nm, pdf }, self.shared_photons, 1);
-        let empty = Maps::default();
+        let (empty, none) = (Maps::default(), Outlines::default());
         let gatherer = Gatherer {
             scene: &job.scene,
             plan: &job.plan,
@@ -96,7 +101,7 @@ impl Pilot {
             shared_nm: nm,
             shared_pdf: pdf,
             radius_scale: 1.0,
-            edges: &[],
+            outlines: &none,
             max_depth: job.budget.max_depth,
         };
         let width = job.scene.camera.width();
@@ -112,8 +117,8 @@ impl Pilot {
             (0..2).for_each(|set| landings[set] += row.landings[set]);
         }
         fill_unknown(&mut self.radii);
-        if job.plan.wavelengths != WavelengthPlan::Shared && job.plan.indirect != IndirectPlan::Absent {
-            self.edges = edges(&seen, &self.radii, width);
+        if job.plan.indirect != IndirectPlan::Absent {
+            self.outlines = outlines(job, &seen, &self.radii, width);
         }
         self.share_photons(job, landings);
     }
@@ -188,42 +193,41 @@ fn first_radius(job: &Job, landing: &Landing, map: &PhotonIndex, largest_pixels:
     radius::first(kth, footprint, largest_pixels * footprint)
 }
 
-/// How near an edge must be, in kernel radii, for its pixels to be connected instead. Connections are noisier than kernels and free of
-/// their bias; of 0.5, 0.25 and 0.1 the last gave the least error on the diffuse box from 8 to 128 passes.
-const EDGE_SHARE: f64 = 0.1;
-
-/// Where the first kernel spans more pixels than this, too few photons fall on a single pixel for connections to serve it.
-const SPARSE_PIXELS: f64 = 12.0;
-
-/// Marks the pixels from whose surface the kernel would reach over an edge: a pixel [`EDGE_SHARE`] of a kernel away, at least the
-/// neighbour, sees no surface, or one that does not continue this one.
-fn edges(seen: &[Option<Landing>], radii: &[Radii], width: usize) -> Vec<bool> {
-    let height = seen.len() / width;
-    let is_edge = |pixel: usize| {
-        let Some(here) = &seen[pixel] else {
-            // Nothing seen, or something relayed: what is directly seen is a sliver at an edge, if anything, and its radius is unknown.
-            return false;
-        };
-        let radius = f64::from(radii[pixel][RadiusKind::FreeIndirect as usize]);
-        if radius > SPARSE_PIXELS * here.footprint_m {
-            return false;
-        }
-        let reach = EDGE_SHARE * radius;
-        let pixels = (reach / here.footprint_m).ceil().clamp(1.0, LARGEST_INDIRECT_PIXELS) as isize;
-        let (x, y) = ((pixel % width) as isize, (pixel / width) as isize);
-        let steps = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)];
-        steps.into_iter().any(|(dx, dy)| {
-            let (i, j) = (x + dx * pixels, y + dy * pixels);
-            if i < 0 || j < 0 || i >= width as isize || j >= height as isize {
-                return false;
-            }
-            match &seen[j as usize * width + i as usize] {
-                None => true,
-                Some(there) => !here.continues_to(there),
-            }
-        })
+/// The outlines around what pixels see directly, where their kernels for indirect light reach over an edge.
+fn outlines(job: &Job, seen: &[Option<Landing>], radii: &[Radii], width: usize) -> Outlines {
+    let kind = match job.plan.wavelengths {
+        WavelengthPlan::Free | WavelengthPlan::Both => RadiusKind::FreeIndirect,
+        WavelengthPlan::Shared => RadiusKind::SharedIndirect,
     };
-    (0..seen.len()).map(is_edge).collect()
+    let outline = |pixel: usize| {
+        let radius = f64::from(radii[pixel][kind as usize]);
+        let landing = seen[pixel].as_ref().filter(|here| may_reach_over_an_edge(seen, (pixel, here), radius, width))?;
+        Outline::around(&job.scene.geometry, landing, radius)
+    };
+    let of_pixels: Vec<Option<Outline>> = (0..seen.len()).into_par_iter().map(outline).collect();
+    Outlines::new(width, of_pixels.into_iter())
+}
+
+/// Whether a pixel a kernel away sees no surface, or one that does not continue this pixel's; or there is no such pixel.
+fn may_reach_over_an_edge(
+    seen: &[Option<Landing>],
+    (pixel, here): (usize, &Landing),
+    radius: f64,
+    width: usize,
+) -> bool {
+    let height = seen.len() / width;
+    let pixels = (radius / here.footprint_m).ceil().clamp(1.0, LARGEST_INDIRECT_PIXELS) as isize;
+    let (x, y) = ((pixel % width) as isize, (pixel / width) as isize);
+    let steps = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)];
+    steps.into_iter().any(|(dx, dy)| {
+        let (i, j) = (x + dx * pixels, y + dy * pixels);
+        if i < 0 || j < 0 || i >= width as isize || j >= height as isize {
+            return true;
+        }
+        seen[j as usize * width + i as usize]
+            .as_ref()
+            .is_none_or(|there| !here.goes_on_to(there.position, there.facing))
+    })
 }
 
 /// Gives pixels whose pilot path saw nothing of a kind the median of those that did.
@@ -243,7 +247,8 @@ fn learn_aims(job: &Job, mut aims: Vec<Aim>) -> Vec<Aim> {
     const CHUNK: u64 = 4096;
     for round in 0..2 {
         let lights = aims.len();
-        let pilot = Pilot { aims, radii: Vec::new(), edges: Vec::new(), free_photons: 0, shared_photons: 0 };
+        let pilot =
+            Pilot { aims, radii: Vec::new(), outlines: Outlines::default(), free_photons: 0, shared_photons: 0 };
         let count = PATHS * (lights as u64).min(4);
         let emitters = pilot.emitters(job, Wavelengthed::Free, count, Purpose::Pilot, 100 + round);
         let points = emitters.points();
