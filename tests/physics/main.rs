@@ -7,6 +7,7 @@
 mod common;
 
 mod caustic_colours;
+mod chart;
 mod free_and_shared;
 mod furnace;
 mod irradiance;
