@@ -5,7 +5,7 @@
 mod cli_common;
 
 use abbe::output::{Metadata, exr, png};
-use abbe::sensor::{Bands, Picture};
+use abbe::sensor::{Bands, Picture, Screen};
 use cli_common::abbe;
 use std::path::Path;
 use tempfile::TempDir;
@@ -58,7 +58,7 @@ fn compare_prints_the_figures_that_the_contract_names() {
 fn a_mask_limits_what_is_compared() {
     let folder = pictures();
     let rgb = (0..8 * 4).map(|i| if i % 8 < 4 { [0; 3] } else { [255; 3] }).collect();
-    png::Screen { width: 8, height: 4, rgb }.write_png(&folder.path().join("mask.png")).unwrap();
+    png::write(&folder.path().join("mask.png"), &Screen::of_srgb(8, 4, rgb)).unwrap();
     let right = abbe(folder.path(), &["compare", "a.exr", "b.exr", "--json", "--mask", "mask.png"]).json();
     assert_eq!((right["relative_mse"].as_f64(), right["pixels"].as_u64()), (Some(0.0), Some(16)), "{right}");
 }

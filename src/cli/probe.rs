@@ -8,7 +8,7 @@ use abbe::error::{Error, Result};
 use abbe::output::exr::read;
 use abbe::output::file;
 use abbe::output::plot::{Curve, Plot};
-use abbe::sensor::{Picture, exposure};
+use abbe::sensor::{Development, Picture, exposure};
 use serde::Serialize;
 
 use super::{Outcome, print};
@@ -91,7 +91,8 @@ fn pixel(picture: &Picture, x: usize, y: usize) -> Result<Pixel> {
     }
     let i = y * width + x;
     let xyz = picture.xyz[i];
-    let exposed = xyz_to_linear_srgb(xyz.map(|value| value * exposure::automatic(picture)));
+    let exposure = exposure::automatic(picture, &Development::default());
+    let exposed = xyz_to_linear_srgb(xyz.map(|value| value * exposure));
     let known = |value: f32| (value >= 0.0).then_some(f64::from(value));
     let spectrum = picture.bands.as_ref().map(|bands| {
         let count = bands.centres_nm.len();

@@ -119,11 +119,14 @@ impl RgbSpace {
     pub fn picture_matrix(self) -> [[f64; 3]; 3] {
         match self {
             Self::Srgb | Self::DisplayP3 | Self::Rec2020 => self.matrices().from_xyz,
-            Self::AcesCg => {
-                let adapt = adaptation(Self::Srgb.white(), self.white(), Transform::Bradford);
-                product(&self.matrices().from_xyz, &adapt)
-            }
+            Self::AcesCg => self.balanced_matrix(Self::Srgb.white()),
         }
+    }
+
+    /// The rows that turn XYZ into linear components, adapted by Bradford's transform so that light of the colour
+    /// `white` (at any scale) becomes this space's white.
+    pub fn balanced_matrix(self, white: Xyz) -> [[f64; 3]; 3] {
+        product(&self.matrices().from_xyz, &adaptation(white, self.white(), Transform::Bradford))
     }
 
     /// The share of each component in Y; they sum to 1.
