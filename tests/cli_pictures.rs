@@ -104,7 +104,11 @@ fn probe_tells_all_about_a_pixel() {
     assert!((pixel["xyz"][1].as_f64().unwrap() - 1.0).abs() < 1e-6);
     assert!((pixel["noise"].as_f64().unwrap() - 0.03).abs() < 1e-6 && pixel["bias"] == 0.0);
     assert_eq!(pixel["spectrum"], serde_json::json!({"nm": [477.5, 712.5], "values": [22.0, 23.0]}));
-    assert!(std::fs::read_to_string(folder.path().join("pixel.svg")).unwrap().starts_with("<svg "));
+    let svg = std::fs::read_to_string(folder.path().join("pixel.svg")).unwrap();
+    assert!(svg.starts_with("<svg ") && svg.contains("pixel 3, 1") && svg.contains("radiance in W/m²/sr/nm"));
+    // Two steps that meet in the middle of the band, at 595 nm, from edge to edge of the plot; 25 is its top.
+    let steps = "M84.00 93.28L450.00 93.28L450.00 79.52L816.00 79.52";
+    assert!(svg.contains(steps), "{svg}");
     let unknown = abbe(folder.path(), &["probe", "spectral.exr", "0", "0", "--json"]).json();
     assert!(unknown["noise"].is_null());
     let plain = abbe(folder.path(), &["probe", "a.exr", "0", "0", "--json"]).json();
