@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use abbe::error::{Error, Result};
 use abbe::output::exr::write as write_exr;
-use abbe::output::{file as files, png};
+use abbe::output::file as files;
+use abbe::output::png::write as write_png;
 use abbe::render::{Integrator, Job, Rendered, Request, StopRules, on_threads};
 use abbe::scene::file::{self, Source};
 use abbe::scene::{Exposure, FilmSpec, resolve};
@@ -199,7 +200,7 @@ impl Outputs {
         let film = &job.scene.film;
         let development = Development { space: film.space, white: film.white, gamut: film.gamut };
         let exposure = exposure_factor(film, picture, &development);
-        png::write(&self.png, &develop(picture, exposure, &development))?;
+        write_png(&self.png, &develop(picture, exposure, &development))?;
         if let Some(path) = &self.stats {
             let json = serde_json::to_string_pretty(&rendered.stats).expect("statistics have text keys");
             files::write_whole(path, (json + "\n").as_bytes())?;

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::compare::{Comparison, Scale, Selection, delta_e_map};
 use super::data_uri::data_uri;
 use super::page::document;
-use super::png;
+use super::png::encode as encode_png;
 use crate::error::Result;
 use crate::sensor::{Development, Picture, Screen, develop, exposure};
 
@@ -77,7 +77,7 @@ fn figures(comparison: &Comparison) -> Markup {
 }
 
 fn figure(screen: &Screen, caption: &str) -> Result<Markup> {
-    let source = data_uri("image/png", &png::encode(screen)?);
+    let source = data_uri("image/png", &encode_png(screen)?);
     Ok(html! { figure { img src=(source) alt=(caption); figcaption { (caption) } } })
 }
 

@@ -62,7 +62,7 @@ fn curve(space: RgbSpace) -> ToneReprCurve {
             ToneReprCurve::Parametric(vec![2.4, 1.0 / 1.055, 0.055 / 1.055, 1.0 / 12.92, 0.04045])
         }
         RgbSpace::Rec2020 => {
-            let alpha = 1.099_296_83;
+            let alpha = 1.099_296_8;
             ToneReprCurve::Parametric(vec![1.0 / 0.45, 1.0 / alpha, (alpha - 1.0) / alpha, 1.0 / 4.5, 0.081_242_86])
         }
         RgbSpace::AcesCg => ToneReprCurve::Lut(Vec::new()),
