@@ -2,10 +2,10 @@
 
 use super::data_uri::data_uri;
 use super::png::encode as encode_png;
-use crate::sensor::Screen;
 use crate::colour::gamut::brightest;
 use crate::colour::{RgbSpace, encode_srgb_u8, from_xy, report, xy, xyz_to_linear_srgb};
 use crate::error::Result;
+use crate::sensor::Screen;
 use crate::spectrum::{Observer, Spectrum};
 
 /// Two lights, and the primaries of a match, in the x, y plane of an observer.
