@@ -200,7 +200,8 @@ pub fn decode_srgb(signal: f64) -> f64 {
     component.copysign(signal)
 }
 
-/// Entries of the table that guesses a code from a linear component.
+/// Entries of the table that guesses a code from a linear component: so many that a guess is at most one too low (the
+/// curve is steepest at 0, where 4096 entries are 12.92 · 255 codes).
 const GUESSES: usize = 4096;
 
 /// The nearest of 256 sRGB codes of a linear component, clipped to [0, 1]; the same as rounding
@@ -221,11 +222,8 @@ pub fn encode_srgb_u8(component: f64) -> u8 {
         Table { guess: (0..=GUESSES).map(|i| code_of(i) as u8).collect(), least }
     });
     // A NaN becomes 0 in the conversion.
-    let mut code = table.guess[((component * GUESSES as f64) as usize).min(GUESSES)];
-    while component >= table.least[usize::from(code) + 1] {
-        code += 1;
-    }
-    code
+    let code = table.guess[((component * GUESSES as f64) as usize).min(GUESSES)];
+    code + u8::from(component >= table.least[usize::from(code) + 1])
 }
 
 /// A colour as `#rrggbb`, clipped to sRGB.
