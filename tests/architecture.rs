@@ -29,7 +29,7 @@ const ORDER: [(&str, &[&str]); 16] = [
 const HOT: [&str; 4] = ["walk", "map", "emit", "gather"];
 
 /// Where a crate may be used: in these files or folders (below src), or everywhere.
-const CRATES: [(&str, &[&str]); 23] = [
+const CRATES: [(&str, &[&str]); 25] = [
     ("glam", &[""]),
     ("serde", &[""]),
     ("obvhs", &["scene/bvh.rs"]),
@@ -38,6 +38,8 @@ const CRATES: [(&str, &[&str]); 23] = [
     ("rand_pcg", &["math/random.rs"]),
     ("rayon", &["render/", "map/", "sensor/"]),
     ("exr", &["output/", "scene/resolve/surroundings.rs"]),
+    ("png", &["output/png.rs"]),
+    ("moxcms", &["output/icc.rs"]),
     ("image", &["output/", "scene/resolve/surroundings.rs"]),
     (
         "serde_json",

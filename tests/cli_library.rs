@@ -55,6 +55,49 @@ fn any_spectrum_of_a_scene_can_be_written_inline_or_in_a_file() {
 }
 
 #[test]
+fn files_with_faults_are_refused_with_file_and_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let spdx = |samples: &[(&str, &str)]| {
+        let rows =
+            samples.iter().map(|(nm, value)| format!("<SpectralData wavelength=\"{nm}\">{value}</SpectralData>\n"));
+        let data: String = rows.collect();
+        format!("<IESTM2714><SpectralDistribution>\n{data}</SpectralDistribution></IESTM2714>\n")
+    };
+    for (second, word) in [
+        (("399", "1"), "ascending"),
+        (("400", "1"), "twice"),
+        (("410", "-1"), "negative"),
+        (("410", "NaN"), "NaN"),
+        (("nan", "1"), "NaN"),
+        (("410", "inf"), "inf"),
+        (("4e6", "1"), "wavelengths from 10"),
+        (("410", "red"), "red"),
+    ] {
+        let samples = [("400", "0.5"), second];
+        let csv: String = samples.iter().map(|(nm, value)| format!("{nm};{value}\n")).collect();
+        std::fs::write(folder.path().join("a.csv"), format!("nm;W\n{csv}")).unwrap();
+        std::fs::write(folder.path().join("a.spdx"), spdx(&samples)).unwrap();
+        for file in ["a.csv", "a.spdx"] {
+            abbe(folder.path(), &["spectrum", file]).is_error(2, &[&format!("{file}:3:"), word]);
+            let inline = format!("{{\"file\": \"{file}\"}}");
+            abbe(folder.path(), &["spectrum", &inline]).is_error(2, &[&format!("{file}:3:"), word]);
+        }
+    }
+    let known = abbe(
+        folder.path(),
+        &["spectrum", r#"{"table": {"nm": [400, 411.5, 733.3], "values": [0.5, 1, 0.25]}}"#, "--json"],
+    );
+    let known = numbers(&known.json()["xyz"]);
+    let samples = [("400", "0.5"), ("411.5", "1"), ("733.3", "0.25")];
+    std::fs::write(folder.path().join("a.spdx"), spdx(&samples)).unwrap();
+    std::fs::write(folder.path().join("a.csv"), "λ in µm\tpower\n0.4\t0.5\n0.4115\t1\n0.7333\t0.25\n").unwrap();
+    for file in ["a.csv", "a.spdx"] {
+        assert_near(&numbers(&abbe(folder.path(), &["spectrum", file, "--json"]).json()["xyz"]), &known, 1e-9);
+    }
+    abbe(folder.path(), &["spectrum", "missing.csv"]).is_error(2, &["missing.csv: cannot read the spectrum"]);
+}
+
+#[test]
 fn a_reflectance_is_seen_relative_to_the_perfect_diffuser() {
     let folder = tempfile::tempdir().unwrap();
     let half = abbe(folder.path(), &["spectrum", "0.5", "--reflectance-under", "D65", "--json"]).json();

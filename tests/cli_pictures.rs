@@ -5,7 +5,7 @@
 mod cli_common;
 
 use abbe::output::{Metadata, exr, png};
-use abbe::sensor::{Bands, Picture};
+use abbe::sensor::{Bands, Picture, Screen};
 use cli_common::abbe;
 use std::path::Path;
 use tempfile::TempDir;
@@ -58,7 +58,7 @@ fn compare_prints_the_figures_that_the_contract_names() {
 fn a_mask_limits_what_is_compared() {
     let folder = pictures();
     let rgb = (0..8 * 4).map(|i| if i % 8 < 4 { [0; 3] } else { [255; 3] }).collect();
-    png::Screen { width: 8, height: 4, rgb }.write_png(&folder.path().join("mask.png")).unwrap();
+    png::write(&folder.path().join("mask.png"), &Screen::of_srgb(8, 4, rgb)).unwrap();
     let right = abbe(folder.path(), &["compare", "a.exr", "b.exr", "--json", "--mask", "mask.png"]).json();
     assert_eq!((right["relative_mse"].as_f64(), right["pixels"].as_u64()), (Some(0.0), Some(16)), "{right}");
 }
@@ -104,7 +104,11 @@ fn probe_tells_all_about_a_pixel() {
     assert!((pixel["xyz"][1].as_f64().unwrap() - 1.0).abs() < 1e-6);
     assert!((pixel["noise"].as_f64().unwrap() - 0.03).abs() < 1e-6 && pixel["bias"] == 0.0);
     assert_eq!(pixel["spectrum"], serde_json::json!({"nm": [477.5, 712.5], "values": [22.0, 23.0]}));
-    assert!(std::fs::read_to_string(folder.path().join("pixel.svg")).unwrap().starts_with("<svg "));
+    let svg = std::fs::read_to_string(folder.path().join("pixel.svg")).unwrap();
+    assert!(svg.starts_with("<svg ") && svg.contains("pixel 3, 1") && svg.contains("radiance in W/m²/sr/nm"));
+    // Two steps that meet in the middle of the band, at 595 nm, from edge to edge of the plot; 25 is its top.
+    let steps = "M84.00 93.28L450.00 93.28L450.00 79.52L816.00 79.52";
+    assert!(svg.contains(steps), "{svg}");
     let unknown = abbe(folder.path(), &["probe", "spectral.exr", "0", "0", "--json"]).json();
     assert!(unknown["noise"].is_null());
     let plain = abbe(folder.path(), &["probe", "a.exr", "0", "0", "--json"]).json();

@@ -128,6 +128,35 @@ fn effects_can_be_forced_and_forbidden_and_the_header_says_so() {
 }
 
 #[test]
+fn explain_says_where_colours_made_from_rgb_meet_spectral_lines() {
+    let folder = scene();
+    let explain = |paint: &str, lamp: &str| {
+        let scene = SCENE.replace(r#""reflectance": 0.5"#, &format!(r#""reflectance": {paint}"#));
+        let scene = scene.replace(r#""spectrum": "D65""#, &format!(r#""spectrum": {lamp}"#));
+        std::fs::write(folder.path().join("lines.json"), scene).unwrap();
+        let json = abbe(folder.path(), &["explain", "lines.json", "--json"]).json();
+        (json["guessed_colours"].clone(), abbe(folder.path(), &["explain", "lines.json"]).out)
+    };
+    let (paint, sodium) = (r#"{"rgb": [0.7, 0.2, 0.1]}"#, r#""sodium-low-pressure""#);
+    let (found, words) = explain(paint, sodium);
+    assert_eq!(found, serde_json::json!({"upsampled": ["floor"], "line_lamps": ["point 0"]}));
+    assert!(words.contains("Note: colours made from RGB (floor)") && words.contains("(point 0)"), "{words}");
+    // Hidden in mixes it is the same.
+    let mixed = format!(r#"{{"mix": [{{"spectrum": {paint}, "weight": 0.5}}, {{"spectrum": 0.2, "weight": 0.5}}]}}"#);
+    let laser = r#"{"mix": [{"spectrum": "E", "weight": 0.0001}, {"spectrum": {"gaussian": {"peak_nm": 532, "fwhm_nm": 0.1}}, "weight": 9}]}"#;
+    assert!(explain(&mixed, laser).0.is_object());
+    for (paint, lamp) in [
+        (paint, r#""D65""#),
+        ("0.5", sodium),
+        (r#"{"rgb": [0.5, 0.5, 0.5]}"#, sodium),
+        (r#""colorchecker/red""#, sodium),
+    ] {
+        let (found, words) = explain(paint, lamp);
+        assert!(found.is_null() && !words.contains("RGB"), "{paint} under {lamp}: {words}");
+    }
+}
+
+#[test]
 fn time_and_target_error_stop_a_render_that_the_default_passes_would_not() {
     let folder = scene();
     assert_eq!(render(folder.path(), &["--time", "300ms", "--quiet"]).status, 0);

@@ -98,6 +98,18 @@ proptest! {
     }
 
     #[test]
+    fn a_line_of_any_width_integrates_to_its_power(
+        nm in 470.0..720.0_f64, power in 1e-30..1e30_f64, width in -6.0..2.0_f64
+    ) {
+        let line = SpectralLine { nm, power, fwhm_nm: Some(10.0_f64.powf(width)) };
+        let line = Spectrum::lines(&[line]).expect("a good line");
+        prop_assert!((line.integral() / power - 1.0).abs() < 1e-9, "{}", line.integral());
+        // By the densities that rendering sees: at the wavelengths within, times the width.
+        let summed: f64 = line.line_segments().iter().map(|part| line.at(part.centre()) * (part.nm.1 - part.nm.0)).sum();
+        prop_assert!((summed / power - 1.0).abs() < 1e-9, "{summed}");
+    }
+
+    #[test]
     fn coordinates_come_back(xyz in xyz()) {
         let white = RgbSpace::Srgb.white();
         prop_assert!(near(colour::from_lab(colour::lab(xyz, white), white), xyz, 1e-9));
@@ -172,6 +184,34 @@ proptest! {
             prop_assert!(slope > -1e-9 && (*weight == 0.0 || slope.abs() < 1e-9), "{slope}");
         }
     }
+}
+
+#[test]
+fn extreme_spectra_have_finite_colours() {
+    let observer = Observer::cie1931();
+    let nm: Vec<f64> = (0..100_000).map(|i| 360.0 + 470.0 * f64::from(i) / 99_999.0).collect();
+    let ramp: Vec<f64> = nm.iter().map(|nm| nm - 300.0).collect();
+    let table = |nm: &[f64], values: &[f64]| Spectrum::table(nm, values, Outside::Zero).unwrap();
+    let few = table(&[360.0, 830.0], &[60.0, 530.0]);
+    let daylight = library::find("D65").unwrap().spectrum;
+    // Each beside an ordinary light of the same colour.
+    for (name, extreme, ordinary) in [
+        ("100,000 samples", table(&nm, &ramp), few.clone()),
+        ("denormal", table(&[360.0, 830.0], &[60e-312, 530e-312]), few),
+        ("power 1e30", daylight.scaled(1e30 / daylight.integral()), daylight.clone()),
+        ("power 1e-30", daylight.scaled(1e-30 / daylight.integral()), daylight.clone()),
+    ] {
+        let [found, known] = [&extreme, &ordinary].map(|light| report::Report::of_light(light, observer).unwrap());
+        assert!(near(found.xyz, known.xyz, 1e-6), "{name}: {:?} {:?}", found.xyz, known.xyz);
+        assert!(near(found.linear_srgb, known.linear_srgb, 1e-6), "{name}");
+    }
+    for kelvin in [50.0, 1e7] {
+        let report = report::Report::of_light(&Spectrum::blackbody(kelvin).unwrap(), observer).unwrap();
+        assert!(report.xyz.iter().chain(&report.linear_srgb).all(|value| value.is_finite()), "{kelvin} K: {report:?}");
+    }
+    let one = Spectrum::table(&[500.0], &[0.7], Outside::Hold).unwrap();
+    let report = report::Report::of_reflectance(&one, &daylight, observer).unwrap();
+    assert!((report.xyz[1] - 70.0).abs() < 1e-9, "one sample is a grey: {:?}", report.xyz);
 }
 
 #[test]

@@ -1,6 +1,7 @@
-//! The film: exposing it, adding splats, developing it.
+//! The film: exposing it, adding splats, developing it, and showing the picture on a screen.
 
-use abbe::sensor::Film;
+use abbe::colour::RgbSpace;
+use abbe::sensor::{Development, Film, Picture, develop};
 use abbe::spectrum::Observer;
 use criterion::{Criterion, Throughput};
 
@@ -35,5 +36,26 @@ pub(crate) fn benches(c: &mut Criterion) {
             film.add_splats(1, &sink)
         });
     });
+    group.finish();
+    screens(c);
+}
+
+/// A picture of 3840 × 2160 for a screen, on all threads: from black to twice as bright as white, a tenth of it outside sRGB.
+fn screens(c: &mut Criterion) {
+    let (width, height) = (3840, 2160);
+    let mut picture = Picture::black(width, height);
+    for (i, xyz) in picture.xyz.iter_mut().enumerate() {
+        let y = 2.0 * (i % width) as f64 / width as f64;
+        let violet = if i % 10 == 0 { 3.0 } else { 1.0 };
+        *xyz = [0.95 * y * violet, y, 1.09 * y * violet];
+    }
+    let mut group = c.benchmark_group("sensor");
+    group.throughput(Throughput::Elements((width * height) as u64));
+    for space in RgbSpace::ALL {
+        let development = Development { space, ..Development::default() };
+        group.bench_function(format!("4K picture for a screen/{}", space.name()), |b| {
+            b.iter(|| develop(&picture, 1.0, &development));
+        });
+    }
     group.finish();
 }

@@ -6,7 +6,8 @@ use abbe::error::Result;
 use abbe::output::compare::{Comparison, Region, Selection, compare};
 use abbe::output::comparison_page::{Pair, page};
 use abbe::output::exr::read;
-use abbe::output::{file, png};
+use abbe::output::file;
+use abbe::output::png::read_mask;
 
 use super::{Outcome, print, values};
 
@@ -39,7 +40,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let picture = read(&arguments.picture)?.picture;
     let reference = read(&arguments.reference)?.picture;
     let mask = match &arguments.mask {
-        Some(path) => Some(png::read_mask(path, reference.width, reference.height)?),
+        Some(path) => Some(read_mask(path, reference.width, reference.height)?),
         None => None,
     };
     let selection = Selection { regions: arguments.region.clone(), mask };

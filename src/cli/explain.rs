@@ -6,6 +6,7 @@ use super::{Outcome, print};
 use abbe::error::Result;
 use abbe::plan::explain;
 use abbe::render::Job;
+use abbe::scene::facts::Facts;
 use abbe::scene::resolve;
 use serde::Serialize;
 
@@ -31,7 +32,15 @@ pub(crate) struct PlanReport<'a> {
     /// The first radius, if the scene fixes it.
     radius_m: Option<f64>,
     memory_bytes: u64,
+    /// What has a colour made from RGB, and the lamps of spectral lines that such guesses meet; null unless there are both.
+    guessed_colours: Option<GuessedColours>,
     notes: &'a [String],
+}
+
+#[derive(Debug, Serialize)]
+struct GuessedColours {
+    upsampled: Vec<String>,
+    line_lamps: Vec<String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -54,6 +63,8 @@ impl<'a> PlanReport<'a> {
             consequence: if row.state.is_on() { row.effect.cost } else { row.effect.absent },
         });
         let budget = &job.budget;
+        let Facts { upsampled, line_lamps, .. } = Facts::of(&job.scene);
+        let both = !upsampled.is_empty() && !line_lamps.is_empty();
         Self {
             effects: effects.collect(),
             wavelengths: explain::wavelengths_word(&job.plan),
@@ -62,6 +73,7 @@ impl<'a> PlanReport<'a> {
             nearest: budget.radius_m.is_none().then_some(budget.nearest),
             radius_m: budget.radius_m,
             memory_bytes: budget.memory_bytes,
+            guessed_colours: both.then_some(GuessedColours { upsampled, line_lamps }),
             notes: &job.scene.notes,
         }
     }

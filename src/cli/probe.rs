@@ -8,7 +8,8 @@ use abbe::error::{Error, Result};
 use abbe::output::exr::read;
 use abbe::output::file;
 use abbe::output::plot::{Curve, Plot};
-use abbe::sensor::{Picture, exposure};
+use abbe::sensor::{Development, Picture, exposure};
+use abbe::spectrum::BAND_NM;
 use serde::Serialize;
 
 use super::{Outcome, print};
@@ -65,11 +66,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
             let error = Error::input("holds no spectrum").expected("a picture rendered with --spectral-bands");
             return Err(error.in_file(&arguments.picture));
         };
-        let points = nm.iter().copied().zip(values.iter().copied()).collect();
         let plot = Plot {
             title: format!("{}, pixel {}, {}", arguments.picture.display(), arguments.x, arguments.y),
             values: "radiance in W/m²/sr/nm".to_string(),
-            curves: vec![Curve { name: "radiance".to_string(), points }],
+            curves: vec![Curve { name: "radiance".to_string(), points: steps(nm, values) }],
             lines: Vec::new(),
             from_zero: true,
         };
@@ -83,6 +83,21 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
+/// A curve that keeps each band's mean over the whole band: from halfway to one neighbour to halfway to the other.
+fn steps(nm: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
+    let last = nm.len() - 1;
+    let middle = |i: usize| 0.5 * (nm[i] + nm[i + 1]);
+    let edges = |i: usize| match (i > 0, i < last) {
+        (true, true) => (middle(i - 1), middle(i)),
+        (true, false) => (middle(i - 1), 2.0 * nm[i] - middle(i - 1)),
+        (false, true) => (2.0 * nm[i] - middle(i), middle(i)),
+        // A single band is the whole of it.
+        (false, false) => BAND_NM,
+    };
+    let step = |(i, &value): (usize, &f64)| [(edges(i).0, value), (edges(i).1, value)];
+    values.iter().enumerate().flat_map(step).collect()
+}
+
 fn pixel(picture: &Picture, x: usize, y: usize) -> Result<Pixel> {
     let (width, height) = (picture.width, picture.height);
     if x >= width || y >= height {
@@ -91,7 +106,8 @@ fn pixel(picture: &Picture, x: usize, y: usize) -> Result<Pixel> {
     }
     let i = y * width + x;
     let xyz = picture.xyz[i];
-    let exposed = xyz_to_linear_srgb(xyz.map(|value| value * exposure::automatic(picture)));
+    let exposure = exposure::automatic(picture, &Development::default());
+    let exposed = xyz_to_linear_srgb(xyz.map(|value| value * exposure));
     let known = |value: f32| (value >= 0.0).then_some(f64::from(value));
     let spectrum = picture.bands.as_ref().map(|bands| {
         let count = bands.centres_nm.len();
@@ -128,4 +144,16 @@ fn text(pixel: &Pixel) -> String {
         None => text += "spectrum     none (render with --spectral-bands)\n",
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bands_are_drawn_over_their_whole_width() {
+        let drawn = steps(&[400.0, 500.0, 600.0], &[1.0, 2.0, 3.0]);
+        assert_eq!(drawn, [(350.0, 1.0), (450.0, 1.0), (450.0, 2.0), (550.0, 2.0), (550.0, 3.0), (650.0, 3.0)]);
+        assert_eq!(steps(&[595.0], &[4.0]), [(360.0, 4.0), (830.0, 4.0)]);
+    }
 }

@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use abbe::colour::gamut::GamutMapping;
 use abbe::error::{Error, Result};
 use abbe::output::exr::write as write_exr;
-use abbe::output::{file as files, png};
+use abbe::output::file as files;
+use abbe::output::png::write as write_png;
 use abbe::render::{Integrator, Job, Rendered, Request, StopRules, on_threads};
-use abbe::scene::file::{self, GamutFile, Source};
+use abbe::scene::file::{self, Source};
 use abbe::scene::{Exposure, FilmSpec, resolve};
-use abbe::sensor::{Picture, exposure};
+use abbe::sensor::{Development, Picture, develop, exposure};
 
 use super::progress::{Display, percent, time};
 use super::{Outcome, interrupt, origin, print, values};
@@ -198,7 +198,9 @@ impl Outputs {
         let picture = &rendered.picture;
         write_exr(&self.exr, picture, &origin::metadata(source, job, integrator, rendered))?;
         let film = &job.scene.film;
-        png::develop(picture, exposure_factor(film, picture), gamut(film)).write_png(&self.png)?;
+        let development = Development { space: film.space, white: film.white, gamut: film.gamut };
+        let exposure = exposure_factor(film, picture, &development);
+        write_png(&self.png, &develop(picture, exposure, &development))?;
         if let Some(path) = &self.stats {
             let json = serde_json::to_string_pretty(&rendered.stats).expect("statistics have text keys");
             files::write_whole(path, (json + "\n").as_bytes())?;
@@ -208,19 +210,11 @@ impl Outputs {
 }
 
 /// The factor on luminance that the film asks for.
-fn exposure_factor(film: &FilmSpec, picture: &Picture) -> f64 {
+fn exposure_factor(film: &FilmSpec, picture: &Picture, development: &Development) -> f64 {
     match film.exposure {
-        Exposure::Auto => exposure::automatic(picture),
+        Exposure::Auto => exposure::automatic(picture, development),
         Exposure::Ev(ev) => ev.exp2(),
         Exposure::None => 1.0,
-    }
-}
-
-fn gamut(film: &FilmSpec) -> GamutMapping {
-    match film.gamut {
-        GamutFile::Desaturate => GamutMapping::Desaturate,
-        GamutFile::Clip => GamutMapping::Clip,
-        GamutFile::Oklab => GamutMapping::Oklab,
     }
 }
 

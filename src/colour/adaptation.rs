@@ -23,6 +23,16 @@ impl Transform {
             Self::Cat16 => &CAT16,
         }
     }
+
+    /// Whether light of this colour can be taken for white: each of the three components must see at least a hundredth
+    /// of what the strongest sees. Light of a single line leaves one of them without a response, or below zero; to
+    /// adapt to it would multiply noise, or turn colours inside out.
+    pub fn can_adapt_from(self, white: Xyz) -> bool {
+        const LEAST: f64 = 0.01;
+        let seen = apply(self.matrix(), white);
+        let strongest = seen.into_iter().fold(0.0, f64::max);
+        strongest.is_finite() && strongest > 0.0 && seen.iter().all(|response| *response >= LEAST * strongest)
+    }
 }
 
 /// The rows that turn XYZ under the white `from` into XYZ under the white `to`. Whites are taken at Y = 1, so that
@@ -43,6 +53,15 @@ pub fn adapt(xyz: Xyz, from: Xyz, to: Xyz, transform: Transform) -> Xyz {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lamps_can_be_adapted_from_and_lines_cannot() {
+        let (candle, high_pressure_sodium) = ([1.24, 1.0, 0.13], [1.28, 1.0, 0.09]);
+        let (low_pressure_sodium, violet, dark) = ([1.3299, 1.0, 0.0016], [25.0, 1.0, 120.0], [0.0; 3]);
+        let can = |white: Xyz| Transform::Bradford.can_adapt_from(white);
+        assert!([candle, high_pressure_sodium].into_iter().all(can));
+        assert!(![low_pressure_sodium, violet, dark].into_iter().any(can));
+    }
 
     #[test]
     fn white_becomes_white() {

@@ -119,11 +119,14 @@ impl RgbSpace {
     pub fn picture_matrix(self) -> [[f64; 3]; 3] {
         match self {
             Self::Srgb | Self::DisplayP3 | Self::Rec2020 => self.matrices().from_xyz,
-            Self::AcesCg => {
-                let adapt = adaptation(Self::Srgb.white(), self.white(), Transform::Bradford);
-                product(&self.matrices().from_xyz, &adapt)
-            }
+            Self::AcesCg => self.balanced_matrix(Self::Srgb.white()),
         }
+    }
+
+    /// The rows that turn XYZ into linear components, adapted by Bradford's transform so that light of the colour
+    /// `white` (at any scale) becomes this space's white.
+    pub fn balanced_matrix(self, white: Xyz) -> [[f64; 3]; 3] {
+        product(&self.matrices().from_xyz, &adaptation(white, self.white(), Transform::Bradford))
     }
 
     /// The share of each component in Y; they sum to 1.
@@ -197,7 +200,8 @@ pub fn decode_srgb(signal: f64) -> f64 {
     component.copysign(signal)
 }
 
-/// Entries of the table that guesses a code from a linear component.
+/// Entries of the table that guesses a code from a linear component: so many that a guess is at most one too low (the
+/// curve is steepest at 0, where 4096 entries are 12.92 · 255 codes).
 const GUESSES: usize = 4096;
 
 /// The nearest of 256 sRGB codes of a linear component, clipped to [0, 1]; the same as rounding
@@ -218,11 +222,8 @@ pub fn encode_srgb_u8(component: f64) -> u8 {
         Table { guess: (0..=GUESSES).map(|i| code_of(i) as u8).collect(), least }
     });
     // A NaN becomes 0 in the conversion.
-    let mut code = table.guess[((component * GUESSES as f64) as usize).min(GUESSES)];
-    while component >= table.least[usize::from(code) + 1] {
-        code += 1;
-    }
-    code
+    let code = table.guess[((component * GUESSES as f64) as usize).min(GUESSES)];
+    code + u8::from(component >= table.least[usize::from(code) + 1])
 }
 
 /// A colour as `#rrggbb`, clipped to sRGB.

@@ -1,10 +1,11 @@
 //! The chromaticity diagram as SVG: the colours that there are, and where some lights stand among them.
 
 use super::data_uri::data_uri;
-use super::png::Screen;
+use super::png::encode as encode_png;
 use crate::colour::gamut::brightest;
 use crate::colour::{RgbSpace, encode_srgb_u8, from_xy, report, xy, xyz_to_linear_srgb};
 use crate::error::Result;
+use crate::sensor::Screen;
 use crate::spectrum::{Observer, Spectrum};
 
 /// Two lights, and the primaries of a match, in the x, y plane of an observer.
@@ -78,10 +79,10 @@ impl Diagram<'_> {
             let linear = xyz_to_linear_srgb(from_xy([0.01 * (column + 0.5), 0.01 * (row + 0.5)], 1.0));
             brightest(linear).map(encode_srgb_u8)
         };
-        let screen = Screen { width, height, rgb: (0..width * height).map(colour).collect() };
+        let screen = Screen::of_srgb(width, height, (0..width * height).map(colour).collect());
         let ((left, foot), (right, top)) = (at([0.0; 2]), at([0.01 * width as f64, 0.01 * height as f64]));
         let place = format!("x=\"{left}\" y=\"{top:.2}\" width=\"{:.2}\" height=\"{:.2}\"", right - left, foot - top);
-        let source = data_uri("image/png", &screen.png()?);
+        let source = data_uri("image/png", &encode_png(&screen)?);
         let locus = lines(&self.locus(), true, "");
         let inside = format!("<defs><clipPath id=\"colours\">{locus}</clipPath></defs>\n");
         let image =

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::colour::{RgbSpace, delta_e_2000, lab};
 use crate::error::{Error, Result};
-use crate::sensor::{Picture, exposure};
+use crate::sensor::{Development, Picture, exposure};
 
 /// A rectangle of pixels: columns from `x0` up to but not including `x1`, rows likewise, counted from the top left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -178,7 +178,7 @@ fn trimmed_mean(mut values: Vec<f64>) -> f64 {
 /// CIEDE2000 of every pixel at the reference's automatic exposure, white being sRGB's at the luminance that is shown
 /// as white.
 pub(super) fn delta_e_map(picture: &Picture, reference: &Picture) -> Vec<f64> {
-    let exposure = exposure::automatic(reference);
+    let exposure = exposure::automatic(reference, &Development::default());
     let white = RgbSpace::Srgb.white();
     let seen = |xyz: &[f64; 3]| lab(xyz.map(|value| value * exposure), white);
     picture.xyz.iter().zip(&reference.xyz).map(|(a, b)| delta_e_2000(seen(a), seen(b))).collect()

@@ -5,10 +5,9 @@ use maud::{Markup, html};
 use super::compare::{Comparison, Scale, Selection, delta_e_map};
 use super::data_uri::data_uri;
 use super::page::document;
-use super::png::{Screen, develop};
-use crate::colour::gamut::GamutMapping;
+use super::png::encode as encode_png;
 use crate::error::Result;
-use crate::sensor::{Picture, exposure};
+use crate::sensor::{Development, Picture, Screen, develop, exposure};
 
 /// Two pictures with their names.
 #[derive(Debug, Clone, Copy)]
@@ -31,8 +30,9 @@ const FULL_DELTA_E: f64 = 10.0;
 /// The machine's: pictures too large for PNG.
 pub fn page(pair: Pair<'_>, selection: &Selection, comparison: &Comparison) -> Result<String> {
     let Pair { picture: (name_a, a), reference: (name_b, b) } = pair;
-    let exposure = exposure::automatic(b);
-    let shown = |picture: &Picture| develop(picture, exposure, GamutMapping::Desaturate);
+    let development = Development::default();
+    let exposure = exposure::automatic(b, &development);
+    let shown = |picture: &Picture| develop(picture, exposure, &development);
     let title = format!("{name_a} against {name_b}");
     let signed =
         "Difference in Y: red where A is brighter, blue where it is darker; full colour at 50 % of the reference.";
@@ -77,7 +77,7 @@ fn figures(comparison: &Comparison) -> Markup {
 }
 
 fn figure(screen: &Screen, caption: &str) -> Result<Markup> {
-    let source = data_uri("image/png", &screen.png()?);
+    let source = data_uri("image/png", &encode_png(screen)?);
     Ok(html! { figure { img src=(source) alt=(caption); figcaption { (caption) } } })
 }
 
@@ -88,7 +88,7 @@ const LEFT_OUT: [u8; 3] = [128, 128, 128];
 fn map(of: &Picture, selection: &Selection, colour: impl Fn(usize) -> [u8; 3]) -> Screen {
     let width = of.width;
     let pixel = |i: usize| if selection.counts(i % width, i / width, width) { colour(i) } else { LEFT_OUT };
-    Screen { width, height: of.height, rgb: (0..of.xyz.len()).map(pixel).collect() }
+    Screen::of_srgb(width, of.height, (0..of.xyz.len()).map(pixel).collect())
 }
 
 fn luminance_differences(a: &Picture, b: &Picture, selection: &Selection) -> Screen {
@@ -142,8 +142,8 @@ mod tests {
         let mut a = b.clone();
         (a.xyz[0][1], a.xyz[1][1], a.xyz[3][1]) = (5.0, 0.0, 5.0);
         let selection = Selection { regions: vec![Region { x0: 0, y0: 0, x1: 3, y1: 1 }], mask: None };
-        let shown = luminance_differences(&a, &b, &selection).rgb;
-        assert_eq!(shown, [[255, 0, 0], [0, 0, 255], [255, 255, 255], LEFT_OUT]);
+        let shown = luminance_differences(&a, &b, &selection);
+        assert_eq!(shown, Screen::of_srgb(4, 1, vec![[255, 0, 0], [0, 0, 255], [255, 255, 255], LEFT_OUT]));
     }
 
     #[test]

@@ -11,6 +11,7 @@ pub mod exr;
 pub mod figures;
 pub mod file;
 pub mod hash;
+pub mod icc;
 pub mod lamps_page;
 pub mod metadata;
 pub mod page;

@@ -163,14 +163,16 @@ fn nice_step(step: f64) -> f64 {
         .unwrap_or(10.0 * power)
 }
 
-/// A tick's number with as many digits as the step needs.
-fn tick(value: f64, step: f64) -> String {
-    if value == 0.0 || (value.abs() < 1e5 && step >= 1e-6) {
-        let decimals = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
-        // No sign before a zero that came out of a subtraction.
-        return format!("{:.decimals$}", if value.abs() < step / 2.0 { 0.0 } else { value });
-    }
-    format!("{value:e}")
+/// A tick's number with as many digits as the step needs, and a power of ten where the axis is far from 1.
+fn tick(value: f64, frame: &Frame) -> String {
+    let largest = frame.most.abs().max(frame.least.abs());
+    let exponent = if (1e-2..1e5).contains(&largest) { 0 } else { largest.log10().floor() as i32 };
+    let unit = 10.0_f64.powi(exponent);
+    let decimals = (-(frame.step / unit * (1.0 + 1e-9)).log10().floor()).clamp(0.0, 9.0) as usize;
+    // No sign before a zero that came out of a subtraction.
+    let is_zero = value.abs() < frame.step / 2.0;
+    let number = format!("{:.decimals$}", if is_zero { 0.0 } else { value / unit });
+    if exponent == 0 || is_zero { number } else { format!("{number}e{exponent}") }
 }
 
 fn axes(frame: &Frame, values: &str) -> String {
@@ -181,7 +183,7 @@ fn axes(frame: &Frame, values: &str) -> String {
         let value = frame.least + i as f64 * frame.step;
         let y = frame.y(value);
         append(&mut svg, format_args!("<path class=\"rule\" d=\"M{LEFT} {y:.2}H{right}\" stroke=\"#ddd\"/>\n"));
-        let (x, y, label) = (LEFT - 8.0, y + 5.0, tick(value, frame.step));
+        let (x, y, label) = (LEFT - 8.0, y + 5.0, tick(value, frame));
         append(&mut svg, format_args!("<text x=\"{x}\" y=\"{y:.2}\" text-anchor=\"end\">{label}</text>\n"));
     }
     for nm in (400..=800).step_by(50) {
@@ -305,10 +307,12 @@ mod tests {
     #[test]
     fn steps_and_ticks_are_short() {
         assert_eq!([0.11, 0.2, 3.0, 7.0].map(nice_step), [0.2, 0.2, 5.0, 10.0]);
-        assert_eq!(tick(0.30000000000000004, 0.1), "0.3");
-        assert_eq!(tick(-1e-17, 0.1), "0.0");
-        assert_eq!(tick(1.525, 0.005), "1.525");
-        assert_eq!(tick(2e13, 1e13), "2e13");
+        let tick = |value: f64, step: f64, most: f64| tick(value, &Frame { least: 0.0, most, step });
+        assert_eq!(tick(0.30000000000000004, 0.1, 0.6), "0.3");
+        assert_eq!(tick(-1e-17, 0.1, 0.6), "0.0");
+        assert_eq!(tick(1.525, 0.005, 1.53), "1.525");
+        assert_eq!(tick(2e13, 1e13, 6e13), "2e13");
+        assert_eq!([5e-5, 2e-4].map(|value| tick(value, 5e-5, 2e-4)), ["0.5e-4", "2.0e-4"]);
     }
 
     #[test]

@@ -1,62 +1,111 @@
-//! What a screen shows of a picture: 8-bit sRGB.
+//! What a screen shows of a picture, as PNG with its colour space.
+//!
+//! | space | bits | chunks |
+//! | --- | --- | --- |
+//! | sRGB | 8 | `cICP`, `sRGB`, `gAMA`, `cHRM` |
+//! | Display P3 | 8 | `cICP`, `iCCP`, `gAMA`, `cHRM` |
+//! | Rec. 2020 | 16 | `iCCP`, `gAMA`, `cHRM` |
+//! | ACEScg | 16 | `iCCP`, `gAMA`, `cHRM` (linear) |
+//!
+//! A reader takes the first that it knows in this order (PNG, third edition, 4.3). Rec. 2020 goes without code points because
+//! browsers take them for a display of gamma 2.4, which shows a picture too dark; the profile states the standard's own curve.
+//! ACEScg's primaries have none.
 
+use std::borrow::Cow;
 use std::path::Path;
 
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder};
+use ::png::chunk::ChunkType;
+use ::png::{BitDepth, ColorType, Compression, Filter, Info, ScaledFloat, SourceChromaticities, SrgbRenderingIntent};
 
-use super::file;
-use crate::colour::gamut::GamutMapping;
-use crate::colour::{RgbSpace, encode_srgb_u8, xyz_to_linear_srgb};
+use super::{file, icc};
+use crate::colour::RgbSpace;
 use crate::error::{Error, Result};
-use crate::sensor::Picture;
+use crate::sensor::{Codes, Screen};
 
-/// Colours of a screen, rows from the top, 8 bits a component.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Screen {
-    /// Pixels per row.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Red, green and blue of every pixel, sRGB.
-    pub rgb: Vec<[u8; 3]>,
+/// The bytes of a PNG file.
+///
+/// # Errors
+/// The machine's: a picture that the format cannot hold.
+pub fn encode(screen: &Screen) -> Result<Vec<u8>> {
+    let failed = |error: ::png::EncodingError| Error::machine(format!("cannot be written as PNG: {error}"));
+    let mut bytes = Vec::new();
+    let mut encoder = ::png::Encoder::with_info(&mut bytes, header(screen)?).map_err(failed)?;
+    encoder.set_compression(Compression::Balanced);
+    encoder.set_filter(Filter::Adaptive);
+    if screen.space == RgbSpace::Srgb {
+        encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric);
+    }
+    let mut writer = encoder.write_header().map_err(failed)?;
+    if let Some(points) = code_points(screen.space) {
+        writer.write_chunk(CODE_POINTS, &points).map_err(failed)?;
+    }
+    match &screen.codes {
+        Codes::Eight(codes) => writer.write_image_data(codes.as_flattened()),
+        Codes::Sixteen(codes) => {
+            let big_endian: Vec<u8> = codes.as_flattened().iter().flat_map(|code| code.to_be_bytes()).collect();
+            writer.write_image_data(&big_endian)
+        }
+    }
+    .map_err(failed)?;
+    writer.finish().map_err(failed)?;
+    Ok(bytes)
 }
 
-/// Develops a picture for a screen: luminance times `exposure` (1/(cd/m²)) is 1 at white; colours that sRGB does not
-/// hold are mapped as `gamut` says. What is not a number becomes black.
-pub fn develop(picture: &Picture, exposure: f64, gamut: GamutMapping) -> Screen {
-    let shown = |xyz: &[f64; 3]| {
-        let linear = xyz_to_linear_srgb(xyz.map(|value| value * exposure));
-        gamut.map(linear, RgbSpace::Srgb).map(encode_srgb_u8)
+/// Writes a PNG file, whole or not at all.
+///
+/// # Errors
+/// The machine's: a folder that is missing or cannot be written to, a full disk.
+pub fn write(path: &Path, screen: &Screen) -> Result<()> {
+    let bytes = encode(screen).map_err(|error| error.in_file(path))?;
+    file::write_whole(path, &bytes)
+}
+
+fn header(screen: &Screen) -> Result<Info<'static>> {
+    let size = |pixels: usize| u32::try_from(pixels).map_err(|_| Error::machine("the picture is too large for PNG"));
+    let mut info = Info::with_size(size(screen.width)?, size(screen.height)?);
+    info.color_type = ColorType::Rgb;
+    info.bit_depth = match screen.codes {
+        Codes::Eight(_) => BitDepth::Eight,
+        Codes::Sixteen(_) => BitDepth::Sixteen,
     };
-    Screen { width: picture.width, height: picture.height, rgb: picture.xyz.iter().map(shown).collect() }
+    info.source_gamma = Some(ScaledFloat::from_scaled(gamma(screen.space)));
+    info.source_chromaticities = Some(chromaticities(screen.space));
+    info.icc_profile = match screen.space {
+        RgbSpace::Srgb => None,
+        RgbSpace::DisplayP3 | RgbSpace::Rec2020 | RgbSpace::AcesCg => Some(Cow::Owned(icc::profile(screen.space)?)),
+    };
+    Ok(info)
 }
 
-impl Screen {
-    /// The bytes of a PNG file.
-    ///
-    /// # Errors
-    /// The machine's: a picture that the format cannot hold.
-    pub fn png(&self) -> Result<Vec<u8>> {
-        let mut bytes = Vec::new();
-        let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive);
-        let too_large = || Error::machine("the picture is too large for PNG");
-        let width = u32::try_from(self.width).map_err(|_| too_large())?;
-        let height = u32::try_from(self.height).map_err(|_| too_large())?;
-        encoder
-            .write_image(self.rgb.as_flattened(), width, height, ExtendedColorType::Rgb8)
-            .map_err(|error| Error::machine(format!("cannot be written as PNG: {error}")))?;
-        Ok(bytes)
-    }
+/// The code points' chunk (PNG, third edition, 11.3.2.6).
+const CODE_POINTS: ChunkType = ChunkType(*b"cICP");
 
-    /// Writes a PNG file, whole or not at all.
-    ///
-    /// # Errors
-    /// The machine's: a folder that is missing or cannot be written to, a full disk.
-    pub fn write_png(&self, path: &Path) -> Result<()> {
-        let bytes = self.png().map_err(|error| error.in_file(path))?;
-        file::write_whole(path, &bytes)
+/// Primaries, transfer function, matrix (0: RGB) and full range (1) by the numbers of ITU-T H.273.
+fn code_points(space: RgbSpace) -> Option<[u8; 4]> {
+    match space {
+        RgbSpace::Srgb => Some([1, 13, 0, 1]),
+        RgbSpace::DisplayP3 => Some([12, 13, 0, 1]),
+        RgbSpace::Rec2020 | RgbSpace::AcesCg => None,
     }
+}
+
+/// The exponent that comes nearest the space's encoding, in 1/100,000.
+fn gamma(space: RgbSpace) -> u32 {
+    match space {
+        RgbSpace::Srgb | RgbSpace::DisplayP3 => 45_455,
+        // Of ITU-R BT.2020's curve as a whole; its power of 0.45 has a straight foot.
+        RgbSpace::Rec2020 => 51_000,
+        RgbSpace::AcesCg => 100_000,
+    }
+}
+
+fn chromaticities(space: RgbSpace) -> SourceChromaticities {
+    let scaled = |xy: [f64; 2]| {
+        let [x, y] = xy.map(|value| ScaledFloat::from_scaled((value * 1e5).round() as u32));
+        (x, y)
+    };
+    let [red, green, blue] = space.primaries_xy().map(scaled);
+    SourceChromaticities { white: scaled(space.white_xy()), red, green, blue }
 }
 
 /// Reads a mask: true where any component of a PNG's pixel but its opacity is not zero.
@@ -79,52 +128,59 @@ pub fn read_mask(path: &Path, width: usize, height: usize) -> Result<Vec<bool>> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::colour::linear_srgb_to_xyz;
+    use std::io::Cursor;
 
-    fn picture(pixels: &[[f64; 3]]) -> Picture {
-        let mut picture = Picture::black(pixels.len(), 1);
-        picture.xyz = pixels.iter().map(|rgb| linear_srgb_to_xyz(*rgb)).collect();
-        picture
-    }
-
-    #[test]
-    fn exposure_brings_luminance_to_white() {
-        let screen = develop(&picture(&[[200.0; 3], [100.0; 3], [0.0; 3]]), 1.0 / 200.0, GamutMapping::Desaturate);
-        // Half of white's luminance is 0.7354 of the signal.
-        assert_eq!(screen.rgb, [[255; 3], [188; 3], [0; 3]]);
-    }
-
-    #[test]
-    fn colours_outside_srgb_are_mapped_as_asked() {
-        let sodium = [2.771_426_5, 0.587_216_4, -0.128_436_9].map(|component| 0.2 * component);
-        let shown = |gamut| develop(&picture(&[sodium]), 1.0, gamut).rgb[0];
-        let (desaturated, clipped) = (shown(GamutMapping::Desaturate), shown(GamutMapping::Clip));
-        assert_eq!((desaturated[2], clipped[2]), (0, 0));
-        assert!(desaturated[0] < clipped[0], "{desaturated:?} {clipped:?}");
-        let oklab = shown(GamutMapping::Oklab);
-        assert!(oklab != desaturated && oklab != clipped, "{oklab:?}");
-    }
-
-    #[test]
-    fn pixels_that_are_no_numbers_are_black() {
-        let mut broken = Picture::black(1, 1);
-        broken.xyz[0] = [f64::NAN; 3];
-        assert_eq!(develop(&broken, 1.0, GamutMapping::Desaturate).rgb, [[0; 3]]);
+    /// One pixel of 16-bit codes in a space.
+    fn wide(space: RgbSpace) -> Screen {
+        Screen { width: 1, height: 1, space, codes: Codes::Sixteen(vec![[1, 0x1234, 0xfffe]]) }
     }
 
     #[test]
     fn a_png_holds_the_screen_s_pixels() {
-        let screen = Screen { width: 2, height: 1, rgb: vec![[1, 2, 3], [250, 128, 0]] };
-        let image = image::load_from_memory(&screen.png().unwrap()).unwrap().into_rgb8();
+        let screen = Screen::of_srgb(2, 1, vec![[1, 2, 3], [250, 128, 0]]);
+        let image = image::load_from_memory(&encode(&screen).unwrap()).unwrap().into_rgb8();
         assert_eq!((image.width(), image.height()), (2, 1));
-        assert_eq!(image.into_raw(), screen.rgb.as_flattened());
+        assert_eq!(image.into_raw(), [1, 2, 3, 250, 128, 0]);
+        let image = image::load_from_memory(&encode(&wide(RgbSpace::Rec2020)).unwrap()).unwrap().into_rgb16();
+        assert_eq!(image.into_raw(), [1, 0x1234, 0xfffe]);
+    }
+
+    #[test]
+    fn the_colour_space_stands_in_the_file() {
+        for space in RgbSpace::ALL {
+            let bytes = encode(&wide(space)).unwrap();
+            let reader = ::png::Decoder::new(Cursor::new(bytes)).read_info().unwrap();
+            let info = reader.info();
+            let points = info.coding_independent_code_points.map(|points| {
+                let range = u8::from(points.is_video_full_range_image);
+                [points.color_primaries, points.transfer_function, points.matrix_coefficients, range]
+            });
+            let (known, gamma) = match space {
+                RgbSpace::Srgb => (Some([1, 13, 0, 1]), 0.45455),
+                RgbSpace::DisplayP3 => (Some([12, 13, 0, 1]), 0.45455),
+                RgbSpace::Rec2020 => (None, 0.51),
+                RgbSpace::AcesCg => (None, 1.0),
+            };
+            assert_eq!(points, known, "{space:?}");
+            assert_eq!(info.gama_chunk.map(ScaledFloat::into_value), Some(gamma), "{space:?}");
+            let stated = info.chrm_chunk.unwrap();
+            let whites = [stated.white.0, stated.white.1].map(ScaledFloat::into_value);
+            let greens = [stated.green.0, stated.green.1].map(ScaledFloat::into_value);
+            for (found, known) in [(whites, space.white_xy()), (greens, space.primaries_xy()[1])] {
+                let near = (0..2).all(|i| (f64::from(found[i]) - known[i]).abs() < 1e-5);
+                assert!(near, "{space:?}: {found:?} {known:?}");
+            }
+            assert_eq!(info.srgb.is_some(), space == RgbSpace::Srgb);
+            assert_eq!(info.icc_profile.is_some(), space != RgbSpace::Srgb);
+            assert!(info.icc_profile.as_deref().is_none_or(|found| found == icc::profile(space).unwrap()));
+        }
     }
 
     #[test]
     fn a_mask_counts_what_is_not_zero_and_must_fit() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("mask.png");
-        Screen { width: 3, height: 1, rgb: vec![[0; 3], [0, 0, 1], [255; 3]] }.write_png(&path).unwrap();
+        write(&path, &Screen::of_srgb(3, 1, vec![[0; 3], [0, 0, 1], [255; 3]])).unwrap();
         assert_eq!(read_mask(&path, 3, 1).unwrap(), [false, true, true]);
         let error = read_mask(&path, 4, 1).unwrap_err();
         assert!(error.to_string().contains("expected the pictures' size, 4 × 1"), "{error}");

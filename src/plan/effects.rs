@@ -244,7 +244,7 @@ pub(super) fn decide(facts: &Facts, force: &[String], forbid: &[String]) -> Resu
 }
 
 /// The first few names.
-fn listed(names: &[String]) -> String {
+pub(super) fn listed(names: &[String]) -> String {
     const SHOWN: usize = 3;
     let shown = names.iter().take(SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
     if names.len() > SHOWN { format!("{shown} and {} more", names.len() - SHOWN) } else { shown }

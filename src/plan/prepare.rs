@@ -1,5 +1,6 @@
 //! From a scene to its plan: what is forbidden is taken out of the scene itself, so that no code has to ask.
 
+use super::effects::listed;
 use super::{Plan, Row, State};
 use crate::error::{Error, Result};
 use crate::optics::glass::Index;
@@ -18,7 +19,21 @@ pub fn prepare(scene: &mut Scene) -> Result<(Plan, Vec<Row>)> {
         take_out(scene, row.effect.name)?;
         scene.notes.push(format!("the picture lacks {}: forbidden ({})", row.effect.name, row.because));
     }
+    scene.notes.extend(guessed_colours(&facts));
     Ok((plan, rows))
+}
+
+/// What a reader must know of a scene where lines meet colours made from RGB: a smooth guess says little about the few
+/// wavelengths of such a lamp.
+fn guessed_colours(facts: &Facts) -> Option<String> {
+    let Facts { upsampled, line_lamps, .. } = facts;
+    if upsampled.is_empty() || line_lamps.is_empty() {
+        return None;
+    }
+    let (colours, lamps) = (listed(upsampled), listed(line_lamps));
+    Some(format!(
+        "colours made from RGB ({colours}) are guesses where light is in spectral lines ({lamps}): measured spectra may look quite different"
+    ))
 }
 
 /// Takes an effect out of the scene, where the plan's field alone does not do it.

@@ -4,6 +4,10 @@ use super::Scene;
 use super::camera::Aperture;
 use super::light::Emitter;
 use crate::optics::surface::{Class, Surface};
+use crate::spectrum::Spectrum;
+
+/// A lamp with this share of its power in spectral lines shows of a reflectance mostly what it is at a few wavelengths.
+const LINE_LAMP: f64 = 0.1;
 
 /// Facts about a scene, each with the names that prove it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -24,6 +28,10 @@ pub struct Facts {
     pub hittable_lights: Vec<String>,
     /// Lights at infinity that have extent.
     pub surroundings: Vec<String>,
+    /// Objects and lights whose colours are smooth guesses, made from three numbers.
+    pub upsampled: Vec<String>,
+    /// Lights of which a good part lies in spectral lines or peaks as narrow.
+    pub line_lamps: Vec<String>,
     /// The radius of the camera's opening in nm (an integer, so that facts compare), if it is not a pinhole.
     pub aperture_nm: Option<u64>,
 }
@@ -52,6 +60,10 @@ impl Facts {
                     list.push(object.name.clone());
                 }
             }
+            let absorption = material.body.iter().filter_map(|body| body.absorption.as_ref());
+            if material.surface.spectra().into_iter().chain(absorption).any(Spectrum::is_upsampled) {
+                facts.upsampled.push(object.name.clone());
+            }
             if let Some(body) = &material.body {
                 if body.index.is_dispersive() {
                     facts.dispersive.push(object.name.clone());
@@ -65,6 +77,12 @@ impl Facts {
             facts.lights.push(light.name.clone());
             if light.can_be_hit() {
                 facts.hittable_lights.push(light.name.clone());
+            }
+            if light.spectrum.is_upsampled() {
+                facts.upsampled.push(light.name.clone());
+            }
+            if light.spectrum.line_share() >= LINE_LAMP {
+                facts.line_lamps.push(light.name.clone());
             }
             match &light.emitter {
                 Emitter::Environment(_) | Emitter::Directional(_) => facts.surroundings.push(light.name.clone()),

@@ -13,6 +13,8 @@ pub mod mesh;
 pub mod resolve;
 pub mod shape;
 
+use crate::colour::gamut::GamutMapping;
+use crate::colour::{RgbSpace, Xyz};
 use crate::optics::glass::Index;
 use crate::optics::surface::Surface;
 use crate::spectrum::{Observer, Spectrum};
@@ -97,8 +99,12 @@ pub struct FilmSpec {
     pub observer: &'static Observer,
     /// Number of spectral bands kept, 0 for none.
     pub spectral_bands: u32,
-    /// What is done with colours outside the output space.
-    pub gamut: file::GamutFile,
+    /// The colour space of the PNG.
+    pub space: RgbSpace,
+    /// The light that the PNG shows as white, as XYZ of `observer` at any scale; `None` shows colours as they are.
+    pub white: Option<Xyz>,
+    /// What is done with colours outside that space.
+    pub gamut: GamutMapping,
     /// How bright the PNG is.
     pub exposure: Exposure,
 }

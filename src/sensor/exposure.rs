@@ -1,7 +1,7 @@
 //! How bright a picture is shown.
 
+use super::develop::Development;
 use super::picture::Picture;
-use crate::colour::space::xyz_to_linear_srgb;
 
 /// Luminance of middle grey, where white is 1.
 const MIDDLE_GREY: f64 = 0.18;
@@ -9,14 +9,16 @@ const MIDDLE_GREY: f64 = 0.18;
 /// This share of the pixels may be too bright to be shown as they are.
 const BURNT_SHARE: f64 = 0.005;
 
-/// The factor on luminance (cd/m²) that shows a picture neither dark nor burnt out: the log-average of the lit pixels goes to
+/// The factor on luminance (cd/m²) that shows a picture, developed so, neither dark nor burnt out: the log-average of the lit pixels goes to
 /// middle grey (0.18; after Reinhard et al. 2002), but not so far that more than 0.5 % of the pixels are too bright for their
 /// colour, nor that the whole picture stays below one half. Saturated colours reach that limit long before white does: sodium light
 /// brighter than 0.36 is no longer orange on a display. Lamps in view are not metered: they are white whatever the exposure.
-pub fn automatic(picture: &Picture) -> f64 {
+pub fn automatic(picture: &Picture, development: &Development) -> f64 {
+    let matrix = development.matrix();
+    let component = |xyz: &[f64; 3], row: [f64; 3]| row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2];
+    let strongest_of = |xyz: &[f64; 3]| matrix.into_iter().map(|row| component(xyz, row)).fold(xyz[1], f64::max);
     let lit = picture.xyz.iter().filter(|xyz| xyz[1] > 0.0 && xyz.iter().all(|value| value.is_finite()));
-    let (mut luminances, mut strongest): (Vec<f64>, Vec<f64>) =
-        lit.map(|&xyz| (xyz[1], xyz_to_linear_srgb(xyz).into_iter().fold(xyz[1], f64::max))).unzip();
+    let (mut luminances, mut strongest): (Vec<f64>, Vec<f64>) = lit.map(|xyz| (xyz[1], strongest_of(xyz))).unzip();
     if luminances.is_empty() {
         return 1.0;
     }
@@ -56,6 +58,11 @@ fn without_lamps(sorted: &[f64]) -> &[f64] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::colour::xyz_to_linear_srgb;
+
+    fn automatic(picture: &Picture) -> f64 {
+        super::automatic(picture, &Development::default())
+    }
 
     /// White light of these luminances.
     fn picture(luminances: impl IntoIterator<Item = f64>) -> Picture {
@@ -101,6 +108,18 @@ mod tests {
         picture.xyz.iter_mut().for_each(|xyz| *xyz = [1.3299 * xyz[1], xyz[1], 0.0016 * xyz[1]]);
         let red = xyz_to_linear_srgb(picture.xyz[990].map(|value| value * automatic(&picture)))[0];
         assert!((0.9..1.01).contains(&red), "{red}");
+    }
+
+    #[test]
+    fn a_display_that_holds_the_colour_shows_it_brighter() {
+        // Sodium light lies outside sRGB but well inside Rec. 2020; balanced to a candle, its red is weaker still.
+        let mut picture = picture((1..=1000).map(f64::from));
+        picture.xyz.iter_mut().for_each(|xyz| *xyz = [1.3299 * xyz[1], xyz[1], 0.0016 * xyz[1]]);
+        let exposure =
+            |space, white| super::automatic(&picture, &Development { space, white, ..Development::default() });
+        use crate::colour::RgbSpace::{Rec2020, Srgb};
+        assert!(exposure(Rec2020, None) > 1.3 * exposure(Srgb, None));
+        assert!(exposure(Srgb, Some([1.24, 1.0, 0.13])) > 1.3 * exposure(Srgb, None));
     }
 
     #[test]

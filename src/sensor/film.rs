@@ -172,7 +172,8 @@ impl Film {
 
     /// Whether any sum ran out of range.
     pub fn overflowed(&self) -> bool {
-        self.pixels.iter().any(|p| p.x.overflowed() || p.z.overflowed() || p.y.iter().any(|y| y.overflowed()))
+        let pixel = |p: &PixelSums| p.x.overflowed() || p.z.overflowed() || p.y.iter().any(|y| y.overflowed());
+        self.pixels.iter().any(pixel) || self.bands.iter().any(|sum| sum.overflowed())
     }
 }
 

@@ -1,8 +1,11 @@
-//! Film sums, noise and bias, exposure, develop: from (pixel, wavelength, weight) to XYZ with error bars.
+//! Film sums, noise and bias, exposure, develop: from (pixel, wavelength, weight) to XYZ with error bars, and to what a display
+//! shows of it.
 
+pub mod develop;
 pub mod exposure;
 pub mod film;
 pub mod picture;
 
+pub use develop::{Codes, Development, Screen, develop};
 pub use film::{Film, PixelSink, SplatSink};
 pub use picture::{Bands, Picture};

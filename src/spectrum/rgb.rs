@@ -70,7 +70,7 @@ impl Spectrum {
             return Ok(Self::constant(rgb[0]));
         }
         let coefficients = fit(rgb);
-        Ok(Self::smooth(smooth::sampled(|nm| reflectance(coefficients, nm), &[])))
+        Ok(Self::made_from_a_colour(smooth::sampled(|nm| reflectance(coefficients, nm), &[])))
     }
 
     /// A light of a colour in linear sRGB: D65 seen through a smooth filter, scaled so that its XYZ (without the
@@ -91,7 +91,8 @@ impl Spectrum {
             return Ok(d65.scaled(rgb[0]));
         }
         let coefficients = fit(rgb.map(|component| component / scale));
-        Ok(Self::smooth(smooth::sampled(|nm| scale * reflectance(coefficients, nm) * d65.at(nm), &[])))
+        let light = |nm: f64| scale * reflectance(coefficients, nm) * d65.at(nm);
+        Ok(Self::made_from_a_colour(smooth::sampled(light, &[])))
     }
 }
 
@@ -209,19 +210,39 @@ mod tests {
         XYZ_TO_LINEAR_SRGB.map(|row| dot(row, xyz))
     }
 
+    /// The largest error of a component over a grid of 9³ colours of the cube, and where.
+    fn worst(back: impl Fn(Vec3) -> Vec3) -> (f64, Vec3) {
+        let colours = (0..729).map(|code| [code / 81, code / 9 % 9, code % 9].map(|level| f64::from(level) / 8.0));
+        let error = |rgb: Vec3| {
+            let back = back(rgb);
+            (0..3).map(|i| (back[i] - rgb[i]).abs()).fold(0.0, f64::max)
+        };
+        colours.map(|rgb| (error(rgb), rgb)).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
+    }
+
     #[test]
-    fn colours_of_the_whole_cube_come_back_and_stay_within_0_and_1() {
-        let mut worst = (0.0, [0.0; 3]);
-        for code in 0..729 {
-            let rgb = [code / 81, code / 9 % 9, code % 9].map(|level| f64::from(level) / 8.0);
+    fn reflectances_of_the_whole_cube_come_back_and_stay_within_0_and_1() {
+        let worst = worst(|rgb| {
             let spectrum = Spectrum::rgb_reflectance(rgb).unwrap();
             assert!(spectrum.min() >= 0.0 && spectrum.max() <= 1.0, "{rgb:?}");
-            let back = linear_srgb_under_d65(&spectrum);
-            let error = (0..3).map(|i| (back[i] - rgb[i]).abs()).fold(0.0, f64::max);
-            if error > worst.0 {
-                worst = (error, rgb);
-            }
-        }
+            assert_eq!(spectrum.is_upsampled(), rgb != [rgb[0]; 3], "greys are no guess");
+            linear_srgb_under_d65(&spectrum)
+        });
+        println!("reflectances: {worst:?}");
         assert!(worst.0 <= 1e-3, "{worst:?}");
+    }
+
+    #[test]
+    fn lights_of_the_whole_cube_come_back_at_any_strength() {
+        for strength in [1.0, 1e-6, 1e6] {
+            let worst = worst(|rgb| {
+                let light = Spectrum::rgb_light(rgb.map(|component| strength * component)).unwrap();
+                assert!(light.min() >= 0.0, "{rgb:?}");
+                let xyz = Observer::cie1931().xyz(&light).map(|value| value / strength);
+                XYZ_TO_LINEAR_SRGB.map(|row| dot(row, xyz))
+            });
+            println!("lights of {strength}: {worst:?}");
+            assert!(worst.0 <= 1e-3, "{worst:?}");
+        }
     }
 }

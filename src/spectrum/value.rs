@@ -28,6 +28,8 @@ pub struct Spectrum {
     lines: Lines,
     /// The part of the continuum whose features are too narrow for sums over samples every nm.
     narrow: Option<Box<Continuum>>,
+    /// Whether some of it was made from a colour.
+    upsampled: bool,
 }
 
 impl Spectrum {
@@ -126,7 +128,8 @@ impl Spectrum {
             };
             let mut segments = sum.lines.segments().to_vec();
             segments.extend(scaled_segments(&part.lines, *weight));
-            sum = Self { continuum, narrow, lines: Lines::from_segments(segments) };
+            let upsampled = sum.upsampled || (part.upsampled && *weight > 0.0);
+            sum = Self { continuum, narrow, lines: Lines::from_segments(segments), upsampled };
         }
         sum
     }
@@ -138,6 +141,7 @@ impl Spectrum {
             continuum: self.continuum.scaled(factor),
             lines: Lines::from_segments(scaled_segments(&self.lines, factor).collect()),
             narrow: self.narrow.as_ref().map(|narrow| Box::new(narrow.scaled(factor))),
+            upsampled: self.upsampled,
         }
     }
 
@@ -206,6 +210,30 @@ impl Spectrum {
         self.narrow.as_ref().map(|narrow| Self { narrow: self.narrow.clone(), ..Self::smooth((**narrow).clone()) })
     }
 
+    /// The share of the integral that lies in lines and peaks narrower than 5 nm, from 0 to 1.
+    pub fn line_share(&self) -> f64 {
+        let narrow_lines = self.lines.segments().iter().filter(|line| line.nm.1 - line.nm.0 < NARROW_NM);
+        // The narrow part holds finely sampled tables too: those count if most of them is as narrow as a peak.
+        let peaks = self.narrow.iter().map(|narrow| {
+            let highest = narrow.pieces().map(|piece| piece.values.0.max(piece.values.1)).fold(0.0, f64::max);
+            let area = narrow.integral();
+            if area < 2.0 * NARROW_NM * highest { area } else { 0.0 }
+        });
+        let all = self.integral();
+        if all > 0.0 { (narrow_lines.map(|line| line.power).sum::<f64>() + peaks.sum::<f64>()) / all } else { 0.0 }
+    }
+
+    /// Whether some of the spectrum was made from a colour: a smooth guess, of which only three numbers are known.
+    pub fn is_upsampled(&self) -> bool {
+        self.upsampled
+    }
+
+    /// The spectrum as one that was made from a colour if `origin` was.
+    #[must_use]
+    pub fn with_origin_of(self, origin: &Self) -> Self {
+        Self { upsampled: origin.upsampled, ..self }
+    }
+
     /// The continuum's value at a wavelength of the band, without lines.
     pub fn continuum_at(&self, nm: f64) -> f64 {
         self.continuum.at(nm)
@@ -222,8 +250,12 @@ impl Spectrum {
         Self { lines: Lines::from_segments(segments.to_vec()), ..Self::constant(0.0) }
     }
 
+    pub(super) fn made_from_a_colour(continuum: Continuum) -> Self {
+        Self { upsampled: true, ..Self::smooth(continuum) }
+    }
+
     pub(crate) fn smooth(continuum: Continuum) -> Self {
-        Self { continuum, lines: Lines::none(), narrow: None }
+        Self { continuum, lines: Lines::none(), narrow: None, upsampled: false }
     }
 
     pub(crate) fn continuum_part(&self) -> &Continuum {

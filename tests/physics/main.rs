@@ -6,6 +6,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod bands;
 mod caustic_colours;
 mod chart;
 mod free_and_shared;

@@ -14,8 +14,8 @@ use crate::spectrum::Spectrum;
 /// sides are alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Conductor {
-    n: Spectrum,
-    k: Spectrum,
+    pub(super) n: Spectrum,
+    pub(super) k: Spectrum,
     /// `None` if smooth.
     facets: Option<Ggx>,
 }

@@ -13,7 +13,7 @@ use crate::spectrum::Spectrum;
 /// arrived on; both sides are alike. f = ρ/π.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Diffuse {
-    reflectance: Spectrum,
+    pub(super) reflectance: Spectrum,
 }
 
 impl Diffuse {

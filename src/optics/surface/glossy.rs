@@ -26,7 +26,7 @@ const LEAST_SHARE: f64 = 0.1;
 /// alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Glossy {
-    reflectance: Spectrum,
+    pub(super) reflectance: Spectrum,
     index: Index,
     facets: Ggx,
     coat: CoatAlbedo,

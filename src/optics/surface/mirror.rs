@@ -9,7 +9,7 @@ use crate::spectrum::Spectrum;
 /// Reflects the fraction ρ(λ), the same at every angle, into the mirror direction; both sides are alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mirror {
-    reflectance: Spectrum,
+    pub(super) reflectance: Spectrum,
 }
 
 impl Mirror {

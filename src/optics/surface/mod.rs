@@ -219,6 +219,19 @@ impl Surface {
         }
     }
 
+    /// The reflectances and other functions of wavelength that it is made of, but for the indices of glass.
+    pub fn spectra(&self) -> Vec<&Spectrum> {
+        match self {
+            Self::Absorber | Self::Dielectric(_) | Self::ThinDielectric(_) => Vec::new(),
+            Self::Diffuse(diffuse) => vec![&diffuse.reflectance],
+            Self::Translucent(sheet) => vec![&sheet.reflectance, &sheet.transmittance],
+            Self::Mirror(mirror) => vec![&mirror.reflectance],
+            Self::Conductor(metal) => vec![&metal.n, &metal.k],
+            Self::Glossy(glossy) => vec![&glossy.reflectance],
+            Self::Mix(mix) => mix.components().iter().flat_map(Self::spectra).collect(),
+        }
+    }
+
     /// The component that a path meets: of a mixture, one drawn by weight, of any other surface the surface itself.
     /// `u` in \[0, 1) decides, and is stretched back to \[0, 1) to be used again.
     pub fn pick(&self, u: &mut f64) -> &Self {

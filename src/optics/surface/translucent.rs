@@ -17,8 +17,8 @@ const BAND_SHARE: f64 = 0.25;
 /// f = ρ/π on `wo`'s side, τ/π on the other. The sheet is thin: no n² factor applies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Translucent {
-    reflectance: Spectrum,
-    transmittance: Spectrum,
+    pub(super) reflectance: Spectrum,
+    pub(super) transmittance: Spectrum,
     /// Over the band, the part of ρ + τ that is reflected; `None` for a black sheet.
     band_reflected: Option<f64>,
 }

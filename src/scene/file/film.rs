@@ -25,13 +25,15 @@ pub struct FilmFile {
     #[serde(default, skip_serializing_if = "is_default")]
     #[schemars(range(max = 1024))]
     pub spectral_bands: u32,
-    /// What becomes of colours that the output space cannot show.
+    /// What becomes of colours that the PNG's colour space cannot show. (The EXR keeps them.)
     #[serde(default, skip_serializing_if = "is_default")]
     pub gamut: GamutFile,
-    /// Which white is shown as white: `"none"` (default), `"scene"`, or an illuminant's name.
+    /// Which light the PNG shows as white, by Bradford's transform: `"none"` (default), `"scene"` (all lamps together, by power), or
+    /// the name of a spectrum of the scene or the library, such as `"A"`. Light too pure to be balanced, of a single line, is an error.
     #[serde(default, skip_serializing_if = "is_default")]
     pub white_balance: WhiteBalanceFile,
-    /// Colour space of the PNG.
+    /// Colour space of the PNG, which states it: 8 bits for sRGB and Display P3, 16 for Rec. 2020 and ACEScg. (The EXR's RGB is
+    /// always linear Rec. 709.)
     #[serde(default, skip_serializing_if = "is_default")]
     pub output_space: OutputSpaceFile,
     /// How bright the PNG is.
@@ -76,7 +78,7 @@ pub enum WhiteBalanceFile {
     /// That of the output space: colours are shown as they are.
     #[default]
     None,
-    /// Found from the scene's lights.
+    /// The colour of all the scene's lights together, each with the power that it sends into the scene.
     Scene,
     /// An illuminant, by its name.
     Illuminant(String),
@@ -114,7 +116,7 @@ pub enum OutputSpaceFile {
     DisplayP3,
     /// Rec. 2020.
     Rec2020,
-    /// ACEScg.
+    /// ACEScg: linear.
     Acescg,
 }
 

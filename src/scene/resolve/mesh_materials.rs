@@ -56,5 +56,5 @@ fn absorption(colour: [f64; 3], distance_m: f64) -> Result<Spectrum> {
 fn mapped(spectrum: &Spectrum, f: impl Fn(f64) -> f64) -> Result<Spectrum> {
     let nm: Vec<f64> = (BAND_NM.0 as u32..=BAND_NM.1 as u32).map(f64::from).collect();
     let values: Vec<f64> = nm.iter().map(|&nm| f(spectrum.at(nm)).max(0.0)).collect();
-    Spectrum::table(&nm, &values, Outside::Hold)
+    Ok(Spectrum::table(&nm, &values, Outside::Hold)?.with_origin_of(spectrum))
 }

@@ -4,6 +4,7 @@
 //! forgotten field does not compile.
 
 mod camera;
+mod film;
 mod lights;
 mod materials;
 mod mesh_materials;
@@ -13,15 +14,13 @@ mod surroundings;
 
 pub use spectra::Role;
 
-use super::file::{
-    self, FilmFile, JsonPath, OutputSpaceFile, RenderFile, SceneFile, Source, SpectrumFile, WhiteBalanceFile,
-};
+use super::file::{self, JsonPath, RenderFile, SceneFile, Source, SpectrumFile};
 use super::geometry::{Geometry, Ray};
 use super::interior::Interior;
-use super::{Body, Exposure, FilmSpec, Material, Object, Scene, Settings};
+use super::{Body, Material, Object, Scene, Settings};
 use crate::error::{Error, Result};
 use crate::optics::glass::Index;
-use crate::spectrum::{Observer, Spectrum};
+use crate::spectrum::Spectrum;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -113,38 +112,13 @@ impl Resolver<'_> {
         };
         resolved.renumber_lights();
         resolved.find_interiors();
+        resolved.film.white = self.white(&resolved)?;
         Ok(resolved)
     }
 
     /// Builds the geometry; errors name the object by its number.
     fn build(&self, things: &mut objects::Things, centre: DVec3) -> Result<Geometry> {
         Geometry::build(std::mem::take(&mut things.placed), centre)
-    }
-
-    fn film(&self, at: &JsonPath<'_>, film: &FilmFile) -> Result<FilmSpec> {
-        let FilmFile { width, height, observer, spectral_bands, gamut, white_balance, output_space, exposure } = film;
-        if *white_balance != WhiteBalanceFile::None {
-            return self.at(&at.key("white_balance"), Err(unsupported("white balance is")));
-        }
-        if *output_space != OutputSpaceFile::Srgb {
-            return self.at(&at.key("output_space"), Err(unsupported("output spaces other than srgb are")));
-        }
-        let exposure = match exposure {
-            file::ExposureFile::Auto => Exposure::Auto,
-            file::ExposureFile::None => Exposure::None,
-            file::ExposureFile::Ev(ev) => Exposure::Ev(*ev),
-            file::ExposureFile::Iso(_) => {
-                return self.at(&at.key("exposure"), Err(unsupported("physical exposure by `iso` is")));
-            }
-        };
-        let observer = match observer {
-            file::ObserverFile::Cie1931 => Observer::cie1931(),
-            file::ObserverFile::Cie1964 => Observer::cie1964(),
-            file::ObserverFile::Cie2015Two => Observer::cie2015_2(),
-            file::ObserverFile::Cie2015Ten => Observer::cie2015_10(),
-        };
-        let (width, height, spectral_bands, gamut) = (*width, *height, *spectral_bands, *gamut);
-        Ok(FilmSpec { width, height, observer, spectral_bands, gamut, exposure })
     }
 
     fn settings(&self, at: &JsonPath<'_>, render: &RenderFile) -> Result<Settings> {

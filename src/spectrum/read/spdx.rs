@@ -91,6 +91,10 @@ mod tests {
     fn faults_name_line_and_column() {
         for (from, to, place, word) in [
             ("403.1", "399", Some((7, 5)), "ascending"),
+            ("403.1", "400.0", Some((7, 5)), "twice"),
+            ("403.1", "nan", Some((7, 5)), "NaN"),
+            ("405.5", "2e6", Some((8, 5)), "wavelengths from 10"),
+            ("0.037", "NaN", Some((7, 5)), "NaN"),
             ("0.037", "-1", Some((7, 5)), "negative"),
             ("0.037", "bright", Some((7, 5)), "\"bright\""),
             ("wavelength=\"403.1\"", "", Some((7, 5)), "without its wavelength"),

@@ -1,0 +1,78 @@
+//! The film as written → how it is exposed, and how the picture is shown.
+
+use super::spectra::Role;
+use super::{Resolver, unsupported};
+use crate::colour::gamut::GamutMapping;
+use crate::colour::{RgbSpace, Transform, Xyz};
+use crate::error::{Error, Result};
+use crate::scene::file::{
+    ExposureFile, FilmFile, GamutFile, JsonPath, ObserverFile, OutputSpaceFile, SpectrumFile, WhiteBalanceFile,
+};
+use crate::scene::{Exposure, FilmSpec, Scene};
+use crate::spectrum::Observer;
+
+impl Resolver<'_> {
+    /// Resolves the film; its white is found by [`white`](Self::white) when the lights are known.
+    pub(super) fn film(&self, at: &JsonPath<'_>, film: &FilmFile) -> Result<FilmSpec> {
+        let FilmFile { width, height, observer, spectral_bands, gamut, white_balance: _, output_space, exposure } =
+            film;
+        let exposure = match exposure {
+            ExposureFile::Auto => Exposure::Auto,
+            ExposureFile::None => Exposure::None,
+            ExposureFile::Ev(ev) => Exposure::Ev(*ev),
+            ExposureFile::Iso(_) => {
+                return self.at(&at.key("exposure"), Err(unsupported("physical exposure by `iso` is")));
+            }
+        };
+        let observer = match observer {
+            ObserverFile::Cie1931 => Observer::cie1931(),
+            ObserverFile::Cie1964 => Observer::cie1964(),
+            ObserverFile::Cie2015Two => Observer::cie2015_2(),
+            ObserverFile::Cie2015Ten => Observer::cie2015_10(),
+        };
+        let gamut = match gamut {
+            GamutFile::Desaturate => GamutMapping::Desaturate,
+            GamutFile::Clip => GamutMapping::Clip,
+            GamutFile::Oklab => GamutMapping::Oklab,
+        };
+        let space = match output_space {
+            OutputSpaceFile::Srgb => RgbSpace::Srgb,
+            OutputSpaceFile::DisplayP3 => RgbSpace::DisplayP3,
+            OutputSpaceFile::Rec2020 => RgbSpace::Rec2020,
+            OutputSpaceFile::Acescg => RgbSpace::AcesCg,
+        };
+        let (width, height, spectral_bands) = (*width, *height, *spectral_bands);
+        Ok(FilmSpec { width, height, observer, spectral_bands, space, white: None, gamut, exposure })
+    }
+
+    /// The light that the film's white balance makes white, as XYZ of the film's observer.
+    pub(super) fn white(&self, scene: &Scene) -> Result<Option<Xyz>> {
+        let root = JsonPath::Root;
+        let film = root.key("film");
+        let at = film.key("white_balance");
+        let (white, what) = match &self.scene.film.white_balance {
+            WhiteBalanceFile::None => return Ok(None),
+            WhiteBalanceFile::Scene => (lamps(scene), "the scene's light".to_string()),
+            WhiteBalanceFile::Illuminant(name) => {
+                let light = self.spectrum(&at, &SpectrumFile::Name(name.clone()), Role::Light)?;
+                (scene.film.observer.xyz(&light), format!("\"{name}\""))
+            }
+        };
+        if !Transform::Bradford.can_adapt_from(white) {
+            let what = format!("{what} has a colour too pure to be balanced to white");
+            return self.at(&at, Err(Error::input(what).expected("light with some red, green and blue in it")));
+        }
+        Ok(Some(white))
+    }
+}
+
+/// XYZ of all lights together, each with the power that it sends into the scene.
+fn lamps(scene: &Scene) -> Xyz {
+    let mut sum = [0.0; 3];
+    for light in &scene.lights {
+        let power_w = light.power_w(scene.world());
+        let xyz = scene.film.observer.xyz(&light.spectrum);
+        sum.iter_mut().zip(xyz).for_each(|(sum, value)| *sum += power_w * value);
+    }
+    sum
+}
