@@ -85,7 +85,8 @@ fn s3_walls() {
 #[ignore = "slow: minutes of rendering, to three times the references' own noise"]
 fn errors_fall_to_three_times_the_references_noise() {
     let s1 = Benchmark::read("s1_ball");
-    s1.agrees("S1 core", &[("core", core(&s1.reference))], [8, 128], 0.006);
+    s1.agrees("S1", &[("core", core(&s1.reference))], [8, 128], 0.006);
     Benchmark::read("s2_prism").agrees("S2", &[], [1, 64], 0.003);
-    Benchmark::read("s3_box").agrees("S3", &[], [8, 512], 0.0015);
+    // The S3 reference's noise by what the errors of both our integrators against it have in common: 0.0012.
+    Benchmark::read("s3_box").agrees("S3", &[], [8, 128], 0.0035);
 }
