@@ -99,6 +99,11 @@ fn two_lamps_are_described_as_spectrum_describes_each() {
         assert_eq!(both[key], abbe(folder.path(), &["spectrum", name, "--observer", "cie1964", "--json"]).json());
     }
     assert!(both["match"].is_null() && both["warning"].is_null());
+    let with_match =
+        ["lamps", "d65", "FL2", "--observer", "cie1964", "--json", "--match", "led/red", "led/green", "led/blue"];
+    let with_match = abbe(folder.path(), &with_match).json();
+    assert_eq!(with_match["patches"], both["patches"], "a match beside B leaves the comparison with B as it is");
+    assert_eq!(with_match["match"]["weights"].as_array().unwrap().len(), 3);
     assert!(both["lights"]["delta_xy"].as_f64().unwrap() > 0.05 && both["lights"]["delta_e_2000"].is_f64());
     let same = abbe(folder.path(), &["lamps", "D65", "D65", "--json"]).json();
     assert_eq!((&same["delta_e_2000"]["max"], &same["lights"]["delta_xy"]), (&0.0.into(), &0.0.into()));
@@ -127,7 +132,6 @@ fn wrong_lamps_are_answered_with_a_hint() {
     lamps(&["D65", "--match", "led/red", "led/gren"]).is_error(2, &["led/gren", "did you mean \"led/green\""]);
     lamps(&["D65", r#"{"blackbody": {"temperature": -3}}"#]).is_error(2, &["blackbody.temperature", "-3"]);
     lamps(&["D65"]).is_error(2, &["required", "B", "--match"]);
-    lamps(&["D65", "A", "--match", "led/red"]).is_error(2, &["--match", "cannot be used with"]);
     lamps(&["D65", "--match"]).is_error(2, &["--match"]);
     lamps(&["D65", "no/such.csv"]).is_error(2, &["no/such.csv"]);
     std::fs::write(folder.path().join("dark.csv"), "nm,value\n360,0\n830,0\n").unwrap();

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use abbe::colour::lamps::{ALIKE, DIFFERENT, LampComparison, PatchDifference, SplitPair};
 use abbe::colour::{LightDifference, Match, match_primaries, report};
-use abbe::error::Result;
+use abbe::error::{Error, Result};
 use abbe::output::figures::{apart, figures};
 use abbe::output::file;
 use abbe::output::lamps_page::{Lamp, Page, page};
@@ -16,16 +16,16 @@ use super::named::{self, Named};
 use super::{Outcome, print};
 
 #[derive(Debug, clap::Args)]
-#[command(group(clap::ArgGroup::new("against").required(true).args(["b", "primaries"])))]
-#[command(override_usage = "abbe lamps A B [OPTIONS]\n       abbe lamps A --match PRIMARY... [OPTIONS]")]
+#[command(group(clap::ArgGroup::new("against").required(true).multiple(true).args(["b", "primaries"])))]
+#[command(override_usage = "abbe lamps A [B] [--match PRIMARY...] [OPTIONS]")]
 pub(crate) struct Arguments {
     /// A lamp: a name of the library, a file (columns nm,value; or IES TM-27 .spdx), or a spectrum as JSON
     #[arg(value_name = "A")]
     a: String,
-    /// The lamp that it is compared with
+    /// The lamp that it is compared with (default: its match)
     #[arg(value_name = "B")]
     b: Option<String>,
-    /// Instead of with B, compare A with the mix of these lights that comes nearest to it
+    /// Find the mix of these lights that comes nearest to A; without B, compare A with it
     #[arg(long = "match", value_name = "PRIMARY", num_args = 1..)]
     primaries: Vec<String>,
     /// Whose eye: cie1931, cie1964, cie2015_2 or cie2015_10
@@ -46,7 +46,7 @@ struct Compared {
     /// A, and B or A's match.
     lamps: [Named; 2],
     comparison: LampComparison,
-    /// Where B is A's match.
+    /// A's match, where one was asked for.
     mix: Option<Mix>,
 }
 
@@ -77,13 +77,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 fn compared(arguments: &Arguments) -> Result<Compared> {
     let observer = Observer::by_name(&arguments.observer)?;
     let a = named::light(&arguments.a)?;
-    let (b, mix) = match &arguments.b {
-        Some(b) => (named::light(b)?, None),
-        None => {
-            let primaries: Result<Vec<Named>> = arguments.primaries.iter().map(|text| named::light(text)).collect();
-            let mix = Mix::nearest(&a, primaries?, observer)?;
-            (mix.lamp(&a), Some(mix))
-        }
+    let primaries = arguments.primaries.iter().map(|text| named::light(text)).collect::<Result<Vec<Named>>>()?;
+    let mix = if primaries.is_empty() { None } else { Some(Mix::nearest(&a, primaries, observer)?) };
+    let b = match (&arguments.b, &mix) {
+        (Some(b), _) => named::light(b)?,
+        (None, Some(mix)) => mix.lamp(&a),
+        (None, None) => return Err(Error::input("nothing to compare A with").expected("B or --match")),
     };
     let comparison = LampComparison::between([&a.spectrum, &b.spectrum], observer)?;
     Ok(Compared { observer, lamps: [a, b], comparison, mix })
@@ -98,13 +97,17 @@ impl Mix {
 
     /// The mix as a lamp; its origin is its recipe.
     fn lamp(&self, of: &Named) -> Named {
-        let part = |(primary, weight): (&Named, &f64)| format!("{weight:.6} × {}", primary.name);
-        let parts: Vec<String> = self.primaries.iter().zip(&self.found.weights).map(part).collect();
         Named {
             name: format!("its match from {}", self.names()),
-            origin: format!("the non-negative mix nearest to {} in XYZ: {}", of.name, parts.join(" + ")),
+            origin: format!("the non-negative mix nearest to {} in XYZ: {}", of.name, self.recipe()),
             spectrum: self.found.mix(self.primaries.iter().map(|primary| &primary.spectrum)),
         }
+    }
+
+    /// So much of each primary.
+    fn recipe(&self) -> String {
+        let part = |(primary, weight): (&Named, &f64)| format!("{weight:.6} × {}", primary.name);
+        self.primaries.iter().zip(&self.found.weights).map(part).collect::<Vec<String>>().join(" + ")
     }
 
     /// a, b and c.
@@ -149,10 +152,12 @@ fn text(compared: &Compared) -> String {
     }
     let lights = apart(comparison.lights);
     text += &format!("\nA from B      {lights} (at equal luminance, to an eye used to D65)\n");
-    if let Some(Mix { found, .. }) = mix {
+    if let Some(mix) = mix {
+        let found = &mix.found;
         let state = if found.is_reached() { "reached" } else { "out of reach" };
         let left = apart(found.left);
-        text += &format!("match         {state}: {left}, luminance {:+.4} %\n", 100.0 * found.delta_y);
+        text += &format!("A's match     {}\n", mix.recipe());
+        text += &format!("              {state}: {left}, luminance {:+.4} %\n", 100.0 * found.delta_y);
     }
     text += "\nColorChecker patches, ΔE2000 between A and B, each lamp the white of its own column\n";
     for patch in &comparison.patches {
@@ -196,7 +201,7 @@ struct Json<'a> {
     b: Colour<'a>,
     /// Between the lamps' own colours at equal luminance, to an eye used to D65.
     lights: Left,
-    /// Null where B is a lamp of its own.
+    /// A's match, where one was asked for.
     r#match: Option<JsonMatch<'a>>,
     patches: Vec<Patch<'a>>,
     /// Over the patches.

@@ -33,7 +33,7 @@ pub struct Page<'a> {
     pub comparison: &'a LampComparison,
     /// Whose eye it is.
     pub observer: &'a Observer,
-    /// Of what B is mixed, where it is A's match.
+    /// Of what A's match is mixed, where one was asked for.
     pub primaries: Vec<Lamp<'a>>,
     /// What the reader must know first.
     pub warning: Option<&'a str>,
