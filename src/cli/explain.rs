@@ -6,6 +6,7 @@ use super::{Outcome, print};
 use abbe::error::Result;
 use abbe::plan::explain;
 use abbe::render::Job;
+use abbe::scene::camera::{Camera, DepthOfField};
 use abbe::scene::facts::Facts;
 use abbe::scene::resolve;
 use serde::Serialize;
@@ -32,6 +33,7 @@ pub(crate) struct PlanReport<'a> {
     /// The first radius, if the scene fixes it.
     radius_m: Option<f64>,
     memory_bytes: u64,
+    camera: CameraReport,
     /// What has a colour made from RGB, and the lamps of spectral lines that such guesses meet; null unless there are both.
     guessed_colours: Option<GuessedColours>,
     notes: &'a [String],
@@ -51,6 +53,35 @@ struct EffectReport<'a> {
     field: &'static str,
     /// What it costs where it is on, what its absence means where it is off.
     consequence: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct CameraReport {
+    /// Across and down.
+    field_of_view_degrees: [f64; 2],
+    /// Null for a pinhole.
+    depth_of_field: Option<DepthReport>,
+}
+
+#[derive(Debug, Serialize)]
+struct DepthReport {
+    focus_m: f64,
+    near_m: f64,
+    /// Null if sharp to infinity.
+    far_m: Option<f64>,
+    hyperfocal_m: f64,
+    blur_at_infinity_px: f64,
+}
+
+impl CameraReport {
+    fn of(camera: &Camera) -> Self {
+        let depth = DepthOfField::of(camera).map(|depth| {
+            let DepthOfField { focus_m, near_m, far_m, hyperfocal_m, blur_at_infinity_px } = depth;
+            let far_m = far_m.is_finite().then_some(far_m);
+            DepthReport { focus_m, near_m, far_m, hyperfocal_m, blur_at_infinity_px }
+        });
+        Self { field_of_view_degrees: camera.field_of_view().map(f64::to_degrees), depth_of_field: depth }
+    }
 }
 
 impl<'a> PlanReport<'a> {
@@ -73,6 +104,7 @@ impl<'a> PlanReport<'a> {
             nearest: budget.radius_m.is_none().then_some(budget.nearest),
             radius_m: budget.radius_m,
             memory_bytes: budget.memory_bytes,
+            camera: CameraReport::of(&job.scene.camera),
             guessed_colours: both.then_some(GuessedColours { upsampled, line_lamps }),
             notes: &job.scene.notes,
         }

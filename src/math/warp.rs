@@ -14,6 +14,15 @@ pub fn disk(u: [f64; 2]) -> DVec2 {
     DVec2::new(radius * angle.cos(), radius * angle.sin())
 }
 
+/// The regular polygon of circumradius 1 with a corner at (1, 0), uniformly.
+pub fn regular_polygon(corners: u32, u: [f64; 2]) -> DVec2 {
+    let place = u[0] * f64::from(corners);
+    let (triangle, across) = (place.floor(), place.fract());
+    let corner = |number: f64| DVec2::from_angle(number / f64::from(corners) * TAU);
+    // From the middle outwards with the square root, as the width grows with the distance.
+    (corner(triangle) * (1.0 - across) + corner(triangle + 1.0) * across) * u[1].sqrt()
+}
+
 /// The hemisphere around +z with density cos θ / π per steradian (Malley's method).
 pub fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
     let d = disk(u);

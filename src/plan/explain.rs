@@ -2,6 +2,7 @@
 
 use super::{Budget, Plan, Row, WavelengthPlan};
 use crate::scene::Scene;
+use crate::scene::camera::{Camera, DepthOfField};
 
 /// `free`, `shared` or `both`.
 pub fn wavelengths_word(plan: &Plan) -> &'static str {
@@ -30,6 +31,7 @@ pub fn text(scene: &Scene, plan: &Plan, rows: &[Row], budget: &Budget) -> String
         scene.geometry.primitive_count(),
         scene.lights.len()
     ));
+    lines.push(camera_text(&scene.camera));
     lines.push(format!("Passes: {}, each of {} photon paths", budget.passes, budget.photons));
     lines.push(match budget.radius_m {
         Some(radius) => format!("First radius: {radius} m, as the scene says"),
@@ -38,4 +40,19 @@ pub fn text(scene: &Scene, plan: &Plan, rows: &[Row], budget: &Budget) -> String
     lines.push(format!("Memory: about {:.0} MB", budget.memory_bytes as f64 / 1e6));
     lines.extend(scene.notes.iter().map(|note| format!("Note: {note}")));
     lines.join("\n") + "\n"
+}
+
+/// The field of view, and what an open lens keeps sharp.
+fn camera_text(camera: &Camera) -> String {
+    let [across, down] = camera.field_of_view().map(f64::to_degrees);
+    let view = format!("Camera: {across:.1}° × {down:.1}°");
+    let Some(depth) = DepthOfField::of(camera) else {
+        return format!("{view}, a pinhole: everything is sharp");
+    };
+    let DepthOfField { focus_m, near_m, far_m, hyperfocal_m, blur_at_infinity_px } = depth;
+    let far = if far_m.is_finite() { format!("{far_m:.4} m") } else { "infinity".to_owned() };
+    format!(
+        "{view}, focused at {focus_m:.4} m: blur below a pixel from {near_m:.4} m to {far}; a point at infinity spreads over \
+         {blur_at_infinity_px:.1} pixels; hyperfocal distance {hyperfocal_m:.4} m"
+    )
 }

@@ -91,7 +91,7 @@ impl Facts {
         }
         facts.aperture_nm = match scene.camera.aperture() {
             Aperture::Pinhole => None,
-            Aperture::ThinLens { radius_m, .. } => Some((radius_m * 1e9) as u64).filter(|&nm| nm > 0),
+            Aperture::ThinLens { stop, .. } => Some((stop.radius_m * 1e9) as u64).filter(|&nm| nm > 0),
         };
         facts
     }

@@ -15,3 +15,4 @@ mod irradiance;
 mod photon_and_path;
 mod prism;
 mod references;
+mod thin_lens;

@@ -2,8 +2,8 @@
 
 use super::{Resolver, unsupported};
 use crate::error::{Error, Result};
-use crate::scene::camera::{Aperture, Camera};
-use crate::scene::file::{CameraFile, JsonPath, LensFile, ThinLensFile, ThinLensForm};
+use crate::scene::camera::{Aperture, Blades, Camera, Stop};
+use crate::scene::file::{CameraFile, JsonPath, LensFile, ThinLensForm};
 use glam::DVec3;
 
 impl Resolver<'_> {
@@ -14,6 +14,7 @@ impl Resolver<'_> {
         file: &CameraFile,
         size: (u32, u32),
         centre: DVec3,
+        notes: &mut Vec<String>,
     ) -> Result<Camera> {
         let CameraFile { from, at: target, up, lens, shutter: _, motion } = file;
         if !motion.is_empty() {
@@ -24,29 +25,24 @@ impl Resolver<'_> {
             LensFile::Pinhole { fov } => ((0.5 * fov.to_radians()).tan(), Aperture::Pinhole),
             LensFile::Thin(file) => {
                 let at = lens_at.key("thin");
-                self.refuse_stop_details(&at, file)?;
-                self.thin_lens(self.at(&at, file.form())?).map_err(|e| self.source.error_at(&at.to_string(), e))?
+                if file.diffraction {
+                    return self.at(&at.key("diffraction"), Err(unsupported("diffraction is")));
+                }
+                let blades = file.blades.map(|count| Blades { count, rotation: file.rotation.to_radians() });
+                self.thin_lens(self.at(&at, file.form())?, blades)
+                    .map_err(|e| self.source.error_at(&at.to_string(), e))?
             }
             LensFile::System(_) => return self.at(&lens_at.key("system"), Err(unsupported("lens systems are"))),
         };
+        notes.extend(implausible_size(lens));
         let forward = (DVec3::from(*target) - DVec3::from(*from)).normalize();
         let right = forward.cross(DVec3::from(*up)).normalize();
         let axes = (forward, right.cross(forward));
         Ok(Camera::new(self.point(*from, centre), axes, tan_half_height, size, aperture))
     }
 
-    fn refuse_stop_details(&self, at: &JsonPath<'_>, file: &ThinLensFile) -> Result<()> {
-        if file.blades.is_some() {
-            return self.at(&at.key("blades"), Err(unsupported("polygonal stops are")));
-        }
-        if file.diffraction {
-            return self.at(&at.key("diffraction"), Err(unsupported("diffraction is")));
-        }
-        Ok(())
-    }
-
     /// Half the field of view's tangent, and the aperture.
-    fn thin_lens(&self, form: ThinLensForm) -> Result<(f64, Aperture)> {
+    fn thin_lens(&self, form: ThinLensForm, blades: Option<Blades>) -> Result<(f64, Aperture)> {
         match form {
             ThinLensForm::Photographic { focal_length_mm, f_number, focus_distance, sensor_height_mm } => {
                 let (focal_m, focus_m) = (focal_length_mm * 1e-3, focus_distance * self.metres);
@@ -57,13 +53,31 @@ impl Resolver<'_> {
                 // 1/f = 1/u + 1/v; the field of view follows from v, not from f.
                 let image_m = focal_m * focus_m / (focus_m - focal_m);
                 let tan_half_height = 0.5 * sensor_height_mm * 1e-3 / image_m;
-                Ok((tan_half_height, Aperture::ThinLens { radius_m: 0.5 * focal_m / f_number, focus_m }))
+                Ok((
+                    tan_half_height,
+                    Aperture::ThinLens { stop: Stop { radius_m: 0.5 * focal_m / f_number, blades }, focus_m },
+                ))
             }
             ThinLensForm::Angular { fov, focus_distance, defocus_angle } => {
                 let focus_m = focus_distance * self.metres;
                 let radius_m = focus_m * (0.5 * defocus_angle.to_radians()).tan();
-                Ok(((0.5 * fov.to_radians()).tan(), Aperture::ThinLens { radius_m, focus_m }))
+                Ok(((0.5 * fov.to_radians()).tan(), Aperture::ThinLens { stop: Stop { radius_m, blades }, focus_m }))
             }
         }
     }
+}
+
+/// A remark if a lens has an opening or a sensor that nobody builds: probably a slip of units.
+fn implausible_size(lens: &LensFile) -> Option<String> {
+    const OPENING_MM: std::ops::RangeInclusive<f64> = 0.05..=300.0;
+    const SENSOR_MM: std::ops::RangeInclusive<f64> = 1.0..=300.0;
+    let LensFile::Thin(file) = lens else {
+        return None;
+    };
+    let opening_mm = file.focal_length_mm.zip(file.f_number).map(|(focal_mm, f_number)| focal_mm / f_number);
+    let odd = |what: &str, mm: Option<f64>, usual: std::ops::RangeInclusive<f64>| {
+        let mm = mm.filter(|mm| !usual.contains(mm))?;
+        Some(format!("camera: {what} of {mm} mm; usual are {} to {} mm", usual.start(), usual.end()))
+    };
+    odd("a lens opening", opening_mm, OPENING_MM).or_else(|| odd("a sensor height", file.sensor_height_mm, SENSOR_MM))
 }

@@ -88,7 +88,7 @@ impl Resolver<'_> {
         let geometry = self.at(&root.key("objects"), self.build(&mut things, centre))?;
         let radius_m = objects::radius(&geometry);
         let film = self.film(&root.key("film"), film)?;
-        let camera = self.camera(&root.key("camera"), camera, (film.width, film.height), centre)?;
+        let camera = self.camera(&root.key("camera"), camera, (film.width, film.height), centre, &mut notes)?;
         let lights = self.lights(&things, (&geometry, centre), film.observer, &mut notes)?;
         if lights.is_empty() {
             let error = Error::input("the scene has no light")

@@ -3,7 +3,12 @@
 //! Film coordinates are in pixels, origin at the top left. Lens systems have a module of their own one day; here stand the
 //! pinhole and the thin lens.
 
-use crate::math::warp;
+mod depth_of_field;
+mod stop;
+
+pub use depth_of_field::DepthOfField;
+pub use stop::{Blades, Stop};
+
 use crate::scene::geometry::Ray;
 use crate::scene::interior::Interior;
 use glam::{DVec2, DVec3};
@@ -13,11 +18,11 @@ use glam::{DVec2, DVec3};
 pub enum Aperture {
     /// A point: everything is sharp.
     Pinhole,
-    /// A thin lens of this radius, focused on the plane at this distance (both in m).
+    /// A thin lens, focused on the plane at a distance.
     ThinLens {
-        /// Radius of the lens opening.
-        radius_m: f64,
-        /// Distance of the plane in focus, along the axis.
+        /// Its opening.
+        stop: Stop,
+        /// Distance in m of the plane in focus, along the axis.
         focus_m: f64,
     },
 }
@@ -80,6 +85,11 @@ impl Camera {
         self.aperture = Aperture::Pinhole;
     }
 
+    /// The whole field of view across and down the picture, in radians.
+    pub fn field_of_view(&self) -> [f64; 2] {
+        [self.size.x, self.size.y].map(|pixels| 2.0 * (0.5 * pixels * self.pixel).atan())
+    }
+
     /// The angle that a pixel in the middle subtends, in radians: a point at distance d has a footprint of d times this.
     pub fn pixel_angle(&self) -> f64 {
         self.pixel
@@ -101,8 +111,8 @@ impl Camera {
         let through = self.forward + self.right * offset.x - self.up * offset.y;
         match self.aperture {
             Aperture::Pinhole => Ray { origin: self.origin, direction: through.normalize() },
-            Aperture::ThinLens { radius_m, focus_m } => {
-                let opening = warp::disk(lens) * radius_m;
+            Aperture::ThinLens { stop, focus_m } => {
+                let opening = stop.place(lens);
                 let shift = self.right * opening.x + self.up * opening.y;
                 Ray { origin: self.origin + shift, direction: (through * focus_m - shift).normalize() }
             }
@@ -113,7 +123,7 @@ impl Camera {
     pub fn sight(&self, point: DVec3, lens: [f64; 2]) -> Option<Sighting> {
         let (shift, focus_m) = match self.aperture {
             Aperture::Pinhole => (DVec2::ZERO, 1.0),
-            Aperture::ThinLens { radius_m, focus_m } => (warp::disk(lens) * radius_m, focus_m),
+            Aperture::ThinLens { stop, focus_m } => (stop.place(lens), focus_m),
         };
         let lens_point = self.origin + self.right * shift.x + self.up * shift.y;
         let offset = lens_point - point;
@@ -143,10 +153,12 @@ impl Camera {
 mod tests {
     use super::*;
 
-    fn cameras() -> [Camera; 2] {
+    fn cameras() -> [Camera; 3] {
         let axes = (DVec3::NEG_Z, DVec3::Y);
-        let lens = Aperture::ThinLens { radius_m: 0.3, focus_m: 2.5 };
-        [Aperture::Pinhole, lens].map(|aperture| Camera::new(DVec3::new(1.0, 2.0, 3.0), axes, 0.4, (40, 30), aperture))
+        let lens = |blades| Aperture::ThinLens { stop: Stop { radius_m: 0.3, blades }, focus_m: 2.5 };
+        let five = Blades { count: 5, rotation: 0.3 };
+        [Aperture::Pinhole, lens(None), lens(Some(five))]
+            .map(|aperture| Camera::new(DVec3::new(1.0, 2.0, 3.0), axes, 0.4, (40, 30), aperture))
     }
 
     #[test]
@@ -166,7 +178,7 @@ mod tests {
 
     #[test]
     fn the_first_row_is_the_top_and_the_first_column_the_left() {
-        let [camera, _] = cameras();
+        let [camera, ..] = cameras();
         let direction = camera.ray(DVec2::ZERO, [0.5; 2]).direction;
         assert!(direction.x < 0.0 && direction.y > 0.0);
     }
