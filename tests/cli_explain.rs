@@ -64,3 +64,9 @@ fn a_slip_of_units_is_remarked() {
     assert!(odd(50.0, 2.0, 0.024).contains("Note: camera: a sensor height of 0.024 mm"));
     assert!(odd(50.0, 0.05, 24.0).contains("Note: camera: a lens opening of 1000 mm"));
 }
+
+#[test]
+fn a_scene_that_is_not_there_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    abbe(folder.path(), &["explain", "missing.json"]).is_error(2, &["missing.json"]);
+}
