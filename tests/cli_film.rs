@@ -125,7 +125,6 @@ fn whites_that_cannot_be_are_refused_in_their_place() {
     refused(&[r#"film.output_space="adobe""#], &["film.output_space", "adobe", "display-p3"]);
     refused(&[r#"film.gamut="perceptual""#], &["film.gamut", "perceptual", "oklab"]);
     refused(&[r#"film.observer="cie2006""#], &["film.observer", "cie2006", "cie2015_2"]);
-    refused(&[r#"film.exposure={"iso": 100}"#], &["film.exposure", "not supported"]);
 }
 
 #[test]
@@ -193,4 +192,29 @@ fn an_exr_states_the_primaries_of_its_rgb() {
     let stated = meta.headers[0].shared_attributes.chromaticities.unwrap();
     let found = [stated.red, stated.green, stated.blue, stated.white].map(|xy| [xy.x(), xy.y()]);
     assert_eq!(found, [[0.64, 0.33], [0.3, 0.6], [0.15, 0.06], [0.3127, 0.329]]);
+}
+
+#[test]
+fn a_films_speed_the_f_number_and_the_shutter_time_fix_the_exposure() {
+    let folder = scene();
+    let lens =
+        r#"camera.lens={"thin": {"focal_length_mm": 50, "f_number": 2, "focus_distance": 3, "sensor_height_mm": 24}}"#;
+    let shown = |close: f64, curve: &str| {
+        let shutter = format!(r#"camera.shutter={{"open": 0, "close": {close}{curve}}}"#);
+        let sets = [lens, &shutter, r#"film.exposure={"iso": 100}"#, r#"lights[0].environment.spectrum="D65""#];
+        assert_eq!(render(folder.path(), &sets).status, 0);
+        let (_, [_, green, _]) = png(&folder.path().join("paper.png"));
+        RgbSpace::Srgb.decode(green)
+    };
+    // 78/S lx·s is white, and 0.65·L·t/N² lx·s arrive; the paper has 10 lx · 0.8/π.
+    let expected = |seconds: f64| 0.65 * (8.0 / std::f64::consts::PI) * seconds / 4.0 / (78.0 / 100.0);
+    let (whole, half) = (shown(1.0, ""), shown(0.5, ""));
+    assert!((whole / expected(1.0) - 1.0).abs() < 0.01 && (half / expected(0.5) - 1.0).abs() < 0.01, "{whole}, {half}");
+    let triangle = shown(1.0, r#", "curve": [[0, 0], [0.5, 1], [1, 0]]"#);
+    assert!((triangle / half - 1.0).abs() < 1e-9, "{triangle}");
+
+    let iso = r#"film.exposure={"iso": 100}"#;
+    render(folder.path(), &[iso]).is_error(2, &["film.exposure.iso", "f_number", "shutter"]);
+    let shut = r#"camera.shutter={"open": 1, "close": 1}"#;
+    render(folder.path(), &[iso, lens, shut]).is_error(2, &["film.exposure.iso", "open for some time"]);
 }

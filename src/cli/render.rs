@@ -214,6 +214,7 @@ fn exposure_factor(film: &FilmSpec, picture: &Picture, development: &Development
     match film.exposure {
         Exposure::Auto => exposure::automatic(picture, development),
         Exposure::Ev(ev) => ev.exp2(),
+        Exposure::White(luminance) => luminance.recip(),
         Exposure::None => 1.0,
     }
 }

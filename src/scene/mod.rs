@@ -116,6 +116,8 @@ pub enum Exposure {
     Auto,
     /// The given luminance factor 2^ev relative to 1 cd/m² = white.
     Ev(f64),
+    /// This luminance in cd/m² is white.
+    White(f64),
     /// Luminance 1 cd/m² is white.
     None,
 }

@@ -269,6 +269,19 @@ fn validate_pose(camera: &JsonPath, key: &str, [from, at, up]: [[f64; 3]; 3]) ->
 }
 
 impl ShutterFile {
+    /// For how long it is open, in s: a time of half transmission counts half. Before the curve's first point and after its last the transmission
+    /// there is held.
+    pub fn open_s(&self) -> f64 {
+        let Self { open, close, curve } = self;
+        let mean = curve.as_deref().map_or(1.0, |curve| {
+            let between: f64 =
+                curve.windows(2).map(|pair| (pair[1][0] - pair[0][0]) * 0.5 * (pair[0][1] + pair[1][1])).sum();
+            let (first, last) = (curve[0], curve[curve.len() - 1]);
+            between + first[0] * first[1] + (1.0 - last[0]) * last[1]
+        });
+        (close - open) * mean
+    }
+
     /// Checks that it closes after it opens, and its curve.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { open, close, curve } = self;
