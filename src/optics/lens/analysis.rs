@@ -91,11 +91,7 @@ fn widest_field_deg(at: &Monochromatic<'_>) -> f64 {
     (1..=FIELD_DEG as u32).map(f64::from).take_while(|degrees| passes(*degrees)).last().unwrap_or(1.0)
 }
 
-fn field_point(
-    at: &[Monochromatic<'_>; 3],
-    angle_deg: f64,
-    (sensor_z_mm, efl_mm): (f64, f64),
-) -> Result<FieldPoint> {
+fn field_point(at: &[Monochromatic<'_>; 3], angle_deg: f64, (sensor_z_mm, efl_mm): (f64, f64)) -> Result<FieldPoint> {
     let [f, d, c] = at;
     let chief = d.chief_ray(angle_deg)?;
     let end_mm = |at: &Monochromatic<'_>| -> Result<f64> {

@@ -17,8 +17,10 @@ pub struct Spot {
     pub rays: usize,
 }
 
-/// Steps of the angle, in degrees, in which a chief ray is followed outwards: pupils wander with the field.
+/// Steps of the angle, in degrees, in which a chief ray is followed outwards: pupils wander with the field. They are halved where
+/// the pupil wanders fast, down to the least.
 const FIELD_STEP_DEG: f64 = 2.0;
+const LEAST_STEP_DEG: f64 = 0.02;
 /// Steps of Newton's method on a chief ray; it takes about four.
 const MAX_STEPS: usize = 40;
 /// Rays across a bundle, which is twice as wide as the entrance pupil: apertures cut out what passes.
@@ -32,16 +34,22 @@ impl Monochromatic<'_> {
         let Some(pupil) = self.paraxial()?.entrance_pupil else {
             return Err(Error::input("the entrance pupil lies at infinity: the lens sees no field of parallel light"));
         };
-        let mut z_mm = pupil.z_mm;
-        let steps = (field_deg.abs() / FIELD_STEP_DEG).ceil();
-        for step in 1..=steps as u32 {
-            let field = field_deg.to_radians() * f64::from(step) / steps;
-            z_mm = self.pupil_z_mm(field, z_mm, pupil.diameter_mm).ok_or_else(|| {
-                let what = format!("at {:.1} degrees no ray goes through the middle of the stop", field.to_degrees());
-                Error::input(what).expected("a smaller field")
-            })?;
+        let (end, mut step) = (field_deg.to_radians(), FIELD_STEP_DEG.to_radians().copysign(field_deg));
+        let (mut field, mut z_mm, mut drift) = (0.0, pupil.z_mm, 0.0);
+        while field != end {
+            let next = if (end - field).abs() <= step.abs() { end } else { field + step };
+            let guess_mm = z_mm + drift * (next - field);
+            if let Some(found_mm) = self.pupil_z_mm(next, guess_mm, pupil.diameter_mm) {
+                drift = (found_mm - z_mm) / (next - field);
+                (field, z_mm) = (next, found_mm);
+            } else if step.abs() > LEAST_STEP_DEG.to_radians() {
+                step *= 0.5;
+            } else {
+                let what = format!("at {:.1} degrees no ray goes through the middle of the stop", next.to_degrees());
+                return Err(Error::input(what).expected("a smaller field"));
+            }
         }
-        Ok(ray_at(field_deg.to_radians(), z_mm))
+        Ok(ray_at(end, z_mm))
     }
 
     /// Where the chief ray crosses the axis, by Newton's method from a near value.
@@ -57,7 +65,12 @@ impl Monochromatic<'_> {
             let mut step_mm = y_mm * shift_mm / (height(z_mm + shift_mm)? - y_mm);
             // A step that leads farther away, or to where no ray gets through, is halved.
             let better = |step_mm: f64| height(z_mm - step_mm).filter(|next| next.abs() < y_mm.abs());
-            let found = (0..20).find_map(|_| better(step_mm).or_else(|| { step_mm *= 0.5; None }));
+            let found = (0..20).find_map(|_| {
+                better(step_mm).or_else(|| {
+                    step_mm *= 0.5;
+                    None
+                })
+            });
             let Some(next_mm) = found else { break };
             (z_mm, y_mm) = (z_mm - step_mm, next_mm);
         }
@@ -103,7 +116,8 @@ impl Monochromatic<'_> {
         const STEPS: u32 = 800;
         let radius_mm = self.bundle_radius_mm()?;
         let offsets = (0..=STEPS).map(|i| (2.0 * f64::from(i) / f64::from(STEPS) - 1.0) * radius_mm);
-        let passes = |offset: &f64| self.trace(beside(chief, 0.0, *offset), Travel::ToSensor, Limits::Apertures).is_ok();
+        let passes =
+            |offset: &f64| self.trace(beside(chief, 0.0, *offset), Travel::ToSensor, Limits::Apertures).is_ok();
         let passing: Vec<f64> = offsets.filter(passes).collect();
         Ok(passing.first().copied().zip(passing.last().copied()))
     }

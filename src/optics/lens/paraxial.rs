@@ -114,13 +114,16 @@ impl Monochromatic<'_> {
         let from_focus_mm = object_mm + front_focus_z_mm;
         let distance_mm = bfd_mm + behind * efl_mm * efl_mm / from_focus_mm;
         if efl_mm < 0.0 || (object_mm == f64::INFINITY && bfd_mm < 0.0) {
-            let what = format!("the lens (focal length {efl_mm:.4} mm, back focus {bfd_mm:.4} mm) forms no image behind it");
+            let what =
+                format!("the lens (focal length {efl_mm:.4} mm, back focus {bfd_mm:.4} mm) forms no image behind it");
             return Err(Error::input(what).expected("a lens whose focus lies behind its last surface"));
         }
         if !(from_focus_mm > 0.0 && distance_mm >= 0.0 && object_mm > 0.0) {
             let least_mm = (-front_focus_z_mm).max(0.0);
             let what = format!("a focus {object_mm} mm before the lens is nearer than it can reach");
-            return Err(Error::input(what).expected(format!("a distance above {least_mm:.4} mm from the first surface")));
+            return Err(
+                Error::input(what).expected(format!("a distance above {least_mm:.4} mm from the first surface"))
+            );
         }
         Ok(distance_mm)
     }

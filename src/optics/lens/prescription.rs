@@ -81,7 +81,10 @@ impl Lens {
             let expected = "one surface marked as the aperture stop";
             return Err(Error::input("found no stop").expected(expected).on_path("surfaces"));
         };
-        surfaces.iter().enumerate().try_for_each(|(i, surface)| check_numbers(surface).map_err(|e| on_surface(i, e)))?;
+        surfaces
+            .iter()
+            .enumerate()
+            .try_for_each(|(i, surface)| check_numbers(surface).map_err(|e| on_surface(i, e)))?;
         if half_field_deg.is_some_and(|field| !(field > 0.0 && field < 90.0)) {
             return Err(Error::input("found a half field outside 0 to 90 degrees"));
         }
@@ -172,7 +175,8 @@ impl Lens {
         }
         for (i, pair) in self.surfaces.windows(2).enumerate() {
             let shared_mm = pair[0].semi_aperture_mm.min(pair[1].semi_aperture_mm);
-            let gap_mm = |height2| pair[0].thickness_mm + pair[1].profile.sag_mm(height2) - pair[0].profile.sag_mm(height2);
+            let gap_mm =
+                |height2| pair[0].thickness_mm + pair[1].profile.sag_mm(height2) - pair[0].profile.sag_mm(height2);
             let slack_mm = 1e-9 * (1.0 + shared_mm);
             let heights = (0..=64).map(|step| shared_mm * f64::from(step) / 64.0);
             if let Some(h) = heights.into_iter().find(|h| gap_mm(h * h) < -slack_mm) {

@@ -37,9 +37,10 @@ impl Profile {
         self.curvature_per_mm + 2.0 * self.even_terms.first().copied().unwrap_or(0.0)
     }
 
-    /// √(1 − (1 + k)c²h²).
+    /// √(1 − (1 + k)c²h²); rounding at the equator of a ball does not count.
     fn root(&self, height2_mm2: f64) -> f64 {
-        (1.0 - (1.0 + self.conic) * self.curvature_per_mm * self.curvature_per_mm * height2_mm2).sqrt()
+        let square = 1.0 - (1.0 + self.conic) * self.curvature_per_mm * self.curvature_per_mm * height2_mm2;
+        if square.abs() < 1e-14 { 0.0 } else { square.sqrt() }
     }
 
     /// dz/d(h²) in 1/mm.
@@ -54,8 +55,12 @@ impl Profile {
         self.gradient(point).normalize()
     }
 
-    /// The gradient of z − z(h).
+    /// Along the gradient of z − z(h): for a conic from its quadratic, which is finite at the equator too.
     fn gradient(&self, point: DVec3) -> DVec3 {
+        if self.even_terms.is_empty() {
+            let c = self.curvature_per_mm;
+            return DVec3::new(-c * point.x, -c * point.y, 1.0 - (1.0 + self.conic) * c * point.z);
+        }
         let slope = -2.0 * self.slope(point.x * point.x + point.y * point.y);
         DVec3::new(slope * point.x, slope * point.y, 1.0)
     }

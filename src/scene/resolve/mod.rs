@@ -4,6 +4,7 @@
 //! forgotten field does not compile.
 
 mod camera;
+mod lens;
 mod lights;
 mod materials;
 mod mesh_materials;
@@ -11,6 +12,7 @@ mod objects;
 mod spectra;
 mod surroundings;
 
+pub use lens::{lens_file, lone_lens};
 pub use spectra::Role;
 
 use super::file::{
