@@ -227,10 +227,11 @@ fn drawing(lens: &Lens, analysis: &Analysis, section: Section) -> Drawing {
         title: if focus.angle_deg == 0.0 {
             "focus on the axis".to_string()
         } else {
-            format!("focus at {}°", focus.angle_deg)
+            format!("focus at {}°, along the bundle", focus.angle_deg)
         },
         centre: focus.centre,
         half_size: focus.half_size,
+        slope: focus.slope,
     };
     let colours = LINES.iter().zip(["#1f5fbf", "#d09a00", "#c0302a"]);
     let f_number = analysis.paraxial.f_number.map_or(String::new(), |f_number| format!(", f/{f_number:.2}"));

@@ -24,6 +24,8 @@ pub struct Window {
     pub centre: DVec2,
     /// Half its size, above 0.
     pub half_size: DVec2,
+    /// The slope of the line through the centre that is shown level, so that steep bundles fill the window too.
+    pub slope: f64,
 }
 
 /// What is drawn; all lengths in mm, the axis at 0 across.
@@ -141,7 +143,7 @@ impl Drawing {
             &mut svg,
             format_args!("<path class=\"axis\" d=\"{axis}\" stroke=\"#888\" stroke-dasharray=\"14 4 2 4\"/>\n"),
         );
-        svg += &self.rays(scale, None, 1.0);
+        svg += &self.rays(scale);
         for blade in &self.stop {
             let path = scale.path(blade);
             append(&mut svg, format_args!("<path class=\"stop\" d=\"{path}\" stroke=\"#111\" stroke-width=\"5\"/>\n"));
@@ -151,31 +153,21 @@ impl Drawing {
         svg
     }
 
-    /// The rays, all or those of a window.
-    fn rays(&self, scale: &Scale, window: Option<usize>, width: f64) -> String {
+    /// The rays through the lens: where the colours run together they lie inside each other, so that each shows.
+    fn rays(&self, scale: &Scale) -> String {
         let mut svg = String::new();
-        let shown = self.strokes.iter().filter(|stroke| window.is_none_or(|window| window == stroke.window));
-        for stroke in shown {
-            let path = match window {
-                None => scale.path(&stroke.points),
-                Some(i) => scale.path(&across(&self.windows[i], &stroke.points)),
-            };
-            let colour = self.colours.get(stroke.colour).map_or("#222", |colour| colour.1.as_str());
-            // Where the colours run together the line is dark; where they part each shows.
-            let style = "fill=\"none\" stroke-linejoin=\"round\" style=\"mix-blend-mode:multiply\"";
-            append(
-                &mut svg,
-                format_args!(
-                    "<path class=\"ray\" d=\"{path}\" {style} stroke=\"{colour}\" stroke-width=\"{width}\"/>\n"
-                ),
-            );
+        for (i, (_, colour)) in self.colours.iter().enumerate() {
+            let width = 0.8 + (self.colours.len() - 1 - i) as f64;
+            for stroke in self.strokes.iter().filter(|stroke| stroke.colour == i) {
+                ray(&mut svg, &scale.path(&stroke.points), colour, width);
+            }
         }
         svg
     }
 
     /// The neighbourhood of a focus, magnified.
     fn window(&self, i: usize, top: f64) -> String {
-        let Window { title, centre, half_size } = &self.windows[i];
+        let Window { title, centre, half_size, slope: _ } = &self.windows[i];
         let share = (WIDTH - MARGIN) / self.windows.len() as f64;
         let (x, width) = (MARGIN + share * i as f64, share - MARGIN);
         let size = DVec2::new(width, WINDOW);
@@ -185,7 +177,10 @@ impl Drawing {
         let frame = format!("x=\"{x:.2}\" y=\"{top:.2}\" width=\"{width:.2}\" height=\"{WINDOW}\"");
         let mut svg =
             format!("<clipPath id=\"window{i}\"><rect {frame}/></clipPath>\n<g clip-path=\"url(#window{i})\">\n");
-        svg += &self.rays(&scale, Some(i), 1.4);
+        for stroke in self.strokes.iter().filter(|stroke| stroke.window == i) {
+            let colour = self.colours.get(stroke.colour).map_or("#222", |colour| colour.1.as_str());
+            ray(&mut svg, &scale.path(&across(&self.windows[i], &stroke.points)), colour, 1.4);
+        }
         let sensor = format!("M{:.2} {top:.2}v{WINDOW}", middle.x);
         append(
             &mut svg,
@@ -205,13 +200,21 @@ impl Drawing {
     }
 }
 
-/// The line of a chain's last two points, from one side of a window to the other.
+fn ray(svg: &mut String, path: &str, colour: &str, width: f64) {
+    let style = "fill=\"none\" stroke-linejoin=\"round\"";
+    append(
+        svg,
+        format_args!("<path class=\"ray\" d=\"{path}\" {style} stroke=\"{colour}\" stroke-width=\"{width}\"/>\n"),
+    );
+}
+
+/// The line of a chain's last two points, from one side of a window to the other, less the window's slope.
 fn across(window: &Window, points: &[DVec2]) -> Vec<DVec2> {
     let [.., before, last] = points else { return Vec::new() };
     let slope = (last.y - before.y) / (last.x - before.x);
     let side = |sign: f64| {
         let x = window.centre.x + sign * window.half_size.x;
-        DVec2::new(x, last.y + slope * (x - last.x))
+        DVec2::new(x, last.y + slope * (x - last.x) - window.slope * sign * window.half_size.x)
     };
     vec![side(-1.0), side(1.0)]
 }
@@ -255,5 +258,8 @@ mod tests {
         let shown = across(&windows[0], &strokes[0].points);
         assert_eq!(shown, [DVec2::new(99.0, 0.08), DVec2::new(101.0, -0.08)]);
         assert!(across(&windows[0], &strokes[0].points[..1]).is_empty());
+        // Along the ray itself it is level.
+        let level = across(&Window { slope: -0.08, ..windows[0].clone() }, &strokes[0].points);
+        assert!(level.iter().all(|point| point.y.abs() < 1e-15), "{level:?}");
     }
 }

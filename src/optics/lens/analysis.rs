@@ -71,10 +71,13 @@ impl Analysis {
             foci.push(AtLine { line: line.0, wavelength_nm: line.1, efl_mm, bfd_mm });
         }
         let half_field_deg = half_field_deg.or(lens.half_field_deg()).unwrap_or_else(|| widest_field_deg(d));
-        let angles = FIELDS.iter().map(|share| share * half_field_deg);
+        // From the edge inwards, so that a field that is too wide is named as it was asked for.
+        let angles = FIELDS.iter().rev().map(|share| share * half_field_deg);
         let field = |angle_deg| field_point(&at, angle_deg, (sensor_z_mm, paraxial.efl_mm));
         let lines = [foci[0], foci[1], foci[2]];
-        Ok(Self { paraxial, lines, half_field_deg, fields: angles.map(field).collect::<Result<_>>()? })
+        let mut fields: Vec<FieldPoint> = angles.map(field).collect::<Result<_>>()?;
+        fields.reverse();
+        Ok(Self { paraxial, lines, half_field_deg, fields })
     }
 
     /// Longitudinal colour: the back focal distance at F less that at C, in mm.

@@ -28,6 +28,8 @@ pub struct Focus {
     pub centre: DVec2,
     /// Half the size along and across the axis that shows how the colours part.
     pub half_size: DVec2,
+    /// dy/dz of the bundle's middle ray there.
+    pub slope: f64,
 }
 
 /// The drawing's parts.
@@ -49,6 +51,8 @@ pub struct Section {
 const POINTS: u32 = 48;
 /// Rays of each bundle.
 const RAYS: u32 = 5;
+/// How much of what passes they span: less than all, as other lines than d may be cut off at the very edge.
+const FILLED: f64 = 0.97;
 
 /// Cuts a lens along its axis. Fails where no light passes.
 pub fn section(lens: &Lens, analysis: &Analysis) -> Result<Section> {
@@ -114,7 +118,8 @@ fn bundle(lens: &Lens, (field, angle_deg): (usize, f64), sensor_z_mm: f64, lead_
     let [_, d, _] = LINES.map(|(_, nm)| lens.at(nm));
     let chief = d.chief_ray(angle_deg)?;
     let (lowest_mm, highest_mm) = d.passing_mm(chief)?.ok_or_else(|| dark(angle_deg))?;
-    let offsets = (0..RAYS).map(|i| lowest_mm + (highest_mm - lowest_mm) * f64::from(i) / f64::from(RAYS - 1));
+    let (middle_mm, half_mm) = (0.5 * (lowest_mm + highest_mm), 0.5 * FILLED * (highest_mm - lowest_mm));
+    let offsets = (0..RAYS).map(|i| middle_mm + half_mm * (2.0 * f64::from(i) / f64::from(RAYS - 1) - 1.0));
     let mut rays = Vec::new();
     for start in offsets.map(|offset| beside(chief, 0.0, offset)) {
         for (line, (_, nm)) in LINES.iter().enumerate() {
@@ -150,5 +155,14 @@ fn focus(analysis: &Analysis, angle_deg: f64, bundle: &[DrawnRay]) -> Focus {
     let least_mm = 0.2 * along_mm / analysis.paraxial.f_number.unwrap_or(1.0);
     let sensor_z_mm = ends().next().map_or(0.0, |end| end.x);
     let centre = DVec2::new(sensor_z_mm, 0.5 * (low + high));
-    Focus { angle_deg, centre, half_size: DVec2::new(along_mm, (0.6 * (high - low)).max(least_mm)) }
+    let slopes: Vec<f64> = bundle.iter().filter_map(slope_at_end).collect();
+    let (least, most) = slopes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), s| (a.min(*s), b.max(*s)));
+    let half_size = DVec2::new(along_mm, (0.6 * (high - low)).max(least_mm));
+    Focus { angle_deg, centre, half_size, slope: 0.5 * (least + most) }
+}
+
+/// dy/dz of a ray's last piece.
+fn slope_at_end(ray: &DrawnRay) -> Option<f64> {
+    let [.., before, last] = ray.points.as_slice() else { return None };
+    Some((last.y - before.y) / (last.x - before.x))
 }
