@@ -225,8 +225,12 @@ mod tests {
 
     fn drawing() -> Drawing {
         let stroke = |window, points| Stroke { colour: 0, window, points };
-        let window =
-            |y| Window { title: "focus".to_string(), centre: DVec2::new(100.0, y), half_size: DVec2::new(1.0, 0.1) };
+        let window = |y| Window {
+            title: "focus".to_string(),
+            centre: DVec2::new(100.0, y),
+            half_size: DVec2::new(1.0, 0.1),
+            slope: 0.0,
+        };
         Drawing {
             title: "a <lens> & more".to_string(),
             caption: String::new(),

@@ -79,7 +79,8 @@ impl Monochromatic<'_> {
         let (count, stop) = (lens.surfaces().len(), lens.stop());
         let whole = self.matrix(0, count);
         let scale_mm = lens.length_mm() + lens.surfaces()[stop].semi_aperture_mm;
-        if !(whole.c.abs() * scale_mm > AFOCAL) {
+        let has_power = whole.c.abs() * scale_mm > AFOCAL;
+        if !has_power {
             let what = format!("the lens has no power at {} nm: it has no focus", self.wavelength_nm());
             return Err(Error::input(what));
         }
