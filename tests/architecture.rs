@@ -43,7 +43,16 @@ const CRATES: [(&str, &[&str]); 25] = [
     ("image", &["output/", "scene/resolve/surroundings.rs"]),
     (
         "serde_json",
-        &["scene/file/", "scene/mesh/", "optics/glass/catalogue.rs", "output/", "render/", "study/", "cli/"],
+        &[
+            "scene/file/",
+            "scene/mesh/",
+            "optics/glass/catalogue.rs",
+            "optics/lens/catalogue.rs",
+            "output/",
+            "render/",
+            "study/",
+            "cli/",
+        ],
     ),
     ("serde_path_to_error", &["scene/file/"]),
     ("schemars", &["scene/file/"]),

@@ -10,6 +10,7 @@ mod explain;
 mod glass;
 mod interrupt;
 mod lamps;
+mod lens;
 mod named;
 mod origin;
 mod print;
@@ -50,6 +51,8 @@ enum Command {
     Spectrum(spectrum::Arguments),
     /// A glass: its index at any wavelength, its Abbe number, its formulas
     Glass(glass::Arguments),
+    /// A lens of several elements: focal length, pupils, colour errors, spots, cross-section
+    Lens(lens::Arguments),
     /// Compare two lamps, or a lamp with its match from primaries: their colours, and what they make of surfaces
     Lamps(lamps::Arguments),
     /// Compare a picture with a reference
@@ -131,6 +134,7 @@ fn run(command: &Command) -> Result<Outcome> {
         Command::Schema(schema::Arguments {}) => schema::run(),
         Command::Spectrum(arguments) => spectrum::run(arguments),
         Command::Glass(arguments) => glass::run(arguments),
+        Command::Lens(arguments) => lens::run(arguments),
         Command::Lamps(arguments) => lamps::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Probe(arguments) => probe::run(arguments),

@@ -45,6 +45,12 @@ pub(crate) fn share(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Half a field of view in degrees, above 0 and below 90.
+pub(crate) fn half_field_deg(text: &str) -> Result<f64, String> {
+    let inside = |degrees: &f64| 0.0 < *degrees && *degrees < 90.0;
+    text.trim().parse().ok().filter(inside).ok_or_else(|| "expected degrees above 0 and below 90".to_string())
+}
+
 /// A size such as `640x360`.
 pub(crate) fn size(text: &str) -> Result<(u32, u32), String> {
     let parse = |number: &str| number.trim().parse::<u32>().ok().filter(|&n| n > 0);

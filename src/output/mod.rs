@@ -7,6 +7,7 @@ pub mod chromaticity;
 pub mod compare;
 pub mod comparison_page;
 pub mod data_uri;
+pub mod drawing;
 pub mod exr;
 pub mod figures;
 pub mod file;

@@ -256,12 +256,12 @@ fn area(frame: &Frame, points: &[(f64, f64)]) -> String {
     format!("<path d=\"{path}L{to:.2} {foot:.2}H{from:.2}Z\" fill=\"url(#spectrum)\" fill-opacity=\"0.45\"/>\n")
 }
 
-fn append(text: &mut String, arguments: std::fmt::Arguments<'_>) {
+pub(super) fn append(text: &mut String, arguments: std::fmt::Arguments<'_>) {
     text.write_fmt(arguments).expect("writing to a string cannot fail");
 }
 
 /// Text inside XML.
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 

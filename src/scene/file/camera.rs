@@ -386,16 +386,21 @@ impl SystemLensFile {
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { prescription, focus_distance, f_number, sensor_height_mm, blades, rotation: _, diffraction: _ } =
             self;
-        match prescription {
-            PrescriptionFile::Name(_) => {}
-            PrescriptionFile::Surfaces(surfaces) => {
-                validate_surfaces(&at.key("prescription").key("surfaces"), surfaces)?;
-            }
-        }
+        prescription.validate(&at.key("prescription"))?;
         check::positive(&at.key("focus_distance"), *focus_distance)?;
         f_number.map_or(Ok(()), |f_number| check::positive(&at.key("f_number"), f_number))?;
         check::positive(&at.key("sensor_height_mm"), *sensor_height_mm)?;
         validate_blades(at, *blades)
+    }
+}
+
+impl PrescriptionFile {
+    /// Checks the surfaces, if they stand here.
+    pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
+        match self {
+            Self::Name(_) => Ok(()),
+            Self::Surfaces(surfaces) => validate_surfaces(&at.key("surfaces"), surfaces),
+        }
     }
 }
 

@@ -53,7 +53,7 @@ pub use path::JsonPath;
 pub use quantity::QuantityFile;
 pub use render::{LightMapFile, RenderFile};
 pub use shape::ShapeFile;
-pub use source::{MAX_BYTES, Source};
+pub use source::{MAX_BYTES, Source, read_text};
 pub use spectrum::{ImageFile, LineFile, ReflectanceFile, SpectrumFile, WeightedSpectrumFile};
 pub use transform::{KeyframeFile, ScaleFile, TransformFile, TransformStepFile};
 
@@ -152,6 +152,14 @@ pub fn parse_spectrum(text: &str, name: &Path) -> Result<(SpectrumFile, Source)>
     let spectrum: SpectrumFile = from_source(&source)?;
     spectrum.validate(&JsonPath::Root, Use::Any).map_err(|error| source.placed(error))?;
     Ok((spectrum, source))
+}
+
+/// Reads a lens prescription from its text, any form that a scene may hold; `name` is the name that errors give the text.
+pub fn parse_prescription(text: &str, name: &Path) -> Result<(PrescriptionFile, Source)> {
+    let source = set::patched(text, name, &[])?;
+    let prescription: PrescriptionFile = from_source(&source)?;
+    prescription.validate(&JsonPath::Root).map_err(|error| source.placed(error))?;
+    Ok((prescription, source))
 }
 
 /// Fills a type from a source.

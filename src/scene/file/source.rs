@@ -111,8 +111,8 @@ impl Source {
     }
 }
 
-/// Reads a file's text; a byte order mark is left out.
-pub(super) fn read_text(path: &Path) -> Result<String> {
+/// Reads a file's text in UTF-8, at most [`MAX_BYTES`]. Errors name the file.
+pub fn read_text(path: &Path) -> Result<String> {
     let unreadable = |error: std::io::Error| Error::input(format!("cannot be read: {error}")).in_file(path);
     let file = std::fs::File::open(path).map_err(unreadable)?;
     let mut bytes = Vec::new();

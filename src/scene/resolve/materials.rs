@@ -140,17 +140,7 @@ impl Resolver<'_> {
 
     /// Resolves an index of refraction; what is clamped or fitted goes to the notes.
     fn index(&self, at: &JsonPath<'_>, file: &IndexFile, material: &str, notes: &mut Vec<String>) -> Result<Index> {
-        let index = match file {
-            IndexFile::Number(n) => Index::constant(*n),
-            IndexFile::Name(name) => Index::catalogue(name),
-            IndexFile::Cauchy { a, b, c } => Index::cauchy(*a, *b, *c),
-            IndexFile::Sellmeier { b, c } => Index::sellmeier(b, c),
-            IndexFile::Abbe { nd, vd } => Index::abbe(*nd, *vd),
-            IndexFile::Table { nm, values } => Index::table(nm, values),
-            IndexFile::Glass { name, formula: FormulaFile::Sellmeier } => Index::catalogue(name),
-            IndexFile::Glass { name, formula: FormulaFile::Cauchy } => Index::catalogue_cauchy(name),
-        };
-        let index = self.at(at, index)?;
+        let index = self.at(at, index_of(file))?;
         if let Some(warning) = index.warning() {
             let note = format!("material \"{material}\": {warning}");
             if !notes.contains(&note) {
@@ -158,5 +148,19 @@ impl Resolver<'_> {
             }
         }
         Ok(index)
+    }
+}
+
+/// The index that is written.
+pub(super) fn index_of(file: &IndexFile) -> Result<Index> {
+    match file {
+        IndexFile::Number(n) => Index::constant(*n),
+        IndexFile::Name(name) => Index::catalogue(name),
+        IndexFile::Cauchy { a, b, c } => Index::cauchy(*a, *b, *c),
+        IndexFile::Sellmeier { b, c } => Index::sellmeier(b, c),
+        IndexFile::Abbe { nd, vd } => Index::abbe(*nd, *vd),
+        IndexFile::Table { nm, values } => Index::table(nm, values),
+        IndexFile::Glass { name, formula: FormulaFile::Sellmeier } => Index::catalogue(name),
+        IndexFile::Glass { name, formula: FormulaFile::Cauchy } => Index::catalogue_cauchy(name),
     }
 }

@@ -5,6 +5,7 @@
 
 mod camera;
 mod film;
+mod lens;
 mod lights;
 mod materials;
 mod mesh_materials;
@@ -12,6 +13,7 @@ mod objects;
 mod spectra;
 mod surroundings;
 
+pub use lens::{lens_file, lone_lens};
 pub use spectra::Role;
 
 use super::file::{self, JsonPath, RenderFile, SceneFile, Source, SpectrumFile};

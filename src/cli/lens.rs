@@ -1,0 +1,254 @@
+//! `abbe lens`: what a lens of several elements does.
+
+use std::path::{Path, PathBuf};
+
+use abbe::error::Result;
+use abbe::optics::lens::section::{DrawnRay, Focus, Section, section};
+use abbe::optics::lens::{Analysis, FieldPoint, LINES, Lens, Pupil, catalogue};
+use abbe::output::drawing::{Drawing, Stroke, Window};
+use abbe::output::file;
+use abbe::scene::resolve;
+use serde::Serialize;
+
+use super::{Outcome, print, values};
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Arguments {
+    /// The name of a built-in lens, or a file: a prescription in JSON, or Zemax (.zmx)
+    #[arg(value_name = "NAME|FILE", required_unless_present = "list")]
+    lens: Option<String>,
+    /// Half the field of view in degrees [default: the design's; 20 where it states none, less where less passes]
+    #[arg(long, value_name = "DEG", value_parser = values::half_field_deg)]
+    field: Option<f64>,
+    /// Draw the cross-section with rays of the F, d and C lines
+    #[arg(long, value_name = "FILE.svg")]
+    svg: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    /// List the built-in lenses
+    #[arg(long, conflicts_with_all = ["lens", "field", "svg"])]
+    list: bool,
+}
+
+/// A lens for programs to read; fields and lengths as [`Analysis`] has them.
+#[derive(Debug, Serialize)]
+struct Report<'a> {
+    name: &'a str,
+    source: Option<&'a str>,
+    surfaces: usize,
+    length_mm: f64,
+    efl_mm: f64,
+    bfd_mm: f64,
+    fc_shift_mm: f64,
+    /// Null where the entrance pupil lies at infinity.
+    f_number: Option<f64>,
+    entrance_pupil: Option<PupilReport>,
+    exit_pupil: Option<PupilReport>,
+    lines: Vec<LineReport>,
+    half_field_deg: f64,
+    fields: Vec<FieldReport>,
+}
+
+#[derive(Debug, Serialize)]
+struct PupilReport {
+    z_mm: f64,
+    diameter_mm: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct LineReport {
+    line: &'static str,
+    nm: f64,
+    efl_mm: f64,
+    bfd_mm: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct FieldReport {
+    angle_deg: f64,
+    image_height_mm: f64,
+    /// Null on the axis.
+    distortion: Option<f64>,
+    lateral_colour_mm: f64,
+    spots: Vec<SpotReport>,
+}
+
+#[derive(Debug, Serialize)]
+struct SpotReport {
+    line: &'static str,
+    rms_mm: f64,
+}
+
+/// A line of the list.
+#[derive(Debug, Serialize)]
+struct Listed<'a> {
+    name: &'a str,
+    efl_mm: f64,
+    f_number: Option<f64>,
+    half_field_deg: f64,
+    surfaces: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct List<'a> {
+    lenses: Vec<Listed<'a>>,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+    match &arguments.lens {
+        Some(name) => one(name, arguments)?,
+        None => list(arguments.json)?,
+    }
+    Ok(Outcome::Done)
+}
+
+fn one(name: &str, arguments: &Arguments) -> Result<()> {
+    let lens = named(name)?;
+    let analysis = Analysis::of(&lens, arguments.field)?;
+    if let Some(path) = &arguments.svg {
+        let drawing = drawing(&lens, &analysis, section(&lens, &analysis)?);
+        file::write_whole(path, drawing.svg().as_bytes())?;
+    }
+    let report = report(&lens, &analysis);
+    if arguments.json { print::json(&report) } else { print::result(&text(&report)) }
+}
+
+/// The lens that an argument names.
+fn named(name: &str) -> Result<Lens> {
+    let unknown = match catalogue::find(name) {
+        Ok(lens) => return Ok(lens.clone()),
+        Err(unknown) => unknown,
+    };
+    let path = Path::new(name);
+    // Names hold blanks and slashes ("Tessar f/4.5"), so that only what exists or ends like a file is one.
+    if path.exists() || path.extension().is_some_and(|extension| extension == "json" || extension == "zmx") {
+        return resolve::lens_file(path);
+    }
+    Err(unknown.expected("a name of `abbe lens --list`, or a file"))
+}
+
+fn list(json: bool) -> Result<()> {
+    let mut lenses = Vec::new();
+    for lens in catalogue::all() {
+        let paraxial = lens.at(LINES[1].1).paraxial()?;
+        lenses.push(Listed {
+            name: lens.name(),
+            efl_mm: paraxial.efl_mm,
+            f_number: paraxial.f_number,
+            half_field_deg: lens.half_field_deg().unwrap_or_default(),
+            surfaces: lens.surfaces().len(),
+        });
+    }
+    if json {
+        return print::json(&List { lenses });
+    }
+    let line = |lens: &Listed<'_>| {
+        let Listed { name, efl_mm, f_number, half_field_deg, surfaces } = lens;
+        let f_number = f_number.unwrap_or(f64::INFINITY);
+        format!("{name:<28} {efl_mm:>8.2} mm  f/{f_number:<5.2} ±{half_field_deg:<5} {surfaces:>2} surfaces\n")
+    };
+    print::result(&lenses.iter().map(line).collect::<String>())
+}
+
+fn report<'a>(lens: &'a Lens, analysis: &Analysis) -> Report<'a> {
+    let Analysis { paraxial, lines, half_field_deg, fields } = analysis;
+    let pupil = |Pupil { z_mm, diameter_mm }| PupilReport { z_mm, diameter_mm };
+    let spot = |(line, rms_mm): (&(&'static str, f64), f64)| SpotReport { line: line.0, rms_mm };
+    let field = |field: &FieldPoint| FieldReport {
+        angle_deg: field.angle_deg,
+        image_height_mm: field.image_height_mm,
+        distortion: field.distortion,
+        lateral_colour_mm: field.lateral_colour_mm,
+        spots: LINES.iter().zip(field.spots.map(|spot| spot.rms_mm)).map(spot).collect(),
+    };
+    Report {
+        name: lens.name(),
+        source: lens.source(),
+        surfaces: lens.surfaces().len(),
+        length_mm: lens.length_mm(),
+        efl_mm: paraxial.efl_mm,
+        bfd_mm: paraxial.bfd_mm,
+        fc_shift_mm: analysis.fc_shift_mm(),
+        f_number: paraxial.f_number,
+        entrance_pupil: paraxial.entrance_pupil.map(pupil),
+        exit_pupil: paraxial.exit_pupil.map(pupil),
+        lines: lines
+            .iter()
+            .map(|line| LineReport {
+                line: line.line,
+                nm: line.wavelength_nm,
+                efl_mm: line.efl_mm,
+                bfd_mm: line.bfd_mm,
+            })
+            .collect(),
+        half_field_deg: *half_field_deg,
+        fields: fields.iter().map(field).collect(),
+    }
+}
+
+fn text(report: &Report<'_>) -> String {
+    let mut text = format!("{} ({} surfaces, {:.3} mm long)\n", report.name, report.surfaces, report.length_mm);
+    let pupil = |pupil: &Option<PupilReport>| match pupil {
+        Some(PupilReport { z_mm, diameter_mm }) => format!("{diameter_mm:.4} mm wide, at {z_mm:.4} mm"),
+        None => "at infinity".to_string(),
+    };
+    let f_number = report.f_number.map_or("undefined".to_string(), |f_number| format!("{f_number:.4}"));
+    for (name, value) in [
+        ("focal length", format!("{:.4} mm", report.efl_mm)),
+        ("back focus", format!("{:.4} mm behind the last surface; the sensor stands there", report.bfd_mm)),
+        ("f-number", f_number),
+        ("entrance pupil", format!("{} from the first surface", pupil(&report.entrance_pupil))),
+        ("exit pupil", pupil(&report.exit_pupil)),
+        ("F' - C'", format!("{:+.4} mm of the back focus (longitudinal colour)", report.fc_shift_mm)),
+    ] {
+        text += &format!("{name:<15} {value}\n");
+    }
+    text += "\nline         nm   focal length     back focus\n";
+    for LineReport { line, nm, efl_mm, bfd_mm } in &report.lines {
+        text += &format!("{line:<4} {nm:>10.4} {efl_mm:>11.4} mm {bfd_mm:>11.4} mm\n");
+    }
+    text += "\nfield       height  distortion  lateral colour   spot radius (RMS) in F, d, C\n";
+    for field in &report.fields {
+        let distortion = field.distortion.map_or("-".to_string(), |share| format!("{:+.3} %", 100.0 * share));
+        let spots = field.spots.iter().map(|spot| format!("{:>9.2}", 1e3 * spot.rms_mm)).collect::<String>();
+        let (angle, height) = (format!("{:.2}°", field.angle_deg), field.image_height_mm);
+        let colour_um = 1e3 * field.lateral_colour_mm;
+        text += &format!("{angle:<7} {height:>7.3} mm {distortion:>11} {colour_um:>12.2} µm {spots} µm\n");
+    }
+    text += &report.source.map_or(String::new(), |source| format!("\nsource          {source}\n"));
+    text
+}
+
+fn drawing(lens: &Lens, analysis: &Analysis, section: Section) -> Drawing {
+    let Section { elements, stop, sensor, rays, foci } = section;
+    let stroke = |ray: DrawnRay| Stroke { colour: ray.line, window: ray.field, points: ray.points };
+    let window = |focus: &Focus| Window {
+        title: if focus.angle_deg == 0.0 {
+            "focus on the axis".to_string()
+        } else {
+            format!("focus at {}°, along the bundle", focus.angle_deg)
+        },
+        centre: focus.centre,
+        half_size: focus.half_size,
+        slope: focus.slope,
+    };
+    let colours = LINES.iter().zip(["#1f5fbf", "#d09a00", "#c0302a"]);
+    let f_number = analysis.paraxial.f_number.map_or(String::new(), |f_number| format!(", f/{f_number:.2}"));
+    Drawing {
+        title: lens.name().to_string(),
+        caption: format!(
+            "f = {:.2} mm{f_number}, back focus {:.2} mm, F′ − C′ {:+.4} mm",
+            analysis.paraxial.efl_mm,
+            analysis.paraxial.bfd_mm,
+            analysis.fc_shift_mm()
+        )
+        .replace('-', "−"),
+        glass: elements,
+        stop,
+        sensor,
+        strokes: rays.into_iter().map(stroke).collect(),
+        colours: colours.map(|((line, nm), colour)| (format!("{line}, {nm:.1} nm"), colour.to_string())).collect(),
+        windows: foci.iter().map(window).collect(),
+    }
+}

@@ -1,0 +1,244 @@
+//! Lens files of Zemax (`.zmx`): sequential systems of spheres, conics and even aspheres between media of the catalogue.
+//!
+//! The file is a list of operands, one a line; those of a surface are indented under its `SURF`. Read are `MODE`, `NAME`, `UNIT`,
+//! `ENPD`, `FNUM`, `FLOA`, `FTYP`, `YFLN` and of surfaces `STOP`, `TYPE`, `CURV`, `CONI`, `PARM`, `DISZ`, `GLAS`, `DIAM`, `CLAP`; what would
+//! change the rays but is not known here is refused, all else is left out. The first surface is the object, the last the sensor.
+
+use std::path::Path;
+
+use super::prescription::{Lens, Opening, Prescription, Surface, medium};
+use super::profile::Profile;
+use crate::error::{Error, Result};
+use crate::optics::glass::Index;
+
+/// Reads a lens from the bytes of a file, UTF-8 or UTF-16; `path` names it in errors, which also give the line.
+pub fn parse(bytes: &[u8], path: &Path) -> Result<Lens> {
+    let text = decoded(bytes).map_err(|error| error.in_file(path))?;
+    let mut reader = Reader::new(path.file_stem().unwrap_or_default().to_string_lossy().into_owned());
+    for (i, line) in text.lines().enumerate() {
+        let mut words = line.split_whitespace();
+        let Some(operand) = words.next() else { continue };
+        let arguments: Vec<&str> = words.collect();
+        reader.read(operand, &arguments, i + 1).map_err(|error| error.at(i + 1, 1).in_file(path))?;
+    }
+    reader.finish().map_err(|error| error.in_file(path))
+}
+
+fn decoded(bytes: &[u8]) -> Result<String> {
+    let wide = |swap: bool| {
+        let unit = |pair: &[u8]| {
+            let pair = [pair[0], pair[1]];
+            if swap { u16::from_be_bytes(pair) } else { u16::from_le_bytes(pair) }
+        };
+        String::from_utf16(&bytes[2..].chunks_exact(2).map(unit).collect::<Vec<u16>>()).ok()
+    };
+    let text = match bytes {
+        [0xFF, 0xFE, ..] => wide(false),
+        [0xFE, 0xFF, ..] => wide(true),
+        _ => std::str::from_utf8(bytes).ok().map(str::to_string),
+    };
+    text.ok_or_else(|| Error::input("the file is no text").expected("a Zemax lens file in UTF-8 or UTF-16"))
+}
+
+/// A surface as far as it is read, lengths in the file's unit.
+struct Row {
+    line: usize,
+    profile: Profile,
+    thickness: f64,
+    index: Option<Index>,
+    semi_aperture: f64,
+    /// A circular aperture, which goes before the semi-diameter.
+    clear: Option<f64>,
+    stop: bool,
+    aspheric: bool,
+}
+
+struct Reader {
+    name: String,
+    unit_mm: f64,
+    /// In the file's unit until the end.
+    opening: Opening,
+    fields_are_angles: bool,
+    half_field_deg: Option<f64>,
+    rows: Vec<Row>,
+}
+
+impl Reader {
+    fn new(name: String) -> Self {
+        let opening = Opening::Stop;
+        Self { name, unit_mm: 1.0, opening, fields_are_angles: true, half_field_deg: None, rows: Vec::new() }
+    }
+
+    fn read(&mut self, operand: &str, arguments: &[&str], line: usize) -> Result<()> {
+        match operand {
+            "MODE" if arguments.first() != Some(&"SEQ") => {
+                return Err(unsupported(&format!("the mode {}", arguments.join(" ")), "a sequential system"));
+            }
+            "NAME" if !arguments.is_empty() => self.name = arguments.join(" "),
+            "UNIT" => self.unit_mm = unit_mm(arguments.first().copied().unwrap_or_default())?,
+            "ENPD" => self.opening = Opening::EntrancePupil { diameter_mm: number(arguments, 0)? },
+            "FNUM" => self.opening = Opening::FNumber(number(arguments, 0)?),
+            "FLOA" => self.opening = Opening::Stop,
+            "OBNA" => return Err(unsupported("an aperture stated by the object's numerical aperture", APERTURES)),
+            "FTYP" => self.fields_are_angles = number(arguments, 0)? == 0.0,
+            "YFLN" => {
+                let angles = arguments.iter().map(|word| parsed(word)).collect::<Result<Vec<f64>>>()?;
+                let widest = angles.into_iter().map(f64::abs).fold(0.0, f64::max);
+                self.half_field_deg = (widest > 0.0).then_some(widest);
+            }
+            "SURF" => self.rows.push(Row {
+                line,
+                profile: Profile::default(),
+                thickness: 0.0,
+                index: None,
+                semi_aperture: 0.0,
+                clear: None,
+                stop: false,
+                aspheric: false,
+            }),
+            _ => {
+                if let Some(row) = self.rows.last_mut() {
+                    row.read(operand, arguments)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> Result<Lens> {
+        let Self { name, unit_mm, opening, fields_are_angles, half_field_deg, mut rows } = self;
+        let sensor = rows.pop().filter(|_| rows.len() > 1);
+        let Some(sensor) = sensor else {
+            let what = format!("found {} surfaces", rows.len());
+            return Err(Error::input(what).expected("an object, at least one surface, and an image"));
+        };
+        if sensor.profile != Profile::default() {
+            return Err(unsupported("a curved image surface", "a plane sensor").at(sensor.line, 1));
+        }
+        rows.remove(0);
+        let stop = rows.iter().position(|row| row.stop);
+        let lines: Vec<usize> = rows.iter().map(|row| row.line).collect();
+        let opening = match opening {
+            Opening::EntrancePupil { diameter_mm } => Opening::EntrancePupil { diameter_mm: diameter_mm * unit_mm },
+            Opening::Stop | Opening::FNumber(_) => opening,
+        };
+        let surfaces = rows.into_iter().map(|row| row.surface(unit_mm)).collect::<Result<_>>()?;
+        let half_field_deg = half_field_deg.filter(|_| fields_are_angles);
+        let lens = Lens::new(Prescription { name, source: None, surfaces, stop, opening, half_field_deg });
+        lens.map_err(|error| placed(error, &lines))
+    }
+}
+
+const APERTURES: &str = "an entrance pupil diameter (ENPD), an f-number (FNUM), or the stop's size (FLOA)";
+
+/// Gives a fault of a surface the line of that surface.
+fn placed(error: Error, lines: &[usize]) -> Error {
+    let path = error.place.path.as_deref().unwrap_or_default();
+    let surface = path.strip_prefix("surfaces[").and_then(|rest| rest.split(']').next()?.parse::<usize>().ok());
+    match surface.and_then(|i| lines.get(i)) {
+        Some(&line) => error.at(line, 1),
+        None => error,
+    }
+}
+
+impl Row {
+    fn read(&mut self, operand: &str, arguments: &[&str]) -> Result<()> {
+        match operand {
+            "STOP" => self.stop = true,
+            "TYPE" => match arguments.first() {
+                Some(&"STANDARD") => {}
+                Some(&"EVENASPH") => self.aspheric = true,
+                _ => {
+                    let what = format!("a surface of type {}", arguments.join(" "));
+                    return Err(unsupported(&what, "STANDARD or EVENASPH"));
+                }
+            },
+            "CURV" => self.profile.curvature_per_mm = number(arguments, 0)?,
+            "CONI" => self.profile.conic = number(arguments, 0)?,
+            "DISZ" => self.thickness = number(arguments, 0)?,
+            "DIAM" => self.semi_aperture = number(arguments, 0)?,
+            "GLAS" => self.index = Some(glass(arguments)?),
+            "PARM" if self.aspheric => self.read_term(number(arguments, 0)?, number(arguments, 1)?)?,
+            "CLAP" if number(arguments, 0)? == 0.0 => self.clear = Some(number(arguments, 1)?),
+            "CLAP" | "SQAP" | "ELAP" | "OBSC" | "SQOB" | "ELOB" | "UDAD" => {
+                let what = format!("the aperture {operand} {}", arguments.join(" "));
+                return Err(unsupported(&what, "a round one (CLAP 0 RADIUS), or the semi-diameter (DIAM)"));
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// The coefficient of h^(2·number).
+    fn read_term(&mut self, order: f64, value: f64) -> Result<()> {
+        if value == 0.0 {
+            return Ok(());
+        }
+        if order.fract() != 0.0 || !(1.0..=8.0).contains(&order) {
+            return Err(unsupported(&format!("parameter {order} of an even asphere"), "1 to 8"));
+        }
+        let mut terms = std::mem::take(&mut self.profile.even_terms).into_vec();
+        terms.resize(terms.len().max(order as usize), 0.0);
+        terms[order as usize - 1] = value;
+        self.profile.even_terms = terms.into();
+        Ok(())
+    }
+
+    /// In mm.
+    fn surface(self, unit_mm: f64) -> Result<Surface> {
+        let Self { line, profile: Profile { curvature_per_mm, conic, even_terms }, thickness, index, .. } = self;
+        if !thickness.is_finite() {
+            return Err(Error::input("found a surface that is infinitely thick").at(line, 1));
+        }
+        let scaled = |(i, term): (usize, &f64)| term * unit_mm.powi(1 - 2 * (i as i32 + 1));
+        Ok(Surface {
+            profile: Profile {
+                curvature_per_mm: curvature_per_mm / unit_mm,
+                conic,
+                even_terms: even_terms.iter().enumerate().map(scaled).collect(),
+            },
+            thickness_mm: thickness * unit_mm,
+            index: index.map_or_else(|| medium("air"), Ok)?,
+            semi_aperture_mm: self.clear.unwrap_or(self.semi_aperture) * unit_mm,
+        })
+    }
+}
+
+fn unit_mm(unit: &str) -> Result<f64> {
+    match unit {
+        "MM" => Ok(1.0),
+        "CM" => Ok(10.0),
+        "IN" => Ok(25.4),
+        "METER" => Ok(1000.0),
+        _ => Err(unsupported(&format!("the unit {unit}"), "MM, CM, IN or METER")),
+    }
+}
+
+/// A medium of the catalogue by its name; `___BLANK` is a model glass, given by its n_d and Abbe number.
+fn glass(arguments: &[&str]) -> Result<Index> {
+    match arguments.first() {
+        Some(&"MIRROR") => Err(unsupported("a mirror", "a glass of the catalogue")),
+        Some(&"___BLANK") => Index::abbe(number(arguments, 3)?, number(arguments, 4)?),
+        Some(name) => medium(name),
+        None => Err(Error::input("found no name of a glass")),
+    }
+}
+
+fn number(arguments: &[&str], i: usize) -> Result<f64> {
+    match arguments.get(i) {
+        Some(word) => parsed(word),
+        None => Err(Error::input(format!("found {} values", arguments.len())).expected(format!("at least {}", i + 1))),
+    }
+}
+
+fn parsed(word: &str) -> Result<f64> {
+    if word == "INFINITY" {
+        return Ok(f64::INFINITY);
+    }
+    let value = word.parse::<f64>().ok().filter(|value| value.is_finite());
+    value.ok_or_else(|| Error::input(format!("found \"{word}\"")).expected("a number"))
+}
+
+fn unsupported(what: &str, expected: &str) -> Error {
+    Error::input(format!("{what} is not supported")).expected(expected)
+}
