@@ -18,7 +18,7 @@ pub use photon_gather::{Gatherer, Scratch};
 
 use crate::math::random::{Purpose, REPLICATES, Stream, hash64};
 use crate::math::sobol::{DIMENSIONS, Sobol};
-use crate::scene::camera::{Aperture, Camera};
+use crate::scene::camera::{Aperture, Camera, SystemLens};
 use crate::scene::geometry::Ray;
 use glam::DVec2;
 
@@ -62,14 +62,23 @@ impl CameraNumbers {
 
     /// The ray through the pixel.
     fn ray(&self, camera: &Camera, pixel: u64) -> Ray {
-        let width = camera.width() as u64;
-        let corner = DVec2::new((pixel % width) as f64, (pixel / width) as f64);
         let lens = match camera.aperture() {
-            Aperture::Pinhole => [0.5; 2],
+            Aperture::Pinhole | Aperture::System(_) => [0.5; 2],
             Aperture::ThinLens { .. } => self.lens(),
         };
-        camera.ray(corner + DVec2::from(self.film()), lens)
+        camera.ray(corner(camera, pixel) + DVec2::from(self.film()), lens)
     }
+
+    /// The ray through the pixel and the lens of real glass at a wavelength in nm, and its weight.
+    fn ray_through(&self, system: &SystemLens, camera: &Camera, pixel: u64, nm: f64) -> Option<(Ray, f64)> {
+        camera.ray_through(system, corner(camera, pixel) + DVec2::from(self.film()), self.lens(), nm)
+    }
+}
+
+/// The top left corner of a pixel.
+fn corner(camera: &Camera, pixel: u64) -> DVec2 {
+    let width = camera.width() as u64;
+    DVec2::new((pixel % width) as f64, (pixel / width) as f64)
 }
 
 /// Point `index` of the golden-ratio sequence, shifted by a hash: evenly spread for any number of points.

@@ -39,20 +39,8 @@ struct Path {
 impl<'a> PathTracer<'a> {
     /// Estimates the radiance of one sample of a pixel and hands it to the sink.
     pub fn sample<S: Sink>(&self, pixel: u64, mut numbers: CameraNumbers, tally: &mut Tally, sink: &mut S) {
-        let ray = numbers.ray(&self.scene.camera, pixel);
-        let mut nm = [0.0; LANES];
-        let mut throughput = [0.0; LANES];
-        for k in 0..LANES {
-            let (drawn, pdf) = self.wavelengths.sample((numbers.wavelength + k as f64) / LANES as f64);
-            nm[k] = drawn;
-            throughput[k] = 1.0 / (pdf * LANES as f64);
-        }
-        let mut path = Path {
-            start: Start { ray, from: None, interior: self.scene.camera.interior },
-            wavelengths: Wavelengths::new(nm),
-            throughput,
-            first: throughput,
-            counts: Counts::Fully,
+        let Some(mut path) = self.start(pixel, &numbers) else {
+            return;
         };
         for depth in 0..self.max_depth {
             let Some(encounter) = next(self.scene, path.start, &mut numbers.stream.uniform()) else {
@@ -80,6 +68,30 @@ impl<'a> PathTracer<'a> {
                 return;
             }
         }
+    }
+
+    /// A path from the camera with four stratified wavelengths, or with one through a lens of real glass; `None` where that lets nothing through.
+    fn start(&self, pixel: u64, numbers: &CameraNumbers) -> Option<Path> {
+        let camera = &self.scene.camera;
+        let (mut nm, mut throughput) = ([0.0; LANES], [0.0; LANES]);
+        let (ray, wavelengths) = match camera.system() {
+            Some(system) => {
+                let (drawn, pdf) = self.wavelengths.sample(numbers.wavelength);
+                let (ray, weight) = numbers.ray_through(system, camera, pixel, drawn)?;
+                throughput[0] = weight / pdf;
+                (ray, Wavelengths::single(drawn))
+            }
+            None => {
+                for k in 0..LANES {
+                    let (drawn, pdf) = self.wavelengths.sample((numbers.wavelength + k as f64) / LANES as f64);
+                    nm[k] = drawn;
+                    throughput[k] = 1.0 / (pdf * LANES as f64);
+                }
+                (numbers.ray(camera, pixel), Wavelengths::new(nm))
+            }
+        };
+        let start = Start { ray, from: None, interior: camera.interior };
+        Some(Path { start, wavelengths, throughput, first: throughput, counts: Counts::Fully })
     }
 
     fn absorb_on_the_way(&self, path: &mut Path, encounter: &Encounter<'_>) {

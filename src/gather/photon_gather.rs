@@ -86,10 +86,10 @@ impl<'a> Gatherer<'a> {
     ) {
         scratch.factors.clear();
         scratch.landings.clear();
-        let ray = numbers.ray(&self.scene.camera, pixel);
+        let camera = &self.scene.camera;
         tally.lens_rays += u64::from(self.plan.aperture.is_finite());
-        let path = CameraPath {
-            start: Start { ray, from: None, interior: self.scene.camera.interior },
+        let path = |ray| CameraPath {
+            start: Start { ray, from: None, interior: camera.interior },
             colour: Colour::Free,
             view: View::Seen,
             counts: Counts::Fully,
@@ -97,11 +97,21 @@ impl<'a> Gatherer<'a> {
             distance: 0.0,
             depth: 0,
         };
+        let ideal = numbers.ray(camera, pixel);
         let mut sample = Sample { pixel, numbers, radii, scratch, sink, tally };
-        if self.plan.wavelengths == WavelengthPlan::Shared {
-            self.split(path, &mut sample);
-        } else {
-            self.follow(path, &mut sample);
+        match (camera.system(), self.plan.wavelengths) {
+            (Some(system), _) => {
+                for lane in 0..LANES {
+                    let through = sample.numbers.ray_through(system, camera, pixel, self.shared_nm[lane]);
+                    let Some((ray, weight)) = through else { continue };
+                    if let Some(mut single) = self.on_lane(path(ray), lane, &mut sample) {
+                        single.multiply(Factor::Grey(weight), sample.scratch);
+                        self.follow(single, &mut sample);
+                    }
+                }
+            }
+            (None, WavelengthPlan::Shared) => self.split(path(ideal), &mut sample),
+            (None, WavelengthPlan::Free | WavelengthPlan::Both) => self.follow(path(ideal), &mut sample),
         }
     }
 

@@ -47,11 +47,11 @@ pub const EFFECTS: [Effect; 10] = [
         name: "shared",
         field: "wavelengths",
         read_by: "gather (camera paths), emit (the shared photon set)",
-        cost: "every camera path at the pass's shared wavelengths: more colour noise; for tests",
+        cost: "four camera paths at the pass's shared wavelengths from the start: more colour noise",
         absent: "camera paths stay wavelength-free until they refract dispersively",
-        called_by: "nothing",
-        uncalled: "no scene calls for it: it is there to compare with",
-        calls: |_| Vec::new(),
+        called_by: "a camera lens of real glass",
+        uncalled: "no camera lens of real glass, whose rays part by wavelength",
+        calls: |facts| facts.lens_system.iter().cloned().collect(),
         set: |plan, _, on| {
             if on {
                 plan.wavelengths = WavelengthPlan::Shared;
@@ -109,7 +109,13 @@ pub const EFFECTS: [Effect; 10] = [
             let opening = facts.aperture_nm.map(|nm| format!("of radius {:.3} mm", nm as f64 * 1e-6));
             opening.into_iter().collect()
         },
-        set: |plan, _, on| plan.aperture = if on { AperturePlan::ThinLens } else { AperturePlan::Pinhole },
+        set: |plan, facts, on| {
+            plan.aperture = match (on, &facts.lens_system) {
+                (false, _) => AperturePlan::Pinhole,
+                (true, None) => AperturePlan::ThinLens,
+                (true, Some(_)) => AperturePlan::LensSystem,
+            }
+        },
     },
     Effect {
         name: "environment",

@@ -92,12 +92,14 @@ pub enum AperturePlan {
     Pinhole,
     /// A lens with depth of field.
     ThinLens,
+    /// Real glass: camera rays are traced through it, each wavelength for itself.
+    LensSystem,
 }
 
 impl AperturePlan {
     /// Whether rays start all over a lens.
     pub fn is_finite(self) -> bool {
-        self == Self::ThinLens
+        self != Self::Pinhole
     }
 }
 

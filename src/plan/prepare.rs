@@ -59,8 +59,12 @@ fn take_out(scene: &mut Scene, effect: &str) -> Result<()> {
             return Err(Error::input("the effect \"roughness\" cannot be forbidden")
                 .expected("a scene whose materials have no roughness"));
         }
+        "shared" => {
+            return Err(Error::input("the effect \"shared\" cannot be forbidden")
+                .expected("a camera without a lens of real glass, or \"depth-of-field\" forbidden"));
+        }
         // The plan's field alone leaves these out.
-        "caustics" | "indirect" | "direct" | "aim" | "shared" => {}
+        "caustics" | "indirect" | "direct" | "aim" => {}
         other => return Err(Error::input(format!("the effect \"{other}\" cannot be forbidden"))),
     }
     Ok(())

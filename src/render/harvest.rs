@@ -49,7 +49,7 @@ impl<'a> Harvest<'a> {
             return;
         }
         let lens = match self.plan.aperture {
-            AperturePlan::Pinhole => [0.5; 2],
+            AperturePlan::Pinhole | AperturePlan::LensSystem => [0.5; 2],
             AperturePlan::ThinLens => stream.pair(),
         };
         if let Some(splat) = connect(self.scene, arrival, lens) {

@@ -34,6 +34,8 @@ pub struct Facts {
     pub line_lamps: Vec<String>,
     /// The radius of the camera's opening in nm (an integer, so that facts compare), if it is not a pinhole.
     pub aperture_nm: Option<u64>,
+    /// The name of the camera's lens, if it is one of real glass.
+    pub lens_system: Option<String>,
 }
 
 impl Facts {
@@ -92,7 +94,9 @@ impl Facts {
         facts.aperture_nm = match scene.camera.aperture() {
             Aperture::Pinhole => None,
             Aperture::ThinLens { stop, .. } => Some((stop.radius_m * 1e9) as u64).filter(|&nm| nm > 0),
+            Aperture::System(system) => Some((system.pupil_radius_m() * 1e9) as u64),
         };
+        facts.lens_system = scene.camera.system().map(|system| system.name().to_owned());
         facts
     }
 }

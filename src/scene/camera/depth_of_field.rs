@@ -23,10 +23,12 @@ pub struct DepthOfField {
 impl DepthOfField {
     /// Of a camera with an open lens; `None` for a pinhole, to which everything is sharp.
     pub fn of(camera: &Camera) -> Option<Self> {
-        let Aperture::ThinLens { stop, focus_m } = camera.aperture() else {
-            return None;
+        let (radius_m, focus_m) = match camera.aperture() {
+            Aperture::Pinhole => return None,
+            Aperture::ThinLens { stop, focus_m } => (stop.radius_m, *focus_m),
+            Aperture::System(system) => (system.pupil_radius_m(), system.focus_m()),
         };
-        let opening = 2.0 * stop.radius_m;
+        let opening = 2.0 * radius_m;
         let pixel = camera.pixel_angle() * focus_m;
         (opening > 0.0).then(|| Self {
             focus_m,

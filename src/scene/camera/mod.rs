@@ -1,20 +1,22 @@
 //! The camera: from a place on the film to a ray into the scene, and from a point of the scene to its place on the film.
 //!
-//! Film coordinates are in pixels, origin at the top left. Lens systems have a module of their own one day; here stand the
-//! pinhole and the thin lens.
+//! Film coordinates are in pixels, origin at the top left. Here stand the pinhole and the thin lens, which are the same to all wavelengths;
+//! real glass has a file of its own.
 
 mod depth_of_field;
 mod stop;
+mod system;
 
 pub use depth_of_field::DepthOfField;
 pub use stop::{Blades, Stop};
+pub use system::SystemLens;
 
 use crate::scene::geometry::Ray;
 use crate::scene::interior::Interior;
 use glam::{DVec2, DVec3};
 
 /// What lets the light in.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Aperture {
     /// A point: everything is sharp.
     Pinhole,
@@ -25,6 +27,8 @@ pub enum Aperture {
         /// Distance in m of the plane in focus, along the axis.
         focus_m: f64,
     },
+    /// A lens of real glass.
+    System(Box<SystemLens>),
 }
 
 /// Where the camera stands and what it sees.
@@ -76,8 +80,16 @@ impl Camera {
     }
 
     /// What lets the light in.
-    pub fn aperture(&self) -> Aperture {
-        self.aperture
+    pub fn aperture(&self) -> &Aperture {
+        &self.aperture
+    }
+
+    /// The lens of real glass that it has, if any.
+    pub fn system(&self) -> Option<&SystemLens> {
+        match &self.aperture {
+            Aperture::Pinhole | Aperture::ThinLens { .. } => None,
+            Aperture::System(system) => Some(system),
+        }
     }
 
     /// Makes it a pinhole.
@@ -105,12 +117,13 @@ impl Camera {
         self.size.x as usize
     }
 
-    /// The ray through a place of the film (in pixels) and, for a lens, through the place of the opening that `lens` draws.
+    /// The ray through a place of the film (in pixels) and, for a thin lens, through the place of the opening that `lens` draws. Of real glass
+    /// it is the ray through the middle of an ideal lens with the same field of view.
     pub fn ray(&self, film: DVec2, lens: [f64; 2]) -> Ray {
         let offset = (film - 0.5 * self.size) * self.pixel;
         let through = self.forward + self.right * offset.x - self.up * offset.y;
         match self.aperture {
-            Aperture::Pinhole => Ray { origin: self.origin, direction: through.normalize() },
+            Aperture::Pinhole | Aperture::System(_) => Ray { origin: self.origin, direction: through.normalize() },
             Aperture::ThinLens { stop, focus_m } => {
                 let opening = stop.place(lens);
                 let shift = self.right * opening.x + self.up * opening.y;
@@ -119,10 +132,20 @@ impl Camera {
         }
     }
 
+    /// The ray at a wavelength (nm) from a place of the film (in pixels) through the lens of real glass, and its weight; `None` where the lens
+    /// lets nothing through.
+    pub fn ray_through(&self, system: &SystemLens, film: DVec2, lens: [f64; 2], nm: f64) -> Option<(Ray, f64)> {
+        let offset = (film - 0.5 * self.size) * (self.pixel * system.image_mm());
+        let (ray, weight) = system.ray(DVec2::new(offset.x, -offset.y), lens, nm)?;
+        let to_world = |v: DVec3| self.right * v.x + self.up * v.y - self.forward * v.z;
+        Some((Ray { origin: self.origin + to_world(ray.origin) * 1e-3, direction: to_world(ray.direction) }, weight))
+    }
+
     /// How the point is seen, through the place of the opening that `lens` draws; `None` if it is not on the film.
+    /// Real glass is left aside, as in [`ray`](Self::ray).
     pub fn sight(&self, point: DVec3, lens: [f64; 2]) -> Option<Sighting> {
         let (shift, focus_m) = match self.aperture {
-            Aperture::Pinhole => (DVec2::ZERO, 1.0),
+            Aperture::Pinhole | Aperture::System(_) => (DVec2::ZERO, 1.0),
             Aperture::ThinLens { stop, focus_m } => (stop.place(lens), focus_m),
         };
         let lens_point = self.origin + self.right * shift.x + self.up * shift.y;

@@ -2,8 +2,8 @@
 
 use super::{Resolver, unsupported};
 use crate::error::{Error, Result};
-use crate::scene::camera::{Aperture, Blades, Camera, Stop};
-use crate::scene::file::{CameraFile, JsonPath, LensFile, ThinLensForm};
+use crate::scene::camera::{Aperture, Blades, Camera, Stop, SystemLens};
+use crate::scene::file::{CameraFile, JsonPath, LensFile, SystemLensFile, ThinLensForm};
 use glam::DVec3;
 
 impl Resolver<'_> {
@@ -32,13 +32,45 @@ impl Resolver<'_> {
                 self.thin_lens(self.at(&at, file.form())?, blades)
                     .map_err(|e| self.source.error_at(&at.to_string(), e))?
             }
-            LensFile::System(_) => return self.at(&lens_at.key("system"), Err(unsupported("lens systems are"))),
+            LensFile::System(file) => {
+                let at = lens_at.key("system");
+                let system = self.system_lens(&at, file, size)?;
+                let tan_half_height = 0.5 * file.sensor_height_mm / system.image_mm();
+                (tan_half_height, Aperture::System(Box::new(system)))
+            }
         };
         notes.extend(implausible_size(lens));
         let forward = (DVec3::from(*target) - DVec3::from(*from)).normalize();
         let right = forward.cross(DVec3::from(*up)).normalize();
         let axes = (forward, right.cross(forward));
         Ok(Camera::new(self.point(*from, centre), axes, tan_half_height, size, aperture))
+    }
+
+    /// A lens of real glass over its sensor.
+    fn system_lens(&self, at: &JsonPath<'_>, file: &SystemLensFile, size: (u32, u32)) -> Result<SystemLens> {
+        let SystemLensFile {
+            prescription,
+            focus_distance,
+            f_number,
+            sensor_height_mm,
+            blades,
+            rotation: _,
+            diffraction,
+        } = file;
+        if blades.is_some() {
+            return self.at(&at.key("blades"), Err(unsupported("polygonal stops of lens systems are")));
+        }
+        if *diffraction {
+            return self.at(&at.key("diffraction"), Err(unsupported("diffraction is")));
+        }
+        let open = self.lens(&at.key("prescription"), prescription)?;
+        let lens = match f_number {
+            None => open,
+            Some(f_number) => self.at(&at.key("f_number"), open.stopped_down(*f_number))?,
+        };
+        let half = 0.5 * sensor_height_mm;
+        let sensor_radius_mm = half.hypot(half * f64::from(size.0) / f64::from(size.1));
+        self.at(&at.key("focus_distance"), SystemLens::new(lens, focus_distance * self.metres, sensor_radius_mm))
     }
 
     /// Half the field of view's tangent, and the aperture.
