@@ -54,13 +54,16 @@ fn files_are_read_as_built_in_lenses_are() {
 #[test]
 fn the_section_is_drawn_whole() {
     let folder = tempfile::tempdir().unwrap();
-    for (name, elements) in [("double-gauss", 6), ("singlet", 1), ("cemented achromat", 2), ("fisheye", 9)] {
+    // The fisheye's bundle is so narrow at 85° that its outer rays do not pass in all lines.
+    for (name, elements, rays) in
+        [("double-gauss", 6, 60), ("singlet", 1, 60), ("cemented achromat", 2, 60), ("fisheye", 9, 56)]
+    {
         assert_eq!(abbe(folder.path(), &["lens", name, "--svg", "lens.svg"]).status, 0);
         let svg = std::fs::read_to_string(folder.path().join("lens.svg")).unwrap();
         assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n") && !svg.contains("NaN"));
         assert_eq!(svg.matches("class=\"glass\"").count(), elements, "{name}");
         // Two bundles of five rays in three lines, each in the lens and in its window.
-        assert_eq!(svg.matches("class=\"ray\"").count(), 60, "{name}");
+        assert_eq!(svg.matches("class=\"ray\"").count(), rays, "{name}");
     }
 }
 
@@ -82,7 +85,7 @@ fn what_is_no_lens_is_answered_with_a_reason() {
     lens(&["no/such.json"]).is_error(2, &["no/such.json: cannot be read"]);
     lens(&["no/such.zmx"]).is_error(2, &["no/such.zmx: cannot be read"]);
     lens(&["tessar", "--field", "90"]).is_error(2, &["--field", "below 90"]);
-    lens(&["double-gauss", "--field", "60"]).is_error(2, &["60", "vignetted", "smaller field"]);
+    lens(&["double-gauss", "--field", "60"]).is_error(2, &["at 60 degrees no ray", "a field below 44.3"]);
     lens(&["tessar", "--svg", "no/folder.svg"]).is_error(1, &["no/folder.svg: cannot be written"]);
     for (from, to, words) in [
         ("N-BK7", "N-BK8", &["bad.json:2:", "surfaces[0].ior", "did you mean"][..]),

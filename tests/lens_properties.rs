@@ -157,6 +157,20 @@ fn an_ellipsoid_of_glass_focuses_without_spherical_aberration() {
     }
 }
 
+#[test]
+fn the_middle_of_every_bundle_passes_and_comes_back() {
+    for lens in catalogue::all() {
+        for share in [0.0, 0.5, 1.0] {
+            let at = lens.at(lines::D_NM);
+            let chief = at.chief_ray(share * lens.half_field_deg().unwrap()).unwrap();
+            let out = at.trace(chief, Travel::ToSensor, Limits::Apertures).unwrap();
+            let turned = Ray { origin: out.origin, direction: -out.direction };
+            let back = at.trace(turned, Travel::ToScene, Limits::Apertures).unwrap();
+            assert!((back.direction + chief.direction).length() < 1e-12, "{}", lens.name());
+        }
+    }
+}
+
 proptest! {
     #[test]
     fn rays_go_back_the_way_they_came(

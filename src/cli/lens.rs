@@ -190,7 +190,9 @@ fn report<'a>(lens: &'a Lens, analysis: &Analysis) -> Report<'a> {
 fn text(report: &Report<'_>) -> String {
     let mut text = format!("{} ({} surfaces, {:.3} mm long)\n", report.name, report.surfaces, report.length_mm);
     let pupil = |pupil: &Option<PupilReport>| match pupil {
-        Some(PupilReport { z_mm, diameter_mm }) => format!("{diameter_mm:.4} mm wide, at {z_mm:.4} mm"),
+        Some(PupilReport { z_mm, diameter_mm }) => {
+            format!("{diameter_mm:.4} mm wide, {z_mm:.4} mm from the first surface")
+        }
         None => "at infinity".to_string(),
     };
     let f_number = report.f_number.map_or("undefined".to_string(), |f_number| format!("{f_number:.4}"));
@@ -198,7 +200,7 @@ fn text(report: &Report<'_>) -> String {
         ("focal length", format!("{:.4} mm", report.efl_mm)),
         ("back focus", format!("{:.4} mm behind the last surface; the sensor stands there", report.bfd_mm)),
         ("f-number", f_number),
-        ("entrance pupil", format!("{} from the first surface", pupil(&report.entrance_pupil))),
+        ("entrance pupil", pupil(&report.entrance_pupil)),
         ("exit pupil", pupil(&report.exit_pupil)),
         ("F' - C'", format!("{:+.4} mm of the back focus (longitudinal colour)", report.fc_shift_mm)),
     ] {

@@ -1,8 +1,9 @@
 //! What matter does to light at a point: pure functions of angle, index and wavelength.
 //!
 //! [`fresnel`] says how much a smooth interface reflects and where it refracts; [`glass`] gives the index n(λ);
-//! [`lens`] traces rays through lenses of several elements; [`microfacet`] roughens an interface; [`surface`] puts them together into what a surface does to a light path;
-//! [`prism`] holds the textbook angles of a prism, to test the rest against.
+//! [`microfacet`] roughens an interface; [`surface`] puts them together into what a surface does to a light path;
+//! [`lens`] traces rays through lenses of several elements; [`prism`] holds the textbook angles of a prism, to test the
+//! rest against.
 
 pub mod fresnel;
 pub mod glass;

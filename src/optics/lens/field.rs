@@ -45,8 +45,9 @@ impl Monochromatic<'_> {
             } else if step.abs() > LEAST_STEP_DEG.to_radians() {
                 step *= 0.5;
             } else {
-                let what = format!("at {:.1} degrees no ray goes through the middle of the stop", next.to_degrees());
-                return Err(Error::input(what).expected("a smaller field"));
+                let least = next.to_degrees();
+                let what = format!("at {field_deg} degrees no ray goes through the middle of the stop");
+                return Err(Error::input(what).expected(format!("a field below {least:.1} degrees")));
             }
         }
         Ok(ray_at(end, z_mm))
