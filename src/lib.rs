@@ -26,8 +26,8 @@
 //!
 //! # Scope and simplifications
 //!
-//! Geometrical optics of unpolarised light: no interference, no fluorescence. Surfaces and homogeneous absorbing bodies; scattering media, lens systems
-//! with several elements, textures and motion are not simulated yet, and a scene that asks for them is refused.
+//! Geometrical optics of unpolarised light: no interference, no fluorescence. Surfaces and homogeneous absorbing bodies; scattering media,
+//! textures and motion are not simulated yet, and a scene that asks for them is refused.
 //!
 //! # Follow one photon
 //!

@@ -1,6 +1,7 @@
 //! Camera path → spectral radiance: through mirrors and glass to the first surface that scatters, and what light is there.
 //! Beside it the reference path tracer.
 
+mod camera_path;
 mod direct;
 mod estimate;
 mod landing;
@@ -9,12 +10,13 @@ mod path_tracer;
 mod photon_gather;
 mod throughput;
 
+pub use camera_path::Scratch;
 pub use direct::Direct;
 pub use estimate::{Maps, Radii, RadiusKind};
 pub use landing::Landing;
 pub use outline::{Outline, Outlines};
 pub use path_tracer::PathTracer;
-pub use photon_gather::{Gatherer, Scratch};
+pub use photon_gather::Gatherer;
 
 use crate::math::random::{Purpose, REPLICATES, Stream, hash64};
 use crate::math::sobol::{DIMENSIONS, Sobol};

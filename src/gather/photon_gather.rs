@@ -1,22 +1,19 @@
 //! One camera sample: along mirrors and glass to the first surface that scatters, then light from lamps and photons there.
 
 use super::CameraNumbers;
+use super::camera_path::{CameraPath, REFERENCE_NM, Scratch};
 use super::direct::{Asking, Counts, Direct, Found, Lit};
 use super::estimate::{Maps, Radii, RadiusKind};
 use super::landing::Landing;
 use super::outline::Outlines;
 use super::throughput::{Colour, Factor, product, relative_n2};
 use crate::math::random::ONE_MINUS_ULP;
-use crate::optics::surface::{Class, Event, Scatter, Surface, Transport};
+use crate::optics::surface::{Class, Event, Surface, Transport};
 use crate::plan::partition::{Estimator, LightPath, View, estimator};
 use crate::plan::{IndirectPlan, Plan, WavelengthPlan};
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Lanes};
-use crate::walk::{Encounter, Sink, Start, Tally, draw_consistently, next};
-
-/// Wavelength-free camera paths choose between reflection and refraction, and compare densities, at this wavelength (nm); what
-/// that does to other wavelengths is in the path's factors.
-const REFERENCE_NM: f64 = 550.0;
+use crate::walk::{Encounter, Sink, Tally, draw_consistently, next};
 
 /// All that camera paths of a pass need.
 #[derive(Debug)]
@@ -43,27 +40,6 @@ pub struct Gatherer<'a> {
     pub max_depth: u32,
 }
 
-/// Buffers that one worker reuses from path to path.
-#[derive(Debug, Default)]
-pub struct Scratch<'a> {
-    factors: Vec<Factor<'a>>,
-    /// Where paths came to rest in the last call.
-    pub landings: Vec<Landing>,
-}
-
-/// A camera path under way.
-#[derive(Debug, Clone, Copy)]
-struct CameraPath {
-    start: Start,
-    colour: Colour,
-    view: View,
-    counts: Counts,
-    /// Grey estimate of what the path lets through, for roulette.
-    level: f64,
-    distance: f64,
-    depth: u32,
-}
-
 /// What one camera sample uses from end to end.
 struct Sample<'s, 'a, S> {
     pixel: u64,
@@ -88,15 +64,7 @@ impl<'a> Gatherer<'a> {
         scratch.landings.clear();
         let camera = &self.scene.camera;
         tally.lens_rays += u64::from(self.plan.aperture.is_finite());
-        let path = |ray| CameraPath {
-            start: Start { ray, from: None, interior: camera.interior },
-            colour: Colour::Free,
-            view: View::Seen,
-            counts: Counts::Fully,
-            level: 1.0,
-            distance: 0.0,
-            depth: 0,
-        };
+        let path = |ray| CameraPath::new(ray, camera.interior);
         let ideal = numbers.ray(camera, pixel);
         let mut sample = Sample { pixel, numbers, radii, scratch, sink, tally };
         match (camera.system(), self.plan.wavelengths) {
@@ -389,7 +357,7 @@ impl<'a> Gatherer<'a> {
         match draw_consistently(encounter, draw) {
             Some((encounter, mut scatter)) if scatter.event == event => {
                 scatter.probability = probability;
-                continue_along(path, &encounter, &scatter, sample.scratch)
+                path.continue_along(&encounter, &scatter, sample.scratch)
             }
             Some(_) | None => false,
         }
@@ -406,52 +374,8 @@ impl<'a> Gatherer<'a> {
         let nm = path.reference_nm();
         let draw = |e: &Encounter<'a>| e.surface.sample(e.wo, e.sides, nm, Transport::Radiance, u);
         match draw_consistently(encounter, draw) {
-            Some((encounter, scatter)) => continue_along(path, &encounter, &scatter, sample.scratch),
+            Some((encounter, scatter)) => path.continue_along(&encounter, &scatter, sample.scratch),
             None => false,
-        }
-    }
-}
-
-/// Takes the path along a scattered direction; false where a rough surface sends it into itself.
-fn continue_along<'a>(
-    path: &mut CameraPath,
-    encounter: &Encounter<'a>,
-    scatter: &Scatter,
-    scratch: &mut Scratch<'a>,
-) -> bool {
-    let direction = encounter.frame.to_world(scatter.wi);
-    if !encounter.agrees(direction, scatter.event) {
-        return false;
-    }
-    let (surface, wo, sides) = (encounter.surface, encounter.wo, encounter.sides);
-    let factor = Factor::Scattering { surface, wo, scatter: *scatter, sides, probability: scatter.probability };
-    path.multiply(factor, scratch);
-    path.view = View::Relayed;
-    path.counts = match (scatter.delta, path.counts) {
-        (false, _) => Counts::Shared { place: encounter.hit.position, pdf: scatter.probability },
-        (true, Counts::Fully) => Counts::Fully,
-        (true, Counts::Shared { .. } | Counts::Not) => Counts::Not,
-    };
-    path.start = encounter.leave(direction, encounter.interior_after(scatter.event));
-    true
-}
-
-impl CameraPath {
-    /// The wavelength at which directions are chosen.
-    fn reference_nm(&self) -> f64 {
-        match self.colour {
-            Colour::Free => REFERENCE_NM,
-            Colour::Shared { nm, .. } => nm,
-        }
-    }
-
-    /// Multiplies what the path lets through by an event's factor.
-    fn multiply<'a>(&mut self, factor: Factor<'a>, scratch: &mut Scratch<'a>) {
-        let at_reference = factor.at(self.reference_nm());
-        self.level *= at_reference;
-        match &mut self.colour {
-            Colour::Free => scratch.factors.push(factor),
-            Colour::Shared { throughput, .. } => *throughput *= at_reference,
         }
     }
 }

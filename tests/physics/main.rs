@@ -12,6 +12,7 @@ mod chart;
 mod free_and_shared;
 mod furnace;
 mod irradiance;
+mod lens_system;
 mod photon_and_path;
 mod prism;
 mod references;

@@ -137,9 +137,11 @@ impl Lens {
 
     /// The lens stopped down to an f-number. Fails on one that the open stop does not reach.
     pub fn stopped_down(&self, f_number: f64) -> Result<Self> {
+        /// An open lens may be this much slower than its nominal f-number.
+        const NOMINAL: f64 = 1e-2;
         let stopped = self.clone().opened(Opening::FNumber(f_number))?;
         let semi_aperture_mm = |lens: &Self| lens.surfaces[lens.stop].semi_aperture_mm;
-        if semi_aperture_mm(&stopped) > semi_aperture_mm(self) * (1.0 + 1e-9) {
+        if semi_aperture_mm(&stopped) > semi_aperture_mm(self) * (1.0 + NOMINAL) {
             let open = self.at(lines::D_NM).paraxial()?.f_number.unwrap_or(f64::NAN);
             let what = format!("the lens does not open to f/{f_number}");
             return Err(Error::input(what).expected(format!("an f-number of at least {open:.4}")));
