@@ -25,10 +25,6 @@ impl Checkpoint<'_> {
     /// The run to begin with: the saved one, or a new one.
     pub(crate) fn start(&self, part: Part, resume: bool) -> Result<Run> {
         if !resume {
-            if self.path.exists() {
-                let path = self.path.display();
-                print::remark(&format!("note: starting anew; {path}, which --resume would continue, will be replaced"));
-            }
             return Ok(Run::new(self.job, part));
         }
         if !self.path.exists() {
@@ -58,19 +54,41 @@ impl Checkpoint<'_> {
     }
 }
 
+/// How often a run is saved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Rhythm {
+    /// As someone has asked for; whatever it costs.
+    Every(Duration),
+    /// After a minute, or more where saving is slow.
+    Sparing,
+}
+
+impl Rhythm {
+    /// How long to wait after saving took `took`.
+    fn pause(self, took: Duration) -> Duration {
+        /// Saving may take one part in this many of the time.
+        const PARTS: u32 = 20;
+        match self {
+            Self::Every(every) => every,
+            Self::Sparing => Duration::from_secs(60).max(took * PARTS),
+        }
+    }
+}
+
 /// Shows how a render is going, and saves it now and then.
 #[derive(Debug)]
 pub(crate) struct Watch<'a> {
     pub(crate) display: Display,
     checkpoint: &'a Checkpoint<'a>,
-    every: Duration,
+    rhythm: Rhythm,
     next: Instant,
     has_failed: bool,
 }
 
 impl<'a> Watch<'a> {
-    pub(crate) fn new(display: Display, checkpoint: &'a Checkpoint<'a>, every: Duration) -> Self {
-        Self { display, checkpoint, every, next: Instant::now() + every, has_failed: false }
+    pub(crate) fn new(display: Display, checkpoint: &'a Checkpoint<'a>, rhythm: Rhythm) -> Self {
+        let next = Instant::now() + rhythm.pause(Duration::ZERO);
+        Self { display, checkpoint, rhythm, next, has_failed: false }
     }
 }
 
@@ -80,8 +98,6 @@ impl Monitor for Watch<'_> {
     }
 
     fn keep(&mut self, run: &Run) {
-        /// Saving may take one part in this many of the time.
-        const PARTS: u32 = 20;
         let begun = Instant::now();
         if begun < self.next {
             return;
@@ -92,6 +108,19 @@ impl Monitor for Watch<'_> {
             self.has_failed = true;
             print::remark(&format!("warning: no checkpoint: {error}; rendering goes on"));
         }
-        self.next = Instant::now() + self.every.max(begun.elapsed() * PARTS);
+        self.next = Instant::now() + self.rhythm.pause(begun.elapsed());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn saving_takes_a_small_share_of_the_time_unless_someone_asks_for_more() {
+        let seconds = Duration::from_secs;
+        assert_eq!(Rhythm::Sparing.pause(seconds(1)), seconds(60));
+        assert_eq!(Rhythm::Sparing.pause(seconds(10)), seconds(200));
+        assert_eq!(Rhythm::Every(seconds(5)).pause(seconds(10)), seconds(5));
     }
 }

@@ -11,13 +11,10 @@ use abbe::render::{Identity, Integrator, Job, Part, Rendered, Request, Showing, 
 use abbe::scene::file::{self, Source};
 use abbe::scene::resolve;
 
-use super::checkpoint::{Checkpoint, Watch};
+use super::checkpoint::{Checkpoint, Rhythm, Watch};
 use super::outputs::Outputs;
 use super::progress::{Display, percent, time};
 use super::{Outcome, interrupt, memory, origin, print, values};
-
-/// How often a checkpoint is written unless someone says otherwise.
-const CHECKPOINT_EVERY: Duration = Duration::from_secs(60);
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
@@ -74,7 +71,7 @@ pub(crate) struct Arguments {
     /// Keep the checkpoint, OUT.checkpoint.exr, when the picture is complete
     #[arg(long)]
     keep_checkpoint: bool,
-    /// Write a checkpoint this often, such as 10m [default: 60s, or as the scene says]
+    /// Write a checkpoint this often, such as 10m [default: as the scene says, or 60s, or more where saving takes over 3s]
     #[arg(long, value_name = "TIME", value_parser = values::duration)]
     checkpoint_every: Option<Duration>,
     /// Write what was measured on the way, as JSON
@@ -106,13 +103,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let begin = checkpoint.start(arguments.part, arguments.resume)?;
     if !arguments.quiet {
         job.scene.notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
+        let path = checkpoint.path.display();
         if arguments.resume {
-            print::remark(&format!("resuming after {} passes", begin.passes()));
+            print::remark(&format!("resuming after {} passes, from {path}", begin.passes()));
+        } else if checkpoint.path.exists() {
+            print::remark(&format!("note: starting anew; {path}, from which --resume would go on, will be replaced"));
         }
     }
     interrupt::watch()?;
     let threads = job.scene.settings.threads;
-    let mut watch = Watch::new(Display::new(arguments.quiet), &checkpoint, arguments.checkpoint_every(&job));
+    let mut watch = Watch::new(Display::new(arguments.quiet), &checkpoint, arguments.rhythm(&job));
     let rendered = on_threads(threads, || job.go_on(request, begin, &mut watch));
     watch.display.finish();
     let rendered = rendered?.map_err(|error| error.in_file(&arguments.scene))?;
@@ -171,9 +171,9 @@ impl Arguments {
         Outputs::new(exr, self.stats.clone())
     }
 
-    fn checkpoint_every(&self, job: &Job) -> Duration {
+    fn rhythm(&self, job: &Job) -> Rhythm {
         let of_scene = || Duration::try_from_secs_f64(job.scene.settings.checkpoint_seconds?).ok();
-        self.checkpoint_every.or_else(of_scene).unwrap_or(CHECKPOINT_EVERY)
+        self.checkpoint_every.or_else(of_scene).map_or(Rhythm::Sparing, Rhythm::Every)
     }
 
     /// The command line as patches of the scene; options override what `--set` sets.
