@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use abbe::error::{Error, Result};
 use abbe::output::file as files;
-use abbe::output::png;
+use abbe::output::png::write as write_png;
 use abbe::render::{Showing, Stats};
 use abbe::sensor::Picture;
 
@@ -55,7 +55,7 @@ impl Outputs {
         stats: &Stats,
     ) -> Result<()> {
         write_exr(&self.exr)?;
-        png::write(&self.png, &showing.screen(picture))?;
+        write_png(&self.png, &showing.screen(picture))?;
         if let Some(path) = &self.stats {
             let json = serde_json::to_string_pretty(stats).expect("statistics have text keys");
             files::write_whole(path, (json + "\n").as_bytes())?;

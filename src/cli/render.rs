@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use abbe::error::{Error, Result};
-use abbe::output::exr;
+use abbe::output::exr::write as write_exr;
 use abbe::output::file as files;
 use abbe::output::metadata::names;
 use abbe::render::{Identity, Integrator, Job, Part, Rendered, Request, Showing, StopRules, on_threads};
@@ -133,11 +133,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 fn save(arguments: &Arguments, outputs: &Outputs, checkpoint: &Checkpoint<'_>, rendered: &Rendered) -> Result<()> {
     let (picture, run) = (&rendered.picture, &rendered.run);
     let metadata = origin::of_render(checkpoint.metadata, &rendered.stats);
-    let write_exr = |path: &Path| match arguments.part {
-        Part::WHOLE => exr::write(path, picture, &metadata),
+    let write = |path: &Path| match arguments.part {
+        Part::WHOLE => write_exr(path, picture, &metadata),
         _ => checkpoint.write_to(path, run, metadata.clone()),
     };
-    let saved = outputs.save(write_exr, picture, &Showing::of(checkpoint.job), &rendered.stats);
+    let saved = outputs.save(write, picture, &Showing::of(checkpoint.job), &rendered.stats);
     let keep = rendered.interrupted || arguments.keep_checkpoint || saved.is_err();
     let ended = checkpoint.end(run, keep);
     match (saved, ended) {

@@ -2,7 +2,7 @@
 
 use super::{Integrator, Job, Part, Run, Stats};
 use crate::error::{Error, Result};
-use crate::output::exr;
+use crate::output::exr::{add_sums, read_metadata, write_with_sums};
 use crate::output::hash::Hash;
 use crate::output::metadata::{Metadata, names};
 use crate::scene::Exposure;
@@ -147,7 +147,7 @@ impl Saved {
             hash: String::new(),
         };
         record.hash = record.hash_with(&run.film);
-        exr::write_with_sums(path, &run.film, &picture, &metadata.with_json(RECORD, &record))
+        write_with_sums(path, &run.film, &picture, &metadata.with_json(RECORD, &record))
     }
 
     /// Reads a saved run's record; the header's texts come with it.
@@ -155,7 +155,7 @@ impl Saved {
     /// # Errors
     /// The input's: a file that is missing, no EXR, of another version, damaged, or without exact sums.
     pub fn read(path: &Path) -> Result<(Self, Metadata)> {
-        let metadata = exr::read_metadata(path)?;
+        let metadata = read_metadata(path)?;
         let fault = |what: &str| Error::input(what).in_file(path);
         let text = metadata.get(RECORD).ok_or_else(|| {
             fault("holds no exact sums").expected("a part (`abbe render --part`) or a checkpoint of abbe")
@@ -191,7 +191,7 @@ impl Saved {
     pub(super) fn film(&self, path: &Path, observer: &'static Observer) -> Result<Film> {
         let ((width, height), bands) = (self.identity.size, self.identity.spectral_bands);
         let mut film = Film::new(width as usize, height as usize, observer, bands as usize);
-        exr::add_sums(path, &mut film)?;
+        add_sums(path, &mut film)?;
         if self.hash_with(&film) != self.hash {
             return Err(Error::input("is damaged: its sums are not those that were written").in_file(path));
         }

@@ -27,7 +27,7 @@ pub fn write(path: &Path, picture: &Picture, metadata: &Metadata) -> Result<()> 
 /// Writes a film's exact sums with the picture that they make so far, whole or not at all.
 ///
 /// # Errors
-/// As [`write`]'s.
+/// As [`write()`]'s.
 pub fn write_with_sums(path: &Path, film: &Film, picture: &Picture, metadata: &Metadata) -> Result<()> {
     let channels = channels(picture).into_iter().chain(sums::channels(film)).collect();
     let bytes = encode_channels(channels, picture, metadata).map_err(|error| error.in_file(path))?;
