@@ -6,12 +6,15 @@ mod merge;
 mod part;
 mod pass;
 mod pilot;
+mod rules;
+mod run;
 mod saved;
 mod stats;
 mod threads;
 
 pub use merge::{Merged, Merging};
 pub use part::Part;
+pub use run::Run;
 pub use saved::{Identity, Saved, Showing};
 pub use stats::{Seconds, Stats};
 pub use threads::on_threads;
@@ -21,9 +24,9 @@ use crate::error::{Error, Result};
 use crate::plan::{Budget, Plan, Row};
 use crate::scene::Scene;
 use crate::sensor::{Film, Picture};
-use crate::walk::Tally;
 use crate::walk::ledger::Ledger;
 use pilot::Pilot;
+use rules::{Clock, Rules};
 use std::time::{Duration, Instant};
 
 /// Who solves the transport.
@@ -161,7 +164,7 @@ impl Job {
     /// Goes on with a run, a new one or one that was saved, until a stop rule holds. The rules count from the run's very beginning: a
     /// run that was resumed stops where it would have stopped without the break.
     pub fn go_on(&self, request: Request, mut run: Run, monitor: &mut dyn Monitor) -> Result<Rendered> {
-        let mut clock = Clock { start: Instant::now(), before: run.seconds.total };
+        let clock = Clock::start(&run);
         let mut rules = Rules::new(self, request.stop, &mut run);
         rules.check(&run)?;
         let mut stopped = run.done > 0 && rules.hold(&run);
@@ -196,130 +199,5 @@ impl Job {
         let mut ledger = run.ledger.clone();
         ledger.scale(1.0 / run.done.max(1) as f64);
         Ok(Rendered { picture, ledger, stats, interrupted, run })
-    }
-}
-
-/// What grows from pass to pass: all that going on later, elsewhere or together with others needs.
-#[derive(Debug)]
-pub struct Run {
-    film: Film,
-    /// Sums over passes.
-    ledger: Ledger,
-    tally: Tally,
-    seconds: Seconds,
-    part: Part,
-    /// How many passes of the part are done, the first ones.
-    done: u64,
-    /// How many passes the whole picture is to have, if a number was given.
-    wanted: Option<u64>,
-}
-
-impl Run {
-    /// A run of a part of the passes that has not begun.
-    pub fn new(job: &Job, part: Part) -> Self {
-        let film = &job.scene.film;
-        Self {
-            film: Film::new(film.width as usize, film.height as usize, film.observer, film.spectral_bands as usize),
-            ledger: Ledger::new(job.scene.materials.len()),
-            tally: Tally::default(),
-            seconds: Seconds::default(),
-            part,
-            done: 0,
-            wanted: None,
-        }
-    }
-
-    /// Passes done.
-    pub fn passes(&self) -> u64 {
-        self.done
-    }
-}
-
-/// Counts a run's time, over breaks.
-#[derive(Debug)]
-struct Clock {
-    start: Instant,
-    /// Seconds of the run before this start.
-    before: f64,
-}
-
-impl Clock {
-    fn tell(&mut self, run: &mut Run) {
-        run.seconds.total = self.before + self.start.elapsed().as_secs_f64();
-    }
-}
-
-/// The stop rules of a run, and what they look at.
-#[derive(Debug)]
-struct Rules {
-    stop: StopRules,
-    /// Passes of this run, if a number was given.
-    wanted: Option<u64>,
-    measured: ErrorWatch,
-}
-
-impl Rules {
-    fn new(job: &Job, stop: StopRules, run: &mut Run) -> Self {
-        let by_default = stop.time.is_none() && stop.target_error.is_none();
-        run.wanted = stop.passes.or(by_default.then_some(job.budget.passes));
-        let wanted = run.wanted.map(|passes| run.part.count_of(passes));
-        Self { stop, wanted, measured: ErrorWatch::default() }
-    }
-
-    /// Refuses a number of passes that leaves the run none, or fewer than it has.
-    fn check(&self, run: &Run) -> Result<()> {
-        let (part, wanted) = (run.part, self.wanted.unwrap_or(u64::MAX));
-        if wanted == 0 {
-            return Err(
-                Error::input(format!("part {part} has none of so few passes")).expected("more passes, or fewer parts")
-            );
-        }
-        if run.done > wanted {
-            let what = format!("the run that was saved has {} passes already", run.done);
-            let least = part.pass(run.done - 1) + 1;
-            return Err(Error::input(what).expected(format!("--passes {least} or more")));
-        }
-        Ok(())
-    }
-
-    /// Whether a rule holds after a pass.
-    fn hold(&mut self, run: &Run) -> bool {
-        let elapsed = Duration::try_from_secs_f64(run.seconds.total).unwrap_or_default();
-        let error = self.measured.update(&run.film, run.done, elapsed, self.stop.target_error.is_some());
-        self.wanted.is_some_and(|wanted| run.done >= wanted)
-            || self.stop.time.is_some_and(|limit| elapsed >= limit)
-            || self.stop.target_error.zip(error).is_some_and(|(target, error)| error <= target)
-    }
-
-    fn progress(&self, run: &Run) -> Progress {
-        Progress {
-            passes: run.done,
-            passes_wanted: self.wanted,
-            elapsed: Duration::try_from_secs_f64(run.seconds.total).unwrap_or_default(),
-            time_wanted: self.stop.time,
-            photons_per_second: run.tally.photons as f64 / run.seconds.total,
-            relative_error: self.measured.latest,
-            error_wanted: self.stop.target_error,
-        }
-    }
-}
-
-/// Measures the error now and then: developing costs time, so it may take no more than a small share of it.
-#[derive(Debug, Default)]
-struct ErrorWatch {
-    latest: Option<f64>,
-    next: Duration,
-}
-
-impl ErrorWatch {
-    fn update(&mut self, film: &Film, passes: u64, elapsed: Duration, wanted: bool) -> Option<f64> {
-        /// Fewer passes than two in each replicate say little about noise.
-        const FIRST: u64 = 16;
-        if passes >= FIRST && passes.is_multiple_of(8) && (wanted || elapsed >= self.next) {
-            let begun = Instant::now();
-            self.latest = film.develop().error_means().relative;
-            self.next = elapsed + begun.elapsed() * 50;
-        }
-        self.latest
     }
 }
