@@ -55,7 +55,7 @@ fn add_files(value: &Value, folder: &Path, hash: &mut Hash) {
         Value::Object(entries) => {
             for (key, value) in entries {
                 match value {
-                    Value::String(name) if ["path", "file", "image"].contains(&key.as_str()) => {
+                    Value::String(name) if ["path", "file", "image", "prescription"].contains(&key.as_str()) => {
                         add_file(&folder.join(name), hash);
                     }
                     Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
@@ -119,5 +119,9 @@ mod tests {
         assert_ne!(first, second);
         std::fs::write(folder.path().join("a.obj"), "mtllib a.mtl\nv 0 0 0\n").unwrap();
         assert_ne!(second, hash(&scene(8, 0)));
+        let lens = json!({"camera": {"lens": {"system": {"prescription": "a.lens"}}}});
+        let built_in = hash(&lens);
+        std::fs::write(folder.path().join("a.lens"), "{}").unwrap();
+        assert_ne!(built_in, hash(&lens));
     }
 }
