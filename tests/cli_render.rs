@@ -200,8 +200,8 @@ fn a_full_disk_is_the_machine_s_fault() {
     let folder = scene();
     std::os::unix::fs::symlink("/dev/full", folder.path().join("full.exr")).unwrap();
     let said = render(folder.path(), &["-o", "full.exr", "--passes", "1", "--quiet"]);
-    said.is_error(1, &["full.exr", "cannot be written"]);
-    assert_eq!(names_in(folder.path()), ["ball.json", "full.exr"]);
+    said.is_error(1, &["full.exr", "cannot be written", "kept in full.checkpoint.exr"]);
+    assert_eq!(names_in(folder.path()), ["ball.json", "full.checkpoint.exr", "full.exr"]);
 }
 
 /// A render that goes on until it is told to end.
@@ -236,7 +236,8 @@ fn an_interrupted_render_saves_what_it_has() {
         assert!(rest.contains("ball.exr"), "{rest}");
         let passes: u64 = header(folder.path(), "ball.exr", "abbe.passes").parse().unwrap();
         assert!(passes >= 1);
-        assert_eq!(names_in(folder.path()), ["ball.exr", "ball.json", "ball.png"]);
+        assert!(rest.contains("--resume goes on from ball.checkpoint.exr"), "{rest}");
+        assert_eq!(names_in(folder.path()), ["ball.checkpoint.exr", "ball.exr", "ball.json", "ball.png"]);
     }
 }
 

@@ -4,6 +4,7 @@
 //! 2 the input or the command is wrong, 3 `compare --fail-above` was exceeded, 130 interrupted.
 
 mod check;
+mod checkpoint;
 mod colour;
 mod compare;
 mod explain;
@@ -11,8 +12,11 @@ mod glass;
 mod interrupt;
 mod lamps;
 mod lens;
+mod memory;
+mod merge;
 mod named;
 mod origin;
+mod outputs;
 mod print;
 mod probe;
 mod progress;
@@ -41,6 +45,8 @@ struct Cli {
 enum Command {
     /// Render a scene to an EXR with error bars, and a PNG beside it
     Render(render::Arguments),
+    /// Merge parts of a picture, rendered anywhere, into the picture of a single run
+    Merge(merge::Arguments),
     /// Say which effects a scene calls for, and why
     Explain(explain::Arguments),
     /// Check scenes without rendering them
@@ -129,6 +135,7 @@ fn answer() -> u8 {
 fn run(command: &Command) -> Result<Outcome> {
     match command {
         Command::Render(arguments) => render::run(arguments),
+        Command::Merge(arguments) => merge::run(arguments),
         Command::Explain(arguments) => explain::run(arguments),
         Command::Check(arguments) => Ok(check::run(arguments)),
         Command::Schema(schema::Arguments {}) => schema::run(),

@@ -4,32 +4,33 @@ use std::path::Path;
 
 use abbe::output::hash::Hash;
 use abbe::output::metadata::{Metadata, names};
-use abbe::render::{Integrator, Job, Rendered};
+use abbe::render::{Integrator, Job, Stats};
 use abbe::scene::file::Source;
 use serde_json::Value;
 
 use super::explain::PlanReport;
 
-/// All that the header of a picture's file says.
-pub(crate) fn metadata(source: &Source, job: &Job, integrator: Integrator, rendered: &Rendered) -> Metadata {
+/// What the header of a picture's file says of the scene and its plan.
+pub(crate) fn of_scene(source: &Source, job: &Job, integrator: Integrator) -> Metadata {
     let scene: Value = serde_json::from_str(&source.text).unwrap_or(Value::Null);
-    let stats = &rendered.stats;
-    let integrator = match integrator {
-        Integrator::Photon => "photon",
-        Integrator::Path => "path",
-    };
     Metadata::new()
         .with(names::VERSION, env!("CARGO_PKG_VERSION"))
         .with(names::SCENE_HASH, &scene_hash(&scene, source.folder()))
         .with_json(names::SCENE, &scene)
         .with_json(names::PLAN, &PlanReport::of(job))
-        .with(names::INTEGRATOR, integrator)
+        .with(names::INTEGRATOR, integrator.word())
         .with(names::SEED, &job.budget.seed.to_string())
-        .with(names::PASSES, &stats.passes.to_string())
         .with(names::PHOTONS, &job.budget.photons.to_string())
+        .with_json(names::NOTES, &job.scene.notes)
+}
+
+/// All that it says: of the scene, and of the render.
+pub(crate) fn of_render(of_scene: &Metadata, stats: &Stats) -> Metadata {
+    of_scene
+        .clone()
+        .with(names::PASSES, &stats.passes.to_string())
         .with_json(names::LEDGER, &stats.ledger_w)
         .with(names::SECONDS, &format!("{:.3}", stats.seconds.total))
-        .with_json(names::NOTES, &job.scene.notes)
 }
 
 /// Settings of `render` that change how much is computed and where, but not what of.
@@ -54,7 +55,7 @@ fn add_files(value: &Value, folder: &Path, hash: &mut Hash) {
         Value::Object(entries) => {
             for (key, value) in entries {
                 match value {
-                    Value::String(name) if ["path", "file", "image"].contains(&key.as_str()) => {
+                    Value::String(name) if ["path", "file", "image", "prescription"].contains(&key.as_str()) => {
                         add_file(&folder.join(name), hash);
                     }
                     Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
@@ -118,5 +119,9 @@ mod tests {
         assert_ne!(first, second);
         std::fs::write(folder.path().join("a.obj"), "mtllib a.mtl\nv 0 0 0\n").unwrap();
         assert_ne!(second, hash(&scene(8, 0)));
+        let lens = json!({"camera": {"lens": {"system": {"prescription": "a.lens"}}}});
+        let built_in = hash(&lens);
+        std::fs::write(folder.path().join("a.lens"), "{}").unwrap();
+        assert_ne!(built_in, hash(&lens));
     }
 }

@@ -6,14 +6,15 @@ use std::time::Duration;
 use abbe::error::{Error, Result};
 use abbe::output::exr::write as write_exr;
 use abbe::output::file as files;
-use abbe::output::png::write as write_png;
-use abbe::render::{Integrator, Job, Rendered, Request, StopRules, on_threads};
+use abbe::output::metadata::names;
+use abbe::render::{Identity, Integrator, Job, Part, Rendered, Request, Showing, StopRules, on_threads};
 use abbe::scene::file::{self, Source};
-use abbe::scene::{Exposure, FilmSpec, resolve};
-use abbe::sensor::{Development, Picture, develop, exposure};
+use abbe::scene::resolve;
 
+use super::checkpoint::{Checkpoint, Rhythm, Watch};
+use super::outputs::Outputs;
 use super::progress::{Display, percent, time};
-use super::{Outcome, interrupt, origin, print, values};
+use super::{Outcome, interrupt, memory, origin, print, values};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
@@ -59,6 +60,20 @@ pub(crate) struct Arguments {
     /// Keep the spectrum of every pixel in this many bands
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1024))]
     spectral_bands: Option<u32>,
+    /// Render only the passes whose index leaves remainder I when divided by N, from 0/N on; `abbe merge` joins the parts
+    #[arg(long, value_name = "I/N", value_parser = values::part, default_value = "0/1", hide_default_value = true)]
+    #[arg(conflicts_with = "target_error")]
+    part: Part,
+    /// Go on from the checkpoint beside the output: finish an interrupted render, or extend it with a larger --passes,
+    /// --time or smaller --target-error (all count from the render's very beginning)
+    #[arg(long)]
+    resume: bool,
+    /// Keep the checkpoint, OUT.checkpoint.exr, when the picture is complete
+    #[arg(long)]
+    keep_checkpoint: bool,
+    /// Write a checkpoint this often, such as 10m [default: as the scene says, or 60s, or more where saving takes over 3s]
+    #[arg(long, value_name = "TIME", value_parser = values::duration)]
+    checkpoint_every: Option<Duration>,
     /// Write what was measured on the way, as JSON
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
@@ -75,30 +90,64 @@ enum IntegratorName {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    let outputs = Outputs::of(arguments)?;
+    let outputs = arguments.outputs()?;
     let (source, job) = plan(arguments)?;
-    check_memory(job.budget.memory_bytes)?;
+    memory::check(&job.budget)?;
+    let request = arguments.request();
+    let of_scene = origin::of_scene(&source, &job, request.integrator);
+    let identity = Identity::of(&job, request.integrator, of_scene.get(names::SCENE_HASH).unwrap_or_default());
+    let checkpoint = Checkpoint { path: outputs.checkpoint(), job: &job, identity: &identity, metadata: &of_scene };
     outputs.check()?;
+    files::clear_unfinished(&checkpoint.path);
+    files::check_writable(&checkpoint.path)?;
+    let begin = checkpoint.start(arguments.part, arguments.resume)?;
     if !arguments.quiet {
         job.scene.notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
+        let path = checkpoint.path.display();
+        if arguments.resume {
+            print::remark(&format!("resuming after {} passes, from {path}", begin.passes()));
+        } else if checkpoint.path.exists() {
+            print::remark(&format!("note: starting anew; {path}, from which --resume would go on, will be replaced"));
+        }
     }
-    let request = arguments.request();
     interrupt::watch()?;
     let threads = job.scene.settings.threads;
-    let mut display = Display::new(arguments.quiet);
-    let rendered = on_threads(threads, || job.render(request, &mut display));
-    display.finish();
+    let mut watch = Watch::new(Display::new(arguments.quiet), &checkpoint, arguments.rhythm(&job));
+    let rendered = on_threads(threads, || job.go_on(request, begin, &mut watch));
+    watch.display.finish();
     let rendered = rendered?.map_err(|error| error.in_file(&arguments.scene))?;
-    on_threads(threads, || outputs.save(&source, &job, request.integrator, &rendered))??;
+    on_threads(threads, || save(arguments, &outputs, &checkpoint, &rendered))??;
     if rendered.interrupted {
-        let passes = rendered.stats.passes;
-        print::remark(&format!("interrupted after {passes} passes; saved in {}", outputs.named()));
+        let (passes, path) = (rendered.stats.passes, checkpoint.path.display());
+        let named = outputs.named();
+        print::remark(&format!("interrupted after {passes} passes; saved in {named}; --resume goes on from {path}"));
         return Ok(Outcome::Interrupted);
     }
     if !arguments.quiet {
         print::remark(&summary(&rendered, &outputs));
     }
     Ok(Outcome::Done)
+}
+
+/// Saves the picture, with its exact sums if it is a part, and keeps the checkpoint if anything is left to do.
+fn save(arguments: &Arguments, outputs: &Outputs, checkpoint: &Checkpoint<'_>, rendered: &Rendered) -> Result<()> {
+    let (picture, run) = (&rendered.picture, &rendered.run);
+    let metadata = origin::of_render(checkpoint.metadata, &rendered.stats);
+    let write = |path: &Path| match arguments.part {
+        Part::WHOLE => write_exr(path, picture, &metadata),
+        _ => checkpoint.write_to(path, run, metadata.clone()),
+    };
+    let saved = outputs.save(write, picture, &Showing::of(checkpoint.job), &rendered.stats);
+    let keep = rendered.interrupted || arguments.keep_checkpoint || saved.is_err();
+    let ended = checkpoint.end(run, keep);
+    match (saved, ended) {
+        (Err(error), Ok(())) => {
+            let what = format!("{}; all passes are kept in {}", error.what, checkpoint.path.display());
+            Err(Error { what, ..error })
+        }
+        (Err(error), Err(_)) => Err(error),
+        (Ok(()), ended) => ended,
+    }
 }
 
 impl Arguments {
@@ -109,6 +158,22 @@ impl Arguments {
         };
         let stop = StopRules { passes: self.passes, time: self.time, target_error: self.target_error };
         Request { integrator, stop }
+    }
+
+    /// The files to be written; parts without a name of their own are named apart.
+    fn outputs(&self) -> Result<Outputs> {
+        let stem = || PathBuf::from(self.scene.file_stem().unwrap_or("scene".as_ref()));
+        let exr = match (&self.output, self.part) {
+            (Some(path), _) => path.clone(),
+            (None, Part::WHOLE) => stem().with_added_extension("exr"),
+            (None, part) => stem().with_added_extension(format!("part-{}.exr", part.to_string().replace('/', "-of-"))),
+        };
+        Outputs::new(exr, self.stats.clone())
+    }
+
+    fn rhythm(&self, job: &Job) -> Rhythm {
+        let of_scene = || Duration::try_from_secs_f64(job.scene.settings.checkpoint_seconds?).ok();
+        self.checkpoint_every.or_else(of_scene).map_or(Rhythm::Sparing, Rhythm::Every)
     }
 
     /// The command line as patches of the scene; options override what `--set` sets.
@@ -146,79 +211,6 @@ fn plan(arguments: &Arguments) -> Result<(Source, Job)> {
     Ok((source, job))
 }
 
-/// Refuses a render that the machine cannot hold, rather than being killed in the middle of it.
-fn check_memory(bytes: u64) -> Result<()> {
-    let text = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
-    let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"));
-    let kilobytes = line.and_then(|rest| rest.split_whitespace().next()).and_then(|n| n.parse::<u64>().ok());
-    match kilobytes.map(|kilobytes| kilobytes.saturating_mul(1024)) {
-        Some(present) if bytes > present => {
-            let gigabytes = |bytes: u64| bytes as f64 * 1e-9;
-            let what = format!("out of memory: picture and photons need {:.1} GB", gigabytes(bytes));
-            Err(Error::machine(what).expected(format!("at most this machine's {:.1} GB", gigabytes(present))))
-        }
-        Some(_) | None => Ok(()),
-    }
-}
-
-/// The files to be written.
-#[derive(Debug)]
-struct Outputs {
-    exr: PathBuf,
-    png: PathBuf,
-    stats: Option<PathBuf>,
-}
-
-impl Outputs {
-    fn of(arguments: &Arguments) -> Result<Self> {
-        let exr = match &arguments.output {
-            Some(path) => path.clone(),
-            None => PathBuf::from(arguments.scene.file_stem().unwrap_or("scene".as_ref())).with_added_extension("exr"),
-        };
-        if !exr.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
-            let what = format!("the output {}", exr.display());
-            return Err(Error::input(what).expected("a name that ends in .exr (a PNG is written beside it)"));
-        }
-        Ok(Self { png: exr.with_extension("png"), exr, stats: arguments.stats.clone() })
-    }
-
-    fn all(&self) -> impl Iterator<Item = &Path> {
-        [&self.exr, &self.png].into_iter().chain(&self.stats).map(PathBuf::as_path)
-    }
-
-    fn check(&self) -> Result<()> {
-        self.all().try_for_each(files::check_writable)
-    }
-
-    fn named(&self) -> String {
-        format!("{} and {}", self.exr.display(), self.png.display())
-    }
-
-    fn save(&self, source: &Source, job: &Job, integrator: Integrator, rendered: &Rendered) -> Result<()> {
-        let picture = &rendered.picture;
-        write_exr(&self.exr, picture, &origin::metadata(source, job, integrator, rendered))?;
-        let film = &job.scene.film;
-        let development = Development { space: film.space, white: film.white, gamut: film.gamut };
-        let exposure = exposure_factor(film, picture, &development);
-        write_png(&self.png, &develop(picture, exposure, &development))?;
-        if let Some(path) = &self.stats {
-            let json = serde_json::to_string_pretty(&rendered.stats).expect("statistics have text keys");
-            files::write_whole(path, (json + "\n").as_bytes())?;
-        }
-        Ok(())
-    }
-}
-
-/// The factor on luminance that the film asks for.
-fn exposure_factor(film: &FilmSpec, picture: &Picture, development: &Development) -> f64 {
-    match film.exposure {
-        Exposure::Auto => exposure::automatic(picture, development),
-        Exposure::Ev(ev) => ev.exp2(),
-        Exposure::White(luminance) => luminance.recip(),
-        Exposure::None => 1.0,
-    }
-}
-
 fn summary(rendered: &Rendered, outputs: &Outputs) -> String {
     let stats = &rendered.stats;
     let spent = time(Duration::try_from_secs_f64(stats.seconds.total).unwrap_or_default());
@@ -253,8 +245,10 @@ mod tests {
 
     #[test]
     fn the_output_is_named_for_the_scene_in_the_working_directory() {
-        let named = |words: &[&str]| Outputs::of(&arguments(words)).map(|outputs| outputs.named());
+        let named = |words: &[&str]| arguments(words).outputs().map(|outputs| outputs.named());
         assert_eq!(named(&["far/away/newton.v2.json"]).unwrap(), "newton.v2.exr and newton.v2.png");
+        let part = named(&["a.v2.json", "--part", "1/4"]).unwrap();
+        assert_eq!(part, "a.v2.part-1-of-4.exr and a.v2.part-1-of-4.png");
         assert_eq!(named(&["a.json", "-o", "out/b.EXR"]).unwrap(), "out/b.EXR and out/b.png");
         assert_eq!(named(&["a.json", "-o", "b.png"]).unwrap_err().exit_status(), 2);
     }
@@ -266,13 +260,5 @@ mod tests {
         assert_eq!(stop, known);
         assert!(Line::try_parse_from(["render", "a.json", "--passes", "0"]).is_err());
         assert!(Line::try_parse_from(["render", "a.json", "--integrator", "bidirectional"]).is_err());
-    }
-
-    #[test]
-    fn more_memory_than_the_machine_has_is_refused() {
-        assert!(check_memory(1 << 20).is_ok());
-        if Path::new("/proc/meminfo").exists() {
-            assert_eq!(check_memory(u64::MAX).unwrap_err().exit_status(), 1);
-        }
     }
 }

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use abbe::output::compare::Region;
+use abbe::render::Part;
 
 /// A duration such as `90s`, `5m`, `1h30m`, `500ms`; a bare number counts seconds.
 pub(crate) fn duration(text: &str) -> Result<Duration, String> {
@@ -59,6 +60,13 @@ pub(crate) fn size(text: &str) -> Result<(u32, u32), String> {
         .ok_or_else(|| "expected a size in pixels such as 640x360".to_string())
 }
 
+/// A part of the passes such as `0/4`, the first of four.
+pub(crate) fn part(text: &str) -> Result<Part, String> {
+    let numbers = text.split_once('/').and_then(|(i, n)| Some((i.trim().parse().ok()?, n.trim().parse().ok()?)));
+    let (index, of) = numbers.ok_or_else(|| "expected a part such as 0/4, the first of four".to_string())?;
+    Part::new(index, of).map_err(|error| error.to_string())
+}
+
 /// A region such as `0,0,64,32`: columns from x0 up to x1, rows from y0 up to y1.
 pub(crate) fn region(text: &str) -> Result<Region, String> {
     let numbers: Option<Vec<usize>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
@@ -105,6 +113,12 @@ mod tests {
         assert_eq!(share("2%"), Ok(0.02));
         assert_eq!(share("0.02"), Ok(0.02));
         assert!(["0", "-1%", "nan", "inf", "", "%", "two"].iter().all(|text| share(text).is_err()));
+    }
+
+    #[test]
+    fn parts() {
+        assert_eq!(part("3/4").map(|part| part.to_string()), Ok("3/4".to_string()));
+        assert!(["4/4", "1", "0/0", "-1/2", "a/b", "1/2/3"].iter().all(|text| part(text).is_err()));
     }
 
     #[test]

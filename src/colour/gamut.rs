@@ -4,9 +4,11 @@ use super::coordinates;
 use super::space::RgbSpace;
 use super::{Rgb, Xyz};
 use crate::error::{Error, Result};
+use serde::{Deserialize, Serialize};
 
 /// How colours outside the gamut are brought into it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum GamutMapping {
     /// Towards the neutral of equal luminance, as far as needed.
     #[default]

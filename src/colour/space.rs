@@ -6,9 +6,11 @@ use super::adaptation::{Transform, adaptation};
 use super::matrix::{Matrix, apply, diagonal, inverse, product, transposed};
 use super::{Rgb, Xyz};
 use crate::error::{Error, Result};
+use serde::{Deserialize, Serialize};
 
 /// An RGB space with linear components.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum RgbSpace {
     /// sRGB and Rec. 709 (IEC 61966-2-1).
     #[default]

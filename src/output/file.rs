@@ -49,6 +49,19 @@ pub fn check_writable(path: &Path) -> Result<()> {
     File::create(&beside).and_then(|_| fs::remove_file(&beside)).map_err(|error| unwritable(path, &error))
 }
 
+/// Removes a file that may not be there; a link is removed itself, not what it leads to.
+///
+/// # Errors
+/// The machine's: a file that cannot be removed.
+pub fn remove_if_present(path: &Path) -> Result<()> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(Error::machine(format!("cannot be removed: {error}")).in_file(path))
+        }
+        Ok(()) | Err(_) => Ok(()),
+    }
+}
+
 /// The file behind a link, or the path itself where there is none yet.
 fn followed(path: &Path) -> PathBuf {
     fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf())
@@ -59,10 +72,33 @@ fn is_special(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
 }
 
+/// What stands in names of unfinished files between the final name and the number of the process.
+const UNFINISHED: &str = ".unfinished-";
+
+/// Removes what processes that were killed while they wrote this file left beside it, where the system tells which those are
+/// (Linux).
+pub fn clear_unfinished(path: &Path) {
+    let target = followed(path);
+    let name = target.file_name().unwrap_or_default().to_string_lossy().into_owned() + UNFINISHED;
+    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let processes = Path::new("/proc");
+    if !processes.join("self").exists() {
+        return;
+    }
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let left = entry.file_name();
+        let process = left.to_str().and_then(|left| left.strip_prefix(&name)?.parse::<u32>().ok());
+        if process.is_some_and(|process| !processes.join(process.to_string()).exists()) {
+            // A leftover that cannot be removed does no harm.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
 /// A name beside the final one that no other process uses.
 fn beside(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".unfinished-{}", std::process::id()));
+    name.push(format!("{UNFINISHED}{}", std::process::id()));
     path.with_file_name(name)
 }
 
@@ -100,6 +136,23 @@ mod tests {
         }
         assert!(check_writable(folder.path()).unwrap_err().to_string().contains("folder"));
         assert!(names_in(folder.path()).is_empty());
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_killed_processes_left_is_cleared_and_what_living_ones_write_is_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        let own = format!("a.exr.unfinished-{}", std::process::id());
+        for name in [&own, "a.exr.unfinished-4294967295", "a.exr.unfinished-mine", "b.exr.unfinished-4294967295"] {
+            fs::write(folder.path().join(name), "half").unwrap();
+        }
+        clear_unfinished(&path);
+        let mut names = names_in(folder.path());
+        names.sort();
+        let mut kept = [own, "a.exr.unfinished-mine".to_string(), "b.exr.unfinished-4294967295".to_string()];
+        kept.sort();
+        assert_eq!(names, kept);
     }
 
     #[cfg(unix)]

@@ -17,6 +17,9 @@ pub const DEFAULT_NEAREST: u32 = 50;
 /// Bytes of a stored photon: payload and position in the tree, and once more while it is sorted.
 const PHOTON_BYTES: u64 = 2 * 56;
 
+/// A photon path meets a few diffuse surfaces; two photons are kept on average.
+const BYTES_A_PATH: u64 = 2 * PHOTON_BYTES;
+
 /// What the pilot leaves of a pixel: four radii, the number of its outline, and a third of an outline (44 bytes, near edges only).
 const PILOT_BYTES_A_PIXEL: u64 = 4 * 4 + 4 + 44 / 3;
 
@@ -44,12 +47,11 @@ impl Budget {
     pub fn of(scene: &Scene, film_bytes: u64) -> Self {
         let settings = &scene.settings;
         let photons = settings.photons.unwrap_or(DEFAULT_PHOTONS);
-        let (width, height) = (scene.film.width as usize, scene.film.height as usize);
-        // A photon path meets a few diffuse surfaces; two are kept on average.
+        let (width, height) = (u64::from(scene.film.width), u64::from(scene.film.height));
         let memory_bytes = film_bytes
-            + PILOT_BYTES_A_PIXEL * (width * height) as u64
-            + 2 * photons * PHOTON_BYTES
-            + scene.geometry.memory_bytes() as u64;
+            .saturating_add(PILOT_BYTES_A_PIXEL.saturating_mul(width.saturating_mul(height)))
+            .saturating_add(photons.saturating_mul(BYTES_A_PATH))
+            .saturating_add(scene.geometry.memory_bytes() as u64);
         Self {
             passes: settings.passes.unwrap_or(DEFAULT_PASSES),
             photons,
@@ -59,5 +61,13 @@ impl Budget {
             seed: settings.seed.unwrap_or(0),
             memory_bytes,
         }
+    }
+
+    /// How many photon paths a pass may have for all to fit in this memory, to two digits; 0 if the rest alone does not.
+    pub fn photons_within(&self, bytes: u64) -> u64 {
+        let rest = self.memory_bytes.saturating_sub(self.photons.saturating_mul(BYTES_A_PATH));
+        let photons = bytes.saturating_sub(rest) / BYTES_A_PATH;
+        let digit = 10_u64.pow(photons.checked_ilog10().unwrap_or(0).saturating_sub(1));
+        photons / digit * digit
     }
 }

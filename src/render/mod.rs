@@ -1,11 +1,21 @@
-//! The loop over passes: pilot, then passes until a stop rule holds; what was measured on the way.
+//! The loop over passes: pilot, then passes until a stop rule holds; what was measured on the way; saving a run, going on with it and
+//! merging several.
 
 mod harvest;
+mod merge;
+mod part;
 mod pass;
 mod pilot;
+mod rules;
+mod run;
+mod saved;
 mod stats;
 mod threads;
 
+pub use merge::{Merged, Merging};
+pub use part::Part;
+pub use run::Run;
+pub use saved::{Identity, Saved, Showing};
 pub use stats::{Seconds, Stats};
 pub use threads::on_threads;
 
@@ -14,9 +24,9 @@ use crate::error::{Error, Result};
 use crate::plan::{Budget, Plan, Row};
 use crate::scene::Scene;
 use crate::sensor::{Film, Picture};
-use crate::walk::Tally;
 use crate::walk::ledger::Ledger;
 use pilot::Pilot;
+use rules::{Clock, Rules};
 use std::time::{Duration, Instant};
 
 /// Who solves the transport.
@@ -27,6 +37,16 @@ pub enum Integrator {
     Photon,
     /// The reference path tracer.
     Path,
+}
+
+impl Integrator {
+    /// `photon` or `path`.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Photon => "photon",
+            Self::Path => "path",
+        }
+    }
 }
 
 /// When a render stops: at the first that holds. Without any, the budget's passes count.
@@ -87,6 +107,9 @@ pub struct Progress {
 pub trait Monitor {
     /// Called after every pass; false ends the render.
     fn after_pass(&mut self, progress: &Progress) -> bool;
+
+    /// Called after every pass that another will follow, with all that has been found: a chance to save it.
+    fn keep(&mut self, _run: &Run) {}
 }
 
 /// Watches nothing.
@@ -110,6 +133,8 @@ pub struct Rendered {
     pub stats: Stats,
     /// Whether the monitor ended it before a stop rule held.
     pub interrupted: bool,
+    /// All that going on needs.
+    pub run: Run,
 }
 
 impl Job {
@@ -121,7 +146,8 @@ impl Job {
         })?;
         let film = &scene.film;
         let film_bytes = Film::memory_bytes(film.width as usize, film.height as usize, film.spectral_bands as usize);
-        let budget = Budget::of(&scene, film_bytes as u64);
+        // The sums; and while they are saved their copy in words, and the file.
+        let budget = Budget::of(&scene, (film_bytes as u64).saturating_mul(3));
         Ok(Self { scene, plan, rows, budget, choice })
     }
 
@@ -130,90 +156,48 @@ impl Job {
         self.choice.power_w
     }
 
-    /// Renders on the current thread pool until a stop rule holds.
+    /// Renders all passes on the current thread pool until a stop rule holds.
     pub fn render(&self, request: Request, monitor: &mut dyn Monitor) -> Result<Rendered> {
-        let start = Instant::now();
-        let film = &self.scene.film;
-        let mut run = Run {
-            film: Film::new(film.width as usize, film.height as usize, film.observer, film.spectral_bands as usize),
-            ledger: Ledger::new(self.scene.materials.len()),
-            tally: Tally::default(),
-            seconds: Seconds::default(),
-        };
+        self.go_on(request, Run::new(self, Part::WHOLE), monitor)
+    }
+
+    /// Goes on with a run, a new one or one that was saved, until a stop rule holds. The rules count from the run's very beginning: a
+    /// run that was resumed stops where it would have stopped without the break.
+    pub fn go_on(&self, request: Request, mut run: Run, monitor: &mut dyn Monitor) -> Result<Rendered> {
+        let clock = Clock::start(&run);
+        let mut rules = Rules::new(self, request.stop, &mut run);
+        rules.check(&run)?;
+        let mut stopped = run.done > 0 && rules.hold(&run);
+        // The pilot depends on scene and seed alone: a resumed run finds again what it found before.
         let pilot = match request.integrator {
-            Integrator::Photon => Some(Pilot::fly(self, &mut run.seconds)),
-            Integrator::Path => None,
+            Integrator::Photon if !stopped => Some(Pilot::fly(self, &mut run.seconds)),
+            Integrator::Photon | Integrator::Path => None,
         };
-        let wanted = request.stop.passes.or_else(|| {
-            let other = request.stop.time.is_some() || request.stop.target_error.is_some();
-            (!other).then_some(self.budget.passes)
-        });
-        let mut measured = ErrorWatch::default();
         let mut interrupted = false;
-        let mut pass = 0;
-        while wanted.is_none_or(|wanted| pass < wanted) {
+        while !(stopped || interrupted) {
+            let pass = run.part.pass(run.done);
             match &pilot {
                 Some(pilot) => pass::photon_pass(self, pilot, pass, &mut run),
                 None => pass::path_pass(self, pass, &mut run),
             }
-            pass += 1;
-            let elapsed = start.elapsed();
-            let relative_error = measured.update(&run.film, pass, elapsed, request.stop.target_error.is_some());
-            let progress = Progress {
-                passes: pass,
-                passes_wanted: wanted,
-                elapsed,
-                time_wanted: request.stop.time,
-                photons_per_second: run.tally.photons as f64 / elapsed.as_secs_f64(),
-                relative_error,
-                error_wanted: request.stop.target_error,
-            };
-            interrupted = !monitor.after_pass(&progress);
-            let in_time = request.stop.time.is_none_or(|limit| elapsed < limit);
-            let too_noisy = request.stop.target_error.is_none_or(|target| relative_error.is_none_or(|e| e > target));
-            if interrupted || !in_time || !too_noisy {
-                break;
+            run.done += 1;
+            clock.tell(&mut run);
+            stopped = rules.hold(&run);
+            interrupted = !monitor.after_pass(&rules.progress(&run)) && !stopped;
+            if !(stopped || interrupted) {
+                monitor.keep(&run);
             }
+        }
+        if run.film.overflowed() {
+            return Err(Error::input("the light in a pixel exceeds 9e18 W/m²/sr: the lamp's power cannot be meant so"));
         }
         let develop = Instant::now();
         let picture = run.film.develop();
         run.seconds.develop += develop.elapsed().as_secs_f64();
-        run.seconds.total = start.elapsed().as_secs_f64();
-        if run.film.overflowed() {
-            return Err(Error::input("the light in a pixel exceeds 9e18 W/m²/sr: the lamp's power cannot be meant so"));
-        }
-        run.ledger.scale(1.0 / pass.max(1) as f64);
-        let stats = Stats::new(self, &run, pass, &picture);
-        Ok(Rendered { picture, ledger: run.ledger, stats, interrupted })
-    }
-}
-
-/// What grows from pass to pass.
-#[derive(Debug)]
-struct Run {
-    film: Film,
-    /// Sums over passes.
-    ledger: Ledger,
-    tally: Tally,
-    seconds: Seconds,
-}
-
-/// Measures the error now and then: developing costs time, so it may take no more than a small share of it.
-#[derive(Debug, Default)]
-struct ErrorWatch {
-    latest: Option<f64>,
-    next: Duration,
-}
-
-impl ErrorWatch {
-    fn update(&mut self, film: &Film, passes: u64, elapsed: Duration, wanted: bool) -> Option<f64> {
-        /// Fewer passes than two in each replicate say little about noise.
-        const FIRST: u64 = 16;
-        if passes >= FIRST && passes.is_multiple_of(8) && (wanted || elapsed >= self.next) {
-            let begun = Instant::now();
-            self.latest = film.develop().error_means().relative;
-            self.next = elapsed + begun.elapsed() * 50;
-        }
-        self.latest
+        clock.tell(&mut run);
+        let stats = Stats::new(self, &run, &picture);
+        let mut ledger = run.ledger.clone();
+        ledger.scale(1.0 / run.done.max(1) as f64);
+        Ok(Rendered { picture, ledger, stats, interrupted, run })
     }
 }

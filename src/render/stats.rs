@@ -3,13 +3,14 @@
 use super::{Job, Run};
 use crate::plan::{State, WavelengthPlan, explain};
 use crate::sensor::Picture;
+use crate::sensor::picture::ErrorMeans;
 use crate::walk::Tally;
 use crate::walk::ledger::Ledger;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Wall-clock seconds by stage.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Seconds {
     /// From start to end.
     pub total: f64,
@@ -26,7 +27,7 @@ pub struct Seconds {
 }
 
 /// The ledger in W, means over passes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LedgerStats {
     /// What the lights handed out.
     pub emitted: f64,
@@ -47,7 +48,7 @@ pub struct LedgerStats {
 }
 
 /// Error layers' image means.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ErrorStats {
     /// Mean standard error of Y, cd/m².
     pub noise: f64,
@@ -60,16 +61,16 @@ pub struct ErrorStats {
 }
 
 /// One effect's state and how often it was at work.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EffectStats {
     /// `on`, `off`, `forced` or `forbidden`.
-    pub state: &'static str,
+    pub state: String,
     /// Events counted.
     pub events: u64,
 }
 
 /// All that a render measured.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Stats {
     /// Passes done.
     pub passes: u64,
@@ -90,9 +91,9 @@ pub struct Stats {
     /// How wrong the picture may be.
     pub error: ErrorStats,
     /// Effects by name.
-    pub effects: BTreeMap<&'static str, EffectStats>,
+    pub effects: BTreeMap<String, EffectStats>,
     /// `free`, `shared` or `both`.
-    pub wavelengths: &'static str,
+    pub wavelengths: String,
     /// Contributions dropped because they were not finite; anything but 0 is a bug.
     pub rejected_samples: u64,
     /// Threads that took part.
@@ -100,29 +101,103 @@ pub struct Stats {
 }
 
 impl Stats {
-    pub(super) fn new(job: &Job, run: &Run, passes: u64, picture: &Picture) -> Self {
-        let error = picture.error_means();
+    /// What a run has measured so far, and its picture's error.
+    pub(super) fn new(job: &Job, run: &Run, picture: &Picture) -> Self {
         let emit_seconds = run.seconds.emit;
+        let mut ledger = run.ledger.clone();
+        ledger.scale(1.0 / run.done.max(1) as f64);
         Self {
-            passes,
+            passes: run.done,
             photons_emitted: run.tally.photons,
             photons_shared: run.tally.shared_photons,
             photons_stored: run.tally.stored,
             seconds: run.seconds,
             photons_per_second: if emit_seconds > 0.0 { run.tally.photons as f64 / emit_seconds } else { 0.0 },
             peak_memory_bytes: peak_memory_bytes(),
-            ledger_w: ledger_stats(job, &run.ledger),
-            error: ErrorStats {
-                noise: error.noise,
-                bias: error.bias,
-                relative: error.relative,
-                unknown_pixels: error.unknown_pixels,
-            },
+            ledger_w: ledger_stats(job, &ledger),
+            error: ErrorStats::of(picture),
             effects: effect_stats(job, &run.tally),
-            wavelengths: explain::wavelengths_word(&job.plan),
+            wavelengths: explain::wavelengths_word(&job.plan).to_string(),
             rejected_samples: run.tally.rejected,
             threads: rayon::current_num_threads(),
         }
+    }
+
+    /// What several runs of one scene's passes measured together: counts and seconds are sums, the ledger the mean over all passes.
+    /// The error is that of their common picture.
+    pub(super) fn together(runs: &[&Self], picture: &Picture) -> Self {
+        let count = |of: fn(&Self) -> u64| runs.iter().map(|run| of(run)).sum::<u64>();
+        let mut effects: BTreeMap<String, EffectStats> = BTreeMap::new();
+        for (name, effect) in runs.iter().flat_map(|run| &run.effects) {
+            let so_far = effects.get(name).map_or(0, |so_far| so_far.events);
+            let EffectStats { state, events } = effect.clone();
+            effects.insert(name.clone(), EffectStats { state, events: so_far + events });
+        }
+        let seconds = Seconds::together(runs.iter().map(|run| run.seconds));
+        let emitted = count(|run| run.photons_emitted);
+        Self {
+            passes: count(|run| run.passes),
+            photons_emitted: emitted,
+            photons_shared: count(|run| run.photons_shared),
+            photons_stored: count(|run| run.photons_stored),
+            seconds,
+            photons_per_second: if seconds.emit > 0.0 { emitted as f64 / seconds.emit } else { 0.0 },
+            peak_memory_bytes: runs.iter().map(|run| run.peak_memory_bytes).max().unwrap_or(0),
+            ledger_w: LedgerStats::mean(runs),
+            error: ErrorStats::of(picture),
+            effects,
+            wavelengths: runs.first().map_or(String::new(), |run| run.wavelengths.clone()),
+            rejected_samples: count(|run| run.rejected_samples),
+            threads: runs.iter().map(|run| run.threads).max().unwrap_or(0),
+        }
+    }
+}
+
+impl Seconds {
+    fn together(all: impl Iterator<Item = Self>) -> Self {
+        all.fold(Self::default(), |sum, more| {
+            let Self { total, pilot, emit, map, gather, develop } = more;
+            Self {
+                total: sum.total + total,
+                pilot: sum.pilot + pilot,
+                emit: sum.emit + emit,
+                map: sum.map + map,
+                gather: sum.gather + gather,
+                develop: sum.develop + develop,
+            }
+        })
+    }
+}
+
+impl LedgerStats {
+    /// The mean over the runs' passes.
+    fn mean(runs: &[&Stats]) -> Self {
+        let passes: u64 = runs.iter().map(|run| run.passes).sum();
+        let mean = |of: &dyn Fn(&Self) -> f64| {
+            runs.iter().map(|run| of(&run.ledger_w) * run.passes as f64).sum::<f64>() / passes.max(1) as f64
+        };
+        let names = runs.first().map_or(Vec::new(), |run| run.ledger_w.by_material.keys().cloned().collect());
+        let by_material = names
+            .into_iter()
+            .map(|name| (name.clone(), mean(&|ledger| ledger.by_material.get(&name).copied().unwrap_or(0.0))));
+        Self {
+            emitted: mean(&|ledger| ledger.emitted),
+            sampling: mean(&|ledger| ledger.sampling),
+            absorbed: mean(&|ledger| ledger.absorbed),
+            escaped: mean(&|ledger| ledger.escaped),
+            depth_limit: mean(&|ledger| ledger.depth_limit),
+            // All runs emit the same power but for noise.
+            balance: mean(&|ledger| ledger.balance),
+            lamps: mean(&|ledger| ledger.lamps),
+            by_material: by_material.collect(),
+        }
+    }
+}
+
+impl ErrorStats {
+    fn of(picture: &Picture) -> Self {
+        let ErrorMeans { noise, bias, relative, unknown_pixels } = picture.error_means();
+        Self { noise, bias, relative, unknown_pixels }
     }
 }
 
@@ -140,7 +215,7 @@ fn ledger_stats(job: &Job, ledger: &Ledger) -> LedgerStats {
     }
 }
 
-fn effect_stats(job: &Job, tally: &Tally) -> BTreeMap<&'static str, EffectStats> {
+fn effect_stats(job: &Job, tally: &Tally) -> BTreeMap<String, EffectStats> {
     let events = |name: &str| match name {
         "dispersion" => tally.dispersions,
         "shared" if job.plan.wavelengths == WavelengthPlan::Shared => tally.shared_paths,
@@ -154,10 +229,12 @@ fn effect_stats(job: &Job, tally: &Tally) -> BTreeMap<&'static str, EffectStats>
         "aim" => tally.aimed,
         _ => 0,
     };
-    let state = |state: State| state.word();
+    let state = |state: State| state.word().to_string();
     job.rows
         .iter()
-        .map(|row| (row.effect.name, EffectStats { state: state(row.state), events: events(row.effect.name) }))
+        .map(|row| {
+            (row.effect.name.to_string(), EffectStats { state: state(row.state), events: events(row.effect.name) })
+        })
         .collect()
 }
 

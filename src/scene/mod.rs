@@ -23,6 +23,7 @@ use geometry::Geometry;
 use glam::DVec3;
 use interior::Interior;
 use light::{Emitter, Light, World};
+use serde::{Deserialize, Serialize};
 
 /// A resolved scene. Positions are relative to `centre`.
 #[derive(Debug)]
@@ -110,7 +111,8 @@ pub struct FilmSpec {
 }
 
 /// How radiance becomes brightness in the PNG.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Exposure {
     /// So that the picture is neither dark nor burnt out.
     Auto,
@@ -139,6 +141,8 @@ pub struct Settings {
     pub seed: Option<u64>,
     /// Worker threads.
     pub threads: Option<u32>,
+    /// Seconds between checkpoints.
+    pub checkpoint_seconds: Option<f64>,
     /// Effects to switch on though no fact calls for them.
     pub force: Vec<String>,
     /// Effects to leave out though a fact calls for them.

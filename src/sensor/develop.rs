@@ -1,6 +1,7 @@
 //! What a display shows of a picture: white balance, the display's colour space, its gamut, its codes.
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::picture::Picture;
 use crate::colour::gamut::GamutMapping;
@@ -8,7 +9,8 @@ use crate::colour::space::encode_srgb_u8;
 use crate::colour::{Rgb, RgbSpace, Xyz};
 
 /// How a picture's colours become a display's.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Development {
     /// The display's colour space.
     pub space: RgbSpace,

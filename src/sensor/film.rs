@@ -28,6 +28,12 @@ pub struct Film {
     passes: [u64; REPLICATES],
 }
 
+/// The first plane of Y, after X, Z and bias.
+const FIRST_Y: usize = 3;
+
+/// The first plane of a spectral band.
+const FIRST_BAND: usize = FIRST_Y + REPLICATES;
+
 /// Collects one pixel's light in one pass.
 #[derive(Debug)]
 pub struct PixelSink<'f> {
@@ -85,7 +91,8 @@ impl Film {
 
     /// Memory of the sums, in bytes.
     pub fn memory_bytes(width: usize, height: usize, band_count: usize) -> usize {
-        width * height * (size_of::<PixelSums>() + band_count * size_of::<ExactSum>())
+        let pixel = size_of::<PixelSums>() + band_count * size_of::<ExactSum>();
+        width.saturating_mul(height).saturating_mul(pixel)
     }
 
     /// Counts a pass whose light has been added.
@@ -125,6 +132,43 @@ impl Film {
             self.bands[pixel as usize * self.band_count + band as usize] += f64::from(weight);
         }
         sink.rejected
+    }
+
+    /// The names of the film's planes of sums: `X`, `Z`, `bias`, Y by replicate, the spectral bands.
+    pub fn plane_names(&self) -> Vec<String> {
+        let replicates = (0..REPLICATES).map(|r| format!("Y{r}"));
+        let bands = (0..self.band_count).map(|band| format!("band{band}"));
+        ["X", "Z", "bias"].map(String::from).into_iter().chain(replicates).chain(bands).collect()
+    }
+
+    /// The sums of one plane, by its place among the names, pixel by pixel.
+    pub fn plane(&self, plane: usize) -> impl Iterator<Item = ExactSum> {
+        (0..self.pixels.len()).map(move |pixel| match plane {
+            0 => self.pixels[pixel].x,
+            1 => self.pixels[pixel].z,
+            2 => self.pixels[pixel].bias,
+            _ if plane < FIRST_BAND => self.pixels[pixel].y[plane - FIRST_Y],
+            _ => self.bands[pixel * self.band_count + plane - FIRST_BAND],
+        })
+    }
+
+    /// Adds sums to one plane, by its place among the names, pixel by pixel.
+    pub fn add_plane(&mut self, plane: usize, sums: impl Iterator<Item = ExactSum>) {
+        for ((pixel, own), sum) in self.pixels.iter_mut().enumerate().zip(sums) {
+            *match plane {
+                0 => &mut own.x,
+                1 => &mut own.z,
+                2 => &mut own.bias,
+                _ if plane < FIRST_BAND => &mut own.y[plane - FIRST_Y],
+                _ => &mut self.bands[pixel * self.band_count + plane - FIRST_BAND],
+            } += sum;
+        }
+    }
+
+    /// Adds the passes of another film of the same size and bands.
+    pub fn add(&mut self, other: &Self) {
+        (0..self.plane_names().len()).for_each(|plane| self.add_plane(plane, other.plane(plane)));
+        self.passes.iter_mut().zip(other.passes).for_each(|(own, more)| *own += more);
     }
 
     /// The picture so far: means over the passes, noise from the replicates, bias from the two kernels.

@@ -1,10 +1,13 @@
 //! Where the light of a pass went: the balance of emitted and absorbed power.
 
+use serde::{Deserialize, Serialize};
+
 /// The power that photons carried in one pass, in W over the band. Emitted + sampling = absorbed + escaped + depth limit.
 ///
 /// *Absorbed* is computed from albedo and Beer's law and never as a difference, so that a weight that loses or gains energy
 /// somewhere shows as an imbalance or as a *sampling* that is not zero in the mean.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Ledger {
     /// What the lights handed out.
     pub emitted: f64,

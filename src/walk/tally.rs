@@ -1,7 +1,10 @@
 //! Event counters: how often each effect was at work. An effect that the plan leaves out counts zero.
 
+use serde::{Deserialize, Serialize};
+
 /// Counts of events, summed over threads in any order.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Tally {
     /// Photon paths emitted.
     pub photons: u64,

@@ -5,6 +5,7 @@
 //! | `R` `G` `B` | linear Rec. 709 primaries, D65 white, unclipped; 1 is 1 cd/m² of white |
 //! | `xyz.X` `xyz.Y` `xyz.Z` | tristimulus values, Y in cd/m² |
 //! | `error.noise` `error.bias` | standard error and estimated bias of Y in cd/m²; −1 where unknown |
+//! | `sums.<plane>.<word>` | in checkpoints and parts: the exact sums over passes, as 32-bit words |
 //! | `S0.<λ>nm` | spectral radiance in W/m²/sr/nm, λ in nm with a decimal comma |
 //!
 //! The spectral channels follow A. Fichet, R. Pacanowski and A. Wilkie, "An OpenEXR Layout for Spectral Images",
@@ -12,10 +13,12 @@
 
 mod read;
 mod spectral;
+mod sums;
 mod write;
 
 pub use read::{ExrFile, read};
-pub use write::{encode, write};
+pub use sums::{add_sums, read_metadata};
+pub use write::{encode, write, write_with_sums};
 
 /// The channels of XYZ.
 const XYZ: [&str; 3] = ["xyz.X", "xyz.Y", "xyz.Z"];

@@ -10,7 +10,7 @@ use ::exr::prelude::{
 };
 use glam::{DMat3, DVec3};
 
-use super::{BIAS, NOISE, XYZ, spectral};
+use super::{BIAS, NOISE, XYZ, spectral, sums};
 use crate::colour::RgbSpace;
 use crate::error::{Error, Result};
 use crate::output::Metadata;
@@ -67,7 +67,7 @@ fn decode(path: &Path) -> Result<ExrFile> {
     Ok(ExrFile { picture, metadata: metadata(texts, &first.attributes) })
 }
 
-fn unreadable(error: ::exr::error::Error) -> Error {
+pub(super) fn unreadable(error: ::exr::error::Error) -> Error {
     match error {
         ::exr::error::Error::Io(error) => Error::input(format!("cannot be read: {error}")),
         ::exr::error::Error::Invalid(what) => Error::input(format!("is not a sound EXR file: {what}")),
@@ -76,8 +76,8 @@ fn unreadable(error: ::exr::error::Error) -> Error {
     }
 }
 
-/// Refuses a header that asks for far more memory than the file can fill.
-fn check_size(path: &Path) -> Result<()> {
+/// Reads the header, and refuses one that asks for far more memory than the file can fill.
+pub(super) fn check_size(path: &Path) -> Result<MetaData> {
     /// No compression of the format makes more of a byte (deflate's limit is 1032).
     const MOST_PER_BYTE: u64 = 2000;
     const ALWAYS_ALLOWED: u64 = 1 << 32;
@@ -93,10 +93,10 @@ fn check_size(path: &Path) -> Result<()> {
             "is not a sound EXR file: {bytes} bytes cannot hold {wanted} bytes of pixels"
         )));
     }
-    Ok(())
+    Ok(meta)
 }
 
-/// Adds a layer's channels by their full names.
+/// Adds a layer's channels by their full names; exact sums are no picture and left out.
 fn collect(
     layer: &Layer<AnyChannels<FlatSamples>>,
     size: Vec2<usize>,
@@ -112,6 +112,9 @@ fn collect(
             continue;
         }
         let name = channel.name.to_string();
+        if name.starts_with(sums::PREFIX) {
+            continue;
+        }
         let full = prefix.as_ref().map_or(name.clone(), |prefix| format!("{prefix}.{name}"));
         let samples: Vec<f32> = channel.sample_data.values_as_f32().collect();
         // The first layer goes also by its plain names.
@@ -191,7 +194,10 @@ fn bands(channels: &BTreeMap<String, Vec<f32>>) -> Option<Bands> {
 }
 
 /// The header's texts in the order of their names.
-fn metadata<'a>(others: impl Iterator<Item = (&'a Text, &'a AttributeValue)>, layer: &LayerAttributes) -> Metadata {
+pub(super) fn metadata<'a>(
+    others: impl Iterator<Item = (&'a Text, &'a AttributeValue)>,
+    layer: &LayerAttributes,
+) -> Metadata {
     let mut texts = BTreeMap::new();
     for (name, value) in others {
         if let AttributeValue::Text(value) = value {

@@ -9,11 +9,11 @@ use ::exr::prelude::{
     WritableImage,
 };
 
-use super::{BIAS, NOISE, XYZ, spectral};
+use super::{BIAS, NOISE, XYZ, spectral, sums};
 use crate::colour::{RgbSpace, xyz_to_linear_srgb};
 use crate::error::{Error, Result};
 use crate::output::{Metadata, file};
-use crate::sensor::{Bands, Picture};
+use crate::sensor::{Bands, Film, Picture};
 
 /// Writes a picture, whole or not at all.
 ///
@@ -24,13 +24,27 @@ pub fn write(path: &Path, picture: &Picture, metadata: &Metadata) -> Result<()> 
     file::write_whole(path, &bytes)
 }
 
+/// Writes a film's exact sums with the picture that they make so far, whole or not at all.
+///
+/// # Errors
+/// As [`write()`]'s.
+pub fn write_with_sums(path: &Path, film: &Film, picture: &Picture, metadata: &Metadata) -> Result<()> {
+    let channels = channels(picture).into_iter().chain(sums::channels(film)).collect();
+    let bytes = encode_channels(channels, picture, metadata).map_err(|error| error.in_file(path))?;
+    file::write_whole(path, &bytes)
+}
+
 /// The bytes of a picture's file.
 ///
 /// # Errors
 /// The machine's: a picture that the format cannot hold.
 pub fn encode(picture: &Picture, metadata: &Metadata) -> Result<Vec<u8>> {
+    encode_channels(channels(picture), picture, metadata)
+}
+
+fn encode_channels(channels: Vec<AnyChannel<FlatSamples>>, picture: &Picture, metadata: &Metadata) -> Result<Vec<u8>> {
     let size = Vec2(picture.width, picture.height);
-    let channels = AnyChannels::sort(channels(picture).into_iter().collect());
+    let channels = AnyChannels::sort(channels.into_iter().collect());
     let mut attributes = LayerAttributes {
         white_luminance: Some(1.0),
         software_name: Some(text(&format!("abbe {}", env!("CARGO_PKG_VERSION")))),

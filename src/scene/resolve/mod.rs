@@ -126,11 +126,7 @@ impl Resolver<'_> {
     fn settings(&self, at: &JsonPath<'_>, render: &RenderFile) -> Result<Settings> {
         let RenderFile { passes, photons, max_depth, nearest, radius, seed, threads, .. } = render;
         let RenderFile { checkpoint_seconds, march_steps, light_map, force, forbid, .. } = render;
-        for (key, given) in [
-            ("checkpoint_seconds", checkpoint_seconds.is_some()),
-            ("march_steps", march_steps.is_some()),
-            ("light_map", light_map.is_some()),
-        ] {
+        for (key, given) in [("march_steps", march_steps.is_some()), ("light_map", light_map.is_some())] {
             if given {
                 return self.at(&at.key(key), Err(unsupported(&format!("`{key}` is"))));
             }
@@ -143,6 +139,7 @@ impl Resolver<'_> {
             radius_m: radius.map(|radius| radius * self.metres),
             seed: *seed,
             threads: *threads,
+            checkpoint_seconds: *checkpoint_seconds,
             force: force.clone(),
             forbid: forbid.clone(),
         })

@@ -1,0 +1,42 @@
+//! What grows from pass to pass.
+
+use super::{Job, Part, Seconds};
+use crate::sensor::Film;
+use crate::walk::Tally;
+use crate::walk::ledger::Ledger;
+
+/// What grows from pass to pass: all that going on later, elsewhere or together with others needs.
+#[derive(Debug)]
+pub struct Run {
+    pub(super) film: Film,
+    /// Sums over passes.
+    pub(super) ledger: Ledger,
+    pub(super) tally: Tally,
+    pub(super) seconds: Seconds,
+    pub(super) part: Part,
+    /// How many passes of the part are done, the first ones.
+    pub(super) done: u64,
+    /// How many passes the whole picture is to have, if a number was given.
+    pub(super) wanted: Option<u64>,
+}
+
+impl Run {
+    /// A run of a part of the passes that has not begun.
+    pub fn new(job: &Job, part: Part) -> Self {
+        let film = &job.scene.film;
+        Self {
+            film: Film::new(film.width as usize, film.height as usize, film.observer, film.spectral_bands as usize),
+            ledger: Ledger::new(job.scene.materials.len()),
+            tally: Tally::default(),
+            seconds: Seconds::default(),
+            part,
+            done: 0,
+            wanted: None,
+        }
+    }
+
+    /// Passes done.
+    pub fn passes(&self) -> u64 {
+        self.done
+    }
+}
