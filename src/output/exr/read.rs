@@ -38,16 +38,15 @@ pub fn read(path: &Path) -> Result<ExrFile> {
     decode(path).map_err(|error| error.in_file(path))
 }
 
-fn decode(path: &Path) -> Result<ExrFile> {
+/// All layers and channels of a file that is not larger than it should be.
+pub(super) fn flat_image(path: &Path) -> Result<FlatImage> {
     check_size(path)?;
-    let image: FlatImage = ::exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .all_layers()
-        .all_attributes()
-        .from_file(path)
-        .map_err(unreadable)?;
+    let reader = ::exr::prelude::read().no_deep_data().largest_resolution_level().all_channels();
+    reader.all_layers().all_attributes().from_file(path).map_err(unreadable)
+}
+
+fn decode(path: &Path) -> Result<ExrFile> {
+    let image = flat_image(path)?;
     let first = image.layer_data.first().ok_or_else(|| Error::input("holds no picture"))?;
     let Vec2(width, height) = first.size;
     let mut channels = BTreeMap::new();

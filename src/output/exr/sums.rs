@@ -6,9 +6,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use ::exr::prelude::{AnyChannel, FlatImage, FlatSamples, ReadChannels, ReadLayers, Vec2};
+use ::exr::prelude::{AnyChannel, FlatSamples, Vec2};
 
-use super::read::{check_size, metadata, unreadable};
+use super::read::{check_size, flat_image, metadata};
 use crate::error::{Error, Result};
 use crate::math::sum::ExactSum;
 use crate::output::Metadata;
@@ -59,15 +59,7 @@ pub fn add_sums(path: &Path, film: &mut Film) -> Result<()> {
 }
 
 fn decode(path: &Path, film: &mut Film) -> Result<()> {
-    check_size(path)?;
-    let image: FlatImage = ::exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .all_layers()
-        .all_attributes()
-        .from_file(path)
-        .map_err(unreadable)?;
+    let image = flat_image(path)?;
     let layer = image.layer_data.first().ok_or_else(|| Error::input("holds no picture"))?;
     if layer.size != Vec2(film.width(), film.height()) {
         return Err(Error::input("is damaged: its size is not the one that it states"));
