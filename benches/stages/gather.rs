@@ -71,6 +71,7 @@ fn gatherer<'a>(prepared: &'a Prepared, (maps, outlines): (&'a Maps, &'a Outline
         shared: maps,
         shared_nm: wavelengths,
         shared_pdf: wavelengths.map(|nm| prepared.choice.wavelengths.pdf(nm)),
+        glass: None,
         outlines,
         radius_scale: 1.0,
         max_depth: 64,

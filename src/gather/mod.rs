@@ -20,7 +20,7 @@ pub use photon_gather::Gatherer;
 
 use crate::math::random::{Purpose, REPLICATES, Stream, hash64};
 use crate::math::sobol::{DIMENSIONS, Sobol};
-use crate::scene::camera::{Aperture, Camera, SystemLens};
+use crate::scene::camera::{Aperture, Camera, SystemAt};
 use crate::scene::geometry::Ray;
 use glam::DVec2;
 
@@ -71,9 +71,9 @@ impl CameraNumbers {
         camera.ray(corner(camera, pixel) + DVec2::from(self.film()), lens)
     }
 
-    /// The ray through the pixel and the lens of real glass at a wavelength in nm, and its weight.
-    fn ray_through(&self, system: &SystemLens, camera: &Camera, pixel: u64, nm: f64) -> Option<(Ray, f64)> {
-        camera.ray_through(system, corner(camera, pixel) + DVec2::from(self.film()), self.lens(), nm)
+    /// The ray through the pixel and the lens of real glass at a wavelength, and its weight.
+    fn ray_through(&self, glass: &SystemAt<'_>, camera: &Camera, pixel: u64) -> Option<(Ray, f64)> {
+        camera.ray_through(glass, corner(camera, pixel) + DVec2::from(self.film()), self.lens())
     }
 }
 

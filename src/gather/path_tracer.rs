@@ -77,7 +77,7 @@ impl<'a> PathTracer<'a> {
         let (ray, wavelengths) = match camera.system() {
             Some(system) => {
                 let (drawn, pdf) = self.wavelengths.sample(numbers.wavelength);
-                let (ray, weight) = numbers.ray_through(system, camera, pixel, drawn)?;
+                let (ray, weight) = numbers.ray_through(&system.at(drawn), camera, pixel)?;
                 throughput[0] = weight / pdf;
                 (ray, Wavelengths::single(drawn))
             }

@@ -12,6 +12,7 @@ use crate::optics::surface::{Class, Event, Surface, Transport};
 use crate::plan::partition::{Estimator, LightPath, View, estimator};
 use crate::plan::{IndirectPlan, Plan, WavelengthPlan};
 use crate::scene::Scene;
+use crate::scene::camera::SystemAt;
 use crate::spectrum::{LANES, Lanes};
 use crate::walk::{Encounter, Sink, Tally, draw_consistently, next};
 
@@ -32,6 +33,8 @@ pub struct Gatherer<'a> {
     pub shared_nm: Lanes,
     /// Densities of the shared wavelengths, per nm.
     pub shared_pdf: Lanes,
+    /// The camera's lens at each of them, if it is one of real glass.
+    pub glass: Option<[SystemAt<'a>; LANES]>,
     /// How far surfaces go on around what pixels see directly.
     pub outlines: &'a Outlines,
     /// How far kernels have shrunk since the first pass.
@@ -65,12 +68,11 @@ impl<'a> Gatherer<'a> {
         let camera = &self.scene.camera;
         tally.lens_rays += u64::from(self.plan.aperture.is_finite());
         let path = |ray| CameraPath::new(ray, camera.interior);
-        let ideal = numbers.ray(camera, pixel);
         let mut sample = Sample { pixel, numbers, radii, scratch, sink, tally };
-        match (camera.system(), self.plan.wavelengths) {
-            (Some(system), _) => {
-                for lane in 0..LANES {
-                    let through = sample.numbers.ray_through(system, camera, pixel, self.shared_nm[lane]);
+        match (&self.glass, self.plan.wavelengths) {
+            (Some(lanes), _) => {
+                for (lane, glass) in lanes.iter().enumerate() {
+                    let through = sample.numbers.ray_through(glass, camera, pixel);
                     let Some((ray, weight)) = through else { continue };
                     if let Some(mut single) = self.on_lane(path(ray), lane, &mut sample) {
                         single.multiply(Factor::Grey(weight), sample.scratch);
@@ -78,8 +80,10 @@ impl<'a> Gatherer<'a> {
                     }
                 }
             }
-            (None, WavelengthPlan::Shared) => self.split(path(ideal), &mut sample),
-            (None, WavelengthPlan::Free | WavelengthPlan::Both) => self.follow(path(ideal), &mut sample),
+            (None, WavelengthPlan::Shared) => self.split(path(sample.numbers.ray(camera, pixel)), &mut sample),
+            (None, WavelengthPlan::Free | WavelengthPlan::Both) => {
+                self.follow(path(sample.numbers.ray(camera, pixel)), &mut sample);
+            }
         }
     }
 

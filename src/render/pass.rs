@@ -114,6 +114,7 @@ pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) {
         shared_nm: nm,
         shared_pdf: pdf,
         radius_scale: radius::scale(pass),
+        glass: job.scene.camera.system().map(|system| nm.map(|nm| system.at(nm))),
         outlines: &pilot.outlines,
         max_depth: job.budget.max_depth,
     };

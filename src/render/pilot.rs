@@ -101,6 +101,7 @@ impl Pilot {
             shared_nm: nm,
             shared_pdf: pdf,
             radius_scale: 1.0,
+            glass: job.scene.camera.system().map(|system| nm.map(|nm| system.at(nm))),
             outlines: &none,
             max_depth: job.budget.max_depth,
         };

@@ -9,7 +9,7 @@ mod system;
 
 pub use depth_of_field::DepthOfField;
 pub use stop::{Blades, Stop};
-pub use system::SystemLens;
+pub use system::{SystemAt, SystemLens};
 
 use crate::scene::geometry::Ray;
 use crate::scene::interior::Interior;
@@ -132,11 +132,11 @@ impl Camera {
         }
     }
 
-    /// The ray at a wavelength (nm) from a place of the film (in pixels) through the lens of real glass, and its weight; `None` where the lens
-    /// lets nothing through.
-    pub fn ray_through(&self, system: &SystemLens, film: DVec2, lens: [f64; 2], nm: f64) -> Option<(Ray, f64)> {
-        let offset = (film - 0.5 * self.size) * (self.pixel * system.image_mm());
-        let (ray, weight) = system.ray(DVec2::new(offset.x, -offset.y), lens, nm)?;
+    /// The ray from a place of the film (in pixels) through the lens of real glass at a wavelength, and its weight; `None` where the lens lets
+    /// nothing through.
+    pub fn ray_through(&self, glass: &SystemAt<'_>, film: DVec2, lens: [f64; 2]) -> Option<(Ray, f64)> {
+        let offset = (film - 0.5 * self.size) * (self.pixel * glass.system().image_mm());
+        let (ray, weight) = glass.ray(DVec2::new(offset.x, -offset.y), lens)?;
         let to_world = |v: DVec3| self.right * v.x + self.up * v.y - self.forward * v.z;
         Some((Ray { origin: self.origin + to_world(ray.origin) * 1e-3, direction: to_world(ray.direction) }, weight))
     }

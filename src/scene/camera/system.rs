@@ -6,7 +6,7 @@
 
 use crate::error::{Error, Result};
 use crate::optics::glass::lines;
-use crate::optics::lens::{Lens, Limits, Ray, Travel};
+use crate::optics::lens::{Lens, Limits, Monochromatic, Ray, Travel};
 use glam::DVec2;
 
 /// Places along the sensor's radius at which the exit pupil's bounds are known.
@@ -41,6 +41,13 @@ pub struct SystemLens {
     pupils: Vec<Option<[DVec2; 2]>>,
     /// ∫ cos⁴θ/z² dA over the exit pupil for the sensor's middle at the d line: what makes a pixel there read the radiance it sees.
     on_axis: f64,
+}
+
+/// A lens and its sensor at one wavelength.
+#[derive(Debug, Clone)]
+pub struct SystemAt<'a> {
+    system: &'a SystemLens,
+    glass: Monochromatic<'a>,
 }
 
 impl SystemLens {
@@ -91,21 +98,9 @@ impl SystemLens {
         if focus_mm.is_finite() { self.focal_mm * focus_mm / (focus_mm - self.focal_mm) } else { self.focal_mm }
     }
 
-    /// The ray into the scene from a place of the picture (mm on the sensor, to the right and up as the picture is seen) through the place of
-    /// the exit pupil that `u` draws, at a wavelength in nm; and its weight, such that the mean over `u` of weight × radiance is what the
-    /// pixel reads. `None` where the lens lets nothing through.
-    pub fn ray(&self, picture_mm: DVec2, u: [f64; 2], nm: f64) -> Option<(Ray, f64)> {
-        // The image stands on its head.
-        let place = -picture_mm;
-        let radius = place.length();
-        let step = radius / self.sensor_radius_mm * self.pupils.len() as f64;
-        let [least, most] = self.pupils[(step as usize).min(self.pupils.len() - 1)]?;
-        let size = most - least;
-        let along = if radius > 0.0 { place / radius } else { DVec2::X };
-        let pupil = along.rotate(least + size * DVec2::from(u));
-        let (ray, geometry) = self.towards(place, pupil);
-        let out = self.lens.at(nm).trace(ray, Travel::ToScene, Limits::Apertures).ok()?;
-        Some((out, size.x * size.y * geometry / self.on_axis))
+    /// The lens as a wavelength (nm) sees it: its indices are looked up once, for any number of rays.
+    pub fn at(&self, nm: f64) -> SystemAt<'_> {
+        SystemAt { system: self, glass: self.lens.at(nm) }
     }
 
     /// The ray from a place of the sensor towards a place of the last vertex's plane, and cos⁴θ/z².
@@ -146,6 +141,31 @@ impl SystemLens {
     }
 }
 
+impl SystemAt<'_> {
+    /// The lens at all wavelengths.
+    pub fn system(&self) -> &SystemLens {
+        self.system
+    }
+
+    /// The ray into the scene from a place of the picture (mm on the sensor, to the right and up as the picture is seen) through the place of
+    /// the exit pupil that `u` draws; and its weight, such that the mean over `u` of weight × radiance is what the pixel reads. `None`
+    /// where the lens lets nothing through.
+    pub fn ray(&self, picture_mm: DVec2, u: [f64; 2]) -> Option<(Ray, f64)> {
+        let system = self.system;
+        // The image stands on its head.
+        let place = -picture_mm;
+        let radius = place.length();
+        let step = radius / system.sensor_radius_mm * system.pupils.len() as f64;
+        let [least, most] = system.pupils[(step as usize).min(system.pupils.len() - 1)]?;
+        let size = most - least;
+        let along = if radius > 0.0 { place / radius } else { DVec2::X };
+        let pupil = along.rotate(least + size * DVec2::from(u));
+        let (ray, geometry) = system.towards(place, pupil);
+        let out = self.glass.trace(ray, Travel::ToScene, Limits::Apertures).ok()?;
+        Some((out, size.x * size.y * geometry / system.on_axis))
+    }
+}
+
 /// The middles of the cells of a square grid of `side` cells a side that reaches from −reach to +reach.
 fn grid(side: usize, reach: f64) -> impl Iterator<Item = DVec2> {
     let place = move |i: usize| reach * (2.0 * (i as f64 + 0.5) / side as f64 - 1.0);
@@ -166,9 +186,9 @@ mod tests {
     use crate::optics::lens::catalogue;
 
     fn mean_weight(system: &SystemLens, place: DVec2, nm: f64) -> f64 {
-        let sobol = Sobol::new(5);
+        let (sobol, lens) = (Sobol::new(5), system.at(nm));
         let n = 1 << 14;
-        let weight = |i| system.ray(place, [sobol.at(i, 0), sobol.at(i, 1)], nm).map_or(0.0, |(_, weight)| weight);
+        let weight = |i| lens.ray(place, [sobol.at(i, 0), sobol.at(i, 1)]).map_or(0.0, |(_, weight)| weight);
         (0..n).map(weight).sum::<f64>() / f64::from(n)
     }
 
@@ -186,7 +206,8 @@ mod tests {
     #[test]
     fn rays_of_the_d_line_from_one_place_of_the_sensor_meet_in_the_plane_in_focus() {
         let system = SystemLens::new(catalogue::find("double gauss").unwrap().clone(), 3.0, 21.6).unwrap();
-        let at_focus = |u| system.ray(DVec2::new(2.0, 0.0), u, lines::D_NM).map(|(ray, _)| ray.at_z(-3000.0));
+        let at_d = system.at(lines::D_NM);
+        let at_focus = |u| at_d.ray(DVec2::new(2.0, 0.0), u).map(|(ray, _)| ray.at_z(-3000.0));
         let middle = at_focus([0.5, 0.5]).unwrap();
         assert!(middle.x > 0.0, "right in the picture is right in the scene: {middle}");
         for u in [[0.4, 0.5], [0.5, 0.62], [0.6, 0.45]] {
