@@ -3,20 +3,16 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod cli_common;
+mod golden;
 
 use cli_common::abbe;
+use golden::golden;
 use serde_json::Value;
-use std::path::Path;
 
 const RED: &str = r#"{"lines": [{"nm": 620, "power": 1}]}"#;
 const GREEN: &str = r#"{"lines": [{"nm": 550, "power": 1}]}"#;
 /// Low-pressure sodium with its match from a red and a green line.
 const SODIUM: [&str; 5] = ["lamps", "sodium-low-pressure", "--match", RED, GREEN];
-
-fn golden(name: &str) -> Value {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
 
 #[track_caller]
 fn assert_near(what: &str, found: &Value, known: &Value, tolerance: f64) {

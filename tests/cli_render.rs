@@ -3,9 +3,12 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod cli_common;
+#[path = "cli_common/folder.rs"]
+mod folder;
 
 use abbe::output::exr;
 use cli_common::{Said, abbe, command};
+use folder::names_in;
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Child, Stdio};
@@ -38,14 +41,6 @@ fn render(folder: &Path, more: &[&str]) -> Said {
 
 fn header(folder: &Path, name: &str, key: &str) -> String {
     exr::read(&folder.join(name)).unwrap().metadata.get(key).unwrap().to_string()
-}
-
-/// The names of all files, in their order.
-fn names_in(folder: &Path) -> Vec<String> {
-    let entries = std::fs::read_dir(folder).unwrap();
-    let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    names
 }
 
 #[test]

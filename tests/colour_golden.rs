@@ -4,18 +4,12 @@
 //! its method. Tolerances are those of the data's own description: 10⁻⁶ relative for XYZ, 10⁻⁵ in x, y, 0.5 K or 10⁻⁴
 //! for colour temperatures, 10⁻⁶ for Duv, 0.05 for the rendering indices.
 
-use std::fs;
-use std::path::Path;
+mod golden;
 
 use abbe::colour::{self, CorrelatedTemperature, RgbSpace, Transform, report};
 use abbe::spectrum::{BAND_NM, LUMENS_PER_WATT, Observer, SpectralLine, Spectrum, library, planck};
+use golden::golden;
 use serde_json::Value;
-
-fn golden(name: &str) -> Value {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
-    serde_json::from_str(&fs::read_to_string(path).expect("the golden files and the library agree"))
-        .expect("the golden files and the library agree")
-}
 
 fn numbers<const N: usize>(value: &Value) -> [f64; N] {
     let list = value.as_array().expect("a list");

@@ -2,25 +2,18 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[path = "golden/close.rs"]
+mod close;
+mod golden;
+
 use abbe::optics::glass::{Index, lines};
 use abbe::optics::lens::{
     Analysis, Lens, Limits, Monochromatic, Opening, Prescription, Profile, Ray, Surface, Travel, catalogue,
 };
+use close::{close, number};
 use glam::DVec3;
+use golden::golden;
 use serde_json::Value;
-
-fn golden(text: &str) -> Value {
-    serde_json::from_str(text).expect("golden files are JSON")
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().expect("a number")
-}
-
-#[track_caller]
-fn close(what: &str, got: f64, golden: f64, tolerance: f64) {
-    assert!((got - golden).abs() <= tolerance, "{what}: {got}, golden {golden}, off by {:e}", got - golden);
-}
 
 /// To 1e-6 of the golden value.
 #[track_caller]
@@ -38,7 +31,7 @@ fn meridional(at: &Monochromatic<'_>, y_mm: f64, angle_deg: f64) -> Ray {
 
 #[test]
 fn focal_lengths_back_foci_colour_shifts_and_f_numbers_equal_the_stated_ones() {
-    let file = golden(include_str!("golden/lenses.json"));
+    let file = golden("lenses.json");
     let lenses = file["lenses"].as_array().unwrap();
     assert_eq!(lenses.len(), catalogue::all().len());
     for entry in lenses {
@@ -58,7 +51,7 @@ fn focal_lengths_back_foci_colour_shifts_and_f_numbers_equal_the_stated_ones() {
 
 #[test]
 fn exact_rays_end_where_the_golden_ones_do() {
-    let file = golden(include_str!("golden/lenses.json"));
+    let file = golden("lenses.json");
     let mut compared = 0;
     for entry in file["lenses"].as_array().unwrap() {
         let name = entry["name"].as_str().unwrap();
@@ -77,7 +70,7 @@ fn exact_rays_end_where_the_golden_ones_do() {
 
 #[test]
 fn chief_rays_go_through_the_middle_of_the_stop_as_the_golden_ones_do() {
-    let file = golden(include_str!("golden/lenses.json"));
+    let file = golden("lenses.json");
     for entry in file["lenses"].as_array().unwrap() {
         let (name, row) = (entry["name"].as_str().unwrap(), &entry["chief_ray"]);
         let lens = catalogue::find(name).unwrap();
@@ -116,7 +109,7 @@ fn lens(semi_aperture_mm: f64, surfaces: &[(f64, f64, Index)]) -> Lens {
 
 #[test]
 fn thin_thick_and_ball_lenses_have_the_focal_lengths_of_the_lensmaker_s_formula() {
-    let file = golden(include_str!("golden/simple_lenses.json"));
+    let file = golden("simple_lenses.json");
     let (r1, r2) = (number(&file["R1"]), number(&file["R2"]));
     let ball_mm = number(&file["ball_diameter"]);
     let air = || Index::constant(1.0).unwrap();

@@ -3,9 +3,12 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod cli_common;
+#[path = "cli_common/folder.rs"]
+mod folder;
 
 use abbe::output::exr;
 use cli_common::{Said, abbe, command};
+use folder::names_in;
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Child, Stdio};
@@ -66,14 +69,6 @@ fn counted(mut stats: Value) -> Value {
         object.remove(*key);
     });
     stats
-}
-
-/// The names of all files, in their order.
-fn names_in(folder: &Path) -> Vec<String> {
-    let entries = std::fs::read_dir(folder).unwrap();
-    let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    names
 }
 
 #[test]

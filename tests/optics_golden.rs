@@ -1,29 +1,23 @@
 //! Optics against golden values that were computed independently, in Python, from the same published data.
 
+#[path = "golden/close.rs"]
+mod close;
+mod golden;
+
 use abbe::optics::glass::{Index, catalogue, lines};
 use abbe::optics::{fresnel, prism};
 use abbe::spectrum::library;
+use close::{close, number};
+use golden::golden;
 use serde_json::Value;
-
-fn golden(text: &str) -> Value {
-    serde_json::from_str(text).expect("golden files are JSON")
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().expect("a number")
-}
 
 fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().expect("a list").iter().map(number).collect()
 }
 
-fn close(what: &str, got: f64, golden: f64, tolerance: f64) {
-    assert!((got - golden).abs() <= tolerance, "{what}: {got}, golden {golden}, off by {:e}", got - golden);
-}
-
 #[test]
 fn indices_at_the_fraunhofer_lines_abbe_numbers_and_transmittances_equal_the_catalogue_s() {
-    let file = golden(include_str!("golden/glass.json"));
+    let file = golden("glass.json");
     let glasses = file["glasses"].as_array().unwrap();
     assert_eq!(glasses.len(), 115);
     let (mut indices, mut transmittances) = (0, 0);
@@ -53,7 +47,7 @@ fn indices_at_the_fraunhofer_lines_abbe_numbers_and_transmittances_equal_the_cat
 
 #[test]
 fn the_lines_are_where_the_golden_file_has_them() {
-    let file = golden(include_str!("golden/glass.json"));
+    let file = golden("glass.json");
     let ours = [
         ("h", lines::H_NM),
         ("g", lines::G_NM),
@@ -71,7 +65,7 @@ fn the_lines_are_where_the_golden_file_has_them() {
 
 #[test]
 fn reflectances_equal_fresnel_s_to_1e_9() {
-    let file = golden(include_str!("golden/fresnel.json"));
+    let file = golden("fresnel.json");
     let mut compared = 0;
     for case in file["cases"].as_array().unwrap() {
         let name = case["case"].as_str().unwrap();
@@ -102,7 +96,7 @@ fn reflectances_equal_fresnel_s_to_1e_9() {
 
 #[test]
 fn prism_angles_equal_snell_s() {
-    let file = golden(include_str!("golden/prism.json"));
+    let file = golden("prism.json");
     let mut compared = 0;
     for apex in ["apex60", "apex30"] {
         for (name, glass) in file[apex].as_object().unwrap() {
@@ -138,7 +132,7 @@ fn prism_angles_equal_snell_s() {
 
 #[test]
 fn metals_reflect_as_their_tables_say() {
-    let file = golden(include_str!("golden/metals.json"));
+    let file = golden("metals.json");
     let rows = file["normal_reflectance"].as_array().unwrap();
     assert_eq!(rows.len(), 77);
     for row in rows {

@@ -95,6 +95,19 @@ pub(crate) struct Comparison {
 }
 
 impl Comparison {
+    /// From each value's t and its degrees of freedom, and the ratio of the means.
+    fn of(tests: impl Iterator<Item = (f64, f64)>, ratio: f64) -> Self {
+        let (mut least_p, mut largest, mut squares, mut count) = (1.0_f64, 0.0_f64, 0.0, 0);
+        for (t, degrees) in tests {
+            least_p = least_p.min(two_sided(t, degrees));
+            largest = largest.max(t.abs());
+            squares += t * t;
+            count += 1;
+        }
+        let p = -((count as f64) * (-least_p).ln_1p()).exp_m1();
+        Self { p, largest, rms: (squares / count as f64).sqrt(), count, ratio }
+    }
+
     /// Whether the two are the same as far as noise lets one tell.
     pub(crate) fn is_equal(&self) -> bool {
         let level = 1.0 - (1.0 - SUITE_LEVEL).powf(1.0 / SUITE_COMPARISONS);
@@ -115,43 +128,33 @@ pub(crate) fn compare(a: &Measured, b: &Measured) -> Comparison {
     const FLOOR: f64 = 5e-4;
     assert_eq!(a.count(), b.count());
     let floor = FLOOR * 0.5 * (a.overall() + b.overall()).abs();
-    let (mut least_p, mut largest, mut squares) = (1.0_f64, 0.0_f64, 0.0);
-    for i in 0..a.count() {
+    let welch = |i: usize| {
         let [va, vb] = [a.error(i).max(floor).powi(2), b.error(i).max(floor).powi(2)];
         let t = (a.mean(i) - b.mean(i)) / (va + vb).sqrt();
-        let degrees = (va + vb).powi(2) / (va * va / a.degrees() + vb * vb / b.degrees());
-        least_p = least_p.min(two_sided(t, degrees));
-        largest = largest.max(t.abs());
-        squares += t * t;
-    }
-    let count = a.count();
-    Comparison {
-        p: -((count as f64) * (-least_p).ln_1p()).exp_m1(),
-        largest,
-        rms: (squares / count as f64).sqrt(),
-        count,
-        ratio: a.overall() / b.overall(),
-    }
+        (t, (va + vb).powi(2) / (va * va / a.degrees() + vb * vb / b.degrees()))
+    };
+    Comparison::of((0..a.count()).map(welch), a.overall() / b.overall())
+}
+
+/// Compares two pictures that are to be the same, says what it found, and checks that their standard errors, relative to the mean, are below
+/// `noise` and that they are equal.
+#[track_caller]
+pub(crate) fn assert_same(name: &str, a: &Measured, b: &Measured, noise: f64) {
+    let found = compare(a, b);
+    let [of_a, of_b] = [a, b].map(Measured::relative_error);
+    println!("{name}: {found}; standard errors {of_a:.4}, {of_b:.4}");
+    assert!(of_a < noise && of_b < noise, "too noisy to tell");
+    assert!(found.is_equal(), "{found}");
 }
 
 /// Compares one number with what it should be.
 pub(crate) fn compare_with(a: &Measured, truth: &[f64]) -> Comparison {
     let exact = Measured { runs: vec![truth.to_vec(), truth.to_vec()] };
-    let (mut least_p, mut largest, mut squares) = (1.0_f64, 0.0_f64, 0.0);
-    for (i, truth) in truth.iter().enumerate() {
+    let student = |(i, truth): (usize, &f64)| {
         let t = (a.mean(i) - truth) / a.error(i).max(1e-12 * truth.abs()).max(f64::MIN_POSITIVE);
-        least_p = least_p.min(two_sided(t, a.degrees()));
-        largest = largest.max(t.abs());
-        squares += t * t;
-    }
-    let count = a.count();
-    Comparison {
-        p: -((count as f64) * (-least_p).ln_1p()).exp_m1(),
-        largest,
-        rms: (squares / count as f64).sqrt(),
-        count,
-        ratio: a.overall() / exact.overall(),
-    }
+        (t, a.degrees())
+    };
+    Comparison::of(truth.iter().enumerate().map(student), a.overall() / exact.overall())
 }
 
 /// The probability of |t| or more by Student's distribution: I_{ν/(ν+t²)}(ν/2, 1/2), the integral worked out in the angle φ with

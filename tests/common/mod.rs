@@ -60,6 +60,16 @@ pub(crate) fn all_y(rendered: &Rendered) -> Vec<f64> {
     rendered.picture.xyz.iter().map(|xyz| xyz[1]).collect()
 }
 
+/// X, then Y, then Z in blocks of `side` × `side` pixels of the whole picture.
+pub(crate) fn colour_blocks(side: usize) -> impl Fn(&Rendered) -> Vec<f64> {
+    move |rendered| {
+        let picture = &rendered.picture;
+        let everything = vec![true; picture.xyz.len()];
+        let channel = |c: usize| picture.xyz.iter().map(|xyz| xyz[c]).collect::<Vec<_>>();
+        (0..3).flat_map(|c| block_means(&channel(c), picture.width, side, &everything)).collect()
+    }
+}
+
 /// Means of Y over blocks of `side` × `side` pixels, rows first; pixels whose `mask` is false do not count, and blocks less than a quarter of
 /// whose pixels count are left out.
 pub(crate) fn block_means(y: &[f64], width: usize, side: usize, mask: &[bool]) -> Vec<f64> {

@@ -1,6 +1,7 @@
 //! Rendered = integrated: a ColorChecker under five lamps has the colours that an independent program integrated from the same tables.
 
 use crate::common::{diffuse, overhead_camera, render};
+use crate::golden::golden;
 use abbe::render::Integrator;
 use abbe::spectrum::library;
 use serde_json::{Value, json};
@@ -50,7 +51,7 @@ fn mean(picture: &[[f64; 3]], patch: usize) -> [f64; 3] {
 
 #[test]
 fn a_rendered_colorchecker_has_the_integrated_colours_under_five_lamps() {
-    let golden: Value = serde_json::from_str(include_str!("../golden/colorchecker.json")).expect("JSON");
+    let golden = golden("colorchecker.json");
     let lamps =
         [("D65", "D65"), ("A", "A"), ("FL11", "FL11"), ("lamp HPS", "lamp/hps"), ("LPS_D_thin", "sodium-low-pressure")];
     assert_eq!(patches().len(), COLUMNS * ROWS);

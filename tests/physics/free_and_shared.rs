@@ -1,21 +1,12 @@
 //! Photons with wavelengths of their own and photons on the pass's shared wavelengths converge to the same picture, and the dispersive glass
 //! in a scene makes only those pixels noisier that look through it.
 
-use crate::common::compare::{Measured, compare};
-use crate::common::{block_means, diffuse, glass, job, render, with_setting};
+use crate::common::compare::{Measured, assert_same};
+use crate::common::{colour_blocks, diffuse, glass, job, render, with_setting};
 use abbe::emit::LightChoice;
-use abbe::render::{Integrator, Job, Rendered};
+use abbe::render::{Integrator, Job};
 use glam::DVec2;
 use serde_json::{Value, json};
-
-/// X, Y and Z in blocks of a square picture.
-fn colour_blocks(width: usize, side: usize) -> impl Fn(&Rendered) -> Vec<f64> {
-    move |rendered| {
-        let everything = vec![true; width * width];
-        let channel = |c: usize| rendered.picture.xyz.iter().map(|xyz| xyz[c]).collect::<Vec<_>>();
-        (0..3).flat_map(|c| block_means(&channel(c), width, side, &everything)).collect()
-    }
-}
 
 /// The caustic of a ball of dense flint, seen from below the ball: nothing but floor in view.
 fn floor_only() -> Value {
@@ -36,7 +27,7 @@ fn floor_only() -> Value {
 
 #[test]
 fn forced_onto_shared_wavelengths_a_picture_of_a_floor_stays_the_same() {
-    let take = colour_blocks(16, 8);
+    let take = colour_blocks(8);
     let scene = floor_only();
     let free = Measured::new(&scene, (Integrator::Photon, 16), 0..8, &take);
     let forced = with_setting(&scene, "force", json!(["shared"]));
@@ -44,14 +35,7 @@ fn forced_onto_shared_wavelengths_a_picture_of_a_floor_stays_the_same() {
         Measured::new(&with_setting(&forced, "radius", radius), (Integrator::Photon, 32), 100..108, &take)
     });
     let shared = Measured::extrapolated(&whole, &half);
-    let found = compare(&free, &shared);
-    println!(
-        "floor only, free against shared: {found}; standard errors {:.4}, {:.4}",
-        free.relative_error(),
-        shared.relative_error()
-    );
-    assert!(free.relative_error() < 1e-2 && shared.relative_error() < 1e-2, "too noisy to tell");
-    assert!(found.is_equal(), "{found}");
+    assert_same("floor only, free against shared", &free, &shared, 1e-2);
 }
 
 /// A small flint ball on a floor under a large lamp, seen through a flint prism that bends the view down to its caustic.
@@ -74,20 +58,13 @@ fn through_a_prism() -> Value {
 
 #[test]
 fn a_caustic_seen_through_a_dispersive_prism_keeps_its_energy() {
-    let take = colour_blocks(16, 8);
+    let take = colour_blocks(8);
     let scene = through_a_prism();
     let path = Measured::new(&scene, (Integrator::Path, 512), 100..108, &take);
     let [whole, half] = [0.06, 0.03]
         .map(|radius| Measured::new(&with_setting(&scene, "radius", radius), (Integrator::Photon, 64), 0..8, &take));
     let photon = Measured::extrapolated(&whole, &half);
-    let found = compare(&photon, &path);
-    println!(
-        "caustic through a prism, photon against path: {found}; standard errors {:.4}, {:.4}",
-        photon.relative_error(),
-        path.relative_error()
-    );
-    assert!(photon.relative_error() < 1e-2 && path.relative_error() < 1e-2, "too noisy to tell");
-    assert!(found.is_equal(), "{found}");
+    assert_same("caustic through a prism, photon against path", &photon, &path, 1e-2);
 }
 
 /// S1 of the benchmark scenes, near its caustic, with another index for the ball.

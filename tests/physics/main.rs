@@ -5,6 +5,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../golden/mod.rs"]
+mod golden;
 
 mod bands;
 mod caustic_colours;

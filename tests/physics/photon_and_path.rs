@@ -1,7 +1,7 @@
 //! Photon mapping and path tracing share no estimator beyond light straight from lamps: where both can, they must agree; and the
 //! comparison must see named faults.
 
-use crate::common::compare::{Measured, compare};
+use crate::common::compare::{Measured, assert_same, compare};
 use crate::common::edges::away_from_edges;
 use crate::common::{all_y, block_means, diffuse, glass, job, with_setting};
 use abbe::render::{Integrator, Rendered};
@@ -55,14 +55,7 @@ fn a_diffuse_box_and_faults_in_it() {
     let mask = away_from_edges(&job(&scene), 2.0 * RADIUS);
     let path = Measured::new(&scene, (Integrator::Path, 96), 100..108, blocks(&mask, 8));
     let photon = photons(&scene, RADIUS, 24, blocks(&mask, 8));
-    let found = compare(&photon, &path);
-    println!(
-        "box, photon against path: {found}; standard errors {:.4}, {:.4}",
-        photon.relative_error(),
-        path.relative_error()
-    );
-    assert!(photon.relative_error() < 5e-3 && path.relative_error() < 5e-3, "too noisy to tell");
-    assert!(found.is_equal(), "{found}");
+    assert_same("box, photon against path", &photon, &path, 5e-3);
 
     let brighter =
         compare(&photon, &Measured::new(&cornell(0.73 * 1.02), (Integrator::Path, 96), 100..108, blocks(&mask, 8)));
@@ -116,14 +109,7 @@ fn compare_balls(name: &str, scene: &Value, passes: [u64; 2], side: usize) -> (M
     let everything = vec![true; FILM * FILM];
     let path = Measured::new(scene, (Integrator::Path, passes[1]), 100..108, blocks(&everything, side));
     let photon = photons(scene, RADIUS, passes[0], blocks(&everything, side));
-    let found = compare(&photon, &path);
-    println!(
-        "{name}, photon against path: {found}; standard errors {:.4}, {:.4}",
-        photon.relative_error(),
-        path.relative_error()
-    );
-    assert!(photon.relative_error() < 5e-3 && path.relative_error() < 5e-3, "too noisy to tell");
-    assert!(found.is_equal(), "{found}");
+    assert_same(&format!("{name}, photon against path"), &photon, &path, 5e-3);
     (photon, path)
 }
 
