@@ -2,12 +2,13 @@
 //!
 //! [`fresnel`] says how much a smooth interface reflects and where it refracts; [`glass`] gives the index n(λ);
 //! [`microfacet`] roughens an interface; [`surface`] puts them together into what a surface does to a light path;
-//! [`lens`] traces rays through lenses of several elements; [`prism`] holds the textbook angles of a prism, to test the
+//! [`phase`] says where a medium scatters; [`lens`] traces rays through lenses of several elements; [`prism`] holds the textbook angles of a prism, to test the
 //! rest against.
 
 pub mod fresnel;
 pub mod glass;
 pub mod lens;
 pub mod microfacet;
+pub mod phase;
 pub mod prism;
 pub mod surface;

@@ -9,6 +9,7 @@ pub mod file;
 pub mod geometry;
 pub mod interior;
 pub mod light;
+pub mod medium;
 pub mod mesh;
 pub mod resolve;
 pub mod shape;

@@ -8,6 +8,7 @@ mod film;
 mod lens;
 mod lights;
 mod materials;
+mod media;
 mod mesh_materials;
 mod objects;
 mod spectra;

@@ -1,0 +1,118 @@
+//! Participating media: what fog, smoke, milk and flames do to light on its way.
+//!
+//! A medium's coefficients are functions of wavelength times a density that may vary in space, so that everything that happens
+//! along a stretch of a ray hangs on one number, the column density D = ∫ρ ds: the transmittance at every wavelength is
+//! exp(−σ_t(λ)·D).
+
+use super::geometry::Ray;
+use crate::optics::phase::Phase;
+use crate::spectrum::Spectrum;
+use glam::DVec3;
+
+/// A medium, placed in the scene. Coefficients are in 1/m at density 1.
+#[derive(Debug, Clone)]
+pub struct Medium {
+    /// Its name for reports.
+    pub name: String,
+    /// Absorption σ_a.
+    pub absorption: Spectrum,
+    /// Scattering σ_s.
+    pub scattering: Spectrum,
+    /// Extinction σ_t = σ_a + σ_s.
+    pub extinction: Spectrum,
+    /// Into which directions it scatters.
+    pub phase: Phase,
+    /// Where how much of it is.
+    pub density: Density,
+    /// How the light that passes is worked out.
+    pub transmittance: Transmittance,
+    /// Which body rules where several overlap: the higher.
+    pub priority: i32,
+}
+
+/// Density (relative, without unit) as a function of place.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Density {
+    /// 1 everywhere.
+    Uniform,
+}
+
+/// How the transmittance of a medium that varies in space is worked out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Transmittance {
+    /// From the exact column density.
+    Exact,
+    /// By ratio tracking: unbiased, noisy.
+    Ratio,
+    /// From the column density by midpoint steps: biased, without noise.
+    March {
+        /// Steps along a stretch.
+        steps: u32,
+    },
+}
+
+impl Medium {
+    /// A medium of these coefficients (1/m at density 1).
+    pub fn new(name: String, (absorption, scattering): (Spectrum, Spectrum), phase: Phase, density: Density) -> Self {
+        let extinction = Spectrum::mix(&[(1.0, &absorption), (1.0, &scattering)]);
+        let transmittance = Transmittance::Exact;
+        Self { name, absorption, scattering, extinction, phase, density, transmittance, priority: 0 }
+    }
+
+    /// The density at a point.
+    pub fn density_at(&self, point: DVec3) -> f64 {
+        match self.density {
+            Density::Uniform => {
+                let _ = point;
+                1.0
+            }
+        }
+    }
+
+    /// The largest density along the ray's first `length_m`: the bound of null-collision tracking.
+    pub fn majorant(&self, ray: &Ray, length_m: f64) -> f64 {
+        match self.density {
+            Density::Uniform => {
+                let (_, _) = (ray, length_m);
+                1.0
+            }
+        }
+    }
+
+    /// The column density ∫ρ ds in m along the ray's first `length_m` (which may be infinite), exact.
+    pub fn column_m(&self, ray: &Ray, length_m: f64) -> f64 {
+        match self.density {
+            Density::Uniform => {
+                let _ = ray;
+                length_m
+            }
+        }
+    }
+
+    /// How far along the ray the column density reaches `column_m`; `None` where the ray's first `length_m` hold less.
+    pub fn distance_at(&self, ray: &Ray, length_m: f64, column_m: f64) -> Option<f64> {
+        match self.density {
+            Density::Uniform => {
+                let _ = ray;
+                (column_m < length_m).then_some(column_m)
+            }
+        }
+    }
+
+    /// The part of the ray's first `length_m` in which the density may be above 0.
+    pub fn window(&self, ray: &Ray, length_m: f64) -> Option<(f64, f64)> {
+        match self.density {
+            Density::Uniform => {
+                let _ = ray;
+                Some((0.0, length_m))
+            }
+        }
+    }
+
+    /// Whether the density is the same everywhere.
+    pub fn is_uniform(&self) -> bool {
+        match self.density {
+            Density::Uniform => true,
+        }
+    }
+}
