@@ -29,11 +29,12 @@ const ORDER: [(&str, &[&str]); 16] = [
 const HOT: [&str; 4] = ["walk", "map", "emit", "gather"];
 
 /// Where a crate may be used: in these files or folders (below src), or everywhere.
-const CRATES: [(&str, &[&str]); 25] = [
+const CRATES: [(&str, &[&str]); 26] = [
     ("glam", &[""]),
     ("serde", &[""]),
-    ("obvhs", &["scene/bvh.rs"]),
+    ("obvhs", &["scene/bvh.rs", "map/near_ray.rs"]),
     ("kiddo", &["map/index.rs"]),
+    ("smallvec", &["walk/passage.rs"]),
     ("rand", &["math/random.rs"]),
     ("rand_pcg", &["math/random.rs"]),
     ("rayon", &["render/", "map/", "sensor/"]),

@@ -81,9 +81,8 @@ impl Receiver for Harvest {
             return;
         }
         let facing = if arrival.to_light().dot(hit.normal) >= 0.0 { hit.normal } else { -hit.normal };
-        let mut photon = Photon::new(arrival.to_light(), facing, arrival.wavelengths.count, 0);
-        photon.nm = arrival.wavelengths.nm.map(|nm| nm as f32);
-        photon.power = arrival.power.map(|power| power as f32);
+        let load = Load::new(&arrival.wavelengths, arrival.power, 0);
+        let photon = Photon::new(load, arrival.to_light(), facing);
         let list = if arrival.path == LightPath::Caustic { &mut self.caustic } else { &mut self.indirect };
         list.push((photon, hit.position.as_vec3().to_array()));
     }

@@ -1,9 +1,11 @@
 //! A photon's hit, connected to the camera: light tracing, without a kernel and so without bias.
 
 use super::photon::Arrival;
+use crate::math::random::hash64;
 use crate::optics::surface::Transport;
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Lanes};
+use crate::walk::{passages, passes};
 
 /// What a connected photon adds to one pixel.
 #[derive(Debug, Clone, Copy)]
@@ -30,6 +32,14 @@ pub fn connect(scene: &Scene, arrival: &Arrival<'_>, lens: [f64; 2]) -> Option<S
         radiance[k] = f * arrival.power[k] * geometry;
         any |= radiance[k] > 0.0;
     }
-    (any && encounter.sees(scene, sighting.direction, sighting.distance, None))
-        .then_some(Splat { pixel: sighting.pixel, radiance })
+    if !(any && encounter.sees(scene, sighting.direction, sighting.distance, None)) {
+        return None;
+    }
+    let start = encounter.leave(sighting.direction, encounter.interior_towards(sighting.direction));
+    let through = passages(scene, start, sighting.distance, hash64([u64::from(sighting.pixel), lens[0].to_bits()]));
+    if !through.is_empty() {
+        let active = arrival.wavelengths.active().iter().zip(&mut radiance);
+        active.for_each(|(&nm, radiance)| *radiance *= passes(&through, nm));
+    }
+    Some(Splat { pixel: sighting.pixel, radiance })
 }

@@ -1,6 +1,7 @@
 //! One photon's life.
 
 use super::aim::Aim;
+use super::drift::{Collision, Crossing, drift};
 use crate::math::distribution::Discrete;
 use crate::math::random::{Purpose, Stream, hash64};
 use crate::math::sobol::Sobol;
@@ -49,6 +50,8 @@ pub struct Emitters<'a> {
     pub purpose: Purpose,
     /// The pass.
     pub pass: u64,
+    /// Whether anything absorbs or scatters between surfaces.
+    pub volumes: bool,
 }
 
 /// A photon where it meets a surface.
@@ -66,10 +69,16 @@ pub struct Arrival<'a> {
     pub lane: usize,
 }
 
-/// Takes photons where they meet surfaces.
+/// Takes photons where they meet surfaces and where they cross media.
 pub trait Receiver {
     /// A photon has come to a diffuse or glossy surface.
     fn arrive(&mut self, arrival: &Arrival<'_>, stream: &mut Stream);
+
+    /// A photon sets out through a medium.
+    fn cross(&mut self, crossing: &Crossing<'_>, stream: &mut Stream);
+
+    /// A photon has met a particle of a medium.
+    fn collide(&mut self, collision: &Collision, stream: &mut Stream);
 
     /// A photon path starts at this cell of its light's aiming grid.
     fn depart(&mut self, light: usize, cell: usize);
@@ -108,17 +117,17 @@ impl Emitters<'_> {
 }
 
 /// A photon under way.
-struct Flight {
-    start: Start,
-    wavelengths: Wavelengths,
-    power: Lanes,
-    watts: Lanes,
-    lane: usize,
-    path: LightPath,
+pub(super) struct Flight {
+    pub(super) start: Start,
+    pub(super) wavelengths: Wavelengths,
+    pub(super) power: Lanes,
+    pub(super) watts: Lanes,
+    pub(super) lane: usize,
+    pub(super) path: LightPath,
 }
 
 impl Flight {
-    fn total_w(&self) -> f64 {
+    pub(super) fn total_w(&self) -> f64 {
         (0..self.wavelengths.count).map(|k| self.power[k] * self.watts[k]).sum()
     }
 }
@@ -130,11 +139,9 @@ pub fn trace<R: Receiver>(emitters: &Emitters<'_>, points: &Sobol, index: u64, r
     ledger.emitted += flight.total_w();
     let scene = emitters.scene;
     for _ in 0..emitters.max_depth {
-        let Some(encounter) = next(scene, flight.start, &mut stream.uniform()) else {
-            ledger.escaped += flight.total_w();
+        let Some(encounter) = fly(emitters, &mut flight, (&mut stream, &mut *receiver), ledger) else {
             return;
         };
-        absorb_on_the_way(scene, &mut flight, &encounter, ledger);
         if encounter.crossed_hidden && flight.path == LightPath::Direct {
             flight.path = LightPath::Caustic;
         }
@@ -180,16 +187,21 @@ fn emit<R: Receiver>(emitters: &Emitters<'_>, points: &Sobol, index: u32, receiv
     }
 }
 
-/// Beer's law on the way to the encounter.
-fn absorb_on_the_way(scene: &Scene, flight: &mut Flight, encounter: &Encounter<'_>, ledger: &mut Ledger) {
-    let Some(absorption) = scene.absorption_in(&encounter.here) else {
-        return;
-    };
-    for k in 0..flight.wavelengths.count {
-        let depth = absorption.at(flight.wavelengths.nm[k]) * encounter.distance;
-        ledger.absorbed_inside += flight.power[k] * flight.watts[k] * -(-depth).exp_m1();
-        flight.power[k] *= (-depth).exp();
+/// Follows the photon to the next surface; `None` where it ends before.
+fn fly<'a, R: Receiver>(
+    emitters: &Emitters<'a>,
+    flight: &mut Flight,
+    (stream, receiver): (&mut Stream, &mut R),
+    ledger: &mut Ledger,
+) -> Option<Encounter<'a>> {
+    if emitters.volumes {
+        return drift(emitters.scene, flight, (stream, receiver), ledger);
     }
+    let encounter = next(emitters.scene, flight.start, &mut stream.uniform());
+    if encounter.is_none() {
+        ledger.escaped += flight.total_w();
+    }
+    encounter
 }
 
 /// Applies a scattering event and Russian roulette; false where the photon ends.

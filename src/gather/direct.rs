@@ -2,11 +2,13 @@
 //! sampling (Veach & Guibas 1995, power heuristic).
 
 use crate::math::distribution::Discrete;
+use crate::math::random::hash64;
 use crate::optics::surface::Transport;
 use crate::scene::Scene;
 use crate::scene::geometry::{Hit, Ray};
 use crate::scene::light::{Light, Tint};
-use crate::walk::{Encounter, Start, Tally};
+use crate::scene::medium::Medium;
+use crate::walk::{Encounter, Passage, Passages, Start, Tally, passages, passages_tracked};
 use glam::DVec3;
 
 /// At most this many lamps are all asked at every point; of more, one is drawn.
@@ -17,6 +19,18 @@ const ASK_ALL: usize = 8;
 pub struct Direct<'a> {
     scene: &'a Scene,
     choice: &'a Discrete,
+    weakening: Weakening,
+}
+
+/// How the light is weakened on the way of shadow rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Weakening {
+    /// Not at all: nothing in the scene absorbs or scatters on the way.
+    Absent,
+    /// As each medium states.
+    AsStated,
+    /// By ratio tracking in all media.
+    Tracked,
 }
 
 /// A point that asks for light.
@@ -29,8 +43,19 @@ pub(super) struct Asking<'e, 'a> {
     pub(super) u: [f64; 3],
 }
 
+/// A point inside a medium that asks for light.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct AskingInside<'a> {
+    /// The point, and the bodies around it.
+    pub(super) start: Start,
+    pub(super) medium: &'a Medium,
+    /// The wavelength at which directions would be drawn, where scattered rays look for lamps too.
+    pub(super) scattered_nm: Option<f64>,
+    pub(super) u: [f64; 3],
+}
+
 /// Light that reaches a point straight from a lamp.
-pub(super) struct Lit<'a> {
+pub(super) struct Lit<'t, 'a> {
     pub(super) light: &'a Light,
     /// Towards the lamp, unit, in the encounter's frame.
     pub(super) wi: DVec3,
@@ -38,14 +63,30 @@ pub(super) struct Lit<'a> {
     /// sampling are in it.
     pub(super) strength: f64,
     pub(super) tint: Tint,
+    /// What passes on the way.
+    pub(super) through: &'t [Passage<'a>],
+}
+
+/// Light that reaches a point inside a medium straight from a lamp.
+pub(super) struct LitInside<'t, 'a> {
+    pub(super) light: &'a Light,
+    /// The way of the light there, unit, in the world.
+    pub(super) incoming: DVec3,
+    /// What the scattered radiance at a wavelength is: this × S(λ) × σ_s(λ) × p(cos θ, λ).
+    pub(super) strength: f64,
+    pub(super) tint: Tint,
+    /// What passes on the way.
+    pub(super) through: &'t [Passage<'a>],
 }
 
 /// A lamp found by a scattered ray.
-pub(super) struct Found<'a> {
+pub(super) struct Found<'t, 'a> {
     pub(super) light: &'a Light,
     /// Radiance over the band, W/m²/sr, times the weight of multiple importance sampling.
     pub(super) radiance: f64,
     pub(super) tint: Tint,
+    /// What passes on the way, as far as the path has not taken that into account already.
+    pub(super) through: &'t [Passage<'a>],
 }
 
 /// How the light that a ray finds counts, given where the ray comes from.
@@ -62,29 +103,95 @@ pub(super) enum Counts {
 impl<'a> Direct<'a> {
     /// The lamps of a scene, and how one of many is drawn.
     pub fn new(scene: &'a Scene, choice: &'a Discrete) -> Self {
-        Self { scene, choice }
+        let weakens = scene.materials.iter().filter_map(|material| material.body.as_ref());
+        let mut weakens = weakens.map(|body| body.medium.is_some() || body.absorption.is_some());
+        let weakening = if weakens.any(|weakens| weakens) { Weakening::AsStated } else { Weakening::Absent };
+        Self { scene, choice, weakening }
+    }
+
+    /// The same for the reference path tracer, which tracks its way through all media.
+    pub fn tracked(scene: &'a Scene, choice: &'a Discrete) -> Self {
+        let direct = Self::new(scene, choice);
+        match direct.weakening {
+            Weakening::Absent => direct,
+            Weakening::AsStated | Weakening::Tracked => Self { weakening: Weakening::Tracked, ..direct },
+        }
+    }
+
+    /// What passes on a free way of this length; `u` seeds what is random about it.
+    fn through(&self, start: Start, distance: f64, u: [f64; 3]) -> Passages<'a> {
+        let seed = || hash64(u.map(f64::to_bits));
+        match self.weakening {
+            Weakening::Absent => Passages::new(),
+            Weakening::AsStated => passages(self.scene, start, distance, seed()),
+            Weakening::Tracked => passages_tracked(self.scene, start, distance, seed()),
+        }
     }
 
     /// Calls `lit` for every lamp asked that reaches the encounter.
-    pub(super) fn ask(&self, asking: Asking<'_, '_>, tally: &mut Tally, mut lit: impl FnMut(Lit<'a>)) {
+    pub(super) fn ask(&self, asking: Asking<'_, '_>, tally: &mut Tally, mut lit: impl FnMut(Lit<'_, 'a>)) {
+        self.each_asked(asking.u, |number, u| self.ask_one(Asking { u, ..asking }, number, tally, &mut lit));
+    }
+
+    /// Calls `lit` for every lamp asked that reaches the point inside a medium.
+    pub(super) fn ask_inside(
+        &self,
+        asking: AskingInside<'a>,
+        tally: &mut Tally,
+        mut lit: impl FnMut(LitInside<'_, 'a>),
+    ) {
+        self.each_asked(asking.u, |number, u| {
+            self.ask_one_inside(AskingInside { u, ..asking }, number, tally, &mut lit);
+        });
+    }
+
+    /// Calls `ask` with the number of every lamp that a point asks: all, or of many one.
+    pub(super) fn each_asked(&self, mut u: [f64; 3], mut ask: impl FnMut(usize, [f64; 3])) {
         let lights = &self.scene.lights;
         if lights.len() <= ASK_ALL {
-            for number in 0..lights.len() {
-                self.ask_one(asking, number, tally, &mut lit);
-            }
+            (0..lights.len()).for_each(|number| ask(number, u));
         } else {
-            let mut u = asking.u;
             let number = self.choice.sample(&mut u[2]);
-            self.ask_one(Asking { u, ..asking }, number, tally, &mut lit);
+            ask(number, u);
+        }
+    }
+
+    /// Asks one lamp for light at a point inside a medium.
+    pub(super) fn ask_one_inside(
+        &self,
+        asking: AskingInside<'a>,
+        number: usize,
+        tally: &mut Tally,
+        lit: &mut impl FnMut(LitInside<'_, 'a>),
+    ) {
+        let AskingInside { start, medium, scattered_nm, u } = asking;
+        let light = &self.scene.lights[number];
+        let Some(incident) = light.towards(self.scene.world(), start.ray.origin, u) else {
+            return;
+        };
+        let (incoming, probability) = (-incident.direction, self.probability(number));
+        let share = match (scattered_nm, incident.pdf_solid_angle) {
+            (Some(nm), Some(pdf)) => {
+                // The path comes from the camera: it would have gone on into this direction with the same density.
+                power_heuristic(pdf * probability, medium.phase.at(start.ray.direction.dot(incident.direction), nm))
+            }
+            _ => 1.0,
+        };
+        let strength = incident.irradiance * share / probability;
+        tally.shadow_rays += 1;
+        let ray = Ray { origin: start.ray.origin, direction: incident.direction };
+        if strength > 0.0 && !self.scene.geometry.occluded(&ray, None, incident.target, incident.distance) {
+            let through = self.through(Start { ray, ..start }, incident.distance, u);
+            lit(LitInside { light, incoming, strength, tint: incident.tint, through: &through });
         }
     }
 
     /// The probability that a point asks this lamp.
-    fn probability(&self, number: usize) -> f64 {
+    pub(super) fn probability(&self, number: usize) -> f64 {
         if self.scene.lights.len() <= ASK_ALL { 1.0 } else { self.choice.probability(number) }
     }
 
-    fn ask_one(&self, asking: Asking<'_, '_>, number: usize, tally: &mut Tally, lit: &mut impl FnMut(Lit<'a>)) {
+    fn ask_one(&self, asking: Asking<'_, '_>, number: usize, tally: &mut Tally, lit: &mut impl FnMut(Lit<'_, 'a>)) {
         let Asking { encounter, nm, u } = asking;
         let light = &self.scene.lights[number];
         let Some(incident) = light.towards(self.scene.world(), encounter.hit.position, u) else {
@@ -102,12 +209,14 @@ impl<'a> Direct<'a> {
         let strength = incident.irradiance * wi.z.abs() * share / probability;
         tally.shadow_rays += 1;
         if strength > 0.0 && encounter.sees(self.scene, incident.direction, incident.distance, incident.target) {
-            lit(Lit { light, wi, strength, tint: incident.tint });
+            let start = encounter.leave(incident.direction, encounter.interior_towards(incident.direction));
+            let through = self.through(start, incident.distance, u);
+            lit(Lit { light, wi, strength, tint: incident.tint, through: &through });
         }
     }
 
     /// The lamp whose surface the ray hits, if it shines this way.
-    pub(super) fn found_on_surface(&self, direction: DVec3, hit: &Hit, counts: Counts) -> Option<Found<'a>> {
+    pub(super) fn found_on_surface(&self, direction: DVec3, hit: &Hit, counts: Counts) -> Option<Found<'a, 'a>> {
         let number = self.scene.objects[hit.object as usize].light?;
         let light = &self.scene.lights[number];
         let radiance = light.surface_radiance(direction, hit);
@@ -119,7 +228,7 @@ impl<'a> Direct<'a> {
                 power_heuristic(pdf, pdf_light)
             }
         };
-        (radiance * share > 0.0).then_some(Found { light, radiance: radiance * share, tint: Tint::Own })
+        (radiance * share > 0.0).then_some(Found { light, radiance: radiance * share, tint: Tint::Own, through: &[] })
     }
 
     /// Calls `found` for every distant lamp that a ray leaving the scene sees.
@@ -128,7 +237,7 @@ impl<'a> Direct<'a> {
         direction: DVec3,
         counts: Counts,
         tally: &mut Tally,
-        mut found: impl FnMut(Found<'a>),
+        mut found: impl FnMut(Found<'_, 'a>),
     ) {
         if matches!(counts, Counts::Not) {
             return;
@@ -147,22 +256,26 @@ impl<'a> Direct<'a> {
                 }
             };
             if radiance * share > 0.0 {
-                found(Found { light, radiance: radiance * share, tint });
+                found(Found { light, radiance: radiance * share, tint, through: &[] });
             }
         }
     }
 
     /// What one ray from `start`, drawn with density `pdf`, finds: a lamp's surface, or the distant lamps.
-    pub(super) fn look(&self, start: Start, pdf: f64, tally: &mut Tally, mut found: impl FnMut(Found<'a>)) {
+    pub(super) fn look(&self, start: Start, pdf: f64, tally: &mut Tally, mut found: impl FnMut(Found<'_, 'a>)) {
         let counts = Counts::Shared { place: start.ray.origin, pdf };
         let Ray { direction, .. } = start.ray;
         match self.scene.geometry.intersect(&start.ray, start.from, f64::INFINITY) {
             Some(hit) => {
                 if let Some(lamp) = self.found_on_surface(direction, &hit, counts) {
-                    found(lamp);
+                    let through = self.through(start, hit.t, direction.to_array());
+                    found(Found { through: &through, ..lamp });
                 }
             }
-            None => self.found_outside(direction, counts, tally, found),
+            None => self.found_outside(direction, counts, tally, |lamp| {
+                let through = self.through(start, f64::INFINITY, direction.to_array());
+                found(Found { through: &through, ..lamp });
+            }),
         }
     }
 }

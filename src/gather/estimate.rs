@@ -2,15 +2,18 @@
 
 use super::photon_gather::Gatherer;
 use super::throughput::{Colour, Factor, product};
-use crate::map::{Photon, PhotonIndex, kernel};
+use crate::map::{PhotonIndex, VolumeMap, kernel};
 use crate::optics::surface::{Surface, Transport};
-use crate::spectrum::LANES;
 use crate::walk::{Encounter, Sink};
 use glam::DVec3;
 
 /// The photon maps of one set of photons: caustics are sharp and want small kernels, indirect light is smooth and wants large ones.
 #[derive(Debug, Default)]
 pub struct Maps {
+    /// Photons in media, where they met particles.
+    pub points: VolumeMap,
+    /// Photons in media, along their whole way.
+    pub beams: VolumeMap,
     /// Photons that came by mirrors and glass only.
     pub caustic: PhotonIndex,
     /// Photons that were scattered before.
@@ -28,10 +31,14 @@ pub enum RadiusKind {
     SharedCaustic,
     /// For shared indirect photons.
     SharedIndirect,
+    /// For free photons in media.
+    FreeVolume,
+    /// For shared photons in media.
+    SharedVolume,
 }
 
-/// A pixel's first radii in m, by [`RadiusKind`].
-pub type Radii = [f32; 4];
+/// A pixel's first radii by [`RadiusKind`]: in m on surfaces, per distance from the camera in media.
+pub type Radii = [f32; 6];
 
 /// Photons whose surface faces another way by more than acos of this do not count.
 const NORMAL_TOLERANCE: f64 = 0.7;
@@ -87,29 +94,19 @@ impl Gatherer<'_> {
             let bsdf = |nm: f64| encounter.surface.eval(encounter.wo, wi, sides, Transport::Radiance, nm) * correction;
             match colour {
                 Colour::Free => {
-                    for k in 0..usize::from(photon.count) {
-                        let nm = f64::from(photon.nm[k]);
-                        let radiance = bsdf(nm) * product(factors, nm) * f64::from(photon.power[k]);
+                    for (nm, power) in photon.load.lanes() {
+                        let radiance = bsdf(nm) * product(factors, nm) * power;
                         sink.density(nm, radiance * kernels.estimate, radiance * kernels.bias());
                     }
                 }
                 Colour::Shared { lane, nm, throughput } => {
-                    if let Some(power) = shared_power(photon, lane) {
+                    if let Some(power) = photon.load.at_lane(lane) {
                         let radiance = bsdf(nm) * throughput * power;
                         sink.density(nm, radiance * kernels.estimate, radiance * kernels.bias());
                     }
                 }
             }
         });
-    }
-}
-
-/// The photon's power at the pass's shared wavelength number `lane`, if it still carries that.
-fn shared_power(photon: &Photon, lane: usize) -> Option<f64> {
-    if usize::from(photon.count) == LANES {
-        Some(f64::from(photon.power[lane]))
-    } else {
-        (usize::from(photon.lane) == lane).then_some(f64::from(photon.power[0]))
     }
 }
 

@@ -1,6 +1,7 @@
-//! Where a camera path comes to rest.
+//! Where a camera path comes to rest, and which ways through media it took.
 
 use crate::plan::partition::View;
+use crate::scene::geometry::Ray;
 use glam::DVec3;
 
 /// Where a camera path came to rest.
@@ -14,6 +15,19 @@ pub struct Landing {
     pub footprint_m: f64,
     /// What stood between it and the camera.
     pub view: View,
+    /// Whether the path had refracted dispersively.
+    pub shared: bool,
+}
+
+/// A way through a medium that scatters, along which a camera path looked for photons.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Leg {
+    /// The way.
+    pub ray: Ray,
+    /// Its length in m.
+    pub length_m: f64,
+    /// How far the camera is from its start, along the path, in m.
+    pub behind_m: f64,
     /// Whether the path had refracted dispersively.
     pub shared: bool,
 }

@@ -3,9 +3,12 @@
 
 mod camera_path;
 mod direct;
+mod distance;
 mod estimate;
 mod landing;
+mod media;
 mod outline;
+mod path_media;
 mod path_tracer;
 mod photon_gather;
 mod throughput;
@@ -13,7 +16,7 @@ mod throughput;
 pub use camera_path::Scratch;
 pub use direct::Direct;
 pub use estimate::{Maps, Radii, RadiusKind};
-pub use landing::Landing;
+pub use landing::{Landing, Leg};
 pub use outline::{Outline, Outlines};
 pub use path_tracer::PathTracer;
 pub use photon_gather::Gatherer;

@@ -8,9 +8,10 @@ use super::CameraNumbers;
 use super::direct::{Asking, Counts, Direct, Found, Lit};
 use super::throughput::relative_n2;
 use crate::optics::surface::{Class, Transport};
+use crate::plan::BetweenPlan;
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Lanes, WavelengthDistribution, Wavelengths};
-use crate::walk::{Encounter, Scattered, Sink, Start, Tally, next, scatter};
+use crate::walk::{Encounter, Leg, Scattered, Sink, Start, Tally, next, passes, scatter};
 
 /// All that the path tracer needs.
 #[derive(Debug)]
@@ -23,17 +24,19 @@ pub struct PathTracer<'a> {
     pub wavelengths: &'a WavelengthDistribution,
     /// Surface events a path may have.
     pub max_depth: u32,
+    /// What happens between surfaces.
+    pub between: BetweenPlan,
 }
 
 /// A path under way.
-struct Path {
-    start: Start,
-    wavelengths: Wavelengths,
+pub(super) struct Path {
+    pub(super) start: Start,
+    pub(super) wavelengths: Wavelengths,
     /// What the path lets through per wavelength, divided by all densities.
-    throughput: Lanes,
+    pub(super) throughput: Lanes,
     /// What the throughput was at the start, for roulette.
     first: Lanes,
-    counts: Counts,
+    pub(super) counts: Counts,
 }
 
 impl<'a> PathTracer<'a> {
@@ -43,11 +46,15 @@ impl<'a> PathTracer<'a> {
             return;
         };
         for depth in 0..self.max_depth {
-            let Some(encounter) = next(self.scene, path.start, &mut numbers.stream.uniform()) else {
-                self.direct.found_outside(path.start.ray.direction, path.counts, tally, |lamp| path.see(&lamp, sink));
-                return;
+            let encounter = match self.next(&mut path, &mut numbers, tally, sink) {
+                Leg::Met(encounter) => encounter,
+                Leg::Escaped => {
+                    let direction = path.start.ray.direction;
+                    self.direct.found_outside(direction, path.counts, tally, |lamp| path.see(&lamp, sink));
+                    return;
+                }
+                Leg::Ended => return,
             };
-            self.absorb_on_the_way(&mut path, &encounter);
             if encounter.crossed_hidden && !matches!(path.counts, Counts::Fully) {
                 // Shadow rays stop at hidden faces: a lamp behind one is counted where the path finds it.
                 path.counts = Counts::Fully;
@@ -67,6 +74,17 @@ impl<'a> PathTracer<'a> {
             if !path.survives(self.scene, depth, &mut numbers) {
                 return;
             }
+        }
+    }
+
+    /// How the path comes to the next surface.
+    fn next<S: Sink>(&self, path: &mut Path, numbers: &mut CameraNumbers, tally: &mut Tally, sink: &mut S) -> Leg<'a> {
+        match self.between {
+            BetweenPlan::Clear => {
+                let mut component = numbers.stream.uniform();
+                next(self.scene, path.start, &mut component).map_or(Leg::Escaped, Leg::Met)
+            }
+            BetweenPlan::Absorbing | BetweenPlan::Scattering => self.drift(path, numbers, tally, sink),
         }
     }
 
@@ -94,20 +112,12 @@ impl<'a> PathTracer<'a> {
         Some(Path { start, wavelengths, throughput, first: throughput, counts: Counts::Fully })
     }
 
-    fn absorb_on_the_way(&self, path: &mut Path, encounter: &Encounter<'_>) {
-        if let Some(coefficient) = self.scene.absorption_in(&encounter.here) {
-            for k in 0..path.wavelengths.count {
-                path.throughput[k] *= (-coefficient.at(path.wavelengths.nm[k]) * encounter.distance).exp();
-            }
-        }
-    }
-
     fn ask_lamps<S: Sink>(&self, path: &Path, encounter: &Encounter<'a>, u: [f64; 3], tally: &mut Tally, sink: &mut S) {
         let asking = Asking { encounter, nm: path.wavelengths.hero(), u };
-        self.direct.ask(asking, tally, |Lit { light, wi, strength, tint }| {
+        self.direct.ask(asking, tally, |Lit { light, wi, strength, tint, through }| {
             for (k, &nm) in path.wavelengths.active().iter().enumerate() {
                 let f = encounter.surface.eval(encounter.wo, wi, encounter.sides, Transport::Radiance, nm);
-                sink.radiance(nm, path.throughput[k] * f * light.shape_at(tint, nm) * strength);
+                sink.radiance(nm, path.throughput[k] * f * light.shape_at(tint, nm) * strength * passes(through, nm));
             }
         });
     }
@@ -115,7 +125,7 @@ impl<'a> PathTracer<'a> {
 
 impl Path {
     /// A lamp found by the path itself.
-    fn see<S: Sink>(&self, lamp: &Found<'_>, sink: &mut S) {
+    fn see<S: Sink>(&self, lamp: &Found<'_, '_>, sink: &mut S) {
         for (k, &nm) in self.wavelengths.active().iter().enumerate() {
             sink.radiance(nm, self.throughput[k] * lamp.light.shape_at(lamp.tint, nm) * lamp.radiance);
         }
@@ -137,13 +147,18 @@ impl Path {
         self.start = encounter.leave(scattered.direction, scattered.interior);
     }
 
+    /// What the path still lets through, relative to its start, in the mean over the wavelengths that it started with.
+    pub(super) fn passed(&self) -> f64 {
+        let lanes = self.throughput.iter().zip(&self.first).take(self.wavelengths.count);
+        lanes.filter(|(_, first)| **first > 0.0).map(|(t, first)| t / first).sum::<f64>() / LANES as f64
+    }
+
     /// Russian roulette by what the path still lets through, relative to its start, in the mean over the wavelengths that it started with.
     /// Radiance changes with n² where it enters and leaves glass; only what it loses beside that counts, or paths would die inside glass and
     /// the survivors come out of it too heavy.
     fn survives(&mut self, scene: &Scene, depth: u32, numbers: &mut CameraNumbers) -> bool {
         const FREE_EVENTS: u32 = 3;
-        let lanes = self.throughput.iter().zip(&self.first).take(self.wavelengths.count);
-        let passed = lanes.filter(|(_, first)| **first > 0.0).map(|(t, first)| t / first).sum::<f64>() / LANES as f64;
+        let passed = self.passed();
         if passed <= 0.0 {
             return false;
         }

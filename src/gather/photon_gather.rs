@@ -7,14 +7,15 @@ use super::estimate::{Maps, Radii, RadiusKind};
 use super::landing::Landing;
 use super::outline::Outlines;
 use super::throughput::{Colour, Factor, product, relative_n2};
+use crate::map::radius::Scales;
 use crate::math::random::ONE_MINUS_ULP;
 use crate::optics::surface::{Class, Event, Surface, Transport};
 use crate::plan::partition::{Estimator, LightPath, View, estimator};
-use crate::plan::{IndirectPlan, Plan, WavelengthPlan};
+use crate::plan::{BetweenPlan, IndirectPlan, Plan, WavelengthPlan};
 use crate::scene::Scene;
 use crate::scene::camera::SystemAt;
 use crate::spectrum::{LANES, Lanes};
-use crate::walk::{Encounter, Sink, Tally, draw_consistently, next};
+use crate::walk::{Encounter, Sink, Tally, draw_consistently, next, passes};
 
 /// All that camera paths of a pass need.
 #[derive(Debug)]
@@ -38,19 +39,19 @@ pub struct Gatherer<'a> {
     /// How far surfaces go on around what pixels see directly.
     pub outlines: &'a Outlines,
     /// How far kernels have shrunk since the first pass.
-    pub radius_scale: f64,
+    pub scales: Scales,
     /// Surface events a path may have.
     pub max_depth: u32,
 }
 
 /// What one camera sample uses from end to end.
-struct Sample<'s, 'a, S> {
-    pixel: u64,
-    numbers: CameraNumbers,
-    radii: &'s Radii,
-    scratch: &'s mut Scratch<'a>,
-    sink: &'s mut S,
-    tally: &'s mut Tally,
+pub(super) struct Sample<'s, 'a, S> {
+    pub(super) pixel: u64,
+    pub(super) numbers: CameraNumbers,
+    pub(super) radii: &'s Radii,
+    pub(super) scratch: &'s mut Scratch<'a>,
+    pub(super) sink: &'s mut S,
+    pub(super) tally: &'s mut Tally,
 }
 
 impl<'a> Gatherer<'a> {
@@ -65,6 +66,7 @@ impl<'a> Gatherer<'a> {
     ) {
         scratch.factors.clear();
         scratch.landings.clear();
+        scratch.legs.clear();
         let camera = &self.scene.camera;
         tally.lens_rays += u64::from(self.plan.aperture.is_finite());
         let path = |ray| CameraPath::new(ray, camera.interior);
@@ -110,14 +112,14 @@ impl<'a> Gatherer<'a> {
     fn follow<S: Sink>(&self, mut path: CameraPath, sample: &mut Sample<'_, 'a, S>) {
         let factors_before = sample.scratch.factors.len();
         while path.depth < self.max_depth {
-            let encounter = match next(self.scene, path.start, &mut sample.numbers.stream.uniform()) {
-                Some(encounter) => encounter,
-                None => {
-                    self.look_outside(&path, sample);
-                    break;
-                }
+            let met = match self.plan.between {
+                BetweenPlan::Clear => next(self.scene, path.start, &mut sample.numbers.stream.uniform()),
+                BetweenPlan::Absorbing | BetweenPlan::Scattering => self.advance(&mut path, sample),
             };
-            self.absorb_on_the_way(&mut path, &encounter, sample);
+            let Some(encounter) = met else {
+                self.look_outside(&path, sample);
+                break;
+            };
             path.depth += 1;
             path.distance += encounter.distance;
             if encounter.crossed_hidden {
@@ -149,19 +151,6 @@ impl<'a> Gatherer<'a> {
             }
         }
         sample.scratch.factors.truncate(factors_before);
-    }
-
-    /// Beer's law along the last stretch.
-    fn absorb_on_the_way<S: Sink>(
-        &self,
-        path: &mut CameraPath,
-        encounter: &Encounter<'a>,
-        sample: &mut Sample<'_, 'a, S>,
-    ) {
-        if let Some(coefficient) = self.scene.absorption_in(&encounter.here) {
-            sample.tally.absorptions += 1;
-            path.multiply(Factor::Absorption { coefficient, distance: encounter.distance }, sample.scratch);
-        }
     }
 
     /// The lamps at infinity.
@@ -197,11 +186,11 @@ impl<'a> Gatherer<'a> {
         let (u, lamp) = (sample.numbers.wavelength, sample.numbers.lamp());
         let asking = Asking { encounter, nm: path.reference_nm(), u: lamp };
         let Sample { scratch, sink, tally, .. } = sample;
-        self.direct.ask(asking, tally, |Lit { light, wi, strength, tint }| {
+        self.direct.ask(asking, tally, |Lit { light, wi, strength, tint, through }| {
             let (surface, wo, sides) = (encounter.surface, encounter.wo, encounter.sides);
             each_wavelength(path.colour, &scratch.factors, light, u, |nm, share| {
                 let f = surface.eval(wo, wi, sides, Transport::Radiance, nm);
-                sink.radiance(nm, share * light.shape_at(tint, nm) * strength * f);
+                sink.radiance(nm, share * light.shape_at(tint, nm) * strength * f * passes(through, nm));
             });
         });
     }
@@ -229,7 +218,8 @@ impl<'a> Gatherer<'a> {
         self.direct.look(start, scatter.probability, tally, |lamp| {
             each_wavelength(path.colour, &scratch.factors, lamp.light, wavelength, |nm, share| {
                 let response = surface.response(wo, &scatter, sides, Transport::Radiance, nm) / scatter.probability;
-                sink.radiance(nm, share * lamp.light.shape_at(lamp.tint, nm) * lamp.radiance * response);
+                let arriving = lamp.light.shape_at(lamp.tint, nm) * lamp.radiance * passes(lamp.through, nm);
+                sink.radiance(nm, share * arriving * response);
             });
         });
     }
@@ -251,7 +241,7 @@ impl<'a> Gatherer<'a> {
             let wanted = light_path != LightPath::Indirect || self.plan.indirect != IndirectPlan::Absent;
             if wanted && !map.is_empty() && estimator(light_path, class, view) == Estimator::PhotonMap {
                 sample.tally.map_queries += 1;
-                let radius = f64::from(sample.radii[kind as usize]) * self.radius_scale;
+                let radius = f64::from(sample.radii[kind as usize]) * self.scales.surface;
                 let share = match path.view {
                     View::Seen => self.outlines.share(sample.pixel as usize, &self.landing(path, encounter), radius),
                     View::Relayed => 1.0,
@@ -406,7 +396,7 @@ fn survives<S: Sink>(scene: &Scene, path: &mut CameraPath, sample: &mut Sample<'
 }
 
 /// Adds a lamp that a path sees; `u` shifts the wavelengths at which it is looked at.
-fn add_lamp<S: Sink>(colour: Colour, factors: &[Factor<'_>], lamp: &Found<'_>, u: f64, sink: &mut S) {
+fn add_lamp<S: Sink>(colour: Colour, factors: &[Factor<'_>], lamp: &Found<'_, '_>, u: f64, sink: &mut S) {
     each_wavelength(colour, factors, lamp.light, u, |nm, share| {
         sink.radiance(nm, share * lamp.light.shape_at(lamp.tint, nm) * lamp.radiance);
     });
@@ -414,7 +404,7 @@ fn add_lamp<S: Sink>(colour: Colour, factors: &[Factor<'_>], lamp: &Found<'_>, u
 
 /// Calls `f` with wavelengths (nm) and what the path lets through there divided by their density: a stratified set drawn from the
 /// lamp for free paths, the path's own wavelength for shared ones.
-fn each_wavelength(
+pub(super) fn each_wavelength(
     colour: Colour,
     factors: &[Factor<'_>],
     light: &crate::scene::light::Light,

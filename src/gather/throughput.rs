@@ -3,8 +3,7 @@
 use crate::optics::surface::{Scatter, Sides, Surface, Transport};
 use crate::scene::Scene;
 use crate::scene::interior::Interior;
-use crate::spectrum::Spectrum;
-use crate::walk::Start;
+use crate::walk::{Passage, Start};
 use glam::DVec3;
 
 /// One event's factor on the radiance that a camera path carries back.
@@ -19,8 +18,8 @@ pub(super) enum Factor<'a> {
         /// The probability or density with which the direction was chosen.
         probability: f64,
     },
-    /// Absorption along a stretch of glass or liquid (m).
-    Absorption { coefficient: &'a Spectrum, distance: f64 },
+    /// What passes a stretch of glass, liquid or fog.
+    Passage(Passage<'a>),
     /// The same for all wavelengths.
     Grey(f64),
 }
@@ -32,7 +31,7 @@ impl Factor<'_> {
             Factor::Scattering { surface, wo, scatter, sides, probability } => {
                 surface.response(*wo, scatter, *sides, Transport::Radiance, nm) / probability
             }
-            Factor::Absorption { coefficient, distance } => (-coefficient.at(nm) * distance).exp(),
+            Factor::Passage(passage) => passage.at(nm),
             Factor::Grey(value) => *value,
         }
     }

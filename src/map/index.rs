@@ -71,18 +71,19 @@ impl PhotonIndex {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::map::photon::Load;
     use crate::math::random::{Purpose, Stream};
+    use crate::spectrum::Wavelengths;
     use glam::DVec3;
 
     fn numbered(i: usize) -> Photon {
-        let mut photon = Photon::new(DVec3::Y, DVec3::Y, 4, 0);
-        photon.nm = [i as f32; 4];
-        photon
+        let load = Load::new(&Wavelengths::new([i as f64; 4]), [0.0; 4], 0);
+        Photon::new(load, DVec3::Y, DVec3::Y)
     }
 
     fn found(index: &PhotonIndex, place: [f32; 3], radius: f32) -> Vec<usize> {
         let mut hits = Vec::new();
-        index.within(place, radius, |f| hits.push(f.photon.nm[0] as usize));
+        index.within(place, radius, |f| hits.extend(f.photon.load.lanes().next().map(|(nm, _)| nm as usize)));
         hits.sort_unstable();
         hits
     }

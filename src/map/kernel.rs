@@ -2,19 +2,27 @@
 
 use std::f64::consts::FRAC_1_PI;
 
-/// The kernel in use, that of Epanechnikov in two dimensions, and the uniform one of the same radius; both integrate to 1 over the disk.
+/// The kernel in use, Epanechnikov's, and the uniform one of the same radius; both integrate to 1 over the disk, or over the line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Kernels {
-    /// Epanechnikov's: 2/(πr²)·(1 − d²/r²).
+    /// Epanechnikov's: 2/(πr²)·(1 − d²/r²) on the disk, 3/(4r)·(1 − d²/r²) on the line.
     pub estimate: f64,
-    /// The uniform kernel: 1/(πr²).
+    /// The uniform kernel: 1/(πr²), or 1/(2r).
     pub uniform: f64,
+    /// μ_e/(μ_u − μ_e) of their second moments.
+    moments: f64,
 }
 
-/// The kernels' values (1/m²) at the squared distance `d2` within the squared radius `r2`.
+/// The kernels' values on a disk (1/m²) at the squared distance `d2` within the squared radius `r2`.
 pub fn at(d2: f64, r2: f64) -> Kernels {
     let uniform = FRAC_1_PI / r2;
-    Kernels { estimate: 2.0 * uniform * (1.0 - d2 / r2), uniform }
+    Kernels { estimate: 2.0 * uniform * (1.0 - d2 / r2), uniform, moments: 2.0 }
+}
+
+/// The kernels' values on a line (1/m) at the distance `d` within the radius `r`; μ_u = r²/3 and μ_e = r²/5.
+pub fn on_line(d: f64, r: f64) -> Kernels {
+    let (uniform, share) = (0.5 / r, d / r);
+    Kernels { estimate: 1.5 * uniform * (1.0 - share * share), uniform, moments: 1.5 }
 }
 
 /// The share of the kernel's mass within `t` radii of its centre.
@@ -26,14 +34,14 @@ pub fn mass_within(t: f64) -> f64 {
 impl Kernels {
     /// The kernels where only a share of them lies on the surface: what lies there integrates to 1 again.
     pub fn over(self, share: f64) -> Self {
-        Self { estimate: self.estimate / share, uniform: self.uniform / share }
+        Self { estimate: self.estimate / share, uniform: self.uniform / share, ..self }
     }
 
     /// A photon's share in the estimated bias of the Epanechnikov estimate L_e, from L_u by the uniform kernel of the same radius. The
-    /// bias of a second-order kernel is proportional to its second moment μ; μ_u = r²/2 and μ_e = r²/3, so that
+    /// bias of a second-order kernel is proportional to its second moment μ; on the disk μ_u = r²/2 and μ_e = r²/3, so that
     /// b = μ_e/(μ_u − μ_e)·(L_u − L_e).
     pub fn bias(&self) -> f64 {
-        2.0 * (self.uniform - self.estimate)
+        self.moments * (self.uniform - self.estimate)
     }
 }
 
@@ -71,13 +79,28 @@ mod tests {
     }
 
     #[test]
+    fn kernels_on_a_line_integrate_to_one_and_find_the_bias_of_a_parabola() {
+        let (r, c, n) = (0.4_f64, 0.7, 100_000);
+        let over_line = |f: &dyn Fn(f64) -> f64| {
+            let place = |i: i32| (f64::from(i) + 0.5) / f64::from(n) * r;
+            (0..n).map(|i| 2.0 * f(place(i)) * r / f64::from(n)).sum::<f64>()
+        };
+        assert!((over_line(&|d| on_line(d, r).estimate) - 1.0).abs() < 1e-8);
+        assert!((over_line(&|d| on_line(d, r).uniform) - 1.0).abs() < 1e-8);
+        let estimate = over_line(&|d| (1.0 + c * d * d) * on_line(d, r).estimate);
+        let uniform = over_line(&|d| (1.0 + c * d * d) * on_line(d, r).uniform);
+        let bias = Kernels { estimate, uniform, ..on_line(0.0, r) }.bias();
+        assert!((bias - (estimate - 1.0)).abs() < 1e-8);
+    }
+
+    #[test]
     fn the_bias_of_a_parabola_is_found_exactly() {
         // Density 1 + c·d² seen at its vertex: the estimate is 1 + c·μ_e, its bias c·μ_e.
         let (r, c) = (0.5_f64, 0.8);
         let r2 = r * r;
         let estimate = over_disk(r, |d2| (1.0 + c * d2) * at(d2, r2).estimate);
         let uniform = over_disk(r, |d2| (1.0 + c * d2) * at(d2, r2).uniform);
-        let bias = Kernels { estimate, uniform }.bias();
+        let bias = Kernels { estimate, uniform, ..at(0.0, r2) }.bias();
         assert!((bias - (estimate - 1.0)).abs() < 1e-8);
     }
 }

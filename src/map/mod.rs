@@ -1,9 +1,13 @@
-//! Photons → density: the kd-tree, the kernel, the radius.
+//! Photons → density: the kd-tree over surfaces, what is near a ray in media, the kernel, the radius.
 
 pub mod index;
 pub mod kernel;
+mod near_ray;
 pub mod photon;
 pub mod radius;
+mod volume;
 
 pub use index::PhotonIndex;
-pub use photon::Photon;
+pub use near_ray::Cone;
+pub use photon::{Load, Photon};
+pub use volume::{Beam, Neighbour, VolumeMap, VolumePhoton};

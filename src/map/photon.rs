@@ -1,34 +1,58 @@
 //! A stored photon.
 
-use crate::spectrum::LANES;
+use crate::spectrum::{LANES, Lanes, Wavelengths};
 use glam::DVec3;
+
+/// The light that a stored photon carries.
+#[derive(Debug, Clone, Copy, Default, PartialEq, PartialOrd)]
+pub struct Load {
+    nm: [f32; LANES],
+    power: [f32; LANES],
+    count: u8,
+    lane: u8,
+}
+
+impl Load {
+    /// The wavelengths with their power: W for free photons, W/nm for shared ones. Of a single wavelength `lane` says which of the shared ones it is.
+    pub fn new(wavelengths: &Wavelengths, power: Lanes, lane: usize) -> Self {
+        let all = wavelengths.count == LANES;
+        Self {
+            nm: wavelengths.nm.map(|nm| nm as f32),
+            power: power.map(|power| power as f32),
+            count: wavelengths.count as u8,
+            lane: if all { 0 } else { lane as u8 },
+        }
+    }
+
+    /// Each wavelength (nm) and its power.
+    pub fn lanes(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let lanes = self.nm.iter().zip(&self.power).take(usize::from(self.count));
+        lanes.map(|(&nm, &power)| (f64::from(nm), f64::from(power)))
+    }
+
+    /// The power at the pass's shared wavelength number `lane`, if the photon still carries that.
+    pub fn at_lane(&self, lane: usize) -> Option<f64> {
+        if usize::from(self.count) == LANES {
+            Some(f64::from(self.power[lane]))
+        } else {
+            (usize::from(self.lane) == lane).then_some(f64::from(self.power[0]))
+        }
+    }
+}
 
 /// What is kept of a photon where it met a surface: 44 bytes, and 12 more for its position in the tree.
 #[derive(Debug, Clone, Copy, Default, PartialEq, PartialOrd)]
 pub struct Photon {
-    /// Its wavelengths in nm.
-    pub nm: [f32; LANES],
-    /// Power per wavelength: W for free photons, W/nm for shared ones.
-    pub power: [f32; LANES],
+    /// Its light.
+    pub load: Load,
     to_light: Octahedral,
     normal: Octahedral,
-    /// How many wavelengths it carries.
-    pub count: u8,
-    /// Which of the shared wavelengths a single one is.
-    pub lane: u8,
 }
 
 impl Photon {
     /// A photon that came from the unit direction `to_light` to a surface of this unit normal (on the side it came from).
-    pub fn new(to_light: DVec3, normal: DVec3, count: usize, lane: usize) -> Self {
-        Self {
-            nm: [0.0; LANES],
-            power: [0.0; LANES],
-            to_light: Octahedral::encode(to_light),
-            normal: Octahedral::encode(normal),
-            count: count as u8,
-            lane: lane as u8,
-        }
+    pub fn new(load: Load, to_light: DVec3, normal: DVec3) -> Self {
+        Self { load, to_light: Octahedral::encode(to_light), normal: Octahedral::encode(normal) }
     }
 
     /// The unit direction towards where the photon came from.
@@ -44,10 +68,10 @@ impl Photon {
 
 /// A unit vector on the octahedron, 16 bits a coordinate (Cigolle et al. 2014); off by less than 7·10⁻⁵ rad.
 #[derive(Debug, Clone, Copy, Default, PartialEq, PartialOrd)]
-struct Octahedral([i16; 2]);
+pub(super) struct Octahedral([i16; 2]);
 
 impl Octahedral {
-    fn encode(v: DVec3) -> Self {
+    pub(super) fn encode(v: DVec3) -> Self {
         let l1 = v.x.abs() + v.y.abs() + v.z.abs();
         let (x, y) = (v.x / l1, v.y / l1);
         let (x, y) = if v.z >= 0.0 {
@@ -59,7 +83,7 @@ impl Octahedral {
         Self([quantise(x), quantise(y)])
     }
 
-    fn decode(self) -> DVec3 {
+    pub(super) fn decode(self) -> DVec3 {
         let [x, y] = self.0.map(|c| f64::from(c) / f64::from(i16::MAX));
         let z = 1.0 - x.abs() - y.abs();
         let fold = (-z).max(0.0);

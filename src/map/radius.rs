@@ -1,20 +1,39 @@
 //! Kernel radii: fixed per pixel by the pilot, shrinking with the pass.
 
-/// How far the radius of pass `pass` (counted from 0) has shrunk: r_pass = scale · r_first. From r²_{i+1} = r²_i (i + α)/(i + 1), i counted from
-/// 1, with α = 2/3 for surfaces (Knaus & Zwicker 2011, eq. 15): mean square error then falls as N^(−2/3). Depends on the
+/// How far the radii of a pass have shrunk.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scales {
+    /// On surfaces.
+    pub surface: f64,
+    /// Of points in media, seen along a ray.
+    pub points: f64,
+    /// Of beams in media, seen along a ray.
+    pub beams: f64,
+}
+
+impl Scales {
+    /// Those of a pass, counted from 0.
+    pub fn of_pass(pass: u64) -> Self {
+        Self { surface: scale(pass, 2), points: scale(pass, 2), beams: scale(pass, 1) }
+    }
+}
+
+/// How far the radius of pass `pass` (counted from 0) has shrunk: r_pass = scale · r_first. From rᵈ_{i+1} = rᵈ_i (i + α)/(i + 1), i counted from
+/// 1, with α = 4/(d + 4) for a kernel of d dimensions (Knaus & Zwicker 2011, eq. 15): 2 on surfaces and for points seen along a ray, where mean square
+/// error then falls as N^(−2/3); 1 for beams seen along a ray, N^(−4/5). Depends on the
 /// pass's number alone, so that passes may run in any order.
-pub fn scale(pass: u64) -> f64 {
-    const ALPHA: f64 = 2.0 / 3.0;
+fn scale(pass: u64, dimensions: u32) -> f64 {
+    let alpha = 4.0 / (f64::from(dimensions) + 4.0);
     // Π (i + α)/(i + 1) for i = 1…pass: exact for the first, then by the ratio Γ(n + α)/Γ(n + 1) ~ n^(α−1)(1 + (α−1)α/2n).
     const EXACT: u64 = 4096;
-    let product: f64 = (1..=pass.min(EXACT)).map(|i| (i as f64 + ALPHA) / (i as f64 + 1.0)).product();
+    let product: f64 = (1..=pass.min(EXACT)).map(|i| (i as f64 + alpha) / (i as f64 + 1.0)).product();
     let tail = if pass > EXACT {
-        let ratio = |n: f64| n.powf(ALPHA - 1.0) * (1.0 + (ALPHA - 1.0) * ALPHA / (2.0 * n));
+        let ratio = |n: f64| n.powf(alpha - 1.0) * (1.0 + (alpha - 1.0) * alpha / (2.0 * n));
         ratio(pass as f64 + 1.0) / ratio(EXACT as f64 + 1.0)
     } else {
         1.0
     };
-    (product * tail).sqrt()
+    (product * tail).powf(1.0 / f64::from(dimensions))
 }
 
 /// The first radius (m) of a pixel: that of the k-th nearest photon, at least the pixel's footprint (a smaller kernel only adds
@@ -29,12 +48,14 @@ mod tests {
 
     #[test]
     fn radii_shrink_as_the_recurrence_says() {
-        let mut squared = 1.0;
-        for i in 1..6000_u64 {
-            assert!((scale(i - 1).powi(2) / squared - 1.0).abs() < 1e-7, "pass {i}");
-            squared *= (i as f64 + 2.0 / 3.0) / (i as f64 + 1.0);
+        for (dimensions, alpha) in [(1, 4.0 / 5.0), (2, 2.0 / 3.0)] {
+            let mut power = 1.0;
+            for i in 1..6000_u64 {
+                assert!((scale(i - 1, dimensions).powi(dimensions as i32) / power - 1.0).abs() < 1e-7, "pass {i}");
+                power *= (i as f64 + alpha) / (i as f64 + 1.0);
+            }
+            assert_eq!(scale(0, dimensions), 1.0);
         }
-        assert_eq!(scale(0), 1.0);
     }
 
     #[test]

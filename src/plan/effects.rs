@@ -1,8 +1,8 @@
 //! The table of effects: the fact that calls for each, the field of the plan, the code that reads it, and what its absence means.
 
 use super::{
-    AbsorptionPlan, AimPlan, AperturePlan, CausticPlan, DirectPlan, EnvironmentPlan, IndirectPlan, Plan, RoughnessPlan,
-    WavelengthPlan,
+    AimPlan, AperturePlan, BetweenPlan, CausticPlan, DirectPlan, EnvironmentPlan, IndirectPlan, Plan, RoughnessPlan,
+    VolumePlan, WavelengthPlan,
 };
 use crate::error::{Error, Result};
 use crate::scene::facts::Facts;
@@ -31,7 +31,7 @@ pub struct Effect {
 }
 
 /// All effects.
-pub const EFFECTS: [Effect; 10] = [
+pub const EFFECTS: [Effect; 13] = [
     Effect {
         name: "dispersion",
         field: "wavelengths",
@@ -141,14 +141,51 @@ pub const EFFECTS: [Effect; 10] = [
     },
     Effect {
         name: "absorption",
-        field: "absorption",
+        field: "between",
         read_by: "walk (stretches inside bodies)",
         cost: "an exponential per wavelength and stretch",
         absent: "bodies are clear",
         called_by: "absorbing glass or liquid",
         uncalled: "no absorbing glass or liquid",
         calls: |facts| facts.absorbing_bodies.clone(),
-        set: |plan, _, on| plan.absorption = if on { AbsorptionPlan::Beer } else { AbsorptionPlan::Absent },
+        set: |plan, _, on| plan.between = if on { BetweenPlan::Absorbing } else { BetweenPlan::Clear },
+    },
+    Effect {
+        name: "media",
+        field: "between",
+        read_by: "walk (stretches of fog and smoke), gather (light scattered into camera rays), emit (photons that meet particles)",
+        cost: "a drawn place and a shadow ray for each lamp and stretch of a camera ray; a drawn distance for each stretch of a photon's way",
+        absent: "light passes between surfaces as if nothing were there",
+        called_by: "media",
+        uncalled: "nothing fills the space between surfaces",
+        calls: |facts| facts.media.clone(),
+        set: |plan, _, on| {
+            if on {
+                plan.between = BetweenPlan::Scattering;
+            }
+        },
+    },
+    Effect {
+        name: "volume-photons",
+        field: "volume",
+        read_by: "emit (what is kept where photons meet particles), gather (along camera rays)",
+        cost: "52 bytes a scattering, the tree of boxes, one look along each camera ray",
+        absent: "no photon is kept where it meets a particle",
+        called_by: "dense media that scatter light again and again",
+        uncalled: "no dense medium that scatters",
+        calls: |facts| facts.dense_media.clone(),
+        set: |plan, _, on| plan.volume = VolumePlan::of(on, plan.volume.keeps_beams(false)),
+    },
+    Effect {
+        name: "photon-beams",
+        field: "volume",
+        read_by: "emit (photons' ways through media), gather (along camera rays)",
+        cost: "64 bytes a way, the tree of its pieces' boxes, one look along each camera ray",
+        absent: "no photon's way is kept",
+        called_by: "thin media that scatter light",
+        uncalled: "no thin medium that scatters",
+        calls: |facts| facts.thin_media.clone(),
+        set: |plan, _, on| plan.volume = VolumePlan::of(plan.volume.keeps_points(true), on),
     },
     Effect {
         name: "aim",
@@ -224,7 +261,8 @@ pub(super) fn decide(facts: &Facts, force: &[String], forbid: &[String]) -> Resu
         aperture: AperturePlan::Pinhole,
         environment: EnvironmentPlan::Absent,
         roughness: RoughnessPlan::Absent,
-        absorption: AbsorptionPlan::Absent,
+        between: BetweenPlan::Clear,
+        volume: VolumePlan::Absent,
         aim: AimPlan::Plain,
     };
     let mut rows = Vec::with_capacity(EFFECTS.len());

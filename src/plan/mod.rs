@@ -32,8 +32,10 @@ pub struct Plan {
     pub environment: EnvironmentPlan,
     /// Rough and coated surfaces.
     pub roughness: RoughnessPlan,
-    /// Absorption inside bodies.
-    pub absorption: AbsorptionPlan,
+    /// What happens between surfaces.
+    pub between: BetweenPlan,
+    /// Light that reaches the ray through a medium after it passed glass or was scattered before.
+    pub volume: VolumePlan,
     /// Where photons are sent.
     pub aim: AimPlan,
 }
@@ -121,13 +123,50 @@ pub enum RoughnessPlan {
     Sampled,
 }
 
-/// Absorption inside bodies.
+/// What happens between surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum AbsorptionPlan {
-    /// All bodies are clear.
+pub enum BetweenPlan {
+    /// Nothing: air and bodies are clear.
+    Clear,
+    /// Bodies absorb by Beer's law.
+    Absorbing,
+    /// Media absorb, scatter or glow.
+    Scattering,
+}
+
+/// Light that reaches a camera ray through a medium after it passed glass or was scattered before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VolumePlan {
+    /// None.
     Absent,
-    /// Beer's law.
-    Beer,
+    /// Photons as points, in all media.
+    Points,
+    /// Photons as beams, in all media.
+    Beams,
+    /// Points in dense media, beams in thin ones.
+    ByDensity,
+}
+
+impl VolumePlan {
+    /// The plan that has points, beams, both or neither.
+    fn of(points: bool, beams: bool) -> Self {
+        match (points, beams) {
+            (false, false) => Self::Absent,
+            (true, false) => Self::Points,
+            (false, true) => Self::Beams,
+            (true, true) => Self::ByDensity,
+        }
+    }
+
+    /// Whether photons are kept as points in a medium that is dense or not.
+    pub fn keeps_points(self, dense: bool) -> bool {
+        self == Self::Points || (self == Self::ByDensity && dense)
+    }
+
+    /// Whether photons are kept as beams in a medium that is dense or not.
+    pub fn keeps_beams(self, dense: bool) -> bool {
+        self == Self::Beams || (self == Self::ByDensity && !dense)
+    }
 }
 
 /// Where photons are sent.

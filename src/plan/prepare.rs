@@ -41,7 +41,7 @@ fn take_out(scene: &mut Scene, effect: &str) -> Result<()> {
     match effect {
         "dispersion" => {
             for body in scene.materials.iter_mut().filter_map(|material| material.body.as_mut()) {
-                body.index = Index::constant(body.index.n(D_LINE_NM))?;
+                body.index = body.index.as_ref().map(|index| Index::constant(index.n(D_LINE_NM))).transpose()?;
             }
         }
         "absorption" => {
@@ -64,7 +64,10 @@ fn take_out(scene: &mut Scene, effect: &str) -> Result<()> {
                 .expected("a camera without a lens of real glass, or \"depth-of-field\" forbidden"));
         }
         // The plan's field alone leaves these out.
-        "caustics" | "indirect" | "direct" | "aim" => {}
+        "caustics" | "indirect" | "direct" | "aim" | "volume-photons" | "photon-beams" => {}
+        "media" => {
+            scene.materials.iter_mut().filter_map(|m| m.body.as_mut()).for_each(|body| body.medium = None);
+        }
         other => return Err(Error::input(format!("the effect \"{other}\" cannot be forbidden"))),
     }
     Ok(())

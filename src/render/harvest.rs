@@ -1,13 +1,12 @@
 //! What is kept of the photons: some connected to the camera, some stored for the maps.
 
-use crate::emit::{Arrival, Receiver, connect::connect};
-use crate::map::Photon;
+use crate::emit::{Arrival, Collision, Crossing, Receiver, connect::connect};
+use crate::map::{Beam, Load, Photon, VolumePhoton};
 use crate::math::random::Stream;
 use crate::plan::partition::{Estimator, LightPath, View, estimator, kept_in_map};
 use crate::plan::{AperturePlan, CausticPlan, IndirectPlan, Plan, WavelengthPlan};
 use crate::scene::Scene;
 use crate::sensor::SplatSink;
-use crate::spectrum::LANES;
 use crate::walk::Tally;
 
 /// A photon and its place (m, relative to the scene's centre).
@@ -30,13 +29,28 @@ pub(super) struct Harvest<'a> {
     set: Set,
     pub(super) caustic: Vec<Placed>,
     pub(super) indirect: Vec<Placed>,
+    pub(super) points: Vec<VolumePhoton>,
+    pub(super) beams: Vec<Beam>,
+    /// The probability with which a beam is kept.
+    beam_share: f64,
     pub(super) splats: SplatSink,
     pub(super) tally: Tally,
 }
 
 impl<'a> Harvest<'a> {
-    pub(super) fn new(scene: &'a Scene, plan: &'a Plan, set: Set, splats: SplatSink) -> Self {
-        Self { scene, plan, set, caustic: Vec::new(), indirect: Vec::new(), splats, tally: Tally::default() }
+    pub(super) fn new(scene: &'a Scene, plan: &'a Plan, (set, beam_share): (Set, f64), splats: SplatSink) -> Self {
+        Self {
+            scene,
+            plan,
+            set,
+            caustic: Vec::new(),
+            indirect: Vec::new(),
+            points: Vec::new(),
+            beams: Vec::new(),
+            beam_share,
+            splats,
+            tally: Tally::default(),
+        }
     }
 
     /// Connects an arrival to the camera, if the partition leaves it to connections.
@@ -82,6 +96,27 @@ impl Receiver for Harvest<'_> {
         }
     }
 
+    fn cross(&mut self, crossing: &Crossing<'_>, stream: &mut Stream) {
+        let Crossing { stretch, medium, path, wavelengths, power, lane } = crossing;
+        let here = &self.scene.media[*medium];
+        let kept = self.plan.volume.keeps_beams(here.dense) && here.scatters() && stretch.length_m.is_finite();
+        if kept && *path != LightPath::Direct && stream.uniform() < self.beam_share {
+            self.tally.volume_beams += 1;
+            let end = stretch.ray.at(stretch.length_m);
+            let load = Load::new(wavelengths, power.map(|power| power / self.beam_share), *lane);
+            self.beams.push(Beam::new(stretch.ray.origin, end, *medium, load));
+        }
+    }
+
+    fn collide(&mut self, collision: &Collision, _stream: &mut Stream) {
+        let Collision { position, incoming, medium, path, wavelengths, power, lane } = collision;
+        let here = &self.scene.media[*medium];
+        if self.plan.volume.keeps_points(here.dense) && here.scatters() && *path != LightPath::Direct {
+            self.tally.volume_points += 1;
+            self.points.push(VolumePhoton::new(*position, *incoming, *medium, Load::new(wavelengths, *power, *lane)));
+        }
+    }
+
     fn depart(&mut self, _light: usize, _cell: usize) {
         self.tally.photons += 1;
         self.tally.shared_photons += u64::from(self.set == Set::Shared);
@@ -94,9 +129,5 @@ fn stored(arrival: &Arrival<'_>) -> Photon {
     let hit = &arrival.encounter.hit;
     let to_light = arrival.to_light();
     let facing = if to_light.dot(hit.normal) >= 0.0 { hit.normal } else { -hit.normal };
-    let lane = if arrival.wavelengths.count == LANES { 0 } else { arrival.lane };
-    let mut photon = Photon::new(to_light, facing, arrival.wavelengths.count, lane);
-    photon.nm = arrival.wavelengths.nm.map(|nm| nm as f32);
-    photon.power = arrival.power.map(|power| power as f32);
-    photon
+    Photon::new(Load::new(&arrival.wavelengths, arrival.power, arrival.lane), to_light, facing)
 }

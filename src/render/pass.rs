@@ -5,7 +5,8 @@ use super::pilot::Pilot;
 use super::{Job, Run};
 use crate::emit::{Emitters, Wavelengthed, trace};
 use crate::gather::{CameraNumbers, Direct, Gatherer, Maps, PathTracer, Scratch, golden};
-use crate::map::{PhotonIndex, radius};
+use crate::map::radius::Scales;
+use crate::map::{Beam, PhotonIndex, VolumeMap, VolumePhoton};
 use crate::math::random::{Purpose, REPLICATES, hash64};
 use crate::sensor::film::FilmRow;
 use crate::sensor::{PixelSink, SplatSink};
@@ -34,6 +35,8 @@ impl Sink for PixelSink<'_> {
 pub(super) struct Emitted {
     pub(super) caustic: Vec<Placed>,
     pub(super) indirect: Vec<Placed>,
+    pub(super) points: Vec<VolumePhoton>,
+    pub(super) beams: Vec<Beam>,
     pub(super) splats: Vec<SplatSink>,
     pub(super) ledger: Ledger,
     pub(super) tally: Tally,
@@ -41,8 +44,13 @@ pub(super) struct Emitted {
 
 impl Emitted {
     /// The set's maps.
-    pub(super) fn maps(&self) -> Maps {
-        Maps { caustic: PhotonIndex::build(&self.caustic), indirect: PhotonIndex::build(&self.indirect) }
+    pub(super) fn maps(&mut self) -> Maps {
+        Maps {
+            caustic: PhotonIndex::build(&self.caustic),
+            indirect: PhotonIndex::build(&self.indirect),
+            points: VolumeMap::of_points(std::mem::take(&mut self.points)),
+            beams: VolumeMap::of_beams(std::mem::take(&mut self.beams)),
+        }
     }
 }
 
@@ -57,12 +65,17 @@ pub(super) fn shared_wavelengths(job: &Job, pass: u64) -> (Lanes, Lanes) {
 }
 
 /// Emits a set of photons on all threads of the pool; the result does not depend on their number.
-pub(super) fn emit(job: &Job, emitters: &Emitters<'_>, set: Set, splats: impl Fn() -> SplatSink + Sync) -> Emitted {
+pub(super) fn emit(
+    job: &Job,
+    emitters: &Emitters<'_>,
+    (set, beam_share): (Set, f64),
+    splats: impl Fn() -> SplatSink + Sync,
+) -> Emitted {
     let points = emitters.points();
     let chunks: Vec<(Harvest<'_>, Ledger)> = (0..emitters.count.div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
-            let mut harvest = Harvest::new(&job.scene, &job.plan, set, splats());
+            let mut harvest = Harvest::new(&job.scene, &job.plan, (set, beam_share), splats());
             let mut ledger = Ledger::new(job.scene.materials.len());
             for index in chunk * CHUNK..((chunk + 1) * CHUNK).min(emitters.count) {
                 trace(emitters, &points, index, &mut harvest, &mut ledger);
@@ -78,6 +91,8 @@ pub(super) fn emit(job: &Job, emitters: &Emitters<'_>, set: Set, splats: impl Fn
     for (harvest, ledger) in chunks {
         emitted.caustic.extend_from_slice(&harvest.caustic);
         emitted.indirect.extend_from_slice(&harvest.indirect);
+        emitted.points.extend_from_slice(&harvest.points);
+        emitted.beams.extend_from_slice(&harvest.beams);
         emitted.splats.push(harvest.splats);
         emitted.tally.add(&harvest.tally);
         emitted.ledger.add(&ledger);
@@ -94,9 +109,9 @@ pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) {
         (Set::Free, Purpose::FreePhoton, Wavelengthed::Free, pilot.free_photons),
         (Set::Shared, Purpose::SharedPhoton, Wavelengthed::Shared { nm, pdf }, pilot.shared_photons),
     ];
-    let [free, shared] = sets.map(|(set, purpose, wavelengths, count)| {
+    let [mut free, mut shared] = sets.map(|(set, purpose, wavelengths, count)| {
         let emitters = pilot.emitters(job, wavelengths, count, purpose, pass);
-        emit(job, &emitters, set, || film.splat_sink())
+        emit(job, &emitters, (set, pilot.beam_share), || film.splat_sink())
     });
     run.seconds.emit += begun.elapsed().as_secs_f64();
 
@@ -113,7 +128,7 @@ pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) {
         shared: &shared_maps,
         shared_nm: nm,
         shared_pdf: pdf,
-        radius_scale: radius::scale(pass),
+        scales: Scales::of_pass(pass),
         glass: job.scene.camera.system().map(|system| nm.map(|nm| system.at(nm))),
         outlines: &pilot.outlines,
         max_depth: job.budget.max_depth,
@@ -149,7 +164,8 @@ pub(super) fn path_pass(job: &Job, pass: u64, run: &mut Run) {
     let begun = Instant::now();
     let tracer = PathTracer {
         scene: &job.scene,
-        direct: Direct::new(&job.scene, &job.choice.lights),
+        direct: Direct::tracked(&job.scene, &job.choice.lights),
+        between: job.plan.between,
         wavelengths: &job.choice.wavelengths,
         max_depth: job.budget.max_depth,
     };

@@ -4,12 +4,15 @@
 use super::harvest::Set;
 use super::pass::{emit, shared_wavelengths};
 use super::{Job, Seconds};
-use crate::emit::{Aim, Arrival, CELLS, Emitters, Receiver, Wavelengthed, trace};
-use crate::gather::{CameraNumbers, Direct, Gatherer, Landing, Maps, Outline, Outlines, Radii, RadiusKind, Scratch};
-use crate::map::{PhotonIndex, radius};
+use crate::emit::{Aim, Arrival, CELLS, Collision, Crossing, Emitters, Receiver, Wavelengthed, trace};
+use crate::gather::{
+    CameraNumbers, Direct, Gatherer, Landing, Leg, Maps, Outline, Outlines, Radii, RadiusKind, Scratch,
+};
+use crate::map::radius::{self, Scales};
+use crate::map::{Cone, PhotonIndex};
 use crate::math::random::{Purpose, Stream};
 use crate::plan::partition::{LightPath, View};
-use crate::plan::{AimPlan, IndirectPlan, WavelengthPlan};
+use crate::plan::{AimPlan, BetweenPlan, IndirectPlan, WavelengthPlan};
 use crate::sensor::Film;
 use crate::walk::ledger::Ledger;
 use crate::walk::{Sink, Tally};
@@ -27,6 +30,8 @@ pub(super) struct Pilot {
     pub(super) outlines: Outlines,
     pub(super) free_photons: u64,
     pub(super) shared_photons: u64,
+    /// The probability with which a beam through a medium is kept: of many, a few cross every ray, and more would only cost time.
+    pub(super) beam_share: f64,
 }
 
 /// Kernels for indirect light span at most this many pixels at first: beyond, their bias would outlast their noise.
@@ -35,6 +40,13 @@ const LARGEST_INDIRECT_PIXELS: f64 = 24.0;
 /// Kernels for caustics, whose edges are sharp, span at most this many pixels at first, also where photons are few: a wide kernel
 /// beside a caustic would spread its light into the dark for many passes.
 const LARGEST_CAUSTIC_PIXELS: f64 = 3.0;
+
+/// Kernels for photons in media span at first at most and at least this many pixels (radii).
+const LARGEST_VOLUME_PIXELS: f64 = 6.0;
+const LEAST_VOLUME_PIXELS: f64 = 0.7;
+
+/// Beams that a set keeps in a pass.
+const MOST_BEAMS: f64 = 20_000.0;
 
 /// Neither set gets less than this share of the photons where both are in use.
 const LEAST_SHARE: f64 = 0.08;
@@ -55,6 +67,7 @@ impl Pilot {
             outlines: Outlines::default(),
             free_photons: half.max(1),
             shared_photons: half.max(1),
+            beam_share: 1.0,
         };
         match job.plan.wavelengths {
             WavelengthPlan::Free => (pilot.free_photons, pilot.shared_photons) = (job.budget.photons, 0),
@@ -77,7 +90,8 @@ impl Pilot {
     ) -> Emitters<'a> {
         let (scene, choice) = (&job.scene, &job.choice.lights);
         let (max_depth, seed) = (job.budget.max_depth, job.budget.seed);
-        Emitters { scene, choice, aims: &self.aims, wavelengths, count, max_depth, seed, purpose, pass }
+        let volumes = job.plan.between != BetweenPlan::Clear;
+        Emitters { scene, choice, aims: &self.aims, wavelengths, count, max_depth, seed, purpose, pass, volumes }
     }
 
     /// Fixes the radii and the shares of the two sets.
@@ -85,12 +99,15 @@ impl Pilot {
         let (nm, pdf) = shared_wavelengths(job, 0);
         let observer = job.scene.film.observer;
         let blank = Film::new(1, 1, observer, 0);
-        let maps = |set, wavelengths, count, pass| {
+        let photons = |set, wavelengths, count, pass| {
             let emitters = self.emitters(job, wavelengths, count, Purpose::Pilot, pass);
-            emit(job, &emitters, set, || blank.splat_sink()).maps()
+            emit(job, &emitters, (set, 1.0), || blank.splat_sink())
         };
-        let free = maps(Set::Free, Wavelengthed::Free, self.free_photons, 0);
-        let shared = maps(Set::Shared, Wavelengthed::Shared { nm, pdf }, self.shared_photons, 1);
+        let mut free = photons(Set::Free, Wavelengthed::Free, self.free_photons, 0);
+        let mut shared = photons(Set::Shared, Wavelengthed::Shared { nm, pdf }, self.shared_photons, 1);
+        let beams = free.beams.len().max(shared.beams.len());
+        self.beam_share = (MOST_BEAMS / (beams.max(1) as f64)).min(1.0);
+        let (free, shared) = (free.maps(), shared.maps());
         let (empty, none) = (Maps::default(), Outlines::default());
         let gatherer = Gatherer {
             scene: &job.scene,
@@ -100,7 +117,7 @@ impl Pilot {
             shared: &empty,
             shared_nm: nm,
             shared_pdf: pdf,
-            radius_scale: 1.0,
+            scales: Scales::of_pass(0),
             glass: job.scene.camera.system().map(|system| nm.map(|nm| system.at(nm))),
             outlines: &none,
             max_depth: job.budget.max_depth,
@@ -138,8 +155,8 @@ impl Pilot {
         for pixel in pixels {
             // The replicates use hashes of (seed, replicate, pixel): a seed of its own keeps the pilot apart from them.
             let numbers = CameraNumbers::new(job.budget.seed ^ 0x0070_696c_6f74, 0, pixel as u64);
-            gatherer.sample(pixel as u64, numbers, &[0.0; 4], (&mut scratch, &mut Tally::default()), &mut Nowhere);
-            let mut radii = [UNKNOWN; 4];
+            gatherer.sample(pixel as u64, numbers, &[0.0; 6], (&mut scratch, &mut Tally::default()), &mut Nowhere);
+            let mut radii = [UNKNOWN; 6];
             for landing in &scratch.landings {
                 let (maps, kinds) = if landing.shared {
                     (shared, [RadiusKind::SharedCaustic, RadiusKind::SharedIndirect])
@@ -151,14 +168,38 @@ impl Pilot {
                     radii[kinds[i] as usize] = first_radius(job, landing, map, largest[i]) as f32;
                 }
             }
-            let shared_here = scratch.landings.iter().any(|landing| landing.shared);
-            let free_here = scratch.landings.iter().any(|landing| !landing.shared);
+            for leg in &scratch.legs {
+                let (maps, kind) =
+                    if leg.shared { (shared, RadiusKind::SharedVolume) } else { (free, RadiusKind::FreeVolume) };
+                let slope = self.first_slope(job, leg, maps) as f32;
+                let known = &mut radii[kind as usize];
+                *known = if *known == UNKNOWN { slope } else { known.min(slope) };
+            }
+            let shared_legs = scratch.legs.iter().map(|leg| leg.shared);
+            let used = || scratch.landings.iter().map(|landing| landing.shared).chain(shared_legs.clone());
+            let (shared_here, free_here) = (used().any(|shared| shared), used().any(|shared| !shared));
             found.landings[0] += u64::from(free_here);
             found.landings[1] += u64::from(shared_here);
             found.radii.push(radii);
             found.seen.push(scratch.landings.first().copied().filter(|landing| landing.view == View::Seen));
         }
         found
+    }
+
+    /// The first radius for photons in media along a leg, per distance from the camera: so that about so many count.
+    fn first_slope(&self, job: &Job, leg: &Leg, maps: &Maps) -> f64 {
+        /// Photons within the first radius: fewer than on a surface, since the ray sees them all along its way.
+        const NEAREST: f64 = 16.0;
+        let pixel = job.scene.camera.pixel_angle();
+        let widest = LARGEST_VOLUME_PIXELS * pixel;
+        let Leg { ray, length_m, behind_m, .. } = *leg;
+        let mut slope = widest;
+        for (map, share, dimensions) in [(&maps.points, 1.0, 2.0), (&maps.beams, self.beam_share, 1.0)] {
+            let mut found = 0.0;
+            map.along(&Cone { ray, length_m, behind_m, slope: widest }, |_| found += share);
+            slope = slope.min(widest * (NEAREST / f64::max(found, NEAREST)).powf(1.0 / dimensions));
+        }
+        slope.max(LEAST_VOLUME_PIXELS * pixel)
     }
 
     /// Shares the photons between the sets by the pixels that need them.
@@ -233,7 +274,7 @@ fn may_reach_over_an_edge(
 
 /// Gives pixels whose pilot path saw nothing of a kind the median of those that did.
 fn fill_unknown(radii: &mut [Radii]) {
-    for kind in 0..4 {
+    for kind in 0..6 {
         let mut known: Vec<f32> = radii.iter().map(|r| r[kind]).filter(|&r| r > 0.0).collect();
         known.sort_by(f32::total_cmp);
         let median = known.get(known.len() / 2).copied().unwrap_or(f32::MIN_POSITIVE);
@@ -248,8 +289,14 @@ fn learn_aims(job: &Job, mut aims: Vec<Aim>) -> Vec<Aim> {
     const CHUNK: u64 = 4096;
     for round in 0..2 {
         let lights = aims.len();
-        let pilot =
-            Pilot { aims, radii: Vec::new(), outlines: Outlines::default(), free_photons: 0, shared_photons: 0 };
+        let pilot = Pilot {
+            aims,
+            radii: Vec::new(),
+            outlines: Outlines::default(),
+            free_photons: 0,
+            shared_photons: 0,
+            beam_share: 1.0,
+        };
         let count = PATHS * (lights as u64).min(4);
         let emitters = pilot.emitters(job, Wavelengthed::Free, count, Purpose::Pilot, 100 + round);
         let points = emitters.points();
@@ -338,6 +385,20 @@ impl Receiver for Usefulness<'_> {
             (LightPath::Caustic | LightPath::Indirect, false) => 0.02,
         };
     }
+
+    fn cross(&mut self, crossing: &Crossing<'_>, _stream: &mut Stream) {
+        let Crossing { stretch, medium, path, .. } = crossing;
+        if *path == LightPath::Direct || !self.job.scene.media[*medium].scatters() || !stretch.length_m.is_finite() {
+            return;
+        }
+        // A beam counts by how much of it is in view.
+        let places = [0.1, 0.3, 0.5, 0.7, 0.9].map(|share| stretch.ray.at(share * stretch.length_m));
+        let in_view = places.iter().filter(|&&place| self.job.scene.camera.sight(place, [0.5; 2]).is_some()).count();
+        let weight = if *path == LightPath::Caustic { 1.0 } else { 0.3 };
+        self.score += weight * 0.2 * in_view as f64;
+    }
+
+    fn collide(&mut self, _collision: &Collision, _stream: &mut Stream) {}
 
     fn depart(&mut self, light: usize, cell: usize) {
         self.current = light * CELLS * CELLS + cell;

@@ -226,6 +226,9 @@ fn effect_stats(job: &Job, tally: &Tally) -> BTreeMap<String, EffectStats> {
         "environment" => tally.environment_rays,
         "roughness" => tally.rough_events,
         "absorption" => tally.absorptions,
+        "media" => tally.media_stretches,
+        "volume-photons" => tally.volume_points,
+        "photon-beams" => tally.volume_beams,
         "aim" => tally.aimed,
         _ => 0,
     };

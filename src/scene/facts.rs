@@ -3,6 +3,7 @@
 use super::Scene;
 use super::camera::Aperture;
 use super::light::Emitter;
+use crate::optics::glass::Index;
 use crate::optics::surface::{Class, Surface};
 use crate::spectrum::Spectrum;
 
@@ -22,6 +23,12 @@ pub struct Facts {
     pub diffuse: Vec<String>,
     /// Objects of absorbing glass or liquid.
     pub absorbing_bodies: Vec<String>,
+    /// Objects filled with a medium, and the atmosphere.
+    pub media: Vec<String>,
+    /// Those of them whose medium scatters and lets little light pass.
+    pub dense_media: Vec<String>,
+    /// Those of them whose medium scatters and lets much light pass.
+    pub thin_media: Vec<String>,
     /// Lights, all of which shadow rays can ask.
     pub lights: Vec<String>,
     /// Lights that a scattered ray can hit by itself.
@@ -67,11 +74,18 @@ impl Facts {
                 facts.upsampled.push(object.name.clone());
             }
             if let Some(body) = &material.body {
-                if body.index.is_dispersive() {
+                if body.index.as_ref().is_some_and(Index::is_dispersive) {
                     facts.dispersive.push(object.name.clone());
                 }
                 if body.absorption.is_some() {
                     facts.absorbing_bodies.push(object.name.clone());
+                }
+                if let Some(medium) = body.medium.map(|number| &scene.media[number]) {
+                    facts.media.push(object.name.clone());
+                    if medium.scatters() {
+                        let list = if medium.dense { &mut facts.dense_media } else { &mut facts.thin_media };
+                        list.push(object.name.clone());
+                    }
                 }
             }
         }

@@ -20,10 +20,11 @@ use crate::optics::glass::Index;
 use crate::optics::surface::Surface;
 use crate::spectrum::{Observer, Spectrum};
 use camera::Camera;
-use geometry::Geometry;
+use geometry::{Geometry, Hit, Ray};
 use glam::DVec3;
-use interior::Interior;
+use interior::{Interior, Rank};
 use light::{Emitter, Light, World};
+use medium::Medium;
 use serde::{Deserialize, Serialize};
 
 /// A resolved scene. Positions are relative to `centre`.
@@ -41,10 +42,14 @@ pub struct Scene {
     pub film: FilmSpec,
     /// All surfaces.
     pub geometry: Geometry,
+    /// The faces of bodies that have no surface: they only bound a medium, and rays pass them without an event.
+    pub boundaries: Geometry,
     /// What the surfaces belong to, by object number.
     pub objects: Vec<Object>,
     /// The materials, by number.
     pub materials: Vec<Material>,
+    /// The media, by number.
+    pub media: Vec<Medium>,
     /// The lights, by number.
     pub lights: Vec<Light>,
     /// The lights at infinity, which rays that leave the scene see.
@@ -82,10 +87,12 @@ pub struct Material {
 /// The inside of a transparent object.
 #[derive(Debug, Clone)]
 pub struct Body {
-    /// Refractive index.
-    pub index: Index,
+    /// Refractive index; `None` is that of whatever is around: the body only bounds a medium.
+    pub index: Option<Index>,
     /// Absorption coefficient in 1/m; `None` is perfectly clear.
     pub absorption: Option<Spectrum>,
+    /// The number of the medium in it.
+    pub medium: Option<usize>,
     /// Which body rules where several overlap: the higher.
     pub priority: i32,
 }
@@ -150,6 +157,27 @@ pub struct Settings {
     pub forbid: Vec<String>,
 }
 
+impl Material {
+    /// No surface, but the bounds of a medium.
+    pub fn boundary(name: &str, medium: usize, priority: i32) -> Self {
+        let body = Body { index: None, absorption: None, medium: Some(medium), priority };
+        // Rays pass such faces without meeting the surface.
+        Self { name: name.to_owned(), surface: Surface::Absorber, body: Some(body) }
+    }
+
+    /// Whether it only bounds a medium.
+    pub fn is_boundary(&self) -> bool {
+        self.body.as_ref().is_some_and(|body| body.index.is_none())
+    }
+}
+
+impl Body {
+    /// What decides whether it rules where bodies overlap.
+    pub fn rank(&self) -> Rank {
+        Rank { priority: self.priority, refracts: self.index.is_some() }
+    }
+}
+
 impl Scene {
     /// What distant lights need to know.
     pub fn world(&self) -> World<'_> {
@@ -179,13 +207,28 @@ impl Scene {
         self.material_of(object).body.as_ref()
     }
 
+    /// The bodies on the other side of a face that the ray meets.
+    pub fn across(&self, interior: &Interior, ray: &Ray, hit: &Hit) -> Interior {
+        match self.body_of(hit.object) {
+            None => *interior,
+            Some(body) if ray.direction.dot(hit.normal) < 0.0 => interior.entered(hit.object, body.rank()),
+            Some(_) => interior.left(hit.object),
+        }
+    }
+
     /// The refractive index that rules inside these bodies.
     pub fn index_in(&self, interior: &Interior) -> &Index {
-        interior.ruler().and_then(|object| self.body_of(object)).map_or(&self.air, |body| &body.index)
+        let body = interior.ruler().and_then(|object| self.body_of(object));
+        body.and_then(|body| body.index.as_ref()).unwrap_or(&self.air)
     }
 
     /// The absorption that rules inside these bodies.
     pub fn absorption_in(&self, interior: &Interior) -> Option<&Spectrum> {
-        interior.ruler().and_then(|object| self.body_of(object)).and_then(|body| body.absorption.as_ref())
+        interior.filler().and_then(|object| self.body_of(object)).and_then(|body| body.absorption.as_ref())
+    }
+
+    /// The number of the medium inside these bodies.
+    pub fn medium_in(&self, interior: &Interior) -> Option<usize> {
+        interior.filler().and_then(|object| self.body_of(object)).and_then(|body| body.medium)
     }
 }

@@ -1,11 +1,13 @@
 //! A ray's way to the next surface that matters to it.
 
+use super::stretch::{Stretch, stretches};
 use crate::math::frame::Frame;
 use crate::optics::surface::{Event, Sides, Surface};
 use crate::scene::Scene;
 use crate::scene::geometry::{Hit, Ray, SurfaceId};
 use crate::scene::interior::Interior;
 use glam::DVec3;
+use std::ops::ControlFlow;
 
 /// Where a leg starts: the ray, the surface it leaves, and the bodies it is inside of.
 #[derive(Debug, Clone, Copy)]
@@ -46,21 +48,49 @@ pub struct Encounter<'a> {
     pub crossed_hidden: bool,
 }
 
-/// Follows the ray to the next surface that matters; `None` where it leaves the scene. Faces inside a body of higher priority (the same body rules on both sides)
-/// are passed without an event. `component` draws the component of mixed surfaces.
+/// How a leg of a path ends.
+#[derive(Debug)]
+pub enum Leg<'a> {
+    /// At a surface that matters.
+    Met(Encounter<'a>),
+    /// It leaves the scene.
+    Escaped,
+    /// On its way, where it was asked to.
+    Ended,
+}
+
+/// Follows the ray to the next surface that matters; `None` where it leaves the scene. `component` draws the component of mixed surfaces.
 pub fn next<'a>(scene: &'a Scene, start: Start, component: &mut f64) -> Option<Encounter<'a>> {
+    match travel(scene, start, component, |_| ControlFlow::Continue(())) {
+        Leg::Met(encounter) => Some(encounter),
+        Leg::Escaped | Leg::Ended => None,
+    }
+}
+
+/// The same with a look at every stretch of the way, from one body into the next; the way ends where `along` breaks it off. Faces inside a
+/// body of higher priority (the same body rules on both sides) are passed without an event.
+pub fn travel<'a>(
+    scene: &'a Scene,
+    start: Start,
+    component: &mut f64,
+    mut along: impl FnMut(&Stretch<'a>) -> ControlFlow<()>,
+) -> Leg<'a> {
     let Start { mut ray, mut from, mut interior } = start;
     let mut distance = 0.0;
     let mut crossed_hidden = false;
     loop {
-        let hit = scene.geometry.intersect(&ray, from, f64::INFINITY)?;
+        let hit = scene.geometry.intersect(&ray, from, f64::INFINITY);
+        let leg = Start { ray, from, interior };
+        match stretches(scene, leg, hit.as_ref().map_or(f64::INFINITY, |hit| hit.t), &mut along) {
+            ControlFlow::Continue(inside) => interior = inside,
+            ControlFlow::Break(()) => return Leg::Ended,
+        }
+        let Some(hit) = hit else {
+            return Leg::Escaped;
+        };
         distance += hit.t;
         let object = hit.object;
-        let there = match scene.body_of(object) {
-            None => interior,
-            Some(body) if ray.direction.dot(hit.normal) < 0.0 => interior.entered(object, body.priority),
-            Some(_) => interior.left(object),
-        };
+        let there = scene.across(&interior, &ray, &hit);
         let unseen = scene.body_of(object).is_some() && there.ruler() == interior.ruler();
         if unseen {
             ray.origin = hit.position;
@@ -70,7 +100,7 @@ pub fn next<'a>(scene: &'a Scene, start: Start, component: &mut f64) -> Option<E
             continue;
         }
         let encounter = Encounter::new(scene, ray.direction, hit, (interior, there), component);
-        return Some(Encounter { distance, crossed_hidden, ..encounter });
+        return Leg::Met(Encounter { distance, crossed_hidden, ..encounter });
     }
 }
 

@@ -2,11 +2,15 @@
 
 mod encounter;
 pub mod ledger;
+mod passage;
 mod scatter;
 mod sink;
+mod stretch;
 mod tally;
 
-pub use encounter::{Encounter, Start, next};
+pub use encounter::{Encounter, Leg, Start, next, travel};
+pub use passage::{Passage, Passages, passages, passages_tracked, product as passes};
 pub use scatter::{Scattered, draw_consistently, scatter};
 pub use sink::Sink;
+pub use stretch::{Stretch, stretches};
 pub use tally::Tally;

@@ -30,6 +30,14 @@ pub struct Tally {
     pub rough_events: u64,
     /// Stretches of absorbing glass or liquid.
     pub absorptions: u64,
+    /// Stretches of media that camera paths crossed.
+    pub media_stretches: u64,
+    /// Photons kept in media, as points.
+    pub volume_points: u64,
+    /// Photons kept in media, as beams.
+    pub volume_beams: u64,
+    /// Looks along a ray for photons in media.
+    pub volume_queries: u64,
     /// Photons sent by a learned aim.
     pub aimed: u64,
     /// Contributions that were not finite and were dropped; 0 unless there is a bug.
@@ -51,6 +59,10 @@ impl Tally {
         self.lens_rays += other.lens_rays;
         self.rough_events += other.rough_events;
         self.absorptions += other.absorptions;
+        self.media_stretches += other.media_stretches;
+        self.volume_points += other.volume_points;
+        self.volume_beams += other.volume_beams;
+        self.volume_queries += other.volume_queries;
         self.aimed += other.aimed;
         self.rejected += other.rejected;
     }

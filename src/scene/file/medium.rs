@@ -242,6 +242,14 @@ pub struct MediumBlackbodyFile {
 }
 
 impl MediumFile {
+    /// Which body rules where several overlap: the higher.
+    pub fn priority(&self) -> i32 {
+        match self {
+            Self::Homogeneous(medium) => medium.priority,
+            Self::Grid(medium) => medium.priority,
+        }
+    }
+
     /// Checks ranges and lengths.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {

@@ -106,6 +106,11 @@ impl Geometry {
         self.primitives.uv(hit.surface, hit.position)
     }
 
+    /// Whether there is nothing to hit.
+    pub fn is_empty(&self) -> bool {
+        self.primitives.list.is_empty()
+    }
+
     /// How many primitives there are: analytic shapes and triangles.
     pub fn primitive_count(&self) -> usize {
         self.primitives.list.len()

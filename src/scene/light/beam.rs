@@ -40,6 +40,23 @@ impl Beam {
         self.centre
     }
 
+    /// The unit vector along which it shines.
+    pub(super) fn axis(&self) -> DVec3 {
+        self.axis
+    }
+
+    /// The disk's radius in m.
+    pub(super) fn radius_m(&self) -> f64 {
+        self.radius_m
+    }
+
+    /// The cone that holds all of the light: its apex behind the disk, and 1 − cos of its half-angle; `None` of parallel light.
+    pub(super) fn cone(&self) -> Option<(DVec3, f64)> {
+        let tangent = self.sin_divergence / (1.0 - self.one_minus_cos_divergence);
+        let behind = self.radius_m / tangent;
+        (!self.is_parallel()).then(|| (self.centre - behind * self.axis, self.one_minus_cos_divergence))
+    }
+
     /// Whether the light is parallel.
     pub fn is_parallel(&self) -> bool {
         self.sin_divergence == 0.0

@@ -9,6 +9,7 @@ mod beam;
 mod directional;
 mod environment;
 mod point;
+mod reach;
 
 #[cfg(test)]
 mod contract_tests;
@@ -18,6 +19,7 @@ pub use beam::Beam;
 pub use directional::Directional;
 pub use environment::{Environment, EnvironmentMap};
 pub use point::{Point, Spot};
+pub use reach::Reach;
 
 use super::geometry::Geometry;
 use super::geometry::{Hit, SurfaceId};

@@ -61,6 +61,16 @@ impl Spot {
         self.at
     }
 
+    /// The unit vector along which it shines.
+    pub(super) fn axis(&self) -> DVec3 {
+        self.axis
+    }
+
+    /// 1 − cos of the cone's half-angle.
+    pub(super) fn one_minus_cos(&self) -> f64 {
+        self.outer
+    }
+
     pub(super) fn power_w(&self) -> f64 {
         self.intensity * TAU * 0.5 * (self.inner + self.outer)
     }

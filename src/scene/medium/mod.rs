@@ -20,14 +20,17 @@ pub struct Medium {
     pub scattering: Spectrum,
     /// Extinction σ_t = σ_a + σ_s.
     pub extinction: Spectrum,
+    /// The least and the largest extinction in the band.
+    pub extinction_range: (f64, f64),
+    scattering_max: f64,
     /// Into which directions it scatters.
     pub phase: Phase,
     /// Where how much of it is.
     pub density: Density,
+    /// Whether most light that enters it meets a particle more than a few times.
+    pub dense: bool,
     /// How the light that passes is worked out.
     pub transmittance: Transmittance,
-    /// Which body rules where several overlap: the higher.
-    pub priority: i32,
 }
 
 /// Density (relative, without unit) as a function of place.
@@ -56,7 +59,25 @@ impl Medium {
     pub fn new(name: String, (absorption, scattering): (Spectrum, Spectrum), phase: Phase, density: Density) -> Self {
         let extinction = Spectrum::mix(&[(1.0, &absorption), (1.0, &scattering)]);
         let transmittance = Transmittance::Exact;
-        Self { name, absorption, scattering, extinction, phase, density, transmittance, priority: 0 }
+        let extinction_range = (extinction.min(), extinction.max());
+        let scattering_max = scattering.max();
+        Self {
+            scattering_max,
+            name,
+            absorption,
+            scattering,
+            extinction,
+            extinction_range,
+            phase,
+            density,
+            transmittance,
+            dense: false,
+        }
+    }
+
+    /// Whether it scatters at any wavelength.
+    pub fn scatters(&self) -> bool {
+        self.scattering_max > 0.0
     }
 
     /// The density at a point.
@@ -89,6 +110,30 @@ impl Medium {
         }
     }
 
+    /// The same by the midpoint rule in this many steps.
+    pub fn column_by_steps(&self, ray: &Ray, length_m: f64, steps: u32) -> f64 {
+        let Some((begin, end)) = self.window(ray, length_m) else {
+            return 0.0;
+        };
+        if self.is_uniform() {
+            return length_m;
+        }
+        let step = (end - begin) / f64::from(steps);
+        let middle = |i: u32| ray.at(begin + (f64::from(i) + 0.5) * step);
+        (0..steps).map(|i| self.density_at(middle(i))).sum::<f64>() * step
+    }
+
+    /// The optical depth of a column density at a wavelength; a clear medium has none, however long.
+    pub fn optical_depth(&self, nm: f64, column_m: f64) -> f64 {
+        let sigma_t = self.extinction.at(nm);
+        if sigma_t > 0.0 { sigma_t * column_m } else { 0.0 }
+    }
+
+    /// The largest extinction of all wavelengths, in 1/m at density 1.
+    pub fn largest_extinction(&self) -> f64 {
+        self.extinction_range.1
+    }
+
     /// How far along the ray the column density reaches `column_m`; `None` where the ray's first `length_m` hold less.
     pub fn distance_at(&self, ray: &Ray, length_m: f64, column_m: f64) -> Option<f64> {
         match self.density {
@@ -106,6 +151,13 @@ impl Medium {
                 let _ = ray;
                 Some((0.0, length_m))
             }
+        }
+    }
+
+    /// The radius of a ball around the scene's centre outside of which there is nothing of the medium; 0 where only its bounds decide that.
+    pub fn reach_m(&self) -> f64 {
+        match self.density {
+            Density::Uniform => 0.0,
         }
     }
 

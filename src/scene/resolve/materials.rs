@@ -86,12 +86,19 @@ impl Resolver<'_> {
                     let at = at.index(i);
                     let part_material =
                         self.material_at_depth(&at.key("material"), &part.material, notes, depth + 1)?;
+                    if part_material.is_boundary() {
+                        let error = Error::input("found a boundary, which is no surface").expected("other materials");
+                        return self.at(&at.key("material"), Err(error));
+                    }
                     surfaces.push((part.weight, part_material.surface));
                     body = body.or(part_material.body);
                 }
                 (Surface::mix(surfaces), body)
             }
-            MaterialFile::Boundary { medium: _ } => return self.at(&at, Err(unsupported("media are"))),
+            MaterialFile::Boundary { medium } => {
+                let number = self.medium_number(&at.key("boundary").key("medium"), medium)?;
+                return Ok(Material::boundary(name, number, self.scene.media[medium].priority()));
+            }
             MaterialFile::Absorber => (Ok(Surface::Absorber), None),
         };
         Ok(Material { name: name.to_string(), surface: self.at(&at, surface)?, body })
@@ -99,9 +106,7 @@ impl Resolver<'_> {
 
     fn body(&self, at: &JsonPath<'_>, file: &DielectricFile, name: &str, notes: &mut Vec<String>) -> Result<Body> {
         let DielectricFile { ior, roughness: _, absorption, medium, priority } = file;
-        if medium.is_some() {
-            return self.at(&at.key("medium"), Err(unsupported("media are")));
-        }
+        let medium = medium.as_ref().map(|name| self.medium_number(&at.key("medium"), name)).transpose()?;
         let index = self.index(&at.key("ior"), ior, name, notes)?;
         let absorption = match absorption {
             None => None,
@@ -110,7 +115,7 @@ impl Resolver<'_> {
                 (per_unit.max() > 0.0).then(|| per_unit.scaled(1.0 / self.metres))
             }
         };
-        Ok(Body { index, absorption, priority: *priority })
+        Ok(Body { index: Some(index), absorption, medium, priority: *priority })
     }
 
     fn conductor(&self, at: &JsonPath<'_>, file: &ConductorFile) -> Result<Surface> {

@@ -9,18 +9,29 @@ use crate::scene::medium::{Density, Medium};
 use glam::DVec3;
 
 impl Resolver<'_> {
-    /// Resolves the medium of this name; `at` is where it is named, `centre` the scene's centre in m.
-    pub(super) fn medium(&self, at: &JsonPath<'_>, name: &str, centre: DVec3) -> Result<Medium> {
-        let Some(file) = self.scene.media.get(name) else {
-            let known = self.scene.media.keys().map(String::as_str);
-            let names: Vec<&str> = known.clone().collect();
-            let allowed = if names.is_empty() {
-                "a name of the scene's `media`, which is empty".into()
-            } else {
-                format!("one of {}", names.join(", "))
-            };
-            return self.at(at, Err(Error::unknown_name("medium", name, known).expected(allowed)));
-        };
+    /// The number of the medium of this name, which is its place among the scene's media; `at` is where it is named.
+    pub(super) fn medium_number(&self, at: &JsonPath<'_>, name: &str) -> Result<usize> {
+        let mut names = self.scene.media.keys();
+        names.position(|known| known == name).map_or_else(
+            || {
+                let known = self.scene.media.keys().map(String::as_str);
+                let allowed = if self.scene.media.is_empty() {
+                    "a name of the scene's `media`, which is empty".into()
+                } else {
+                    format!("one of {}", known.clone().collect::<Vec<_>>().join(", "))
+                };
+                self.at(at, Err(Error::unknown_name("medium", name, known).expected(allowed)))
+            },
+            Ok,
+        )
+    }
+
+    /// Resolves all media, those too that nothing uses; `centre` is the scene's centre in m.
+    pub(super) fn media(&self, centre: DVec3) -> Result<Vec<Medium>> {
+        self.scene.media.iter().map(|(name, file)| self.medium(name, file, centre)).collect()
+    }
+
+    fn medium(&self, name: &str, file: &MediumFile, centre: DVec3) -> Result<Medium> {
         let root = JsonPath::Root;
         let media = root.key("media");
         let at = media.key(name);
@@ -32,7 +43,7 @@ impl Resolver<'_> {
     }
 
     fn homogeneous(&self, at: &JsonPath<'_>, file: &HomogeneousFile, name: &str) -> Result<Medium> {
-        let HomogeneousFile { absorption, scattering, phase, emission, priority, transform: _, motion } = file;
+        let HomogeneousFile { absorption, scattering, phase, emission, priority: _, transform: _, motion } = file;
         if emission.is_some() {
             return self.at(&at.key("emission"), Err(unsupported("emission of media is")));
         }
@@ -51,6 +62,6 @@ impl Resolver<'_> {
             | PhaseFile::Mie { .. }
             | PhaseFile::Rainbow => return self.at(&at.key("phase"), Err(unsupported("this phase function is"))),
         };
-        Ok(Medium { priority: *priority, ..Medium::new(name.to_owned(), coefficients, phase, Density::Uniform) })
+        Ok(Medium::new(name.to_owned(), coefficients, phase, Density::Uniform))
     }
 }

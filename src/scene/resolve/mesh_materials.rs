@@ -27,7 +27,7 @@ pub(super) fn material(file: &MeshMaterial, metres: f64) -> Result<Material> {
             None => None,
             Some(attenuation) => Some(absorption(attenuation.colour, attenuation.distance * metres)?),
         };
-        (Surface::dielectric(roughness)?, Some(Body { index, absorption, priority: 0 }))
+        (Surface::dielectric(roughness)?, Some(Body { index: Some(index), absorption, medium: None, priority: 0 }))
     } else if file.roughness >= MATT {
         (Surface::diffuse(base)?, None)
     } else {

@@ -17,9 +17,11 @@ mod surroundings;
 pub use lens::{lens_file, lone_lens};
 pub use spectra::Role;
 
+use super::camera::Camera;
 use super::file::{self, JsonPath, RenderFile, SceneFile, Source, SpectrumFile};
-use super::geometry::{Geometry, Ray};
+use super::geometry::{Geometry, Hit, Ray};
 use super::interior::Interior;
+use super::light::{Emitter, Light};
 use super::{Body, Material, Object, Scene, Settings};
 use crate::error::{Error, Result};
 use crate::optics::glass::Index;
@@ -78,18 +80,16 @@ impl Resolver<'_> {
         let SceneFile { schema: _, title, unit: _, camera, film, spectra, media: _, materials: _, .. } = self.scene;
         let SceneFile { objects: _, lights: _, atmosphere, render, .. } = self.scene;
         let root = JsonPath::Root;
-        if atmosphere.is_some() {
-            return self.at(&root.key("atmosphere"), Err(unsupported("an atmosphere is")));
-        }
         // Spectra that nothing uses are checked all the same.
         for name in spectra.keys() {
             self.named_spectrum(name, spectra::Role::Coefficient)?;
         }
         let mut notes = Vec::new();
         let mut things = self.objects(&mut notes)?;
-        let centre = objects::centre(&things.placed);
-        let geometry = self.at(&root.key("objects"), self.build(&mut things, centre))?;
-        let radius_m = objects::radius(&geometry);
+        let centre = objects::centre(&things);
+        let media = self.media(centre)?;
+        let placed = std::mem::take(&mut things.placed);
+        let geometry = self.at(&root.key("objects"), Geometry::build(placed, centre))?;
         let film = self.film(&root.key("film"), film)?;
         let camera = self.camera(&root.key("camera"), camera, (film.width, film.height), centre, &mut notes)?;
         let lights = self.lights(&things, (&geometry, centre), film.observer, &mut notes)?;
@@ -98,13 +98,26 @@ impl Resolver<'_> {
                 .expected("at least one entry in `lights` or an object with `emission`");
             return Err(self.source.error_at("", error));
         }
+        let mut radius_m = objects::radius(&geometry);
+        if let Some(name) = atmosphere {
+            let number = self.medium_number(&root.key("atmosphere"), name)?;
+            let things_reach = reach(&geometry, &camera, &lights).max(media[number].reach_m());
+            radius_m = things.add_atmosphere((name, number), (centre, things_reach));
+        }
+        let boundaries = std::mem::take(&mut things.boundaries);
+        let boundaries = self.at(&root.key("objects"), Geometry::build(boundaries, centre))?;
+        if atmosphere.is_none() {
+            radius_m = radius_m.max(objects::radius(&boundaries));
+        }
         let mut resolved = Scene {
             title: title.clone().unwrap_or_else(|| stem(&self.source.path)),
             centre,
-            radius_m,
+            radius_m: if radius_m > 0.0 { radius_m } else { 1.0 },
             camera,
             film,
             geometry,
+            boundaries,
+            media,
             objects: things.objects,
             materials: things.materials,
             lights,
@@ -117,11 +130,6 @@ impl Resolver<'_> {
         resolved.find_interiors();
         resolved.film.white = self.white(&resolved)?;
         Ok(resolved)
-    }
-
-    /// Builds the geometry; errors name the object by its number.
-    fn build(&self, things: &mut objects::Things, centre: DVec3) -> Result<Geometry> {
-        Geometry::build(std::mem::take(&mut things.placed), centre)
     }
 
     fn settings(&self, at: &JsonPath<'_>, render: &RenderFile) -> Result<Settings> {
@@ -164,8 +172,7 @@ impl Scene {
         self.lights.iter_mut().zip(interiors).for_each(|(light, interior)| light.interior = interior);
     }
 
-    fn interior_of_light(&self, light: &super::light::Light) -> Interior {
-        use super::light::Emitter;
+    fn interior_of_light(&self, light: &Light) -> Interior {
         match &light.emitter {
             Emitter::Point(light) => self.interior_at(light.at),
             Emitter::Spot(light) => self.interior_at(light.at()),
@@ -188,7 +195,7 @@ impl Scene {
     /// The bodies around a ray's origin: those that it leaves more often than it enters, the outermost (left last) first.
     fn interior_along(&self, ray: Ray, from: Option<super::geometry::SurfaceId>) -> Interior {
         let mut open: Vec<(u32, i32, f64)> = Vec::new();
-        self.geometry.for_each_hit(&ray, from, |hit| {
+        let mut count = |hit: &Hit| {
             if self.body_of(hit.object).is_none() {
                 return;
             }
@@ -200,13 +207,26 @@ impl Scene {
                 }
                 None => open.push((hit.object, leaves, hit.t)),
             }
-        });
+        };
+        self.geometry.for_each_hit(&ray, from, &mut count);
+        self.boundaries.for_each_hit(&ray, None, &mut count);
         open.retain(|&(_, balance, _)| balance > 0);
         open.sort_by(|a, b| b.2.total_cmp(&a.2));
         open.iter().fold(Interior::AIR, |interior, &(object, _, _)| {
-            interior.entered(object, self.body_of(object).map_or(0, |body: &Body| body.priority))
+            interior.entered(object, self.body_of(object).map(Body::rank).unwrap_or_default())
         })
     }
+}
+
+/// The radius of a ball around the centre that holds all surfaces, the camera and the local lights.
+fn reach(geometry: &Geometry, camera: &Camera, lights: &[Light]) -> f64 {
+    let places = lights.iter().filter_map(|light| match &light.emitter {
+        Emitter::Point(light) => Some(light.at),
+        Emitter::Spot(light) => Some(light.at()),
+        Emitter::Beam(light) => Some(light.centre()),
+        Emitter::Directional(_) | Emitter::Environment(_) | Emitter::Area(_) => None,
+    });
+    places.chain([camera.origin()]).map(DVec3::length).fold(objects::radius(geometry), f64::max)
 }
 
 /// A material for objects whose own could not be named otherwise.

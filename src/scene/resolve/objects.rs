@@ -1,7 +1,7 @@
 //! Objects as written → placed shapes with materials.
 
 use super::{Resolver, mesh_materials, number_of, object, unsupported};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scene::file::{EmissionFile, JsonPath, ObjectFile, ShapeFile};
 use crate::scene::geometry::Geometry;
 use crate::scene::mesh::{self, MeshPart};
@@ -15,12 +15,30 @@ use std::sync::Arc;
 #[derive(Default)]
 pub(super) struct Things<'a> {
     pub(super) placed: Vec<Placed>,
+    /// Shapes that only bound a medium.
+    pub(super) boundaries: Vec<Placed>,
     pub(super) objects: Vec<Object>,
     pub(super) materials: Vec<Material>,
     /// Emitting objects: the file's number, the objects' numbers (several where a mesh has parts), the emission.
     pub(super) emitting: Vec<(usize, Vec<u32>, Emission<'a>)>,
     /// Materials by name.
     named: BTreeMap<&'a str, usize>,
+}
+
+impl Things<'_> {
+    /// Adds a ball of air around the whole scene, which reaches `reach_m` around its `centre`: the medium fills it wherever no other body
+    /// rules. Returns the ball's radius in m.
+    pub(super) fn add_atmosphere(&mut self, (name, medium): (&str, usize), (centre, reach_m): (DVec3, f64)) -> f64 {
+        /// The camera and the lamps stand inside, not on the rim.
+        const MARGIN: f64 = 1.05;
+        let radius = MARGIN * reach_m;
+        let shape = Shape::Sphere { radius };
+        let material = number_of(&mut self.materials, Material::boundary(name, medium, i32::MIN));
+        let to_world = DAffine3::from_translation(centre);
+        self.boundaries.push(Placed { shape, to_world, object: self.objects.len() as u32 });
+        self.objects.push(object("atmosphere".to_owned(), material));
+        radius * (1.0 + 1e-6)
+    }
 }
 
 /// Where an object's emission is stated.
@@ -81,14 +99,19 @@ impl<'a> Resolver<'a> {
         let mut emitters = Vec::new();
         let add = |things: &mut Things<'a>, shape: Shape, name: String, material: usize| {
             let object_number = things.objects.len() as u32;
+            let bounds = things.materials[material].is_boundary();
             things.objects.push(object(name, material));
-            things.placed.push(Placed { shape, to_world, object: object_number });
+            let list = if bounds { &mut things.boundaries } else { &mut things.placed };
+            list.push(Placed { shape, to_world, object: object_number });
             object_number
         };
         let material = match material {
             Some(name) => Some(self.material_number(&at.key("material"), name, things, notes)?),
             None => None,
         };
+        if let Some(number) = material {
+            self.check_filling(at, shape, &things.materials[number], emission.is_some())?;
+        }
         if let ShapeFile::Mesh { path } = shape {
             let shape_at = at.key("shape");
             let mesh_at = shape_at.key("mesh");
@@ -140,6 +163,22 @@ impl<'a> Resolver<'a> {
         Ok(number_of(&mut things.materials, self.at(at, material)?))
     }
 
+    /// Checks that an object that holds a medium encloses a space, and that what is no surface does not shine.
+    fn check_filling(&self, at: &JsonPath<'_>, shape: &ShapeFile, material: &Material, shines: bool) -> Result<()> {
+        let flat = matches!(shape, ShapeFile::Rectangle { .. } | ShapeFile::Disk { .. });
+        if flat && material.body.as_ref().is_some_and(|body| body.medium.is_some()) {
+            let error = Error::input(format!("found a flat shape, filled by the medium of \"{}\"", material.name))
+                .expected("a shape that encloses a space");
+            return self.at(&at.key("shape"), Err(error));
+        }
+        if shines && material.is_boundary() {
+            let error = Error::input(format!("found on \"{}\", which is no surface", material.name))
+                .expected("the medium's own `emission`");
+            return self.at(&at.key("emission"), Err(error));
+        }
+        Ok(())
+    }
+
     /// Warns of glass that is not closed.
     fn check_mesh(&self, part: &MeshPart, name: &str, material: &Material, notes: &mut Vec<String>) {
         if material.body.is_some() && !part.mesh.is_closed() {
@@ -174,9 +213,9 @@ impl<'a> Resolver<'a> {
 }
 
 /// The middle of all shapes' bounding boxes, in m: positions relative to it keep their digits wherever the scene stands.
-pub(super) fn centre(placed: &[Placed]) -> DVec3 {
+pub(super) fn centre(things: &Things<'_>) -> DVec3 {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for thing in placed {
+    for thing in things.placed.iter().chain(&things.boundaries) {
         let (min, max) = bounds(&thing.shape);
         for corner in 0..8 {
             let pick = |axis: usize| if corner >> axis & 1 == 0 { min[axis] } else { max[axis] };
@@ -210,10 +249,10 @@ fn bounds(shape: &Shape) -> (DVec3, DVec3) {
     }
 }
 
-/// The radius of a ball around the origin that holds all surfaces.
+/// The radius of a ball around the origin that holds all surfaces; 0 where there are none.
 pub(super) fn radius(geometry: &Geometry) -> f64 {
     let (low, high) = geometry.bounds();
     let reach = low.abs().max(high.abs()).length();
     // A hair more, so that no surface touches it.
-    if reach.is_finite() { reach * (1.0 + 1e-6) } else { 1.0 }
+    if reach.is_finite() { reach * (1.0 + 1e-6) } else { 0.0 }
 }

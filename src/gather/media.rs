@@ -1,0 +1,184 @@
+//! What media do to a camera path: they weaken what is behind them, and scatter light into it.
+//!
+//! Light that comes straight from a lamp to a point on the ray is looked for at one drawn place a lamp; light that came through glass, or was scattered before,
+//! is brought by the photons that pass the ray.
+
+use super::camera_path::CameraPath;
+use super::direct::{AskingInside, LitInside};
+use super::distance;
+use super::estimate::RadiusKind;
+use super::landing::Leg as Seen;
+use super::photon_gather::{Gatherer, Sample, each_wavelength};
+use super::throughput::{Colour, Factor, product};
+use crate::map::{Cone, Neighbour, VolumeMap};
+use crate::math::random::hash64;
+use crate::scene::geometry::Ray;
+use crate::scene::medium::Medium;
+use crate::walk::{Encounter, Leg, Passage, Sink, Start, Stretch, passes, travel};
+use std::ops::ControlFlow;
+
+impl<'a> Gatherer<'a> {
+    /// Takes the path to the next surface, gathering what media add on the way; `None` where it leaves the scene.
+    pub(super) fn advance<S: Sink>(
+        &self,
+        path: &mut CameraPath,
+        sample: &mut Sample<'_, 'a, S>,
+    ) -> Option<Encounter<'a>> {
+        let mut component = sample.numbers.stream.uniform();
+        let mut walked = path.distance;
+        let leg = travel(self.scene, path.start, &mut component, |stretch| {
+            self.cross(path, stretch, walked, sample);
+            walked += stretch.length_m;
+            ControlFlow::Continue(())
+        });
+        match leg {
+            Leg::Met(encounter) => Some(encounter),
+            Leg::Escaped | Leg::Ended => None,
+        }
+    }
+
+    /// One stretch of the way.
+    fn cross<S: Sink>(
+        &self,
+        path: &mut CameraPath,
+        stretch: &Stretch<'a>,
+        walked: f64,
+        sample: &mut Sample<'_, 'a, S>,
+    ) {
+        if let Some((number, medium)) = stretch.medium {
+            sample.tally.media_stretches += 1;
+            if medium.scatters() && stretch.length_m.is_finite() {
+                self.gather_lamps_inside(path, (stretch, medium), sample);
+                self.gather_volume_photons(path, (stretch, number, medium), walked, sample);
+            }
+        }
+        if let Some(absorption) = stretch.absorption {
+            sample.tally.absorptions += 1;
+            let passage = Passage::Clear { absorption, length_m: stretch.length_m };
+            path.multiply(Factor::Passage(passage), sample.scratch);
+        }
+        if let Some((_, medium)) = stretch.medium {
+            let passage = Passage::new(medium, stretch.ray, stretch.length_m, seed(sample));
+            path.multiply(Factor::Passage(passage), sample.scratch);
+        }
+    }
+
+    /// Light that comes straight from lamps and is scattered once.
+    fn gather_lamps_inside<S: Sink>(
+        &self,
+        path: &CameraPath,
+        (stretch, medium): (&Stretch<'a>, &'a Medium),
+        sample: &mut Sample<'_, 'a, S>,
+    ) {
+        let Some(window) = medium.window(&stretch.ray, stretch.length_m) else {
+            return;
+        };
+        let lamp = sample.numbers.lamp();
+        self.direct.each_asked(lamp, |number, u| {
+            let draws = sample.numbers.stream.pair();
+            let light = &self.scene.lights[number];
+            let reach = light.reach(self.scene.world(), &stretch.ray, window, u);
+            let place = reach.and_then(|reach| distance::draw(medium, &stretch.ray, &reach, draws));
+            let Some(place) = place else { return };
+            let density = medium.density_at(stretch.ray.at(place.t));
+            let here = self.passages_to(place.t, stretch, medium, seed(sample));
+            let ray = Ray { origin: stretch.ray.at(place.t), direction: stretch.ray.direction };
+            let start = Start { ray, from: None, interior: stretch.interior };
+            let asking = AskingInside { start, medium, scattered_nm: None, u };
+            let wavelength = sample.numbers.wavelength;
+            let (scratch, sink) = (&sample.scratch, &mut *sample.sink);
+            self.direct.ask_one_inside(asking, number, sample.tally, &mut |lit: LitInside<'_, 'a>| {
+                let cosine = -lit.incoming.dot(stretch.ray.direction);
+                let strength = lit.strength * density / place.pdf;
+                each_wavelength(path.colour, &scratch.factors, lit.light, wavelength, |nm, share| {
+                    let scattered = medium.scattering.at(nm) * medium.phase.at(cosine, nm);
+                    let passed = passes(&here, nm) * passes(lit.through, nm);
+                    sink.radiance(nm, share * lit.light.shape_at(lit.tint, nm) * strength * scattered * passed);
+                });
+            });
+        });
+    }
+
+    /// What passes the stretch's first `t` metres.
+    fn passages_to(&self, t: f64, stretch: &Stretch<'a>, medium: &'a Medium, seed: u64) -> [Passage<'a>; 2] {
+        let length_m = if stretch.absorption.is_some() { t } else { 0.0 };
+        let absorption = stretch.absorption.unwrap_or(&medium.absorption);
+        [Passage::Clear { absorption, length_m }, Passage::new(medium, stretch.ray, t, seed)]
+    }
+
+    /// Light that photons brought.
+    fn gather_volume_photons<S: Sink>(
+        &self,
+        path: &CameraPath,
+        (stretch, number, medium): (&Stretch<'a>, usize, &'a Medium),
+        walked: f64,
+        sample: &mut Sample<'_, 'a, S>,
+    ) {
+        let (maps, kind) = match path.colour {
+            Colour::Free => (self.free, RadiusKind::FreeVolume),
+            Colour::Shared { .. } => (self.shared, RadiusKind::SharedVolume),
+        };
+        let shared = matches!(path.colour, Colour::Shared { .. });
+        sample.scratch.legs.push(Seen { ray: stretch.ray, length_m: stretch.length_m, behind_m: walked, shared });
+        let slope = f64::from(sample.radii[kind as usize]);
+        for (map, scale) in [(&maps.points, self.scales.points), (&maps.beams, self.scales.beams)] {
+            if map.is_empty() {
+                continue;
+            }
+            sample.tally.volume_queries += 1;
+            let cone = Cone { ray: stretch.ray, length_m: stretch.length_m, behind_m: walked, slope: slope * scale };
+            self.along(map, &cone, (path, stretch, number, medium), sample);
+        }
+    }
+
+    /// Adds the radiance that the photons of one map scatter into the ray.
+    fn along<S: Sink>(
+        &self,
+        map: &VolumeMap,
+        cone: &Cone,
+        (path, stretch, number, medium): (&CameraPath, &Stretch<'a>, usize, &'a Medium),
+        sample: &mut Sample<'_, 'a, S>,
+    ) {
+        let seed = seed(sample);
+        let (factors, sink) = (&sample.scratch.factors, &mut *sample.sink);
+        map.along(cone, |found: Neighbour<'_>| {
+            if found.medium != number {
+                return;
+            }
+            let here = self.passages_to(found.t, stretch, medium, seed);
+            let cosine = -found.incoming.dot(stretch.ray.direction);
+            // A beam's light has still to come to the crossing, and to be scattered there.
+            let came = found.came.map(|(start, distance)| {
+                let ray = Ray { origin: start, direction: found.incoming };
+                (Passage::new(medium, ray, distance, seed), medium.density_at(ray.at(distance)))
+            });
+            let brought = |nm: f64, power: f64| {
+                let arrived = match &came {
+                    None => power,
+                    Some((passage, density)) => power * passage.at(nm) * medium.scattering.at(nm) * density,
+                };
+                arrived * medium.phase.at(cosine, nm) * passes(&here, nm)
+            };
+            let kernels = found.kernels;
+            match path.colour {
+                Colour::Free => {
+                    for (nm, power) in found.load.lanes() {
+                        let radiance = brought(nm, power) * product(factors, nm);
+                        sink.density(nm, radiance * kernels.estimate, radiance * kernels.bias());
+                    }
+                }
+                Colour::Shared { lane, nm, throughput } => {
+                    if let Some(power) = found.load.at_lane(lane) {
+                        let radiance = brought(nm, power) * throughput;
+                        sink.density(nm, radiance * kernels.estimate, radiance * kernels.bias());
+                    }
+                }
+            }
+        });
+    }
+}
+
+/// The seed of what is random about passages of this sample.
+fn seed<S>(sample: &Sample<'_, '_, S>) -> u64 {
+    hash64([sample.pixel, sample.numbers.wavelength.to_bits()])
+}

@@ -1,0 +1,152 @@
+//! The reference path tracer in media: null-collision tracking (Woodcock; Kutz et al. 2017; Miller, Georgiev & Jarosz 2019), which knows densities and
+//! bounds and no column.
+
+use super::CameraNumbers;
+use super::direct::{AskingInside, Counts, LitInside};
+use super::path_tracer::{Path, PathTracer};
+use crate::scene::geometry::Ray;
+use crate::scene::medium::Medium;
+use crate::spectrum::{LANES, Lanes};
+use crate::walk::{Leg, Sink, Start, Stretch, Tally, passes, travel};
+use std::ops::ControlFlow;
+
+/// Scatterings in media that a path may have between two surfaces.
+const MAX_COLLISIONS: u32 = 10_000;
+
+impl<'a> PathTracer<'a> {
+    /// Takes the path through media to the next surface.
+    pub(super) fn drift<S: Sink>(
+        &self,
+        path: &mut Path,
+        numbers: &mut CameraNumbers,
+        tally: &mut Tally,
+        sink: &mut S,
+    ) -> Leg<'a> {
+        for _ in 0..MAX_COLLISIONS {
+            let mut component = numbers.stream.uniform();
+            let mut met = None;
+            let leg = travel(self.scene, path.start, &mut component, |stretch| {
+                met = path.track(stretch, numbers, tally).map(|(t, medium)| (*stretch, t, medium));
+                if met.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            });
+            let Some((stretch, t, medium)) = met else {
+                return leg;
+            };
+            if !self.scatter_inside(path, (&stretch, t, medium), numbers, (tally, sink)) {
+                return Leg::Ended;
+            }
+        }
+        Leg::Ended
+    }
+
+    /// Lamps' light at a particle, and the new direction; false where the path ends.
+    fn scatter_inside<S: Sink>(
+        &self,
+        path: &mut Path,
+        (stretch, t, medium): (&Stretch<'a>, f64, &'a Medium),
+        numbers: &mut CameraNumbers,
+        (tally, sink): (&mut Tally, &mut S),
+    ) -> bool {
+        let incoming = stretch.ray.direction;
+        let ray = Ray { origin: stretch.ray.at(t), direction: incoming };
+        let start = Start { ray, from: None, interior: stretch.interior };
+        let hero = path.wavelengths.hero();
+        let asking = AskingInside { start, medium, scattered_nm: Some(hero), u: numbers.stream.triple() };
+        self.direct.ask_inside(asking, tally, |LitInside { light, incoming: way, strength, tint, through }| {
+            let cosine = -way.dot(incoming);
+            for (k, &nm) in path.wavelengths.active().iter().enumerate() {
+                let arriving = light.shape_at(tint, nm) * strength * passes(through, nm);
+                sink.radiance(nm, path.throughput[k] * medium.phase.at(cosine, nm) * arriving);
+            }
+        });
+        let direction = medium.phase.sample(incoming, hero, numbers.stream.pair());
+        let cosine = incoming.dot(direction);
+        let pdf = medium.phase.at(cosine, hero);
+        for (k, &nm) in path.wavelengths.active().iter().enumerate() {
+            path.throughput[k] *= medium.phase.at(cosine, nm) / pdf;
+        }
+        path.counts = Counts::Shared { place: ray.origin, pdf };
+        path.start = Start { ray: Ray { origin: ray.origin, direction }, ..start };
+        path.survives_collision(numbers)
+    }
+}
+
+impl Path {
+    /// Goes along a stretch, from one tentative collision to the next; returns where the path is scattered. Absorption is in the weights.
+    fn track<'a>(
+        &mut self,
+        stretch: &Stretch<'a>,
+        numbers: &mut CameraNumbers,
+        tally: &mut Tally,
+    ) -> Option<(f64, &'a Medium)> {
+        let mut scattered = None;
+        if let Some((_, medium)) = stretch.medium {
+            tally.media_stretches += 1;
+            scattered = self.track_medium(medium, stretch, numbers);
+        }
+        if let Some(absorption) = stretch.absorption {
+            let distance = scattered.map_or(stretch.length_m, |(t, _)| t);
+            for k in 0..self.wavelengths.count {
+                self.throughput[k] *= (-absorption.at(self.wavelengths.nm[k]) * distance).exp();
+            }
+        }
+        scattered
+    }
+
+    fn track_medium<'a>(
+        &mut self,
+        medium: &'a Medium,
+        stretch: &Stretch<'a>,
+        numbers: &mut CameraNumbers,
+    ) -> Option<(f64, &'a Medium)> {
+        let (mut t, end) = medium.window(&stretch.ray, stretch.length_m)?;
+        let of = |coefficient: fn(&Medium, f64) -> f64| -> Lanes {
+            let mut values = [0.0; LANES];
+            let active = self.wavelengths.active().iter().zip(&mut values);
+            active.for_each(|(&nm, value)| *value = coefficient(medium, nm));
+            values
+        };
+        let (sigma_s, sigma_t) = (of(|m, nm| m.scattering.at(nm)), of(|m, nm| m.extinction.at(nm)));
+        let rate = sigma_t.iter().copied().fold(0.0, f64::max) * medium.majorant(&stretch.ray, stretch.length_m);
+        if rate <= 0.0 {
+            return None;
+        }
+        loop {
+            t -= (-numbers.stream.uniform()).ln_1p() / rate;
+            if t >= end {
+                return None;
+            }
+            let density = medium.density_at(stretch.ray.at(t));
+            let weighted =
+                |value: &dyn Fn(usize) -> f64| (0..LANES).map(|k| self.throughput[k] * value(k)).sum::<f64>();
+            let scatters = weighted(&|k| sigma_s[k] * density);
+            let either = scatters + weighted(&|k| (rate - sigma_t[k] * density).max(0.0));
+            if either <= 0.0 {
+                self.throughput = [0.0; LANES];
+                return None;
+            }
+            let probability = scatters / either;
+            if numbers.stream.uniform() < probability {
+                (0..LANES).for_each(|k| self.throughput[k] *= sigma_s[k] * density / (rate * probability));
+                return Some((t, medium));
+            }
+            let left = rate * (1.0 - probability);
+            (0..LANES).for_each(|k| self.throughput[k] *= (rate - sigma_t[k] * density).max(0.0) / left);
+        }
+    }
+
+    /// Russian roulette in media: only paths that have lost most of their light are at risk, so that white fog is not dimmed into noise.
+    fn survives_collision(&mut self, numbers: &mut CameraNumbers) -> bool {
+        const AT_RISK: f64 = 0.2;
+        let passed = self.passed();
+        if passed >= AT_RISK {
+            return true;
+        }
+        let survival = passed / AT_RISK;
+        if numbers.stream.uniform() >= survival {
+            return false;
+        }
+        self.throughput.iter_mut().for_each(|t| *t /= survival);
+        true
+    }
+}
