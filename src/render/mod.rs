@@ -1,6 +1,7 @@
 //! The loop over passes: pilot, then passes until a stop rule holds; what was measured on the way; saving a run, going on with it and
 //! merging several.
 
+mod crowd;
 mod harvest;
 mod merge;
 mod part;

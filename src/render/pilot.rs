@@ -1,15 +1,14 @@
 //! The pilot: a small render before pass 0, with random streams of its own, that fixes what passes must not learn from each other:
 //! where lights aim, each pixel's first kernel radii, and how photons are shared between the two sets.
 
+use super::crowd::{self, Crowds};
 use super::harvest::Set;
 use super::pass::{emit, shared_wavelengths};
 use super::{Job, Seconds};
 use crate::emit::{Aim, Arrival, CELLS, Collision, Crossing, Emitters, Receiver, Wavelengthed, trace};
-use crate::gather::{
-    CameraNumbers, Direct, Gatherer, Landing, Leg, Maps, Outline, Outlines, Radii, RadiusKind, Scratch,
-};
+use crate::gather::{CameraNumbers, Direct, Gatherer, Landing, Maps, Outline, Outlines, Radii, RadiusKind, Scratch};
+use crate::map::PhotonIndex;
 use crate::map::radius::{self, Scales};
-use crate::map::{Cone, PhotonIndex};
 use crate::math::random::{Purpose, Stream};
 use crate::plan::partition::{LightPath, View};
 use crate::plan::{AimPlan, BetweenPlan, IndirectPlan, WavelengthPlan};
@@ -40,13 +39,6 @@ const LARGEST_INDIRECT_PIXELS: f64 = 24.0;
 /// Kernels for caustics, whose edges are sharp, span at most this many pixels at first, also where photons are few: a wide kernel
 /// beside a caustic would spread its light into the dark for many passes.
 const LARGEST_CAUSTIC_PIXELS: f64 = 3.0;
-
-/// Kernels for photons in media span at first at most and at least this many pixels (radii).
-const LARGEST_VOLUME_PIXELS: f64 = 6.0;
-const LEAST_VOLUME_PIXELS: f64 = 0.7;
-
-/// Beams that a set keeps in a pass.
-const MOST_BEAMS: f64 = 20_000.0;
 
 /// Neither set gets less than this share of the photons where both are in use.
 const LEAST_SHARE: f64 = 0.08;
@@ -106,7 +98,7 @@ impl Pilot {
         let mut free = photons(Set::Free, Wavelengthed::Free, self.free_photons, 0);
         let mut shared = photons(Set::Shared, Wavelengthed::Shared { nm, pdf }, self.shared_photons, 1);
         let beams = free.beams.len().max(shared.beams.len());
-        self.beam_share = (MOST_BEAMS / (beams.max(1) as f64)).min(1.0);
+        let thinning = crowd::thin(&mut free.beams).max(crowd::thin(&mut shared.beams));
         let (free, shared) = (free.maps(), shared.maps());
         let (empty, none) = (Maps::default(), Outlines::default());
         let gatherer = Gatherer {
@@ -122,17 +114,26 @@ impl Pilot {
             outlines: &none,
             max_depth: job.budget.max_depth,
         };
-        let width = job.scene.camera.width();
+        let (width, pixel_angle) = (job.scene.camera.width(), job.scene.camera.pixel_angle());
         let rows: Vec<RowFindings> = (0..job.scene.camera.pixel_count() / width)
             .into_par_iter()
             .map(|row| self.measure_row(job, &gatherer, (&free, &shared), row * width..(row + 1) * width))
             .collect();
         let mut landings = [0_u64; 2];
         let mut seen = Vec::with_capacity(width * rows.len());
+        let mut crowds = Vec::with_capacity(width * rows.len());
         for row in rows {
             self.radii.extend(row.radii);
             seen.extend(row.seen);
+            crowds.extend(row.crowds);
             (0..2).for_each(|set| landings[set] += row.landings[set]);
+        }
+        self.beam_share = crowd::share(&crowds, beams, thinning);
+        let beams_a_found = self.beam_share * thinning;
+        for (radii, crowds) in self.radii.iter_mut().zip(&crowds) {
+            for (kind, crowd) in [RadiusKind::FreeVolume, RadiusKind::SharedVolume].into_iter().zip(crowds.of_sets()) {
+                radii[kind as usize] = crowd.map_or(UNKNOWN, |crowd| crowd.slope(beams_a_found, pixel_angle) as f32);
+            }
         }
         fill_unknown(&mut self.radii);
         if job.plan.indirect != IndirectPlan::Absent {
@@ -150,8 +151,13 @@ impl Pilot {
     ) -> RowFindings {
         let mut scratch = Scratch::default();
         let count = pixels.len();
-        let mut found =
-            RowFindings { radii: Vec::with_capacity(count), seen: Vec::with_capacity(count), landings: [0; 2] };
+        let pixel_angle = job.scene.camera.pixel_angle();
+        let mut found = RowFindings {
+            radii: Vec::with_capacity(count),
+            seen: Vec::with_capacity(count),
+            crowds: Vec::with_capacity(count),
+            landings: [0; 2],
+        };
         for pixel in pixels {
             // The replicates use hashes of (seed, replicate, pixel): a seed of its own keeps the pilot apart from them.
             let numbers = CameraNumbers::new(job.budget.seed ^ 0x0070_696c_6f74, 0, pixel as u64);
@@ -168,13 +174,7 @@ impl Pilot {
                     radii[kinds[i] as usize] = first_radius(job, landing, map, largest[i]) as f32;
                 }
             }
-            for leg in &scratch.legs {
-                let (maps, kind) =
-                    if leg.shared { (shared, RadiusKind::SharedVolume) } else { (free, RadiusKind::FreeVolume) };
-                let slope = self.first_slope(job, leg, maps) as f32;
-                let known = &mut radii[kind as usize];
-                *known = if *known == UNKNOWN { slope } else { known.min(slope) };
-            }
+            found.crowds.push(Crowds::along(&scratch.legs, (free, shared), pixel_angle));
             let shared_legs = scratch.legs.iter().map(|leg| leg.shared);
             let used = || scratch.landings.iter().map(|landing| landing.shared).chain(shared_legs.clone());
             let (shared_here, free_here) = (used().any(|shared| shared), used().any(|shared| !shared));
@@ -184,22 +184,6 @@ impl Pilot {
             found.seen.push(scratch.landings.first().copied().filter(|landing| landing.view == View::Seen));
         }
         found
-    }
-
-    /// The first radius for photons in media along a leg, per distance from the camera: so that about so many count.
-    fn first_slope(&self, job: &Job, leg: &Leg, maps: &Maps) -> f64 {
-        /// Photons within the first radius: fewer than on a surface, since the ray sees them all along its way.
-        const NEAREST: f64 = 16.0;
-        let pixel = job.scene.camera.pixel_angle();
-        let widest = LARGEST_VOLUME_PIXELS * pixel;
-        let Leg { ray, length_m, behind_m, .. } = *leg;
-        let mut slope = widest;
-        for (map, share, dimensions) in [(&maps.points, 1.0, 2.0), (&maps.beams, self.beam_share, 1.0)] {
-            let mut found = 0.0;
-            map.along(&Cone { ray, length_m, behind_m, slope: widest }, |_| found += share);
-            slope = slope.min(widest * (NEAREST / f64::max(found, NEAREST)).powf(1.0 / dimensions));
-        }
-        slope.max(LEAST_VOLUME_PIXELS * pixel)
     }
 
     /// Shares the photons between the sets by the pixels that need them.
@@ -219,6 +203,8 @@ struct RowFindings {
     radii: Vec<Radii>,
     /// What pixels see directly.
     seen: Vec<Option<Landing>>,
+    /// How many photons in media are near the rays.
+    crowds: Vec<Crowds>,
     landings: [u64; 2],
 }
 
