@@ -3,10 +3,12 @@
 use super::spectra::Role;
 use super::{Resolver, unsupported};
 use crate::error::{Error, Result};
-use crate::optics::phase::Phase;
+use crate::optics::phase::{self, Phase, PhaseTable};
 use crate::scene::file::{HomogeneousFile, JsonPath, MediumFile, PhaseFile};
 use crate::scene::medium::{Density, Medium};
 use glam::DVec3;
+use std::path::Path;
+use std::sync::Arc;
 
 impl Resolver<'_> {
     /// Resolves the medium of this name; `at` is where it is named, `centre` the scene's centre in m.
@@ -43,14 +45,30 @@ impl Resolver<'_> {
             self.spectrum(&at.key(key), file, Role::Coefficient).map(|per_unit| per_unit.scaled(1.0 / self.metres))
         };
         let coefficients = (coefficient("absorption", absorption)?, coefficient("scattering", scattering)?);
-        let phase = match phase {
-            PhaseFile::Isotropic => Phase::Isotropic,
-            PhaseFile::Rayleigh
-            | PhaseFile::HenyeyGreenstein { .. }
-            | PhaseFile::Table { .. }
-            | PhaseFile::Mie { .. }
-            | PhaseFile::Rainbow => return self.at(&at.key("phase"), Err(unsupported("this phase function is"))),
-        };
+        let phase = self.phase(&at.key("phase"), phase)?;
         Ok(Medium { priority: *priority, ..Medium::new(name.to_owned(), coefficients, phase, Density::Uniform) })
     }
+
+    fn phase(&self, at: &JsonPath<'_>, file: &PhaseFile) -> Result<Phase> {
+        match file {
+            PhaseFile::Isotropic => Ok(Phase::Isotropic),
+            PhaseFile::Rayleigh => Ok(Phase::Rayleigh),
+            PhaseFile::HenyeyGreenstein { g } => {
+                let g = self.spectrum(&at.key("henyey_greenstein").key("g"), g, Role::MeanCosine)?;
+                Ok(Phase::HenyeyGreenstein { g })
+            }
+            PhaseFile::Table { path } => {
+                let table = read_phase_table(&self.source.folder().join(path));
+                Ok(Phase::Table(Arc::new(self.at(&at.key("table").key("path"), table)?)))
+            }
+            PhaseFile::Mie { .. } | PhaseFile::Rainbow => self.at(at, Err(unsupported("this phase function is"))),
+        }
+    }
+}
+
+/// Reads a phase function's table from a file.
+fn read_phase_table(path: &Path) -> Result<PhaseTable> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| Error::input(format!("cannot read the phase function: {error}")).in_file(path))?;
+    phase::parse_table(&text).map_err(|error| error.in_file(path))
 }
