@@ -29,7 +29,7 @@ const ORDER: [(&str, &[&str]); 16] = [
 const HOT: [&str; 4] = ["walk", "map", "emit", "gather"];
 
 /// Where a crate may be used: in these files or folders (below src), or everywhere.
-const CRATES: [(&str, &[&str]); 25] = [
+const CRATES: [(&str, &[&str]); 26] = [
     ("glam", &[""]),
     ("serde", &[""]),
     ("obvhs", &["scene/bvh.rs"]),
@@ -63,6 +63,7 @@ const CRATES: [(&str, &[&str]); 25] = [
     ("maud", &["output/", "study/"]),
     ("roxmltree", &["spectrum/"]),
     ("ctrlc", &["cli/"]),
+    ("zip", &["scene/medium/volume_file.rs"]),
     ("tobj", &["scene/mesh/"]),
     ("stl_io", &["scene/mesh/"]),
     ("gltf", &["scene/mesh/"]),
