@@ -64,6 +64,7 @@ const CRATES: [(&str, &[&str]); 26] = [
     ("maud", &["output/", "study/"]),
     ("roxmltree", &["spectrum/"]),
     ("ctrlc", &["cli/"]),
+    ("zip", &["scene/medium/volume_file.rs"]),
     ("tobj", &["scene/mesh/"]),
     ("stl_io", &["scene/mesh/"]),
     ("gltf", &["scene/mesh/"]),

@@ -6,7 +6,7 @@ use abbe::error::{Error, Result};
 use abbe::scene::file::{self, SpectrumFile};
 use abbe::scene::resolve::{self, Role};
 use abbe::spectrum::library::{self, Kind};
-use abbe::spectrum::{Outside, Spectrum, read};
+use abbe::spectrum::{Spectrum, read};
 
 use super::print;
 
@@ -41,13 +41,9 @@ pub(crate) fn spectrum(text: &str, role: Role) -> Result<Named> {
     };
     let path = Path::new(text);
     if path.exists() || path.extension().is_some() || text.contains(std::path::is_separator) {
-        let outside = match role {
-            Role::Light => Outside::Zero,
-            Role::Reflectance | Role::Coefficient => Outside::Hold,
-        };
         // A slip in a library's name such as led/red looks like a missing file.
         let near = unknown.near.filter(|_| !path.exists());
-        let spectrum = read::spectrum_file(path, outside).map_err(|error| Error { near, ..error })?;
+        let spectrum = read::spectrum_file(path, role.outside()).map_err(|error| Error { near, ..error })?;
         return Ok(Named { name: text.to_string(), origin: "read from this file".to_string(), spectrum });
     }
     Err(unknown.expected("a name of `abbe spectrum --list`, a file, or a spectrum as JSON"))

@@ -1,7 +1,8 @@
-//! Random streams, low-discrepancy points, warps with their densities, distributions, exact sums, frames.
+//! Random streams, low-discrepancy points, warps with their densities, distributions, quadrature, exact sums, frames.
 
 pub mod distribution;
 pub mod frame;
+pub mod quadrature;
 pub mod random;
 pub mod sobol;
 pub mod sum;

@@ -51,10 +51,14 @@ pub fn cone_solid_angle(half_angle: f64) -> f64 {
 /// A cone around +z given by 1 − cos of its half-angle, uniformly over its solid angle
 /// (density 1/(2π·`one_minus_cos`)); exact for very narrow cones too.
 pub fn cone(one_minus_cos: f64, u: [f64; 2]) -> DVec3 {
-    let h = u[0] * one_minus_cos;
-    let (sin, cos) = (TAU * u[1]).sin_cos();
-    let r = (h * (2.0 - h)).max(0.0).sqrt();
-    DVec3::new(r * cos, r * sin, 1.0 - h)
+    ring(u[0] * one_minus_cos, u[1])
+}
+
+/// The direction at an angle from +z, given by 1 − its cosine, and at the azimuth 2π·`u`; exact for very small angles too.
+pub fn ring(one_minus_cos: f64, u: f64) -> DVec3 {
+    let (sin, cos) = (TAU * u).sin_cos();
+    let r = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt();
+    DVec3::new(r * cos, r * sin, 1.0 - one_minus_cos)
 }
 
 /// The density per steradian of [`cosine_hemisphere`].

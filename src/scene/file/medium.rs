@@ -83,10 +83,12 @@ pub struct GridFile {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TransmittanceFile {
-    /// Ratio tracking: unbiased.
+    /// From the exact integral of the density: without bias and without noise (default).
     #[default]
+    Exact,
+    /// Ratio tracking: unbiased, noisy.
     Ratio,
-    /// Ray marching with fixed steps: biased, without noise.
+    /// Ray marching with `render.march_steps` steps: biased, without noise.
     March,
 }
 
@@ -118,16 +120,30 @@ pub struct FieldFile {
     pub noise: Option<NoiseFieldFile>,
 }
 
-/// value · exp(−(y − y_min)/scale_height) over the box.
+/// value · exp(−height/scale_height) over the box, the height being that above the bottom of the box or above a planet.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExponentialFieldFile {
-    /// Value at the bottom of the box.
+    /// Value at the bottom of the box, or on the planet.
     #[schemars(range(min = 0))]
     pub value: f64,
     /// Height over which it falls to 1/e, in the scene's unit.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub scale_height: f64,
+    /// The planet that it surrounds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub planet: Option<PlanetFile>,
+}
+
+/// A sphere from which height is counted; inside it the value is that on its surface.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlanetFile {
+    /// Centre, in the scene's unit.
+    pub center: [f64; 3],
+    /// Radius, in the scene's unit.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub radius: f64,
 }
 
 /// A ball of a value, smooth over its outer `falloff`.
@@ -148,7 +164,7 @@ pub struct SphereFieldFile {
     pub falloff: f64,
 }
 
-/// Fractal noise.
+/// Fractal noise, computed once on a grid with two cells to the smallest lump, but at most 128 along the longest side.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NoiseFieldFile {
@@ -166,6 +182,10 @@ pub struct NoiseFieldFile {
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(range(min = 0, max = 1))]
     pub threshold: f64,
+    /// Share of the box's half-axes, from 0 to 1, over which it fades towards the ellipsoid in the box (default 0: it fills the box).
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(range(min = 0, max = 1))]
+    pub falloff: f64,
     /// Seed (default 0).
     #[serde(default, skip_serializing_if = "forms::is_default")]
     pub seed: u32,
@@ -315,10 +335,11 @@ impl FieldFile {
             (None, None) => {}
         }
         constant.map_or(Ok(()), |value| check::not_negative(&at.key("constant"), value))?;
-        if let Some(ExponentialFieldFile { value, scale_height }) = exponential {
+        if let Some(ExponentialFieldFile { value, scale_height, planet }) = exponential {
             let at = at.key("exponential");
             check::not_negative(&at.key("value"), *value)?;
             check::positive(&at.key("scale_height"), *scale_height)?;
+            planet.map_or(Ok(()), |planet| check::positive(&at.key("planet").key("radius"), planet.radius))?;
         }
         if let Some(SphereFieldFile { value, center: _, radius, falloff }) = sphere {
             let at = at.key("sphere");
@@ -326,12 +347,13 @@ impl FieldFile {
             check::positive(&at.key("radius"), *radius)?;
             check::share(&at.key("falloff"), *falloff)?;
         }
-        if let Some(NoiseFieldFile { value, scale, octaves, threshold, seed: _ }) = noise {
+        if let Some(NoiseFieldFile { value, scale, octaves, threshold, falloff, seed: _ }) = noise {
             let at = at.key("noise");
             check::not_negative(&at.key("value"), *value)?;
             check::positive(&at.key("scale"), *scale)?;
             check::count(&at.key("octaves"), u64::from(*octaves), 1, 16)?;
             check::share(&at.key("threshold"), *threshold)?;
+            check::share(&at.key("falloff"), *falloff)?;
         }
         Ok(())
     }

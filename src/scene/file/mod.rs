@@ -46,7 +46,7 @@ pub use light::{BeamFile, DirectionalFile, EmissionFile, EnvironmentFile, IesFil
 pub use material::{ConductorFile, DielectricFile, MaterialFile, WeightedMaterialFile};
 pub use medium::{
     ExponentialFieldFile, FieldFile, GridFile, HomogeneousFile, MediumBlackbodyFile, MediumEmissionFile, MediumFile,
-    NoiseFieldFile, PhaseFile, SphereFieldFile, TransmittanceFile,
+    NoiseFieldFile, PhaseFile, PlanetFile, SphereFieldFile, TransmittanceFile,
 };
 pub use object::ObjectFile;
 pub use path::JsonPath;

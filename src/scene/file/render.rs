@@ -42,7 +42,7 @@ pub struct RenderFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0))]
     pub checkpoint_seconds: Option<f64>,
-    /// Steps of a ray that marches through a medium.
+    /// Steps of a ray that marches through a medium (default 64).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1))]
     pub march_steps: Option<u32>,

@@ -8,6 +8,7 @@ use super::check;
 use super::forms::{self, Form, Forms};
 use super::path::JsonPath;
 use crate::error::Result;
+use crate::optics::phase::MAX_MEAN_COSINE;
 
 /// A function of wavelength: a number (constant), the name of one of the scene's `spectra` or of the built-in library,
 /// or an object with one key.
@@ -249,7 +250,7 @@ pub(super) enum Use {
     NotNegative,
     /// A reflectance or transmittance: 0 to 1.
     Share,
-    /// The mean cosine of a phase function: above −1 and below 1.
+    /// The mean cosine of a phase function: above −1 and below 1, as far as double precision can tell.
     MeanCosine,
 }
 
@@ -260,7 +261,10 @@ impl Use {
             Self::Any => Ok(()),
             Self::NotNegative => check::not_negative(at, value),
             Self::Share => check::share(at, value),
-            Self::MeanCosine => check::between(at, value, -1.0, 1.0),
+            Self::MeanCosine => {
+                let allowed = format!("a number from {} to {MAX_MEAN_COSINE}", -MAX_MEAN_COSINE);
+                check::rule(at, value, value.abs() <= MAX_MEAN_COSINE, &allowed)
+            }
         }
     }
 }

@@ -2,11 +2,15 @@
 //!
 //! A medium's coefficients are functions of wavelength times a density that may vary in space, so that everything that happens
 //! along a stretch of a ray hangs on one number, the column density D = ∫ρ ds: the transmittance at every wavelength is
-//! exp(−σ_t(λ)·D).
+//! exp(−σ_t(λ)·D). Absorption and scattering are stated apart, none negative, so that no albedo exceeds 1.
+
+pub mod field;
+pub mod volume_file;
 
 use super::geometry::Ray;
 use crate::optics::phase::Phase;
 use crate::spectrum::Spectrum;
+use field::Field;
 use glam::DVec3;
 
 /// A medium, placed in the scene. Coefficients are in 1/m at density 1.
@@ -38,6 +42,8 @@ pub struct Medium {
 pub enum Density {
     /// 1 everywhere.
     Uniform,
+    /// Within a box.
+    Field(Box<Field>),
 }
 
 /// How the transmittance of a medium that varies in space is worked out.
@@ -82,45 +88,35 @@ impl Medium {
 
     /// The density at a point.
     pub fn density_at(&self, point: DVec3) -> f64 {
-        match self.density {
-            Density::Uniform => {
-                let _ = point;
-                1.0
-            }
+        match &self.density {
+            Density::Uniform => 1.0,
+            Density::Field(field) => field.at(point),
         }
     }
 
     /// The largest density along the ray's first `length_m`: the bound of null-collision tracking.
     pub fn majorant(&self, ray: &Ray, length_m: f64) -> f64 {
-        match self.density {
-            Density::Uniform => {
-                let (_, _) = (ray, length_m);
-                1.0
-            }
+        match &self.density {
+            Density::Uniform => 1.0,
+            Density::Field(field) => field.majorant(ray, length_m),
         }
     }
 
     /// The column density ∫ρ ds in m along the ray's first `length_m` (which may be infinite), exact.
     pub fn column_m(&self, ray: &Ray, length_m: f64) -> f64 {
-        match self.density {
-            Density::Uniform => {
-                let _ = ray;
-                length_m
-            }
+        match &self.density {
+            Density::Uniform => length_m,
+            Density::Field(field) => field.column_m(ray, length_m),
         }
     }
 
-    /// The same by the midpoint rule in this many steps.
+    /// The column density by `steps` midpoint steps along the ray's way through the medium: biased, with an error that falls with
+    /// the square of the step.
     pub fn column_by_steps(&self, ray: &Ray, length_m: f64, steps: u32) -> f64 {
-        let Some((begin, end)) = self.window(ray, length_m) else {
-            return 0.0;
-        };
-        if self.is_uniform() {
-            return length_m;
+        match &self.density {
+            Density::Uniform => length_m,
+            Density::Field(field) => field.column_by_steps(ray, length_m, steps),
         }
-        let step = (end - begin) / f64::from(steps);
-        let middle = |i: u32| ray.at(begin + (f64::from(i) + 0.5) * step);
-        (0..steps).map(|i| self.density_at(middle(i))).sum::<f64>() * step
     }
 
     /// The optical depth of a column density at a wavelength; a clear medium has none, however long.
@@ -136,28 +132,25 @@ impl Medium {
 
     /// How far along the ray the column density reaches `column_m`; `None` where the ray's first `length_m` hold less.
     pub fn distance_at(&self, ray: &Ray, length_m: f64, column_m: f64) -> Option<f64> {
-        match self.density {
-            Density::Uniform => {
-                let _ = ray;
-                (column_m < length_m).then_some(column_m)
-            }
+        match &self.density {
+            Density::Uniform => (column_m < length_m).then_some(column_m),
+            Density::Field(field) => field.distance_at(ray, length_m, column_m),
         }
     }
 
     /// The part of the ray's first `length_m` in which the density may be above 0.
     pub fn window(&self, ray: &Ray, length_m: f64) -> Option<(f64, f64)> {
-        match self.density {
-            Density::Uniform => {
-                let _ = ray;
-                Some((0.0, length_m))
-            }
+        match &self.density {
+            Density::Uniform => Some((0.0, length_m)),
+            Density::Field(field) => field.window(ray, length_m),
         }
     }
 
     /// The radius of a ball around the scene's centre outside of which there is nothing of the medium; 0 where only its bounds decide that.
     pub fn reach_m(&self) -> f64 {
-        match self.density {
+        match &self.density {
             Density::Uniform => 0.0,
+            Density::Field(field) => field.reach_m(),
         }
     }
 
@@ -165,6 +158,7 @@ impl Medium {
     pub fn is_uniform(&self) -> bool {
         match self.density {
             Density::Uniform => true,
+            Density::Field(_) => false,
         }
     }
 }

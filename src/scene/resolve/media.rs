@@ -3,10 +3,26 @@
 use super::spectra::Role;
 use super::{Resolver, unsupported};
 use crate::error::{Error, Result};
-use crate::optics::phase::Phase;
-use crate::scene::file::{HomogeneousFile, JsonPath, MediumFile, PhaseFile};
-use crate::scene::medium::{Density, Medium};
-use glam::DVec3;
+use crate::optics::phase::{self, Phase, PhaseTable};
+use crate::scene::file::{
+    ExponentialFieldFile, FieldFile, GridFile, HomogeneousFile, JsonPath, KeyframeFile, MediumFile, NoiseFieldFile,
+    PhaseFile, PlanetFile, SpectrumFile, SphereFieldFile, TransformFile, TransmittanceFile,
+};
+use crate::scene::medium::field::{Atmosphere, Ball, Field, Grid, Ground, Noise, Planet, Shape};
+use crate::scene::medium::{Density, Medium, Transmittance, volume_file};
+use crate::spectrum::Spectrum;
+use glam::{DAffine3, DVec3};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Steps of a march where `render.march_steps` states none.
+const DEFAULT_MARCH_STEPS: u32 = 64;
+
+/// Where a grid's box stands: its corners in its own coordinates, and the way there from the scene's; all in m.
+struct Place {
+    bounds: (DVec3, DVec3),
+    to_local: DAffine3,
+}
 
 impl Resolver<'_> {
     /// The number of the medium of this name, which is its place among the scene's media; `at` is where it is named.
@@ -35,33 +51,128 @@ impl Resolver<'_> {
         let root = JsonPath::Root;
         let media = root.key("media");
         let at = media.key(name);
-        let _ = centre;
         match file {
             MediumFile::Homogeneous(file) => self.homogeneous(&at.key("homogeneous"), file, name),
-            MediumFile::Grid(_) => self.at(&at.key("grid"), Err(unsupported("grids are"))),
+            MediumFile::Grid(file) => self.grid(&at.key("grid"), file, name, centre),
         }
     }
 
     fn homogeneous(&self, at: &JsonPath<'_>, file: &HomogeneousFile, name: &str) -> Result<Medium> {
+        // Where a medium stands that is the same everywhere makes no difference.
         let HomogeneousFile { absorption, scattering, phase, emission, priority: _, transform: _, motion } = file;
+        self.refuse_motion(at, motion)?;
         if emission.is_some() {
             return self.at(&at.key("emission"), Err(unsupported("emission of media is")));
         }
-        if !motion.is_empty() {
-            return self.at(&at.key("motion"), Err(unsupported("motion of media is")));
+        let coefficients = self.coefficients(at, absorption, scattering)?;
+        let phase = self.phase(&at.key("phase"), phase)?;
+        Ok(Medium::new(name.to_owned(), coefficients, phase, Density::Uniform))
+    }
+
+    fn grid(&self, at: &JsonPath<'_>, file: &GridFile, name: &str, centre: DVec3) -> Result<Medium> {
+        let GridFile { bounds, density, absorption, scattering, phase, emission, temperature, .. } = file;
+        let GridFile { transmittance, priority: _, transform, motion, .. } = file;
+        self.refuse_motion(at, motion)?;
+        if emission.is_some() || temperature.is_some() {
+            return self.at(&at.key("emission"), Err(unsupported("emission of media is")));
         }
+        let coefficients = self.coefficients(at, absorption, scattering)?;
+        let phase = self.phase(&at.key("phase"), phase)?;
+        let place = self.place(*bounds, transform, centre);
+        let density = Density::Field(Box::new(self.field(&at.key("density"), density, &place)?));
+        let transmittance = match transmittance {
+            TransmittanceFile::Exact => Transmittance::Exact,
+            TransmittanceFile::Ratio => Transmittance::Ratio,
+            TransmittanceFile::March => {
+                Transmittance::March { steps: self.scene.render.march_steps.unwrap_or(DEFAULT_MARCH_STEPS) }
+            }
+        };
+        Ok(Medium { transmittance, ..Medium::new(name.to_owned(), coefficients, phase, density) })
+    }
+
+    fn refuse_motion(&self, at: &JsonPath<'_>, motion: &[KeyframeFile]) -> Result<()> {
+        if motion.is_empty() { Ok(()) } else { self.at(&at.key("motion"), Err(unsupported("motion of media is"))) }
+    }
+
+    /// Absorption and scattering in 1/m.
+    fn coefficients(
+        &self,
+        at: &JsonPath<'_>,
+        absorption: &SpectrumFile,
+        scattering: &SpectrumFile,
+    ) -> Result<(Spectrum, Spectrum)> {
         let coefficient = |key: &str, file| {
             self.spectrum(&at.key(key), file, Role::Coefficient).map(|per_unit| per_unit.scaled(1.0 / self.metres))
         };
-        let coefficients = (coefficient("absorption", absorption)?, coefficient("scattering", scattering)?);
-        let phase = match phase {
-            PhaseFile::Isotropic => Phase::Isotropic,
-            PhaseFile::Rayleigh
-            | PhaseFile::HenyeyGreenstein { .. }
-            | PhaseFile::Table { .. }
-            | PhaseFile::Mie { .. }
-            | PhaseFile::Rainbow => return self.at(&at.key("phase"), Err(unsupported("this phase function is"))),
-        };
-        Ok(Medium::new(name.to_owned(), coefficients, phase, Density::Uniform))
+        Ok((coefficient("absorption", absorption)?, coefficient("scattering", scattering)?))
     }
+
+    /// Where a grid's box stands.
+    fn place(&self, bounds: [[f64; 3]; 2], transform: &TransformFile, centre: DVec3) -> Place {
+        let metres = DAffine3::from_scale(DVec3::splat(self.metres));
+        let to_file = metres.inverse() * DAffine3::from_translation(centre);
+        let to_local = metres * transform.to_affine().inverse() * to_file;
+        let [low, high] = bounds.map(|corner| DVec3::from(corner) * self.metres);
+        Place { bounds: (low, high), to_local }
+    }
+
+    /// A quantity over a grid's box.
+    fn field(&self, at: &JsonPath<'_>, file: &FieldFile, place: &Place) -> Result<Field> {
+        Ok(Field::new(self.field_shape(at, file, place.bounds)?, place.bounds, place.to_local))
+    }
+
+    fn field_shape(&self, at: &JsonPath<'_>, file: &FieldFile, bounds: (DVec3, DVec3)) -> Result<Shape> {
+        let FieldFile { values, resolution, path, constant, exponential, sphere, noise } = file;
+        if let (Some(values), Some(resolution)) = (values, resolution) {
+            let grid = Grid::new(resolution.map(|cells| cells as usize), values.iter().copied());
+            return Ok(Shape::Grid(self.at(&at.key("values"), grid)?));
+        }
+        if let Some(path) = path {
+            let grid = volume_file::read(&self.source.folder().join(path));
+            return Ok(Shape::Grid(self.at(&at.key("path"), grid)?));
+        }
+        if let Some(value) = constant {
+            return Ok(Shape::Constant(*value));
+        }
+        let length = |length: f64| length * self.metres;
+        let point = |point: [f64; 3]| DVec3::from(point) * self.metres;
+        if let Some(ExponentialFieldFile { value, scale_height, planet }) = *exponential {
+            let above = planet.map_or(Ground::Plain(bounds.0.y), |PlanetFile { center, radius }| {
+                Ground::Planet(Planet { center: point(center), radius: length(radius) })
+            });
+            return Ok(Shape::Atmosphere(Atmosphere { value, scale_height: length(scale_height), above }));
+        }
+        if let Some(SphereFieldFile { value, center, radius, falloff }) = *sphere {
+            return Ok(Shape::Ball(Ball { value, center: point(center), radius: length(radius), falloff }));
+        }
+        if let Some(NoiseFieldFile { value, scale, octaves, threshold, falloff, seed }) = *noise {
+            let noise = Noise { value, scale: length(scale), octaves, threshold, falloff, seed };
+            return Ok(Shape::Grid(self.at(&at.key("noise"), noise.grid(bounds))?));
+        }
+        // The file's own check lets no other form through.
+        self.at(at, Err(Error::input("found none of the forms of a field")))
+    }
+
+    fn phase(&self, at: &JsonPath<'_>, file: &PhaseFile) -> Result<Phase> {
+        match file {
+            PhaseFile::Isotropic => Ok(Phase::Isotropic),
+            PhaseFile::Rayleigh => Ok(Phase::Rayleigh),
+            PhaseFile::HenyeyGreenstein { g } => {
+                let g = self.spectrum(&at.key("henyey_greenstein").key("g"), g, Role::MeanCosine)?;
+                Ok(Phase::HenyeyGreenstein { g })
+            }
+            PhaseFile::Table { path } => {
+                let table = read_phase_table(&self.source.folder().join(path));
+                Ok(Phase::Table(Arc::new(self.at(&at.key("table").key("path"), table)?)))
+            }
+            PhaseFile::Mie { .. } | PhaseFile::Rainbow => self.at(at, Err(unsupported("this phase function is"))),
+        }
+    }
+}
+
+/// Reads a phase function's table from a file.
+fn read_phase_table(path: &Path) -> Result<PhaseTable> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| Error::input(format!("cannot read the phase function: {error}")).in_file(path))?;
+    phase::parse_table(&text).map_err(|error| error.in_file(path))
 }

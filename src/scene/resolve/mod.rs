@@ -134,11 +134,10 @@ impl Resolver<'_> {
 
     fn settings(&self, at: &JsonPath<'_>, render: &RenderFile) -> Result<Settings> {
         let RenderFile { passes, photons, max_depth, nearest, radius, seed, threads, .. } = render;
-        let RenderFile { checkpoint_seconds, march_steps, light_map, force, forbid, .. } = render;
-        for (key, given) in [("march_steps", march_steps.is_some()), ("light_map", light_map.is_some())] {
-            if given {
-                return self.at(&at.key(key), Err(unsupported(&format!("`{key}` is"))));
-            }
+        // How a medium is marched through is the medium's matter.
+        let RenderFile { checkpoint_seconds, march_steps: _, light_map, force, forbid, .. } = render;
+        if light_map.is_some() {
+            return self.at(&at.key("light_map"), Err(unsupported("`light_map` is")));
         }
         Ok(Settings {
             passes: *passes,

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::Resolver;
 use crate::colour::{Match, match_primaries};
 use crate::error::{Error, Result};
+use crate::optics::phase::MAX_MEAN_COSINE;
 use crate::scene::file::{JsonPath, LineFile, Source, SpectrumFile};
 use crate::spectrum::{Observer, Outside, SpectralLine, Spectrum, library, read};
 
@@ -17,13 +18,16 @@ pub enum Role {
     Reflectance,
     /// Any other non-negative quantity: end values held.
     Coefficient,
+    /// The mean cosine of a phase function: end values held; negative where light is scattered back.
+    MeanCosine,
 }
 
 impl Role {
-    fn outside(self) -> Outside {
+    /// What a table in this role means beyond its ends.
+    pub fn outside(self) -> Outside {
         match self {
             Self::Light => Outside::Zero,
-            Self::Reflectance | Self::Coefficient => Outside::Hold,
+            Self::Reflectance | Self::Coefficient | Self::MeanCosine => Outside::Hold,
         }
     }
 }
@@ -94,14 +98,17 @@ impl Spectra<'_> {
         let made = match file {
             SpectrumFile::Number(value) => Ok(Spectrum::constant(*value)),
             SpectrumFile::Name(name) => return self.spectrum_by_name(at, name, role, depth),
-            SpectrumFile::Table { nm, values } => Spectrum::table(nm, values, role.outside()),
+            SpectrumFile::Table { nm, values } => match role {
+                Role::MeanCosine => signed_table(nm, values),
+                Role::Light | Role::Reflectance | Role::Coefficient => Spectrum::table(nm, values, role.outside()),
+            },
             SpectrumFile::File(path) => read::spectrum_file(&self.source.folder().join(path), role.outside()),
             SpectrumFile::Lines(lines) => Spectrum::lines(&lines.iter().map(line).collect::<Vec<_>>()),
             SpectrumFile::Blackbody { temperature } => Spectrum::blackbody(*temperature),
             SpectrumFile::Gaussian { peak_nm, fwhm_nm } => Spectrum::gaussian(*peak_nm, *fwhm_nm),
             SpectrumFile::Rgb(rgb) => match role {
                 Role::Light => Spectrum::rgb_light(*rgb),
-                Role::Reflectance | Role::Coefficient => Spectrum::rgb_reflectance(*rgb),
+                Role::Reflectance | Role::Coefficient | Role::MeanCosine => Spectrum::rgb_reflectance(*rgb),
             },
             SpectrumFile::Mix(parts) => {
                 let at = at.key("mix");
@@ -146,6 +153,13 @@ impl Spectra<'_> {
     }
 }
 
+/// A table of mean cosines, which a table of light would refuse where they are negative.
+fn signed_table(nm: &[f64], values: &[f64]) -> Result<Spectrum> {
+    let raised: Vec<f64> = values.iter().map(|value| value + 1.0).collect();
+    let raised = Spectrum::table(nm, &raised, Outside::Hold)?;
+    Ok(Spectrum::mix(&[(1.0, &raised), (1.0, &Spectrum::constant(-1.0))]))
+}
+
 fn line(file: &LineFile) -> SpectralLine {
     let LineFile { nm, power, fwhm_nm } = *file;
     SpectralLine { nm, power, fwhm_nm }
@@ -176,6 +190,10 @@ fn check_role(spectrum: &Spectrum, role: Role) -> Result<()> {
         Role::Reflectance | Role::Coefficient if spectrum.min() < 0.0 => {
             Err(Error::input(format!("found values down to {:.4}", spectrum.min())).expected("values of at least 0"))
         }
-        Role::Light | Role::Reflectance | Role::Coefficient => Ok(()),
+        Role::MeanCosine if spectrum.max().max(-spectrum.min()) > MAX_MEAN_COSINE => {
+            let what = format!("found values from {:.4} to {:.4}", spectrum.min(), spectrum.max());
+            Err(Error::input(what).expected(format!("mean cosines from {} to {MAX_MEAN_COSINE}", -MAX_MEAN_COSINE)))
+        }
+        Role::Light | Role::Reflectance | Role::Coefficient | Role::MeanCosine => Ok(()),
     }
 }

@@ -1,0 +1,74 @@
+//! A ball of a value that fades towards its surface.
+
+use super::Line;
+use crate::math::quadrature::gauss4;
+use glam::DVec3;
+use std::ops::ControlFlow;
+
+/// A ball. Over the outer share `falloff` of its radius it fades by a smoothstep in the square of the distance from the centre, which
+/// makes it a polynomial along every line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ball {
+    /// The value inside.
+    pub value: f64,
+    /// The centre.
+    pub center: DVec3,
+    /// The radius.
+    pub radius: f64,
+    /// The share of the radius over which it fades, from 0 to 1.
+    pub falloff: f64,
+}
+
+impl Ball {
+    /// The radius up to which the value is whole.
+    fn inner(&self) -> f64 {
+        self.radius * (1.0 - self.falloff)
+    }
+
+    pub(super) fn at(&self, local: DVec3) -> f64 {
+        self.value * fade((local - self.center).length_squared(), self.inner(), self.radius)
+    }
+
+    /// The value where the line comes nearest to the centre.
+    pub(super) fn majorant(&self, line: &Line, window: (f64, f64)) -> f64 {
+        self.at(line.at(line.nearest_to(self.center).clamp(window.0, window.1)))
+    }
+
+    /// Up to three pieces: in through the fading shell, the whole part, out again.
+    pub(super) fn for_each_piece(
+        &self,
+        line: &Line,
+        window: (f64, f64),
+        mut visit: impl FnMut((f64, f64)) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let nearest = line.nearest_to(self.center);
+        let Some(outer) = line.crossings(self.center, self.radius, nearest) else {
+            return ControlFlow::Continue(());
+        };
+        let inner = line.crossings(self.center, self.inner(), nearest).unwrap_or((nearest, nearest));
+        for (from, to) in [(outer.0, inner.0), inner, (inner.1, outer.1)] {
+            let piece = (from.max(window.0), to.min(window.1));
+            if piece.0 < piece.1 {
+                visit(piece)?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// The square of the distance is quadratic along a line, the smoothstep of it of degree 6.
+    pub(super) fn integral(&self, line: &Line, piece: (f64, f64)) -> f64 {
+        gauss4(piece, |t| self.at(line.at(t)))
+    }
+}
+
+/// 1 within the inner radius, 0 beyond the outer, a smoothstep in the square of the distance between.
+pub(super) fn fade(distance_squared: f64, inner: f64, outer: f64) -> f64 {
+    if distance_squared <= inner * inner {
+        1.0
+    } else if distance_squared >= outer * outer {
+        0.0
+    } else {
+        let u = (outer * outer - distance_squared) / ((outer - inner) * (outer + inner));
+        u * u * (3.0 - 2.0 * u)
+    }
+}
