@@ -26,7 +26,8 @@ pub struct Medium {
     pub extinction: Spectrum,
     /// The least and the largest extinction in the band.
     pub extinction_range: (f64, f64),
-    scattering_max: f64,
+    /// The largest scattering coefficient in the band.
+    pub scattering_max: f64,
     /// Into which directions it scatters.
     pub phase: Phase,
     /// Where how much of it is.
