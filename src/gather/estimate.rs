@@ -2,7 +2,7 @@
 
 use super::photon_gather::Gatherer;
 use super::throughput::{Colour, Factor, product};
-use crate::map::{PhotonIndex, VolumeMap, kernel};
+use crate::map::{PhotonIndex, VolumeMaps, kernel};
 use crate::optics::surface::{Surface, Transport};
 use crate::walk::{Encounter, Sink};
 use glam::DVec3;
@@ -10,10 +10,10 @@ use glam::DVec3;
 /// The photon maps of one set of photons: caustics are sharp and want small kernels, indirect light is smooth and wants large ones.
 #[derive(Debug, Default)]
 pub struct Maps {
-    /// Photons in media, where they met particles.
-    pub points: VolumeMap,
-    /// Photons in media, along their whole way.
-    pub beams: VolumeMap,
+    /// Photons in media that came by mirrors and glass only.
+    pub volume_caustic: VolumeMaps,
+    /// Photons in media that were scattered before.
+    pub volume_indirect: VolumeMaps,
     /// Photons that came by mirrors and glass only.
     pub caustic: PhotonIndex,
     /// Photons that were scattered before.
@@ -31,14 +31,21 @@ pub enum RadiusKind {
     SharedCaustic,
     /// For shared indirect photons.
     SharedIndirect,
-    /// For free photons in media.
-    FreeVolume,
-    /// For shared photons in media.
-    SharedVolume,
+    /// For free caustic photons in media.
+    FreeVolumeCaustic,
+    /// For free indirect photons in media.
+    FreeVolumeIndirect,
+    /// For shared caustic photons in media.
+    SharedVolumeCaustic,
+    /// For shared indirect photons in media.
+    SharedVolumeIndirect,
 }
 
+/// How many kinds there are.
+pub const RADIUS_KINDS: usize = 8;
+
 /// A pixel's first radii by [`RadiusKind`]: in m on surfaces, per distance from the camera in media.
-pub type Radii = [f32; 6];
+pub type Radii = [f32; RADIUS_KINDS];
 
 /// Photons whose surface faces another way by more than acos of this do not count.
 const NORMAL_TOLERANCE: f64 = 0.7;

@@ -10,7 +10,7 @@ use super::estimate::RadiusKind;
 use super::landing::Leg as Seen;
 use super::photon_gather::{Gatherer, Sample, each_wavelength};
 use super::throughput::{Colour, Factor, product};
-use crate::map::{Cone, Neighbour, VolumeMap};
+use crate::map::{Came, Cone, Neighbour, VolumeMap};
 use crate::math::random::hash64;
 use crate::scene::geometry::Ray;
 use crate::scene::medium::Medium;
@@ -114,20 +114,23 @@ impl<'a> Gatherer<'a> {
         walked: f64,
         sample: &mut Sample<'_, 'a, S>,
     ) {
-        let (maps, kind) = match path.colour {
-            Colour::Free => (self.free, RadiusKind::FreeVolume),
-            Colour::Shared { .. } => (self.shared, RadiusKind::SharedVolume),
+        let (maps, kinds) = match path.colour {
+            Colour::Free => (self.free, [RadiusKind::FreeVolumeCaustic, RadiusKind::FreeVolumeIndirect]),
+            Colour::Shared { .. } => (self.shared, [RadiusKind::SharedVolumeCaustic, RadiusKind::SharedVolumeIndirect]),
         };
         let shared = matches!(path.colour, Colour::Shared { .. });
         sample.scratch.legs.push(Seen { ray: stretch.ray, length_m: stretch.length_m, behind_m: walked, shared });
-        let slope = f64::from(sample.radii[kind as usize]);
-        for (map, scale) in [(&maps.points, self.scales.points), (&maps.beams, self.scales.beams)] {
-            if map.is_empty() {
-                continue;
+        for (maps, kind) in [&maps.volume_caustic, &maps.volume_indirect].into_iter().zip(kinds) {
+            let slope = f64::from(sample.radii[kind as usize]);
+            for (map, scale) in [(&maps.points, self.scales.points), (&maps.beams, self.scales.beams)] {
+                if map.is_empty() {
+                    continue;
+                }
+                sample.tally.volume_queries += 1;
+                let (ray, length_m) = (stretch.ray, stretch.length_m);
+                let cone = Cone { ray, length_m, behind_m: walked, slope: slope * scale };
+                self.along(map, &cone, (path, stretch, number, medium), sample);
             }
-            sample.tally.volume_queries += 1;
-            let cone = Cone { ray: stretch.ray, length_m: stretch.length_m, behind_m: walked, slope: slope * scale };
-            self.along(map, &cone, (path, stretch, number, medium), sample);
         }
     }
 
@@ -148,9 +151,9 @@ impl<'a> Gatherer<'a> {
             let here = self.passages_to(found.t, stretch, medium, seed);
             let cosine = -found.incoming.dot(stretch.ray.direction);
             // A beam's light has still to come to the crossing, and to be scattered there.
-            let came = found.came.map(|(start, distance)| {
+            let came = found.came.map(|Came { start, distance_m }| {
                 let ray = Ray { origin: start, direction: found.incoming };
-                (Passage::new(medium, ray, distance, seed), medium.density_at(ray.at(distance)))
+                (Passage::new(medium, ray, distance_m, seed), medium.density_at(ray.at(distance_m)))
             });
             let brought = |nm: f64, power: f64| {
                 let arrived = match &came {

@@ -15,7 +15,7 @@ mod throughput;
 
 pub use camera_path::Scratch;
 pub use direct::Direct;
-pub use estimate::{Maps, Radii, RadiusKind};
+pub use estimate::{Maps, RADIUS_KINDS, Radii, RadiusKind};
 pub use landing::{Landing, Leg};
 pub use outline::{Outline, Outlines};
 pub use path_tracer::PathTracer;

@@ -10,4 +10,4 @@ mod volume;
 pub use index::PhotonIndex;
 pub use near_ray::Cone;
 pub use photon::{Load, Photon};
-pub use volume::{Beam, Neighbour, VolumeMap, VolumePhoton};
+pub use volume::{Beam, Came, Neighbour, VolumeMap, VolumeMaps, VolumePhoton};

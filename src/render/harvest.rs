@@ -1,7 +1,8 @@
 //! What is kept of the photons: some connected to the camera, some stored for the maps.
 
+use super::crowd::BeamShares;
 use crate::emit::{Arrival, Collision, Crossing, Receiver, connect::connect};
-use crate::map::{Beam, Load, Photon, VolumePhoton};
+use crate::map::{Beam, Load, Photon, VolumeMap, VolumeMaps, VolumePhoton};
 use crate::math::random::Stream;
 use crate::plan::partition::{Estimator, LightPath, View, estimator, kept_in_map};
 use crate::plan::{AperturePlan, CausticPlan, IndirectPlan, Plan, WavelengthPlan};
@@ -11,6 +12,28 @@ use crate::walk::Tally;
 
 /// A photon and its place (m, relative to the scene's centre).
 pub(super) type Placed = (Photon, [f32; 3]);
+
+/// Photons of one class of paths in media.
+#[derive(Debug, Default)]
+pub(super) struct InMedia {
+    pub(super) points: Vec<VolumePhoton>,
+    pub(super) beams: Vec<Beam>,
+}
+
+impl InMedia {
+    pub(super) fn add(&mut self, other: &Self) {
+        self.points.extend_from_slice(&other.points);
+        self.beams.extend_from_slice(&other.beams);
+    }
+
+    /// The maps; what was kept moves into them.
+    pub(super) fn maps(&mut self) -> VolumeMaps {
+        VolumeMaps {
+            points: VolumeMap::of_points(std::mem::take(&mut self.points)),
+            beams: VolumeMap::of_beams(std::mem::take(&mut self.beams)),
+        }
+    }
+}
 
 /// Which photons these are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,27 +52,40 @@ pub(super) struct Harvest<'a> {
     set: Set,
     pub(super) caustic: Vec<Placed>,
     pub(super) indirect: Vec<Placed>,
-    pub(super) points: Vec<VolumePhoton>,
-    pub(super) beams: Vec<Beam>,
-    /// The probability with which a beam is kept.
-    beam_share: f64,
+    pub(super) volume_caustic: InMedia,
+    pub(super) volume_indirect: InMedia,
+    /// The probabilities with which beams are kept.
+    beam_shares: BeamShares,
     pub(super) splats: SplatSink,
     pub(super) tally: Tally,
 }
 
 impl<'a> Harvest<'a> {
-    pub(super) fn new(scene: &'a Scene, plan: &'a Plan, (set, beam_share): (Set, f64), splats: SplatSink) -> Self {
+    pub(super) fn new(
+        scene: &'a Scene,
+        plan: &'a Plan,
+        (set, beam_shares): (Set, BeamShares),
+        splats: SplatSink,
+    ) -> Self {
         Self {
             scene,
             plan,
             set,
             caustic: Vec::new(),
             indirect: Vec::new(),
-            points: Vec::new(),
-            beams: Vec::new(),
-            beam_share,
+            volume_caustic: InMedia::default(),
+            volume_indirect: InMedia::default(),
+            beam_shares,
             splats,
             tally: Tally::default(),
+        }
+    }
+
+    /// Where photons of this class are kept in media.
+    fn in_media(&mut self, path: LightPath) -> &mut InMedia {
+        match path {
+            LightPath::Direct | LightPath::Caustic => &mut self.volume_caustic,
+            LightPath::Indirect => &mut self.volume_indirect,
         }
     }
 
@@ -100,11 +136,12 @@ impl Receiver for Harvest<'_> {
         let Crossing { stretch, medium, path, wavelengths, power, lane } = crossing;
         let here = &self.scene.media[*medium];
         let kept = self.plan.volume.keeps_beams(here.dense) && here.scatters() && stretch.length_m.is_finite();
-        if kept && *path != LightPath::Direct && stream.uniform() < self.beam_share {
+        let share = self.beam_shares.of(*path);
+        if kept && share > 0.0 && stream.uniform() < share {
             self.tally.volume_beams += 1;
-            let end = stretch.ray.at(stretch.length_m);
-            let load = Load::new(wavelengths, power.map(|power| power / self.beam_share), *lane);
-            self.beams.push(Beam::new(stretch.ray.origin, end, *medium, load));
+            let ends = [stretch.ray.origin, stretch.ray.at(stretch.length_m)];
+            let load = Load::new(wavelengths, power.map(|power| power / share), *lane);
+            self.in_media(*path).beams.push(Beam::new(ends, *medium, load));
         }
     }
 
@@ -113,7 +150,8 @@ impl Receiver for Harvest<'_> {
         let here = &self.scene.media[*medium];
         if self.plan.volume.keeps_points(here.dense) && here.scatters() && *path != LightPath::Direct {
             self.tally.volume_points += 1;
-            self.points.push(VolumePhoton::new(*position, *incoming, *medium, Load::new(wavelengths, *power, *lane)));
+            let load = Load::new(wavelengths, *power, *lane);
+            self.in_media(*path).points.push(VolumePhoton::new(*position, *incoming, *medium, load));
         }
     }
 

@@ -1,12 +1,13 @@
 //! One pass: emit, map, gather.
 
-use super::harvest::{Harvest, Placed, Set};
+use super::crowd::BeamShares;
+use super::harvest::{Harvest, InMedia, Placed, Set};
 use super::pilot::Pilot;
 use super::{Job, Run};
 use crate::emit::{Emitters, Wavelengthed, trace};
 use crate::gather::{CameraNumbers, Direct, Gatherer, Maps, PathTracer, Scratch, golden};
+use crate::map::PhotonIndex;
 use crate::map::radius::Scales;
-use crate::map::{Beam, PhotonIndex, VolumeMap, VolumePhoton};
 use crate::math::random::{Purpose, REPLICATES, hash64};
 use crate::sensor::film::FilmRow;
 use crate::sensor::{PixelSink, SplatSink};
@@ -35,8 +36,8 @@ impl Sink for PixelSink<'_> {
 pub(super) struct Emitted {
     pub(super) caustic: Vec<Placed>,
     pub(super) indirect: Vec<Placed>,
-    pub(super) points: Vec<VolumePhoton>,
-    pub(super) beams: Vec<Beam>,
+    pub(super) volume_caustic: InMedia,
+    pub(super) volume_indirect: InMedia,
     pub(super) splats: Vec<SplatSink>,
     pub(super) ledger: Ledger,
     pub(super) tally: Tally,
@@ -48,8 +49,8 @@ impl Emitted {
         Maps {
             caustic: PhotonIndex::build(&self.caustic),
             indirect: PhotonIndex::build(&self.indirect),
-            points: VolumeMap::of_points(std::mem::take(&mut self.points)),
-            beams: VolumeMap::of_beams(std::mem::take(&mut self.beams)),
+            volume_caustic: self.volume_caustic.maps(),
+            volume_indirect: self.volume_indirect.maps(),
         }
     }
 }
@@ -68,14 +69,14 @@ pub(super) fn shared_wavelengths(job: &Job, pass: u64) -> (Lanes, Lanes) {
 pub(super) fn emit(
     job: &Job,
     emitters: &Emitters<'_>,
-    (set, beam_share): (Set, f64),
+    (set, beam_shares): (Set, BeamShares),
     splats: impl Fn() -> SplatSink + Sync,
 ) -> Emitted {
     let points = emitters.points();
     let chunks: Vec<(Harvest<'_>, Ledger)> = (0..emitters.count.div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
-            let mut harvest = Harvest::new(&job.scene, &job.plan, (set, beam_share), splats());
+            let mut harvest = Harvest::new(&job.scene, &job.plan, (set, beam_shares), splats());
             let mut ledger = Ledger::new(job.scene.materials.len());
             for index in chunk * CHUNK..((chunk + 1) * CHUNK).min(emitters.count) {
                 trace(emitters, &points, index, &mut harvest, &mut ledger);
@@ -91,8 +92,8 @@ pub(super) fn emit(
     for (harvest, ledger) in chunks {
         emitted.caustic.extend_from_slice(&harvest.caustic);
         emitted.indirect.extend_from_slice(&harvest.indirect);
-        emitted.points.extend_from_slice(&harvest.points);
-        emitted.beams.extend_from_slice(&harvest.beams);
+        emitted.volume_caustic.add(&harvest.volume_caustic);
+        emitted.volume_indirect.add(&harvest.volume_indirect);
         emitted.splats.push(harvest.splats);
         emitted.tally.add(&harvest.tally);
         emitted.ledger.add(&ledger);
@@ -111,7 +112,7 @@ pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) {
     ];
     let [mut free, mut shared] = sets.map(|(set, purpose, wavelengths, count)| {
         let emitters = pilot.emitters(job, wavelengths, count, purpose, pass);
-        emit(job, &emitters, (set, pilot.beam_share), || film.splat_sink())
+        emit(job, &emitters, (set, pilot.beam_shares), || film.splat_sink())
     });
     run.seconds.emit += begun.elapsed().as_secs_f64();
 

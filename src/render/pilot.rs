@@ -1,12 +1,14 @@
 //! The pilot: a small render before pass 0, with random streams of its own, that fixes what passes must not learn from each other:
 //! where lights aim, each pixel's first kernel radii, and how photons are shared between the two sets.
 
-use super::crowd::{self, Crowds};
+use super::crowd::{BeamShares, Crowds};
 use super::harvest::Set;
 use super::pass::{emit, shared_wavelengths};
 use super::{Job, Seconds};
 use crate::emit::{Aim, Arrival, CELLS, Collision, Crossing, Emitters, Receiver, Wavelengthed, trace};
-use crate::gather::{CameraNumbers, Direct, Gatherer, Landing, Maps, Outline, Outlines, Radii, RadiusKind, Scratch};
+use crate::gather::{
+    CameraNumbers, Direct, Gatherer, Landing, Maps, Outline, Outlines, RADIUS_KINDS, Radii, RadiusKind, Scratch,
+};
 use crate::map::PhotonIndex;
 use crate::map::radius::{self, Scales};
 use crate::math::random::{Purpose, Stream};
@@ -29,8 +31,8 @@ pub(super) struct Pilot {
     pub(super) outlines: Outlines,
     pub(super) free_photons: u64,
     pub(super) shared_photons: u64,
-    /// The probability with which a beam through a medium is kept: of many, a few cross every ray, and more would only cost time.
-    pub(super) beam_share: f64,
+    /// The probabilities with which beams through media are kept: of many, a few cross every ray, and more would only cost time.
+    pub(super) beam_shares: BeamShares,
 }
 
 /// Kernels for indirect light span at most this many pixels at first: beyond, their bias would outlast their noise.
@@ -59,7 +61,7 @@ impl Pilot {
             outlines: Outlines::default(),
             free_photons: half.max(1),
             shared_photons: half.max(1),
-            beam_share: 1.0,
+            beam_shares: BeamShares::ALL,
         };
         match job.plan.wavelengths {
             WavelengthPlan::Free => (pilot.free_photons, pilot.shared_photons) = (job.budget.photons, 0),
@@ -93,12 +95,11 @@ impl Pilot {
         let blank = Film::new(1, 1, observer, 0);
         let photons = |set, wavelengths, count, pass| {
             let emitters = self.emitters(job, wavelengths, count, Purpose::Pilot, pass);
-            emit(job, &emitters, (set, 1.0), || blank.splat_sink())
+            emit(job, &emitters, (set, BeamShares::ALL), || blank.splat_sink())
         };
         let mut free = photons(Set::Free, Wavelengthed::Free, self.free_photons, 0);
         let mut shared = photons(Set::Shared, Wavelengthed::Shared { nm, pdf }, self.shared_photons, 1);
-        let beams = free.beams.len().max(shared.beams.len());
-        let thinning = crowd::thin(&mut free.beams).max(crowd::thin(&mut shared.beams));
+        let kept = BeamShares::thinning(&mut free).least(BeamShares::thinning(&mut shared));
         let (free, shared) = (free.maps(), shared.maps());
         let (empty, none) = (Maps::default(), Outlines::default());
         let gatherer = Gatherer {
@@ -128,11 +129,18 @@ impl Pilot {
             crowds.extend(row.crowds);
             (0..2).for_each(|set| landings[set] += row.landings[set]);
         }
-        self.beam_share = crowd::share(&crowds, beams, thinning);
-        let beams_a_found = self.beam_share * thinning;
+        self.beam_shares = BeamShares::enough(&crowds, kept);
+        let a_found = self.beam_shares.relative_to(kept);
         for (radii, crowds) in self.radii.iter_mut().zip(&crowds) {
-            for (kind, crowd) in [RadiusKind::FreeVolume, RadiusKind::SharedVolume].into_iter().zip(crowds.of_sets()) {
-                radii[kind as usize] = crowd.map_or(UNKNOWN, |crowd| crowd.slope(beams_a_found, pixel_angle) as f32);
+            let kinds = [
+                [RadiusKind::FreeVolumeCaustic, RadiusKind::FreeVolumeIndirect],
+                [RadiusKind::SharedVolumeCaustic, RadiusKind::SharedVolumeIndirect],
+            ];
+            for (kinds, crowd) in kinds.into_iter().zip(crowds.of_sets()) {
+                let slopes = crowd.map(|crowd| crowd.slopes(a_found, pixel_angle));
+                for (i, kind) in kinds.into_iter().enumerate() {
+                    radii[kind as usize] = slopes.map_or(UNKNOWN, |slopes| slopes[i] as f32);
+                }
             }
         }
         fill_unknown(&mut self.radii);
@@ -161,8 +169,14 @@ impl Pilot {
         for pixel in pixels {
             // The replicates use hashes of (seed, replicate, pixel): a seed of its own keeps the pilot apart from them.
             let numbers = CameraNumbers::new(job.budget.seed ^ 0x0070_696c_6f74, 0, pixel as u64);
-            gatherer.sample(pixel as u64, numbers, &[0.0; 6], (&mut scratch, &mut Tally::default()), &mut Nowhere);
-            let mut radii = [UNKNOWN; 6];
+            gatherer.sample(
+                pixel as u64,
+                numbers,
+                &[0.0; RADIUS_KINDS],
+                (&mut scratch, &mut Tally::default()),
+                &mut Nowhere,
+            );
+            let mut radii = [UNKNOWN; RADIUS_KINDS];
             for landing in &scratch.landings {
                 let (maps, kinds) = if landing.shared {
                     (shared, [RadiusKind::SharedCaustic, RadiusKind::SharedIndirect])
@@ -260,7 +274,7 @@ fn may_reach_over_an_edge(
 
 /// Gives pixels whose pilot path saw nothing of a kind the median of those that did.
 fn fill_unknown(radii: &mut [Radii]) {
-    for kind in 0..6 {
+    for kind in 0..RADIUS_KINDS {
         let mut known: Vec<f32> = radii.iter().map(|r| r[kind]).filter(|&r| r > 0.0).collect();
         known.sort_by(f32::total_cmp);
         let median = known.get(known.len() / 2).copied().unwrap_or(f32::MIN_POSITIVE);
@@ -281,7 +295,7 @@ fn learn_aims(job: &Job, mut aims: Vec<Aim>) -> Vec<Aim> {
             outlines: Outlines::default(),
             free_photons: 0,
             shared_photons: 0,
-            beam_share: 1.0,
+            beam_shares: BeamShares::ALL,
         };
         let count = PATHS * (lights as u64).min(4);
         let emitters = pilot.emitters(job, Wavelengthed::Free, count, Purpose::Pilot, 100 + round);

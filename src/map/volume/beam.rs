@@ -1,6 +1,6 @@
 //! Photon beams (Jarosz et al. 2011): a photon's whole way through a medium, seen where a ray passes it. The kernel is a line across both.
 
-use super::Neighbour;
+use super::{Came, Neighbour};
 use crate::map::kernel;
 use crate::map::near_ray::Cone;
 use crate::map::photon::Load;
@@ -31,8 +31,9 @@ const LEAST_SINE: f64 = 1e-3;
 const PIECES: f64 = 48.0;
 
 impl Beam {
-    /// A photon that sets out at `start` with this load towards `end` (m, relative to the scene's centre), in the medium of this number.
-    pub fn new(start: DVec3, end: DVec3, medium: usize, load: Load) -> Self {
+    /// A photon that sets out from the first to the second of `ends` (m, relative to the scene's centre) with this load, in the medium of this
+    /// number.
+    pub fn new([start, end]: [DVec3; 2], medium: usize, load: Load) -> Self {
         let point = |p: DVec3| p.as_vec3().to_array();
         Self { start: point(start), end: point(end), medium: medium as u16, load }
     }
@@ -105,7 +106,7 @@ impl Piece {
             medium: usize::from(beam.medium),
             t,
             kernels: kernel::on_line(distance, radius).over(sine.max(LEAST_SINE)),
-            came: Some((start, s)),
+            came: Some(Came { start, distance_m: s }),
         })
     }
 }

@@ -11,7 +11,16 @@ use super::near_ray::{Cone, NearRay};
 use super::photon::Load;
 use glam::{DVec3, Vec3};
 
-/// The photons of a pass in media.
+/// The photons of one class of paths in media: points in some media, beams in others.
+#[derive(Debug, Default)]
+pub struct VolumeMaps {
+    /// Where photons met particles.
+    pub points: VolumeMap,
+    /// Photons' whole ways.
+    pub beams: VolumeMap,
+}
+
+/// Photons of a pass in media.
 #[derive(Debug, Default)]
 pub struct VolumeMap {
     kept: Kept,
@@ -47,8 +56,17 @@ pub struct Neighbour<'m> {
     pub t: f64,
     /// The kernels there: 1/m² for points, 1/m² for beams too, the sine of the crossing angle included.
     pub kernels: Kernels,
-    /// Of a beam, its start and how far from it the ray passes, in m; of a point nothing: its power is that at the point already.
-    pub came: Option<(DVec3, f64)>,
+    /// Of a beam, how it came there; of a point nothing: its power is that at the point already.
+    pub came: Option<Came>,
+}
+
+/// How a beam came to where a ray passes it.
+#[derive(Debug, Clone, Copy)]
+pub struct Came {
+    /// Its start.
+    pub start: DVec3,
+    /// How far from there the ray passes, in m.
+    pub distance_m: f64,
 }
 
 impl VolumeMap {
