@@ -1,6 +1,7 @@
 //! The loop over passes: pilot, then passes until a stop rule holds; what was measured on the way; saving a run, going on with it and
 //! merging several.
 
+mod diffraction;
 mod harvest;
 mod merge;
 mod part;
@@ -12,6 +13,7 @@ mod saved;
 mod stats;
 mod threads;
 
+pub use diffraction::Diffracting;
 pub use merge::{Merged, Merging};
 pub use part::Part;
 pub use run::Run;
@@ -80,6 +82,8 @@ pub struct Job {
     pub rows: Vec<Row>,
     /// Passes and photons.
     pub budget: Budget,
+    /// What diffraction at the camera's opening does to the picture, if the plan has it.
+    pub diffraction: Option<Diffracting>,
     /// Its lights as one source.
     choice: LightChoice,
 }
@@ -145,10 +149,13 @@ impl Job {
             Error::input("no light in the scene has power within 360–830 nm: there is nothing to see")
         })?;
         let film = &scene.film;
-        let film_bytes = Film::memory_bytes(film.width as usize, film.height as usize, film.spectral_bands as usize);
+        let diffraction = Diffracting::of(&scene.camera, &plan, &choice);
+        let slices = diffraction.as_ref().map_or(0, Diffracting::slices);
+        let [width, height, bands] = [film.width, film.height, film.spectral_bands].map(|count| count as usize);
+        let film_bytes = Film::memory_bytes(width, height, bands, slices);
         // The sums; and while they are saved their copy in words, and the file.
         let budget = Budget::of(&scene, (film_bytes as u64).saturating_mul(3));
-        Ok(Self { scene, plan, rows, budget, choice })
+        Ok(Self { scene, plan, rows, budget, diffraction, choice })
     }
 
     /// The power of all lights by their closed forms, in W over the band.
