@@ -232,7 +232,7 @@ fn a_zemax_file_gives_the_lens_that_the_catalogue_has() {
     let wide: Vec<u8> = [0xFF, 0xFE].into_iter().chain(ZMX.encode_utf16().flat_map(u16::to_le_bytes)).collect();
     let inches = ZMX.replace("UNIT MM", "UNIT IN").into_bytes();
     for (bytes, scale) in [(ZMX.as_bytes(), 1.0), (&wide, 1.0), (&inches, 25.4)] {
-        let lens = zemax::parse(bytes, "lens.zmx".as_ref()).unwrap();
+        let lens = zemax::parse(bytes, "lens.zmx".as_ref(), &[]).unwrap();
         assert_eq!((lens.name(), lens.half_field_deg()), ("achromat", Some(1.0)));
         let [ours, theirs] = [&lens, known].map(|lens| lens.at(lines::D_NM).paraxial().unwrap());
         assert!(
@@ -245,7 +245,7 @@ fn a_zemax_file_gives_the_lens_that_the_catalogue_has() {
 #[test]
 fn aspheric_terms_of_a_zemax_file_count_in_its_unit() {
     let asphere = ZMX.replace("CONI 0", "CONI -0.7").replace("PARM 2 0", "PARM 2 1.5E-7").replace("UNIT MM", "UNIT CM");
-    let lens = zemax::parse(asphere.as_bytes(), "lens.zmx".as_ref()).unwrap();
+    let lens = zemax::parse(asphere.as_bytes(), "lens.zmx".as_ref(), &[]).unwrap();
     let (profile, h_cm, c) = (&lens.surfaces()[2].profile, 10.0_f64, -7.69585962752E-03_f64);
     let sag_cm = c * h_cm * h_cm / (1.0 + (1.0 - 0.3 * c * c * h_cm * h_cm).sqrt()) + 1.5e-7 * h_cm.powi(4);
     assert!((profile.sag_mm(100.0 * h_cm * h_cm) - 10.0 * sag_cm).abs() < 1e-10);
@@ -268,11 +268,11 @@ fn what_a_zemax_file_asks_for_in_vain_is_named_with_its_line() {
     ] {
         let text = ZMX.replace(from, to);
         assert_ne!(text, ZMX);
-        let error = zemax::parse(text.as_bytes(), "lens.zmx".as_ref()).unwrap_err().to_string();
+        let error = zemax::parse(text.as_bytes(), "lens.zmx".as_ref(), &[]).unwrap_err().to_string();
         assert!(words.iter().all(|word| error.contains(word)), "{error}");
     }
     for bytes in [&b""[..], b"SURF 0\nSURF 1\n", b"\xFF\x00\x80", b"\xFF\xFE"] {
-        assert_eq!(zemax::parse(bytes, "lens.zmx".as_ref()).unwrap_err().exit_status(), 2);
+        assert_eq!(zemax::parse(bytes, "lens.zmx".as_ref(), &[]).unwrap_err().exit_status(), 2);
     }
 }
 

@@ -74,7 +74,9 @@ mod tests {
     #[test]
     fn between_blades_light_passes_where_places_are_drawn_and_its_pattern_is_their_transform() {
         let sobol = Sobol::new(9);
-        for blades in [Blades { count: 3, rotation: 0.4 }, Blades { count: 4, rotation: 0.0 }, Blades { count: 7, rotation: 1.0 }] {
+        for blades in
+            [Blades { count: 3, rotation: 0.4 }, Blades { count: 4, rotation: 0.0 }, Blades { count: 7, rotation: 1.0 }]
+        {
             let turn = DVec2::from_angle(blades.rotation);
             let drawn = |i: u32| turn.rotate(warp::regular_polygon(blades.count, [sobol.at(i, 0), sobol.at(i, 1)]));
             assert!((0..4096).all(|i| blades.leave(drawn(i) * (1.0 - 1e-12))));

@@ -12,3 +12,4 @@ pub mod lens;
 pub mod microfacet;
 pub mod prism;
 pub mod surface;
+mod zemax_text;

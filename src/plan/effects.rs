@@ -1,8 +1,8 @@
 //! The table of effects: the fact that calls for each, the field of the plan, the code that reads it, and what its absence means.
 
 use super::{
-    AbsorptionPlan, AimPlan, AperturePlan, CausticPlan, DirectPlan, EnvironmentPlan, IndirectPlan, Plan, Rim, RoughnessPlan,
-    WavelengthPlan,
+    AbsorptionPlan, AimPlan, AperturePlan, CausticPlan, DirectPlan, EnvironmentPlan, IndirectPlan, Plan, Rim,
+    RoughnessPlan, WavelengthPlan,
 };
 use crate::error::{Error, Result};
 use crate::scene::facts::Facts;

@@ -36,7 +36,8 @@ impl Diffracting {
     }
 
     /// With the opening's pattern.
-    pub(super) fn for_film(&self) -> Diffraction {
-        Diffraction::new(self.spread_px_per_nm, self.light_nm.clone(), |place| fraunhofer(self.blades, place))
+    pub(super) fn for_film(&self, (width, height): (usize, usize)) -> Diffraction {
+        let pattern = |place| fraunhofer(self.blades, place);
+        Diffraction::new(self.spread_px_per_nm, width.max(height), self.light_nm.clone(), pattern)
     }
 }

@@ -25,7 +25,7 @@ impl Run {
     pub fn new(job: &Job, part: Part) -> Self {
         let film = &job.scene.film;
         let [width, height, bands] = [film.width, film.height, film.spectral_bands].map(|count| count as usize);
-        let diffraction = job.diffraction.as_ref().map(|diffraction| diffraction.for_film().into());
+        let diffraction = job.diffraction.as_ref().map(|diffraction| diffraction.for_film((width, height)).into());
         Self {
             film: Film::new(width, height, film.observer, bands).diffracting(diffraction),
             ledger: Ledger::new(job.scene.materials.len()),

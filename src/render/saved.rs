@@ -192,8 +192,9 @@ impl Saved {
     /// The film with its sums.
     pub(super) fn film(&self, path: &Path, observer: &'static Observer) -> Result<Film> {
         let ((width, height), bands) = (self.identity.size, self.identity.spectral_bands);
-        let diffraction = self.diffraction.as_ref().map(|diffraction| diffraction.for_film().into());
-        let film = Film::new(width as usize, height as usize, observer, bands as usize);
+        let [width, height, bands] = [width, height, bands].map(|count| count as usize);
+        let diffraction = self.diffraction.as_ref().map(|diffraction| diffraction.for_film((width, height)).into());
+        let film = Film::new(width, height, observer, bands);
         let mut film = film.diffracting(diffraction);
         add_sums(path, &mut film)?;
         if self.hash_with(&film) != self.hash {

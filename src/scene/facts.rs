@@ -98,9 +98,9 @@ impl Facts {
             Aperture::ThinLens { stop, .. } => Some((stop.radius_m * 1e9) as u64).filter(|&nm| nm > 0),
             Aperture::System(system) => Some((system.pupil_radius_m() * 1e9) as u64),
         };
-        facts.diffracting = Diffraction::of(&scene.camera).filter(|_| scene.camera.diffracts).map(|diffraction| {
-            format!("an Airy disk of {:.2} pixels in green light", diffraction.airy_diameter_px())
-        });
+        facts.diffracting = Diffraction::of(&scene.camera)
+            .filter(|_| scene.camera.diffracts)
+            .map(|diffraction| format!("an Airy disk of {:.2} pixels in green light", diffraction.airy_diameter_px()));
         facts.lens_system = scene.camera.system().map(|system| system.name().to_owned());
         facts
     }

@@ -16,14 +16,15 @@ const SLICES: usize = 16;
 /// How many wavelengths' patterns make the kernel of a slice, at most.
 const WAVELENGTHS: usize = 8;
 
-/// The pattern is known at steps of λN over this …
-const STEPS: usize = 8;
+/// The pattern is followed as far as this many λN, or as the film is wide; the little light beyond (of a round opening one part in 600) is
+/// spread as the rest.
+const REACH: f64 = 128.0;
 
-/// … as far as this many λN; one part in 600 of a round opening's light falls beyond and is spread as the rest.
-const REACH: usize = 128;
+/// Samples of the pattern from the middle to one end: 8 to a λN, or more.
+const SAMPLES: usize = 1024;
 
-/// Samples of the pattern from one end to the other.
-const ACROSS: usize = 2 * REACH * STEPS + 1;
+/// Samples from one end to the other.
+const ACROSS: usize = 2 * SAMPLES + 1;
 
 /// How light of each wavelength spreads over the film.
 #[derive(Debug)]
@@ -34,19 +35,33 @@ pub struct Diffraction {
     light_nm: Vec<f64>,
     /// Where the slices begin, in nm.
     edges_nm: Vec<f64>,
+    /// Samples of the pattern to a λN.
+    steps: f64,
     /// Rows from the bottom, columns from the left.
     pattern: Vec<f32>,
 }
 
 impl Diffraction {
     /// For light that has these wavelengths (nm, rising, at least one, each for an equal share of the light) and a pattern known at places
-    /// to the right and up in units of λN, of which a nm of wavelength has `spread_px_per_nm` pixels.
-    pub fn new(spread_px_per_nm: f64, light_nm: Vec<f64>, pattern: impl Fn(DVec2) -> f64 + Sync) -> Self {
-        let place = |sample: usize| (sample as f64 - (ACROSS / 2) as f64) / STEPS as f64;
+    /// to the right and up in units of λN, of which a nm of wavelength has `spread_px_per_nm` pixels; the film has `longest_px` on its
+    /// longer side.
+    pub fn new(
+        spread_px_per_nm: f64,
+        longest_px: usize,
+        light_nm: Vec<f64>,
+        pattern: impl Fn(DVec2) -> f64 + Sync,
+    ) -> Self {
+        let film = (longest_px as f64 + 1.0) / (light_nm[0] * spread_px_per_nm);
+        let steps = SAMPLES as f64 / REACH.min(film);
+        let place = |sample: usize| (sample as f64 - SAMPLES as f64) / steps;
         let sample = |i: usize| pattern(DVec2::new(place(i % ACROSS), place(i / ACROSS))) as f32;
-        let pattern = (0..ACROSS * ACROSS).into_par_iter().map(sample).collect();
+        // An opening's pattern is the same in opposite directions.
+        let middle = ACROSS * ACROSS / 2;
+        let mut pattern: Vec<f32> = (0..=middle).into_par_iter().map(sample).collect();
+        pattern.extend_from_within(..middle);
+        pattern[middle + 1..].reverse();
         let edges_nm = edges_nm(&light_nm);
-        Self { spread_px_per_nm, light_nm, edges_nm, pattern }
+        Self { spread_px_per_nm, light_nm, edges_nm, steps, pattern }
     }
 
     /// How many slices light of these wavelengths (nm, rising) falls into.
@@ -102,8 +117,7 @@ pub(super) struct Convolution<'a> {
 impl<'a> Convolution<'a> {
     pub(super) fn new(diffraction: &'a Diffraction, (width, height): (usize, usize)) -> Self {
         let mut planner = FftPlanner::new();
-        let mut both =
-            |length| [FftDirection::Forward, FftDirection::Inverse].map(|way| planner.plan_fft(length, way));
+        let mut both = |length| [FftDirection::Forward, FftDirection::Inverse].map(|way| planner.plan_fft(length, way));
         let (rows, columns) = (both(2 * width), both(2 * height));
         Self { diffraction, width, height, rows, columns }
     }
@@ -136,15 +150,20 @@ impl<'a> Convolution<'a> {
         let mut kernel = vec![0.0; width * height];
         for nm in self.diffraction.between(between_nm) {
             let spread_px = nm * self.diffraction.spread_px_per_nm;
-            let (across, down) = (overlaps(spread_px, width), overlaps(-spread_px, height));
-            let resampled = |row: &[f32]| {
+            let step_px = spread_px / self.diffraction.steps;
+            let (across, down) = (overlaps(step_px, width), overlaps(-step_px, height));
+            let resampled = |(row, lines): (&[f32], &Overlaps)| {
+                if lines.is_empty() {
+                    return Vec::new();
+                }
                 let mut pixels = vec![0.0; width];
                 for (&value, overlaps) in row.iter().zip(&across) {
                     overlaps.iter().for_each(|&(pixel, share)| pixels[pixel] += f64::from(value) * share);
                 }
                 pixels
             };
-            let rows: Vec<Vec<f64>> = self.diffraction.pattern.par_chunks(ACROSS).map(resampled).collect();
+            let rows = self.diffraction.pattern.par_chunks(ACROSS).zip(&down).map(resampled);
+            let rows: Vec<Vec<f64>> = rows.collect();
             for (row, overlaps) in rows.iter().zip(&down) {
                 for &(line, share) in overlaps {
                     let pixels = &mut kernel[line * width..(line + 1) * width];
@@ -185,23 +204,27 @@ fn transposed(lines: &Spectrum, length: usize) -> Spectrum {
     (0..lines.len()).into_par_iter().map(|i| lines[i % count * length + i / count]).collect()
 }
 
-/// For each sample of a line of the pattern, the pixels that it falls into and its share in each, where λN is as many pixels; between samples
-/// the pattern is linear. Pixels are counted from the middle, modulo `period`.
-fn overlaps(spread_px: f64, period: usize) -> Vec<Vec<(usize, f64)>> {
-    let half = spread_px.abs() / STEPS as f64;
+/// Pixels that a sample of the pattern falls into, with its share in each.
+type Overlaps = Vec<(usize, f64)>;
+
+/// The pixels of each sample of a line of the pattern, whose step is as many pixels; between samples the pattern is linear. Pixels are counted from
+/// the middle, modulo `period`, of which they fill all at most: no light comes from farther away than the film is wide.
+fn overlaps(step_px: f64, period: usize) -> Vec<Overlaps> {
+    let half = step_px.abs();
     // The share of a sample's triangle, of half-width 1, that lies below a place.
     let below = |x: f64| {
         let x = x.clamp(-1.0, 1.0);
         if x < 0.0 { 0.5 * (1.0 + x) * (1.0 + x) } else { 1.0 - 0.5 * (1.0 - x) * (1.0 - x) }
     };
     let pixels = |sample: usize| {
-        let middle = (sample as f64 - (ACROSS / 2) as f64) * spread_px / STEPS as f64;
+        let middle = (sample as f64 - SAMPLES as f64) * step_px;
         let [first, last] = [middle - half, middle + half].map(|edge| edge.round() as i64);
         let share = |pixel: i64| {
             let [from, to] = [-0.5, 0.5].map(|side| below((pixel as f64 + side - middle) / half));
             (pixel.rem_euclid(period as i64) as usize, half * (to - from))
         };
-        (first..=last).map(share).collect()
+        let farthest = period as i64 / 2;
+        (first.max(-farthest)..=last.min(farthest)).map(share).collect()
     };
     (0..ACROSS).map(pixels).collect()
 }

@@ -79,7 +79,8 @@ impl Film {
         let pixels = vec![PixelSums::default(); width * height];
         let passes = [0; REPLICATES];
         let channels = Channels::default();
-        Self { width, height, observer, pixels, channels, by_channel: Vec::new(), passes }.keeping(Channels { bands, diffraction: None })
+        Self { width, height, observer, pixels, channels, by_channel: Vec::new(), passes }
+            .keeping(Channels { bands, diffraction: None })
     }
 
     /// The film, still unexposed, on which light will be diffracted.
@@ -201,7 +202,8 @@ impl Film {
         let mut picture = Picture::black(self.width, self.height);
         let diffracted = self.channels.diffraction.as_deref().map(|diffraction| self.spread(diffraction));
         for (index, sums) in self.pixels.iter().enumerate() {
-            let PixelLight { xyz, y, bias } = diffracted.as_ref().map_or_else(|| sums.light(), |(light, _)| light[index]);
+            let PixelLight { xyz, y, bias } =
+                diffracted.as_ref().map_or_else(|| sums.light(), |(light, _)| light[index]);
             picture.xyz[index] = xyz.map(|sum| sum * scale);
             let lit = xyz[1] > 0.0;
             picture.noise[index] = match self.standard_error(&y) {
@@ -276,7 +278,10 @@ impl Film {
         };
         for replicate in (0..REPLICATES).step_by(2) {
             let both = spread(&|pixel| [0, 1].map(|next| self.pixels[pixel].y[replicate + next].value()));
-            light.iter_mut().zip(both).for_each(|(light, both)| light.y[replicate..replicate + 2].copy_from_slice(&both));
+            light
+                .iter_mut()
+                .zip(both)
+                .for_each(|(light, both)| light.y[replicate..replicate + 2].copy_from_slice(&both));
         }
         let bias = spread(&|pixel| [self.pixels[pixel].bias.value(), 0.0]);
         light.iter_mut().zip(bias).for_each(|(light, bias)| light.bias = bias[0]);

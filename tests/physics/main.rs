@@ -11,6 +11,7 @@ mod golden;
 mod bands;
 mod caustic_colours;
 mod chart;
+mod diffraction;
 mod free_and_shared;
 mod furnace;
 mod irradiance;

@@ -54,8 +54,7 @@ mod tests {
         let (focal_m, focus_m, pixel_m) = (0.05, 5.0, 4e-6);
         let image_m = focal_m * focus_m / (focus_m - focal_m);
         let aperture = Aperture::ThinLens { stop: Stop { radius_m: focal_m / 16.0, blades: None }, focus_m };
-        let camera =
-            Camera::new(DVec3::ZERO, (DVec3::NEG_Z, DVec3::Y), 50.0 * pixel_m / image_m, (100, 100), aperture);
+        let camera = Camera::new(DVec3::ZERO, (DVec3::NEG_Z, DVec3::Y), 50.0 * pixel_m / image_m, (100, 100), aperture);
         let found = Diffraction::of(&camera).unwrap();
         let working = 8.0 * image_m / focal_m;
         assert!((found.airy_diameter_px() / (2.44 * 550e-9 * working / pixel_m) - 1.0).abs() < 1e-12);

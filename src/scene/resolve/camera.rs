@@ -105,7 +105,9 @@ fn blades(count: Option<u32>, rotation_deg: f64) -> Option<Blades> {
 fn missed_diffraction(camera: &Camera) -> Option<String> {
     let diffraction = Diffraction::of(camera).filter(|diffraction| diffraction.matters() && !camera.diffracts)?;
     let pixels = diffraction.airy_diameter_px();
-    Some(format!("camera: diffraction at the opening would spread a point over {pixels:.1} pixels; the lens's \"diffraction\": true simulates it"))
+    Some(format!(
+        "camera: diffraction at the opening would spread a point over {pixels:.1} pixels; the lens's \"diffraction\": true simulates it"
+    ))
 }
 
 /// A remark if a lens has an opening or a sensor that nobody builds: probably a slip of units.
