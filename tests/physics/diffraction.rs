@@ -77,7 +77,8 @@ fn blades_make_as_many_spikes_or_twice_as_many_if_they_are_odd() {
     const SECTORS: usize = 120;
     for (blades, spikes) in [(4, 4), (5, 10), (6, 6), (7, 14)] {
         let lens = json!({ "diffraction": true, "blades": blades });
-        let lines = json!({ "lines": [500, 550, 605].map(|nm| json!({ "nm": nm, "power": 1 })) });
+        let lines = [500, 550, 605].map(|nm| json!({ "nm": nm, "power": 1 }));
+        let lines = json!({ "lines": lines });
         let rendered = render(&point(&lines, SPREAD_PX, &lens), Integrator::Photon, 64);
         let mut sectors = vec![0.0; SECTORS];
         for ([x, up], y) in places(&rendered) {

@@ -15,6 +15,8 @@ mod diffraction;
 mod free_and_shared;
 mod furnace;
 mod irradiance;
+mod lens_foci;
+mod lens_objects;
 mod lens_system;
 mod photon_and_path;
 mod prism;
