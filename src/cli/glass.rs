@@ -99,8 +99,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         (Some(name), Some(file)) => one(&file.find(name)?, arguments)?,
         (None, None) => list(catalogue::all(), arguments.json)?,
         (None, Some(file)) => {
-            let glasses: Result<Vec<Glass>> = file.names().map(|name| file.find(name)).collect();
-            list(&glasses?, arguments.json)?;
+            let (mut glasses, mut unusable) = (Vec::new(), Vec::new());
+            for name in file.names() {
+                match file.find(name) {
+                    Ok(glass) => glasses.push(glass),
+                    Err(error) => unusable.push(error),
+                }
+            }
+            unusable.iter().for_each(|error| print::remark(&format!("note: left out: {error}")));
+            list(&glasses, arguments.json)?;
         }
     }
     Ok(Outcome::Done)
