@@ -8,10 +8,10 @@ use cli_common::abbe;
 
 const SCENE: &str = r#"{
   "camera": {"from": [0, 0, 0], "at": [0, 0, -1],
-             "lens": {"thin": {"focal_length_mm": 50, "f_number": 22, "focus_distance": 10, "sensor_height_mm": 1, "blades": 5, "diffraction": true}}},
+             "lens": {"thin": {"focal_length_mm": 50, "f_number": 22, "focus_distance": 10, "sensor_height_mm": 0.1, "blades": 5, "diffraction": true}}},
   "film": {"width": 48, "height": 32, "spectral_bands": 3},
   "materials": {"black": "absorber"},
-  "objects": [{"shape": {"sphere": {"radius": 0.004, "center": [0.02, 0.01, -10]}}, "material": "black",
+  "objects": [{"shape": {"sphere": {"radius": 0.0005, "center": [0.003, 0.001, -10]}}, "material": "black",
                "emission": {"spectrum": {"lines": [{"nm": 480, "power": 1}, {"nm": 620, "power": 1}]}, "luminance": 1000}}],
   "render": {"photons": 100, "passes": 16}
 }"#;
@@ -41,7 +41,17 @@ fn parts_of_a_diffracted_picture_merge_to_the_whole_and_a_break_changes_nothing(
     run(&["render", "star.json", "-o", "sharp.exr", "--forbid", "diffraction", "--quiet"]);
     let probe = |file| abbe(folder.path(), &["probe", file, "5", "5", "--json"]).json()["xyz"][1].as_f64().unwrap();
     assert!(probe("whole.exr") > 0.0 && probe("sharp.exr") == 0.0);
-    run(&["render", "star.json", "--force", "diffraction", "--set", "camera.lens.thin.diffraction=false", "-o", "forced.exr", "--quiet"]);
+    run(&[
+        "render",
+        "star.json",
+        "--force",
+        "diffraction",
+        "--set",
+        "camera.lens.thin.diffraction=false",
+        "-o",
+        "forced.exr",
+        "--quiet",
+    ]);
     assert_eq!(probe("forced.exr"), probe("whole.exr"));
     let pinhole = r#"camera.lens={"pinhole": {"fov": 5}}"#;
     abbe(folder.path(), &["render", "star.json", "--force", "diffraction", "--set", pinhole])

@@ -20,11 +20,11 @@ const WAVELENGTHS: usize = 8;
 /// spread as the rest.
 const REACH: f64 = 128.0;
 
-/// Samples of the pattern from the middle to one end: 8 to a λN, or more.
-const SAMPLES: usize = 1024;
+/// Samples of the pattern to a λN: as many as this where few λN are followed, …
+const MOST_STEPS: f64 = 24.0;
 
-/// Samples from one end to the other.
-const ACROSS: usize = 2 * SAMPLES + 1;
+/// … and no more than this many from the middle to one end, 8 to a λN at least.
+const MOST_SAMPLES: f64 = 1024.0;
 
 /// How light of each wavelength spreads over the film.
 #[derive(Debug)]
@@ -37,6 +37,8 @@ pub struct Diffraction {
     edges_nm: Vec<f64>,
     /// Samples of the pattern to a λN.
     steps: f64,
+    /// Samples of the pattern from one end to the other.
+    across: usize,
     /// Rows from the bottom, columns from the left.
     pattern: Vec<f32>,
 }
@@ -52,16 +54,19 @@ impl Diffraction {
         pattern: impl Fn(DVec2) -> f64 + Sync,
     ) -> Self {
         let film = (longest_px as f64 + 1.0) / (light_nm[0] * spread_px_per_nm);
-        let steps = SAMPLES as f64 / REACH.min(film);
-        let place = |sample: usize| (sample as f64 - SAMPLES as f64) / steps;
-        let sample = |i: usize| pattern(DVec2::new(place(i % ACROSS), place(i / ACROSS))) as f32;
+        let reach = REACH.min(film);
+        let steps = MOST_STEPS.min(MOST_SAMPLES / reach);
+        let half = (reach * steps).ceil();
+        let across = 2 * half as usize + 1;
+        let place = |sample: usize| (sample as f64 - half) / steps;
+        let sample = |i: usize| pattern(DVec2::new(place(i % across), place(i / across))) as f32;
         // An opening's pattern is the same in opposite directions.
-        let middle = ACROSS * ACROSS / 2;
+        let middle = across * across / 2;
         let mut pattern: Vec<f32> = (0..=middle).into_par_iter().map(sample).collect();
         pattern.extend_from_within(..middle);
         pattern[middle + 1..].reverse();
         let edges_nm = edges_nm(&light_nm);
-        Self { spread_px_per_nm, light_nm, edges_nm, steps, pattern }
+        Self { spread_px_per_nm, light_nm, edges_nm, steps, across, pattern }
     }
 
     /// How many slices light of these wavelengths (nm, rising) falls into.
@@ -151,7 +156,8 @@ impl<'a> Convolution<'a> {
         for nm in self.diffraction.between(between_nm) {
             let spread_px = nm * self.diffraction.spread_px_per_nm;
             let step_px = spread_px / self.diffraction.steps;
-            let (across, down) = (overlaps(step_px, width), overlaps(-step_px, height));
+            let samples = self.diffraction.across;
+            let (across, down) = (overlaps(step_px, samples, width), overlaps(-step_px, samples, height));
             let resampled = |(row, lines): (&[f32], &Overlaps)| {
                 if lines.is_empty() {
                     return Vec::new();
@@ -162,7 +168,7 @@ impl<'a> Convolution<'a> {
                 }
                 pixels
             };
-            let rows = self.diffraction.pattern.par_chunks(ACROSS).zip(&down).map(resampled);
+            let rows = self.diffraction.pattern.par_chunks(samples).zip(&down).map(resampled);
             let rows: Vec<Vec<f64>> = rows.collect();
             for (row, overlaps) in rows.iter().zip(&down) {
                 for &(line, share) in overlaps {
@@ -207,9 +213,9 @@ fn transposed(lines: &Spectrum, length: usize) -> Spectrum {
 /// Pixels that a sample of the pattern falls into, with its share in each.
 type Overlaps = Vec<(usize, f64)>;
 
-/// The pixels of each sample of a line of the pattern, whose step is as many pixels; between samples the pattern is linear. Pixels are counted from
+/// The pixels of each of the samples of a line of the pattern, whose step is as many pixels; between samples the pattern is linear. Pixels are counted from
 /// the middle, modulo `period`, of which they fill all at most: no light comes from farther away than the film is wide.
-fn overlaps(step_px: f64, period: usize) -> Vec<Overlaps> {
+fn overlaps(step_px: f64, samples: usize, period: usize) -> Vec<Overlaps> {
     let half = step_px.abs();
     // The share of a sample's triangle, of half-width 1, that lies below a place.
     let below = |x: f64| {
@@ -217,7 +223,7 @@ fn overlaps(step_px: f64, period: usize) -> Vec<Overlaps> {
         if x < 0.0 { 0.5 * (1.0 + x) * (1.0 + x) } else { 1.0 - 0.5 * (1.0 - x) * (1.0 - x) }
     };
     let pixels = |sample: usize| {
-        let middle = (sample as f64 - SAMPLES as f64) * step_px;
+        let middle = (sample as f64 - (samples / 2) as f64) * step_px;
         let [first, last] = [middle - half, middle + half].map(|edge| edge.round() as i64);
         let share = |pixel: i64| {
             let [from, to] = [-0.5, 0.5].map(|side| below((pixel as f64 + side - middle) / half));
@@ -226,5 +232,5 @@ fn overlaps(step_px: f64, period: usize) -> Vec<Overlaps> {
         let farthest = period as i64 / 2;
         (first.max(-farthest)..=last.min(farthest)).map(share).collect()
     };
-    (0..ACROSS).map(pixels).collect()
+    (0..samples).map(pixels).collect()
 }

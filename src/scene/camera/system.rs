@@ -216,6 +216,12 @@ mod tests {
             assert!((middle - 1.0).abs() < 2e-3, "{name}: {middle}");
             let off = mean_weight(&system, DVec2::new(9.0, 12.0), lines::D_NM);
             assert!(off < middle && off > 0.05, "{name}: {off}");
+            let blades = Some(Blades { count: 5, rotation: 0.3 });
+            let lens = catalogue::find(name).unwrap().clone().with_blades(blades);
+            let bladed = SystemLens::new(lens, 3.0, 21.6).unwrap();
+            let middle = mean_weight(&bladed, DVec2::ZERO, lines::D_NM);
+            assert!((middle - 1.0).abs() < 2e-3, "{name} with blades: {middle}");
+            assert!((bladed.working_f_number() / system.working_f_number() - 1.0).abs() < 2e-3, "{name}");
         }
     }
 
