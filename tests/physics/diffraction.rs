@@ -1,5 +1,7 @@
 //! Diffraction: the pattern of a point has its dark ring and its spikes where they belong, light is neither lost nor made, error bars hold.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use crate::common::compare::Measured;
 use crate::common::{diffuse, render, with_setting};
 use abbe::render::{Integrator, Rendered};

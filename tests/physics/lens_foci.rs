@@ -1,6 +1,8 @@
 //! Where a lens of real glass puts its images: best focus and place of points in single lines, rendered against exact rays; and how the light falls
 //! off towards the corners.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use crate::common::{diffuse, render};
 use abbe::optics::glass::lines;
 use abbe::optics::lens::{Lens, Limits, Monochromatic, Ray, Travel, catalogue};

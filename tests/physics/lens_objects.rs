@@ -1,5 +1,7 @@
 //! Lenses as things in the scene, with photons through them: a projector, a magnifier and an eye; and a caustic photographed through a lens system.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use crate::common::{diffuse, glass, render};
 use abbe::optics::lens::{Limits, Travel, catalogue};
 use abbe::render::Integrator;
