@@ -29,7 +29,7 @@ const ORDER: [(&str, &[&str]); 16] = [
 const HOT: [&str; 4] = ["walk", "map", "emit", "gather"];
 
 /// Where a crate may be used: in these files or folders (below src), or everywhere.
-const CRATES: [(&str, &[&str]); 26] = [
+const CRATES: [(&str, &[&str]); 28] = [
     ("glam", &[""]),
     ("serde", &[""]),
     ("obvhs", &["scene/bvh.rs", "map/near_ray.rs"]),
@@ -69,6 +69,8 @@ const CRATES: [(&str, &[&str]); 26] = [
     ("stl_io", &["scene/mesh/"]),
     ("gltf", &["scene/mesh/"]),
     ("ply_rs_bw", &["scene/mesh/"]),
+    ("libm", &["optics/aperture.rs"]),
+    ("rustfft", &["sensor/diffraction.rs"]),
 ];
 
 /// Longest file, in lines.

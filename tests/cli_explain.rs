@@ -66,6 +66,33 @@ fn a_slip_of_units_is_remarked() {
 }
 
 #[test]
+fn diffraction_is_measured_and_named_where_it_would_show() {
+    // f/32 on pixels of 6 µm: 2.44 · 550 nm · 32.3 is 7.2 of them.
+    let lens = |diffraction: bool| {
+        explain(&format!(
+            r#"{{"thin": {{"focal_length_mm": 50, "f_number": 32, "focus_distance": 5, "sensor_height_mm": 1.2, "diffraction": {diffraction}}}}}"#
+        ))
+    };
+    let (json, words) = lens(false);
+    let report = &json["camera"]["diffraction"];
+    let expected = 2.44 * 550e-6 * 32.0 * (5000.0 / 4950.0) / 0.006;
+    assert!(near(&report["airy_diameter_px"], expected), "{report} {expected}");
+    assert!(report["matters"] == true && report["simulated"] == false && report["slices"] == 0);
+    assert!(words.contains("Note: camera: diffraction at the opening would spread a point over 7.2 pixels"), "{words}");
+    let plain_bytes = json["memory_bytes"].as_u64().unwrap();
+    let (json, words) = lens(true);
+    let report = &json["camera"]["diffraction"];
+    assert!(report["simulated"] == true && !words.contains("would spread"), "{words}");
+    // The sums of a slice take 48 bytes a pixel, and are counted three times (saving copies them).
+    let more = 3 * 48 * 300 * 200 * report["slices"].as_u64().unwrap();
+    assert_eq!(json["memory_bytes"].as_u64().unwrap(), plain_bytes + more);
+    let (json, words) =
+        explain(r#"{"thin": {"focal_length_mm": 50, "f_number": 2, "focus_distance": 5, "sensor_height_mm": 24}}"#);
+    assert!(json["camera"]["diffraction"]["matters"] == false && !words.contains("Note:"), "{words}");
+    assert!(explain(r#"{"pinhole": {"fov": 40}}"#).0["camera"]["diffraction"].is_null());
+}
+
+#[test]
 fn a_scene_that_is_not_there_is_told() {
     let folder = tempfile::tempdir().unwrap();
     abbe(folder.path(), &["explain", "missing.json"]).is_error(2, &["missing.json"]);

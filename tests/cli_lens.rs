@@ -51,6 +51,40 @@ fn files_are_read_as_built_in_lenses_are() {
     assert_eq!(own["fields"][2]["angle_deg"], 5.0);
 }
 
+const AGF: &str = "CC own glasses\nNM OWN-7 2 517642 1.5168 64.17 0 1\nCD 1.03961212 6.00069867E-3 0.231792344 2.00179144E-2 1.01046945 1.03560653E+2 0 0 0 0\n\
+    LD 0.31 2.325\nNM ODD 13 0 1.5 60\nCD 1\nLD 0.3 2\n";
+
+const ZMX: &str = "MODE SEQ\nUNIT MM\nGCAT SHOP\nENPD 20\nSURF 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  CURV 0.01\n  DISZ 5\n  GLAS OWN-7\n  DIAM 10\n\
+    SURF 2\n  CURV -0.01\n  DISZ 95\n  DIAM 10.2\nSURF 3\n  DISZ 0\n";
+
+#[test]
+fn glasses_come_from_catalogues_named_or_lying_beside() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("own.zmx"), ZMX).unwrap();
+    std::fs::write(folder.path().join("mine.agf"), AGF).unwrap();
+    abbe(folder.path(), &["lens", "own.zmx"]).is_error(2, &["own.zmx:11:1", "unknown glass \"OWN-7\"", ".agf"]);
+    let efl = |arguments: &[&str]| abbe(folder.path(), arguments).json()["efl_mm"].as_f64().unwrap();
+    let known = efl(&["lens", "singlet", "--json"]);
+    assert!((efl(&["lens", "own.zmx", "--glasses", "mine.agf", "--json"]) / known - 1.0).abs() < 1e-9);
+    std::fs::rename(folder.path().join("mine.agf"), folder.path().join("shop.AGF")).unwrap();
+    assert!((efl(&["lens", "own.zmx", "--json"]) / known - 1.0).abs() < 1e-9);
+    std::fs::write(
+        folder.path().join("own.json"),
+        LENS.replace("\"N-BK7\"", r#"{"glass": {"path": "shop.AGF", "name": "OWN-7"}}"#),
+    )
+    .unwrap();
+    assert!((efl(&["lens", "own.json", "--json"]) / known - 1.0).abs() < 1e-9);
+
+    let glass = |arguments: &[&str]| abbe(folder.path(), &[&["glass", "--catalogue", "shop.AGF"], arguments].concat());
+    let json = glass(&["own-7", "--at", "550", "--json"]).json();
+    assert!((json["nd"].as_f64().unwrap() - 1.5168).abs() < 1e-5 && json["sellmeier"]["b"][0] == 1.03961212);
+    assert!(json["cauchy"]["max_error"].as_f64().unwrap() < 1e-3 && json["n"][0]["nm"] == 550.0);
+    glass(&["ODD"]).is_error(2, &["shop.AGF:5:1", "formula 13 of ODD is not supported", "1 to 12"]);
+    glass(&["OWN-8"]).is_error(2, &["unknown glass \"OWN-8\"", "OWN-7"]);
+    let list = glass(&["--list"]);
+    assert!(list.out.starts_with("OWN-7") && list.err.contains("formula 13 of ODD"), "{} {}", list.out, list.err);
+}
+
 #[test]
 fn the_section_is_drawn_whole() {
     let folder = tempfile::tempdir().unwrap();

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use abbe::optics::glass::{Index, lines};
+use abbe::optics::glass::{GlassFile, Index, lines};
 use abbe::optics::lens::{
     Analysis, Lens, Limits, Loss, Opening, Prescription, Profile, Ray, Surface, Travel, catalogue, medium, zemax,
 };
@@ -232,7 +232,7 @@ fn a_zemax_file_gives_the_lens_that_the_catalogue_has() {
     let wide: Vec<u8> = [0xFF, 0xFE].into_iter().chain(ZMX.encode_utf16().flat_map(u16::to_le_bytes)).collect();
     let inches = ZMX.replace("UNIT MM", "UNIT IN").into_bytes();
     for (bytes, scale) in [(ZMX.as_bytes(), 1.0), (&wide, 1.0), (&inches, 25.4)] {
-        let lens = zemax::parse(bytes, "lens.zmx".as_ref()).unwrap();
+        let lens = zemax::parse(bytes, "lens.zmx".as_ref(), &[]).unwrap();
         assert_eq!((lens.name(), lens.half_field_deg()), ("achromat", Some(1.0)));
         let [ours, theirs] = [&lens, known].map(|lens| lens.at(lines::D_NM).paraxial().unwrap());
         assert!(
@@ -243,9 +243,19 @@ fn a_zemax_file_gives_the_lens_that_the_catalogue_has() {
 }
 
 #[test]
+fn a_zemax_file_takes_its_glasses_from_a_catalogue_first() {
+    // N-BK7's coefficients under N-SF5's name.
+    let agf = "NM N-SF5 2 0 1.5168 64.17\nCD 1.03961212 6.00069867E-3 0.231792344 2.00179144E-2 1.01046945 1.03560653E+2\nLD 0.31 2.3\n";
+    let file = GlassFile::parse(agf.as_bytes(), "own.agf".as_ref()).unwrap();
+    let lens = zemax::parse(ZMX.as_bytes(), "lens.zmx".as_ref(), &[file]).unwrap();
+    let [first, second] = [0, 1].map(|i| lens.surfaces()[i].index.nd());
+    assert!((first - second).abs() < 1e-12, "{first} {second}");
+}
+
+#[test]
 fn aspheric_terms_of_a_zemax_file_count_in_its_unit() {
     let asphere = ZMX.replace("CONI 0", "CONI -0.7").replace("PARM 2 0", "PARM 2 1.5E-7").replace("UNIT MM", "UNIT CM");
-    let lens = zemax::parse(asphere.as_bytes(), "lens.zmx".as_ref()).unwrap();
+    let lens = zemax::parse(asphere.as_bytes(), "lens.zmx".as_ref(), &[]).unwrap();
     let (profile, h_cm, c) = (&lens.surfaces()[2].profile, 10.0_f64, -7.69585962752E-03_f64);
     let sag_cm = c * h_cm * h_cm / (1.0 + (1.0 - 0.3 * c * c * h_cm * h_cm).sqrt()) + 1.5e-7 * h_cm.powi(4);
     assert!((profile.sag_mm(100.0 * h_cm * h_cm) - 10.0 * sag_cm).abs() < 1e-10);
@@ -268,11 +278,11 @@ fn what_a_zemax_file_asks_for_in_vain_is_named_with_its_line() {
     ] {
         let text = ZMX.replace(from, to);
         assert_ne!(text, ZMX);
-        let error = zemax::parse(text.as_bytes(), "lens.zmx".as_ref()).unwrap_err().to_string();
+        let error = zemax::parse(text.as_bytes(), "lens.zmx".as_ref(), &[]).unwrap_err().to_string();
         assert!(words.iter().all(|word| error.contains(word)), "{error}");
     }
     for bytes in [&b""[..], b"SURF 0\nSURF 1\n", b"\xFF\x00\x80", b"\xFF\xFE"] {
-        assert_eq!(zemax::parse(bytes, "lens.zmx".as_ref()).unwrap_err().exit_status(), 2);
+        assert_eq!(zemax::parse(bytes, "lens.zmx".as_ref(), &[]).unwrap_err().exit_status(), 2);
     }
 }
 
@@ -300,6 +310,24 @@ fn a_prescription_in_json_is_read_as_a_scene_holds_it() {
     ] {
         let error = lens(&good.replacen(from, to, 1)).unwrap_err().to_string();
         assert!(words.iter().all(|word| error.contains(word)), "{error}");
+    }
+    // A paraboloid and its h⁴, which a plano-convex lens turns its curved side to: z = h²/2R + a h⁴.
+    let asphere = lens(
+        r#"{"surfaces": [{"radius_mm": 60, "conic": -1, "aspheric": [2e-7, -1e-11], "thickness_mm": 5, "ior": 1.5, "semi_aperture_mm": 10, "stop": true},
+            {"radius_mm": 0, "thickness_mm": 0, "ior": 1, "semi_aperture_mm": 10}]}"#,
+    )
+    .unwrap();
+    let sag_mm = 100.0 / 120.0 + 2e-7 * 1e4 - 1e-11 * 1e6;
+    assert!((asphere.surfaces()[0].profile.sag_mm(100.0) - sag_mm).abs() < 1e-14);
+    // Descartes: an ellipsoid of conic −1/n² gathers all parallel rays in one point inside its glass, n·R/(n − 1) behind the vertex.
+    let oval = lens(
+        r#"{"surfaces": [{"radius_mm": 30, "conic": -0.4444444444444444, "thickness_mm": 0, "ior": 1.5, "semi_aperture_mm": 20, "stop": true}]}"#,
+    )
+    .unwrap();
+    for height in [1.0, 10.0, 19.9] {
+        let ray = Ray { origin: DVec3::new(0.0, height, -10.0), direction: DVec3::Z };
+        let out = oval.at(550.0).trace(ray, Travel::ToSensor, Limits::Apertures).unwrap();
+        assert!(out.at_z(90.0).y.abs() < 1e-12, "{height}: {}", out.at_z(90.0).y);
     }
     assert!(lens("\"tesar\"").unwrap_err().to_string().contains("did you mean \"Tessar\""));
 }

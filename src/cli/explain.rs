@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use super::{Outcome, print};
 use abbe::error::Result;
 use abbe::plan::explain;
-use abbe::render::Job;
-use abbe::scene::camera::{Camera, DepthOfField};
+use abbe::render::{Diffracting, Job};
+use abbe::scene::camera::{Camera, DepthOfField, Diffraction};
 use abbe::scene::facts::Facts;
 use abbe::scene::resolve;
 use serde::Serialize;
@@ -61,6 +61,19 @@ struct CameraReport {
     field_of_view_degrees: [f64; 2],
     /// Null for a pinhole.
     depth_of_field: Option<DepthReport>,
+    /// Null for a pinhole.
+    diffraction: Option<DiffractionReport>,
+}
+
+#[derive(Debug, Serialize)]
+struct DiffractionReport {
+    /// 2.44 λN in green light, 550 nm.
+    airy_diameter_px: f64,
+    /// Whether that is more than a pixel.
+    matters: bool,
+    simulated: bool,
+    /// Slices of the spectrum that the film keeps apart, 48 bytes a pixel each.
+    slices: usize,
 }
 
 #[derive(Debug, Serialize)]
@@ -74,13 +87,20 @@ struct DepthReport {
 }
 
 impl CameraReport {
-    fn of(camera: &Camera) -> Self {
+    fn of(camera: &Camera, slices: usize) -> Self {
+        let diffraction = Diffraction::of(camera).map(|diffraction| DiffractionReport {
+            airy_diameter_px: diffraction.airy_diameter_px(),
+            matters: diffraction.matters(),
+            simulated: slices > 0,
+            slices,
+        });
         let depth = DepthOfField::of(camera).map(|depth| {
             let DepthOfField { focus_m, near_m, far_m, hyperfocal_m, blur_at_infinity_px } = depth;
             let far_m = far_m.is_finite().then_some(far_m);
             DepthReport { focus_m, near_m, far_m, hyperfocal_m, blur_at_infinity_px }
         });
-        Self { field_of_view_degrees: camera.field_of_view().map(f64::to_degrees), depth_of_field: depth }
+        let field_of_view_degrees = camera.field_of_view().map(f64::to_degrees);
+        Self { field_of_view_degrees, depth_of_field: depth, diffraction }
     }
 }
 
@@ -95,6 +115,7 @@ impl<'a> PlanReport<'a> {
         });
         let budget = &job.budget;
         let Facts { upsampled, line_lamps, .. } = Facts::of(&job.scene);
+        let slices = job.diffraction.as_ref().map_or(0, Diffracting::slices);
         let both = !upsampled.is_empty() && !line_lamps.is_empty();
         Self {
             effects: effects.collect(),
@@ -104,7 +125,7 @@ impl<'a> PlanReport<'a> {
             nearest: budget.radius_m.is_none().then_some(budget.nearest),
             radius_m: budget.radius_m,
             memory_bytes: budget.memory_bytes,
-            camera: CameraReport::of(&job.scene.camera),
+            camera: CameraReport::of(&job.scene.camera, slices),
             guessed_colours: both.then_some(GuessedColours { upsampled, line_lamps }),
             notes: &job.scene.notes,
         }

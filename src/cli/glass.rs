@@ -7,6 +7,7 @@ use abbe::optics::glass::catalogue::{self, Glass, Kind};
 use abbe::optics::glass::{CauchyFit, Dispersion, Pole};
 use abbe::output::file;
 use abbe::output::plot::{Curve, Plot};
+use abbe::scene::resolve;
 use abbe::spectrum::BAND_NM;
 use serde::Serialize;
 
@@ -17,6 +18,9 @@ pub(crate) struct Arguments {
     /// The name of a material in the catalogue
     #[arg(value_name = "NAME", required_unless_present = "list")]
     name: Option<String>,
+    /// Take the material from this Zemax catalogue instead of the built-in one
+    #[arg(long, value_name = "FILE.agf")]
+    catalogue: Option<PathBuf>,
     /// Give the index at these wavelengths in nm
     #[arg(long, value_name = "NM,…", value_delimiter = ',', value_parser = values::wavelength_nm)]
     at: Vec<f64>,
@@ -89,15 +93,27 @@ struct List<'a> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    match &arguments.name {
-        Some(name) => one(name, arguments)?,
-        None => list(arguments.json)?,
+    let file = arguments.catalogue.as_deref().map(resolve::glass_file).transpose()?;
+    match (&arguments.name, &file) {
+        (Some(name), None) => one(catalogue::find(name)?, arguments)?,
+        (Some(name), Some(file)) => one(&file.find(name)?, arguments)?,
+        (None, None) => list(catalogue::all(), arguments.json)?,
+        (None, Some(file)) => {
+            let (mut glasses, mut unusable) = (Vec::new(), Vec::new());
+            for name in file.names() {
+                match file.find(name) {
+                    Ok(glass) => glasses.push(glass),
+                    Err(error) => unusable.push(error),
+                }
+            }
+            unusable.iter().for_each(|error| print::remark(&format!("note: left out: {error}")));
+            list(&glasses, arguments.json)?;
+        }
     }
     Ok(Outcome::Done)
 }
 
-fn one(name: &str, arguments: &Arguments) -> Result<()> {
-    let glass = catalogue::find(name)?;
+fn one(glass: &Glass, arguments: &Arguments) -> Result<()> {
     if let Some(bad) = arguments.at.iter().find(|&&nm| !(BAND_NM.0..=BAND_NM.1).contains(&nm) && !in_range(glass, nm)) {
         let (from, to) = glass.index.range_nm();
         let what = format!("the index of {} at {bad} nm", glass.name);
@@ -115,14 +131,12 @@ fn in_range(glass: &Glass, nm: f64) -> bool {
     (from..=to).contains(&nm)
 }
 
-fn list(json: bool) -> Result<()> {
-    let listed = |glass: &'static Glass| Listed {
-        name: &glass.name,
-        kind: kind_word(glass.kind),
-        nd: glass.index.nd(),
-        vd: glass.index.vd(),
+fn list(glasses: &[Glass], json: bool) -> Result<()> {
+    let listed = |glass| {
+        let glass: &Glass = glass;
+        Listed { name: &glass.name, kind: kind_word(glass.kind), nd: glass.index.nd(), vd: glass.index.vd() }
     };
-    let glasses: Vec<Listed<'_>> = catalogue::all().iter().map(listed).collect();
+    let glasses: Vec<Listed<'_>> = glasses.iter().map(listed).collect();
     if json {
         return print::json(&List { glasses });
     }
@@ -163,6 +177,8 @@ fn sellmeier(dispersion: &Dispersion) -> Option<Sellmeier> {
         | Dispersion::Powers { .. }
         | Dispersion::Rational(_)
         | Dispersion::Gas { .. }
+        | Dispersion::Conrady { .. }
+        | Dispersion::Herzberger(_)
         | Dispersion::Table { .. } => None,
     }
 }

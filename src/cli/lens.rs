@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use abbe::error::Result;
+use abbe::optics::glass::GlassFile;
 use abbe::optics::lens::section::{DrawnRay, Focus, Section, section};
 use abbe::optics::lens::{Analysis, FieldPoint, LINES, Lens, Pupil, catalogue};
 use abbe::output::drawing::{Drawing, Stroke, Window};
@@ -20,6 +21,10 @@ pub(crate) struct Arguments {
     /// Half the field of view in degrees [default: the design's; 20 where it states none, less where less passes]
     #[arg(long, value_name = "DEG", value_parser = values::half_field_deg)]
     field: Option<f64>,
+    /// Find the glasses of a Zemax file in this catalogue (.agf) first (repeatable) [default: those that it names, if they lie
+    /// beside it, then the built-in one]
+    #[arg(long, value_name = "FILE.agf", conflicts_with = "list")]
+    glasses: Vec<PathBuf>,
     /// Draw the cross-section with rays of the F, d and C lines
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
@@ -104,7 +109,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 }
 
 fn one(name: &str, arguments: &Arguments) -> Result<()> {
-    let lens = named(name)?;
+    let catalogues: Vec<GlassFile> =
+        arguments.glasses.iter().map(|path| resolve::glass_file(path)).collect::<Result<_>>()?;
+    let lens = named(name, &catalogues)?;
     let analysis = Analysis::of(&lens, arguments.field)?;
     if let Some(path) = &arguments.svg {
         let drawing = drawing(&lens, &analysis, section(&lens, &analysis)?);
@@ -115,7 +122,7 @@ fn one(name: &str, arguments: &Arguments) -> Result<()> {
 }
 
 /// The lens that an argument names.
-fn named(name: &str) -> Result<Lens> {
+fn named(name: &str, catalogues: &[GlassFile]) -> Result<Lens> {
     let unknown = match catalogue::find(name) {
         Ok(lens) => return Ok(lens.clone()),
         Err(unknown) => unknown,
@@ -123,7 +130,7 @@ fn named(name: &str) -> Result<Lens> {
     let path = Path::new(name);
     // Names hold blanks and slashes ("Tessar f/4.5"), so that only what exists or ends like a file is one.
     if path.exists() || path.extension().is_some_and(|extension| extension == "json" || extension == "zmx") {
-        return resolve::lens_file(path);
+        return resolve::lens_file(path, catalogues);
     }
     Err(unknown.expected("a name of `abbe lens --list`, or a file"))
 }

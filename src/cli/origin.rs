@@ -6,6 +6,7 @@ use abbe::output::hash::Hash;
 use abbe::output::metadata::{Metadata, names};
 use abbe::render::{Integrator, Job, Stats};
 use abbe::scene::file::Source;
+use abbe::scene::resolve;
 use serde_json::Value;
 
 use super::explain::PlanReport;
@@ -68,7 +69,8 @@ fn add_files(value: &Value, folder: &Path, hash: &mut Hash) {
     }
 }
 
-/// Takes in a file and the files that it names itself: an OBJ's materials, a glTF's buffers and images.
+/// Takes in a file and the files that it names itself: an OBJ's materials, a glTF's buffers and images, a Zemax lens's
+/// glass catalogues.
 fn add_file(path: &Path, hash: &mut Hash) {
     let Ok(bytes) = std::fs::read(path) else {
         return;
@@ -89,6 +91,7 @@ fn add_file(path: &Path, hash: &mut Hash) {
             let named = entries.iter().filter_map(|entry| entry.get("uri")?.as_str());
             named.filter(|uri| !uri.starts_with("data:")).for_each(|uri| add_bytes(&folder.join(uri), hash));
         }
+        Some("zmx") => resolve::catalogues_beside(path, &bytes).iter().for_each(|path| add_bytes(path, hash)),
         Some(_) | None => {}
     }
 }

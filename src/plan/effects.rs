@@ -1,8 +1,8 @@
 //! The table of effects: the fact that calls for each, the field of the plan, the code that reads it, and what its absence means.
 
 use super::{
-    AimPlan, AperturePlan, BetweenPlan, CausticPlan, DirectPlan, EnvironmentPlan, IndirectPlan, Plan, RoughnessPlan,
-    VolumePlan, WavelengthPlan,
+    AimPlan, AperturePlan, BetweenPlan, CausticPlan, DirectPlan, EnvironmentPlan, IndirectPlan, Plan, Rim,
+    RoughnessPlan, VolumePlan, WavelengthPlan,
 };
 use crate::error::{Error, Result};
 use crate::scene::facts::Facts;
@@ -31,7 +31,7 @@ pub struct Effect {
 }
 
 /// All effects.
-pub const EFFECTS: [Effect; 13] = [
+pub const EFFECTS: [Effect; 14] = [
     Effect {
         name: "dispersion",
         field: "wavelengths",
@@ -112,9 +112,27 @@ pub const EFFECTS: [Effect; 13] = [
         set: |plan, facts, on| {
             plan.aperture = match (on, &facts.lens_system) {
                 (false, _) => AperturePlan::Pinhole,
-                (true, None) => AperturePlan::ThinLens,
-                (true, Some(_)) => AperturePlan::LensSystem,
+                (true, None) => AperturePlan::ThinLens(Rim::Stops),
+                (true, Some(_)) => AperturePlan::LensSystem(Rim::Stops),
             }
+        },
+    },
+    Effect {
+        name: "diffraction",
+        field: "aperture",
+        read_by: "render (what the film keeps apart), sensor (develop)",
+        cost: "48 bytes a pixel for each slice of the spectrum, up to 16; developing takes a convolution for each",
+        absent: "no slice of the spectrum is kept, nothing is convolved",
+        called_by: "the camera's opening",
+        uncalled: "not asked for by the camera's lens",
+        calls: |facts| facts.diffracting.iter().cloned().collect(),
+        set: |plan, _, on| {
+            let rim = if on { Rim::Diffracts } else { Rim::Stops };
+            plan.aperture = match plan.aperture {
+                AperturePlan::Pinhole => AperturePlan::Pinhole,
+                AperturePlan::ThinLens(_) => AperturePlan::ThinLens(rim),
+                AperturePlan::LensSystem(_) => AperturePlan::LensSystem(rim),
+            };
         },
     },
     Effect {

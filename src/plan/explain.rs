@@ -2,7 +2,7 @@
 
 use super::{Budget, Plan, Row, WavelengthPlan};
 use crate::scene::Scene;
-use crate::scene::camera::{Camera, DepthOfField};
+use crate::scene::camera::{Camera, DepthOfField, Diffraction};
 
 /// `free`, `shared` or `both`.
 pub fn wavelengths_word(plan: &Plan) -> &'static str {
@@ -50,9 +50,11 @@ fn camera_text(camera: &Camera) -> String {
         return format!("{view}, a pinhole: everything is sharp");
     };
     let DepthOfField { focus_m, near_m, far_m, hyperfocal_m, blur_at_infinity_px } = depth;
+    let airy = Diffraction::of(camera).map_or(0.0, |diffraction| diffraction.airy_diameter_px());
     let far = if far_m.is_finite() { format!("{far_m:.4} m") } else { "infinity".to_owned() };
     format!(
         "{view}, focused at {focus_m:.4} m: blur below a pixel from {near_m:.4} m to {far}; a point at infinity spreads over \
-         {blur_at_infinity_px:.1} pixels; hyperfocal distance {hyperfocal_m:.4} m"
+         {blur_at_infinity_px:.1} pixels; hyperfocal distance {hyperfocal_m:.4} m; Airy disk of green light {airy:.2} pixels wide, {}",
+        if camera.diffracts { "simulated" } else { "not simulated" }
     )
 }

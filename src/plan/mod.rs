@@ -93,15 +93,32 @@ pub enum AperturePlan {
     /// A point.
     Pinhole,
     /// A lens with depth of field.
-    ThinLens,
+    ThinLens(Rim),
     /// Real glass: camera rays are traced through it, each wavelength for itself.
-    LensSystem,
+    LensSystem(Rim),
+}
+
+/// What the rim of the camera's opening does to light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rim {
+    /// It holds rays back.
+    Stops,
+    /// It spreads light too: the film keeps slices of the spectrum apart, and convolves each with its pattern.
+    Diffracts,
 }
 
 impl AperturePlan {
     /// Whether rays start all over a lens.
     pub fn is_finite(self) -> bool {
         self != Self::Pinhole
+    }
+
+    /// Whether light is diffracted at the lens's rim.
+    pub fn diffracts(self) -> bool {
+        match self {
+            Self::Pinhole => false,
+            Self::ThinLens(rim) | Self::LensSystem(rim) => rim == Rim::Diffracts,
+        }
     }
 }
 

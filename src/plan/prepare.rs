@@ -19,6 +19,10 @@ pub fn prepare(scene: &mut Scene) -> Result<(Plan, Vec<Row>)> {
         take_out(scene, row.effect.name)?;
         scene.notes.push(format!("the picture lacks {}: forbidden ({})", row.effect.name, row.because));
     }
+    if !plan.aperture.diffracts() && rows.iter().any(|row| row.effect.name == "diffraction" && row.state.is_on()) {
+        return Err(Error::input("diffraction is asked for, and the camera is left no opening to diffract light")
+            .expected("a lens with an opening, or \"diffraction\" forbidden too"));
+    }
     scene.notes.extend(guessed_colours(&facts));
     Ok((plan, rows))
 }
@@ -64,7 +68,7 @@ fn take_out(scene: &mut Scene, effect: &str) -> Result<()> {
                 .expected("a camera without a lens of real glass, or \"depth-of-field\" forbidden"));
         }
         // The plan's field alone leaves these out.
-        "caustics" | "indirect" | "direct" | "aim" | "volume-photons" | "photon-beams" => {}
+        "caustics" | "indirect" | "direct" | "aim" | "volume-photons" | "photon-beams" | "diffraction" => {}
         "media" => {
             scene.materials.iter_mut().filter_map(|m| m.body.as_mut()).for_each(|body| body.medium = None);
         }

@@ -99,8 +99,8 @@ impl<'a> Harvest<'a> {
             return;
         }
         let lens = match self.plan.aperture {
-            AperturePlan::Pinhole | AperturePlan::LensSystem => [0.5; 2],
-            AperturePlan::ThinLens => stream.pair(),
+            AperturePlan::Pinhole | AperturePlan::LensSystem(_) => [0.5; 2],
+            AperturePlan::ThinLens(_) => stream.pair(),
         };
         if let Some(splat) = connect(self.scene, arrival, lens) {
             self.tally.connections += 1;

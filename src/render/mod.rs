@@ -2,6 +2,7 @@
 //! merging several.
 
 mod crowd;
+mod diffraction;
 mod harvest;
 mod merge;
 mod part;
@@ -13,6 +14,7 @@ mod saved;
 mod stats;
 mod threads;
 
+pub use diffraction::Diffracting;
 pub use merge::{Merged, Merging};
 pub use part::Part;
 pub use run::Run;
@@ -81,6 +83,8 @@ pub struct Job {
     pub rows: Vec<Row>,
     /// Passes and photons.
     pub budget: Budget,
+    /// What diffraction at the camera's opening does to the picture, if the plan has it.
+    pub diffraction: Option<Diffracting>,
     /// Its lights as one source.
     choice: LightChoice,
 }
@@ -146,10 +150,13 @@ impl Job {
             Error::input("no light in the scene has power within 360–830 nm: there is nothing to see")
         })?;
         let film = &scene.film;
-        let film_bytes = Film::memory_bytes(film.width as usize, film.height as usize, film.spectral_bands as usize);
+        let diffraction = Diffracting::of(&scene.camera, &plan, &choice);
+        let slices = diffraction.as_ref().map_or(0, Diffracting::slices);
+        let [width, height, bands] = [film.width, film.height, film.spectral_bands].map(|count| count as usize);
+        let film_bytes = Film::memory_bytes(width, height, bands, slices);
         // The sums; and while they are saved their copy in words, and the file.
         let budget = Budget::of(&scene, (film_bytes as u64).saturating_mul(3));
-        Ok(Self { scene, plan, rows, budget, choice })
+        Ok(Self { scene, plan, rows, budget, diffraction, choice })
     }
 
     /// The power of all lights by their closed forms, in W over the band.

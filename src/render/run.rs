@@ -24,8 +24,10 @@ impl Run {
     /// A run of a part of the passes that has not begun.
     pub fn new(job: &Job, part: Part) -> Self {
         let film = &job.scene.film;
+        let [width, height, bands] = [film.width, film.height, film.spectral_bands].map(|count| count as usize);
+        let diffraction = job.diffraction.as_ref().map(|diffraction| diffraction.for_film((width, height)).into());
         Self {
-            film: Film::new(film.width as usize, film.height as usize, film.observer, film.spectral_bands as usize),
+            film: Film::new(width, height, film.observer, bands).diffracting(diffraction),
             ledger: Ledger::new(job.scene.materials.len()),
             tally: Tally::default(),
             seconds: Seconds::default(),

@@ -1,6 +1,6 @@
 //! Runs in files: checkpoints and parts, an EXR of the picture so far with the exact sums and a record of the rest.
 
-use super::{Integrator, Job, Part, Run, Stats};
+use super::{Diffracting, Integrator, Job, Part, Run, Stats};
 use crate::error::{Error, Result};
 use crate::output::exr::{add_sums, read_metadata, write_with_sums};
 use crate::output::hash::Hash;
@@ -124,6 +124,7 @@ pub struct Saved {
     tally: Tally,
     pub(super) stats: Stats,
     pub(super) showing: Showing,
+    diffraction: Option<Diffracting>,
     /// Of the record (with an empty hash) and the sums: tells a damaged file.
     hash: String,
 }
@@ -144,6 +145,7 @@ impl Saved {
             tally: run.tally,
             stats: Stats::new(job, run, &picture),
             showing: Showing::of(job),
+            diffraction: job.diffraction.clone(),
             hash: String::new(),
         };
         record.hash = record.hash_with(&run.film);
@@ -190,7 +192,10 @@ impl Saved {
     /// The film with its sums.
     pub(super) fn film(&self, path: &Path, observer: &'static Observer) -> Result<Film> {
         let ((width, height), bands) = (self.identity.size, self.identity.spectral_bands);
-        let mut film = Film::new(width as usize, height as usize, observer, bands as usize);
+        let [width, height, bands] = [width, height, bands].map(|count| count as usize);
+        let diffraction = self.diffraction.as_ref().map(|diffraction| diffraction.for_film((width, height)).into());
+        let film = Film::new(width, height, observer, bands);
+        let mut film = film.diffracting(diffraction);
         add_sums(path, &mut film)?;
         if self.hash_with(&film) != self.hash {
             return Err(Error::input("is damaged: its sums are not those that were written").in_file(path));

@@ -223,6 +223,7 @@ fn effect_stats(job: &Job, tally: &Tally) -> BTreeMap<String, EffectStats> {
         "indirect" => tally.map_queries,
         "direct" => tally.shadow_rays,
         "depth-of-field" => tally.lens_rays,
+        "diffraction" if job.plan.aperture.diffracts() => tally.lens_rays,
         "environment" => tally.environment_rays,
         "roughness" => tally.rough_events,
         "absorption" => tally.absorptions,

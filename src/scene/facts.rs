@@ -1,7 +1,7 @@
 //! What a scene contains, as far as it decides which effects it calls for.
 
 use super::Scene;
-use super::camera::Aperture;
+use super::camera::{Aperture, Diffraction};
 use super::light::Emitter;
 use crate::optics::glass::Index;
 use crate::optics::surface::{Class, Surface};
@@ -43,6 +43,8 @@ pub struct Facts {
     pub aperture_nm: Option<u64>,
     /// The name of the camera's lens, if it is one of real glass.
     pub lens_system: Option<String>,
+    /// What the scene says of its camera's opening, if that is to diffract light.
+    pub diffracting: Option<String>,
 }
 
 impl Facts {
@@ -110,6 +112,9 @@ impl Facts {
             Aperture::ThinLens { stop, .. } => Some((stop.radius_m * 1e9) as u64).filter(|&nm| nm > 0),
             Aperture::System(system) => Some((system.pupil_radius_m() * 1e9) as u64),
         };
+        facts.diffracting = Diffraction::of(&scene.camera)
+            .filter(|_| scene.camera.diffracts)
+            .map(|diffraction| format!("an Airy disk of {:.2} pixels in green light", diffraction.airy_diameter_px()));
         facts.lens_system = scene.camera.system().map(|system| system.name().to_owned());
         facts
     }

@@ -1,11 +1,14 @@
 //! The film: exact sums per pixel, kept apart by replicate.
 
+use super::channels::{Channels, band_nm};
+use super::diffraction::{Convolution, Diffraction, add_product};
 use crate::math::random::REPLICATES;
 use crate::math::sum::ExactSum;
 use crate::sensor::picture::{Bands, Picture};
-use crate::spectrum::{BAND_NM, LUMENS_PER_WATT, Observer};
+use crate::spectrum::{LUMENS_PER_WATT, Observer};
+use std::sync::Arc;
 
-/// One pixel's sums over all passes: 176 bytes, and 16 for each spectral band.
+/// One pixel's sums over all passes: 176 bytes, and 16 for each channel.
 #[derive(Debug, Clone, Copy, Default)]
 struct PixelSums {
     x: ExactSum,
@@ -15,6 +18,21 @@ struct PixelSums {
     bias: ExactSum,
 }
 
+/// The light of a pixel over all passes, in W; Y once more by replicate.
+#[derive(Debug, Clone, Copy)]
+struct PixelLight {
+    xyz: [f64; 3],
+    y: [f64; REPLICATES],
+    bias: f64,
+}
+
+impl PixelSums {
+    fn light(&self) -> PixelLight {
+        let y = self.y.map(|part| part.value());
+        PixelLight { xyz: [self.x.value(), y.iter().sum(), self.z.value()], y, bias: self.bias.value() }
+    }
+}
+
 /// All pixels' sums. Adding passes in any order gives the same bits.
 #[derive(Debug)]
 pub struct Film {
@@ -22,17 +40,17 @@ pub struct Film {
     height: usize,
     observer: &'static Observer,
     pixels: Vec<PixelSums>,
-    band_count: usize,
-    /// Band sums, pixel by pixel.
-    bands: Vec<ExactSum>,
+    channels: Channels,
+    /// Sums of the channels, pixel by pixel.
+    by_channel: Vec<ExactSum>,
     passes: [u64; REPLICATES],
 }
 
 /// The first plane of Y, after X, Z and bias.
 const FIRST_Y: usize = 3;
 
-/// The first plane of a spectral band.
-const FIRST_BAND: usize = FIRST_Y + REPLICATES;
+/// The first plane of a channel.
+const FIRST_CHANNEL: usize = FIRST_Y + REPLICATES;
 
 /// Collects one pixel's light in one pass.
 #[derive(Debug)]
@@ -40,7 +58,8 @@ pub struct PixelSink<'f> {
     observer: &'static Observer,
     xyz: [f64; 3],
     bias_y: f64,
-    bands: &'f mut [f64],
+    channels: &'f Channels,
+    by_channel: &'f mut [f64],
     rejected: u64,
 }
 
@@ -48,30 +67,33 @@ pub struct PixelSink<'f> {
 #[derive(Debug)]
 pub struct SplatSink {
     observer: &'static Observer,
-    band_count: usize,
+    channels: Channels,
     splats: Vec<([f32; 3], u32)>,
-    band_splats: Vec<(f32, u32, u32)>,
+    channel_splats: Vec<(f32, u32, u32)>,
     rejected: u64,
-}
-
-/// The band number of a wavelength, of `count` equal bands over the simulated range.
-fn band_of(nm: f64, count: usize) -> usize {
-    let share = (nm - BAND_NM.0) / (BAND_NM.1 - BAND_NM.0);
-    ((share * count as f64) as usize).min(count - 1)
 }
 
 impl Film {
     /// An unexposed film.
-    pub fn new(width: usize, height: usize, observer: &'static Observer, band_count: usize) -> Self {
-        Self {
-            width,
-            height,
-            observer,
-            pixels: vec![PixelSums::default(); width * height],
-            band_count,
-            bands: vec![ExactSum::default(); width * height * band_count],
-            passes: [0; REPLICATES],
-        }
+    pub fn new(width: usize, height: usize, observer: &'static Observer, bands: usize) -> Self {
+        let pixels = vec![PixelSums::default(); width * height];
+        let passes = [0; REPLICATES];
+        let channels = Channels::default();
+        Self { width, height, observer, pixels, channels, by_channel: Vec::new(), passes }
+            .keeping(Channels { bands, diffraction: None })
+    }
+
+    /// The film, still unexposed, on which light will be diffracted.
+    #[must_use]
+    pub fn diffracting(self, diffraction: Option<Arc<Diffraction>>) -> Self {
+        let bands = self.channels.bands;
+        self.keeping(Channels { bands, diffraction })
+    }
+
+    fn keeping(mut self, channels: Channels) -> Self {
+        self.by_channel = vec![ExactSum::default(); self.pixels.len() * channels.count()];
+        self.channels = channels;
+        self
     }
 
     /// Pixels per row.
@@ -89,9 +111,9 @@ impl Film {
         self.passes.iter().sum()
     }
 
-    /// Memory of the sums, in bytes.
-    pub fn memory_bytes(width: usize, height: usize, band_count: usize) -> usize {
-        let pixel = size_of::<PixelSums>() + band_count * size_of::<ExactSum>();
+    /// Memory of the sums in bytes, with spectral bands and slices that are diffracted.
+    pub fn memory_bytes(width: usize, height: usize, bands: usize, slices: usize) -> usize {
+        let pixel = size_of::<PixelSums>() + (bands + 3 * slices) * size_of::<ExactSum>();
         width.saturating_mul(height).saturating_mul(pixel)
     }
 
@@ -103,20 +125,20 @@ impl Film {
     /// The rows of the film, each to be exposed by one worker: calls `expose(row, pixel in row, sink)` for its pixels through the
     /// returned slices.
     pub fn rows(&mut self) -> impl Iterator<Item = FilmRow<'_>> {
-        let (observer, width, band_count) = (self.observer, self.width, self.band_count);
-        let mut bands = self.bands.chunks_mut((width * band_count).max(1));
+        let (observer, width, channels) = (self.observer, self.width, &self.channels);
+        let mut by_channel = self.by_channel.chunks_mut((width * channels.count()).max(1));
         self.pixels.chunks_mut(width).enumerate().map(move |(row, pixels)| FilmRow {
             first_pixel: row * width,
             observer,
             pixels,
-            bands: bands.next().unwrap_or_default(),
-            band_count,
+            by_channel: by_channel.next().unwrap_or_default(),
+            channels,
         })
     }
 
     /// A sink for light that falls anywhere on the film.
     pub fn splat_sink(&self) -> SplatSink {
-        SplatSink::new(self.observer, self.band_count)
+        SplatSink::new(self.observer, self.channels.clone())
     }
 
     /// Adds what a sink has collected. Returns how many contributions were dropped because they were not finite.
@@ -128,39 +150,41 @@ impl Film {
             sums.y[replicate] += f64::from(xyz[1]);
             sums.z += f64::from(xyz[2]);
         }
-        for &(weight, pixel, band) in &sink.band_splats {
-            self.bands[pixel as usize * self.band_count + band as usize] += f64::from(weight);
+        let count = self.channels.count();
+        for &(value, pixel, channel) in &sink.channel_splats {
+            self.by_channel[pixel as usize * count + channel as usize] += f64::from(value);
         }
         sink.rejected
     }
 
-    /// The names of the film's planes of sums: `X`, `Z`, `bias`, Y by replicate, the spectral bands.
+    /// The names of the film's planes of sums: `X`, `Z`, `bias`, Y by replicate, the channels.
     pub fn plane_names(&self) -> Vec<String> {
         let replicates = (0..REPLICATES).map(|r| format!("Y{r}"));
-        let bands = (0..self.band_count).map(|band| format!("band{band}"));
-        ["X", "Z", "bias"].map(String::from).into_iter().chain(replicates).chain(bands).collect()
+        ["X", "Z", "bias"].map(String::from).into_iter().chain(replicates).chain(self.channels.names()).collect()
     }
 
     /// The sums of one plane, by its place among the names, pixel by pixel.
     pub fn plane(&self, plane: usize) -> impl Iterator<Item = ExactSum> {
+        let count = self.channels.count();
         (0..self.pixels.len()).map(move |pixel| match plane {
             0 => self.pixels[pixel].x,
             1 => self.pixels[pixel].z,
             2 => self.pixels[pixel].bias,
-            _ if plane < FIRST_BAND => self.pixels[pixel].y[plane - FIRST_Y],
-            _ => self.bands[pixel * self.band_count + plane - FIRST_BAND],
+            _ if plane < FIRST_CHANNEL => self.pixels[pixel].y[plane - FIRST_Y],
+            _ => self.by_channel[pixel * count + plane - FIRST_CHANNEL],
         })
     }
 
     /// Adds sums to one plane, by its place among the names, pixel by pixel.
     pub fn add_plane(&mut self, plane: usize, sums: impl Iterator<Item = ExactSum>) {
+        let count = self.channels.count();
         for ((pixel, own), sum) in self.pixels.iter_mut().enumerate().zip(sums) {
             *match plane {
                 0 => &mut own.x,
                 1 => &mut own.z,
                 2 => &mut own.bias,
-                _ if plane < FIRST_BAND => &mut own.y[plane - FIRST_Y],
-                _ => &mut self.bands[pixel * self.band_count + plane - FIRST_BAND],
+                _ if plane < FIRST_CHANNEL => &mut own.y[plane - FIRST_Y],
+                _ => &mut self.by_channel[pixel * count + plane - FIRST_CHANNEL],
             } += sum;
         }
     }
@@ -176,22 +200,29 @@ impl Film {
         let passes = self.passes() as f64;
         let scale = if passes > 0.0 { LUMENS_PER_WATT / passes } else { 0.0 };
         let mut picture = Picture::black(self.width, self.height);
+        let diffracted = self.channels.diffraction.as_deref().map(|diffraction| self.spread(diffraction));
         for (index, sums) in self.pixels.iter().enumerate() {
-            let y: f64 = sums.y.iter().map(|part| part.value()).sum();
-            picture.xyz[index] = [sums.x.value() * scale, y * scale, sums.z.value() * scale];
-            let lit = y > 0.0;
-            picture.noise[index] = match self.standard_error(sums) {
+            let PixelLight { xyz, y, bias } =
+                diffracted.as_ref().map_or_else(|| sums.light(), |(light, _)| light[index]);
+            picture.xyz[index] = xyz.map(|sum| sum * scale);
+            let lit = xyz[1] > 0.0;
+            picture.noise[index] = match self.standard_error(&y) {
                 Some(error) if lit => (error * LUMENS_PER_WATT) as f32,
                 Some(_) | None => -1.0,
             };
-            picture.bias[index] = if lit { (sums.bias.value() * scale) as f32 } else { -1.0 };
+            picture.bias[index] = if lit { (bias * scale) as f32 } else { -1.0 };
         }
         smooth_bias(&mut picture);
-        if self.band_count > 0 {
-            let width_nm = (BAND_NM.1 - BAND_NM.0) / self.band_count as f64;
-            let scale = if passes > 0.0 { 1.0 / (passes * width_nm) } else { 0.0 };
-            let values = self.bands.iter().map(|sum| (sum.value() * scale) as f32).collect();
-            let centres_nm = (0..self.band_count).map(|i| BAND_NM.0 + (i as f64 + 0.5) * width_nm).collect();
+        let bands = self.channels.bands;
+        if bands > 0 {
+            let range_nm = (0..bands).map(|band| band_nm(band, bands));
+            let centres_nm: Vec<f64> = range_nm.map(|(from, to)| 0.5 * (from + to)).collect();
+            let (from, to) = band_nm(0, bands);
+            let scale = if passes > 0.0 { 1.0 / (passes * (to - from)) } else { 0.0 };
+            let values = match diffracted {
+                Some((_, values)) => values.into_iter().map(|value| (value * scale) as f32).collect(),
+                None => self.by_channel.iter().map(|sum| (sum.value() * scale) as f32).collect(),
+            };
             picture.bands = Some(Bands { centres_nm, values });
         }
         picture
@@ -199,10 +230,10 @@ impl Film {
 
     /// The standard error of a pixel's mean Y (in units of W), from the means of the replicates that have passes; `None` with fewer than
     /// two. Unequal numbers of passes weigh accordingly.
-    fn standard_error(&self, sums: &PixelSums) -> Option<f64> {
+    fn standard_error(&self, y: &[f64; REPLICATES]) -> Option<f64> {
         let parts: Vec<(f64, f64)> = (0..REPLICATES)
             .filter(|&r| self.passes[r] > 0)
-            .map(|r| (self.passes[r] as f64, sums.y[r].value() / self.passes[r] as f64))
+            .map(|r| (self.passes[r] as f64, y[r] / self.passes[r] as f64))
             .collect();
         if parts.len() < 2 {
             return None;
@@ -214,10 +245,62 @@ impl Film {
         Some((spread / (parts.len() - 1) as f64 / total).sqrt())
     }
 
+    /// The light of all pixels, and their spectral bands, as diffraction spreads it. Each slice and each band has its own kernel. For the replicates,
+    /// whose spread tells the noise, and for the bias there is only Y of all wavelengths together: they get the slices' mean kernel,
+    /// weighted by Y.
+    fn spread(&self, diffraction: &Diffraction) -> (Vec<PixelLight>, Vec<f64>) {
+        let convolution = Convolution::new(diffraction, (self.width, self.height));
+        let count = self.channels.count();
+        let value = |pixel: usize, channel: usize| self.by_channel[pixel * count + channel].value();
+        let blank = || vec![Default::default(); 4 * self.pixels.len()];
+        let (mut xy, mut z, mut mean, mut whole) = (blank(), blank(), blank(), 0.0);
+        for slice in 0..diffraction.slices() {
+            let [of_x, of_y, of_z] = [0, 1, 2].map(|component| self.channels.of_slice(slice, component));
+            let kernel = convolution.kernel(diffraction.slice_nm(slice));
+            add_product(&mut xy, &kernel, &convolution.transform(|pixel| [value(pixel, of_x), value(pixel, of_y)]));
+            add_product(&mut z, &kernel, &convolution.transform(|pixel| [value(pixel, of_z), 0.0]));
+            let y = (0..self.pixels.len()).map(|pixel| value(pixel, of_y)).sum::<f64>().max(f64::MIN_POSITIVE);
+            mean.iter_mut().zip(kernel).for_each(|(mean, kernel)| *mean += kernel * y);
+            whole += y;
+        }
+        mean.iter_mut().for_each(|value| *value /= whole);
+        let (xy, z) = (convolution.planes(xy), convolution.planes(z));
+        let mut light: Vec<PixelLight> = self.pixels.iter().map(PixelSums::light).collect();
+        // Rounding may leave a little less than nothing.
+        let positive = |value: f64| value.max(0.0);
+        for ((light, xy), z) in light.iter_mut().zip(xy).zip(z) {
+            light.xyz = [xy[0], xy[1], z[0]].map(positive);
+        }
+        let spread = |plane: &(dyn Fn(usize) -> [f64; 2] + Sync)| {
+            let mut sum = blank();
+            add_product(&mut sum, &mean, &convolution.transform(plane));
+            convolution.planes(sum)
+        };
+        for replicate in (0..REPLICATES).step_by(2) {
+            let both = spread(&|pixel| [0, 1].map(|next| self.pixels[pixel].y[replicate + next].value()));
+            light
+                .iter_mut()
+                .zip(both)
+                .for_each(|(light, both)| light.y[replicate..replicate + 2].copy_from_slice(&both));
+        }
+        let bias = spread(&|pixel| [self.pixels[pixel].bias.value(), 0.0]);
+        light.iter_mut().zip(bias).for_each(|(light, bias)| light.bias = bias[0]);
+        let bands = self.channels.bands;
+        let mut values = vec![0.0; bands * self.pixels.len()];
+        for band in 0..bands {
+            let mut sum = blank();
+            let kernel = convolution.kernel(band_nm(band, bands));
+            add_product(&mut sum, &kernel, &convolution.transform(|pixel| [value(pixel, band), 0.0]));
+            let plane = convolution.planes(sum);
+            values.iter_mut().skip(band).step_by(bands).zip(plane).for_each(|(to, from)| *to = positive(from[0]));
+        }
+        (light, values)
+    }
+
     /// Whether any sum ran out of range.
     pub fn overflowed(&self) -> bool {
         let pixel = |p: &PixelSums| p.x.overflowed() || p.z.overflowed() || p.y.iter().any(|y| y.overflowed());
-        self.pixels.iter().any(pixel) || self.bands.iter().any(|sum| sum.overflowed())
+        self.pixels.iter().any(pixel) || self.by_channel.iter().any(|sum| sum.overflowed())
     }
 }
 
@@ -259,8 +342,8 @@ pub struct FilmRow<'f> {
     pub first_pixel: usize,
     observer: &'static Observer,
     pixels: &'f mut [PixelSums],
-    bands: &'f mut [ExactSum],
-    band_count: usize,
+    channels: &'f Channels,
+    by_channel: &'f mut [ExactSum],
 }
 
 impl FilmRow<'_> {
@@ -268,20 +351,27 @@ impl FilmRow<'_> {
     /// finite.
     pub fn expose(&mut self, pass: u64, mut expose: impl FnMut(usize, &mut PixelSink<'_>)) -> u64 {
         let replicate = replicate(pass);
-        let mut band_values = vec![0.0; self.band_count];
+        let count = self.channels.count();
+        let mut values = vec![0.0; count];
         let mut rejected = 0;
         for (column, sums) in self.pixels.iter_mut().enumerate() {
-            band_values.fill(0.0);
-            let mut sink =
-                PixelSink { observer: self.observer, xyz: [0.0; 3], bias_y: 0.0, bands: &mut band_values, rejected: 0 };
+            values.fill(0.0);
+            let mut sink = PixelSink {
+                observer: self.observer,
+                xyz: [0.0; 3],
+                bias_y: 0.0,
+                channels: self.channels,
+                by_channel: &mut values,
+                rejected: 0,
+            };
             expose(self.first_pixel + column, &mut sink);
             sums.x += sink.xyz[0];
             sums.y[replicate] += sink.xyz[1];
             sums.z += sink.xyz[2];
             sums.bias += sink.bias_y;
             rejected += sink.rejected;
-            let bands = &mut self.bands[column * self.band_count..(column + 1) * self.band_count];
-            bands.iter_mut().zip(&band_values).for_each(|(sum, &value)| *sum += value);
+            let by_channel = &mut self.by_channel[column * count..(column + 1) * count];
+            by_channel.iter_mut().zip(&values).for_each(|(sum, &value)| *sum += value);
         }
         rejected
     }
@@ -295,9 +385,9 @@ impl PixelSink<'_> {
         }
         let bar = self.observer.xyz_bar(nm);
         (0..3).for_each(|c| self.xyz[c] += weight * bar[c]);
-        if !self.bands.is_empty() {
-            let band = band_of(nm, self.bands.len());
-            self.bands[band] += weight;
+        if !self.by_channel.is_empty() {
+            let by_channel = &mut *self.by_channel;
+            self.channels.split(nm, weight, bar.map(|bar| weight * bar), |channel, value| by_channel[channel] += value);
         }
         bar
     }
@@ -317,8 +407,8 @@ impl PixelSink<'_> {
 }
 
 impl SplatSink {
-    fn new(observer: &'static Observer, band_count: usize) -> Self {
-        Self { observer, band_count, splats: Vec::new(), band_splats: Vec::new(), rejected: 0 }
+    fn new(observer: &'static Observer, channels: Channels) -> Self {
+        Self { observer, channels, splats: Vec::new(), channel_splats: Vec::new(), rejected: 0 }
     }
 
     /// Adds radiance (W/m²/sr) at several wavelengths to a pixel.
@@ -327,9 +417,10 @@ impl SplatSink {
         for (nm, weight) in light {
             let bar = self.observer.xyz_bar(nm);
             (0..3).for_each(|c| xyz[c] += weight * bar[c]);
-            if self.band_count > 0 {
-                self.band_splats.push((weight as f32, pixel, band_of(nm, self.band_count) as u32));
-            }
+            let splats = &mut self.channel_splats;
+            self.channels.split(nm, weight, bar.map(|bar| weight * bar), |channel, value| {
+                splats.push((value as f32, pixel, channel as u32));
+            });
         }
         if xyz.iter().all(|c| c.is_finite()) {
             self.splats.push((xyz.map(|c| c as f32), pixel));

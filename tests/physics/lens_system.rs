@@ -45,7 +45,16 @@ fn a_uniform_wall_has_the_same_luminance_through_pinhole_thin_lens_and_real_glas
         ("thin lens", thin),
         ("double Gauss", system("double-gauss", 4.0)),
         ("Tessar", system("tessar", 8.0)),
+        ("double Gauss with five blades", {
+            let mut lens = system("double-gauss", 4.0);
+            lens["system"]["blades"] = json!(5);
+            lens
+        }),
     ];
+    // The zooms of a thin lens are as bright as each other.
+    let zoom = |focal_mm: f64| json!({ "thin": { "focal_length_mm": focal_mm, "f_number": 4, "focus_distance": 22, "sensor_height_mm": 24 } });
+    let zooms = [("50 mm", zoom(50.0)), ("135 mm", zoom(135.0)), ("300 mm", zoom(300.0))];
+    let lenses = lenses.into_iter().chain(zooms);
     for (name, lens) in lenses {
         for integrator in [Integrator::Photon, Integrator::Path] {
             let [middle, corner] = middle_and_corners(&uniform(&lens), integrator).map(|y| y / wall);
@@ -54,6 +63,37 @@ fn a_uniform_wall_has_the_same_luminance_through_pinhole_thin_lens_and_real_glas
             assert!(corner < 1.005 && corner > 0.8, "{name}, {integrator:?}: {corner}");
         }
     }
+}
+
+#[test]
+fn four_blades_in_a_lens_of_real_glass_make_a_point_out_of_focus_a_square() {
+    let corner_light = |rotation: f64| {
+        let mut lens = system("double-gauss", 4.0);
+        lens["system"]["blades"] = json!(4);
+        lens["system"]["rotation"] = json!(rotation);
+        lens["system"]["sensor_height_mm"] = json!(2.4);
+        let scene = json!({
+            "camera": { "from": [0, 0, 0], "at": [0, 0, -1], "lens": lens },
+            "film": { "width": 48, "height": 48 },
+            "materials": { "black": diffuse(0.0) },
+            "objects": [ { "shape": { "sphere": { "radius": 0.004, "center": [0, 0, -6] } }, "material": "black",
+                           "emission": { "spectrum": { "lines": [{ "nm": 587.6, "power": 1 }] }, "luminance": 1000 } } ],
+            "render": { "photons": 100 }
+        });
+        let picture = render(&scene, Integrator::Path, 128).picture;
+        let from_middle = |i: usize| (i as f64 + 0.5 - 24.0).abs();
+        let light = picture.xyz.iter().enumerate().map(|(i, xyz)| (from_middle(i % 48), from_middle(i / 48), xyz[1]));
+        // A point 6 m away spreads over a circle 0.43 mm in diameter, 8.6 pixels: half its square's side is 3.0 of them.
+        let [mut corners, mut all] = [0.0; 2];
+        for (x, y, light) in light {
+            all += light;
+            corners += if x.min(y) > 2.0 { light } else { 0.0 };
+        }
+        corners / all
+    };
+    let [upright, on_its_corner] = [45.0, 0.0].map(corner_light);
+    println!("light near the upright square's corners: upright {upright:.4}, on its corner {on_its_corner:.4}");
+    assert!(upright > 2.0 * on_its_corner && upright > 0.05, "{upright} and {on_its_corner}");
 }
 
 #[test]

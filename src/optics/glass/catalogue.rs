@@ -8,6 +8,8 @@ use super::dispersion::{Dispersion, Pole, Power};
 use super::extinction::Extinction;
 use super::index::Index;
 use crate::error::{Error, Result};
+use crate::spectrum::BAND_NM;
+use glam::{DMat3, DVec3};
 
 /// What a material is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -54,6 +56,37 @@ pub struct CauchyFit {
     pub max_error: f64,
 }
 
+impl CauchyFit {
+    /// The fit to an index, at every nm of the band that lies within its range.
+    ///
+    /// # Errors
+    /// The input's: a range that leaves fewer than three wavelengths.
+    pub(super) fn to(index: &Index) -> Result<Self> {
+        let (from, to) = index.range_nm();
+        let (from, to) = (from.max(BAND_NM.0), to.min(BAND_NM.1));
+        let nm: Vec<f64> = (from.ceil() as u32..=to.floor() as u32).map(f64::from).collect();
+        if nm.len() < 3 {
+            return Err(Error::input(format!("a range that leaves {} whole nm of 360 to 830", nm.len()))
+                .expected("an index that is known where light is seen"));
+        }
+        // The normal equations in x = λ⁻², about its middle for the digits' sake.
+        let x = |nm: f64| 1e6 / (nm * nm);
+        let middle = nm.iter().map(|&nm| x(nm)).sum::<f64>() / nm.len() as f64;
+        let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
+        for &nm in &nm {
+            let d = x(nm) - middle;
+            let row = DVec3::new(1.0, d, d * d);
+            matrix += DMat3::from_cols(row * row.x, row * row.y, row * row.z);
+            right += row * index.n(nm);
+        }
+        let DVec3 { x: p, y: q, z: r } = matrix.inverse() * right;
+        let (a, b, c) = (p - middle * (q - middle * r), q - 2.0 * middle * r, r);
+        let fit = Dispersion::Cauchy { a, b, c };
+        let max_error = nm.iter().map(|&nm| (index.n(nm) - fit.n(nm)).abs()).fold(0.0, f64::max);
+        Ok(Self { a, b, c, range_nm: (from, to), max_error })
+    }
+}
+
 /// A material of the catalogue.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Glass {
@@ -76,6 +109,14 @@ pub struct Glass {
 }
 
 impl Glass {
+    /// The Cauchy fit as an index. Fails where that falls below 1 in the band.
+    pub fn cauchy_index(&self) -> Result<Index> {
+        let CauchyFit { a, b, c, range_nm, max_error: _ } = self.cauchy;
+        let mut index = Index::new(Dispersion::Cauchy { a, b, c }, range_nm)?;
+        index.explain(&format!("{} (Cauchy fit)", self.name), self.relative_to);
+        Ok(index)
+    }
+
     /// The absorption coefficient in 1/m at a wavelength in nm, if the source gives it.
     pub fn absorption_per_m(&self, wavelength_nm: f64) -> Option<f64> {
         self.extinction.as_ref().map(|extinction| extinction.absorption_per_m(wavelength_nm))
@@ -209,7 +250,9 @@ mod tests {
                 | Dispersion::SquaredPowers { .. }
                 | Dispersion::Powers { .. }
                 | Dispersion::Rational(_)
-                | Dispersion::Gas { .. } => None,
+                | Dispersion::Gas { .. }
+                | Dispersion::Conrady { .. }
+                | Dispersion::Herzberger(_) => None,
             };
             let extinction = glass.extinction.as_ref().map(|extinction| (extinction.nm.clone(), extinction.k.len()));
             for (nm, values) in tables.into_iter().chain(extinction) {

@@ -62,6 +62,17 @@ pub enum Dispersion {
         /// The resonances.
         poles: Box<[Pole]>,
     },
+    /// Conrady 1929: n = a + b/λ + c/λ^3.5.
+    Conrady {
+        /// The index at long wavelengths.
+        a: f64,
+        /// In µm.
+        b: f64,
+        /// In µm^3.5.
+        c: f64,
+    },
+    /// Herzberger 1959: n = c₀ + c₁L + c₂L² + c₃λ² + c₄λ⁴ + c₅λ⁶ with L = 1/(λ² − 0.028 µm²).
+    Herzberger(Box<[f64; 6]>),
     /// Straight lines between measured points; the end values are held outside.
     Table {
         /// Wavelengths in nm, strictly increasing, at least one.
@@ -98,6 +109,11 @@ impl Dispersion {
                 let per_um2 = 1.0 / (um * um);
                 let sum: f64 = poles.iter().map(|pole| pole.b / (pole.c - per_um2)).sum();
                 1.0 + c0 + sum
+            }
+            Self::Conrady { a, b, c } => a + b / um + c / um.powf(3.5),
+            Self::Herzberger(c) => {
+                let (um2, l) = (um * um, 1.0 / (um * um - 0.028));
+                c[0] + l * (c[1] + l * c[2]) + um2 * (c[3] + um2 * (c[4] + um2 * c[5]))
             }
             Self::Table { nm, n } => interpolate(nm, n, wavelength_nm),
         }

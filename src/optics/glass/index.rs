@@ -76,11 +76,7 @@ impl Index {
 
     /// The catalogue's Cauchy fit for a material (its error is [`super::CauchyFit::max_error`]). Fails on an unknown name.
     pub fn catalogue_cauchy(name: &str) -> Result<Self> {
-        let glass = catalogue::find(name)?;
-        let fit = &glass.cauchy;
-        let mut index = Self::new(Dispersion::Cauchy { a: fit.a, b: fit.b, c: fit.c }, fit.range_nm)?;
-        index.explain(&format!("{} (Cauchy fit)", glass.name), glass.relative_to);
-        Ok(index)
+        catalogue::find(name)?.cauchy_index()
     }
 
     /// A formula that holds within `range_nm`, two increasing wavelengths in nm (the end values are held outside). Fails where n is
@@ -136,6 +132,8 @@ impl Index {
             | Dispersion::Powers { .. }
             | Dispersion::Rational(_)
             | Dispersion::Gas { .. }
+            | Dispersion::Conrady { .. }
+            | Dispersion::Herzberger(_)
             | Dispersion::Table { .. } => self.dispersion.n(wavelength_nm.clamp(self.range_nm.0, self.range_nm.1)),
         }
     }

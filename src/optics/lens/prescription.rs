@@ -2,7 +2,9 @@
 
 use super::profile::Profile;
 use crate::error::{Error, Result};
+use crate::optics::aperture::Blades;
 use crate::optics::glass::{Index, lines};
+use glam::DVec2;
 
 /// The largest number of surfaces.
 pub const MAX_SURFACES: usize = 64;
@@ -59,6 +61,7 @@ pub struct Lens {
     surfaces: Vec<Surface>,
     vertices_mm: Vec<f64>,
     stop: usize,
+    blades: Option<Blades>,
     half_field_deg: Option<f64>,
 }
 
@@ -95,7 +98,8 @@ impl Lens {
             vertex_mm
         };
         let vertices_mm = surfaces.iter().map(advance).collect();
-        let lens = Self { name, source, surfaces, vertices_mm, stop, half_field_deg }.opened(opening)?;
+        let blades = None;
+        let lens = Self { name, source, surfaces, vertices_mm, stop, blades, half_field_deg }.opened(opening)?;
         lens.check_shapes()?;
         Ok(lens)
     }
@@ -118,6 +122,30 @@ impl Lens {
     /// The number of the stop's surface, from 0.
     pub fn stop(&self) -> usize {
         self.stop
+    }
+
+    /// The lens with blades, or none, inside the circle of its stop.
+    #[must_use]
+    pub fn with_blades(mut self, blades: Option<Blades>) -> Self {
+        self.blades = blades;
+        self
+    }
+
+    /// What bounds the stop inside its circle, if anything does.
+    pub fn blades(&self) -> Option<Blades> {
+        self.blades
+    }
+
+    /// Whether a surface's aperture lets a ray through that meets it at a place, in mm from the axis to the right and up.
+    pub(super) fn lets_through(&self, surface: usize, place: DVec2) -> bool {
+        let semi_aperture_mm = self.surfaces[surface].semi_aperture_mm;
+        if place.length_squared() > semi_aperture_mm * semi_aperture_mm {
+            return false;
+        }
+        match self.blades {
+            Some(blades) if surface == self.stop => blades.leave(place / semi_aperture_mm),
+            Some(_) | None => true,
+        }
     }
 
     /// Half the field of view that it is designed for, in degrees, if the design says so.

@@ -121,8 +121,7 @@ impl<'a> Monochromatic<'a> {
             let vertex = DVec3::new(0.0, 0.0, self.lens.vertex_z_mm(i));
             let met = surface.profile.meet(ray.origin - vertex, ray.direction, travel);
             let point = met.ok_or(Loss::Missed(i))?;
-            let height2 = point.x * point.x + point.y * point.y;
-            if limits == Limits::Apertures && height2 > surface.semi_aperture_mm * surface.semi_aperture_mm {
+            if limits == Limits::Apertures && !self.lens.lets_through(i, point.truncate()) {
                 return Err(Loss::Vignetted(i));
             }
             visit(i, point + vertex);

@@ -1,4 +1,5 @@
-//! Lens files of Zemax (`.zmx`): sequential systems of spheres, conics and even aspheres between media of the catalogue.
+//! Lens files of Zemax (`.zmx`): sequential systems of spheres, conics and even aspheres between media of the built-in catalogue
+//! or of `.agf` files.
 //!
 //! The file is a list of operands, one a line; those of a surface are indented under its `SURF`. Read are `MODE`, `NAME`, `UNIT`,
 //! `ENPD`, `FNUM`, `FLOA`, `FTYP`, `YFLN` and of surfaces `STOP`, `TYPE`, `CURV`, `CONI`, `PARM`, `DISZ`, `GLAS`, `DIAM`, `CLAP`; what would
@@ -9,12 +10,18 @@ use std::path::Path;
 use super::prescription::{Lens, Opening, Prescription, Surface, medium};
 use super::profile::Profile;
 use crate::error::{Error, Result};
-use crate::optics::glass::Index;
+use crate::optics::glass::{GlassFile, Index};
+use crate::optics::zemax_text::decoded;
 
-/// Reads a lens from the bytes of a file, UTF-8 or UTF-16; `path` names it in errors, which also give the line.
-pub fn parse(bytes: &[u8], path: &Path) -> Result<Lens> {
-    let text = decoded(bytes).map_err(|error| error.in_file(path))?;
-    let mut reader = Reader::new(path.file_stem().unwrap_or_default().to_string_lossy().into_owned());
+/// Reads a lens from the bytes of a file, UTF-8 or UTF-16; `path` names it in errors, which also give the line. A glass is that of the first of the
+/// `catalogues` that has it, else of the built-in one.
+///
+/// # Errors
+/// The input's: what is not supported, unknown glasses, surfaces that make no lens.
+pub fn parse(bytes: &[u8], path: &Path, catalogues: &[GlassFile]) -> Result<Lens> {
+    let text = text(bytes).map_err(|error| error.in_file(path))?;
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let mut reader = Reader::new(name, catalogues);
     for (i, line) in text.lines().enumerate() {
         let mut words = line.split_whitespace();
         let Some(operand) = words.next() else { continue };
@@ -24,20 +31,16 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Lens> {
     reader.finish().map_err(|error| error.in_file(path))
 }
 
-fn decoded(bytes: &[u8]) -> Result<String> {
-    let wide = |swap: bool| {
-        let unit = |pair: &[u8]| {
-            let pair = [pair[0], pair[1]];
-            if swap { u16::from_be_bytes(pair) } else { u16::from_le_bytes(pair) }
-        };
-        String::from_utf16(&bytes[2..].chunks_exact(2).map(unit).collect::<Vec<u16>>()).ok()
-    };
-    let text = match bytes {
-        [0xFF, 0xFE, ..] => wide(false),
-        [0xFE, 0xFF, ..] => wide(true),
-        _ => std::str::from_utf8(bytes).ok().map(str::to_string),
-    };
-    text.ok_or_else(|| Error::input("the file is no text").expected("a Zemax lens file in UTF-8 or UTF-16"))
+/// The names of the glass catalogues that a file's glasses are of (`GCAT`); none if it is no text.
+pub fn catalogues(bytes: &[u8]) -> Vec<String> {
+    let text = text(bytes).unwrap_or_default();
+    let lines = text.lines().filter_map(|line| line.trim().strip_prefix("GCAT "));
+    lines.flat_map(str::split_whitespace).map(str::to_string).collect()
+}
+
+fn text(bytes: &[u8]) -> Result<String> {
+    let expected = "a Zemax lens file in UTF-8 or UTF-16";
+    decoded(bytes).ok_or_else(|| Error::input("the file is no text").expected(expected))
 }
 
 /// A surface as far as it is read, lengths in the file's unit.
@@ -53,7 +56,8 @@ struct Row {
     aspheric: bool,
 }
 
-struct Reader {
+struct Reader<'a> {
+    catalogues: &'a [GlassFile],
     name: String,
     unit_mm: f64,
     /// In the file's unit until the end.
@@ -63,10 +67,18 @@ struct Reader {
     rows: Vec<Row>,
 }
 
-impl Reader {
-    fn new(name: String) -> Self {
+impl<'a> Reader<'a> {
+    fn new(name: String, catalogues: &'a [GlassFile]) -> Self {
         let opening = Opening::Stop;
-        Self { name, unit_mm: 1.0, opening, fields_are_angles: true, half_field_deg: None, rows: Vec::new() }
+        Self {
+            catalogues,
+            name,
+            unit_mm: 1.0,
+            opening,
+            fields_are_angles: true,
+            half_field_deg: None,
+            rows: Vec::new(),
+        }
     }
 
     fn read(&mut self, operand: &str, arguments: &[&str], line: usize) -> Result<()> {
@@ -98,7 +110,7 @@ impl Reader {
             }),
             _ => {
                 if let Some(row) = self.rows.last_mut() {
-                    row.read(operand, arguments)?;
+                    row.read(operand, arguments, self.catalogues)?;
                 }
             }
         }
@@ -106,7 +118,7 @@ impl Reader {
     }
 
     fn finish(self) -> Result<Lens> {
-        let Self { name, unit_mm, opening, fields_are_angles, half_field_deg, mut rows } = self;
+        let Self { catalogues: _, name, unit_mm, opening, fields_are_angles, half_field_deg, mut rows } = self;
         let sensor = rows.pop().filter(|_| rows.len() > 1);
         let Some(sensor) = sensor else {
             let what = format!("found {} surfaces", rows.len());
@@ -129,6 +141,8 @@ impl Reader {
     }
 }
 
+const GLASSES: &str = "a name of `abbe glass --list`, or the glass's catalogue (.agf)";
+
 const APERTURES: &str = "an entrance pupil diameter (ENPD), an f-number (FNUM), or the stop's size (FLOA)";
 
 /// Gives a fault of a surface the line of that surface.
@@ -142,7 +156,7 @@ fn placed(error: Error, lines: &[usize]) -> Error {
 }
 
 impl Row {
-    fn read(&mut self, operand: &str, arguments: &[&str]) -> Result<()> {
+    fn read(&mut self, operand: &str, arguments: &[&str], catalogues: &[GlassFile]) -> Result<()> {
         match operand {
             "STOP" => self.stop = true,
             "TYPE" => match arguments.first() {
@@ -157,7 +171,7 @@ impl Row {
             "CONI" => self.profile.conic = number(arguments, 0)?,
             "DISZ" => self.thickness = number(arguments, 0)?,
             "DIAM" => self.semi_aperture = number(arguments, 0)?,
-            "GLAS" => self.index = Some(glass(arguments)?),
+            "GLAS" => self.index = Some(glass(arguments, catalogues)?),
             "PARM" if self.aspheric => self.read_term(number(arguments, 0)?, number(arguments, 1)?)?,
             "CLAP" if number(arguments, 0)? == 0.0 => self.clear = Some(number(arguments, 1)?),
             "CLAP" | "SQAP" | "ELAP" | "OBSC" | "SQOB" | "ELOB" | "UDAD" => {
@@ -214,12 +228,15 @@ fn unit_mm(unit: &str) -> Result<f64> {
     }
 }
 
-/// A medium of the catalogue by its name; `___BLANK` is a model glass, given by its n_d and Abbe number.
-fn glass(arguments: &[&str]) -> Result<Index> {
+/// A medium by its name; `___BLANK` is a model glass, given by its n_d and Abbe number.
+fn glass(arguments: &[&str], catalogues: &[GlassFile]) -> Result<Index> {
     match arguments.first() {
         Some(&"MIRROR") => Err(unsupported("a mirror", "a glass of the catalogue")),
         Some(&"___BLANK") => Index::abbe(number(arguments, 3)?, number(arguments, 4)?),
-        Some(name) => medium(name),
+        Some(name) => match catalogues.iter().find(|file| file.has(name)) {
+            Some(file) => Ok(file.find(name)?.index),
+            None => medium(name).map_err(|error| error.expected(GLASSES)),
+        },
         None => Err(Error::input("found no name of a glass")),
     }
 }

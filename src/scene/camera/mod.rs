@@ -4,11 +4,13 @@
 //! real glass has a file of its own.
 
 mod depth_of_field;
+mod diffraction;
 mod stop;
 mod system;
 
 pub use depth_of_field::DepthOfField;
-pub use stop::{Blades, Stop};
+pub use diffraction::Diffraction;
+pub use stop::Stop;
 pub use system::{SystemAt, SystemLens};
 
 use crate::scene::geometry::Ray;
@@ -44,6 +46,8 @@ pub struct Camera {
     pixel: f64,
     /// The bodies of glass that it stands in.
     pub interior: Interior,
+    /// Whether its opening diffracts light; of a pinhole it says nothing.
+    pub diffracts: bool,
 }
 
 /// How a point of the scene is seen on the film.
@@ -71,7 +75,8 @@ impl Camera {
     ) -> Self {
         let size = DVec2::new(f64::from(width), f64::from(height));
         let pixel = 2.0 * tan_half_height / size.y;
-        Self { origin, right: forward.cross(up), up, forward, aperture, size, pixel, interior: Interior::AIR }
+        let (right, interior, diffracts) = (forward.cross(up), Interior::AIR, false);
+        Self { origin, right, up, forward, aperture, size, pixel, interior, diffracts }
     }
 
     /// Where it stands (the lens's centre).
@@ -175,6 +180,7 @@ impl Camera {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::optics::aperture::Blades;
 
     fn cameras() -> [Camera; 3] {
         let axes = (DVec3::NEG_Z, DVec3::Y);

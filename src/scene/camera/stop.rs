@@ -1,6 +1,7 @@
 //! The opening that a lens's stop leaves: a disk, or the polygon between its blades.
 
 use crate::math::warp;
+use crate::optics::aperture::Blades;
 use glam::DVec2;
 
 /// A lens's opening.
@@ -10,15 +11,6 @@ pub struct Stop {
     pub radius_m: f64,
     /// What bounds it; round if nothing.
     pub blades: Option<Blades>,
-}
-
-/// Straight blades all around a stop.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Blades {
-    /// How many; at least 3.
-    pub count: u32,
-    /// The angle in radians by which the first corner is turned from the picture's right, anticlockwise as the camera looks.
-    pub rotation: f64,
 }
 
 impl Stop {

@@ -5,9 +5,11 @@
 //! the part of it through which light gets to that place of the sensor (Kolb, Mitchell & Hanrahan 1995; exit-pupil bounds after Steinert et al. 2011).
 
 use crate::error::{Error, Result};
+use crate::optics::aperture::Blades;
 use crate::optics::glass::lines;
 use crate::optics::lens::{Lens, Limits, Monochromatic, Ray, Travel};
 use glam::DVec2;
+use std::f64::consts::PI;
 
 /// Places along the sensor's radius at which the exit pupil's bounds are known.
 const RADII: usize = 48;
@@ -72,7 +74,9 @@ impl SystemLens {
             return Err(Error::input("no light gets through the lens").expected("apertures that leave a way"));
         }
         let radius = |i: usize| sensor_radius_mm * i as f64 / (RADII - 1) as f64;
-        let bounds: Vec<_> = (0..RADII).map(|i| system.bounds(radius(i))).collect();
+        // Blades are not the same all around: the bounds are those of the circle around them.
+        let round = Self { lens: system.lens.clone().with_blades(None), ..system.clone() };
+        let bounds: Vec<_> = (0..RADII).map(|i| round.bounds(radius(i))).collect();
         system.pupils = bounds.windows(2).map(|pair| union(pair[0], pair[1])).collect();
         Ok(system)
     }
@@ -85,6 +89,18 @@ impl SystemLens {
     /// The entrance pupil's radius in m.
     pub fn pupil_radius_m(&self) -> f64 {
         1e-3 * self.pupil_mm
+    }
+
+    /// The blades of its stop, if it has any.
+    pub fn blades(&self) -> Option<Blades> {
+        self.lens.blades()
+    }
+
+    /// The f-number on the sensor's middle at this focus, by the light that gets there at the d line: 1/(2 sin θ) of the cone that the circle
+    /// around the stop lets through.
+    pub fn working_f_number(&self) -> f64 {
+        let circle = self.on_axis / self.blades().map_or(1.0, Blades::share);
+        0.5 * (PI / circle).sqrt()
     }
 
     /// What the lens is called.
@@ -200,6 +216,12 @@ mod tests {
             assert!((middle - 1.0).abs() < 2e-3, "{name}: {middle}");
             let off = mean_weight(&system, DVec2::new(9.0, 12.0), lines::D_NM);
             assert!(off < middle && off > 0.05, "{name}: {off}");
+            let blades = Some(Blades { count: 5, rotation: 0.3 });
+            let lens = catalogue::find(name).unwrap().clone().with_blades(blades);
+            let bladed = SystemLens::new(lens, 3.0, 21.6).unwrap();
+            let middle = mean_weight(&bladed, DVec2::ZERO, lines::D_NM);
+            assert!((middle - 1.0).abs() < 2e-3, "{name} with blades: {middle}");
+            assert!((bladed.working_f_number() / system.working_f_number() - 1.0).abs() < 2e-3, "{name}");
         }
     }
 

@@ -220,6 +220,13 @@ pub struct LensSurfaceFile {
     #[serde(deserialize_with = "forms::deserialize_radius")]
     #[schemars(schema_with = "forms::radius_or_plane")]
     pub radius_mm: f64,
+    /// Conic constant: 0 (the default) is a sphere, −1 a paraboloid.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    pub conic: f64,
+    /// What an even asphere adds to the conic: coefficients of h⁴, h⁶, … in mm⁻³, mm⁻⁵, …, h being the distance from the axis in mm.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 8))]
+    pub aspheric: Vec<f64>,
     /// Distance to the next surface in mm.
     #[schemars(range(min = 0))]
     pub thickness_mm: f64,
@@ -410,13 +417,20 @@ fn validate_surfaces(at: &JsonPath, surfaces: &[LensSurfaceFile]) -> Result<()> 
     let mut stop = None;
     for (i, surface) in surfaces.iter().enumerate() {
         let at = at.index(i);
-        let LensSurfaceFile { radius_mm, thickness_mm, ior, semi_aperture_mm, stop: is_stop } = surface;
+        let LensSurfaceFile { radius_mm, conic, aspheric, thickness_mm, ior, semi_aperture_mm, stop: is_stop } =
+            surface;
         check::not_negative(&at.key("thickness_mm"), *thickness_mm)?;
         check::positive(&at.key("semi_aperture_mm"), *semi_aperture_mm)?;
         let allowed =
             format!("0 (a plane) or a size of at least the semi_aperture_mm, {}", check::number(*semi_aperture_mm));
-        let wide = *radius_mm == 0.0 || radius_mm.abs() >= *semi_aperture_mm;
+        // How far another conic reaches is seen when the lens is built.
+        let wide = *radius_mm == 0.0 || *conic != 0.0 || radius_mm.abs() >= *semi_aperture_mm;
         check::rule(&at.key("radius_mm"), *radius_mm, wide, &allowed)?;
+        let orders = aspheric.len();
+        if orders > 8 {
+            let found = format!("found an array of {orders}");
+            return Err(check::fault(&at.key("aspheric"), found, "at most 8 coefficients, of h⁴ to h¹⁸"));
+        }
         ior.validate(&at.key("ior"))?;
         if *is_stop && let Some(first) = stop.replace(i) {
             let found = format!("found a second stop, after surface {first}");

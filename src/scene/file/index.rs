@@ -57,20 +57,25 @@ pub enum IndexFile {
         /// One index for each wavelength.
         values: Vec<f64>,
     },
-    /// A glass of the catalogue with the formula to use.
+    /// A glass of the catalogue with the formula to use, or of a Zemax catalogue's file.
     Glass {
+        /// The file (`.agf`), relative to the scene's folder (default: the built-in catalogue).
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        path: Option<String>,
         /// Its name.
         name: String,
-        /// The formula.
+        /// The formula (default: the catalogue's).
+        #[serde(default, skip_serializing_if = "forms::is_default")]
         formula: FormulaFile,
     },
 }
 
 /// A dispersion formula.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FormulaFile {
-    /// Sellmeier's, which catalogues state.
+    /// Sellmeier's, or whichever the catalogue states.
+    #[default]
     Sellmeier,
     /// Cauchy's, fitted to the catalogue's.
     Cauchy,

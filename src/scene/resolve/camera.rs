@@ -2,7 +2,8 @@
 
 use super::{Resolver, unsupported};
 use crate::error::{Error, Result};
-use crate::scene::camera::{Aperture, Blades, Camera, Stop, SystemLens};
+use crate::optics::aperture::Blades;
+use crate::scene::camera::{Aperture, Camera, Diffraction, Stop, SystemLens};
 use crate::scene::file::{CameraFile, JsonPath, LensFile, SystemLensFile, ThinLensForm};
 use glam::DVec3;
 
@@ -21,29 +22,30 @@ impl Resolver<'_> {
             return self.at(&at.key("motion"), Err(unsupported("motion is")));
         }
         let lens_at = at.key("lens");
-        let (tan_half_height, aperture) = match lens {
-            LensFile::Pinhole { fov } => ((0.5 * fov.to_radians()).tan(), Aperture::Pinhole),
+        let (tan_half_height, aperture, diffracts) = match lens {
+            LensFile::Pinhole { fov } => ((0.5 * fov.to_radians()).tan(), Aperture::Pinhole, false),
             LensFile::Thin(file) => {
                 let at = lens_at.key("thin");
-                if file.diffraction {
-                    return self.at(&at.key("diffraction"), Err(unsupported("diffraction is")));
-                }
-                let blades = file.blades.map(|count| Blades { count, rotation: file.rotation.to_radians() });
-                self.thin_lens(self.at(&at, file.form())?, blades)
-                    .map_err(|e| self.source.error_at(&at.to_string(), e))?
+                let form = self.at(&at, file.form())?;
+                let thin = self.thin_lens(form, blades(file.blades, file.rotation));
+                let (tan_half_height, aperture) = self.at(&at, thin)?;
+                (tan_half_height, aperture, file.diffraction)
             }
             LensFile::System(file) => {
                 let at = lens_at.key("system");
                 let system = self.system_lens(&at, file, size)?;
                 let tan_half_height = 0.5 * file.sensor_height_mm / system.image_mm();
-                (tan_half_height, Aperture::System(Box::new(system)))
+                (tan_half_height, Aperture::System(Box::new(system)), file.diffraction)
             }
         };
         notes.extend(implausible_size(lens));
         let forward = (DVec3::from(*target) - DVec3::from(*from)).normalize();
         let right = forward.cross(DVec3::from(*up)).normalize();
         let axes = (forward, right.cross(forward));
-        Ok(Camera::new(self.point(*from, centre), axes, tan_half_height, size, aperture))
+        let mut camera = Camera::new(self.point(*from, centre), axes, tan_half_height, size, aperture);
+        camera.diffracts = diffracts;
+        notes.extend(missed_diffraction(&camera));
+        Ok(camera)
     }
 
     /// A lens of real glass over its sensor.
@@ -53,16 +55,10 @@ impl Resolver<'_> {
             focus_distance,
             f_number,
             sensor_height_mm,
-            blades,
-            rotation: _,
-            diffraction,
+            blades: count,
+            rotation,
+            diffraction: _,
         } = file;
-        if blades.is_some() {
-            return self.at(&at.key("blades"), Err(unsupported("polygonal stops of lens systems are")));
-        }
-        if *diffraction {
-            return self.at(&at.key("diffraction"), Err(unsupported("diffraction is")));
-        }
         let open = self.lens(&at.key("prescription"), prescription)?;
         let lens = match f_number {
             None => open,
@@ -70,6 +66,7 @@ impl Resolver<'_> {
         };
         let half = 0.5 * sensor_height_mm;
         let sensor_radius_mm = half.hypot(half * f64::from(size.0) / f64::from(size.1));
+        let lens = lens.with_blades(blades(*count, *rotation));
         self.at(&at.key("focus_distance"), SystemLens::new(lens, focus_distance * self.metres, sensor_radius_mm))
     }
 
@@ -97,6 +94,20 @@ impl Resolver<'_> {
             }
         }
     }
+}
+
+/// The blades of a polygonal stop, if any are written.
+fn blades(count: Option<u32>, rotation_deg: f64) -> Option<Blades> {
+    count.map(|count| Blades { count, rotation: rotation_deg.to_radians() })
+}
+
+/// A remark if diffraction would show in the picture and is not asked for.
+fn missed_diffraction(camera: &Camera) -> Option<String> {
+    let diffraction = Diffraction::of(camera).filter(|diffraction| diffraction.matters() && !camera.diffracts)?;
+    let pixels = diffraction.airy_diameter_px();
+    Some(format!(
+        "camera: diffraction at the opening would spread a point over {pixels:.1} pixels; the lens's \"diffraction\": true simulates it"
+    ))
 }
 
 /// A remark if a lens has an opening or a sensor that nobody builds: probably a slip of units.

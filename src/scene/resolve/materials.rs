@@ -10,6 +10,7 @@ use crate::scene::file::{
 };
 use crate::scene::{Body, Material};
 use crate::spectrum::{Spectrum, library};
+use std::path::Path;
 
 /// How deep mixed materials may refer to each other; beyond it they can only go in a circle.
 const MAX_DEPTH: usize = 16;
@@ -145,7 +146,7 @@ impl Resolver<'_> {
 
     /// Resolves an index of refraction; what is clamped or fitted goes to the notes.
     fn index(&self, at: &JsonPath<'_>, file: &IndexFile, material: &str, notes: &mut Vec<String>) -> Result<Index> {
-        let index = self.at(at, index_of(file))?;
+        let index = self.at(at, index_of(file, self.source.folder()))?;
         if let Some(warning) = index.warning() {
             let note = format!("material \"{material}\": {warning}");
             if !notes.contains(&note) {
@@ -156,8 +157,8 @@ impl Resolver<'_> {
     }
 }
 
-/// The index that is written.
-pub(super) fn index_of(file: &IndexFile) -> Result<Index> {
+/// The index that is written; files are relative to `folder`.
+pub(super) fn index_of(file: &IndexFile, folder: &Path) -> Result<Index> {
     match file {
         IndexFile::Number(n) => Index::constant(*n),
         IndexFile::Name(name) => Index::catalogue(name),
@@ -165,7 +166,14 @@ pub(super) fn index_of(file: &IndexFile) -> Result<Index> {
         IndexFile::Sellmeier { b, c } => Index::sellmeier(b, c),
         IndexFile::Abbe { nd, vd } => Index::abbe(*nd, *vd),
         IndexFile::Table { nm, values } => Index::table(nm, values),
-        IndexFile::Glass { name, formula: FormulaFile::Sellmeier } => Index::catalogue(name),
-        IndexFile::Glass { name, formula: FormulaFile::Cauchy } => Index::catalogue_cauchy(name),
+        IndexFile::Glass { path: None, name, formula: FormulaFile::Sellmeier } => Index::catalogue(name),
+        IndexFile::Glass { path: None, name, formula: FormulaFile::Cauchy } => Index::catalogue_cauchy(name),
+        IndexFile::Glass { path: Some(path), name, formula } => {
+            let glass = super::lens::glass_file(&folder.join(path))?.find(name)?;
+            match formula {
+                FormulaFile::Sellmeier => Ok(glass.index),
+                FormulaFile::Cauchy => glass.cauchy_index(),
+            }
+        }
     }
 }

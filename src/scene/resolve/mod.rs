@@ -14,7 +14,7 @@ mod objects;
 mod spectra;
 mod surroundings;
 
-pub use lens::{lens_file, lone_lens};
+pub use lens::{catalogues_beside, glass_file, lens_file, lone_lens};
 pub use spectra::Role;
 
 use super::camera::Camera;

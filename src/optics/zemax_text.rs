@@ -1,0 +1,17 @@
+//! The text of Zemax files, as its versions have written it.
+
+/// UTF-8, UTF-16 with its mark, or Latin-1 (every byte a character).
+pub(super) fn decoded(bytes: &[u8]) -> Option<String> {
+    let wide = |unit: fn([u8; 2]) -> u16| {
+        let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();
+        String::from_utf16(&units).ok()
+    };
+    match bytes {
+        [0xFF, 0xFE, ..] => wide(u16::from_le_bytes),
+        [0xFE, 0xFF, ..] => wide(u16::from_be_bytes),
+        _ => {
+            Some(String::from_utf8(bytes.to_vec()).unwrap_or_else(|_| bytes.iter().copied().map(char::from).collect()))
+        }
+    }
+    .filter(|text| !text.contains('\0'))
+}
