@@ -29,7 +29,7 @@ const ORDER: [(&str, &[&str]); 16] = [
 const HOT: [&str; 4] = ["walk", "map", "emit", "gather"];
 
 /// Where a crate may be used: in these files or folders (below src), or everywhere.
-const CRATES: [(&str, &[&str]); 28] = [
+const CRATES: [(&str, &[&str]); 29] = [
     ("glam", &[""]),
     ("serde", &[""]),
     ("obvhs", &["scene/bvh.rs", "map/near_ray.rs"]),

@@ -4,6 +4,8 @@
 //! Estimates are compared within four standard errors, which are themselves small (stated at each test), so that a wrong
 //! factor of two per cent could not pass. Random numbers come from fixed streams.
 
+mod volume;
+
 use super::*;
 use crate::math::frame::Frame;
 use crate::math::random::{ONE_MINUS_ULP, Purpose, Stream};
@@ -185,7 +187,7 @@ fn image() -> EnvironmentMap {
 }
 
 fn all_cases() -> Vec<Case> {
-    local_cases().into_iter().chain(distant_cases()).chain(area_cases()).collect()
+    local_cases().into_iter().chain(distant_cases()).chain(area_cases()).chain(volume::cases()).collect()
 }
 
 /// A mean with its standard error.
