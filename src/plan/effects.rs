@@ -1,8 +1,8 @@
 //! The table of effects: the fact that calls for each, the field of the plan, the code that reads it, and what its absence means.
 
 use super::{
-    AbsorptionPlan, AimPlan, AperturePlan, CausticPlan, DirectPlan, EnvironmentPlan, IndirectPlan, Plan, RoughnessPlan,
-    WavelengthPlan,
+    AbsorptionPlan, AimPlan, AperturePlan, CausticPlan, DirectPlan, EnvironmentPlan, IndirectPlan, MotionPlan, Plan,
+    RoughnessPlan, WavelengthPlan,
 };
 use crate::error::{Error, Result};
 use crate::scene::facts::Facts;
@@ -31,7 +31,7 @@ pub struct Effect {
 }
 
 /// All effects.
-pub const EFFECTS: [Effect; 10] = [
+pub const EFFECTS: [Effect; 11] = [
     Effect {
         name: "dispersion",
         field: "wavelengths",
@@ -161,6 +161,17 @@ pub const EFFECTS: [Effect; 10] = [
         calls: |facts| if facts.scatters() { facts.specular.clone() } else { Vec::new() },
         set: |plan, _, on| plan.aim = if on { AimPlan::Learned } else { AimPlan::Plain },
     },
+    Effect {
+        name: "motion",
+        field: "motion",
+        read_by: "render (each pass poses the scene at a moment of its own), the pilot",
+        cost: "a new tree of boxes each pass if objects move, a pilot at several moments, and as many passes as nothing strobes",
+        absent: "all passes share one scene; no moment is drawn",
+        called_by: "things that move while the shutter is open",
+        uncalled: "nothing moves while the shutter is open",
+        calls: |facts| facts.moving.clone(),
+        set: |plan, _, on| plan.motion = if on { MotionPlan::PosedPerPass } else { MotionPlan::Still },
+    },
 ];
 
 /// Whether an effect is simulated.
@@ -226,6 +237,7 @@ pub(super) fn decide(facts: &Facts, force: &[String], forbid: &[String]) -> Resu
         roughness: RoughnessPlan::Absent,
         absorption: AbsorptionPlan::Absent,
         aim: AimPlan::Plain,
+        motion: MotionPlan::Still,
     };
     let mut rows = Vec::with_capacity(EFFECTS.len());
     for effect in &EFFECTS {

@@ -36,6 +36,8 @@ pub struct Facts {
     pub aperture_nm: Option<u64>,
     /// The name of the camera's lens, if it is one of real glass.
     pub lens_system: Option<String>,
+    /// Objects and lights that move while the shutter is open, and the camera.
+    pub moving: Vec<String>,
 }
 
 impl Facts {
@@ -96,6 +98,10 @@ impl Facts {
             Aperture::ThinLens { stop, .. } => Some((stop.radius_m * 1e9) as u64).filter(|&nm| nm > 0),
             Aperture::System(system) => Some((system.pupil_radius_m() * 1e9) as u64),
         };
+        let moving = scene.motions.shapes.iter().filter(|shape| shape.motion.is_some());
+        facts.moving.extend(moving.map(|shape| scene.objects[shape.placed.object as usize].name.clone()));
+        facts.moving.extend(scene.moving_lights().map(|light| light.name.clone()));
+        facts.moving.extend(scene.motions.camera.iter().map(|_| "the camera".to_owned()));
         facts.lens_system = scene.camera.system().map(|system| system.name().to_owned());
         facts
     }

@@ -32,6 +32,8 @@ pub struct Tally {
     pub absorptions: u64,
     /// Photons sent by a learned aim.
     pub aimed: u64,
+    /// Passes with a moment of their own.
+    pub moments: u64,
     /// Contributions that were not finite and were dropped; 0 unless there is a bug.
     pub rejected: u64,
 }
@@ -52,6 +54,7 @@ impl Tally {
         self.rough_events += other.rough_events;
         self.absorptions += other.absorptions;
         self.aimed += other.aimed;
+        self.moments += other.moments;
         self.rejected += other.rejected;
     }
 }

@@ -2,12 +2,13 @@
 
 use super::{Resolver, unsupported};
 use crate::error::{Error, Result};
-use crate::scene::camera::{Aperture, Blades, Camera, Stop, SystemLens};
+use crate::scene::camera::{Aperture, Blades, Camera, Stop, SystemLens, axes};
 use crate::scene::file::{CameraFile, JsonPath, LensFile, SystemLensFile, ThinLensForm};
+use crate::scene::motion::CameraMotion;
 use glam::DVec3;
 
 impl Resolver<'_> {
-    /// Resolves the camera. (The shutter matters only to what moves, and nothing does yet.)
+    /// Resolves the camera as it stands when the shutter opens, and its way from there.
     pub(super) fn camera(
         &self,
         at: &JsonPath<'_>,
@@ -15,11 +16,8 @@ impl Resolver<'_> {
         size: (u32, u32),
         centre: DVec3,
         notes: &mut Vec<String>,
-    ) -> Result<Camera> {
-        let CameraFile { from, at: target, up, lens, shutter: _, motion } = file;
-        if !motion.is_empty() {
-            return self.at(&at.key("motion"), Err(unsupported("motion is")));
-        }
+    ) -> Result<(Camera, Option<CameraMotion>)> {
+        let CameraFile { from: _, at: _, up: _, lens, shutter: _, motion: _ } = file;
         let lens_at = at.key("lens");
         let (tan_half_height, aperture) = match lens {
             LensFile::Pinhole { fov } => ((0.5 * fov.to_radians()).tan(), Aperture::Pinhole),
@@ -40,10 +38,9 @@ impl Resolver<'_> {
             }
         };
         notes.extend(implausible_size(lens));
-        let forward = (DVec3::from(*target) - DVec3::from(*from)).normalize();
-        let right = forward.cross(DVec3::from(*up)).normalize();
-        let axes = (forward, right.cross(forward));
-        Ok(Camera::new(self.point(*from, centre), axes, tan_half_height, size, aperture))
+        let ([from, target, up], motion) = self.camera_way(file, centre);
+        let origin = self.point(from.to_array(), centre);
+        Ok((Camera::new(origin, axes(target - from, up), tan_half_height, size, aperture), motion))
     }
 
     /// A lens of real glass over its sensor.

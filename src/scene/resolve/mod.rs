@@ -9,6 +9,7 @@ mod lens;
 mod lights;
 mod materials;
 mod mesh_materials;
+mod motion;
 mod objects;
 mod spectra;
 mod surroundings;
@@ -16,9 +17,11 @@ mod surroundings;
 pub use lens::{lens_file, lone_lens};
 pub use spectra::Role;
 
+use super::camera::Shutter;
 use super::file::{self, JsonPath, RenderFile, SceneFile, Source, SpectrumFile};
 use super::geometry::{Geometry, Ray};
 use super::interior::Interior;
+use super::motion::Motions;
 use super::{Body, Material, Object, Scene, Settings};
 use crate::error::{Error, Result};
 use crate::optics::glass::Index;
@@ -26,6 +29,7 @@ use crate::spectrum::Spectrum;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Reads and resolves a scene file; `sets` are `PATH=JSON` patches.
 ///
@@ -42,7 +46,7 @@ pub fn load(path: &Path, sets: &[String]) -> Result<Scene> {
 /// Unknown names, files that cannot be read, quantities that make no sense together, what is not supported yet; each with its
 /// place in `source`.
 pub fn resolve(scene: &SceneFile, source: &Source) -> Result<Scene> {
-    let resolver = Resolver { scene, source, metres: scene.unit.metres() };
+    let resolver = Resolver { scene, source, metres: scene.unit.metres(), shutter: motion::shutter(&scene.camera) };
     resolver.run()
 }
 
@@ -65,6 +69,8 @@ struct Resolver<'a> {
     source: &'a Source,
     /// Metres in a unit of length.
     metres: f64,
+    /// When the camera is open: the scene is resolved as it stands when it opens.
+    shutter: Shutter,
 }
 
 impl Resolver<'_> {
@@ -85,12 +91,13 @@ impl Resolver<'_> {
             self.named_spectrum(name, spectra::Role::Coefficient)?;
         }
         let mut notes = Vec::new();
-        let mut things = self.objects(&mut notes)?;
-        let centre = objects::centre(&things.placed);
-        let geometry = self.at(&root.key("objects"), self.build(&mut things, centre))?;
-        let radius_m = objects::radius(&geometry);
+        let things = self.objects(&mut notes)?;
+        let centre = objects::centre(things.shapes.iter().map(|shape| &shape.placed));
+        let placed = things.shapes.iter().map(|shape| shape.placed.clone()).collect();
+        let geometry = self.at(&root.key("objects"), Geometry::build(placed, centre))?;
         let film = self.film(&root.key("film"), film)?;
-        let camera = self.camera(&root.key("camera"), camera, (film.width, film.height), centre, &mut notes)?;
+        let (camera, camera_motion) =
+            self.camera(&root.key("camera"), camera, (film.width, film.height), centre, &mut notes)?;
         let lights = self.lights(&things, (&geometry, centre), film.observer, &mut notes)?;
         if lights.is_empty() {
             let error = Error::input("the scene has no light")
@@ -100,10 +107,12 @@ impl Resolver<'_> {
         let mut resolved = Scene {
             title: title.clone().unwrap_or_else(|| stem(&self.source.path)),
             centre,
-            radius_m,
+            radius_m: geometry.radius_m(),
             camera,
+            shutter: self.shutter.clone(),
+            motions: Motions { shapes: motion::shapes(things.shapes), camera: camera_motion },
             film,
-            geometry,
+            geometry: Arc::new(geometry),
             objects: things.objects,
             materials: things.materials,
             lights,
@@ -112,15 +121,16 @@ impl Resolver<'_> {
             notes,
             air: Index::constant(1.0)?,
         };
+        resolved.notes.extend(self.standing_still());
+        let swept = resolved.swept_boxes();
+        resolved.radius_m = swept.iter().fold(resolved.radius_m, |radius, (low, high)| {
+            let reach = low.abs().max(high.abs()).length();
+            if reach.is_finite() { radius.max(reach) } else { radius }
+        });
         resolved.renumber_lights();
         resolved.find_interiors();
         resolved.film.white = self.white(&resolved)?;
         Ok(resolved)
-    }
-
-    /// Builds the geometry; errors name the object by its number.
-    fn build(&self, things: &mut objects::Things, centre: DVec3) -> Result<Geometry> {
-        Geometry::build(std::mem::take(&mut things.placed), centre)
     }
 
     fn settings(&self, at: &JsonPath<'_>, render: &RenderFile) -> Result<Settings> {
@@ -157,7 +167,7 @@ fn stem(path: &Path) -> String {
 
 impl Scene {
     /// Finds the bodies of glass in which the camera and the lamps stand.
-    fn find_interiors(&mut self) {
+    pub(super) fn find_interiors(&mut self) {
         self.camera.interior = self.interior_at(self.camera.origin());
         let interiors: Vec<Interior> = self.lights.iter().map(|light| self.interior_of_light(light)).collect();
         self.lights.iter_mut().zip(interiors).for_each(|(light, interior)| light.interior = interior);
