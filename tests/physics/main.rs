@@ -15,6 +15,7 @@ mod free_and_shared;
 mod furnace;
 mod irradiance;
 mod lens_system;
+mod motion;
 mod photon_and_path;
 mod prism;
 mod references;

@@ -92,7 +92,7 @@ mod tests {
         ];
         for curve in curves {
             let shutter = Shutter::new(2.0, 4.0, Some(curve));
-            let n = 20_000;
+            let n = 1_000_000;
             let mean = (0..n).map(|i| shutter.time_s((f64::from(i) + 0.5) / f64::from(n))).sum::<f64>() / f64::from(n);
             // The mean moment by Simpson's rule over the transmission: exact for pieces of a quadratic.
             let held = Curve::new(curve).points;
