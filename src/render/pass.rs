@@ -7,7 +7,7 @@ use crate::emit::{Emitters, Wavelengthed, trace};
 use crate::error::Result;
 use crate::gather::{CameraNumbers, Direct, Gatherer, Maps, PathTracer, Scratch};
 use crate::map::{PhotonIndex, radius};
-use crate::math::kronecker::{golden, silver};
+use crate::math::kronecker::{golden, theodorus};
 use crate::math::random::{Purpose, REPLICATES, hash64};
 use crate::plan::MotionPlan;
 use crate::scene::Scene;
@@ -69,7 +69,7 @@ fn scene_of_pass<'a>(job: &'a Job, pass: u64, run: &mut Run) -> Result<Cow<'a, S
     }
     let begun = Instant::now();
     let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64);
-    let u = silver(index as u32, hash64([job.budget.seed, Purpose::Moment as u64, replicate]));
+    let u = theodorus(index as u32, hash64([job.budget.seed, Purpose::Moment as u64, replicate]));
     let scene = job.scene.at(job.scene.shutter.time_s(u));
     run.tally.moments += 1;
     run.seconds.pose += begun.elapsed().as_secs_f64();
