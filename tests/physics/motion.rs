@@ -98,7 +98,7 @@ fn a_moving_lamp_lights_each_place_for_its_time() {
     let z = |i: i32| (f64::from(i) + 0.5) / 16.0 * WIDTH / 16.0;
     let truth = over_columns(|x| (0..16).map(|i| row(x, 0.25 + z(i).powi(2))).sum::<f64>() / 16.0);
     for integrator in [Integrator::Photon, Integrator::Path] {
-        let measured = Measured::new(&scene, (integrator, 96), 0..8, columns);
+        let measured = Measured::new(&scene, (integrator, 256), 0..8, columns);
         let found = against(&measured, truth.clone());
         println!("lamp, {}: {found}", integrator.word());
         assert!(found.is_equal() && measured.relative_error() < 5e-3);
