@@ -26,8 +26,9 @@
 //!
 //! # Scope and simplifications
 //!
-//! Geometrical optics of unpolarised light: no interference, no fluorescence. Surfaces and homogeneous absorbing bodies; scattering media,
-//! textures and motion are not simulated yet, and a scene that asks for them is refused.
+//! Geometrical optics of unpolarised light: no interference, no fluorescence. Time is frozen for each pass: all its rays and photons see the scene
+//! at one moment while the shutter is open, and the mean over passes is the motion's blur. Surfaces and homogeneous absorbing bodies; scattering media and
+//! textures are not simulated yet, and a scene that asks for them is refused.
 //!
 //! # Follow one photon
 //!

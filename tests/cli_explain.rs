@@ -1,4 +1,4 @@
-//! What `abbe explain` says of the camera.
+//! What `abbe explain` says of the camera and of motion.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -96,4 +96,42 @@ fn diffraction_is_measured_and_named_where_it_would_show() {
 fn a_scene_that_is_not_there_is_told() {
     let folder = tempfile::tempdir().unwrap();
     abbe(folder.path(), &["explain", "missing.json"]).is_error(2, &["missing.json"]);
+}
+
+#[test]
+fn motion_is_explained_by_how_far_it_goes_over_the_picture() {
+    let explain = |shutter: &str, render: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = format!(
+            r#"{{
+  "camera": {{"from": [0, 5, 0], "at": [0, 0, 0], "up": [0, 0, -1], "lens": {{"pinhole": {{"fov": 90}}}}, "shutter": {shutter}}},
+  "film": {{"width": 300, "height": 200}},
+  "materials": {{"grey": {{"diffuse": {{"reflectance": 0.5}}}}}},
+  "objects": [{{"name": "card", "shape": {{"rectangle": {{"width": 1, "height": 1}}}}, "material": "grey",
+               "motion": [{{"time": 0, "transform": []}}, {{"time": 1, "transform": [{{"translate": [2, 0, 0]}}]}}]}}],
+  "lights": [{{"point": {{"at": [1, 4, 1], "spectrum": "D65", "power": 20}}}}],
+  "render": {render}
+}}"#
+        );
+        std::fs::write(folder.path().join("card.json"), scene).unwrap();
+        let json = abbe(folder.path(), &["explain", "card.json", "--json"]).json();
+        (json, abbe(folder.path(), &["explain", "card.json"]).out)
+    };
+    let effect = |json: &Value| {
+        let effects = json["effects"].as_array().unwrap().clone();
+        effects.into_iter().find(|effect| effect["name"] == "motion").unwrap()
+    };
+    // Half the picture's height is 5 m on the floor, so that a metre is 20 pixels; the card goes 2 m.
+    let (json, words) = explain(r#"{"open": 0, "close": 1}"#, "{}");
+    assert!(near(&json["motion_px"], 40.0), "{}", json["motion_px"]);
+    assert_eq!((effect(&json)["state"].as_str(), json["passes"].as_u64()), (Some("on"), Some(80)));
+    assert_eq!(json["photons"].as_u64(), Some(200_000 * 64 / 80), "as many in all");
+    assert!(words.contains("up to 40.0 pixels from 0 s to 1 s; at least two passes a pixel"), "{words}");
+    let (json, words) = explain(r#"{"open": 0.25, "close": 0.5}"#, r#"{"passes": 4}"#);
+    assert!(near(&json["motion_px"], 10.0) && json["passes"] == 4, "{}", json["motion_px"]);
+    assert!(words.contains("fewer than two passes a pixel"), "{words}");
+    let (json, words) = explain(r#"{"open": 2, "close": 3}"#, "{}");
+    assert_eq!((effect(&json)["state"].as_str(), &json["motion_px"]), (Some("off"), &Value::Null));
+    assert!(words.contains("nothing moves while the shutter is open"), "{words}");
+    assert!(words.contains("things have keyframes, but nothing moves: the shutter is open from 2 s to 3 s"), "{words}");
 }

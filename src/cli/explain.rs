@@ -33,6 +33,8 @@ pub(crate) struct PlanReport<'a> {
     /// The first radius, if the scene fixes it.
     radius_m: Option<f64>,
     memory_bytes: u64,
+    /// How far things move over the picture while the shutter is open; null if nothing does.
+    motion_px: Option<f64>,
     camera: CameraReport,
     /// What has a colour made from RGB, and the lamps of spectral lines that such guesses meet; null unless there are both.
     guessed_colours: Option<GuessedColours>,
@@ -125,6 +127,7 @@ impl<'a> PlanReport<'a> {
             nearest: budget.radius_m.is_none().then_some(budget.nearest),
             radius_m: budget.radius_m,
             memory_bytes: budget.memory_bytes,
+            motion_px: job.scene.moves().then_some(budget.motion_px),
             camera: CameraReport::of(&job.scene.camera, slices),
             guessed_colours: both.then_some(GuessedColours { upsampled, line_lamps }),
             notes: &job.scene.notes,

@@ -36,7 +36,16 @@ mod tests {
     use super::*;
 
     fn budget(memory_bytes: u64, photons: u64) -> Budget {
-        let fixed = Budget { passes: 1, photons, max_depth: 1, nearest: 1, radius_m: None, seed: 0, memory_bytes };
+        let fixed = Budget {
+            passes: 1,
+            photons,
+            max_depth: 1,
+            nearest: 1,
+            radius_m: None,
+            seed: 0,
+            memory_bytes,
+            motion_px: 0.0,
+        };
         assert!(fixed.memory_bytes > 0);
         fixed
     }

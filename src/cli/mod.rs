@@ -8,6 +8,7 @@ mod checkpoint;
 mod colour;
 mod compare;
 mod explain;
+mod frames;
 mod glass;
 mod interrupt;
 mod lamps;

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use abbe::output::exr::read_metadata;
 use abbe::output::hash::Hash;
 use abbe::output::metadata::{Metadata, names};
-use abbe::render::{Integrator, Job, Stats};
+use abbe::render::{Integrator, Job, Request, Stats};
 use abbe::scene::file::Source;
 use abbe::scene::resolve;
 use serde_json::Value;
@@ -32,6 +33,15 @@ pub(crate) fn of_render(of_scene: &Metadata, stats: &Stats) -> Metadata {
         .with(names::PASSES, &stats.passes.to_string())
         .with_json(names::LEDGER, &stats.ledger_w)
         .with(names::SECONDS, &format!("{:.3}", stats.seconds.total))
+}
+
+/// Whether a file holds a finished picture: of this scene, and of as many passes as are wanted, if a number is.
+pub(crate) fn is_finished(path: &Path, of_scene: &Metadata, request: Request, job: &Job) -> bool {
+    let Ok(found) = read_metadata(path) else { return false };
+    let same =
+        [names::VERSION, names::SCENE_HASH, names::INTEGRATOR].iter().all(|name| found.get(name) == of_scene.get(name));
+    let passes = found.get(names::PASSES).and_then(|passes| passes.parse::<u64>().ok()).unwrap_or(0);
+    same && passes >= request.stop.passes_wanted(&job.budget).unwrap_or(1)
 }
 
 /// Settings of `render` that change how much is computed and where, but not what of.

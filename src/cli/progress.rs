@@ -10,7 +10,15 @@ use super::{interrupt, print};
 
 /// Shows progress on standard error, and ends the render when the user asks for it.
 #[derive(Debug)]
-pub(crate) enum Display {
+pub(crate) struct Display {
+    screen: Screen,
+    /// What is rendered, if it is one of several.
+    label: Option<String>,
+}
+
+/// Where progress is shown.
+#[derive(Debug)]
+enum Screen {
     /// A bar on a terminal.
     Bar(ProgressBar),
     /// A line every few seconds; when the last was printed.
@@ -27,45 +35,54 @@ const LINE_EVERY: Duration = Duration::from_secs(5);
 
 impl Display {
     /// The display that fits standard error.
-    pub(crate) fn new(quiet: bool) -> Self {
-        if quiet {
-            return Self::Quiet;
-        }
-        if !std::io::stderr().is_terminal() {
-            return Self::Lines(None);
-        }
+    pub(crate) fn new(quiet: bool, label: Option<String>) -> Self {
+        let screen = match (quiet, std::io::stderr().is_terminal()) {
+            (true, _) => Screen::Quiet,
+            (false, false) => Screen::Lines(None),
+            (false, true) => Screen::Bar(Self::bar()),
+        };
+        Self { screen, label }
+    }
+
+    fn bar() -> ProgressBar {
         let bar = ProgressBar::new(STEPS);
         let style = ProgressStyle::with_template("{spinner} [{bar:30}] {msg}").expect("the template is well-formed");
         bar.set_style(style.progress_chars("=> "));
         bar.set_message("finding where the light goes");
         bar.enable_steady_tick(Duration::from_millis(200));
-        Self::Bar(bar)
+        bar
+    }
+
+    /// The line of a render's state, after the label.
+    fn line(label: Option<&str>, progress: &Progress) -> String {
+        label.map_or_else(|| line(progress), |label| format!("{label}: {}", line(progress)))
     }
 
     /// Takes the bar away.
     pub(crate) fn finish(&self) {
-        match self {
-            Self::Bar(bar) => bar.finish_and_clear(),
-            Self::Lines(_) | Self::Quiet => {}
+        match &self.screen {
+            Screen::Bar(bar) => bar.finish_and_clear(),
+            Screen::Lines(_) | Screen::Quiet => {}
         }
     }
 }
 
 impl Monitor for Display {
     fn after_pass(&mut self, progress: &Progress) -> bool {
-        match self {
-            Self::Bar(bar) => {
+        let line = || Self::line(self.label.as_deref(), progress);
+        match &mut self.screen {
+            Screen::Bar(bar) => {
                 let done = share_done(progress).unwrap_or(0.0);
                 bar.set_position((done * STEPS as f64) as u64);
-                bar.set_message(line(progress));
+                bar.set_message(line());
             }
-            Self::Lines(last) => {
+            Screen::Lines(last) => {
                 if last.is_none_or(|last| progress.elapsed >= last + LINE_EVERY) {
-                    print::remark(&line(progress));
+                    print::remark(&line());
                     *last = Some(progress.elapsed);
                 }
             }
-            Self::Quiet => {}
+            Screen::Quiet => {}
         }
         !interrupt::asked()
     }

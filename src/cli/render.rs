@@ -12,11 +12,12 @@ use abbe::scene::file::{self, Source};
 use abbe::scene::resolve;
 
 use super::checkpoint::{Checkpoint, Rhythm, Watch};
+use super::frames::{Frame, Sequence};
 use super::outputs::Outputs;
 use super::progress::{Display, percent, time};
 use super::{Outcome, interrupt, memory, origin, print, values};
 
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Clone, clap::Args)]
 pub(crate) struct Arguments {
     /// The scene file
     #[arg(value_name = "SCENE")]
@@ -74,6 +75,8 @@ pub(crate) struct Arguments {
     /// Write a checkpoint this often, such as 10m [default: as the scene says, or 60s, or more where saving takes over 3s]
     #[arg(long, value_name = "TIME", value_parser = values::duration)]
     checkpoint_every: Option<Duration>,
+    #[command(flatten)]
+    sequence: Sequence,
     /// Write what was measured on the way, as JSON
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
@@ -90,6 +93,21 @@ enum IntegratorName {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+    interrupt::watch()?;
+    let Some(frames) = arguments.sequence.frames() else {
+        return picture(arguments, None);
+    };
+    for frame in frames {
+        let outcome = picture(&arguments.of_frame(&frame)?, Some(&frame))?;
+        if outcome != Outcome::Done {
+            return Ok(outcome);
+        }
+    }
+    Ok(Outcome::Done)
+}
+
+/// Renders one picture; of a sequence the frame is told.
+fn picture(arguments: &Arguments, frame: Option<&Frame>) -> Result<Outcome> {
     let outputs = arguments.outputs()?;
     let (source, job) = plan(arguments)?;
     memory::check(&job.budget)?;
@@ -100,19 +118,27 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     outputs.check()?;
     files::clear_unfinished(&checkpoint.path);
     files::check_writable(&checkpoint.path)?;
-    let begin = checkpoint.start(arguments.part, arguments.resume)?;
+    let label = frame.map(Frame::label);
+    // Of a sequence some frames may be finished, and some not begun.
+    let resume = arguments.resume && (frame.is_none() || checkpoint.path.exists());
+    if frame.is_some() && arguments.resume && !resume && origin::is_finished(&outputs.exr, &of_scene, request, &job) {
+        if !arguments.quiet {
+            print::remark(&format!("{} is finished", outputs.exr.display()));
+        }
+        return Ok(Outcome::Done);
+    }
+    let begin = checkpoint.start(arguments.part, resume)?;
     if !arguments.quiet {
         job.scene.notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
         let path = checkpoint.path.display();
-        if arguments.resume {
+        if resume {
             print::remark(&format!("resuming after {} passes, from {path}", begin.passes()));
         } else if checkpoint.path.exists() {
             print::remark(&format!("note: starting anew; {path}, from which --resume would go on, will be replaced"));
         }
     }
-    interrupt::watch()?;
     let threads = job.scene.settings.threads;
-    let mut watch = Watch::new(Display::new(arguments.quiet), &checkpoint, arguments.rhythm(&job));
+    let mut watch = Watch::new(Display::new(arguments.quiet, label), &checkpoint, arguments.rhythm(&job));
     let rendered = on_threads(threads, || job.go_on(request, begin, &mut watch));
     watch.display.finish();
     let rendered = rendered?.map_err(|error| error.in_file(&arguments.scene))?;
@@ -151,6 +177,20 @@ fn save(arguments: &Arguments, outputs: &Outputs, checkpoint: &Checkpoint<'_>, r
 }
 
 impl Arguments {
+    /// The command that renders one frame of a sequence.
+    fn of_frame(&self, frame: &Frame) -> Result<Self> {
+        let pattern = self.output.clone().unwrap_or_else(|| self.stem().with_added_extension("####.exr"));
+        let mut arguments = Self { output: Some(frame.name(&pattern)?), ..self.clone() };
+        arguments.stats = self.stats.as_deref().map(|pattern| frame.name(pattern)).transpose()?;
+        arguments.set.extend(frame.patches());
+        Ok(arguments)
+    }
+
+    /// The scene's name, in the working directory.
+    fn stem(&self) -> PathBuf {
+        PathBuf::from(self.scene.file_stem().unwrap_or("scene".as_ref()))
+    }
+
     fn request(&self) -> Request {
         let integrator = match self.integrator {
             IntegratorName::Photon => Integrator::Photon,
@@ -162,11 +202,12 @@ impl Arguments {
 
     /// The files to be written; parts without a name of their own are named apart.
     fn outputs(&self) -> Result<Outputs> {
-        let stem = || PathBuf::from(self.scene.file_stem().unwrap_or("scene".as_ref()));
         let exr = match (&self.output, self.part) {
             (Some(path), _) => path.clone(),
-            (None, Part::WHOLE) => stem().with_added_extension("exr"),
-            (None, part) => stem().with_added_extension(format!("part-{}.exr", part.to_string().replace('/', "-of-"))),
+            (None, Part::WHOLE) => self.stem().with_added_extension("exr"),
+            (None, part) => {
+                self.stem().with_added_extension(format!("part-{}.exr", part.to_string().replace('/', "-of-")))
+            }
         };
         Outputs::new(exr, self.stats.clone())
     }

@@ -1,5 +1,6 @@
 //! Values on the command line.
 
+use std::ops::RangeInclusive;
 use std::time::Duration;
 
 use abbe::output::compare::Region;
@@ -92,6 +93,28 @@ pub(crate) fn limit(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Frames of a sequence such as `1..48`, both included, counted from 1.
+pub(crate) fn frames(text: &str) -> Result<RangeInclusive<u32>, String> {
+    let number = |text: &str| text.trim().parse::<u32>().ok().filter(|&number| number > 0);
+    match text.split_once("..").and_then(|(from, to)| Some((number(from)?, number(to)?))) {
+        Some((from, to)) if from <= to => Ok(from..=to),
+        Some((from, to)) => Err(format!("there are no frames from {from} to {to}; expected a range that rises")),
+        None => Err("expected frames such as 1..48, counted from 1".to_string()),
+    }
+}
+
+/// Frames per second, above 0.
+pub(crate) fn rate(text: &str) -> Result<f64, String> {
+    let rate = text.trim().parse().ok().filter(|fps: &f64| *fps > 0.0 && fps.is_finite());
+    rate.ok_or_else(|| "expected a number above 0".to_string())
+}
+
+/// A shutter angle in degrees, from 0 to 360.
+pub(crate) fn shutter_angle(text: &str) -> Result<f64, String> {
+    let angle = text.trim().parse().ok().filter(|degrees| (0.0..=360.0).contains(degrees));
+    angle.ok_or_else(|| "expected degrees from 0 to 360".to_string())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -127,5 +150,16 @@ mod tests {
         assert!(["640", "0x3", "3x0", "-1x2", "1x2x3"].iter().all(|text| size(text).is_err()));
         assert_eq!(region("1,2,3,4"), Ok(Region { x0: 1, y0: 2, x1: 3, y1: 4 }));
         assert!(["1,2,3", "3,2,1,4", "1,2,3,2", "a,b,c,d", "1,2,3,4,5"].iter().all(|text| region(text).is_err()));
+    }
+
+    #[test]
+    fn ranges_rise_and_count_from_one() {
+        assert_eq!(frames("1..48"), Ok(1..=48));
+        assert_eq!(frames("5..5"), Ok(5..=5));
+        for wrong in ["5..3", "0..3", "1-3", "..3", "a..b", "1..", "1...3"] {
+            assert!(frames(wrong).is_err(), "{wrong}");
+        }
+        assert!(rate("0").is_err() && rate("nan").is_err() && rate("23.976").is_ok());
+        assert!(shutter_angle("-1").is_err() && shutter_angle("361").is_err() && shutter_angle("0").is_ok());
     }
 }

@@ -21,6 +21,7 @@ pub use outline::{Outline, Outlines};
 pub use path_tracer::PathTracer;
 pub use photon_gather::Gatherer;
 
+use crate::math::kronecker::golden;
 use crate::math::random::{Purpose, REPLICATES, Stream, hash64};
 use crate::math::sobol::{DIMENSIONS, Sobol};
 use crate::scene::camera::{Aperture, Camera, SystemAt};
@@ -84,11 +85,4 @@ impl CameraNumbers {
 fn corner(camera: &Camera, pixel: u64) -> DVec2 {
     let width = camera.width() as u64;
     DVec2::new((pixel % width) as f64, (pixel / width) as f64)
-}
-
-/// Point `index` of the golden-ratio sequence, shifted by a hash: evenly spread for any number of points.
-pub fn golden(index: u32, shift: u64) -> f64 {
-    // 2⁶⁴/φ; the product wraps around as the sequence wants.
-    let turned = u64::from(index).wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(shift);
-    (turned >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
 }

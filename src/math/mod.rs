@@ -2,6 +2,7 @@
 
 pub mod distribution;
 pub mod frame;
+pub mod kronecker;
 pub mod quadrature;
 pub mod random;
 pub mod sobol;

@@ -22,10 +22,12 @@ pub enum Purpose {
     SharedPhoton,
     /// Camera paths.
     Camera,
-    /// What a whole pass draws once: time, shared wavelengths.
+    /// What a whole pass draws once: shared wavelengths.
     Pass,
     /// The pilot that fixes radii and guides before pass 0.
     Pilot,
+    /// The moment of a pass.
+    Moment,
 }
 
 /// Mixes a 64-bit word thoroughly (the finaliser of SplitMix64, Steele, Lea & Flood 2014).

@@ -1,5 +1,6 @@
 //! How many passes and photons, and how much memory.
 
+use crate::math::random::REPLICATES;
 use crate::scene::Scene;
 
 /// Passes without any stop rule.
@@ -40,26 +41,48 @@ pub struct Budget {
     pub seed: u64,
     /// Estimated memory of film and photons.
     pub memory_bytes: u64,
+    /// How far, in pixels, things move over the picture while the shutter is open.
+    pub motion_px: f64,
+}
+
+/// Passes that show no steps of something that moves over so many pixels: two for each pixel, in whole rounds of the replicates.
+pub fn passes_without_strobing(motion_px: f64) -> u64 {
+    ((2.0 * motion_px).ceil() as u64).next_multiple_of(REPLICATES as u64)
+}
+
+/// Photon paths a pass if the scene leaves them open: as many in all as in the default number of passes, but not so few that a pass tells nothing.
+fn photons_a_pass(passes: u64) -> u64 {
+    const LEAST: u64 = 20_000;
+    (DEFAULT_PHOTONS * DEFAULT_PASSES / passes).max(LEAST)
 }
 
 impl Budget {
+    /// Whether so few passes may show a moving thing in steps.
+    pub fn strobes(&self) -> bool {
+        (self.passes as f64) < 2.0 * self.motion_px
+    }
+
     /// The budget of a scene whose film takes `film_bytes` (the film is the sensor's business, of which the plan knows nothing).
     pub fn of(scene: &Scene, film_bytes: u64) -> Self {
         let settings = &scene.settings;
-        let photons = settings.photons.unwrap_or(DEFAULT_PHOTONS);
+        let motion_px = scene.image_motion_px();
+        let enough = DEFAULT_PASSES.max(passes_without_strobing(motion_px));
+        let (passes, photons) =
+            (settings.passes.unwrap_or(enough), settings.photons.unwrap_or_else(|| photons_a_pass(enough)));
         let (width, height) = (u64::from(scene.film.width), u64::from(scene.film.height));
         let memory_bytes = film_bytes
             .saturating_add(PILOT_BYTES_A_PIXEL.saturating_mul(width.saturating_mul(height)))
             .saturating_add(photons.saturating_mul(BYTES_A_PATH))
             .saturating_add(scene.geometry.memory_bytes() as u64);
         Self {
-            passes: settings.passes.unwrap_or(DEFAULT_PASSES),
+            passes,
             photons,
             max_depth: settings.max_depth.unwrap_or(DEFAULT_MAX_DEPTH),
             nearest: settings.nearest.unwrap_or(DEFAULT_NEAREST),
             radius_m: settings.radius_m,
             seed: settings.seed.unwrap_or(0),
             memory_bytes,
+            motion_px,
         }
     }
 

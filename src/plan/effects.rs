@@ -1,7 +1,7 @@
 //! The table of effects: the fact that calls for each, the field of the plan, the code that reads it, and what its absence means.
 
 use super::{
-    AimPlan, AperturePlan, BetweenPlan, CausticPlan, DirectPlan, EnvironmentPlan, IndirectPlan, Plan, Rim,
+    AimPlan, AperturePlan, BetweenPlan, CausticPlan, DirectPlan, EnvironmentPlan, IndirectPlan, MotionPlan, Plan, Rim,
     RoughnessPlan, VolumePlan, WavelengthPlan,
 };
 use crate::error::{Error, Result};
@@ -31,7 +31,7 @@ pub struct Effect {
 }
 
 /// All effects.
-pub const EFFECTS: [Effect; 14] = [
+pub const EFFECTS: [Effect; 15] = [
     Effect {
         name: "dispersion",
         field: "wavelengths",
@@ -216,6 +216,17 @@ pub const EFFECTS: [Effect; 14] = [
         calls: |facts| if facts.scatters() { facts.specular.clone() } else { Vec::new() },
         set: |plan, _, on| plan.aim = if on { AimPlan::Learned } else { AimPlan::Plain },
     },
+    Effect {
+        name: "motion",
+        field: "motion",
+        read_by: "render (each pass poses the scene at a moment of its own), the pilot",
+        cost: "a new tree of boxes each pass if objects move, a pilot at several moments, and as many passes as nothing strobes",
+        absent: "all passes share one scene; no moment is drawn",
+        called_by: "things that move while the shutter is open",
+        uncalled: "nothing moves while the shutter is open",
+        calls: |facts| facts.moving.clone(),
+        set: |plan, _, on| plan.motion = if on { MotionPlan::PosedPerPass } else { MotionPlan::Still },
+    },
 ];
 
 /// Whether an effect is simulated.
@@ -282,6 +293,7 @@ pub(super) fn decide(facts: &Facts, force: &[String], forbid: &[String]) -> Resu
         between: BetweenPlan::Clear,
         volume: VolumePlan::Absent,
         aim: AimPlan::Plain,
+        motion: MotionPlan::Still,
     };
     let mut rows = Vec::with_capacity(EFFECTS.len());
     for effect in &EFFECTS {

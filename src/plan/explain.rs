@@ -2,7 +2,7 @@
 
 use super::{Budget, Plan, Row, WavelengthPlan};
 use crate::scene::Scene;
-use crate::scene::camera::{Camera, DepthOfField, Diffraction};
+use crate::scene::camera::{Camera, DepthOfField, Diffraction, Shutter};
 
 /// `free`, `shared` or `both`.
 pub fn wavelengths_word(plan: &Plan) -> &'static str {
@@ -33,6 +33,7 @@ pub fn text(scene: &Scene, plan: &Plan, rows: &[Row], budget: &Budget) -> String
     ));
     lines.push(camera_text(&scene.camera));
     lines.push(format!("Passes: {}, each of {} photon paths", budget.passes, budget.photons));
+    lines.extend(motion_text(scene, budget));
     lines.push(match budget.radius_m {
         Some(radius) => format!("First radius: {radius} m, as the scene says"),
         None => format!("First radius: per pixel, around the {} nearest photons of a pilot", budget.nearest),
@@ -40,6 +41,19 @@ pub fn text(scene: &Scene, plan: &Plan, rows: &[Row], budget: &Budget) -> String
     lines.push(format!("Memory: about {:.0} MB", budget.memory_bytes as f64 / 1e6));
     lines.extend(scene.notes.iter().map(|note| format!("Note: {note}")));
     lines.join("\n") + "\n"
+}
+
+/// How far things move over the picture, and what that asks of the passes.
+fn motion_text(scene: &Scene, budget: &Budget) -> Option<String> {
+    let Shutter { open_s, close_s, .. } = scene.shutter;
+    scene.moves().then(|| {
+        let verdict = if budget.strobes() {
+            "fewer than two passes a pixel: steps may be seen"
+        } else {
+            "at least two passes a pixel"
+        };
+        format!("Motion: up to {:.1} pixels from {open_s} s to {close_s} s; {verdict}", budget.motion_px)
+    })
 }
 
 /// The field of view, and what an open lens keeps sharp.

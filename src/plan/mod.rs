@@ -38,6 +38,8 @@ pub struct Plan {
     pub volume: VolumePlan,
     /// Where photons are sent.
     pub aim: AimPlan,
+    /// Things that move.
+    pub motion: MotionPlan,
 }
 
 /// How wavelengths are shared.
@@ -193,6 +195,15 @@ pub enum AimPlan {
     Plain,
     /// Where the pilot found them useful.
     Learned,
+}
+
+/// Things that move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MotionPlan {
+    /// All stands as it does when the shutter opens.
+    Still,
+    /// Each pass has a moment of its own, at which all its rays and photons see the scene.
+    PosedPerPass,
 }
 
 impl Plan {

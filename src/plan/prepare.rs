@@ -52,6 +52,7 @@ fn take_out(scene: &mut Scene, effect: &str) -> Result<()> {
             scene.materials.iter_mut().filter_map(|m| m.body.as_mut()).for_each(|body| body.absorption = None);
         }
         "depth-of-field" => scene.camera.close_aperture(),
+        "motion" => scene.stop(),
         "environment" => {
             scene.lights.retain(|light| match light.emitter {
                 Emitter::Environment(_) | Emitter::Directional(_) => false,

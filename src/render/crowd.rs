@@ -1,7 +1,7 @@
 //! How many photons in media are near each pixel's ray: from that the first radii follow, and how many beams are worth keeping.
 
 use super::pass::Emitted;
-use crate::gather::{Leg, Maps};
+use crate::gather::{Leg, Maps, Radii, RadiusKind};
 use crate::map::{Beam, Cone, VolumeMaps};
 use crate::plan::partition::LightPath;
 
@@ -52,52 +52,75 @@ pub(super) struct Crowds {
 }
 
 impl Crowds {
-    /// Counts along the legs of a pixel's paths. Of several the most crowded counts.
-    pub(super) fn along(legs: &[Leg], (free, shared): (&Maps, &Maps), pixel_angle: f64) -> Self {
+    /// Counts along the legs of a pixel's paths, in the free and the shared set's maps, each of which holds these shares of its beams. Of several legs the
+    /// most crowded counts.
+    pub(super) fn along(legs: &[Leg], maps: [(&Maps, BeamShares); 2], pixel_angle: f64) -> Self {
         let mut crowds = Self::default();
         for leg in legs {
-            let (maps, known) = if leg.shared { (shared, &mut crowds.shared) } else { (free, &mut crowds.free) };
-            let before = known.unwrap_or_default();
-            *known = Some(Crowd {
-                caustic: before.caustic.or_more(&maps.volume_caustic, leg, LARGEST_CAUSTIC_PIXELS * pixel_angle),
-                indirect: before.indirect.or_more(&maps.volume_indirect, leg, LARGEST_INDIRECT_PIXELS * pixel_angle),
-            });
+            let ((maps, kept), known) =
+                if leg.shared { (maps[1], &mut crowds.shared) } else { (maps[0], &mut crowds.free) };
+            let near = |maps, kept, pixels| Near::to(leg, (maps, kept), pixels * pixel_angle);
+            let here = Crowd {
+                caustic: near(&maps.volume_caustic, kept.caustic, LARGEST_CAUSTIC_PIXELS),
+                indirect: near(&maps.volume_indirect, kept.indirect, LARGEST_INDIRECT_PIXELS),
+            };
+            *known = Some(known.map_or(here, |known| known.or_more(here)));
         }
         crowds
     }
 
-    /// The free set's and the shared set's.
-    pub(super) fn of_sets(&self) -> [Option<Crowd>; 2] {
-        [self.free, self.shared]
+    /// The more crowded of two moments.
+    pub(super) fn or_more(self, other: Self) -> Self {
+        let more = |a: Option<Crowd>, b: Option<Crowd>| match (a, b) {
+            (Some(a), Some(b)) => Some(a.or_more(b)),
+            (one, None) | (None, one) => one,
+        };
+        Self { free: more(self.free, other.free), shared: more(self.shared, other.shared) }
+    }
+
+    /// Sets a pixel's first radii in media, where passes keep these shares of all beams.
+    pub(super) fn set_radii(&self, radii: &mut Radii, shares: BeamShares, pixel_angle: f64) {
+        let kinds = [
+            (self.free, [RadiusKind::FreeVolumeCaustic, RadiusKind::FreeVolumeIndirect]),
+            (self.shared, [RadiusKind::SharedVolumeCaustic, RadiusKind::SharedVolumeIndirect]),
+        ];
+        for (crowd, [caustic, indirect]) in kinds {
+            let Some(crowd) = crowd else { continue };
+            let pixels = [
+                (caustic, crowd.caustic.pixels(shares.caustic, LARGEST_CAUSTIC_PIXELS)),
+                (indirect, crowd.indirect.pixels(shares.indirect, LARGEST_INDIRECT_PIXELS)),
+            ];
+            pixels.into_iter().for_each(|(kind, pixels)| radii[kind as usize] = (pixels * pixel_angle) as f32);
+        }
     }
 }
 
 impl Near {
-    /// This or what is near the leg, whichever is more.
-    fn or_more(self, maps: &VolumeMaps, leg: &Leg, slope: f64) -> Self {
+    /// The photons near the leg, within a cone of this slope; the maps hold the share `kept` of all beams.
+    fn to(leg: &Leg, (maps, kept): (&VolumeMaps, f64), slope: f64) -> Self {
         let Leg { ray, length_m, behind_m, .. } = *leg;
         let cone = Cone { ray, length_m, behind_m, slope };
         let mut here = Self::default();
         maps.points.along(&cone, |_| here.points += 1.0);
-        maps.beams.along(&cone, |_| here.beams += 1.0);
-        Self { points: self.points.max(here.points), beams: self.beams.max(here.beams) }
+        maps.beams.along(&cone, |_| here.beams += 1.0 / kept);
+        here
     }
 
-    /// The first radius in pixels, where every beam that the pilot found stands for so many in a pass.
-    fn pixels(&self, beams_a_found: f64, largest: f64) -> f64 {
+    fn or_more(self, other: Self) -> Self {
+        Self { points: self.points.max(other.points), beams: self.beams.max(other.beams) }
+    }
+
+    /// The first radius in pixels, where a pass keeps this share of all beams.
+    fn pixels(&self, share: f64, largest: f64) -> f64 {
         let within = |found: f64, dimensions: f64| (NEAREST / found.max(NEAREST)).powf(1.0 / dimensions);
-        let share = within(self.points, 2.0).min(within(self.beams * beams_a_found, 1.0));
-        (largest * share).max(LEAST_PIXELS)
+        let narrow = within(self.points, 2.0).min(within(self.beams * share, 1.0));
+        (largest * narrow).max(LEAST_PIXELS)
     }
 }
 
 impl Crowd {
-    /// The first radii of both classes, per distance from the camera, where every beam that the pilot found stands for so many in a pass.
-    pub(super) fn slopes(&self, a_found: BeamShares, pixel_angle: f64) -> [f64; 2] {
-        [
-            pixel_angle * self.caustic.pixels(a_found.caustic, LARGEST_CAUSTIC_PIXELS),
-            pixel_angle * self.indirect.pixels(a_found.indirect, LARGEST_INDIRECT_PIXELS),
-        ]
+    fn or_more(self, other: Self) -> Self {
+        Self { caustic: self.caustic.or_more(other.caustic), indirect: self.indirect.or_more(other.indirect) }
     }
 }
 
@@ -126,31 +149,38 @@ impl BeamShares {
         Self { caustic: thin(&mut emitted.volume_caustic.beams), indirect: thin(&mut emitted.volume_indirect.beams) }
     }
 
-    /// The lesser of two shares, by class.
-    pub(super) fn least(self, other: Self) -> Self {
-        Self { caustic: self.caustic.min(other.caustic), indirect: self.indirect.min(other.indirect) }
-    }
-
-    /// How many beams one stands for that was found among the share `kept`.
-    pub(super) fn relative_to(self, kept: Self) -> Self {
-        Self { caustic: self.caustic / kept.caustic, indirect: self.indirect / kept.indirect }
-    }
-
     /// Shares that leave enough beams: so many that the rays that see any pass about as many as an estimate wants, in the mean, within the least radius (of caustics) or
-    /// the widest (of light that was scattered before, which is smooth). More would cost time in every pass and lessen noise less than more passes do. `kept` is
-    /// the share that the pilot looked at.
-    pub(super) fn enough(crowds: &[Crowds], kept: Self) -> Self {
-        let share = |kept: f64, radii: f64, of: fn(&Crowd) -> Near| {
-            let found = crowds.iter().flat_map(Crowds::of_sets).flatten().map(|crowd| of(&crowd).beams);
-            let seen = found.filter(|&beams| beams > 0.0);
-            let (count, sum) = seen.fold((0.0, 0.0), |(count, sum), beams| (count + 1.0, sum + beams));
-            let wanted_in = sum / f64::max(count, 1.0) / kept / radii;
-            let most = kept * MOST_BEAMS / PILOT_BEAMS as f64;
-            (NEAREST / wanted_in.max(NEAREST)).min(most.min(1.0))
+    /// the widest (of light that was scattered before, which is smooth). More would cost time in every pass and lessen noise less than more passes do.
+    pub(super) fn enough(crowds: &[Crowds], counts: BeamCounts) -> Self {
+        let share = |count: usize, radii: f64, of: fn(&Crowd) -> Near| {
+            let all = crowds.iter().flat_map(|crowds| [crowds.free, crowds.shared]).flatten();
+            let seen = all.map(|crowd| of(&crowd).beams).filter(|&beams| beams > 0.0);
+            let (rays, sum) = seen.fold((0.0, 0.0), |(rays, sum), beams| (rays + 1.0, sum + beams));
+            let within = sum / f64::max(rays, 1.0) / radii;
+            (NEAREST / within.max(NEAREST)).min(MOST_BEAMS / (count as f64).max(MOST_BEAMS))
         };
         Self {
-            caustic: share(kept.caustic, LARGEST_CAUSTIC_PIXELS / LEAST_PIXELS, |crowd| crowd.caustic),
-            indirect: share(kept.indirect, 1.0, |crowd| crowd.indirect),
+            caustic: share(counts.caustic, LARGEST_CAUSTIC_PIXELS / LEAST_PIXELS, |crowd| crowd.caustic),
+            indirect: share(counts.indirect, 1.0, |crowd| crowd.indirect),
         }
+    }
+}
+
+/// How many beams a set has, by class.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct BeamCounts {
+    caustic: usize,
+    indirect: usize,
+}
+
+impl BeamCounts {
+    /// Those of emitted photons.
+    pub(super) fn of(emitted: &Emitted) -> Self {
+        Self { caustic: emitted.volume_caustic.beams.len(), indirect: emitted.volume_indirect.beams.len() }
+    }
+
+    /// The more of two sets or moments.
+    pub(super) fn or_more(self, other: Self) -> Self {
+        Self { caustic: self.caustic.max(other.caustic), indirect: self.indirect.max(other.indirect) }
     }
 }

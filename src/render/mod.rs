@@ -63,6 +63,14 @@ pub struct StopRules {
     pub target_error: Option<f64>,
 }
 
+impl StopRules {
+    /// How many passes a whole picture is to have, if a number decides.
+    pub fn passes_wanted(&self, budget: &Budget) -> Option<u64> {
+        let by_default = self.time.is_none() && self.target_error.is_none();
+        self.passes.or(by_default.then_some(budget.passes))
+    }
+}
+
 /// What a render is asked to do.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Request {
@@ -178,15 +186,15 @@ impl Job {
         let mut stopped = run.done > 0 && rules.hold(&run);
         // The pilot depends on scene and seed alone: a resumed run finds again what it found before.
         let pilot = match request.integrator {
-            Integrator::Photon if !stopped => Some(Pilot::fly(self, &mut run.seconds)),
+            Integrator::Photon if !stopped => Some(Pilot::fly(self, &mut run.seconds)?),
             Integrator::Photon | Integrator::Path => None,
         };
         let mut interrupted = false;
         while !(stopped || interrupted) {
             let pass = run.part.pass(run.done);
             match &pilot {
-                Some(pilot) => pass::photon_pass(self, pilot, pass, &mut run),
-                None => pass::path_pass(self, pass, &mut run),
+                Some(pilot) => pass::photon_pass(self, pilot, pass, &mut run)?,
+                None => pass::path_pass(self, pass, &mut run)?,
             }
             run.done += 1;
             clock.tell(&mut run);

@@ -5,16 +5,21 @@ use super::harvest::{Harvest, InMedia, Placed, Set};
 use super::pilot::Pilot;
 use super::{Job, Run};
 use crate::emit::{Emitters, Wavelengthed, trace};
-use crate::gather::{CameraNumbers, Direct, Gatherer, Maps, PathTracer, Scratch, golden};
+use crate::error::Result;
+use crate::gather::{CameraNumbers, Direct, Gatherer, Maps, PathTracer, Scratch};
 use crate::map::PhotonIndex;
 use crate::map::radius::Scales;
+use crate::math::kronecker::{golden, theodorus};
 use crate::math::random::{Purpose, REPLICATES, hash64};
+use crate::plan::MotionPlan;
+use crate::scene::Scene;
 use crate::sensor::film::FilmRow;
 use crate::sensor::{PixelSink, SplatSink};
 use crate::spectrum::{LANES, Lanes};
 use crate::walk::ledger::Ledger;
 use crate::walk::{Sink, Tally};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::time::Instant;
 
 /// Photon paths that one work item follows.
@@ -65,6 +70,21 @@ pub(super) fn shared_wavelengths(job: &Job, pass: u64) -> (Lanes, Lanes) {
     (drawn.map(|(nm, _)| nm), drawn.map(|(_, pdf)| pdf))
 }
 
+/// The scene at the moment that a pass shares: moments are spread evenly over the light that the shutter lets through, the replicates apart,
+/// and have nothing to do with the pass's wavelengths.
+fn scene_of_pass<'a>(job: &'a Job, pass: u64, run: &mut Run) -> Result<Cow<'a, Scene>> {
+    if job.plan.motion == MotionPlan::Still {
+        return Ok(Cow::Borrowed(&job.scene));
+    }
+    let begun = Instant::now();
+    let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64);
+    let u = theodorus(index as u32, hash64([job.budget.seed, Purpose::Moment as u64, replicate]));
+    let scene = job.scene.at(job.scene.shutter.time_s(u));
+    run.tally.moments += 1;
+    run.seconds.pose += begun.elapsed().as_secs_f64();
+    scene
+}
+
 /// Emits a set of photons on all threads of the pool; the result does not depend on their number.
 pub(super) fn emit(
     job: &Job,
@@ -76,8 +96,8 @@ pub(super) fn emit(
     let chunks: Vec<(Harvest<'_>, Ledger)> = (0..emitters.count.div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
-            let mut harvest = Harvest::new(&job.scene, &job.plan, (set, beam_shares), splats());
-            let mut ledger = Ledger::new(job.scene.materials.len());
+            let mut harvest = Harvest::new(emitters.scene, &job.plan, (set, beam_shares), splats());
+            let mut ledger = Ledger::new(emitters.scene.materials.len());
             for index in chunk * CHUNK..((chunk + 1) * CHUNK).min(emitters.count) {
                 trace(emitters, &points, index, &mut harvest, &mut ledger);
             }
@@ -102,7 +122,8 @@ pub(super) fn emit(
 }
 
 /// One pass of photon mapping.
-pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) {
+pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) -> Result<()> {
+    let scene = scene_of_pass(job, pass, run)?;
     let begun = Instant::now();
     let (nm, pdf) = shared_wavelengths(job, pass);
     let film = &run.film;
@@ -111,7 +132,7 @@ pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) {
         (Set::Shared, Purpose::SharedPhoton, Wavelengthed::Shared { nm, pdf }, pilot.shared_photons),
     ];
     let [mut free, mut shared] = sets.map(|(set, purpose, wavelengths, count)| {
-        let emitters = pilot.emitters(job, wavelengths, count, purpose, pass);
+        let emitters = pilot.emitters((job, &scene), wavelengths, count, purpose, pass);
         emit(job, &emitters, (set, pilot.beam_shares), || film.splat_sink())
     });
     run.seconds.emit += begun.elapsed().as_secs_f64();
@@ -122,15 +143,15 @@ pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) {
 
     let begun = Instant::now();
     let gatherer = Gatherer {
-        scene: &job.scene,
+        scene: &scene,
         plan: &job.plan,
-        direct: Direct::new(&job.scene, &job.choice.lights),
+        direct: Direct::new(&scene, &job.choice.lights),
         free: &free_maps,
         shared: &shared_maps,
         shared_nm: nm,
         shared_pdf: pdf,
         scales: Scales::of_pass(pass),
-        glass: job.scene.camera.system().map(|system| nm.map(|nm| system.at(nm))),
+        glass: scene.camera.system().map(|system| nm.map(|nm| system.at(nm))),
         outlines: &pilot.outlines,
         max_depth: job.budget.max_depth,
     };
@@ -158,14 +179,16 @@ pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) {
         ledger.scale(count as f64 / total);
         run.ledger.add(&ledger);
     }
+    Ok(())
 }
 
 /// One pass of path tracing.
-pub(super) fn path_pass(job: &Job, pass: u64, run: &mut Run) {
+pub(super) fn path_pass(job: &Job, pass: u64, run: &mut Run) -> Result<()> {
+    let scene = scene_of_pass(job, pass, run)?;
     let begun = Instant::now();
     let tracer = PathTracer {
-        scene: &job.scene,
-        direct: Direct::tracked(&job.scene, &job.choice.lights),
+        scene: &scene,
+        direct: Direct::tracked(&scene, &job.choice.lights),
         between: job.plan.between,
         wavelengths: &job.choice.wavelengths,
         max_depth: job.budget.max_depth,
@@ -178,6 +201,7 @@ pub(super) fn path_pass(job: &Job, pass: u64, run: &mut Run) {
     });
     run.film.count_pass(pass);
     run.seconds.gather += begun.elapsed().as_secs_f64();
+    Ok(())
 }
 
 /// Exposes all rows of the film in parallel.

@@ -1,11 +1,16 @@
 //! The pilot: a small render before pass 0, with random streams of its own, that fixes what passes must not learn from each other:
 //! where lights aim, each pixel's first kernel radii, and how photons are shared between the two sets.
+//!
+//! Where things move it looks at the scene at several moments: lights aim at what is useful at any of them, and a pixel's radii are the smallest
+//! of all (where light is dense at one moment and thin at another, the dense one decides how sharp the picture is, and the thin one's noise
+//! weighs little). Outlines are kept only where nothing moves.
 
-use super::crowd::{BeamShares, Crowds};
+use super::crowd::{BeamCounts, BeamShares, Crowds};
 use super::harvest::Set;
 use super::pass::{emit, shared_wavelengths};
 use super::{Job, Seconds};
 use crate::emit::{Aim, Arrival, CELLS, Collision, Crossing, Emitters, Receiver, Wavelengthed, trace};
+use crate::error::Result;
 use crate::gather::{
     CameraNumbers, Direct, Gatherer, Landing, Maps, Outline, Outlines, RADIUS_KINDS, Radii, RadiusKind, Scratch,
 };
@@ -13,11 +18,15 @@ use crate::map::PhotonIndex;
 use crate::map::radius::{self, Scales};
 use crate::math::random::{Purpose, Stream};
 use crate::plan::partition::{LightPath, View};
-use crate::plan::{AimPlan, BetweenPlan, IndirectPlan, WavelengthPlan};
+use crate::plan::{AimPlan, BetweenPlan, IndirectPlan, MotionPlan, WavelengthPlan};
+use crate::scene::Scene;
+use crate::scene::sweep::Bounds;
 use crate::sensor::Film;
 use crate::walk::ledger::Ledger;
 use crate::walk::{Sink, Tally};
+use glam::DVec3;
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::num::NonZero;
 use std::time::Instant;
 
@@ -45,14 +54,29 @@ const LARGEST_CAUSTIC_PIXELS: f64 = 3.0;
 /// Neither set gets less than this share of the photons where both are in use.
 const LEAST_SHARE: f64 = 0.08;
 
+/// At how many moments the pilot looks at a scene that moves.
+const MOMENTS: usize = 4;
+
+/// The scene at the pilot's moments: in the middle of equal shares of the light that the shutter lets through.
+fn scenes(job: &Job) -> Result<Vec<Cow<'_, Scene>>> {
+    match job.plan.motion {
+        MotionPlan::PosedPerPass if job.scene.moves() => {
+            let share = |i: usize| (i as f64 + 0.5) / MOMENTS as f64;
+            (0..MOMENTS).map(|i| job.scene.at(job.scene.shutter.time_s(share(i)))).collect()
+        }
+        MotionPlan::PosedPerPass | MotionPlan::Still => Ok(vec![Cow::Borrowed(&job.scene)]),
+    }
+}
+
 impl Pilot {
     /// Flies the pilot.
-    pub(super) fn fly(job: &Job, seconds: &mut Seconds) -> Self {
+    pub(super) fn fly(job: &Job, seconds: &mut Seconds) -> Result<Self> {
         let begun = Instant::now();
+        let scenes = scenes(job)?;
         let plain = vec![Aim::plain(); job.scene.lights.len()];
         let aims = match job.plan.aim {
             AimPlan::Plain => plain,
-            AimPlan::Learned => learn_aims(job, plain),
+            AimPlan::Learned => learn_aims(job, &scenes, plain),
         };
         let half = job.budget.photons / 2;
         let mut pilot = Self {
@@ -68,107 +92,101 @@ impl Pilot {
             WavelengthPlan::Shared => (pilot.free_photons, pilot.shared_photons) = (0, job.budget.photons),
             WavelengthPlan::Both => {}
         }
-        pilot.measure(job);
+        pilot.measure(job, &scenes);
         seconds.pilot += begun.elapsed().as_secs_f64();
-        pilot
+        Ok(pilot)
     }
 
     /// What emits a set of photons.
     pub(super) fn emitters<'a>(
         &'a self,
-        job: &'a Job,
+        (job, scene): (&'a Job, &'a Scene),
         wavelengths: Wavelengthed,
         count: u64,
         purpose: Purpose,
         pass: u64,
     ) -> Emitters<'a> {
-        let (scene, choice) = (&job.scene, &job.choice.lights);
+        let choice = &job.choice.lights;
         let (max_depth, seed) = (job.budget.max_depth, job.budget.seed);
         let volumes = job.plan.between != BetweenPlan::Clear;
         Emitters { scene, choice, aims: &self.aims, wavelengths, count, max_depth, seed, purpose, pass, volumes }
     }
 
     /// Fixes the radii and the shares of the two sets.
-    fn measure(&mut self, job: &Job) {
-        let (nm, pdf) = shared_wavelengths(job, 0);
-        let observer = job.scene.film.observer;
-        let blank = Film::new(1, 1, observer, 0);
+    fn measure(&mut self, job: &Job, scenes: &[Cow<'_, Scene>]) {
+        let mut findings = Findings::default();
+        for (moment, scene) in (0..).zip(scenes) {
+            findings.add(self.look(job, (moment, scene)));
+        }
+        let Findings { mut radii, seen, crowds, beams, landings } = findings;
+        self.beam_shares = BeamShares::enough(&crowds, beams);
+        let pixel_angle = job.scene.camera.pixel_angle();
+        for (radii, crowds) in radii.iter_mut().zip(&crowds) {
+            crowds.set_radii(radii, self.beam_shares, pixel_angle);
+        }
+        fill_unknown(&mut radii);
+        self.radii = radii;
+        // Where the camera moves, a pixel sees no place for long.
+        if job.plan.indirect != IndirectPlan::Absent && job.scene.motions.camera.is_none() {
+            let (swept, scene) = (job.scene.swept_boxes(), &scenes[0]);
+            self.outlines = outlines((job, scene), (&seen, &swept), &self.radii);
+        }
+        self.share_photons(job, landings);
+    }
+
+    /// What all pixels find at one of the pilot's moments.
+    fn look(&self, job: &Job, (moment, scene): (u64, &Scene)) -> Findings {
+        let (nm, pdf) = shared_wavelengths(job, moment);
+        let blank = Film::new(1, 1, scene.film.observer, 0);
         let photons = |set, wavelengths, count, pass| {
-            let emitters = self.emitters(job, wavelengths, count, Purpose::Pilot, pass);
+            let emitters = self.emitters((job, scene), wavelengths, count, Purpose::Pilot, pass);
             emit(job, &emitters, (set, BeamShares::ALL), || blank.splat_sink())
         };
-        let mut free = photons(Set::Free, Wavelengthed::Free, self.free_photons, 0);
-        let mut shared = photons(Set::Shared, Wavelengthed::Shared { nm, pdf }, self.shared_photons, 1);
-        let kept = BeamShares::thinning(&mut free).least(BeamShares::thinning(&mut shared));
+        let mut free = photons(Set::Free, Wavelengthed::Free, self.free_photons, 2 * moment);
+        let mut shared = photons(Set::Shared, Wavelengthed::Shared { nm, pdf }, self.shared_photons, 2 * moment + 1);
+        let beams = BeamCounts::of(&free).or_more(BeamCounts::of(&shared));
+        let kept = [BeamShares::thinning(&mut free), BeamShares::thinning(&mut shared)];
         let (free, shared) = (free.maps(), shared.maps());
         let (empty, none) = (Maps::default(), Outlines::default());
         let gatherer = Gatherer {
-            scene: &job.scene,
+            scene,
             plan: &job.plan,
-            direct: Direct::new(&job.scene, &job.choice.lights),
+            direct: Direct::new(scene, &job.choice.lights),
             free: &empty,
             shared: &empty,
             shared_nm: nm,
             shared_pdf: pdf,
             scales: Scales::of_pass(0),
-            glass: job.scene.camera.system().map(|system| nm.map(|nm| system.at(nm))),
+            glass: scene.camera.system().map(|system| nm.map(|nm| system.at(nm))),
             outlines: &none,
             max_depth: job.budget.max_depth,
         };
-        let (width, pixel_angle) = (job.scene.camera.width(), job.scene.camera.pixel_angle());
-        let rows: Vec<RowFindings> = (0..job.scene.camera.pixel_count() / width)
+        let width = scene.camera.width();
+        let rows: Vec<Findings> = (0..scene.camera.pixel_count() / width)
             .into_par_iter()
-            .map(|row| self.measure_row(job, &gatherer, (&free, &shared), row * width..(row + 1) * width))
+            .map(|row| {
+                let pixels = row * width..(row + 1) * width;
+                self.look_along_row((job, moment), &gatherer, [(&free, kept[0]), (&shared, kept[1])], pixels)
+            })
             .collect();
-        let mut landings = [0_u64; 2];
-        let mut seen = Vec::with_capacity(width * rows.len());
-        let mut crowds = Vec::with_capacity(width * rows.len());
-        for row in rows {
-            self.radii.extend(row.radii);
-            seen.extend(row.seen);
-            crowds.extend(row.crowds);
-            (0..2).for_each(|set| landings[set] += row.landings[set]);
-        }
-        self.beam_shares = BeamShares::enough(&crowds, kept);
-        let a_found = self.beam_shares.relative_to(kept);
-        for (radii, crowds) in self.radii.iter_mut().zip(&crowds) {
-            let kinds = [
-                [RadiusKind::FreeVolumeCaustic, RadiusKind::FreeVolumeIndirect],
-                [RadiusKind::SharedVolumeCaustic, RadiusKind::SharedVolumeIndirect],
-            ];
-            for (kinds, crowd) in kinds.into_iter().zip(crowds.of_sets()) {
-                let slopes = crowd.map(|crowd| crowd.slopes(a_found, pixel_angle));
-                for (i, kind) in kinds.into_iter().enumerate() {
-                    radii[kind as usize] = slopes.map_or(UNKNOWN, |slopes| slopes[i] as f32);
-                }
-            }
-        }
-        fill_unknown(&mut self.radii);
-        if job.plan.indirect != IndirectPlan::Absent {
-            self.outlines = outlines(job, &seen, &self.radii, width);
-        }
-        self.share_photons(job, landings);
+        let mut all = Findings { beams, ..Findings::default() };
+        rows.into_iter().for_each(|row| all.append(row));
+        all
     }
 
-    fn measure_row<'a>(
+    fn look_along_row<'a>(
         &self,
-        job: &'a Job,
+        (job, moment): (&'a Job, u64),
         gatherer: &Gatherer<'a>,
-        (free, shared): (&Maps, &Maps),
+        [free, shared]: [(&Maps, BeamShares); 2],
         pixels: std::ops::Range<usize>,
-    ) -> RowFindings {
+    ) -> Findings {
         let mut scratch = Scratch::default();
-        let count = pixels.len();
-        let pixel_angle = job.scene.camera.pixel_angle();
-        let mut found = RowFindings {
-            radii: Vec::with_capacity(count),
-            seen: Vec::with_capacity(count),
-            crowds: Vec::with_capacity(count),
-            landings: [0; 2],
-        };
+        let pixel_angle = gatherer.scene.camera.pixel_angle();
+        let mut found = Findings::default();
         for pixel in pixels {
             // The replicates use hashes of (seed, replicate, pixel): a seed of its own keeps the pilot apart from them.
-            let numbers = CameraNumbers::new(job.budget.seed ^ 0x0070_696c_6f74, 0, pixel as u64);
+            let numbers = CameraNumbers::new(job.budget.seed ^ 0x0070_696c_6f74, moment, pixel as u64);
             gatherer.sample(
                 pixel as u64,
                 numbers,
@@ -179,16 +197,16 @@ impl Pilot {
             let mut radii = [UNKNOWN; RADIUS_KINDS];
             for landing in &scratch.landings {
                 let (maps, kinds) = if landing.shared {
-                    (shared, [RadiusKind::SharedCaustic, RadiusKind::SharedIndirect])
+                    (shared.0, [RadiusKind::SharedCaustic, RadiusKind::SharedIndirect])
                 } else {
-                    (free, [RadiusKind::FreeCaustic, RadiusKind::FreeIndirect])
+                    (free.0, [RadiusKind::FreeCaustic, RadiusKind::FreeIndirect])
                 };
                 let largest = [LARGEST_CAUSTIC_PIXELS, LARGEST_INDIRECT_PIXELS];
                 for (i, map) in [&maps.caustic, &maps.indirect].into_iter().enumerate() {
                     radii[kinds[i] as usize] = first_radius(job, landing, map, largest[i]) as f32;
                 }
             }
-            found.crowds.push(Crowds::along(&scratch.legs, (free, shared), pixel_angle));
+            found.crowds.push(Crowds::along(&scratch.legs, [free, shared], pixel_angle));
             let shared_legs = scratch.legs.iter().map(|leg| leg.shared);
             let used = || scratch.landings.iter().map(|landing| landing.shared).chain(shared_legs.clone());
             let (shared_here, free_here) = (used().any(|shared| shared), used().any(|shared| !shared));
@@ -212,14 +230,42 @@ impl Pilot {
     }
 }
 
-/// What one row of pixels tells.
-struct RowFindings {
+/// What pixels tell.
+#[derive(Default)]
+struct Findings {
     radii: Vec<Radii>,
     /// What pixels see directly.
     seen: Vec<Option<Landing>>,
     /// How many photons in media are near the rays.
     crowds: Vec<Crowds>,
+    /// How many beams there are.
+    beams: BeamCounts,
     landings: [u64; 2],
+}
+
+impl Findings {
+    /// Takes in what other pixels tell.
+    fn append(&mut self, more: Self) {
+        self.radii.extend(more.radii);
+        self.seen.extend(more.seen);
+        self.crowds.extend(more.crowds);
+        self.beams = self.beams.or_more(more.beams);
+        (0..2).for_each(|set| self.landings[set] += more.landings[set]);
+    }
+
+    /// Takes in what the same pixels tell at another moment.
+    fn add(&mut self, more: Self) {
+        if self.radii.is_empty() {
+            self.append(more);
+            return;
+        }
+        for (radii, others) in self.radii.iter_mut().flatten().zip(more.radii.iter().flatten()) {
+            *radii = if *radii > 0.0 && *others > 0.0 { radii.min(*others) } else { radii.max(*others) };
+        }
+        self.crowds.iter_mut().zip(more.crowds).for_each(|(here, more)| *here = here.or_more(more));
+        self.beams = self.beams.or_more(more.beams);
+        (0..2).for_each(|set| self.landings[set] += more.landings[set]);
+    }
 }
 
 /// Marks a radius that the pilot did not see.
@@ -235,19 +281,26 @@ fn first_radius(job: &Job, landing: &Landing, map: &PhotonIndex, largest_pixels:
     radius::first(kth, footprint, largest_pixels * footprint)
 }
 
-/// The outlines around what pixels see directly, where their kernels for indirect light reach over an edge.
-fn outlines(job: &Job, seen: &[Option<Landing>], radii: &[Radii], width: usize) -> Outlines {
+/// The outlines around what pixels see directly, where their kernels for indirect light reach over an edge that nothing moves.
+fn outlines((job, scene): (&Job, &Scene), (seen, swept): (&[Option<Landing>], &[Bounds]), radii: &[Radii]) -> Outlines {
     let kind = match job.plan.wavelengths {
         WavelengthPlan::Free | WavelengthPlan::Both => RadiusKind::FreeIndirect,
         WavelengthPlan::Shared => RadiusKind::SharedIndirect,
     };
+    let width = scene.camera.width();
     let outline = |pixel: usize| {
         let radius = f64::from(radii[pixel][kind as usize]);
         let landing = seen[pixel].as_ref().filter(|here| may_reach_over_an_edge(seen, (pixel, here), radius, width))?;
-        Outline::around(&job.scene.geometry, landing, radius)
+        let moves = |bounds: &Bounds| distance(landing.position, bounds) <= 2.0 * radius;
+        if swept.iter().any(moves) { None } else { Outline::around(&scene.geometry, landing, radius) }
     };
     let of_pixels: Vec<Option<Outline>> = (0..seen.len()).into_par_iter().map(outline).collect();
     Outlines::new(width, of_pixels.into_iter())
+}
+
+/// The distance of a place from a box; 0 inside.
+fn distance(place: DVec3, (low, high): &Bounds) -> f64 {
+    place.distance(place.clamp(*low, *high))
 }
 
 /// Whether a pixel a kernel away sees no surface, or one that does not continue this pixel's; or there is no such pixel.
@@ -283,7 +336,7 @@ fn fill_unknown(radii: &mut [Radii]) {
 }
 
 /// Learns where each light's photons are useful.
-fn learn_aims(job: &Job, mut aims: Vec<Aim>) -> Vec<Aim> {
+fn learn_aims(job: &Job, scenes: &[Cow<'_, Scene>], mut aims: Vec<Aim>) -> Vec<Aim> {
     /// Paths a round and light; several for each cell.
     const PATHS: u64 = 16 * (CELLS * CELLS) as u64;
     const CHUNK: u64 = 4096;
@@ -298,12 +351,15 @@ fn learn_aims(job: &Job, mut aims: Vec<Aim>) -> Vec<Aim> {
             beam_shares: BeamShares::ALL,
         };
         let count = PATHS * (lights as u64).min(4);
-        let emitters = pilot.emitters(job, Wavelengthed::Free, count, Purpose::Pilot, 100 + round);
-        let points = emitters.points();
-        let parts: Vec<Usefulness<'_>> = (0..count.div_ceil(CHUNK))
+        let chunks = count.div_ceil(CHUNK);
+        let parts: Vec<Usefulness<'_>> = (0..chunks)
             .into_par_iter()
             .map(|chunk| {
-                let mut part = Usefulness::new(job, lights);
+                // The moments take equal turns.
+                let scene = &scenes[(chunk * scenes.len() as u64 / chunks) as usize];
+                let emitters = pilot.emitters((job, scene), Wavelengthed::Free, count, Purpose::Pilot, 100 + round);
+                let points = emitters.points();
+                let mut part = Usefulness::new(scene, lights);
                 let mut ledger = Ledger::new(job.scene.materials.len());
                 for index in chunk * CHUNK..((chunk + 1) * CHUNK).min(count) {
                     trace(&emitters, &points, index, &mut part, &mut ledger);
@@ -312,7 +368,7 @@ fn learn_aims(job: &Job, mut aims: Vec<Aim>) -> Vec<Aim> {
                 part
             })
             .collect();
-        let mut whole = Usefulness::new(job, lights);
+        let mut whole = Usefulness::new(&job.scene, lights);
         parts.iter().for_each(|part| whole.add(part));
         aims = (0..lights).map(|light| whole.aim(light)).collect();
     }
@@ -321,7 +377,7 @@ fn learn_aims(job: &Job, mut aims: Vec<Aim>) -> Vec<Aim> {
 
 /// How useful photons from each cell of each light's aiming grid are.
 struct Usefulness<'a> {
-    job: &'a Job,
+    scene: &'a Scene,
     /// Paths, and sum of squared scores, per light and cell.
     paths: Vec<f64>,
     squares: Vec<f64>,
@@ -330,9 +386,9 @@ struct Usefulness<'a> {
 }
 
 impl<'a> Usefulness<'a> {
-    fn new(job: &'a Job, lights: usize) -> Self {
+    fn new(scene: &'a Scene, lights: usize) -> Self {
         let size = lights * CELLS * CELLS;
-        Self { job, paths: vec![0.0; size], squares: vec![0.0; size], current: 0, score: 0.0 }
+        Self { scene, paths: vec![0.0; size], squares: vec![0.0; size], current: 0, score: 0.0 }
     }
 
     /// Ends a path.
@@ -376,7 +432,7 @@ fn spread_from_neighbours(raw: &[f64], cell: usize) -> f64 {
 
 impl Receiver for Usefulness<'_> {
     fn arrive(&mut self, arrival: &Arrival<'_>, _stream: &mut Stream) {
-        let in_view = self.job.scene.camera.sight(arrival.encounter.hit.position, [0.5; 2]).is_some();
+        let in_view = self.scene.camera.sight(arrival.encounter.hit.position, [0.5; 2]).is_some();
         self.score += match (arrival.path, in_view) {
             (LightPath::Direct, _) => 0.0,
             (LightPath::Caustic, true) => 1.0,
@@ -388,12 +444,12 @@ impl Receiver for Usefulness<'_> {
 
     fn cross(&mut self, crossing: &Crossing<'_>, _stream: &mut Stream) {
         let Crossing { stretch, medium, path, .. } = crossing;
-        if *path == LightPath::Direct || !self.job.scene.media[*medium].scatters() || !stretch.length_m.is_finite() {
+        if *path == LightPath::Direct || !self.scene.media[*medium].scatters() || !stretch.length_m.is_finite() {
             return;
         }
         // A beam counts by how much of it is in view.
         let places = [0.1, 0.3, 0.5, 0.7, 0.9].map(|share| stretch.ray.at(share * stretch.length_m));
-        let in_view = places.iter().filter(|&&place| self.job.scene.camera.sight(place, [0.5; 2]).is_some()).count();
+        let in_view = places.iter().filter(|&&place| self.scene.camera.sight(place, [0.5; 2]).is_some()).count();
         let weight = if *path == LightPath::Caustic { 1.0 } else { 0.3 };
         self.score += weight * 0.2 * in_view as f64;
     }

@@ -36,8 +36,7 @@ pub(super) struct Rules {
 impl Rules {
     /// The rules of a request; the run is told how many passes are wanted.
     pub(super) fn new(job: &Job, stop: StopRules, run: &mut Run) -> Self {
-        let by_default = stop.time.is_none() && stop.target_error.is_none();
-        run.wanted = stop.passes.or(by_default.then_some(job.budget.passes));
+        run.wanted = stop.passes_wanted(&job.budget);
         let wanted = run.wanted.map(|passes| run.part.count_of(passes));
         Self { stop, wanted, measured: ErrorWatch::default() }
     }

@@ -16,6 +16,8 @@ pub struct Seconds {
     pub total: f64,
     /// Learning aims and radii.
     pub pilot: f64,
+    /// Posing the scene.
+    pub pose: f64,
     /// Photons.
     pub emit: f64,
     /// Building trees.
@@ -156,10 +158,11 @@ impl Stats {
 impl Seconds {
     fn together(all: impl Iterator<Item = Self>) -> Self {
         all.fold(Self::default(), |sum, more| {
-            let Self { total, pilot, emit, map, gather, develop } = more;
+            let Self { total, pilot, pose, emit, map, gather, develop } = more;
             Self {
                 total: sum.total + total,
                 pilot: sum.pilot + pilot,
+                pose: sum.pose + pose,
                 emit: sum.emit + emit,
                 map: sum.map + map,
                 gather: sum.gather + gather,
@@ -231,6 +234,7 @@ fn effect_stats(job: &Job, tally: &Tally) -> BTreeMap<String, EffectStats> {
         "volume-photons" => tally.volume_points,
         "photon-beams" => tally.volume_beams,
         "aim" => tally.aimed,
+        "motion" => tally.moments,
         _ => 0,
     };
     let state = |state: State| state.word().to_string();

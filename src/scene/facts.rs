@@ -45,6 +45,8 @@ pub struct Facts {
     pub lens_system: Option<String>,
     /// What the scene says of its camera's opening, if that is to diffract light.
     pub diffracting: Option<String>,
+    /// Objects and lights that move while the shutter is open, and the camera.
+    pub moving: Vec<String>,
 }
 
 impl Facts {
@@ -115,6 +117,10 @@ impl Facts {
         facts.diffracting = Diffraction::of(&scene.camera)
             .filter(|_| scene.camera.diffracts)
             .map(|diffraction| format!("an Airy disk of {:.2} pixels in green light", diffraction.airy_diameter_px()));
+        let moving = scene.motions.shapes.iter().filter(|shape| shape.motion.is_some());
+        facts.moving.extend(moving.map(|shape| scene.objects[shape.placed.object as usize].name.clone()));
+        facts.moving.extend(scene.moving_lights().map(|light| light.name.clone()));
+        facts.moving.extend(scene.motions.camera.iter().map(|_| "the camera".to_owned()));
         facts.lens_system = scene.camera.system().map(|system| system.name().to_owned());
         facts
     }

@@ -11,24 +11,28 @@ pub mod interior;
 pub mod light;
 pub mod medium;
 pub mod mesh;
+pub mod motion;
 pub mod resolve;
 pub mod shape;
+pub mod sweep;
 
 use crate::colour::gamut::GamutMapping;
 use crate::colour::{RgbSpace, Xyz};
 use crate::optics::glass::Index;
 use crate::optics::surface::Surface;
 use crate::spectrum::{Observer, Spectrum};
-use camera::Camera;
+use camera::{Camera, Shutter};
 use geometry::{Geometry, Hit, Ray};
 use glam::DVec3;
 use interior::{Interior, Rank};
 use light::{Emitter, Light, World};
 use medium::Medium;
+use motion::Motions;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
-/// A resolved scene. Positions are relative to `centre`.
-#[derive(Debug)]
+/// A resolved scene, as it stands when the shutter opens. Positions are relative to `centre`.
+#[derive(Debug, Clone)]
 pub struct Scene {
     /// The title, or the file's name.
     pub title: String,
@@ -38,12 +42,16 @@ pub struct Scene {
     pub radius_m: f64,
     /// The camera.
     pub camera: Camera,
+    /// When the camera is open.
+    pub shutter: Shutter,
+    /// What moves meanwhile.
+    pub motions: Motions,
     /// The film.
     pub film: FilmSpec,
     /// All surfaces.
-    pub geometry: Geometry,
+    pub geometry: Arc<Geometry>,
     /// The faces of bodies that have no surface: they only bound a medium, and rays pass them without an event.
-    pub boundaries: Geometry,
+    pub boundaries: Arc<Geometry>,
     /// What the surfaces belong to, by object number.
     pub objects: Vec<Object>,
     /// The materials, by number.

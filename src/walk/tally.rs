@@ -40,6 +40,8 @@ pub struct Tally {
     pub volume_queries: u64,
     /// Photons sent by a learned aim.
     pub aimed: u64,
+    /// Passes with a moment of their own.
+    pub moments: u64,
     /// Contributions that were not finite and were dropped; 0 unless there is a bug.
     pub rejected: u64,
 }
@@ -64,6 +66,7 @@ impl Tally {
         self.volume_beams += other.volume_beams;
         self.volume_queries += other.volume_queries;
         self.aimed += other.aimed;
+        self.moments += other.moments;
         self.rejected += other.rejected;
     }
 }

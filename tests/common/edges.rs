@@ -1,27 +1,27 @@
 //! Pixels at whose surface a kernel would reach over an edge: density estimates are wrong there by design, and comparisons leave them out.
 
-use abbe::render::Job;
+use abbe::scene::Scene;
 use abbe::scene::geometry::{Hit, Ray};
 use glam::{DVec2, DVec3};
 
 /// For each pixel, whether the surface seen in it (at its corners and its middle) goes on for `reach` (m) all around, with nothing standing on it.
-pub(crate) fn away_from_edges(job: &Job, reach: f64) -> Vec<bool> {
-    let width = job.scene.camera.width();
+pub(crate) fn away_from_edges(scene: &Scene, reach: f64) -> Vec<bool> {
+    let width = scene.camera.width();
     let places = [[0.5, 0.5], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
     let pixel = |index: usize| {
         let corner = DVec2::new((index % width) as f64, (index / width) as f64);
         places.iter().all(|&place| {
-            let ray = job.scene.camera.ray(corner + DVec2::from(place), [0.5; 2]);
-            let hit = job.scene.geometry.intersect(&ray, None, f64::INFINITY);
-            hit.is_some_and(|hit| goes_on(job, &ray, &hit, reach))
+            let ray = scene.camera.ray(corner + DVec2::from(place), [0.5; 2]);
+            let hit = scene.geometry.intersect(&ray, None, f64::INFINITY);
+            hit.is_some_and(|hit| goes_on(scene, &ray, &hit, reach))
         })
     };
-    (0..job.scene.camera.pixel_count()).map(pixel).collect()
+    (0..scene.camera.pixel_count()).map(pixel).collect()
 }
 
-fn goes_on(job: &Job, ray: &Ray, hit: &Hit, reach: f64) -> bool {
+fn goes_on(scene: &Scene, ray: &Ray, hit: &Hit, reach: f64) -> bool {
     const AROUND: usize = 12;
-    let geometry = &job.scene.geometry;
+    let geometry = &scene.geometry;
     let up = if ray.direction.dot(hit.normal) < 0.0 { hit.normal } else { -hit.normal };
     let right = up.any_orthonormal_vector();
     let ahead = up.cross(right);

@@ -18,6 +18,7 @@ mod irradiance;
 mod lens_foci;
 mod lens_objects;
 mod lens_system;
+mod motion;
 mod photon_and_path;
 mod prism;
 mod references;

@@ -52,7 +52,7 @@ fn cornell(albedo: f64) -> Value {
 fn a_diffuse_box_and_faults_in_it() {
     const RADIUS: f64 = 0.12;
     let scene = cornell(0.73);
-    let mask = away_from_edges(&job(&scene), 2.0 * RADIUS);
+    let mask = away_from_edges(&job(&scene).scene, 2.0 * RADIUS);
     let path = Measured::new(&scene, (Integrator::Path, 96), 100..108, blocks(&mask, 8));
     let photon = photons(&scene, RADIUS, 24, blocks(&mask, 8));
     assert_same("box, photon against path", &photon, &path, 5e-3);

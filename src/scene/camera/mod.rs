@@ -5,11 +5,13 @@
 
 mod depth_of_field;
 mod diffraction;
+mod shutter;
 mod stop;
 mod system;
 
 pub use depth_of_field::DepthOfField;
 pub use diffraction::Diffraction;
+pub use shutter::Shutter;
 pub use stop::Stop;
 pub use system::{SystemAt, SystemLens};
 
@@ -84,6 +86,12 @@ impl Camera {
         self.origin
     }
 
+    /// Stands it at a place, looking at another, with a third vector up in the picture.
+    pub fn stand(&mut self, [from, at, up]: [DVec3; 3]) {
+        (self.forward, self.up) = axes(at - from, up);
+        (self.origin, self.right) = (from, self.forward.cross(self.up));
+    }
+
     /// What lets the light in.
     pub fn aperture(&self) -> &Aperture {
         &self.aperture
@@ -146,6 +154,18 @@ impl Camera {
         Some((Ray { origin: self.origin + to_world(ray.origin) * 1e-3, direction: to_world(ray.direction) }, weight))
     }
 
+    /// Where on the film (in pixels, perhaps beside it) a point is seen through the middle of the lens; `None` behind the camera.
+    pub fn project(&self, point: DVec3) -> Option<DVec2> {
+        let offset = point - self.origin;
+        let depth = offset.dot(self.forward);
+        (depth > 0.0).then(|| self.on_film(DVec2::new(offset.dot(self.right), offset.dot(self.up)) / depth))
+    }
+
+    /// The place on the film (in pixels) of a place on the plane at distance 1, right and up from its middle.
+    fn on_film(&self, on_plane: DVec2) -> DVec2 {
+        DVec2::new(on_plane.x, -on_plane.y) / self.pixel + 0.5 * self.size
+    }
+
     /// How the point is seen, through the place of the opening that `lens` draws; `None` if it is not on the film.
     /// Real glass is left aside, as in [`ray`](Self::ray).
     pub fn sight(&self, point: DVec3, lens: [f64; 2]) -> Option<Sighting> {
@@ -162,7 +182,7 @@ impl Camera {
         let sideways = DVec2::new(-offset.dot(self.right), -offset.dot(self.up));
         // Where the line meets the plane in focus, brought to the plane at distance 1.
         let on_plane = (sideways * (focus_m / depth) + shift) / focus_m;
-        let film = DVec2::new(on_plane.x, -on_plane.y) / self.pixel + 0.5 * self.size;
+        let film = self.on_film(on_plane);
         if !(film.x >= 0.0 && film.y >= 0.0 && film.x < self.size.x && film.y < self.size.y) {
             return None;
         }
@@ -175,6 +195,13 @@ impl Camera {
             importance: 1.0 / (distance * distance * cos * cos * cos * self.pixel * self.pixel),
         })
     }
+}
+
+/// The unit vectors forward and up of a camera that looks along `view`, with `up` above (not along the view).
+pub fn axes(view: DVec3, up: DVec3) -> (DVec3, DVec3) {
+    let forward = view.normalize();
+    let right = forward.cross(up).normalize();
+    (forward, right.cross(forward))
 }
 
 #[cfg(test)]
@@ -199,6 +226,8 @@ mod tests {
                 let sighting = camera.sight(ray.origin + ray.direction * 4.2, lens).unwrap();
                 assert_eq!(sighting.pixel, film[1] as u32 * 40 + film[0] as u32);
                 assert!((sighting.distance - 4.2).abs() < 1e-12);
+                let seen = camera.project(camera.origin() + (ray.origin - camera.origin()) + ray.direction * 4.2);
+                assert!(camera.aperture() != &Aperture::Pinhole || (seen.unwrap() - DVec2::from(film)).length() < 1e-9);
                 assert!((sighting.direction + ray.direction).length() < 1e-12);
             }
             assert!(camera.sight(DVec3::new(1.0, 2.0, 4.0), [0.5; 2]).is_none(), "behind the camera");

@@ -10,6 +10,7 @@ use super::forms::{self, Form, Forms};
 use super::index::IndexFile;
 use super::path::JsonPath;
 use crate::error::{Error, Result};
+use crate::scene::motion::CameraMotion;
 
 /// The camera.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -241,6 +242,14 @@ pub struct LensSurfaceFile {
 }
 
 impl CameraFile {
+    /// Its way through all keyframes, in the scene's unit; `None` if it has none.
+    pub fn way(&self) -> Option<CameraMotion> {
+        CameraMotion::new(self.motion.iter().map(|key| {
+            let [from, at, up] = [(key.from, self.from), (key.at, self.at), (key.up, self.up)];
+            (key.time, [from, at, up].map(|(own, cameras)| DVec3::from(own.unwrap_or(cameras))))
+        }))
+    }
+
     /// Checks ranges and directions.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { from, at: target, up, lens, shutter, motion } = self;
@@ -255,6 +264,11 @@ impl CameraFile {
             let last_written = if key.at.is_some() { "at" } else { "from" };
             let pose = [key.from.unwrap_or(*from), key.at.unwrap_or(*target), key.up.unwrap_or(*up)];
             validate_pose(&at.index(i), last_written, pose)?;
+        }
+        if let Some(time_s) = self.way().and_then(|way| way.lost_s()) {
+            let what =
+                format!("found a way on which the camera, at {time_s:.3} s, looks along its `up` or at its own place");
+            return Err(check::fault(&at, what, "a view that stays clear of both; put keys in between"));
         }
         Ok(())
     }
@@ -276,19 +290,6 @@ fn validate_pose(camera: &JsonPath, key: &str, [from, at, up]: [[f64; 3]; 3]) ->
 }
 
 impl ShutterFile {
-    /// For how long it is open, in s: a time of half transmission counts half. Before the curve's first point and after its last the transmission
-    /// there is held.
-    pub fn open_s(&self) -> f64 {
-        let Self { open, close, curve } = self;
-        let mean = curve.as_deref().map_or(1.0, |curve| {
-            let between: f64 =
-                curve.windows(2).map(|pair| (pair[1][0] - pair[0][0]) * 0.5 * (pair[0][1] + pair[1][1])).sum();
-            let (first, last) = (curve[0], curve[curve.len() - 1]);
-            between + first[0] * first[1] + (1.0 - last[0]) * last[1]
-        });
-        (close - open) * mean
-    }
-
     /// Checks that it closes after it opens, and its curve.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { open, close, curve } = self;

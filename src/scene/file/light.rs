@@ -311,6 +311,18 @@ impl EmissionFile {
 }
 
 impl LightFile {
+    /// Its transform, and how it moves.
+    pub fn way(&self) -> (&TransformFile, &[KeyframeFile]) {
+        match self {
+            Self::Point(light) => (&light.transform, &light.motion),
+            Self::Spot(light) => (&light.transform, &light.motion),
+            Self::Beam(light) => (&light.transform, &light.motion),
+            Self::Directional(light) => (&light.transform, &light.motion),
+            Self::Environment(light) => (&light.transform, &light.motion),
+            Self::Ies(light) => (&light.transform, &light.motion),
+        }
+    }
+
     /// Checks ranges, directions and the quantity.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {

@@ -9,6 +9,7 @@ use super::check;
 use super::forms::{self, Form, Forms};
 use super::path::JsonPath;
 use crate::error::Result;
+use crate::scene::motion::Pose;
 
 /// A list of steps, applied first to last.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -94,7 +95,12 @@ impl TransformFile {
 
     /// The affine map of all steps, first to last, in the scene's unit.
     pub fn to_affine(&self) -> DAffine3 {
-        self.0.iter().fold(DAffine3::IDENTITY, |before, step| step.to_affine() * before)
+        self.after(DAffine3::IDENTITY)
+    }
+
+    /// The affine map of all steps, first to last, after another; step by step, to the bit as if one list had them all.
+    pub fn after(&self, before: DAffine3) -> DAffine3 {
+        self.0.iter().fold(before, |before, step| step.to_affine() * before)
     }
 
     /// Checks that every step can be undone: no scale of 0, no zero axis, no singular matrix.
@@ -159,10 +165,60 @@ fn validate_matrix(at: &JsonPath, rows: &[[f64; 4]; 4], linear: DMat3) -> Result
     Err(check::fault(at, "found a singular matrix", "a matrix that can be inverted"))
 }
 
-/// Checks a motion: moments that rise, and poses that can be undone.
+/// Checks a motion: moments that rise, poses that can be undone, and between them one way to go.
 pub(super) fn validate_motion(at: &JsonPath, motion: &[KeyframeFile]) -> Result<()> {
     check::rising(at, motion.iter().map(|key| key.time), Some("time"))?;
-    motion.iter().enumerate().try_for_each(|(i, key)| key.transform.validate(&at.index(i).key("transform")))
+    for (i, key) in motion.iter().enumerate() {
+        key.transform.validate(&at.index(i).key("transform"))?;
+    }
+    for (i, pair) in motion.windows(2).enumerate() {
+        for (i, key) in (i..).zip(pair) {
+            if Pose::is_sheared(&key.transform.to_affine()) {
+                let expected = "steps that move, turn and scale without slanting: unequal scales before turns";
+                return Err(check::fault(&at.index(i).key("transform"), "found a shear", expected));
+            }
+        }
+        let at = at.index(i + 1);
+        let at = at.key("transform");
+        let [before, after] = [&pair[0], &pair[1]].map(|key| Pose::of(&key.transform.to_affine()));
+        if (before.scale * after.scale).min_element() <= 0.0 {
+            let what = "found a mirror image of the key before: between them the thing would be flat";
+            return Err(check::fault(&at, what, "a scale that does not pass through 0"));
+        }
+        let shortest = before.rotation.angle_between(after.rotation).to_degrees();
+        let degrees = written_turn(&pair[0].transform, &pair[1].transform).max(shortest);
+        if degrees > 180.0 - 1e-6 {
+            let what = format!("found a turn of {}° from the key before", check::number(degrees.round()));
+            return Err(check::fault(&at, what, "less than 180°: which way to turn is not known; put keys in between"));
+        }
+    }
+    Ok(())
+}
+
+/// The largest difference in degrees between the turns that two lists of steps write about the same axes; 0 if their axes are not the same.
+/// (360° leave no trace in the pose.)
+fn written_turn(before: &TransformFile, after: &TransformFile) -> f64 {
+    let turns = |transform: &TransformFile| -> Vec<(DVec3, f64)> {
+        let turn = |step: &TransformStepFile| match step {
+            TransformStepFile::Rotate { axis, degrees } => {
+                Some((DVec3::from_array(*axis).normalize_or_zero(), *degrees))
+            }
+            TransformStepFile::Translate(_) | TransformStepFile::Scale(_) | TransformStepFile::Matrix(_) => None,
+        };
+        transform.0.iter().filter_map(turn).collect()
+    };
+    let (before, after) = (turns(before), turns(after));
+    let longest = before.len().max(after.len());
+    let mut largest = 0.0_f64;
+    for i in 0..longest {
+        largest = largest.max(match (before.get(i), after.get(i)) {
+            (Some((axis, from)), Some((other, to))) if axis.dot(*other) > 1.0 - 1e-9 => (to - from).abs(),
+            (Some((axis, from)), Some((other, to))) if axis.dot(*other) < 1e-9 - 1.0 => (to + from).abs(),
+            (Some((_, degrees)), None) | (None, Some((_, degrees))) => degrees.abs(),
+            (Some(_), Some(_)) | (None, None) => return 0.0,
+        });
+    }
+    largest
 }
 
 #[cfg(test)]

@@ -100,6 +100,14 @@ impl Geometry {
         self.tree.bounds()
     }
 
+    /// The radius of a ball around the origin that holds everything, in m; 1 of an empty scene.
+    pub fn radius_m(&self) -> f64 {
+        let (low, high) = self.bounds();
+        let reach = low.abs().max(high.abs()).length();
+        // A hair more, so that no surface touches it.
+        if reach.is_finite() { reach * (1.0 + 1e-6) } else { 1.0 }
+    }
+
     /// Texture coordinates where a ray hit; in [0, 1] on the analytic shapes, the mesh's own or barycentric weights on meshes.
     /// Worked out only for those who ask: most surfaces have no texture.
     pub fn uv(&self, hit: &Hit) -> [f64; 2] {

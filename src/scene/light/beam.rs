@@ -3,8 +3,13 @@
 use super::{Emission, EmissionNumbers, Incident, Tint};
 use crate::math::frame::Frame;
 use crate::math::warp;
-use glam::{DVec2, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::PI;
+
+/// What a map does to lengths, in the mean: the cube root of what it does to volumes.
+pub fn mean_stretch(map: &DAffine3) -> f64 {
+    map.matrix3.determinant().abs().cbrt()
+}
 
 /// A uniform disk that shines along its axis.
 #[derive(Debug, Clone)]
@@ -33,6 +38,12 @@ impl Beam {
             sin_divergence: divergence.sin(),
             one_minus_cos_divergence: warp::one_minus_cos(divergence),
         }
+    }
+
+    pub(super) fn moved(&self, map: &DAffine3) -> Self {
+        let (centre, axis) = (map.transform_point3(self.centre), map.transform_vector3(self.axis).normalize());
+        let radius_m = self.radius_m * mean_stretch(map);
+        Self { centre, axis, frame: Frame::new(axis), radius_m, ..*self }
     }
 
     /// The disk's centre.

@@ -84,7 +84,15 @@ impl Case {
 
 fn light(emitter: Emitter, spectrum: Spectrum) -> Light {
     let wavelengths = WavelengthDistribution::new(&spectrum).unwrap();
-    Light { name: String::new(), emitter, spectrum, wavelengths, importance_per_watt: 1.0, interior: Interior::AIR }
+    Light {
+        name: String::new(),
+        emitter,
+        spectrum,
+        wavelengths,
+        importance_per_watt: 1.0,
+        interior: Interior::AIR,
+        motion: None,
+    }
 }
 
 fn flat_spectrum() -> Spectrum {
@@ -173,8 +181,8 @@ fn distant_cases() -> Vec<Case> {
     vec![
         case("directional", Emitter::Directional(Directional::new(toward, 0.0, 4.0)), flat_spectrum()),
         case("sun", Emitter::Directional(Directional::new(toward, 0.3, 4.0)), flat_spectrum()),
-        case("sky", Emitter::Environment(Environment { mean_radiance: 2.0, map: None }), flat_spectrum()),
-        case("image", Emitter::Environment(Environment { mean_radiance: 2.0, map: Some(map) }), mean),
+        case("sky", Emitter::Environment(Environment::new(2.0, None)), flat_spectrum()),
+        case("image", Emitter::Environment(Environment::new(2.0, Some(map))), mean),
     ]
 }
 
@@ -276,7 +284,7 @@ fn shadow_rays_find_the_closed_form_of_the_irradiance() {
         (bare(Emitter::Beam(Beam::new(at, axis, 0.3, 0.0, 2.0))), 2.0 / (PI * 0.09)),
         (bare(Emitter::Directional(Directional::new(axis, 0.0, 4.0))), 4.0),
         (bare(Emitter::Directional(Directional::new(axis, 0.5, 4.0))), 4.0),
-        (bare(Emitter::Environment(Environment { mean_radiance: 2.0, map: None })), 2.0 * PI),
+        (bare(Emitter::Environment(Environment::new(2.0, None))), 2.0 * PI),
         (area(Shape::Sphere { radius }), PI * radiance * (radius / distance).powi(2)),
         (area(Shape::Disk { radius }), PI * radiance * radius * radius / (radius * radius + distance * distance)),
     ];

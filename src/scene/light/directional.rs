@@ -3,7 +3,7 @@
 use super::{Emission, EmissionNumbers, Incident, Tint};
 use crate::math::frame::Frame;
 use crate::math::warp;
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use std::f64::consts::{PI, TAU};
 
 /// A distant light.
@@ -22,6 +22,11 @@ impl Directional {
     /// Light that goes along the unit vector `toward`, from a disk of `angular_radius` (radians).
     pub fn new(toward: DVec3, angular_radius: f64, irradiance: f64) -> Self {
         Self { toward, frame: Frame::new(toward), irradiance, one_minus_cos: warp::one_minus_cos(angular_radius) }
+    }
+
+    pub(super) fn moved(&self, map: &DAffine3) -> Self {
+        let toward = map.transform_vector3(self.toward).normalize();
+        Self { toward, frame: Frame::new(toward), ..*self }
     }
 
     pub(super) fn has_extent(&self) -> bool {

@@ -5,7 +5,7 @@ use crate::math::distribution::Grid;
 use crate::math::frame::Frame;
 use crate::math::warp;
 use crate::spectrum::Spectrum;
-use glam::DVec3;
+use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 use std::sync::Arc;
 
@@ -16,6 +16,8 @@ pub struct Environment {
     pub mean_radiance: f64,
     /// The image, if it is not the same everywhere.
     pub map: Option<Arc<EnvironmentMap>>,
+    /// From directions of the image to those of the world.
+    turn: DMat3,
 }
 
 /// A latitude–longitude image: rows from +y (top) to −y, columns around y, the middle one towards −z (see
@@ -103,6 +105,21 @@ fn row_solid_angle(row: usize, height: usize) -> f64 {
 }
 
 impl Environment {
+    /// Surroundings of this mean radiance (W/m²/sr over the band); uniform without an image.
+    pub fn new(mean_radiance: f64, map: Option<Arc<EnvironmentMap>>) -> Self {
+        Self { mean_radiance, map, turn: DMat3::IDENTITY }
+    }
+
+    /// The surroundings turned about the scene.
+    pub(super) fn turned(&self, by: DQuat) -> Self {
+        Self { turn: DMat3::from_quat(by) * self.turn, ..self.clone() }
+    }
+
+    /// The point of the image's unit square for a direction of the world; the turn's transpose is its inverse.
+    fn point(&self, direction: DVec3) -> [f64; 2] {
+        EnvironmentMap::point(self.turn.transpose() * direction)
+    }
+
     pub(super) fn power_w(&self, world_radius_m: f64) -> f64 {
         self.mean_radiance * 4.0 * PI * PI * world_radius_m * world_radius_m
     }
@@ -112,14 +129,14 @@ impl Environment {
         match &self.map {
             None => (self.mean_radiance, Tint::Own),
             Some(map) => {
-                let (relative, tint) = map.look(EnvironmentMap::point(direction));
+                let (relative, tint) = map.look(self.point(direction));
                 (self.mean_radiance * relative, tint)
             }
         }
     }
 
     pub(super) fn pdf(&self, direction: DVec3) -> f64 {
-        self.map.as_ref().map_or(0.25 * FRAC_1_PI, |map| map.pdf(EnvironmentMap::point(direction)))
+        self.map.as_ref().map_or(0.25 * FRAC_1_PI, |map| map.pdf(self.point(direction)))
     }
 
     fn draw(&self, u: [f64; 2]) -> Option<(DVec3, f64, f64, Tint)> {
@@ -129,7 +146,7 @@ impl Environment {
         let (point, _) = map.pixels.sample(u);
         let pdf = map.pdf(point);
         let (relative, tint) = map.look(point);
-        (pdf > 0.0).then(|| (EnvironmentMap::direction(point), pdf, self.mean_radiance * relative, tint))
+        (pdf > 0.0).then(|| (self.turn * EnvironmentMap::direction(point), pdf, self.mean_radiance * relative, tint))
     }
 
     pub(super) fn emit(&self, world_radius_m: f64, u: EmissionNumbers) -> Emission {

@@ -16,7 +16,7 @@ mod volume;
 mod contract_tests;
 
 pub use area::Area;
-pub use beam::Beam;
+pub use beam::{Beam, mean_stretch};
 pub use directional::Directional;
 pub use environment::{Environment, EnvironmentMap};
 pub use point::{Point, Spot};
@@ -27,8 +27,9 @@ pub use volume::Volume;
 use super::geometry::Geometry;
 use super::geometry::{Hit, SurfaceId};
 use super::interior::Interior;
+use super::motion::{Motion, Pose};
 use crate::spectrum::{Spectrum, WavelengthDistribution};
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 /// A light source of the scene.
 #[derive(Debug, Clone)]
@@ -45,6 +46,9 @@ pub struct Light {
     pub importance_per_watt: f64,
     /// The bodies of glass that the source stands in.
     pub interior: Interior,
+    /// Its way in m, if it moves by itself while the shutter is open (objects that shine take their light along); the emitter is where it is
+    /// when the shutter opens.
+    pub motion: Option<Motion>,
 }
 
 /// The kinds of sources. Quantities are over the whole band.
@@ -125,6 +129,22 @@ pub struct World<'a> {
     pub geometry: &'a Geometry,
     /// The ball's radius in m.
     pub radius_m: f64,
+}
+
+impl Emitter {
+    /// The emitter after a map of the world's places. A beam's radius is scaled by the mean of what the map does to lengths; surroundings only turn.
+    #[must_use]
+    pub fn moved(&self, map: &DAffine3) -> Self {
+        match self {
+            Self::Point(light) => Self::Point(Point { at: map.transform_point3(light.at), ..*light }),
+            Self::Spot(light) => Self::Spot(light.moved(map)),
+            Self::Beam(light) => Self::Beam(light.moved(map)),
+            Self::Directional(light) => Self::Directional(light.moved(map)),
+            Self::Environment(light) => Self::Environment(light.turned(Pose::of(map).rotation)),
+            // Their bodies move; the resolver refuses bodies of glowing media that do.
+            Self::Area(_) | Self::Volume(_) => self.clone(),
+        }
+    }
 }
 
 impl Light {

@@ -3,7 +3,7 @@
 use super::{Emission, EmissionNumbers, Incident, Tint};
 use crate::math::frame::Frame;
 use crate::math::warp;
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use std::f64::consts::{PI, TAU};
 
 /// A point that shines equally in all directions.
@@ -48,6 +48,11 @@ impl Spot {
     pub fn new(at: DVec3, axis: DVec3, half_angle: f64, penumbra: f64, intensity: f64) -> Self {
         let inner = warp::one_minus_cos((half_angle - penumbra).max(0.0));
         Self { at, axis, intensity, inner, outer: warp::one_minus_cos(half_angle) }
+    }
+
+    pub(super) fn moved(&self, map: &DAffine3) -> Self {
+        let (at, axis) = (map.transform_point3(self.at), map.transform_vector3(self.axis).normalize());
+        Self { at, axis, ..*self }
     }
 
     /// The power of a spot of unit intensity: 2π ∫ falloff d(cos θ), the smoothstep's mean being one half.

@@ -1,14 +1,15 @@
 //! The camera as written → origin, axes, field of view, aperture.
 
-use super::{Resolver, unsupported};
+use super::Resolver;
 use crate::error::{Error, Result};
 use crate::optics::aperture::Blades;
-use crate::scene::camera::{Aperture, Camera, Diffraction, Stop, SystemLens};
+use crate::scene::camera::{Aperture, Camera, Diffraction, Stop, SystemLens, axes};
 use crate::scene::file::{CameraFile, JsonPath, LensFile, SystemLensFile, ThinLensForm};
+use crate::scene::motion::CameraMotion;
 use glam::DVec3;
 
 impl Resolver<'_> {
-    /// Resolves the camera. (The shutter matters only to what moves, and nothing does yet.)
+    /// Resolves the camera as it stands when the shutter opens, and its way from there.
     pub(super) fn camera(
         &self,
         at: &JsonPath<'_>,
@@ -16,11 +17,8 @@ impl Resolver<'_> {
         size: (u32, u32),
         centre: DVec3,
         notes: &mut Vec<String>,
-    ) -> Result<Camera> {
-        let CameraFile { from, at: target, up, lens, shutter: _, motion } = file;
-        if !motion.is_empty() {
-            return self.at(&at.key("motion"), Err(unsupported("motion is")));
-        }
+    ) -> Result<(Camera, Option<CameraMotion>)> {
+        let CameraFile { from: _, at: _, up: _, lens, shutter: _, motion: _ } = file;
         let lens_at = at.key("lens");
         let (tan_half_height, aperture, diffracts) = match lens {
             LensFile::Pinhole { fov } => ((0.5 * fov.to_radians()).tan(), Aperture::Pinhole, false),
@@ -39,13 +37,12 @@ impl Resolver<'_> {
             }
         };
         notes.extend(implausible_size(lens));
-        let forward = (DVec3::from(*target) - DVec3::from(*from)).normalize();
-        let right = forward.cross(DVec3::from(*up)).normalize();
-        let axes = (forward, right.cross(forward));
-        let mut camera = Camera::new(self.point(*from, centre), axes, tan_half_height, size, aperture);
+        let ([from, target, up], motion) = self.camera_way(file, centre);
+        let origin = self.point(from.to_array(), centre);
+        let mut camera = Camera::new(origin, axes(target - from, up), tan_half_height, size, aperture);
         camera.diffracts = diffracts;
         notes.extend(missed_diffraction(&camera));
-        Ok(camera)
+        Ok((camera, motion))
     }
 
     /// A lens of real glass over its sensor.

@@ -6,8 +6,8 @@ use crate::colour::gamut::GamutMapping;
 use crate::colour::{RgbSpace, Transform, Xyz};
 use crate::error::{Error, Result};
 use crate::scene::file::{
-    CameraFile, ExposureFile, FilmFile, GamutFile, JsonPath, LensFile, ObserverFile, OutputSpaceFile, ShutterFile,
-    SpectrumFile, WhiteBalanceFile,
+    CameraFile, ExposureFile, FilmFile, GamutFile, JsonPath, LensFile, ObserverFile, OutputSpaceFile, SpectrumFile,
+    WhiteBalanceFile,
 };
 use crate::scene::{Exposure, FilmSpec, Scene};
 use crate::spectrum::Observer;
@@ -47,19 +47,19 @@ impl Resolver<'_> {
     /// The luminance in cd/m² that a film of this speed shows white. The middle of the film gets q·L·t/N² lx·s, where q = 0.65 stands for the
     /// lens's losses, and is white at 78/S lx·s: saturation-based speed (ISO 12232).
     fn white_luminance(&self, at: &JsonPath<'_>, iso: f64) -> Result<f64> {
-        let CameraFile { lens, shutter, .. } = &self.scene.camera;
+        let CameraFile { lens, .. } = &self.scene.camera;
         let f_number = match lens {
             LensFile::Pinhole { fov: _ } => None,
             LensFile::Thin(lens) => lens.f_number,
             LensFile::System(lens) => lens.f_number,
         };
-        let open_s = shutter.as_ref().map(ShutterFile::open_s).filter(|&seconds| seconds > 0.0);
-        let Some((f_number, open_s)) = f_number.zip(open_s) else {
+        let exposure_s = Some(self.shutter.exposure_s()).filter(|&seconds| seconds > 0.0);
+        let Some((f_number, exposure_s)) = f_number.zip(exposure_s) else {
             let error = Error::input("found a film's speed, and a camera without an f-number or a shutter time");
             return self
                 .at(at, Err(error.expected("a lens with `f_number` and a `shutter` that is open for some time")));
         };
-        Ok(78.0 / (0.65 * iso) * f_number * f_number / open_s)
+        Ok(78.0 / (0.65 * iso) * f_number * f_number / exposure_s)
     }
 
     /// The light that the film's white balance makes white, as XYZ of the film's observer.

@@ -1,15 +1,16 @@
 //! Media that glow → volume lights.
 
-use super::Resolver;
 use super::lights::{Shape, finish};
-use super::objects::{self, Things};
+use super::objects::Things;
 use super::spectra::Role;
+use super::{Resolver, unsupported};
 use crate::error::{Error, Result};
 use crate::scene::file::{JsonPath, MediumBlackbodyFile, MediumEmissionFile, MediumFile};
 use crate::scene::geometry::Geometry;
 use crate::scene::light::{Emitter, Light, Volume};
 use crate::scene::medium::field::Field;
 use crate::scene::medium::{Density, Glow, Medium};
+use crate::scene::motion::MovingShape;
 use crate::scene::shape::Placed;
 use crate::spectrum::{Observer, Spectrum};
 use glam::{DAffine3, DVec3};
@@ -23,16 +24,18 @@ pub(super) struct Holder {
     /// The object's name.
     name: String,
     placed: Placed,
+    moves: bool,
 }
 
 /// The bodies that hold media.
 pub(super) fn holders(things: &Things<'_>) -> Vec<Holder> {
-    let holder = |placed: &Placed| {
+    let holder = |shape: &MovingShape| {
+        let (placed, moves) = (&shape.placed, shape.motion.is_some());
         let object = &things.objects[placed.object as usize];
         let medium = things.materials[object.material].body.as_ref()?.medium?;
-        Some(Holder { medium, name: object.name.clone(), placed: placed.clone() })
+        Some(Holder { medium, name: object.name.clone(), placed: placed.clone(), moves })
     };
-    things.placed.iter().chain(&things.boundaries).filter_map(holder).collect()
+    things.shapes.iter().filter_map(holder).collect()
 }
 
 impl Resolver<'_> {
@@ -92,6 +95,10 @@ impl Resolver<'_> {
             if held.is_empty() && !around {
                 continue;
             }
+            if let Some(holder) = held.iter().find(|holder| holder.moves) {
+                let what = format!("\"{}\" moves, and light from media that move is", holder.name);
+                return self.at(&at, Err(unsupported(&what)));
+            }
             if around && medium.is_uniform() {
                 let error = Error::input("found on the atmosphere, which has no end")
                     .expected("a grid, or objects that hold it");
@@ -127,7 +134,9 @@ impl Resolver<'_> {
         }
         held.iter()
             .map(|holder| {
-                let (low, high) = objects::bounds(&holder.placed.shape);
+                let bounds =
+                    holder.placed.shape.bounds().ok_or_else(|| Error::input("found on a shape without a body"));
+                let (low, high) = self.at(at, bounds)?;
                 let from_unit = DAffine3::from_translation(-centre)
                     * holder.placed.to_world
                     * DAffine3::from_translation(low)

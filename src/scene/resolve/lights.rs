@@ -1,16 +1,17 @@
 //! Lights as written → emitters in watts.
 
+use super::motion::Way;
 use super::objects::{Emission, Things};
 use super::spectra::Role;
 use super::{Resolver, surroundings, unsupported};
 use crate::error::{Error, Result};
 use crate::scene::file::{
     BeamFile, DirectionalFile, EmissionFile, EnvironmentFile, JsonPath, LightFile, PointFile, QuantityFile,
-    SpectrumFile, SpotFile, TransformFile,
+    SpectrumFile, SpotFile,
 };
 use crate::scene::geometry::Geometry;
 use crate::scene::interior::Interior;
-use crate::scene::light::{Area, Beam, Directional, Emitter, Environment, Light, Point, Spot};
+use crate::scene::light::{Area, Beam, Directional, Emitter, Environment, Light, Point, Spot, mean_stretch};
 use crate::spectrum::{LUMENS_PER_WATT, Observer, Spectrum, WavelengthDistribution};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
@@ -98,20 +99,25 @@ impl Resolver<'_> {
         around: &Surrounding,
         notes: &mut Vec<String>,
     ) -> Result<Light> {
+        let (transform, keys) = file.way();
+        let Way { placing, motion } = self.way(transform, keys);
         let (kind, resolved) = match file {
-            LightFile::Point(file) => ("point", self.point_light(&at.key("point"), file, around, notes)),
-            LightFile::Spot(file) => ("spot", self.spot_light(&at.key("spot"), file, around, notes)),
-            LightFile::Beam(file) => ("beam", self.beam_light(&at.key("beam"), file, around, notes)),
+            LightFile::Point(file) => ("point", self.point_light(&at.key("point"), file, (&placing, around), notes)),
+            LightFile::Spot(file) => ("spot", self.spot_light(&at.key("spot"), file, (&placing, around), notes)),
+            LightFile::Beam(file) => ("beam", self.beam_light(&at.key("beam"), file, (&placing, around), notes)),
             LightFile::Directional(file) => {
-                ("directional", self.directional_light(&at.key("directional"), file, notes))
+                ("directional", self.directional_light(&at.key("directional"), file, &placing, notes))
             }
             LightFile::Environment(file) => {
-                ("environment", self.environment_light(&at.key("environment"), file, notes))
+                ("environment", self.environment_light(&at.key("environment"), file, &placing, notes))
             }
             LightFile::Ies(_) => ("ies", self.at(&at.key("ies"), Err(unsupported("IES lamps are")))),
         };
         let (emitter, shape) = resolved?;
-        self.at(at, finish(format!("{kind} {number}"), emitter, &shape, around.observer))
+        // Uniform surroundings look the same however they turn.
+        let uniform = matches!(&emitter, Emitter::Environment(Environment { map: None, .. }));
+        let light = self.at(at, finish(format!("{kind} {number}"), emitter, &shape, around.observer))?;
+        Ok(Light { motion: motion.filter(|_| !uniform), ..light })
     }
 
     /// The shape of a light's spectrum.
@@ -122,11 +128,6 @@ impl Resolver<'_> {
         Ok(Shape::new(&spectrum))
     }
 
-    /// What a light's transform does to points and directions of the file.
-    fn placing(&self, at: &JsonPath<'_>, transform: &TransformFile, moves: bool) -> Result<DAffine3> {
-        if moves { self.at(&at.key("motion"), Err(unsupported("motion is"))) } else { Ok(transform.to_affine()) }
-    }
-
     fn placed_point(&self, placing: &DAffine3, point: [f64; 3], centre: DVec3) -> DVec3 {
         self.point(placing.transform_point3(DVec3::from(point)).to_array(), centre)
     }
@@ -135,17 +136,16 @@ impl Resolver<'_> {
         &self,
         path: &JsonPath<'_>,
         file: &PointFile,
-        around: &Surrounding,
+        (placing, around): (&DAffine3, &Surrounding),
         notes: &mut Vec<String>,
     ) -> Result<(Emitter, Shape)> {
-        let PointFile { at, spectrum, transform, motion, power: _, luminous_flux: _, .. } = file;
+        let PointFile { at, spectrum, power: _, luminous_flux: _, .. } = file;
         let shape = self.light_shape(path, spectrum, notes)?;
         let intensity = match self.at(path, file.quantity().and_then(|q| shape.watts(q)))? {
             (power, true) => power / (4.0 * PI),
             (intensity, false) => intensity,
         };
-        let placing = self.placing(path, transform, !motion.is_empty())?;
-        let at = self.placed_point(&placing, *at, around.centre);
+        let at = self.placed_point(placing, *at, around.centre);
         Ok((Emitter::Point(Point { at, intensity }), shape))
     }
 
@@ -153,19 +153,17 @@ impl Resolver<'_> {
         &self,
         path: &JsonPath<'_>,
         file: &SpotFile,
-        around: &Surrounding,
+        (placing, around): (&DAffine3, &Surrounding),
         notes: &mut Vec<String>,
     ) -> Result<(Emitter, Shape)> {
-        let SpotFile { at, to, half_angle, penumbra, spectrum, transform, motion, .. } = file;
+        let SpotFile { at, to, half_angle, penumbra, spectrum, .. } = file;
         let shape = self.light_shape(path, spectrum, notes)?;
         let (half_angle, penumbra) = (half_angle.to_radians(), penumbra.to_radians());
         let intensity = match self.at(path, file.quantity().and_then(|q| shape.watts(q)))? {
             (power, true) => power / Spot::power_per_intensity(half_angle, penumbra),
             (intensity, false) => intensity,
         };
-        let placing = self.placing(path, transform, !motion.is_empty())?;
-        let (at, to) =
-            (self.placed_point(&placing, *at, around.centre), self.placed_point(&placing, *to, around.centre));
+        let (at, to) = (self.placed_point(placing, *at, around.centre), self.placed_point(placing, *to, around.centre));
         Ok((Emitter::Spot(Spot::new(at, (to - at).normalize(), half_angle, penumbra, intensity)), shape))
     }
 
@@ -173,18 +171,16 @@ impl Resolver<'_> {
         &self,
         path: &JsonPath<'_>,
         file: &BeamFile,
-        around: &Surrounding,
+        (placing, around): (&DAffine3, &Surrounding),
         notes: &mut Vec<String>,
     ) -> Result<(Emitter, Shape)> {
-        let BeamFile { from, to, radius, divergence, spectrum, transform, motion, .. } = file;
+        let BeamFile { from, to, radius, divergence, spectrum, .. } = file;
         let shape = self.light_shape(path, spectrum, notes)?;
         let power = self.at(path, file.quantity().and_then(|q| shape.watts(q)))?.0;
-        let placing = self.placing(path, transform, !motion.is_empty())?;
-        let from = self.placed_point(&placing, *from, around.centre);
-        let to = self.placed_point(&placing, *to, around.centre);
+        let from = self.placed_point(placing, *from, around.centre);
+        let to = self.placed_point(placing, *to, around.centre);
         // A scaling transform scales the disk: by the mean of what it does to areas.
-        let stretch = placing.matrix3.determinant().abs().cbrt();
-        let radius_m = radius * self.metres * stretch;
+        let radius_m = radius * self.metres * mean_stretch(placing);
         let beam = Beam::new(from, (to - from).normalize(), radius_m, divergence.to_radians(), power);
         Ok((Emitter::Beam(beam), shape))
     }
@@ -193,12 +189,12 @@ impl Resolver<'_> {
         &self,
         path: &JsonPath<'_>,
         file: &DirectionalFile,
+        placing: &DAffine3,
         notes: &mut Vec<String>,
     ) -> Result<(Emitter, Shape)> {
-        let DirectionalFile { toward, angular_diameter, spectrum, transform, motion, .. } = file;
+        let DirectionalFile { toward, angular_diameter, spectrum, .. } = file;
         let shape = self.light_shape(path, spectrum, notes)?;
         let irradiance = self.at(path, file.quantity().and_then(|q| shape.watts(q)))?.0;
-        let placing = self.placing(path, transform, !motion.is_empty())?;
         let toward = placing.transform_vector3(DVec3::from(*toward)).normalize();
         let angular_radius = 0.5 * angular_diameter.to_radians();
         Ok((Emitter::Directional(Directional::new(toward, angular_radius, irradiance)), shape))
@@ -208,14 +204,14 @@ impl Resolver<'_> {
         &self,
         path: &JsonPath<'_>,
         file: &EnvironmentFile,
+        placing: &DAffine3,
         notes: &mut Vec<String>,
     ) -> Result<(Emitter, Shape)> {
-        let EnvironmentFile { spectrum, image, transform, motion, .. } = file;
-        let placing = self.placing(path, transform, !motion.is_empty())?;
+        let EnvironmentFile { spectrum, image, .. } = file;
         let (shape, map) = match (spectrum, image) {
             (_, Some(image)) => {
                 let at = path.key("image");
-                let map = surroundings::load(&self.source.folder().join(&image.path), placing);
+                let map = surroundings::load(&self.source.folder().join(&image.path), *placing);
                 let map = self.at(&at.key("path"), map)?;
                 (Shape::new(&map.mean_spectrum()), Some(Arc::new(map)))
             }
@@ -225,7 +221,7 @@ impl Resolver<'_> {
             }
         };
         let irradiance = self.at(path, file.quantity().and_then(|q| shape.watts(q)))?.0;
-        Ok((Emitter::Environment(Environment { mean_radiance: irradiance / PI, map }), shape))
+        Ok((Emitter::Environment(Environment::new(irradiance / PI, map)), shape))
     }
 
     fn emission(
@@ -258,5 +254,5 @@ pub(super) fn finish(name: String, emitter: Emitter, shape: &Shape, observer: &'
         .ok_or_else(|| Error::input("the spectrum has no power within 360–830 nm"))?;
     let importance_per_watt = observer.xyz(&shape.spectrum).iter().sum();
     let spectrum = shape.spectrum.clone();
-    Ok(Light { name, emitter, spectrum, wavelengths, importance_per_watt, interior: Interior::AIR })
+    Ok(Light { name, emitter, spectrum, wavelengths, importance_per_watt, interior: Interior::AIR, motion: None })
 }

@@ -11,6 +11,7 @@ mod lights;
 mod materials;
 mod media;
 mod mesh_materials;
+mod motion;
 mod objects;
 mod spectra;
 mod surroundings;
@@ -18,11 +19,13 @@ mod surroundings;
 pub use lens::{catalogues_beside, glass_file, lens_file, lone_lens};
 pub use spectra::Role;
 
-use super::camera::Camera;
+use super::camera::{Camera, Shutter};
 use super::file::{self, JsonPath, RenderFile, SceneFile, Source, SpectrumFile};
 use super::geometry::{Geometry, Hit, Ray};
 use super::interior::Interior;
 use super::light::{Emitter, Light};
+use super::motion::Motions;
+use super::shape::Placed;
 use super::{Body, Material, Object, Scene, Settings};
 use crate::error::{Error, Result};
 use crate::optics::glass::Index;
@@ -30,6 +33,7 @@ use crate::spectrum::Spectrum;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Reads and resolves a scene file; `sets` are `PATH=JSON` patches.
 ///
@@ -46,7 +50,7 @@ pub fn load(path: &Path, sets: &[String]) -> Result<Scene> {
 /// Unknown names, files that cannot be read, quantities that make no sense together, what is not supported yet; each with its
 /// place in `source`.
 pub fn resolve(scene: &SceneFile, source: &Source) -> Result<Scene> {
-    let resolver = Resolver { scene, source, metres: scene.unit.metres() };
+    let resolver = Resolver { scene, source, metres: scene.unit.metres(), shutter: motion::shutter(&scene.camera) };
     resolver.run()
 }
 
@@ -69,6 +73,8 @@ struct Resolver<'a> {
     source: &'a Source,
     /// Metres in a unit of length.
     metres: f64,
+    /// When the camera is open: the scene is resolved as it stands when it opens.
+    shutter: Shutter,
 }
 
 impl Resolver<'_> {
@@ -87,13 +93,17 @@ impl Resolver<'_> {
         }
         let mut notes = Vec::new();
         let mut things = self.objects(&mut notes)?;
-        let centre = objects::centre(&things);
+        let centre = objects::centre(things.shapes.iter().map(|shape| &shape.placed));
         let mut media = self.media(centre, &mut notes)?;
         let holders = glows::holders(&things);
-        let placed = std::mem::take(&mut things.placed);
-        let geometry = self.at(&root.key("objects"), Geometry::build(placed, centre))?;
+        let of_kind = |things: &objects::Things<'_>, boundaries: bool| -> Vec<Placed> {
+            let placed = things.shapes.iter().map(|shape| &shape.placed);
+            placed.filter(|placed| things.is_boundary(placed) == boundaries).cloned().collect()
+        };
+        let geometry = self.at(&root.key("objects"), Geometry::build(of_kind(&things, false), centre))?;
         let film = self.film(&root.key("film"), film)?;
-        let camera = self.camera(&root.key("camera"), camera, (film.width, film.height), centre, &mut notes)?;
+        let (camera, camera_motion) =
+            self.camera(&root.key("camera"), camera, (film.width, film.height), centre, &mut notes)?;
         let mut lights = self.lights(&things, (&geometry, centre), film.observer, &mut notes)?;
         let around = atmosphere.as_ref().map(|name| self.medium_number(&root.key("atmosphere"), name)).transpose()?;
         lights.extend(self.volume_lights(&mut media, &holders, around, (centre, film.observer))?);
@@ -102,24 +112,25 @@ impl Resolver<'_> {
                 .expected("at least one entry in `lights` or an object with `emission`");
             return Err(self.source.error_at("", error));
         }
-        let mut radius_m = objects::radius(&geometry);
+        let mut radius_m = geometry.radius_m();
         if let Some((name, number)) = atmosphere.as_ref().zip(around) {
             let things_reach = reach(&geometry, &camera, &lights).max(media[number].reach_m());
             radius_m = things.add_atmosphere((name, number), (centre, things_reach));
         }
-        let boundaries = std::mem::take(&mut things.boundaries);
-        let boundaries = self.at(&root.key("objects"), Geometry::build(boundaries, centre))?;
-        if atmosphere.is_none() {
-            radius_m = radius_m.max(objects::radius(&boundaries));
+        let boundaries = self.at(&root.key("objects"), Geometry::build(of_kind(&things, true), centre))?;
+        if atmosphere.is_none() && !boundaries.is_empty() {
+            radius_m = radius_m.max(boundaries.radius_m());
         }
         let mut resolved = Scene {
             title: title.clone().unwrap_or_else(|| stem(&self.source.path)),
             centre,
-            radius_m: if radius_m > 0.0 { radius_m } else { 1.0 },
+            radius_m,
             camera,
+            shutter: self.shutter.clone(),
+            motions: Motions { shapes: motion::shapes(things.shapes), camera: camera_motion },
             film,
-            geometry,
-            boundaries,
+            geometry: Arc::new(geometry),
+            boundaries: Arc::new(boundaries),
             media,
             objects: things.objects,
             materials: things.materials,
@@ -129,6 +140,12 @@ impl Resolver<'_> {
             notes,
             air: Index::constant(1.0)?,
         };
+        resolved.notes.extend(self.standing_still());
+        let swept = resolved.swept_boxes();
+        resolved.radius_m = swept.iter().fold(resolved.radius_m, |radius, (low, high)| {
+            let reach = low.abs().max(high.abs()).length();
+            if reach.is_finite() { radius.max(reach) } else { radius }
+        });
         resolved.renumber_lights();
         resolved.find_interiors();
         resolved.film.white = self.white(&resolved)?;
@@ -168,7 +185,7 @@ fn stem(path: &Path) -> String {
 
 impl Scene {
     /// Finds the bodies of glass in which the camera and the lamps stand.
-    fn find_interiors(&mut self) {
+    pub(super) fn find_interiors(&mut self) {
         self.camera.interior = self.interior_at(self.camera.origin());
         let interiors: Vec<Interior> = self.lights.iter().map(|light| self.interior_of_light(light)).collect();
         self.lights.iter_mut().zip(interiors).for_each(|(light, interior)| light.interior = interior);
@@ -229,7 +246,7 @@ fn reach(geometry: &Geometry, camera: &Camera, lights: &[Light]) -> f64 {
         Emitter::Beam(light) => Some(light.centre()),
         Emitter::Directional(_) | Emitter::Environment(_) | Emitter::Area(_) | Emitter::Volume(_) => None,
     });
-    places.chain([camera.origin()]).map(DVec3::length).fold(objects::radius(geometry), f64::max)
+    places.chain([camera.origin()]).map(DVec3::length).fold(geometry.radius_m(), f64::max)
 }
 
 /// A material for objects whose own could not be named otherwise.

@@ -1,10 +1,11 @@
 //! Objects as written → placed shapes with materials.
 
-use super::{Resolver, mesh_materials, number_of, object, unsupported};
+use super::motion::Way;
+use super::{Resolver, mesh_materials, number_of, object};
 use crate::error::{Error, Result};
 use crate::scene::file::{EmissionFile, JsonPath, ObjectFile, ShapeFile};
-use crate::scene::geometry::Geometry;
 use crate::scene::mesh::{self, MeshPart};
+use crate::scene::motion::MovingShape;
 use crate::scene::shape::{Placed, Shape};
 use crate::scene::{Material, Object};
 use glam::{DAffine3, DVec3};
@@ -14,9 +15,8 @@ use std::sync::Arc;
 /// All objects, and what they are made of.
 #[derive(Default)]
 pub(super) struct Things<'a> {
-    pub(super) placed: Vec<Placed>,
-    /// Shapes that only bound a medium.
-    pub(super) boundaries: Vec<Placed>,
+    /// Shapes where they stand when the shutter opens, and their ways.
+    pub(super) shapes: Vec<MovingShape>,
     pub(super) objects: Vec<Object>,
     pub(super) materials: Vec<Material>,
     /// Emitting objects: the file's number, the objects' numbers (several where a mesh has parts), the emission.
@@ -26,6 +26,11 @@ pub(super) struct Things<'a> {
 }
 
 impl Things<'_> {
+    /// Whether a shape only bounds a medium.
+    pub(super) fn is_boundary(&self, placed: &Placed) -> bool {
+        self.materials[self.objects[placed.object as usize].material].is_boundary()
+    }
+
     /// Adds a ball of air around the whole scene, which reaches `reach_m` around its `centre`: the medium fills it wherever no other body
     /// rules. Returns the ball's radius in m.
     pub(super) fn add_atmosphere(&mut self, (name, medium): (&str, usize), (centre, reach_m): (DVec3, f64)) -> f64 {
@@ -35,7 +40,8 @@ impl Things<'_> {
         let shape = Shape::Sphere { radius };
         let material = number_of(&mut self.materials, Material::boundary(name, medium, i32::MIN));
         let to_world = DAffine3::from_translation(centre);
-        self.boundaries.push(Placed { shape, to_world, object: self.objects.len() as u32 });
+        let placed = Placed { shape, to_world, object: self.objects.len() as u32 };
+        self.shapes.push(MovingShape { placed, motion: None });
         self.objects.push(object("atmosphere".to_owned(), material));
         radius * (1.0 + 1e-6)
     }
@@ -78,31 +84,25 @@ impl<'a> Resolver<'a> {
         notes: &mut Vec<String>,
     ) -> Result<()> {
         let ObjectFile { name, shape, material, transform, motion, emission } = file;
-        if !motion.is_empty() {
-            return self.at(&at.key("motion"), Err(unsupported("motion is")));
-        }
         let name = name.clone().unwrap_or_else(|| format!("object {number}"));
-        let written = transform.to_affine();
-        let mut to_world = DAffine3 { matrix3: written.matrix3, translation: written.translation * self.metres };
-        match shape {
-            ShapeFile::Sphere { center, .. } => {
-                to_world *= DAffine3::from_translation(DVec3::from(*center) * self.metres)
-            }
-            ShapeFile::Mesh { .. } => to_world *= DAffine3::from_scale(DVec3::splat(self.metres)),
+        let Way { placing, motion } = self.way(transform, motion);
+        let frame = DAffine3 { matrix3: placing.matrix3, translation: placing.translation * self.metres };
+        let local = match shape {
+            ShapeFile::Sphere { center, .. } => DAffine3::from_translation(DVec3::from(*center) * self.metres),
+            ShapeFile::Mesh { .. } => DAffine3::from_scale(DVec3::splat(self.metres)),
             ShapeFile::Rectangle { .. }
             | ShapeFile::Disk { .. }
             | ShapeFile::Box { .. }
             | ShapeFile::Cylinder { .. }
             | ShapeFile::Prism { .. }
-            | ShapeFile::Lens { .. } => {}
-        }
+            | ShapeFile::Lens { .. } => DAffine3::IDENTITY,
+        };
         let mut emitters = Vec::new();
         let add = |things: &mut Things<'a>, shape: Shape, name: String, material: usize| {
             let object_number = things.objects.len() as u32;
-            let bounds = things.materials[material].is_boundary();
             things.objects.push(object(name, material));
-            let list = if bounds { &mut things.boundaries } else { &mut things.placed };
-            list.push(Placed { shape, to_world, object: object_number });
+            let placed = Placed { shape, to_world: frame * local, object: object_number };
+            things.shapes.push(MovingShape { placed, motion: motion.clone().map(|motion| (motion, local)) });
             object_number
         };
         let material = match material {
@@ -213,10 +213,9 @@ impl<'a> Resolver<'a> {
 }
 
 /// The middle of all shapes' bounding boxes, in m: positions relative to it keep their digits wherever the scene stands.
-pub(super) fn centre(things: &Things<'_>) -> DVec3 {
+pub(super) fn centre<'a>(placed: impl Iterator<Item = &'a Placed>) -> DVec3 {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for thing in things.placed.iter().chain(&things.boundaries) {
-        let (min, max) = bounds(&thing.shape);
+    for (thing, (min, max)) in placed.filter_map(|thing| Some((thing, thing.shape.bounds()?))) {
         for corner in 0..8 {
             let pick = |axis: usize| if corner >> axis & 1 == 0 { min[axis] } else { max[axis] };
             let point = thing.to_world.transform_point3(DVec3::new(pick(0), pick(1), pick(2)));
@@ -226,33 +225,4 @@ pub(super) fn centre(things: &Things<'_>) -> DVec3 {
     }
     let middle = 0.5 * (low + high);
     if middle.is_finite() { middle } else { DVec3::ZERO }
-}
-
-/// Corners of a box around a shape in its own frame, in m. (For a prism, a ball's would do as well: only the middle counts.)
-pub(super) fn bounds(shape: &Shape) -> (DVec3, DVec3) {
-    let around = |half: DVec3| (-half, half);
-    match shape {
-        Shape::Sphere { radius } => around(DVec3::splat(*radius)),
-        Shape::Rectangle { width, height } => around(0.5 * DVec3::new(*width, 0.0, *height)),
-        Shape::Disk { radius } => around(DVec3::new(*radius, 0.0, *radius)),
-        Shape::Box { size } => around(0.5 * *size),
-        Shape::Cylinder { radius, height } => around(DVec3::new(*radius, 0.5 * height, *radius)),
-        Shape::Prism { side, length, .. } => around(DVec3::new(*side, *side, 0.5 * length)),
-        Shape::Lens { thickness, diameter, .. } => {
-            let rim = 0.5 * diameter;
-            (DVec3::new(-rim, -rim, 0.0), DVec3::new(rim, rim, *thickness))
-        }
-        Shape::Mesh(mesh) => {
-            let corners = mesh.positions().iter();
-            corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)))
-        }
-    }
-}
-
-/// The radius of a ball around the origin that holds all surfaces; 0 where there are none.
-pub(super) fn radius(geometry: &Geometry) -> f64 {
-    let (low, high) = geometry.bounds();
-    let reach = low.abs().max(high.abs()).length();
-    // A hair more, so that no surface touches it.
-    if reach.is_finite() { reach * (1.0 + 1e-6) } else { 0.0 }
 }

@@ -17,7 +17,7 @@ mod volume;
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 
 use super::mesh::TriangleMesh;
 use crate::error::Result;
@@ -90,6 +90,14 @@ impl Shape {
     /// surfaces cannot span its diameter or whose edge has negative thickness. The path names the number.
     pub fn validate(&self) -> Result<()> {
         Solid::new(self).map(|_| ())
+    }
+
+    /// Corners of a box around the shape in its own frame, in m; `None` where the numbers make no body.
+    pub(crate) fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        if let Self::Mesh(mesh) = self {
+            return Some(around(mesh.positions().iter().copied()));
+        }
+        Some(Solid::new(self).ok()??.bounds(&DMat3::IDENTITY))
     }
 }
 
