@@ -55,7 +55,7 @@ fn take_out(scene: &mut Scene, effect: &str) -> Result<()> {
         "environment" => {
             scene.lights.retain(|light| match light.emitter {
                 Emitter::Environment(_) | Emitter::Directional(_) => false,
-                Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Area(_) => true,
+                Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Area(_) | Emitter::Volume(_) => true,
             });
             scene.renumber_lights();
         }
@@ -70,6 +70,8 @@ fn take_out(scene: &mut Scene, effect: &str) -> Result<()> {
         // The plan's field alone leaves these out.
         "caustics" | "indirect" | "direct" | "aim" | "volume-photons" | "photon-beams" | "diffraction" => {}
         "media" => {
+            scene.lights.retain(|light| !matches!(light.emitter, Emitter::Volume(_)));
+            scene.renumber_lights();
             scene.materials.iter_mut().filter_map(|m| m.body.as_mut()).for_each(|body| body.medium = None);
         }
         other => return Err(Error::input(format!("the effect \"{other}\" cannot be forbidden"))),

@@ -104,7 +104,7 @@ impl Facts {
             }
             match &light.emitter {
                 Emitter::Environment(_) | Emitter::Directional(_) => facts.surroundings.push(light.name.clone()),
-                Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Area(_) => {}
+                Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Area(_) | Emitter::Volume(_) => {}
             }
         }
         facts.aperture_nm = match scene.camera.aperture() {

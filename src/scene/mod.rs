@@ -192,7 +192,7 @@ impl Scene {
             match &light.emitter {
                 Emitter::Area(area) => self.objects[area.object as usize].light = Some(number),
                 Emitter::Environment(_) | Emitter::Directional(_) => self.distant_lights.push(number),
-                Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) => {}
+                Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Volume(_) => {}
             }
         }
     }

@@ -16,6 +16,7 @@ mod lanes;
 mod line;
 mod observer;
 mod planck;
+mod product;
 mod rgb;
 mod smooth;
 mod sweep;

@@ -10,6 +10,7 @@ mod directional;
 mod environment;
 mod point;
 mod reach;
+mod volume;
 
 #[cfg(test)]
 mod contract_tests;
@@ -20,6 +21,8 @@ pub use directional::Directional;
 pub use environment::{Environment, EnvironmentMap};
 pub use point::{Point, Spot};
 pub use reach::Reach;
+
+pub use volume::Volume;
 
 use super::geometry::Geometry;
 use super::geometry::{Hit, SurfaceId};
@@ -59,6 +62,8 @@ pub enum Emitter {
     Environment(Environment),
     /// The surface of an object.
     Area(Area),
+    /// A glowing medium.
+    Volume(Box<Volume>),
 }
 
 /// The colour of a part of a light: the light's own spectrum, or a mix of an image's three basis lights.
@@ -68,6 +73,8 @@ pub enum Tint {
     Own,
     /// Weights of the environment map's red, green and blue lights, summing to 1.
     Mixed([f64; 3]),
+    /// Of hot matter of this temperature in K.
+    Thermal(f64),
 }
 
 /// One emitted ray.
@@ -130,6 +137,7 @@ impl Light {
             Emitter::Directional(light) => light.power_w(world.radius_m),
             Emitter::Environment(light) => light.power_w(world.radius_m),
             Emitter::Area(light) => light.power_w(),
+            Emitter::Volume(light) => light.power_w(),
         }
     }
 
@@ -142,6 +150,7 @@ impl Light {
             Emitter::Directional(light) => light.emit(world.radius_m, u),
             Emitter::Environment(light) => light.emit(world.radius_m, u),
             Emitter::Area(light) => light.emit(world.geometry, u),
+            Emitter::Volume(light) => light.emit(u),
         }
     }
 
@@ -154,6 +163,7 @@ impl Light {
             Emitter::Directional(light) => Some(light.towards(u)),
             Emitter::Environment(light) => light.towards(u),
             Emitter::Area(light) => light.towards(world.geometry, from, u),
+            Emitter::Volume(light) => light.towards(from, u),
         }
     }
 
@@ -162,7 +172,7 @@ impl Light {
         match &self.emitter {
             Emitter::Directional(light) => light.radiance(direction).map(|radiance| (radiance, Tint::Own)),
             Emitter::Environment(light) => Some(light.radiance(direction)),
-            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Area(_) => None,
+            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Area(_) | Emitter::Volume(_) => None,
         }
     }
 
@@ -171,7 +181,7 @@ impl Light {
         match &self.emitter {
             Emitter::Directional(light) => light.pdf(direction),
             Emitter::Environment(light) => light.pdf(direction),
-            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Area(_) => 0.0,
+            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Area(_) | Emitter::Volume(_) => 0.0,
         }
     }
 
@@ -183,7 +193,8 @@ impl Light {
             | Emitter::Spot(_)
             | Emitter::Beam(_)
             | Emitter::Directional(_)
-            | Emitter::Environment(_) => 0.0,
+            | Emitter::Environment(_)
+            | Emitter::Volume(_) => 0.0,
         }
     }
 
@@ -195,7 +206,8 @@ impl Light {
             | Emitter::Spot(_)
             | Emitter::Beam(_)
             | Emitter::Directional(_)
-            | Emitter::Environment(_) => 0.0,
+            | Emitter::Environment(_)
+            | Emitter::Volume(_) => 0.0,
         }
     }
 
@@ -203,7 +215,8 @@ impl Light {
     pub fn shape_at(&self, tint: Tint, nm: f64) -> f64 {
         match (tint, &self.emitter) {
             (Tint::Mixed(weights), Emitter::Environment(light)) => light.mixed_at(weights, nm),
-            (Tint::Own | Tint::Mixed(_), _) => self.spectrum.at(nm),
+            (Tint::Thermal(temperature), Emitter::Volume(light)) => light.shape_at(temperature, nm),
+            (Tint::Own | Tint::Mixed(_) | Tint::Thermal(_), _) => self.spectrum.at(nm),
         }
     }
 
@@ -212,7 +225,7 @@ impl Light {
         match &self.emitter {
             Emitter::Area(_) | Emitter::Environment(_) => true,
             Emitter::Directional(light) => light.has_extent(),
-            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) => false,
+            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Volume(_) => false,
         }
     }
 }

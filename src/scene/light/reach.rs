@@ -22,6 +22,7 @@ impl Light {
         match &self.emitter {
             Emitter::Point(light) => whole(Some(light.at)),
             Emitter::Area(light) => whole(Some(world.geometry.sample_area(light.object, u).position)),
+            Emitter::Volume(light) => whole(Some(light.draw(u).0)),
             Emitter::Directional(_) | Emitter::Environment(_) => whole(None),
             Emitter::Spot(light) => {
                 let (from, to) = inside_cone(ray, (from, to), light.at(), light.axis(), light.one_minus_cos())?;

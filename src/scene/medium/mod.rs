@@ -7,11 +7,16 @@
 pub mod field;
 pub mod volume_file;
 
+mod glow;
+
+pub use glow::Glow;
+
 use super::geometry::Ray;
 use crate::optics::phase::Phase;
 use crate::spectrum::Spectrum;
 use field::Field;
 use glam::DVec3;
+use std::sync::Arc;
 
 /// A medium, placed in the scene. Coefficients are in 1/m at density 1.
 #[derive(Debug, Clone)]
@@ -36,6 +41,8 @@ pub struct Medium {
     pub dense: bool,
     /// How the light that passes is worked out.
     pub transmittance: Transmittance,
+    /// The light that it emits by itself.
+    pub emission: Option<Glow>,
 }
 
 /// Density (relative, without unit) as a function of place.
@@ -44,7 +51,7 @@ pub enum Density {
     /// 1 everywhere.
     Uniform,
     /// Within a box.
-    Field(Box<Field>),
+    Field(Arc<Field>),
 }
 
 /// How the transmittance of a medium that varies in space is worked out.
@@ -79,6 +86,7 @@ impl Medium {
             density,
             transmittance,
             dense: false,
+            emission: None,
         }
     }
 
@@ -93,6 +101,14 @@ impl Medium {
             Density::Uniform => 1.0,
             Density::Field(field) => field.at(point),
         }
+    }
+
+    /// The light that it emits at a point, in W/m³/sr/nm.
+    pub fn emission_per_m(&self, point: DVec3, nm: f64) -> f64 {
+        self.emission.as_ref().map_or(0.0, |glow| {
+            let density = self.density_at(point);
+            if density > 0.0 { density * glow.at(point, nm) } else { 0.0 }
+        })
     }
 
     /// The largest density along the ray's first `length_m`: the bound of null-collision tracking.

@@ -23,14 +23,14 @@ struct Surrounding {
 }
 
 /// A spectrum's shape, and how bright a watt of it is.
-struct Shape {
+pub(super) struct Shape {
     spectrum: Spectrum,
     lumens_per_watt: f64,
 }
 
 impl Shape {
     /// The spectrum scaled to integral 1. Photometric quantities are always by the CIE 1931 observer's ȳ.
-    fn new(spectrum: &Spectrum) -> Self {
+    pub(super) fn new(spectrum: &Spectrum) -> Self {
         let spectrum = spectrum.scaled(1.0 / spectrum.integral());
         let lumens_per_watt = LUMENS_PER_WATT * Observer::cie1931().xyz(&spectrum)[1];
         Self { spectrum, lumens_per_watt }
@@ -253,7 +253,7 @@ impl Resolver<'_> {
 }
 
 /// A light from its parts.
-fn finish(name: String, emitter: Emitter, shape: &Shape, observer: &'static Observer) -> Result<Light> {
+pub(super) fn finish(name: String, emitter: Emitter, shape: &Shape, observer: &'static Observer) -> Result<Light> {
     let wavelengths = WavelengthDistribution::important(&shape.spectrum, observer)
         .ok_or_else(|| Error::input("the spectrum has no power within 360–830 nm"))?;
     let importance_per_watt = observer.xyz(&shape.spectrum).iter().sum();

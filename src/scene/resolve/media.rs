@@ -61,25 +61,25 @@ impl Resolver<'_> {
         // Where a medium stands that is the same everywhere makes no difference.
         let HomogeneousFile { absorption, scattering, phase, emission, priority: _, transform: _, motion } = file;
         self.refuse_motion(at, motion)?;
-        if emission.is_some() {
-            return self.at(&at.key("emission"), Err(unsupported("emission of media is")));
-        }
         let coefficients = self.coefficients(at, absorption, scattering)?;
+        let glow = |file| self.glow(&at.key("emission"), file, &coefficients.0, None);
+        let emission = emission.as_ref().map(glow).transpose()?;
         let phase = self.phase(&at.key("phase"), phase)?;
-        Ok(Medium::new(name.to_owned(), coefficients, phase, Density::Uniform))
+        Ok(Medium { emission, ..Medium::new(name.to_owned(), coefficients, phase, Density::Uniform) })
     }
 
     fn grid(&self, at: &JsonPath<'_>, file: &GridFile, name: &str, centre: DVec3) -> Result<Medium> {
         let GridFile { bounds, density, absorption, scattering, phase, emission, temperature, .. } = file;
         let GridFile { transmittance, priority: _, transform, motion, .. } = file;
         self.refuse_motion(at, motion)?;
-        if emission.is_some() || temperature.is_some() {
-            return self.at(&at.key("emission"), Err(unsupported("emission of media is")));
-        }
         let coefficients = self.coefficients(at, absorption, scattering)?;
         let phase = self.phase(&at.key("phase"), phase)?;
         let place = self.place(*bounds, transform, centre);
-        let density = Density::Field(Box::new(self.field(&at.key("density"), density, &place)?));
+        let field = |key: &str, file| self.field(&at.key(key), file, &place).map(Arc::new);
+        let density = Density::Field(field("density", density)?);
+        let temperature = temperature.as_ref().map(|file| field("temperature", file)).transpose()?;
+        let glow = |file| self.glow(&at.key("emission"), file, &coefficients.0, temperature);
+        let emission = emission.as_ref().map(glow).transpose()?;
         let transmittance = match transmittance {
             TransmittanceFile::Exact => Transmittance::Exact,
             TransmittanceFile::Ratio => Transmittance::Ratio,
@@ -87,7 +87,7 @@ impl Resolver<'_> {
                 Transmittance::March { steps: self.scene.render.march_steps.unwrap_or(DEFAULT_MARCH_STEPS) }
             }
         };
-        Ok(Medium { transmittance, ..Medium::new(name.to_owned(), coefficients, phase, density) })
+        Ok(Medium { transmittance, emission, ..Medium::new(name.to_owned(), coefficients, phase, density) })
     }
 
     fn refuse_motion(&self, at: &JsonPath<'_>, motion: &[KeyframeFile]) -> Result<()> {

@@ -5,6 +5,7 @@
 
 mod camera;
 mod film;
+mod glows;
 mod lens;
 mod lights;
 mod materials;
@@ -87,20 +88,22 @@ impl Resolver<'_> {
         let mut notes = Vec::new();
         let mut things = self.objects(&mut notes)?;
         let centre = objects::centre(&things);
-        let media = self.media(centre)?;
+        let mut media = self.media(centre)?;
+        let holders = glows::holders(&things);
         let placed = std::mem::take(&mut things.placed);
         let geometry = self.at(&root.key("objects"), Geometry::build(placed, centre))?;
         let film = self.film(&root.key("film"), film)?;
         let camera = self.camera(&root.key("camera"), camera, (film.width, film.height), centre, &mut notes)?;
-        let lights = self.lights(&things, (&geometry, centre), film.observer, &mut notes)?;
+        let mut lights = self.lights(&things, (&geometry, centre), film.observer, &mut notes)?;
+        let around = atmosphere.as_ref().map(|name| self.medium_number(&root.key("atmosphere"), name)).transpose()?;
+        lights.extend(self.volume_lights(&mut media, &holders, around, (centre, film.observer))?);
         if lights.is_empty() {
             let error = Error::input("the scene has no light")
                 .expected("at least one entry in `lights` or an object with `emission`");
             return Err(self.source.error_at("", error));
         }
         let mut radius_m = objects::radius(&geometry);
-        if let Some(name) = atmosphere {
-            let number = self.medium_number(&root.key("atmosphere"), name)?;
+        if let Some((name, number)) = atmosphere.as_ref().zip(around) {
             let things_reach = reach(&geometry, &camera, &lights).max(media[number].reach_m());
             radius_m = things.add_atmosphere((name, number), (centre, things_reach));
         }
@@ -177,6 +180,7 @@ impl Scene {
             Emitter::Spot(light) => self.interior_at(light.at()),
             Emitter::Beam(light) => self.interior_at(light.centre()),
             Emitter::Directional(_) | Emitter::Environment(_) => Interior::AIR,
+            Emitter::Volume(light) => self.interior_at(light.typical_place()),
             Emitter::Area(area) => {
                 let place = self.geometry.sample_area(area.object, [0.37, 0.61, 0.53]);
                 self.interior_along(Ray { origin: place.position, direction: place.normal }, Some(place.surface))
@@ -223,7 +227,7 @@ fn reach(geometry: &Geometry, camera: &Camera, lights: &[Light]) -> f64 {
         Emitter::Point(light) => Some(light.at),
         Emitter::Spot(light) => Some(light.at()),
         Emitter::Beam(light) => Some(light.centre()),
-        Emitter::Directional(_) | Emitter::Environment(_) | Emitter::Area(_) => None,
+        Emitter::Directional(_) | Emitter::Environment(_) | Emitter::Area(_) | Emitter::Volume(_) => None,
     });
     places.chain([camera.origin()]).map(DVec3::length).fold(objects::radius(geometry), f64::max)
 }

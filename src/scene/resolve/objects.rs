@@ -229,7 +229,7 @@ pub(super) fn centre(things: &Things<'_>) -> DVec3 {
 }
 
 /// Corners of a box around a shape in its own frame, in m. (For a prism, a ball's would do as well: only the middle counts.)
-fn bounds(shape: &Shape) -> (DVec3, DVec3) {
+pub(super) fn bounds(shape: &Shape) -> (DVec3, DVec3) {
     let around = |half: DVec3| (-half, half);
     match shape {
         Shape::Sphere { radius } => around(DVec3::splat(*radius)),

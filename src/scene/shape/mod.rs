@@ -13,6 +13,7 @@ mod polyhedron;
 mod solid;
 mod sphere;
 mod triangle;
+mod volume;
 
 use std::sync::Arc;
 

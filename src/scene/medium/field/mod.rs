@@ -81,29 +81,17 @@ impl Field {
         Self { shape, to_local, bounds }
     }
 
-    /// The box's corners, in the field's own coordinates.
-    pub fn bounds(&self) -> (DVec3, DVec3) {
-        self.bounds
-    }
-
-    /// The map from the scene to the field's own coordinates.
-    pub fn to_local(&self) -> &DAffine3 {
-        &self.to_local
+    /// The map from the unit cube onto the box, as it stands in the scene.
+    pub fn from_unit(&self) -> DAffine3 {
+        let (low, high) = self.bounds;
+        self.to_local.inverse() * DAffine3::from_translation(low) * DAffine3::from_scale(high - low)
     }
 
     /// The distance of the box's farthest corner from the scene's centre, in m.
     pub fn reach_m(&self) -> f64 {
-        let (low, high) = self.bounds;
-        let to_scene = self.to_local.inverse();
-        let corner =
-            |i: usize| DVec3::from_array(std::array::from_fn(|axis| if i >> axis & 1 == 0 { low } else { high }[axis]));
-        (0..8).map(|i| to_scene.transform_point3(corner(i)).length()).fold(0.0, f64::max)
-    }
-
-    /// The box's volume in m³, as it stands in the scene.
-    pub fn volume_m3(&self) -> f64 {
-        let size = self.bounds.1 - self.bounds.0;
-        size.x * size.y * size.z / self.to_local.matrix3.determinant().abs()
+        let from_unit = self.from_unit();
+        let corner = |i: usize| DVec3::from_array(std::array::from_fn(|axis| (i >> axis & 1) as f64));
+        (0..8).map(|i| from_unit.transform_point3(corner(i)).length()).fold(0.0, f64::max)
     }
 
     /// The value at a point of the scene.
