@@ -4,8 +4,8 @@
 mod close;
 mod golden;
 
-use abbe::optics::phase::Phase;
-use abbe::spectrum::Spectrum;
+use abbe::optics::phase::{Phase, rainbow};
+use abbe::spectrum::{Observer, Spectrum, library};
 use close::{close, number};
 use golden::golden;
 
@@ -19,5 +19,84 @@ fn henyey_and_greenstein_s_function_has_its_values() {
             let (got, expected) = (phase.at(cos, 550.0), number(expected));
             close(&format!("g = {g} at {degrees}°"), got, expected, 1e-8 * expected);
         }
+    }
+}
+
+/// D65 after a way through something of this extinction, as XYZ with white Y = 1, by plain sums over whole nanometres.
+fn transmitted(extinction: &Spectrum, path_m: f64) -> [f64; 3] {
+    let (light, observer) = (library::find("D65").unwrap().spectrum, Observer::cie1931());
+    let mut sums = [0.0; 4];
+    for nm in (360..=830).map(f64::from) {
+        let passed = light.at(nm) * (-extinction.at(nm) * path_m).exp();
+        let [x, y, z] = observer.xyz_bar(nm);
+        [passed * x, passed * y, passed * z, light.at(nm) * y]
+            .iter()
+            .zip(&mut sums)
+            .for_each(|(part, sum)| *sum += part);
+    }
+    [0, 1, 2].map(|i| sums[i] / sums[3])
+}
+
+#[test]
+fn water_and_air_colour_daylight_by_beer_s_law() {
+    let golden = golden("media.json");
+    let spectrum = |name: &str| library::find(name).unwrap().spectrum;
+    let beams = [("water_beam", "path_m", 1.0, "water/absorption"), ("air_beam", "path_km", 1000.0, "air/scattering")];
+    for (beam, key, metres, name) in beams {
+        for row in golden[beam].as_array().unwrap() {
+            let path_m = number(&row[key]) * metres;
+            let found = transmitted(&spectrum(name), path_m);
+            for (i, found) in found.into_iter().enumerate() {
+                let expected = number(&row["XYZ"][i]);
+                close(&format!("{name} after {path_m} m"), found, expected, 0.005 * expected);
+                println!("{name} {path_m} m: off by {:.1e}", found / expected - 1.0);
+            }
+        }
+    }
+    for (nm, expected) in golden["rayleigh_per_m"].as_object().unwrap() {
+        let (found, expected) = (spectrum("air/scattering").at(nm.parse().unwrap()), number(expected));
+        close(&format!("air at {nm} nm"), found, expected, 0.005 * expected);
+    }
+}
+
+/// The angle in degrees of the largest density within a range.
+fn brightest(phase: &Phase, nm: f64, (from, to): (f64, f64)) -> f64 {
+    let steps = 2000;
+    let angle = |i: u32| from + (to - from) * f64::from(i) / f64::from(steps);
+    let density = |i: u32| phase.at(angle(i).to_radians().cos(), nm);
+    angle((0..=steps).max_by(|&a, &b| density(a).total_cmp(&density(b))).unwrap())
+}
+
+#[test]
+fn the_bows_stand_where_the_series_for_half_a_millimetre_has_them() {
+    let rain = Phase::Table(rainbow());
+    let rows = golden("rainbow.json")["rows"].as_array().unwrap().clone();
+    // Scattering angles of the brightest primary and secondary bow in `mie_rain_r0.5mm.csv`.
+    let peaks = [
+        (440.0, 139.25, 126.75),
+        (490.0, 138.85, 127.5),
+        (546.1, 138.5, 128.15),
+        (589.3, 138.3, 128.45),
+        (632.8, 138.15, 128.75),
+        (680.0, 138.0, 129.0),
+    ];
+    for (nm, primary, secondary) in peaks {
+        let found = (brightest(&rain, nm, (135.0, 142.0)), brightest(&rain, nm, (122.0, 132.0)));
+        println!("{nm} nm: primary {:.2}° ({primary}), secondary {:.2}° ({secondary})", found.0, found.1);
+        close(&format!("primary bow at {nm} nm"), found.0, primary, 0.3);
+        close(&format!("secondary bow at {nm} nm"), found.1, secondary, 0.3);
+        // Inside the geometric bow, by less than half a degree.
+        let row = rows.iter().min_by(|a, b| {
+            let off = |row: &serde_json::Value| (number(&row["wavelength_nm"]) - nm).abs();
+            off(a).total_cmp(&off(b))
+        });
+        let geometric = 180.0 - number(&row.unwrap()["primary_deg"]);
+        assert!((0.0..0.6).contains(&(found.0 - geometric)), "{nm} nm: {} behind {geometric}", found.0);
+        // Between the bows it is dark (Alexander's band).
+        let dark = rain.at(f64::to_radians(134.0).cos(), nm);
+        assert!(dark < 0.25 * rain.at(found.0.to_radians().cos(), nm), "{nm} nm");
+    }
+    for (nm, mean_cosine) in [(440.0, 0.881_38), (546.1, 0.883_2), (680.0, 0.884_43)] {
+        close(&format!("mean cosine at {nm} nm"), rain.mean_cosine(nm), mean_cosine, 0.005);
     }
 }

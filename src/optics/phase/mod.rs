@@ -4,6 +4,8 @@
 //! per steradian that integrates to 1 over the sphere.
 
 mod henyey_greenstein;
+pub mod mie;
+mod rainbow;
 mod rayleigh;
 mod table;
 
@@ -11,6 +13,7 @@ mod table;
 mod contract;
 
 pub use henyey_greenstein::MAX_MEAN_COSINE;
+pub use rainbow::rainbow;
 pub use table::{PhaseTable, parse as parse_table};
 
 use crate::math::frame::Frame;

@@ -216,12 +216,12 @@ pub enum PhaseFile {
     },
     /// By spheres (Mie's theory).
     Mie {
-        /// Mean radius in µm.
+        /// Median radius in µm.
         #[schemars(extend("exclusiveMinimum" = 0))]
         radius_um: f64,
-        /// Geometric spread of the radii (default: all the same).
+        /// Geometric standard deviation of the radii, lognormal about the median; 1 or none: all the same.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(range(min = 0))]
+        #[schemars(range(min = 1))]
         spread: Option<f64>,
         /// Index of the spheres (default: water).
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -383,7 +383,10 @@ impl PhaseFile {
             Self::Mie { radius_um, spread, ior } => {
                 let at = at.key("mie");
                 check::positive(&at.key("radius_um"), *radius_um)?;
-                spread.map_or(Ok(()), |spread| check::not_negative(&at.key("spread"), spread))?;
+                let spread_at = at.key("spread");
+                spread.map_or(Ok(()), |spread| {
+                    check::rule(&spread_at, spread, spread >= 1.0, "a number of at least 1")
+                })?;
                 ior.as_ref().map_or(Ok(()), |ior| ior.validate(&at.key("ior")))
             }
         }

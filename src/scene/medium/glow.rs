@@ -37,6 +37,9 @@ const COLDEST_K: f64 = 350.0;
 /// Steps of the inverse temperature: interpolation is then exact to 10⁻⁴, and what it is off by cancels against the spectrum's shape.
 const STEPS: usize = 256;
 
+/// How much finer temperatures are told apart for the spectrum of all of it.
+const FINER: f64 = 8.0;
+
 impl Glow {
     /// The same emission everywhere, in W/m³/sr/nm at density 1.
     pub fn same(spectrum: Spectrum) -> Self {
@@ -92,11 +95,11 @@ impl Glow {
         match self {
             Self::Same { spectrum, .. } => spectrum.clone(),
             Self::Thermal(thermal) => {
+                let temperature_at = |i: usize| 1.0 / (thermal.inverse.0 + i as f64 / FINER * thermal.inverse.1);
                 let mut bodies: Vec<(f64, f64)> =
-                    (0..=STEPS).map(|i| (1.0 / (thermal.inverse.0 + i as f64 * thermal.inverse.1), 0.0)).collect();
+                    (0..=STEPS * FINER as usize).map(|i| (temperature_at(i), 0.0)).collect();
                 for (temperature, weight) in weights.filter(|(temperature, _)| *temperature > COLDEST_K) {
-                    let place = thermal.place(temperature);
-                    bodies[place.round() as usize].1 += weight;
+                    bodies[(FINER * thermal.place(temperature)).round() as usize].1 += weight;
                 }
                 bodies.retain(|(_, weight)| *weight > 0.0);
                 thermal.absorption.product(&Spectrum::blackbodies(&bodies))

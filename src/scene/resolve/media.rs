@@ -1,8 +1,11 @@
 //! Media as written → media as meant.
 
+use super::materials::index_of;
 use super::spectra::Role;
 use super::{Resolver, unsupported};
 use crate::error::{Error, Result};
+use crate::optics::glass::Index;
+use crate::optics::phase::mie::Spheres;
 use crate::optics::phase::{self, Phase, PhaseTable};
 use crate::scene::file::{
     ExponentialFieldFile, FieldFile, GridFile, HomogeneousFile, JsonPath, KeyframeFile, MediumFile, NoiseFieldFile,
@@ -43,37 +46,49 @@ impl Resolver<'_> {
     }
 
     /// Resolves all media, those too that nothing uses; `centre` is the scene's centre in m.
-    pub(super) fn media(&self, centre: DVec3) -> Result<Vec<Medium>> {
-        self.scene.media.iter().map(|(name, file)| self.medium(name, file, centre)).collect()
+    pub(super) fn media(&self, centre: DVec3, notes: &mut Vec<String>) -> Result<Vec<Medium>> {
+        self.scene.media.iter().map(|(name, file)| self.medium(name, file, centre, notes)).collect()
     }
 
-    fn medium(&self, name: &str, file: &MediumFile, centre: DVec3) -> Result<Medium> {
+    fn medium(&self, name: &str, file: &MediumFile, centre: DVec3, notes: &mut Vec<String>) -> Result<Medium> {
         let root = JsonPath::Root;
         let media = root.key("media");
         let at = media.key(name);
         match file {
-            MediumFile::Homogeneous(file) => self.homogeneous(&at.key("homogeneous"), file, name),
-            MediumFile::Grid(file) => self.grid(&at.key("grid"), file, name, centre),
+            MediumFile::Homogeneous(file) => self.homogeneous(&at.key("homogeneous"), file, name, notes),
+            MediumFile::Grid(file) => self.grid(&at.key("grid"), file, (name, centre), notes),
         }
     }
 
-    fn homogeneous(&self, at: &JsonPath<'_>, file: &HomogeneousFile, name: &str) -> Result<Medium> {
+    fn homogeneous(
+        &self,
+        at: &JsonPath<'_>,
+        file: &HomogeneousFile,
+        name: &str,
+        notes: &mut Vec<String>,
+    ) -> Result<Medium> {
         // Where a medium stands that is the same everywhere makes no difference.
         let HomogeneousFile { absorption, scattering, phase, emission, priority: _, transform: _, motion } = file;
         self.refuse_motion(at, motion)?;
         let coefficients = self.coefficients(at, absorption, scattering)?;
         let glow = |file| self.glow(&at.key("emission"), file, &coefficients.0, None);
         let emission = emission.as_ref().map(glow).transpose()?;
-        let phase = self.phase(&at.key("phase"), phase)?;
+        let phase = self.phase(&at.key("phase"), phase, notes)?;
         Ok(Medium { emission, ..Medium::new(name.to_owned(), coefficients, phase, Density::Uniform) })
     }
 
-    fn grid(&self, at: &JsonPath<'_>, file: &GridFile, name: &str, centre: DVec3) -> Result<Medium> {
+    fn grid(
+        &self,
+        at: &JsonPath<'_>,
+        file: &GridFile,
+        (name, centre): (&str, DVec3),
+        notes: &mut Vec<String>,
+    ) -> Result<Medium> {
         let GridFile { bounds, density, absorption, scattering, phase, emission, temperature, .. } = file;
         let GridFile { transmittance, priority: _, transform, motion, .. } = file;
         self.refuse_motion(at, motion)?;
         let coefficients = self.coefficients(at, absorption, scattering)?;
-        let phase = self.phase(&at.key("phase"), phase)?;
+        let phase = self.phase(&at.key("phase"), phase, notes)?;
         let place = self.place(*bounds, transform, centre);
         let field = |key: &str, file| self.field(&at.key(key), file, &place).map(Arc::new);
         let density = Density::Field(field("density", density)?);
@@ -153,7 +168,7 @@ impl Resolver<'_> {
         self.at(at, Err(Error::input("found none of the forms of a field")))
     }
 
-    fn phase(&self, at: &JsonPath<'_>, file: &PhaseFile) -> Result<Phase> {
+    fn phase(&self, at: &JsonPath<'_>, file: &PhaseFile, notes: &mut Vec<String>) -> Result<Phase> {
         match file {
             PhaseFile::Isotropic => Ok(Phase::Isotropic),
             PhaseFile::Rayleigh => Ok(Phase::Rayleigh),
@@ -165,7 +180,17 @@ impl Resolver<'_> {
                 let table = read_phase_table(&self.source.folder().join(path));
                 Ok(Phase::Table(Arc::new(self.at(&at.key("table").key("path"), table)?)))
             }
-            PhaseFile::Mie { .. } | PhaseFile::Rainbow => self.at(at, Err(unsupported("this phase function is"))),
+            PhaseFile::Mie { radius_um, spread, ior } => {
+                let at = at.key("mie");
+                let index = match ior {
+                    Some(file) => self.at(&at.key("ior"), index_of(file))?,
+                    None => Index::catalogue("water 20C")?,
+                };
+                notes.extend(index.warning().map(|warning| format!("{at}: {warning}")));
+                let spheres = Spheres::new(*radius_um, *spread, index);
+                Ok(Phase::Table(self.at(&at, spheres.and_then(|spheres| spheres.table()))?))
+            }
+            PhaseFile::Rainbow => Ok(Phase::Table(phase::rainbow())),
         }
     }
 }

@@ -88,7 +88,7 @@ impl Resolver<'_> {
         let mut notes = Vec::new();
         let mut things = self.objects(&mut notes)?;
         let centre = objects::centre(&things);
-        let mut media = self.media(centre)?;
+        let mut media = self.media(centre, &mut notes)?;
         let holders = glows::holders(&things);
         let placed = std::mem::take(&mut things.placed);
         let geometry = self.at(&root.key("objects"), Geometry::build(placed, centre))?;

@@ -1,0 +1,84 @@
+//! Drops of rain: the phase function of `data/media/rainbow.csv`, computed once by the series of [`mie`](super::mie).
+//!
+//! The drops' radii are lognormally distributed by number about 0.4 mm, from 0.16 to 1 mm (ln-width 0.26, out to 3.5 widths); water at
+//! 20 °C in air; sunlight from a point (a sun with a disk blurs the bows as it does in the sky).
+
+use super::table::{self, PhaseTable};
+use std::sync::{Arc, OnceLock};
+
+static RAINBOW: &str = include_str!("../../../data/media/rainbow.csv");
+
+/// The phase function of rain.
+pub fn rainbow() -> Arc<PhaseTable> {
+    static TABLE: OnceLock<Arc<PhaseTable>> = OnceLock::new();
+    TABLE.get_or_init(|| Arc::new(table::parse(RAINBOW).expect("the built-in table is a good table"))).clone()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Phase;
+    use super::super::mie::{Spheres, lognormal};
+    use super::*;
+    use crate::optics::glass::Index;
+    use std::fmt::Write;
+
+    fn rain() -> Spheres {
+        Spheres { radii_um: lognormal(400.0, 0.26, 100), index: Index::catalogue("water 20C").unwrap() }
+    }
+
+    /// Angles in degrees, in steps of a hundredth of a degree: finest in the forward peak, fine in the bows and the glory.
+    fn angles() -> Vec<f64> {
+        let stretches = [(0, 10, 1), (10, 200, 4), (200, 1000, 20), (1000, 12_000, 100), (12_000, 15_000, 5)];
+        let behind = [(15_000, 17_800, 50), (17_800, 18_000, 10)];
+        let all =
+            stretches.iter().chain(&behind).flat_map(|&(from, to, step): &(u32, u32, usize)| (from..to).step_by(step));
+        all.chain([18_000]).map(|hundredths| f64::from(hundredths) / 100.0).collect()
+    }
+
+    /// One column of the table. Beyond the forward peak it is the mean over five places within 0.1°: what is left of the drops' ripples,
+    /// which are finer than that, would otherwise be sampled at random.
+    fn column(nm: f64) -> Vec<f64> {
+        let angles = angles();
+        let places = angles.iter().flat_map(|&angle| {
+            let step = if angle > 5.0 && angle < 179.0 { 0.02 } else { 0.0 };
+            (-2..=2).map(move |i| angle + f64::from(i) * step)
+        });
+        let density = rain().scattering(nm, &places.collect::<Vec<_>>()).density;
+        density.chunks(5).map(|places| places.iter().sum::<f64>() / 5.0).collect()
+    }
+
+    #[test]
+    #[ignore = "minutes: sums series of thousands of terms; with ABBE_BLESS it writes the table"]
+    fn the_built_in_table_is_that_of_the_series() {
+        let bless = std::env::var_os("ABBE_BLESS").is_some();
+        let nm: Vec<f64> = (360..=830).step_by(if bless { 20 } else { 160 }).map(f64::from).chain([830.0]).collect();
+        let (first, second) = nm.split_at(nm.len() / 2);
+        let half = |nm: &[f64]| nm.iter().map(|&nm| column(nm)).collect::<Vec<_>>();
+        let columns = std::thread::scope(|scope| {
+            let other = scope.spawn(|| half(second));
+            [half(first), other.join().unwrap()].concat()
+        });
+        if !bless {
+            for (nm, column) in nm.iter().zip(&columns) {
+                let table = Phase::Table(rainbow());
+                for (angle, density) in angles().into_iter().zip(column).step_by(7) {
+                    // Both are normalised by their own sums; the table to six digits.
+                    let found = table.at(angle.to_radians().cos(), *nm);
+                    assert!((found / density - 1.0).abs() < 0.02, "{angle}° {nm} nm: {found}, {density}");
+                }
+            }
+            return;
+        }
+        let mut text = String::from("angle_deg");
+        nm.iter().for_each(|nm| write!(text, ",p_{nm}nm_per_sr").unwrap());
+        for (i, angle) in angles().iter().enumerate() {
+            write!(text, "\n{angle}").unwrap();
+            for column in &columns {
+                let digits = format!("{:.4e}", column[i]);
+                write!(text, ",{}", digits.parse::<f64>().unwrap()).unwrap();
+            }
+        }
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data/media/rainbow.csv");
+        std::fs::write(path, text + "\n").unwrap();
+    }
+}
