@@ -26,13 +26,13 @@ mod tests {
         Spheres { radii_um: lognormal(400.0, 0.26, 100), index: Index::catalogue("water 20C").unwrap() }
     }
 
-    /// Angles in degrees, in steps of a hundredth of a degree: finest in the forward peak, fine in the bows and the glory.
+    /// Angles in degrees, in steps of a thousandth of a degree: finest in the forward peak, fine in the bows and the glory.
     fn angles() -> Vec<f64> {
-        let stretches = [(0, 10, 1), (10, 200, 4), (200, 1000, 20), (1000, 12_000, 100), (12_000, 15_000, 5)];
-        let behind = [(15_000, 17_800, 50), (17_800, 18_000, 10)];
-        let all =
-            stretches.iter().chain(&behind).flat_map(|&(from, to, step): &(u32, u32, usize)| (from..to).step_by(step));
-        all.chain([18_000]).map(|hundredths| f64::from(hundredths) / 100.0).collect()
+        let forward = [(0, 40, 1), (40, 200, 4), (200, 2000, 30), (2000, 10_000, 200)];
+        let bows = [(10_000, 120_000, 1000), (120_000, 150_000, 50), (150_000, 178_000, 500), (178_000, 180_000, 100)];
+        let steps = |&(from, to, step): &(u32, u32, usize)| (from..to).step_by(step);
+        let thousandths = forward.iter().chain(&bows).flat_map(steps).chain([180_000]);
+        thousandths.map(|thousandths| f64::from(thousandths) / 1000.0).collect()
     }
 
     /// One column of the table. Beyond the forward peak it is the mean over five places within 0.1°: what is left of the drops' ripples,
