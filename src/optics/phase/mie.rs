@@ -166,7 +166,7 @@ impl Series {
         let (mut sums, mut differences) = (Vec::with_capacity(terms), Vec::with_capacity(terms));
         let (mut strength, mut forwardness) = (0.0, 0.0);
         let mut last: Option<([f64; 2], [f64; 2])> = None;
-        for order in 1..=terms {
+        for (order, derivative) in derivative.iter().enumerate().skip(1) {
             let n = order as f64;
             (psi, psi_before) = ((2.0 * n - 1.0) / x * psi - psi_before, psi);
             (chi, chi_before) = ((2.0 * n - 1.0) / x * chi - chi_before, chi);
@@ -176,8 +176,8 @@ impl Series {
                 let norm = real * real + imaginary * imaginary;
                 if norm.is_finite() { [real * real / norm, real * imaginary / norm] } else { [0.0, 0.0] }
             };
-            let a = coefficient(derivative[order] / m + n / x);
-            let b = coefficient(derivative[order] * m + n / x);
+            let a = coefficient(derivative / m + n / x);
+            let b = coefficient(derivative * m + n / x);
             strength += (2.0 * n + 1.0) * (square(a) + square(b));
             if let Some((a_before, b_before)) = last {
                 let k = n - 1.0;

@@ -158,7 +158,7 @@ fn guide(heights: &[f64]) -> Vec<u32> {
 }
 
 fn check_angles(degrees: &[f64]) -> Result<()> {
-    if let Some(pair) = degrees.windows(2).find(|pair| !(pair[0] < pair[1])) {
+    if let Some(pair) = degrees.windows(2).find(|pair| pair[0] >= pair[1] || pair[1].is_nan()) {
         let what = format!("the angle {}° after {}°", pair[1], pair[0]);
         return Err(Error::input(what).expected("ascending angles"));
     }
