@@ -183,7 +183,7 @@ impl Resolver<'_> {
             PhaseFile::Mie { radius_um, spread, ior } => {
                 let at = at.key("mie");
                 let index = match ior {
-                    Some(file) => self.at(&at.key("ior"), index_of(file))?,
+                    Some(file) => self.at(&at.key("ior"), index_of(file, self.source.folder()))?,
                     None => Index::catalogue("water 20C")?,
                 };
                 notes.extend(index.warning().map(|warning| format!("{at}: {warning}")));
