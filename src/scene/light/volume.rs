@@ -135,6 +135,10 @@ impl Volume {
             return (place, 0.0, Tint::Own);
         };
         let (band, temperature) = glow.band_at(place);
+        // Where nothing shines there is no colour either.
+        if band <= 0.0 {
+            return (place, 0.0, Tint::Own);
+        }
         let cell_m3 = self.box_m3() / (CELLS.pow(3)) as f64;
         let flux_w = 4.0 * PI * density * band * cell_m3 / self.cells.probability(cell);
         (place, flux_w, temperature.map_or(Tint::Own, Tint::Thermal))
