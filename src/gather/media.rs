@@ -4,7 +4,7 @@
 //! is brought by the photons that pass the ray.
 
 use super::camera_path::CameraPath;
-use super::direct::{AskingInside, LitInside};
+use super::direct::{AskingInside, Counts, LitInside};
 use super::distance;
 use super::estimate::RadiusKind;
 use super::landing::Leg as Seen;
@@ -47,6 +47,9 @@ impl<'a> Gatherer<'a> {
     ) {
         if let Some((number, medium)) = stretch.medium {
             sample.tally.media_stretches += 1;
+            if medium.emission.is_some() && matches!(path.counts, Counts::Fully) {
+                self.see_glow(path, (stretch, number, medium), sample);
+            }
             if medium.scatters() && stretch.length_m.is_finite() {
                 self.gather_lamps_inside(path, (stretch, medium), sample);
                 self.gather_volume_photons(path, (stretch, number, medium), walked, sample);
@@ -60,6 +63,30 @@ impl<'a> Gatherer<'a> {
         if let Some((_, medium)) = stretch.medium {
             let passage = Passage::new(medium, stretch.ray, stretch.length_m, seed(sample));
             path.multiply(Factor::Passage(passage), sample.scratch);
+        }
+    }
+
+    /// Light that the medium emits into the ray. (At surfaces and in media that light is looked for like a lamp's.)
+    fn see_glow<S: Sink>(
+        &self,
+        path: &CameraPath,
+        (stretch, number, medium): (&Stretch<'a>, usize, &'a Medium),
+        sample: &mut Sample<'_, 'a, S>,
+    ) {
+        /// Places along the ray, one in each of as many equal parts.
+        const PLACES: u32 = 16;
+        let Some(light) = self.scene.light_of_medium(number) else { return };
+        let Some((from, to)) = medium.window(&stretch.ray, stretch.length_m) else { return };
+        let step = (to - from) / f64::from(PLACES);
+        let shift = sample.numbers.stream.uniform();
+        for i in 0..PLACES {
+            let t = from + (f64::from(i) + shift) * step;
+            let place = stretch.ray.at(t);
+            let here = self.passages_to(t, stretch, medium, seed(sample));
+            let (scratch, sink) = (&sample.scratch, &mut *sample.sink);
+            each_wavelength(path.colour, &scratch.factors, light, sample.numbers.wavelength, |nm, share| {
+                sink.radiance(nm, share * medium.emission_per_m(place, nm) * passes(&here, nm) * step);
+            });
         }
     }
 

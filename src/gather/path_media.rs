@@ -7,7 +7,7 @@ use super::path_tracer::{Path, PathTracer};
 use crate::scene::geometry::Ray;
 use crate::scene::medium::Medium;
 use crate::spectrum::{LANES, Lanes};
-use crate::walk::{Leg, Sink, Start, Stretch, Tally, passes, travel};
+use crate::walk::{Leg, Passage, Sink, Start, Stretch, Tally, passes, travel};
 use std::ops::ControlFlow;
 
 /// Scatterings in media that a path may have between two surfaces.
@@ -26,6 +26,7 @@ impl<'a> PathTracer<'a> {
             let mut component = numbers.stream.uniform();
             let mut met = None;
             let leg = travel(self.scene, path.start, &mut component, |stretch| {
+                path.see_glow(stretch, numbers, sink);
                 met = path.track(stretch, numbers, tally).map(|(t, medium)| (*stretch, t, medium));
                 if met.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             });
@@ -72,6 +73,22 @@ impl<'a> PathTracer<'a> {
 }
 
 impl Path {
+    /// Light that a medium emits into the path, at one place of the stretch. (At scattering events that light is looked for like a lamp's.)
+    fn see_glow<S: Sink>(&self, stretch: &Stretch<'_>, numbers: &mut CameraNumbers, sink: &mut S) {
+        let Some((_, medium)) = stretch.medium.filter(|(_, medium)| medium.emission.is_some()) else { return };
+        let Some((from, to)) = medium.window(&stretch.ray, stretch.length_m) else { return };
+        if !matches!(self.counts, Counts::Fully) {
+            return;
+        }
+        let t = from + numbers.stream.uniform() * (to - from);
+        let place = stretch.ray.at(t);
+        let passage = Passage::Tracked { medium, ray: stretch.ray, length_m: t, seed: place.x.to_bits() };
+        for (k, &nm) in self.wavelengths.active().iter().enumerate() {
+            let glow = medium.emission_per_m(place, nm) * passage.at(nm) * (to - from);
+            sink.radiance(nm, self.throughput[k] * glow);
+        }
+    }
+
     /// Goes along a stretch, from one tentative collision to the next; returns where the path is scattered. Absorption is in the weights.
     fn track<'a>(
         &mut self,
@@ -117,10 +134,12 @@ impl Path {
                 return None;
             }
             let density = medium.density_at(stretch.ray.at(t));
-            let weighted =
-                |value: &dyn Fn(usize) -> f64| (0..LANES).map(|k| self.throughput[k] * value(k)).sum::<f64>();
-            let scatters = weighted(&|k| sigma_s[k] * density);
-            let either = scatters + weighted(&|k| (rate - sigma_t[k] * density).max(0.0));
+            let (mut scatters, mut either) = (0.0, 0.0);
+            for k in 0..LANES {
+                let (collision, null) = (sigma_s[k] * density, (rate - sigma_t[k] * density).max(0.0));
+                scatters += self.throughput[k] * collision;
+                either += self.throughput[k] * (collision + null);
+            }
             if either <= 0.0 {
                 self.throughput = [0.0; LANES];
                 return None;

@@ -215,6 +215,14 @@ impl Scene {
         self.material_of(object).body.as_ref()
     }
 
+    /// The light that a medium is, if it glows.
+    pub fn light_of_medium(&self, number: usize) -> Option<&Light> {
+        let name = &self.media[number].name;
+        self.lights
+            .iter()
+            .find(|light| matches!(&light.emitter, Emitter::Volume(volume) if volume.medium_name() == name))
+    }
+
     /// The bodies on the other side of a face that the ray meets.
     pub fn across(&self, interior: &Interior, ray: &Ray, hit: &Hit) -> Interior {
         match self.body_of(hit.object) {

@@ -35,6 +35,11 @@ const PROBES: usize = 4;
 const DEFENSIVE_SHARE: f64 = 0.05;
 
 impl Volume {
+    /// The name of its medium.
+    pub fn medium_name(&self) -> &String {
+        &self.medium.name
+    }
+
     /// The light of a medium that glows within the box onto which `from_unit` maps the unit cube (into the scene, m). `body` is what
     /// holds it, with its volume in m³, if it is not the box itself. `None` where nothing of it shines in the band.
     pub fn new(medium: &Medium, from_unit: DAffine3, body: Option<(Arc<Geometry>, f64)>) -> Option<Self> {
