@@ -24,7 +24,7 @@ fn henyey_and_greenstein_s_function_has_its_values() {
 
 /// D65 after a way through something of this extinction, as XYZ with white Y = 1, by plain sums over whole nanometres.
 fn transmitted(extinction: &Spectrum, path_m: f64) -> [f64; 3] {
-    let (light, observer) = (library::find("D65").unwrap().spectrum, Observer::cie1931());
+    let (light, observer) = (library::find("D65").expect("an illuminant of the library").spectrum, Observer::cie1931());
     let mut sums = [0.0; 4];
     for nm in (360..=830).map(f64::from) {
         let passed = light.at(nm) * (-extinction.at(nm) * path_m).exp();
@@ -64,7 +64,7 @@ fn brightest(phase: &Phase, nm: f64, (from, to): (f64, f64)) -> f64 {
     let steps = 2000;
     let angle = |i: u32| from + (to - from) * f64::from(i) / f64::from(steps);
     let density = |i: u32| phase.at(angle(i).to_radians().cos(), nm);
-    angle((0..=steps).max_by(|&a, &b| density(a).total_cmp(&density(b))).unwrap())
+    angle((0..=steps).max_by(|&a, &b| density(a).total_cmp(&density(b))).expect("some steps"))
 }
 
 #[test]

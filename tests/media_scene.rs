@@ -27,9 +27,9 @@ impl Default for Case<'_> {
 
 impl Case<'_> {
     fn load(&self) -> Result<Scene> {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = tempfile::tempdir().expect("a folder of its own");
         let Self { unit, medium, shape, rest, files } = self;
-        files.iter().for_each(|(name, bytes)| std::fs::write(folder.path().join(name), bytes).unwrap());
+        files.iter().for_each(|(name, bytes)| std::fs::write(folder.path().join(name), bytes).expect("a file in it"));
         let text = format!(
             r#"{{"unit": "{unit}", "camera": {{"from": [0, 1, 9], "at": [1, 2, 3], "lens": {{"pinhole": {{"fov": 35}}}}}},
                 "film": {{"width": 4, "height": 4}}, "media": {{"it": {medium}}},
@@ -38,7 +38,7 @@ impl Case<'_> {
                 "lights": [{{"point": {{"at": [0, 3, 0], "spectrum": 1, "power": 1}}}}] {rest}}}"#
         );
         let path = folder.path().join("scene.json");
-        std::fs::write(&path, text).unwrap();
+        std::fs::write(&path, text).expect("the scene in it");
         resolve::load(&path, &[])
     }
 
@@ -48,7 +48,7 @@ impl Case<'_> {
 }
 
 fn load(medium: &str) -> Scene {
-    Case { medium, ..Case::default() }.load().unwrap()
+    Case { medium, ..Case::default() }.load().expect("a good scene")
 }
 
 /// The powers of the scene's volume lights, in W.
@@ -164,7 +164,9 @@ fn bad_media_are_answered_with_what_is_wrong() {
     let coefficient = r#"{"homogeneous": {"absorption": {"file": "a.csv"}, "scattering": 1, "phase": "isotropic"}}"#;
     let cold = homogeneous(r#", "emission": {"blackbody": {"temperature": 5}}"#);
     let no_end = homogeneous(r#", "emission": {"spectrum": 1, "power": 1}"#);
-    let wrong: [(&str, &[(&str, &[u8])], &str); 14] = [
+    // The medium, the files that it reads, and a part of the message.
+    type Wrong<'a> = (&'a str, &'a [(&'a str, &'a [u8])], &'a str);
+    let wrong: [Wrong<'_>; 14] = [
         (coefficient, &[("a.csv", b"400,1\n500,-2\n")], "media.it.homogeneous.absorption: the negative value -2"),
         (coefficient, &[("a.csv", b"400,1\n500,nan\n")], "media.it.homogeneous.absorption: the value NaN"),
         (&phase(r#"{"henyey_greenstein": {"g": 1}}"#), &[], "found 1; expected a number from -0.999999 to 0.999999"),

@@ -1,7 +1,8 @@
 //! Camera samples: the specular chain, lamps, and photons around the end.
 
 use super::scenes::{Prepared, load};
-use abbe::gather::{CameraNumbers, Direct, Gatherer, Maps, Outlines, PathTracer, Scratch};
+use abbe::gather::{CameraNumbers, Direct, Gatherer, Maps, Outlines, PathTracer, RADIUS_KINDS, Scratch};
+use abbe::map::radius::Scales;
 use abbe::walk::{Sink, Tally};
 use criterion::{Criterion, Throughput};
 
@@ -31,7 +32,7 @@ pub(crate) fn benches(c: &mut Criterion) {
         let outlines = Outlines::default();
         let gatherer = gatherer(&prepared, (&maps, &outlines));
         // Kernels of about 50 photons; the exact radii of a render are its pilot's.
-        let radii = [0.05_f32; 4];
+        let radii = [0.05_f32; RADIUS_KINDS];
         group.bench_function(format!("photon maps/{name}"), |b| {
             b.iter(|| {
                 let (mut scratch, mut tally, mut total) = (Scratch::default(), Tally::default(), Total(0.0));
@@ -46,7 +47,8 @@ pub(crate) fn benches(c: &mut Criterion) {
     let prepared = Prepared::new("s3_box.json");
     let scene = load("s3_box.json", &[]);
     let direct = Direct::new(&scene, &prepared.choice.lights);
-    let tracer = PathTracer { scene: &scene, direct, wavelengths: &prepared.choice.wavelengths, max_depth: 64 };
+    let (wavelengths, between) = (&prepared.choice.wavelengths, prepared.plan.between);
+    let tracer = PathTracer { scene: &scene, direct, wavelengths, max_depth: 64, between };
     let pixels: Vec<u64> = (0..scene.camera.pixel_count() as u64).step_by(STEP).collect();
     group.throughput(Throughput::Elements(pixels.len() as u64));
     group.bench_function("path tracer/s3_box", |b| {
@@ -73,7 +75,7 @@ fn gatherer<'a>(prepared: &'a Prepared, (maps, outlines): (&'a Maps, &'a Outline
         shared_pdf: wavelengths.map(|nm| prepared.choice.wavelengths.pdf(nm)),
         glass: None,
         outlines,
-        radius_scale: 1.0,
+        scales: Scales::of_pass(0),
         max_depth: 64,
     }
 }

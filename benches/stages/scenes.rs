@@ -2,7 +2,7 @@
 
 use abbe::emit::{Aim, Arrival, Emitters, LightChoice, Receiver, Wavelengthed, trace};
 use abbe::gather::Maps;
-use abbe::map::{Photon, PhotonIndex};
+use abbe::map::{Load, Photon, PhotonIndex};
 use abbe::math::random::{Purpose, Stream};
 use abbe::plan::partition::{LightPath, kept_in_map};
 use abbe::plan::{Plan, prepare};
@@ -46,6 +46,7 @@ impl Prepared {
             seed: 1,
             purpose: Purpose::FreePhoton,
             pass: 0,
+            volumes: false,
         };
         let mut ledger = Ledger::new(self.scene.materials.len());
         let points = emitters.points();
@@ -70,7 +71,8 @@ pub(crate) struct Harvest {
 
 impl Harvest {
     pub(crate) fn maps(&self) -> Maps {
-        Maps { caustic: PhotonIndex::build(&self.caustic), indirect: PhotonIndex::build(&self.indirect) }
+        let (caustic, indirect) = (PhotonIndex::build(&self.caustic), PhotonIndex::build(&self.indirect));
+        Maps { caustic, indirect, ..Maps::default() }
     }
 }
 

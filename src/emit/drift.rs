@@ -12,7 +12,7 @@ use crate::scene::geometry::Ray;
 use crate::scene::medium::Medium;
 use crate::spectrum::{LANES, Lanes, Spectrum, Wavelengths};
 use crate::walk::ledger::Ledger;
-use crate::walk::{Encounter, Leg, Start, Stretch, travel};
+use crate::walk::{Encounter, Start, Stretch, travel};
 use glam::DVec3;
 use std::ops::ControlFlow;
 
@@ -74,12 +74,12 @@ pub(super) fn drift<'a, R: Receiver>(
             ControlFlow::Break(())
         });
         match leg {
-            Leg::Met(encounter) => return Some(encounter),
-            Leg::Escaped => {
+            ControlFlow::Continue(Some(encounter)) => return Some(encounter),
+            ControlFlow::Continue(None) => {
                 ledger.escaped += flight.total_w();
                 return None;
             }
-            Leg::Ended => {}
+            ControlFlow::Break(()) => {}
         }
         let (stretch, distance) = met?;
         let (number, medium) = stretch.medium?;
@@ -183,11 +183,12 @@ impl Flight {
         let before = self.total_w();
         for k in 0..self.wavelengths.count {
             let nm = self.wavelengths.nm[k];
-            let (sigma_s, sigma_t) = (medium.scattering.at(nm), medium.extinction.at(nm));
-            self.power[k] *= if sigma_t > 0.0 { (sigma_s / sigma_t).min(1.0) } else { 0.0 };
+            let (sigma_a, sigma_s) = (medium.absorption.at(nm), medium.scattering.at(nm));
+            let albedo = if sigma_a > 0.0 { sigma_s / (sigma_a + sigma_s) } else { 1.0 };
+            ledger.absorbed_inside += self.power[k] * self.watts[k] * (1.0 - albedo);
+            self.power[k] *= albedo;
         }
         let scattered = self.total_w();
-        ledger.absorbed_inside += before - scattered;
         let (position, incoming) = (stretch.ray.at(distance), stretch.ray.direction);
         let (path, wavelengths, power, lane) = (self.path, self.wavelengths, self.power, self.lane);
         receiver.collide(&Collision { position, incoming, medium: number, path, wavelengths, power, lane }, stream);
@@ -217,9 +218,8 @@ impl Flight {
             let active = self.wavelengths.active().iter().zip(&mut density);
             active.for_each(|(&nm, density)| *density = medium.phase.at(cosine, nm));
             let mean: f64 = (0..LANES).map(|k| shares[k] * density[k]).sum();
-            for k in 0..LANES {
-                self.power[k] *= if mean > 0.0 { density[k] / mean } else { 0.0 };
-            }
+            let weigh = |density: f64| if mean > 0.0 { density / mean } else { 0.0 };
+            self.power.iter_mut().zip(density).for_each(|(power, density)| *power *= weigh(density));
         }
         direction
     }

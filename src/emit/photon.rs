@@ -75,10 +75,10 @@ pub trait Receiver {
     fn arrive(&mut self, arrival: &Arrival<'_>, stream: &mut Stream);
 
     /// A photon sets out through a medium.
-    fn cross(&mut self, crossing: &Crossing<'_>, stream: &mut Stream);
+    fn cross(&mut self, _crossing: &Crossing<'_>, _stream: &mut Stream) {}
 
     /// A photon has met a particle of a medium.
-    fn collide(&mut self, collision: &Collision, stream: &mut Stream);
+    fn collide(&mut self, _collision: &Collision, _stream: &mut Stream) {}
 
     /// A photon path starts at this cell of its light's aiming grid.
     fn depart(&mut self, light: usize, cell: usize);

@@ -14,7 +14,7 @@ use crate::map::{Came, Cone, Neighbour, VolumeMap};
 use crate::math::random::hash64;
 use crate::scene::geometry::Ray;
 use crate::scene::medium::Medium;
-use crate::walk::{Encounter, Leg, Passage, Sink, Start, Stretch, passes, travel};
+use crate::walk::{Encounter, Passage, Sink, Start, Stretch, passes, travel};
 use std::ops::ControlFlow;
 
 impl<'a> Gatherer<'a> {
@@ -31,10 +31,7 @@ impl<'a> Gatherer<'a> {
             walked += stretch.length_m;
             ControlFlow::Continue(())
         });
-        match leg {
-            Leg::Met(encounter) => Some(encounter),
-            Leg::Escaped | Leg::Ended => None,
-        }
+        leg.continue_value().flatten()
     }
 
     /// One stretch of the way.

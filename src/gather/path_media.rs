@@ -34,10 +34,10 @@ impl<'a> PathTracer<'a> {
                 return leg;
             };
             if !self.scatter_inside(path, (&stretch, t, medium), numbers, (tally, sink)) {
-                return Leg::Ended;
+                return ControlFlow::Break(());
             }
         }
-        Leg::Ended
+        ControlFlow::Break(())
     }
 
     /// Lamps' light at a particle, and the new direction; false where the path ends.

@@ -12,6 +12,7 @@ use crate::plan::BetweenPlan;
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Lanes, WavelengthDistribution, Wavelengths};
 use crate::walk::{Encounter, Leg, Scattered, Sink, Start, Tally, next, passes, scatter};
+use std::ops::ControlFlow;
 
 /// All that the path tracer needs.
 #[derive(Debug)]
@@ -47,13 +48,13 @@ impl<'a> PathTracer<'a> {
         };
         for depth in 0..self.max_depth {
             let encounter = match self.next(&mut path, &mut numbers, tally, sink) {
-                Leg::Met(encounter) => encounter,
-                Leg::Escaped => {
+                ControlFlow::Continue(Some(encounter)) => encounter,
+                ControlFlow::Continue(None) => {
                     let direction = path.start.ray.direction;
                     self.direct.found_outside(direction, path.counts, tally, |lamp| path.see(&lamp, sink));
                     return;
                 }
-                Leg::Ended => return,
+                ControlFlow::Break(()) => return,
             };
             if encounter.crossed_hidden && !matches!(path.counts, Counts::Fully) {
                 // Shadow rays stop at hidden faces: a lamp behind one is counted where the path finds it.
@@ -82,7 +83,7 @@ impl<'a> PathTracer<'a> {
         match self.between {
             BetweenPlan::Clear => {
                 let mut component = numbers.stream.uniform();
-                next(self.scene, path.start, &mut component).map_or(Leg::Escaped, Leg::Met)
+                ControlFlow::Continue(next(self.scene, path.start, &mut component))
             }
             BetweenPlan::Absorbing | BetweenPlan::Scattering => self.drift(path, numbers, tally, sink),
         }

@@ -9,7 +9,7 @@ use super::crowd::{BeamCounts, BeamShares, Crowds};
 use super::harvest::Set;
 use super::pass::{emit, shared_wavelengths};
 use super::{Job, Seconds};
-use crate::emit::{Aim, Arrival, CELLS, Collision, Crossing, Emitters, Receiver, Wavelengthed, trace};
+use crate::emit::{Aim, Arrival, CELLS, Crossing, Emitters, Receiver, Wavelengthed, trace};
 use crate::error::Result;
 use crate::gather::{
     CameraNumbers, Direct, Gatherer, Landing, Maps, Outline, Outlines, RADIUS_KINDS, Radii, RadiusKind, Scratch,
@@ -453,8 +453,6 @@ impl Receiver for Usefulness<'_> {
         let weight = if *path == LightPath::Caustic { 1.0 } else { 0.3 };
         self.score += weight * 0.2 * in_view as f64;
     }
-
-    fn collide(&mut self, _collision: &Collision, _stream: &mut Stream) {}
 
     fn depart(&mut self, light: usize, cell: usize) {
         self.current = light * CELLS * CELLS + cell;

@@ -48,23 +48,12 @@ pub struct Encounter<'a> {
     pub crossed_hidden: bool,
 }
 
-/// How a leg of a path ends.
-#[derive(Debug)]
-pub enum Leg<'a> {
-    /// At a surface that matters.
-    Met(Encounter<'a>),
-    /// It leaves the scene.
-    Escaped,
-    /// On its way, where it was asked to.
-    Ended,
-}
+/// How a leg of a path ends: broken off on its way, or at a surface that matters (or, without one, outside the scene).
+pub type Leg<'a> = ControlFlow<(), Option<Encounter<'a>>>;
 
 /// Follows the ray to the next surface that matters; `None` where it leaves the scene. `component` draws the component of mixed surfaces.
 pub fn next<'a>(scene: &'a Scene, start: Start, component: &mut f64) -> Option<Encounter<'a>> {
-    match travel(scene, start, component, |_| ControlFlow::Continue(())) {
-        Leg::Met(encounter) => Some(encounter),
-        Leg::Escaped | Leg::Ended => None,
-    }
+    travel(scene, start, component, |_| ControlFlow::Continue(())).continue_value().flatten()
 }
 
 /// The same with a look at every stretch of the way, from one body into the next; the way ends where `along` breaks it off. Faces inside a
@@ -81,12 +70,9 @@ pub fn travel<'a>(
     loop {
         let hit = scene.geometry.intersect(&ray, from, f64::INFINITY);
         let leg = Start { ray, from, interior };
-        match stretches(scene, leg, hit.as_ref().map_or(f64::INFINITY, |hit| hit.t), &mut along) {
-            ControlFlow::Continue(inside) => interior = inside,
-            ControlFlow::Break(()) => return Leg::Ended,
-        }
+        interior = stretches(scene, leg, hit.as_ref().map_or(f64::INFINITY, |hit| hit.t), &mut along)?;
         let Some(hit) = hit else {
-            return Leg::Escaped;
+            return ControlFlow::Continue(None);
         };
         distance += hit.t;
         let object = hit.object;
@@ -100,7 +86,7 @@ pub fn travel<'a>(
             continue;
         }
         let encounter = Encounter::new(scene, ray.direction, hit, (interior, there), component);
-        return Leg::Met(Encounter { distance, crossed_hidden, ..encounter });
+        return ControlFlow::Continue(Some(Encounter { distance, crossed_hidden, ..encounter }));
     }
 }
 
