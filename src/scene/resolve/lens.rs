@@ -37,7 +37,7 @@ impl Resolver<'_> {
             let is_file =
                 path.extension().is_some_and(|end| end.eq_ignore_ascii_case("zmx") || end.eq_ignore_ascii_case("json"));
             if is_file {
-                return lens_file(&self.source.folder().join(path));
+                return lens_file(&self.at(at, self.source.file(name))?);
             }
         }
         lens_at(at, prescription, self.source)
