@@ -32,7 +32,7 @@ pub struct Tally {
     pub absorptions: u64,
     /// Photons sent by a learned aim.
     pub aimed: u64,
-    /// Contributions that were not finite and were dropped; 0 unless there is a bug.
+    /// Contributions that were not finite or negative and were dropped; 0 unless there is a bug.
     pub rejected: u64,
 }
 
