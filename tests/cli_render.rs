@@ -262,3 +262,26 @@ fn check_looks_at_every_scene() {
     assert!(both.err.contains("bad.json:5:") && both.err.contains("did you mean") && both.err.contains("missing.json"));
     assert_eq!(both.err.lines().count(), 2, "{}", both.err);
 }
+
+#[test]
+fn a_scene_names_files_of_its_own_folder_only_unless_it_is_allowed_more() {
+    let folder = scene();
+    let below = folder.path().join("below");
+    std::fs::create_dir(&below).unwrap();
+    std::fs::write(folder.path().join("lamp.csv"), "nm,value\n400,1\n700,2\n").unwrap();
+    std::fs::write(below.join("lamp.csv"), "nm,value\n400,1\n700,2\n").unwrap();
+    for (path, word) in
+        [("../lamp.csv", "../lamp.csv"), ("/etc/hostname", "/etc/hostname"), ("a/../../lamp.csv", "a/../..")]
+    {
+        let text = SCENE.replacen('{', &format!("{{\"spectra\": {{\"far\": {{\"file\": \"{path}\"}}}},"), 1);
+        std::fs::write(below.join("far.json"), text).unwrap();
+        for command in ["check", "explain", "render"] {
+            let said = abbe(folder.path(), &[command, "below/far.json"]);
+            said.is_error(2, &["far.json:1:", "spectra.far", word, "out of the folder", "--allow-outside"]);
+        }
+    }
+    let text = SCENE.replacen('{', "{\"spectra\": {\"far\": {\"file\": \"../lamp.csv\"}},", 1);
+    std::fs::write(below.join("far.json"), text).unwrap();
+    let said = abbe(folder.path(), &["check", "below/far.json", "--allow-outside"]);
+    assert_eq!(said.status, 0, "{}", said.err);
+}

@@ -3,6 +3,7 @@
 //! Run with `ABBE_BLESS=1` to write `scenes/meshes/brilliant.obj` anew; without it the file is compared.
 //! Proportions after Tolkowsky 1919: table 53 %, crown 34.5°, pavilion 40.75°; star facets and halves by what meets at their corners.
 
+use abbe::scene::file::Reach;
 use abbe::scene::mesh;
 use glam::DVec3;
 use std::fmt::Write;
@@ -130,7 +131,7 @@ fn the_brilliant_is_as_its_planes_say_and_closed() {
     assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
     // Table, 8 stars, 8 bezels, 16 upper and 16 lower halves, 16 girdle facets, 8 pavilion mains.
     assert_eq!(text.lines().filter(|line| line.starts_with("f ")).count(), 73);
-    let parts = mesh::load(&path).unwrap();
+    let parts = mesh::load(&path, Reach::Folder).unwrap();
     assert_eq!(parts.len(), 1);
     assert!(parts[0].mesh.is_closed() && parts[0].mesh.signed_volume() > 0.0);
 }

@@ -305,6 +305,9 @@ fn a_disk_that_fills_up_leaves_the_last_good_files_and_no_other() {
     std::fs::rename(at.join("out/ball.png"), at.join("later.png")).unwrap();
     is_same_picture(at, "later", "whole");
 
+    // Nobody, not even root, makes files in /proc.
+    #[cfg(target_os = "linux")]
+    render(at, &["-o", "/proc/a.exr", "--time", "1h"]).is_error(1, &["/proc/a.exr", "cannot be written"]);
     // Nobody but root may write into a folder that is read-only.
     let read_only = at.join("read-only");
     std::fs::create_dir(&read_only).unwrap();

@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use super::{Outcome, print};
+use super::{Outcome, opening, print};
 use abbe::error::Result;
 use abbe::plan::explain;
 use abbe::render::{Diffracting, Job};
 use abbe::scene::camera::{Camera, DepthOfField, Diffraction};
 use abbe::scene::facts::Facts;
-use abbe::scene::resolve;
+use abbe::scene::resolve::resolve;
 use serde::Serialize;
 
 #[derive(Debug, clap::Args)]
@@ -19,6 +19,8 @@ pub(crate) struct Arguments {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    opening: opening::Arguments,
 }
 
 /// A plan for programs to read.
@@ -136,8 +138,8 @@ impl<'a> PlanReport<'a> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    let scene = resolve::load(&arguments.scene, &[])?;
-    let job = Job::new(scene).map_err(|error| error.in_file(&arguments.scene))?;
+    let (scene, source) = arguments.opening.read(&arguments.scene, &[])?;
+    let job = Job::new(resolve(&scene, &source)?).map_err(|error| error.in_file(&arguments.scene))?;
     if arguments.json {
         print::json(&PlanReport::of(&job))?;
     } else {

@@ -16,6 +16,7 @@ mod lens;
 mod memory;
 mod merge;
 mod named;
+mod opening;
 mod origin;
 mod outputs;
 mod print;

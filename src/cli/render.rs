@@ -8,14 +8,14 @@ use abbe::output::exr::write as write_exr;
 use abbe::output::file as files;
 use abbe::output::metadata::names;
 use abbe::render::{Identity, Integrator, Job, Part, Rendered, Request, Showing, StopRules, on_threads};
-use abbe::scene::file::{self, Source};
+use abbe::scene::file::Source;
 use abbe::scene::resolve;
 
 use super::checkpoint::{Checkpoint, Rhythm, Watch};
 use super::frames::{Frame, Sequence};
 use super::outputs::Outputs;
 use super::progress::{Display, percent, time};
-use super::{Outcome, interrupt, memory, origin, print, values};
+use super::{Outcome, interrupt, memory, opening, origin, print, values};
 
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct Arguments {
@@ -58,6 +58,8 @@ pub(crate) struct Arguments {
     /// Change a value of the scene, such as 'objects[0].material="crown"' (repeatable)
     #[arg(long, value_name = "PATH=JSON")]
     set: Vec<String>,
+    #[command(flatten)]
+    opening: opening::Arguments,
     /// Keep the spectrum of every pixel in this many bands
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1024))]
     spectral_bands: Option<u32>,
@@ -143,6 +145,12 @@ fn picture(arguments: &Arguments, frame: Option<&Frame>) -> Result<Outcome> {
     watch.display.finish();
     let rendered = rendered?.map_err(|error| error.in_file(&arguments.scene))?;
     on_threads(threads, || save(arguments, &outputs, &checkpoint, &rendered))??;
+    if rendered.stats.rejected_samples > 0 {
+        let count = rendered.stats.rejected_samples;
+        print::remark(&format!(
+            "warning: {count} contributions were no light and were left out; this is a bug in abbe, please report it"
+        ));
+    }
     if rendered.interrupted {
         let (passes, path) = (rendered.stats.passes, checkpoint.path.display());
         let named = outputs.named();
@@ -235,7 +243,7 @@ impl Arguments {
 fn plan(arguments: &Arguments) -> Result<(Source, Job)> {
     let path = &arguments.scene;
     let mut patches = arguments.patches();
-    let (mut scene, mut source) = file::read(path, &patches)?;
+    let (mut scene, mut source) = arguments.opening.read(path, &patches)?;
     if !(arguments.force.is_empty() && arguments.forbid.is_empty()) {
         // Effects of the command line come on top of the scene's own.
         for (key, own, more) in
@@ -245,7 +253,7 @@ fn plan(arguments: &Arguments) -> Result<(Source, Job)> {
             let list = serde_json::to_string(&all).expect("a list of texts is JSON");
             patches.push(format!("render.{key}={list}"));
         }
-        (scene, source) = file::read(path, &patches)?;
+        (scene, source) = arguments.opening.read(path, &patches)?;
     }
     let resolved = resolve::resolve(&scene, &source)?;
     let job = Job::new(resolved).map_err(|error| error.in_file(path))?;

@@ -7,7 +7,7 @@ use super::estimate::{Maps, Radii, RadiusKind};
 use super::landing::Landing;
 use super::outline::Outlines;
 use super::throughput::{Colour, Factor, product, relative_n2};
-use crate::map::radius::Scales;
+use crate::map::radius::{self, Scales};
 use crate::math::random::ONE_MINUS_ULP;
 use crate::optics::surface::{Class, Event, Surface, Transport};
 use crate::plan::partition::{Estimator, LightPath, View, estimator};
@@ -242,6 +242,7 @@ impl<'a> Gatherer<'a> {
             if wanted && !map.is_empty() && estimator(light_path, class, view) == Estimator::PhotonMap {
                 sample.tally.map_queries += 1;
                 let radius = f64::from(sample.radii[kind as usize]) * self.scales.surface;
+                let radius = radius.max(radius::least(encounter.hit.position));
                 let share = match path.view {
                     View::Seen => self.outlines.share(sample.pixel as usize, &self.landing(path, encounter), radius),
                     View::Relayed => 1.0,

@@ -1,5 +1,7 @@
 //! Kernel radii: fixed per pixel by the pilot, shrinking with the pass.
 
+use glam::DVec3;
+
 /// How far the radii of a pass have shrunk.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scales {
@@ -40,6 +42,13 @@ fn scale(pass: u64, dimensions: u32) -> f64 {
 /// noise within one pixel) and at most `largest`. Coincident photons (distance 0) give the footprint.
 pub fn first(kth_distance_m: Option<f64>, footprint_m: f64, largest_m: f64) -> f64 {
     kth_distance_m.unwrap_or(largest_m).clamp(footprint_m.min(largest_m), largest_m)
+}
+
+/// The smallest radius (m) of a kernel at a place relative to the scene's centre: 16 of the steps in which photons' positions, in single precision,
+/// are kept there. A smaller kernel would see their lattice.
+pub fn least(place: DVec3) -> f64 {
+    const SIXTEEN_STEPS: f64 = 16.0 * (f32::EPSILON as f64);
+    SIXTEEN_STEPS * place.abs().max_element()
 }
 
 #[cfg(test)]

@@ -96,7 +96,7 @@ pub struct Stats {
     pub effects: BTreeMap<String, EffectStats>,
     /// `free`, `shared` or `both`.
     pub wavelengths: String,
-    /// Contributions dropped because they were not finite; anything but 0 is a bug.
+    /// Contributions dropped because they were not finite, or negative; anything but 0 is a bug.
     pub rejected_samples: u64,
     /// Threads that took part.
     pub threads: usize,

@@ -141,7 +141,7 @@ impl Film {
         SplatSink::new(self.observer, self.channels.clone())
     }
 
-    /// Adds what a sink has collected. Returns how many contributions were dropped because they were not finite.
+    /// Adds what a sink has collected. Returns how many contributions were dropped because they were no light.
     pub fn add_splats(&mut self, pass: u64, sink: &SplatSink) -> u64 {
         let replicate = replicate(pass);
         for &(xyz, pixel) in &sink.splats {
@@ -331,6 +331,14 @@ fn smooth_bias(picture: &mut Picture) {
     }
 }
 
+/// Whether a contribution is light: finite and not negative. What is not is a bug; it is counted, and never reaches a picture.
+#[inline]
+fn is_light(weight: f64) -> bool {
+    let is_light = (0.0..f64::INFINITY).contains(&weight);
+    debug_assert!(is_light, "a contribution of {weight} W/m²/sr");
+    is_light
+}
+
 fn replicate(pass: u64) -> usize {
     (pass % REPLICATES as u64) as usize
 }
@@ -347,8 +355,8 @@ pub struct FilmRow<'f> {
 }
 
 impl FilmRow<'_> {
-    /// Exposes every pixel of the row in this pass by `expose(pixel, sink)`; returns how many contributions were dropped because they were not
-    /// finite.
+    /// Exposes every pixel of the row in this pass by `expose(pixel, sink)`; returns how many contributions were dropped because they were no
+    /// light.
     pub fn expose(&mut self, pass: u64, mut expose: impl FnMut(usize, &mut PixelSink<'_>)) -> u64 {
         let replicate = replicate(pass);
         let count = self.channels.count();
@@ -379,7 +387,7 @@ impl FilmRow<'_> {
 
 impl PixelSink<'_> {
     fn add(&mut self, nm: f64, weight: f64) -> [f64; 3] {
-        if !weight.is_finite() {
+        if !is_light(weight) {
             self.rejected += 1;
             return [0.0; 3];
         }
@@ -415,6 +423,10 @@ impl SplatSink {
     pub fn splat(&mut self, pixel: u32, light: impl Iterator<Item = (f64, f64)>) {
         let mut xyz = [0.0; 3];
         for (nm, weight) in light {
+            if !is_light(weight) {
+                self.rejected += 1;
+                continue;
+            }
             let bar = self.observer.xyz_bar(nm);
             (0..3).for_each(|c| xyz[c] += weight * bar[c]);
             let splats = &mut self.channel_splats;
@@ -422,11 +434,7 @@ impl SplatSink {
                 splats.push((value as f32, pixel, channel as u32));
             });
         }
-        if xyz.iter().all(|c| c.is_finite()) {
-            self.splats.push((xyz.map(|c| c as f32), pixel));
-        } else {
-            self.rejected += 1;
-        }
+        self.splats.push((xyz.map(|c| c as f32), pixel));
     }
 
     /// How many splats were collected.

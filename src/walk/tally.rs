@@ -42,7 +42,7 @@ pub struct Tally {
     pub aimed: u64,
     /// Passes with a moment of their own.
     pub moments: u64,
-    /// Contributions that were not finite and were dropped; 0 unless there is a bug.
+    /// Contributions that were not finite or negative and were dropped; 0 unless there is a bug.
     pub rejected: u64,
 }
 

@@ -77,17 +77,21 @@ pub(super) fn unreadable(error: ::exr::error::Error) -> Error {
 
 /// Reads the header, and refuses one that asks for far more memory than the file can fill.
 pub(super) fn check_size(path: &Path) -> Result<MetaData> {
-    /// No compression of the format makes more of a byte (deflate's limit is 1032).
-    const MOST_PER_BYTE: u64 = 2000;
-    const ALWAYS_ALLOWED: u64 = 1 << 32;
+    /// No compression of the format makes more of a byte (deflate's limit is 1032), and what is read is copied once.
+    const MOST_PER_BYTE: u64 = 4000;
+    /// A file below 1 MiB may fill this much, whatever it says.
+    const ALWAYS_ALLOWED: u64 = 3 << 28;
+    /// What a pixel takes as XYZ with its error layers.
+    const PIXEL: u64 = 32;
     let meta = MetaData::read_from_file(path, false).map_err(unreadable)?;
     let bytes = std::fs::metadata(path).map_err(|error| unreadable(error.into()))?.len();
     let wanted = meta.headers.iter().fold(0_u64, |sum, header| {
         let Vec2(width, height) = header.layer_size;
         let pixels = (width as u64).saturating_mul(height as u64);
-        sum.saturating_add(pixels.saturating_mul(4 * header.channels.list.len() as u64))
+        sum.saturating_add(pixels.saturating_mul(PIXEL + 8 * header.channels.list.len() as u64))
     });
-    if wanted > ALWAYS_ALLOWED.max(bytes.saturating_mul(MOST_PER_BYTE)) {
+    let whole_mib = bytes >> 20 << 20;
+    if wanted > ALWAYS_ALLOWED.max(whole_mib.saturating_mul(MOST_PER_BYTE)) {
         return Err(Error::input(format!(
             "is not a sound EXR file: {bytes} bytes cannot hold {wanted} bytes of pixels"
         )));

@@ -140,7 +140,8 @@ impl Camera {
             Aperture::ThinLens { stop, focus_m } => {
                 let opening = stop.place(lens);
                 let shift = self.right * opening.x + self.up * opening.y;
-                Ray { origin: self.origin + shift, direction: (through * focus_m - shift).normalize() }
+                // The shift over the distance: the distance itself may be far beyond what can be squared.
+                Ray { origin: self.origin + shift, direction: (through - shift / focus_m).normalize() }
             }
         }
     }
@@ -181,7 +182,7 @@ impl Camera {
         }
         let sideways = DVec2::new(-offset.dot(self.right), -offset.dot(self.up));
         // Where the line meets the plane in focus, brought to the plane at distance 1.
-        let on_plane = (sideways * (focus_m / depth) + shift) / focus_m;
+        let on_plane = sideways / depth + shift / focus_m;
         let film = self.on_film(on_plane);
         if !(film.x >= 0.0 && film.y >= 0.0 && film.x < self.size.x && film.y < self.size.y) {
             return None;

@@ -19,6 +19,7 @@ mod object;
 mod path;
 mod positions;
 mod quantity;
+mod reach;
 mod render;
 mod scan;
 mod set;
@@ -51,6 +52,7 @@ pub use medium::{
 pub use object::ObjectFile;
 pub use path::JsonPath;
 pub use quantity::QuantityFile;
+pub use reach::Reach;
 pub use render::{LightMapFile, RenderFile};
 pub use shape::ShapeFile;
 pub use source::{MAX_BYTES, Source, read_text};
@@ -146,9 +148,10 @@ pub fn parse(text: &str, path: &Path, sets: &[String]) -> Result<(SceneFile, Sou
     Ok((scene, source))
 }
 
-/// Reads a spectrum from its text: any form that a scene may hold; `name` is the name that errors give the text.
+/// Reads a spectrum from its text: any form that a scene may hold; `name` is the name that errors give the text. Who writes a spectrum by
+/// itself may name any file in it.
 pub fn parse_spectrum(text: &str, name: &Path) -> Result<(SpectrumFile, Source)> {
-    let source = set::patched(text, name, &[])?;
+    let source = set::patched(text, name, &[])?.reaching(Reach::Anywhere);
     let spectrum: SpectrumFile = from_source(&source)?;
     spectrum.validate(&JsonPath::Root, Use::Any).map_err(|error| source.placed(error))?;
     Ok((spectrum, source))

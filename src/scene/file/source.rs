@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::path;
 use super::positions::Positions;
+use super::reach::Reach;
 use crate::error::{Error, Result};
 
 /// The largest scene file that is read, in bytes.
@@ -23,6 +24,8 @@ pub struct Source {
     pieces: Vec<Piece>,
     /// Where every value stands in the text.
     positions: Positions,
+    /// Which files it may name.
+    reach: Reach,
 }
 
 /// Where a piece of text comes from.
@@ -63,7 +66,7 @@ impl Source {
         pieces: Vec<Piece>,
         positions: Positions,
     ) -> Self {
-        Self { path: path.to_path_buf(), text, unpatched, pieces, positions }
+        Self { path: path.to_path_buf(), text, unpatched, pieces, positions, reach: Reach::default() }
     }
 
     /// Where every value stands.
@@ -74,6 +77,25 @@ impl Source {
     /// The folder that paths in the scene are relative to.
     pub fn folder(&self) -> &Path {
         self.path.parent().unwrap_or(Path::new(""))
+    }
+
+    /// The same scene, which may name these files; at first only those of its folder.
+    #[must_use]
+    pub fn reaching(self, reach: Reach) -> Self {
+        Self { reach, ..self }
+    }
+
+    /// Which files the scene may name.
+    pub fn reach(&self) -> Reach {
+        self.reach
+    }
+
+    /// The file that the scene names by this path, relative to its folder.
+    ///
+    /// # Errors
+    /// A path that leads out of the folder, unless the scene may reach anywhere.
+    pub fn file(&self, path: &str) -> Result<PathBuf> {
+        self.reach.file(self.folder(), Path::new(path))
     }
 
     /// Adds file, line, column and path to an error that was found later, at a value of the scene.

@@ -12,8 +12,9 @@ use glam::{DAffine3, DMat4, DQuat, DVec3};
 use super::gltf_material::{has_textures, material};
 use super::{MeshPart, TriangleMesh};
 use crate::error::{Error, Result};
+use crate::scene::file::Reach;
 
-pub(super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Vec<MeshPart>> {
+pub(super) fn load(bytes: &[u8], folder: Option<&Path>, reach: Reach) -> Result<Vec<MeshPart>> {
     if bytes.starts_with(b"glTF") {
         check_length(bytes)?;
     }
@@ -23,7 +24,7 @@ pub(super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Vec<MeshPart>>
     root.extensions_required.retain(|name| name != "KHR_materials_dispersion");
     check_attributes(&root)?;
     let document = Document::from_json(root).map_err(|error| invalid(&error))?;
-    check_uris(&document)?;
+    check_uris(&document, reach)?;
     let buffers = ::gltf::import_buffers(&document, folder, unchecked.blob).map_err(|error| invalid(&error))?;
     let mut reader = SceneReader { buffers, parts: Vec::new(), visited: vec![false; document.nodes().len()] };
     match document.default_scene().or_else(|| document.scenes().next()) {
@@ -65,20 +66,23 @@ fn check_attributes(root: &::gltf::json::Root) -> Result<()> {
     Ok(())
 }
 
-/// The crate takes for granted that the bytes behind an address's percent signs are text.
-fn check_uris(document: &Document) -> Result<()> {
+/// The crate takes for granted that the bytes behind an address's percent signs are text, and follows it wherever it leads.
+fn check_uris(document: &Document, reach: Reach) -> Result<()> {
     for buffer in document.buffers() {
         if let Source::Uri(uri) = buffer.source()
             && !uri.starts_with("data:")
-            && !decodes_to_text(uri)
         {
-            return Err(Error::input(format!("the glTF buffer's address \"{uri}\" is not valid")));
+            let invalid = || Error::input(format!("the glTF buffer's address \"{uri}\" is not valid"));
+            let decoded = decoded(uri).ok_or_else(invalid)?;
+            let path = decoded.strip_prefix("file://").or(decoded.strip_prefix("file:")).unwrap_or(&decoded);
+            reach.file(Path::new(""), Path::new(path))?;
         }
     }
     Ok(())
 }
 
-fn decodes_to_text(uri: &str) -> bool {
+/// An address without its percent signs, if that is text.
+fn decoded(uri: &str) -> Option<String> {
     let mut decoded = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();
     while let [first, tail @ ..] = rest {
@@ -88,7 +92,7 @@ fn decodes_to_text(uri: &str) -> bool {
         decoded.push(value.unwrap_or(*first));
         rest = if value.is_some() { &tail[2..] } else { tail };
     }
-    String::from_utf8(decoded).is_ok()
+    String::from_utf8(decoded).ok()
 }
 
 fn invalid(error: &::gltf::Error) -> Error {

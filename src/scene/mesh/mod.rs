@@ -14,6 +14,7 @@ mod triangles;
 use std::path::Path;
 
 use crate::error::{Error, Result};
+use crate::scene::file::Reach;
 
 pub use material::{MeshAttenuation, MeshMaterial};
 pub use triangles::TriangleMesh;
@@ -33,18 +34,19 @@ pub struct MeshPart {
     pub note: Option<String>,
 }
 
-/// Reads a mesh file; the format goes by the extension: `.obj` (with its `.mtl`), `.ply`, `.stl`, `.gltf`, `.glb`.
+/// Reads a mesh file; the format goes by the extension: `.obj` (with its `.mtl`), `.ply`, `.stl`, `.gltf`, `.glb`. `reach` says which files it
+/// may name in its turn.
 ///
 /// # Errors
 /// A file that is missing, of an unknown kind, cut short or malformed, or that has no triangles with an area. The
 /// error names the file.
-pub fn load(path: &Path) -> Result<Vec<MeshPart>> {
+pub fn load(path: &Path, reach: Reach) -> Result<Vec<MeshPart>> {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or("").to_lowercase();
     let parts = match extension.as_str() {
-        "obj" => obj::load(path),
+        "obj" => obj::load(path, reach),
         "ply" => read(path).and_then(|bytes| ply::load(&bytes)),
         "stl" => read(path).and_then(stl::load),
-        "gltf" | "glb" => read(path).and_then(|bytes| gltf::load(&bytes, path.parent())),
+        "gltf" | "glb" => read(path).and_then(|bytes| gltf::load(&bytes, path.parent(), reach)),
         _ => Err(Error::input(format!("unknown kind of mesh file \"{extension}\""))
             .expected("one of .obj, .ply, .stl, .gltf, .glb")),
     };

@@ -8,18 +8,22 @@ use glam::DVec3;
 
 use super::{MeshMaterial, MeshPart, TriangleMesh};
 use crate::error::{Error, Result};
+use crate::scene::file::Reach;
 
-pub(super) fn load(path: &Path) -> Result<Vec<MeshPart>> {
+pub(super) fn load(path: &Path, reach: Reach) -> Result<Vec<MeshPart>> {
     let bytes = super::read(path)?;
     check_faces(&String::from_utf8_lossy(&bytes))?;
     let options = tobj::LoadOptions { triangulate: true, single_index: true, ignore_points: true, ignore_lines: true };
     let missing = RefCell::new(None);
     let (models, materials) = tobj::load_obj_buf(&mut Cursor::new(bytes), &options, |library| {
-        let found = tobj::load_mtl(path.parent().map_or_else(|| library.to_path_buf(), |folder| folder.join(library)));
-        if let Err(error) = &found {
-            *missing.borrow_mut() = Some(format!("its materials \"{}\" cannot be used: {error}", library.display()));
-        }
-        found
+        let unusable = |why: &dyn std::fmt::Display| {
+            *missing.borrow_mut() = Some(format!("its materials \"{}\" cannot be used: {why}", library.display()));
+        };
+        let file = reach.file(path.parent().unwrap_or(Path::new("")), library).map_err(|error| {
+            unusable(&error);
+            tobj::LoadError::OpenFileFailed
+        })?;
+        tobj::load_mtl(file).inspect_err(|error| unusable(error))
     })
     .map_err(|error| Error::input(format!("not a valid OBJ file: {error}")))?;
     let materials = materials.unwrap_or_default();

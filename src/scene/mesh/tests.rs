@@ -7,6 +7,10 @@ use tempfile::TempDir;
 
 use super::*;
 
+fn load(path: &Path) -> Result<Vec<MeshPart>> {
+    super::load(path, Reach::Folder)
+}
+
 /// Corners and faces of a unit cube about (0.5, 0.5, 0.5), facing outwards.
 const CORNERS: [[f32; 3]; 8] = [
     [0.0, 0.0, 0.0],

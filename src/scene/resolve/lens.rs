@@ -69,7 +69,7 @@ impl Resolver<'_> {
         if let PrescriptionFile::Name(name) = prescription {
             let path = Path::new(name);
             if has_ending(path, "zmx") || has_ending(path, "json") {
-                return lens_file(&self.source.folder().join(path), &[]);
+                return lens_file(&self.at(at, self.source.file(name))?, &[]);
             }
         }
         lens_at(at, prescription, self.source)
@@ -111,7 +111,7 @@ fn surfaces(at: &JsonPath<'_>, files: &[LensSurfaceFile], source: &Source) -> Re
             | IndexFile::Sellmeier { .. }
             | IndexFile::Abbe { .. }
             | IndexFile::Table { .. }
-            | IndexFile::Glass { .. } => index_of(ior, source.folder()),
+            | IndexFile::Glass { .. } => index_of(ior, source),
         };
         let index = index.map_err(|error| source.error_at(&at.index(i).key("ior").to_string(), error))?;
         // A prescription begins with h⁴, the profile with h².

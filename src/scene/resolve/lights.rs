@@ -211,7 +211,7 @@ impl Resolver<'_> {
         let (shape, map) = match (spectrum, image) {
             (_, Some(image)) => {
                 let at = path.key("image");
-                let map = surroundings::load(&self.source.folder().join(&image.path), *placing);
+                let map = self.source.file(&image.path).and_then(|path| surroundings::load(&path, *placing));
                 let map = self.at(&at.key("path"), map)?;
                 (Shape::new(&map.mean_spectrum()), Some(Arc::new(map)))
             }

@@ -6,11 +6,10 @@ use crate::error::{Error, Result};
 use crate::optics::glass::Index;
 use crate::optics::surface::Surface;
 use crate::scene::file::{
-    ConductorFile, DielectricFile, FormulaFile, IndexFile, JsonPath, MaterialFile, ReflectanceFile,
+    ConductorFile, DielectricFile, FormulaFile, IndexFile, JsonPath, MaterialFile, ReflectanceFile, Source,
 };
 use crate::scene::{Body, Material};
 use crate::spectrum::{Spectrum, library};
-use std::path::Path;
 
 /// How deep mixed materials may refer to each other; beyond it they can only go in a circle.
 const MAX_DEPTH: usize = 16;
@@ -146,7 +145,7 @@ impl Resolver<'_> {
 
     /// Resolves an index of refraction; what is clamped or fitted goes to the notes.
     fn index(&self, at: &JsonPath<'_>, file: &IndexFile, material: &str, notes: &mut Vec<String>) -> Result<Index> {
-        let index = self.at(at, index_of(file, self.source.folder()))?;
+        let index = self.at(at, index_of(file, self.source))?;
         if let Some(warning) = index.warning() {
             let note = format!("material \"{material}\": {warning}");
             if !notes.contains(&note) {
@@ -157,8 +156,8 @@ impl Resolver<'_> {
     }
 }
 
-/// The index that is written; files are relative to `folder`.
-pub(super) fn index_of(file: &IndexFile, folder: &Path) -> Result<Index> {
+/// The index that is written in a source.
+pub(super) fn index_of(file: &IndexFile, source: &Source) -> Result<Index> {
     match file {
         IndexFile::Number(n) => Index::constant(*n),
         IndexFile::Name(name) => Index::catalogue(name),
@@ -169,7 +168,7 @@ pub(super) fn index_of(file: &IndexFile, folder: &Path) -> Result<Index> {
         IndexFile::Glass { path: None, name, formula: FormulaFile::Sellmeier } => Index::catalogue(name),
         IndexFile::Glass { path: None, name, formula: FormulaFile::Cauchy } => Index::catalogue_cauchy(name),
         IndexFile::Glass { path: Some(path), name, formula } => {
-            let glass = super::lens::glass_file(&folder.join(path))?.find(name)?;
+            let glass = super::lens::glass_file(&source.file(path)?)?.find(name)?;
             match formula {
                 FormulaFile::Sellmeier => Ok(glass.index),
                 FormulaFile::Cauchy => glass.cauchy_index(),

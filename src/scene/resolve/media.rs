@@ -143,7 +143,7 @@ impl Resolver<'_> {
             return Ok(Shape::Grid(self.at(&at.key("values"), grid)?));
         }
         if let Some(path) = path {
-            let grid = volume_file::read(&self.source.folder().join(path));
+            let grid = self.source.file(path).and_then(|path| volume_file::read(&path));
             return Ok(Shape::Grid(self.at(&at.key("path"), grid)?));
         }
         if let Some(value) = constant {
@@ -177,13 +177,13 @@ impl Resolver<'_> {
                 Ok(Phase::HenyeyGreenstein { g })
             }
             PhaseFile::Table { path } => {
-                let table = read_phase_table(&self.source.folder().join(path));
+                let table = self.source.file(path).and_then(|path| read_phase_table(&path));
                 Ok(Phase::Table(Arc::new(self.at(&at.key("table").key("path"), table)?)))
             }
             PhaseFile::Mie { radius_um, spread, ior } => {
                 let at = at.key("mie");
                 let index = match ior {
-                    Some(file) => self.at(&at.key("ior"), index_of(file, self.source.folder()))?,
+                    Some(file) => self.at(&at.key("ior"), index_of(file, self.source))?,
                     None => Index::catalogue("water 20C")?,
                 };
                 notes.extend(index.warning().map(|warning| format!("{at}: {warning}")));

@@ -115,7 +115,8 @@ impl<'a> Resolver<'a> {
         if let ShapeFile::Mesh { path } = shape {
             let shape_at = at.key("shape");
             let mesh_at = shape_at.key("mesh");
-            let parts = self.at(&mesh_at.key("path"), mesh::load(&self.source.folder().join(path)))?;
+            let parts = self.source.file(path).and_then(|path| mesh::load(&path, self.source.reach()));
+            let parts = self.at(&mesh_at.key("path"), parts)?;
             for part in parts {
                 let part_name = if part.name.is_empty() { name.clone() } else { format!("{name}/{}", part.name) };
                 let own_light = part.material.as_ref().map_or([0.0; 3], |own| own.emission);

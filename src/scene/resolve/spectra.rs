@@ -102,7 +102,9 @@ impl Spectra<'_> {
                 Role::MeanCosine => signed_table(nm, values),
                 Role::Light | Role::Reflectance | Role::Coefficient => Spectrum::table(nm, values, role.outside()),
             },
-            SpectrumFile::File(path) => read::spectrum_file(&self.source.folder().join(path), role.outside()),
+            SpectrumFile::File(path) => {
+                self.source.file(path).and_then(|path| read::spectrum_file(&path, role.outside()))
+            }
             SpectrumFile::Lines(lines) => Spectrum::lines(&lines.iter().map(line).collect::<Vec<_>>()),
             SpectrumFile::Blackbody { temperature } => Spectrum::blackbody(*temperature),
             SpectrumFile::Gaussian { peak_nm, fwhm_nm } => Spectrum::gaussian(*peak_nm, *fwhm_nm),

@@ -28,6 +28,7 @@ fn read(path: &Path) -> Result<Pixels> {
 
 fn read_exr(path: &Path) -> Result<Pixels> {
     use exr::prelude::*;
+    check_size(path)?;
     let image = read_first_rgba_layer_from_file(
         path,
         |size, _| (size.0, vec![[0.0_f32; 3]; size.0 * size.1]),
@@ -38,6 +39,21 @@ fn read_exr(path: &Path) -> Result<Pixels> {
     .map_err(|error| crate::error::Error::input(format!("the image cannot be read: {error}")))?;
     let size = image.layer_data.size;
     Ok((size.0, size.1, image.layer_data.channel_data.pixels.1))
+}
+
+/// Refuses a header that asks for far more memory than its file can fill.
+fn check_size(path: &Path) -> Result<()> {
+    const ALWAYS_ALLOWED: u64 = 1 << 24;
+    const MOST_PER_BYTE: u64 = 100;
+    let unreadable = |error: &dyn std::fmt::Display| Error::input(format!("the image cannot be read: {error}"));
+    let meta = exr::meta::MetaData::read_from_file(path, false).map_err(|error| unreadable(&error))?;
+    let bytes = std::fs::metadata(path).map_err(|error| unreadable(&error))?.len();
+    let area = |size: exr::math::Vec2<usize>| (size.0 as u64).saturating_mul(size.1 as u64);
+    let pixels = meta.headers.iter().map(|header| area(header.layer_size)).max().unwrap_or(0);
+    if pixels > ALWAYS_ALLOWED.max(bytes.saturating_mul(MOST_PER_BYTE)) {
+        return Err(Error::input(format!("the image is damaged: {bytes} bytes cannot hold {pixels} pixels")));
+    }
+    Ok(())
 }
 
 fn read_other(path: &Path) -> Result<Pixels> {

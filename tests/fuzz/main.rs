@@ -1,0 +1,145 @@
+//! Bad input stays harmless: files that were good once, changed at random but repeatably. Whatever is read answers with a result or an error:
+//! no panic, no case longer than a second, and never more than 1 GiB of memory.
+//!
+//! The default run makes 20,000 changes; `cargo test --release --test fuzz -- --ignored` makes 200,000. Inputs that fail are kept in
+//! `target/tmp`.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod mutate;
+mod targets;
+
+use std::alloc::System;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use cap::Cap;
+use mutate::Mutator;
+use targets::{Target, all};
+
+/// Counts what is allocated. (A request beyond the limit would end the process; the input is on disk by then.)
+#[global_allocator]
+static MEMORY: Cap<System> = Cap::new(System, 16 << 30);
+
+/// The most that a case may allocate.
+const LARGEST: usize = 1 << 30;
+
+/// The longest that a case may take.
+const LONGEST: Duration = Duration::from_secs(1);
+
+/// After this a case counts as hanging, and the run ends.
+const HANGS: Duration = Duration::from_secs(20);
+
+#[test]
+fn some_changed_files_do_no_harm() {
+    fuzz(all(), 20_000, 1);
+}
+
+#[test]
+#[ignore = "slow: 200,000 changed files"]
+fn changed_files_do_no_harm() {
+    fuzz(all(), 200_000, 2);
+}
+
+/// Changes the targets' good inputs `count` times in all, by their shares.
+fn fuzz(targets: Vec<Target>, count: u64, seed: u64) {
+    let _alone = ALONE.lock();
+    // In memory, where the system has a place for that: writing to a disk takes longer than reading a changed file.
+    let memory = Path::new("/dev/shm");
+    let scratch = tempfile::tempdir_in(if memory.is_dir() { memory } else { Path::new(env!("CARGO_TARGET_TMPDIR")) });
+    let scratch = scratch.unwrap();
+    let folder = scratch.path();
+    let shares: u64 = targets.iter().map(|target| target.share).sum();
+    let mut faults = Vec::new();
+    let mut done = 0;
+    for target in &targets {
+        for (name, bytes) in &target.beside {
+            std::fs::write(folder.join(name), bytes).unwrap();
+        }
+        let start = Instant::now();
+        let cases = count * target.share / shares;
+        let mut accepted = 0;
+        for case in 0..cases {
+            match run(target, folder, seed, case) {
+                Ok(was_good) => accepted += u64::from(was_good),
+                Err(fault) => faults.push(fault),
+            }
+        }
+        done += cases;
+        println!("{}: {cases} changed, {accepted} of them still good, {:.2?}", target.name, start.elapsed());
+    }
+    println!("{done} in all, at most {} MiB allocated", MEMORY.max_allocated() >> 20);
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults[..faults.len().min(20)].join("\n"));
+}
+
+/// The two runs share the count of memory, which never falls.
+static ALONE: Mutex<()> = Mutex::new(());
+
+/// One changed input: whether it was still good, or what went wrong.
+fn run(target: &Target, folder: &Path, seed: u64, case: u64) -> Result<bool, String> {
+    let mut mutator = Mutator::new(seed, target.name, case);
+    let bytes = mutator.change(&target.good);
+    let path = folder.join(format!("{}.{}", target.name, target.extension));
+    std::fs::write(&path, &bytes).unwrap();
+    let (before, peak_before) = (MEMORY.allocated(), MEMORY.max_allocated());
+    let watch = Watch::over(path.clone());
+    let start = Instant::now();
+    let answer = catch_unwind(AssertUnwindSafe(|| (target.read)(&path)));
+    let elapsed = start.elapsed();
+    drop(watch);
+    let peak = MEMORY.max_allocated();
+    let kept = || {
+        let kept =
+            Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("fuzz-{}-{case}.{}", target.name, target.extension));
+        std::fs::copy(&path, &kept).unwrap();
+        kept.display().to_string()
+    };
+    let Ok(was_good) = answer else { return Err(format!("{}: panics", kept())) };
+    if peak > peak_before && peak - before > LARGEST {
+        return Err(format!("{}: {} MiB for {} bytes", kept(), (peak - before) >> 20, bytes.len()));
+    }
+    if elapsed > LONGEST {
+        return Err(format!("{}: takes {elapsed:.2?}", kept()));
+    }
+    Ok(was_good)
+}
+
+/// Ends the process if a case hangs, and says which.
+struct Watch(Arc<AtomicBool>);
+
+impl Watch {
+    fn over(path: PathBuf) -> Self {
+        let mut watched = WATCHED.lock().unwrap();
+        if watched.is_none() {
+            std::thread::spawn(watch_for_ever);
+        }
+        let over = Arc::new(AtomicBool::new(false));
+        *watched = Some((over.clone(), Instant::now(), path));
+        Self(over)
+    }
+}
+
+impl Drop for Watch {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+/// The case that runs: whether it is over, since when it runs, and its input.
+static WATCHED: Mutex<Option<(Arc<AtomicBool>, Instant, PathBuf)>> = Mutex::new(None);
+
+fn watch_for_ever() {
+    loop {
+        std::thread::sleep(Duration::from_secs(1));
+        if let Some((over, since, path)) = WATCHED.lock().unwrap().as_ref()
+            && !over.load(Ordering::Relaxed)
+            && since.elapsed() > HANGS
+        {
+            eprintln!("{}: hangs", path.display());
+            std::process::exit(1);
+        }
+    }
+}

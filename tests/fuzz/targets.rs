@@ -1,0 +1,240 @@
+//! What is read: each kind of file with good examples of it.
+
+use std::path::Path;
+
+use abbe::output::Metadata;
+use abbe::output::exr;
+use abbe::render::{Identity, Integrator, Job, Merging, Request, Saved, StopRules, Unwatched};
+use abbe::scene::file::{self, Reach};
+use abbe::scene::{mesh, resolve};
+use abbe::spectrum::{Outside, read};
+
+/// A kind of input.
+pub(crate) struct Target {
+    pub(crate) name: &'static str,
+    pub(crate) extension: &'static str,
+    /// Its share of the cases.
+    pub(crate) share: u64,
+    /// Good inputs.
+    pub(crate) good: Vec<Vec<u8>>,
+    /// Files that stand beside it.
+    pub(crate) beside: Vec<(&'static str, Vec<u8>)>,
+    /// Reads a file; true if it was good.
+    pub(crate) read: fn(&Path) -> bool,
+}
+
+impl Target {
+    fn new(
+        name: &'static str,
+        extension: &'static str,
+        share: u64,
+        good: Vec<Vec<u8>>,
+        read: fn(&Path) -> bool,
+    ) -> Self {
+        Self { name, extension, share, good, beside: Vec::new(), read }
+    }
+}
+
+pub(crate) fn all() -> Vec<Target> {
+    let mesh = |path: &Path| mesh::load(path, Reach::Folder).is_ok();
+    let spectrum = |path: &Path| read::spectrum_file(path, Outside::Zero).is_ok();
+    let lens = |path: &Path| resolve::lens_file(path).is_ok();
+    let beside = vec![("cube.bin", buffer()), ("a.mtl", MTL.as_bytes().to_vec())];
+    let bytes = |text: &str| text.as_bytes().to_vec();
+    vec![
+        Target::new("scene", "json", 30, scenes(), plans),
+        Target::new("set", "txt", 12, SETS.iter().map(|set| bytes(set)).collect(), patches),
+        Target { beside: beside.clone(), ..Target::new("obj", "obj", 8, vec![bytes(OBJ)], mesh) },
+        Target::new("ply", "ply", 8, vec![bytes(PLY), binary_ply()], mesh),
+        Target::new("stl", "stl", 8, vec![bytes(STL), binary_stl()], mesh),
+        Target { beside, ..Target::new("gltf", "gltf", 8, vec![bytes(&gltf("\"uri\": \"cube.bin\", "))], mesh) },
+        Target::new("glb", "glb", 6, vec![glb()], mesh),
+        Target::new("spdx", "spdx", 5, vec![bytes(SPDX)], spectrum),
+        Target::new("table", "csv", 4, vec![bytes("nm,value\n400,0.1\n500,0.5\n600,1\n700,0.2\n")], spectrum),
+        Target::new("zemax", "zmx", 5, vec![bytes(ZMX)], lens),
+        Target::new("prescription", "json", 4, vec![bytes(PRESCRIPTION)], lens),
+        Target::new("checkpoint", "exr", 4, vec![checkpoint()], is_saved),
+        Target::new("sky", "exr", 1, vec![picture()], is_sky),
+        Target::new("sky", "png", 1, vec![png()], is_sky),
+        Target::new("sky", "hdr", 1, vec![HDR.to_vec()], is_sky),
+    ]
+}
+
+/// Small scenes. Those with a lens of real glass, whose pupils are traced when it is read (0.1 s), are left to the prescriptions.
+fn scenes() -> Vec<Vec<u8>> {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut paths: Vec<_> = ["tests/good_scenes", "scenes"]
+        .iter()
+        .flat_map(|folder| std::fs::read_dir(package.join(folder)).unwrap().map(|entry| entry.unwrap().path()))
+        .filter(|path| path.extension().is_some_and(|end| end == "json") && !path.ends_with("scene.schema.json"))
+        .collect();
+    paths.sort();
+    let texts = paths.iter().map(|path| std::fs::read_to_string(path).unwrap());
+    texts.filter(|text| !text.contains("\"prescription\"")).map(String::into_bytes).collect()
+}
+
+/// A scene is read, resolved and planned.
+fn plans(path: &Path) -> bool {
+    let planned =
+        file::read(path, &[]).and_then(|(scene, source)| resolve::resolve(&scene, &source)).and_then(Job::new);
+    planned.is_ok()
+}
+
+const SCENE: &str = r#"{"camera": {"from": [0, 2, 5], "at": [0, 0.5, 0], "lens": {"pinhole": {"fov": 40}}},
+  "film": {"width": 4, "height": 3, "spectral_bands": 2},
+  "materials": {"grey": {"diffuse": {"reflectance": 0.5}}, "glass": {"dielectric": {"ior": "SF10"}}},
+  "objects": [{"name": "floor", "shape": {"rectangle": {"width": 6, "height": 6}}, "material": "grey"},
+    {"name": "ball", "shape": {"sphere": {"center": [0, 0.6, 0], "radius": 0.5}}, "material": "glass"}],
+  "lights": [{"point": {"at": [1, 4, 1], "spectrum": "D65", "power": 20}}], "render": {"photons": 50}}"#;
+
+const SETS: [&str; 6] = [
+    "film.width=640",
+    "objects[1].material=\"grey\"",
+    "lights[0]={\"point\":{\"at\":[0,1,0],\"spectrum\":{\"lines\":[{\"nm\":589.3,\"power\":1}]},\"power\":1}}",
+    "materials.glass.dielectric.ior={\"cauchy\":{\"a\":1.5,\"b\":0.004}}",
+    "render.photons=1000",
+    "objects[0].transform=[{\"translate\":[0,1,0]},{\"rotate\":{\"axis\":[0,1,0],\"degrees\":30}}]",
+];
+
+/// The text is a patch of a good scene.
+fn patches(path: &Path) -> bool {
+    let patch = String::from_utf8_lossy(&std::fs::read(path).unwrap()).into_owned();
+    let read = file::parse(SCENE, Path::new("scene.json"), &[patch]);
+    read.and_then(|(scene, source)| resolve::resolve(&scene, &source)).is_ok()
+}
+
+/// The picture is the surroundings of a scene.
+fn is_sky(path: &Path) -> bool {
+    let name = path.file_name().unwrap().to_str().unwrap();
+    let patch = format!("lights[0]={{\"environment\":{{\"image\":{{\"path\":\"{name}\"}},\"irradiance\":1}}}}");
+    let read = file::parse(SCENE, &path.with_file_name("scene.json"), &[patch]);
+    read.and_then(|(scene, source)| resolve::resolve(&scene, &source)).is_ok()
+}
+
+/// The file is a picture, and a part that can be merged.
+fn is_saved(path: &Path) -> bool {
+    let picture = exr::read(path).is_ok();
+    Merging::new(&[path.to_path_buf()]).and_then(Merging::merge).is_ok() && picture
+}
+
+fn checkpoint() -> Vec<u8> {
+    let (scene, source) = file::parse(SCENE, Path::new("scene.json"), &[]).unwrap();
+    let job = Job::new(resolve::resolve(&scene, &source).unwrap()).unwrap();
+    let request = Request { integrator: Integrator::Path, stop: StopRules { passes: Some(3), ..StopRules::default() } };
+    let run = job.render(request, &mut Unwatched).unwrap().run;
+    let identity = Identity::of(&job, Integrator::Path, "0123456789abcdef");
+    let metadata = Metadata::new().with("abbe.version", env!("CARGO_PKG_VERSION")).with("abbe.seed", "0");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    Saved::write(&path, &job, &identity, &run, metadata).unwrap();
+    assert!(is_saved(&path));
+    std::fs::read(path).unwrap()
+}
+
+fn picture() -> Vec<u8> {
+    exr::encode(
+        &abbe::sensor::Picture { xyz: vec![[0.2, 0.3, 0.1]; 12], ..abbe::sensor::Picture::black(4, 3) },
+        &Metadata::new(),
+    )
+    .unwrap()
+}
+
+fn png() -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image::RgbImage::from_fn(4, 2, |x, y| image::Rgb([60 * x as u8, 100 * y as u8, 200]))
+        .write_to(&mut bytes, image::ImageFormat::Png)
+        .unwrap();
+    bytes.into_inner()
+}
+
+const HDR: &[u8] = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n\x80\x40\x20\x81\x80\x40\x20\x82\x80\x40\x20\x83\x80\x40\x20\x84";
+
+const OBJ: &str = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\nusemtl glass\n\
+    f 1/1/1 3/3/1 2/2/1\nf 1 2 4\nf 1 4 3\nf -3 -2 -1\n";
+
+const MTL: &str = "newmtl glass\nKd 0.5 0.5 0.5\nNi 1.5\nd 0.2\nillum 7\n";
+
+const PLY: &str = "ply\nformat ascii 1.0\ncomment a pyramid\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+    element face 4\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+
+const STL: &str =
+    "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
+
+const SPDX: &str = r#"<?xml version="1.0"?>
+<IESTM2714 version="1.0"><Header><Description>lamp</Description></Header>
+<SpectralDistribution><SpectralQuantity>radiant</SpectralQuantity>
+<SpectralData wavelength="400">0.034</SpectralData><SpectralData wavelength="500">0.5</SpectralData>
+<SpectralData wavelength="700">0.1</SpectralData></SpectralDistribution></IESTM2714>"#;
+
+const ZMX: &str = "VERS 140124\nMODE SEQ\nNAME achromat\nUNIT MM X W X CM MR CPMM\nENPD 25\nFTYP 0 0 2 3 0 0 0\nYFLN 0 1\nWAVM 1 0.5876 1\n\
+    SURF 0\n  TYPE STANDARD\n  CURV 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  TYPE STANDARD\n  CURV 1.628E-02\n  DISZ 6\n  GLAS N-BK7 0 0 1.5\n  DIAM 12.7\n\
+    SURF 2\n  TYPE STANDARD\n  CURV -2.24E-02\n  DISZ 2.5\n  GLAS N-SF5 0 0 1.67\n  DIAM 12.66\nSURF 3\n  TYPE EVENASPH\n  CURV -7.7E-03\n  CONI 0\n\
+    \x20 PARM 1 0\n  PARM 2 1E-7\n  DISZ 95.95\n  DIAM 12.53\nSURF 4\n  TYPE STANDARD\n  CURV 0\n  DISZ 0\n  DIAM 2\n";
+
+const PRESCRIPTION: &str = r#"{"surfaces": [
+  {"radius_mm": 60, "thickness_mm": 6, "ior": "N-BK7", "semi_aperture_mm": 12}, {"radius_mm": -45, "thickness_mm": 2.5, "ior": "N-SF5", "semi_aperture_mm": 12},
+  {"radius_mm": -130, "thickness_mm": 90, "ior": 1, "semi_aperture_mm": 12, "stop": true}]}"#;
+
+fn corners() -> Vec<u8> {
+    [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0].iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+const FACES: [[u16; 3]; 4] = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+
+fn binary_ply() -> Vec<u8> {
+    let mut bytes =
+        PLY.split_inclusive("end_header\n").next().unwrap().replace("ascii", "binary_little_endian").into_bytes();
+    bytes.extend(corners());
+    for face in FACES {
+        bytes.push(3);
+        bytes.extend(face.iter().flat_map(|&index| i32::from(index).to_le_bytes()));
+    }
+    bytes
+}
+
+fn binary_stl() -> Vec<u8> {
+    let (mut bytes, corners) = (vec![b' '; 80], corners());
+    bytes.extend((FACES.len() as u32).to_le_bytes());
+    for face in FACES {
+        bytes.extend([0; 12]);
+        face.iter().for_each(|&index| bytes.extend(&corners[12 * usize::from(index)..][..12]));
+        bytes.extend([0; 2]);
+    }
+    bytes
+}
+
+/// Corners, then indices.
+fn buffer() -> Vec<u8> {
+    let mut bytes = corners();
+    bytes.extend(FACES.iter().flatten().flat_map(|index| index.to_le_bytes()));
+    bytes
+}
+
+fn gltf(uri: &str) -> String {
+    format!(
+        r#"{{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0]}}],
+        "nodes": [{{"children": [1], "rotation": [0, 0, 0, 1]}}, {{"mesh": 0, "translation": [1, 2, 3], "scale": [2, 2, 2]}}],
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "indices": 1, "material": 0}}]}}],
+        "materials": [{{"name": "glass", "pbrMetallicRoughness": {{"metallicFactor": 0}},
+          "extensions": {{"KHR_materials_transmission": {{"transmissionFactor": 1}}, "KHR_materials_ior": {{"ior": 1.5}}}}}}],
+        "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]}},
+          {{"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"}}],
+        "bufferViews": [{{"buffer": 0, "byteLength": 48}}, {{"buffer": 0, "byteOffset": 48, "byteLength": 24}}],
+        "buffers": [{{{uri}"byteLength": 72}}]}}"#
+    )
+}
+
+fn glb() -> Vec<u8> {
+    let mut json = gltf("").into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let buffer = buffer();
+    let mut bytes = b"glTF".to_vec();
+    bytes.extend(2_u32.to_le_bytes());
+    bytes.extend((28 + json.len() as u32 + buffer.len() as u32).to_le_bytes());
+    for (kind, chunk) in [(b"JSON", &json), (b"BIN\0", &buffer)] {
+        bytes.extend((chunk.len() as u32).to_le_bytes());
+        bytes.extend(kind);
+        bytes.extend(chunk);
+    }
+    bytes
+}

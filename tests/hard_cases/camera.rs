@@ -1,0 +1,158 @@
+//! Cameras: openings of nothing and of everything, focus at infinity, films of one pixel and of one column, shutters that never move.
+
+use glam::{DVec2, DVec3};
+use serde_json::{Value, json};
+
+use abbe::render::Integrator;
+use abbe::scene::camera::Camera;
+
+use super::common::{diffuse, job, render};
+use super::table::{Bound, Case, Pace};
+
+pub(crate) const CASES: &[Case] = &[
+    Case {
+        name: "An opening of 0",
+        naive: "0/0 in the lens's density",
+        here: "places in the opening are drawn, not densities divided",
+        measured: "distance of any ray from the pinhole's",
+        bound: Bound::AtMost(4e-16),
+        pace: Pace::Fast,
+        measure: || {
+            let (open, pinhole) = (camera(thin(3.0, 0.0)), camera(json!({ "pinhole": { "fov": 40 } })));
+            worst_ray(|film, lens| {
+                let (a, b) = (open.ray(film, lens), pinhole.ray(film, lens));
+                (a.direction - b.direction).length() + (a.origin - b.origin).length()
+            })
+        },
+    },
+    Case {
+        name: "An opening whose radius is the focus distance",
+        naive: "small-angle forms miss the plane in focus",
+        here: "rays are aimed at a point of that plane",
+        measured: "how far rays miss that point, relative to the distance",
+        bound: Bound::AtMost(1e-15),
+        pace: Pace::Fast,
+        measure: || {
+            let (wide, pinhole) = (camera(thin(3.0, 90.0)), camera(json!({ "pinhole": { "fov": 40 } })));
+            worst_ray(|film, lens| {
+                let chief = pinhole.ray(film, lens);
+                let focus = chief.at(3.0 / chief.direction.dot(DVec3::NEG_Z));
+                let ray = wide.ray(film, lens);
+                (focus - ray.origin).cross(ray.direction).length() / 3.0
+            })
+        },
+    },
+    Case {
+        name: "Focus at 10⁹, 10¹⁵⁰ and 10³⁰⁰ m",
+        naive: "the square of the distance overflows: rays without a direction",
+        here: "the shift over the distance, not the direction times it",
+        measured: "angle between rays of one pixel, less the opening over the distance",
+        bound: Bound::AtMost(1e-15),
+        pace: Pace::Fast,
+        measure: || {
+            let miss = |focus: f64| {
+                let radius = 0.1_f64;
+                let camera = camera(thin(focus, 2.0 * (radius / focus).atan().to_degrees()));
+                worst_ray(|film, lens| {
+                    let (a, b) = (camera.ray(film, lens).direction, camera.ray(film, [0.5; 2]).direction);
+                    if (a.length() - 1.0).abs() < 1e-12 {
+                        ((a - b).length() - 1.5 * radius / focus).max(0.0)
+                    } else {
+                        f64::INFINITY
+                    }
+                })
+            };
+            [1e9, 1e150, 1e300].map(miss).into_iter().fold(0.0, f64::max)
+        },
+    },
+    Case {
+        name: "A point in the plane in focus, seen through the whole opening",
+        naive: "a circle of confusion of rounding's size over a pixel's edge",
+        here: "ray and sight are one formula and its inverse",
+        measured: "places of the opening that see it in another pixel, of 48 × 36 × 25",
+        bound: Bound::AtMost(0.0),
+        pace: Pace::Fast,
+        measure: || {
+            let camera = camera(thin(3.0, 10.0));
+            let mut wrong = 0_u32;
+            for pixel in 0..48 * 36 {
+                let film = DVec2::new(f64::from(pixel % 48) + 0.5, f64::from(pixel / 48) + 0.5);
+                let chief = camera.ray(film, [0.5; 2]);
+                let point = chief.at(3.0 / chief.direction.dot(DVec3::NEG_Z));
+                let seen = |lens| camera.sight(point, lens).is_some_and(|sighting| sighting.pixel == pixel);
+                wrong += openings().filter(|&lens| !seen(lens)).count() as u32;
+            }
+            f64::from(wrong)
+        },
+    },
+    Case {
+        name: "A film of one pixel, and of 1 × 65,536, the longest there is",
+        naive: "an aspect of 65,536 leaves blocks empty; a pixel's neighbours do not exist",
+        here: "rows are the units of work; neighbours are asked for, not assumed",
+        measured: "relative error of the mean Y before an even sky, with all pixels within 20 %",
+        bound: Bound::AtMost(5e-3),
+        pace: Pace::Fast,
+        measure: || f64::max(sky_error([1, 1]), sky_error([1, 65_536])),
+    },
+    Case {
+        name: "A shutter that opens and closes at the same time",
+        naive: "an exposure of 0 s: 0/0",
+        here: "pictures are means over the shutter, and a moment is a shutter",
+        measured: "pixels that differ from those without a shutter",
+        bound: Bound::AtMost(0.0),
+        pace: Pace::Fast,
+        measure: || {
+            let still = scene(json!({ "pinhole": { "fov": 40 } }));
+            let mut moment = still.clone();
+            moment["camera"]["shutter"] = json!({ "open": 0.5, "close": 0.5 });
+            let picture = |scene: &Value| render(scene, Integrator::Photon, 2).picture.xyz;
+            picture(&still).iter().zip(&picture(&moment)).filter(|(a, b)| a != b).count() as f64
+        },
+    },
+];
+
+fn thin(focus: f64, defocus_angle: f64) -> Value {
+    json!({ "thin": { "fov": 40, "focus_distance": focus, "defocus_angle": defocus_angle } })
+}
+
+/// A camera at the origin that looks along −z, over something.
+fn scene(lens: Value) -> Value {
+    json!({
+        "camera": { "from": [0, 0, 0], "at": [0, 0, -1], "lens": lens },
+        "film": { "width": 48, "height": 36 },
+        "materials": { "grey": diffuse(0.5) },
+        "objects": [{ "shape": { "sphere": { "radius": 1, "center": [0, 0, 0] } }, "material": "grey", "transform": [{ "translate": [0, -2, 0] }] },
+            { "shape": { "sphere": { "radius": 1, "center": [0, 2, 0] } }, "material": "grey" }],
+        "lights": [{ "point": { "at": [0, 0, 4], "spectrum": 1, "power": 10 } }],
+        "render": { "photons": 200 }
+    })
+}
+
+fn camera(lens: Value) -> Camera {
+    job(&scene(lens)).scene.camera
+}
+
+/// Places of the opening, its rim included.
+fn openings() -> impl Iterator<Item = [f64; 2]> {
+    (0..25).map(|i| [f64::from(i % 5), f64::from(i / 5)].map(|u| (u / 4.0).min(1.0 - f64::EPSILON)))
+}
+
+/// The worst of a measure over rays all over the film and the opening.
+fn worst_ray(measure: impl Fn(DVec2, [f64; 2]) -> f64) -> f64 {
+    let films = (0..100).map(|i| DVec2::new(f64::from(i % 10) * 5.33, f64::from(i / 10) * 4.0));
+    films
+        .flat_map(|film| openings().map(move |lens| (film, lens)))
+        .map(|(film, lens)| measure(film, lens))
+        .fold(0.0, f64::max)
+}
+
+/// The relative error of the mean Y where only an even sky of 1 cd/m² is seen.
+fn sky_error([width, height]: [u32; 2]) -> f64 {
+    let mut scene = scene(json!({ "pinhole": { "fov": 10 } }));
+    scene["film"] = json!({ "width": width, "height": height });
+    scene["lights"] = json!([{ "environment": { "spectrum": 1, "illuminance": std::f64::consts::PI } }]);
+    let pixels = width * height;
+    let picture = render(&scene, Integrator::Photon, u64::from((1 << 19) / pixels).min(2048)).picture;
+    assert!(picture.xyz.len() == pixels as usize && picture.xyz.iter().all(|xyz| (0.8..1.2).contains(&xyz[1])));
+    (picture.mean_y() - 1.0).abs()
+}
