@@ -38,7 +38,7 @@ impl Target {
 pub(crate) fn all() -> Vec<Target> {
     let mesh = |path: &Path| mesh::load(path, Reach::Folder).is_ok();
     let spectrum = |path: &Path| read::spectrum_file(path, Outside::Zero).is_ok();
-    let lens = |path: &Path| resolve::lens_file(path).is_ok();
+    let lens = |path: &Path| resolve::lens_file(path, &[]).is_ok();
     let beside = vec![("cube.bin", buffer()), ("a.mtl", MTL.as_bytes().to_vec())];
     let bytes = |text: &str| text.as_bytes().to_vec();
     vec![

@@ -4,10 +4,11 @@ use glam::DVec3;
 use serde_json::{Value, json};
 use std::num::NonZero;
 
-use abbe::map::{Photon, PhotonIndex, kernel, radius};
+use abbe::map::{Load, Photon, PhotonIndex, kernel, radius};
 use abbe::math::random::{Purpose, Stream};
 use abbe::math::sum::ExactSum;
 use abbe::render::Integrator;
+use abbe::spectrum::Wavelengths;
 
 use super::common::{all_y, diffuse, render};
 use super::table::{Bound, Case, Pace};
@@ -96,9 +97,8 @@ pub(crate) const CASES: &[Case] = &[
 ];
 
 fn photon(power: f32) -> Photon {
-    let mut photon = Photon::new(DVec3::Y, DVec3::Y, 1, 0);
-    photon.power[0] = power;
-    photon
+    let load = Load::new(&Wavelengths::single(550.0), [f64::from(power), 0.0, 0.0, 0.0], 0);
+    Photon::new(load, DVec3::Y, DVec3::Y)
 }
 
 /// Photons of the plane y = 0.
@@ -118,7 +118,8 @@ impl Plane {
         let mut density = 0.0;
         self.index.within([x as f32, 0.0, z as f32], radius as f32, |found| {
             let (d2, r2) = (f64::from(found.distance2), radius * radius);
-            density += f64::from(found.photon.power[0]) * kernel::at(d2.min(r2), r2).estimate;
+            density +=
+                found.photon.load.lanes().map(|(_, power)| power).sum::<f64>() * kernel::at(d2.min(r2), r2).estimate;
         });
         density / self.places.len().max(1) as f64
     }
