@@ -197,3 +197,20 @@ fn bad_media_are_answered_with_what_is_wrong() {
     let message = Case { medium: &no_end, rest: r#", "atmosphere": "it""#, ..Case::default() }.message();
     assert!(message.contains("found on the atmosphere, which has no end"), "{message}");
 }
+
+#[test]
+fn what_cannot_bound_a_medium_is_answered_with_what_is_wrong() {
+    let medium = r#"{"homogeneous": {"absorption": 1, "scattering": 1, "phase": "isotropic"}}"#;
+    let flat = Case { medium, shape: r#"{"rectangle": {"width": 1, "height": 1}}"#, ..Case::default() };
+    let shape = r#"{"sphere": {"radius": 1}}, "emission": {"spectrum": 1, "power": 1}"#;
+    let shines = Case { medium, shape, ..Case::default() };
+    let unknown = Case { medium, rest: r#", "atmosphere": "fog""#, ..Case::default() };
+    for (case, words) in [
+        (flat, "found a flat shape, filled by the medium of \"bounds\"; expected a shape that encloses a space"),
+        (shines, "which is no surface; expected the medium's own `emission`"),
+        (unknown, "unknown medium \"fog\"; expected one of it"),
+    ] {
+        let message = case.message();
+        assert!(message.contains(words), "{message}");
+    }
+}

@@ -15,6 +15,7 @@ use crate::math::random::hash64;
 use crate::scene::geometry::Ray;
 use crate::scene::medium::Medium;
 use crate::walk::{Encounter, Passage, Sink, Start, Stretch, passes, travel};
+use glam::DVec3;
 use std::ops::ControlFlow;
 
 impl<'a> Gatherer<'a> {
@@ -58,7 +59,7 @@ impl<'a> Gatherer<'a> {
             path.multiply(Factor::Passage(passage), sample.scratch);
         }
         if let Some((_, medium)) = stretch.medium {
-            let passage = Passage::new(medium, stretch.ray, stretch.length_m, seed(sample));
+            let passage = Passage::new(medium, stretch.ray, stretch.length_m, seed(sample, stretch.ray.origin));
             path.multiply(Factor::Passage(passage), sample.scratch);
         }
     }
@@ -79,7 +80,7 @@ impl<'a> Gatherer<'a> {
         for i in 0..PLACES {
             let t = from + (f64::from(i) + shift) * step;
             let place = stretch.ray.at(t);
-            let here = self.passages_to(t, stretch, medium, seed(sample));
+            let here = self.passages_to(t, stretch, medium, seed(sample, stretch.ray.origin));
             let (scratch, sink) = (&sample.scratch, &mut *sample.sink);
             each_wavelength(path.colour, &scratch.factors, light, sample.numbers.wavelength, |nm, share| {
                 sink.radiance(nm, share * medium.emission_per_m(place, nm) * passes(&here, nm) * step);
@@ -105,7 +106,7 @@ impl<'a> Gatherer<'a> {
             let place = reach.and_then(|reach| distance::draw(medium, &stretch.ray, &reach, draws));
             let Some(place) = place else { return };
             let density = medium.density_at(stretch.ray.at(place.t));
-            let here = self.passages_to(place.t, stretch, medium, seed(sample));
+            let here = self.passages_to(place.t, stretch, medium, seed(sample, stretch.ray.origin));
             let ray = Ray { origin: stretch.ray.at(place.t), direction: stretch.ray.direction };
             let start = Start { ray, from: None, interior: stretch.interior };
             let asking = AskingInside { start, medium, scattered_nm: None, u };
@@ -152,7 +153,10 @@ impl<'a> Gatherer<'a> {
                 }
                 sample.tally.volume_queries += 1;
                 let (ray, length_m) = (stretch.ray, stretch.length_m);
-                let cone = Cone { ray, length_m, behind_m: walked, slope: slope * scale };
+                let cone = match self.radius_m {
+                    Some(radius) => Cone { ray, length_m, radius_m: radius * scale, slope: 0.0 },
+                    None => Cone::of_camera(ray, length_m, walked, slope * scale),
+                };
                 self.along(map, &cone, (path, stretch, number, medium), sample);
             }
         }
@@ -166,7 +170,7 @@ impl<'a> Gatherer<'a> {
         (path, stretch, number, medium): (&CameraPath, &Stretch<'a>, usize, &'a Medium),
         sample: &mut Sample<'_, 'a, S>,
     ) {
-        let seed = seed(sample);
+        let seed = seed(sample, stretch.ray.origin);
         let (factors, sink) = (&sample.scratch.factors, &mut *sample.sink);
         map.along(cone, |found: Neighbour<'_>| {
             if found.medium != number {
@@ -177,7 +181,10 @@ impl<'a> Gatherer<'a> {
             // A beam's light has still to come to the crossing, and to be scattered there.
             let came = found.came.map(|Came { start, distance_m }| {
                 let ray = Ray { origin: start, direction: found.incoming };
-                (Passage::new(medium, ray, distance_m, seed), medium.density_at(ray.at(distance_m)))
+                (
+                    Passage::new(medium, ray, distance_m, hash64([seed, distance_m.to_bits()])),
+                    medium.density_at(ray.at(distance_m)),
+                )
             });
             let brought = |nm: f64, power: f64| {
                 let arrived = match &came {
@@ -205,7 +212,8 @@ impl<'a> Gatherer<'a> {
     }
 }
 
-/// The seed of what is random about passages of this sample.
-fn seed<S>(sample: &Sample<'_, '_, S>) -> u64 {
-    hash64([sample.pixel, sample.numbers.wavelength.to_bits()])
+/// The seed of what is random about this sample's passages from a place on: what passes one after the other must be drawn independently.
+fn seed<S>(sample: &Sample<'_, '_, S>, from: DVec3) -> u64 {
+    let [x, y, z] = from.to_array().map(f64::to_bits);
+    hash64([sample.pixel, sample.numbers.wavelength.to_bits(), x, y, z])
 }

@@ -40,6 +40,8 @@ pub struct Gatherer<'a> {
     pub outlines: &'a Outlines,
     /// How far kernels have shrunk since the first pass.
     pub scales: Scales,
+    /// The first radius, in m, if the scene states it; else pixels have their own.
+    pub radius_m: Option<f64>,
     /// Surface events a path may have.
     pub max_depth: u32,
 }

@@ -9,23 +9,28 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
-/// A piece of a ray with a radius that grows with the distance from the camera.
+/// A piece of a ray with a radius that may grow along it.
 #[derive(Debug, Clone, Copy)]
 pub struct Cone {
     /// The ray.
     pub ray: Ray,
     /// How far it goes, in m.
     pub length_m: f64,
-    /// How far the camera is from its origin, along the path, in m.
-    pub behind_m: f64,
-    /// Radius per distance from the camera.
+    /// The radius at its origin, in m.
+    pub radius_m: f64,
+    /// How much it grows per distance.
     pub slope: f64,
 }
 
 impl Cone {
+    /// A cone that starts at the camera, which is `behind_m` (along the path) behind the ray's origin.
+    pub fn of_camera(ray: Ray, length_m: f64, behind_m: f64, slope: f64) -> Self {
+        Self { ray, length_m, radius_m: slope * behind_m, slope }
+    }
+
     /// The radius at a distance along the ray, in m.
     pub fn radius_at(&self, t: f64) -> f64 {
-        self.slope * (self.behind_m + t)
+        self.radius_m + self.slope * t
     }
 }
 
@@ -88,7 +93,7 @@ struct Slabs {
     origin: Vec3A,
     inverse: Vec3A,
     length: f32,
-    behind: f32,
+    radius: f32,
     slope: f32,
 }
 
@@ -101,7 +106,7 @@ impl Slabs {
             origin: cone.ray.origin.as_vec3a(),
             inverse: inverse.as_vec3a(),
             length: cone.length_m as f32,
-            behind: cone.behind_m as f32,
+            radius: cone.radius_m as f32,
             slope: cone.slope as f32,
         }
     }
@@ -111,9 +116,9 @@ impl Slabs {
     fn touch(&self, aabb: &Aabb) -> bool {
         let (centre, half) = (0.5 * (aabb.min + aabb.max), 0.5 * (aabb.max - aabb.min));
         let offset = centre - self.origin;
-        let far = self.behind + self.length.min(offset.length() + half.length());
+        let far = self.length.min(offset.length() + half.length());
         let rounding = 4.0 * f32::EPSILON * (offset.abs() + half).max_element();
-        let wide = half + Vec3A::splat(1.01 * self.slope * far + rounding);
+        let wide = half + Vec3A::splat(1.01 * (self.radius + self.slope * far) + rounding);
         let (a, b) = ((offset - wide) * self.inverse, (offset + wide) * self.inverse);
         let enter = a.min(b).max_element().max(0.0);
         let exit = a.max(b).min_element().min(self.length * (1.0 + 1e-6));
@@ -139,7 +144,7 @@ mod tests {
         for i in 0..200 {
             let direction = if i % 4 == 0 { DVec3::X } else { warp::sphere(stream.pair()) };
             let cone =
-                Cone { ray: Ray::new(point_of(&mut stream), direction), length_m: 0.8, behind_m: 1.0, slope: 0.02 };
+                Cone { ray: Ray::new(point_of(&mut stream), direction), length_m: 0.8, radius_m: 0.02, slope: 0.02 };
             let mut found = Vec::new();
             index.visit(&cone, |i| found.push(i as usize));
             for (i, place) in places.iter().enumerate() {

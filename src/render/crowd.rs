@@ -99,7 +99,7 @@ impl Near {
     /// The photons near the leg, within a cone of this slope; the maps hold the share `kept` of all beams.
     fn to(leg: &Leg, (maps, kept): (&VolumeMaps, f64), slope: f64) -> Self {
         let Leg { ray, length_m, behind_m, .. } = *leg;
-        let cone = Cone { ray, length_m, behind_m, slope };
+        let cone = Cone::of_camera(ray, length_m, behind_m, slope);
         let mut here = Self::default();
         maps.points.along(&cone, |_| here.points += 1.0);
         maps.beams.along(&cone, |_| here.beams += 1.0 / kept);

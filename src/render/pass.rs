@@ -151,6 +151,7 @@ pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) ->
         shared_nm: nm,
         shared_pdf: pdf,
         scales: Scales::of_pass(pass),
+        radius_m: job.budget.radius_m,
         glass: scene.camera.system().map(|system| nm.map(|nm| system.at(nm))),
         outlines: &pilot.outlines,
         max_depth: job.budget.max_depth,

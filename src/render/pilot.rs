@@ -157,6 +157,7 @@ impl Pilot {
             shared_nm: nm,
             shared_pdf: pdf,
             scales: Scales::of_pass(0),
+            radius_m: job.budget.radius_m,
             glass: scene.camera.system().map(|system| nm.map(|nm| system.at(nm))),
             outlines: &none,
             max_depth: job.budget.max_depth,

@@ -6,7 +6,7 @@ use abbe::render::Integrator;
 use serde_json::{Value, json};
 
 /// Renders, and checks that the mean luminance is 1 within 0.5 %, and that of the picture's quarters as far as noise lets one tell.
-fn check(name: &str, scene: &Value, (integrator, passes): (Integrator, u64)) {
+pub(crate) fn check(name: &str, scene: &Value, (integrator, passes): (Integrator, u64)) {
     let width = scene["film"]["width"].as_u64().expect("a width") as usize;
     let whole_and_quarters = |rendered: &abbe::render::Rendered| {
         let mut values = vec![rendered.picture.mean_y()];
@@ -23,7 +23,7 @@ fn check(name: &str, scene: &Value, (integrator, passes): (Integrator, u64)) {
 }
 
 /// Surroundings of luminance 1.
-fn surroundings() -> Value {
+pub(crate) fn surroundings() -> Value {
     json!([{ "environment": { "spectrum": "E", "illuminance": std::f64::consts::PI } }])
 }
 

@@ -1,0 +1,148 @@
+//! Media with known answers: Beer's law, and white fog in uniform surroundings.
+
+use crate::common::compare::Measured;
+use crate::common::{mean_y, render};
+use crate::furnace::{self, surroundings};
+use crate::golden::golden;
+use abbe::render::Integrator;
+use serde_json::{Value, json};
+
+/// A slab of a medium, `thickness` m thick, before a bright wall that fills the picture.
+fn slab(medium: Value, thickness: f64) -> Value {
+    json!({
+        "camera": { "from": [0, 0, 0], "at": [0, 0, -1], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 0.1 } } },
+        "film": { "width": 16, "height": 16 },
+        "media": { "it": medium },
+        "materials": { "it": { "boundary": { "medium": "it" } }, "black": "absorber" },
+        "objects": [
+            { "shape": { "box": { "size": [10, 10, thickness] } }, "material": "it",
+              "transform": [{ "translate": [0, 0, -1.0 - 0.5 * thickness] }] },
+            { "shape": { "rectangle": { "width": 10, "height": 10 } }, "material": "black",
+              "emission": { "spectrum": "D65", "luminance": 1 },
+              "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": 90 } }, { "translate": [0, 0, -2.0 - thickness] }] }
+        ],
+        "render": { "photons": 100 }
+    })
+}
+
+fn absorbing(sigma: impl Into<Value>) -> Value {
+    json!({ "homogeneous": { "absorption": sigma.into(), "scattering": 0, "phase": "isotropic" } })
+}
+
+/// The same density everywhere, as a grid whose attenuation is worked out in this way.
+fn even_grid(sigma: f64, transmittance: &str) -> Value {
+    json!({ "grid": { "bounds": [[-5, -5, -2], [5, 5, -1]], "density": { "constant": 1 }, "absorption": sigma,
+                      "scattering": 0, "phase": "isotropic", "transmittance": transmittance } })
+}
+
+const PASSES: u64 = 16;
+
+#[test]
+fn a_slab_of_any_depth_passes_what_beers_law_says() {
+    let luminance = |medium: Value, way| render(&slab(medium, 1.0), way, PASSES).picture.mean_y();
+    let clear = luminance(absorbing(0.0), Integrator::Photon);
+    for depth in [1e-8, 1e-4, 0.1, 1.0, 10.0, 50.0, 200.0] {
+        for medium in [absorbing(depth), even_grid(depth, "exact"), even_grid(depth, "march")] {
+            let passed = luminance(medium, Integrator::Photon) / clear;
+            // Coefficients are kept to 1e-6: an error of the depth by so much is one of the transmittance by depth times as much.
+            let off = if depth < 1e-2 { (1.0 - passed) / -(-depth).exp_m1() } else { passed / (-depth).exp() } - 1.0;
+            println!("Beer, optical depth {depth:e}: off by {off:.1e}");
+            // The film adds up in steps: of depth 50 nothing is left in it.
+            let exact = off.abs() < 1e-6 * depth.max(1.0) || (passed - (-depth).exp()).abs() < 1e-18;
+            assert!(exact, "optical depth {depth}: {passed}");
+        }
+    }
+    for way in [Integrator::Photon, Integrator::Path] {
+        assert_eq!(luminance(absorbing(1e5), way), 0.0);
+    }
+}
+
+#[test]
+fn tracked_attenuation_is_exact_in_the_mean() {
+    for depth in [1e-8_f64, 0.1, 1.0, 2.0] {
+        for (way, medium) in [(Integrator::Photon, even_grid(depth, "ratio")), (Integrator::Path, absorbing(depth))] {
+            let clear = Measured::new(&slab(absorbing(0.0), 1.0), (way, 256), 0..8, mean_y);
+            let passed = Measured::new(&slab(medium, 1.0), (way, 256), 0..8, mean_y);
+            let ratio = Measured::combine(&[&passed, &clear], |y| y[0] / y[1]);
+            let (mean, error, truth) = (ratio.mean(0), ratio.error(0), (-depth).exp());
+            println!("tracked, optical depth {depth:e}, {way:?}: {mean:.6} ± {error:.6} of {truth:.6}");
+            assert!(error < 5e-3 * truth, "too noisy to tell");
+            assert!((mean - truth).abs() < (4.0 * error).max(1e-7), "optical depth {depth}: {mean}");
+        }
+    }
+}
+
+#[test]
+fn daylight_through_water_has_the_golden_colour() {
+    let xyz = |medium: Value, thickness: f64| {
+        let picture = render(&slab(medium, thickness), Integrator::Photon, 64).picture;
+        [0, 1, 2].map(|c| picture.xyz.iter().map(|xyz| xyz[c]).sum::<f64>() / picture.xyz.len() as f64)
+    };
+    for row in golden("media.json")["water_beam"].as_array().expect("rows") {
+        let path = row["path_m"].as_f64().expect("a length");
+        let found = xyz(absorbing("water/absorption"), path);
+        for (c, found) in found.into_iter().enumerate() {
+            let truth = row["XYZ"][c].as_f64().expect("a number");
+            println!("D65 through {path} m of water, {}: {:+.4} %", ["X", "Y", "Z"][c], 100.0 * (found / truth - 1.0));
+            assert!((found / truth - 1.0).abs() < 5e-3, "{path} m: {found} for {truth}");
+        }
+    }
+}
+
+/// A ball of fog that absorbs nothing, of this optical depth from side to side.
+fn white_ball(depth: f64, g: f64) -> Value {
+    json!({
+        "camera": { "from": [0, 0, 5], "at": [0, 0, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 16 } } },
+        "film": { "width": 8, "height": 8 },
+        "media": { "white": { "homogeneous": { "absorption": 0, "scattering": 0.5 * depth,
+                                               "phase": { "henyey_greenstein": { "g": g } } } } },
+        "materials": { "white": { "boundary": { "medium": "white" } } },
+        "objects": [{ "shape": { "sphere": { "radius": 1 } }, "material": "white" }],
+        "lights": surroundings(), "render": { "photons": 10000, "radius": 0.15 }
+    })
+}
+
+fn furnaces(depth: f64, way: (Integrator, u64)) {
+    for g in [0.0, 0.8] {
+        furnace::check(&format!("fog, g = {g}, optical depth {depth}"), &white_ball(depth, g), way);
+    }
+}
+
+#[test]
+fn thin_white_fog_in_uniform_surroundings() {
+    furnaces(0.1, (Integrator::Photon, 64));
+    furnaces(0.1, (Integrator::Path, 32));
+}
+
+#[test]
+fn white_fog_in_uniform_surroundings() {
+    furnaces(2.0, (Integrator::Path, 128));
+}
+
+#[test]
+fn dense_white_fog_in_uniform_surroundings() {
+    furnaces(20.0, (Integrator::Path, 400));
+}
+
+#[test]
+#[ignore = "slow: a minute of CPU time; photons of the second and later scatterings are few"]
+fn white_fog_in_uniform_surroundings_by_photons() {
+    furnace::check("fog, g = 0, optical depth 2", &white_ball(2.0, 0.0), (Integrator::Photon, 640));
+}
+
+#[test]
+fn the_ledger_of_fog_balances() {
+    for (depth, g, absorption) in [(0.1, 0.8, 0.0), (2.0, 0.0, 0.5), (20.0, 0.8, 0.5)] {
+        let mut scene = white_ball(depth, g);
+        let coefficients = &mut scene["media"]["white"]["homogeneous"];
+        coefficients["absorption"] =
+            json!({ "table": { "nm": [360, 830], "values": [4.0 * absorption, 0.04 * absorption] } });
+        let runs = Measured::new(&scene, (Integrator::Photon, 1), 0..16, |rendered| {
+            let ledger = &rendered.stats.ledger_w;
+            assert!(ledger.balance.abs() < 1e-9, "out of balance by {}", ledger.balance);
+            vec![ledger.sampling / ledger.emitted]
+        });
+        println!("ledger, optical depth {depth}: sampling {:+.2e} ± {:.1e}", runs.mean(0), runs.error(0));
+        assert!(runs.mean(0).abs() <= (4.0 * runs.error(0)).max(1e-12), "sampling gains or loses");
+    }
+}
