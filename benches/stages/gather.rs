@@ -76,6 +76,7 @@ fn gatherer<'a>(prepared: &'a Prepared, (maps, outlines): (&'a Maps, &'a Outline
         glass: None,
         outlines,
         scales: Scales::of_pass(0),
+        radius_m: None,
         max_depth: 64,
     }
 }
