@@ -166,7 +166,7 @@ fn bad_media_are_answered_with_what_is_wrong() {
     let no_end = homogeneous(r#", "emission": {"spectrum": 1, "power": 1}"#);
     // The medium, the files that it reads, and a part of the message.
     type Wrong<'a> = (&'a str, &'a [(&'a str, &'a [u8])], &'a str);
-    let wrong: [Wrong<'_>; 14] = [
+    let wrong: [Wrong<'_>; 13] = [
         (coefficient, &[("a.csv", b"400,1\n500,-2\n")], "media.it.homogeneous.absorption: the negative value -2"),
         (coefficient, &[("a.csv", b"400,1\n500,nan\n")], "media.it.homogeneous.absorption: the value NaN"),
         (&phase(r#"{"henyey_greenstein": {"g": 1}}"#), &[], "found 1; expected a number from -0.999999 to 0.999999"),
@@ -188,7 +188,6 @@ fn bad_media_are_answered_with_what_is_wrong() {
         (&grid(r#"{"values": [1, 2, 3], "resolution": [2, 1, 1]}"#), &[], "found an array of 3"),
         (&grid(r#"{"values": [1e300], "resolution": [1, 1, 1]}"#), &[], "in cell (0, 0, 0)"),
         (&cold, &[], "media.it.homogeneous.emission: found no light within 360–830 nm"),
-        (&homogeneous(r#", "motion": [{"time": 0, "transform": []}]"#), &[], "motion of media is not supported yet"),
     ];
     for (medium, files, words) in wrong {
         let message = Case { medium, files, ..Case::default() }.message();
@@ -213,4 +212,57 @@ fn what_cannot_bound_a_medium_is_answered_with_what_is_wrong() {
         let message = case.message();
         assert!(message.contains(words), "{message}");
     }
+}
+
+/// A scene with a box of smoke, 1 m wide, that stands in the air; `more` goes into the grid.
+fn smoke(more: &str) -> Scene {
+    let medium = format!(
+        r#"{{"grid": {{"bounds": [[-0.5, -0.5, -0.5], [0.5, 0.5, 0.5]], "density": {{"constant": 1}}, "absorption": 0,
+            "scattering": 2, "phase": "isotropic"{more}}}}}"#
+    );
+    let text = format!(
+        r#"{{"camera": {{"from": [0, 0, 9], "at": [0, 0, 0], "lens": {{"pinhole": {{"fov": 40}}}}, "shutter": {{"open": 0, "close": 1}}}},
+            "film": {{"width": 8, "height": 8}}, "media": {{"smoke": {medium}}},
+            "materials": {{"air": {{"boundary": {{"medium": "smoke"}}}}}},
+            "objects": [{{"shape": {{"sphere": {{"radius": 5}}}}, "material": "air"}}],
+            "lights": [{{"point": {{"at": [0, 6, 0], "spectrum": "D65", "power": 1}}}}]}}"#
+    );
+    let folder = tempfile::tempdir().expect("a folder of its own");
+    let path = folder.path().join("smoke.json");
+    std::fs::write(&path, text).expect("the scene in it");
+    resolve::load(&path, &[]).expect("a good scene")
+}
+
+#[test]
+fn smoke_that_moves_stands_at_every_moment_where_its_keyframes_say() {
+    let ray = Ray::new(DVec3::new(0.0, 3.0, 0.0), DVec3::NEG_Y);
+    let still = smoke("");
+    assert!(!still.moves());
+    let to = |x: f64| format!(r#"{{"translate": [{x}, 0, 0]}}"#);
+    let moving = smoke(&format!(
+        r#", "motion": [{{"time": 0, "transform": [{}]}}, {{"time": 1, "transform": [{}]}}]"#,
+        to(-2.0),
+        to(2.0)
+    ));
+    assert!(moving.moves());
+    for (time_s, expected) in [(0.0, 0.0), (0.3, 0.0), (0.4, 1.0), (0.5, 1.0), (0.6, 1.0), (0.7, 0.0), (1.0, 0.0)] {
+        let posed = moving.at(time_s).expect("it can be posed");
+        let column = posed.media[0].column_m(&ray, 6.0);
+        assert!((column - expected).abs() < 1e-12, "{time_s} s: {column}");
+    }
+    assert!(moving.image_motion_px() > 3.0, "{}", moving.image_motion_px());
+    let beyond =
+        smoke(r#", "motion": [{"time": 2, "transform": []}, {"time": 3, "transform": [{"translate": [9, 0, 0]}]}]"#);
+    assert!(!beyond.moves(), "its keyframes are beyond the shutter");
+}
+
+#[test]
+fn a_medium_is_dense_where_light_meets_many_particles_in_it() {
+    let thickness = |scattering: &str| {
+        let medium =
+            format!(r#"{{"homogeneous": {{"absorption": 0, "scattering": {scattering}, "phase": "isotropic"}}}}"#);
+        Case { medium: &medium, ..Case::default() }.load().expect("a good scene").media[0].dense
+    };
+    assert!(!thickness("3") && thickness("30"), "a ball of 1 m");
+    assert!(!smoke("").media[0].dense, "2 mean free paths");
 }

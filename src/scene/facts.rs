@@ -120,6 +120,8 @@ impl Facts {
         let moving = scene.motions.shapes.iter().filter(|shape| shape.motion.is_some());
         facts.moving.extend(moving.map(|shape| scene.objects[shape.placed.object as usize].name.clone()));
         facts.moving.extend(scene.moving_lights().map(|light| light.name.clone()));
+        let moving = scene.media.iter().filter(|medium| medium.motion.is_some() && medium.emission.is_none());
+        facts.moving.extend(moving.map(|medium| medium.name.clone()));
         facts.moving.extend(scene.motions.camera.iter().map(|_| "the camera".to_owned()));
         facts.lens_system = scene.camera.system().map(|system| system.name().to_owned());
         facts

@@ -201,7 +201,10 @@ pub struct Motions {
 impl Scene {
     /// Whether anything moves while the shutter is open.
     pub fn moves(&self) -> bool {
-        !self.motions.shapes.is_empty() || self.motions.camera.is_some() || self.moving_lights().next().is_some()
+        !self.motions.shapes.is_empty()
+            || self.motions.camera.is_some()
+            || self.moving_lights().next().is_some()
+            || self.media.iter().any(|medium| medium.motion.is_some())
     }
 
     /// The lights that move by themselves.
@@ -230,6 +233,11 @@ impl Scene {
             posed.radius_m = self.radius_m.max(posed.geometry.radius_m());
         }
         posed.camera = self.camera_at(time_s);
+        for (medium, here) in self.media.iter().zip(&mut posed.media) {
+            if let Some(motion) = &medium.motion {
+                *here = medium.moved(&about(self.centre, since(motion, self.shutter.open_s, time_s)));
+            }
+        }
         for light in &mut posed.lights {
             if let Some(motion) = &light.motion {
                 light.emitter = light.emitter.moved(&about(self.centre, since(motion, self.shutter.open_s, time_s)));
@@ -246,6 +254,7 @@ impl Scene {
     pub fn stop(&mut self) {
         self.motions = Motions::default();
         self.lights.iter_mut().for_each(|light| light.motion = None);
+        self.media.iter_mut().for_each(|medium| medium.motion = None);
     }
 
     /// The camera as it stands at a moment.

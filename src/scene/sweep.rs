@@ -3,6 +3,7 @@
 use super::Scene;
 use super::camera::Camera;
 use super::light::Light;
+use super::medium::{Density, Medium};
 use super::motion::{MovingShape, Pose, about, since};
 use crate::optics::surface::{Class, Surface};
 use glam::{DAffine3, DVec2, DVec3};
@@ -57,7 +58,9 @@ impl Scene {
         let carried =
             |swing: &[DAffine3], place: DVec3| swing.iter().map(|map| map.transform_point3(place)).collect::<Vec<_>>();
         let of_light = swings.iter().flat_map(|swing| places.iter().map(|&place| length(&carried(swing, place))));
-        of_shapes.chain(of_camera).chain(of_light).fold(0.0, f64::max)
+        let of_media =
+            self.media.iter().flat_map(|medium| self.ways_of_medium(medium, &moments)).map(|way| length(&way));
+        of_shapes.chain(of_camera).chain(of_light).chain(of_media).fold(0.0, f64::max)
     }
 
     fn moments(&self) -> Vec<f64> {
@@ -67,6 +70,17 @@ impl Scene {
     /// Where a place of a shape's own frame is at each moment.
     fn way(&self, shape: &MovingShape, place: DVec3, moments: &[f64]) -> Vec<DVec3> {
         moments.iter().map(|&time_s| shape.to_world(time_s).transform_point3(place) - self.centre).collect()
+    }
+
+    /// The ways of the corners of a medium's box, if it moves.
+    fn ways_of_medium(&self, medium: &Medium, moments: &[f64]) -> Vec<Vec<DVec3>> {
+        let (Some(motion), Density::Field(field)) = (&medium.motion, &medium.density) else {
+            return Vec::new();
+        };
+        let at = |time_s: f64| about(self.centre, since(motion, self.shutter.open_s, time_s));
+        let maps: Vec<DAffine3> = moments.iter().map(|&time_s| at(time_s)).collect();
+        let way = |corner| maps.iter().map(|map| map.transform_point3(corner)).collect();
+        field.corners().into_iter().map(way).collect()
     }
 
     /// Places all over the picture, as they are when the shutter opens.

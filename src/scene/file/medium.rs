@@ -262,6 +262,14 @@ pub struct MediumBlackbodyFile {
 }
 
 impl MediumFile {
+    /// Where it stands in the scene, and its keyframes.
+    pub fn way(&self) -> (&TransformFile, &[KeyframeFile]) {
+        match self {
+            Self::Homogeneous(medium) => (&medium.transform, &medium.motion),
+            Self::Grid(medium) => (&medium.transform, &medium.motion),
+        }
+    }
+
     /// Which body rules where several overlap: the higher.
     pub fn priority(&self) -> i32 {
         match self {

@@ -141,8 +141,9 @@ impl Emitter {
             Self::Beam(light) => Self::Beam(light.moved(map)),
             Self::Directional(light) => Self::Directional(light.moved(map)),
             Self::Environment(light) => Self::Environment(light.turned(Pose::of(map).rotation)),
-            // Their bodies move; the resolver refuses bodies of glowing media that do.
-            Self::Area(_) | Self::Volume(_) => self.clone(),
+            // Its surface moves by itself.
+            Self::Area(_) => self.clone(),
+            Self::Volume(light) => Self::Volume(Box::new(light.moved(map))),
         }
     }
 }

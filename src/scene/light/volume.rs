@@ -8,6 +8,7 @@ use crate::math::distribution::Discrete;
 use crate::math::warp;
 use crate::scene::geometry::{Geometry, Ray};
 use crate::scene::medium::Medium;
+use crate::scene::motion::Motion;
 use crate::spectrum::Spectrum;
 use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
@@ -35,6 +36,16 @@ const PROBES: usize = 4;
 const DEFENSIVE_SHARE: f64 = 0.05;
 
 impl Volume {
+    /// The light after a map of the scene's places; only boxes of their own move.
+    pub(super) fn moved(&self, map: &DAffine3) -> Self {
+        Self { medium: self.medium.moved(map), from_unit: *map * self.from_unit, ..self.clone() }
+    }
+
+    /// How its medium moves, if it does.
+    pub fn motion(&self) -> Option<&Motion> {
+        self.medium.motion.as_ref()
+    }
+
     /// The name of its medium.
     pub fn medium_name(&self) -> &String {
         &self.medium.name

@@ -2,7 +2,7 @@
 
 use super::field::Field;
 use crate::spectrum::{Spectrum, planck};
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
 /// The emission of a medium, per metre of way and at density 1.
@@ -58,6 +58,18 @@ impl Glow {
         };
         let log_band = (0..=STEPS).map(band).collect();
         Self::Thermal(Box::new(Thermal { temperature, absorption, log_band, inverse: (first, step) }))
+    }
+
+    /// The emission after a map of the scene's places.
+    #[must_use]
+    pub fn moved(&self, map: &DAffine3) -> Self {
+        match self {
+            Self::Same { .. } => self.clone(),
+            Self::Thermal(thermal) => {
+                let temperature = Arc::new(thermal.temperature.moved(map));
+                Self::Thermal(Box::new(Thermal { temperature, ..(**thermal).clone() }))
+            }
+        }
     }
 
     /// W/m³/sr/nm at density 1.

@@ -12,10 +12,11 @@ mod glow;
 pub use glow::Glow;
 
 use super::geometry::Ray;
+use super::motion::Motion;
 use crate::optics::phase::Phase;
 use crate::spectrum::Spectrum;
 use field::Field;
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
 /// A medium, placed in the scene. Coefficients are in 1/m at density 1.
@@ -43,6 +44,8 @@ pub struct Medium {
     pub transmittance: Transmittance,
     /// The light that it emits by itself.
     pub emission: Option<Glow>,
+    /// How it moves while the shutter is open, if it does.
+    pub motion: Option<Motion>,
 }
 
 /// Density (relative, without unit) as a function of place.
@@ -87,7 +90,29 @@ impl Medium {
             transmittance,
             dense: false,
             emission: None,
+            motion: None,
         }
+    }
+
+    /// The medium after a map of the scene's places.
+    #[must_use]
+    pub fn moved(&self, map: &DAffine3) -> Self {
+        let density = match &self.density {
+            Density::Uniform => Density::Uniform,
+            Density::Field(field) => Density::Field(Arc::new(field.moved(map))),
+        };
+        Self { density, emission: self.emission.as_ref().map(|glow| glow.moved(map)), ..self.clone() }
+    }
+
+    /// Whether green light that crosses a body of it, `across_m` thin, meets more than a few particles; a medium of a box of its own is judged by that box.
+    pub fn is_dense_across(&self, across_m: f64) -> bool {
+        /// Mean free paths.
+        const DENSE: f64 = 4.0;
+        let column_m = match &self.density {
+            Density::Uniform => across_m,
+            Density::Field(field) => field.least_column_m(),
+        };
+        self.optical_depth(550.0, column_m) > DENSE
     }
 
     /// Whether it scatters at any wavelength.

@@ -112,7 +112,9 @@ impl Resolver<'_> {
             }
             for (name, volume) in volumes {
                 let shape = Shape::new(volume.spectrum());
-                lights.push(self.at(&at, finish(name, Emitter::Volume(Box::new(volume)), &shape, observer))?);
+                let motion = volume.motion().cloned();
+                let light = self.at(&at, finish(name, Emitter::Volume(Box::new(volume)), &shape, observer))?;
+                lights.push(Light { motion, ..light });
             }
         }
         Ok(lights)

@@ -1,18 +1,21 @@
 //! Media as written → media as meant.
 
+use super::Resolver;
 use super::materials::index_of;
+use super::motion::Way;
+use super::objects::Things;
 use super::spectra::Role;
-use super::{Resolver, unsupported};
 use crate::error::{Error, Result};
 use crate::optics::glass::Index;
 use crate::optics::phase::mie::Spheres;
 use crate::optics::phase::{self, Phase, PhaseTable};
 use crate::scene::file::{
-    ExponentialFieldFile, FieldFile, GridFile, HomogeneousFile, JsonPath, KeyframeFile, MediumFile, NoiseFieldFile,
-    PhaseFile, PlanetFile, SpectrumFile, SphereFieldFile, TransformFile, TransmittanceFile,
+    ExponentialFieldFile, FieldFile, GridFile, HomogeneousFile, JsonPath, MediumFile, NoiseFieldFile, PhaseFile,
+    PlanetFile, SpectrumFile, SphereFieldFile, TransmittanceFile,
 };
 use crate::scene::medium::field::{Atmosphere, Ball, Field, Grid, Ground, Noise, Planet, Shape};
 use crate::scene::medium::{Density, Medium, Transmittance, volume_file};
+use crate::scene::motion::MovingShape;
 use crate::spectrum::Spectrum;
 use glam::{DAffine3, DVec3};
 use std::path::Path;
@@ -67,9 +70,8 @@ impl Resolver<'_> {
         name: &str,
         notes: &mut Vec<String>,
     ) -> Result<Medium> {
-        // Where a medium stands that is the same everywhere makes no difference.
-        let HomogeneousFile { absorption, scattering, phase, emission, priority: _, transform: _, motion } = file;
-        self.refuse_motion(at, motion)?;
+        // Where a medium stands that is the same everywhere makes no difference, nor does how it moves.
+        let HomogeneousFile { absorption, scattering, phase, emission, priority: _, transform: _, motion: _ } = file;
         let coefficients = self.coefficients(at, absorption, scattering)?;
         let glow = |file| self.glow(&at.key("emission"), file, &coefficients.0, None);
         let emission = emission.as_ref().map(glow).transpose()?;
@@ -86,10 +88,10 @@ impl Resolver<'_> {
     ) -> Result<Medium> {
         let GridFile { bounds, density, absorption, scattering, phase, emission, temperature, .. } = file;
         let GridFile { transmittance, priority: _, transform, motion, .. } = file;
-        self.refuse_motion(at, motion)?;
+        let Way { placing, motion } = self.way(transform, motion);
         let coefficients = self.coefficients(at, absorption, scattering)?;
         let phase = self.phase(&at.key("phase"), phase, notes)?;
-        let place = self.place(*bounds, transform, centre);
+        let place = self.place(*bounds, placing, centre);
         let field = |key: &str, file| self.field(&at.key(key), file, &place).map(Arc::new);
         let density = Density::Field(field("density", density)?);
         let temperature = temperature.as_ref().map(|file| field("temperature", file)).transpose()?;
@@ -102,11 +104,20 @@ impl Resolver<'_> {
                 Transmittance::March { steps: self.scene.render.march_steps.unwrap_or(DEFAULT_MARCH_STEPS) }
             }
         };
-        Ok(Medium { transmittance, emission, ..Medium::new(name.to_owned(), coefficients, phase, density) })
+        Ok(Medium { transmittance, emission, motion, ..Medium::new(name.to_owned(), coefficients, phase, density) })
     }
 
-    fn refuse_motion(&self, at: &JsonPath<'_>, motion: &[KeyframeFile]) -> Result<()> {
-        if motion.is_empty() { Ok(()) } else { self.at(&at.key("motion"), Err(unsupported("motion of media is"))) }
+    /// Finds the media that are dense in any of the bodies that they fill.
+    pub(super) fn find_dense(&self, media: &mut [Medium], things: &Things<'_>) {
+        for MovingShape { placed, .. } in &things.shapes {
+            let material = &things.materials[things.objects[placed.object as usize].material];
+            let medium = material.body.as_ref().and_then(|body| body.medium);
+            if let Some((number, (low, high))) = medium.zip(placed.shape.bounds()) {
+                let axes = placed.to_world.matrix3;
+                let sides = (high - low) * DVec3::new(axes.x_axis.length(), axes.y_axis.length(), axes.z_axis.length());
+                media[number].dense |= media[number].is_dense_across(sides.min_element());
+            }
+        }
     }
 
     /// Absorption and scattering in 1/m.
@@ -123,10 +134,10 @@ impl Resolver<'_> {
     }
 
     /// Where a grid's box stands.
-    fn place(&self, bounds: [[f64; 3]; 2], transform: &TransformFile, centre: DVec3) -> Place {
+    fn place(&self, bounds: [[f64; 3]; 2], placing: DAffine3, centre: DVec3) -> Place {
         let metres = DAffine3::from_scale(DVec3::splat(self.metres));
         let to_file = metres.inverse() * DAffine3::from_translation(centre);
-        let to_local = metres * transform.to_affine().inverse() * to_file;
+        let to_local = metres * placing.inverse() * to_file;
         let [low, high] = bounds.map(|corner| DVec3::from(corner) * self.metres);
         Place { bounds: (low, high), to_local }
     }

@@ -117,6 +117,7 @@ impl Resolver<'_> {
             let things_reach = reach(&geometry, &camera, &lights).max(media[number].reach_m());
             radius_m = things.add_atmosphere((name, number), (centre, things_reach));
         }
+        self.find_dense(&mut media, &things);
         let boundaries = self.at(&root.key("objects"), Geometry::build(of_kind(&things, true), centre))?;
         if atmosphere.is_none() && !boundaries.is_empty() {
             radius_m = radius_m.max(boundaries.radius_m());

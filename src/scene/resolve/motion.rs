@@ -2,7 +2,7 @@
 
 use super::Resolver;
 use crate::scene::camera::Shutter;
-use crate::scene::file::{CameraFile, KeyframeFile, LightFile, ShutterFile, TransformFile};
+use crate::scene::file::{CameraFile, KeyframeFile, LightFile, MediumFile, ShutterFile, TransformFile};
 use crate::scene::motion::{CameraMotion, Motion, MovingShape, Stand};
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
@@ -60,7 +60,9 @@ impl Resolver<'_> {
         let Shutter { open_s, close_s, .. } = self.shutter;
         let objects = self.scene.objects.iter().map(|object| (&object.transform, object.motion.as_slice()));
         let lights = self.scene.lights.iter().map(LightFile::way);
-        let ways: Vec<Motion> = objects.chain(lights).filter_map(|(transform, keys)| motion(transform, keys)).collect();
+        let media = self.scene.media.values().map(MediumFile::way);
+        let ways: Vec<Motion> =
+            objects.chain(lights).chain(media).filter_map(|(transform, keys)| motion(transform, keys)).collect();
         let camera = self.scene.camera.way();
         let any = !ways.is_empty() || camera.is_some();
         let moves = ways.iter().any(|way| way.moves(open_s, close_s))

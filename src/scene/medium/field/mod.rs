@@ -87,11 +87,34 @@ impl Field {
         self.to_local.inverse() * DAffine3::from_translation(low) * DAffine3::from_scale(high - low)
     }
 
-    /// The distance of the box's farthest corner from the scene's centre, in m.
-    pub fn reach_m(&self) -> f64 {
+    /// The field after a map of the scene's places.
+    #[must_use]
+    pub fn moved(&self, map: &DAffine3) -> Self {
+        Self { to_local: self.to_local * map.inverse(), ..self.clone() }
+    }
+
+    /// The box's corners in the scene.
+    pub fn corners(&self) -> [DVec3; 8] {
         let from_unit = self.from_unit();
         let corner = |i: usize| DVec3::from_array(std::array::from_fn(|axis| (i >> axis & 1) as f64));
-        (0..8).map(|i| from_unit.transform_point3(corner(i)).length()).fold(0.0, f64::max)
+        std::array::from_fn(|i| from_unit.transform_point3(corner(i)))
+    }
+
+    /// The least of the integrals along the three lines through the box's middle that join opposite faces' middles, in m.
+    pub fn least_column_m(&self) -> f64 {
+        let corners = self.corners();
+        let middle = 0.5 * (corners[0] + corners[7]);
+        let across = [1, 2, 4].map(|corner| {
+            let side = corners[corner] - corners[0];
+            let ray = Ray::new(middle - 0.5 * side, side.normalize_or_zero());
+            self.column_m(&ray, side.length())
+        });
+        across.into_iter().fold(f64::INFINITY, f64::min)
+    }
+
+    /// The distance of the box's farthest corner from the scene's centre, in m.
+    pub fn reach_m(&self) -> f64 {
+        self.corners().map(DVec3::length).into_iter().fold(0.0, f64::max)
     }
 
     /// The value at a point of the scene.
