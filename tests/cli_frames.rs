@@ -8,7 +8,7 @@ mod folder;
 
 use abbe::output::exr;
 use cli_common::{Said, abbe};
-use folder::names_in;
+use folder::{names_in, with_ball};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -29,9 +29,7 @@ const SCENE: &str = r#"{
 
 /// A folder with `ball.json`.
 fn scene() -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("ball.json"), SCENE).unwrap();
-    folder
+    with_ball(SCENE)
 }
 
 fn render(folder: &Path, more: &[&str]) -> Said {

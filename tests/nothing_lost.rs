@@ -8,7 +8,7 @@ mod folder;
 
 use abbe::output::exr;
 use cli_common::{Said, abbe, command};
-use folder::names_in;
+use folder::{names_in, with_ball};
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Child, Stdio};
@@ -30,8 +30,7 @@ const SCENE: &str = r#"{
 
 /// A folder with `ball.json` and its picture of a single run, `whole.exr` and `whole.png`.
 fn scene() -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("ball.json"), SCENE).unwrap();
+    let folder = with_ball(SCENE);
     done(&render(folder.path(), &["-o", "whole.exr", "--stats", "whole.json"]));
     folder
 }

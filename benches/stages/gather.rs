@@ -46,7 +46,7 @@ pub(crate) fn benches(c: &mut Criterion) {
     }
     let prepared = Prepared::new("s3_box.json");
     let scene = load("s3_box.json", &[]);
-    let direct = Direct::new(&scene, &prepared.choice.lights);
+    let direct = Direct::new(&scene, &prepared.choice.lights, prepared.plan.between);
     let (wavelengths, between) = (&prepared.choice.wavelengths, prepared.plan.between);
     let tracer = PathTracer { scene: &scene, direct, wavelengths, max_depth: 64, between };
     let pixels: Vec<u64> = (0..scene.camera.pixel_count() as u64).step_by(STEP).collect();
@@ -68,7 +68,7 @@ fn gatherer<'a>(prepared: &'a Prepared, (maps, outlines): (&'a Maps, &'a Outline
     Gatherer {
         scene: &prepared.scene,
         plan: &prepared.plan,
-        direct: Direct::new(&prepared.scene, &prepared.choice.lights),
+        direct: Direct::new(&prepared.scene, &prepared.choice.lights, prepared.plan.between),
         free: maps,
         shared: maps,
         shared_nm: wavelengths,

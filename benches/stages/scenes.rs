@@ -46,7 +46,7 @@ impl Prepared {
             seed: 1,
             purpose: Purpose::FreePhoton,
             pass: 0,
-            volumes: false,
+            between: self.plan.between,
         };
         let mut ledger = Ledger::new(self.scene.materials.len());
         let points = emitters.points();

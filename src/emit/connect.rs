@@ -3,6 +3,7 @@
 use super::photon::Arrival;
 use crate::math::random::hash64;
 use crate::optics::surface::Transport;
+use crate::plan::BetweenPlan;
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Lanes};
 use crate::walk::{passages, passes};
@@ -17,7 +18,7 @@ pub struct Splat {
 }
 
 /// Connects the photon's hit to the camera through the place of the aperture that `lens` draws; `None` if the camera does not see it.
-pub fn connect(scene: &Scene, arrival: &Arrival<'_>, lens: [f64; 2]) -> Option<Splat> {
+pub fn connect(scene: &Scene, between: BetweenPlan, arrival: &Arrival<'_>, lens: [f64; 2]) -> Option<Splat> {
     let encounter = arrival.encounter;
     let sighting = scene.camera.sight(encounter.hit.position, lens)?;
     let to_camera = encounter.frame.to_local(sighting.direction);
@@ -35,9 +36,10 @@ pub fn connect(scene: &Scene, arrival: &Arrival<'_>, lens: [f64; 2]) -> Option<S
     if !(any && encounter.sees(scene, sighting.direction, sighting.distance, None)) {
         return None;
     }
-    let start = encounter.leave(sighting.direction, encounter.interior_towards(sighting.direction));
-    let through = passages(scene, start, sighting.distance, hash64([u64::from(sighting.pixel), lens[0].to_bits()]));
-    if !through.is_empty() {
+    if !between.is_clear() {
+        let start = encounter.leave(sighting.direction, encounter.interior_towards(sighting.direction));
+        let seed = hash64([u64::from(sighting.pixel), lens[0].to_bits()]);
+        let through = passages(scene, start, sighting.distance, seed);
         let active = arrival.wavelengths.active().iter().zip(&mut radiance);
         active.for_each(|(&nm, radiance)| *radiance *= passes(&through, nm));
     }

@@ -110,6 +110,14 @@ impl Flight {
             .unwrap_or_else(|| (0..=last).rev().find(|&k| shares[k] > 0.0).unwrap_or(last))
     }
 
+    /// The balance heuristic: each wavelength's own density of what was drawn over the mean of all, any of which could have drawn it.
+    fn weigh(&mut self, shares: &Lanes, density: &Lanes) {
+        let mean: f64 = shares.iter().zip(density).map(|(share, density)| share * density).sum();
+        for k in 0..LANES {
+            self.power[k] *= if shares[k] > 0.0 && mean > 0.0 { density[k] / mean } else { 0.0 };
+        }
+    }
+
     /// Goes along a stretch. Where it meets a particle of the medium before the stretch's end, its distance in m comes back, and the photon's power is that which arrives there.
     fn cross<R: Receiver>(
         &mut self,
@@ -148,9 +156,7 @@ impl Flight {
     ) -> Option<f64> {
         let before = self.total_w();
         let shares = self.shares();
-        let mut sigma_t = [0.0; LANES];
-        let active = self.wavelengths.active().iter().zip(&mut sigma_t);
-        active.for_each(|(&nm, sigma)| *sigma = medium.extinction.at(nm));
+        let sigma_t = self.wavelengths.each(|nm| medium.extinction.at(nm));
         let sigma_hero = sigma_t[self.hero(&shares, stream.uniform())];
         let column = -(-stream.uniform()).ln_1p() / sigma_hero;
         let collision =
@@ -163,10 +169,7 @@ impl Flight {
             let passes = (least - depth(sigma)).exp();
             if collision.is_some() { sigma * passes } else { passes }
         });
-        let mean: f64 = (0..LANES).map(|k| shares[k] * density[k]).sum();
-        for k in 0..LANES {
-            self.power[k] *= if shares[k] > 0.0 && mean > 0.0 { density[k] / mean } else { 0.0 };
-        }
+        self.weigh(&shares, &density);
         ledger.sampling += self.total_w() - before;
         collision
     }
@@ -214,12 +217,8 @@ impl Flight {
         let direction = medium.phase.sample(incoming, self.wavelengths.nm[hero], stream.pair());
         if self.wavelengths.count > 1 {
             let cosine = incoming.dot(direction);
-            let mut density = [0.0; LANES];
-            let active = self.wavelengths.active().iter().zip(&mut density);
-            active.for_each(|(&nm, density)| *density = medium.phase.at(cosine, nm));
-            let mean: f64 = (0..LANES).map(|k| shares[k] * density[k]).sum();
-            let weigh = |density: f64| if mean > 0.0 { density / mean } else { 0.0 };
-            self.power.iter_mut().zip(density).for_each(|(power, density)| *power *= weigh(density));
+            let density = self.wavelengths.each(|nm| medium.phase.at(cosine, nm));
+            self.weigh(&shares, &density);
         }
         direction
     }

@@ -6,6 +6,7 @@ use crate::math::distribution::Discrete;
 use crate::math::random::{Purpose, Stream, hash64};
 use crate::math::sobol::Sobol;
 use crate::optics::surface::{Class, Transport};
+use crate::plan::BetweenPlan;
 use crate::plan::partition::LightPath;
 use crate::scene::Scene;
 use crate::scene::geometry::Ray;
@@ -50,8 +51,8 @@ pub struct Emitters<'a> {
     pub purpose: Purpose,
     /// The pass.
     pub pass: u64,
-    /// Whether anything absorbs or scatters between surfaces.
-    pub volumes: bool,
+    /// What happens between surfaces.
+    pub between: BetweenPlan,
 }
 
 /// A photon where it meets a surface.
@@ -194,7 +195,7 @@ fn fly<'a, R: Receiver>(
     (stream, receiver): (&mut Stream, &mut R),
     ledger: &mut Ledger,
 ) -> Option<Encounter<'a>> {
-    if emitters.volumes {
+    if !emitters.between.is_clear() {
         return drift(emitters.scene, flight, (stream, receiver), ledger);
     }
     let encounter = next(emitters.scene, flight.start, &mut stream.uniform());

@@ -1,7 +1,7 @@
 //! A camera path under way: where it is, what it lets through, and how it goes on at a scattering event.
 
 use super::direct::Counts;
-use super::landing::{Landing, Leg};
+use super::landing::{Landing, Sightline};
 use super::throughput::{Colour, Factor};
 use crate::optics::surface::Scatter;
 use crate::plan::partition::View;
@@ -20,7 +20,7 @@ pub struct Scratch<'a> {
     /// Where paths came to rest in the last call.
     pub landings: Vec<Landing>,
     /// Which ways through media they looked along in the last call.
-    pub legs: Vec<Leg>,
+    pub sightlines: Vec<Sightline>,
 }
 
 /// A camera path under way.

@@ -4,6 +4,7 @@
 use crate::math::distribution::Discrete;
 use crate::math::random::hash64;
 use crate::optics::surface::Transport;
+use crate::plan::BetweenPlan;
 use crate::scene::Scene;
 use crate::scene::geometry::{Hit, Ray};
 use crate::scene::light::{Light, Tint};
@@ -101,21 +102,14 @@ pub(super) enum Counts {
 }
 
 impl<'a> Direct<'a> {
-    /// The lamps of a scene, and how one of many is drawn.
-    pub fn new(scene: &'a Scene, choice: &'a Discrete) -> Self {
-        let weakens = scene.materials.iter().filter_map(|material| material.body.as_ref());
-        let mut weakens = weakens.map(|body| body.medium.is_some() || body.absorption.is_some());
-        let weakening = if weakens.any(|weakens| weakens) { Weakening::AsStated } else { Weakening::Absent };
-        Self { scene, choice, weakening }
+    /// The lamps of a scene, how one of many is drawn, and what stands between them and what they light.
+    pub fn new(scene: &'a Scene, choice: &'a Discrete, between: BetweenPlan) -> Self {
+        Self { scene, choice, weakening: if between.is_clear() { Weakening::Absent } else { Weakening::AsStated } }
     }
 
     /// The same for the reference path tracer, which tracks its way through all media.
-    pub fn tracked(scene: &'a Scene, choice: &'a Discrete) -> Self {
-        let direct = Self::new(scene, choice);
-        match direct.weakening {
-            Weakening::Absent => direct,
-            Weakening::AsStated | Weakening::Tracked => Self { weakening: Weakening::Tracked, ..direct },
-        }
+    pub fn tracked(scene: &'a Scene, choice: &'a Discrete, between: BetweenPlan) -> Self {
+        Self { scene, choice, weakening: if between.is_clear() { Weakening::Absent } else { Weakening::Tracked } }
     }
 
     /// What passes on a free way of this length; `u` seeds what is random about it.

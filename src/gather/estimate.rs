@@ -2,7 +2,8 @@
 
 use super::photon_gather::Gatherer;
 use super::throughput::{Colour, Factor, product};
-use crate::map::{PhotonIndex, VolumeMaps, kernel};
+use crate::map::kernel::{self, Kernels};
+use crate::map::{Load, PhotonIndex, VolumeMaps};
 use crate::optics::surface::{Surface, Transport};
 use crate::walk::{Encounter, Sink};
 use glam::DVec3;
@@ -99,21 +100,31 @@ impl Gatherer<'_> {
             let sides = encounter.sides;
             let wi = encounter.frame.to_local(wi);
             let bsdf = |nm: f64| encounter.surface.eval(encounter.wo, wi, sides, Transport::Radiance, nm) * correction;
-            match colour {
-                Colour::Free => {
-                    for (nm, power) in photon.load.lanes() {
-                        let radiance = bsdf(nm) * product(factors, nm) * power;
-                        sink.density(nm, radiance * kernels.estimate, radiance * kernels.bias());
-                    }
-                }
-                Colour::Shared { lane, nm, throughput } => {
-                    if let Some(power) = photon.load.at_lane(lane) {
-                        let radiance = bsdf(nm) * throughput * power;
-                        sink.density(nm, radiance * kernels.estimate, radiance * kernels.bias());
-                    }
-                }
-            }
+            add_photon(&photon.load, kernels, (colour, factors), sink, bsdf);
         });
+    }
+}
+
+/// Adds what a photon sends back along a camera path; `scattered` is the share of its power at a wavelength that goes that way, per sr.
+pub(super) fn add_photon<S: Sink>(
+    load: &Load,
+    kernels: Kernels,
+    (colour, factors): (Colour, &[Factor<'_>]),
+    sink: &mut S,
+    scattered: impl Fn(f64) -> f64,
+) {
+    let mut add = |nm: f64, radiance: f64| {
+        sink.density(nm, radiance * kernels.estimate, radiance * kernels.bias());
+    };
+    match colour {
+        Colour::Free => {
+            load.lanes().for_each(|(nm, power)| add(nm, scattered(nm) * product(factors, nm) * power));
+        }
+        Colour::Shared { lane, nm, throughput } => {
+            if let Some(power) = load.at_lane(lane) {
+                add(nm, scattered(nm) * throughput * power);
+            }
+        }
     }
 }
 

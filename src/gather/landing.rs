@@ -21,7 +21,7 @@ pub struct Landing {
 
 /// A way through a medium that scatters, along which a camera path looked for photons.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Leg {
+pub struct Sightline {
     /// The way.
     pub ray: Ray,
     /// Its length in m.

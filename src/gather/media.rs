@@ -6,10 +6,10 @@
 use super::camera_path::CameraPath;
 use super::direct::{AskingInside, Counts, LitInside};
 use super::distance;
-use super::estimate::RadiusKind;
-use super::landing::Leg as Seen;
+use super::estimate::{RadiusKind, add_photon};
+use super::landing::Sightline;
 use super::photon_gather::{Gatherer, Sample, each_wavelength};
-use super::throughput::{Colour, Factor, product};
+use super::throughput::{Colour, Factor};
 use crate::map::{Came, Cone, Neighbour, VolumeMap};
 use crate::math::random::hash64;
 use crate::scene::geometry::Ray;
@@ -53,13 +53,8 @@ impl<'a> Gatherer<'a> {
                 self.gather_volume_photons(path, (stretch, number, medium), walked, sample);
             }
         }
-        if let Some(absorption) = stretch.absorption {
-            sample.tally.absorptions += 1;
-            let passage = Passage::Clear { absorption, length_m: stretch.length_m };
-            path.multiply(Factor::Passage(passage), sample.scratch);
-        }
-        if let Some((_, medium)) = stretch.medium {
-            let passage = Passage::new(medium, stretch.ray, stretch.length_m, seed(sample, stretch.ray.origin));
+        sample.tally.absorptions += u64::from(stretch.absorption.is_some());
+        for passage in stretch.passages(stretch.length_m, seed(sample, stretch.ray.origin)) {
             path.multiply(Factor::Passage(passage), sample.scratch);
         }
     }
@@ -80,7 +75,7 @@ impl<'a> Gatherer<'a> {
         for i in 0..PLACES {
             let t = from + (f64::from(i) + shift) * step;
             let place = stretch.ray.at(t);
-            let here = self.passages_to(t, stretch, medium, seed(sample, stretch.ray.origin));
+            let here = stretch.passages(t, seed(sample, stretch.ray.origin));
             let (scratch, sink) = (&sample.scratch, &mut *sample.sink);
             each_wavelength(path.colour, &scratch.factors, light, sample.numbers.wavelength, |nm, share| {
                 sink.radiance(nm, share * medium.emission_per_m(place, nm) * passes(&here, nm) * step);
@@ -106,7 +101,7 @@ impl<'a> Gatherer<'a> {
             let place = reach.and_then(|reach| distance::draw(medium, &stretch.ray, &reach, draws));
             let Some(place) = place else { return };
             let density = medium.density_at(stretch.ray.at(place.t));
-            let here = self.passages_to(place.t, stretch, medium, seed(sample, stretch.ray.origin));
+            let here = stretch.passages(place.t, seed(sample, stretch.ray.origin));
             let ray = Ray { origin: stretch.ray.at(place.t), direction: stretch.ray.direction };
             let start = Start { ray, from: None, interior: stretch.interior };
             let asking = AskingInside { start, medium, scattered_nm: None, u };
@@ -124,13 +119,6 @@ impl<'a> Gatherer<'a> {
         });
     }
 
-    /// What passes the stretch's first `t` metres.
-    fn passages_to(&self, t: f64, stretch: &Stretch<'a>, medium: &'a Medium, seed: u64) -> [Passage<'a>; 2] {
-        let length_m = if stretch.absorption.is_some() { t } else { 0.0 };
-        let absorption = stretch.absorption.unwrap_or(&medium.absorption);
-        [Passage::Clear { absorption, length_m }, Passage::new(medium, stretch.ray, t, seed)]
-    }
-
     /// Light that photons brought.
     fn gather_volume_photons<S: Sink>(
         &self,
@@ -144,14 +132,18 @@ impl<'a> Gatherer<'a> {
             Colour::Shared { .. } => (self.shared, [RadiusKind::SharedVolumeCaustic, RadiusKind::SharedVolumeIndirect]),
         };
         let shared = matches!(path.colour, Colour::Shared { .. });
-        sample.scratch.legs.push(Seen { ray: stretch.ray, length_m: stretch.length_m, behind_m: walked, shared });
+        sample.scratch.sightlines.push(Sightline {
+            ray: stretch.ray,
+            length_m: stretch.length_m,
+            behind_m: walked,
+            shared,
+        });
         for (maps, kind) in [&maps.volume_caustic, &maps.volume_indirect].into_iter().zip(kinds) {
             let slope = f64::from(sample.radii[kind as usize]);
             for (map, scale) in [(&maps.points, self.scales.points), (&maps.beams, self.scales.beams)] {
                 if map.is_empty() {
                     continue;
                 }
-                sample.tally.volume_queries += 1;
                 let (ray, length_m) = (stretch.ray, stretch.length_m);
                 let cone = match self.radius_m {
                     Some(radius) => Cone { ray, length_m, radius_m: radius * scale, slope: 0.0 },
@@ -176,7 +168,7 @@ impl<'a> Gatherer<'a> {
             if found.medium != number {
                 return;
             }
-            let here = self.passages_to(found.t, stretch, medium, seed);
+            let here = stretch.passages(found.t, seed);
             let cosine = -found.incoming.dot(stretch.ray.direction);
             // A beam's light has still to come to the crossing, and to be scattered there.
             let came = found.came.map(|Came { start, distance_m }| {
@@ -186,28 +178,11 @@ impl<'a> Gatherer<'a> {
                     medium.density_at(ray.at(distance_m)),
                 )
             });
-            let brought = |nm: f64, power: f64| {
-                let arrived = match &came {
-                    None => power,
-                    Some((passage, density)) => power * passage.at(nm) * medium.scattering.at(nm) * density,
-                };
+            add_photon(found.load, found.kernels, (path.colour, factors), sink, |nm| {
+                let arrived =
+                    came.as_ref().map_or(1.0, |(passage, density)| passage.at(nm) * medium.scattering.at(nm) * density);
                 arrived * medium.phase.at(cosine, nm) * passes(&here, nm)
-            };
-            let kernels = found.kernels;
-            match path.colour {
-                Colour::Free => {
-                    for (nm, power) in found.load.lanes() {
-                        let radiance = brought(nm, power) * product(factors, nm);
-                        sink.density(nm, radiance * kernels.estimate, radiance * kernels.bias());
-                    }
-                }
-                Colour::Shared { lane, nm, throughput } => {
-                    if let Some(power) = found.load.at_lane(lane) {
-                        let radiance = brought(nm, power) * throughput;
-                        sink.density(nm, radiance * kernels.estimate, radiance * kernels.bias());
-                    }
-                }
-            }
+            });
         });
     }
 }

@@ -16,7 +16,7 @@ mod throughput;
 pub use camera_path::Scratch;
 pub use direct::Direct;
 pub use estimate::{Maps, RADIUS_KINDS, Radii, RadiusKind};
-pub use landing::{Landing, Leg};
+pub use landing::{Landing, Sightline};
 pub use outline::{Outline, Outlines};
 pub use path_tracer::PathTracer;
 pub use photon_gather::Gatherer;

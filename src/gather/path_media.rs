@@ -6,8 +6,8 @@ use super::direct::{AskingInside, Counts, LitInside};
 use super::path_tracer::{Path, PathTracer};
 use crate::scene::geometry::Ray;
 use crate::scene::medium::Medium;
-use crate::spectrum::{LANES, Lanes};
-use crate::walk::{Leg, Passage, Sink, Start, Stretch, Tally, passes, travel};
+use crate::spectrum::LANES;
+use crate::walk::{Leg, Sink, Start, Stretch, Tally, passes, travel};
 use std::ops::ControlFlow;
 
 /// Scatterings in media that a path may have between two surfaces.
@@ -82,9 +82,9 @@ impl Path {
         }
         let t = from + numbers.stream.uniform() * (to - from);
         let place = stretch.ray.at(t);
-        let passage = Passage::Tracked { medium, ray: stretch.ray, length_m: t, seed: place.x.to_bits() };
+        let here = stretch.passages_tracked(t, place.x.to_bits());
         for (k, &nm) in self.wavelengths.active().iter().enumerate() {
-            let glow = medium.emission_per_m(place, nm) * passage.at(nm) * (to - from);
+            let glow = medium.emission_per_m(place, nm) * passes(&here, nm) * (to - from);
             sink.radiance(nm, self.throughput[k] * glow);
         }
     }
@@ -117,13 +117,8 @@ impl Path {
         numbers: &mut CameraNumbers,
     ) -> Option<(f64, &'a Medium)> {
         let (mut t, end) = medium.window(&stretch.ray, stretch.length_m)?;
-        let of = |coefficient: fn(&Medium, f64) -> f64| -> Lanes {
-            let mut values = [0.0; LANES];
-            let active = self.wavelengths.active().iter().zip(&mut values);
-            active.for_each(|(&nm, value)| *value = coefficient(medium, nm));
-            values
-        };
-        let (sigma_s, sigma_t) = (of(|m, nm| m.scattering.at(nm)), of(|m, nm| m.extinction.at(nm)));
+        let sigma_s = self.wavelengths.each(|nm| medium.scattering.at(nm));
+        let sigma_t = self.wavelengths.each(|nm| medium.extinction.at(nm));
         let rate = sigma_t.iter().copied().fold(0.0, f64::max) * medium.majorant(&stretch.ray, stretch.length_m);
         if rate <= 0.0 {
             return None;

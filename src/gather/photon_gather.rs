@@ -68,7 +68,7 @@ impl<'a> Gatherer<'a> {
     ) {
         scratch.factors.clear();
         scratch.landings.clear();
-        scratch.legs.clear();
+        scratch.sightlines.clear();
         let camera = &self.scene.camera;
         tally.lens_rays += u64::from(self.plan.aperture.is_finite());
         let path = |ray| CameraPath::new(ray, camera.interior);

@@ -153,6 +153,13 @@ pub enum BetweenPlan {
     Scattering,
 }
 
+impl BetweenPlan {
+    /// Whether light that sets out towards a place it can see arrives there whole.
+    pub fn is_clear(self) -> bool {
+        self == Self::Clear
+    }
+}
+
 /// Light that reaches a camera ray through a medium after it passed glass or was scattered before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VolumePlan {

@@ -1,7 +1,7 @@
 //! How many photons in media are near each pixel's ray: from that the first radii follow, and how many beams are worth keeping.
 
 use super::pass::Emitted;
-use crate::gather::{Leg, Maps, Radii, RadiusKind};
+use crate::gather::{Maps, Radii, RadiusKind, Sightline};
 use crate::map::{Beam, Cone, VolumeMaps};
 use crate::plan::partition::LightPath;
 
@@ -52,14 +52,14 @@ pub(super) struct Crowds {
 }
 
 impl Crowds {
-    /// Counts along the legs of a pixel's paths, in the free and the shared set's maps, each of which holds these shares of its beams. Of several legs the
+    /// Counts along the sightlines of a pixel's paths, in the free and the shared set's maps, each of which holds these shares of its beams. Of several sightlines the
     /// most crowded counts.
-    pub(super) fn along(legs: &[Leg], maps: [(&Maps, BeamShares); 2], pixel_angle: f64) -> Self {
+    pub(super) fn along(sightlines: &[Sightline], maps: [(&Maps, BeamShares); 2], pixel_angle: f64) -> Self {
         let mut crowds = Self::default();
-        for leg in legs {
+        for sightline in sightlines {
             let ((maps, kept), known) =
-                if leg.shared { (maps[1], &mut crowds.shared) } else { (maps[0], &mut crowds.free) };
-            let near = |maps, kept, pixels| Near::to(leg, (maps, kept), pixels * pixel_angle);
+                if sightline.shared { (maps[1], &mut crowds.shared) } else { (maps[0], &mut crowds.free) };
+            let near = |maps, kept, pixels| Near::to(sightline, (maps, kept), pixels * pixel_angle);
             let here = Crowd {
                 caustic: near(&maps.volume_caustic, kept.caustic, LARGEST_CAUSTIC_PIXELS),
                 indirect: near(&maps.volume_indirect, kept.indirect, LARGEST_INDIRECT_PIXELS),
@@ -96,9 +96,9 @@ impl Crowds {
 }
 
 impl Near {
-    /// The photons near the leg, within a cone of this slope; the maps hold the share `kept` of all beams.
-    fn to(leg: &Leg, (maps, kept): (&VolumeMaps, f64), slope: f64) -> Self {
-        let Leg { ray, length_m, behind_m, .. } = *leg;
+    /// The photons near the sightline, within a cone of this slope; the maps hold the share `kept` of all beams.
+    fn to(sightline: &Sightline, (maps, kept): (&VolumeMaps, f64), slope: f64) -> Self {
+        let Sightline { ray, length_m, behind_m, .. } = *sightline;
         let cone = Cone::of_camera(ray, length_m, behind_m, slope);
         let mut here = Self::default();
         maps.points.along(&cone, |_| here.points += 1.0);

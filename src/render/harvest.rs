@@ -102,7 +102,7 @@ impl<'a> Harvest<'a> {
             AperturePlan::Pinhole | AperturePlan::LensSystem(_) => [0.5; 2],
             AperturePlan::ThinLens(_) => stream.pair(),
         };
-        if let Some(splat) = connect(self.scene, arrival, lens) {
+        if let Some(splat) = connect(self.scene, self.plan.between, arrival, lens) {
             self.tally.connections += 1;
             let lanes = arrival.wavelengths.active().iter().copied().zip(splat.radiance);
             self.splats.splat(splat.pixel, lanes);

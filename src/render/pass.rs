@@ -145,7 +145,7 @@ pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) ->
     let gatherer = Gatherer {
         scene: &scene,
         plan: &job.plan,
-        direct: Direct::new(&scene, &job.choice.lights),
+        direct: Direct::new(&scene, &job.choice.lights, job.plan.between),
         free: &free_maps,
         shared: &shared_maps,
         shared_nm: nm,
@@ -189,7 +189,7 @@ pub(super) fn path_pass(job: &Job, pass: u64, run: &mut Run) -> Result<()> {
     let begun = Instant::now();
     let tracer = PathTracer {
         scene: &scene,
-        direct: Direct::tracked(&scene, &job.choice.lights),
+        direct: Direct::tracked(&scene, &job.choice.lights, job.plan.between),
         between: job.plan.between,
         wavelengths: &job.choice.wavelengths,
         max_depth: job.budget.max_depth,

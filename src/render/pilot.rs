@@ -18,7 +18,7 @@ use crate::map::PhotonIndex;
 use crate::map::radius::{self, Scales};
 use crate::math::random::{Purpose, Stream};
 use crate::plan::partition::{LightPath, View};
-use crate::plan::{AimPlan, BetweenPlan, IndirectPlan, MotionPlan, WavelengthPlan};
+use crate::plan::{AimPlan, IndirectPlan, MotionPlan, WavelengthPlan};
 use crate::scene::Scene;
 use crate::scene::sweep::Bounds;
 use crate::sensor::Film;
@@ -108,8 +108,8 @@ impl Pilot {
     ) -> Emitters<'a> {
         let choice = &job.choice.lights;
         let (max_depth, seed) = (job.budget.max_depth, job.budget.seed);
-        let volumes = job.plan.between != BetweenPlan::Clear;
-        Emitters { scene, choice, aims: &self.aims, wavelengths, count, max_depth, seed, purpose, pass, volumes }
+        let between = job.plan.between;
+        Emitters { scene, choice, aims: &self.aims, wavelengths, count, max_depth, seed, purpose, pass, between }
     }
 
     /// Fixes the radii and the shares of the two sets.
@@ -151,7 +151,7 @@ impl Pilot {
         let gatherer = Gatherer {
             scene,
             plan: &job.plan,
-            direct: Direct::new(scene, &job.choice.lights),
+            direct: Direct::new(scene, &job.choice.lights, job.plan.between),
             free: &empty,
             shared: &empty,
             shared_nm: nm,
@@ -207,9 +207,9 @@ impl Pilot {
                     radii[kinds[i] as usize] = first_radius(job, landing, map, largest[i]) as f32;
                 }
             }
-            found.crowds.push(Crowds::along(&scratch.legs, [free, shared], pixel_angle));
-            let shared_legs = scratch.legs.iter().map(|leg| leg.shared);
-            let used = || scratch.landings.iter().map(|landing| landing.shared).chain(shared_legs.clone());
+            found.crowds.push(Crowds::along(&scratch.sightlines, [free, shared], pixel_angle));
+            let shared_sightlines = scratch.sightlines.iter().map(|sightline| sightline.shared);
+            let used = || scratch.landings.iter().map(|landing| landing.shared).chain(shared_sightlines.clone());
             let (shared_here, free_here) = (used().any(|shared| shared), used().any(|shared| !shared));
             found.landings[0] += u64::from(free_here);
             found.landings[1] += u64::from(shared_here);

@@ -62,6 +62,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// The lights at infinity, which rays that leave the scene see.
     pub distant_lights: Vec<usize>,
+    /// The light that each medium is, where it glows.
+    pub medium_lights: Vec<Option<usize>>,
     /// Render settings as far as the scene states them.
     pub settings: Settings,
     /// What a reader should know: residuals of matched lights, clamped indices, open meshes, …
@@ -192,15 +194,22 @@ impl Scene {
         World { geometry: &self.geometry, radius_m: self.radius_m }
     }
 
-    /// Finds the distant lights, and every object's light, again after lights were added or taken out.
+    /// Finds the distant lights, and every object's and medium's light, again after lights were added or taken out.
     pub fn renumber_lights(&mut self) {
         self.objects.iter_mut().for_each(|object| object.light = None);
         self.distant_lights.clear();
+        self.medium_lights = vec![None; self.media.len()];
         for (number, light) in self.lights.iter().enumerate() {
             match &light.emitter {
                 Emitter::Area(area) => self.objects[area.object as usize].light = Some(number),
                 Emitter::Environment(_) | Emitter::Directional(_) => self.distant_lights.push(number),
-                Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Volume(_) => {}
+                Emitter::Volume(volume) => {
+                    let medium = self.media.iter().position(|medium| &medium.name == volume.medium_name());
+                    medium.into_iter().for_each(|medium| {
+                        self.medium_lights[medium].get_or_insert(number);
+                    });
+                }
+                Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) => {}
             }
         }
     }
@@ -217,10 +226,7 @@ impl Scene {
 
     /// The light that a medium is, if it glows.
     pub fn light_of_medium(&self, number: usize) -> Option<&Light> {
-        let name = &self.media[number].name;
-        self.lights
-            .iter()
-            .find(|light| matches!(&light.emitter, Emitter::Volume(volume) if volume.medium_name() == name))
+        self.medium_lights[number].map(|light| &self.lights[light])
     }
 
     /// The bodies on the other side of a face that the ray meets.

@@ -34,6 +34,13 @@ impl Wavelengths {
         self.nm[0]
     }
 
+    /// The values of `f` at the wavelengths in use.
+    pub fn each(&self, mut f: impl FnMut(f64) -> f64) -> Lanes {
+        let mut values = [0.0; LANES];
+        self.active().iter().zip(&mut values).for_each(|(&nm, value)| *value = f(nm));
+        values
+    }
+
     /// The wavelengths in use.
     pub fn active(&self) -> &[f64] {
         &self.nm[..self.count]

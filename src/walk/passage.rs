@@ -75,29 +75,43 @@ pub fn product(passages: &[Passage<'_>], nm: f64) -> f64 {
     passages.iter().map(|passage| passage.at(nm)).product()
 }
 
+impl<'a> Stretch<'a> {
+    /// The passages along its first `length_m`; `seed` is for tracking alone.
+    pub fn passages(&self, length_m: f64, seed: u64) -> Passages<'a> {
+        self.passages_by(length_m, |medium| Passage::new(medium, self.ray, length_m, seed))
+    }
+
+    /// The same by ratio tracking, for the reference path tracer, which trusts no column density.
+    pub fn passages_tracked(&self, length_m: f64, seed: u64) -> Passages<'a> {
+        self.passages_by(length_m, |medium| Passage::Tracked { medium, ray: self.ray, length_m, seed })
+    }
+
+    fn passages_by(&self, length_m: f64, through: impl FnOnce(&'a Medium) -> Passage<'a>) -> Passages<'a> {
+        let clear = self.absorption.map(|absorption| Passage::Clear { absorption, length_m });
+        let filled = self.medium.map(|(_, medium)| through(medium));
+        clear.into_iter().chain(filled).collect()
+    }
+}
+
 /// The passages along the first `length_m` of a ray on which no surface stands.
 pub fn passages<'a>(scene: &'a Scene, start: Start, length_m: f64, seed: u64) -> Passages<'a> {
-    passages_by(scene, start, length_m, |medium, stretch| Passage::new(medium, stretch.ray, stretch.length_m, seed))
+    all_along(scene, start, length_m, |stretch| stretch.passages(stretch.length_m, seed))
 }
 
-/// The same, all by ratio tracking: for the reference path tracer, which trusts no column density.
+/// The same by ratio tracking.
 pub fn passages_tracked<'a>(scene: &'a Scene, start: Start, length_m: f64, seed: u64) -> Passages<'a> {
-    passages_by(scene, start, length_m, |medium, stretch| {
-        let Stretch { ray, length_m, .. } = *stretch;
-        Passage::Tracked { medium, ray, length_m, seed }
-    })
+    all_along(scene, start, length_m, |stretch| stretch.passages_tracked(stretch.length_m, seed))
 }
 
-fn passages_by<'a>(
+fn all_along<'a>(
     scene: &'a Scene,
     start: Start,
     length_m: f64,
-    through: impl Fn(&'a Medium, &Stretch<'a>) -> Passage<'a>,
+    of: impl Fn(&Stretch<'a>) -> Passages<'a>,
 ) -> Passages<'a> {
     let mut passages = Passages::new();
     let mut add = |stretch: &Stretch<'a>| {
-        passages.extend(stretch.absorption.map(|absorption| Passage::Clear { absorption, length_m: stretch.length_m }));
-        passages.extend(stretch.medium.map(|(_, medium)| through(medium, stretch)));
+        passages.extend(of(stretch));
         ControlFlow::Continue(())
     };
     let _end = stretches(scene, start, length_m, &mut add);

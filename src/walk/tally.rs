@@ -36,8 +36,6 @@ pub struct Tally {
     pub volume_points: u64,
     /// Photons kept in media, as beams.
     pub volume_beams: u64,
-    /// Looks along a ray for photons in media.
-    pub volume_queries: u64,
     /// Photons sent by a learned aim.
     pub aimed: u64,
     /// Passes with a moment of their own.
@@ -64,7 +62,6 @@ impl Tally {
         self.media_stretches += other.media_stretches;
         self.volume_points += other.volume_points;
         self.volume_beams += other.volume_beams;
-        self.volume_queries += other.volume_queries;
         self.aimed += other.aimed;
         self.moments += other.moments;
         self.rejected += other.rejected;

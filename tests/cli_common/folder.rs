@@ -1,6 +1,14 @@
-//! What runs leave in their folder.
+//! Folders that runs work in, and what they leave there.
 
 use std::path::Path;
+use tempfile::TempDir;
+
+/// A folder of its own with this scene as `ball.json`.
+pub(crate) fn with_ball(scene: &str) -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder of its own");
+    std::fs::write(folder.path().join("ball.json"), scene).expect("a folder that can be written");
+    folder
+}
 
 /// The names of all files, in their order.
 pub(crate) fn names_in(folder: &Path) -> Vec<String> {

@@ -137,6 +137,7 @@ impl Resolver<'_> {
             materials: things.materials,
             lights,
             distant_lights: Vec::new(),
+            medium_lights: Vec::new(),
             settings: self.settings(&root.key("render"), render)?,
             notes,
             air: Index::constant(1.0)?,
