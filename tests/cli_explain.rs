@@ -49,7 +49,7 @@ fn a_lens_is_explained_by_what_it_keeps_sharp() {
 fn a_pinhole_keeps_everything_sharp_and_a_small_lens_everything_far() {
     let (json, words) = explain(r#"{"pinhole": {"fov": 40}}"#);
     assert!(json["camera"]["depth_of_field"].is_null() && words.contains("a pinhole: everything is sharp"), "{words}");
-    let (json, words) = explain(r#"{"thin": {"fov": 40, "focus_distance": 5, "defocus_angle": 0.001}}"#);
+    let (json, words) = explain(r#"{"thin": {"fov": 40, "focus_distance": 5, "defocus_angle": 0.15}}"#);
     assert!(json["camera"]["depth_of_field"]["far_m"].is_null() && words.contains("to infinity"), "{words}");
 }
 

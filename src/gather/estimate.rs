@@ -4,7 +4,7 @@ use super::photon_gather::Gatherer;
 use super::throughput::{Colour, Factor, product};
 use crate::map::kernel::{self, Kernels};
 use crate::map::{Load, PhotonIndex, VolumeMaps};
-use crate::optics::surface::{Surface, Transport};
+use crate::optics::surface::Transport;
 use crate::walk::{Encounter, Sink};
 use glam::DVec3;
 
@@ -72,7 +72,7 @@ impl Gatherer<'_> {
         let place = encounter.hit.position;
         let normal = encounter.hit.normal;
         let facing = if encounter.leads_back(normal) { normal } else { -normal };
-        let through = transmits(encounter.surface);
+        let through = encounter.surface.lets_through();
         let shading = encounter.frame.to_world(DVec3::Z);
         let interpolated = shading != normal;
         map.within(place.as_vec3().to_array(), radius as f32, |found| {
@@ -125,18 +125,5 @@ pub(super) fn add_photon<S: Sink>(
                 add(nm, scattered(nm) * throughput * power);
             }
         }
-    }
-}
-
-/// Whether light from the other side counts.
-fn transmits(surface: &Surface) -> bool {
-    match surface {
-        Surface::Translucent(_) | Surface::Dielectric(_) | Surface::Mix(_) => true,
-        Surface::Absorber
-        | Surface::Diffuse(_)
-        | Surface::Mirror(_)
-        | Surface::Conductor(_)
-        | Surface::ThinDielectric(_)
-        | Surface::Glossy(_) => false,
     }
 }

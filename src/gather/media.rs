@@ -49,7 +49,9 @@ impl<'a> Gatherer<'a> {
                 self.see_glow(path, (stretch, number, medium), sample);
             }
             if medium.scatters() && stretch.length_m.is_finite() {
-                self.gather_lamps_inside(path, (stretch, medium), sample);
+                if !self.plan.direct.is_absent() {
+                    self.gather_lamps_inside(path, (stretch, medium), sample);
+                }
                 self.gather_volume_photons(path, (stretch, number, medium), walked, sample);
             }
         }

@@ -185,6 +185,9 @@ impl<'a> Gatherer<'a> {
 
     /// Light straight from lamps, by shadow rays.
     fn gather_lamps<S: Sink>(&self, path: &CameraPath, encounter: &Encounter<'a>, sample: &mut Sample<'_, 'a, S>) {
+        if self.plan.direct.is_absent() {
+            return;
+        }
         let (u, lamp) = (sample.numbers.wavelength, sample.numbers.lamp());
         let asking = Asking { encounter, nm: path.reference_nm(), u: lamp };
         let Sample { scratch, sink, tally, .. } = sample;
@@ -280,6 +283,7 @@ impl<'a> Gatherer<'a> {
         let surface = encounter.surface;
         if surface.class() == Class::Glossy {
             // Rough dispersive glass: each wavelength scatters for itself, reflections included.
+            sample.tally.dispersions += 1;
             self.split_at(*path, encounter, None, sample);
             return false;
         }
@@ -371,7 +375,14 @@ impl<'a> Gatherer<'a> {
         let nm = path.reference_nm();
         let draw = |e: &Encounter<'a>| e.surface.sample(e.wo, e.sides, nm, Transport::Radiance, u);
         match draw_consistently(encounter, draw) {
-            Some((encounter, scatter)) => path.continue_along(&encounter, &scatter, sample.scratch),
+            Some((encounter, scatter)) => {
+                let goes_on = path.continue_along(&encounter, &scatter, sample.scratch);
+                // What a rough surface's scattered ray finds is a part of the light straight from lamps.
+                if self.plan.direct.is_absent() && matches!(path.counts, Counts::Shared { .. }) {
+                    path.counts = Counts::Not;
+                }
+                goes_on
+            }
             None => false,
         }
     }

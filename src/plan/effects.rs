@@ -1,8 +1,9 @@
 //! The table of effects: the fact that calls for each, the field of the plan, the code that reads it, and what its absence means.
 
+use super::negligible::Negligible;
 use super::{
-    AimPlan, AperturePlan, BetweenPlan, CausticPlan, DirectPlan, EnvironmentPlan, IndirectPlan, MotionPlan, Plan, Rim,
-    RoughnessPlan, VolumePlan, WavelengthPlan,
+    AimPlan, AperturePlan, BetweenPlan, CausticPlan, DirectPlan, IndirectPlan, MotionPlan, Plan, Rim, VolumePlan,
+    WavelengthPlan,
 };
 use crate::error::{Error, Result};
 use crate::scene::facts::Facts;
@@ -12,7 +13,7 @@ use crate::scene::facts::Facts;
 pub struct Effect {
     /// Its name for `--force`, `--forbid` and reports.
     pub name: &'static str,
-    /// The field of the plan.
+    /// The field of the plan that switches it, or what of the scene does.
     pub field: &'static str,
     /// The code that reads it.
     pub read_by: &'static str,
@@ -28,6 +29,13 @@ pub struct Effect {
     calls: fn(&Facts) -> Vec<String>,
     /// Switches it on or off in a plan.
     set: fn(&mut Plan, &Facts, bool),
+}
+
+impl Effect {
+    /// The names of the scene's things that call for it.
+    pub(super) fn callers(&self, facts: &Facts) -> Vec<String> {
+        (self.calls)(facts)
+    }
 }
 
 /// All effects.
@@ -87,8 +95,11 @@ pub const EFFECTS: [Effect; 15] = [
         cost: "a shadow ray for each lamp, and a scattered ray where a lamp can be hit",
         absent: "no shadow ray",
         called_by: "lamps within reach of shadow rays",
-        uncalled: "no surface for a lamp to light, or no lamp",
-        calls: |facts| if facts.scatters() { facts.lights.clone() } else { Vec::new() },
+        uncalled: "no surface or particle for a lamp to light, or no lamp",
+        calls: |facts| {
+            let particles = facts.dense_media.iter().chain(&facts.thin_media).next();
+            if facts.scatters() || particles.is_some() { facts.lights.clone() } else { Vec::new() }
+        },
         set: |plan, facts, on| {
             plan.direct = match (on, facts.hittable_lights.is_empty()) {
                 (false, _) => DirectPlan::Absent,
@@ -137,25 +148,25 @@ pub const EFFECTS: [Effect; 15] = [
     },
     Effect {
         name: "environment",
-        field: "environment",
+        field: "scene.distant_lights",
         read_by: "gather (rays that leave the scene)",
         cost: "a look at the surroundings for each ray that leaves the scene",
         absent: "rays that leave the scene find nothing",
         called_by: "light from infinity",
         uncalled: "no light from infinity",
         calls: |facts| facts.surroundings.clone(),
-        set: |plan, _, on| plan.environment = if on { EnvironmentPlan::Looked } else { EnvironmentPlan::Absent },
+        set: |_, _, _| {},
     },
     Effect {
         name: "roughness",
-        field: "roughness",
+        field: "scene.materials",
         read_by: "gather (camera paths go on)",
         cost: "a longer camera path with shadow rays at each rough surface",
         absent: "no such event",
         called_by: "rough or coated surfaces",
         uncalled: "no rough or coated surface",
         calls: |facts| facts.glossy.clone(),
-        set: |plan, _, on| plan.roughness = if on { RoughnessPlan::Sampled } else { RoughnessPlan::Absent },
+        set: |_, _, _| {},
     },
     Effect {
         name: "absorption",
@@ -270,8 +281,13 @@ pub struct Row {
     pub because: String,
 }
 
-/// Decides every effect.
-pub(super) fn decide(facts: &Facts, force: &[String], forbid: &[String]) -> Result<(Plan, Vec<Row>)> {
+/// Decides every effect; those that are `negligible` are on only by force.
+pub(super) fn decide(
+    facts: &Facts,
+    negligible: &[Negligible],
+    force: &[String],
+    forbid: &[String],
+) -> Result<(Plan, Vec<Row>)> {
     for name in force.iter().chain(forbid) {
         if !EFFECTS.iter().any(|effect| effect.name == name) {
             let names: Vec<&str> = EFFECTS.iter().map(|effect| effect.name).collect();
@@ -288,8 +304,6 @@ pub(super) fn decide(facts: &Facts, force: &[String], forbid: &[String]) -> Resu
         indirect: IndirectPlan::Absent,
         direct: DirectPlan::Absent,
         aperture: AperturePlan::Pinhole,
-        environment: EnvironmentPlan::Absent,
-        roughness: RoughnessPlan::Absent,
         between: BetweenPlan::Clear,
         volume: VolumePlan::Absent,
         aim: AimPlan::Plain,
@@ -297,20 +311,22 @@ pub(super) fn decide(facts: &Facts, force: &[String], forbid: &[String]) -> Resu
     };
     let mut rows = Vec::with_capacity(EFFECTS.len());
     for effect in &EFFECTS {
-        let callers = (effect.calls)(facts);
+        let callers = effect.callers(facts);
+        let negligible = negligible.iter().find(|negligible| negligible.effect == effect.name);
+        let uncalled = negligible.map_or(effect.uncalled, |negligible| &negligible.because);
         let named = |list: &[String]| list.iter().any(|name| name == effect.name);
-        let state = match (callers.is_empty(), named(force), named(forbid)) {
-            (_, _, true) if callers.is_empty() => State::Off,
-            (_, _, true) => State::Forbidden,
-            (false, _, false) => State::On,
-            (true, true, false) => State::Forced,
-            (true, false, false) => State::Off,
+        let called = !callers.is_empty() && negligible.is_none();
+        let state = match (called, named(force), named(forbid)) {
+            (false, _, true) | (false, false, false) => State::Off,
+            (true, _, true) => State::Forbidden,
+            (true, _, false) => State::On,
+            (false, true, false) => State::Forced,
         };
         (effect.set)(&mut plan, facts, state.is_on());
         let because = match state {
             State::On | State::Forbidden => format!("{}: {}", effect.called_by, listed(&callers)),
-            State::Off => effect.uncalled.to_owned(),
-            State::Forced => format!("asked for by name; {}", effect.uncalled),
+            State::Off => uncalled.to_owned(),
+            State::Forced => format!("asked for by name; {uncalled}"),
         };
         rows.push(Row { effect, state, because });
     }

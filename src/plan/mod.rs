@@ -5,6 +5,7 @@
 pub mod budget;
 pub mod effects;
 pub mod explain;
+mod negligible;
 pub mod partition;
 mod prepare;
 
@@ -13,9 +14,11 @@ use crate::scene::facts::Facts;
 
 pub use budget::Budget;
 pub use effects::{EFFECTS, Effect, Row, State};
+pub use negligible::Negligible;
 pub use prepare::prepare;
 
-/// What will be simulated. Each field is an effect; `effects::EFFECTS` says which fact calls for it and what its absence means.
+/// What will be simulated. `effects::EFFECTS` says for each effect which fact calls for it, which field here (or what of the scene itself) switches it,
+/// and what its absence means.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Plan {
     /// How wavelengths are shared between photons and camera paths.
@@ -28,10 +31,6 @@ pub struct Plan {
     pub direct: DirectPlan,
     /// The camera's opening.
     pub aperture: AperturePlan,
-    /// Light from infinity.
-    pub environment: EnvironmentPlan,
-    /// Rough and coated surfaces.
-    pub roughness: RoughnessPlan,
     /// What happens between surfaces.
     pub between: BetweenPlan,
     /// Light that reaches the ray through a medium after it passed glass or was scattered before.
@@ -83,6 +82,11 @@ pub enum DirectPlan {
 }
 
 impl DirectPlan {
+    /// Whether no light straight from lamps is looked for.
+    pub fn is_absent(self) -> bool {
+        self == Self::Absent
+    }
+
     /// Whether scattered rays look for lamps.
     pub fn scatters_to_lamps(self) -> bool {
         self == Self::ShadowAndScatteredRays
@@ -122,24 +126,6 @@ impl AperturePlan {
             Self::ThinLens(rim) | Self::LensSystem(rim) => rim == Rim::Diffracts,
         }
     }
-}
-
-/// Light from infinity.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum EnvironmentPlan {
-    /// None.
-    Absent,
-    /// Rays that leave the scene look at it.
-    Looked,
-}
-
-/// Rough and coated surfaces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RoughnessPlan {
-    /// None.
-    Absent,
-    /// Camera paths go on in a drawn direction.
-    Sampled,
 }
 
 /// What happens between surfaces.
@@ -214,8 +200,14 @@ pub enum MotionPlan {
 }
 
 impl Plan {
-    /// The plan for these facts, with effects forced on or forbidden by name; the rows tell state and reason of each.
-    pub fn new(facts: &Facts, force: &[String], forbid: &[String]) -> Result<(Self, Vec<Row>)> {
-        effects::decide(facts, force, forbid)
+    /// The plan for these facts, without the effects that cannot be seen, with others forced on or forbidden by name; the rows tell state and
+    /// reason of each.
+    pub fn new(
+        facts: &Facts,
+        negligible: &[Negligible],
+        force: &[String],
+        forbid: &[String],
+    ) -> Result<(Self, Vec<Row>)> {
+        effects::decide(facts, negligible, force, forbid)
     }
 }

@@ -1,7 +1,8 @@
 //! From a scene to its plan: what is forbidden is taken out of the scene itself, so that no code has to ask.
 
 use super::effects::listed;
-use super::{Plan, Row, State};
+use super::negligible::{middle_of_light_nm, negligible};
+use super::{Negligible, Plan, Row, State};
 use crate::error::{Error, Result};
 use crate::optics::glass::Index;
 use crate::scene::Scene;
@@ -13,10 +14,19 @@ const D_LINE_NM: f64 = 587.5618;
 
 /// Plans the scene by its own settings, and takes out of it what they forbid.
 pub fn prepare(scene: &mut Scene) -> Result<(Plan, Vec<Row>)> {
+    let negligible = negligible(scene);
+    let forced = |effect: &str, scene: &Scene| scene.settings.force.iter().any(|name| name == effect);
+    let light_nm = middle_of_light_nm(scene);
+    for Negligible { effect, .. } in &negligible {
+        if !forced(effect, scene) {
+            take_out(scene, effect, light_nm)?;
+        }
+    }
     let facts = Facts::of(scene);
-    let (plan, rows) = Plan::new(&facts, &scene.settings.force, &scene.settings.forbid)?;
+    let (plan, rows) = Plan::new(&facts, &negligible, &scene.settings.force, &scene.settings.forbid)?;
     for row in rows.iter().filter(|row| row.state == State::Forbidden) {
-        take_out(scene, row.effect.name)?;
+        may_be_forbidden(row.effect.name)?;
+        take_out(scene, row.effect.name, D_LINE_NM)?;
         scene.notes.push(format!("the picture lacks {}: forbidden ({})", row.effect.name, row.because));
     }
     if !plan.aperture.diffracts() && rows.iter().any(|row| row.effect.name == "diffraction" && row.state.is_on()) {
@@ -40,17 +50,26 @@ fn guessed_colours(facts: &Facts) -> Option<String> {
     ))
 }
 
-/// Takes an effect out of the scene, where the plan's field alone does not do it.
-fn take_out(scene: &mut Scene, effect: &str) -> Result<()> {
+/// Some effects are what things in the scene are, and without them the picture would be another scene's.
+fn may_be_forbidden(effect: &str) -> Result<()> {
+    let without = match effect {
+        "roughness" => "a scene whose materials have no roughness",
+        "shared" => "a camera without a lens of real glass, or \"depth-of-field\" forbidden",
+        _ => return Ok(()),
+    };
+    Err(Error::input(format!("the effect \"{effect}\" cannot be forbidden")).expected(without))
+}
+
+/// Takes an effect out of the scene, where the plan's field alone does not do it. Indices become what they are at `nm`.
+fn take_out(scene: &mut Scene, effect: &str, nm: f64) -> Result<()> {
+    let bodies = scene.materials.iter_mut().filter_map(|material| material.body.as_mut());
     match effect {
         "dispersion" => {
-            for body in scene.materials.iter_mut().filter_map(|material| material.body.as_mut()) {
-                body.index = body.index.as_ref().map(|index| Index::constant(index.n(D_LINE_NM))).transpose()?;
+            for body in bodies {
+                body.index = body.index.as_ref().map(|index| Index::constant(index.n(nm))).transpose()?;
             }
         }
-        "absorption" => {
-            scene.materials.iter_mut().filter_map(|m| m.body.as_mut()).for_each(|body| body.absorption = None);
-        }
+        "absorption" => bodies.for_each(|body| body.absorption = None),
         "depth-of-field" => scene.camera.close_aperture(),
         "motion" => scene.stop(),
         "environment" => {
@@ -60,22 +79,12 @@ fn take_out(scene: &mut Scene, effect: &str) -> Result<()> {
             });
             scene.renumber_lights();
         }
-        "roughness" => {
-            return Err(Error::input("the effect \"roughness\" cannot be forbidden")
-                .expected("a scene whose materials have no roughness"));
-        }
-        "shared" => {
-            return Err(Error::input("the effect \"shared\" cannot be forbidden")
-                .expected("a camera without a lens of real glass, or \"depth-of-field\" forbidden"));
-        }
-        // The plan's field alone leaves these out.
-        "caustics" | "indirect" | "direct" | "aim" | "volume-photons" | "photon-beams" | "diffraction" => {}
         "media" => {
+            bodies.for_each(|body| body.medium = None);
             scene.lights.retain(|light| !matches!(light.emitter, Emitter::Volume(_)));
             scene.renumber_lights();
-            scene.materials.iter_mut().filter_map(|m| m.body.as_mut()).for_each(|body| body.medium = None);
         }
-        other => return Err(Error::input(format!("the effect \"{other}\" cannot be forbidden"))),
+        _ => {}
     }
     Ok(())
 }

@@ -120,6 +120,8 @@ impl Receiver for Harvest<'_> {
         if !wanted {
             return;
         }
+        // Photons set out with several wavelengths; a dispersive refraction leaves them one.
+        self.tally.dispersions += u64::from(arrival.wavelengths.count == 1);
         self.connect(arrival, stream);
         let mut components = self.scene.materials[arrival.encounter.material].surface.components();
         if components.any(|surface| kept_in_map(arrival.path, surface.class())) {

@@ -55,10 +55,20 @@ impl Facts {
         !(self.diffuse.is_empty() && self.glossy.is_empty())
     }
 
-    /// Looks a scene over.
+    /// Looks a scene over, but for the objects that nothing reaches.
     pub fn of(scene: &Scene) -> Self {
+        let enclosures = scene.enclosures();
+        Self::without(scene, |object| enclosures.contains_key(&object))
+    }
+
+    /// Looks over all of a scene.
+    pub fn of_all(scene: &Scene) -> Self {
+        Self::without(scene, |_| false)
+    }
+
+    fn without(scene: &Scene, left_out: impl Fn(u32) -> bool) -> Self {
         let mut facts = Self::default();
-        for object in &scene.objects {
+        for (_, object) in (0..).zip(&scene.objects).filter(|(number, _)| !left_out(*number)) {
             let material = &scene.materials[object.material];
             let mut classes: Vec<Class> = material.surface.components().map(Surface::class).collect();
             classes.dedup();

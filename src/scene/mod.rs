@@ -4,6 +4,7 @@
 
 pub mod bvh;
 pub mod camera;
+mod enclosure;
 pub mod facts;
 pub mod file;
 pub mod geometry;

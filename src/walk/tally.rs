@@ -16,7 +16,7 @@ pub struct Tally {
     pub connections: u64,
     /// Queries of photon maps.
     pub map_queries: u64,
-    /// Refractions that sent each wavelength its own way.
+    /// Refractions that sent a camera path's wavelengths each its own way, and photons that arrived after one.
     pub dispersions: u64,
     /// Camera paths that went on at one of the pass's shared wavelengths.
     pub shared_paths: u64,

@@ -154,7 +154,7 @@ impl Primitives {
         }
     }
 
-    fn bounds(&self, primitive: &Primitive) -> (DVec3, DVec3) {
+    pub(super) fn bounds(&self, primitive: &Primitive) -> (DVec3, DVec3) {
         match primitive {
             Primitive::Analytic(index) => {
                 let analytic = &self.analytic[*index as usize];

@@ -9,6 +9,7 @@
 
 mod build;
 mod coincidence;
+mod enclosure;
 mod object;
 mod primitive;
 mod sample;

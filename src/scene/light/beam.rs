@@ -57,7 +57,7 @@ impl Beam {
     }
 
     /// The disk's radius in m.
-    pub(super) fn radius_m(&self) -> f64 {
+    pub fn radius_m(&self) -> f64 {
         self.radius_m
     }
 

@@ -115,6 +115,18 @@ impl Medium {
         self.optical_depth(550.0, column_m) > DENSE
     }
 
+    /// A column density that no straight way through a body of it, `across_m` wide, exceeds, in m.
+    pub fn most_column_m(&self, across_m: f64) -> f64 {
+        match &self.density {
+            Density::Uniform => across_m,
+            Density::Field(field) => {
+                let corners = field.corners();
+                let diagonals = (0..4).map(|i| (corners[7 - i] - corners[i]).length());
+                field.max() * across_m.min(diagonals.fold(0.0, f64::max))
+            }
+        }
+    }
+
     /// Whether it scatters at any wavelength.
     pub fn scatters(&self) -> bool {
         self.scattering_max > 0.0

@@ -32,6 +32,11 @@ pub(crate) struct Polyhedron {
 }
 
 impl Polyhedron {
+    /// Whether a point lies inside.
+    pub(crate) fn holds(&self, point: DVec3) -> bool {
+        self.half_spaces.iter().all(|half_space| half_space.normal.dot(point) < half_space.offset)
+    }
+
     /// A box about the origin; faces −x, +x, −y, +y, −z, +z.
     pub(crate) fn cuboid(size: DVec3) -> Self {
         let half = 0.5 * size;

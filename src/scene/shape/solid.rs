@@ -24,6 +24,9 @@ pub(crate) enum Solid {
     Lens(Lens),
 }
 
+/// What lies within this share of a body's size is inside it, whatever rounding says.
+const CLEAR: f64 = 1.0 - 1e-9;
+
 /// A point of a surface in the shape's frame: snapped to the surface, with the outward unit normal.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LocalSurface {
@@ -146,6 +149,18 @@ impl Solid {
         match self {
             Self::Sheet(_) => false,
             Self::Sphere(_) | Self::Polyhedron(_) | Self::Cylinder(_) | Self::Lens(_) => true,
+        }
+    }
+
+    /// Whether a point lies inside, clear of the surface by more than rounding; a sheet and a lens, which need not be convex, are not asked.
+    pub(crate) fn holds(&self, point: DVec3) -> bool {
+        match self {
+            Self::Sphere(sphere) => point.length() < CLEAR * sphere.radius,
+            Self::Polyhedron(body) => body.holds(point / CLEAR),
+            Self::Cylinder(Cylinder { radius, half_height }) => {
+                point.x.hypot(point.z) < CLEAR * radius && point.y.abs() < CLEAR * half_height
+            }
+            Self::Sheet(_) | Self::Lens(_) => false,
         }
     }
 

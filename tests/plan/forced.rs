@@ -1,0 +1,67 @@
+//! Forcing an effect that a scene does not call for costs time and changes nothing that can be seen.
+
+use super::common::colour_blocks;
+use super::common::compare::{Measured, compare};
+use super::scenes::{SMALL, job, names, render};
+use abbe::plan::State;
+use abbe::render::Rendered;
+use std::cell::LazyCell;
+
+/// Renders, each with a seed of its own, and passes of each.
+const RUNS: u64 = 6;
+const PASSES: u64 = 8;
+
+/// A render of the scene with an effect forced, or none.
+fn rendered(name: &str, force: &str, photons: u64, seed: u64) -> Rendered {
+    let sets = [("force", force.to_owned()), ("photons", photons.to_string()), ("seed", seed.to_string())];
+    let sets = sets.map(|(key, value)| format!("render.{key}={value}"));
+    let sets: Vec<&str> = SMALL[..2].iter().copied().chain(sets.iter().map(String::as_str)).collect();
+    render(&job(name, &sets), PASSES)
+}
+
+/// X, Y and Z in a few blocks of the picture, by a curve that keeps lamps in view, bright in few pixels, from deciding all.
+fn measured(name: &str, force: &str, first_seed: u64, typical: f64) -> Measured {
+    let run = |seed: u64| {
+        let mut rendered = rendered(name, force, 20_000, seed);
+        rendered.picture.xyz.iter_mut().flatten().for_each(|value| *value /= *value + typical);
+        colour_blocks(16)(&rendered)
+    };
+    Measured::from_runs((first_seed..first_seed + RUNS).map(run).collect())
+}
+
+/// Whether each absent effect of the scene leaves the picture as it is: to the last bit, or, where it takes other random numbers, as far as noise
+/// lets one tell.
+#[track_caller]
+fn forcing_changes_nothing(name: &str) {
+    let rows = job(name, &[]).rows;
+    // Whether light is diffracted is a wish of the scene's, not for the plan to decide: forced, it shows.
+    let absent = rows.iter().filter(|row| row.state == State::Off && row.effect.name != "diffraction");
+    let plain = rendered(name, "[]", 1000, 0).picture;
+    let typical = {
+        let mut y: Vec<f64> = plain.xyz.iter().map(|xyz| xyz[1]).collect();
+        y.sort_by(f64::total_cmp);
+        y[y.len() / 2].max(1e-3 * plain.mean_y())
+    };
+    let many = LazyCell::new(|| measured(name, "[]", 0, typical));
+    for effect in absent.map(|row| row.effect.name) {
+        let force = format!("[\"{effect}\"]");
+        if rendered(name, &force, 1000, 0).picture == plain {
+            println!("{name}, {effect} forced: the same bits");
+            continue;
+        }
+        let found = compare(&many, &measured(name, &force, 100, typical));
+        println!("{name}, {effect} forced: {found}; standard error {:.4}", many.relative_error());
+        assert!(found.is_equal(), "{name}, {effect}: {found}");
+    }
+}
+
+#[test]
+fn forcing_an_effect_that_a_box_of_diffuse_walls_does_not_call_for_changes_nothing() {
+    forcing_changes_nothing("cornell");
+}
+
+#[test]
+#[ignore = "slow: ten minutes of CPU time for all scenes and effects"]
+fn forcing_an_effect_that_no_scene_calls_for_changes_nothing() {
+    names().iter().for_each(|name| forcing_changes_nothing(name));
+}
