@@ -34,9 +34,9 @@ impl Prepared {
         Self { scene, plan, choice, aims }
     }
 
-    /// Emits `count` unaimed photons of pass 0 and hands them to the receiver.
-    pub(crate) fn emit(&self, count: u64, receiver: &mut impl Receiver) -> Ledger {
-        let emitters = Emitters {
+    /// Hands what emits `count` unaimed photons of pass 0 to `then`.
+    pub(crate) fn with_emitters<T>(&self, count: u64, then: impl FnOnce(&Emitters<'_>) -> T) -> T {
+        then(&Emitters {
             scene: &self.scene,
             choice: &self.choice.lights,
             aims: &self.aims,
@@ -47,10 +47,16 @@ impl Prepared {
             purpose: Purpose::FreePhoton,
             pass: 0,
             between: self.plan.between,
-        };
+        })
+    }
+
+    /// Emits the photons and hands them to the receiver.
+    pub(crate) fn emit(&self, count: u64, receiver: &mut impl Receiver) -> Ledger {
         let mut ledger = Ledger::new(self.scene.materials.len());
-        let points = emitters.points();
-        (0..count).for_each(|index| trace(&emitters, &points, index, receiver, &mut ledger));
+        self.with_emitters(count, |emitters| {
+            let points = emitters.points();
+            (0..count).for_each(|index| trace(emitters, &points, index, receiver, &mut ledger));
+        });
         ledger
     }
 

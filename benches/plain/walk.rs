@@ -1,0 +1,100 @@
+//! The photons' walk.
+
+use super::scenes::{Harvest, Prepared};
+use abbe::emit::{Aim, Emitters};
+use abbe::map::{Load, Photon};
+use abbe::math::frame::Frame;
+use abbe::math::random::{Purpose, Stream};
+use abbe::optics::surface::{Sides, Surface, Transport};
+use abbe::scene::geometry::{Ray, SurfaceId};
+use abbe::scene::light::EmissionNumbers;
+use abbe::spectrum::{LANES, Lanes, Wavelengths};
+
+/// Photons with their places, as the map takes them.
+pub(crate) type Kept = Vec<(Photon, [f32; 3])>;
+
+/// As the renderer walks.
+pub(crate) fn general(prepared: &Prepared, count: u64) -> Kept {
+    let Harvest { indirect, .. } = prepared.harvest(count);
+    indirect
+}
+
+/// Written out: one lamp's wavelengths, opaque walls that scatter or absorb, clear air, photons of four wavelengths all their way.
+pub(crate) fn plain(prepared: &Prepared, count: u64) -> Kept {
+    let scene = &prepared.scene;
+    let (mut kept, mut absorbed, mut escaped) = (Kept::new(), vec![0.0; scene.materials.len()], 0.0);
+    let (mut emitted, mut sampling) = (0.0, 0.0);
+    prepared.with_emitters(count, |emitters: &Emitters<'_>| {
+        let points = emitters.points();
+        let aim = Aim::plain();
+        let sides = Sides { here: &scene.air, there: &scene.air };
+        for index in 0..count {
+            let mut stream = Stream::new(emitters.seed, Purpose::FreePhoton, emitters.pass, index);
+            let u = points.point(index as u32);
+            let mut which = u[1];
+            let number = emitters.choice.sample(&mut which);
+            let light = &scene.lights[number];
+            let (aim, density) = aim.draw([u[2], u[3]]);
+            let emission = light.emit(scene.world(), EmissionNumbers { aim, rest: [u[4], u[5], u[6]] });
+            let flux = emission.flux_w / (count as f64 * emitters.choice.probability(number) * density);
+            let (mut nm, mut power): (Lanes, Lanes) = ([0.0; LANES], [0.0; LANES]);
+            for k in 0..LANES {
+                let (drawn, pdf) = light.wavelengths.sample((u[0] + k as f64) / LANES as f64);
+                nm[k] = drawn;
+                power[k] = light.shape_at(emission.tint, drawn) / (pdf * LANES as f64) * flux;
+            }
+            let wavelengths = Wavelengths::new(nm);
+            emitted += power.iter().sum::<f64>();
+            let mut ray = Ray { origin: emission.origin, direction: emission.direction };
+            let mut from: Option<SurfaceId> = emission.from;
+            let mut scattered_before = false;
+            loop {
+                stream.uniform();
+                let Some(hit) = scene.geometry.intersect(&ray, from, f64::INFINITY) else {
+                    escaped += power.iter().sum::<f64>();
+                    break;
+                };
+                let material = scene.objects[hit.object as usize].material;
+                let surface = &scene.materials[material].surface;
+                let Surface::Diffuse(_) = surface else {
+                    absorbed[material] += power.iter().sum::<f64>();
+                    break;
+                };
+                let to_light = -ray.direction;
+                if scattered_before {
+                    let facing = if to_light.dot(hit.normal) >= 0.0 { hit.normal } else { -hit.normal };
+                    let photon = Photon::new(Load::new(&wavelengths, power, 0), to_light, facing);
+                    kept.push((photon, hit.position.as_vec3().to_array()));
+                }
+                let frame = Frame::new(hit.normal);
+                let wo = frame.to_local(to_light);
+                let u = stream.triple();
+                let Some(drawn) = surface.sample(wo, sides, nm[0], Transport::Importance, u) else {
+                    absorbed[material] += power.iter().sum::<f64>();
+                    break;
+                };
+                let before: f64 = power.iter().sum();
+                let (mut weights, mut lost) = (0.0, 0.0);
+                for k in 0..LANES {
+                    let weight = surface.response(wo, &drawn, sides, Transport::Importance, nm[k]) / drawn.probability;
+                    lost += power[k] * surface.absorbed(wo, &drawn, sides, nm[k]);
+                    power[k] *= weight;
+                    weights += weight;
+                }
+                absorbed[material] += lost;
+                let survival = (weights / LANES as f64).min(1.0);
+                let survives = survival > 0.0 && stream.uniform() < survival;
+                power = power.map(|power| if survives { power / survival } else { 0.0 });
+                sampling += power.iter().sum::<f64>() + lost - before;
+                if !survives {
+                    break;
+                }
+                ray = Ray { origin: hit.position, direction: frame.to_world(drawn.wi) };
+                (from, scattered_before) = (Some(hit.surface), true);
+            }
+        }
+    });
+    let ended = absorbed.iter().sum::<f64>() + escaped;
+    assert!((emitted + sampling - ended).abs() < 1e-9 * emitted.max(1.0), "the ledger by hand does not balance");
+    kept
+}
