@@ -95,5 +95,5 @@ impl Receiver for Harvest {
         list.push((photon, hit.position.as_vec3().to_array()));
     }
 
-    fn depart(&mut self, _: usize, _: usize) {}
+    fn depart(&mut self, _: usize, _: [f64; 2]) {}
 }

@@ -81,12 +81,13 @@ pub trait Receiver {
     /// A photon has met a particle of a medium.
     fn collide(&mut self, _collision: &Collision, _stream: &mut Stream) {}
 
-    /// A photon path starts at this cell of its light's aiming grid.
-    fn depart(&mut self, light: usize, cell: usize);
+    /// A photon path starts at this aiming pair of its light.
+    fn depart(&mut self, light: usize, aim: [f64; 2]);
 }
 
 impl Emitters<'_> {
     /// The wavelengths of a photon from this light, and S(λ)/p(λ) for each: the power per lane of one watt.
+    #[inline]
     fn draw_wavelengths(&self, light: &Light, emission: &Emission, u: f64) -> (Wavelengths, Lanes) {
         match self.wavelengths {
             Wavelengthed::Free => {
@@ -128,8 +129,10 @@ pub(super) struct Flight {
 }
 
 impl Flight {
+    #[inline]
     pub(super) fn total_w(&self) -> f64 {
-        (0..self.wavelengths.count).map(|k| self.power[k] * self.watts[k]).sum()
+        // Lanes that are not in use hold no power.
+        (0..LANES).map(|k| self.power[k] * self.watts[k]).sum()
     }
 }
 
@@ -147,8 +150,7 @@ pub fn trace<R: Receiver>(emitters: &Emitters<'_>, points: &Sobol, index: u64, r
             flight.path = LightPath::Caustic;
         }
         // Offered whichever component of a mix the photon drew: camera paths draw theirs anew.
-        let mut components = scene.materials[encounter.material].surface.components();
-        if components.any(|surface| matches!(surface.class(), Class::Diffuse | Class::Glossy)) {
+        if scene.materials[encounter.material].surface.class() >= Class::Glossy {
             let (wavelengths, power) = (flight.wavelengths, flight.power);
             let arrival = Arrival { encounter: &encounter, path: flight.path, wavelengths, power, lane: flight.lane };
             receiver.arrive(&arrival, &mut stream);
@@ -164,13 +166,14 @@ pub fn trace<R: Receiver>(emitters: &Emitters<'_>, points: &Sobol, index: u64, r
     ledger.depth_limit += flight.total_w();
 }
 
+#[inline]
 fn emit<R: Receiver>(emitters: &Emitters<'_>, points: &Sobol, index: u32, receiver: &mut R) -> Flight {
     let u = points.point(index);
     let mut which = u[1];
     let number = emitters.choice.sample(&mut which);
     let light = &emitters.scene.lights[number];
     let (aim, density) = emitters.aims[number].draw([u[2], u[3]]);
-    receiver.depart(number, Aim::cell(aim));
+    receiver.depart(number, aim);
     let emission = light.emit(emitters.scene.world(), EmissionNumbers { aim, rest: [u[4], u[5], u[6]] });
     let (wavelengths, share) = emitters.draw_wavelengths(light, &emission, u[0]);
     let flux = emission.flux_w / (emitters.count as f64 * emitters.choice.probability(number) * density);
@@ -189,6 +192,7 @@ fn emit<R: Receiver>(emitters: &Emitters<'_>, points: &Sobol, index: u32, receiv
 }
 
 /// Follows the photon to the next surface; `None` where it ends before.
+#[inline]
 fn fly<'a, R: Receiver>(
     emitters: &Emitters<'a>,
     flight: &mut Flight,
@@ -206,6 +210,7 @@ fn fly<'a, R: Receiver>(
 }
 
 /// Applies a scattering event and Russian roulette; false where the photon ends.
+#[inline]
 fn go_on(
     flight: &mut Flight,
     encounter: &Encounter<'_>,
@@ -236,7 +241,7 @@ fn go_on(
         flight.power = [0.0; LANES];
     }
     ledger.sampling += flight.total_w() + absorbed - before;
-    flight.start = encounter.leave(scattered.direction, scattered.interior);
+    flight.start = encounter.after(scattered);
     flight.path = match (flight.path, scattered.delta) {
         (LightPath::Indirect, _) | (_, false) => LightPath::Indirect,
         (LightPath::Direct | LightPath::Caustic, true) => LightPath::Caustic,

@@ -3,11 +3,10 @@
 use super::direct::Counts;
 use super::landing::{Landing, Sightline};
 use super::throughput::{Colour, Factor};
-use crate::optics::surface::Scatter;
 use crate::plan::partition::View;
 use crate::scene::geometry::Ray;
 use crate::scene::interior::Interior;
-use crate::walk::{Encounter, Start};
+use crate::walk::{Drawn, Encounter, Start};
 
 /// Wavelength-free camera paths choose between reflection and refraction, and compare densities, at this wavelength (nm); what
 /// that does to other wavelengths is in the path's factors.
@@ -72,15 +71,17 @@ impl CameraPath {
     pub(super) fn continue_along<'a>(
         &mut self,
         encounter: &Encounter<'a>,
-        scatter: &Scatter,
+        drawn: &Drawn,
         scratch: &mut Scratch<'a>,
     ) -> bool {
-        let direction = encounter.frame.to_world(scatter.wi);
+        let Drawn { frame, wo, scatter } = drawn;
+        let direction = frame.to_world(scatter.wi);
         if !encounter.agrees(direction, scatter.event) {
             return false;
         }
-        let (surface, wo, sides) = (encounter.surface, encounter.wo, encounter.sides);
-        let factor = Factor::Scattering { surface, wo, scatter: *scatter, sides, probability: scatter.probability };
+        let (surface, sides) = (encounter.surface, encounter.sides);
+        let factor =
+            Factor::Scattering { surface, wo: *wo, scatter: *scatter, sides, probability: scatter.probability };
         self.multiply(factor, scratch);
         self.view = View::Relayed;
         self.counts = match (scatter.delta, self.counts) {

@@ -354,11 +354,11 @@ impl<'a> Gatherer<'a> {
             Event::Transmission => [ONE_MINUS_ULP; 3],
         };
         let nm = path.reference_nm();
-        let draw = |e: &Encounter<'a>| e.surface.sample(e.wo, e.sides, nm, Transport::Radiance, u);
+        let draw = |wo| encounter.surface.sample(wo, encounter.sides, nm, Transport::Radiance, u);
         match draw_consistently(encounter, draw) {
-            Some((encounter, mut scatter)) if scatter.event == event => {
-                scatter.probability = probability;
-                path.continue_along(&encounter, &scatter, sample.scratch)
+            Some(mut drawn) if drawn.scatter.event == event => {
+                drawn.scatter.probability = probability;
+                path.continue_along(encounter, &drawn, sample.scratch)
             }
             Some(_) | None => false,
         }
@@ -373,10 +373,10 @@ impl<'a> Gatherer<'a> {
         sample: &mut Sample<'_, 'a, S>,
     ) -> bool {
         let nm = path.reference_nm();
-        let draw = |e: &Encounter<'a>| e.surface.sample(e.wo, e.sides, nm, Transport::Radiance, u);
+        let draw = |wo| encounter.surface.sample(wo, encounter.sides, nm, Transport::Radiance, u);
         match draw_consistently(encounter, draw) {
-            Some((encounter, scatter)) => {
-                let goes_on = path.continue_along(&encounter, &scatter, sample.scratch);
+            Some(drawn) => {
+                let goes_on = path.continue_along(encounter, &drawn, sample.scratch);
                 // What a rough surface's scattered ray finds is a part of the light straight from lamps.
                 if self.plan.direct.is_absent() && matches!(path.counts, Counts::Shared { .. }) {
                     path.counts = Counts::Not;

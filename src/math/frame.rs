@@ -12,6 +12,7 @@ pub struct Frame {
 
 impl Frame {
     /// A frame around the unit vector `n` (Duff et al. 2017, continuous but for one half-plane).
+    #[inline]
     pub fn new(n: DVec3) -> Self {
         let sign = 1.0_f64.copysign(n.z);
         let a = -1.0 / (sign + n.z);
@@ -24,11 +25,13 @@ impl Frame {
     }
 
     /// The vector's components along the frame's axes.
+    #[inline]
     pub fn to_local(&self, v: DVec3) -> DVec3 {
         DVec3::new(v.dot(self.s), v.dot(self.t), v.dot(self.n))
     }
 
     /// The vector with these components.
+    #[inline]
     pub fn to_world(&self, v: DVec3) -> DVec3 {
         self.s * v.x + self.t * v.y + self.n * v.z
     }

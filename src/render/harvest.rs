@@ -157,7 +157,7 @@ impl Receiver for Harvest<'_> {
         }
     }
 
-    fn depart(&mut self, _light: usize, _cell: usize) {
+    fn depart(&mut self, _light: usize, _aim: [f64; 2]) {
         self.tally.photons += 1;
         self.tally.shared_photons += u64::from(self.set == Set::Shared);
         self.tally.aimed += u64::from(self.plan.aim == crate::plan::AimPlan::Learned);

@@ -455,8 +455,8 @@ impl Receiver for Usefulness<'_> {
         self.score += weight * 0.2 * in_view as f64;
     }
 
-    fn depart(&mut self, light: usize, cell: usize) {
-        self.current = light * CELLS * CELLS + cell;
+    fn depart(&mut self, light: usize, aim: [f64; 2]) {
+        self.current = light * CELLS * CELLS + Aim::cell(aim);
         self.paths[self.current] += 1.0;
     }
 }

@@ -7,13 +7,10 @@
 /// How many bodies may overlap at one place; deeper nesting ignores the outermost.
 pub const MAX_NESTING: usize = 8;
 
-/// The bodies around a point, by object, outermost first.
+/// The bodies around a point, outermost first: their objects' numbers plus 1, then zeros. Every leg of every path carries one, so it is
+/// kept small; what decides among the bodies stays with them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Interior {
-    objects: [u32; MAX_NESTING],
-    ranks: [Rank; MAX_NESTING],
-    depth: usize,
-}
+pub struct Interior([u32; MAX_NESTING]);
 
 /// What decides whether a body rules.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -26,68 +23,62 @@ pub struct Rank {
 
 impl Interior {
     /// Outside of everything: in the air.
-    pub const AIR: Self =
-        Self { objects: [0; MAX_NESTING], ranks: [Rank { priority: 0, refracts: false }; MAX_NESTING], depth: 0 };
+    pub const AIR: Self = Self([0; MAX_NESTING]);
 
-    /// The object whose refractive index rules here; `None` is the air.
-    pub fn ruler(&self) -> Option<u32> {
-        self.highest(|rank| rank.refracts)
+    /// The object whose refractive index rules here, where bodies rank so; `None` is the air.
+    pub fn ruler(&self, rank: impl Fn(u32) -> Rank) -> Option<u32> {
+        self.highest(rank, |rank| rank.refracts)
     }
 
-    /// The object whose body fills the place, with a surface of its own or without; `None` is the air.
-    pub fn filler(&self) -> Option<u32> {
-        self.highest(|_| true)
+    /// The object whose body fills the place, with a surface of its own or without, where bodies rank so; `None` is the air.
+    pub fn filler(&self, rank: impl Fn(u32) -> Rank) -> Option<u32> {
+        self.highest(rank, |_| true)
     }
 
-    fn highest(&self, counts: impl Fn(Rank) -> bool) -> Option<u32> {
-        let mut best = None;
-        for level in (0..self.depth).filter(|&level| counts(self.ranks[level])) {
-            if best.is_none_or(|b: usize| self.ranks[level].priority >= self.ranks[b].priority) {
-                best = Some(level);
-            }
-        }
-        best.map(|level| self.objects[level])
+    fn highest(&self, rank: impl Fn(u32) -> Rank, counts: impl Fn(Rank) -> bool) -> Option<u32> {
+        let ranked = self.bodies().map(|object| (rank(object), object)).filter(|&(rank, _)| counts(rank));
+        // The last of equals is the innermost.
+        ranked.max_by_key(|(rank, _)| rank.priority).map(|(_, object)| object)
+    }
+
+    fn bodies(&self) -> impl Iterator<Item = u32> {
+        self.0.iter().take_while(|&&entry| entry > 0).map(|entry| entry - 1)
     }
 
     /// The bodies after going into `object`. Going in twice counts once (coincident faces of one mesh).
     #[must_use]
-    pub fn entered(mut self, object: u32, rank: Rank) -> Self {
-        if self.objects[..self.depth].contains(&object) {
+    pub fn entered(mut self, object: u32) -> Self {
+        if self.contains(object) {
             return self;
         }
-        if self.depth == MAX_NESTING {
-            self.objects.copy_within(1.., 0);
-            self.ranks.copy_within(1.., 0);
-            self.depth -= 1;
+        let depth = self.bodies().count();
+        if depth == MAX_NESTING {
+            self.0.copy_within(1.., 0);
         }
-        self.objects[self.depth] = object;
-        self.ranks[self.depth] = rank;
-        self.depth += 1;
+        self.0[depth.min(MAX_NESTING - 1)] = object + 1;
         self
     }
 
     /// The bodies after coming out of `object`; leaving what was never entered changes nothing.
     #[must_use]
     pub fn left(mut self, object: u32) -> Self {
-        if let Some(level) = self.objects[..self.depth].iter().position(|&o| o == object) {
-            self.objects.copy_within(level + 1..self.depth, level);
-            self.ranks.copy_within(level + 1..self.depth, level);
-            self.depth -= 1;
-            // What is beyond the depth stays 0, so that equal nestings compare equal.
-            self.objects[self.depth] = 0;
-            self.ranks[self.depth] = Rank::default();
+        let level = self.bodies().position(|body| body == object);
+        if let Some(level) = level {
+            self.0.copy_within(level + 1.., level);
+            self.0[MAX_NESTING - 1] = 0;
         }
         self
     }
 
     /// Whether `object` is among the bodies.
     pub fn contains(&self, object: u32) -> bool {
-        self.objects[..self.depth].contains(&object)
+        self.bodies().any(|body| body == object)
     }
 
     /// Whether no body is around: the air.
+    #[inline]
     pub fn is_air(&self) -> bool {
-        self.depth == 0
+        self.0[0] == 0
     }
 }
 
@@ -95,38 +86,41 @@ impl Interior {
 mod tests {
     use super::*;
 
-    fn glass_of(priority: i32) -> Rank {
-        Rank { priority, refracts: true }
+    /// Glass whose bodies have these priorities.
+    fn glass(priorities: &[i32]) -> impl Fn(u32) -> Rank {
+        |object| Rank { priority: priorities[object as usize], refracts: true }
     }
 
     #[test]
     fn the_highest_priority_rules_and_ties_go_to_the_innermost() {
-        let glass = Interior::AIR.entered(1, glass_of(0));
-        assert_eq!(glass.ruler(), Some(1));
-        assert_eq!(glass.entered(2, glass_of(0)).ruler(), Some(2), "ties go to the innermost");
-        assert_eq!(glass.entered(3, glass_of(-1)).ruler(), Some(1), "a lower priority does not show inside");
-        let ice = glass.entered(2, glass_of(0)).entered(4, glass_of(5)).entered(5, glass_of(1));
-        assert_eq!(ice.ruler(), Some(4));
-        assert_eq!(ice.left(4).ruler(), Some(5));
-        assert_eq!(ice.left(4).left(5).left(2), glass);
-        assert_eq!(glass.left(7), glass);
+        let ruler = |interior: Interior| interior.ruler(glass(&[0, 0, 0, -1, 5, 1]));
+        let within = Interior::AIR.entered(1);
+        assert_eq!(ruler(within), Some(1));
+        assert_eq!(ruler(within.entered(2)), Some(2), "ties go to the innermost");
+        assert_eq!(ruler(within.entered(3)), Some(1), "a lower priority does not show inside");
+        let ice = within.entered(2).entered(4).entered(5);
+        assert_eq!(ruler(ice), Some(4));
+        assert_eq!(ruler(ice.left(4)), Some(5));
+        assert_eq!(ice.left(4).left(5).left(2), within);
+        assert_eq!(within.left(7), within);
     }
 
     #[test]
     fn smoke_fills_a_place_and_leaves_its_index_alone() {
-        let smoke = Rank { priority: 0, refracts: false };
-        let water = Interior::AIR.entered(1, glass_of(0));
-        let smoky = water.entered(2, smoke);
-        assert_eq!((smoky.ruler(), smoky.filler()), (Some(1), Some(2)));
-        let around = Interior::AIR.entered(2, smoke);
-        assert_eq!((around.ruler(), around.filler()), (None, Some(2)));
-        assert_eq!(around.entered(1, glass_of(0)).filler(), Some(1), "glass in smoke is clear");
+        let rank = |object| Rank { priority: 0, refracts: object == WATER };
+        const WATER: u32 = 1;
+        const SMOKE: u32 = 2;
+        let smoky = Interior::AIR.entered(WATER).entered(SMOKE);
+        assert_eq!((smoky.ruler(rank), smoky.filler(rank)), (Some(WATER), Some(SMOKE)));
+        let around = Interior::AIR.entered(SMOKE);
+        assert_eq!((around.ruler(rank), around.filler(rank)), (None, Some(SMOKE)));
+        assert_eq!(around.entered(WATER).filler(rank), Some(WATER), "water in smoke is clear");
     }
 
     #[test]
     fn nesting_beyond_the_limit_forgets_the_outermost() {
-        let deep = (0..20).fold(Interior::AIR, |inside, object| inside.entered(object, glass_of(0)));
-        assert_eq!(deep.ruler(), Some(19));
+        let deep = (0..20).fold(Interior::AIR, Interior::entered);
+        assert_eq!(deep.ruler(glass(&[0; 20])), Some(19));
         assert!(!deep.contains(0) && deep.contains(12));
     }
 }

@@ -234,24 +234,52 @@ impl Scene {
     pub fn across(&self, interior: &Interior, ray: &Ray, hit: &Hit) -> Interior {
         match self.body_of(hit.object) {
             None => *interior,
-            Some(body) if ray.direction.dot(hit.normal) < 0.0 => interior.entered(hit.object, body.rank()),
+            Some(_) if ray.direction.dot(hit.normal) < 0.0 => interior.entered(hit.object),
             Some(_) => interior.left(hit.object),
         }
     }
 
+    /// The same, if the face shows: one inside a body of higher priority, which rules on both its sides, does not.
+    #[inline]
+    pub fn other_side(&self, interior: &Interior, ray: &Ray, hit: &Hit) -> Option<Interior> {
+        if self.body_of(hit.object).is_none() {
+            return Some(*interior);
+        }
+        let there = self.across(interior, ray, hit);
+        (self.ruler(&there) != self.ruler(interior)).then_some(there)
+    }
+
+    /// The object whose refractive index rules inside these bodies; `None` is the air.
+    pub fn ruler(&self, interior: &Interior) -> Option<u32> {
+        interior.ruler(|object| self.rank(object))
+    }
+
+    /// The body that fills the place inside these bodies, with a surface of its own or without; `None` is the air.
+    fn filler(&self, interior: &Interior) -> Option<&Body> {
+        interior.filler(|object| self.rank(object)).and_then(|object| self.body_of(object))
+    }
+
+    fn rank(&self, object: u32) -> Rank {
+        self.body_of(object).map(Body::rank).unwrap_or_default()
+    }
+
     /// The refractive index that rules inside these bodies.
+    #[inline]
     pub fn index_in(&self, interior: &Interior) -> &Index {
-        let body = interior.ruler().and_then(|object| self.body_of(object));
+        if interior.is_air() {
+            return &self.air;
+        }
+        let body = self.ruler(interior).and_then(|object| self.body_of(object));
         body.and_then(|body| body.index.as_ref()).unwrap_or(&self.air)
     }
 
     /// The absorption that rules inside these bodies.
     pub fn absorption_in(&self, interior: &Interior) -> Option<&Spectrum> {
-        interior.filler().and_then(|object| self.body_of(object)).and_then(|body| body.absorption.as_ref())
+        self.filler(interior).and_then(|body| body.absorption.as_ref())
     }
 
     /// The number of the medium inside these bodies.
     pub fn medium_in(&self, interior: &Interior) -> Option<usize> {
-        interior.filler().and_then(|object| self.body_of(object)).and_then(|body| body.medium)
+        self.filler(interior).and_then(|body| body.medium)
     }
 }

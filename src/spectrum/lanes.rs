@@ -30,11 +30,13 @@ impl Wavelengths {
     }
 
     /// The wavelength that decides where the path goes.
+    #[inline]
     pub fn hero(&self) -> f64 {
         self.nm[0]
     }
 
     /// The values of `f` at the wavelengths in use.
+    #[inline]
     pub fn each(&self, mut f: impl FnMut(f64) -> f64) -> Lanes {
         let mut values = [0.0; LANES];
         self.active().iter().zip(&mut values).for_each(|(&nm, value)| *value = f(nm));
@@ -42,6 +44,7 @@ impl Wavelengths {
     }
 
     /// The wavelengths in use.
+    #[inline]
     pub fn active(&self) -> &[f64] {
         &self.nm[..self.count]
     }

@@ -1,5 +1,6 @@
 //! A ray's way to the next surface that matters to it.
 
+use super::scatter::Scattered;
 use super::stretch::{Stretch, stretches};
 use crate::math::frame::Frame;
 use crate::optics::surface::{Event, Sides, Surface};
@@ -52,12 +53,26 @@ pub struct Encounter<'a> {
 pub type Leg<'a> = ControlFlow<(), Option<Encounter<'a>>>;
 
 /// Follows the ray to the next surface that matters; `None` where it leaves the scene. `component` draws the component of mixed surfaces.
+/// What lies between surfaces is not looked at.
+#[inline]
 pub fn next<'a>(scene: &'a Scene, start: Start, component: &mut f64) -> Option<Encounter<'a>> {
-    travel(scene, start, component, |_| ControlFlow::Continue(())).continue_value().flatten()
+    let Start { mut ray, mut from, mut interior } = start;
+    let (mut distance, mut crossed_hidden) = (0.0, false);
+    loop {
+        let hit = scene.geometry.intersect(&ray, from, f64::INFINITY)?;
+        distance += hit.t;
+        let Some(there) = scene.other_side(&interior, &ray, &hit) else {
+            (ray.origin, from, crossed_hidden) = (hit.position, Some(hit.surface), true);
+            interior = scene.across(&interior, &ray, &hit);
+            continue;
+        };
+        let mut encounter = Encounter::new(scene, ray.direction, hit, (interior, there), component);
+        (encounter.distance, encounter.crossed_hidden) = (distance, crossed_hidden);
+        return Some(encounter);
+    }
 }
 
-/// The same with a look at every stretch of the way, from one body into the next; the way ends where `along` breaks it off. Faces inside a
-/// body of higher priority (the same body rules on both sides) are passed without an event.
+/// The same with a look at every stretch of the way, from one body into the next; the way ends where `along` breaks it off.
 pub fn travel<'a>(
     scene: &'a Scene,
     start: Start,
@@ -75,22 +90,19 @@ pub fn travel<'a>(
             return ControlFlow::Continue(None);
         };
         distance += hit.t;
-        let object = hit.object;
-        let there = scene.across(&interior, &ray, &hit);
-        let unseen = scene.body_of(object).is_some() && there.ruler() == interior.ruler();
-        if unseen {
-            ray.origin = hit.position;
-            from = Some(hit.surface);
-            interior = there;
-            crossed_hidden = true;
+        let Some(there) = scene.other_side(&interior, &ray, &hit) else {
+            (ray.origin, from, crossed_hidden) = (hit.position, Some(hit.surface), true);
+            interior = scene.across(&interior, &ray, &hit);
             continue;
-        }
-        let encounter = Encounter::new(scene, ray.direction, hit, (interior, there), component);
-        return ControlFlow::Continue(Some(Encounter { distance, crossed_hidden, ..encounter }));
+        };
+        let mut encounter = Encounter::new(scene, ray.direction, hit, (interior, there), component);
+        (encounter.distance, encounter.crossed_hidden) = (distance, crossed_hidden);
+        return ControlFlow::Continue(Some(encounter));
     }
 }
 
 impl<'a> Encounter<'a> {
+    #[inline]
     fn new(
         scene: &'a Scene,
         incoming: DVec3,
@@ -118,35 +130,44 @@ impl<'a> Encounter<'a> {
         }
     }
 
-    /// The same encounter seen with the geometric normal, for scattered directions that an interpolated normal sends to the
-    /// wrong side of the surface.
-    #[must_use]
-    pub(super) fn with_true_normal(&self) -> Self {
+    /// The frame of the geometric normal, for scattered directions that an interpolated normal sends to the wrong side of the surface,
+    /// and the direction back along the path in it.
+    pub(super) fn seen_truly(&self) -> (Frame, DVec3) {
         let frame = Frame::new(self.hit.normal);
-        Self { frame, wo: frame.to_local(-self.incoming), ..*self }
+        (frame, frame.to_local(-self.incoming))
     }
 
     /// Where a ray from here towards `direction` starts.
+    #[inline]
     pub fn leave(&self, direction: DVec3, interior: Interior) -> Start {
         Start { ray: Ray { origin: self.hit.position, direction }, from: Some(self.hit.surface), interior }
     }
 
     /// Whether `direction` leads back to the side from which the path came.
+    #[inline]
     pub fn leads_back(&self, direction: DVec3) -> bool {
         direction.dot(self.hit.normal) * self.incoming.dot(self.hit.normal) < 0.0
     }
 
     /// Whether a scattered direction leads to the side that its event says.
+    #[inline]
     pub fn agrees(&self, direction: DVec3, event: Event) -> bool {
         self.leads_back(direction) == (event == Event::Reflection)
     }
 
     /// The bodies around a ray after this event.
+    #[inline]
     pub fn interior_after(&self, event: Event) -> Interior {
         match event {
             Event::Reflection => self.here,
             Event::Transmission => self.there,
         }
+    }
+
+    /// Where the way after a scattering event here starts.
+    #[inline]
+    pub fn after(&self, scattered: &Scattered) -> Start {
+        self.leave(scattered.direction, self.interior_after(scattered.event))
     }
 
     /// The refractive indices seen from the side to which `direction` leads.
@@ -167,6 +188,7 @@ impl<'a> Encounter<'a> {
 
     /// The correction of a photon's power where the shading normal differs from the true one (Veach 1997, eq. 5.19):
     /// |ω_i·n_s||ω_o·n_g| / (|ω_i·n_g||ω_o·n_s|), ω_i towards the light, ω_o towards the camera.
+    #[inline]
     pub fn adjoint_correction(&self, to_light: DVec3, to_camera: DVec3) -> f64 {
         let n_s = self.frame.to_world(DVec3::Z);
         let n_g = self.hit.normal;

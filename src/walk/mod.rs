@@ -10,7 +10,7 @@ mod tally;
 
 pub use encounter::{Encounter, Leg, Start, next, travel};
 pub use passage::{Passage, Passages, passages, passages_tracked, product as passes};
-pub use scatter::{Scattered, draw_consistently, scatter};
+pub use scatter::{Drawn, Scattered, draw_consistently, scatter};
 pub use sink::Sink;
 pub use stretch::{Stretch, stretches};
 pub use tally::Tally;

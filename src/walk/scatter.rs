@@ -3,10 +3,10 @@
 //! All wavelengths of a path go the same way until a refraction sends each its own way: then the path keeps one of them.
 
 use super::encounter::Encounter;
+use crate::math::frame::Frame;
 use crate::math::random::Stream;
 use crate::optics::fresnel;
 use crate::optics::surface::{Event, Scatter, Surface, Transport};
-use crate::scene::interior::Interior;
 use crate::spectrum::{LANES, Lanes, Wavelengths};
 use glam::DVec3;
 
@@ -15,8 +15,6 @@ use glam::DVec3;
 pub struct Scattered {
     /// The new direction, unit.
     pub direction: DVec3,
-    /// The bodies around the new ray.
-    pub interior: Interior,
     /// Factor on each wavelength's power or radiance; that of lanes given up is 0.
     pub weight: Lanes,
     /// The share of each wavelength's power that this event absorbed.
@@ -32,45 +30,27 @@ pub struct Scattered {
 }
 
 /// Scatters a path with these wavelengths; `None` where it ends (an absorber).
+#[inline]
 pub fn scatter(
     encounter: &Encounter<'_>,
     wavelengths: &Wavelengths,
     transport: Transport,
     stream: &mut Stream,
 ) -> Option<Scattered> {
-    let disperses = encounter.sides.here.is_dispersive() || encounter.sides.there.is_dispersive();
-    let several = wavelengths.count > 1;
-    match encounter.surface {
-        Surface::Dielectric(dielectric) if several && disperses => {
-            if !dielectric.is_rough() {
-                split_at_dispersive_interface(encounter, wavelengths, transport, stream)
-            } else {
-                // The rough interface's facets send each wavelength its own way: choose the wavelength first.
-                let kept = ((stream.uniform() * LANES as f64) as usize).min(wavelengths.count - 1);
-                let single = Wavelengths::single(wavelengths.nm[kept]);
-                let one = scatter_together(encounter, &single, transport, stream)?;
-                let spread = |value: f64| lane(kept, value * wavelengths.count as f64);
-                Some(Scattered {
-                    weight: spread(one.weight[0]),
-                    absorbed: spread(one.absorbed[0]),
-                    kept: Some(kept),
-                    ..one
-                })
-            }
-        }
-        Surface::Absorber
-        | Surface::Diffuse(_)
-        | Surface::Translucent(_)
-        | Surface::Mirror(_)
-        | Surface::Conductor(_)
-        | Surface::Dielectric(_)
-        | Surface::ThinDielectric(_)
-        | Surface::Glossy(_)
-        | Surface::Mix(_) => scatter_together(encounter, wavelengths, transport, stream),
+    if let Surface::Dielectric(dielectric) = encounter.surface
+        && wavelengths.count > 1
+        && (encounter.sides.here.is_dispersive() || encounter.sides.there.is_dispersive())
+    {
+        return match dielectric.is_rough() {
+            false => split_at_dispersive_interface(encounter, wavelengths, transport, stream),
+            true => split_at_dispersive_facets(encounter, wavelengths, transport, stream),
+        };
     }
+    scatter_together(encounter, wavelengths, transport, stream)
 }
 
 /// One direction for all wavelengths, drawn for the hero.
+#[inline]
 fn scatter_together(
     encounter: &Encounter<'_>,
     wavelengths: &Wavelengths,
@@ -78,9 +58,9 @@ fn scatter_together(
     stream: &mut Stream,
 ) -> Option<Scattered> {
     let u = stream.triple();
-    let draw = |e: &Encounter<'_>| e.surface.sample(e.wo, e.sides, wavelengths.hero(), transport, u);
-    let (encounter, drawn) = draw_consistently(encounter, draw)?;
-    let (surface, wo, sides) = (encounter.surface, encounter.wo, encounter.sides);
+    let (surface, sides) = (encounter.surface, encounter.sides);
+    let Drawn { frame, wo, scatter: drawn } =
+        draw_consistently(encounter, |wo| surface.sample(wo, sides, wavelengths.hero(), transport, u))?;
     let mut weight = [0.0; LANES];
     let mut absorbed = [0.0; LANES];
     for (k, &nm) in wavelengths.active().iter().enumerate() {
@@ -88,8 +68,7 @@ fn scatter_together(
         absorbed[k] = surface.absorbed(wo, &drawn, sides, nm);
     }
     Some(Scattered {
-        direction: encounter.frame.to_world(drawn.wi),
-        interior: encounter.interior_after(drawn.event),
+        direction: frame.to_world(drawn.wi),
         weight,
         absorbed,
         kept: None,
@@ -97,6 +76,21 @@ fn scatter_together(
         pdf: if drawn.delta { 0.0 } else { drawn.probability },
         event: drawn.event,
     })
+}
+
+/// A rough interface of dispersive media: its facets send each wavelength its own way, so one is chosen beforehand.
+#[inline(never)]
+fn split_at_dispersive_facets(
+    encounter: &Encounter<'_>,
+    wavelengths: &Wavelengths,
+    transport: Transport,
+    stream: &mut Stream,
+) -> Option<Scattered> {
+    let kept = ((stream.uniform() * LANES as f64) as usize).min(wavelengths.count - 1);
+    let single = Wavelengths::single(wavelengths.nm[kept]);
+    let one = scatter_together(encounter, &single, transport, stream)?;
+    let spread = |value: f64| lane(kept, value * wavelengths.count as f64);
+    Some(Scattered { weight: spread(one.weight[0]), absorbed: spread(one.absorbed[0]), kept: Some(kept), ..one })
 }
 
 /// A smooth interface of dispersive media. Reflection keeps all wavelengths and is chosen by their mean reflectance F̄ (weights F/F̄
@@ -119,7 +113,6 @@ fn split_at_dispersive_interface(
         let mean = reflectance.iter().sum::<f64>() / count;
         let base = Scattered {
             direction: encounter.frame.to_world(DVec3::new(-wo.x, -wo.y, wo.z)),
-            interior: encounter.here,
             weight: reflectance.map(|f| f / mean),
             absorbed: [0.0; LANES],
             kept: None,
@@ -140,7 +133,6 @@ fn split_at_dispersive_interface(
         };
         Some(Scattered {
             direction: encounter.frame.to_world(refracted),
-            interior: encounter.there,
             weight: lane(kept, count * scale),
             kept: Some(kept),
             event: Event::Transmission,
@@ -158,18 +150,28 @@ fn draw_transmitted(reflectance: &[f64], mut rest: f64) -> Option<usize> {
     drawn.or_else(|| reflectance.iter().rposition(|&f| f < 1.0))
 }
 
+/// A way on from a surface, in the frame in which it was drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct Drawn {
+    /// The frame.
+    pub frame: Frame,
+    /// The direction back along the path, in the frame.
+    pub wo: DVec3,
+    /// The way on.
+    pub scatter: Scatter,
+}
+
 /// Draws in the frame of the shading normal; where that would send a reflected ray through the surface, or hold a transmitted one
-/// back, again in the frame of the true normal. Returns the encounter with the frame that counts.
-pub fn draw_consistently<'a>(
-    encounter: &Encounter<'a>,
-    draw: impl Fn(&Encounter<'a>) -> Option<Scatter>,
-) -> Option<(Encounter<'a>, Scatter)> {
-    let drawn = draw(encounter)?;
-    if encounter.agrees(encounter.frame.to_world(drawn.wi), drawn.event) {
-        return Some((*encounter, drawn));
+/// back, again in the frame of the true normal.
+#[inline]
+pub fn draw_consistently(encounter: &Encounter<'_>, draw: impl Fn(DVec3) -> Option<Scatter>) -> Option<Drawn> {
+    let Encounter { frame, wo, .. } = *encounter;
+    let scatter = draw(wo)?;
+    if encounter.agrees(frame.to_world(scatter.wi), scatter.event) {
+        return Some(Drawn { frame, wo, scatter });
     }
-    let true_encounter = encounter.with_true_normal();
-    draw(&true_encounter).map(|drawn| (true_encounter, drawn))
+    let (frame, wo) = encounter.seen_truly();
+    draw(wo).map(|scatter| Drawn { frame, wo, scatter })
 }
 
 /// The same for an event that has been worked out for all wavelengths.
@@ -181,7 +183,8 @@ fn with_consistent_normal<'a>(
     if encounter.agrees(scattered.direction, scattered.event) {
         Some(scattered)
     } else {
-        scatter(&encounter.with_true_normal())
+        let (frame, wo) = encounter.seen_truly();
+        scatter(&Encounter { frame, wo, ..*encounter })
     }
 }
 

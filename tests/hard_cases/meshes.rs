@@ -8,7 +8,7 @@ use abbe::math::random::{Purpose, Stream};
 use abbe::math::warp;
 use abbe::optics::surface::Transport;
 use abbe::scene::geometry::{Geometry, Ray};
-use abbe::scene::interior::{Interior, Rank};
+use abbe::scene::interior::Interior;
 use abbe::scene::mesh::TriangleMesh;
 use abbe::scene::resolve::resolve;
 use abbe::scene::shape::{Placed, Shape};
@@ -106,8 +106,7 @@ pub(crate) fn leaks(raw: &Raw, at: At, rays: u64) -> f64 {
             (false, _) => warp::sphere(stream.pair()) * (3.0 * reach),
         };
         let ray = Ray::new(from, (target - from).normalize());
-        let interior =
-            if within { Interior::AIR.entered(0, Rank { priority: 0, refracts: true }) } else { Interior::AIR };
+        let interior = if within { Interior::AIR.entered(0) } else { Interior::AIR };
         let mut start = Start { ray, from: None, interior };
         for _ in 0..LONGEST {
             let Some(encounter) = next(&scene, start, &mut 0.0) else { return !start.interior.is_air() };
@@ -118,7 +117,7 @@ pub(crate) fn leaks(raw: &Raw, at: At, rays: u64) -> f64 {
             let Some(way) = scatter(&encounter, &Wavelengths::single(550.0), Transport::Importance, &mut stream) else {
                 return true;
             };
-            start = encounter.leave(way.direction, way.interior);
+            start = encounter.after(&way);
         }
         false
     };

@@ -85,10 +85,10 @@ pub(crate) fn wrong_sides(bodies: &[Placed], paths: u64) -> f64 {
             let middle = 0.5 * (start.ray.origin + encounter.hit.position) + scene.centre;
             let sure = bodies.iter().all(|(body, _)| body.outside(middle).abs() > 1e-13);
             let truth = bodies.iter().rposition(|(body, _)| body.outside(middle) < 0.0).map(|index| index as u32);
-            wrong += u64::from(sure && encounter.here.ruler() != truth);
+            wrong += u64::from(sure && scene.ruler(&encounter.here) != truth);
             events += 1;
             let Some(scattered) = scatter(&encounter, &sodium, Transport::Importance, &mut stream) else { break };
-            start = encounter.leave(scattered.direction, scattered.interior);
+            start = encounter.after(&scattered);
             if events == 40 {
                 break;
             }

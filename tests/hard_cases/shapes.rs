@@ -162,7 +162,7 @@ fn undetected() -> f64 {
 
 /// Rays that pass a cube whose triangles all stand twice, as paths of light would, and do not end in air.
 fn doubled() -> f64 {
-    use abbe::scene::interior::{Interior, Rank};
+    use abbe::scene::interior::Interior;
     let (corners, triangles) = cube();
     let both = [&triangles[..], &triangles[..]].concat();
     let geometry = alone(Shape::Mesh(Arc::new(TriangleMesh::new(corners, None, None, both).unwrap())));
@@ -173,8 +173,7 @@ fn doubled() -> f64 {
         let mut interior = Interior::AIR;
         geometry.for_each_hit(&ray, None, |hit| {
             let enters = ray.direction.dot(hit.normal) < 0.0;
-            interior =
-                if enters { interior.entered(0, Rank { priority: 0, refracts: true }) } else { interior.left(0) };
+            interior = if enters { interior.entered(0) } else { interior.left(0) };
         });
         !interior.is_air()
     };

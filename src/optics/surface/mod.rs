@@ -207,6 +207,7 @@ impl Surface {
     }
 
     /// How it spreads light; of a mixture, the widest of its components' classes.
+    #[inline]
     pub fn class(&self) -> Class {
         match self {
             Self::Absorber => Class::Absorbing,
@@ -248,6 +249,7 @@ impl Surface {
 
     /// The component that a path meets: of a mixture, one drawn by weight, of any other surface the surface itself.
     /// `u` in \[0, 1) decides, and is stretched back to \[0, 1) to be used again.
+    #[inline]
     pub fn pick(&self, u: &mut f64) -> &Self {
         match self {
             Self::Mix(mix) => &mix.components()[mix.draw(u)],
@@ -284,6 +286,7 @@ impl Surface {
     ///
     /// A mixture first picks a component by `u[2]`, and its scatter keeps that component's probability. No surface here draws
     /// otherwise for radiance than for power; the argument stands in the signature for one that would.
+    #[inline]
     pub fn sample(&self, wo: DVec3, sides: Sides<'_>, nm: f64, _transport: Transport, u: [f64; 3]) -> Option<Scatter> {
         self.draw(wo, sides, nm, u)
     }

@@ -26,7 +26,7 @@ use super::interior::Interior;
 use super::light::{Emitter, Light};
 use super::motion::Motions;
 use super::shape::Placed;
-use super::{Body, Material, Object, Scene, Settings};
+use super::{Material, Object, Scene, Settings};
 use crate::error::{Error, Result};
 use crate::optics::glass::Index;
 use crate::spectrum::Spectrum;
@@ -234,9 +234,7 @@ impl Scene {
         self.boundaries.for_each_hit(&ray, None, &mut count);
         open.retain(|&(_, balance, _)| balance > 0);
         open.sort_by(|a, b| b.2.total_cmp(&a.2));
-        open.iter().fold(Interior::AIR, |interior, &(object, _, _)| {
-            interior.entered(object, self.body_of(object).map(Body::rank).unwrap_or_default())
-        })
+        open.iter().fold(Interior::AIR, |interior, &(object, _, _)| interior.entered(object))
     }
 }
 
