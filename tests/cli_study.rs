@@ -11,15 +11,13 @@ mod signal;
 mod study_scene;
 
 use cli_common::{Said, abbe, command};
-use folder::names_in;
+use folder::{names_in, with_ball};
 use serde_json::Value;
 use std::path::Path;
 use tempfile::TempDir;
 
 fn scene() -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    study_scene::write(folder.path());
-    folder
+    with_ball(study_scene::SCENE)
 }
 
 fn study(folder: &Path, more: &[&str]) -> Said {

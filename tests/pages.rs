@@ -92,7 +92,7 @@ fn a_page_that_asks_for_anything_or_fails_is_found_out() {
 /// The page of a study.
 fn study_page() -> String {
     let folder = tempfile::tempdir().unwrap();
-    study_scene::write(folder.path());
+    std::fs::write(folder.path().join("ball.json"), study_scene::SCENE).unwrap();
     let arguments = ["study", "ball.json", "-o", "out", "--budget", "1s", "--quiet"];
     let status =
         Command::new(env!("CARGO_BIN_EXE_abbe")).current_dir(folder.path()).args(arguments).output().unwrap().status;

@@ -8,7 +8,7 @@ use abbe::output::exr::read;
 use abbe::output::metadata::names;
 use abbe::render::{Integrator, Job, Monitor, Progress, on_threads};
 use abbe::scene::resolve::resolve;
-use abbe::study::report::Report;
+use abbe::study::report::{Report, theory, title_of};
 use abbe::study::{self, Audience, Ending, Options, PAGE, Subject};
 
 use super::progress::{Display, percent, time};
@@ -102,11 +102,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 
 /// What was found, in short.
 fn text(report: &Report) -> String {
-    let mut text = format!("{:<34} {:>10} {:>10}\n", "slope of the error (smooth regions)", "fitted", "theory");
+    let mut text = format!("{:<20} {:>16} {:>16}\n", "slope of the error", "fitted", "theory");
     for curve in &report.curves {
         let fitted =
             curve.fit.map_or("none".to_string(), |fit| format!("{:.2} ± {:.2}", fit.slope, fit.standard_error));
-        text += &format!("  {:<32} {fitted:>10} {:>10.2}\n", curve.integrator, curve.slope_in_theory());
+        text += &format!("  {:<18} {fitted:>16} {:>16}\n", title_of(curve.integrator), theory(curve));
     }
     text += "\nerror wanted (relative MSE) → time on this machine\n";
     for row in &report.wanted {

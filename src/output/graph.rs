@@ -45,7 +45,7 @@ pub struct Graph {
 
 /// Small enough for its letters to be read on a phone.
 const SIZE: (f64, f64) = (640.0, 460.0);
-const LEFT: f64 = 78.0;
+const LEFT: f64 = 92.0;
 const RIGHT: f64 = 18.0;
 const TOP: f64 = 46.0;
 const BOTTOM: f64 = 62.0;
@@ -93,12 +93,17 @@ fn label(value: f64) -> String {
     }
     let exponent = (value.log10() + 1e-9).floor();
     let digit = (value / 10.0_f64.powf(exponent)).round();
+    let power = power_of_ten(exponent as i32);
+    if digit == 1.0 { power } else { format!("{digit}·{power}") }
+}
+
+/// A power of ten as it is printed, such as 10⁻⁴.
+pub fn power_of_ten(exponent: i32) -> String {
     let small = |c: char| match c {
         '-' => '⁻',
         _ => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][c.to_digit(10).unwrap_or(0) as usize],
     };
-    let power: String = format!("{exponent}").chars().map(small).collect();
-    if digit == 1.0 { format!("10{power}") } else { format!("{digit}·10{power}") }
+    format!("10{}", exponent.to_string().chars().map(small).collect::<String>())
 }
 
 impl Graph {
@@ -150,8 +155,8 @@ impl Graph {
         let (x, y, name) = (0.5 * (LEFT + right), SIZE.1 - 14.0, escaped(&self.across));
         append(&mut svg, format_args!("<text x=\"{x}\" y=\"{y}\" text-anchor=\"middle\">{name}</text>\n"));
         let (y, name) = (0.5 * (TOP + foot), escaped(&self.up));
-        let turned = format!("transform=\"rotate(-90 18 {y})\"");
-        append(&mut svg, format_args!("<text x=\"18\" y=\"{y}\" text-anchor=\"middle\" {turned}>{name}</text>\n"));
+        let turned = format!("transform=\"rotate(-90 17 {y})\"");
+        append(&mut svg, format_args!("<text x=\"17\" y=\"{y}\" text-anchor=\"middle\" {turned}>{name}</text>\n"));
         svg
     }
 

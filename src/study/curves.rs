@@ -3,6 +3,7 @@
 use super::course::{Done, Order, Point, Workshop};
 use super::fit::Fit;
 use super::reference::Estimate;
+use super::report::title_of;
 use super::truth::Truth;
 use super::{Halt, SHARES};
 use crate::plan::{CausticPlan, IndirectPlan, Plan, VolumePlan};
@@ -53,7 +54,7 @@ impl Curve {
         budget: f64,
     ) -> Result<[Self; 2], Halt> {
         let mut one = |integrator: Integrator, share: f64, theory: Vec<Theory>| {
-            let words = format!("error against time, {} integrator", integrator.word());
+            let words = format!("error against time, {}", title_of(integrator.word()));
             let order = Order::new(&format!("curve-{}", integrator.word()), &words, share * budget).by(integrator);
             Ok::<Self, Halt>(Self::new(integrator, workshop.render(&order, truth.measure())?, theory))
         };
@@ -83,9 +84,12 @@ impl Curve {
         }
     }
 
-    /// The least steep of the estimators' slopes, which decides in the end.
-    pub fn slope_in_theory(&self) -> f64 {
-        self.theory.iter().map(|theory| theory.slope).fold(-1.0, f64::max)
+    /// The slopes of its estimators, each once, the least steep first: that one decides in the end.
+    pub fn slopes_in_theory(&self) -> Vec<f64> {
+        let mut slopes: Vec<f64> = self.theory.iter().map(|theory| theory.slope).collect();
+        slopes.sort_by(|a, b| b.total_cmp(a));
+        slopes.dedup();
+        slopes
     }
 }
 

@@ -1,6 +1,7 @@
 //! How large the pictures of a study are: as large as its budget allows.
 
 use super::course::{Order, Workshop};
+use super::report::title_of;
 use super::{Halt, SHARES};
 use crate::error::Error;
 use crate::render::{Integrator, Job, Stats};
@@ -66,12 +67,13 @@ impl StudyFilm {
         let mut pixels = own.pixels().min(MOST_PIXELS);
         for (integrator, passes) in [(Integrator::Photon, PHOTON_PASSES), (Integrator::Path, PATH_PASSES)] {
             let (name, words) =
-                (format!("rehearsal-{}", integrator.word()), format!("rehearsal, {}", integrator.word()));
+                (format!("rehearsal-{}", integrator.word()), format!("rehearsal, {}", title_of(integrator.word())));
             let order = Order::new(&name, &words, 1.0).by(integrator).to_passes(REHEARSED).changed(small.changes());
             let stats = workshop.render(&order, None)?.found.stats;
             let (fixed, gather) = pass_seconds(&stats);
-            let affordable = (half / passes - fixed) / gather.max(1e-9) * small.pixels();
-            pixels = pixels.min(affordable.max(LEAST_PIXELS));
+            // A film smaller than one whose camera paths take as long as all else would hardly save time.
+            let worth = (half / passes - fixed).max(fixed) / gather.max(1e-9) * small.pixels();
+            pixels = pixels.min(worth.max(LEAST_PIXELS));
         }
         Ok(own.of_pixels(pixels))
     }

@@ -34,6 +34,11 @@ impl Fit {
         Some(Self { slope, standard_error: (left / (count - 2.0) / spread).sqrt(), intercept, points: logs.len() })
     }
 
+    /// The exponent with its standard error.
+    pub fn words(&self) -> String {
+        format!("{:.2} ± {:.2}", self.slope, self.standard_error).replace('-', "−")
+    }
+
     /// The law's value.
     pub fn at(&self, x: f64) -> f64 {
         10.0_f64.powf(self.intercept + self.slope * x.log10())

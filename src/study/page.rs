@@ -5,7 +5,7 @@ use maud::{Markup, PreEscaped, html};
 use super::curves::Curve;
 use super::effects::{Cost, Effects, LeftOut, Without};
 use super::reference::Estimate;
-use super::report::{Report, signed, title_of};
+use super::report::{Report, signed, theory, title_of};
 use super::subject::Recipe;
 use super::truth::Truth;
 use super::{Point, SHARES};
@@ -13,6 +13,7 @@ use crate::error::Result;
 use crate::output::compare::{DeltaE, Selection};
 use crate::output::comparison_page::colour_differences;
 use crate::output::data_uri::data_uri;
+use crate::output::graph::power_of_ten;
 use crate::output::page::document;
 use crate::output::png::encode;
 use crate::render::{Integrator, Job};
@@ -186,7 +187,7 @@ fn curves(report: &Report) -> Markup {
                             tr {
                                 th scope="row" { (title_of(curve.integrator)) ", over passes" }
                                 td.number { strong { (slope(curve.fit)) } }
-                                td.number { (signed(curve.slope_in_theory())) }
+                                td.number { (theory(curve)) }
                             }
                             tr { th.soft scope="row" { "over seconds" } td.number { (slope(curve.fit_seconds)) } td {} }
                             @for theory in &curve.theory {
@@ -200,9 +201,10 @@ fn curves(report: &Report) -> Markup {
                         } @else {
                             "The picture has too few smooth regions: lines and slopes are those of the whole picture, where edges make kernels slower than theory says. "
                         }
-                        "Dashed: the slope of theory through the last point. Slopes are fitted by least squares to the logarithms, from 4 passes on, to "
+                        "Dashed: the slopes of theory, from the first point of the fit. Slopes are fitted by least squares to the logarithms, from 4 passes on, to "
                         "errors that stand three standard errors clear of the reference's noise; ± is the fit's standard error. "
-                        @if in_smooth { "Where several estimators add up, the least steep of them decides in the end. " }
+                        @if in_smooth { "Where several estimators add up, the least steep of them decides in the end; before, the noise of the others does, and even spreading of "
+                        "wavelengths and places makes that fall faster than 1/N. " }
                         "Against seconds the pilot counts too."
                     }
                 }
@@ -276,7 +278,8 @@ fn effects(report: &Report, pictures: &Pictures<'_>) -> Result<Markup> {
             p {
                 "Each effect that the scene calls for is left out in turn, for " (effects.passes) " passes of the same seed. With all of them these take "
                 (time(effects.with.seconds)) " and " (bytes(effects.with.memory_bytes)) ". Noise alone makes ΔE "
-                (format!("{:.2}", effects.noise_delta_e_2000.mean)) " and relMSE " (short(effects.noise_relative_mse)) " between two seeds."
+                (format!("{:.2}", effects.noise_delta_e_2000.mean)) " and relMSE " (short(effects.noise_relative_mse)) " between two seeds; pictures of the same seed share most of it, but where an effect gives random numbers another meaning (aim, dispersion) it "
+                "stays in the difference."
             }
             div.cards { @for card in &cards { (card) } }
             h3 { "Off in this scene" }
@@ -333,7 +336,6 @@ fn measured(effects: &Effects, cost: &Cost, (relative_mse, delta_e): (f64, &Delt
     let with = &effects.with;
     let share = 1.0 - cost.seconds / with.seconds;
     let change = if share >= 0.0 { format!("{} less", percent(share)) } else { format!("{} more", percent(-share)) };
-    let seen = delta_e.mean > 2.0 * effects.noise_delta_e_2000.mean || relative_mse > 2.0 * effects.noise_relative_mse;
     html! {
         table.figures { tbody {
             tr { th { "time" } td { (time(with.seconds)) " → " (time(cost.seconds)) " (" (change) ")" } }
@@ -341,7 +343,6 @@ fn measured(effects: &Effects, cost: &Cost, (relative_mse, delta_e): (f64, &Delt
             tr { th { "difference" } td { "ΔE " (format!("{:.2}", delta_e.mean)) ", 95 %: " (format!("{:.1}", delta_e.p95)) "; relMSE " (short(relative_mse)) } }
             tr { th { "error" } td { (typical(effects.wrong.value)) " → " (typical(wrong.value)) } }
         } }
-        @if !seen { p.soft { "No more than noise: it makes no light of its own." } }
     }
 }
 
@@ -356,7 +357,7 @@ fn method(report: &Report) -> Markup {
                 @match reference.origin {
                     "given" => { (reference.because) ". " }
                     origin => {
-                        (title_of(origin)) ", because " (reference.because) "; two halves with seeds of their own, " (reference.passes) " passes in "
+                        "by " (title_of(origin)) ": " (reference.because) "; two halves with seeds of their own, " (reference.passes) " passes in "
                         (time(reference.seconds)) ". "
                     }
                 }
@@ -396,7 +397,7 @@ fn shrunk(picture: &Picture) -> Picture {
 }
 
 fn slope(fit: Option<super::fit::Fit>) -> String {
-    fit.map_or("too few points".to_string(), |fit| format!("{} ± {:.2}", signed(fit.slope), fit.standard_error))
+    fit.map_or("too few points".to_string(), |fit| fit.words())
 }
 
 /// The square root of a relative mean square error, in percent.
@@ -411,11 +412,16 @@ fn percent(share: f64) -> String {
 
 /// A relative mean square error with two digits.
 fn short(relative_mse: f64) -> String {
-    match relative_mse {
-        value if !value.is_finite() => "unknown".to_string(),
-        value if value >= 0.1 => format!("{value:.2}"),
-        value if value >= 0.001 => format!("{value:.4}"),
-        value => format!("{value:.1e}").replace("e-", "·10⁻").replace('⁻', "⁻"),
+    if !relative_mse.is_finite() {
+        return "unknown".to_string();
+    }
+    let exponent = if relative_mse > 0.0 { relative_mse.log10().floor() as i32 } else { 0 };
+    let unit = 10.0_f64.powi(exponent - 1);
+    let digits = (relative_mse / unit).round();
+    if exponent >= -3 {
+        format!("{}", (digits * unit * 1e6).round() / 1e6)
+    } else {
+        format!("{}·{}", digits / 10.0, power_of_ten(exponent))
     }
 }
 

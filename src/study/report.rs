@@ -211,15 +211,19 @@ impl Report {
                 });
             }
             let fitted = certain(error_to_fit);
-            if let (Some(first), Some(last)) = (fitted.first(), fitted.last()) {
-                let points = vec![(first.0, last.1 * (first.0 / last.0).powf(curve.slope_in_theory())), *last];
+            for (slope, (first, last)) in fitted
+                .first()
+                .zip(fitted.last())
+                .into_iter()
+                .flat_map(|ends| curve.slopes_in_theory().into_iter().map(move |slope| (slope, ends)))
+            {
+                let points = vec![*first, (last.0, first.1 * (last.0 / first.0).powf(slope))];
                 series.push(Series { name: String::new(), look: Look::Dashed, colour, points });
             }
             let slope = curve
                 .fit
                 .map_or("no fit".to_string(), |fit| format!("{} ± {:.2}", signed(fit.slope), fit.standard_error));
-            let name =
-                format!("{}: slope {slope}, theory {}", title_of(curve.integrator), signed(curve.slope_in_theory()));
+            let name = format!("{}: slope {slope} (theory {})", title_of(curve.integrator), theory(curve));
             series.push(Series { name, look: Look::Line, colour, points: fitted });
         }
         Graph {
@@ -264,8 +268,13 @@ impl Report {
 }
 
 /// An integrator's name in words.
-pub(super) fn title_of(integrator: &str) -> &'static str {
+pub fn title_of(integrator: &str) -> &'static str {
     if integrator == "path" { "path tracer" } else { "photons" }
+}
+
+/// What theory says of a curve's slope: one number, or from where to where.
+pub fn theory(curve: &Curve) -> String {
+    curve.slopes_in_theory().into_iter().rev().map(signed).collect::<Vec<String>>().join(" to ")
 }
 
 /// Two decimals, with a true minus.

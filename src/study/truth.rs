@@ -5,6 +5,7 @@
 
 use super::course::{Done, Order, Workshop};
 use super::reference::{Reference, Wrong};
+use super::report::title_of;
 use super::{Halt, SHARES};
 use crate::render::{Integrator, Job};
 use crate::scene::facts::Facts;
@@ -84,7 +85,7 @@ impl Truth {
         };
         let narrow = (integrator == Integrator::Photon).then(|| narrow_kernels(written, job));
         let halves = HALVES.iter().zip(["one", "two"]).map(|(&offset, half)| {
-            let words = format!("reference by the {} integrator, half {half}", integrator.word());
+            let words = format!("reference by {}, half {half}", title_of(integrator.word()));
             let seconds = 0.5 * SHARES.reference * budget;
             let order = Order::new(&format!("reference-{half}"), &words, seconds).by(integrator);
             let order = order.changed([seed(job, offset)]).changed(narrow.clone());
@@ -155,7 +156,7 @@ fn try_both(workshop: &mut Workshop<'_>, job: &Job, budget: f64) -> Result<(Inte
     let mut pair = |integrator: Integrator| -> Result<Reference, Halt> {
         let mut one = |offset: u64, half: &str| {
             let name = format!("trial-{}-{half}", integrator.word());
-            let words = format!("trial of the {} integrator, {half}", integrator.word());
+            let words = format!("trial of {}, {half}", title_of(integrator.word()));
             let order = Order::new(&name, &words, seconds).by(integrator).changed([seed(job, offset)]);
             workshop.render(&order, None)
         };

@@ -3,6 +3,7 @@
 use super::course::Point;
 use super::curves::Curve;
 use super::film::StudyFilm;
+use super::fit::Fit;
 use super::subject::{Recipe, Subject};
 use super::sweep::{Pace, Sweep};
 use crate::render::Integrator;
@@ -38,20 +39,29 @@ struct Tried<'a> {
     recipe: Recipe,
     points: Vec<&'a Point>,
     pace: Pace,
-    /// The slope of its error in the end.
-    slope: f64,
+    /// The slope with which its error may be expected to fall on, if it falls.
+    slope: Option<f64>,
+}
+
+/// The slope of theory, or that of the last points if these fall more slowly; none if they hardly fall at all.
+fn slope_at_the_end(points: &[&Point], curve: &Curve) -> Option<f64> {
+    const LAST: usize = 4;
+    const LEAST: f64 = -0.3;
+    let last = points[points.len().saturating_sub(LAST)..].iter();
+    let fit = Fit::of(last.map(|point| (point.passes as f64, point.wrong.whole.value)))?;
+    (fit.slope < LEAST).then(|| curve.slopes_in_theory().into_iter().fold(fit.slope, f64::max))
 }
 
 /// Rows for all errors that can be told of.
 pub(super) fn table(subject: &Subject, film: &StudyFilm, curves: &[Curve; 2], sweep: &Sweep) -> Vec<Wanted> {
-    let slope = curves[0].slope_in_theory();
-    let photons = sweep.runs.iter().map(|run| (run.recipe(), &run.points, run.pace, slope));
+    let photons = sweep.runs.iter().map(|run| (run.recipe(), &run.points, run.pace, &curves[0]));
     let path = Recipe { integrator: Integrator::Path, change: None };
-    let path = (path, &curves[1].points, Pace::of(&curves[1].stats), curves[1].slope_in_theory());
+    let path = (path, &curves[1].points, Pace::of(&curves[1].stats), &curves[1]);
     let tried: Vec<Tried<'_>> = photons
         .chain([path])
-        .map(|(recipe, points, pace, slope)| {
-            let points = points.iter().filter(|point| point.wrong.whole.is_certain()).collect();
+        .map(|(recipe, points, pace, curve)| {
+            let points: Vec<&Point> = points.iter().filter(|point| point.wrong.whole.is_certain()).collect();
+            let slope = slope_at_the_end(&points, curve);
             Tried { recipe, points, pace, slope }
         })
         .collect();
@@ -97,7 +107,7 @@ impl Tried<'_> {
     /// The passes after which it would be reached, if it falls on as theory says.
     fn passes_beyond(&self, error: f64) -> Option<f64> {
         let last = self.points.last()?;
-        let more = (error / last.wrong.whole.value).powf(1.0 / self.slope);
+        let more = (error / last.wrong.whole.value).powf(1.0 / self.slope?);
         (more < FARTHEST).then(|| more * last.passes as f64)
     }
 }

@@ -1,7 +1,5 @@
 //! A glass ball over a floor, small enough to be studied in a moment.
 
-use std::path::Path;
-
 /// The scene; the lamp is a point, which no path of the path tracer can hit.
 pub(crate) const SCENE: &str = r#"{
   "title": "A ball & its <caustic>",
@@ -15,8 +13,3 @@ pub(crate) const SCENE: &str = r#"{
   "lights": [{"point": {"at": [1, 4, 1], "spectrum": "D65", "power": 20}}],
   "render": {"passes": 4, "photons": 500}
 }"#;
-
-/// Writes the scene as `ball.json`.
-pub(crate) fn write(folder: &Path) {
-    std::fs::write(folder.join("ball.json"), SCENE).expect("a folder to write to");
-}
