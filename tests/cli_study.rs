@@ -68,9 +68,14 @@ fn a_study_leaves_its_files_and_takes_up_what_is_there() {
     }
     let on: Vec<&str> =
         found["effects"]["on"].as_array().unwrap().iter().map(|on| on["name"].as_str().unwrap()).collect();
-    assert_eq!(on, ["dispersion", "caustics", "indirect", "direct", "aim"]);
-    let without_direct = &found["effects"]["on"][3]["left_out"]["measured"];
-    assert!(without_direct["delta_e_2000"]["mean"].as_f64().unwrap() > 1.0, "{without_direct}");
+    let plan = abbe(folder.path(), &["explain", "ball.json", "--json"]).json();
+    let planned = plan["effects"].as_array().unwrap().iter().filter(|effect| effect["state"] == "on");
+    let planned: Vec<&str> = planned.map(|effect| effect["name"].as_str().unwrap()).collect();
+    assert_eq!(on, planned);
+    let place = on.iter().position(|&name| name == "direct").unwrap();
+    let without_direct = &found["effects"]["on"][place]["left_out"]["measured"];
+    assert!(without_direct["delta_e_2000"]["mean"].as_f64().unwrap() > 5.0, "{without_direct}");
+    assert!(found["effects"]["wrong"]["value"].as_f64() < without_direct["wrong"]["value"].as_f64());
     assert!(without_direct["cost"]["memory_bytes"].as_u64().unwrap() > 0);
     assert!(!found["sweep"]["runs"].as_array().unwrap().is_empty() && found["sweep"]["runs"][0]["change"].is_null());
 

@@ -110,7 +110,7 @@ fn text(report: &Report) -> String {
     }
     text += "\nerror wanted (relative MSE) → time on this machine\n";
     for row in &report.wanted {
-        let seconds = Duration::try_from_secs_f64(row.seconds_own_film).unwrap_or_default();
+        let seconds = Duration::try_from_secs_f64(row.seconds_own_film.max(0.1)).unwrap_or_default();
         let guess = if row.extrapolated { " (extrapolated)" } else { "" };
         let typical = percent(row.relative_mse.sqrt());
         text += &format!("  {:<7} {typical:>7}  {:>12}  {}{guess}\n", row.relative_mse, time(seconds), row.command);

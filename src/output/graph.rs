@@ -44,7 +44,7 @@ pub struct Graph {
 }
 
 /// Small enough for its letters to be read on a phone.
-const SIZE: (f64, f64) = (640.0, 460.0);
+const SIZE: (f64, f64) = (580.0, 440.0);
 const LEFT: f64 = 92.0;
 const RIGHT: f64 = 18.0;
 const TOP: f64 = 46.0;

@@ -33,6 +33,9 @@ const PHOTON_PASSES: f64 = 200.0;
 /// … or so many of the path tracer.
 const PATH_PASSES: f64 = 64.0;
 
+/// Pilots may take this share of the sweep's time.
+const PILOT_SHARE: f64 = 0.3;
+
 /// Passes of a rehearsal.
 const REHEARSED: u64 = 2;
 
@@ -48,7 +51,7 @@ impl StudyFilm {
         workshop: &mut Workshop<'_>,
         job: &Job,
         given: Option<&Picture>,
-        budget: f64,
+        (budget, sweep_runs): (f64, usize),
     ) -> Result<Self, Halt> {
         let (own_width, own_height) = (job.scene.film.width, job.scene.film.height);
         let own = Self { width: own_width, height: own_height, own_width, own_height };
@@ -73,7 +76,10 @@ impl StudyFilm {
             let (fixed, gather) = pass_seconds(&stats);
             // A film smaller than one whose camera paths take as long as all else would hardly save time.
             let worth = (half / passes - fixed).max(fixed) / gather.max(1e-9) * small.pixels();
-            pixels = pixels.min(worth.max(LEAST_PIXELS));
+            // Every run of the sweep has a pilot of its own, which looks at every pixel.
+            let pilot = stats.seconds.pilot / PILOT_SHARE;
+            let piloted = SHARES.sweep * budget / sweep_runs as f64 / pilot.max(1e-9) * small.pixels();
+            pixels = pixels.min(worth.min(piloted).max(LEAST_PIXELS));
         }
         Ok(own.of_pixels(pixels))
     }

@@ -129,7 +129,7 @@ fn study(
     let shelf = Shelf::open(&options.folder)?;
     let mut workshop = Workshop { subject, shelf, audience, film: Vec::new(), step: (0, steps), spent: 0.0 };
 
-    let film = StudyFilm::choose(&mut workshop, &job, given.map(|(_, picture)| picture), budget)?;
+    let film = StudyFilm::choose(&mut workshop, &job, given.map(|(_, picture)| picture), (budget, changes.len()))?;
     workshop.film = film.changes();
     let truth = Truth::find(&mut workshop, (&written, &job), given, budget)?;
     let curves = Curve::of_both(&mut workshop, &job, &truth, budget)?;

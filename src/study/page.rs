@@ -45,11 +45,11 @@ impl<'a> Pictures<'a> {
         let reference = &truth.reference.picture;
         let exposure = exposure::automatic(reference, &development);
         let of_curve = |curve: &'a Curve| {
-            let name = format!("{}, {} passes", title_of(curve.integrator), curve.stats.passes);
+            let name = format!("{}, {}", title_of(curve.integrator), passes(curve.stats.passes));
             (name, &curve.picture)
         };
         let without = effects.on.iter().filter_map(|effect| {
-            Some((format!("without {}, {} passes", effect.name, effects.passes), effect.picture.as_ref()?))
+            Some((format!("without {}, {}", effect.name, passes(effects.passes)), effect.picture.as_ref()?))
         });
         let first = [("reference".to_string(), reference), of_curve(&curves[0]), of_curve(&curves[1])];
         Self { development, exposure, full: first.into_iter().chain(without).collect(), whole: &effects.picture }
@@ -216,9 +216,8 @@ fn curves(report: &Report) -> Markup {
 
 /// Says so where the path tracer's error has a floor.
 fn lost_light(report: &Report) -> Markup {
-    let misses = report.reference.because.contains("never finds");
-    html! { @if misses {
-        p.warning { "The path tracer's error cannot fall to zero here: " (report.reference.because) "." }
+    html! { @if let Some(reason) = &report.reference.out_of_reach {
+        p.warning { "The path tracer's error cannot fall to zero here: " (reason) "." }
     } }
 }
 
@@ -276,7 +275,7 @@ fn effects(report: &Report, pictures: &Pictures<'_>) -> Result<Markup> {
         section {
             h2 { "Effect by effect" }
             p {
-                "Each effect that the scene calls for is left out in turn, for " (effects.passes) " passes of the same seed. With all of them these take "
+                "Each effect that the scene calls for is left out in turn, for " (passes(effects.passes)) " of the same seed. With all of them these take "
                 (time(effects.with.seconds)) " and " (bytes(effects.with.memory_bytes)) ". Noise alone makes ΔE "
                 (format!("{:.2}", effects.noise_delta_e_2000.mean)) " and relMSE " (short(effects.noise_relative_mse)) " between two seeds; pictures of the same seed share most of it, but where an effect gives random numbers another meaning (aim, dispersion) it "
                 "stays in the difference."
@@ -423,6 +422,10 @@ fn short(relative_mse: f64) -> String {
     } else {
         format!("{}·{}", digits / 10.0, power_of_ten(exponent))
     }
+}
+
+fn passes(count: u64) -> String {
+    format!("{count} pass{}", if count == 1 { "" } else { "es" })
 }
 
 fn time(seconds: f64) -> String {

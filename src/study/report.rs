@@ -86,7 +86,7 @@ impl Report {
         (film, truth): (StudyFilm, &Truth),
         (curves, sweep, effects): (&[Curve; 2], Sweep, &Effects),
     ) -> Self {
-        let wanted = wanted::table(subject, &film, curves, &sweep);
+        let wanted = wanted::table(subject, (&film, &truth.account), curves, &sweep);
         Self {
             version: env!("CARGO_PKG_VERSION"),
             scene: subject.path.display().to_string(),

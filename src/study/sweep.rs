@@ -58,7 +58,7 @@ pub struct Sweep {
 }
 
 /// Photons in a pass and within the first radius, and radii, as shares of the scene's own.
-const PHOTONS: [f64; 4] = [1.0 / 16.0, 0.25, 4.0, 16.0];
+const PHOTONS: [f64; 3] = [1.0 / 16.0, 0.25, 4.0];
 const NEAREST: [f64; 3] = [0.25, 0.5, 4.0];
 const RADII: [f64; 2] = [0.5, 2.0];
 const MARCH_STEPS: [f64; 3] = [0.125, 0.5, 2.0];

@@ -43,6 +43,8 @@ pub struct Account {
     pub relative_bias_square: f64,
     /// The share of pixels in smooth regions.
     pub smooth_share: Option<f64>,
+    /// Which light the path tracer never finds, if there is any.
+    pub out_of_reach: Option<String>,
 }
 
 /// The photon integrator's reference has kernels of this share of the scene's area.
@@ -74,13 +76,19 @@ impl Truth {
         given: Option<&(String, Picture)>,
         budget: f64,
     ) -> Result<Self, Halt> {
+        let out_of_reach = out_of_reach(&Facts::of(&job.scene));
         if let Some((name, picture)) = given {
             let because = format!("{name}, as asked; its noise is what its error layer says");
             let identity = format!("{name} {:?}", picture.mean_y());
-            return Ok(Self::new(Reference::given(picture.clone()), ("given", because), (0, 0.0), identity));
+            return Ok(Self::new(
+                Reference::given(picture.clone()),
+                ("given", because),
+                (0, 0.0),
+                (identity, out_of_reach),
+            ));
         }
-        let (integrator, because) = match out_of_reach(&Facts::of(&job.scene)) {
-            Some(reason) => (Integrator::Photon, reason),
+        let (integrator, because) = match &out_of_reach {
+            Some(reason) => (Integrator::Photon, reason.clone()),
             None => try_both(workshop, job, budget)?,
         };
         let narrow = (integrator == Integrator::Photon).then(|| narrow_kernels(written, job));
@@ -98,14 +106,14 @@ impl Truth {
         let seconds = halves.iter().map(|(half, _)| half.found.stats.seconds.total).sum();
         // Halves of the same settings may differ, since time decided on their passes.
         let identity = format!("{} {passes} {seconds:?}", halves[0].1);
-        Ok(Self::new(reference, (integrator.word(), because), (passes, seconds), identity))
+        Ok(Self::new(reference, (integrator.word(), because), (passes, seconds), (identity, out_of_reach)))
     }
 
     fn new(
         reference: Reference,
         (origin, because): (&'static str, String),
         (passes, seconds): (u64, f64),
-        identity: String,
+        (identity, out_of_reach): (String, Option<String>),
     ) -> Self {
         let own = reference.own_variance();
         let account = Account {
@@ -117,6 +125,7 @@ impl Truth {
             smooth_relative_variance: own.smooth.map(|smooth| smooth.value),
             relative_bias_square: reference.claimed_bias_square(),
             smooth_share: reference.smooth_share(),
+            out_of_reach,
         };
         Self { reference, account, identity }
     }

@@ -6,6 +6,7 @@ use super::film::StudyFilm;
 use super::fit::Fit;
 use super::subject::{Recipe, Subject};
 use super::sweep::{Pace, Sweep};
+use super::truth::Account;
 use crate::render::Integrator;
 use serde::Serialize;
 
@@ -53,12 +54,19 @@ fn slope_at_the_end(points: &[&Point], curve: &Curve) -> Option<f64> {
 }
 
 /// Rows for all errors that can be told of.
-pub(super) fn table(subject: &Subject, film: &StudyFilm, curves: &[Curve; 2], sweep: &Sweep) -> Vec<Wanted> {
+pub(super) fn table(
+    subject: &Subject,
+    (film, truth): (&StudyFilm, &Account),
+    curves: &[Curve; 2],
+    sweep: &Sweep,
+) -> Vec<Wanted> {
     let photons = sweep.runs.iter().map(|run| (run.recipe(), &run.points, run.pace, &curves[0]));
     let path = Recipe { integrator: Integrator::Path, change: None };
-    let path = (path, &curves[1].points, Pace::of(&curves[1].stats), &curves[1]);
+    // An integrator that never finds some of the light is no way to a picture.
+    let finds_all = truth.out_of_reach.is_none();
+    let path = finds_all.then(|| (path, &curves[1].points, Pace::of(&curves[1].stats), &curves[1]));
     let tried: Vec<Tried<'_>> = photons
-        .chain([path])
+        .chain(path)
         .map(|(recipe, points, pace, curve)| {
             let points: Vec<&Point> = points.iter().filter(|point| point.wrong.whole.is_certain()).collect();
             let slope = slope_at_the_end(&points, curve);
