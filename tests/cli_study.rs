@@ -28,11 +28,11 @@ fn report(folder: &Path) -> Value {
     serde_json::from_slice(&std::fs::read(folder.join("out/study.json")).unwrap()).unwrap()
 }
 
-/// The rows of a CSV file without quoted cells, each as many cells as the header.
+/// The lines of a CSV file without quoted cells, each of as many cells as the header.
 fn rows(folder: &Path, name: &str) -> Vec<Vec<String>> {
     let text = std::fs::read_to_string(folder.join("out").join(name)).unwrap();
     let rows: Vec<Vec<String>> = text.lines().map(|line| line.split(',').map(str::to_string).collect()).collect();
-    assert!(rows.len() > 1 && !text.contains('"'), "{text}");
+    assert!(!text.contains('"') && rows[0].len() > 5, "{text}");
     assert!(rows.iter().all(|row| row.len() == rows[0].len()), "{text}");
     rows
 }
@@ -40,9 +40,9 @@ fn rows(folder: &Path, name: &str) -> Vec<Vec<String>> {
 #[test]
 fn a_study_leaves_its_files_and_takes_up_what_is_there() {
     let folder = scene();
-    let said = study(folder.path(), &["--budget", "2s"]);
+    let said = study(folder.path(), &["--budget", "3s"]);
     assert_eq!(said.status, 0, "{}", said.err);
-    assert!(said.out.contains("slope of the error") && said.out.contains("abbe render ball.json"), "{}", said.out);
+    assert!(said.out.contains("slope of the error") && said.out.contains("path tracer"), "{}", said.out);
     let files = ["curves.csv", "curves.svg", "effects.csv", "settings.csv", "steps", "study.html", "study.json"];
     assert_eq!(names_in(&folder.path().join("out")), [&files[..], &["sweep.csv", "sweep.svg"]].concat());
 
@@ -58,7 +58,7 @@ fn a_study_leaves_its_files_and_takes_up_what_is_there() {
     for curve in found["curves"].as_array().unwrap() {
         let points = curve["points"].as_array().unwrap();
         let passes: Vec<u64> = points.iter().map(|point| point["passes"].as_u64().unwrap()).collect();
-        assert!(passes.len() >= 3 && passes.starts_with(&[1, 2, 4]) && passes.is_sorted(), "{passes:?}");
+        assert!(passes.starts_with(&[1, 2]) && passes.is_sorted(), "{passes:?}");
         let error = |i: usize| points[i]["wrong"]["whole"]["value"].as_f64().unwrap();
         assert!(error(0) > error(points.len() - 1), "{points:?}");
     }
@@ -87,11 +87,11 @@ fn a_study_leaves_its_files_and_takes_up_what_is_there() {
     let sweep = rows(folder.path(), "sweep.csv");
     let front = sweep.iter().filter(|row| row[7] == "true").count();
     assert_eq!(front, found["sweep"]["front"].as_array().unwrap().len());
-    rows(folder.path(), "settings.csv");
+    assert_eq!(rows(folder.path(), "settings.csv").len(), 1 + found["wanted"].as_array().unwrap().len());
 
     // All is there: nothing is rendered, and the same is found.
     let before = std::fs::read(folder.path().join("out/study.json")).unwrap();
-    let again = study(folder.path(), &["--budget", "2s"]);
+    let again = study(folder.path(), &["--budget", "3s"]);
     assert!(again.status == 0 && !again.err.contains("passes"), "{}", again.err);
     let steps = again.err.lines().filter(|line| line.ends_with("kept from before")).count();
     assert!(steps >= 10, "{}", again.err);
@@ -100,7 +100,7 @@ fn a_study_leaves_its_files_and_takes_up_what_is_there() {
     let step = |name: &str| folder.path().join("out/steps").join(name);
     std::fs::remove_file(step("effects-without-direct.json")).unwrap();
     std::fs::write(step("curve-path.json"), "{\"identity\": ").unwrap();
-    let again = study(folder.path(), &["--budget", "2s"]);
+    let again = study(folder.path(), &["--budget", "3s"]);
     let kept = again.err.lines().filter(|line| line.ends_with("kept from before")).count();
     assert_eq!(kept, steps - 2, "{}", again.err);
 }

@@ -104,8 +104,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 fn text(report: &Report) -> String {
     let mut text = format!("{:<20} {:>16} {:>16}\n", "slope of the error", "fitted", "theory");
     for curve in &report.curves {
-        let fitted =
-            curve.fit.map_or("none".to_string(), |fit| format!("{:.2} ± {:.2}", fit.slope, fit.standard_error));
+        let fitted = curve.fit.map_or("too few points".to_string(), |fit| fit.words());
         text += &format!("  {:<18} {fitted:>16} {:>16}\n", title_of(curve.integrator), theory(curve));
     }
     text += "\nerror wanted (relative MSE) → time on this machine\n";

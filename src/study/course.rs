@@ -63,7 +63,7 @@ impl Order {
     }
 
     /// To a number of passes, however long they take.
-    pub(super) fn to_passes(mut self, passes: u64) -> Self {
+    pub(super) fn until(mut self, passes: u64) -> Self {
         self.request.stop = StopRules { passes: Some(passes), ..StopRules::default() };
         self
     }

@@ -127,7 +127,7 @@ impl Effects {
         let seconds = share / steps(job) as f64;
         let whole = workshop.render(&Order::new("effects-all", "all effects", seconds), truth.measure())?;
         let stats = &whole.found.stats;
-        let order = Order::new("effects-other-seed", "all effects, another seed", seconds).to_passes(stats.passes);
+        let order = Order::new("effects-other-seed", "all effects, another seed", seconds).until(stats.passes);
         let other = workshop.render(&order.changed([seed(job, OTHER_SEED)]), None)?;
         let noise = compare(&other.picture, &whole.picture, &Selection::default())?;
         let events = |row: &Row| stats.effects.get(row.effect.name).map_or(0, |effect| effect.events);
@@ -183,7 +183,7 @@ fn without(
         return Ok((LeftOut::Refused(reason), None));
     }
     let order = Order::new(&format!("effects-without-{name}"), &format!("without {name}"), 1.0);
-    let order = order.to_passes(whole.found.stats.passes).changed(changes);
+    let order = order.until(whole.found.stats.passes).changed(changes);
     let done = workshop.render(&order, truth.measure())?;
     let difference = compare(&done.picture, &whole.picture, &Selection::default())?;
     let measured = LeftOut::Measured {

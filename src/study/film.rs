@@ -71,7 +71,7 @@ impl StudyFilm {
         for (integrator, passes) in [(Integrator::Photon, PHOTON_PASSES), (Integrator::Path, PATH_PASSES)] {
             let (name, words) =
                 (format!("rehearsal-{}", integrator.word()), format!("rehearsal, {}", title_of(integrator.word())));
-            let order = Order::new(&name, &words, 1.0).by(integrator).to_passes(REHEARSED).changed(small.changes());
+            let order = Order::new(&name, &words, 1.0).by(integrator).until(REHEARSED).changed(small.changes());
             let stats = workshop.render(&order, None)?.found.stats;
             let (fixed, gather) = pass_seconds(&stats);
             // A film smaller than one whose camera paths take as long as all else would hardly save time.

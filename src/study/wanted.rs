@@ -116,6 +116,6 @@ impl Tried<'_> {
     fn passes_beyond(&self, error: f64) -> Option<f64> {
         let last = self.points.last()?;
         let more = (error / last.wrong.whole.value).powf(1.0 / self.slope?);
-        (more < FARTHEST).then(|| more * last.passes as f64)
+        (more < FARTHEST).then_some(more * last.passes as f64)
     }
 }
