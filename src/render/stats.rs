@@ -1,7 +1,7 @@
 //! What a render measured: for `--stats`, headers and tests.
 
 use super::{Job, Run};
-use crate::plan::{DirectPlan, State, WavelengthPlan, explain};
+use crate::plan::{State, WavelengthPlan, explain};
 use crate::sensor::Picture;
 use crate::sensor::picture::ErrorMeans;
 use crate::walk::Tally;
@@ -224,8 +224,7 @@ fn effect_stats(job: &Job, tally: &Tally) -> BTreeMap<String, EffectStats> {
         "shared" if job.plan.wavelengths == WavelengthPlan::Shared => tally.shared_paths,
         "caustics" => tally.connections,
         "indirect" => tally.map_queries,
-        // In media shadow rays belong to the light that is scattered there.
-        "direct" if job.plan.direct != DirectPlan::Absent => tally.shadow_rays,
+        "direct" => tally.shadow_rays,
         "depth-of-field" => tally.lens_rays,
         "diffraction" if job.plan.aperture.diffracts() => tally.lens_rays,
         "environment" => tally.environment_rays,
