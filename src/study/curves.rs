@@ -43,7 +43,7 @@ pub struct Theory {
 }
 
 /// Fits leave out the first passes, whose wavelengths and places on the lens are not spread evenly yet.
-const FIRST_PASSES: u64 = 4;
+pub(super) const FIRST_PASSES: u64 = 4;
 
 impl Curve {
     /// Both integrators' curves, the photons' first.

@@ -56,7 +56,7 @@ impl Setting {
     pub fn words(self) -> &'static str {
         match self {
             Self::Photons => "photons a pass",
-            Self::Nearest => "photons within the first radius",
+            Self::Nearest => "nearest photons",
             Self::Radius => "first radius",
             Self::MaxDepth => "most surface events",
             Self::MarchSteps => "march steps",
