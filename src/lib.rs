@@ -15,7 +15,7 @@
 //! ```
 //!
 //! The modules, in the order in which one may import another: [`math`], [`spectrum`], then [`colour`] and [`optics`], [`scene`], [`plan`],
-//! [`walk`], [`map`], then [`emit`] and [`gather`] (which do not know each other), [`render`]; beside them [`sensor`] and [`output`]
+//! [`walk`], [`map`], then [`emit`] and [`gather`] (which do not know each other), [`render`], [`study`]; beside them [`sensor`] and [`output`]
 //! behind `colour`; `cli` sees all. A test checks it.
 //!
 //! # Units and conventions
@@ -82,4 +82,5 @@ pub mod render;
 pub mod scene;
 pub mod sensor;
 pub mod spectrum;
+pub mod study;
 pub mod walk;

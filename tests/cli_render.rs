@@ -5,6 +5,9 @@
 mod cli_common;
 #[path = "cli_common/folder.rs"]
 mod folder;
+#[cfg(unix)]
+#[path = "cli_common/signal.rs"]
+mod signal;
 
 use abbe::output::exr;
 use cli_common::{Said, abbe, command};
@@ -205,12 +208,6 @@ fn endless(folder: &Path) -> Child {
 }
 
 #[cfg(unix)]
-fn signal(child: &Child, name: &str) {
-    let status = std::process::Command::new("kill").args([name, &child.id().to_string()]).status().unwrap();
-    assert!(status.success());
-}
-
-#[cfg(unix)]
 #[test]
 fn an_interrupted_render_saves_what_it_has() {
     use std::io::{BufRead, BufReader, Read};
@@ -222,7 +219,7 @@ fn an_interrupted_render_saves_what_it_has() {
         let mut line = String::new();
         err.read_line(&mut line).unwrap();
         assert!(line.contains("passes"), "{line}");
-        signal(&child, name);
+        signal::signal(&child, name);
         let mut rest = String::new();
         err.read_to_string(&mut rest).unwrap();
         assert_eq!(child.wait().unwrap().code(), Some(130), "{rest}");

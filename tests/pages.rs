@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod browser;
+mod study_scene;
 
 use browser::{Scheme, Seen, open};
 use image::{Rgb, RgbImage};
@@ -86,4 +87,47 @@ fn a_page_that_asks_for_anything_or_fails_is_found_out() {
     let harmless = open(browser, "<!DOCTYPE html><title>none</title><p>words</p>", (400, 300), Scheme::Light);
     assert!(harmless.console.is_empty() && harmless.requests.is_empty(), "{harmless:?}");
     assert!(counts(&harmless.picture).len() < 300, "next to nothing is to be seen");
+}
+
+/// The page of a study.
+fn study_page() -> String {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("ball.json"), study_scene::SCENE).unwrap();
+    let arguments = ["study", "ball.json", "-o", "out", "--budget", "1s", "--quiet"];
+    let status =
+        Command::new(env!("CARGO_BIN_EXE_abbe")).current_dir(folder.path()).args(arguments).output().unwrap().status;
+    assert!(status.success());
+    std::fs::read_to_string(folder.path().join("out/study.html")).unwrap()
+}
+
+#[test]
+fn the_page_of_a_study_is_whole_and_its_slider_moves() {
+    let Some(browser) = browser::find() else { return };
+    let page = study_page();
+    for (size, scheme, paper) in
+        [((1280, 1400), Scheme::Dark, [22, 24, 27]), ((390, 9000), Scheme::Light, [255, 255, 255])]
+    {
+        let Seen { picture, console, requests } = open(browser, &page, size, scheme);
+        assert_eq!((picture.dimensions(), console, requests), (size, Vec::new(), Vec::new()));
+        assert_eq!(paper_at_the_edge(&picture).0, paper, "{scheme:?}");
+        assert!(counts(&picture).len() > 500, "plots and pictures are to be seen");
+    }
+    // As a reader who drags it would leave the slider.
+    let at = |percent: u32| {
+        let drag = format!(
+            "const s = document.getElementById('split'); s.value = {percent}; s.dispatchEvent(new Event('input'));"
+        );
+        let page = page.replace("</body>", &format!("<script>{drag}</script></body>"));
+        let Seen { picture, console, requests } = open(browser, &page, (1280, 900), Scheme::Light);
+        assert!(console.is_empty() && requests.is_empty(), "{console:?} {requests:?}");
+        picture
+    };
+    let (right, half, left) = (at(0), at(50), at(100));
+    // The stage is 960 pixels wide from 20 on; the handle takes a little room around its place.
+    let (middle, handle) = (500, 45);
+    let same = |a: &RgbImage, columns: std::ops::Range<u32>| {
+        columns.flat_map(|x| (0..900).map(move |y| (x, y))).all(|(x, y)| a.get_pixel(x, y) == half.get_pixel(x, y))
+    };
+    assert!(same(&left, 20 + handle..middle - handle) && same(&right, middle + handle..980 - handle));
+    assert!(!same(&right, 20 + handle..middle - handle) && !same(&left, middle + handle..980 - handle));
 }

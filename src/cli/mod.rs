@@ -25,6 +25,7 @@ mod progress;
 mod render;
 mod schema;
 mod spectrum;
+mod study;
 mod values;
 
 use std::panic::{self, AssertUnwindSafe};
@@ -67,6 +68,8 @@ enum Command {
     Compare(compare::Arguments),
     /// The spectrum, the colour and the error bars of a pixel
     Probe(probe::Arguments),
+    /// What accuracy costs in time: tables, plots and a page
+    Study(study::Arguments),
 }
 
 /// How a command ended that did not fail.
@@ -147,6 +150,7 @@ fn run(command: &Command) -> Result<Outcome> {
         Command::Lamps(arguments) => lamps::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Probe(arguments) => probe::run(arguments),
+        Command::Study(arguments) => study::run(arguments),
     }
 }
 

@@ -137,16 +137,17 @@ impl Selection {
 
 /// The means of X, Y, Z over the whole reference, by which dark pixels are judged.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Scale([f64; 3]);
+pub struct Scale([f64; 3]);
 
 impl Scale {
-    pub(super) fn of(reference: &Picture) -> Self {
+    /// That of a reference.
+    pub fn of(reference: &Picture) -> Self {
         let count = reference.xyz.len() as f64;
         Self([0, 1, 2].map(|c| reference.xyz.iter().map(|xyz| xyz[c]).filter(|v| v.is_finite()).sum::<f64>() / count))
     }
 
     /// The mean over X, Y, Z of (a − b)² / (b² + 0.01 m²); infinite where a value is no number.
-    fn relative_square(&self, a: [f64; 3], b: [f64; 3]) -> f64 {
+    pub fn relative_square(&self, a: [f64; 3], b: [f64; 3]) -> f64 {
         let one = |c: usize| {
             let difference = (a[c] - b[c]).powi(2);
             let square = difference / self.unit(b[c], c).powi(2);
@@ -163,7 +164,7 @@ impl Scale {
     }
 
     /// What a difference in channel `c` is relative to.
-    pub(super) fn unit(&self, reference: f64, c: usize) -> f64 {
+    pub fn unit(&self, reference: f64, c: usize) -> f64 {
         (reference.powi(2) + 0.01 * self.0[c].powi(2)).sqrt()
     }
 }

@@ -101,7 +101,8 @@ fn luminance_differences(a: &Picture, b: &Picture, selection: &Selection) -> Scr
     })
 }
 
-fn colour_differences(a: &Picture, b: &Picture, selection: &Selection) -> Screen {
+/// ΔE2000 of every pixel that counts at the reference's exposure: black at 0, over violet and orange to white at 10 and above.
+pub fn colour_differences(a: &Picture, b: &Picture, selection: &Selection) -> Screen {
     let differences = delta_e_map(a, b);
     map(b, selection, |i| heat(differences[i] / FULL_DELTA_E))
 }

@@ -11,6 +11,7 @@ pub mod drawing;
 pub mod exr;
 pub mod figures;
 pub mod file;
+pub mod graph;
 pub mod hash;
 pub mod icc;
 pub mod lamps_page;

@@ -86,6 +86,12 @@ impl Budget {
         }
     }
 
+    /// The memory where a pass keeps this many photons, instead of as many as are expected of its paths.
+    pub fn memory_keeping(&self, photons: u64) -> u64 {
+        let rest = self.memory_bytes.saturating_sub(self.photons.saturating_mul(BYTES_A_PATH));
+        rest.saturating_add(photons.saturating_mul(PHOTON_BYTES))
+    }
+
     /// How many photon paths a pass may have for all to fit in this memory, to two digits; 0 if the rest alone does not.
     pub fn photons_within(&self, bytes: u64) -> u64 {
         let rest = self.memory_bytes.saturating_sub(self.photons.saturating_mul(BYTES_A_PATH));

@@ -1,7 +1,7 @@
 //! What grows from pass to pass.
 
 use super::{Job, Part, Seconds};
-use crate::sensor::Film;
+use crate::sensor::{Film, Picture};
 use crate::walk::Tally;
 use crate::walk::ledger::Ledger;
 
@@ -35,6 +35,11 @@ impl Run {
             done: 0,
             wanted: None,
         }
+    }
+
+    /// The picture so far.
+    pub fn picture(&self) -> Picture {
+        self.film.develop()
     }
 
     /// Passes done.

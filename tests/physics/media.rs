@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 /// A slab of a medium, `thickness` m thick, before a bright wall that fills the picture.
 fn slab(medium: Value, thickness: f64) -> Value {
+    // Forced, since the plan leaves out what is too thin to be seen.
     json!({
         "camera": { "from": [0, 0, 0], "at": [0, 0, -1], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 0.1 } } },
         "film": { "width": 16, "height": 16 },
@@ -21,7 +22,7 @@ fn slab(medium: Value, thickness: f64) -> Value {
               "emission": { "spectrum": "D65", "luminance": 1 },
               "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": 90 } }, { "translate": [0, 0, -2.0 - thickness] }] }
         ],
-        "render": { "photons": 100 }
+        "render": { "photons": 100, "force": ["media"] }
     })
 }
 

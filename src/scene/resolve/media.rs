@@ -22,7 +22,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Steps of a march where `render.march_steps` states none.
-const DEFAULT_MARCH_STEPS: u32 = 64;
+pub const DEFAULT_MARCH_STEPS: u32 = 64;
 
 /// Where a grid's box stands: its corners in its own coordinates, and the way there from the scene's; all in m.
 struct Place {

@@ -17,6 +17,7 @@ mod spectra;
 mod surroundings;
 
 pub use lens::{catalogues_beside, glass_file, lens_file, lone_lens};
+pub use media::DEFAULT_MARCH_STEPS;
 pub use spectra::Role;
 
 use super::camera::{Camera, Shutter};
