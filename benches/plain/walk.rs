@@ -3,7 +3,6 @@
 use super::scenes::{Harvest, Prepared};
 use abbe::emit::{Aim, Emitters};
 use abbe::map::{Load, Photon};
-use abbe::math::frame::Frame;
 use abbe::math::random::{Purpose, Stream};
 use abbe::optics::surface::{Sides, Surface, Transport};
 use abbe::scene::geometry::{Ray, SurfaceId};
@@ -66,20 +65,26 @@ pub(crate) fn plain(prepared: &Prepared, count: u64) -> Kept {
                     let photon = Photon::new(Load::new(&wavelengths, power, 0), to_light, facing);
                     kept.push((photon, hit.position.as_vec3().to_array()));
                 }
-                let frame = Frame::new(hit.normal);
+                let frame = hit.frame(ray.direction);
                 let wo = frame.to_local(to_light);
                 let u = stream.triple();
                 let Some(drawn) = surface.sample(wo, sides, nm[0], Transport::Importance, u) else {
                     absorbed[material] += power.iter().sum::<f64>();
                     break;
                 };
+                let direction = frame.to_world(drawn.wi);
+                assert!(
+                    hit.leads_back(ray.direction, direction),
+                    "these walls have no other normals than the true ones"
+                );
+                let correction = hit.adjoint_correction(&frame, to_light, direction);
                 let before: f64 = power.iter().sum();
                 let (mut weights, mut lost) = (0.0, 0.0);
                 for k in 0..LANES {
                     let weight = surface.response(wo, &drawn, sides, Transport::Importance, nm[k]) / drawn.probability;
                     lost += power[k] * surface.absorbed(wo, &drawn, sides, nm[k]);
-                    power[k] *= weight;
-                    weights += weight;
+                    power[k] *= weight * correction;
+                    weights += weight * correction;
                 }
                 absorbed[material] += lost;
                 let survival = (weights / LANES as f64).min(1.0);
@@ -89,7 +94,7 @@ pub(crate) fn plain(prepared: &Prepared, count: u64) -> Kept {
                 if !survives {
                     break;
                 }
-                ray = Ray { origin: hit.position, direction: frame.to_world(drawn.wi) };
+                ray = Ray { origin: hit.position, direction };
                 (from, scattered_before) = (Some(hit.surface), true);
             }
         }

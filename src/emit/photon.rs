@@ -119,6 +119,7 @@ impl Emitters<'_> {
 }
 
 /// A photon under way.
+#[derive(Clone, Copy)]
 pub(super) struct Flight {
     pub(super) start: Start,
     pub(super) wavelengths: Wavelengths,
@@ -200,7 +201,11 @@ fn fly<'a, R: Receiver>(
     ledger: &mut Ledger,
 ) -> Option<Encounter<'a>> {
     if !emitters.between.is_clear() {
-        return drift(emitters.scene, flight, (stream, receiver), ledger);
+        // A copy, so that the flight of photons in clear air need not stand in memory.
+        let mut drifting = *flight;
+        let encounter = drift(emitters.scene, &mut drifting, (stream, receiver), ledger);
+        *flight = drifting;
+        return encounter;
     }
     let encounter = next(emitters.scene, flight.start, &mut stream.uniform());
     if encounter.is_none() {

@@ -24,6 +24,12 @@ impl Frame {
         }
     }
 
+    /// The third axis.
+    #[inline]
+    pub fn normal(&self) -> DVec3 {
+        self.n
+    }
+
     /// The vector's components along the frame's axes.
     #[inline]
     pub fn to_local(&self, v: DVec3) -> DVec3 {

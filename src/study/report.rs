@@ -48,12 +48,14 @@ pub struct Report {
 }
 
 /// A machine.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Machine {
-    /// Its processor, where the system tells.
-    pub processor: Option<String>,
-    /// Threads that took part.
+    /// Threads that took part, of as many cores.
     pub threads: usize,
+    /// Its cores.
+    pub cores: usize,
+    /// Their clock in GHz, where the system tells.
+    pub clock_ghz: Option<f64>,
 }
 
 /// What no option changes, with the reason.
@@ -67,15 +69,20 @@ impl Machine {
     /// The one that this runs on.
     pub(super) fn here(curve: &Curve) -> Self {
         let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-        let line = text.lines().find_map(|line| line.strip_prefix("model name"));
-        let processor = line.and_then(|rest| rest.split_once(':')).map(|(_, name)| name.trim().to_string());
-        Self { processor, threads: curve.stats.threads }
+        let line = text.lines().find_map(|line| line.strip_prefix("cpu MHz"));
+        let mhz: Option<f64> = line.and_then(|rest| rest.split_once(':')).and_then(|(_, mhz)| mhz.trim().parse().ok());
+        Self {
+            threads: curve.stats.threads,
+            cores: std::thread::available_parallelism().map_or(1, usize::from),
+            clock_ghz: mhz.map(|mhz| (mhz / 100.0).round() / 10.0),
+        }
     }
 
     /// In words.
     pub fn words(&self) -> String {
-        let threads = format!("{} thread{}", self.threads, if self.threads == 1 { "" } else { "s" });
-        self.processor.as_ref().map_or_else(|| threads.clone(), |processor| format!("{threads} of {processor}"))
+        let clock = self.clock_ghz.map_or_else(String::new, |ghz| format!(" at {ghz} GHz"));
+        let counted = |count: usize, what| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+        format!("{} on {}{clock}", counted(self.threads, "thread"), counted(self.cores, "core"))
     }
 }
 

@@ -34,7 +34,7 @@ pub struct Encounter<'a> {
     pub material: usize,
     /// The surface: of a mix, the component drawn.
     pub surface: &'a Surface,
-    /// The frame of the shading normal.
+    /// The frame in which it scatters ([`Hit::frame`]).
     pub frame: Frame,
     /// The direction back along the path, in the frame.
     pub wo: DVec3,
@@ -112,9 +112,7 @@ impl<'a> Encounter<'a> {
     ) -> Self {
         let material = scene.objects[hit.object as usize].material;
         let surface = scene.materials[material].surface.pick(component);
-        // An interpolated normal that the ray sees from the wrong side would let light through: use the true one there.
-        let agree = incoming.dot(hit.shading_normal) * incoming.dot(hit.normal) > 0.0;
-        let frame = Frame::new(if agree { hit.shading_normal } else { hit.normal });
+        let frame = hit.frame(incoming);
         Self {
             distance: hit.t,
             crossed_hidden: false,
@@ -146,7 +144,7 @@ impl<'a> Encounter<'a> {
     /// Whether `direction` leads back to the side from which the path came.
     #[inline]
     pub fn leads_back(&self, direction: DVec3) -> bool {
-        direction.dot(self.hit.normal) * self.incoming.dot(self.hit.normal) < 0.0
+        self.hit.leads_back(self.incoming, direction)
     }
 
     /// Whether a scattered direction leads to the side that its event says.
@@ -186,16 +184,9 @@ impl<'a> Encounter<'a> {
         !scene.geometry.occluded(&ray, Some(self.hit.surface), target, distance)
     }
 
-    /// The correction of a photon's power where the shading normal differs from the true one (Veach 1997, eq. 5.19):
-    /// |ω_i·n_s||ω_o·n_g| / (|ω_i·n_g||ω_o·n_s|), ω_i towards the light, ω_o towards the camera.
+    /// See [`Hit::adjoint_correction`].
     #[inline]
     pub fn adjoint_correction(&self, to_light: DVec3, to_camera: DVec3) -> f64 {
-        let n_s = self.frame.to_world(DVec3::Z);
-        let n_g = self.hit.normal;
-        if n_s == n_g {
-            return 1.0;
-        }
-        let denominator = to_light.dot(n_g) * to_camera.dot(n_s);
-        if denominator == 0.0 { 0.0 } else { (to_light.dot(n_s) * to_camera.dot(n_g) / denominator).abs() }
+        self.hit.adjoint_correction(&self.frame, to_light, to_camera)
     }
 }

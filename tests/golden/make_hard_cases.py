@@ -89,12 +89,37 @@ def planck():
     return rows
 
 
+def henyey_greenstein():
+    """The density per steradian at a cosine, and 1 - cos of the angle below which a share u of the light goes."""
+    gs = [0.0, 1e-6, -1e-6, 0.5, -0.9, 0.9999, -0.9999, 0.999999]
+    densities, draws = [], []
+    for g in gs:
+        exact = mpf(g)
+        for cos in [-1.0, -0.999999, -0.5, 0.0, 0.5, 0.999999, 1 - 2.0**-40, 1 - 2.0**-53, 1.0]:
+            apart = 1 + exact**2 - 2 * exact * mpf(cos)
+            densities.append([g, cos, text((1 - exact**2) / (4 * mp.pi * apart ** mpf("1.5")))])
+        # Light is drawn from the peak on, which lies behind where g < 0.
+        forward = abs(exact)
+        for u in [0.0, 1e-12, 1e-3, 0.5, 0.999, 1 - 2.0**-53]:
+            share = 1 - mpf(u)
+            if forward == 0:
+                cos = 2 * share - 1
+            else:
+                square = (1 - forward**2) / (1 - forward + 2 * forward * share)
+                cos = (1 + forward**2 - square**2) / (2 * forward)
+            draws.append([g, u, text(1 - cos)])
+    return densities, draws
+
+
+densities, draws = henyey_greenstein()
 golden = {
     "method": "make_hard_cases.py: mpmath, 60 digits, 50 written",
     "interfaces": interfaces(),
     "critical": critical(),
     "spheres": spheres(),
     "planck": planck(),
+    "phase_densities": densities,
+    "phase_draws": draws,
 }
 lines = ["{", f' "method": {json.dumps(golden.pop("method"))},']
 for name, rows in golden.items():

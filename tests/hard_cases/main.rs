@@ -10,6 +10,7 @@ mod common;
 mod density;
 #[path = "../golden/mod.rs"]
 mod golden;
+mod media;
 mod meshes;
 mod paths;
 mod random_numbers;
@@ -21,12 +22,13 @@ mod table;
 
 use table::{Family, Pace, check, check_document};
 
-const FAMILIES: [Family; 7] = [
+const FAMILIES: [Family; 8] = [
     Family { title: "Refraction", cases: refraction::CASES },
     Family { title: "Scale and place", cases: scale_and_place::CASES },
     Family { title: "Shapes", cases: shapes::CASES },
     Family { title: "Spectra", cases: spectra::CASES },
     Family { title: "Density estimation", cases: density::CASES },
+    Family { title: "Media", cases: media::CASES },
     Family { title: "Camera and time", cases: camera::CASES },
     Family { title: "Random numbers", cases: random_numbers::CASES },
 ];
@@ -54,6 +56,11 @@ fn spectra_are_as_exact_as_stated() {
 #[test]
 fn densities_are_as_exact_as_stated() {
     check(&FAMILIES, "Density estimation", Pace::Fast);
+}
+
+#[test]
+fn media_are_as_exact_as_stated() {
+    check(&FAMILIES, "Media", Pace::Fast);
 }
 
 #[test]

@@ -16,6 +16,7 @@ mod sample;
 mod spherical_rectangle;
 mod trace;
 
+use crate::math::frame::Frame;
 use glam::DVec3;
 
 use super::bvh::Tree;
@@ -70,6 +71,34 @@ pub struct Hit {
     pub object: u32,
     /// Where it is; a ray that goes on from here starts with it.
     pub surface: SurfaceId,
+}
+
+impl Hit {
+    /// The frame in which the surface scatters what comes along `incoming`: of the shading normal, unless that is seen from the wrong side,
+    /// where it would let light through.
+    #[inline]
+    pub fn frame(&self, incoming: DVec3) -> Frame {
+        let agree = incoming.dot(self.shading_normal) * incoming.dot(self.normal) > 0.0;
+        Frame::new(if agree { self.shading_normal } else { self.normal })
+    }
+
+    /// Whether `direction` leads back to the side from which a ray along `incoming` came.
+    #[inline]
+    pub fn leads_back(&self, incoming: DVec3, direction: DVec3) -> bool {
+        direction.dot(self.normal) * incoming.dot(self.normal) < 0.0
+    }
+
+    /// The correction of a photon's power where the frame is not that of the true normal (Veach 1997, eq. 5.19):
+    /// |ω_i·n_s||ω_o·n_g| / (|ω_i·n_g||ω_o·n_s|), ω_i towards the light, ω_o towards the camera.
+    #[inline]
+    pub fn adjoint_correction(&self, frame: &Frame, to_light: DVec3, to_camera: DVec3) -> f64 {
+        let (n_s, n_g) = (frame.normal(), self.normal);
+        if n_s == n_g {
+            return 1.0;
+        }
+        let denominator = to_light.dot(n_g) * to_camera.dot(n_s);
+        if denominator == 0.0 { 0.0 } else { (to_light.dot(n_s) * to_camera.dot(n_g) / denominator).abs() }
+    }
 }
 
 /// A point drawn on an object's surface.
