@@ -257,6 +257,15 @@ fn parts_that_do_not_fit_are_refused_by_name() {
     merge(&["a.exr", "scene.exr"]).is_error(2, &["scene.exr", "another scene"]);
     merge(&["a.exr", "whole.exr"]).is_error(2, &["whole.exr", "no exact sums", "--part"]);
     merge(&["a.exr", "missing.exr"]).is_error(2, &["missing.exr"]);
+    // Records that claim a larger film, and more passes than there can be, are not believed.
+    let sound = std::fs::read(at.join("a.exr")).unwrap();
+    for (text, digit) in [(&br#""size":["#[..], b'9'), (br#""done":"#, b'9')] {
+        let mut bytes = sound.clone();
+        let place = sound.windows(text.len()).position(|window| window == text).unwrap() + text.len();
+        bytes[place] = digit;
+        std::fs::write(at.join("forged.exr"), bytes).unwrap();
+        merge(&["forged.exr", "--allow-gaps"]).is_error(2, &["forged.exr", "damaged"]);
+    }
     abbe(at, &["merge", "a.exr", "b.exr", "-o", "b.exr"]).is_error(2, &["b.exr", "both a part and the output"]);
     let words = ["lack 4 of 19 passes (3, 7, 11, …)", "a.exr: 10 of part 0/2", "--allow-gaps"];
     merge(&["a.exr", "quarter.exr"]).is_error(2, &words);

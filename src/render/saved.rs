@@ -2,7 +2,7 @@
 
 use super::{Diffracting, Integrator, Job, Part, Run, Stats};
 use crate::error::{Error, Result};
-use crate::output::exr::{add_sums, read_metadata, write_with_sums};
+use crate::output::exr::{add_sums, holds_sums_of, read_metadata, write_with_sums};
 use crate::output::hash::Hash;
 use crate::output::metadata::{Metadata, names};
 use crate::scene::Exposure;
@@ -189,10 +189,19 @@ impl Saved {
         Ok(Run { film, ledger: saved.ledger, tally: saved.tally, seconds, part, done, wanted })
     }
 
+    /// Whether the part's pass of this index is among those done.
+    pub(super) fn holds(&self, pass: u64) -> bool {
+        self.part.nth(pass).is_some_and(|nth| nth < self.done)
+    }
+
     /// The film with its sums.
     pub(super) fn film(&self, path: &Path, observer: &'static Observer) -> Result<Film> {
         let ((width, height), bands) = (self.identity.size, self.identity.spectral_bands);
         let [width, height, bands] = [width, height, bands].map(|count| count as usize);
+        // The record may claim anything, and its hash is known only with the sums.
+        if !holds_sums_of(path, (width, height), bands)? {
+            return Err(Error::input("is damaged: its size is not the one that it states").in_file(path));
+        }
         let diffraction = self.diffraction.as_ref().map(|diffraction| diffraction.for_film((width, height)).into());
         let film = Film::new(width, height, observer, bands);
         let mut film = film.diffracting(diffraction);

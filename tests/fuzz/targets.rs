@@ -2,10 +2,13 @@
 
 use std::path::Path;
 
+use abbe::optics::glass::GlassFile;
+use abbe::optics::phase;
 use abbe::output::Metadata;
 use abbe::output::exr;
 use abbe::render::{Identity, Integrator, Job, Merging, Request, Saved, StopRules, Unwatched};
 use abbe::scene::file::{self, Reach};
+use abbe::scene::medium::volume_file;
 use abbe::scene::{mesh, resolve};
 use abbe::spectrum::{Outside, read};
 
@@ -53,6 +56,14 @@ pub(crate) fn all() -> Vec<Target> {
         Target::new("table", "csv", 4, vec![bytes("nm,value\n400,0.1\n500,0.5\n600,1\n700,0.2\n")], spectrum),
         Target::new("zemax", "zmx", 5, vec![bytes(ZMX)], lens),
         Target::new("prescription", "json", 4, vec![bytes(PRESCRIPTION)], lens),
+        Target::new("catalogue", "agf", 2, vec![bytes(AGF)], |path| {
+            GlassFile::parse(&std::fs::read(path).unwrap(), path).and_then(|file| file.find("OWN-7")).is_ok()
+        }),
+        Target::new("volume", "npy", 2, vec![npy()], |path| volume_file::read(path).is_ok()),
+        Target::new("volume", "npz", 2, vec![npz()], |path| volume_file::read(path).is_ok()),
+        Target::new("phase", "csv", 1, vec![bytes(PHASE)], |path| {
+            phase::parse_table(&String::from_utf8_lossy(&std::fs::read(path).unwrap())).is_ok()
+        }),
         Target::new("checkpoint", "exr", 4, vec![checkpoint()], is_saved),
         Target::new("sky", "exr", 1, vec![picture()], is_sky),
         Target::new("sky", "png", 1, vec![png()], is_sky),
@@ -170,6 +181,27 @@ const ZMX: &str = "VERS 140124\nMODE SEQ\nNAME achromat\nUNIT MM X W X CM MR CPM
     SURF 0\n  TYPE STANDARD\n  CURV 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  TYPE STANDARD\n  CURV 1.628E-02\n  DISZ 6\n  GLAS N-BK7 0 0 1.5\n  DIAM 12.7\n\
     SURF 2\n  TYPE STANDARD\n  CURV -2.24E-02\n  DISZ 2.5\n  GLAS N-SF5 0 0 1.67\n  DIAM 12.66\nSURF 3\n  TYPE EVENASPH\n  CURV -7.7E-03\n  CONI 0\n\
     \x20 PARM 1 0\n  PARM 2 1E-7\n  DISZ 95.95\n  DIAM 12.53\nSURF 4\n  TYPE STANDARD\n  CURV 0\n  DISZ 0\n  DIAM 2\n";
+
+const AGF: &str = "CC own glasses\nNM OWN-7 2 517642 1.5168 64.17 0 1\nCD 1.03961212 6.00069867E-3 0.231792344 2.00179144E-2 1.01046945 1.03560653E+2 0 0 0 0\n\
+    LD 0.3 2.5\nNM OWN-8 1 0 1.6 50 0 1\nCD 2.5 -0.01 0.01 0 0 0\nLD 0.4 0.7\n";
+
+const PHASE: &str = "angle_deg,p_400nm_per_sr,p_700nm_per_sr\n0,0.3,0.2\n60,0.1,0.1\n120,0.05,0.06\n180,0.07,0.08\n";
+
+/// A grid of 2 × 3 × 4 values.
+fn npy() -> Vec<u8> {
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3, 4), }                                                   \n";
+    let length = (header.len() as u16).to_le_bytes();
+    let values = (0..24).flat_map(|i| (i as f32 * 0.25).to_le_bytes());
+    [&b"\x93NUMPY\x01\x00"[..], &length, header.as_bytes()].concat().into_iter().chain(values).collect()
+}
+
+fn npz() -> Vec<u8> {
+    use std::io::Write;
+    let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    archive.start_file("density.npy", zip::write::SimpleFileOptions::default()).unwrap();
+    archive.write_all(&npy()).unwrap();
+    archive.finish().unwrap().into_inner()
+}
 
 const PRESCRIPTION: &str = r#"{"surfaces": [
   {"radius_mm": 60, "thickness_mm": 6, "ior": "N-BK7", "semi_aperture_mm": 12}, {"radius_mm": -45, "thickness_mm": 2.5, "ior": "N-SF5", "semi_aperture_mm": 12},

@@ -17,7 +17,7 @@ mod sums;
 mod write;
 
 pub use read::{ExrFile, read};
-pub use sums::{add_sums, read_metadata};
+pub use sums::{add_sums, holds_sums_of, read_metadata};
 pub use write::{encode, write, write_with_sums};
 
 /// The channels of XYZ.

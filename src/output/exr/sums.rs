@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use ::exr::meta::header::Header;
 use ::exr::prelude::{AnyChannel, FlatSamples, Vec2};
 
 use super::read::{check_size, flat_image, metadata};
@@ -48,6 +49,18 @@ pub fn read_metadata(path: &Path) -> Result<Metadata> {
         Ok(metadata(texts, &first.own_attributes))
     };
     read().map_err(|error: Error| error.in_file(path))
+}
+
+/// Whether a file's header is that of a film of this width, height and number of spectral bands, as far as it tells: asked before room is made
+/// for such a film.
+///
+/// # Errors
+/// The input's: a file that is missing or no EXR.
+pub fn holds_sums_of(path: &Path, (width, height): (usize, usize), bands: usize) -> Result<bool> {
+    let meta = check_size(path).map_err(|error| error.in_file(path))?;
+    let fits =
+        |header: &Header| header.layer_size == Vec2(width, height) && header.channels.list.len() / WORDS >= bands;
+    Ok(meta.headers.first().is_some_and(fits))
 }
 
 /// Adds the exact sums that a file holds to a film of its size and bands.

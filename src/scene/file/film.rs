@@ -13,10 +13,10 @@ use crate::error::Result;
 #[serde(deny_unknown_fields)]
 pub struct FilmFile {
     /// Width in pixels.
-    #[schemars(range(min = 1, max = 65536))]
+    #[schemars(range(min = 1, max = 100_000))]
     pub width: u32,
     /// Height in pixels.
-    #[schemars(range(min = 1, max = 65536))]
+    #[schemars(range(min = 1, max = 100_000))]
     pub height: u32,
     /// The colour-matching functions.
     #[serde(default)]
@@ -139,8 +139,8 @@ impl FilmFile {
     /// Checks ranges.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { width, height, spectral_bands, exposure, .. } = self;
-        check::count(&at.key("width"), u64::from(*width), 1, 65_536)?;
-        check::count(&at.key("height"), u64::from(*height), 1, 65_536)?;
+        check::count(&at.key("width"), u64::from(*width), 1, 100_000)?;
+        check::count(&at.key("height"), u64::from(*height), 1, 100_000)?;
         check::count(&at.key("spectral_bands"), u64::from(*spectral_bands), 0, 1024)?;
         match exposure {
             ExposureFile::Auto | ExposureFile::None | ExposureFile::Ev(_) => Ok(()),

@@ -30,6 +30,10 @@ pub fn read(path: &Path) -> Result<Grid> {
 
 /// The one array of an archive.
 fn only_array(bytes: Vec<u8>) -> Result<Vec<u8>> {
+    /// What a small archive may hold, and what a byte of a larger one: deflate makes up to 1032 of it.
+    const ALWAYS_ALLOWED: u64 = 1 << 28;
+    const MOST_PER_BYTE: u64 = 1032;
+    let whole_mib = bytes.len() as u64 >> 20 << 20;
     let broken = |error: zip::result::ZipError| Error::input(format!("a broken archive: {error}"));
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
     let names: std::result::Result<Vec<String>, _> = archive.file_names().map(|name| Ok(name?.into_owned())).collect();
@@ -41,6 +45,10 @@ fn only_array(bytes: Vec<u8>) -> Result<Vec<u8>> {
     let file = archive.by_name(name).map_err(broken)?;
     // The archive's own word on the size may be a lie: no more than that is unpacked.
     let announced = file.size();
+    if announced > ALWAYS_ALLOWED.max(whole_mib.saturating_mul(MOST_PER_BYTE)) {
+        let what = format!("an array of {announced} bytes in a small archive");
+        return Err(Error::input(what).expected("at most 256 MiB in an archive below 1 MiB"));
+    }
     let mut array = Vec::new();
     let unpacked = file.take(announced.saturating_add(1)).read_to_end(&mut array);
     unpacked.map_err(|error| Error::input(format!("a broken archive: {error}")))?;
