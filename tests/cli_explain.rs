@@ -1,4 +1,4 @@
-//! What `abbe explain` says of the camera and of motion.
+//! What `abbe explain` says of effects, of the camera and of motion, and how soon.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -134,4 +134,80 @@ fn motion_is_explained_by_how_far_it_goes_over_the_picture() {
     assert_eq!((effect(&json)["state"].as_str(), &json["motion_px"]), (Some("off"), &Value::Null));
     assert!(words.contains("nothing moves while the shutter is open"), "{words}");
     assert!(words.contains("things have keyframes, but nothing moves: the shutter is open from 2 s to 3 s"), "{words}");
+}
+
+/// The keys of a JSON object, in order.
+fn keys(value: &Value) -> Vec<&str> {
+    value.as_object().unwrap().keys().map(String::as_str).collect()
+}
+
+#[test]
+fn the_json_object_has_the_keys_that_are_documented() {
+    let (json, _) = explain(r#"{"thin": {"fov": 40, "focus_distance": 5, "defocus_angle": 2}}"#);
+    let of_effect = ["name", "state", "because", "field", "consequence"];
+    let of_camera = ["field_of_view_degrees", "depth_of_field", "diffraction"];
+    let of_depth = ["focus_m", "near_m", "far_m", "hyperfocal_m", "blur_at_infinity_px"];
+    let of_diffraction = ["airy_diameter_px", "matters", "simulated", "slices"];
+    let top = [
+        "effects",
+        "wavelengths",
+        "passes",
+        "photons",
+        "nearest",
+        "radius_m",
+        "memory_bytes",
+        "motion_px",
+        "camera",
+        "guessed_colours",
+        "notes",
+    ];
+    assert_eq!(keys(&json), top);
+    assert_eq!(keys(&json["camera"]), of_camera);
+    assert_eq!(keys(&json["camera"]["depth_of_field"]), of_depth);
+    assert_eq!(keys(&json["camera"]["diffraction"]), of_diffraction);
+    let effects = json["effects"].as_array().unwrap();
+    assert!(effects.iter().all(|effect| keys(effect) == of_effect));
+    let names: Vec<&str> = effects.iter().map(|effect| effect["name"].as_str().unwrap()).collect();
+    assert_eq!(names, abbe::plan::EFFECTS.map(|effect| effect.name));
+    let docs = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/plan.md")).unwrap();
+    let documented = [&top[..], &of_effect, &of_camera, &of_depth, &of_diffraction].concat();
+    assert!(documented.iter().all(|key| docs.contains(&format!("`{key}`"))), "docs/plan.md lacks one of {documented:?}");
+    let again = abbe(std::path::Path::new(env!("CARGO_MANIFEST_DIR")), &["explain", "scenes/prism.json", "--json"]);
+    let once_more = abbe(std::path::Path::new(env!("CARGO_MANIFEST_DIR")), &["explain", "scenes/prism.json", "--json"]);
+    assert_eq!(again.out, once_more.out);
+}
+
+#[test]
+fn a_million_triangles_are_explained_in_two_seconds() {
+    // A ball of 2 × 708 × 708 triangles around the poles of a cylinder's grid, as binary STL.
+    const SIDE: u32 = 708;
+    let point = |i: u32, j: u32| {
+        let [theta, phi] = [i, 2 * (j % SIDE)].map(|k| std::f64::consts::PI * f64::from(k) / f64::from(SIDE));
+        [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()].map(|x| x as f32)
+    };
+    let mut stl = vec![0_u8; 80];
+    stl.extend((2 * SIDE * SIDE).to_le_bytes());
+    for (i, j) in (0..SIDE).flat_map(|i| (0..SIDE).map(move |j| (i, j))) {
+        let [a, b, c, d] = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| point(i, j));
+        for triangle in [[a, b, c], [a, c, d]] {
+            let numbers = [[0.0; 3], triangle[0], triangle[1], triangle[2]].concat();
+            stl.extend(numbers.into_iter().flat_map(f32::to_le_bytes).chain([0, 0]));
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("ball.stl"), stl).unwrap();
+    let scene = r#"{
+  "camera": {"from": [0, 2, 5], "at": [0, 0, 0], "lens": {"pinhole": {"fov": 40}}},
+  "materials": {"glass": {"dielectric": {"ior": "N-BK7"}}, "grey": {"diffuse": {"reflectance": 0.5}}},
+  "objects": [{"shape": {"mesh": {"path": "ball.stl"}}, "material": "glass"},
+              {"shape": {"rectangle": {"width": 6, "height": 6}}, "material": "grey", "transform": [{"translate": [0, -1, 0]}]}],
+  "lights": [{"point": {"at": [1, 4, 1], "spectrum": "D65", "power": 20}}]
+}"#;
+    std::fs::write(folder.path().join("ball.json"), scene).unwrap();
+    let start = std::time::Instant::now();
+    let said = abbe(folder.path(), &["explain", "ball.json"]);
+    let took = start.elapsed();
+    println!("a million triangles are explained in {took:.2?}");
+    assert!(said.status == 0 && said.out.contains("dispersion      on"), "{}{}", said.out, said.err);
+    assert!(took.as_secs_f64() < 2.0, "{took:?}");
 }

@@ -21,8 +21,8 @@ const PHOTON_BYTES: u64 = 2 * 56;
 /// A photon path meets a few diffuse surfaces; two photons are kept on average.
 const BYTES_A_PATH: u64 = 2 * PHOTON_BYTES;
 
-/// What the pilot leaves of a pixel: four radii, the number of its outline, and a third of an outline (44 bytes, near edges only).
-const PILOT_BYTES_A_PIXEL: u64 = 4 * 4 + 4 + 44 / 3;
+/// What the pilot leaves of a pixel: eight radii, the number of its outline, and a third of an outline (44 bytes, near edges only).
+const PILOT_BYTES_A_PIXEL: u64 = 8 * 4 + 4 + 44 / 3;
 
 /// Numbers that fix a render, from the scene's settings or by default.
 #[derive(Debug, Clone, PartialEq)]

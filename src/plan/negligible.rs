@@ -138,7 +138,7 @@ fn blur(scene: &Scene, facts: &Facts) -> Option<String> {
     })
 }
 
-/// No way through a body of clear glass is long enough.
+/// No way through bodies of clear glass is long enough.
 fn absorption(scene: &Scene, facts: &Facts) -> Option<String> {
     if facts.absorbing_bodies.is_empty() || scene.moves() {
         return None;
@@ -147,7 +147,8 @@ fn absorption(scene: &Scene, facts: &Facts) -> Option<String> {
         let absorption = scene.materials[material].body.as_ref()?.absorption.as_ref()?;
         Some(absorption.max() * across_m)
     });
-    too_thin(bodies.fold(0.0, f64::max))
+    // A way may lead through all of them.
+    too_thin(bodies.sum())
 }
 
 /// No way through a medium is long enough, and none glows.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::course::Found;
 use crate::error::{Error, Result};
-use crate::output::exr;
+use crate::output::exr::{read, write};
 use crate::output::file;
 use crate::output::metadata::Metadata;
 use crate::sensor::Picture;
@@ -57,7 +57,7 @@ impl Shelf {
     pub(super) fn find(&self, name: &str, identity: &str) -> Option<(Found, Picture)> {
         let text = fs::read(self.step(name, "json")).ok()?;
         let kept: Kept = serde_json::from_slice(&text).ok().filter(|kept: &Kept| kept.identity == identity)?;
-        let file = exr::read(&self.step(name, "exr")).ok()?;
+        let file = read(&self.step(name, "exr")).ok()?;
         (file.metadata.get(STEP) == Some(identity)).then_some((kept.found, file.picture))
     }
 
@@ -66,8 +66,8 @@ impl Shelf {
         let path = self.step(name, "exr");
         let record = self.step(name, "json");
         [&path, &record].into_iter().for_each(|path| file::clear_unfinished(path));
-        exr::write(&path, picture, &Metadata::new().with(STEP, identity))?;
-        let picture = exr::read(&path)?.picture;
+        write(&path, picture, &Metadata::new().with(STEP, identity))?;
+        let picture = read(&path)?.picture;
         let kept = Kept { identity: identity.to_string(), found };
         file::write_whole(&record, (json(&kept) + "\n").as_bytes())?;
         Ok((kept.found, picture))
