@@ -24,5 +24,6 @@ mod media_single_scattering;
 mod motion;
 mod photon_and_path;
 mod prism;
+mod rainbow;
 mod references;
 mod thin_lens;
