@@ -26,4 +26,5 @@ mod photon_and_path;
 mod prism;
 mod rainbow;
 mod references;
+mod sky;
 mod thin_lens;
