@@ -166,7 +166,8 @@ fn the_bows_stand_where_the_drops_send_them_and_the_sky_between_is_darker() {
         let (mean, rms) =
             (off.iter().sum::<f64>() / ROWS as f64, (off.iter().map(|x| x * x).sum::<f64>() / ROWS as f64).sqrt());
         println!(
-            "rainbow, {nm} nm: {:.3}° and {:.3}°, the drops' {:.3}° and {:.3}°; inside / between {inside:.2}, outside / between {beyond:.2}; rows off by {mean:+.4}, rms {rms:.4}",
+            "rainbow, {nm} nm: {:.3}° and {:.3}°, the drops' {:.3}° and {:.3}°; inside / between {inside:.2}, outside / between \
+             {beyond:.2}; rows off by {mean:+.4}, rms {rms:.4}",
             peaks[0], peaks[1], truth[0], truth[1]
         );
         for (peak, truth) in peaks.into_iter().zip(truth) {
