@@ -28,6 +28,8 @@ pub struct Sightline {
     pub length_m: f64,
     /// How far the camera is from its start, along the path, in m.
     pub behind_m: f64,
+    /// The number of the medium that it goes through.
+    pub medium: usize,
     /// Whether the path had refracted dispersively.
     pub shared: bool,
 }

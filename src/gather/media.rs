@@ -10,7 +10,7 @@ use super::estimate::{RadiusKind, add_photon};
 use super::landing::Sightline;
 use super::photon_gather::{Gatherer, Sample, each_wavelength};
 use super::throughput::{Colour, Factor};
-use crate::map::{Came, Cone, Neighbour, VolumeMap};
+use crate::map::{Came, Cone, Neighbour, VolumeMap, Width};
 use crate::math::random::hash64;
 use crate::scene::geometry::Ray;
 use crate::scene::medium::Medium;
@@ -138,6 +138,7 @@ impl<'a> Gatherer<'a> {
             ray: stretch.ray,
             length_m: stretch.length_m,
             behind_m: walked,
+            medium: number,
             shared,
         });
         for (maps, kind) in [&maps.volume_caustic, &maps.volume_indirect].into_iter().zip(kinds) {
@@ -146,11 +147,11 @@ impl<'a> Gatherer<'a> {
                 if map.is_empty() {
                     continue;
                 }
-                let (ray, length_m) = (stretch.ray, stretch.length_m);
-                let cone = match self.radius_m {
-                    Some(radius) => Cone { ray, length_m, radius_m: radius * scale, slope: 0.0 },
-                    None => Cone::of_camera(ray, length_m, walked, slope * scale),
+                let width = match self.radius_m {
+                    Some(radius) => Width::Stated(radius * scale),
+                    None => Width::PerDistance(slope * scale),
                 };
+                let cone = Cone::of_camera(stretch.ray, stretch.length_m, walked, width);
                 self.along(map, &cone, (path, stretch, number, medium), sample);
             }
         }

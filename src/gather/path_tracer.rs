@@ -145,7 +145,7 @@ impl Path {
         } else {
             Counts::Shared { place: encounter.hit.position, pdf: scattered.pdf }
         };
-        self.start = encounter.after(&scattered);
+        self.start = encounter.after(scattered);
     }
 
     /// What the path still lets through, relative to its start, in the mean over the wavelengths that it started with.

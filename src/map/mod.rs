@@ -8,6 +8,6 @@ pub mod radius;
 mod volume;
 
 pub use index::PhotonIndex;
-pub use near_ray::Cone;
+pub use near_ray::{Cone, Width};
 pub use photon::{Load, Photon};
 pub use volume::{Beam, Came, Neighbour, VolumeMap, VolumeMaps, VolumePhoton};

@@ -22,10 +22,23 @@ pub struct Cone {
     pub slope: f64,
 }
 
+/// How wide the kernels along a camera path are.
+#[derive(Debug, Clone, Copy)]
+pub enum Width {
+    /// The same everywhere: this radius in m.
+    Stated(f64),
+    /// This radius per distance from the camera.
+    PerDistance(f64),
+}
+
 impl Cone {
-    /// A cone that starts at the camera, which is `behind_m` (along the path) behind the ray's origin.
-    pub fn of_camera(ray: Ray, length_m: f64, behind_m: f64, slope: f64) -> Self {
-        Self { ray, length_m, radius_m: slope * behind_m, slope }
+    /// The first `length_m` of a ray of a camera path, whose start is `behind_m` (along the path) behind the ray's origin.
+    pub fn of_camera(ray: Ray, length_m: f64, behind_m: f64, width: Width) -> Self {
+        let (radius_m, slope) = match width {
+            Width::Stated(radius_m) => (radius_m, 0.0),
+            Width::PerDistance(slope) => (slope * behind_m, slope),
+        };
+        Self { ray, length_m, radius_m, slope }
     }
 
     /// The radius at a distance along the ray, in m.

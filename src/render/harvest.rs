@@ -1,6 +1,6 @@
 //! What is kept of the photons: some connected to the camera, some stored for the maps.
 
-use super::crowd::BeamShares;
+use super::crowd::Shares;
 use crate::emit::{Arrival, Collision, Crossing, Receiver, connect::connect};
 use crate::map::{Beam, Load, Photon, VolumeMap, VolumeMaps, VolumePhoton};
 use crate::math::random::Stream;
@@ -54,19 +54,14 @@ pub(super) struct Harvest<'a> {
     pub(super) indirect: Vec<Placed>,
     pub(super) volume_caustic: InMedia,
     pub(super) volume_indirect: InMedia,
-    /// The probabilities with which beams are kept.
-    beam_shares: BeamShares,
+    /// The probabilities with which photons in media are kept.
+    shares: Shares,
     pub(super) splats: SplatSink,
     pub(super) tally: Tally,
 }
 
 impl<'a> Harvest<'a> {
-    pub(super) fn new(
-        scene: &'a Scene,
-        plan: &'a Plan,
-        (set, beam_shares): (Set, BeamShares),
-        splats: SplatSink,
-    ) -> Self {
+    pub(super) fn new(scene: &'a Scene, plan: &'a Plan, (set, shares): (Set, Shares), splats: SplatSink) -> Self {
         Self {
             scene,
             plan,
@@ -75,7 +70,7 @@ impl<'a> Harvest<'a> {
             indirect: Vec::new(),
             volume_caustic: InMedia::default(),
             volume_indirect: InMedia::default(),
-            beam_shares,
+            shares,
             splats,
             tally: Tally::default(),
         }
@@ -138,7 +133,7 @@ impl Receiver for Harvest<'_> {
         let Crossing { stretch, medium, path, wavelengths, power, lane } = crossing;
         let here = &self.scene.media[*medium];
         let kept = self.plan.volume.keeps_beams(here.dense) && here.scatters() && stretch.length_m.is_finite();
-        let share = self.beam_shares.of(*path);
+        let share = self.shares.of(*path).beams;
         if kept && share > 0.0 && stream.uniform() < share {
             self.tally.volume_beams += 1;
             let ends = [stretch.ray.origin, stretch.ray.at(stretch.length_m)];
@@ -147,12 +142,14 @@ impl Receiver for Harvest<'_> {
         }
     }
 
-    fn collide(&mut self, collision: &Collision, _stream: &mut Stream) {
+    fn collide(&mut self, collision: &Collision, stream: &mut Stream) {
         let Collision { position, incoming, medium, path, wavelengths, power, lane } = collision;
         let here = &self.scene.media[*medium];
-        if self.plan.volume.keeps_points(here.dense) && here.scatters() && *path != LightPath::Direct {
+        let share = self.shares.of(*path).points;
+        let kept = self.plan.volume.keeps_points(here.dense) && here.scatters();
+        if kept && share > 0.0 && stream.uniform() < share {
             self.tally.volume_points += 1;
-            let load = Load::new(wavelengths, *power, *lane);
+            let load = Load::new(wavelengths, power.map(|power| power / share), *lane);
             self.in_media(*path).points.push(VolumePhoton::new(*position, *incoming, *medium, load));
         }
     }

@@ -1,6 +1,6 @@
 //! One pass: emit, map, gather.
 
-use super::crowd::BeamShares;
+use super::crowd::Shares;
 use super::harvest::{Harvest, InMedia, Placed, Set};
 use super::pilot::Pilot;
 use super::{Job, Run};
@@ -89,14 +89,14 @@ fn scene_of_pass<'a>(job: &'a Job, pass: u64, run: &mut Run) -> Result<Cow<'a, S
 pub(super) fn emit(
     job: &Job,
     emitters: &Emitters<'_>,
-    (set, beam_shares): (Set, BeamShares),
+    (set, shares): (Set, Shares),
     splats: impl Fn() -> SplatSink + Sync,
 ) -> Emitted {
     let points = emitters.points();
     let chunks: Vec<(Harvest<'_>, Ledger)> = (0..emitters.count.div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
-            let mut harvest = Harvest::new(emitters.scene, &job.plan, (set, beam_shares), splats());
+            let mut harvest = Harvest::new(emitters.scene, &job.plan, (set, shares), splats());
             let mut ledger = Ledger::new(emitters.scene.materials.len());
             for index in chunk * CHUNK..((chunk + 1) * CHUNK).min(emitters.count) {
                 trace(emitters, &points, index, &mut harvest, &mut ledger);
@@ -133,7 +133,7 @@ pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) ->
     ];
     let [mut free, mut shared] = sets.map(|(set, purpose, wavelengths, count)| {
         let emitters = pilot.emitters((job, &scene), wavelengths, count, purpose, pass);
-        emit(job, &emitters, (set, pilot.beam_shares), || film.splat_sink())
+        emit(job, &emitters, (set, pilot.kept), || film.splat_sink())
     });
     run.seconds.emit += begun.elapsed().as_secs_f64();
 

@@ -5,7 +5,7 @@
 //! of all (where light is dense at one moment and thin at another, the dense one decides how sharp the picture is, and the thin one's noise
 //! weighs little). Outlines are kept only where nothing moves.
 
-use super::crowd::{BeamCounts, BeamShares, Crowds};
+use super::crowd::{Counts, Crowds, Shares, Widths};
 use super::harvest::Set;
 use super::pass::{emit, shared_wavelengths};
 use super::{Job, Seconds};
@@ -40,8 +40,8 @@ pub(super) struct Pilot {
     pub(super) outlines: Outlines,
     pub(super) free_photons: u64,
     pub(super) shared_photons: u64,
-    /// The probabilities with which beams through media are kept: of many, a few cross every ray, and more would only cost time.
-    pub(super) beam_shares: BeamShares,
+    /// The probabilities with which photons in media are kept: of many, a few are near every ray, and more would only cost time.
+    pub(super) kept: Shares,
 }
 
 /// Kernels for indirect light span at most this many pixels at first: beyond, their bias would outlast their noise.
@@ -85,7 +85,7 @@ impl Pilot {
             outlines: Outlines::default(),
             free_photons: half.max(1),
             shared_photons: half.max(1),
-            beam_shares: BeamShares::ALL,
+            kept: Shares::ALL,
         };
         match job.plan.wavelengths {
             WavelengthPlan::Free => (pilot.free_photons, pilot.shared_photons) = (job.budget.photons, 0),
@@ -118,11 +118,11 @@ impl Pilot {
         for (moment, scene) in (0..).zip(scenes) {
             findings.add(self.look(job, (moment, scene)));
         }
-        let Findings { mut radii, seen, crowds, beams, landings } = findings;
-        self.beam_shares = BeamShares::enough(&crowds, beams);
-        let pixel_angle = job.scene.camera.pixel_angle();
+        let Findings { mut radii, seen, crowds, in_media, landings } = findings;
+        let widths = Widths::of(job);
+        self.kept = Shares::enough(&crowds, in_media, &widths);
         for (radii, crowds) in radii.iter_mut().zip(&crowds) {
-            crowds.set_radii(radii, self.beam_shares, pixel_angle);
+            crowds.set_radii(radii, self.kept, &widths);
         }
         fill_unknown(&mut radii);
         self.radii = radii;
@@ -140,12 +140,12 @@ impl Pilot {
         let blank = Film::new(1, 1, scene.film.observer, 0);
         let photons = |set, wavelengths, count, pass| {
             let emitters = self.emitters((job, scene), wavelengths, count, Purpose::Pilot, pass);
-            emit(job, &emitters, (set, BeamShares::ALL), || blank.splat_sink())
+            emit(job, &emitters, (set, Shares::ALL), || blank.splat_sink())
         };
         let mut free = photons(Set::Free, Wavelengthed::Free, self.free_photons, 2 * moment);
         let mut shared = photons(Set::Shared, Wavelengthed::Shared { nm, pdf }, self.shared_photons, 2 * moment + 1);
-        let beams = BeamCounts::of(&free).or_more(BeamCounts::of(&shared));
-        let kept = [BeamShares::thinning(&mut free), BeamShares::thinning(&mut shared)];
+        let in_media = Counts::of(&free).or_more(Counts::of(&shared));
+        let kept = [Shares::thinning(&mut free), Shares::thinning(&mut shared)];
         let (free, shared) = (free.maps(), shared.maps());
         let (empty, none) = (Maps::default(), Outlines::default());
         let gatherer = Gatherer {
@@ -170,7 +170,7 @@ impl Pilot {
                 self.look_along_row((job, moment), &gatherer, [(&free, kept[0]), (&shared, kept[1])], pixels)
             })
             .collect();
-        let mut all = Findings { beams, ..Findings::default() };
+        let mut all = Findings { in_media, ..Findings::default() };
         rows.into_iter().for_each(|row| all.append(row));
         all
     }
@@ -179,11 +179,11 @@ impl Pilot {
         &self,
         (job, moment): (&'a Job, u64),
         gatherer: &Gatherer<'a>,
-        [free, shared]: [(&Maps, BeamShares); 2],
+        [free, shared]: [(&Maps, Shares); 2],
         pixels: std::ops::Range<usize>,
     ) -> Findings {
         let mut scratch = Scratch::default();
-        let pixel_angle = gatherer.scene.camera.pixel_angle();
+        let widths = Widths::of(job);
         let mut found = Findings::default();
         for pixel in pixels {
             // The replicates use hashes of (seed, replicate, pixel): a seed of its own keeps the pilot apart from them.
@@ -207,7 +207,7 @@ impl Pilot {
                     radii[kinds[i] as usize] = first_radius(job, landing, map, largest[i]) as f32;
                 }
             }
-            found.crowds.push(Crowds::along(&scratch.sightlines, [free, shared], pixel_angle));
+            found.crowds.push(Crowds::along(&scratch.sightlines, &gatherer.scene.media, [free, shared], &widths));
             let shared_sightlines = scratch.sightlines.iter().map(|sightline| sightline.shared);
             let used = || scratch.landings.iter().map(|landing| landing.shared).chain(shared_sightlines.clone());
             let (shared_here, free_here) = (used().any(|shared| shared), used().any(|shared| !shared));
@@ -239,8 +239,8 @@ struct Findings {
     seen: Vec<Option<Landing>>,
     /// How many photons in media are near the rays.
     crowds: Vec<Crowds>,
-    /// How many beams there are.
-    beams: BeamCounts,
+    /// How many photons in media there are.
+    in_media: Counts,
     landings: [u64; 2],
 }
 
@@ -250,7 +250,7 @@ impl Findings {
         self.radii.extend(more.radii);
         self.seen.extend(more.seen);
         self.crowds.extend(more.crowds);
-        self.beams = self.beams.or_more(more.beams);
+        self.in_media = self.in_media.or_more(more.in_media);
         (0..2).for_each(|set| self.landings[set] += more.landings[set]);
     }
 
@@ -264,7 +264,7 @@ impl Findings {
             *radii = if *radii > 0.0 && *others > 0.0 { radii.min(*others) } else { radii.max(*others) };
         }
         self.crowds.iter_mut().zip(more.crowds).for_each(|(here, more)| *here = here.or_more(more));
-        self.beams = self.beams.or_more(more.beams);
+        self.in_media = self.in_media.or_more(more.in_media);
         (0..2).for_each(|set| self.landings[set] += more.landings[set]);
     }
 }
@@ -349,7 +349,7 @@ fn learn_aims(job: &Job, scenes: &[Cow<'_, Scene>], mut aims: Vec<Aim>) -> Vec<A
             outlines: Outlines::default(),
             free_photons: 0,
             shared_photons: 0,
-            beam_shares: BeamShares::ALL,
+            kept: Shares::ALL,
         };
         let count = PATHS * (lights as u64).min(4);
         let chunks = count.div_ceil(CHUNK);
@@ -384,18 +384,20 @@ struct Usefulness<'a> {
     squares: Vec<f64>,
     current: usize,
     score: f64,
+    /// Of the path's ways through media, the most useful one's: a photon that wanders through milk tells little more than its first ways do.
+    score_in_media: f64,
 }
 
 impl<'a> Usefulness<'a> {
     fn new(scene: &'a Scene, lights: usize) -> Self {
         let size = lights * CELLS * CELLS;
-        Self { scene, paths: vec![0.0; size], squares: vec![0.0; size], current: 0, score: 0.0 }
+        Self { scene, paths: vec![0.0; size], squares: vec![0.0; size], current: 0, score: 0.0, score_in_media: 0.0 }
     }
 
     /// Ends a path.
     fn close(&mut self) {
-        self.squares[self.current] += self.score * self.score;
-        self.score = 0.0;
+        self.squares[self.current] += (self.score + self.score_in_media).powi(2);
+        (self.score, self.score_in_media) = (0.0, 0.0);
     }
 
     fn add(&mut self, other: &Self) {
@@ -452,7 +454,7 @@ impl Receiver for Usefulness<'_> {
         let places = [0.1, 0.3, 0.5, 0.7, 0.9].map(|share| stretch.ray.at(share * stretch.length_m));
         let in_view = places.iter().filter(|&&place| self.scene.camera.sight(place, [0.5; 2]).is_some()).count();
         let weight = if *path == LightPath::Caustic { 1.0 } else { 0.3 };
-        self.score += weight * 0.2 * in_view as f64;
+        self.score_in_media = self.score_in_media.max(weight * 0.2 * in_view as f64);
     }
 
     fn depart(&mut self, light: usize, aim: [f64; 2]) {

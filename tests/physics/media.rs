@@ -147,3 +147,16 @@ fn the_ledger_of_fog_balances() {
         assert!(runs.mean(0).abs() <= (4.0 * runs.error(0)).max(1e-12), "sampling gains or loses");
     }
 }
+
+/// Beams that run along a ray are few and bright: the mean is bounded no closer than their noise.
+#[test]
+#[ignore = "slow: a minute of CPU time; beams that run along a ray are few and bright"]
+fn white_fog_that_scatters_forward_in_uniform_surroundings_by_beams() {
+    let mut scene = white_ball(2.0, 0.8);
+    scene["render"] = json!({ "photons": 500, "radius": 0.05 });
+    let seen = Measured::new(&scene, (Integrator::Photon, 4096), 0..8, mean_y);
+    let (mean, error) = (seen.mean(0), seen.error(0));
+    println!("furnace, fog by beams, g = 0.8, optical depth 2: {mean:.4} ± {error:.4}");
+    assert!(error < 5e-3, "too noisy to tell");
+    assert!((mean - 1.0).abs() < 4.0 * error);
+}

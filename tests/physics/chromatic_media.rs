@@ -1,0 +1,156 @@
+//! Media whose extinction varies 100 : 1 over the band: no wavelength's weight may grow where another one drew what happened.
+//!
+//! A photon, or a camera path, carries several wavelengths, and all go one way. Weighted by the density of the one wavelength that drew it, the
+//! others' weights are ratios σ_k/σ_h · exp((σ_h − σ_k) s), a hundred for every scattering and e^(σ_h s) for every passage: fireflies. Weighted
+//! by the density of all that could have drawn it (the balance heuristic), the sum over the wavelengths stays what it was: no draw can make a
+//! path heavier than it set out.
+
+use crate::common::{all_y, job, render};
+use crate::furnace::surroundings;
+use abbe::emit::{Aim, Arrival, Collision, Crossing, Emitters, LightChoice, Receiver, Wavelengthed, trace};
+use abbe::math::random::{Purpose, Stream};
+use abbe::math::warp;
+use abbe::render::Integrator;
+use abbe::walk::ledger::Ledger;
+use serde_json::{Value, json};
+
+/// The extinction at the band's ends, in 1/m, and their geometric mean.
+const SIGMA: [f64; 2] = [6.0, 0.06];
+const GREY: f64 = 0.6;
+
+/// A white ball of radius 1 m in uniform surroundings that fills the picture: every pixel's luminance is 1.
+fn white_ball(scattering: Value) -> Value {
+    json!({
+        "camera": { "from": [0, 0, 5], "at": [0, 0, 0], "lens": { "pinhole": { "fov": 15 } } },
+        "film": { "width": 32, "height": 32 },
+        "media": { "it": { "homogeneous": { "absorption": 0, "scattering": scattering, "phase": "isotropic" } } },
+        "materials": { "it": { "boundary": { "medium": "it" } } },
+        "objects": [{ "shape": { "sphere": { "radius": 1 } }, "material": "it" }],
+        "lights": surroundings(), "render": { "photons": 3000, "radius": 0.2 }
+    })
+}
+
+fn chromatic() -> Value {
+    json!({ "table": { "nm": [360, 830], "values": SIGMA } })
+}
+
+/// The largest power that any photon had anywhere, and how often one was scattered.
+#[derive(Default)]
+struct Heaviest {
+    power: f64,
+    collisions: u64,
+}
+
+impl Receiver for Heaviest {
+    fn arrive(&mut self, _: &Arrival<'_>, _: &mut Stream) {}
+
+    fn depart(&mut self, _: usize, _: [f64; 2]) {}
+
+    fn cross(&mut self, crossing: &Crossing<'_>, _: &mut Stream) {
+        self.power = self.power.max(crossing.power.iter().sum());
+    }
+
+    fn collide(&mut self, collision: &Collision, _: &mut Stream) {
+        self.power = self.power.max(collision.power.iter().sum());
+        self.collisions += 1;
+    }
+}
+
+/// What the heaviest of so many photons would weigh by the density of one wavelength alone, of a mean weight of 1: into the ball from a point of
+/// its surface, and about until they come out.
+fn heaviest_by_one_wavelength(count: u64) -> f64 {
+    let mut heaviest = 0.0_f64;
+    for index in 0..count {
+        let mut stream = Stream::new(7, Purpose::Pilot, 0, index);
+        let shift = stream.uniform();
+        let sigma: [f64; 4] = std::array::from_fn(|k| SIGMA[0] + (SIGMA[1] - SIGMA[0]) * 0.25 * (k as f64 + shift));
+        let hero = sigma[(4.0 * stream.uniform()) as usize];
+        let mut weights = [1.0; 4];
+        let (mut place, mut way) = (-glam::DVec3::Z, warp::cosine_hemisphere(stream.pair()));
+        loop {
+            let across = place.dot(way);
+            let out = -across + (across * across + 1.0 - place.length_squared()).max(0.0).sqrt();
+            let distance = -(-stream.uniform()).ln_1p() / hero;
+            let scatters = distance < out;
+            let gone = distance.min(out);
+            for (weight, sigma) in weights.iter_mut().zip(sigma) {
+                *weight *= ((hero - sigma) * gone).exp() * if scatters { sigma / hero } else { 1.0 };
+            }
+            heaviest = heaviest.max(weights.iter().sum::<f64>() / 4.0);
+            if !scatters {
+                break;
+            }
+            (place, way) = (place + gone * way, warp::sphere(stream.pair()));
+        }
+    }
+    heaviest
+}
+
+#[test]
+fn no_photon_grows_heavier_than_it_set_out() {
+    const PHOTONS: u64 = 20_000;
+    let job = job(&white_ball(chromatic()));
+    let choice = LightChoice::new(&job.scene).expect("the scene is lit");
+    let aims = vec![Aim::plain(); job.scene.lights.len()];
+    let emitters = Emitters {
+        scene: &job.scene,
+        choice: &choice.lights,
+        aims: &aims,
+        wavelengths: Wavelengthed::Free,
+        count: PHOTONS,
+        max_depth: 64,
+        seed: 1,
+        purpose: Purpose::FreePhoton,
+        pass: 0,
+        between: job.plan.between,
+    };
+    let (points, mut heaviest, mut ledger) = (emitters.points(), Heaviest::default(), Ledger::new(1));
+    let mut growth = 0.0_f64;
+    for index in 0..PHOTONS {
+        let before = ledger.emitted;
+        heaviest.power = 0.0;
+        trace(&emitters, &points, index, &mut heaviest, &mut ledger);
+        growth = growth.max(heaviest.power / (ledger.emitted - before));
+    }
+    let (collisions, alone) = (heaviest.collisions, heaviest_by_one_wavelength(PHOTONS));
+    println!(
+        "100 : 1, {collisions} scatterings: no photon above {growth:.12} of what it set out with; by one wavelength's density {alone:.2e}"
+    );
+    assert!(collisions > PHOTONS / 2, "too few scatterings to tell");
+    assert!(growth < 1.0 + 1e-9, "a photon grew: {growth}");
+    assert!(alone > 100.0, "single-wavelength weights would do: {alone}");
+}
+
+/// The brightest pixel over the mean.
+fn brightest(scattering: Value, way: Integrator, passes: u64) -> f64 {
+    let y = all_y(&render(&white_ball(scattering), way, passes));
+    y.iter().fold(0.0_f64, |most, y| most.max(*y)) * y.len() as f64 / y.iter().sum::<f64>()
+}
+
+/// How bright a camera path at most finds surroundings of luminance 1: with the weight of all its wavelengths, which stays what it was at the start,
+/// on the one that looks brightest.
+fn most_of_a_path() -> f64 {
+    /// ∫ ȳ in nm, of ȳ ≤ 1 (CIE 1931).
+    const LUMINOSITY_NM: f64 = 106.857;
+    let choice = LightChoice::new(&job(&white_ball(chromatic())).scene).expect("the scene is lit");
+    let weight = |u: f64| {
+        let drawn = (0..4).map(|k| choice.wavelengths.sample((u + f64::from(k)) / 4.0));
+        drawn.map(|(_, pdf)| 0.25 / pdf).sum::<f64>() / LUMINOSITY_NM
+    };
+    (0..1000).map(|i| weight((f64::from(i) + 0.5) / 1000.0)).fold(0.0, f64::max)
+}
+
+#[test]
+fn no_pixel_of_chromatic_fog_is_a_firefly() {
+    let bound = most_of_a_path();
+    for passes in [1, 16] {
+        let path = brightest(chromatic(), Integrator::Path, passes);
+        println!("100 : 1, {passes} paths a pixel: brightest {path:.2} of the mean, bound {bound:.2}");
+        // At each scattering a path asks for half of what it may find: of four in a row near the surface, none of it lost, it sees twice as much.
+        assert!(path < 2.0 * bound);
+    }
+    // Photons are the lighter the more there are: they stand out no more than in grey fog, up to the colours that they bring.
+    let [chromatic, grey] = [chromatic(), json!(GREY)].map(|fog| brightest(fog, Integrator::Photon, 16));
+    println!("100 : 1, photons: brightest pixel {chromatic:.2} of the mean; of grey fog {grey:.2}");
+    assert!(chromatic - 1.0 < 3.0 * (grey - 1.0));
+}
