@@ -171,7 +171,10 @@ fn the_json_object_has_the_keys_that_are_documented() {
     assert_eq!(names, abbe::plan::EFFECTS.map(|effect| effect.name));
     let docs = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/plan.md")).unwrap();
     let documented = [&top[..], &of_effect, &of_camera, &of_depth, &of_diffraction].concat();
-    assert!(documented.iter().all(|key| docs.contains(&format!("`{key}`"))), "docs/plan.md lacks one of {documented:?}");
+    assert!(
+        documented.iter().all(|key| docs.contains(&format!("`{key}`"))),
+        "docs/plan.md lacks one of {documented:?}"
+    );
     let again = abbe(std::path::Path::new(env!("CARGO_MANIFEST_DIR")), &["explain", "scenes/prism.json", "--json"]);
     let once_more = abbe(std::path::Path::new(env!("CARGO_MANIFEST_DIR")), &["explain", "scenes/prism.json", "--json"]);
     assert_eq!(again.out, once_more.out);
@@ -198,6 +201,7 @@ fn a_million_triangles_are_explained_in_two_seconds() {
     std::fs::write(folder.path().join("ball.stl"), stl).unwrap();
     let scene = r#"{
   "camera": {"from": [0, 2, 5], "at": [0, 0, 0], "lens": {"pinhole": {"fov": 40}}},
+  "film": {"width": 300, "height": 200},
   "materials": {"glass": {"dielectric": {"ior": "N-BK7"}}, "grey": {"diffuse": {"reflectance": 0.5}}},
   "objects": [{"shape": {"mesh": {"path": "ball.stl"}}, "material": "glass"},
               {"shape": {"rectangle": {"width": 6, "height": 6}}, "material": "grey", "transform": [{"translate": [0, -1, 0]}]}],

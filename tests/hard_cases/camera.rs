@@ -152,7 +152,7 @@ fn sky_error([width, height]: [u32; 2]) -> f64 {
     scene["film"] = json!({ "width": width, "height": height });
     scene["lights"] = json!([{ "environment": { "spectrum": 1, "illuminance": std::f64::consts::PI } }]);
     let pixels = width * height;
-    let picture = render(&scene, Integrator::Photon, u64::from((1 << 19) / pixels).min(2048)).picture;
+    let picture = render(&scene, Integrator::Photon, u64::from((1 << 20) / pixels).min(2048)).picture;
     assert!(picture.xyz.len() == pixels as usize && picture.xyz.iter().all(|xyz| (0.8..1.2).contains(&xyz[1])));
     (picture.mean_y() - 1.0).abs()
 }
