@@ -2,6 +2,7 @@
 
 use super::scenes::{Prepared, load};
 use abbe::gather::{CameraNumbers, Direct, Gatherer, Maps, Outlines, PathTracer, RADIUS_KINDS, Scratch};
+use abbe::map::LightMaps;
 use abbe::map::radius::Scales;
 use abbe::walk::{Sink, Tally};
 use criterion::{Criterion, Throughput};
@@ -29,8 +30,8 @@ pub(crate) fn benches(c: &mut Criterion) {
         let pixels: Vec<u64> = (0..prepared.scene.camera.pixel_count() as u64).step_by(STEP).collect();
         group.throughput(Throughput::Elements(pixels.len() as u64));
         let maps = prepared.harvest(100_000).maps();
-        let outlines = Outlines::default();
-        let gatherer = gatherer(&prepared, (&maps, &outlines));
+        let (outlines, light_maps) = (Outlines::default(), LightMaps::default());
+        let gatherer = gatherer(&prepared, (&maps, &outlines, &light_maps));
         // Kernels of about 50 photons; the exact radii of a render are its pilot's.
         let radii = [0.05_f32; RADIUS_KINDS];
         group.bench_function(format!("photon maps/{name}"), |b| {
@@ -63,7 +64,10 @@ pub(crate) fn benches(c: &mut Criterion) {
     group.finish();
 }
 
-fn gatherer<'a>(prepared: &'a Prepared, (maps, outlines): (&'a Maps, &'a Outlines)) -> Gatherer<'a> {
+fn gatherer<'a>(
+    prepared: &'a Prepared,
+    (maps, outlines, light_maps): (&'a Maps, &'a Outlines, &'a LightMaps<'a>),
+) -> Gatherer<'a> {
     let wavelengths = [450.0, 520.0, 590.0, 650.0];
     Gatherer {
         scene: &prepared.scene,
@@ -74,6 +78,7 @@ fn gatherer<'a>(prepared: &'a Prepared, (maps, outlines): (&'a Maps, &'a Outline
         shared_nm: wavelengths,
         shared_pdf: wavelengths.map(|nm| prepared.choice.wavelengths.pdf(nm)),
         glass: None,
+        light_maps,
         outlines,
         scales: Scales::of_pass(0),
         radius_m: None,

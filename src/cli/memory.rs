@@ -15,7 +15,7 @@ fn refusal(budget: &Budget, available: u64) -> Error {
     let gigabytes = |bytes: u64| format!("{:.1} GB", bytes as f64 * 1e-9);
     let what = format!("out of memory: picture and photons need {}", gigabytes(budget.memory_bytes));
     let lower = match budget.photons_within(available) {
-        0 => "lower --size (or --spectral-bands)".to_string(),
+        0 => "lower --size (or --spectral-bands, or `render.light_map`)".to_string(),
         photons => format!("lower --photons to {photons} or fewer"),
     };
     Error::machine(what).expected(format!("at most the {} that are available: {lower}", gigabytes(available)))
@@ -42,6 +42,7 @@ mod tests {
             max_depth: 1,
             nearest: 1,
             radius_m: None,
+            light_map_cells: 2,
             seed: 0,
             memory_bytes,
             motion_px: 0.0,

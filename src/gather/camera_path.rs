@@ -6,6 +6,7 @@ use super::throughput::{Colour, Factor};
 use crate::plan::partition::View;
 use crate::scene::geometry::Ray;
 use crate::scene::interior::Interior;
+use crate::spectrum::Lanes;
 use crate::walk::{Drawn, Encounter, Start};
 
 /// Wavelength-free camera paths choose between reflection and refraction, and compare densities, at this wavelength (nm); what
@@ -16,6 +17,8 @@ pub(super) const REFERENCE_NM: f64 = 550.0;
 #[derive(Debug, Default)]
 pub struct Scratch<'a> {
     pub(super) factors: Vec<Factor<'a>>,
+    /// What weakens light on the ways that a light map knows.
+    pub(super) coefficients: Vec<Lanes>,
     /// Where paths came to rest in the last call.
     pub landings: Vec<Landing>,
     /// Which ways through media they looked along in the last call.

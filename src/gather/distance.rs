@@ -30,6 +30,74 @@ pub(super) fn draw(medium: &Medium, ray: &Ray, reach: &Reach, u: [f64; 2]) -> Op
     (pdf > 0.0 && t.is_finite()).then_some(Place { t, pdf })
 }
 
+/// A place along a ray of which many are taken together.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stop {
+    /// Its distance in m.
+    pub(super) t: f64,
+    /// The column density from the ray's start to it, in m.
+    pub(super) column_m: f64,
+    /// The density of the medium there over that of the places, in m: the sum of strength × f over the stops is ∫ρ f dt.
+    pub(super) strength: f64,
+}
+
+/// How many stops there are on a ray, at most.
+pub(super) const STOPS: usize = 8;
+
+/// Visits places within the light's reach in order of their distance, spread evenly over the ways of drawing of [`draw`]; `shift` moves those
+/// of each way within their shares. The ray is gone along once, however many they are.
+pub(super) fn spread(medium: &Medium, ray: &Ray, reach: &Reach, shift: [f64; 2], mut visit: impl FnMut(Stop)) {
+    let Some(ways) = Ways::new(medium, ray, reach) else { return };
+    let by_angle = if ways.angles.is_some() { STOPS / 2 } else { 0 };
+    let by_column = (STOPS - by_angle) / 2;
+    let share = |i: usize, count: usize, shift: f64| (i as f64 + shift.fract()) / count as f64;
+    let angle = |i: usize| {
+        let angles = ways.angles.as_ref().filter(|_| i < by_angle)?;
+        Some((angles.at(share(i, by_angle, shift[0])) - ways.start).clamp(0.0, ways.length))
+    };
+    // Where both extinctions are the same, half a share apart they fill each other's gaps.
+    let column = |way: usize, i: usize| {
+        let u = share(i, by_column, shift[1] + 0.5 * way as f64);
+        (i < by_column).then(|| (way, ways.column_lost(ways.sigma[way], u)))
+    };
+    let before = medium.column_m(ray, reach.from);
+    let rest = |from: f64| Ray { origin: ways.ray.at(from), direction: ray.direction };
+    let mut taken = [0; 3];
+    let (mut t, mut passed, mut ahead) = (0.0, 0.0, None);
+    loop {
+        if ahead.is_none() {
+            let next =
+                [0, 1].map(|way| column(way, taken[way])).into_iter().flatten().min_by(|a, b| a.1.total_cmp(&b.1));
+            let way = next.and_then(|(way, wanted)| {
+                let more = medium.distance_at(&rest(t), ways.length - t, wanted - passed)?;
+                Some((way, wanted, t + more))
+            });
+            ahead = way;
+        }
+        let turn = angle(taken[2]);
+        match (ahead, turn) {
+            (None, None) => return,
+            (Some((way, wanted, there)), turn) if turn.is_none_or(|turn| there <= turn) => {
+                (t, passed, ahead) = (there, wanted, None);
+                taken[way] += 1;
+            }
+            (_, Some(turn)) => {
+                passed += medium.column_m(&rest(t), turn - t);
+                t = turn;
+                taken[2] += 1;
+            }
+            (Some(_), None) => return,
+        }
+        let density = medium.density_at(ways.ray.at(t));
+        let of_columns = (0..2).map(|way| ways.per_column(ways.sigma[way], passed)).sum::<f64>();
+        let of_angles = ways.angles.as_ref().map_or(0.0, |angles| angles.pdf(ways.start + t));
+        let places = by_column as f64 * of_columns * density + by_angle as f64 * of_angles;
+        if density > 0.0 {
+            visit(Stop { t: ways.start + t, column_m: before + passed, strength: density / places });
+        }
+    }
+}
+
 /// The ways of drawing.
 struct Ways<'a> {
     medium: &'a Medium,
@@ -56,15 +124,20 @@ impl<'a> Ways<'a> {
 
     /// The distance at which a share u of the light that is lost has been lost.
     fn by_transmittance(&self, sigma: f64, u: f64) -> Option<f64> {
+        let column = self.column_lost(sigma, u);
+        self.medium.distance_at(&self.ray, self.length, column).map(|t| self.start + t)
+    }
+
+    /// The column density at which a share u of the light that is lost has been lost.
+    fn column_lost(&self, sigma: f64, u: f64) -> f64 {
         let depth = sigma * self.column;
-        let column = if depth < 1e-6 {
+        if depth < 1e-6 {
             u * self.column
         } else if self.column.is_finite() {
             -(u * (-depth).exp_m1()).ln_1p() / sigma
         } else {
             -(-u).ln_1p() / sigma
-        };
-        self.medium.distance_at(&self.ray, self.length, column).map(|t| self.start + t)
+        }
     }
 
     /// The density per m of both transmittances, mixed evenly.
@@ -72,13 +145,13 @@ impl<'a> Ways<'a> {
         let along = t - self.start;
         let density = self.medium.density_at(self.ray.at(along));
         let column = self.medium.column_m(&self.ray, along);
-        let one = |sigma: f64| {
-            let depth = sigma * self.column;
-            let per_column =
-                if depth < 1e-6 { 1.0 / self.column } else { sigma * (-sigma * column).exp() / -(-depth).exp_m1() };
-            0.5 * per_column * density
-        };
-        one(self.sigma[0]) + one(self.sigma[1])
+        0.5 * density * (self.per_column(self.sigma[0], column) + self.per_column(self.sigma[1], column))
+    }
+
+    /// The density of one transmittance's draws, per m of column density.
+    fn per_column(&self, sigma: f64, column: f64) -> f64 {
+        let depth = sigma * self.column;
+        if depth < 1e-6 { 1.0 / self.column } else { sigma * (-sigma * column).exp() / -(-depth).exp_m1() }
     }
 }
 

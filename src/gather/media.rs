@@ -1,6 +1,6 @@
 //! What media do to a camera path: they weaken what is behind them, and scatter light into it.
 //!
-//! Light that comes straight from a lamp to a point on the ray is looked for at one drawn place a lamp; light that came through glass, or was scattered before,
+//! Light that comes straight from a lamp to a point on the ray is looked for at one drawn place a lamp, or looked up in a map of the lamp; light that came through glass, or was scattered before,
 //! is brought by the photons that pass the ray.
 
 use super::camera_path::CameraPath;
@@ -50,7 +50,8 @@ impl<'a> Gatherer<'a> {
             }
             if medium.scatters() && stretch.length_m.is_finite() {
                 if !self.plan.direct.is_absent() {
-                    self.gather_lamps_inside(path, (stretch, medium), sample);
+                    self.gather_lamps_inside(path, (stretch, number, medium), sample);
+                    self.gather_mapped_lamps(path, (stretch, number, medium), sample);
                 }
                 self.gather_volume_photons(path, (stretch, number, medium), walked, sample);
             }
@@ -85,11 +86,11 @@ impl<'a> Gatherer<'a> {
         }
     }
 
-    /// Light that comes straight from lamps and is scattered once.
+    /// Light that comes straight from lamps without a map and is scattered once.
     fn gather_lamps_inside<S: Sink>(
         &self,
         path: &CameraPath,
-        (stretch, medium): (&Stretch<'a>, &'a Medium),
+        (stretch, number_here, medium): (&Stretch<'a>, usize, &'a Medium),
         sample: &mut Sample<'_, 'a, S>,
     ) {
         let Some(window) = medium.window(&stretch.ray, stretch.length_m) else {
@@ -97,6 +98,9 @@ impl<'a> Gatherer<'a> {
         };
         let lamp = sample.numbers.lamp();
         self.direct.each_asked(lamp, |number, u| {
+            if self.light_maps.of(number, number_here).is_some() {
+                return;
+            }
             let draws = sample.numbers.stream.pair();
             let light = &self.scene.lights[number];
             let reach = light.reach(self.scene.world(), &stretch.ray, window, u);

@@ -6,6 +6,7 @@ mod direct;
 mod distance;
 mod estimate;
 mod landing;
+mod mapped_lamps;
 mod media;
 mod outline;
 mod path_media;

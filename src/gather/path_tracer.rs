@@ -85,7 +85,7 @@ impl<'a> PathTracer<'a> {
                 let mut component = numbers.stream.uniform();
                 ControlFlow::Continue(next(self.scene, path.start, &mut component))
             }
-            BetweenPlan::Absorbing | BetweenPlan::Scattering => self.drift(path, numbers, tally, sink),
+            BetweenPlan::Absorbing | BetweenPlan::Scattering(_) => self.drift(path, numbers, tally, sink),
         }
     }
 

@@ -7,6 +7,7 @@ use super::estimate::{Maps, Radii, RadiusKind};
 use super::landing::Landing;
 use super::outline::Outlines;
 use super::throughput::{Colour, Factor, product, relative_n2};
+use crate::map::LightMaps;
 use crate::map::radius::{self, Scales};
 use crate::math::random::ONE_MINUS_ULP;
 use crate::optics::surface::{Class, Event, Surface, Transport};
@@ -36,6 +37,8 @@ pub struct Gatherer<'a> {
     pub shared_pdf: Lanes,
     /// The camera's lens at each of them, if it is one of real glass.
     pub glass: Option<[SystemAt<'a>; LANES]>,
+    /// Maps of lamps in media; none where lamps are asked.
+    pub light_maps: &'a LightMaps<'a>,
     /// How far surfaces go on around what pixels see directly.
     pub outlines: &'a Outlines,
     /// How far kernels have shrunk since the first pass.
@@ -116,7 +119,7 @@ impl<'a> Gatherer<'a> {
         while path.depth < self.max_depth {
             let met = match self.plan.between {
                 BetweenPlan::Clear => next(self.scene, path.start, &mut sample.numbers.stream.uniform()),
-                BetweenPlan::Absorbing | BetweenPlan::Scattering => self.advance(&mut path, sample),
+                BetweenPlan::Absorbing | BetweenPlan::Scattering(_) => self.advance(&mut path, sample),
             };
             let Some(encounter) = met else {
                 self.look_outside(&path, sample);

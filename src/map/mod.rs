@@ -1,4 +1,4 @@
-//! Photons → density: the kd-tree over surfaces, what is near a ray in media, the kernel, the radius.
+//! Photons → density: the kd-tree over surfaces, what is near a ray in media, the kernel, the radius. Lamps → maps of their light in media.
 
 pub mod index;
 pub mod kernel;
@@ -10,4 +10,4 @@ mod volume;
 pub use index::PhotonIndex;
 pub use near_ray::{Cone, Width};
 pub use photon::{Load, Photon};
-pub use volume::{Beam, Came, Neighbour, VolumeMap, VolumeMaps, VolumePhoton};
+pub use volume::{Beam, Came, LightMap, LightMaps, Look, Neighbour, VolumeMap, VolumeMaps, VolumePhoton};

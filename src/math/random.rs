@@ -28,6 +28,8 @@ pub enum Purpose {
     Pilot,
     /// The moment of a pass.
     Moment,
+    /// The places of lamps that a pass's light maps are made for.
+    LightMap,
 }
 
 /// Mixes a 64-bit word thoroughly (the finaliser of SplitMix64, Steele, Lea & Flood 2014).

@@ -2,8 +2,8 @@
 
 use super::negligible::Negligible;
 use super::{
-    AimPlan, AperturePlan, BetweenPlan, CausticPlan, DirectPlan, IndirectPlan, MotionPlan, Plan, Rim, VolumePlan,
-    WavelengthPlan,
+    AimPlan, AperturePlan, BetweenPlan, CausticPlan, DirectPlan, IndirectPlan, LampsInside, MotionPlan, Plan, Rim,
+    VolumePlan, WavelengthPlan,
 };
 use crate::error::{Error, Result};
 use crate::scene::facts::Facts;
@@ -39,7 +39,7 @@ impl Effect {
 }
 
 /// All effects.
-pub const EFFECTS: [Effect; 15] = [
+pub const EFFECTS: [Effect; 16] = [
     Effect {
         name: "dispersion",
         field: "wavelengths",
@@ -190,7 +190,22 @@ pub const EFFECTS: [Effect; 15] = [
         calls: |facts| facts.media.clone(),
         set: |plan, _, on| {
             if on {
-                plan.between = BetweenPlan::Scattering;
+                plan.between = BetweenPlan::Scattering(LampsInside::Asked);
+            }
+        },
+    },
+    Effect {
+        name: "light-map",
+        field: "between",
+        read_by: "map (a grid around each medium for each lamp), gather (light scattered into camera rays)",
+        cost: "a shadow ray and 5 bytes for each node of a grid around each medium, for each lamp; 8 looks and shadow rays for each lamp and stretch of a camera ray",
+        absent: "camera rays ask lamps by shadow rays from drawn places",
+        called_by: "thin fog that is the same everywhere around lamps without extent, which maps know without error, or a stated resolution",
+        uncalled: "no thin fog that is the same everywhere around lamps without extent, or mirrors or glass beside it: drawn places know more media without error, as fast",
+        calls: |facts| facts.light_map.clone(),
+        set: |plan, _, on| {
+            if let BetweenPlan::Scattering(lamps) = &mut plan.between {
+                *lamps = if on && !plan.direct.is_absent() { LampsInside::Mapped } else { LampsInside::Asked };
             }
         },
     },
@@ -249,7 +264,7 @@ pub enum State {
     Off,
     /// Yes, though nothing calls for it.
     Forced,
-    /// No, though something calls for it: the picture lacks it.
+    /// No, though something calls for it.
     Forbidden,
 }
 

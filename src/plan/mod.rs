@@ -136,13 +136,27 @@ pub enum BetweenPlan {
     /// Bodies absorb by Beer's law.
     Absorbing,
     /// Media absorb, scatter or glow.
-    Scattering,
+    Scattering(LampsInside),
+}
+
+/// How a camera ray that crosses a medium finds the light that comes straight from lamps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LampsInside {
+    /// By a shadow ray from a drawn place.
+    Asked,
+    /// In maps of lamps, made for each pass; of lamps that maps do not serve, by a shadow ray.
+    Mapped,
 }
 
 impl BetweenPlan {
     /// Whether light that sets out towards a place it can see arrives there whole.
     pub fn is_clear(self) -> bool {
         self == Self::Clear
+    }
+
+    /// Whether lamps are looked up in maps.
+    pub fn maps_lamps(self) -> bool {
+        self == Self::Scattering(LampsInside::Mapped)
     }
 }
 

@@ -27,7 +27,8 @@ pub fn prepare(scene: &mut Scene) -> Result<(Plan, Vec<Row>)> {
     for row in rows.iter().filter(|row| row.state == State::Forbidden) {
         may_be_forbidden(row.effect.name)?;
         take_out(scene, row.effect.name, D_LINE_NM)?;
-        scene.notes.push(format!("the picture lacks {}: forbidden ({})", row.effect.name, row.because));
+        let Row { effect, because, .. } = row;
+        scene.notes.push(format!("{} is forbidden ({because}): {}", effect.name, effect.absent));
     }
     if !plan.aperture.diffracts() && rows.iter().any(|row| row.effect.name == "diffraction" && row.state.is_on()) {
         return Err(Error::input("diffraction is asked for, and the camera is left no opening to diffract light")

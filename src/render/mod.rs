@@ -24,6 +24,7 @@ pub use threads::on_threads;
 
 use crate::emit::LightChoice;
 use crate::error::{Error, Result};
+use crate::map::LightMaps;
 use crate::plan::{Budget, Plan, Row};
 use crate::scene::Scene;
 use crate::sensor::{Film, Picture};
@@ -163,7 +164,7 @@ impl Job {
         let [width, height, bands] = [film.width, film.height, film.spectral_bands].map(|count| count as usize);
         let film_bytes = Film::memory_bytes(width, height, bands, slices);
         // The sums; and while they are saved their copy in words, and the file.
-        let budget = Budget::of(&scene, (film_bytes as u64).saturating_mul(3));
+        let budget = Budget::of(&scene, &plan, (film_bytes as u64).saturating_mul(3));
         Ok(Self { scene, plan, rows, budget, diffraction, choice })
     }
 
@@ -189,11 +190,11 @@ impl Job {
             Integrator::Photon if !stopped => Some(Pilot::fly(self, &mut run.seconds)?),
             Integrator::Photon | Integrator::Path => None,
         };
-        let mut interrupted = false;
+        let (mut interrupted, mut light_maps) = (false, LightMaps::default());
         while !(stopped || interrupted) {
             let pass = run.part.pass(run.done);
             match &pilot {
-                Some(pilot) => pass::photon_pass(self, pilot, pass, &mut run)?,
+                Some(pilot) => pass::photon_pass(self, pilot, &mut light_maps, (pass, &mut run))?,
                 None => pass::path_pass(self, pass, &mut run)?,
             }
             run.done += 1;

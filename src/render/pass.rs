@@ -7,8 +7,8 @@ use super::{Job, Run};
 use crate::emit::{Emitters, Wavelengthed, trace};
 use crate::error::Result;
 use crate::gather::{CameraNumbers, Direct, Gatherer, Maps, PathTracer, Scratch};
-use crate::map::PhotonIndex;
 use crate::map::radius::Scales;
+use crate::map::{LightMaps, PhotonIndex};
 use crate::math::kronecker::{golden, theodorus};
 use crate::math::random::{Purpose, REPLICATES, hash64};
 use crate::plan::MotionPlan;
@@ -121,8 +121,21 @@ pub(super) fn emit(
     emitted
 }
 
-/// One pass of photon mapping.
-pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) -> Result<()> {
+/// The maps of lamps in media for a pass, if the plan has any.
+fn renewed<'m, 'a>(maps: &'m mut LightMaps<'a>, job: &Job, scene: &'a Scene, pass: u64) -> &'m LightMaps<'a> {
+    if job.plan.between.maps_lamps() {
+        maps.renew(scene, job.budget.light_map_cells(pass), (job.budget.seed, pass));
+    }
+    maps
+}
+
+/// One pass of photon mapping. Maps of lamps in a scene that stands still serve the passes after it.
+pub(super) fn photon_pass<'a>(
+    job: &'a Job,
+    pilot: &Pilot,
+    light_maps: &mut LightMaps<'a>,
+    (pass, run): (u64, &mut Run),
+) -> Result<()> {
     let scene = scene_of_pass(job, pass, run)?;
     let begun = Instant::now();
     let (nm, pdf) = shared_wavelengths(job, pass);
@@ -139,6 +152,11 @@ pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) ->
 
     let begun = Instant::now();
     let (free_maps, shared_maps) = (free.maps(), shared.maps());
+    let mut of_this_pass = LightMaps::default();
+    let light_maps = match &scene {
+        Cow::Borrowed(still) => renewed(light_maps, job, still, pass),
+        Cow::Owned(posed) => renewed(&mut of_this_pass, job, posed, pass),
+    };
     run.seconds.map += begun.elapsed().as_secs_f64();
 
     let begun = Instant::now();
@@ -148,6 +166,7 @@ pub(super) fn photon_pass(job: &Job, pilot: &Pilot, pass: u64, run: &mut Run) ->
         direct: Direct::new(&scene, &job.choice.lights, job.plan.between),
         free: &free_maps,
         shared: &shared_maps,
+        light_maps,
         shared_nm: nm,
         shared_pdf: pdf,
         scales: Scales::of_pass(pass),

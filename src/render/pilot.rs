@@ -14,8 +14,8 @@ use crate::error::Result;
 use crate::gather::{
     CameraNumbers, Direct, Gatherer, Landing, Maps, Outline, Outlines, RADIUS_KINDS, Radii, RadiusKind, Scratch,
 };
-use crate::map::PhotonIndex;
 use crate::map::radius::{self, Scales};
+use crate::map::{LightMaps, PhotonIndex};
 use crate::math::random::{Purpose, Stream};
 use crate::plan::partition::{LightPath, View};
 use crate::plan::{AimPlan, IndirectPlan, MotionPlan, WavelengthPlan};
@@ -154,6 +154,7 @@ impl Pilot {
             direct: Direct::new(scene, &job.choice.lights, job.plan.between),
             free: &empty,
             shared: &empty,
+            light_maps: &LightMaps::default(),
             shared_nm: nm,
             shared_pdf: pdf,
             scales: Scales::of_pass(0),

@@ -233,6 +233,7 @@ fn effect_stats(job: &Job, tally: &Tally) -> BTreeMap<String, EffectStats> {
         "media" => tally.media_stretches,
         "volume-photons" => tally.volume_points,
         "photon-beams" => tally.volume_beams,
+        "light-map" => tally.light_map_looks,
         "aim" => tally.aimed,
         "motion" => tally.moments,
         _ => 0,

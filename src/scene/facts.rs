@@ -1,8 +1,8 @@
 //! What a scene contains, as far as it decides which effects it calls for.
 
-use super::Scene;
 use super::camera::{Aperture, Diffraction};
-use super::light::Emitter;
+use super::light::{Emitter, Light};
+use super::{Object, Scene};
 use crate::optics::glass::Index;
 use crate::optics::surface::{Class, Surface};
 use crate::spectrum::Spectrum;
@@ -29,6 +29,8 @@ pub struct Facts {
     pub dense_media: Vec<String>,
     /// Those of them whose medium scatters and lets much light pass.
     pub thin_media: Vec<String>,
+    /// What calls for maps of lamps in media.
+    pub light_map: Vec<String>,
     /// Lights, all of which shadow rays can ask.
     pub lights: Vec<String>,
     /// Lights that a scattered ray can hit by itself.
@@ -47,6 +49,30 @@ pub struct Facts {
     pub diffracting: Option<String>,
     /// Objects and lights that move while the shutter is open, and the camera.
     pub moving: Vec<String>,
+}
+
+/// The object in whose medium maps of lamps are better than shadow rays from drawn places (measured, see docs/media.md), and without any error of
+/// their cells: it is a convex body of thin fog that is the same everywhere, the only medium, and holds all lamps, which are few and without extent, so that a
+/// map lasts for many passes. In thicker fog, or beside mirrors and glass, the noise is that of photons, and a better look at lamps is lost in it.
+fn best_mapped(scene: &Scene) -> Option<&str> {
+    /// Lamps.
+    const FEW: usize = 8;
+    /// Mean free paths.
+    const THIN: f64 = 0.5;
+    let medium_of = |object: &Object| scene.materials[object.material].body.as_ref()?.medium;
+    let mut filled = (0..).zip(&scene.objects).filter_map(|(number, object)| Some((number, medium_of(object)?)));
+    let (Some((number, medium)), None) = (filled.next(), filled.next()) else { return None };
+    let (medium, lamps) = (&scene.media[medium], &scene.lights);
+    let even = medium.scatters() && medium.is_uniform() && !scene.moves();
+    let convex = scene.boundaries.convex_bodies().any(|(body, _)| body == number);
+    let held = |lamp: &Light| lamp.can_be_picked() && !lamp.can_be_hit() && lamp.interior.contains(number);
+    let lit = (1..=FEW).contains(&lamps.len()) && lamps.iter().all(held);
+    if !(even && convex && lit) {
+        return None;
+    }
+    let (low, high) = *scene.boundaries.object_boxes().get(&number)?;
+    let depth = medium.optical_depth(550.0, (high - low).min_element());
+    (depth < THIN).then(|| scene.objects[number as usize].name.as_str())
 }
 
 impl Facts {
@@ -133,6 +159,9 @@ impl Facts {
         let moving = scene.media.iter().filter(|medium| medium.motion.is_some() && medium.emission.is_none());
         facts.moving.extend(moving.map(|medium| medium.name.clone()));
         facts.moving.extend(scene.motions.camera.iter().map(|_| "the camera".to_owned()));
+        let plain = facts.specular.is_empty();
+        facts.light_map.extend(best_mapped(scene).filter(|_| plain).map(str::to_owned));
+        facts.light_map.extend(scene.settings.light_map.map(|cells| format!("`render.light_map` of {cells} cells")));
         facts.lens_system = scene.camera.system().map(|system| system.name().to_owned());
         facts
     }

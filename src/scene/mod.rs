@@ -24,10 +24,10 @@ use crate::optics::surface::Surface;
 use crate::spectrum::{Observer, Spectrum};
 use camera::{Camera, Shutter};
 use geometry::{Geometry, Hit, Ray};
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use interior::{Interior, Rank};
 use light::{Emitter, Light, World};
-use medium::Medium;
+use medium::{Density, Medium};
 use motion::Motions;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -162,6 +162,8 @@ pub struct Settings {
     pub threads: Option<u32>,
     /// Seconds between checkpoints.
     pub checkpoint_seconds: Option<f64>,
+    /// Cells of the first pass's light maps along the longest side of a medium's box.
+    pub light_map: Option<u32>,
     /// Effects to switch on though no fact calls for them.
     pub force: Vec<String>,
     /// Effects to leave out though a fact calls for them.
@@ -228,6 +230,21 @@ impl Scene {
     /// The light that a medium is, if it glows.
     pub fn light_of_medium(&self, number: usize) -> Option<&Light> {
         self.medium_lights[number].map(|light| &self.lights[light])
+    }
+
+    /// The map from the unit cube onto a box that holds all of a medium: its own box, or one along the axes around the objects that it fills.
+    /// `None` of a medium that fills nothing, or lies behind a flat face.
+    pub fn box_of_medium(&self, number: usize) -> Option<DAffine3> {
+        if let Density::Field(field) = &self.media[number].density {
+            return Some(field.from_unit());
+        }
+        let boxes = [&self.geometry, &self.boundaries].map(|geometry| geometry.object_boxes());
+        let filled = |object: u32| self.body_of(object).is_some_and(|body| body.medium == Some(number));
+        let boxes = boxes.into_iter().flatten().filter(|(object, _)| filled(*object)).map(|(_, around)| around);
+        let around = |(low, high): (DVec3, DVec3), (from, to): (DVec3, DVec3)| (low.min(from), high.max(to));
+        let (low, high) = boxes.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), around);
+        let is_box = low.is_finite() && high.is_finite() && (high - low).min_element() > 0.0;
+        is_box.then(|| DAffine3::from_translation(low) * DAffine3::from_scale(high - low))
     }
 
     /// The bodies on the other side of a face that the ray meets.

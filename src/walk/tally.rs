@@ -36,6 +36,8 @@ pub struct Tally {
     pub volume_points: u64,
     /// Photons kept in media, as beams.
     pub volume_beams: u64,
+    /// Places that looked into a light map.
+    pub light_map_looks: u64,
     /// Photons sent by a learned aim.
     pub aimed: u64,
     /// Passes with a moment of their own.
@@ -62,6 +64,7 @@ impl Tally {
         self.media_stretches += other.media_stretches;
         self.volume_points += other.volume_points;
         self.volume_beams += other.volume_beams;
+        self.light_map_looks += other.light_map_looks;
         self.aimed += other.aimed;
         self.moments += other.moments;
         self.rejected += other.rejected;

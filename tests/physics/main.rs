@@ -22,6 +22,7 @@ mod lens_system;
 mod media;
 mod media_in_bodies;
 mod media_kernels;
+mod media_light_map;
 mod media_methods;
 mod media_single_scattering;
 mod motion;

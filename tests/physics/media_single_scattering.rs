@@ -1,7 +1,7 @@
-//! Light that fog scatters once, against integrals along the camera's rays: straight from a lamp, at drawn places.
+//! Light that fog scatters once, against integrals along the camera's rays: straight from a lamp, at drawn places, and from its map.
 
 use crate::common::compare::Measured;
-use crate::common::{job, mean_y};
+use crate::common::{job, mean_y, with_setting};
 use abbe::render::Integrator;
 use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
@@ -17,6 +17,9 @@ const ABSORPTION: f64 = 0.6;
 /// The camera, inside the fog, sees an absorbing wall at z = −2 past a lamp of 1 cd.
 const WALL_Z: f64 = -2.0;
 const LAMP: DVec3 = DVec3::new(0.5, 0.1, -1.0);
+
+/// Passes by maps, whose many places make them less noisy.
+const MAPPED_PASSES: u64 = 64;
 
 fn fog(phase: &Value) -> Value {
     let objects = [
@@ -38,7 +41,7 @@ fn fog(phase: &Value) -> Value {
 }
 
 /// ∫ f from 0 to `end` by Simpson's rule, halved until nothing changes by 1e-8.
-fn integral(f: impl Fn(f64) -> f64, end: f64) -> f64 {
+pub(crate) fn integral(f: impl Fn(f64) -> f64, end: f64) -> f64 {
     let simpson = |steps: u32| {
         let h = end / f64::from(steps);
         let weight = |i: u32| if i == 0 || i == steps { 1.0 } else { f64::from(2 + 2 * (i % 2)) };
@@ -73,7 +76,7 @@ fn expected(scene: &Value, lamp: DVec3, phase: &dyn Fn(f64) -> f64) -> f64 {
     (0..parts * parts).map(along).sum::<f64>() / (parts * parts) as f64
 }
 
-fn henyey_greenstein(g: f64) -> (Value, impl Fn(f64) -> f64) {
+pub(crate) fn henyey_greenstein(g: f64) -> (Value, impl Fn(f64) -> f64) {
     let at = move |cosine: f64| (1.0 - g * g) / (4.0 * PI * (1.0 + g * g - 2.0 * g * cosine).powf(1.5));
     (json!({ "henyey_greenstein": { "g": g } }), at)
 }
@@ -111,6 +114,8 @@ fn check_phase(name: &str, phase: Value, at: &dyn Fn(f64) -> f64, passes: u64) {
     let scene = fog(&phase);
     let truth = expected(&scene, LAMP, at);
     check(&format!("{name}, drawn places"), &scene, (Integrator::Photon, passes), truth);
+    let mapped = with_setting(&scene, "light_map", json!({ "resolution": 8 }));
+    check(&format!("{name}, light map"), &mapped, (Integrator::Photon, MAPPED_PASSES), truth);
 }
 
 #[test]

@@ -7,5 +7,6 @@
 mod common;
 
 mod forced;
+mod light_map;
 mod negligible;
 mod scenes;

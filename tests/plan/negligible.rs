@@ -14,7 +14,7 @@ fn effect(scene: &Value, name: &str) -> (State, String) {
 }
 
 #[track_caller]
-fn is(scene: &Value, name: &str, state: State, words: &str) {
+pub(crate) fn is(scene: &Value, name: &str, state: State, words: &str) {
     let (found, because) = effect(scene, name);
     assert!(found == state && because.contains(words), "{name} is {}: {because}", found.word());
 }

@@ -1,9 +1,12 @@
-//! Photons in media, as a ray finds them: as points where they met particles, or as beams along their whole way.
+//! Photons in media, as a ray finds them: as points where they met particles, or as beams along their whole way. Beside them the light that
+//! comes straight from lamps, worked out beforehand on a grid.
 
 mod beam;
+mod light_map;
 mod point;
 
 pub use beam::Beam;
+pub use light_map::{LightMap, LightMaps, Look};
 pub use point::VolumePhoton;
 
 use super::kernel::Kernels;

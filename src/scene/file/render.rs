@@ -46,7 +46,7 @@ pub struct RenderFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1))]
     pub march_steps: Option<u32>,
-    /// The volumetric light map.
+    /// Volumetric light maps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub light_map: Option<LightMapFile>,
     /// Effects to simulate although nothing calls for them.
@@ -57,12 +57,12 @@ pub struct RenderFile {
     pub forbid: Vec<String>,
 }
 
-/// A light map over a volume.
+/// Maps of the light that lamps bring into media.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LightMapFile {
-    /// Cells along the longest side.
-    #[schemars(range(min = 1, max = 4096))]
+    /// Cells along the longest side of each medium's box in the first pass; their number grows from pass to pass.
+    #[schemars(range(min = 2, max = 1024))]
     pub resolution: u32,
 }
 
@@ -88,6 +88,6 @@ impl RenderFile {
         self.checkpoint_seconds.map_or(Ok(()), |seconds| check::not_negative(&seconds_at, seconds))?;
         let resolution_at = at.key("light_map");
         self.light_map
-            .map_or(Ok(()), |map| check::count(&resolution_at.key("resolution"), u64::from(map.resolution), 1, 4096))
+            .map_or(Ok(()), |map| check::count(&resolution_at.key("resolution"), u64::from(map.resolution), 2, 1024))
     }
 }

@@ -8,6 +8,7 @@ mod area;
 mod beam;
 mod directional;
 mod environment;
+mod pick;
 mod point;
 mod reach;
 mod volume;
@@ -19,6 +20,7 @@ pub use area::Area;
 pub use beam::{Beam, mean_stretch};
 pub use directional::Directional;
 pub use environment::{Environment, EnvironmentMap};
+pub use pick::{Pick, WayTo};
 pub use point::{Point, Spot};
 pub use reach::Reach;
 

@@ -139,7 +139,7 @@ impl Resolver<'_> {
             lights,
             distant_lights: Vec::new(),
             medium_lights: Vec::new(),
-            settings: self.settings(&root.key("render"), render)?,
+            settings: self.settings(render),
             notes,
             air: Index::constant(1.0)?,
         };
@@ -155,14 +155,11 @@ impl Resolver<'_> {
         Ok(resolved)
     }
 
-    fn settings(&self, at: &JsonPath<'_>, render: &RenderFile) -> Result<Settings> {
+    fn settings(&self, render: &RenderFile) -> Settings {
         let RenderFile { passes, photons, max_depth, nearest, radius, seed, threads, .. } = render;
         // How a medium is marched through is the medium's matter.
         let RenderFile { checkpoint_seconds, march_steps: _, light_map, force, forbid, .. } = render;
-        if light_map.is_some() {
-            return self.at(&at.key("light_map"), Err(unsupported("`light_map` is")));
-        }
-        Ok(Settings {
+        Settings {
             passes: *passes,
             photons: *photons,
             max_depth: *max_depth,
@@ -171,9 +168,10 @@ impl Resolver<'_> {
             seed: *seed,
             threads: *threads,
             checkpoint_seconds: *checkpoint_seconds,
+            light_map: light_map.map(|map| map.resolution),
             force: force.clone(),
             forbid: forbid.clone(),
-        })
+        }
     }
 
     /// A point of the file in m, relative to the scene's centre.
