@@ -7,6 +7,7 @@ use super::estimate::{Maps, Radii, RadiusKind};
 use super::landing::Landing;
 use super::outline::Outlines;
 use super::throughput::{Colour, Factor, product, relative_n2};
+use crate::map::kernel::Shares;
 use crate::map::radius::{self, Scales};
 use crate::math::random::ONE_MINUS_ULP;
 use crate::optics::surface::{Class, Event, Surface, Transport};
@@ -248,11 +249,11 @@ impl<'a> Gatherer<'a> {
                 sample.tally.map_queries += 1;
                 let radius = f64::from(sample.radii[kind as usize]) * self.scales.surface;
                 let radius = radius.max(radius::least(encounter.hit.position));
-                let share = match path.view {
-                    View::Seen => self.outlines.share(sample.pixel as usize, &self.landing(path, encounter), radius),
-                    View::Relayed => 1.0,
+                let shares = match path.view {
+                    View::Seen => self.outlines.shares(sample.pixel as usize, &self.landing(path, encounter), radius),
+                    View::Relayed => Shares::WHOLE,
                 };
-                self.estimate(encounter, (map, radius, share), path.colour, &sample.scratch.factors, sample.sink);
+                self.estimate(encounter, (map, radius, shares), path.colour, &sample.scratch.factors, sample.sink);
             }
         }
     }
