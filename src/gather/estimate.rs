@@ -64,7 +64,7 @@ impl Gatherer<'_> {
         &self,
         encounter: &Encounter<'_>,
         (map, radius, shares): (&PhotonIndex, f64, Shares),
-        colour: Colour,
+        (colour, bias): (Colour, f64),
         factors: &[Factor<'_>],
         sink: &mut S,
     ) {
@@ -100,21 +100,22 @@ impl Gatherer<'_> {
             let sides = encounter.sides;
             let wi = encounter.frame.to_local(wi);
             let bsdf = |nm: f64| encounter.surface.eval(encounter.wo, wi, sides, Transport::Radiance, nm) * correction;
-            add_photon(&photon.load, kernels, (colour, factors), sink, bsdf);
+            add_photon(&photon.load, (kernels, bias), (colour, factors), sink, bsdf);
         });
     }
 }
 
-/// Adds what a photon sends back along a camera path; `scattered` is the share of its power at a wavelength that goes that way, per sr.
+/// Adds what a photon sends back along a camera path; `scattered` is the share of its power at a wavelength that goes that way,
+/// per sr, and `bias` its relative bias but for the kernel's.
 pub(super) fn add_photon<S: Sink>(
     load: &Load,
-    kernels: Kernels,
+    (kernels, bias): (Kernels, f64),
     (colour, factors): (Colour, &[Factor<'_>]),
     sink: &mut S,
     scattered: impl Fn(f64) -> f64,
 ) {
     let mut add = |nm: f64, radiance: f64| {
-        sink.density(nm, radiance * kernels.estimate, radiance * kernels.bias());
+        sink.biased(nm, radiance * kernels.estimate, radiance * (kernels.bias() + kernels.estimate * bias));
     };
     match colour {
         Colour::Free => {

@@ -10,10 +10,10 @@ use crate::sensor::ErrorSquares;
 use serde::{Deserialize, Serialize};
 
 /// How the noise falls before a picture's history says so: −d ln(variance)/d ln n.
-const USUAL_SLOPE: f64 = 1.2;
+const USUAL_SLOPE: f64 = 1.3;
 
 /// How much that counts beside the history, as a sum of squares of ln n. From 8 passes to 10 history has 0.025, over two doublings about 2.
-const WEIGHT_OF_USUAL: f64 = 0.01;
+const WEIGHT_OF_USUAL: f64 = 0.05;
 
 /// History goes back to this share of the passes: what falls fast loses its say.
 const MEMORY: f64 = 0.25;
@@ -175,7 +175,8 @@ mod tests {
             let forecast = history(&DENSE, at).forecast((20, 42.0, 2.0)).unwrap();
             let known = at(80.0).iter().sum::<f64>().sqrt();
             let ratio = forecast.error_after_seconds(162.0) / known;
-            assert!((ratio - 1.0).abs() < 0.02, "slope {slope}: {ratio}");
+            // The usual slope draws a little.
+            assert!((ratio - 1.0).abs() < 0.05, "slope {slope}: {ratio}");
             let when = forecast.when(forecast.error_after_passes(80.0)).unwrap();
             assert!((when.passes / 80.0 - 1.0).abs() < 1e-6 && (when.seconds / 162.0 - 1.0).abs() < 1e-6);
         }
@@ -184,7 +185,7 @@ mod tests {
     #[test]
     fn without_history_noise_falls_as_usual_and_no_faster_than_the_strata_allow() {
         let one = history(&[16], |_| [0.0, 0.0, 0.01]).forecast((16, 1.6, 0.0)).unwrap();
-        assert!((one.error_after_passes(64.0) - 0.1 * 4_f64.powf(-0.6)).abs() < 1e-12);
+        assert!((one.error_after_passes(64.0) - 0.1 * 4_f64.powf(-0.65)).abs() < 1e-12);
         let lucky = history(&DENSE, |n| [0.0, 0.0, n.powi(-5)]).forecast((20, 2.0, 0.0)).unwrap();
         assert_eq!(lucky.slope, 2.0);
         assert!(History::default().forecast((8, 1.0, 0.0)).is_none());

@@ -388,8 +388,8 @@ impl PixelSink<'_> {
         self.add(nm, weight);
     }
 
-    /// Adds radiance found by density estimation, with its estimated bias.
-    pub fn density(&mut self, nm: f64, weight: f64, bias: f64) {
+    /// Adds radiance that is off in the mean, with its estimated bias.
+    pub fn biased(&mut self, nm: f64, weight: f64, bias: f64) {
         let bar = self.add(nm, weight);
         if bias.is_finite() {
             self.bias_y += bias * bar[1];

@@ -29,8 +29,8 @@ const RENDERS: u64 = 200;
 
 /// An example scene on a small film.
 fn scene(name: &str, [width, height]: [u64; 2], photons: u64) -> Value {
-    let text = std::fs::read_to_string(format!("scenes/{name}.json")).unwrap();
-    let mut scene: Value = serde_json::from_str(&text).unwrap();
+    let text = std::fs::read_to_string(format!("scenes/{name}.json")).expect("an example scene");
+    let mut scene: Value = serde_json::from_str(&text).expect("a scene is JSON");
     scene["film"]["width"] = width.into();
     scene["film"]["height"] = height.into();
     common::with_setting(&scene, "photons", photons)
@@ -77,7 +77,7 @@ impl<'a> Coverage<'a> {
             self.squares[0] += apart * apart;
             self.squares[1] += together * together;
         }
-        self.relative += picture.error_means().relative.unwrap();
+        self.relative += picture.error_means().relative.expect("a picture that is lit");
         self.renders += 1;
     }
 
@@ -141,7 +141,7 @@ impl Monitor for Watching {
     }
 
     fn keep(&mut self, run: &Run) {
-        let error = || run.relative_error().unwrap();
+        let error = || run.relative_error().expect("a picture that is lit");
         if run.passes() == 4 * FROM {
             self.came = Some(error());
         }
