@@ -171,7 +171,10 @@ fn the_json_object_has_the_keys_that_are_documented() {
     assert_eq!(names, abbe::plan::EFFECTS.map(|effect| effect.name));
     let docs = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/plan.md")).unwrap();
     let documented = [&top[..], &of_effect, &of_camera, &of_depth, &of_diffraction].concat();
-    assert!(documented.iter().all(|key| docs.contains(&format!("`{key}`"))), "docs/plan.md lacks one of {documented:?}");
+    assert!(
+        documented.iter().all(|key| docs.contains(&format!("`{key}`"))),
+        "docs/plan.md lacks one of {documented:?}"
+    );
     let again = abbe(std::path::Path::new(env!("CARGO_MANIFEST_DIR")), &["explain", "scenes/prism.json", "--json"]);
     let once_more = abbe(std::path::Path::new(env!("CARGO_MANIFEST_DIR")), &["explain", "scenes/prism.json", "--json"]);
     assert_eq!(again.out, once_more.out);

@@ -301,32 +301,40 @@ fn a_mixed_floor_sends_as_much_light_on_by_photons_as_by_paths() {
     assert!((photon / path - 1.0).abs() < 0.02, "{photon} against {path}");
 }
 
-/// Notes the error when the number of passes has doubled.
+/// Notes the error after every eighth pass.
 #[derive(Default)]
-struct Doublings(Vec<f64>);
+struct Errors(Vec<f64>);
 
-impl Monitor for Doublings {
+impl Monitor for Errors {
     fn after_pass(&mut self, _: &Progress) -> bool {
         true
     }
 
     fn keep(&mut self, run: &Run) {
-        if run.passes() >= 8 && run.passes().is_power_of_two() {
+        if run.passes().is_multiple_of(8) {
             self.0.extend(run.relative_error());
         }
     }
 }
 
 #[test]
-fn the_error_falls_with_each_doubling() {
+fn the_error_falls_with_each_doubling_and_a_render_stops_when_it_meets_its_target() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell.json");
     let small = ["film.width=32", "film.height=32", "render.photons=4000"].map(String::from);
     let job = Job::new(resolve::load(&path, &small).unwrap()).unwrap();
-    let mut doublings = Doublings::default();
+    let mut errors = Errors::default();
     let stop = StopRules { passes: Some(65), ..StopRules::default() };
-    job.render(Request { stop, ..Request::default() }, &mut doublings).unwrap();
-    println!("errors after 8, 16, 32 and 64 passes: {:.4?}", doublings.0);
-    assert!(doublings.0.len() == 4 && doublings.0.windows(2).all(|pair| pair[1] < pair[0]), "{:?}", doublings.0);
+    job.render(Request { stop, ..Request::default() }, &mut errors).unwrap();
+    let after = |passes: usize| errors.0[passes / 8 - 1];
+    println!("errors after 8, 16, … 64 passes: {:.4?}", errors.0);
+    assert!([8, 16, 32].iter().all(|&passes| after(2 * passes) < after(passes)), "{:?}", errors.0);
+
+    let met = 24;
+    assert!(after(met) < after(16), "the target is not met before");
+    let stop = StopRules { target_error: Some(after(met)), ..StopRules::default() };
+    let stats = job.render(Request { stop, ..Request::default() }, &mut Unwatched).unwrap().stats;
+    assert_eq!(stats.passes, met as u64);
+    assert!((stats.error.relative.unwrap() / after(met) - 1.0).abs() < 1e-6, "what it says of its error is the target");
 }
 
 #[test]

@@ -6,9 +6,10 @@ use abbe::colour::gamut::desaturate;
 use abbe::colour::{RgbSpace, srgb_hex, xy, xyz_to_linear_srgb};
 use abbe::error::{Error, Result};
 use abbe::output::exr::read;
+use abbe::output::file;
 use abbe::output::heat::error_map;
 use abbe::output::plot::{Curve, Plot};
-use abbe::output::{file, png};
+use abbe::output::png::write as write_png;
 use abbe::sensor::picture::INTERVAL_95;
 use abbe::sensor::{Development, Picture, exposure};
 use abbe::spectrum::BAND_NM;
@@ -86,7 +87,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         file::write_whole(path, plot.svg().as_bytes())?;
     }
     if let Some(path) = &arguments.heat {
-        png::write(path, &error_map(&picture))?;
+        write_png(path, &error_map(&picture))?;
     }
     if arguments.json {
         print::json(&pixel)?

@@ -93,7 +93,7 @@ fn elapsed(run: &Run) -> Duration {
     Duration::try_from_secs_f64(run.seconds.total).unwrap_or_default()
 }
 
-/// Measures the error now and then: developing costs time, so it may take no more than a small share of it.
+/// Measures the error now and then: developing costs time, so it may take no more than a small share of it, and a larger one only for the first forecast.
 #[derive(Debug, Default)]
 struct ErrorWatch {
     history: History,
@@ -117,7 +117,8 @@ impl ErrorWatch {
             let begun = Instant::now();
             let (_, squares) = run.film.develop_and_judge();
             squares.into_iter().for_each(|squares| self.history.add(run.done, squares));
-            self.next = (run.done + (run.done / 8).max(1), elapsed + begun.elapsed() * 50);
+            let pause = begun.elapsed() * if run.done < FIRST + 2 { 5 } else { 50 };
+            self.next = (run.done + (run.done / 8).max(1), elapsed + pause);
         }
     }
 
