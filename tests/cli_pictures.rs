@@ -4,7 +4,7 @@
 
 mod cli_common;
 
-use abbe::output::{Metadata, exr, png};
+use abbe::output::{Metadata, exr, heat, png};
 use abbe::sensor::{Bands, Picture, Screen};
 use cli_common::abbe;
 use std::path::Path;
@@ -31,7 +31,7 @@ fn pictures() -> TempDir {
     let mut spectral = picture(1.0, 8);
     let values = (0..8 * 4 * 2).map(|i| i as f32).collect();
     spectral.bands = Some(Bands { centres_nm: vec![477.5, 712.5], values });
-    spectral.noise[0] = -1.0;
+    (spectral.noise[0], spectral.bias[0]) = (-1.0, -1.0);
     write("spectral.exr", &spectral);
     folder
 }
@@ -45,6 +45,8 @@ fn compare_prints_the_figures_that_the_contract_names() {
     assert!(near(&all["rmse"], 0.1 / 2.0_f64.sqrt()), "{all}");
     assert!(near(&all["mean_ratio"], 1.05), "{all}");
     assert!(near(&all["z"]["share"], 0.5), "{all}");
+    // 0.1 lies beyond 2.262 · 0.03 · √2.
+    assert!(near(&all["covered"]["share"], 0.5) && all["covered"]["pixels"] == 32 && all["unknown_pixels"] == 0);
     assert!(all["relative_mse_trimmed"].is_f64() && all["delta_e_2000"]["mean"].is_f64());
     assert!(all["delta_e_2000"]["p95"].as_f64() > all["delta_e_2000"]["mean"].as_f64());
 
@@ -79,7 +81,7 @@ fn the_page_needs_no_other_file() {
     let said = abbe(folder.path(), &["compare", "a.exr", "b.exr", "--html", "page.html"]);
     assert_eq!(said.status, 0, "{}", said.err);
     let page = std::fs::read_to_string(folder.path().join("page.html")).unwrap();
-    assert_eq!(page.matches("data:image/png;base64,").count(), 4);
+    assert_eq!(page.matches("data:image/png;base64,").count(), 6, "maps of both errors too");
     assert!(!page.contains("http") && page.contains("a.exr") && page.contains("1.050000"));
 }
 
@@ -109,8 +111,16 @@ fn probe_tells_all_about_a_pixel() {
     // Two steps that meet in the middle of the band, at 595 nm, from edge to edge of the plot; 25 is its top.
     let steps = "M84.00 93.28L450.00 93.28L450.00 79.52L816.00 79.52";
     assert!(svg.contains(steps), "{svg}");
-    let unknown = abbe(folder.path(), &["probe", "spectral.exr", "0", "0", "--json"]).json();
-    assert!(unknown["noise"].is_null());
+    assert!((pixel["relative_error"].as_f64().unwrap() - 0.03).abs() < 1e-6);
+    let interval = [0, 1].map(|end| pixel["interval_95"][end].as_f64().unwrap());
+    assert!((interval[0] - 0.932_14).abs() < 1e-6 && (interval[1] - 1.067_86).abs() < 1e-6, "{interval:?}");
+    let heat = ["probe", "spectral.exr", "0", "0", "--json", "--heat", "heat.png"];
+    let unknown = abbe(folder.path(), &heat).json();
+    assert!(["noise", "bias", "relative_error", "interval_95"].iter().all(|key| unknown[key].is_null()), "{unknown}");
+    let map = image::open(folder.path().join("heat.png")).unwrap().to_rgb8();
+    assert_eq!((map.dimensions(), map.get_pixel(0, 0).0), ((8, 4), heat::UNKNOWN));
+    let words = abbe(folder.path(), &["probe", "spectral.exr", "0", "0"]).out;
+    assert!(words.contains("noise of Y   unknown") && words.contains("error of Y   unknown"), "{words}");
     let plain = abbe(folder.path(), &["probe", "a.exr", "0", "0", "--json"]).json();
     assert!(plain["spectrum"].is_null() && plain["srgb_hex"].as_str().unwrap().starts_with('#'));
 }

@@ -181,7 +181,7 @@ proptest! {
         prop_assert!(disk.estimate >= 0.0 && line.estimate >= 0.0);
         // The rings up to d hold the mass that the closed form says.
         let ring = |x: f64| kernel::at(x * x, r * r).estimate * TAU * x;
-        prop_assert!((gauss4((0.0, d * r), ring) - kernel::mass_within(d)).abs() < 1e-12);
+        prop_assert!((gauss4((0.0, d * r), ring) - kernel::Shares::within(d).estimate).abs() < 1e-12);
         prop_assert!((gauss4((-r, r), |x| kernel::on_line(x.abs(), r).estimate) - 1.0).abs() < 1e-12);
     }
 

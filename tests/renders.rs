@@ -2,7 +2,7 @@
 //! colour comes out right, and media that are found where a camera or a lamp stands.
 
 use abbe::colour;
-use abbe::render::{Integrator, Job, Rendered, Request, StopRules, Unwatched};
+use abbe::render::{Integrator, Job, Monitor, Progress, Rendered, Request, Run, StopRules, Unwatched};
 use abbe::scene::{file, resolve};
 use abbe::spectrum::{Observer, library};
 use std::path::{Path, PathBuf};
@@ -299,6 +299,57 @@ fn a_mixed_floor_sends_as_much_light_on_by_photons_as_by_paths() {
     let path = render(&job, Integrator::Path, 400).picture.mean_y();
     println!("mixed floor: photon / path {:.4}", photon / path);
     assert!((photon / path - 1.0).abs() < 0.02, "{photon} against {path}");
+}
+
+/// Notes the error after every eighth pass.
+#[derive(Default)]
+struct Errors(Vec<f64>);
+
+impl Monitor for Errors {
+    fn after_pass(&mut self, _: &Progress) -> bool {
+        true
+    }
+
+    fn keep(&mut self, run: &Run) {
+        if run.passes().is_multiple_of(8) {
+            self.0.extend(run.relative_error());
+        }
+    }
+}
+
+#[test]
+fn the_error_falls_with_each_doubling_and_a_render_stops_when_it_meets_its_target() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell.json");
+    let small = ["film.width=32", "film.height=32", "render.photons=4000"].map(String::from);
+    let job = Job::new(resolve::load(&path, &small).unwrap()).unwrap();
+    let mut errors = Errors::default();
+    let stop = StopRules { passes: Some(65), ..StopRules::default() };
+    job.render(Request { stop, ..Request::default() }, &mut errors).unwrap();
+    let after = |passes: usize| errors.0[passes / 8 - 1];
+    println!("errors after 8, 16, … 64 passes: {:.4?}", errors.0);
+    assert!([8, 16, 32].iter().all(|&passes| after(2 * passes) < after(passes)), "{:?}", errors.0);
+
+    let met = 24;
+    assert!(after(met) < after(16), "the target is not met before");
+    let stop = StopRules { target_error: Some(after(met)), ..StopRules::default() };
+    let stats = job.render(Request { stop, ..Request::default() }, &mut Unwatched).unwrap().stats;
+    assert_eq!(stats.passes, met as u64);
+    assert!((stats.error.relative.unwrap() / after(met) - 1.0).abs() < 1e-6, "what it says of its error is the target");
+}
+
+#[test]
+fn errors_are_unknown_where_no_light_arrived() {
+    let Rendered { picture, stats, .. } = render(&job(EVERYTHING, &[]), Integrator::Photon, 16);
+    let dark = picture.xyz.iter().filter(|xyz| xyz[1] == 0.0).count();
+    assert!(dark > 0 && dark < picture.xyz.len() && stats.error.unknown_pixels == dark, "{dark}");
+    for (pixel, xyz) in picture.xyz.iter().enumerate() {
+        let [noise, bias] = [&picture.noise, &picture.bias].map(|layer| layer[pixel]);
+        assert!(if xyz[1] == 0.0 { (noise, bias) == (-1.0, -1.0) } else { noise > 0.0 && bias >= 0.0 }, "{pixel}");
+    }
+    let forecast = stats.forecast.unwrap();
+    let error = stats.error.relative.unwrap();
+    assert!((0.3..0.75).contains(&(forecast.error_after_four_times / error)), "{forecast:?} from {error}");
+    assert!(forecast.milestones.iter().all(|at| at.error < error && at.seconds > stats.seconds.total), "{forecast:?}");
 }
 
 #[test]

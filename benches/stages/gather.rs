@@ -18,7 +18,7 @@ impl Sink for Total {
         self.0 += weight;
     }
 
-    fn density(&mut self, _: f64, weight: f64, _: f64) {
+    fn biased(&mut self, _: f64, weight: f64, _: f64) {
         self.0 += weight;
     }
 }

@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
-    /// Write a page with the pictures, their differences and the figures
+    /// Write a page with the pictures, their differences, maps of the errors that they report, and the figures
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
     /// End with status 3 if the relative mean square error exceeds this
@@ -68,9 +68,13 @@ fn text(comparison: &Comparison) -> String {
     let z = comparison.z.map_or("unknown: an error layer is missing".to_string(), |z| {
         format!("{:.1} % of {} pixels have |z| < 1.96", 100.0 * z.share, z.pixels)
     });
+    let covered = comparison.covered.map_or("unknown: A has no error layers".to_string(), |covered| {
+        let share = 100.0 * covered.share;
+        format!("{share:.1} % of {} pixels of A have B in their 95 % interval", covered.pixels)
+    });
     let mut text = format!(
         "relative MSE   {:.6}   without the worst 2 %: {:.6}\nRMSE of Y      {:.6} cd/m²\nmean Y, A / B  {:.6}\n\
-         ΔE2000         {:.3} mean, {:.3} at 95 %\nz-test         {z}\npixels         {}\n",
+         ΔE2000         {:.3} mean, {:.3} at 95 %\nz-test         {z}\nerror bars     {covered}\npixels         {}\n",
         comparison.relative_mse,
         comparison.relative_mse_trimmed,
         comparison.rmse,
@@ -79,6 +83,9 @@ fn text(comparison: &Comparison) -> String {
         comparison.delta_e_2000.p95,
         comparison.pixels,
     );
+    if comparison.covered.is_some() && comparison.unknown_pixels > 0 {
+        text += &format!("unknown        {} pixels of A, which no light reached\n", comparison.unknown_pixels);
+    }
     if comparison.non_finite_pixels > 0 {
         text += &format!("not finite     {} pixels\n", comparison.non_finite_pixels);
     }

@@ -7,11 +7,15 @@ use abbe::colour::{RgbSpace, srgb_hex, xy, xyz_to_linear_srgb};
 use abbe::error::{Error, Result};
 use abbe::output::exr::read;
 use abbe::output::file;
+use abbe::output::heat::error_map;
 use abbe::output::plot::{Curve, Plot};
+use abbe::output::png::write as write_png;
+use abbe::sensor::picture::INTERVAL_95;
 use abbe::sensor::{Development, Picture, exposure};
 use abbe::spectrum::BAND_NM;
 use serde::Serialize;
 
+use super::progress::percent;
 use super::{Outcome, print};
 
 #[derive(Debug, clap::Args)]
@@ -28,6 +32,9 @@ pub(crate) struct Arguments {
     /// Plot the pixel's spectrum
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
+    /// Write a heat map of the whole picture's relative error
+    #[arg(long, value_name = "FILE.png")]
+    heat: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -48,6 +55,10 @@ struct Pixel {
     /// Standard error and estimated bias of Y in cd/m²; null where unknown.
     noise: Option<f64>,
     bias: Option<f64>,
+    /// Both together, relative to Y.
+    relative_error: Option<f64>,
+    /// Where Y lies with 95 % probability.
+    interval_95: Option<[f64; 2]>,
     spectrum: Option<Bands>,
 }
 
@@ -74,6 +85,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
             from_zero: true,
         };
         file::write_whole(path, plot.svg().as_bytes())?;
+    }
+    if let Some(path) = &arguments.heat {
+        write_png(path, &error_map(&picture))?;
     }
     if arguments.json {
         print::json(&pixel)?
@@ -114,6 +128,8 @@ fn pixel(picture: &Picture, x: usize, y: usize) -> Result<Pixel> {
         let values = bands.values[i * count..(i + 1) * count].iter().map(|&value| f64::from(value)).collect();
         Bands { nm: bands.centres_nm.clone(), values }
     });
+    let error = picture.error(i);
+    let reach = error.map(|error| INTERVAL_95 * error);
     Ok(Pixel {
         pixel: [x, y],
         xyz,
@@ -122,12 +138,16 @@ fn pixel(picture: &Picture, x: usize, y: usize) -> Result<Pixel> {
         srgb_hex: srgb_hex(desaturate(exposed, RgbSpace::Srgb)),
         noise: known(picture.noise[i]),
         bias: known(picture.bias[i]),
+        relative_error: error.filter(|_| xyz[1] > 0.0).map(|error| error / xyz[1]),
+        // Light is not negative.
+        interval_95: reach.map(|reach| [(xyz[1] - reach).max(0.0), xyz[1] + reach]),
         spectrum,
     })
 }
 
 fn text(pixel: &Pixel) -> String {
-    let Pixel { pixel: [x, y], xyz, xy, linear_srgb: [r, g, b], srgb_hex, noise, bias, spectrum } = pixel;
+    let Pixel { pixel: [x, y], xyz, xy, linear_srgb: [r, g, b], srgb_hex, noise, bias, .. } = pixel;
+    let Pixel { relative_error, interval_95, spectrum, .. } = pixel;
     let bar = |value: &Option<f64>| value.map_or("unknown".to_string(), |value| format!("{value:.6} cd/m²"));
     let mut text =
         format!("pixel        {x}, {y}\nXYZ          {:.6}  {:.6}  {:.6}   (Y in cd/m²)\n", xyz[0], xyz[1], xyz[2]);
@@ -136,6 +156,12 @@ fn text(pixel: &Pixel) -> String {
     }
     text += &format!("linear sRGB  {r:.6}  {g:.6}  {b:.6}\nsRGB         {srgb_hex} at automatic exposure\n");
     text += &format!("noise of Y   {}\nbias of Y    {}\n", bar(noise), bar(bias));
+    text += &match (relative_error, interval_95) {
+        (Some(error), Some([low, high])) => {
+            format!("error of Y   {} (noise and bias): 95 % within {low:.6} … {high:.6} cd/m²\n", percent(*error))
+        }
+        (_, _) => "error of Y   unknown\n".to_string(),
+    };
     match spectrum {
         Some(Bands { nm, values }) => {
             text += "spectrum     nm, W/m²/sr/nm\n";

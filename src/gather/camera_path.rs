@@ -36,6 +36,8 @@ pub(super) struct CameraPath {
     pub(super) level: f64,
     pub(super) distance: f64,
     pub(super) depth: u32,
+    /// By how much steps through media overrate the optical depth so far.
+    pub(super) excess_depth: f64,
 }
 
 impl CameraPath {
@@ -49,6 +51,7 @@ impl CameraPath {
             level: 1.0,
             distance: 0.0,
             depth: 0,
+            excess_depth: 0.0,
         }
     }
 

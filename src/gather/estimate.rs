@@ -2,7 +2,7 @@
 
 use super::photon_gather::Gatherer;
 use super::throughput::{Colour, Factor, product};
-use crate::map::kernel::{self, Kernels};
+use crate::map::kernel::{self, Kernels, Shares};
 use crate::map::{Load, PhotonIndex, VolumeMaps};
 use crate::optics::surface::Transport;
 use crate::walk::{Encounter, Sink};
@@ -55,16 +55,16 @@ const NORMAL_TOLERANCE: f64 = 0.7;
 const PLANE_TOLERANCE: f64 = 0.3;
 
 impl Gatherer<'_> {
-    /// Adds the radiance that the photons of one map within `radius` (m) around the encounter send back along the path; of the kernel a
-    /// `share` lies on the surface. The angle at which a photon came in is
+    /// Adds the radiance that the photons of one map within `radius` (m) around the encounter send back along the path; of the kernels these
+    /// `shares` lie on the surface. The angle at which a photon came in is
     /// taken from the surface where it arrived: by the tangent plane here, flat light on a curved surface would partly seem to come
     /// from below. With interpolated normals the flux came through the true surface and the reflectance is for the shaded one:
     /// |ω·n_s| / |ω·n_g|.
     pub(super) fn estimate<S: Sink>(
         &self,
         encounter: &Encounter<'_>,
-        (map, radius, share): (&PhotonIndex, f64, f64),
-        colour: Colour,
+        (map, radius, shares): (&PhotonIndex, f64, Shares),
+        (colour, bias): (Colour, f64),
         factors: &[Factor<'_>],
         sink: &mut S,
     ) {
@@ -89,7 +89,7 @@ impl Gatherer<'_> {
                 return;
             }
             let to_light = photon.to_light();
-            let kernels = kernel::at(f64::from(found.distance2).min(r2), r2).over(share);
+            let kernels = kernel::at(f64::from(found.distance2).min(r2), r2).over(shares);
             // Photons bring flux through their own piece of surface; on a curved one that is tilted against the place in question.
             let own_cosine = to_light.dot(photon_normal) * alignment.signum();
             let (wi, correction) = if interpolated {
@@ -100,21 +100,22 @@ impl Gatherer<'_> {
             let sides = encounter.sides;
             let wi = encounter.frame.to_local(wi);
             let bsdf = |nm: f64| encounter.surface.eval(encounter.wo, wi, sides, Transport::Radiance, nm) * correction;
-            add_photon(&photon.load, kernels, (colour, factors), sink, bsdf);
+            add_photon(&photon.load, (kernels, bias), (colour, factors), sink, bsdf);
         });
     }
 }
 
-/// Adds what a photon sends back along a camera path; `scattered` is the share of its power at a wavelength that goes that way, per sr.
+/// Adds what a photon sends back along a camera path; `scattered` is the share of its power at a wavelength that goes that way,
+/// per sr, and `bias` its relative bias but for the kernel's.
 pub(super) fn add_photon<S: Sink>(
     load: &Load,
-    kernels: Kernels,
+    (kernels, bias): (Kernels, f64),
     (colour, factors): (Colour, &[Factor<'_>]),
     sink: &mut S,
     scattered: impl Fn(f64) -> f64,
 ) {
     let mut add = |nm: f64, radiance: f64| {
-        sink.density(nm, radiance * kernels.estimate, radiance * kernels.bias());
+        sink.biased(nm, radiance * kernels.estimate, radiance * (kernels.bias() + kernels.estimate * bias));
     };
     match colour {
         Colour::Free => {

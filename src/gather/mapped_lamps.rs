@@ -72,7 +72,7 @@ impl<'a> Gatherer<'a> {
             });
             sample.tally.light_map_looks += scattered.looks as u64;
             for k in 0..count {
-                sample.sink.density(nm[k], share[k] * scattered.sum[k], share[k] * scattered.bias[k]);
+                sample.sink.biased(nm[k], share[k] * scattered.sum[k], share[k] * scattered.bias[k]);
             }
         }
     }

@@ -14,7 +14,7 @@ use crate::map::{Came, Cone, Neighbour, VolumeMap, Width};
 use crate::math::random::hash64;
 use crate::scene::geometry::Ray;
 use crate::scene::medium::Medium;
-use crate::walk::{Encounter, Passage, Sink, Start, Stretch, passes, travel};
+use crate::walk::{Encounter, Passage, Sink, Start, Stretch, bias_of_excess, excess_depth, passes, travel};
 use glam::DVec3;
 use std::ops::ControlFlow;
 
@@ -57,7 +57,9 @@ impl<'a> Gatherer<'a> {
             }
         }
         sample.tally.absorptions += u64::from(stretch.absorption.is_some());
-        for passage in stretch.passages(stretch.length_m, seed(sample, stretch.ray.origin)) {
+        let passages = stretch.passages(stretch.length_m, seed(sample, stretch.ray.origin));
+        path.excess_depth += excess_depth(&passages, path.reference_nm());
+        for passage in passages {
             path.multiply(Factor::Passage(passage), sample.scratch);
         }
     }
@@ -79,9 +81,11 @@ impl<'a> Gatherer<'a> {
             let t = from + (f64::from(i) + shift) * step;
             let place = stretch.ray.at(t);
             let here = stretch.passages(t, seed(sample, stretch.ray.origin));
+            let bias = bias_of_excess(path.excess_depth + excess_depth(&here, path.reference_nm()));
             let (scratch, sink) = (&sample.scratch, &mut *sample.sink);
             each_wavelength(path.colour, &scratch.factors, light, sample.numbers.wavelength, |nm, share| {
-                sink.radiance(nm, share * medium.emission_per_m(place, nm) * passes(&here, nm) * step);
+                let weight = share * medium.emission_per_m(place, nm) * passes(&here, nm) * step;
+                sink.biased(nm, weight, weight * bias);
             });
         }
     }
@@ -116,10 +120,13 @@ impl<'a> Gatherer<'a> {
             self.direct.ask_one_inside(asking, number, sample.tally, &mut |lit: LitInside<'_, 'a>| {
                 let cosine = -lit.incoming.dot(stretch.ray.direction);
                 let strength = lit.strength * density / place.pdf;
+                let excess = |way: &[Passage<'_>]| excess_depth(way, path.reference_nm());
+                let bias = bias_of_excess(path.excess_depth + excess(&here) + excess(lit.through));
                 each_wavelength(path.colour, &scratch.factors, lit.light, wavelength, |nm, share| {
                     let scattered = medium.scattering.at(nm) * medium.phase.at(cosine, nm);
                     let passed = passes(&here, nm) * passes(lit.through, nm);
-                    sink.radiance(nm, share * lit.light.shape_at(lit.tint, nm) * strength * scattered * passed);
+                    let weight = share * lit.light.shape_at(lit.tint, nm) * strength * scattered * passed;
+                    sink.biased(nm, weight, weight * bias);
                 });
             });
         });
@@ -185,7 +192,10 @@ impl<'a> Gatherer<'a> {
                     medium.density_at(ray.at(distance_m)),
                 )
             });
-            add_photon(found.load, found.kernels, (path.colour, factors), sink, |nm| {
+            let excess = |way: &[Passage<'_>]| excess_depth(way, path.reference_nm());
+            let of_beam = came.as_ref().map_or(0.0, |(passage, _)| excess(&[*passage]));
+            let bias = bias_of_excess(path.excess_depth + excess(&here) + of_beam);
+            add_photon(found.load, (found.kernels, bias), (path.colour, factors), sink, |nm| {
                 let arrived =
                     came.as_ref().map_or(1.0, |(passage, density)| passage.at(nm) * medium.scattering.at(nm) * density);
                 arrived * medium.phase.at(cosine, nm) * passes(&here, nm)

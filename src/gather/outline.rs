@@ -3,7 +3,7 @@
 //! "Realistic Image Synthesis Using Photon Mapping", 2001, section 7.2.4).
 
 use super::landing::Landing;
-use crate::map::kernel;
+use crate::map::kernel::Shares;
 use crate::scene::geometry::{Geometry, Ray};
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
@@ -51,11 +51,17 @@ impl Outline {
         Self { position, facing, reach: reach as f32, steps: std::array::from_fn(step) }
     }
 
-    /// The share of the mass of a kernel, no wider than was looked, that lies on the surface.
-    pub fn share(&self, radius: f64) -> f64 {
+    /// What of kernels no wider than was looked lies on the surface.
+    pub fn shares(&self, radius: f64) -> Shares {
         let per_step = f64::from(self.reach) / f64::from(u8::MAX) / radius;
-        let masses = self.steps.iter().map(|&step| kernel::mass_within(f64::from(step) * per_step));
-        (masses.sum::<f64>() / DIRECTIONS as f64).max(LEAST_SHARE)
+        let (mut estimate, mut uniform) = (0.0, 0.0);
+        for &step in &self.steps {
+            let within = Shares::within(f64::from(step) * per_step);
+            estimate += within.estimate;
+            uniform += within.uniform;
+        }
+        let share = |sum: f64| (sum / DIRECTIONS as f64).max(LEAST_SHARE);
+        Shares { estimate: share(estimate), uniform: share(uniform) }
     }
 }
 
@@ -105,9 +111,9 @@ impl Outlines {
         outlines
     }
 
-    /// The share of a kernel's mass that lies on the surface where a path from this pixel landed. The pixel may see more than one surface:
+    /// What of kernels lies on the surface where a path from this pixel landed. The pixel may see more than one surface:
     /// if its outline is another's, one of its neighbours' is taken.
-    pub fn share(&self, pixel: usize, landing: &Landing, radius: f64) -> f64 {
+    pub fn shares(&self, pixel: usize, landing: &Landing, radius: f64) -> Shares {
         let (x, y) = ((pixel % self.width.max(1)) as isize, (pixel / self.width.max(1)) as isize);
         let nearby = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1)];
         let fits = nearby.iter().find_map(|(dx, dy)| {
@@ -115,7 +121,7 @@ impl Outlines {
             let fits = landing.goes_on_to(outline.position.as_dvec3(), outline.facing.as_dvec3());
             fits.then_some(outline)
         });
-        fits.map_or(1.0, |outline| outline.share(radius))
+        fits.map_or(Shares::WHOLE, |outline| outline.shares(radius))
     }
 
     fn at(&self, x: isize, y: isize) -> Option<&Outline> {
@@ -144,9 +150,9 @@ mod tests {
     #[test]
     fn of_a_kernel_beside_an_edge_or_in_a_corner_the_share_of_directions_that_go_on_lies_on_the_surface() {
         let half = outline(|angle| if angle.cos() > 1e-9 { 0.0 } else { 1.0 });
-        assert!((half.share(1.0) - 9.0 / 16.0).abs() < 1e-9);
+        assert!((half.shares(1.0).estimate - 9.0 / 16.0).abs() < 1e-9);
         let corner = outline(|angle| if angle.cos() > 1e-9 && angle.sin() > 1e-9 { 1.0 } else { 0.0 });
-        assert!((corner.share(1.0) - 3.0 / 16.0).abs() < 1e-9);
+        assert!((corner.shares(1.0).estimate - 3.0 / 16.0).abs() < 1e-9);
     }
 
     #[test]
@@ -157,20 +163,20 @@ mod tests {
         let n = 10_000;
         let beyond: f64 =
             (0..n).map(|i| strip(0.5 + 0.5 * (f64::from(i) + 0.5) / f64::from(n)) * 0.5 / f64::from(n)).sum();
-        assert!((cut.share(1.0) - (1.0 - beyond)).abs() < 0.01, "{} and {}", cut.share(1.0), 1.0 - beyond);
+        assert!((cut.shares(1.0).estimate - (1.0 - beyond)).abs() < 0.01, "{:?} and {}", cut.shares(1.0), 1.0 - beyond);
     }
 
     #[test]
     fn a_smaller_kernel_far_from_the_edge_lies_on_the_surface_as_a_whole() {
-        assert_eq!(outline(|_| 0.51).share(0.5), 1.0);
+        assert_eq!(outline(|_| 0.51).shares(0.5), Shares::WHOLE);
     }
 
     #[test]
     fn a_pixel_that_sees_two_surfaces_takes_the_outline_that_fits() {
         let edge = outline(|angle| if angle.cos() > 0.0 { 0.0 } else { 1.0 });
         let outlines = Outlines::new(2, [None, Some(edge.clone())].into_iter());
-        assert_eq!(outlines.share(0, &landing(), 1.0), edge.share(1.0), "the neighbour's");
+        assert_eq!(outlines.shares(0, &landing(), 1.0), edge.shares(1.0), "the neighbour's");
         let wall = Landing { facing: DVec3::X, ..landing() };
-        assert_eq!(outlines.share(1, &wall, 1.0), 1.0, "another surface");
+        assert_eq!(outlines.shares(1, &wall, 1.0), Shares::WHOLE, "another surface");
     }
 }

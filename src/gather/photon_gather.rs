@@ -8,6 +8,7 @@ use super::landing::Landing;
 use super::outline::Outlines;
 use super::throughput::{Colour, Factor, product, relative_n2};
 use crate::map::LightMaps;
+use crate::map::kernel::Shares;
 use crate::map::radius::{self, Scales};
 use crate::math::random::ONE_MINUS_ULP;
 use crate::optics::surface::{Class, Event, Surface, Transport};
@@ -16,7 +17,7 @@ use crate::plan::{BetweenPlan, IndirectPlan, Plan, WavelengthPlan};
 use crate::scene::Scene;
 use crate::scene::camera::SystemAt;
 use crate::spectrum::{LANES, Lanes};
-use crate::walk::{Encounter, Sink, Tally, draw_consistently, next, passes};
+use crate::walk::{Encounter, Sink, Tally, bias_of_excess, draw_consistently, excess_depth, next, passes};
 
 /// All that camera paths of a pass need.
 #[derive(Debug)]
@@ -135,7 +136,7 @@ impl<'a> Gatherer<'a> {
                 };
             }
             if let Some(lamp) = self.direct.found_on_surface(encounter.incoming, &encounter.hit, path.counts) {
-                add_lamp(path.colour, &sample.scratch.factors, &lamp, sample.numbers.wavelength, sample.sink);
+                add_lamp(&path, &sample.scratch.factors, &lamp, sample.numbers.wavelength, sample.sink);
             }
             let goes_on = match encounter.surface.class() {
                 Class::Absorbing => false,
@@ -163,7 +164,7 @@ impl<'a> Gatherer<'a> {
         let u = sample.numbers.wavelength;
         let Sample { scratch, sink, tally, .. } = sample;
         self.direct.found_outside(path.start.ray.direction, path.counts, tally, |lamp| {
-            add_lamp(path.colour, &scratch.factors, &lamp, u, *sink);
+            add_lamp(path, &scratch.factors, &lamp, u, *sink);
         });
     }
 
@@ -195,10 +196,12 @@ impl<'a> Gatherer<'a> {
         let asking = Asking { encounter, nm: path.reference_nm(), u: lamp };
         let Sample { scratch, sink, tally, .. } = sample;
         self.direct.ask(asking, tally, |Lit { light, wi, strength, tint, through }| {
+            let bias = bias_of_excess(path.excess_depth + excess_depth(through, path.reference_nm()));
             let (surface, wo, sides) = (encounter.surface, encounter.wo, encounter.sides);
             each_wavelength(path.colour, &scratch.factors, light, u, |nm, share| {
                 let f = surface.eval(wo, wi, sides, Transport::Radiance, nm);
-                sink.radiance(nm, share * light.shape_at(tint, nm) * strength * f * passes(through, nm));
+                let weight = share * light.shape_at(tint, nm) * strength * f * passes(through, nm);
+                sink.biased(nm, weight, weight * bias);
             });
         });
     }
@@ -224,10 +227,12 @@ impl<'a> Gatherer<'a> {
         let wavelength = sample.numbers.wavelength;
         let Sample { scratch, sink, tally, .. } = sample;
         self.direct.look(start, scatter.probability, tally, |lamp| {
+            let bias = bias_of_excess(path.excess_depth + excess_depth(lamp.through, nm));
             each_wavelength(path.colour, &scratch.factors, lamp.light, wavelength, |nm, share| {
                 let response = surface.response(wo, &scatter, sides, Transport::Radiance, nm) / scatter.probability;
                 let arriving = lamp.light.shape_at(lamp.tint, nm) * lamp.radiance * passes(lamp.through, nm);
-                sink.radiance(nm, share * arriving * response);
+                let weight = share * arriving * response;
+                sink.biased(nm, weight, weight * bias);
             });
         });
     }
@@ -251,11 +256,17 @@ impl<'a> Gatherer<'a> {
                 sample.tally.map_queries += 1;
                 let radius = f64::from(sample.radii[kind as usize]) * self.scales.surface;
                 let radius = radius.max(radius::least(encounter.hit.position));
-                let share = match path.view {
-                    View::Seen => self.outlines.share(sample.pixel as usize, &self.landing(path, encounter), radius),
-                    View::Relayed => 1.0,
+                let shares = match path.view {
+                    View::Seen => self.outlines.shares(sample.pixel as usize, &self.landing(path, encounter), radius),
+                    View::Relayed => Shares::WHOLE,
                 };
-                self.estimate(encounter, (map, radius, share), path.colour, &sample.scratch.factors, sample.sink);
+                self.estimate(
+                    encounter,
+                    (map, radius, shares),
+                    (path.colour, bias_of_excess(path.excess_depth)),
+                    &sample.scratch.factors,
+                    sample.sink,
+                );
             }
         }
     }
@@ -413,9 +424,11 @@ fn survives<S: Sink>(scene: &Scene, path: &mut CameraPath, sample: &mut Sample<'
 }
 
 /// Adds a lamp that a path sees; `u` shifts the wavelengths at which it is looked at.
-fn add_lamp<S: Sink>(colour: Colour, factors: &[Factor<'_>], lamp: &Found<'_, '_>, u: f64, sink: &mut S) {
-    each_wavelength(colour, factors, lamp.light, u, |nm, share| {
-        sink.radiance(nm, share * lamp.light.shape_at(lamp.tint, nm) * lamp.radiance);
+fn add_lamp<S: Sink>(path: &CameraPath, factors: &[Factor<'_>], lamp: &Found<'_, '_>, u: f64, sink: &mut S) {
+    let bias = bias_of_excess(path.excess_depth);
+    each_wavelength(path.colour, factors, lamp.light, u, |nm, share| {
+        let weight = share * lamp.light.shape_at(lamp.tint, nm) * lamp.radiance;
+        sink.biased(nm, weight, weight * bias);
     });
 }
 

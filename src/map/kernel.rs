@@ -25,16 +25,35 @@ pub fn on_line(d: f64, r: f64) -> Kernels {
     Kernels { estimate: 1.5 * uniform * (1.0 - share * share), uniform, moments: 1.5 }
 }
 
-/// The share of the kernel's mass within `t` radii of its centre.
-pub fn mass_within(t: f64) -> f64 {
-    let t2 = (t * t).min(1.0);
-    t2 * (2.0 - t2)
+/// What shares of the two kernels' masses lie on the surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shares {
+    /// Of Epanechnikov's.
+    pub estimate: f64,
+    /// Of the uniform one's.
+    pub uniform: f64,
+}
+
+impl Shares {
+    /// Both kernels lie on the surface as a whole.
+    pub const WHOLE: Self = Self { estimate: 1.0, uniform: 1.0 };
+
+    /// The same share of both.
+    pub fn of_both(share: f64) -> Self {
+        Self { estimate: share, uniform: share }
+    }
+
+    /// What lies within `t` radii of the kernels' centre.
+    pub fn within(t: f64) -> Self {
+        let t2 = (t * t).min(1.0);
+        Self { estimate: t2 * (2.0 - t2), uniform: t2 }
+    }
 }
 
 impl Kernels {
-    /// The kernels where only a share of them lies on the surface: what lies there integrates to 1 again.
-    pub fn over(self, share: f64) -> Self {
-        Self { estimate: self.estimate / share, uniform: self.uniform / share, ..self }
+    /// The kernels where only shares of them lie on the surface: what lies there integrates to 1 again.
+    pub fn over(self, shares: Shares) -> Self {
+        Self { estimate: self.estimate / shares.estimate, uniform: self.uniform / shares.uniform, ..self }
     }
 
     /// A photon's share in the estimated bias of the Epanechnikov estimate L_e, from L_u by the uniform kernel of the same radius. The
@@ -74,8 +93,9 @@ mod tests {
     #[test]
     fn the_mass_within_half_a_radius_is_the_integral_over_it() {
         let within = over_disk(0.5, |d2| at(d2, 1.0).estimate);
-        assert!((mass_within(0.5) - within).abs() < 1e-8);
-        assert_eq!([mass_within(1.0), mass_within(f64::INFINITY)], [1.0; 2]);
+        assert!((Shares::within(0.5).estimate - within).abs() < 1e-8);
+        assert_eq!(Shares::within(0.5).uniform, 0.25);
+        assert_eq!([Shares::within(1.0), Shares::within(f64::INFINITY)], [Shares::WHOLE; 2]);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use crate::colour::{RgbSpace, delta_e_2000, lab};
 use crate::error::{Error, Result};
+use crate::sensor::picture::INTERVAL_95;
 use crate::sensor::{Development, Picture, exposure};
 
 /// A rectangle of pixels: columns from `x0` up to but not including `x1`, rows likewise, counted from the top left.
@@ -47,6 +48,15 @@ pub struct ZTest {
     pub pixels: usize,
 }
 
+/// A test of the error that A reports, noise and bias.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Covered {
+    /// The share of pixels where B lies in A's 95 % interval, widened by B's own noise where that is known.
+    pub share: f64,
+    /// Pixels whose error A knows.
+    pub pixels: usize,
+}
+
 /// How far a picture A is from a reference B, over the pixels that count.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
@@ -62,6 +72,10 @@ pub struct Comparison {
     pub delta_e_2000: DeltaE,
     /// Where both pictures hold their standard errors.
     pub z: Option<ZTest>,
+    /// Where A holds its error.
+    pub covered: Option<Covered>,
+    /// Those whose error A does not know: no light reached them, or the file has no such layers.
+    pub unknown_pixels: usize,
     /// Pixels that count.
     pub pixels: usize,
     /// Those of them where either picture is not finite; they are infinitely wrong.
@@ -91,6 +105,8 @@ pub fn compare(picture: &Picture, reference: &Picture, selection: &Selection) ->
         mean_ratio: mean_y(picture) / mean_y(reference),
         delta_e_2000: delta_e(counted.iter().map(|&i| differences[i]).collect()),
         z: z_test(picture, reference, &counted),
+        covered: covered(picture, reference, &counted),
+        unknown_pixels: counted.iter().filter(|&&i| picture.error(i).is_none()).count(),
         pixels: counted.len(),
         non_finite_pixels: counted.iter().filter(|&&i| !(finite(picture, i) && finite(reference, i))).count(),
     })
@@ -208,6 +224,16 @@ fn z_test(picture: &Picture, reference: &Picture, counted: &[usize]) -> Option<Z
     (pixels > 0).then(|| ZTest { share: within as f64 / pixels as f64, pixels })
 }
 
+fn covered(picture: &Picture, reference: &Picture, counted: &[usize]) -> Option<Covered> {
+    let (mut pixels, mut within) = (0_usize, 0_usize);
+    for (i, error) in counted.iter().filter_map(|&i| Some((i, picture.error(i)?))) {
+        pixels += 1;
+        let together = error.hypot(f64::from(reference.noise[i].max(0.0)));
+        within += usize::from((picture.xyz[i][1] - reference.xyz[i][1]).abs() <= INTERVAL_95 * together);
+    }
+    (pixels > 0).then(|| Covered { share: within as f64 / pixels as f64, pixels })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -301,6 +327,19 @@ mod tests {
         a.xyz[1][1] += 1.96 * 0.5 * 1.001;
         a.xyz[2][1] += 100.0;
         assert_eq!(all(&a, &b).z, Some(ZTest { share: 2.0 / 3.0, pixels: 3 }));
+    }
+
+    #[test]
+    fn an_interval_is_of_noise_and_bias_and_unknown_pixels_have_none() {
+        let (mut a, b) = (grey(2, 2, 1.0), grey(2, 2, 1.0));
+        a.noise = vec![0.3, 0.3, -1.0, 0.0];
+        a.bias = vec![0.4, 0.4, -1.0, 0.0];
+        a.xyz[0][1] += INTERVAL_95 * 0.5 * 0.999;
+        a.xyz[1][1] += INTERVAL_95 * 0.5 * 1.001;
+        let found = all(&a, &b);
+        assert_eq!((found.covered, found.unknown_pixels), (Some(Covered { share: 2.0 / 3.0, pixels: 3 }), 1));
+        let known = Picture { noise: vec![0.1; 4], ..b };
+        assert_eq!(all(&a, &known).covered, Some(Covered { share: 1.0, pixels: 3 }), "the reference is noisy too");
     }
 
     #[test]

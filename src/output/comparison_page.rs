@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use super::compare::{Comparison, Scale, Selection, delta_e_map};
 use super::data_uri::data_uri;
+use super::heat::{self, heat, relative_errors};
 use super::page::document;
 use super::png::encode as encode_png;
 use crate::error::Result;
@@ -23,6 +24,10 @@ const FULL_DIFFERENCE: f64 = 0.5;
 
 /// The colour difference that is shown in white.
 const FULL_DELTA_E: f64 = 10.0;
+
+/// How the maps of the errors are read.
+const ERRORS: &str =
+    "relative to Y, noise and bias together: black at 0, white at 50 % and above; blue-green where it is unknown.";
 
 /// The page.
 ///
@@ -45,6 +50,11 @@ pub fn page(pair: Pair<'_>, selection: &Selection, comparison: &Comparison) -> R
             (figure(&shown(b), &format!("B, the reference: {name_b}"))?)
             (figure(&luminance_differences(a, b, selection), signed)?)
             (figure(&colour_differences(a, b, selection), colours)?)
+            @for (letter, picture) in [("A", a), ("B", b)] {
+                @if (0..picture.xyz.len()).any(|pixel| picture.error(pixel).is_some()) {
+                    (figure(&errors(picture, selection), &format!("Error that {letter} reports, {ERRORS}"))?)
+                }
+            }
         }
         p { "Both pictures are shown at the reference's automatic exposure: "
             (format!("{:.4}", 1.0 / exposure)) " cd/m² is white. Pixels that do not count are grey in the differences." }
@@ -67,7 +77,12 @@ fn figures(comparison: &Comparison) -> Markup {
                 ("ΔE2000, mean", number(comparison.delta_e_2000.mean)),
                 ("ΔE2000, 95 % are below", number(comparison.delta_e_2000.p95)),
                 ("Share of pixels with |z| < 1.96", comparison.z.map_or("errors unknown".to_string(), |z| number(z.share))),
+                (
+                    "Share of pixels where B lies in A's 95 % interval",
+                    comparison.covered.map_or("errors unknown".to_string(), |covered| number(covered.share)),
+                ),
                 ("Pixels compared", comparison.pixels.to_string()),
+                ("Pixels of A that no light reached", comparison.unknown_pixels.to_string()),
                 ("Pixels that are no numbers", comparison.non_finite_pixels.to_string()),
             ] {
                 tr { th scope="row" { (name) } td { (value) } }
@@ -101,19 +116,16 @@ fn luminance_differences(a: &Picture, b: &Picture, selection: &Selection) -> Scr
     })
 }
 
+/// The relative error that a picture reports of itself.
+fn errors(of: &Picture, selection: &Selection) -> Screen {
+    let errors: Vec<Option<f64>> = relative_errors(of).collect();
+    map(of, selection, |i| errors[i].map_or(heat::UNKNOWN, |error| heat(error / heat::FULL_ERROR)))
+}
+
 /// ΔE2000 of every pixel that counts at the reference's exposure: black at 0, over violet and orange to white at 10 and above.
 pub fn colour_differences(a: &Picture, b: &Picture, selection: &Selection) -> Screen {
     let differences = delta_e_map(a, b);
     map(b, selection, |i| heat(differences[i] / FULL_DELTA_E))
-}
-
-/// A share from 0 to 1 as black over violet and orange to white, brighter all the way; NaN is white.
-fn heat(share: f64) -> [u8; 3] {
-    const STOPS: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [90.0, 20.0, 130.0], [240.0, 120.0, 30.0], [255.0, 255.0, 255.0]];
-    let place = if share < 1.0 { share.max(0.0) * 3.0 } else { 3.0 };
-    let stop = (place as usize).min(2);
-    let t = place - stop as f64;
-    [0, 1, 2].map(|c| (STOPS[stop][c] + t * (STOPS[stop + 1][c] - STOPS[stop][c])).round() as u8)
 }
 
 #[cfg(test)]
@@ -145,12 +157,5 @@ mod tests {
         let selection = Selection { regions: vec![Region { x0: 0, y0: 0, x1: 3, y1: 1 }], mask: None };
         let shown = luminance_differences(&a, &b, &selection);
         assert_eq!(shown, Screen::of_srgb(4, 1, vec![[255, 0, 0], [0, 0, 255], [255, 255, 255], LEFT_OUT]));
-    }
-
-    #[test]
-    fn larger_colour_differences_are_brighter() {
-        let brightness = |share: f64| heat(share).map(u32::from).iter().sum::<u32>();
-        assert!((0..100).all(|i| brightness(f64::from(i + 1) * 0.01) >= brightness(f64::from(i) * 0.01)));
-        assert_eq!([0.0, 1.0, 7.0, f64::INFINITY, f64::NAN].map(brightness), [0, 765, 765, 765, 765]);
     }
 }

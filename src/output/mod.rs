@@ -13,6 +13,7 @@ pub mod figures;
 pub mod file;
 pub mod graph;
 pub mod hash;
+pub mod heat;
 pub mod icc;
 pub mod lamps_page;
 pub mod metadata;

@@ -79,9 +79,9 @@ impl Merging {
                 Some(sum) => sum.add(&film),
             }
         }
-        let picture = sum.ok_or_else(|| Error::input("no parts to merge"))?.develop();
+        let (picture, squares) = sum.ok_or_else(|| Error::input("no parts to merge"))?.develop_and_judge();
         let stats: Vec<&Stats> = self.parts.iter().map(|(_, saved)| &saved.stats).collect();
-        let stats = Stats::together(&stats, &picture);
+        let stats = Stats::together(&stats, (&picture, squares));
         let showing = self.parts[0].1.showing;
         let metadata = self.metadata(&stats);
         Ok(Merged { picture, stats, showing, metadata })

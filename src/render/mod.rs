@@ -3,6 +3,7 @@
 
 mod crowd;
 mod diffraction;
+mod forecast;
 mod harvest;
 mod merge;
 mod part;
@@ -15,11 +16,12 @@ mod stats;
 mod threads;
 
 pub use diffraction::Diffracting;
+pub use forecast::{Forecast, Milestone};
 pub use merge::{Merged, Merging};
 pub use part::Part;
 pub use run::Run;
 pub use saved::{Identity, Saved, Showing};
-pub use stats::{Seconds, Stats};
+pub use stats::{ForecastStats, Seconds, Stats};
 pub use threads::on_threads;
 
 use crate::emit::LightChoice;
@@ -115,6 +117,8 @@ pub struct Progress {
     pub relative_error: Option<f64>,
     /// The relative error wanted, if one was given.
     pub error_wanted: Option<f64>,
+    /// How the error will fall, by when it was last measured.
+    pub forecast: Option<Forecast>,
 }
 
 /// Watches a render; may end it after a pass.
@@ -209,10 +213,10 @@ impl Job {
             return Err(Error::input("the light in a pixel exceeds 9e18 W/m²/sr: the lamp's power cannot be meant so"));
         }
         let develop = Instant::now();
-        let picture = run.film.develop();
+        let (picture, squares) = run.film.develop_and_judge();
         run.seconds.develop += develop.elapsed().as_secs_f64();
         clock.tell(&mut run);
-        let stats = Stats::new(self, &run, &picture);
+        let stats = Stats::new(self, &run, &picture, rules.forecast_at_end(&run, squares));
         let mut ledger = run.ledger.clone();
         ledger.scale(1.0 / run.done.max(1) as f64);
         Ok(Rendered { picture, ledger, stats, interrupted, run })

@@ -31,8 +31,8 @@ impl Sink for PixelSink<'_> {
         PixelSink::radiance(self, nm, weight);
     }
 
-    fn density(&mut self, nm: f64, weight: f64, bias: f64) {
-        PixelSink::density(self, nm, weight, bias);
+    fn biased(&mut self, nm: f64, weight: f64, bias: f64) {
+        PixelSink::biased(self, nm, weight, bias);
     }
 }
 

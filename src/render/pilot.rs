@@ -470,5 +470,5 @@ struct Nowhere;
 impl Sink for Nowhere {
     fn radiance(&mut self, _nm: f64, _weight: f64) {}
 
-    fn density(&mut self, _nm: f64, _weight: f64, _bias: f64) {}
+    fn biased(&mut self, _nm: f64, _weight: f64, _bias: f64) {}
 }

@@ -1,8 +1,9 @@
 //! When a run stops: at the first rule that holds.
 
+use super::forecast::{Forecast, History};
 use super::{Job, Progress, Run, StopRules};
 use crate::error::{Error, Result};
-use crate::sensor::Film;
+use crate::sensor::ErrorSquares;
 use std::time::{Duration, Instant};
 
 /// Counts a run's time, over breaks.
@@ -30,7 +31,7 @@ pub(super) struct Rules {
     stop: StopRules,
     /// Passes of this run, if a number was given.
     wanted: Option<u64>,
-    measured: ErrorWatch,
+    watch: ErrorWatch,
 }
 
 impl Rules {
@@ -38,7 +39,7 @@ impl Rules {
     pub(super) fn new(job: &Job, stop: StopRules, run: &mut Run) -> Self {
         run.wanted = stop.passes_wanted(&job.budget);
         let wanted = run.wanted.map(|passes| run.part.count_of(passes));
-        Self { stop, wanted, measured: ErrorWatch::default() }
+        Self { stop, wanted, watch: ErrorWatch::default() }
     }
 
     /// Refuses a number of passes that leaves the run none, or fewer than it has.
@@ -59,11 +60,12 @@ impl Rules {
 
     /// Whether a rule holds after a pass.
     pub(super) fn hold(&mut self, run: &Run) -> bool {
-        let elapsed = Duration::try_from_secs_f64(run.seconds.total).unwrap_or_default();
-        let error = self.measured.update(&run.film, run.done, elapsed, self.stop.target_error.is_some());
+        let elapsed = elapsed(run);
+        let target = self.stop.target_error.filter(|_| ErrorWatch::decides_after(run.done));
+        self.watch.look(run, elapsed, target.is_some());
         self.wanted.is_some_and(|wanted| run.done >= wanted)
             || self.stop.time.is_some_and(|limit| elapsed >= limit)
-            || self.stop.target_error.zip(error).is_some_and(|(target, error)| error <= target)
+            || target.zip(self.watch.history.latest()).is_some_and(|(target, error)| error <= target)
     }
 
     /// How the run stands, for a monitor.
@@ -71,31 +73,56 @@ impl Rules {
         Progress {
             passes: run.done,
             passes_wanted: self.wanted,
-            elapsed: Duration::try_from_secs_f64(run.seconds.total).unwrap_or_default(),
+            elapsed: elapsed(run),
             time_wanted: self.stop.time,
             photons_per_second: run.tally.photons as f64 / run.seconds.total,
-            relative_error: self.measured.latest,
+            relative_error: self.watch.history.latest(),
             error_wanted: self.stop.target_error,
+            forecast: self.watch.forecast(run),
         }
+    }
+
+    /// How the error would fall from the end on, where it was measured as this.
+    pub(super) fn forecast_at_end(&mut self, run: &Run, squares: Option<ErrorSquares>) -> Option<Forecast> {
+        self.watch.history.add(run.done, squares?);
+        self.watch.forecast(run)
     }
 }
 
-/// Measures the error now and then: developing costs time, so it may take no more than a small share of it.
+fn elapsed(run: &Run) -> Duration {
+    Duration::try_from_secs_f64(run.seconds.total).unwrap_or_default()
+}
+
+/// Measures the error now and then: developing costs time, so it may take no more than a small share of it, and a larger one only for the first forecast.
 #[derive(Debug, Default)]
 struct ErrorWatch {
-    latest: Option<f64>,
-    next: Duration,
+    history: History,
+    /// When it is measured next: not before so many passes, and not before that time.
+    next: (u64, Duration),
 }
 
 impl ErrorWatch {
-    fn update(&mut self, film: &Film, passes: u64, elapsed: Duration, wanted: bool) -> Option<f64> {
-        /// Fewer passes than two in each replicate say little about noise.
-        const FIRST: u64 = 16;
-        if passes >= FIRST && passes.is_multiple_of(8) && (wanted || elapsed >= self.next) {
+    /// Whether the error may end the run after so many passes: as often as not to depend on how fast they were, and only when each replicate has
+    /// two passes; fewer say little about noise.
+    fn decides_after(passes: u64) -> bool {
+        passes >= 16 && passes.is_multiple_of(8)
+    }
+
+    /// Measures the error if that is needed, or not too early.
+    fn look(&mut self, run: &Run, elapsed: Duration, needed: bool) {
+        /// Fewer passes than one in each replicate would underrate the noise of stratified samples.
+        const FIRST: u64 = 8;
+        let due = run.done >= self.next.0.max(FIRST) && elapsed >= self.next.1;
+        if needed || due {
             let begun = Instant::now();
-            self.latest = film.develop().error_means().relative;
-            self.next = elapsed + begun.elapsed() * 50;
+            let (_, squares) = run.film.develop_and_judge();
+            squares.into_iter().for_each(|squares| self.history.add(run.done, squares));
+            let pause = begun.elapsed() * if run.done < FIRST + 2 { 5 } else { 50 };
+            self.next = (run.done + (run.done / 8).max(1), elapsed + pause);
         }
-        self.latest
+    }
+
+    fn forecast(&self, run: &Run) -> Option<Forecast> {
+        self.history.forecast((run.done, run.seconds.total, run.seconds.pilot))
     }
 }

@@ -46,4 +46,9 @@ impl Run {
     pub fn passes(&self) -> u64 {
         self.done
     }
+
+    /// The relative error of the picture so far; `None` while it is unknown.
+    pub fn relative_error(&self) -> Option<f64> {
+        self.film.develop_and_judge().1.map(|squares| squares.relative())
+    }
 }

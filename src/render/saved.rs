@@ -1,5 +1,6 @@
 //! Runs in files: checkpoints and parts, an EXR of the picture so far with the exact sums and a record of the rest.
 
+use super::forecast::Forecast;
 use super::{Diffracting, Integrator, Job, Part, Run, Stats};
 use crate::error::{Error, Result};
 use crate::output::exr::{add_sums, holds_sums_of, read_metadata, write_with_sums};
@@ -135,7 +136,9 @@ impl Saved {
     /// # Errors
     /// The machine's: a folder that cannot be written to, a full disk.
     pub fn write(path: &Path, job: &Job, identity: &Identity, run: &Run, metadata: Metadata) -> Result<()> {
-        let picture = run.film.develop();
+        let (picture, squares) = run.film.develop_and_judge();
+        let so_far = (run.done, run.seconds.total, run.seconds.pilot);
+        let forecast = squares.and_then(|squares| Forecast::without_history(squares, so_far));
         let mut record = Self {
             identity: identity.clone(),
             part: run.part,
@@ -143,7 +146,7 @@ impl Saved {
             wanted: run.wanted,
             ledger: run.ledger.clone(),
             tally: run.tally,
-            stats: Stats::new(job, run, &picture),
+            stats: Stats::new(job, run, &picture, forecast),
             showing: Showing::of(job),
             diffraction: job.diffraction.clone(),
             hash: String::new(),

@@ -1,9 +1,10 @@
 //! What a render measured: for `--stats`, headers and tests.
 
+use super::forecast::{Forecast, Milestone};
 use super::{Job, Run};
 use crate::plan::{State, WavelengthPlan, explain};
-use crate::sensor::Picture;
 use crate::sensor::picture::ErrorMeans;
+use crate::sensor::{ErrorSquares, Picture};
 use crate::walk::Tally;
 use crate::walk::ledger::Ledger;
 use serde::{Deserialize, Serialize};
@@ -62,6 +63,15 @@ pub struct ErrorStats {
     pub unknown_pixels: usize,
 }
 
+/// How the error would fall if the render went on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ForecastStats {
+    /// The relative error after four times the time that it took.
+    pub error_after_four_times: f64,
+    /// When the next two round errors would be reached, counted from the beginning.
+    pub milestones: Vec<Milestone>,
+}
+
 /// One effect's state and how often it was at work.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EffectStats {
@@ -92,6 +102,8 @@ pub struct Stats {
     pub ledger_w: LedgerStats,
     /// How wrong the picture may be.
     pub error: ErrorStats,
+    /// How much less wrong it would be after more time; `None` while its error is unknown.
+    pub forecast: Option<ForecastStats>,
     /// Effects by name.
     pub effects: BTreeMap<String, EffectStats>,
     /// `free`, `shared` or `both`.
@@ -104,7 +116,7 @@ pub struct Stats {
 
 impl Stats {
     /// What a run has measured so far, and its picture's error.
-    pub(super) fn new(job: &Job, run: &Run, picture: &Picture) -> Self {
+    pub(super) fn new(job: &Job, run: &Run, picture: &Picture, forecast: Option<Forecast>) -> Self {
         let emit_seconds = run.seconds.emit;
         let mut ledger = run.ledger.clone();
         ledger.scale(1.0 / run.done.max(1) as f64);
@@ -118,6 +130,7 @@ impl Stats {
             peak_memory_bytes: peak_memory_bytes(),
             ledger_w: ledger_stats(job, &ledger),
             error: ErrorStats::of(picture),
+            forecast: forecast.map(|forecast| ForecastStats::of(&forecast, run.seconds.total)),
             effects: effect_stats(job, &run.tally),
             wavelengths: explain::wavelengths_word(&job.plan).to_string(),
             rejected_samples: run.tally.rejected,
@@ -126,8 +139,8 @@ impl Stats {
     }
 
     /// What several runs of one scene's passes measured together: counts and seconds are sums, the ledger the mean over all passes.
-    /// The error is that of their common picture.
-    pub(super) fn together(runs: &[&Self], picture: &Picture) -> Self {
+    /// The error is that of their common picture, and so is the forecast, as if one machine had done all.
+    pub(super) fn together(runs: &[&Self], (picture, squares): (&Picture, Option<ErrorSquares>)) -> Self {
         let count = |of: fn(&Self) -> u64| runs.iter().map(|run| of(run)).sum::<u64>();
         let mut effects: BTreeMap<String, EffectStats> = BTreeMap::new();
         for (name, effect) in runs.iter().flat_map(|run| &run.effects) {
@@ -137,8 +150,11 @@ impl Stats {
         }
         let seconds = Seconds::together(runs.iter().map(|run| run.seconds));
         let emitted = count(|run| run.photons_emitted);
+        let passes = count(|run| run.passes);
+        let run = (passes, seconds.total, seconds.pilot);
+        let forecast = squares.and_then(|squares| Forecast::without_history(squares, run));
         Self {
-            passes: count(|run| run.passes),
+            passes,
             photons_emitted: emitted,
             photons_shared: count(|run| run.photons_shared),
             photons_stored: count(|run| run.photons_stored),
@@ -147,6 +163,7 @@ impl Stats {
             peak_memory_bytes: runs.iter().map(|run| run.peak_memory_bytes).max().unwrap_or(0),
             ledger_w: LedgerStats::mean(runs),
             error: ErrorStats::of(picture),
+            forecast: forecast.map(|forecast| ForecastStats::of(&forecast, seconds.total)),
             effects,
             wavelengths: runs.first().map_or(String::new(), |run| run.wavelengths.clone()),
             rejected_samples: count(|run| run.rejected_samples),
@@ -201,6 +218,13 @@ impl ErrorStats {
     fn of(picture: &Picture) -> Self {
         let ErrorMeans { noise, bias, relative, unknown_pixels } = picture.error_means();
         Self { noise, bias, relative, unknown_pixels }
+    }
+}
+
+impl ForecastStats {
+    fn of(forecast: &Forecast, seconds: f64) -> Self {
+        let error_after_four_times = forecast.error_after_seconds(4.0 * seconds);
+        Self { error_after_four_times, milestones: forecast.milestones().collect() }
     }
 }
 

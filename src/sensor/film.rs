@@ -2,20 +2,22 @@
 
 use super::channels::{Channels, band_nm};
 use super::diffraction::{Convolution, Diffraction, add_product};
+use super::error_bars::{ErrorBars, ErrorSquares, Measured};
 use crate::math::random::REPLICATES;
 use crate::math::sum::ExactSum;
 use crate::sensor::picture::{Bands, Picture};
 use crate::spectrum::{LUMENS_PER_WATT, Observer};
 use std::sync::Arc;
 
-/// One pixel's sums over all passes: 176 bytes, and 16 for each channel.
+/// One pixel's sums over all passes: 192 bytes, and 16 for each channel.
 #[derive(Debug, Clone, Copy, Default)]
 struct PixelSums {
     x: ExactSum,
     z: ExactSum,
     /// Y by replicate; their sum is Y.
     y: [ExactSum; REPLICATES],
-    bias: ExactSum,
+    /// The bias of Y over the even replicates and over the odd ones: two estimates that have no noise in common.
+    bias: [ExactSum; 2],
 }
 
 /// The light of a pixel over all passes, in W; Y once more by replicate.
@@ -23,13 +25,17 @@ struct PixelSums {
 struct PixelLight {
     xyz: [f64; 3],
     y: [f64; REPLICATES],
-    bias: f64,
+    bias: [f64; 2],
 }
 
 impl PixelSums {
     fn light(&self) -> PixelLight {
         let y = self.y.map(|part| part.value());
-        PixelLight { xyz: [self.x.value(), y.iter().sum(), self.z.value()], y, bias: self.bias.value() }
+        PixelLight {
+            xyz: [self.x.value(), y.iter().sum(), self.z.value()],
+            y,
+            bias: self.bias.map(|half| half.value()),
+        }
     }
 }
 
@@ -46,8 +52,11 @@ pub struct Film {
     passes: [u64; REPLICATES],
 }
 
-/// The first plane of Y, after X, Z and bias.
-const FIRST_Y: usize = 3;
+/// The first plane of the bias, after X and Z.
+const FIRST_BIAS: usize = 2;
+
+/// The first plane of Y.
+const FIRST_Y: usize = FIRST_BIAS + 2;
 
 /// The first plane of a channel.
 const FIRST_CHANNEL: usize = FIRST_Y + REPLICATES;
@@ -157,10 +166,15 @@ impl Film {
         sink.rejected
     }
 
-    /// The names of the film's planes of sums: `X`, `Z`, `bias`, Y by replicate, the channels.
+    /// The names of the film's planes of sums: `X`, `Z`, bias by halves, Y by replicate, the channels.
     pub fn plane_names(&self) -> Vec<String> {
         let replicates = (0..REPLICATES).map(|r| format!("Y{r}"));
-        ["X", "Z", "bias"].map(String::from).into_iter().chain(replicates).chain(self.channels.names()).collect()
+        ["X", "Z", "bias0", "bias1"]
+            .map(String::from)
+            .into_iter()
+            .chain(replicates)
+            .chain(self.channels.names())
+            .collect()
     }
 
     /// The sums of one plane, by its place among the names, pixel by pixel.
@@ -169,7 +183,7 @@ impl Film {
         (0..self.pixels.len()).map(move |pixel| match plane {
             0 => self.pixels[pixel].x,
             1 => self.pixels[pixel].z,
-            2 => self.pixels[pixel].bias,
+            _ if plane < FIRST_Y => self.pixels[pixel].bias[plane - FIRST_BIAS],
             _ if plane < FIRST_CHANNEL => self.pixels[pixel].y[plane - FIRST_Y],
             _ => self.by_channel[pixel * count + plane - FIRST_CHANNEL],
         })
@@ -182,7 +196,7 @@ impl Film {
             *match plane {
                 0 => &mut own.x,
                 1 => &mut own.z,
-                2 => &mut own.bias,
+                _ if plane < FIRST_Y => &mut own.bias[plane - FIRST_BIAS],
                 _ if plane < FIRST_CHANNEL => &mut own.y[plane - FIRST_Y],
                 _ => &mut self.by_channel[pixel * count + plane - FIRST_CHANNEL],
             } += sum;
@@ -195,24 +209,23 @@ impl Film {
         self.passes.iter_mut().zip(other.passes).for_each(|(own, more)| *own += more);
     }
 
-    /// The picture so far: means over the passes, noise from the replicates, bias from the two kernels.
+    /// The picture so far: means over the passes, with error bars.
     pub fn develop(&self) -> Picture {
+        self.develop_and_judge().0
+    }
+
+    /// The picture so far, and the parts of the square of its relative error; `None` while that is unknown.
+    pub fn develop_and_judge(&self) -> (Picture, Option<ErrorSquares>) {
         let passes = self.passes() as f64;
-        let scale = if passes > 0.0 { LUMENS_PER_WATT / passes } else { 0.0 };
         let mut picture = Picture::black(self.width, self.height);
         let diffracted = self.channels.diffraction.as_deref().map(|diffraction| self.spread(diffraction));
-        for (index, sums) in self.pixels.iter().enumerate() {
-            let PixelLight { xyz, y, bias } =
-                diffracted.as_ref().map_or_else(|| sums.light(), |(light, _)| light[index]);
-            picture.xyz[index] = xyz.map(|sum| sum * scale);
-            let lit = xyz[1] > 0.0;
-            picture.noise[index] = match self.standard_error(&y) {
-                Some(error) if lit => (error * LUMENS_PER_WATT) as f32,
-                Some(_) | None => -1.0,
-            };
-            picture.bias[index] = if lit { (bias * scale) as f32 } else { -1.0 };
-        }
-        smooth_bias(&mut picture);
+        let light =
+            |pixel: usize| diffracted.as_ref().map_or_else(|| self.pixels[pixel].light(), |(light, _)| light[pixel]);
+        let scale = LUMENS_PER_WATT / self.passes().max(1) as f64;
+        picture.xyz.iter_mut().enumerate().for_each(|(pixel, xyz)| *xyz = light(pixel).xyz.map(|sum| sum * scale));
+        let bars = self.error_bars(light);
+        let squares = bars.squares(picture.mean_y());
+        (picture.noise, picture.bias) = (bars.noise, bars.bias);
         let bands = self.channels.bands;
         if bands > 0 {
             let range_nm = (0..bands).map(|band| band_nm(band, bands));
@@ -225,24 +238,21 @@ impl Film {
             };
             picture.bands = Some(Bands { centres_nm, values });
         }
-        picture
+        (picture, squares)
     }
 
-    /// The standard error of a pixel's mean Y (in units of W), from the means of the replicates that have passes; `None` with fewer than
-    /// two. Unequal numbers of passes weigh accordingly.
-    fn standard_error(&self, y: &[f64; REPLICATES]) -> Option<f64> {
-        let parts: Vec<(f64, f64)> = (0..REPLICATES)
-            .filter(|&r| self.passes[r] > 0)
-            .map(|r| (self.passes[r] as f64, y[r] / self.passes[r] as f64))
-            .collect();
-        if parts.len() < 2 {
-            return None;
-        }
-        let total: f64 = parts.iter().map(|(n, _)| n).sum();
-        let mean = parts.iter().map(|(n, m)| n * m).sum::<f64>() / total;
-        let spread: f64 = parts.iter().map(|(n, m)| n * (m - mean) * (m - mean)).sum();
-        // Each replicate mean has variance σ²/n; Σ n (m − mean)² estimates (R − 1) σ², and the mean's variance is σ²/Σn.
-        Some((spread / (parts.len() - 1) as f64 / total).sqrt())
+    fn error_bars(&self, light: impl Fn(usize) -> PixelLight) -> ErrorBars {
+        let half = |parity: usize| self.passes.iter().skip(parity).step_by(2).sum::<u64>();
+        let passes_by_half = [half(0), half(1)];
+        let mean = |sum: f64, passes: u64| sum * LUMENS_PER_WATT / passes.max(1) as f64;
+        let measured = |pixel: usize| {
+            let PixelLight { xyz, y, bias } = light(pixel);
+            (xyz[1] > 0.0).then(|| Measured {
+                y: std::array::from_fn(|r| mean(y[r], self.passes[r])),
+                bias: [0, 1].map(|half| mean(bias[half], passes_by_half[half])),
+            })
+        };
+        ErrorBars::new((self.width, self.pixels.len()), measured, self.passes)
     }
 
     /// The light of all pixels, and their spectral bands, as diffraction spreads it. Each slice and each band has its own kernel. For the replicates,
@@ -283,8 +293,8 @@ impl Film {
                 .zip(both)
                 .for_each(|(light, both)| light.y[replicate..replicate + 2].copy_from_slice(&both));
         }
-        let bias = spread(&|pixel| [self.pixels[pixel].bias.value(), 0.0]);
-        light.iter_mut().zip(bias).for_each(|(light, bias)| light.bias = bias[0]);
+        let bias = spread(&|pixel| self.pixels[pixel].bias.map(|half| half.value()));
+        light.iter_mut().zip(bias).for_each(|(light, bias)| light.bias = bias);
         let bands = self.channels.bands;
         let mut values = vec![0.0; bands * self.pixels.len()];
         for band in 0..bands {
@@ -301,33 +311,6 @@ impl Film {
     pub fn overflowed(&self) -> bool {
         let pixel = |p: &PixelSums| p.x.overflowed() || p.z.overflowed() || p.y.iter().any(|y| y.overflowed());
         self.pixels.iter().any(pixel) || self.by_channel.iter().any(|sum| sum.overflowed())
-    }
-}
-
-/// A single pixel's bias estimate is as noisy as the pixel; bias itself is smooth away from edges: average 5 × 5 neighbours. The
-/// layer keeps its sign until here and is stored as a magnitude.
-fn smooth_bias(picture: &mut Picture) {
-    const REACH: usize = 2;
-    let raw = picture.bias.clone();
-    let known: Vec<bool> = picture.xyz.iter().map(|xyz| xyz[1] > 0.0).collect();
-    let (width, height) = (picture.width, picture.height);
-    for y in 0..height {
-        for x in 0..width {
-            let index = y * width + x;
-            if !known[index] {
-                continue;
-            }
-            let (mut sum, mut count) = (0.0, 0.0);
-            for j in y.saturating_sub(REACH)..(y + REACH + 1).min(height) {
-                for i in x.saturating_sub(REACH)..(x + REACH + 1).min(width) {
-                    if known[j * width + i] {
-                        sum += raw[j * width + i];
-                        count += 1.0;
-                    }
-                }
-            }
-            picture.bias[index] = (sum / count).abs();
-        }
     }
 }
 
@@ -376,7 +359,7 @@ impl FilmRow<'_> {
             sums.x += sink.xyz[0];
             sums.y[replicate] += sink.xyz[1];
             sums.z += sink.xyz[2];
-            sums.bias += sink.bias_y;
+            sums.bias[replicate % 2] += sink.bias_y;
             rejected += sink.rejected;
             let by_channel = &mut self.by_channel[column * count..(column + 1) * count];
             by_channel.iter_mut().zip(&values).for_each(|(sum, &value)| *sum += value);
@@ -405,8 +388,8 @@ impl PixelSink<'_> {
         self.add(nm, weight);
     }
 
-    /// Adds radiance found by density estimation, with its estimated bias.
-    pub fn density(&mut self, nm: f64, weight: f64, bias: f64) {
+    /// Adds radiance that is off in the mean, with its estimated bias.
+    pub fn biased(&mut self, nm: f64, weight: f64, bias: f64) {
         let bar = self.add(nm, weight);
         if bias.is_finite() {
             self.bias_y += bias * bar[1];

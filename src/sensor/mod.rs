@@ -4,11 +4,13 @@
 mod channels;
 pub mod develop;
 pub mod diffraction;
+mod error_bars;
 pub mod exposure;
 pub mod film;
 pub mod picture;
 
 pub use develop::{Codes, Development, Screen, develop};
 pub use diffraction::Diffraction;
+pub use error_bars::ErrorSquares;
 pub use film::{Film, PixelSink, SplatSink};
 pub use picture::{Bands, Picture};

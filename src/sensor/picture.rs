@@ -33,11 +33,15 @@ pub struct ErrorMeans {
     pub noise: f64,
     /// Mean bias of Y, cd/m².
     pub bias: f64,
-    /// √mean(noise² + bias²) / mean Y; `None` while noise is unknown everywhere.
+    /// √mean(noise² + bias²) / mean Y; `None` while noise is unknown everywhere, and never 0 while there are pixels that no light reached.
     pub relative: Option<f64>,
     /// Pixels where the error is unknown.
     pub unknown_pixels: usize,
 }
+
+/// Half of a 95 % interval in units of a pixel's error: Student's t with 9 degrees of freedom, 7 of the pixel's eight replicates and 2 that it
+/// takes from its neighbours. It holds from eight passes on.
+pub const INTERVAL_95: f64 = 2.262;
 
 impl Picture {
     /// A picture without light.
@@ -58,6 +62,12 @@ impl Picture {
         self.xyz.iter().map(|xyz| xyz[1]).sum::<f64>() / self.xyz.len() as f64
     }
 
+    /// A pixel's error in cd/m², noise and bias together: √(noise² + bias²); `None` where it is unknown.
+    pub fn error(&self, pixel: usize) -> Option<f64> {
+        let (noise, bias) = (f64::from(self.noise[pixel]), f64::from(self.bias[pixel]));
+        (noise >= 0.0 && bias >= 0.0).then(|| noise.hypot(bias))
+    }
+
     /// The error layers' means.
     pub fn error_means(&self) -> ErrorMeans {
         let (mut noise, mut bias, mut square, mut known) = (0.0, 0.0, 0.0, 0_usize);
@@ -72,7 +82,35 @@ impl Picture {
         }
         let count = known.max(1) as f64;
         let mean_y = self.mean_y();
-        let relative = (known > 0 && mean_y > 0.0).then(|| (square / count).sqrt() / mean_y);
+        // Pixels that are known exactly say nothing about those that no light has reached yet.
+        let tells = known > 0 && mean_y > 0.0 && (square > 0.0 || known == self.xyz.len());
+        let relative = tells.then(|| (square / count).sqrt() / mean_y);
         ErrorMeans { noise: noise / count, bias: bias / count, relative, unknown_pixels: self.xyz.len() - known }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_relative_error_is_never_0_while_pixels_are_unlit() {
+        let mut picture = Picture::black(2, 1);
+        picture.xyz[0] = [1.0; 3];
+        (picture.noise[0], picture.bias[0]) = (0.0, 0.0);
+        assert_eq!((picture.error_means().relative, picture.error_means().unknown_pixels), (None, 1));
+        picture.noise[0] = 0.1;
+        assert!((picture.error_means().relative.unwrap() - 0.2).abs() < 1e-7, "the mean Y is 1/2");
+        picture.xyz[1] = [1.0; 3];
+        (picture.noise, picture.bias) = (vec![0.0; 2], vec![0.0; 2]);
+        assert_eq!(picture.error_means().relative, Some(0.0), "all pixels are known exactly");
+    }
+
+    #[test]
+    fn an_error_is_noise_and_bias_together_and_unknown_where_either_is() {
+        let mut picture = Picture::black(3, 1);
+        (picture.noise, picture.bias) = (vec![0.3, 0.3, -1.0], vec![0.4, -1.0, 0.4]);
+        assert!((picture.error(0).unwrap() - 0.5).abs() < 1e-6);
+        assert_eq!([1, 2].map(|pixel| picture.error(pixel)), [None; 2]);
     }
 }

@@ -9,7 +9,7 @@ mod stretch;
 mod tally;
 
 pub use encounter::{Encounter, Leg, Start, next, travel};
-pub use passage::{Passage, Passages, passages, passages_tracked, product as passes};
+pub use passage::{Passage, Passages, bias_of_excess, excess_depth, passages, passages_tracked, product as passes};
 pub use scatter::{Drawn, Scattered, draw_consistently, scatter};
 pub use sink::Sink;
 pub use stretch::{Stretch, stretches};

@@ -26,6 +26,8 @@ pub enum Passage<'a> {
         medium: &'a Medium,
         /// Its column density in m.
         column_m: f64,
+        /// By how much steps along the way overrate it.
+        excess_m: f64,
     },
     /// By ratio tracking (Novák, Selle & Jarosz 2014): unbiased at every wavelength, the same random places for all of them.
     Tracked {
@@ -47,9 +49,10 @@ impl<'a> Passage<'a> {
     /// The passage through `medium` along the ray's first `length_m`; `seed` is for tracking alone.
     pub fn new(medium: &'a Medium, ray: Ray, length_m: f64, seed: u64) -> Self {
         match medium.transmittance {
-            Transmittance::Exact => Self::Column { medium, column_m: medium.column_m(&ray, length_m) },
+            Transmittance::Exact => Self::Column { medium, column_m: medium.column_m(&ray, length_m), excess_m: 0.0 },
             Transmittance::March { steps } => {
-                Self::Column { medium, column_m: medium.column_by_steps(&ray, length_m, steps) }
+                let column_m = medium.column_by_steps(&ray, length_m, steps);
+                Self::Column { medium, column_m, excess_m: column_m - medium.column_m(&ray, length_m) }
             }
             Transmittance::Ratio => Self::Tracked { medium, ray, length_m, seed },
         }
@@ -62,12 +65,26 @@ impl<'a> Passage<'a> {
                 let coefficient = absorption.at(nm);
                 if coefficient > 0.0 { (-coefficient * length_m).exp() } else { 1.0 }
             }
-            Self::Column { medium, column_m } => (-medium.optical_depth(nm, column_m)).exp(),
+            Self::Column { medium, column_m, .. } => (-medium.optical_depth(nm, column_m)).exp(),
             Self::Tracked { medium, ray, length_m, seed } => {
                 ratio_tracked(medium, &ray, length_m, medium.extinction.at(nm), seed)
             }
         }
     }
+}
+
+/// By how much steps through media overrate the optical depth of the whole way at a wavelength.
+pub fn excess_depth(passages: &[Passage<'_>], nm: f64) -> f64 {
+    let of_one = |passage: &Passage<'_>| match *passage {
+        Passage::Column { medium, excess_m, .. } => excess_m.signum() * medium.optical_depth(nm, excess_m.abs()),
+        Passage::Clear { .. } | Passage::Tracked { .. } => 0.0,
+    };
+    passages.iter().map(of_one).sum()
+}
+
+/// The bias, relative to itself, of light that came a way whose optical depth is overrated by so much: e^−(τ + δ) stands for e^−τ.
+pub fn bias_of_excess(depth: f64) -> f64 {
+    if depth == 0.0 { 0.0 } else { -depth.exp_m1() }
 }
 
 /// The transmittance of the whole way at a wavelength.

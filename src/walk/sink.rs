@@ -5,6 +5,6 @@ pub trait Sink {
     /// Adds radiance: `weight` (W/m²/sr) is already divided by every density, that of the wavelength included.
     fn radiance(&mut self, nm: f64, weight: f64);
 
-    /// Adds radiance from density estimation, with its estimated bias (both like `weight` above).
-    fn density(&mut self, nm: f64, weight: f64, bias: f64);
+    /// Adds radiance that is off in the mean, by its kernel or by steps through a medium, with its estimated bias (both like `weight` above).
+    fn biased(&mut self, nm: f64, weight: f64, bias: f64);
 }

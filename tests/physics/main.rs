@@ -9,6 +9,7 @@ mod common;
 mod golden;
 
 mod bands;
+mod calibration;
 mod caustic_colours;
 mod chart;
 mod chromatic_media;

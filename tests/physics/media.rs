@@ -1,7 +1,7 @@
 //! Media with known answers: Beer's law, and white fog in uniform surroundings.
 
 use crate::common::compare::Measured;
-use crate::common::{mean_y, render};
+use crate::common::{diffuse, mean_y, render, with_setting};
 use crate::furnace::{self, surroundings};
 use crate::golden::golden;
 use abbe::render::Integrator;
@@ -55,6 +55,40 @@ fn a_slab_of_any_depth_passes_what_beers_law_says() {
     }
     for way in [Integrator::Photon, Integrator::Path] {
         assert_eq!(luminance(absorbing(1e5), way), 0.0);
+    }
+}
+
+#[test]
+fn too_few_steps_through_a_medium_are_reported_as_bias() {
+    let uneven = |transmittance: &str| {
+        json!({ "grid": { "bounds": [[-5, -5, -2], [5, 5, -1]], "density": { "values": [0, 3, 0.5], "resolution": [1, 1, 3] },
+                          "absorption": 0.6, "scattering": 0, "phase": "isotropic", "transmittance": transmittance } })
+    };
+    // A wall that glows, and one that a lamp beside the camera lights through the same slab.
+    let glowing = |transmittance: &str| slab(uneven(transmittance), 1.0);
+    let lit = |transmittance: &str| {
+        let mut scene = glowing(transmittance);
+        scene["materials"]["grey"] = diffuse(0.5);
+        scene["objects"][1]["material"] = json!("grey");
+        scene["objects"][1].as_object_mut().unwrap().remove("emission");
+        scene["lights"] = json!([{ "point": { "at": [0.2, 0, 0], "spectrum": "E", "luminous_intensity": 1 } }]);
+        scene
+    };
+    for (name, scene) in [("glowing", &glowing as &dyn Fn(&str) -> Value), ("lit", &lit)] {
+        let picture = |transmittance: &str| {
+            let scene = with_setting(&scene(transmittance), "march_steps", 2);
+            render(&with_setting(&scene, "forbid", json!(["indirect"])), Integrator::Photon, PASSES).picture
+        };
+        let (marched, exact) = (picture("march"), picture("exact"));
+        let (reported, apart) = (marched.error_means().bias, (marched.mean_y() - exact.mean_y()).abs());
+        println!(
+            "{name}: steps are off by {:.4} of Y; reported / true {:.4}",
+            apart / exact.mean_y(),
+            reported / apart
+        );
+        assert!(apart > 0.01 * exact.mean_y(), "the steps are coarse enough to tell");
+        assert!((reported / apart - 1.0).abs() < 0.05, "{reported} for {apart}");
+        assert_eq!(exact.error_means().bias, 0.0);
     }
 }
 

@@ -1,0 +1,218 @@
+//! Do the error bars hold, and do the forecasts? Measured on four of the example scenes, on small films with few photons; the figures stand in
+//! `docs/accuracy.md`.
+
+use crate::common;
+use abbe::render::{Integrator, Monitor, Progress, Rendered, Request, Run, StopRules};
+use abbe::sensor::Picture;
+use abbe::sensor::picture::INTERVAL_95;
+use serde_json::Value;
+
+/// What is measured of an example scene, on a small film.
+struct Measure {
+    name: &'static str,
+    film: [u64; 2],
+    /// What its reference is made with, and in how many passes.
+    reference: (Integrator, u64),
+    /// Independent short renders of it.
+    renders: u64,
+}
+
+/// `cornell`'s light can be found by path tracing, which knows nothing of kernels. A render of `prism_in_fog` takes 15 times as long as others: it has fewer.
+const MEASURES: [Measure; 4] = [
+    Measure { name: "prism", film: [64, 36], reference: (Integrator::Photon, 512), renders: 200 },
+    Measure { name: "glass_ball", film: [48, 48], reference: (Integrator::Photon, 512), renders: 200 },
+    Measure { name: "cornell", film: [48, 48], reference: (Integrator::Path, 4096), renders: 200 },
+    Measure { name: "prism_in_fog", film: [64, 36], reference: (Integrator::Photon, 128), renders: 40 },
+];
+
+/// Photon paths a pass.
+const PHOTONS: u64 = 10_000;
+
+/// Photon paths a pass of a reference: its first kernels cover an eighth of the area.
+const REFERENCE_PHOTONS: u64 = 8 * PHOTONS;
+
+/// Passes of a short render.
+const PASSES: u64 = 16;
+
+/// An example scene on a small film.
+fn scene(&Measure { name, film: [width, height], .. }: &Measure, photons: u64) -> Value {
+    let text = std::fs::read_to_string(format!("scenes/{name}.json")).expect("an example scene");
+    let mut scene: Value = serde_json::from_str(&text).expect("a scene is JSON");
+    scene["film"]["width"] = width.into();
+    scene["film"]["height"] = height.into();
+    common::with_setting(&scene, "photons", photons)
+}
+
+fn seeded(scene: &Value, seed: u64) -> Value {
+    common::with_setting(scene, "seed", seed)
+}
+
+/// How often intervals hold their pixel's true value, over several renders, and how far each bar is from the truth.
+struct Coverage<'a> {
+    reference: &'a Picture,
+    /// Pixels from dark to bright.
+    order: Vec<usize>,
+    /// Intervals that hold the value, and all, by quarters of the order.
+    covered: [(u64, u64); 4],
+    unknown: u64,
+    /// Sums over the renders pixel by pixel: of Y − the reference's, and of its square.
+    apart: Vec<[f64; 2]>,
+    /// Sums of squares that the renders report: of noise, and of bias.
+    reported: [f64; 2],
+    /// Errors that the renders report.
+    relative: f64,
+    renders: u64,
+}
+
+impl<'a> Coverage<'a> {
+    fn new(reference: &'a Picture) -> Self {
+        let mut order: Vec<usize> = (0..reference.xyz.len()).collect();
+        order.sort_by(|&a, &b| reference.xyz[a][1].total_cmp(&reference.xyz[b][1]));
+        Self {
+            reference,
+            apart: vec![[0.0; 2]; order.len()],
+            order,
+            covered: [(0, 0); 4],
+            unknown: 0,
+            reported: [0.0; 2],
+            relative: 0.0,
+            renders: 0,
+        }
+    }
+
+    /// The variance of a pixel of the reference.
+    fn variance(&self, pixel: usize) -> f64 {
+        f64::from(self.reference.noise[pixel].max(0.0)).powi(2)
+    }
+
+    /// Counts a render. The reference's own noise widens the intervals.
+    fn add(&mut self, picture: &Picture) {
+        for (place, &pixel) in self.order.iter().enumerate() {
+            let apart = picture.xyz[pixel][1] - self.reference.xyz[pixel][1];
+            self.apart[pixel][0] += apart;
+            self.apart[pixel][1] += apart * apart;
+            let Some(error) = picture.error(pixel) else {
+                self.unknown += 1;
+                continue;
+            };
+            let together = error.hypot(self.variance(pixel).sqrt());
+            let (covered, all) = &mut self.covered[4 * place / self.order.len()];
+            *covered += u64::from(apart.abs() <= INTERVAL_95 * together);
+            *all += 1;
+            self.reported[0] += f64::from(picture.noise[pixel]).powi(2);
+            self.reported[1] += f64::from(picture.bias[pixel]).powi(2);
+        }
+        self.relative += picture.error_means().relative.expect("a picture that is lit");
+        self.renders += 1;
+    }
+
+    fn share(&self) -> f64 {
+        let sum = |of: fn(&(u64, u64)) -> u64| self.covered.iter().map(of).sum::<u64>() as f64;
+        sum(|quarter| quarter.0) / sum(|quarter| quarter.1)
+    }
+
+    /// The sums over pixels of the variance of a render and of the square of its bias, as the renders themselves show them.
+    fn shown(&self) -> [f64; 2] {
+        let n = self.renders as f64;
+        let mut sums = [0.0; 2];
+        for (pixel, [sum, squares]) in self.apart.iter().enumerate() {
+            let variance = (squares - sum * sum / n) / (n - 1.0);
+            sums[0] += variance;
+            sums[1] += (sum / n).powi(2) - variance / n - self.variance(pixel);
+        }
+        sums
+    }
+
+    fn report(&self, name: &str) {
+        let quarters = self.covered.map(|(covered, all)| format!("{:.3}", covered as f64 / all as f64));
+        let n = self.renders as f64;
+        let unit = self.reference.mean_y() * (self.order.len() as f64).sqrt();
+        let [noise, bias] = self.shown().map(|square| square.max(0.0).sqrt() / unit);
+        let [noise_reported, bias_reported] = self.reported.map(|square| (square / n).sqrt() / unit);
+        println!(
+            "{name}: {:.4} covered, from dark to bright {}; noise {noise:.4}, reported {noise_reported:.4}; \
+             bias {bias:.4}, reported {bias_reported:.4}; mean reported error {:.4}; {:.1} pixels unknown",
+            self.share(),
+            quarters.join(" "),
+            self.relative / n,
+            self.unknown as f64 / n,
+        );
+    }
+}
+
+#[test]
+#[ignore = "640 renders and four references: 25 minutes; falls short: of prism_in_fog 99 % are covered"]
+fn intervals_cover_the_converged_reference_in_90_to_98_percent_of_the_pixels() {
+    let mut shares = Vec::new();
+    for measure in &MEASURES {
+        let (integrator, passes) = measure.reference;
+        let reference = seeded(&scene(measure, REFERENCE_PHOTONS), 1 << 40);
+        let reference = common::render(&reference, integrator, passes).picture;
+        let short = scene(measure, PHOTONS);
+        let mut coverage = Coverage::new(&reference);
+        for seed in 0..measure.renders {
+            let Rendered { picture, .. } = common::render(&seeded(&short, seed), Integrator::Photon, PASSES);
+            coverage.add(&picture);
+        }
+        coverage.report(measure.name);
+        shares.push((measure.name, coverage.share()));
+    }
+    assert!(shares.iter().all(|(_, share)| (0.90..=0.98).contains(share)), "{shares:?}");
+}
+
+/// Notes the forecast after ten passes, and the errors at doubled numbers of passes.
+#[derive(Default)]
+struct Watching {
+    /// The error foretold for four times the passes.
+    foretold: Option<f64>,
+    /// The error after as many.
+    came: Option<f64>,
+    doubled: Vec<f64>,
+}
+
+const FROM: u64 = 10;
+
+impl Monitor for Watching {
+    fn after_pass(&mut self, progress: &Progress) -> bool {
+        if progress.passes == FROM {
+            self.foretold = progress.forecast.map(|forecast| forecast.error_after_passes(4.0 * FROM as f64));
+        }
+        true
+    }
+
+    fn keep(&mut self, run: &Run) {
+        let error = || run.relative_error().expect("a picture that is lit");
+        if run.passes() == 4 * FROM {
+            self.came = Some(error());
+        }
+        if run.passes() >= 8 && run.passes().is_power_of_two() {
+            self.doubled.push(error());
+        }
+    }
+}
+
+#[test]
+#[ignore = "48 renders of 65 passes: 3 minutes"]
+fn after_ten_passes_the_error_after_forty_is_known_within_a_quarter_and_doubling_never_makes_it_worse() {
+    const SEEDS: u64 = 12;
+    let mut fell_short = Vec::new();
+    for measure in &MEASURES {
+        let (name, mut ratios) = (measure.name, Vec::new());
+        for seed in 0..SEEDS {
+            let mut watching = Watching::default();
+            let stop = StopRules { passes: Some(65), ..StopRules::default() };
+            let request = Request { integrator: Integrator::Photon, stop };
+            common::job(&seeded(&scene(measure, PHOTONS), seed)).render(request, &mut watching).unwrap();
+            ratios.push(watching.foretold.unwrap() / watching.came.unwrap());
+            let falls = watching.doubled.windows(2).all(|pair| pair[1] <= 1.02 * pair[0]);
+            assert!(falls && watching.doubled.len() == 4, "{name}, seed {seed}: {:?}", watching.doubled);
+        }
+        let within = ratios.iter().filter(|ratio| (*ratio - 1.0).abs() <= 0.25).count();
+        ratios.sort_by(f64::total_cmp);
+        let (least, most) = (ratios[0], ratios[ratios.len() - 1]);
+        println!("{name}: foretold over true {least:.2} to {most:.2}; {within} of {SEEDS} within 25 %");
+        // One in twelve may be bad luck: after ten passes most replicates have but one.
+        fell_short.extend((within as u64 <= SEEDS - 2).then_some((name, ratios)));
+    }
+    assert!(fell_short.is_empty(), "{fell_short:?}");
+}
