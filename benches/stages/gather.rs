@@ -1,27 +1,13 @@
 //! Camera samples: the specular chain, lamps, and photons around the end.
 
-use super::scenes::{Prepared, load};
-use abbe::gather::{CameraNumbers, Direct, Gatherer, Maps, Outlines, PathTracer, RADIUS_KINDS, Scratch};
+use super::scenes::{Prepared, Total, gatherer, load};
+use abbe::gather::{CameraNumbers, Direct, Outlines, PathTracer, RADIUS_KINDS, Scratch};
 use abbe::map::LightMaps;
-use abbe::map::radius::Scales;
-use abbe::walk::{Sink, Tally};
+use abbe::walk::Tally;
 use criterion::{Criterion, Throughput};
 
 /// Every this many pixels one is sampled.
 const STEP: usize = 7;
-
-/// Adds all light up.
-struct Total(f64);
-
-impl Sink for Total {
-    fn radiance(&mut self, _: f64, weight: f64) {
-        self.0 += weight;
-    }
-
-    fn biased(&mut self, _: f64, weight: f64, _: f64) {
-        self.0 += weight;
-    }
-}
 
 pub(crate) fn benches(c: &mut Criterion) {
     let mut group = c.benchmark_group("gather");
@@ -62,26 +48,4 @@ pub(crate) fn benches(c: &mut Criterion) {
         });
     });
     group.finish();
-}
-
-fn gatherer<'a>(
-    prepared: &'a Prepared,
-    (maps, outlines, light_maps): (&'a Maps, &'a Outlines, &'a LightMaps<'a>),
-) -> Gatherer<'a> {
-    let wavelengths = [450.0, 520.0, 590.0, 650.0];
-    Gatherer {
-        scene: &prepared.scene,
-        plan: &prepared.plan,
-        direct: Direct::new(&prepared.scene, &prepared.choice.lights, prepared.plan.between),
-        free: maps,
-        shared: maps,
-        shared_nm: wavelengths,
-        shared_pdf: wavelengths.map(|nm| prepared.choice.wavelengths.pdf(nm)),
-        glass: None,
-        light_maps,
-        outlines,
-        scales: Scales::of_pass(0),
-        radius_m: None,
-        max_depth: 64,
-    }
 }

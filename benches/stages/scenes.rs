@@ -1,12 +1,14 @@
 //! The benchmark scenes, and what the stages make of them.
 
 use abbe::emit::{Aim, Arrival, Emitters, LightChoice, Receiver, Wavelengthed, trace};
-use abbe::gather::Maps;
-use abbe::map::{Load, Photon, PhotonIndex};
+use abbe::gather::{Direct, Gatherer, Maps, Outlines};
+use abbe::map::radius::Scales;
+use abbe::map::{LightMaps, Load, Photon, PhotonIndex};
 use abbe::math::random::{Purpose, Stream};
 use abbe::plan::partition::{LightPath, kept_in_map};
 use abbe::plan::{Plan, prepare};
 use abbe::scene::Scene;
+use abbe::walk::Sink;
 use abbe::walk::ledger::Ledger;
 use std::path::Path;
 
@@ -96,4 +98,40 @@ impl Receiver for Harvest {
     }
 
     fn depart(&mut self, _: usize, _: [f64; 2]) {}
+}
+
+/// Adds all light up.
+pub(crate) struct Total(pub(crate) f64);
+
+impl Sink for Total {
+    fn radiance(&mut self, _: f64, weight: f64) {
+        self.0 += weight;
+    }
+
+    fn biased(&mut self, _: f64, weight: f64, _: f64) {
+        self.0 += weight;
+    }
+}
+
+/// What gathers by free photons alone, unless the plan asks for shared ones.
+pub(crate) fn gatherer<'a>(
+    prepared: &'a Prepared,
+    (maps, outlines, light_maps): (&'a Maps, &'a Outlines, &'a LightMaps<'a>),
+) -> Gatherer<'a> {
+    let wavelengths = [450.0, 520.0, 590.0, 650.0];
+    Gatherer {
+        scene: &prepared.scene,
+        plan: &prepared.plan,
+        direct: Direct::new(&prepared.scene, &prepared.choice.lights, prepared.plan.between),
+        free: maps,
+        shared: maps,
+        shared_nm: wavelengths,
+        shared_pdf: wavelengths.map(|nm| prepared.choice.wavelengths.pdf(nm)),
+        glass: None,
+        light_maps,
+        outlines,
+        scales: Scales::of_pass(0),
+        radius_m: None,
+        max_depth: 64,
+    }
 }

