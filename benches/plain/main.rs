@@ -7,7 +7,6 @@
 
 mod gather;
 #[path = "../stages/scenes.rs"]
-#[expect(dead_code, reason = "shared with the stages, which need more of it")]
 mod scenes;
 mod walk;
 
