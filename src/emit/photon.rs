@@ -144,7 +144,8 @@ pub fn trace<R: Receiver>(emitters: &Emitters<'_>, points: &Sobol, index: u64, r
     ledger.emitted += flight.total_w();
     let scene = emitters.scene;
     for _ in 0..emitters.max_depth {
-        let Some(encounter) = fly(emitters, &mut flight, (&mut stream, &mut *receiver), ledger) else {
+        let met = fly(emitters, &mut flight, (&mut stream, &mut *receiver), ledger);
+        let Some(encounter) = &met else {
             return;
         };
         if encounter.crossed_hidden && flight.path == LightPath::Direct {
@@ -153,14 +154,14 @@ pub fn trace<R: Receiver>(emitters: &Emitters<'_>, points: &Sobol, index: u64, r
         // Offered whichever component of a mix the photon drew: camera paths draw theirs anew.
         if scene.materials[encounter.material].surface.class() >= Class::Glossy {
             let (wavelengths, power) = (flight.wavelengths, flight.power);
-            let arrival = Arrival { encounter: &encounter, path: flight.path, wavelengths, power, lane: flight.lane };
+            let arrival = Arrival { encounter, path: flight.path, wavelengths, power, lane: flight.lane };
             receiver.arrive(&arrival, &mut stream);
         }
-        let Some(scattered) = scatter(&encounter, &flight.wavelengths, Transport::Importance, &mut stream) else {
+        let Some(scattered) = scatter(encounter, &flight.wavelengths, Transport::Importance, &mut stream) else {
             ledger.absorbed[encounter.material] += flight.total_w();
             return;
         };
-        if !go_on(&mut flight, &encounter, &scattered, ledger, &mut stream) {
+        if !go_on(&mut flight, encounter, &scattered, ledger, &mut stream) {
             return;
         }
     }

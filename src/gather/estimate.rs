@@ -107,6 +107,7 @@ impl Gatherer<'_> {
 
 /// Adds what a photon sends back along a camera path; `scattered` is the share of its power at a wavelength that goes that way,
 /// per sr, and `bias` its relative bias but for the kernel's.
+#[inline]
 pub(super) fn add_photon<S: Sink>(
     load: &Load,
     (kernels, bias): (Kernels, f64),
@@ -114,12 +115,15 @@ pub(super) fn add_photon<S: Sink>(
     sink: &mut S,
     scattered: impl Fn(f64) -> f64,
 ) {
-    let mut add = |nm: f64, radiance: f64| {
-        sink.biased(nm, radiance * kernels.estimate, radiance * (kernels.bias() + kernels.estimate * bias));
-    };
+    let (estimate, bias) = (kernels.estimate, kernels.bias() + kernels.estimate * bias);
+    let mut add = |nm: f64, radiance: f64| sink.biased(nm, radiance * estimate, radiance * bias);
     match colour {
         Colour::Free => {
-            load.lanes().for_each(|(nm, power)| add(nm, scattered(nm) * product(factors, nm) * power));
+            if factors.is_empty() {
+                load.lanes().for_each(|(nm, power)| add(nm, scattered(nm) * power));
+            } else {
+                load.lanes().for_each(|(nm, power)| add(nm, scattered(nm) * product(factors, nm) * power));
+            }
         }
         Colour::Shared { lane, nm, throughput } => {
             if let Some(power) = load.at_lane(lane) {

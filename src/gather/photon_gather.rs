@@ -122,7 +122,7 @@ impl<'a> Gatherer<'a> {
                 BetweenPlan::Clear => next(self.scene, path.start, &mut sample.numbers.stream.uniform()),
                 BetweenPlan::Absorbing | BetweenPlan::Scattering(_) => self.advance(&mut path, sample),
             };
-            let Some(encounter) = met else {
+            let Some(encounter) = &met else {
                 self.look_outside(&path, sample);
                 break;
             };
@@ -141,16 +141,16 @@ impl<'a> Gatherer<'a> {
             let goes_on = match encounter.surface.class() {
                 Class::Absorbing => false,
                 Class::Diffuse => {
-                    self.land(&path, &encounter, sample);
+                    self.land(&path, encounter, sample);
                     false
                 }
                 Class::Glossy => {
                     sample.tally.rough_events += 1;
-                    self.gather_lamps(&path, &encounter, sample);
-                    self.gather_photons(&path, &encounter, sample);
-                    self.go_on(&mut path, &encounter, sample)
+                    self.gather_lamps(&path, encounter, sample);
+                    self.gather_photons(&path, encounter, sample);
+                    self.go_on(&mut path, encounter, sample)
                 }
-                Class::Specular => self.go_on(&mut path, &encounter, sample),
+                Class::Specular => self.go_on(&mut path, encounter, sample),
             };
             if !goes_on || !survives(self.scene, &mut path, sample) {
                 break;
@@ -434,6 +434,7 @@ fn add_lamp<S: Sink>(path: &CameraPath, factors: &[Factor<'_>], lamp: &Found<'_,
 
 /// Calls `f` with wavelengths (nm) and what the path lets through there divided by their density: a stratified set drawn from the
 /// lamp for free paths, the path's own wavelength for shared ones.
+#[inline]
 pub(super) fn each_wavelength(
     colour: Colour,
     factors: &[Factor<'_>],

@@ -38,6 +38,7 @@ impl Factor<'_> {
 }
 
 /// The product of the factors at a wavelength.
+#[inline]
 pub(super) fn product(factors: &[Factor<'_>], nm: f64) -> f64 {
     factors.iter().map(|factor| factor.at(nm)).product()
 }

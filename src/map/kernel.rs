@@ -14,6 +14,7 @@ pub struct Kernels {
 }
 
 /// The kernels' values on a disk (1/m²) at the squared distance `d2` within the squared radius `r2`.
+#[inline]
 pub fn at(d2: f64, r2: f64) -> Kernels {
     let uniform = FRAC_1_PI / r2;
     Kernels { estimate: 2.0 * uniform * (1.0 - d2 / r2), uniform, moments: 2.0 }
@@ -52,6 +53,7 @@ impl Shares {
 
 impl Kernels {
     /// The kernels where only shares of them lie on the surface: what lies there integrates to 1 again.
+    #[inline]
     pub fn over(self, shares: Shares) -> Self {
         Self { estimate: self.estimate / shares.estimate, uniform: self.uniform / shares.uniform, ..self }
     }
@@ -59,6 +61,7 @@ impl Kernels {
     /// A photon's share in the estimated bias of the Epanechnikov estimate L_e, from L_u by the uniform kernel of the same radius. The
     /// bias of a second-order kernel is proportional to its second moment μ; on the disk μ_u = r²/2 and μ_e = r²/3, so that
     /// b = μ_e/(μ_u − μ_e)·(L_u − L_e).
+    #[inline]
     pub fn bias(&self) -> f64 {
         self.moments * (self.uniform - self.estimate)
     }

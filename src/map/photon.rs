@@ -25,6 +25,7 @@ impl Load {
     }
 
     /// Each wavelength (nm) and its power.
+    #[inline]
     pub fn lanes(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         let lanes = self.nm.iter().zip(&self.power).take(usize::from(self.count));
         lanes.map(|(&nm, &power)| (f64::from(nm), f64::from(power)))
@@ -56,11 +57,13 @@ impl Photon {
     }
 
     /// The unit direction towards where the photon came from.
+    #[inline]
     pub fn to_light(&self) -> DVec3 {
         self.to_light.decode()
     }
 
     /// The surface's unit normal on the side it came from.
+    #[inline]
     pub fn normal(&self) -> DVec3 {
         self.normal.decode()
     }
