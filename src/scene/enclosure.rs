@@ -10,12 +10,16 @@ impl Scene {
     /// in which something moves, or a medium glows.
     pub fn enclosures(&self) -> BTreeMap<u32, u32> {
         let mut enclosures = BTreeMap::new();
-        let Some(open) = self.open_places().filter(|_| !self.moves()) else {
+        let opaque = |object: u32| !self.material_of(object).surface.lets_through();
+        let mut containers = self.geometry.convex_bodies().filter(|(object, _)| opaque(*object)).peekable();
+        if containers.peek().is_none() || self.moves() {
+            return enclosures;
+        }
+        let boxes = self.geometry.object_boxes();
+        let Some(open) = self.open_places(&boxes) else {
             return enclosures;
         };
-        let boxes = self.geometry.object_boxes();
-        let opaque = |object: u32| !self.material_of(object).surface.lets_through();
-        for (container, holds) in self.geometry.convex_bodies().filter(|(object, _)| opaque(*object)) {
+        for (container, holds) in containers {
             let Some(&(low, high)) = boxes.get(&container) else { continue };
             let clear = |&(from, to): &(DVec3, DVec3)| from.cmpgt(high).any() || to.cmplt(low).any();
             if open.iter().all(clear) {
@@ -30,8 +34,7 @@ impl Scene {
     }
 
     /// Boxes around the camera and all near lights; `None` where a light has no such box.
-    fn open_places(&self) -> Option<Vec<(DVec3, DVec3)>> {
-        let boxes = self.geometry.object_boxes();
+    fn open_places(&self, boxes: &BTreeMap<u32, (DVec3, DVec3)>) -> Option<Vec<(DVec3, DVec3)>> {
         let camera = self.camera.origin();
         let mut places = vec![(camera, camera)];
         for light in &self.lights {
