@@ -63,7 +63,7 @@
 //!     met.push(scene.objects[encounter.hit.object as usize].name.clone());
 //!     let Some(scattered) = scatter(&encounter, &sodium, Transport::Importance, &mut stream) else { break };
 //!     if met.last().is_some_and(|name| name == "floor") { break }
-//!     start = encounter.leave(scattered.direction, scattered.interior);
+//!     start = encounter.after(&scattered);
 //! }
 //! assert_eq!(met, ["ball", "ball", "floor"]);
 //! # Ok::<(), abbe::error::Error>(())

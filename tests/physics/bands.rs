@@ -76,6 +76,7 @@ fn check(name: &str, (integrator, passes): (Integrator, u64), force: &[&str], mu
 }
 
 #[test]
+#[ignore = "slow: a quarter of a minute of CPU time"]
 fn photons_of_a_flat_spectrum_are_flat_in_any_number_of_bands() {
     check("photons", (Integrator::Photon, 192), &[], 0.03);
 }
@@ -86,6 +87,7 @@ fn shared_wavelengths_of_a_flat_spectrum_are_flat_in_any_number_of_bands() {
 }
 
 #[test]
+#[ignore = "slow: half a minute of CPU time"]
 fn paths_of_a_flat_spectrum_are_flat_in_any_number_of_bands() {
     check("paths", (Integrator::Path, 768), &[], 0.015);
 }

@@ -36,6 +36,7 @@ fn middle_and_corners(scene: &Value, integrator: Integrator) -> [f64; 2] {
 }
 
 #[test]
+#[ignore = "slow: half a minute of CPU time"]
 fn a_uniform_wall_has_the_same_luminance_through_pinhole_thin_lens_and_real_glass() {
     let wall = 100.0 / std::f64::consts::PI;
     let thin =

@@ -125,6 +125,7 @@ fn a_lamp_in_fog_that_scatters_evenly_or_as_air_does() {
 }
 
 #[test]
+#[ignore = "slow: a minute of CPU time"]
 fn a_lamp_in_fog_of_every_mean_cosine() {
     for g in [0.3, 0.76, -0.4] {
         let (phase, at) = henyey_greenstein(g);
@@ -133,6 +134,7 @@ fn a_lamp_in_fog_of_every_mean_cosine() {
 }
 
 #[test]
+#[ignore = "slow: half a minute of CPU time"]
 fn a_lamp_in_fog_of_drops() {
     let (phase, at) = drops();
     check_phase("drops", phase, &at, 6144);

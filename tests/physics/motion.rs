@@ -218,6 +218,7 @@ fn rising_floor(by: f64) -> Value {
 }
 
 #[test]
+#[ignore = "slow: a quarter of a minute of CPU time"]
 fn photons_on_a_moving_receiver_give_the_path_tracers_picture() {
     const RADIUS: f64 = 0.1;
     let scene = rising_floor(0.25);
