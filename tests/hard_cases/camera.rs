@@ -5,6 +5,8 @@ use serde_json::{Value, json};
 
 use abbe::render::Integrator;
 use abbe::scene::camera::Camera;
+use abbe::scene::file;
+use abbe::scene::resolve::resolve;
 
 use super::common::{diffuse, job, render};
 use super::table::{Bound, Case, Pace};
@@ -107,6 +109,33 @@ pub(crate) const CASES: &[Case] = &[
             moment["camera"]["shutter"] = json!({ "open": 0.5, "close": 0.5 });
             let picture = |scene: &Value| render(scene, Integrator::Photon, 2).picture.xyz;
             picture(&still).iter().zip(&picture(&moment)).filter(|(a, b)| a != b).count() as f64
+        },
+    },
+    Case {
+        name: "Keyframes at equal times, turns of 180° and 360° between two, a scale that passes 0",
+        naive: "0/0 between the times; the shortest arc of a whole turn is none at all; a thing that is flat for a moment",
+        here: "refused, with the key's place in the scene: which way to turn is not known",
+        measured: "scenes that are not refused by the key's name, of 4",
+        bound: Bound::AtMost(0.0),
+        pace: Pace::Fast,
+        measure: || {
+            let turned = |degrees: f64| json!([{ "rotate": { "axis": [0, 1, 0], "degrees": degrees } }]);
+            let key = |time: f64, transform: Value| json!({ "time": time, "transform": transform });
+            let scaled = |scale: f64| json!([{ "scale": scale }]);
+            let ways = [
+                [key(0.5, turned(0.0)), key(0.5, turned(10.0))],
+                [key(0.0, turned(0.0)), key(1.0, turned(180.0))],
+                [key(0.0, turned(0.0)), key(1.0, turned(360.0))],
+                [key(0.0, scaled(1.0)), key(1.0, scaled(-1.0))],
+            ];
+            let taken = ways.into_iter().filter(|way| {
+                let mut scene = scene(json!({ "pinhole": { "fov": 40 } }));
+                scene["objects"][0]["motion"] = json!(way);
+                let read = file::parse(&scene.to_string(), "moving.json".as_ref(), &[]);
+                let resolved = read.and_then(|(file, source)| resolve(&file, &source));
+                !resolved.is_err_and(|error| error.to_string().contains("objects[0].motion[1]"))
+            });
+            taken.count() as f64
         },
     },
 ];

@@ -281,6 +281,26 @@ fn a_gltf_whose_buffer_is_missing_or_short_is_an_error() {
 }
 
 #[test]
+fn files_that_a_mesh_names_outside_its_folder_are_not_read_unless_any_may_be() {
+    let folder = TempDir::new().unwrap();
+    std::fs::create_dir(folder.path().join("below")).unwrap();
+    write(&folder, "cube.bin", gltf_buffer());
+    write(&folder, "cube.mtl", "newmtl glass\nNi 1.5\nd 0.1\n");
+    let root = folder.path().join("cube.bin");
+    for uri in ["../cube.bin", "%2e%2e/cube.bin", "x/../../cube.bin", root.to_str().unwrap()] {
+        let path = write(&folder, "below/cube.gltf", gltf_json(&format!("\"uri\": \"{uri}\", ")));
+        assert!(load(&path).is_err(), "{uri}");
+    }
+    let path = write(&folder, "below/cube.gltf", gltf_json("\"uri\": \"../cube.bin\", "));
+    assert_eq!(super::load(&path, Reach::Anywhere).unwrap()[0].mesh.triangles().len(), 12);
+    let path = write(&folder, "below/cube.obj", obj().replace("mtllib cube.mtl", "mtllib ../cube.mtl"));
+    let [within, anywhere] = [Reach::Folder, Reach::Anywhere].map(|reach| super::load(&path, reach).unwrap().remove(0));
+    let note = within.note.unwrap();
+    assert!(within.material.is_none() && note.contains("../cube.mtl") && note.contains("--allow-outside"), "{note}");
+    assert!(anywhere.material.is_some() && anywhere.note.is_none());
+}
+
+#[test]
 fn bad_meshes_are_errors_that_name_file_and_fault() {
     let folder = TempDir::new().unwrap();
     let cases = [
