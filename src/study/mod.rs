@@ -3,7 +3,7 @@
 //! A study asks four things of a scene: how fast the error of each integrator falls ([`curves`]), which settings reach which error soonest
 //! ([`sweep`]), what every effect of the plan costs and how much of the picture it makes ([`effects`]), and what follows for someone who
 //! wants a certain error ([`wanted`]). It does so within a budget of time, at a size of film that the budget allows ([`film`]), against a
-//! reference whose own noise is measured and taken off ([`truth`], [`reference`]). Every render is a step that is kept in a file; a study
+//! reference whose own noise is measured and taken off ([`truth`], [`mod@reference`]). Every render is a step that is kept in a file; a study
 //! that is run again takes up what is there. What was found becomes JSON, CSV, plots and a page ([`report`], [`page`]).
 
 mod course;
