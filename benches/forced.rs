@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use abbe::plan::State;
+use abbe::plan::{Row, State};
 use abbe::render::{Integrator, Job, Request, StopRules, Unwatched, on_threads};
 use abbe::scene::resolve;
 use cpu_time::ProcessTime;
@@ -35,9 +35,10 @@ fn main() {
 }
 
 fn row(path: &Path, name: &str) -> String {
-    let plain = job(path, None);
+    let plain = job(path, None).expect("an example scene can be planned");
+    let is_off = |state: State| state == State::Off;
     let forced: Vec<Option<Job>> =
-        plain.rows.iter().map(|row| (row.state == State::Off).then(|| job(path, Some(row.effect.name)))).collect();
+        plain.rows.iter().map(|row| is_off(row.state).then(|| job(path, Some(row.effect.name)))?).collect();
     let mut fastest = vec![Duration::MAX; 1 + forced.len()];
     for _ in 0..RUNS {
         fastest[0] = fastest[0].min(spent(&plain));
@@ -46,19 +47,20 @@ fn row(path: &Path, name: &str) -> String {
         }
     }
     let seconds = fastest[0].as_secs_f64();
-    let cell = |(job, fastest): (&Option<Job>, &Duration)| match job {
+    let cell = |((job, fastest), row): ((&Option<Job>, &Duration), &Row)| match job {
         Some(_) => format!("{:.2}", fastest.as_secs_f64() / seconds),
+        None if is_off(row.state) => "–".to_owned(),
         None => "on".to_owned(),
     };
-    let cells: Vec<String> = forced.iter().zip(&fastest[1..]).map(cell).collect();
+    let cells: Vec<String> = forced.iter().zip(&fastest[1..]).zip(&plain.rows).map(cell).collect();
     format!("| {name} | {seconds:.2} | {} |", cells.join(" | "))
 }
 
-/// The scene as a small picture, planned with an effect forced.
-fn job(path: &Path, force: Option<&str>) -> Job {
+/// The scene as a small picture, planned with an effect forced; `None` where that cannot be (a pinhole diffracts nothing).
+fn job(path: &Path, force: Option<&str>) -> Option<Job> {
     let force = force.map(|effect| format!("render.force=[\"{effect}\"]"));
     let sets: Vec<String> = SIZE.iter().map(|set| (*set).to_owned()).chain(force).collect();
-    Job::new(resolve::load(path, &sets).expect("an example scene is valid")).expect("an example scene can be planned")
+    Job::new(resolve::load(path, &sets).expect("an example scene is valid")).ok()
 }
 
 /// The processor's time for a render, its pilot included.
