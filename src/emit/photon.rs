@@ -119,7 +119,6 @@ impl Emitters<'_> {
 }
 
 /// A photon under way.
-#[derive(Clone, Copy)]
 pub(super) struct Flight {
     pub(super) start: Start,
     pub(super) wavelengths: Wavelengths,
@@ -202,11 +201,7 @@ fn fly<'a, R: Receiver>(
     ledger: &mut Ledger,
 ) -> Option<Encounter<'a>> {
     if !emitters.between.is_clear() {
-        // A copy, so that the flight of photons in clear air need not stand in memory.
-        let mut drifting = *flight;
-        let encounter = drift(emitters.scene, &mut drifting, (stream, receiver), ledger);
-        *flight = drifting;
-        return encounter;
+        return drift(emitters.scene, flight, (stream, receiver), ledger);
     }
     let encounter = next(emitters.scene, flight.start, &mut stream.uniform());
     if encounter.is_none() {

@@ -256,14 +256,10 @@ impl Scene {
         }
     }
 
-    /// The same, if the face shows: one inside a body of higher priority, which rules on both its sides, does not.
+    /// Whether a face with these bodies on its two sides does not show: it lies inside a body of higher priority, which rules on both.
     #[inline]
-    pub fn other_side(&self, interior: &Interior, ray: &Ray, hit: &Hit) -> Option<Interior> {
-        if self.body_of(hit.object).is_none() {
-            return Some(*interior);
-        }
-        let there = self.across(interior, ray, hit);
-        (self.ruler(&there) != self.ruler(interior)).then_some(there)
+    pub fn is_hidden(&self, hit: &Hit, here: &Interior, there: &Interior) -> bool {
+        self.body_of(hit.object).is_some() && self.ruler(there) == self.ruler(here)
     }
 
     /// The object whose refractive index rules inside these bodies; `None` is the air.

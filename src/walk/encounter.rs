@@ -56,19 +56,12 @@ pub type Leg<'a> = ControlFlow<(), Option<Encounter<'a>>>;
 /// What lies between surfaces is not looked at.
 #[inline]
 pub fn next<'a>(scene: &'a Scene, start: Start, component: &mut f64) -> Option<Encounter<'a>> {
-    let Start { mut ray, mut from, mut interior } = start;
-    let (mut distance, mut crossed_hidden) = (0.0, false);
+    let mut way = Way { at: start, distance: 0.0, crossed_hidden: false };
     loop {
-        let hit = scene.geometry.intersect(&ray, from, f64::INFINITY)?;
-        distance += hit.t;
-        let Some(there) = scene.other_side(&interior, &ray, &hit) else {
-            (ray.origin, from, crossed_hidden) = (hit.position, Some(hit.surface), true);
-            interior = scene.across(&interior, &ray, &hit);
-            continue;
-        };
-        let mut encounter = Encounter::new(scene, ray.direction, hit, (interior, there), component);
-        (encounter.distance, encounter.crossed_hidden) = (distance, crossed_hidden);
-        return Some(encounter);
+        let hit = scene.geometry.intersect(&way.at.ray, way.at.from, f64::INFINITY)?;
+        if let Some(encounter) = way.meet(scene, hit, component) {
+            return Some(encounter);
+        }
     }
 }
 
@@ -79,25 +72,43 @@ pub fn travel<'a>(
     component: &mut f64,
     mut along: impl FnMut(&Stretch<'a>) -> ControlFlow<()>,
 ) -> Leg<'a> {
-    let Start { mut ray, mut from, mut interior } = start;
-    let mut distance = 0.0;
-    let mut crossed_hidden = false;
+    let mut way = Way { at: start, distance: 0.0, crossed_hidden: false };
     loop {
-        let hit = scene.geometry.intersect(&ray, from, f64::INFINITY);
-        let leg = Start { ray, from, interior };
-        interior = stretches(scene, leg, hit.as_ref().map_or(f64::INFINITY, |hit| hit.t), &mut along)?;
+        let hit = scene.geometry.intersect(&way.at.ray, way.at.from, f64::INFINITY);
+        let length_m = hit.as_ref().map_or(f64::INFINITY, |hit| hit.t);
+        way.at.interior = stretches(scene, way.at, length_m, &mut along)?;
         let Some(hit) = hit else {
             return ControlFlow::Continue(None);
         };
-        distance += hit.t;
-        let Some(there) = scene.other_side(&interior, &ray, &hit) else {
-            (ray.origin, from, crossed_hidden) = (hit.position, Some(hit.surface), true);
-            interior = scene.across(&interior, &ray, &hit);
-            continue;
-        };
+        if let Some(encounter) = way.meet(scene, hit, component) {
+            return ControlFlow::Continue(Some(encounter));
+        }
+    }
+}
+
+/// How far a leg has come.
+struct Way {
+    at: Start,
+    distance: f64,
+    crossed_hidden: bool,
+}
+
+impl Way {
+    /// Goes on to a hit: the encounter there, or `None` where the face does not show and is passed.
+    #[inline]
+    fn meet<'a>(&mut self, scene: &'a Scene, hit: Hit, component: &mut f64) -> Option<Encounter<'a>> {
+        self.distance += hit.t;
+        let Start { ray, interior, .. } = self.at;
+        let there = scene.across(&interior, &ray, &hit);
+        if scene.is_hidden(&hit, &interior, &there) {
+            let ray = Ray { origin: hit.position, ..ray };
+            self.at = Start { ray, from: Some(hit.surface), interior: there };
+            self.crossed_hidden = true;
+            return None;
+        }
         let mut encounter = Encounter::new(scene, ray.direction, hit, (interior, there), component);
-        (encounter.distance, encounter.crossed_hidden) = (distance, crossed_hidden);
-        return ControlFlow::Continue(Some(encounter));
+        (encounter.distance, encounter.crossed_hidden) = (self.distance, self.crossed_hidden);
+        Some(encounter)
     }
 }
 

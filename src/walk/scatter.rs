@@ -41,8 +41,6 @@ pub fn scatter(
         && wavelengths.count > 1
         && (encounter.sides.here.is_dispersive() || encounter.sides.there.is_dispersive())
     {
-        // A copy, so that the one that most paths use need not stand in memory.
-        let encounter = &{ *encounter };
         return match dielectric.is_rough() {
             false => split_at_dispersive_interface(encounter, wavelengths, transport, stream),
             true => split_at_dispersive_facets(encounter, wavelengths, transport, stream),
