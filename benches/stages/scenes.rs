@@ -57,7 +57,7 @@ impl Prepared {
         let mut ledger = Ledger::new(self.scene.materials.len());
         self.with_emitters(count, |emitters| {
             let points = emitters.points();
-            (0..count).for_each(|index| trace(emitters, &points, index, receiver, &mut ledger));
+            trace(emitters, &points, 0..count, receiver, &mut ledger);
         });
         ledger
     }
@@ -85,13 +85,14 @@ impl Harvest {
 }
 
 impl Receiver for Harvest {
+    #[inline(always)]
     fn arrive(&mut self, arrival: &Arrival<'_>, _: &mut Stream) {
         let hit = &arrival.encounter.hit;
         if !kept_in_map(arrival.path, arrival.encounter.surface.class()) {
             return;
         }
         let facing = if arrival.to_light().dot(hit.normal) >= 0.0 { hit.normal } else { -hit.normal };
-        let load = Load::new(&arrival.wavelengths, arrival.power, 0);
+        let load = Load::new(arrival.wavelengths, *arrival.power, 0);
         let photon = Photon::new(load, arrival.to_light(), facing);
         let list = if arrival.path == LightPath::Caustic { &mut self.caustic } else { &mut self.indirect };
         list.push((photon, hit.position.as_vec3().to_array()));

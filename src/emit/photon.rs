@@ -10,11 +10,13 @@ use crate::plan::BetweenPlan;
 use crate::plan::partition::LightPath;
 use crate::scene::Scene;
 use crate::scene::geometry::Ray;
+use crate::scene::interior::Interior;
 use crate::scene::light::{Emission, EmissionNumbers, Light};
 use crate::spectrum::{LANES, Lanes, Wavelengths};
 use crate::walk::ledger::Ledger;
-use crate::walk::{Encounter, Scattered, Start, next, scatter};
+use crate::walk::{Encounter, Scattered, Start, next, next_in_air, scatter, scatter_together};
 use glam::DVec3;
+use std::ops::Range;
 
 /// Which wavelengths the photons of a set carry.
 #[derive(Debug, Clone, Copy)]
@@ -63,16 +65,16 @@ pub struct Arrival<'a> {
     /// What happened to it before.
     pub path: LightPath,
     /// Its wavelengths.
-    pub wavelengths: Wavelengths,
+    pub wavelengths: &'a Wavelengths,
     /// Power per wavelength: W for free photons, W/nm for shared ones.
-    pub power: Lanes,
+    pub power: &'a Lanes,
     /// Which of the set's shared wavelengths a single wavelength is.
     pub lane: usize,
 }
 
 /// Takes photons where they meet surfaces and where they cross media.
 pub trait Receiver {
-    /// A photon has come to a diffuse or glossy surface.
+    /// A photon has come to a diffuse or glossy surface, by way of others.
     fn arrive(&mut self, arrival: &Arrival<'_>, stream: &mut Stream);
 
     /// A photon sets out through a medium.
@@ -87,7 +89,7 @@ pub trait Receiver {
 
 impl Emitters<'_> {
     /// The wavelengths of a photon from this light, and S(λ)/p(λ) for each: the power per lane of one watt.
-    #[inline]
+    #[inline(always)]
     fn draw_wavelengths(&self, light: &Light, emission: &Emission, u: f64) -> (Wavelengths, Lanes) {
         match self.wavelengths {
             Wavelengthed::Free => {
@@ -105,6 +107,7 @@ impl Emitters<'_> {
     }
 
     /// What one unit of a lane's power means in W, for the ledger.
+    #[inline]
     fn watts(&self) -> Lanes {
         match self.wavelengths {
             Wavelengthed::Free => [1.0; LANES],
@@ -136,39 +139,71 @@ impl Flight {
     }
 }
 
-/// Emits photon number `index` of the set and follows it to its end.
-pub fn trace<R: Receiver>(emitters: &Emitters<'_>, points: &Sobol, index: u64, receiver: &mut R, ledger: &mut Ledger) {
+/// Emits the photons of the set with these numbers and follows each to its end.
+pub fn trace<R: Receiver>(
+    emitters: &Emitters<'_>,
+    points: &Sobol,
+    indices: Range<u64>,
+    receiver: &mut R,
+    ledger: &mut Ledger,
+) {
+    match emitters.between {
+        BetweenPlan::Air => {
+            indices.for_each(|index| trace_one::<false, R>(emitters, points, index, receiver, ledger));
+        }
+        BetweenPlan::Clear | BetweenPlan::Absorbing | BetweenPlan::Scattering(_) => {
+            indices.for_each(|index| trace_one::<true, R>(emitters, points, index, receiver, ledger));
+        }
+    }
+}
+
+/// One photon's life. Without `BODIES` nothing has an inside: there is air on both sides of every surface, and photons keep all their wavelengths.
+#[inline(always)]
+fn trace_one<const BODIES: bool, R: Receiver>(
+    emitters: &Emitters<'_>,
+    points: &Sobol,
+    index: u64,
+    receiver: &mut R,
+    ledger: &mut Ledger,
+) {
     let mut stream = Stream::new(emitters.seed, emitters.purpose, emitters.pass, index);
-    let mut flight = emit(emitters, points, index as u32, receiver);
+    let mut flight = emit::<BODIES, R>(emitters, points, index as u32, receiver);
     ledger.emitted += flight.total_w();
     let scene = emitters.scene;
     for _ in 0..emitters.max_depth {
-        let met = fly(emitters, &mut flight, (&mut stream, &mut *receiver), ledger);
+        let met = fly::<BODIES, R>(emitters, &mut flight, (&mut stream, &mut *receiver), ledger);
         let Some(encounter) = &met else {
             return;
         };
         if encounter.crossed_hidden && flight.path == LightPath::Direct {
             flight.path = LightPath::Caustic;
         }
-        // Offered whichever component of a mix the photon drew: camera paths draw theirs anew.
-        if scene.materials[encounter.material].surface.class() >= Class::Glossy {
-            let (wavelengths, power) = (flight.wavelengths, flight.power);
+        // Offered whichever component of a mix the photon drew: camera paths draw theirs anew. What comes straight from a lamp they ask lamps for.
+        if flight.path != LightPath::Direct && scene.materials[encounter.material].surface.class() >= Class::Glossy {
+            let (wavelengths, power) = (&flight.wavelengths, &flight.power);
             let arrival = Arrival { encounter, path: flight.path, wavelengths, power, lane: flight.lane };
             receiver.arrive(&arrival, &mut stream);
         }
-        let Some(scattered) = scatter(encounter, &flight.wavelengths, Transport::Importance, &mut stream) else {
+        let scattered = match BODIES {
+            true => scatter(encounter, &flight.wavelengths, Transport::Importance, &mut stream),
+            false => {
+                let all = Wavelengths::new(flight.wavelengths.nm);
+                scatter_together(encounter, &all, Transport::Importance, &mut stream)
+            }
+        };
+        let Some(scattered) = scattered else {
             ledger.absorbed[encounter.material] += flight.total_w();
             return;
         };
-        if !go_on(&mut flight, encounter, &scattered, ledger, &mut stream) {
+        if !go_on::<BODIES>(&mut flight, encounter, &scattered, ledger, &mut stream) {
             return;
         }
     }
     ledger.depth_limit += flight.total_w();
 }
 
-#[inline]
-fn emit<R: Receiver>(emitters: &Emitters<'_>, points: &Sobol, index: u32, receiver: &mut R) -> Flight {
+#[inline(always)]
+fn emit<const BODIES: bool, R: Receiver>(emitters: &Emitters<'_>, points: &Sobol, index: u32, receiver: &mut R) -> Flight {
     let u = points.point(index);
     let mut which = u[1];
     let number = emitters.choice.sample(&mut which);
@@ -182,7 +217,7 @@ fn emit<R: Receiver>(emitters: &Emitters<'_>, points: &Sobol, index: u32, receiv
         start: Start {
             ray: Ray { origin: emission.origin, direction: emission.direction },
             from: emission.from,
-            interior: light.interior,
+            interior: if BODIES { light.interior } else { Interior::AIR },
         },
         wavelengths,
         power: share.map(|s| s * flux),
@@ -193,17 +228,21 @@ fn emit<R: Receiver>(emitters: &Emitters<'_>, points: &Sobol, index: u32, receiv
 }
 
 /// Follows the photon to the next surface; `None` where it ends before.
-#[inline]
-fn fly<'a, R: Receiver>(
+#[inline(always)]
+fn fly<'a, const BODIES: bool, R: Receiver>(
     emitters: &Emitters<'a>,
     flight: &mut Flight,
     (stream, receiver): (&mut Stream, &mut R),
     ledger: &mut Ledger,
 ) -> Option<Encounter<'a>> {
-    if !emitters.between.is_clear() {
+    if BODIES && !emitters.between.is_clear() {
         return drift(emitters.scene, flight, (stream, receiver), ledger);
     }
-    let encounter = next(emitters.scene, flight.start, &mut stream.uniform());
+    let component = &mut stream.uniform();
+    let encounter = match BODIES {
+        true => next(emitters.scene, flight.start, component),
+        false => next_in_air(emitters.scene, flight.start, component),
+    };
     if encounter.is_none() {
         ledger.escaped += flight.total_w();
     }
@@ -211,8 +250,8 @@ fn fly<'a, R: Receiver>(
 }
 
 /// Applies a scattering event and Russian roulette; false where the photon ends.
-#[inline]
-fn go_on(
+#[inline(always)]
+fn go_on<const BODIES: bool>(
     flight: &mut Flight,
     encounter: &Encounter<'_>,
     scattered: &Scattered,
@@ -224,8 +263,8 @@ fn go_on(
         if scattered.delta { 1.0 } else { encounter.adjoint_correction(-encounter.incoming, scattered.direction) };
     let mut absorbed = 0.0;
     // Roulette keeps the photons' powers alike: a photon survives with the mean of its lanes' weights.
-    let (mut weights, count) = (0.0, flight.wavelengths.count as f64);
-    for k in 0..flight.wavelengths.count {
+    let (mut weights, count) = (0.0, if BODIES { flight.wavelengths.count } else { LANES });
+    for k in 0..count {
         absorbed += flight.power[k] * flight.watts[k] * scattered.absorbed[k];
         flight.power[k] *= scattered.weight[k] * correction;
         weights += scattered.weight[k] * correction;
@@ -234,7 +273,7 @@ fn go_on(
         flight.keep(kept);
     }
     ledger.absorbed[encounter.material] += absorbed;
-    let survival = (weights / count).min(1.0);
+    let survival = (weights / count as f64).min(1.0);
     let survives = survival > 0.0 && stream.uniform() < survival;
     if survives {
         flight.power.iter_mut().for_each(|power| *power /= survival);
@@ -242,7 +281,10 @@ fn go_on(
         flight.power = [0.0; LANES];
     }
     ledger.sampling += flight.total_w() + absorbed - before;
-    flight.start = encounter.after(scattered);
+    flight.start = match BODIES {
+        true => encounter.after(scattered),
+        false => encounter.leave(scattered.direction, Interior::AIR),
+    };
     flight.path = match (flight.path, scattered.delta) {
         (LightPath::Indirect, _) | (_, false) => LightPath::Indirect,
         (LightPath::Direct | LightPath::Caustic, true) => LightPath::Caustic,
@@ -263,6 +305,7 @@ impl Flight {
 
 impl Arrival<'_> {
     /// The direction back towards where the photon came from, unit.
+    #[inline]
     pub fn to_light(&self) -> DVec3 {
         -self.encounter.incoming
     }

@@ -114,6 +114,9 @@ impl Outlines {
     /// What of kernels lies on the surface where a path from this pixel landed. The pixel may see more than one surface:
     /// if its outline is another's, one of its neighbours' is taken.
     pub fn shares(&self, pixel: usize, landing: &Landing, radius: f64) -> Shares {
+        if self.list.is_empty() {
+            return Shares::WHOLE;
+        }
         let (x, y) = ((pixel % self.width.max(1)) as isize, (pixel / self.width.max(1)) as isize);
         let nearby = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1)];
         let fits = nearby.iter().find_map(|(dx, dy)| {

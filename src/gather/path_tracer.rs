@@ -81,7 +81,7 @@ impl<'a> PathTracer<'a> {
     /// How the path comes to the next surface.
     fn next<S: Sink>(&self, path: &mut Path, numbers: &mut CameraNumbers, tally: &mut Tally, sink: &mut S) -> Leg<'a> {
         match self.between {
-            BetweenPlan::Clear => {
+            BetweenPlan::Air | BetweenPlan::Clear => {
                 let mut component = numbers.stream.uniform();
                 ControlFlow::Continue(next(self.scene, path.start, &mut component))
             }

@@ -17,7 +17,7 @@ use crate::plan::{BetweenPlan, IndirectPlan, Plan, WavelengthPlan};
 use crate::scene::Scene;
 use crate::scene::camera::SystemAt;
 use crate::spectrum::{LANES, Lanes};
-use crate::walk::{Encounter, Sink, Tally, bias_of_excess, draw_consistently, excess_depth, next, passes};
+use crate::walk::{Encounter, Sink, Tally, bias_of_excess, draw_consistently, excess_depth, next, next_in_air, passes};
 
 /// All that camera paths of a pass need.
 #[derive(Debug)]
@@ -119,6 +119,9 @@ impl<'a> Gatherer<'a> {
         let factors_before = sample.scratch.factors.len();
         while path.depth < self.max_depth {
             let met = match self.plan.between {
+                BetweenPlan::Air => {
+                    next_in_air(self.scene, path.start, &mut sample.numbers.stream.uniform())
+                }
                 BetweenPlan::Clear => next(self.scene, path.start, &mut sample.numbers.stream.uniform()),
                 BetweenPlan::Absorbing | BetweenPlan::Scattering(_) => self.advance(&mut path, sample),
             };

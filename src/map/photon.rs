@@ -14,6 +14,7 @@ pub struct Load {
 
 impl Load {
     /// The wavelengths with their power: W for free photons, W/nm for shared ones. Of a single wavelength `lane` says which of the shared ones it is.
+    #[inline]
     pub fn new(wavelengths: &Wavelengths, power: Lanes, lane: usize) -> Self {
         let all = wavelengths.count == LANES;
         Self {

@@ -80,7 +80,7 @@ impl Sobol {
     }
 
     /// Point `index`, all coordinates in [0, 1).
-    #[inline]
+    #[inline(always)]
     pub fn point(&self, index: u32) -> [f64; DIMENSIONS] {
         let mut digits = [0_u32; DIMENSIONS];
         let mut rest = index;

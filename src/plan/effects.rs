@@ -39,7 +39,7 @@ impl Effect {
 }
 
 /// All effects.
-pub const EFFECTS: [Effect; 16] = [
+pub const EFFECTS: [Effect; 17] = [
     Effect {
         name: "dispersion",
         field: "wavelengths",
@@ -169,6 +169,17 @@ pub const EFFECTS: [Effect; 16] = [
         set: |_, _, _| {},
     },
     Effect {
+        name: "bodies",
+        field: "between",
+        read_by: "walk (the bodies around each ray), emit and gather (which of their loops runs)",
+        cost: "a list of the bodies around each ray, a look at each face whether it shows, a wavelength count for each path",
+        absent: "every surface has air on both sides, and every photon keeps its wavelengths",
+        called_by: "things with an inside",
+        uncalled: "nothing has an inside: no glass, no liquid, no medium",
+        calls: |facts| facts.bodies.clone(),
+        set: |plan, _, on| plan.between = if on { BetweenPlan::Clear } else { BetweenPlan::Air },
+    },
+    Effect {
         name: "absorption",
         field: "between",
         read_by: "walk (stretches inside bodies)",
@@ -177,7 +188,11 @@ pub const EFFECTS: [Effect; 16] = [
         called_by: "absorbing glass or liquid",
         uncalled: "no absorbing glass or liquid",
         calls: |facts| facts.absorbing_bodies.clone(),
-        set: |plan, _, on| plan.between = if on { BetweenPlan::Absorbing } else { BetweenPlan::Clear },
+        set: |plan, _, on| {
+            if on {
+                plan.between = BetweenPlan::Absorbing;
+            }
+        },
     },
     Effect {
         name: "media",
@@ -319,7 +334,7 @@ pub(super) fn decide(
         indirect: IndirectPlan::Absent,
         direct: DirectPlan::Absent,
         aperture: AperturePlan::Pinhole,
-        between: BetweenPlan::Clear,
+        between: BetweenPlan::Air,
         volume: VolumePlan::Absent,
         aim: AimPlan::Plain,
         motion: MotionPlan::Still,

@@ -131,6 +131,8 @@ impl AperturePlan {
 /// What happens between surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BetweenPlan {
+    /// Nothing: there is air everywhere.
+    Air,
     /// Nothing: air and bodies are clear.
     Clear,
     /// Bodies absorb by Beer's law.
@@ -151,7 +153,7 @@ pub enum LampsInside {
 impl BetweenPlan {
     /// Whether light that sets out towards a place it can see arrives there whole.
     pub fn is_clear(self) -> bool {
-        self == Self::Clear
+        matches!(self, Self::Air | Self::Clear)
     }
 
     /// Whether lamps are looked up in maps.

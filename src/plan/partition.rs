@@ -43,6 +43,7 @@ pub enum Estimator {
 }
 
 /// Who counts light that came by `path` to a surface of this class, seen by `view`.
+#[inline]
 pub fn estimator(path: LightPath, class: Class, view: View) -> Estimator {
     match (class, path, view) {
         (Class::Absorbing, _, _) => Estimator::Nobody,
@@ -56,6 +57,7 @@ pub fn estimator(path: LightPath, class: Class, view: View) -> Estimator {
 }
 
 /// Whether any view needs photons of this kind kept in the map at a surface of this class.
+#[inline]
 pub fn kept_in_map(path: LightPath, class: Class) -> bool {
     [View::Seen, View::Relayed].into_iter().any(|view| estimator(path, class, view) == Estimator::PhotonMap)
 }

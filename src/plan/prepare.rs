@@ -55,6 +55,7 @@ fn guessed_colours(facts: &Facts) -> Option<String> {
 fn may_be_forbidden(effect: &str) -> Result<()> {
     let without = match effect {
         "roughness" => "a scene whose materials have no roughness",
+        "bodies" => "a scene of opaque things in air",
         "shared" => "a camera without a lens of real glass, or \"depth-of-field\" forbidden",
         _ => return Ok(()),
     };

@@ -166,5 +166,5 @@ fn stored(arrival: &Arrival<'_>) -> Photon {
     let hit = &arrival.encounter.hit;
     let to_light = arrival.to_light();
     let facing = if to_light.dot(hit.normal) >= 0.0 { hit.normal } else { -hit.normal };
-    Photon::new(Load::new(&arrival.wavelengths, arrival.power, arrival.lane), to_light, facing)
+    Photon::new(Load::new(arrival.wavelengths, *arrival.power, arrival.lane), to_light, facing)
 }

@@ -98,9 +98,8 @@ pub(super) fn emit(
         .map(|chunk| {
             let mut harvest = Harvest::new(emitters.scene, &job.plan, (set, shares), splats());
             let mut ledger = Ledger::new(emitters.scene.materials.len());
-            for index in chunk * CHUNK..((chunk + 1) * CHUNK).min(emitters.count) {
-                trace(emitters, &points, index, &mut harvest, &mut ledger);
-            }
+            let indices = chunk * CHUNK..((chunk + 1) * CHUNK).min(emitters.count);
+            trace(emitters, &points, indices, &mut harvest, &mut ledger);
             (harvest, ledger)
         })
         .collect();

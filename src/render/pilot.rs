@@ -364,7 +364,7 @@ fn learn_aims(job: &Job, scenes: &[Cow<'_, Scene>], mut aims: Vec<Aim>) -> Vec<A
                 let mut part = Usefulness::new(scene, lights);
                 let mut ledger = Ledger::new(job.scene.materials.len());
                 for index in chunk * CHUNK..((chunk + 1) * CHUNK).min(count) {
-                    trace(&emitters, &points, index, &mut part, &mut ledger);
+                    trace(&emitters, &points, index..index + 1, &mut part, &mut ledger);
                     part.close();
                 }
                 part

@@ -21,6 +21,8 @@ pub struct Facts {
     pub glossy: Vec<String>,
     /// Objects that scatter diffusely.
     pub diffuse: Vec<String>,
+    /// Objects with an inside: of glass or liquid, or filled with a medium.
+    pub bodies: Vec<String>,
     /// Objects of absorbing glass or liquid.
     pub absorbing_bodies: Vec<String>,
     /// Objects filled with a medium, and the atmosphere.
@@ -114,6 +116,7 @@ impl Facts {
                 facts.upsampled.push(object.name.clone());
             }
             if let Some(body) = &material.body {
+                facts.bodies.push(object.name.clone());
                 if body.index.as_ref().is_some_and(Index::is_dispersive) {
                     facts.dispersive.push(object.name.clone());
                 }

@@ -156,7 +156,7 @@ impl WavelengthDistribution {
     /// The wavelength in nm, and its density in 1/nm, for a number `u` in [0, 1). Larger `u` give longer
     /// wavelengths, so that stratified `u` stratify the spectrum. The density is positive and equals
     /// [`pdf`](Self::pdf) of the wavelength.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, u: f64) -> (f64, f64) {
         // Exact, as there are a power of two of steps.
         let step = ((u * self.guide.len() as f64) as usize).min(self.guide.len() - 1);

@@ -65,7 +65,15 @@ pub fn next<'a>(scene: &'a Scene, start: Start, component: &mut f64) -> Option<E
     }
 }
 
-/// The same with a look at every stretch of the way, from one body into the next; the way ends where `along` breaks it off.
+/// The same where nothing has an inside: every face is a surface that shows, with air on both sides.
+#[inline(always)]
+pub fn next_in_air<'a>(scene: &'a Scene, start: Start, component: &mut f64) -> Option<Encounter<'a>> {
+    let ray = start.ray;
+    let hit = scene.geometry.intersect(&ray, start.from, f64::INFINITY)?;
+    Some(Encounter::new(scene, ray.direction, hit, (Interior::AIR, Interior::AIR), component))
+}
+
+/// As [`next`], with a look at every stretch of the way, from one body into the next; the way ends where `along` breaks it off.
 pub fn travel<'a>(
     scene: &'a Scene,
     start: Start,
@@ -113,7 +121,7 @@ impl Way {
 }
 
 impl<'a> Encounter<'a> {
-    #[inline]
+    #[inline(always)]
     fn new(
         scene: &'a Scene,
         incoming: DVec3,
@@ -141,6 +149,7 @@ impl<'a> Encounter<'a> {
 
     /// The frame of the geometric normal, for scattered directions that an interpolated normal sends to the wrong side of the surface,
     /// and the direction back along the path in it.
+    #[inline(always)]
     pub(super) fn seen_truly(&self) -> (Frame, DVec3) {
         let frame = Frame::new(self.hit.normal);
         (frame, frame.to_local(-self.incoming))

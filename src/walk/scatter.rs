@@ -49,9 +49,9 @@ pub fn scatter(
     scatter_together(encounter, wavelengths, transport, stream)
 }
 
-/// One direction for all wavelengths, drawn for the hero.
-#[inline]
-fn scatter_together(
+/// The same where wavelengths stay together, as they do wherever nothing disperses: one direction for all of them, drawn for the hero.
+#[inline(always)]
+pub fn scatter_together(
     encounter: &Encounter<'_>,
     wavelengths: &Wavelengths,
     transport: Transport,
@@ -163,15 +163,15 @@ pub struct Drawn {
 
 /// Draws in the frame of the shading normal; where that would send a reflected ray through the surface, or hold a transmitted one
 /// back, again in the frame of the true normal.
-#[inline]
+#[inline(always)]
 pub fn draw_consistently(encounter: &Encounter<'_>, draw: impl Fn(DVec3) -> Option<Scatter>) -> Option<Drawn> {
-    let Encounter { frame, wo, .. } = *encounter;
-    let scatter = draw(wo)?;
-    if encounter.agrees(frame.to_world(scatter.wi), scatter.event) {
-        return Some(Drawn { frame, wo, scatter });
+    let Encounter { mut frame, mut wo, .. } = *encounter;
+    let mut scatter = draw(wo)?;
+    if !encounter.agrees(frame.to_world(scatter.wi), scatter.event) {
+        (frame, wo) = encounter.seen_truly();
+        scatter = draw(wo)?;
     }
-    let (frame, wo) = encounter.seen_truly();
-    draw(wo).map(|scatter| Drawn { frame, wo, scatter })
+    Some(Drawn { frame, wo, scatter })
 }
 
 /// The same for an event that has been worked out for all wavelengths.

@@ -109,7 +109,7 @@ fn no_photon_grows_heavier_than_it_set_out() {
     for index in 0..PHOTONS {
         let before = ledger.emitted;
         heaviest.power = 0.0;
-        trace(&emitters, &points, index, &mut heaviest, &mut ledger);
+        trace(&emitters, &points, index..index + 1, &mut heaviest, &mut ledger);
         growth = growth.max(heaviest.power / (ledger.emitted - before));
     }
     let (collisions, alone) = (heaviest.collisions, heaviest_by_one_wavelength(PHOTONS));

@@ -1,6 +1,6 @@
 //! Several surfaces in one place, by chance.
 
-use super::Surface;
+use super::{Class, Surface};
 use crate::error::{Error, Result};
 use crate::math::random::ONE_MINUS_ULP;
 
@@ -10,6 +10,8 @@ pub struct Mix {
     components: Vec<Surface>,
     /// Running sums of the shares; the last is 1.
     cumulative: Vec<f64>,
+    /// The widest of the components' classes.
+    class: Class,
 }
 
 impl Mix {
@@ -46,7 +48,13 @@ impl Mix {
         if let Some(last) = cumulative.last_mut() {
             *last = 1.0;
         }
-        Ok(Self { components, cumulative })
+        let class = components.iter().map(Surface::class).max().unwrap_or(Class::Absorbing);
+        Ok(Self { components, cumulative, class })
+    }
+
+    /// How its components spread light: the widest of their classes.
+    pub(super) fn class(&self) -> Class {
+        self.class
     }
 
     /// The components, none of them a mixture.

@@ -207,7 +207,7 @@ impl Surface {
     }
 
     /// How it spreads light; of a mixture, the widest of its components' classes.
-    #[inline]
+    #[inline(always)]
     pub fn class(&self) -> Class {
         match self {
             Self::Absorber => Class::Absorbing,
@@ -216,7 +216,7 @@ impl Surface {
             Self::Dielectric(dielectric) => rough_class(dielectric.is_rough()),
             Self::Glossy(_) => Class::Glossy,
             Self::Diffuse(_) | Self::Translucent(_) => Class::Diffuse,
-            Self::Mix(mix) => mix.components().iter().map(Self::class).max().unwrap_or(Class::Absorbing),
+            Self::Mix(mix) => mix.class(),
         }
     }
 
