@@ -4,7 +4,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use abbe::map::kernel;
+use abbe::map::kernel::{self, Disk};
 use abbe::math::distribution::Discrete;
 use abbe::math::frame::Frame;
 use abbe::math::quadrature::{gauss4, gauss16};
@@ -177,10 +177,10 @@ proptest! {
 
     #[test]
     fn kernels_hold_all_their_mass_and_no_negative_value(d in 0.0..1.0_f64, r in 1e-9..1e6_f64) {
-        let [disk, line] = [kernel::at(d * d * r * r, r * r), kernel::on_line(d * r, r)];
+        let [disk, line] = [Disk::new(r * r).at(d * d * r * r), kernel::on_line(d * r, r)];
         prop_assert!(disk.estimate >= 0.0 && line.estimate >= 0.0);
         // The rings up to d hold the mass that the closed form says.
-        let ring = |x: f64| kernel::at(x * x, r * r).estimate * TAU * x;
+        let ring = |x: f64| Disk::new(r * r).at(x * x).estimate * TAU * x;
         prop_assert!((gauss4((0.0, d * r), ring) - kernel::Shares::within(d).estimate).abs() < 1e-12);
         prop_assert!((gauss4((-r, r), |x| kernel::on_line(x.abs(), r).estimate) - 1.0).abs() < 1e-12);
     }

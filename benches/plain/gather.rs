@@ -3,7 +3,8 @@
 use super::scenes::{Prepared, Total, gatherer};
 use abbe::gather::{CameraNumbers, Maps, Outlines, RADIUS_KINDS, Scratch, power_heuristic};
 use abbe::map::radius::least;
-use abbe::map::{LightMaps, kernel};
+use abbe::map::LightMaps;
+use abbe::map::kernel::Disk;
 use abbe::optics::surface::{Class, Sides, Transport};
 use abbe::scene::geometry::Ray;
 use abbe::scene::light::{Light, Tint};
@@ -93,6 +94,7 @@ pub(crate) fn plain(prepared: &Prepared, maps: &Maps, count: u64) -> f64 {
         // Photons around.
         let radius = f64::from(RADIUS_M).max(least(place));
         let facing = if hit.leads_back(ray.direction, hit.normal) { hit.normal } else { -hit.normal };
+        let disk = Disk::new(radius * radius);
         maps.indirect.within(place.as_vec3().to_array(), radius as f32, |found| {
             let normal = found.photon.normal();
             let alignment = normal.dot(facing);
@@ -103,8 +105,7 @@ pub(crate) fn plain(prepared: &Prepared, maps: &Maps, count: u64) -> f64 {
             let to_light = found.photon.to_light();
             let own_cosine = to_light.dot(normal);
             let wi = frame.to_local((to_light + (own_cosine - to_light.dot(facing)) * facing).normalize());
-            let r2 = radius * radius;
-            let kernels = kernel::at(f64::from(found.distance2).min(r2), r2);
+            let kernels = disk.at(f64::from(found.distance2));
             for (nm, power) in found.photon.load.lanes() {
                 let radiance = surface.eval(wo, wi, sides, Transport::Radiance, nm) * power;
                 total.biased(nm, radiance * kernels.estimate, radiance * kernels.bias());

@@ -19,10 +19,19 @@ pub struct Scratch<'a> {
     pub(super) factors: Vec<Factor<'a>>,
     /// What weakens light on the ways that a light map knows.
     pub(super) coefficients: Vec<Lanes>,
+    /// Whether the following two are kept.
+    pub(super) notes: bool,
     /// Where paths came to rest in the last call.
     pub landings: Vec<Landing>,
     /// Which ways through media they looked along in the last call.
     pub sightlines: Vec<Sightline>,
+}
+
+impl Scratch<'_> {
+    /// Buffers that also note where paths come to rest and look.
+    pub fn noting() -> Self {
+        Self { notes: true, ..Self::default() }
+    }
 }
 
 /// A camera path under way.

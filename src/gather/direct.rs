@@ -11,6 +11,7 @@ use crate::scene::light::{Light, Tint};
 use crate::scene::medium::Medium;
 use crate::walk::{Encounter, Passage, Passages, Start, Tally, passages, passages_tracked};
 use glam::DVec3;
+use std::ops::Range;
 
 /// At most this many lamps are all asked at every point; of more, one is drawn.
 const ASK_ALL: usize = 8;
@@ -56,7 +57,7 @@ pub(super) struct AskingInside<'a> {
 }
 
 /// Light that reaches a point straight from a lamp.
-pub(super) struct Lit<'t, 'a> {
+pub(super) struct Lit<'a> {
     pub(super) light: &'a Light,
     /// Towards the lamp, unit, in the encounter's frame.
     pub(super) wi: DVec3,
@@ -65,11 +66,11 @@ pub(super) struct Lit<'t, 'a> {
     pub(super) strength: f64,
     pub(super) tint: Tint,
     /// What passes on the way.
-    pub(super) through: &'t [Passage<'a>],
+    pub(super) through: Passages<'a>,
 }
 
 /// Light that reaches a point inside a medium straight from a lamp.
-pub(super) struct LitInside<'t, 'a> {
+pub(super) struct LitInside<'a> {
     pub(super) light: &'a Light,
     /// The way of the light there, unit, in the world.
     pub(super) incoming: DVec3,
@@ -77,7 +78,7 @@ pub(super) struct LitInside<'t, 'a> {
     pub(super) strength: f64,
     pub(super) tint: Tint,
     /// What passes on the way.
-    pub(super) through: &'t [Passage<'a>],
+    pub(super) through: Passages<'a>,
 }
 
 /// A lamp found by a scattered ray.
@@ -113,6 +114,7 @@ impl<'a> Direct<'a> {
     }
 
     /// What passes on a free way of this length; `u` seeds what is random about it.
+    #[inline]
     fn through(&self, start: Start, distance: f64, u: [f64; 3]) -> Passages<'a> {
         let seed = || hash64(u.map(f64::to_bits));
         match self.weakening {
@@ -122,47 +124,27 @@ impl<'a> Direct<'a> {
         }
     }
 
-    /// Calls `lit` for every lamp asked that reaches the encounter.
-    pub(super) fn ask(&self, asking: Asking<'_, '_>, tally: &mut Tally, mut lit: impl FnMut(Lit<'_, 'a>)) {
-        self.each_asked(asking.u, |number, u| self.ask_one(Asking { u, ..asking }, number, tally, &mut lit));
-    }
-
-    /// Calls `lit` for every lamp asked that reaches the point inside a medium.
-    pub(super) fn ask_inside(
-        &self,
-        asking: AskingInside<'a>,
-        tally: &mut Tally,
-        mut lit: impl FnMut(LitInside<'_, 'a>),
-    ) {
-        self.each_asked(asking.u, |number, u| {
-            self.ask_one_inside(AskingInside { u, ..asking }, number, tally, &mut lit);
-        });
-    }
-
-    /// Calls `ask` with the number of every lamp that a point asks: all, or of many one.
-    pub(super) fn each_asked(&self, mut u: [f64; 3], mut ask: impl FnMut(usize, [f64; 3])) {
-        let lights = &self.scene.lights;
-        if lights.len() <= ASK_ALL {
-            (0..lights.len()).for_each(|number| ask(number, u));
-        } else {
-            let number = self.choice.sample(&mut u[2]);
-            ask(number, u);
+    /// The numbers of the lamps that a point asks: all, or of many one, drawn by the last of `u`, which is stretched to be used again.
+    #[inline]
+    pub(super) fn asked(&self, u: &mut [f64; 3]) -> Range<usize> {
+        let count = self.scene.lights.len();
+        if count <= ASK_ALL {
+            return 0..count;
         }
+        let number = self.choice.sample(&mut u[2]);
+        number..number + 1
     }
 
-    /// Asks one lamp for light at a point inside a medium.
-    pub(super) fn ask_one_inside(
+    /// What reaches a point inside a medium straight from a lamp.
+    pub(super) fn ask_inside(
         &self,
         asking: AskingInside<'a>,
         number: usize,
         tally: &mut Tally,
-        lit: &mut impl FnMut(LitInside<'_, 'a>),
-    ) {
+    ) -> Option<LitInside<'a>> {
         let AskingInside { start, medium, scattered_nm, u } = asking;
         let light = &self.scene.lights[number];
-        let Some(incident) = light.towards(self.scene.world(), start.ray.origin, u) else {
-            return;
-        };
+        let incident = light.towards(self.scene.world(), start.ray.origin, u)?;
         let (incoming, probability) = (-incident.direction, self.probability(number));
         let share = match (scattered_nm, incident.pdf_solid_angle) {
             (Some(nm), Some(pdf)) => {
@@ -174,10 +156,11 @@ impl<'a> Direct<'a> {
         let strength = incident.irradiance * share / probability;
         tally.shadow_rays += 1;
         let ray = Ray { origin: start.ray.origin, direction: incident.direction };
-        if strength > 0.0 && !self.scene.geometry.occluded(&ray, None, incident.target, incident.distance) {
+        let reaches = strength > 0.0 && !self.scene.geometry.occluded(&ray, None, incident.target, incident.distance);
+        reaches.then(|| {
             let through = self.through(Start { ray, ..start }, incident.distance, u);
-            lit(LitInside { light, incoming, strength, tint: incident.tint, through: &through });
-        }
+            LitInside { light, incoming, strength, tint: incident.tint, through }
+        })
     }
 
     /// The probability that a point asks this lamp.
@@ -185,40 +168,56 @@ impl<'a> Direct<'a> {
         if self.scene.lights.len() <= ASK_ALL { 1.0 } else { self.choice.probability(number) }
     }
 
-    fn ask_one(&self, asking: Asking<'_, '_>, number: usize, tally: &mut Tally, lit: &mut impl FnMut(Lit<'_, 'a>)) {
+    /// What reaches an encounter straight from a lamp. Without `BODIES` nothing between them weakens it.
+    #[inline(always)]
+    pub(super) fn ask<const BODIES: bool>(
+        &self,
+        asking: Asking<'_, '_>,
+        number: usize,
+        tally: &mut Tally,
+    ) -> Option<Lit<'a>> {
         let Asking { encounter, nm, u } = asking;
         let light = &self.scene.lights[number];
-        let Some(incident) = light.towards(self.scene.world(), encounter.hit.position, u) else {
-            return;
-        };
+        let incident = light.towards(self.scene.world(), encounter.hit.position, u)?;
         let wi = encounter.frame.to_local(incident.direction);
         let (surface, wo, sides) = (encounter.surface, encounter.wo, encounter.sides);
         let pdf_surface = surface.pdf(wo, wi, sides, nm);
         // Spare the shadow ray where the surface sends nothing from there on.
         if pdf_surface <= 0.0 && surface.eval(wo, wi, sides, Transport::Radiance, nm) <= 0.0 {
-            return;
+            return None;
         }
         let probability = self.probability(number);
         let share = incident.pdf_solid_angle.map_or(1.0, |pdf| power_heuristic(pdf * probability, pdf_surface));
         let strength = incident.irradiance * wi.z.abs() * share / probability;
         tally.shadow_rays += 1;
-        if strength > 0.0 && encounter.sees(self.scene, incident.direction, incident.distance, incident.target) {
-            let start = encounter.leave(incident.direction, encounter.interior_towards(incident.direction));
-            let through = self.through(start, incident.distance, u);
-            lit(Lit { light, wi, strength, tint: incident.tint, through: &through });
+        if !(strength > 0.0 && encounter.sees(self.scene, incident.direction, incident.distance, incident.target)) {
+            return None;
         }
+        let through = if BODIES {
+            let start = encounter.leave(incident.direction, encounter.interior_towards(incident.direction));
+            self.through(start, incident.distance, u)
+        } else {
+            Passages::new()
+        };
+        Some(Lit { light, wi, strength, tint: incident.tint, through })
     }
 
     /// The lamp whose surface the ray hits, if it shines this way.
+    #[inline(always)]
     pub(super) fn found_on_surface(&self, direction: DVec3, hit: &Hit, counts: Counts) -> Option<Found<'a, 'a>> {
         let number = self.scene.objects[hit.object as usize].light?;
+        self.found_on_lamp(number, direction, *hit, counts)
+    }
+
+    #[inline(never)]
+    fn found_on_lamp(&self, number: usize, direction: DVec3, hit: Hit, counts: Counts) -> Option<Found<'a, 'a>> {
         let light = &self.scene.lights[number];
-        let radiance = light.surface_radiance(direction, hit);
+        let radiance = light.surface_radiance(direction, &hit);
         let share = match counts {
             Counts::Not => 0.0,
             Counts::Fully => 1.0,
             Counts::Shared { place, pdf } => {
-                let pdf_light = light.surface_pdf(self.scene.world(), place, hit) * self.probability(number);
+                let pdf_light = light.surface_pdf(self.scene.world(), place, &hit) * self.probability(number);
                 power_heuristic(pdf, pdf_light)
             }
         };
@@ -256,14 +255,25 @@ impl<'a> Direct<'a> {
     }
 
     /// What one ray from `start`, drawn with density `pdf`, finds: a lamp's surface, or the distant lamps.
-    pub(super) fn look(&self, start: Start, pdf: f64, tally: &mut Tally, mut found: impl FnMut(Found<'_, 'a>)) {
+    #[inline(always)]
+    pub(super) fn look<const BODIES: bool>(
+        &self,
+        start: Start,
+        pdf: f64,
+        tally: &mut Tally,
+        mut found: impl FnMut(Found<'_, 'a>),
+    ) {
         let counts = Counts::Shared { place: start.ray.origin, pdf };
         let Ray { direction, .. } = start.ray;
         match self.scene.geometry.intersect(&start.ray, start.from, f64::INFINITY) {
             Some(hit) => {
                 if let Some(lamp) = self.found_on_surface(direction, &hit, counts) {
-                    let through = self.through(start, hit.t, direction.to_array());
-                    found(Found { through: &through, ..lamp });
+                    if BODIES {
+                        let through = self.through(start, hit.t, direction.to_array());
+                        found(Found { through: &through, ..lamp });
+                    } else {
+                        found(lamp);
+                    }
                 }
             }
             None => self.found_outside(direction, counts, tally, |lamp| {

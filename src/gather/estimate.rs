@@ -2,7 +2,7 @@
 
 use super::photon_gather::Gatherer;
 use super::throughput::{Colour, Factor, product};
-use crate::map::kernel::{self, Kernels, Shares};
+use crate::map::kernel::{Disk, Kernels, Shares};
 use crate::map::{Load, PhotonIndex, VolumeMaps};
 use crate::optics::surface::Transport;
 use crate::walk::{Encounter, Sink};
@@ -60,6 +60,7 @@ impl Gatherer<'_> {
     /// taken from the surface where it arrived: by the tangent plane here, flat light on a curved surface would partly seem to come
     /// from below. With interpolated normals the flux came through the true surface and the reflectance is for the shaded one:
     /// |ω·n_s| / |ω·n_g|.
+    #[inline(always)]
     pub(super) fn estimate<S: Sink>(
         &self,
         encounter: &Encounter<'_>,
@@ -68,38 +69,34 @@ impl Gatherer<'_> {
         factors: &[Factor<'_>],
         sink: &mut S,
     ) {
-        let r2 = radius * radius;
-        let place = encounter.hit.position;
-        let normal = encounter.hit.normal;
+        let disk = Disk::new(radius * radius).over(shares);
+        let Encounter { surface, wo, sides, frame, .. } = *encounter;
+        let (place, normal) = (encounter.hit.position, encounter.hit.normal);
         let facing = if encounter.leads_back(normal) { normal } else { -normal };
-        let through = encounter.surface.lets_through();
-        let shading = encounter.frame.to_world(DVec3::Z);
+        let through = surface.lets_through();
+        let shading = frame.normal();
         let interpolated = shading != normal;
         map.within(place.as_vec3().to_array(), radius as f32, |found| {
             let photon = &found.photon;
             let photon_normal = photon.normal();
             let alignment = photon_normal.dot(facing);
-            let aligned = if through { alignment.abs() } else { alignment };
-            let offset = DVec3::new(
-                f64::from(found.position[0]) - place.x,
-                f64::from(found.position[1]) - place.y,
-                f64::from(found.position[2]) - place.z,
-            );
-            if aligned < NORMAL_TOLERANCE || offset.dot(normal).abs() > PLANE_TOLERANCE * radius {
+            let side = if through { alignment.signum() } else { 1.0 };
+            let offset = DVec3::from(found.position.map(f64::from)) - place;
+            if alignment * side < NORMAL_TOLERANCE || offset.dot(normal).abs() > PLANE_TOLERANCE * radius {
                 return;
             }
             let to_light = photon.to_light();
-            let kernels = kernel::at(f64::from(found.distance2).min(r2), r2).over(shares);
+            let kernels = disk.at(f64::from(found.distance2));
             // Photons bring flux through their own piece of surface; on a curved one that is tilted against the place in question.
-            let own_cosine = to_light.dot(photon_normal) * alignment.signum();
-            let (wi, correction) = if interpolated {
-                (to_light, if own_cosine == 0.0 { 0.0 } else { (to_light.dot(shading) / own_cosine).abs() })
+            let own_cosine = to_light.dot(photon_normal) * side;
+            let (wi, kernels) = if interpolated {
+                let correction = if own_cosine == 0.0 { 0.0 } else { (to_light.dot(shading) / own_cosine).abs() };
+                (to_light, kernels.times(correction))
             } else {
-                ((to_light + (own_cosine - to_light.dot(facing)) * facing).normalize(), 1.0)
+                ((to_light + (own_cosine - to_light.dot(facing)) * facing).normalize(), kernels)
             };
-            let sides = encounter.sides;
-            let wi = encounter.frame.to_local(wi);
-            let bsdf = |nm: f64| encounter.surface.eval(encounter.wo, wi, sides, Transport::Radiance, nm) * correction;
+            let wi = frame.to_local(wi);
+            let bsdf = |nm: f64| surface.eval(wo, wi, sides, Transport::Radiance, nm);
             add_photon(&photon.load, (kernels, bias), (colour, factors), sink, bsdf);
         });
     }

@@ -4,7 +4,7 @@
 //! is brought by the photons that pass the ray.
 
 use super::camera_path::CameraPath;
-use super::direct::{AskingInside, Counts, LitInside};
+use super::direct::{AskingInside, Counts};
 use super::distance;
 use super::estimate::{RadiusKind, add_photon};
 use super::landing::Sightline;
@@ -100,16 +100,16 @@ impl<'a> Gatherer<'a> {
         let Some(window) = medium.window(&stretch.ray, stretch.length_m) else {
             return;
         };
-        let lamp = sample.numbers.lamp();
-        self.direct.each_asked(lamp, |number, u| {
+        let mut u = sample.numbers.lamp();
+        for number in self.direct.asked(&mut u) {
             if self.light_maps.of(number, number_here).is_some() {
-                return;
+                continue;
             }
             let draws = sample.numbers.stream.pair();
             let light = &self.scene.lights[number];
             let reach = light.reach(self.scene.world(), &stretch.ray, window, u);
             let place = reach.and_then(|reach| distance::draw(medium, &stretch.ray, &reach, draws));
-            let Some(place) = place else { return };
+            let Some(place) = place else { continue };
             let density = medium.density_at(stretch.ray.at(place.t));
             let here = stretch.passages(place.t, seed(sample, stretch.ray.origin));
             let ray = Ray { origin: stretch.ray.at(place.t), direction: stretch.ray.direction };
@@ -117,19 +117,18 @@ impl<'a> Gatherer<'a> {
             let asking = AskingInside { start, medium, scattered_nm: None, u };
             let wavelength = sample.numbers.wavelength;
             let (scratch, sink) = (&sample.scratch, &mut *sample.sink);
-            self.direct.ask_one_inside(asking, number, sample.tally, &mut |lit: LitInside<'_, 'a>| {
-                let cosine = -lit.incoming.dot(stretch.ray.direction);
-                let strength = lit.strength * density / place.pdf;
-                let excess = |way: &[Passage<'_>]| excess_depth(way, path.reference_nm());
-                let bias = bias_of_excess(path.excess_depth + excess(&here) + excess(lit.through));
-                each_wavelength(path.colour, &scratch.factors, lit.light, wavelength, |nm, share| {
-                    let scattered = medium.scattering.at(nm) * medium.phase.at(cosine, nm);
-                    let passed = passes(&here, nm) * passes(lit.through, nm);
-                    let weight = share * lit.light.shape_at(lit.tint, nm) * strength * scattered * passed;
-                    sink.biased(nm, weight, weight * bias);
-                });
+            let Some(lit) = self.direct.ask_inside(asking, number, sample.tally) else { continue };
+            let cosine = -lit.incoming.dot(stretch.ray.direction);
+            let strength = lit.strength * density / place.pdf;
+            let excess = |way: &[Passage<'_>]| excess_depth(way, path.reference_nm());
+            let bias = bias_of_excess(path.excess_depth + excess(&here) + excess(&lit.through));
+            each_wavelength(path.colour, &scratch.factors, lit.light, wavelength, |nm, share| {
+                let scattered = medium.scattering.at(nm) * medium.phase.at(cosine, nm);
+                let passed = passes(&here, nm) * passes(&lit.through, nm);
+                let weight = share * lit.light.shape_at(lit.tint, nm) * strength * scattered * passed;
+                sink.biased(nm, weight, weight * bias);
             });
-        });
+        }
     }
 
     /// Light that photons brought.
@@ -145,13 +144,10 @@ impl<'a> Gatherer<'a> {
             Colour::Shared { .. } => (self.shared, [RadiusKind::SharedVolumeCaustic, RadiusKind::SharedVolumeIndirect]),
         };
         let shared = matches!(path.colour, Colour::Shared { .. });
-        sample.scratch.sightlines.push(Sightline {
-            ray: stretch.ray,
-            length_m: stretch.length_m,
-            behind_m: walked,
-            medium: number,
-            shared,
-        });
+        if sample.scratch.notes {
+            let (ray, length_m) = (stretch.ray, stretch.length_m);
+            sample.scratch.sightlines.push(Sightline { ray, length_m, behind_m: walked, medium: number, shared });
+        }
         for (maps, kind) in [&maps.volume_caustic, &maps.volume_indirect].into_iter().zip(kinds) {
             let slope = f64::from(sample.radii[kind as usize]);
             for (map, scale) in [(&maps.points, self.scales.points), (&maps.beams, self.scales.beams)] {

@@ -8,6 +8,7 @@ mod estimate;
 mod landing;
 mod mapped_lamps;
 mod media;
+mod onward;
 mod outline;
 mod path_media;
 mod path_tracer;

@@ -98,6 +98,12 @@ pub struct Outlines {
 }
 
 impl Outlines {
+    /// Whether no kernel reaches over an edge.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
     /// From each pixel's outline, rows from the top.
     pub fn new(width: usize, of_pixels: impl Iterator<Item = Option<Outline>>) -> Self {
         let mut outlines = Self { width, ..Self::default() };
@@ -114,9 +120,6 @@ impl Outlines {
     /// What of kernels lies on the surface where a path from this pixel landed. The pixel may see more than one surface:
     /// if its outline is another's, one of its neighbours' is taken.
     pub fn shares(&self, pixel: usize, landing: &Landing, radius: f64) -> Shares {
-        if self.list.is_empty() {
-            return Shares::WHOLE;
-        }
         let (x, y) = ((pixel % self.width.max(1)) as isize, (pixel / self.width.max(1)) as isize);
         let nearby = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1)];
         let fits = nearby.iter().find_map(|(dx, dy)| {

@@ -2,7 +2,7 @@
 //! bounds and no column.
 
 use super::CameraNumbers;
-use super::direct::{AskingInside, Counts, LitInside};
+use super::direct::{AskingInside, Counts};
 use super::path_tracer::{Path, PathTracer};
 use crate::scene::geometry::Ray;
 use crate::scene::medium::Medium;
@@ -52,14 +52,16 @@ impl<'a> PathTracer<'a> {
         let ray = Ray { origin: stretch.ray.at(t), direction: incoming };
         let start = Start { ray, from: None, interior: stretch.interior };
         let hero = path.wavelengths.hero();
-        let asking = AskingInside { start, medium, scattered_nm: Some(hero), u: numbers.stream.triple() };
-        self.direct.ask_inside(asking, tally, |LitInside { light, incoming: way, strength, tint, through }| {
-            let cosine = -way.dot(incoming);
+        let mut u = numbers.stream.triple();
+        for number in self.direct.asked(&mut u) {
+            let asking = AskingInside { start, medium, scattered_nm: Some(hero), u };
+            let Some(lit) = self.direct.ask_inside(asking, number, tally) else { continue };
+            let cosine = -lit.incoming.dot(incoming);
             for (k, &nm) in path.wavelengths.active().iter().enumerate() {
-                let arriving = light.shape_at(tint, nm) * strength * passes(through, nm);
+                let arriving = lit.light.shape_at(lit.tint, nm) * lit.strength * passes(&lit.through, nm);
                 sink.radiance(nm, path.throughput[k] * medium.phase.at(cosine, nm) * arriving);
             }
-        });
+        }
         let direction = medium.phase.sample(incoming, hero, numbers.stream.pair());
         let cosine = incoming.dot(direction);
         let pdf = medium.phase.at(cosine, hero);

@@ -5,7 +5,7 @@
 //! without extent through glass; photon mapping can.
 
 use super::CameraNumbers;
-use super::direct::{Asking, Counts, Direct, Found, Lit};
+use super::direct::{Asking, Counts, Direct, Found};
 use super::throughput::relative_n2;
 use crate::optics::surface::{Class, Transport};
 use crate::plan::BetweenPlan;
@@ -113,14 +113,16 @@ impl<'a> PathTracer<'a> {
         Some(Path { start, wavelengths, throughput, first: throughput, counts: Counts::Fully })
     }
 
-    fn ask_lamps<S: Sink>(&self, path: &Path, encounter: &Encounter<'a>, u: [f64; 3], tally: &mut Tally, sink: &mut S) {
-        let asking = Asking { encounter, nm: path.wavelengths.hero(), u };
-        self.direct.ask(asking, tally, |Lit { light, wi, strength, tint, through }| {
+    fn ask_lamps<S: Sink>(&self, path: &Path, encounter: &Encounter<'a>, mut u: [f64; 3], tally: &mut Tally, sink: &mut S) {
+        for number in self.direct.asked(&mut u) {
+            let asking = Asking { encounter, nm: path.wavelengths.hero(), u };
+            let Some(lit) = self.direct.ask::<true>(asking, number, tally) else { continue };
             for (k, &nm) in path.wavelengths.active().iter().enumerate() {
-                let f = encounter.surface.eval(encounter.wo, wi, encounter.sides, Transport::Radiance, nm);
-                sink.radiance(nm, path.throughput[k] * f * light.shape_at(tint, nm) * strength * passes(through, nm));
+                let f = encounter.surface.eval(encounter.wo, lit.wi, encounter.sides, Transport::Radiance, nm);
+                let sent = path.throughput[k] * f * lit.light.shape_at(lit.tint, nm);
+                sink.radiance(nm, sent * lit.strength * passes(&lit.through, nm));
             }
-        });
+        }
     }
 }
 

@@ -1,23 +1,23 @@
 //! One camera sample: along mirrors and glass to the first surface that scatters, then light from lamps and photons there.
 
 use super::CameraNumbers;
-use super::camera_path::{CameraPath, REFERENCE_NM, Scratch};
-use super::direct::{Asking, Counts, Direct, Found, Lit};
+use super::camera_path::{CameraPath, Scratch};
+use super::direct::{Asking, Counts, Direct, Found};
 use super::estimate::{Maps, Radii, RadiusKind};
 use super::landing::Landing;
 use super::outline::Outlines;
-use super::throughput::{Colour, Factor, product, relative_n2};
+use super::throughput::{Colour, Factor, product};
 use crate::map::LightMaps;
 use crate::map::kernel::Shares;
 use crate::map::radius::{self, Scales};
-use crate::math::random::ONE_MINUS_ULP;
-use crate::optics::surface::{Class, Event, Surface, Transport};
+use crate::optics::surface::{Class, Transport};
 use crate::plan::partition::{Estimator, LightPath, View, estimator};
 use crate::plan::{BetweenPlan, IndirectPlan, Plan, WavelengthPlan};
 use crate::scene::Scene;
 use crate::scene::camera::SystemAt;
+use crate::scene::interior::Interior;
 use crate::spectrum::{LANES, Lanes};
-use crate::walk::{Encounter, Sink, Tally, bias_of_excess, draw_consistently, excess_depth, next, next_in_air, passes};
+use crate::walk::{Encounter, Sink, Tally, bias_of_excess, excess_depth, next, next_in_air, passes};
 
 /// All that camera paths of a pass need.
 #[derive(Debug)]
@@ -84,13 +84,13 @@ impl<'a> Gatherer<'a> {
                     let Some((ray, weight)) = through else { continue };
                     if let Some(mut single) = self.on_lane(path(ray), lane, &mut sample) {
                         single.multiply(Factor::Grey(weight), sample.scratch);
-                        self.follow(single, &mut sample);
+                        self.follow(&single, &mut sample);
                     }
                 }
             }
             (None, WavelengthPlan::Shared) => self.split(path(sample.numbers.ray(camera, pixel)), &mut sample),
             (None, WavelengthPlan::Free | WavelengthPlan::Both) => {
-                self.follow(path(sample.numbers.ray(camera, pixel)), &mut sample);
+                self.follow(&path(sample.numbers.ray(camera, pixel)), &mut sample);
             }
         }
     }
@@ -99,13 +99,13 @@ impl<'a> Gatherer<'a> {
     fn split<S: Sink>(&self, path: CameraPath, sample: &mut Sample<'_, 'a, S>) {
         for lane in 0..LANES {
             if let Some(single) = self.on_lane(path, lane, sample) {
-                self.follow(single, sample);
+                self.follow(&single, sample);
             }
         }
     }
 
     /// A wavelength-free path, taken to one of the shared wavelengths; `None` where the lights have no power there.
-    fn on_lane<S: Sink>(&self, path: CameraPath, lane: usize, sample: &mut Sample<'_, 'a, S>) -> Option<CameraPath> {
+    pub(super) fn on_lane<S: Sink>(&self, path: CameraPath, lane: usize, sample: &mut Sample<'_, 'a, S>) -> Option<CameraPath> {
         let (nm, pdf) = (self.shared_nm[lane], self.shared_pdf[lane]);
         if pdf <= 0.0 {
             return None;
@@ -115,19 +115,31 @@ impl<'a> Gatherer<'a> {
         Some(CameraPath { colour: Colour::Shared { lane, nm, throughput }, ..path })
     }
 
-    fn follow<S: Sink>(&self, mut path: CameraPath, sample: &mut Sample<'_, 'a, S>) {
+    /// Follows a path to its end.
+    pub(super) fn follow<S: Sink>(&self, path: &CameraPath, sample: &mut Sample<'_, 'a, S>) {
         let factors_before = sample.scratch.factors.len();
+        match self.plan.between {
+            BetweenPlan::Air => self.follow_among::<false, S>(path, sample),
+            BetweenPlan::Clear | BetweenPlan::Absorbing | BetweenPlan::Scattering(_) => {
+                self.follow_among::<true, S>(path, sample);
+            }
+        }
+        sample.scratch.factors.truncate(factors_before);
+    }
+
+    /// The same; without `BODIES` nothing has an inside, and there is air on both sides of every surface. (What few paths need takes copies of path
+    /// and encounter: then neither has to stay in memory for all.)
+    #[inline(always)]
+    fn follow_among<const BODIES: bool, S: Sink>(&self, path: &CameraPath, sample: &mut Sample<'_, 'a, S>) {
+        let mut path = *path;
         while path.depth < self.max_depth {
             let met = match self.plan.between {
-                BetweenPlan::Air => {
-                    next_in_air(self.scene, path.start, &mut sample.numbers.stream.uniform())
-                }
-                BetweenPlan::Clear => next(self.scene, path.start, &mut sample.numbers.stream.uniform()),
-                BetweenPlan::Absorbing | BetweenPlan::Scattering(_) => self.advance(&mut path, sample),
+                BetweenPlan::Absorbing | BetweenPlan::Scattering(_) if BODIES => self.advance(&mut path, sample),
+                _ if BODIES => next(self.scene, path.start, &mut sample.numbers.stream.uniform()),
+                _ => next_in_air(self.scene, path.start, &mut sample.numbers.stream.uniform()),
             };
-            let Some(encounter) = &met else {
-                self.look_outside(&path, sample);
-                break;
+            let Some(encounter) = met else {
+                return self.look_outside(path, sample);
             };
             path.depth += 1;
             path.distance += encounter.distance;
@@ -139,46 +151,55 @@ impl<'a> Gatherer<'a> {
                 };
             }
             if let Some(lamp) = self.direct.found_on_surface(encounter.incoming, &encounter.hit, path.counts) {
-                add_lamp(&path, &sample.scratch.factors, &lamp, sample.numbers.wavelength, sample.sink);
+                add_lamp(path, &sample.scratch.factors, &lamp, sample.numbers.wavelength, sample.sink);
             }
-            let goes_on = match encounter.surface.class() {
-                Class::Absorbing => false,
-                Class::Diffuse => {
-                    self.land(&path, encounter, sample);
-                    false
-                }
-                Class::Glossy => {
-                    sample.tally.rough_events += 1;
-                    self.gather_lamps(&path, encounter, sample);
-                    self.gather_photons(&path, encounter, sample);
-                    self.go_on(&mut path, encounter, sample)
-                }
-                Class::Specular => self.go_on(&mut path, encounter, sample),
+            let class = encounter.surface.class();
+            if class >= Class::Glossy {
+                self.gather_light::<BODIES, S>(&path, &encounter, class, sample);
+            }
+            path = match class {
+                Class::Absorbing | Class::Diffuse => return,
+                Class::Glossy | Class::Specular => match self.go_on(path, encounter, sample) {
+                    Some(path) => path,
+                    None => return,
+                },
             };
-            if !goes_on || !survives(self.scene, &mut path, sample) {
-                break;
-            }
         }
-        sample.scratch.factors.truncate(factors_before);
     }
 
     /// The lamps at infinity.
-    fn look_outside<S: Sink>(&self, path: &CameraPath, sample: &mut Sample<'_, 'a, S>) {
-        let u = sample.numbers.wavelength;
-        let Sample { scratch, sink, tally, .. } = sample;
+    fn look_outside<S: Sink>(&self, path: CameraPath, sample: &mut Sample<'_, 'a, S>) {
+        let Sample { scratch, sink, tally, numbers, .. } = sample;
         self.direct.found_outside(path.start.ray.direction, path.counts, tally, |lamp| {
-            add_lamp(path, &scratch.factors, &lamp, u, *sink);
+            add_lamp(path, &scratch.factors, &lamp, numbers.wavelength, *sink);
         });
     }
 
-    /// The end of a path at a diffuse surface: lamps and photons.
-    fn land<S: Sink>(&self, path: &CameraPath, encounter: &Encounter<'a>, sample: &mut Sample<'_, 'a, S>) {
-        sample.scratch.landings.push(self.landing(path, encounter));
-        self.gather_lamps(path, encounter, sample);
-        self.gather_scattered_lamps(path, encounter, sample);
-        self.gather_photons(path, encounter, sample);
+    /// Light at a surface that spreads it: from lamps, and what photons brought. At a diffuse one the path ends.
+    #[inline(always)]
+    fn gather_light<const BODIES: bool, S: Sink>(
+        &self,
+        path: &CameraPath,
+        encounter: &Encounter<'a>,
+        class: Class,
+        sample: &mut Sample<'_, 'a, S>,
+    ) {
+        let ends = class == Class::Diffuse;
+        sample.tally.rough_events += u64::from(!ends);
+        if ends && sample.scratch.notes {
+            sample.scratch.landings.push(self.landing(path, encounter));
+        }
+        if !self.plan.direct.is_absent() {
+            self.gather_lamps::<BODIES, S>(path, encounter, sample);
+        }
+        // Glossy surfaces' own continuation does this for them.
+        if ends && self.plan.direct.scatters_to_lamps() {
+            self.gather_scattered_lamps::<BODIES, S>(path, encounter, sample);
+        }
+        self.gather_photons(path, encounter, class, sample);
     }
 
+    #[inline]
     fn landing(&self, path: &CameraPath, encounter: &Encounter<'a>) -> Landing {
         let normal = encounter.hit.normal;
         Landing {
@@ -191,34 +212,35 @@ impl<'a> Gatherer<'a> {
     }
 
     /// Light straight from lamps, by shadow rays.
-    fn gather_lamps<S: Sink>(&self, path: &CameraPath, encounter: &Encounter<'a>, sample: &mut Sample<'_, 'a, S>) {
-        if self.plan.direct.is_absent() {
-            return;
-        }
-        let (u, lamp) = (sample.numbers.wavelength, sample.numbers.lamp());
-        let asking = Asking { encounter, nm: path.reference_nm(), u: lamp };
-        let Sample { scratch, sink, tally, .. } = sample;
-        self.direct.ask(asking, tally, |Lit { light, wi, strength, tint, through }| {
-            let bias = bias_of_excess(path.excess_depth + excess_depth(through, path.reference_nm()));
-            let (surface, wo, sides) = (encounter.surface, encounter.wo, encounter.sides);
-            each_wavelength(path.colour, &scratch.factors, light, u, |nm, share| {
-                let f = surface.eval(wo, wi, sides, Transport::Radiance, nm);
-                let weight = share * light.shape_at(tint, nm) * strength * f * passes(through, nm);
-                sink.biased(nm, weight, weight * bias);
-            });
-        });
-    }
-
-    /// Light straight from lamps, by a scattered ray that may find one. (Glossy surfaces' own continuation does this for them.)
-    fn gather_scattered_lamps<S: Sink>(
+    #[inline(always)]
+    fn gather_lamps<const BODIES: bool, S: Sink>(
         &self,
         path: &CameraPath,
         encounter: &Encounter<'a>,
         sample: &mut Sample<'_, 'a, S>,
     ) {
-        if !self.plan.direct.scatters_to_lamps() {
-            return;
+        let (wavelength, mut u, nm) = (sample.numbers.wavelength, sample.numbers.lamp(), path.reference_nm());
+        let (surface, wo, sides) = (encounter.surface, encounter.wo, encounter.sides);
+        for number in self.direct.asked(&mut u) {
+            let asking = Asking { encounter, nm, u };
+            let Some(lit) = self.direct.ask::<BODIES>(asking, number, sample.tally) else { continue };
+            let bias = bias_of_excess(path.excess_depth + excess_depth(&lit.through, nm));
+            each_wavelength(path.colour, &sample.scratch.factors, lit.light, wavelength, |nm, share| {
+                let f = surface.eval(wo, lit.wi, sides, Transport::Radiance, nm);
+                let weight = share * lit.light.shape_at(lit.tint, nm) * lit.strength * f * passes(&lit.through, nm);
+                sample.sink.biased(nm, weight, weight * bias);
+            });
         }
+    }
+
+    /// Light straight from lamps, by a scattered ray that may find one.
+    #[inline(always)]
+    fn gather_scattered_lamps<const BODIES: bool, S: Sink>(
+        &self,
+        path: &CameraPath,
+        encounter: &Encounter<'a>,
+        sample: &mut Sample<'_, 'a, S>,
+    ) {
         let nm = path.reference_nm();
         let u = sample.numbers.stream.triple();
         let (surface, wo, sides) = (encounter.surface, encounter.wo, encounter.sides);
@@ -226,10 +248,11 @@ impl<'a> Gatherer<'a> {
             return;
         };
         let direction = encounter.frame.to_world(scatter.wi);
-        let start = encounter.leave(direction, encounter.interior_towards(direction));
+        let interior = if BODIES { encounter.interior_towards(direction) } else { Interior::AIR };
+        let start = encounter.leave(direction, interior);
         let wavelength = sample.numbers.wavelength;
         let Sample { scratch, sink, tally, .. } = sample;
-        self.direct.look(start, scatter.probability, tally, |lamp| {
+        self.direct.look::<BODIES>(start, scatter.probability, tally, |lamp| {
             let bias = bias_of_excess(path.excess_depth + excess_depth(lamp.through, nm));
             each_wavelength(path.colour, &scratch.factors, lamp.light, wavelength, |nm, share| {
                 let response = surface.response(wo, &scatter, sides, Transport::Radiance, nm) / scatter.probability;
@@ -241,8 +264,14 @@ impl<'a> Gatherer<'a> {
     }
 
     /// Light that photons brought, as far as the partition leaves it to the maps.
-    fn gather_photons<S: Sink>(&self, path: &CameraPath, encounter: &Encounter<'a>, sample: &mut Sample<'_, 'a, S>) {
-        let class = encounter.surface.class();
+    #[inline(always)]
+    fn gather_photons<S: Sink>(
+        &self,
+        path: &CameraPath,
+        encounter: &Encounter<'a>,
+        class: Class,
+        sample: &mut Sample<'_, 'a, S>,
+    ) {
         let (maps, kinds) = match path.colour {
             Colour::Free => (self.free, [RadiusKind::FreeCaustic, RadiusKind::FreeIndirect]),
             Colour::Shared { .. } => (self.shared, [RadiusKind::SharedCaustic, RadiusKind::SharedIndirect]),
@@ -260,6 +289,7 @@ impl<'a> Gatherer<'a> {
                 let radius = f64::from(sample.radii[kind as usize]) * self.scales.surface;
                 let radius = radius.max(radius::least(encounter.hit.position));
                 let shares = match path.view {
+                    _ if self.outlines.is_empty() => Shares::WHOLE,
                     View::Seen => self.outlines.shares(sample.pixel as usize, &self.landing(path, encounter), radius),
                     View::Relayed => Shares::WHOLE,
                 };
@@ -273,161 +303,10 @@ impl<'a> Gatherer<'a> {
             }
         }
     }
-
-    /// Scatters the path at a mirror, at glass or at a rough surface; false where it ends.
-    fn go_on<S: Sink>(&self, path: &mut CameraPath, encounter: &Encounter<'a>, sample: &mut Sample<'_, 'a, S>) -> bool {
-        if let (Colour::Free, true) = (path.colour, self.disperses(encounter)) {
-            return self.go_on_through_dispersive(path, encounter, sample);
-        }
-        let u = sample.numbers.stream.triple();
-        self.scatter_once(path, encounter, u, sample)
-    }
-
-    /// Whether refraction here would send wavelengths different ways.
-    fn disperses(&self, encounter: &Encounter<'a>) -> bool {
-        self.plan.wavelengths != WavelengthPlan::Free
-            && matches!(encounter.surface, Surface::Dielectric(_))
-            && (encounter.sides.here.is_dispersive() || encounter.sides.there.is_dispersive())
-    }
-
-    /// A wavelength-free path at dispersive glass: reflected it stays free, refracted it goes on once for each shared wavelength.
-    fn go_on_through_dispersive<S: Sink>(
-        &self,
-        path: &mut CameraPath,
-        encounter: &Encounter<'a>,
-        sample: &mut Sample<'_, 'a, S>,
-    ) -> bool {
-        let surface = encounter.surface;
-        if surface.class() == Class::Glossy {
-            // Rough dispersive glass: each wavelength scatters for itself, reflections included.
-            sample.tally.dispersions += 1;
-            self.split_at(*path, encounter, None, sample);
-            return false;
-        }
-        // At the first surface both ways are followed; further on, one is drawn.
-        let reflectance = self.reflectance(encounter);
-        let both = path.depth == 1;
-        let reflects = both || sample.numbers.stream.uniform() < reflectance;
-        let refracts = both || !reflects;
-        if refracts && reflectance < 1.0 {
-            let probability = if both { 1.0 } else { 1.0 - reflectance };
-            sample.tally.dispersions += 1;
-            self.split_at(*path, encounter, Some(probability), sample);
-        }
-        if !reflects {
-            return false;
-        }
-        let probability = if both { 1.0 } else { reflectance };
-        self.scatter_forced(path, encounter, Event::Reflection, probability, sample)
-    }
-
-    /// Reflectance of a smooth interface at the reference wavelength.
-    fn reflectance(&self, encounter: &Encounter<'a>) -> f64 {
-        let sides = encounter.sides;
-        crate::optics::fresnel::dielectric(
-            encounter.wo.z.abs(),
-            sides.here.n(REFERENCE_NM),
-            sides.there.n(REFERENCE_NM),
-        )
-    }
-
-    /// Sends the path on from here once for each shared wavelength; `refracted` says with which probability refraction was chosen, or that
-    /// each wavelength chooses for itself.
-    fn split_at<S: Sink>(
-        &self,
-        path: CameraPath,
-        encounter: &Encounter<'a>,
-        refracted: Option<f64>,
-        sample: &mut Sample<'_, 'a, S>,
-    ) {
-        let u = sample.numbers.stream.triple();
-        for lane in 0..LANES {
-            let Some(mut single) = self.on_lane(path, lane, sample) else {
-                continue;
-            };
-            let goes_on = match refracted {
-                Some(probability) => {
-                    self.scatter_forced(&mut single, encounter, Event::Transmission, probability, sample)
-                }
-                None => self.scatter_once(&mut single, encounter, u, sample),
-            };
-            if goes_on && survives(self.scene, &mut single, sample) {
-                self.follow(single, sample);
-            }
-        }
-    }
-
-    /// Scatters into the reflection or the refraction of a smooth interface, whichever is told; false where there is none.
-    fn scatter_forced<S: Sink>(
-        &self,
-        path: &mut CameraPath,
-        encounter: &Encounter<'a>,
-        event: Event,
-        probability: f64,
-        sample: &mut Sample<'_, 'a, S>,
-    ) -> bool {
-        let u = match event {
-            Event::Reflection => [0.0; 3],
-            Event::Transmission => [ONE_MINUS_ULP; 3],
-        };
-        let nm = path.reference_nm();
-        let draw = |wo| encounter.surface.sample(wo, encounter.sides, nm, Transport::Radiance, u);
-        match draw_consistently(encounter, draw) {
-            Some(mut drawn) if drawn.scatter.event == event => {
-                drawn.scatter.probability = probability;
-                path.continue_along(encounter, &drawn, sample.scratch)
-            }
-            Some(_) | None => false,
-        }
-    }
-
-    /// Scatters as the surface draws it.
-    fn scatter_once<S: Sink>(
-        &self,
-        path: &mut CameraPath,
-        encounter: &Encounter<'a>,
-        u: [f64; 3],
-        sample: &mut Sample<'_, 'a, S>,
-    ) -> bool {
-        let nm = path.reference_nm();
-        let draw = |wo| encounter.surface.sample(wo, encounter.sides, nm, Transport::Radiance, u);
-        match draw_consistently(encounter, draw) {
-            Some(drawn) => {
-                let goes_on = path.continue_along(encounter, &drawn, sample.scratch);
-                // What a rough surface's scattered ray finds is a part of the light straight from lamps.
-                if self.plan.direct.is_absent() && matches!(path.counts, Counts::Shared { .. }) {
-                    path.counts = Counts::Not;
-                }
-                goes_on
-            }
-            None => false,
-        }
-    }
-}
-
-/// Russian roulette for paths that have lost most of their light (by more than glass takes and gives back with its n²).
-fn survives<S: Sink>(scene: &Scene, path: &mut CameraPath, sample: &mut Sample<'_, '_, S>) -> bool {
-    const FREE_EVENTS: u32 = 8;
-    if path.level <= 0.0 && matches!(path.colour, Colour::Shared { .. }) {
-        return false;
-    }
-    if path.depth < FREE_EVENTS {
-        return true;
-    }
-    let level = path.level * relative_n2(scene, &path.start, path.reference_nm());
-    if level >= 0.5 {
-        return true;
-    }
-    let survival = level.max(0.05);
-    if sample.numbers.stream.uniform() >= survival {
-        return false;
-    }
-    path.multiply(Factor::Grey(1.0 / survival), sample.scratch);
-    true
 }
 
 /// Adds a lamp that a path sees; `u` shifts the wavelengths at which it is looked at.
-fn add_lamp<S: Sink>(path: &CameraPath, factors: &[Factor<'_>], lamp: &Found<'_, '_>, u: f64, sink: &mut S) {
+fn add_lamp<S: Sink>(path: CameraPath, factors: &[Factor<'_>], lamp: &Found<'_, '_>, u: f64, sink: &mut S) {
     let bias = bias_of_excess(path.excess_depth);
     each_wavelength(path.colour, factors, lamp.light, u, |nm, share| {
         let weight = share * lamp.light.shape_at(lamp.tint, nm) * lamp.radiance;
@@ -437,7 +316,7 @@ fn add_lamp<S: Sink>(path: &CameraPath, factors: &[Factor<'_>], lamp: &Found<'_,
 
 /// Calls `f` with wavelengths (nm) and what the path lets through there divided by their density: a stratified set drawn from the
 /// lamp for free paths, the path's own wavelength for shared ones.
-#[inline]
+#[inline(always)]
 pub(super) fn each_wavelength(
     colour: Colour,
     factors: &[Factor<'_>],

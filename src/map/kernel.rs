@@ -13,11 +13,34 @@ pub struct Kernels {
     moments: f64,
 }
 
-/// The kernels' values on a disk (1/m²) at the squared distance `d2` within the squared radius `r2`.
-#[inline]
-pub fn at(d2: f64, r2: f64) -> Kernels {
-    let uniform = FRAC_1_PI / r2;
-    Kernels { estimate: 2.0 * uniform * (1.0 - d2 / r2), uniform, moments: 2.0 }
+/// The kernels on a disk, for many photons: all that does not depend on their distance.
+#[derive(Debug, Clone, Copy)]
+pub struct Disk {
+    per_r2: f64,
+    /// Epanechnikov's in the middle.
+    peak: f64,
+    uniform: f64,
+}
+
+impl Disk {
+    /// The disk of the squared radius `r2`, in m².
+    #[inline]
+    pub fn new(r2: f64) -> Self {
+        let per_r2 = 1.0 / r2;
+        Self { per_r2, peak: 2.0 * FRAC_1_PI * per_r2, uniform: FRAC_1_PI * per_r2 }
+    }
+
+    /// The same where only shares of the kernels lie on the surface: what lies there integrates to 1 again.
+    #[inline]
+    pub fn over(self, shares: Shares) -> Self {
+        Self { peak: self.peak / shares.estimate, uniform: self.uniform / shares.uniform, ..self }
+    }
+
+    /// The kernels' values (1/m²) at the squared distance `d2`, at most the squared radius.
+    #[inline]
+    pub fn at(&self, d2: f64) -> Kernels {
+        Kernels { estimate: self.peak * (1.0 - d2 * self.per_r2).max(0.0), uniform: self.uniform, moments: 2.0 }
+    }
 }
 
 /// The kernels' values on a line (1/m) at the distance `d` within the radius `r`; μ_u = r²/3 and μ_e = r²/5.
@@ -39,11 +62,6 @@ impl Shares {
     /// Both kernels lie on the surface as a whole.
     pub const WHOLE: Self = Self { estimate: 1.0, uniform: 1.0 };
 
-    /// The same share of both.
-    pub fn of_both(share: f64) -> Self {
-        Self { estimate: share, uniform: share }
-    }
-
     /// What lies within `t` radii of the kernels' centre.
     pub fn within(t: f64) -> Self {
         let t2 = (t * t).min(1.0);
@@ -52,10 +70,10 @@ impl Shares {
 }
 
 impl Kernels {
-    /// The kernels where only shares of them lie on the surface: what lies there integrates to 1 again.
+    /// The kernels times a factor.
     #[inline]
-    pub fn over(self, shares: Shares) -> Self {
-        Self { estimate: self.estimate / shares.estimate, uniform: self.uniform / shares.uniform, ..self }
+    pub fn times(self, factor: f64) -> Self {
+        Self { estimate: self.estimate * factor, uniform: self.uniform * factor, ..self }
     }
 
     /// A photon's share in the estimated bias of the Epanechnikov estimate L_e, from L_u by the uniform kernel of the same radius. The
@@ -87,15 +105,15 @@ mod tests {
     fn kernels_integrate_to_one_and_have_the_stated_second_moments() {
         let r = 0.3_f64;
         let r2 = r * r;
-        assert!((over_disk(r, |d2| at(d2, r2).estimate) - 1.0).abs() < 1e-8);
-        assert!((over_disk(r, |d2| at(d2, r2).uniform) - 1.0).abs() < 1e-8);
-        assert!((over_disk(r, |d2| d2 * at(d2, r2).estimate) - r2 / 3.0).abs() < 1e-8);
-        assert!((over_disk(r, |d2| d2 * at(d2, r2).uniform) - r2 / 2.0).abs() < 1e-8);
+        assert!((over_disk(r, |d2| Disk::new(r2).at(d2).estimate) - 1.0).abs() < 1e-8);
+        assert!((over_disk(r, |d2| Disk::new(r2).at(d2).uniform) - 1.0).abs() < 1e-8);
+        assert!((over_disk(r, |d2| d2 * Disk::new(r2).at(d2).estimate) - r2 / 3.0).abs() < 1e-8);
+        assert!((over_disk(r, |d2| d2 * Disk::new(r2).at(d2).uniform) - r2 / 2.0).abs() < 1e-8);
     }
 
     #[test]
     fn the_mass_within_half_a_radius_is_the_integral_over_it() {
-        let within = over_disk(0.5, |d2| at(d2, 1.0).estimate);
+        let within = over_disk(0.5, |d2| Disk::new(1.0).at(d2).estimate);
         assert!((Shares::within(0.5).estimate - within).abs() < 1e-8);
         assert_eq!(Shares::within(0.5).uniform, 0.25);
         assert_eq!([Shares::within(1.0), Shares::within(f64::INFINITY)], [Shares::WHOLE; 2]);
@@ -121,9 +139,9 @@ mod tests {
         // Density 1 + c·d² seen at its vertex: the estimate is 1 + c·μ_e, its bias c·μ_e.
         let (r, c) = (0.5_f64, 0.8);
         let r2 = r * r;
-        let estimate = over_disk(r, |d2| (1.0 + c * d2) * at(d2, r2).estimate);
-        let uniform = over_disk(r, |d2| (1.0 + c * d2) * at(d2, r2).uniform);
-        let bias = Kernels { estimate, uniform, ..at(0.0, r2) }.bias();
+        let estimate = over_disk(r, |d2| (1.0 + c * d2) * Disk::new(r2).at(d2).estimate);
+        let uniform = over_disk(r, |d2| (1.0 + c * d2) * Disk::new(r2).at(d2).uniform);
+        let bias = Kernels { estimate, uniform, ..Disk::new(r2).at(0.0) }.bias();
         assert!((bias - (estimate - 1.0)).abs() < 1e-8);
     }
 }

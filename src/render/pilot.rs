@@ -183,7 +183,7 @@ impl Pilot {
         [free, shared]: [(&Maps, Shares); 2],
         pixels: std::ops::Range<usize>,
     ) -> Findings {
-        let mut scratch = Scratch::default();
+        let mut scratch = Scratch::noting();
         let widths = Widths::of(job);
         let mut found = Findings::default();
         for pixel in pixels {

@@ -199,6 +199,7 @@ impl<'a> Encounter<'a> {
     }
 
     /// Whether nothing stands between here and a light along `direction`, at `distance`, on the surface `target`.
+    #[inline(always)]
     pub fn sees(&self, scene: &Scene, direction: DVec3, distance: f64, target: Option<SurfaceId>) -> bool {
         let ray = Ray { origin: self.hit.position, direction };
         !scene.geometry.occluded(&ray, Some(self.hit.surface), target, distance)

@@ -74,6 +74,7 @@ impl<'a> Passage<'a> {
 }
 
 /// By how much steps through media overrate the optical depth of the whole way at a wavelength.
+#[inline]
 pub fn excess_depth(passages: &[Passage<'_>], nm: f64) -> f64 {
     let of_one = |passage: &Passage<'_>| match *passage {
         Passage::Column { medium, excess_m, .. } => excess_m.signum() * medium.optical_depth(nm, excess_m.abs()),
@@ -83,11 +84,13 @@ pub fn excess_depth(passages: &[Passage<'_>], nm: f64) -> f64 {
 }
 
 /// The bias, relative to itself, of light that came a way whose optical depth is overrated by so much: e^−(τ + δ) stands for e^−τ.
+#[inline]
 pub fn bias_of_excess(depth: f64) -> f64 {
     if depth == 0.0 { 0.0 } else { -depth.exp_m1() }
 }
 
 /// The transmittance of the whole way at a wavelength.
+#[inline]
 pub fn product(passages: &[Passage<'_>], nm: f64) -> f64 {
     passages.iter().map(|passage| passage.at(nm)).product()
 }

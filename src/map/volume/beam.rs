@@ -1,7 +1,7 @@
 //! Photon beams (Jarosz et al. 2011): a photon's whole way through a medium, seen where a ray passes it. The kernel is a line across both.
 
 use super::{Came, Neighbour};
-use crate::map::kernel::{self, Shares};
+use crate::map::kernel;
 use crate::map::near_ray::Cone;
 use crate::map::photon::Load;
 use glam::{DVec3, Vec3};
@@ -105,7 +105,7 @@ impl Piece {
             incoming,
             medium: usize::from(beam.medium),
             t,
-            kernels: kernel::on_line(distance, radius).over(Shares::of_both(sine.max(LEAST_SINE))),
+            kernels: kernel::on_line(distance, radius).times(1.0 / sine.max(LEAST_SINE)),
             came: Some(Came { start, distance_m: s }),
         })
     }

@@ -1,7 +1,7 @@
 //! Photons where they met particles of a medium, seen by the beam radiance estimate (Jarosz, Zwicker & Jensen 2008): the kernel is a disk across the ray.
 
 use super::Neighbour;
-use crate::map::kernel;
+use crate::map::kernel::Disk;
 use crate::map::near_ray::Cone;
 use crate::map::photon::{Load, Octahedral};
 use glam::{DVec3, Vec3};
@@ -40,7 +40,7 @@ impl VolumePhoton {
             incoming: self.incoming.decode(),
             medium: usize::from(self.medium),
             t,
-            kernels: kernel::at(d2, r * r),
+            kernels: Disk::new(r * r).at(d2),
             came: None,
         })
     }

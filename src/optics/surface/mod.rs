@@ -221,17 +221,13 @@ impl Surface {
     }
 
     /// Whether light gets through to the other side.
+    #[inline]
     pub fn lets_through(&self) -> bool {
-        self.components().any(|component| match component {
+        match self {
             Self::Translucent(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => true,
-            // A mixture's components are no mixtures.
-            Self::Mix(_)
-            | Self::Absorber
-            | Self::Diffuse(_)
-            | Self::Mirror(_)
-            | Self::Conductor(_)
-            | Self::Glossy(_) => false,
-        })
+            Self::Mix(mix) => mix.components().iter().any(Self::lets_through),
+            Self::Absorber | Self::Diffuse(_) | Self::Mirror(_) | Self::Conductor(_) | Self::Glossy(_) => false,
+        }
     }
 
     /// The reflectances and other functions of wavelength that it is made of, but for the indices of glass.
