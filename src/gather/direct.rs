@@ -7,9 +7,9 @@ use crate::optics::surface::Transport;
 use crate::plan::BetweenPlan;
 use crate::scene::Scene;
 use crate::scene::geometry::{Hit, Ray};
-use crate::scene::light::{Light, Tint};
+use crate::scene::light::{Incident, Light, Tint};
 use crate::scene::medium::Medium;
-use crate::walk::{Encounter, Passage, Passages, Start, Tally, passages, passages_tracked};
+use crate::walk::{Encounter, Passages, Start, Tally, passages, passages_tracked};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -65,8 +65,10 @@ pub(super) struct Lit<'a> {
     /// sampling are in it.
     pub(super) strength: f64,
     pub(super) tint: Tint,
-    /// What passes on the way.
-    pub(super) through: Passages<'a>,
+    /// Towards the lamp, unit, in the world.
+    pub(super) direction: DVec3,
+    /// How far it is, in m.
+    pub(super) distance: f64,
 }
 
 /// Light that reaches a point inside a medium straight from a lamp.
@@ -81,14 +83,12 @@ pub(super) struct LitInside<'a> {
     pub(super) through: Passages<'a>,
 }
 
-/// A lamp found by a scattered ray.
-pub(super) struct Found<'t, 'a> {
+/// A lamp found where a ray ends.
+pub(super) struct Found<'a> {
     pub(super) light: &'a Light,
     /// Radiance over the band, W/m²/sr, times the weight of multiple importance sampling.
     pub(super) radiance: f64,
     pub(super) tint: Tint,
-    /// What passes on the way, as far as the path has not taken that into account already.
-    pub(super) through: &'t [Passage<'a>],
 }
 
 /// How the light that a ray finds counts, given where the ray comes from.
@@ -113,9 +113,21 @@ impl<'a> Direct<'a> {
         Self { scene, choice, weakening: if between.is_clear() { Weakening::Absent } else { Weakening::Tracked } }
     }
 
-    /// What passes on a free way of this length; `u` seeds what is random about it.
-    #[inline]
-    fn through(&self, start: Start, distance: f64, u: [f64; 3]) -> Passages<'a> {
+    /// What passes on a free way of this length from an encounter, among `BODIES` at least; `u` seeds what is random about it.
+    #[inline(always)]
+    pub(super) fn through<const BODIES: bool>(
+        &self,
+        encounter: &Encounter<'_>,
+        (direction, length_m): (DVec3, f64),
+        u: [f64; 3],
+    ) -> Passages<'a> {
+        if !BODIES {
+            return Passages::new();
+        }
+        self.passages(encounter.leave(direction, encounter.interior_towards(direction)), length_m, u)
+    }
+
+    fn passages(&self, start: Start, distance: f64, u: [f64; 3]) -> Passages<'a> {
         let seed = || hash64(u.map(f64::to_bits));
         match self.weakening {
             Weakening::Absent => Passages::new(),
@@ -158,7 +170,7 @@ impl<'a> Direct<'a> {
         let ray = Ray { origin: start.ray.origin, direction: incident.direction };
         let reaches = strength > 0.0 && !self.scene.geometry.occluded(&ray, None, incident.target, incident.distance);
         reaches.then(|| {
-            let through = self.through(Start { ray, ..start }, incident.distance, u);
+            let through = self.passages(Start { ray, ..start }, incident.distance, u);
             LitInside { light, incoming, strength, tint: incident.tint, through }
         })
     }
@@ -168,14 +180,9 @@ impl<'a> Direct<'a> {
         if self.scene.lights.len() <= ASK_ALL { 1.0 } else { self.choice.probability(number) }
     }
 
-    /// What reaches an encounter straight from a lamp. Without `BODIES` nothing between them weakens it.
+    /// What would reach an encounter straight from a lamp if nothing weakened it on its way.
     #[inline(always)]
-    pub(super) fn ask<const BODIES: bool>(
-        &self,
-        asking: Asking<'_, '_>,
-        number: usize,
-        tally: &mut Tally,
-    ) -> Option<Lit<'a>> {
+    pub(super) fn ask(&self, asking: Asking<'_, '_>, number: usize, tally: &mut Tally) -> Option<Lit<'a>> {
         let Asking { encounter, nm, u } = asking;
         let light = &self.scene.lights[number];
         let incident = light.towards(self.scene.world(), encounter.hit.position, u)?;
@@ -193,94 +200,51 @@ impl<'a> Direct<'a> {
         if !(strength > 0.0 && encounter.sees(self.scene, incident.direction, incident.distance, incident.target)) {
             return None;
         }
-        let through = if BODIES {
-            let start = encounter.leave(incident.direction, encounter.interior_towards(incident.direction));
-            self.through(start, incident.distance, u)
-        } else {
-            Passages::new()
-        };
-        Some(Lit { light, wi, strength, tint: incident.tint, through })
+        let Incident { direction, distance, tint, .. } = incident;
+        Some(Lit { light, wi, strength, tint, direction, distance })
     }
 
-    /// The lamp whose surface the ray hits, if it shines this way.
+    /// The numbers of the lamps that a ray sees where it ends: that of the surface there, or, where it leaves the scene, those at infinity.
     #[inline(always)]
-    pub(super) fn found_on_surface(&self, direction: DVec3, hit: &Hit, counts: Counts) -> Option<Found<'a, 'a>> {
-        let number = self.scene.objects[hit.object as usize].light?;
-        self.found_on_lamp(number, direction, *hit, counts)
+    pub(super) fn seen(&self, hit: Option<&Hit>) -> &'a [usize] {
+        match hit {
+            Some(hit) => self.scene.objects[hit.object as usize].light.as_slice(),
+            None => &self.scene.distant_lights,
+        }
     }
 
+    /// One of these lamps, if it shines this way.
     #[inline(never)]
-    fn found_on_lamp(&self, number: usize, direction: DVec3, hit: Hit, counts: Counts) -> Option<Found<'a, 'a>> {
+    pub(super) fn found(
+        &self,
+        number: usize,
+        (direction, hit): (DVec3, Option<Hit>),
+        counts: Counts,
+        tally: &mut Tally,
+    ) -> Option<Found<'a>> {
+        if matches!(counts, Counts::Not) {
+            return None;
+        }
         let light = &self.scene.lights[number];
-        let radiance = light.surface_radiance(direction, &hit);
+        let (radiance, tint) = match &hit {
+            Some(hit) => (light.surface_radiance(direction, hit), Tint::Own),
+            None => {
+                tally.environment_rays += 1;
+                light.escaping(direction)?
+            }
+        };
         let share = match counts {
             Counts::Not => 0.0,
             Counts::Fully => 1.0,
             Counts::Shared { place, pdf } => {
-                let pdf_light = light.surface_pdf(self.scene.world(), place, &hit) * self.probability(number);
-                power_heuristic(pdf, pdf_light)
+                let pdf_light = match &hit {
+                    Some(hit) => light.surface_pdf(self.scene.world(), place, hit),
+                    None => light.escaping_pdf(direction),
+                };
+                power_heuristic(pdf, pdf_light * self.probability(number))
             }
         };
-        (radiance * share > 0.0).then_some(Found { light, radiance: radiance * share, tint: Tint::Own, through: &[] })
-    }
-
-    /// Calls `found` for every distant lamp that a ray leaving the scene sees.
-    pub(super) fn found_outside(
-        &self,
-        direction: DVec3,
-        counts: Counts,
-        tally: &mut Tally,
-        mut found: impl FnMut(Found<'_, 'a>),
-    ) {
-        if matches!(counts, Counts::Not) {
-            return;
-        }
-        for &number in &self.scene.distant_lights {
-            tally.environment_rays += 1;
-            let light = &self.scene.lights[number];
-            let Some((radiance, tint)) = light.escaping(direction) else {
-                continue;
-            };
-            let share = match counts {
-                Counts::Not => 0.0,
-                Counts::Fully => 1.0,
-                Counts::Shared { pdf, .. } => {
-                    power_heuristic(pdf, light.escaping_pdf(direction) * self.probability(number))
-                }
-            };
-            if radiance * share > 0.0 {
-                found(Found { light, radiance: radiance * share, tint, through: &[] });
-            }
-        }
-    }
-
-    /// What one ray from `start`, drawn with density `pdf`, finds: a lamp's surface, or the distant lamps.
-    #[inline(always)]
-    pub(super) fn look<const BODIES: bool>(
-        &self,
-        start: Start,
-        pdf: f64,
-        tally: &mut Tally,
-        mut found: impl FnMut(Found<'_, 'a>),
-    ) {
-        let counts = Counts::Shared { place: start.ray.origin, pdf };
-        let Ray { direction, .. } = start.ray;
-        match self.scene.geometry.intersect(&start.ray, start.from, f64::INFINITY) {
-            Some(hit) => {
-                if let Some(lamp) = self.found_on_surface(direction, &hit, counts) {
-                    if BODIES {
-                        let through = self.through(start, hit.t, direction.to_array());
-                        found(Found { through: &through, ..lamp });
-                    } else {
-                        found(lamp);
-                    }
-                }
-            }
-            None => self.found_outside(direction, counts, tally, |lamp| {
-                let through = self.through(start, f64::INFINITY, direction.to_array());
-                found(Found { through: &through, ..lamp });
-            }),
-        }
+        (radiance * share > 0.0).then_some(Found { light, radiance: radiance * share, tint })
     }
 }
 

@@ -1,11 +1,12 @@
 //! Density estimation: from the photons around a point to the radiance that leaves it.
 
-use super::photon_gather::Gatherer;
+use super::camera_path::CameraPath;
 use super::throughput::{Colour, Factor, product};
 use crate::map::kernel::{Disk, Kernels, Shares};
-use crate::map::{Load, PhotonIndex, VolumeMaps};
-use crate::optics::surface::Transport;
-use crate::walk::{Encounter, Sink};
+use crate::map::{Load, Nearby, PhotonIndex, VolumeMaps};
+use crate::math::frame::Frame;
+use crate::optics::surface::{Sides, Surface, Transport};
+use crate::walk::{Encounter, Sink, bias_of_excess};
 use glam::DVec3;
 
 /// The photon maps of one set of photons: caustics are sharp and want small kernels, indirect light is smooth and wants large ones.
@@ -54,51 +55,85 @@ const NORMAL_TOLERANCE: f64 = 0.7;
 /// Photons off the tangent plane by more than this share of the radius do not count.
 const PLANE_TOLERANCE: f64 = 0.3;
 
-impl Gatherer<'_> {
-    /// Adds the radiance that the photons of one map within `radius` (m) around the encounter send back along the path; of the kernels these
-    /// `shares` lie on the surface. The angle at which a photon came in is
-    /// taken from the surface where it arrived: by the tangent plane here, flat light on a curved surface would partly seem to come
-    /// from below. With interpolated normals the flux came through the true surface and the reflectance is for the shaded one:
-    /// |ω·n_s| / |ω·n_g|.
+/// A place that asks for the photons around it: all that is the same for each of them.
+///
+/// The angle at which a photon came in is taken from the surface where it arrived: by the tangent plane here, flat light on a curved surface would
+/// partly seem to come from below. With interpolated normals the flux came through the true surface and the reflectance is for the shaded one:
+/// |ω·n_s| / |ω·n_g|.
+pub(super) struct Receiver<'e> {
+    surface: &'e Surface,
+    sides: Sides<'e>,
+    frame: Frame,
+    wo: DVec3,
+    place: DVec3,
+    normal: DVec3,
+    /// The normal on the side that was seen.
+    facing: DVec3,
+    /// How far off the tangent plane photons may lie, in m.
+    height: f64,
+    disk: Disk,
+    colour: Colour,
+    factors: &'e [Factor<'e>],
+    /// The relative bias of what the path carries.
+    bias: f64,
+    /// Whether photons on the other side count too.
+    through: bool,
+    /// Whether the normal is interpolated.
+    interpolated: bool,
+}
+
+impl<'e> Receiver<'e> {
+    /// What asks at the end of a path for photons within `radius` (m); of the kernels these `shares` lie on the surface.
     #[inline(always)]
-    pub(super) fn estimate<S: Sink>(
-        &self,
-        encounter: &Encounter<'_>,
-        (map, radius, shares): (&PhotonIndex, f64, Shares),
-        (colour, bias): (Colour, f64),
-        factors: &[Factor<'_>],
-        sink: &mut S,
-    ) {
-        let disk = Disk::new(radius * radius).over(shares);
-        let Encounter { surface, wo, sides, frame, .. } = *encounter;
-        let (place, normal) = (encounter.hit.position, encounter.hit.normal);
-        let facing = if encounter.leads_back(normal) { normal } else { -normal };
-        let through = surface.lets_through();
-        let shading = frame.normal();
-        let interpolated = shading != normal;
-        map.within(place.as_vec3().to_array(), radius as f32, |found| {
-            let photon = &found.photon;
-            let photon_normal = photon.normal();
-            let alignment = photon_normal.dot(facing);
-            let side = if through { alignment.signum() } else { 1.0 };
-            let offset = DVec3::from(found.position.map(f64::from)) - place;
-            if alignment * side < NORMAL_TOLERANCE || offset.dot(normal).abs() > PLANE_TOLERANCE * radius {
-                return;
-            }
-            let to_light = photon.to_light();
-            let kernels = disk.at(f64::from(found.distance2));
-            // Photons bring flux through their own piece of surface; on a curved one that is tilted against the place in question.
-            let own_cosine = to_light.dot(photon_normal) * side;
-            let (wi, kernels) = if interpolated {
-                let correction = if own_cosine == 0.0 { 0.0 } else { (to_light.dot(shading) / own_cosine).abs() };
-                (to_light, kernels.times(correction))
-            } else {
-                ((to_light + (own_cosine - to_light.dot(facing)) * facing).normalize(), kernels)
-            };
-            let wi = frame.to_local(wi);
-            let bsdf = |nm: f64| surface.eval(wo, wi, sides, Transport::Radiance, nm);
-            add_photon(&photon.load, (kernels, bias), (colour, factors), sink, bsdf);
-        });
+    pub(super) fn new(
+        encounter: &Encounter<'e>,
+        (radius, shares): (f64, Shares),
+        path: &CameraPath,
+        factors: &'e [Factor<'e>],
+    ) -> Self {
+        let normal = encounter.hit.normal;
+        Self {
+            surface: encounter.surface,
+            sides: encounter.sides,
+            frame: encounter.frame,
+            wo: encounter.wo,
+            place: encounter.hit.position,
+            normal,
+            facing: if encounter.leads_back(normal) { normal } else { -normal },
+            height: PLANE_TOLERANCE * radius,
+            disk: Disk::new(radius * radius).over(shares),
+            colour: path.colour,
+            factors,
+            bias: bias_of_excess(path.excess_depth),
+            through: encounter.surface.lets_through(),
+            interpolated: encounter.frame.normal() != normal,
+        }
+    }
+
+    /// Adds the radiance that a photon nearby sends back along the path.
+    #[inline(always)]
+    pub(super) fn add<S: Sink>(&self, found: &Nearby, sink: &mut S) {
+        let photon = &found.photon;
+        let photon_normal = photon.normal();
+        let alignment = photon_normal.dot(self.facing);
+        let side = if self.through { alignment.signum() } else { 1.0 };
+        let offset = DVec3::from(found.position.map(f64::from)) - self.place;
+        if alignment * side < NORMAL_TOLERANCE || offset.dot(self.normal).abs() > self.height {
+            return;
+        }
+        let to_light = photon.to_light();
+        let kernels = self.disk.at(f64::from(found.distance2));
+        // Photons bring flux through their own piece of surface; on a curved one that is tilted against the place in question.
+        let own_cosine = to_light.dot(photon_normal) * side;
+        let (wi, kernels) = if self.interpolated {
+            let shaded = to_light.dot(self.frame.normal());
+            (to_light, kernels.times(if own_cosine == 0.0 { 0.0 } else { (shaded / own_cosine).abs() }))
+        } else {
+            ((to_light + (own_cosine - to_light.dot(self.facing)) * self.facing).normalize(), kernels)
+        };
+        let wi = self.frame.to_local(wi);
+        let bsdf = |nm: f64| self.surface.eval(self.wo, wi, self.sides, Transport::Radiance, nm);
+        add_photon(&photon.load, (kernels, self.bias), (self.colour, self.factors), sink, bsdf);
     }
 }
 

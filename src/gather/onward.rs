@@ -16,15 +16,16 @@ impl<'a> Gatherer<'a> {
     /// Where the path goes on from a mirror, from glass or from a rough surface; `None` where it ends.
     pub(super) fn go_on<S: Sink>(
         &self,
-        mut path: CameraPath,
-        encounter: Encounter<'a>,
+        path: &CameraPath,
+        encounter: &Encounter<'a>,
         sample: &mut Sample<'_, 'a, S>,
     ) -> Option<CameraPath> {
-        let goes_on = if let (Colour::Free, true) = (path.colour, self.disperses(&encounter)) {
-            self.go_on_through_dispersive(&mut path, &encounter, sample)
+        let mut path = *path;
+        let goes_on = if let (Colour::Free, true) = (path.colour, self.disperses(encounter)) {
+            self.go_on_through_dispersive(&mut path, encounter, sample)
         } else {
             let u = sample.numbers.stream.triple();
-            self.scatter_once(&mut path, &encounter, u, sample)
+            self.scatter_once(&mut path, encounter, u, sample)
         };
         (goes_on && survives(self.scene, &mut path, sample)).then_some(path)
     }
@@ -98,7 +99,7 @@ impl<'a> Gatherer<'a> {
                 None => self.scatter_once(&mut single, encounter, u, sample),
             };
             if goes_on && survives(self.scene, &mut single, sample) {
-                self.follow(&single, sample);
+                self.follow_lane(&single, sample);
             }
         }
     }

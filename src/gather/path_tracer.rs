@@ -5,13 +5,15 @@
 //! without extent through glass; photon mapping can.
 
 use super::CameraNumbers;
-use super::direct::{Asking, Counts, Direct, Found};
+use super::direct::{Asking, Counts, Direct};
 use super::throughput::relative_n2;
 use crate::optics::surface::{Class, Transport};
 use crate::plan::BetweenPlan;
 use crate::scene::Scene;
+use crate::scene::geometry::Hit;
 use crate::spectrum::{LANES, Lanes, WavelengthDistribution, Wavelengths};
 use crate::walk::{Encounter, Leg, Scattered, Sink, Start, Tally, next, passes, scatter};
+use glam::DVec3;
 use std::ops::ControlFlow;
 
 /// All that the path tracer needs.
@@ -50,8 +52,7 @@ impl<'a> PathTracer<'a> {
             let encounter = match self.next(&mut path, &mut numbers, tally, sink) {
                 ControlFlow::Continue(Some(encounter)) => encounter,
                 ControlFlow::Continue(None) => {
-                    let direction = path.start.ray.direction;
-                    self.direct.found_outside(direction, path.counts, tally, |lamp| path.see(&lamp, sink));
+                    self.see_lamps(&path, (path.start.ray.direction, None), tally, sink);
                     return;
                 }
                 ControlFlow::Break(()) => return,
@@ -60,9 +61,7 @@ impl<'a> PathTracer<'a> {
                 // Shadow rays stop at hidden faces: a lamp behind one is counted where the path finds it.
                 path.counts = Counts::Fully;
             }
-            if let Some(lamp) = self.direct.found_on_surface(encounter.incoming, &encounter.hit, path.counts) {
-                path.see(&lamp, sink);
-            }
+            self.see_lamps(&path, (encounter.incoming, Some(encounter.hit)), tally, sink);
             if matches!(encounter.surface.class(), Class::Diffuse | Class::Glossy) {
                 let u = if depth == 0 { numbers.lamp() } else { numbers.stream.triple() };
                 self.ask_lamps(&path, &encounter, u, tally, sink);
@@ -113,27 +112,37 @@ impl<'a> PathTracer<'a> {
         Some(Path { start, wavelengths, throughput, first: throughput, counts: Counts::Fully })
     }
 
+    /// Lamps found by the path itself: on a surface, or at infinity.
+    fn see_lamps<S: Sink>(
+        &self,
+        path: &Path,
+        (direction, hit): (DVec3, Option<Hit>),
+        tally: &mut Tally,
+        sink: &mut S,
+    ) {
+        for &number in self.direct.seen(hit.as_ref()) {
+            let Some(lamp) = self.direct.found(number, (direction, hit), path.counts, tally) else { continue };
+            for (k, &nm) in path.wavelengths.active().iter().enumerate() {
+                sink.radiance(nm, path.throughput[k] * lamp.light.shape_at(lamp.tint, nm) * lamp.radiance);
+            }
+        }
+    }
+
     fn ask_lamps<S: Sink>(&self, path: &Path, encounter: &Encounter<'a>, mut u: [f64; 3], tally: &mut Tally, sink: &mut S) {
         for number in self.direct.asked(&mut u) {
             let asking = Asking { encounter, nm: path.wavelengths.hero(), u };
-            let Some(lit) = self.direct.ask::<true>(asking, number, tally) else { continue };
+            let Some(lit) = self.direct.ask(asking, number, tally) else { continue };
+            let through = self.direct.through::<true>(encounter, (lit.direction, lit.distance), u);
             for (k, &nm) in path.wavelengths.active().iter().enumerate() {
                 let f = encounter.surface.eval(encounter.wo, lit.wi, encounter.sides, Transport::Radiance, nm);
                 let sent = path.throughput[k] * f * lit.light.shape_at(lit.tint, nm);
-                sink.radiance(nm, sent * lit.strength * passes(&lit.through, nm));
+                sink.radiance(nm, sent * lit.strength * passes(&through, nm));
             }
         }
     }
 }
 
 impl Path {
-    /// A lamp found by the path itself.
-    fn see<S: Sink>(&self, lamp: &Found<'_, '_>, sink: &mut S) {
-        for (k, &nm) in self.wavelengths.active().iter().enumerate() {
-            sink.radiance(nm, self.throughput[k] * lamp.light.shape_at(lamp.tint, nm) * lamp.radiance);
-        }
-    }
-
     fn go_on(&mut self, encounter: &Encounter<'_>, scattered: &Scattered) {
         (0..LANES).for_each(|k| self.throughput[k] *= scattered.weight[k]);
         if let Some(kept) = scattered.kept {

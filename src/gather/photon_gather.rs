@@ -3,7 +3,7 @@
 use super::CameraNumbers;
 use super::camera_path::{CameraPath, Scratch};
 use super::direct::{Asking, Counts, Direct, Found};
-use super::estimate::{Maps, Radii, RadiusKind};
+use super::estimate::{Maps, Radii, RadiusKind, Receiver};
 use super::landing::Landing;
 use super::outline::Outlines;
 use super::throughput::{Colour, Factor, product};
@@ -15,9 +15,10 @@ use crate::plan::partition::{Estimator, LightPath, View, estimator};
 use crate::plan::{BetweenPlan, IndirectPlan, Plan, WavelengthPlan};
 use crate::scene::Scene;
 use crate::scene::camera::SystemAt;
-use crate::scene::interior::Interior;
+use crate::scene::geometry::{Hit, Ray};
 use crate::spectrum::{LANES, Lanes};
 use crate::walk::{Encounter, Sink, Tally, bias_of_excess, excess_depth, next, next_in_air, passes};
+use glam::DVec3;
 
 /// All that camera paths of a pass need.
 #[derive(Debug)]
@@ -53,7 +54,7 @@ pub struct Gatherer<'a> {
 /// What one camera sample uses from end to end.
 pub(super) struct Sample<'s, 'a, S> {
     pub(super) pixel: u64,
-    pub(super) numbers: CameraNumbers,
+    pub(super) numbers: &'s mut CameraNumbers,
     pub(super) radii: &'s Radii,
     pub(super) scratch: &'s mut Scratch<'a>,
     pub(super) sink: &'s mut S,
@@ -65,7 +66,7 @@ impl<'a> Gatherer<'a> {
     pub fn sample<S: Sink>(
         &self,
         pixel: u64,
-        numbers: CameraNumbers,
+        mut numbers: CameraNumbers,
         radii: &Radii,
         (scratch, tally): (&mut Scratch<'a>, &mut Tally),
         sink: &mut S,
@@ -76,7 +77,7 @@ impl<'a> Gatherer<'a> {
         let camera = &self.scene.camera;
         tally.lens_rays += u64::from(self.plan.aperture.is_finite());
         let path = |ray| CameraPath::new(ray, camera.interior);
-        let mut sample = Sample { pixel, numbers, radii, scratch, sink, tally };
+        let mut sample = Sample { pixel, numbers: &mut numbers, radii, scratch, sink, tally };
         match (&self.glass, self.plan.wavelengths) {
             (Some(lanes), _) => {
                 for (lane, glass) in lanes.iter().enumerate() {
@@ -84,13 +85,13 @@ impl<'a> Gatherer<'a> {
                     let Some((ray, weight)) = through else { continue };
                     if let Some(mut single) = self.on_lane(path(ray), lane, &mut sample) {
                         single.multiply(Factor::Grey(weight), sample.scratch);
-                        self.follow(&single, &mut sample);
+                        self.follow_lane(&single, &mut sample);
                     }
                 }
             }
             (None, WavelengthPlan::Shared) => self.split(path(sample.numbers.ray(camera, pixel)), &mut sample),
             (None, WavelengthPlan::Free | WavelengthPlan::Both) => {
-                self.follow(&path(sample.numbers.ray(camera, pixel)), &mut sample);
+                self.follow(path(sample.numbers.ray(camera, pixel)), &mut sample);
             }
         }
     }
@@ -99,7 +100,7 @@ impl<'a> Gatherer<'a> {
     fn split<S: Sink>(&self, path: CameraPath, sample: &mut Sample<'_, 'a, S>) {
         for lane in 0..LANES {
             if let Some(single) = self.on_lane(path, lane, sample) {
-                self.follow(&single, sample);
+                self.follow_lane(&single, sample);
             }
         }
     }
@@ -115,8 +116,14 @@ impl<'a> Gatherer<'a> {
         Some(CameraPath { colour: Colour::Shared { lane, nm, throughput }, ..path })
     }
 
+    /// Follows a path at one wavelength to its end.
+    pub(super) fn follow_lane<S: Sink>(&self, path: &CameraPath, sample: &mut Sample<'_, 'a, S>) {
+        self.follow(*path, sample);
+    }
+
     /// Follows a path to its end.
-    pub(super) fn follow<S: Sink>(&self, path: &CameraPath, sample: &mut Sample<'_, 'a, S>) {
+    #[inline(always)]
+    fn follow<S: Sink>(&self, path: CameraPath, sample: &mut Sample<'_, 'a, S>) {
         let factors_before = sample.scratch.factors.len();
         match self.plan.between {
             BetweenPlan::Air => self.follow_among::<false, S>(path, sample),
@@ -130,8 +137,7 @@ impl<'a> Gatherer<'a> {
     /// The same; without `BODIES` nothing has an inside, and there is air on both sides of every surface. (What few paths need takes copies of path
     /// and encounter: then neither has to stay in memory for all.)
     #[inline(always)]
-    fn follow_among<const BODIES: bool, S: Sink>(&self, path: &CameraPath, sample: &mut Sample<'_, 'a, S>) {
-        let mut path = *path;
+    fn follow_among<const BODIES: bool, S: Sink>(&self, mut path: CameraPath, sample: &mut Sample<'_, 'a, S>) {
         while path.depth < self.max_depth {
             let met = match self.plan.between {
                 BetweenPlan::Absorbing | BetweenPlan::Scattering(_) if BODIES => self.advance(&mut path, sample),
@@ -139,7 +145,7 @@ impl<'a> Gatherer<'a> {
                 _ => next_in_air(self.scene, path.start, &mut sample.numbers.stream.uniform()),
             };
             let Some(encounter) = met else {
-                return self.look_outside(path, sample);
+                return self.see_lamps(&path, (path.start.ray.direction, None), sample);
             };
             path.depth += 1;
             path.distance += encounter.distance;
@@ -150,29 +156,35 @@ impl<'a> Gatherer<'a> {
                     Counts::Shared { .. } | Counts::Not => Counts::Not,
                 };
             }
-            if let Some(lamp) = self.direct.found_on_surface(encounter.incoming, &encounter.hit, path.counts) {
-                add_lamp(path, &sample.scratch.factors, &lamp, sample.numbers.wavelength, sample.sink);
-            }
+            self.see_lamps(&path, (encounter.incoming, Some(&encounter.hit)), sample);
             let class = encounter.surface.class();
             if class >= Class::Glossy {
                 self.gather_light::<BODIES, S>(&path, &encounter, class, sample);
             }
-            path = match class {
-                Class::Absorbing | Class::Diffuse => return,
-                Class::Glossy | Class::Specular => match self.go_on(path, encounter, sample) {
-                    Some(path) => path,
-                    None => return,
-                },
-            };
+            if matches!(class, Class::Absorbing | Class::Diffuse) {
+                return;
+            }
+            let (here, at) = (path, encounter);
+            match self.go_on(&here, &at, sample) {
+                Some(onward) => path = onward,
+                None => return,
+            }
         }
     }
 
-    /// The lamps at infinity.
-    fn look_outside<S: Sink>(&self, path: CameraPath, sample: &mut Sample<'_, 'a, S>) {
-        let Sample { scratch, sink, tally, numbers, .. } = sample;
-        self.direct.found_outside(path.start.ray.direction, path.counts, tally, |lamp| {
-            add_lamp(path, &scratch.factors, &lamp, numbers.wavelength, *sink);
-        });
+    /// The lamps that a path sees where a leg ends: on a surface, or at infinity.
+    #[inline(always)]
+    fn see_lamps<S: Sink>(
+        &self,
+        path: &CameraPath,
+        (direction, hit): (DVec3, Option<&Hit>),
+        sample: &mut Sample<'_, 'a, S>,
+    ) {
+        for &number in self.direct.seen(hit) {
+            if let Some(lamp) = self.direct.found(number, (direction, hit.copied()), path.counts, sample.tally) {
+                add_lamp(*path, &lamp, sample);
+            }
+        }
     }
 
     /// Light at a surface that spreads it: from lamps, and what photons brought. At a diffuse one the path ends.
@@ -223,11 +235,12 @@ impl<'a> Gatherer<'a> {
         let (surface, wo, sides) = (encounter.surface, encounter.wo, encounter.sides);
         for number in self.direct.asked(&mut u) {
             let asking = Asking { encounter, nm, u };
-            let Some(lit) = self.direct.ask::<BODIES>(asking, number, sample.tally) else { continue };
-            let bias = bias_of_excess(path.excess_depth + excess_depth(&lit.through, nm));
+            let Some(lit) = self.direct.ask(asking, number, sample.tally) else { continue };
+            let through = self.direct.through::<BODIES>(encounter, (lit.direction, lit.distance), u);
+            let bias = bias_of_excess(path.excess_depth + excess_depth(&through, nm));
             each_wavelength(path.colour, &sample.scratch.factors, lit.light, wavelength, |nm, share| {
                 let f = surface.eval(wo, lit.wi, sides, Transport::Radiance, nm);
-                let weight = share * lit.light.shape_at(lit.tint, nm) * lit.strength * f * passes(&lit.through, nm);
+                let weight = share * lit.light.shape_at(lit.tint, nm) * lit.strength * f * passes(&through, nm);
                 sample.sink.biased(nm, weight, weight * bias);
             });
         }
@@ -248,19 +261,21 @@ impl<'a> Gatherer<'a> {
             return;
         };
         let direction = encounter.frame.to_world(scatter.wi);
-        let interior = if BODIES { encounter.interior_towards(direction) } else { Interior::AIR };
-        let start = encounter.leave(direction, interior);
-        let wavelength = sample.numbers.wavelength;
-        let Sample { scratch, sink, tally, .. } = sample;
-        self.direct.look::<BODIES>(start, scatter.probability, tally, |lamp| {
-            let bias = bias_of_excess(path.excess_depth + excess_depth(lamp.through, nm));
-            each_wavelength(path.colour, &scratch.factors, lamp.light, wavelength, |nm, share| {
+        let ray = Ray { origin: encounter.hit.position, direction };
+        let hit = self.scene.geometry.intersect(&ray, Some(encounter.hit.surface), f64::INFINITY);
+        let counts = Counts::Shared { place: ray.origin, pdf: scatter.probability };
+        for &number in self.direct.seen(hit.as_ref()) {
+            let Some(lamp) = self.direct.found(number, (direction, hit), counts, sample.tally) else { continue };
+            let length_m = hit.map_or(f64::INFINITY, |hit| hit.t);
+            let through = self.direct.through::<BODIES>(encounter, (direction, length_m), direction.to_array());
+            let bias = bias_of_excess(path.excess_depth + excess_depth(&through, nm));
+            each_wavelength(path.colour, &sample.scratch.factors, lamp.light, sample.numbers.wavelength, |nm, share| {
                 let response = surface.response(wo, &scatter, sides, Transport::Radiance, nm) / scatter.probability;
-                let arriving = lamp.light.shape_at(lamp.tint, nm) * lamp.radiance * passes(lamp.through, nm);
+                let arriving = lamp.light.shape_at(lamp.tint, nm) * lamp.radiance * passes(&through, nm);
                 let weight = share * arriving * response;
-                sink.biased(nm, weight, weight * bias);
+                sample.sink.biased(nm, weight, weight * bias);
             });
-        });
+        }
     }
 
     /// Light that photons brought, as far as the partition leaves it to the maps.
@@ -281,36 +296,36 @@ impl<'a> Gatherer<'a> {
             Colour::Free => path.view,
             Colour::Shared { .. } => View::Relayed,
         };
-        let classes = [(LightPath::Caustic, &maps.caustic, kinds[0]), (LightPath::Indirect, &maps.indirect, kinds[1])];
-        for (light_path, map, kind) in classes {
-            let wanted = light_path != LightPath::Indirect || self.plan.indirect != IndirectPlan::Absent;
-            if wanted && !map.is_empty() && estimator(light_path, class, view) == Estimator::PhotonMap {
-                sample.tally.map_queries += 1;
-                let radius = f64::from(sample.radii[kind as usize]) * self.scales.surface;
-                let radius = radius.max(radius::least(encounter.hit.position));
-                let shares = match path.view {
-                    _ if self.outlines.is_empty() => Shares::WHOLE,
-                    View::Seen => self.outlines.shares(sample.pixel as usize, &self.landing(path, encounter), radius),
-                    View::Relayed => Shares::WHOLE,
-                };
-                self.estimate(
-                    encounter,
-                    (map, radius, shares),
-                    (path.colour, bias_of_excess(path.excess_depth)),
-                    &sample.scratch.factors,
-                    sample.sink,
-                );
+        for light_path in [LightPath::Caustic, LightPath::Indirect] {
+            let (map, kind, wanted) = match light_path {
+                LightPath::Indirect => (&maps.indirect, kinds[1], self.plan.indirect != IndirectPlan::Absent),
+                LightPath::Direct | LightPath::Caustic => (&maps.caustic, kinds[0], true),
+            };
+            if map.is_empty() || !wanted || estimator(light_path, class, view) != Estimator::PhotonMap {
+                continue;
             }
+            sample.tally.map_queries += 1;
+            let radius = f64::from(sample.radii[kind as usize]) * self.scales.surface;
+            let radius = radius.max(radius::least(encounter.hit.position));
+            let shares = match path.view {
+                _ if self.outlines.is_empty() => Shares::WHOLE,
+                View::Seen => self.outlines.shares(sample.pixel as usize, &self.landing(path, encounter), radius),
+                View::Relayed => Shares::WHOLE,
+            };
+            let receiver = Receiver::new(encounter, (radius, shares), path, &sample.scratch.factors);
+            map.within(encounter.hit.position.as_vec3().to_array(), radius as f32, |found| {
+                receiver.add(&found, sample.sink);
+            });
         }
     }
 }
 
-/// Adds a lamp that a path sees; `u` shifts the wavelengths at which it is looked at.
-fn add_lamp<S: Sink>(path: CameraPath, factors: &[Factor<'_>], lamp: &Found<'_, '_>, u: f64, sink: &mut S) {
+/// Adds a lamp that a path sees.
+fn add_lamp<S: Sink>(path: CameraPath, lamp: &Found<'_>, sample: &mut Sample<'_, '_, S>) {
     let bias = bias_of_excess(path.excess_depth);
-    each_wavelength(path.colour, factors, lamp.light, u, |nm, share| {
+    each_wavelength(path.colour, &sample.scratch.factors, lamp.light, sample.numbers.wavelength, |nm, share| {
         let weight = share * lamp.light.shape_at(lamp.tint, nm) * lamp.radiance;
-        sink.biased(nm, weight, weight * bias);
+        sample.sink.biased(nm, weight, weight * bias);
     });
 }
 

@@ -19,7 +19,7 @@ pub struct PhotonIndex {
 
 /// A photon found near a place.
 #[derive(Debug, Clone, Copy)]
-pub struct Found {
+pub struct Nearby {
     /// The photon.
     pub photon: Photon,
     /// Its place.
@@ -51,11 +51,11 @@ impl PhotonIndex {
 
     /// Calls `visit` for every photon within `radius` (m) of the place; allocates nothing.
     #[inline]
-    pub fn within(&self, place: [f32; 3], radius: f32, mut visit: impl FnMut(Found)) {
+    pub fn within(&self, place: [f32; 3], radius: f32, mut visit: impl FnMut(Nearby)) {
         if let Some(tree) = &self.tree {
             tree.query(&place).within::<SquaredEuclidean<f32>>(radius * radius).unsorted().with_points().visit(
                 |found| {
-                    visit(Found { photon: found.item, position: found.point, distance2: found.distance });
+                    visit(Nearby { photon: found.item, position: found.point, distance2: found.distance });
                 },
             );
         }

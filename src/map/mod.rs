@@ -7,7 +7,7 @@ pub mod photon;
 pub mod radius;
 mod volume;
 
-pub use index::PhotonIndex;
+pub use index::{Nearby, PhotonIndex};
 pub use near_ray::{Cone, Width};
 pub use photon::{Load, Photon};
 pub use volume::{Beam, Came, LightMap, LightMaps, Look, Neighbour, VolumeMap, VolumeMaps, VolumePhoton};
