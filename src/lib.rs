@@ -59,7 +59,7 @@
 //! let sodium = Wavelengths::single(589.3);
 //! let mut stream = Stream::new(7, Purpose::FreePhoton, 0, 0);
 //! let mut met = Vec::new();
-//! while let Some(encounter) = next(&scene, start, &mut 0.0) {
+//! while let Some(encounter) = next(&scene, start, 0.0) {
 //!     met.push(scene.objects[encounter.hit.object as usize].name.clone());
 //!     let Some(scattered) = scatter(&encounter, &sodium, Transport::Importance, &mut stream) else { break };
 //!     if met.last().is_some_and(|name| name == "floor") { break }

@@ -2,9 +2,9 @@
 
 use super::scenes::{Prepared, Total, gatherer};
 use abbe::gather::{CameraNumbers, Maps, Outlines, RADIUS_KINDS, Scratch, power_heuristic};
-use abbe::map::radius::least;
 use abbe::map::LightMaps;
 use abbe::map::kernel::Disk;
+use abbe::map::radius::least;
 use abbe::optics::surface::{Class, Sides, Transport};
 use abbe::scene::geometry::Ray;
 use abbe::scene::light::{Light, Tint};
@@ -13,7 +13,7 @@ use abbe::walk::{Sink, Tally};
 use glam::DVec3;
 
 /// Kernels of about 50 photons.
-const RADIUS_M: f32 = 0.05;
+const RADIUS_M: f32 = 0.2;
 
 /// Photons of surfaces that face another way, or off the tangent plane, do not count.
 const NORMAL_TOLERANCE: f64 = 0.7;

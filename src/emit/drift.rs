@@ -63,9 +63,9 @@ pub(super) fn drift<'a, R: Receiver>(
     ledger: &mut Ledger,
 ) -> Option<Encounter<'a>> {
     for _ in 0..MAX_COLLISIONS {
-        let mut component = stream.uniform();
+        let component = stream.uniform();
         let mut met = None;
-        let leg = travel(scene, flight.start, &mut component, |stretch| {
+        let leg = travel(scene, flight.start, component, |stretch| {
             let collision = flight.cross(stretch, (&mut *stream, &mut *receiver), ledger);
             let Some(distance) = collision else {
                 return ControlFlow::Continue(());

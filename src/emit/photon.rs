@@ -203,7 +203,12 @@ fn trace_one<const BODIES: bool, R: Receiver>(
 }
 
 #[inline(always)]
-fn emit<const BODIES: bool, R: Receiver>(emitters: &Emitters<'_>, points: &Sobol, index: u32, receiver: &mut R) -> Flight {
+fn emit<const BODIES: bool, R: Receiver>(
+    emitters: &Emitters<'_>,
+    points: &Sobol,
+    index: u32,
+    receiver: &mut R,
+) -> Flight {
     let u = points.point(index);
     let mut which = u[1];
     let number = emitters.choice.sample(&mut which);
@@ -238,7 +243,7 @@ fn fly<'a, const BODIES: bool, R: Receiver>(
     if BODIES && !emitters.between.is_clear() {
         return drift(emitters.scene, flight, (stream, receiver), ledger);
     }
-    let component = &mut stream.uniform();
+    let component = stream.uniform();
     let encounter = match BODIES {
         true => next(emitters.scene, flight.start, component),
         false => next_in_air(emitters.scene, flight.start, component),

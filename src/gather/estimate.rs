@@ -112,7 +112,7 @@ impl<'e> Receiver<'e> {
 
     /// Adds the radiance that a photon nearby sends back along the path.
     #[inline(always)]
-    pub(super) fn add<S: Sink>(&self, found: &Nearby, sink: &mut S) {
+    pub(super) fn add<const BODIES: bool, S: Sink>(&self, found: &Nearby, sink: &mut S) {
         let photon = &found.photon;
         let photon_normal = photon.normal();
         let alignment = photon_normal.dot(self.facing);
@@ -133,14 +133,14 @@ impl<'e> Receiver<'e> {
         };
         let wi = self.frame.to_local(wi);
         let bsdf = |nm: f64| self.surface.eval(self.wo, wi, self.sides, Transport::Radiance, nm);
-        add_photon(&photon.load, (kernels, self.bias), (self.colour, self.factors), sink, bsdf);
+        add_photon::<BODIES, S>(&photon.load, (kernels, self.bias), (self.colour, self.factors), sink, bsdf);
     }
 }
 
 /// Adds what a photon sends back along a camera path; `scattered` is the share of its power at a wavelength that goes that way,
-/// per sr, and `bias` its relative bias but for the kernel's.
-#[inline]
-pub(super) fn add_photon<S: Sink>(
+/// per sr, and `bias` its relative bias but for the kernel's. Without `BODIES` photons keep all their wavelengths.
+#[inline(always)]
+pub(super) fn add_photon<const BODIES: bool, S: Sink>(
     load: &Load,
     (kernels, bias): (Kernels, f64),
     (colour, factors): (Colour, &[Factor<'_>]),
@@ -151,7 +151,9 @@ pub(super) fn add_photon<S: Sink>(
     let mut add = |nm: f64, radiance: f64| sink.biased(nm, radiance * estimate, radiance * bias);
     match colour {
         Colour::Free => {
-            if factors.is_empty() {
+            if !BODIES && factors.is_empty() {
+                load.all_lanes().for_each(|(nm, power)| add(nm, scattered(nm) * power));
+            } else if factors.is_empty() {
                 load.lanes().for_each(|(nm, power)| add(nm, scattered(nm) * power));
             } else {
                 load.lanes().for_each(|(nm, power)| add(nm, scattered(nm) * product(factors, nm) * power));

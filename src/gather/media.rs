@@ -25,9 +25,9 @@ impl<'a> Gatherer<'a> {
         path: &mut CameraPath,
         sample: &mut Sample<'_, 'a, S>,
     ) -> Option<Encounter<'a>> {
-        let mut component = sample.numbers.stream.uniform();
+        let component = sample.numbers.stream.uniform();
         let mut walked = path.distance;
-        let leg = travel(self.scene, path.start, &mut component, |stretch| {
+        let leg = travel(self.scene, path.start, component, |stretch| {
             self.cross(path, stretch, walked, sample);
             walked += stretch.length_m;
             ControlFlow::Continue(())
@@ -191,7 +191,7 @@ impl<'a> Gatherer<'a> {
             let excess = |way: &[Passage<'_>]| excess_depth(way, path.reference_nm());
             let of_beam = came.as_ref().map_or(0.0, |(passage, _)| excess(&[*passage]));
             let bias = bias_of_excess(path.excess_depth + excess(&here) + of_beam);
-            add_photon(found.load, (found.kernels, bias), (path.colour, factors), sink, |nm| {
+            add_photon::<true, S>(found.load, (found.kernels, bias), (path.colour, factors), sink, |nm| {
                 let arrived =
                     came.as_ref().map_or(1.0, |(passage, density)| passage.at(nm) * medium.scattering.at(nm) * density);
                 arrived * medium.phase.at(cosine, nm) * passes(&here, nm)

@@ -71,11 +71,7 @@ impl<'a> Gatherer<'a> {
     /// Reflectance of a smooth interface at the reference wavelength.
     fn reflectance(&self, encounter: &Encounter<'a>) -> f64 {
         let sides = encounter.sides;
-        fresnel::dielectric(
-            encounter.wo.z.abs(),
-            sides.here.n(REFERENCE_NM),
-            sides.there.n(REFERENCE_NM),
-        )
+        fresnel::dielectric(encounter.wo.z.abs(), sides.here.n(REFERENCE_NM), sides.there.n(REFERENCE_NM))
     }
 
     /// Sends the path on from here once for each shared wavelength; `refracted` says with which probability refraction was chosen, or that

@@ -23,9 +23,9 @@ impl<'a> PathTracer<'a> {
         sink: &mut S,
     ) -> Leg<'a> {
         for _ in 0..MAX_COLLISIONS {
-            let mut component = numbers.stream.uniform();
+            let component = numbers.stream.uniform();
             let mut met = None;
-            let leg = travel(self.scene, path.start, &mut component, |stretch| {
+            let leg = travel(self.scene, path.start, component, |stretch| {
                 path.see_glow(stretch, numbers, sink);
                 met = path.track(stretch, numbers, tally).map(|(t, medium)| (*stretch, t, medium));
                 if met.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

@@ -81,8 +81,8 @@ impl<'a> PathTracer<'a> {
     fn next<S: Sink>(&self, path: &mut Path, numbers: &mut CameraNumbers, tally: &mut Tally, sink: &mut S) -> Leg<'a> {
         match self.between {
             BetweenPlan::Air | BetweenPlan::Clear => {
-                let mut component = numbers.stream.uniform();
-                ControlFlow::Continue(next(self.scene, path.start, &mut component))
+                let component = numbers.stream.uniform();
+                ControlFlow::Continue(next(self.scene, path.start, component))
             }
             BetweenPlan::Absorbing | BetweenPlan::Scattering(_) => self.drift(path, numbers, tally, sink),
         }
@@ -113,13 +113,7 @@ impl<'a> PathTracer<'a> {
     }
 
     /// Lamps found by the path itself: on a surface, or at infinity.
-    fn see_lamps<S: Sink>(
-        &self,
-        path: &Path,
-        (direction, hit): (DVec3, Option<Hit>),
-        tally: &mut Tally,
-        sink: &mut S,
-    ) {
+    fn see_lamps<S: Sink>(&self, path: &Path, (direction, hit): (DVec3, Option<Hit>), tally: &mut Tally, sink: &mut S) {
         for &number in self.direct.seen(hit.as_ref()) {
             let Some(lamp) = self.direct.found(number, (direction, hit), path.counts, tally) else { continue };
             for (k, &nm) in path.wavelengths.active().iter().enumerate() {
@@ -128,7 +122,14 @@ impl<'a> PathTracer<'a> {
         }
     }
 
-    fn ask_lamps<S: Sink>(&self, path: &Path, encounter: &Encounter<'a>, mut u: [f64; 3], tally: &mut Tally, sink: &mut S) {
+    fn ask_lamps<S: Sink>(
+        &self,
+        path: &Path,
+        encounter: &Encounter<'a>,
+        mut u: [f64; 3],
+        tally: &mut Tally,
+        sink: &mut S,
+    ) {
         for number in self.direct.asked(&mut u) {
             let asking = Asking { encounter, nm: path.wavelengths.hero(), u };
             let Some(lit) = self.direct.ask(asking, number, tally) else { continue };

@@ -106,7 +106,12 @@ impl<'a> Gatherer<'a> {
     }
 
     /// A wavelength-free path, taken to one of the shared wavelengths; `None` where the lights have no power there.
-    pub(super) fn on_lane<S: Sink>(&self, path: CameraPath, lane: usize, sample: &mut Sample<'_, 'a, S>) -> Option<CameraPath> {
+    pub(super) fn on_lane<S: Sink>(
+        &self,
+        path: CameraPath,
+        lane: usize,
+        sample: &mut Sample<'_, 'a, S>,
+    ) -> Option<CameraPath> {
         let (nm, pdf) = (self.shared_nm[lane], self.shared_pdf[lane]);
         if pdf <= 0.0 {
             return None;
@@ -126,9 +131,9 @@ impl<'a> Gatherer<'a> {
     fn follow<S: Sink>(&self, path: CameraPath, sample: &mut Sample<'_, 'a, S>) {
         let factors_before = sample.scratch.factors.len();
         match self.plan.between {
-            BetweenPlan::Air => self.follow_among::<false, S>(path, sample),
+            BetweenPlan::Air => self.follow_among::<false, S>(&path, sample),
             BetweenPlan::Clear | BetweenPlan::Absorbing | BetweenPlan::Scattering(_) => {
-                self.follow_among::<true, S>(path, sample);
+                self.follow_among::<true, S>(&path, sample);
             }
         }
         sample.scratch.factors.truncate(factors_before);
@@ -137,12 +142,13 @@ impl<'a> Gatherer<'a> {
     /// The same; without `BODIES` nothing has an inside, and there is air on both sides of every surface. (What few paths need takes copies of path
     /// and encounter: then neither has to stay in memory for all.)
     #[inline(always)]
-    fn follow_among<const BODIES: bool, S: Sink>(&self, mut path: CameraPath, sample: &mut Sample<'_, 'a, S>) {
+    fn follow_among<const BODIES: bool, S: Sink>(&self, path: &CameraPath, sample: &mut Sample<'_, 'a, S>) {
+        let mut path = *path;
         while path.depth < self.max_depth {
             let met = match self.plan.between {
                 BetweenPlan::Absorbing | BetweenPlan::Scattering(_) if BODIES => self.advance(&mut path, sample),
-                _ if BODIES => next(self.scene, path.start, &mut sample.numbers.stream.uniform()),
-                _ => next_in_air(self.scene, path.start, &mut sample.numbers.stream.uniform()),
+                _ if BODIES => next(self.scene, path.start, sample.numbers.stream.uniform()),
+                _ => next_in_air(self.scene, path.start, sample.numbers.stream.uniform()),
             };
             let Some(encounter) = met else {
                 return self.see_lamps(&path, (path.start.ray.direction, None), sample);
@@ -208,7 +214,7 @@ impl<'a> Gatherer<'a> {
         if ends && self.plan.direct.scatters_to_lamps() {
             self.gather_scattered_lamps::<BODIES, S>(path, encounter, sample);
         }
-        self.gather_photons(path, encounter, class, sample);
+        self.gather_photons::<BODIES, S>(path, encounter, class, sample);
     }
 
     #[inline]
@@ -269,18 +275,24 @@ impl<'a> Gatherer<'a> {
             let length_m = hit.map_or(f64::INFINITY, |hit| hit.t);
             let through = self.direct.through::<BODIES>(encounter, (direction, length_m), direction.to_array());
             let bias = bias_of_excess(path.excess_depth + excess_depth(&through, nm));
-            each_wavelength(path.colour, &sample.scratch.factors, lamp.light, sample.numbers.wavelength, |nm, share| {
-                let response = surface.response(wo, &scatter, sides, Transport::Radiance, nm) / scatter.probability;
-                let arriving = lamp.light.shape_at(lamp.tint, nm) * lamp.radiance * passes(&through, nm);
-                let weight = share * arriving * response;
-                sample.sink.biased(nm, weight, weight * bias);
-            });
+            each_wavelength(
+                path.colour,
+                &sample.scratch.factors,
+                lamp.light,
+                sample.numbers.wavelength,
+                |nm, share| {
+                    let response = surface.response(wo, &scatter, sides, Transport::Radiance, nm) / scatter.probability;
+                    let arriving = lamp.light.shape_at(lamp.tint, nm) * lamp.radiance * passes(&through, nm);
+                    let weight = share * arriving * response;
+                    sample.sink.biased(nm, weight, weight * bias);
+                },
+            );
         }
     }
 
     /// Light that photons brought, as far as the partition leaves it to the maps.
     #[inline(always)]
-    fn gather_photons<S: Sink>(
+    fn gather_photons<const BODIES: bool, S: Sink>(
         &self,
         path: &CameraPath,
         encounter: &Encounter<'a>,
@@ -314,7 +326,7 @@ impl<'a> Gatherer<'a> {
             };
             let receiver = Receiver::new(encounter, (radius, shares), path, &sample.scratch.factors);
             map.within(encounter.hit.position.as_vec3().to_array(), radius as f32, |found| {
-                receiver.add(&found, sample.sink);
+                receiver.add::<BODIES, S>(&found, sample.sink);
             });
         }
     }

@@ -32,6 +32,12 @@ impl Load {
         lanes.map(|(&nm, &power)| (f64::from(nm), f64::from(power)))
     }
 
+    /// The same where photons keep all their wavelengths.
+    #[inline]
+    pub fn all_lanes(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        (0..LANES).map(|k| (f64::from(self.nm[k]), f64::from(self.power[k])))
+    }
+
     /// The power at the pass's shared wavelength number `lane`, if the photon still carries that.
     pub fn at_lane(&self, lane: usize) -> Option<f64> {
         if usize::from(self.count) == LANES {

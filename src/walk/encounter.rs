@@ -55,7 +55,7 @@ pub type Leg<'a> = ControlFlow<(), Option<Encounter<'a>>>;
 /// Follows the ray to the next surface that matters; `None` where it leaves the scene. `component` draws the component of mixed surfaces.
 /// What lies between surfaces is not looked at.
 #[inline]
-pub fn next<'a>(scene: &'a Scene, start: Start, component: &mut f64) -> Option<Encounter<'a>> {
+pub fn next<'a>(scene: &'a Scene, start: Start, component: f64) -> Option<Encounter<'a>> {
     let mut way = Way { at: start, distance: 0.0, crossed_hidden: false };
     loop {
         let hit = scene.geometry.intersect(&way.at.ray, way.at.from, f64::INFINITY)?;
@@ -67,7 +67,7 @@ pub fn next<'a>(scene: &'a Scene, start: Start, component: &mut f64) -> Option<E
 
 /// The same where nothing has an inside: every face is a surface that shows, with air on both sides.
 #[inline(always)]
-pub fn next_in_air<'a>(scene: &'a Scene, start: Start, component: &mut f64) -> Option<Encounter<'a>> {
+pub fn next_in_air<'a>(scene: &'a Scene, start: Start, component: f64) -> Option<Encounter<'a>> {
     let ray = start.ray;
     let hit = scene.geometry.intersect(&ray, start.from, f64::INFINITY)?;
     Some(Encounter::new(scene, ray.direction, hit, (Interior::AIR, Interior::AIR), component))
@@ -77,7 +77,7 @@ pub fn next_in_air<'a>(scene: &'a Scene, start: Start, component: &mut f64) -> O
 pub fn travel<'a>(
     scene: &'a Scene,
     start: Start,
-    component: &mut f64,
+    component: f64,
     mut along: impl FnMut(&Stretch<'a>) -> ControlFlow<()>,
 ) -> Leg<'a> {
     let mut way = Way { at: start, distance: 0.0, crossed_hidden: false };
@@ -104,7 +104,7 @@ struct Way {
 impl Way {
     /// Goes on to a hit: the encounter there, or `None` where the face does not show and is passed.
     #[inline]
-    fn meet<'a>(&mut self, scene: &'a Scene, hit: Hit, component: &mut f64) -> Option<Encounter<'a>> {
+    fn meet<'a>(&mut self, scene: &'a Scene, hit: Hit, component: f64) -> Option<Encounter<'a>> {
         self.distance += hit.t;
         let Start { ray, interior, .. } = self.at;
         let there = scene.across(&interior, &ray, &hit);
@@ -122,13 +122,7 @@ impl Way {
 
 impl<'a> Encounter<'a> {
     #[inline(always)]
-    fn new(
-        scene: &'a Scene,
-        incoming: DVec3,
-        hit: Hit,
-        (here, there): (Interior, Interior),
-        component: &mut f64,
-    ) -> Self {
+    fn new(scene: &'a Scene, incoming: DVec3, hit: Hit, (here, there): (Interior, Interior), component: f64) -> Self {
         let material = scene.objects[hit.object as usize].material;
         let surface = scene.materials[material].surface.pick(component);
         let frame = hit.frame(incoming);

@@ -119,8 +119,7 @@ impl Plane {
         let mut density = 0.0;
         self.index.within([x as f32, 0.0, z as f32], radius as f32, |found| {
             let (d2, r2) = (f64::from(found.distance2), radius * radius);
-            density +=
-                found.photon.load.lanes().map(|(_, power)| power).sum::<f64>() * Disk::new(r2).at(d2).estimate;
+            density += found.photon.load.lanes().map(|(_, power)| power).sum::<f64>() * Disk::new(r2).at(d2).estimate;
         });
         density / self.places.len().max(1) as f64
     }
@@ -128,7 +127,8 @@ impl Plane {
     fn exact(&self, [x, z]: [f64; 2], radius: f64) -> f64 {
         let r2 = radius * radius;
         let near = |p: &[f64; 2]| (p[0] - x).powi(2) + (p[1] - z).powi(2);
-        let sum: f64 = self.places.iter().map(near).filter(|d2| *d2 <= r2).map(|d2| Disk::new(r2).at(d2).estimate).sum();
+        let sum: f64 =
+            self.places.iter().map(near).filter(|d2| *d2 <= r2).map(|d2| Disk::new(r2).at(d2).estimate).sum();
         sum / self.places.len().max(1) as f64
     }
 

@@ -109,7 +109,7 @@ pub(crate) fn leaks(raw: &Raw, at: At, rays: u64) -> f64 {
         let interior = if within { Interior::AIR.entered(0) } else { Interior::AIR };
         let mut start = Start { ray, from: None, interior };
         for _ in 0..LONGEST {
-            let Some(encounter) = next(&scene, start, &mut 0.0) else { return !start.interior.is_air() };
+            let Some(encounter) = next(&scene, start, 0.0) else { return !start.interior.is_air() };
             let leaves = encounter.incoming.dot(encounter.hit.normal) > 0.0;
             if leaves == encounter.here.is_air() {
                 return true;

@@ -81,7 +81,7 @@ pub(crate) fn wrong_sides(bodies: &[Placed], paths: u64) -> f64 {
         let ray = Ray::new(from - scene.centre, (at - from).normalize());
         let mut start = Start { ray, from: None, interior: scene.interior_at(ray.origin) };
         let mut events = 0;
-        while let Some(encounter) = next(scene, start, &mut 0.0) {
+        while let Some(encounter) = next(scene, start, 0.0) {
             let middle = 0.5 * (start.ray.origin + encounter.hit.position) + scene.centre;
             let sure = bodies.iter().all(|(body, _)| body.outside(middle).abs() > 1e-13);
             let truth = bodies.iter().rposition(|(body, _)| body.outside(middle) < 0.0).map(|index| index as u32);

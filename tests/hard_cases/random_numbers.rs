@@ -144,8 +144,7 @@ fn surfaces() -> f64 {
         for (sides, cos) in sides.iter().flat_map(|sides| cosines.map(|cos| (*sides, cos))) {
             let wo = DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
             for (u, transport) in triples().flat_map(|u| [(u, Transport::Radiance), (u, Transport::Importance)]) {
-                let mut component = u[2];
-                let surface = surface.pick(&mut component);
+                let surface = surface.pick(u[2]);
                 let Some(scatter) = surface.sample(wo, sides, 550.0, transport, u) else { continue };
                 let weight = surface.response(wo, &scatter, sides, transport, 550.0) / scatter.probability;
                 let absorbed = surface.absorbed(wo, &scatter, sides, 550.0);

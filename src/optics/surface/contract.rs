@@ -185,8 +185,8 @@ fn a_scatter_carries_the_density_of_its_direction() {
     each_view(|case, wo, nm, seed| {
         let mut random = random(seed);
         for _ in 0..50 {
-            let mut u = random();
-            let part = case.surface.pick(&mut u[2]);
+            let u = random();
+            let part = case.surface.pick(random()[2]);
             let Some(scatter) = part.sample(wo, case.sides(wo), nm, Transport::Radiance, u) else { continue };
             assert!((scatter.wi.length() - 1.0).abs() < 1e-12, "{}: |wi| = {}", case.name, scatter.wi.length());
             assert!(scatter.probability > 0.0, "{}", case.name);

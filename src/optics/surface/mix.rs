@@ -75,6 +75,11 @@ impl Mix {
         if component == 0 { 0.0 } else { self.cumulative[component - 1] }
     }
 
+    /// The component that `u` in \[0, 1) draws.
+    pub(super) fn pick(&self, mut u: f64) -> &Surface {
+        &self.components[self.draw(&mut u)]
+    }
+
     /// Draws a component's number by `u` in \[0, 1), and stretches `u` back to \[0, 1).
     pub(super) fn draw(&self, u: &mut f64) -> usize {
         let component = self.cumulative.partition_point(|sum| *sum <= *u).min(self.components.len() - 1);

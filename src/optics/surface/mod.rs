@@ -243,12 +243,11 @@ impl Surface {
         }
     }
 
-    /// The component that a path meets: of a mixture, one drawn by weight, of any other surface the surface itself.
-    /// `u` in \[0, 1) decides, and is stretched back to \[0, 1) to be used again.
+    /// The component that a path meets: of a mixture, one drawn by weight with `u` in \[0, 1), of any other surface the surface itself.
     #[inline]
-    pub fn pick(&self, u: &mut f64) -> &Self {
+    pub fn pick(&self, u: f64) -> &Self {
         match self {
-            Self::Mix(mix) => &mix.components()[mix.draw(u)],
+            Self::Mix(mix) => mix.pick(u),
             Self::Absorber
             | Self::Diffuse(_)
             | Self::Translucent(_)
@@ -434,9 +433,7 @@ mod tests {
     #[test]
     fn a_leaf_is_its_own_component_and_its_own_pick() {
         let surface = Surface::diffuse(Spectrum::constant(0.5)).unwrap();
-        let mut u = 0.7;
-        assert_eq!(surface.pick(&mut u), &surface);
-        assert_eq!(u, 0.7);
+        assert_eq!(surface.pick(0.7), &surface);
         assert_eq!(surface.components().count(), 1);
     }
 }
