@@ -77,6 +77,9 @@ pub trait Receiver {
     /// A photon has come to a diffuse or glossy surface, by way of others.
     fn arrive(&mut self, arrival: &Arrival<'_>, stream: &mut Stream);
 
+    /// A photon has come to the face of a body.
+    fn meet_body(&mut self) {}
+
     /// A photon sets out through a medium.
     fn cross(&mut self, _crossing: &Crossing<'_>, _stream: &mut Stream) {}
 
@@ -175,6 +178,9 @@ fn trace_one<const BODIES: bool, R: Receiver>(
         let Some(encounter) = &met else {
             return;
         };
+        if BODIES && scene.body_of(encounter.hit.object).is_some() {
+            receiver.meet_body();
+        }
         if encounter.crossed_hidden && flight.path == LightPath::Direct {
             flight.path = LightPath::Caustic;
         }

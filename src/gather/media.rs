@@ -56,6 +56,7 @@ impl<'a> Gatherer<'a> {
                 self.gather_volume_photons(path, (stretch, number, medium), walked, sample);
             }
         }
+        sample.tally.body_events += u64::from(!stretch.interior.is_air());
         sample.tally.absorptions += u64::from(stretch.absorption.is_some());
         let passages = stretch.passages(stretch.length_m, seed(sample, stretch.ray.origin));
         path.excess_depth += excess_depth(&passages, path.reference_nm());

@@ -147,9 +147,15 @@ impl<'a> Gatherer<'a> {
         while path.depth < self.max_depth {
             let met = match self.plan.between {
                 BetweenPlan::Absorbing | BetweenPlan::Scattering(_) if BODIES => self.advance(&mut path, sample),
-                _ if BODIES => next(self.scene, path.start, sample.numbers.stream.uniform()),
-                _ => next_in_air(self.scene, path.start, sample.numbers.stream.uniform()),
+                BetweenPlan::Clear if BODIES => next(self.scene, path.start, sample.numbers.stream.uniform()),
+                BetweenPlan::Air | BetweenPlan::Clear | BetweenPlan::Absorbing | BetweenPlan::Scattering(_) => {
+                    next_in_air(self.scene, path.start, sample.numbers.stream.uniform())
+                }
             };
+            if BODIES {
+                let face = met.as_ref().is_some_and(|met| self.scene.body_of(met.hit.object).is_some());
+                sample.tally.body_events += u64::from(face);
+            }
             let Some(encounter) = met else {
                 return self.see_lamps(&path, (path.start.ray.direction, None), sample);
             };

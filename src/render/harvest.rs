@@ -129,6 +129,10 @@ impl Receiver for Harvest<'_> {
         }
     }
 
+    fn meet_body(&mut self) {
+        self.tally.body_events += 1;
+    }
+
     fn cross(&mut self, crossing: &Crossing<'_>, stream: &mut Stream) {
         let Crossing { stretch, medium, path, wavelengths, power, lane } = crossing;
         let here = &self.scene.media[*medium];

@@ -253,6 +253,7 @@ fn effect_stats(job: &Job, tally: &Tally) -> BTreeMap<String, EffectStats> {
         "diffraction" if job.plan.aperture.diffracts() => tally.lens_rays,
         "environment" => tally.environment_rays,
         "roughness" => tally.rough_events,
+        "bodies" => tally.body_events,
         "absorption" => tally.absorptions,
         "media" => tally.media_stretches,
         "volume-photons" => tally.volume_points,

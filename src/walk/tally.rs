@@ -28,6 +28,8 @@ pub struct Tally {
     pub lens_rays: u64,
     /// Scatterings by rough or coated surfaces.
     pub rough_events: u64,
+    /// Faces of bodies that paths came to, and stretches of camera paths inside of some.
+    pub body_events: u64,
     /// Stretches of absorbing glass or liquid.
     pub absorptions: u64,
     /// Stretches of media that camera paths crossed.
@@ -60,6 +62,7 @@ impl Tally {
         self.environment_rays += other.environment_rays;
         self.lens_rays += other.lens_rays;
         self.rough_events += other.rough_events;
+        self.body_events += other.body_events;
         self.absorptions += other.absorptions;
         self.media_stretches += other.media_stretches;
         self.volume_points += other.volume_points;
