@@ -55,6 +55,8 @@ struct Pixel {
     /// Standard error and estimated bias of Y in cd/m²; null where unknown.
     noise: Option<f64>,
     bias: Option<f64>,
+    /// Whether it lies beside an edge of light, where the bias is likely larger than told; null where unknown.
+    edge: Option<bool>,
     /// Both together, relative to Y.
     relative_error: Option<f64>,
     /// Where Y lies with 95 % probability.
@@ -138,6 +140,7 @@ fn pixel(picture: &Picture, x: usize, y: usize) -> Result<Pixel> {
         srgb_hex: srgb_hex(desaturate(exposed, RgbSpace::Srgb)),
         noise: known(picture.noise[i]),
         bias: known(picture.bias[i]),
+        edge: known(picture.edge[i]).map(|edge| edge > 0.0),
         relative_error: error.filter(|_| xyz[1] > 0.0).map(|error| error / xyz[1]),
         // Light is not negative.
         interval_95: reach.map(|reach| [(xyz[1] - reach).max(0.0), xyz[1] + reach]),
@@ -147,7 +150,7 @@ fn pixel(picture: &Picture, x: usize, y: usize) -> Result<Pixel> {
 
 fn text(pixel: &Pixel) -> String {
     let Pixel { pixel: [x, y], xyz, xy, linear_srgb: [r, g, b], srgb_hex, noise, bias, .. } = pixel;
-    let Pixel { relative_error, interval_95, spectrum, .. } = pixel;
+    let Pixel { edge, relative_error, interval_95, spectrum, .. } = pixel;
     let bar = |value: &Option<f64>| value.map_or("unknown".to_string(), |value| format!("{value:.6} cd/m²"));
     let mut text =
         format!("pixel        {x}, {y}\nXYZ          {:.6}  {:.6}  {:.6}   (Y in cd/m²)\n", xyz[0], xyz[1], xyz[2]);
@@ -155,7 +158,8 @@ fn text(pixel: &Pixel) -> String {
         text += &format!("xy           {x:.5}  {y:.5}\n");
     }
     text += &format!("linear sRGB  {r:.6}  {g:.6}  {b:.6}\nsRGB         {srgb_hex} at automatic exposure\n");
-    text += &format!("noise of Y   {}\nbias of Y    {}\n", bar(noise), bar(bias));
+    let beside = if *edge == Some(true) { ", or more: an edge of light is near" } else { "" };
+    text += &format!("noise of Y   {}\nbias of Y    {}{beside}\n", bar(noise), bar(bias));
     text += &match (relative_error, interval_95) {
         (Some(error), Some([low, high])) => {
             format!("error of Y   {} (noise and bias): 95 % within {low:.6} … {high:.6} cd/m²\n", percent(*error))

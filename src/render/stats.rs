@@ -61,6 +61,8 @@ pub struct ErrorStats {
     pub relative: Option<f64>,
     /// Pixels that no light reached.
     pub unknown_pixels: usize,
+    /// Pixels beside an edge of light, where the bias is likely larger than told.
+    pub edge_pixels: usize,
 }
 
 /// How the error would fall if the render went on.
@@ -216,8 +218,8 @@ impl LedgerStats {
 
 impl ErrorStats {
     fn of(picture: &Picture) -> Self {
-        let ErrorMeans { noise, bias, relative, unknown_pixels } = picture.error_means();
-        Self { noise, bias, relative, unknown_pixels }
+        let ErrorMeans { noise, bias, relative, unknown_pixels, edge_pixels } = picture.error_means();
+        Self { noise, bias, relative, unknown_pixels, edge_pixels }
     }
 }
 

@@ -6,7 +6,8 @@
 //!
 //! *Bias* is that of the kernels, from two of them in the same query. Its estimate is as noisy as the pixel, but over the even and over the odd replicates there
 //! are two estimates without noise in common: the mean of their product over a pixel's neighbours is the mean square bias, without a noise of its own to
-//! lift it. Where a kernel reaches over an edge the bias changes its sign from pixel to pixel; its mean square tells it all the same.
+//! lift it. Where a kernel reaches over an edge of light the bias changes its sign from pixel to pixel; its mean square tells it all the same, but too low:
+//! two kernels of one radius tell curvature, and across an edge there is more than that. Such pixels are marked.
 
 use crate::math::random::REPLICATES;
 
@@ -26,6 +27,8 @@ pub(super) struct ErrorBars {
     pub(super) noise: Vec<f32>,
     /// Estimated bias of Y, as a magnitude.
     pub(super) bias: Vec<f32>,
+    /// 1 beside an edge of light within a kernel's reach, where the bias is likely larger than told; else 0.
+    pub(super) edge: Vec<f32>,
     /// The mean variance of what kernels bring, (cd/m²)².
     under_kernels: f64,
 }
@@ -50,6 +53,9 @@ const NOISE_REACH: usize = 1;
 /// Bias is smoothed over pixels up to this far away.
 const BIAS_REACH: usize = 2;
 
+/// Beside an edge the mean bias around a pixel is below this share of its root mean square: it changes its sign.
+const ONE_SIDED: f64 = 0.5;
+
 impl ErrorBars {
     /// The bars of a picture `width` wide, from what its lit pixels measured and the passes by replicate.
     pub(super) fn new(
@@ -61,12 +67,15 @@ impl ErrorBars {
         let half = |parity: usize| passes.iter().skip(parity).step_by(2).any(|&passes| passes > 0);
         let halves = [half(0), half(1)];
         let (mut variances, mut squares) = (vec![None; count], vec![None; count]);
+        let (mut signed, mut noise_of_bias) = (vec![None; count], vec![None; count]);
         let (mut under_kernels, mut lit) = (0.0, 0_usize);
         for pixel in 0..count {
             let Some(measured) = measured(pixel) else { continue };
             variances[pixel] = measured.variance(passes);
             squares[pixel] = measured.square_bias(halves);
-            under_kernels += measured.variance_under_kernels(halves);
+            let variance = measured.variance_under_kernels(halves);
+            under_kernels += variance;
+            (signed[pixel], noise_of_bias[pixel]) = (Some(0.5 * (measured.bias[0] + measured.bias[1])), Some(variance));
             lit += 1;
         }
         let own = replicates.saturating_sub(1) as f64;
@@ -75,10 +84,18 @@ impl ErrorBars {
             variances[pixel].map(|variance| (own * variance + FROM_NEIGHBOURS * around) / (own + FROM_NEIGHBOURS))
         };
         let bias = |pixel: usize| squares[pixel].map(|_| mean_around(&squares, width, pixel, BIAS_REACH));
+        let edge = |pixel: usize| {
+            let around = |values: &[Option<f64>]| mean_around(values, width, pixel, BIAS_REACH);
+            let square = around(&squares);
+            let is_told = halves == [true; 2] && square > around(&noise_of_bias);
+            is_told && around(&signed).powi(2) < ONE_SIDED * ONE_SIDED * square
+        };
+        let edge =
+            (0..count).map(|pixel| squares[pixel].map_or(-1.0, |_| if edge(pixel) { 1.0 } else { 0.0 })).collect();
         let bars = |of: &dyn Fn(usize) -> Option<f64>| {
             (0..count).map(|pixel| of(pixel).map_or(-1.0, |square| square.max(0.0).sqrt() as f32)).collect()
         };
-        Self { noise: bars(&noise), bias: bars(&bias), under_kernels: under_kernels / lit.max(1) as f64 }
+        Self { noise: bars(&noise), bias: bars(&bias), edge, under_kernels: under_kernels / lit.max(1) as f64 }
     }
 
     /// The parts of the square of the relative error of a picture with this mean Y; `None` while it is unknown.
@@ -184,6 +201,7 @@ mod tests {
         let agree = ErrorBars::new((5, 25), |_| Some(steady(1.0, [0.03, 0.03])), EVEN);
         assert!(agree.bias.iter().all(|&bias| (bias - 0.03).abs() < 1e-7));
         assert_eq!(agree.under_kernels, 0.0);
+        assert!(agree.edge.iter().all(|&edge| edge == 0.0), "an even bias is none of an edge");
         let noise = ErrorBars::new((5, 25), |_| Some(steady(1.0, [0.03, -0.03])), EVEN);
         assert!(noise.bias.iter().all(|&bias| bias == 0.0));
         assert!((noise.under_kernels - 9e-4).abs() < 1e-12);
@@ -194,13 +212,15 @@ mod tests {
         let side = |i: usize| if i % 6 < 3 { 0.1 } else { -0.1 };
         let bars = ErrorBars::new((6, 36), |i| Some(steady(1.0, [side(i); 2])), EVEN);
         assert!(bars.bias.iter().all(|&bias| (bias - 0.1).abs() < 1e-6), "{:?}", bars.bias);
+        let beside = |x: usize| bars.edge.iter().skip(x).step_by(6).all(|&edge| edge == 1.0);
+        assert!(beside(2) && beside(3) && !beside(0) && !beside(5), "{:?}", bars.edge);
     }
 
     #[test]
     fn what_no_light_reached_is_unknown_and_lends_nothing_to_its_neighbours() {
         let pixel = |i: usize| (i != 4).then(|| Measured { bias: [0.05; 2], ..noisy(1.0, 0.1) });
         let bars = ErrorBars::new((3, 9), pixel, EVEN);
-        assert_eq!((bars.noise[4], bars.bias[4]), (-1.0, -1.0));
+        assert_eq!((bars.noise[4], bars.bias[4], bars.edge[4]), (-1.0, -1.0, -1.0));
         let others = || (0..9).filter(|&i| i != 4);
         assert!(others().all(|i| (bars.noise[i] - bars.noise[0]).abs() < 1e-7 && (bars.bias[i] - 0.05).abs() < 1e-7));
         assert_eq!(ErrorBars::new((3, 9), |_| None, EVEN).squares(1.0), None);

@@ -225,7 +225,7 @@ impl Film {
         picture.xyz.iter_mut().enumerate().for_each(|(pixel, xyz)| *xyz = light(pixel).xyz.map(|sum| sum * scale));
         let bars = self.error_bars(light);
         let squares = bars.squares(picture.mean_y());
-        (picture.noise, picture.bias) = (bars.noise, bars.bias);
+        (picture.noise, picture.bias, picture.edge) = (bars.noise, bars.bias, bars.edge);
         let bands = self.channels.bands;
         if bands > 0 {
             let range_nm = (0..bands).map(|band| band_nm(band, bands));

@@ -13,6 +13,8 @@ pub struct Picture {
     pub noise: Vec<f32>,
     /// Estimated bias of Y in cd/m², as a magnitude; −1 where unknown.
     pub bias: Vec<f32>,
+    /// 1 beside an edge of light that kernels blur, where the bias is likely larger than told; else 0; −1 where unknown.
+    pub edge: Vec<f32>,
     /// Spectral radiance, if it was kept.
     pub bands: Option<Bands>,
 }
@@ -37,6 +39,8 @@ pub struct ErrorMeans {
     pub relative: Option<f64>,
     /// Pixels where the error is unknown.
     pub unknown_pixels: usize,
+    /// Pixels beside an edge of light, where the bias is likely larger than told.
+    pub edge_pixels: usize,
 }
 
 /// Half of a 95 % interval in units of a pixel's error: Student's t with 9 degrees of freedom, 7 of the pixel's eight replicates and 2 that it
@@ -53,6 +57,7 @@ impl Picture {
             xyz: vec![[0.0; 3]; count],
             noise: vec![-1.0; count],
             bias: vec![-1.0; count],
+            edge: vec![-1.0; count],
             bands: None,
         }
     }
@@ -85,7 +90,13 @@ impl Picture {
         // Pixels that are known exactly say nothing about those that no light has reached yet.
         let tells = known > 0 && mean_y > 0.0 && (square > 0.0 || known == self.xyz.len());
         let relative = tells.then(|| (square / count).sqrt() / mean_y);
-        ErrorMeans { noise: noise / count, bias: bias / count, relative, unknown_pixels: self.xyz.len() - known }
+        ErrorMeans {
+            noise: noise / count,
+            bias: bias / count,
+            relative,
+            unknown_pixels: self.xyz.len() - known,
+            edge_pixels: self.edge.iter().filter(|&&edge| edge > 0.0).count(),
+        }
     }
 }
 

@@ -5,6 +5,7 @@
 //! | `R` `G` `B` | linear Rec. 709 primaries, D65 white, unclipped; 1 is 1 cd/m² of white |
 //! | `xyz.X` `xyz.Y` `xyz.Z` | tristimulus values, Y in cd/m² |
 //! | `error.noise` `error.bias` | standard error and estimated bias of Y in cd/m²; −1 where unknown |
+//! | `error.edge` | 1 beside an edge of light that kernels blur, where the bias is likely larger than told; else 0; −1 where unknown |
 //! | `sums.<plane>.<word>` | in checkpoints and parts: the exact sums over passes, as 32-bit words |
 //! | `S0.<λ>nm` | spectral radiance in W/m²/sr/nm, λ in nm with a decimal comma |
 //!
@@ -29,6 +30,9 @@ const NOISE: &str = "error.noise";
 /// The channel of the bias.
 const BIAS: &str = "error.bias";
 
+/// The channel that marks edges of light.
+const EDGE: &str = "error.edge";
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -44,6 +48,7 @@ mod tests {
             picture.xyz[i] = [value, 0.5 * value + 1.0, -0.25 * value];
             picture.noise[i] = if i == 4 { -1.0 } else { i as f32 * 0.125 };
             picture.bias[i] = if i == 4 { -1.0 } else { i as f32 * 0.25 };
+            picture.edge[i] = if i == 4 { -1.0 } else { (i % 2) as f32 };
         }
         let centres_nm = vec![360.5, 595.25, 830.0];
         let values = (0..3 * width * height).map(|i| i as f32 * 0.5).collect();
@@ -70,6 +75,7 @@ mod tests {
         picture.bands = None;
         picture.noise.fill(-1.0);
         picture.bias.fill(-1.0);
+        picture.edge.fill(-1.0);
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
         write(&path, &picture, &Metadata::new()).unwrap();

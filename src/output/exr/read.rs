@@ -10,7 +10,7 @@ use ::exr::prelude::{
 };
 use glam::{DMat3, DVec3};
 
-use super::{BIAS, NOISE, XYZ, spectral, sums};
+use super::{BIAS, EDGE, NOISE, XYZ, spectral, sums};
 use crate::colour::RgbSpace;
 use crate::error::{Error, Result};
 use crate::output::Metadata;
@@ -56,7 +56,7 @@ fn decode(path: &Path) -> Result<ExrFile> {
     let rgb = Rgb::of(image.attributes.chromaticities, first.attributes.white_luminance)?;
     let mut picture = Picture::black(width, height);
     picture.xyz = colours(&channels, &rgb)?;
-    for (layer, name) in [(&mut picture.noise, NOISE), (&mut picture.bias, BIAS)] {
+    for (layer, name) in [(&mut picture.noise, NOISE), (&mut picture.bias, BIAS), (&mut picture.edge, EDGE)] {
         if let Some(samples) = channels.get(name) {
             layer.copy_from_slice(samples);
         }
@@ -82,7 +82,7 @@ pub(super) fn check_size(path: &Path) -> Result<MetaData> {
     /// A file below 1 MiB may fill this much, whatever it says.
     const ALWAYS_ALLOWED: u64 = 3 << 28;
     /// What a pixel takes as XYZ with its error layers.
-    const PIXEL: u64 = 32;
+    const PIXEL: u64 = 36;
     let meta = MetaData::read_from_file(path, false).map_err(unreadable)?;
     let bytes = std::fs::metadata(path).map_err(|error| unreadable(error.into()))?.len();
     let wanted = meta.headers.iter().fold(0_u64, |sum, header| {

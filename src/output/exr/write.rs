@@ -9,7 +9,7 @@ use ::exr::prelude::{
     WritableImage,
 };
 
-use super::{BIAS, NOISE, XYZ, spectral, sums};
+use super::{BIAS, EDGE, NOISE, XYZ, spectral, sums};
 use crate::colour::{RgbSpace, xyz_to_linear_srgb};
 use crate::error::{Error, Result};
 use crate::output::{Metadata, file};
@@ -69,6 +69,7 @@ fn channels(picture: &Picture) -> Vec<AnyChannel<FlatSamples>> {
     let mut channels = vec![
         AnyChannel::new(NOISE, FlatSamples::F32(picture.noise.clone())),
         AnyChannel::new(BIAS, FlatSamples::F32(picture.bias.clone())),
+        AnyChannel::new(EDGE, FlatSamples::F32(picture.edge.clone())),
     ];
     for (c, name) in XYZ.into_iter().enumerate() {
         channels.push(AnyChannel::new(name, of_each(&|xyz| xyz[c])));
