@@ -12,7 +12,7 @@ use crate::sensor::ErrorSquares;
 use serde::{Deserialize, Serialize};
 
 /// How the noise of a replicate falls before a picture's history says so: −d ln(variance)/d ln(its passes).
-const USUAL_SLOPE: f64 = 1.45;
+const USUAL_SLOPE: f64 = 1.36;
 
 /// How much that counts beside the history, as a sum of squares of the replicates' ln(passes). From 8 passes to 10 history has 0.015,
 /// over two doublings about 2. That first news of a small film is good to ±0.3 only.

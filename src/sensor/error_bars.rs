@@ -53,6 +53,10 @@ const NOISE_REACH: usize = 1;
 /// Bias is smoothed over pixels up to this far away.
 const BIAS_REACH: usize = 2;
 
+/// An edge is told where the square of the bias is this many times the variance of what kernels bring: in even light a mean of products of two halves, whose own
+/// variances are twice that, seldom is.
+const TOLD: f64 = 3.0;
+
 /// Beside an edge the mean bias around a pixel is below this share of its root mean square: it changes its sign.
 const ONE_SIDED: f64 = 0.5;
 
@@ -87,7 +91,7 @@ impl ErrorBars {
         let edge = |pixel: usize| {
             let around = |values: &[Option<f64>]| mean_around(values, width, pixel, BIAS_REACH);
             let square = around(&squares);
-            let is_told = halves == [true; 2] && square > around(&noise_of_bias);
+            let is_told = halves == [true; 2] && square > TOLD * around(&noise_of_bias);
             is_told && around(&signed).powi(2) < ONE_SIDED * ONE_SIDED * square
         };
         let edge =
