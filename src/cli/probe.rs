@@ -10,7 +10,6 @@ use abbe::output::file;
 use abbe::output::heat::error_map;
 use abbe::output::plot::{Curve, Plot};
 use abbe::output::png::write as write_png;
-use abbe::sensor::picture::INTERVAL_95;
 use abbe::sensor::{Development, Picture, exposure};
 use abbe::spectrum::BAND_NM;
 use serde::Serialize;
@@ -131,7 +130,7 @@ fn pixel(picture: &Picture, x: usize, y: usize) -> Result<Pixel> {
         Bands { nm: bands.centres_nm.clone(), values }
     });
     let error = picture.error(i);
-    let reach = error.map(|error| INTERVAL_95 * error);
+    let reach = picture.half_interval_95(i, 0.0);
     Ok(Pixel {
         pixel: [x, y],
         xyz,

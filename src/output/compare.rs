@@ -4,7 +4,6 @@ use serde::Serialize;
 
 use crate::colour::{RgbSpace, delta_e_2000, lab};
 use crate::error::{Error, Result};
-use crate::sensor::picture::INTERVAL_95;
 use crate::sensor::{Development, Picture, exposure};
 
 /// A rectangle of pixels: columns from `x0` up to but not including `x1`, rows likewise, counted from the top left.
@@ -226,10 +225,10 @@ fn z_test(picture: &Picture, reference: &Picture, counted: &[usize]) -> Option<Z
 
 fn covered(picture: &Picture, reference: &Picture, counted: &[usize]) -> Option<Covered> {
     let (mut pixels, mut within) = (0_usize, 0_usize);
-    for (i, error) in counted.iter().filter_map(|&i| Some((i, picture.error(i)?))) {
+    for &i in counted {
+        let Some(half) = picture.half_interval_95(i, f64::from(reference.noise[i].max(0.0))) else { continue };
         pixels += 1;
-        let together = error.hypot(f64::from(reference.noise[i].max(0.0)));
-        within += usize::from((picture.xyz[i][1] - reference.xyz[i][1]).abs() <= INTERVAL_95 * together);
+        within += usize::from((picture.xyz[i][1] - reference.xyz[i][1]).abs() <= half);
     }
     (pixels > 0).then(|| Covered { share: within as f64 / pixels as f64, pixels })
 }
@@ -334,8 +333,8 @@ mod tests {
         let (mut a, b) = (grey(2, 2, 1.0), grey(2, 2, 1.0));
         a.noise = vec![0.3, 0.3, -1.0, 0.0];
         a.bias = vec![0.4, 0.4, -1.0, 0.0];
-        a.xyz[0][1] += INTERVAL_95 * 0.5 * 0.999;
-        a.xyz[1][1] += INTERVAL_95 * 0.5 * 1.001;
+        a.xyz[0][1] += (0.4 + 1.833 * 0.3) * 0.999;
+        a.xyz[1][1] += (0.4 + 1.833 * 0.3) * 1.001;
         let found = all(&a, &b);
         assert_eq!((found.covered, found.unknown_pixels), (Some(Covered { share: 2.0 / 3.0, pixels: 3 }), 1));
         let known = Picture { noise: vec![0.1; 4], ..b };

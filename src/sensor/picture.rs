@@ -43,9 +43,14 @@ pub struct ErrorMeans {
     pub edge_pixels: usize,
 }
 
-/// Half of a 95 % interval in units of a pixel's error: Student's t with 9 degrees of freedom, 7 of the pixel's eight replicates and 2 that it
-/// takes from its neighbours. It holds from eight passes on.
-pub const INTERVAL_95: f64 = 2.262;
+/// Half of a 95 % interval around a value with this standard error and a bias of this magnitude. Where the bias is small, noise may lead to both sides; where it is not,
+/// noise matters on the side to which it leads. By Student's t with 9 degrees of freedom, 7 of a pixel's eight replicates and 2 that it takes from its
+/// neighbours: it holds from eight passes on.
+pub fn half_interval_95(noise: f64, bias: f64) -> f64 {
+    const TO_BOTH_SIDES: f64 = 2.262;
+    const TO_ONE_SIDE: f64 = 1.833;
+    (TO_BOTH_SIDES * noise).max(bias + TO_ONE_SIDE * noise)
+}
 
 impl Picture {
     /// A picture without light.
@@ -71,6 +76,13 @@ impl Picture {
     pub fn error(&self, pixel: usize) -> Option<f64> {
         let (noise, bias) = (f64::from(self.noise[pixel]), f64::from(self.bias[pixel]));
         (noise >= 0.0 && bias >= 0.0).then(|| noise.hypot(bias))
+    }
+
+    /// Half of the pixel's 95 % interval in cd/m², where it is compared with a value of which this standard error is known; `None` where its error is
+    /// unknown.
+    pub fn half_interval_95(&self, pixel: usize, other_noise: f64) -> Option<f64> {
+        let (noise, bias) = (f64::from(self.noise[pixel]), f64::from(self.bias[pixel]));
+        (noise >= 0.0 && bias >= 0.0).then(|| half_interval_95(noise.hypot(other_noise), bias))
     }
 
     /// The error layers' means.

@@ -4,7 +4,6 @@
 use crate::common;
 use abbe::render::{Integrator, Monitor, Progress, Rendered, Request, Run, StopRules};
 use abbe::sensor::Picture;
-use abbe::sensor::picture::INTERVAL_95;
 use serde_json::Value;
 
 /// What is measured of an example scene, on a small film.
@@ -93,13 +92,12 @@ impl<'a> Coverage<'a> {
             let apart = picture.xyz[pixel][1] - self.reference.xyz[pixel][1];
             self.apart[pixel][0] += apart;
             self.apart[pixel][1] += apart * apart;
-            let Some(error) = picture.error(pixel) else {
+            let Some(half) = picture.half_interval_95(pixel, self.variance(pixel).sqrt()) else {
                 self.unknown += 1;
                 continue;
             };
-            let together = error.hypot(self.variance(pixel).sqrt());
             let (covered, all) = &mut self.covered[4 * place / self.order.len()];
-            *covered += u64::from(apart.abs() <= INTERVAL_95 * together);
+            *covered += u64::from(apart.abs() <= half);
             *all += 1;
             self.reported[0] += f64::from(picture.noise[pixel]).powi(2);
             self.reported[1] += f64::from(picture.bias[pixel]).powi(2);
