@@ -1,4 +1,7 @@
 //! One camera sample: along mirrors and glass to the first surface that scatters, then light from lamps and photons there.
+//!
+//! The loop is compiled for scenes with bodies and for scenes without. What every path needs is inlined into it, so that path and encounter stay in
+//! registers; what few need (a mirror, a lamp in view) is called, with copies of both.
 
 use super::CameraNumbers;
 use super::camera_path::{CameraPath, Scratch};
@@ -121,7 +124,7 @@ impl<'a> Gatherer<'a> {
         Some(CameraPath { colour: Colour::Shared { lane, nm, throughput }, ..path })
     }
 
-    /// Follows a path at one wavelength to its end.
+    /// Follows a path at one wavelength to its end; called from several places, and compiled once for all of them.
     pub(super) fn follow_lane<S: Sink>(&self, path: &CameraPath, sample: &mut Sample<'_, 'a, S>) {
         self.follow(*path, sample);
     }
@@ -139,8 +142,7 @@ impl<'a> Gatherer<'a> {
         sample.scratch.factors.truncate(factors_before);
     }
 
-    /// The same; without `BODIES` nothing has an inside, and there is air on both sides of every surface. (What few paths need takes copies of path
-    /// and encounter: then neither has to stay in memory for all.)
+    /// The same; without `BODIES` nothing has an inside, and there is air on both sides of every surface.
     #[inline(always)]
     fn follow_among<const BODIES: bool, S: Sink>(&self, path: &CameraPath, sample: &mut Sample<'_, 'a, S>) {
         let mut path = *path;
