@@ -85,7 +85,8 @@ impl<'a> LightMaps<'a> {
         };
         let lights = scene.lights.iter().enumerate();
         let picks = lights.filter_map(|(number, light)| Some((number, light.pick(scene.world(), numbers(number))?)));
-        let media = (0..scene.media.len()).filter(|&number| scene.media[number].scatters());
+        let is_served = |medium: &Medium| medium.scatters() && medium.is_smooth_in_cells(cells);
+        let media = (0..scene.media.len()).filter(|&number| is_served(&scene.media[number]));
         let placed: Vec<_> = media.filter_map(|number| Some((number, scene.box_of_medium(number)?))).collect();
         let of_light =
             |pick: (usize, Pick)| placed.iter().map(move |&place| LightMap::build(scene, pick, place, cells));

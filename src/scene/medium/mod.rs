@@ -132,6 +132,14 @@ impl Medium {
         self.scattering_max > 0.0
     }
 
+    /// Whether a grid of so many cells along its longest side is fine enough for a light map.
+    pub fn is_smooth_in_cells(&self, cells: u32) -> bool {
+        match &self.density {
+            Density::Uniform => true,
+            Density::Field(field) => field.is_smooth_in_cells(cells),
+        }
+    }
+
     /// The density at a point.
     pub fn density_at(&self, point: DVec3) -> f64 {
         match &self.density {

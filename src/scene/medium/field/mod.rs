@@ -81,6 +81,16 @@ impl Field {
         Self { shape, to_local, bounds }
     }
 
+    /// Whether a grid of so many cells along the longest side of the field's box is fine enough to interpolate what light goes through in it: not
+    /// air that thins out within less than a cell, as that of a planet does, all of which lies beside a few of the nodes.
+    pub fn is_smooth_in_cells(&self, cells: u32) -> bool {
+        let longest = (self.bounds.1 - self.bounds.0).max_element();
+        match &self.shape {
+            Shape::Atmosphere(air) => air.scale_height >= longest / f64::from(cells),
+            Shape::Constant(_) | Shape::Grid(_) | Shape::Ball(_) => true,
+        }
+    }
+
     /// The map from the unit cube onto the box, as it stands in the scene.
     pub fn from_unit(&self) -> DAffine3 {
         let (low, high) = self.bounds;

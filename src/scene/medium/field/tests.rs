@@ -253,3 +253,12 @@ fn a_seed_decides_the_noise_and_thresholds_leave_the_rest_empty() {
     );
     assert!(grid.max() <= 2.0 && grid.max() > 1.2, "{}", grid.max());
 }
+
+#[test]
+fn only_air_that_thins_out_within_a_cell_is_too_fine_for_a_grid() {
+    for (name, field) in fields() {
+        // The longest side is 3: of 32 cells each has 0.094, of 4 cells 0.75.
+        assert!(field.is_smooth_in_cells(32), "{name}");
+        assert_eq!(field.is_smooth_in_cells(4), !["plain", "planet"].contains(&name), "{name}");
+    }
+}
