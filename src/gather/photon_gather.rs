@@ -94,7 +94,7 @@ impl<'a> Gatherer<'a> {
             }
             (None, WavelengthPlan::Shared) => self.split(path(sample.numbers.ray(camera, pixel)), &mut sample),
             (None, WavelengthPlan::Free | WavelengthPlan::Both) => {
-                self.follow(path(sample.numbers.ray(camera, pixel)), &mut sample);
+                self.follow(&path(sample.numbers.ray(camera, pixel)), &mut sample);
             }
         }
     }
@@ -126,17 +126,17 @@ impl<'a> Gatherer<'a> {
 
     /// Follows a path at one wavelength to its end; called from several places, and compiled once for all of them.
     pub(super) fn follow_lane<S: Sink>(&self, path: &CameraPath, sample: &mut Sample<'_, 'a, S>) {
-        self.follow(*path, sample);
+        self.follow(path, sample);
     }
 
     /// Follows a path to its end.
     #[inline(always)]
-    fn follow<S: Sink>(&self, path: CameraPath, sample: &mut Sample<'_, 'a, S>) {
+    fn follow<S: Sink>(&self, path: &CameraPath, sample: &mut Sample<'_, 'a, S>) {
         let factors_before = sample.scratch.factors.len();
         match self.plan.between {
-            BetweenPlan::Air => self.follow_among::<false, S>(&path, sample),
+            BetweenPlan::Air => self.follow_among::<false, S>(path, sample),
             BetweenPlan::Clear | BetweenPlan::Absorbing | BetweenPlan::Scattering(_) => {
-                self.follow_among::<true, S>(&path, sample);
+                self.follow_among::<true, S>(path, sample);
             }
         }
         sample.scratch.factors.truncate(factors_before);

@@ -87,15 +87,18 @@ impl ErrorBars {
             let around = mean_around(&variances, width, pixel, NOISE_REACH);
             variances[pixel].map(|variance| (own * variance + FROM_NEIGHBOURS * around) / (own + FROM_NEIGHBOURS))
         };
-        let bias = |pixel: usize| squares[pixel].map(|_| mean_around(&squares, width, pixel, BIAS_REACH));
+        let around = |values: &[Option<f64>], pixel: usize| mean_around(values, width, pixel, BIAS_REACH);
+        let smooth: Vec<Option<f64>> =
+            (0..count).map(|pixel| squares[pixel].map(|_| around(&squares, pixel))).collect();
+        let bias = |pixel: usize| smooth[pixel];
         let edge = |pixel: usize| {
-            let around = |values: &[Option<f64>]| mean_around(values, width, pixel, BIAS_REACH);
-            let square = around(&squares);
-            let is_told = halves == [true; 2] && square > TOLD * around(&noise_of_bias);
-            is_told && around(&signed).powi(2) < ONE_SIDED * ONE_SIDED * square
+            smooth[pixel].map_or(-1.0, |square| {
+                let is_told = halves == [true; 2] && square > TOLD * around(&noise_of_bias, pixel);
+                let is_edge = is_told && around(&signed, pixel).powi(2) < ONE_SIDED * ONE_SIDED * square;
+                f32::from(u8::from(is_edge))
+            })
         };
-        let edge =
-            (0..count).map(|pixel| squares[pixel].map_or(-1.0, |_| if edge(pixel) { 1.0 } else { 0.0 })).collect();
+        let edge = (0..count).map(edge).collect();
         let bars = |of: &dyn Fn(usize) -> Option<f64>| {
             (0..count).map(|pixel| of(pixel).map_or(-1.0, |square| square.max(0.0).sqrt() as f32)).collect()
         };

@@ -74,15 +74,19 @@ impl Picture {
 
     /// A pixel's error in cd/m², noise and bias together: √(noise² + bias²); `None` where it is unknown.
     pub fn error(&self, pixel: usize) -> Option<f64> {
-        let (noise, bias) = (f64::from(self.noise[pixel]), f64::from(self.bias[pixel]));
-        (noise >= 0.0 && bias >= 0.0).then(|| noise.hypot(bias))
+        self.bars(pixel).map(|(noise, bias)| noise.hypot(bias))
     }
 
     /// Half of the pixel's 95 % interval in cd/m², where it is compared with a value of which this standard error is known; `None` where its error is
     /// unknown.
     pub fn half_interval_95(&self, pixel: usize, other_noise: f64) -> Option<f64> {
+        self.bars(pixel).map(|(noise, bias)| half_interval_95(noise.hypot(other_noise), bias))
+    }
+
+    /// A pixel's noise and bias, where both are known.
+    fn bars(&self, pixel: usize) -> Option<(f64, f64)> {
         let (noise, bias) = (f64::from(self.noise[pixel]), f64::from(self.bias[pixel]));
-        (noise >= 0.0 && bias >= 0.0).then(|| half_interval_95(noise.hypot(other_noise), bias))
+        (noise >= 0.0 && bias >= 0.0).then_some((noise, bias))
     }
 
     /// The error layers' means.

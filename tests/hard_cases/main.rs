@@ -5,7 +5,7 @@
 
 mod camera;
 #[path = "../common/mod.rs"]
-#[allow(dead_code, reason = "other tests use the rest")]
+#[expect(dead_code, reason = "other tests use the rest")]
 mod common;
 mod density;
 #[path = "../golden/mod.rs"]
