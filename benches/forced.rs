@@ -1,12 +1,13 @@
-//! What planning saves: for every example scene and every effect that it does not call for, the time with the effect forced over the time
-//! without. `cargo bench --bench forced` prints the table of `benches/README.md`; names after `--` choose scenes.
+//! What planning saves: for every example scene and every effect that it does not call for, the
+//! time with the effect forced over the time without. `cargo bench --bench forced` prints the table
+//! of `benches/README.md`; names after `--` choose scenes.
 
 use std::path::Path;
 use std::time::Duration;
 
-use abbe::plan::{Row, State};
-use abbe::render::{Integrator, Job, Request, StopRules, Unwatched, on_threads};
-use abbe::scene::resolve;
+use abbe::format::resolve;
+use abbe::plan::{EffectRow, EffectState};
+use abbe::render::{Integrator, Job, NoMonitor, Request, StopRules, on_threads};
 use cpu_time::ProcessTime;
 
 /// Large enough for rays to matter, small enough for the whole table in minutes.
@@ -36,7 +37,7 @@ fn main() {
 
 fn row(path: &Path, name: &str) -> String {
     let plain = job(path, None).expect("an example scene can be planned");
-    let is_off = |state: State| state == State::Off;
+    let is_off = |state: EffectState| state == EffectState::Off;
     let forced: Vec<Option<Job>> =
         plain.rows.iter().map(|row| is_off(row.state).then(|| job(path, Some(row.effect.name)))?).collect();
     let mut fastest = vec![Duration::MAX; 1 + forced.len()];
@@ -47,7 +48,7 @@ fn row(path: &Path, name: &str) -> String {
         }
     }
     let seconds = fastest[0].as_secs_f64();
-    let cell = |((job, fastest), row): ((&Option<Job>, &Duration), &Row)| match job {
+    let cell = |((job, fastest), row): ((&Option<Job>, &Duration), &EffectRow)| match job {
         Some(_) => format!("{:.2}", fastest.as_secs_f64() / seconds),
         None if is_off(row.state) => "–".to_owned(),
         None => "on".to_owned(),
@@ -56,7 +57,8 @@ fn row(path: &Path, name: &str) -> String {
     format!("| {name} | {seconds:.2} | {} |", cells.join(" | "))
 }
 
-/// The scene as a small picture, planned with an effect forced; `None` where that cannot be (a pinhole diffracts nothing).
+/// The scene as a small picture, planned with an effect forced; `None` where that cannot be (a
+/// pinhole diffracts nothing).
 fn job(path: &Path, force: Option<&str>) -> Option<Job> {
     let force = force.map(|effect| format!("render.force=[\"{effect}\"]"));
     let sets: Vec<String> = SIZE.iter().map(|set| (*set).to_owned()).chain(force).collect();
@@ -68,6 +70,6 @@ fn spent(job: &Job) -> Duration {
     let request =
         Request { integrator: Integrator::Photon, stop: StopRules { passes: Some(PASSES), ..StopRules::default() } };
     let start = ProcessTime::now();
-    on_threads(Some(1), || job.render(request, &mut Unwatched)).expect("threads start").expect("the scene renders");
+    on_threads(Some(1), || job.render(request, &mut NoMonitor)).expect("threads start").expect("the scene renders");
     start.elapsed()
 }

@@ -1,12 +1,13 @@
-//! Rays a second: from outside, from surfaces, and shadow rays, on scenes of few, twelve and many primitives.
+//! Rays a second: from outside, from surfaces, and shadow rays, on scenes of few, twelve and many
+//! primitives.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::hint::black_box;
 use std::sync::Arc;
 
-use abbe::scene::geometry::{Geometry, Ray, SurfaceId};
-use abbe::scene::mesh::TriangleMesh;
-use abbe::scene::shape::{Placed, Shape};
+use abbe::geometry::mesh::TriangleMesh;
+use abbe::geometry::shape::{PlacedShape, Shape};
+use abbe::geometry::{Geometry, Ray, SurfaceId};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DAffine3, DVec3};
 
@@ -23,11 +24,11 @@ fn unit_vector(u: f64, v: f64) -> DVec3 {
     DVec3::new((1.0 - z * z).sqrt() * cos, (1.0 - z * z).sqrt() * sin, z)
 }
 
-fn placed(shape: Shape, to_world: DAffine3, object: u32) -> Placed {
-    Placed { shape, to_world, object }
+fn placed(shape: Shape, to_world: DAffine3, object: u32) -> PlacedShape {
+    PlacedShape { shape, to_world, object }
 }
 
-fn build(placed: Vec<Placed>) -> Geometry {
+fn build(placed: Vec<PlacedShape>) -> Geometry {
     Geometry::build(placed, DVec3::ZERO).expect("the bench's scenes are valid")
 }
 

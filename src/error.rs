@@ -1,123 +1,132 @@
-//! The one error of the program: what was found, where, and what was expected.
+//! The error type of the library.
 //!
-//! An [`Error`] is made where the fault is seen and gains its place on the way up: a spectrum knows that a
-//! value is negative, the scene file knows at which line, column and JSON path it stands.
+//! An [`Error`] is created where the fault is detected. Callers add its location: a spectrum
+//! detects a negative value, and the reader of the scene file adds the line, the column and the
+//! JSON path.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// The result of anything that can fail.
+/// The result of a function that can fail.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Whose fault it is; it decides the exit status.
+/// The cause of an error. It determines the exit status of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Fault {
-    /// The input or the command is wrong (exit status 2).
+pub enum ErrorKind {
+    /// The input or the command line is wrong (exit status 2).
     Input,
-    /// The machine failed us: disk full, unwritable folder, out of memory (exit status 1).
+    /// The machine failed, for example because the disk is full or a folder is not writable (exit
+    /// status 1).
     Machine,
 }
 
-/// Where the fault stands; every part may be unknown.
+/// The location of a fault. Every part may be unknown.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Place {
+pub struct ErrorLocation {
     /// The file.
     pub file: Option<PathBuf>,
-    /// Line and column, both counted from 1.
+    /// The line and the column, both counted from 1.
     pub line_column: Option<(usize, usize)>,
-    /// The JSON path, such as `objects[3].shape.sphere.radius`.
+    /// The JSON path, for example `objects[3].shape.sphere.radius`.
     pub path: Option<String>,
 }
 
-/// What went wrong, where, and what would have been right.
+/// An error: the fault, its location, and the values that are allowed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Error {
-    /// Whose fault it is.
-    pub fault: Fault,
-    /// Where it stands.
-    pub place: Place,
-    /// What was found, as one clause.
+    /// The cause.
+    pub kind: ErrorKind,
+    /// The location.
+    pub location: ErrorLocation,
+    /// A description of the fault, as one clause.
     pub what: String,
-    /// What is allowed there.
+    /// The allowed values.
     pub expected: Option<String>,
-    /// A near name ("did you mean …?").
-    pub near: Option<String>,
+    /// A similar name that exists ("did you mean …?").
+    pub suggestion: Option<String>,
 }
 
 impl Error {
-    /// The input is wrong: `what` says how.
+    /// Creates an error in the input. `what` describes the fault.
     pub fn input(what: impl Into<String>) -> Self {
-        Self { fault: Fault::Input, place: Place::default(), what: what.into(), expected: None, near: None }
+        Self {
+            kind: ErrorKind::Input,
+            location: ErrorLocation::default(),
+            what: what.into(),
+            expected: None,
+            suggestion: None,
+        }
     }
 
-    /// The machine failed: `what` says how.
+    /// Creates an error of the machine. `what` describes the fault.
     pub fn machine(what: impl Into<String>) -> Self {
-        Self { fault: Fault::Machine, ..Self::input(what) }
+        Self { kind: ErrorKind::Machine, ..Self::input(what) }
     }
 
-    /// A name that stands in no list; `known` gives the candidates for "did you mean".
+    /// Creates an error for an unknown name. `kind` describes what is named. `known` contains the
+    /// existing names, from which the error suggests one.
     pub fn unknown_name<'a>(kind: &str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
-        let near = nearest_name(name, known);
-        Self { near, ..Self::input(format!("unknown {kind} \"{name}\"")) }
+        let suggestion = nearest_name(name, known);
+        Self { suggestion, ..Self::input(format!("unknown {kind} \"{name}\"")) }
     }
 
-    /// Adds what is allowed.
+    /// Adds a description of the allowed values.
     #[must_use]
     pub fn expected(mut self, expected: impl Into<String>) -> Self {
         self.expected = Some(expected.into());
         self
     }
 
-    /// Names the file, unless it is known already.
+    /// Adds the file, unless one is set already.
     #[must_use]
     pub fn in_file(mut self, file: &Path) -> Self {
-        self.place.file.get_or_insert_with(|| file.to_path_buf());
+        self.location.file.get_or_insert_with(|| file.to_path_buf());
         self
     }
 
-    /// Names line and column (from 1), unless they are known already.
+    /// Adds the line and the column (from 1), unless they are set already.
     #[must_use]
     pub fn at(mut self, line: usize, column: usize) -> Self {
-        self.place.line_column.get_or_insert((line, column));
+        self.location.line_column.get_or_insert((line, column));
         self
     }
 
-    /// Names the JSON path, unless it is known already.
+    /// Adds the JSON path, unless one is set already.
     #[must_use]
     pub fn on_path(mut self, path: impl Into<String>) -> Self {
-        self.place.path.get_or_insert_with(|| path.into());
+        self.location.path.get_or_insert_with(|| path.into());
         self
     }
 
-    /// The exit status that this error calls for.
+    /// Returns the exit status of the program for this error.
     pub fn exit_status(&self) -> u8 {
-        match self.fault {
-            Fault::Input => 2,
-            Fault::Machine => 1,
+        match self.kind {
+            ErrorKind::Input => 2,
+            ErrorKind::Machine => 1,
         }
     }
 }
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(file) = &self.place.file {
+        if let Some(file) = &self.location.file {
             write!(f, "{}:", file.display())?;
-            if let Some((line, column)) = self.place.line_column {
+            if let Some((line, column)) = self.location.line_column {
                 write!(f, "{line}:{column}:")?;
             }
             write!(f, " ")?;
-        } else if let Some((line, column)) = self.place.line_column {
+        } else if let Some((line, column)) = self.location.line_column {
             write!(f, "line {line}, column {column}: ")?;
         }
-        if let Some(path) = self.place.path.as_deref().filter(|path| !path.is_empty()) {
+        if let Some(path) = self.location.path.as_deref().filter(|path| !path.is_empty()) {
             write!(f, "{path}: ")?;
         }
         write!(f, "{}", self.what)?;
         if let Some(expected) = &self.expected {
             write!(f, "; expected {expected}")?;
         }
-        if let Some(near) = &self.near {
-            write!(f, "; did you mean \"{near}\"?")?;
+        if let Some(suggestion) = &self.suggestion {
+            write!(f, "; did you mean \"{suggestion}\"?")?;
         }
         Ok(())
     }
@@ -125,7 +134,8 @@ impl fmt::Display for Error {
 
 impl std::error::Error for Error {}
 
-/// The candidate nearest to `name` (without regard to case), if one is near enough to be a likely slip.
+/// Returns the candidate most similar to `name`. Letter case does not matter. Returns `None` if
+/// `name` is probably not a misspelling of any candidate.
 pub fn nearest_name<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let wanted = name.to_lowercase();
     let score = |candidate: &str| strsim::jaro_winkler(&wanted, &candidate.to_lowercase());
@@ -142,16 +152,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_error_reads_as_place_fault_expectation_and_hint() {
+    fn an_error_is_printed_with_location_and_suggestion() {
         let error = Error::unknown_name("glass", "N-BK8", ["N-SF10", "N-BK7"])
-            .expected("a name of `abbe glass --list`")
+            .expected("the name of a built-in glass")
             .on_path("materials.crown.dielectric.ior")
             .at(4, 17)
             .in_file(Path::new("scene.json"));
         assert_eq!(
             error.to_string(),
             "scene.json:4:17: materials.crown.dielectric.ior: unknown glass \"N-BK8\"; \
-             expected a name of `abbe glass --list`; did you mean \"N-BK7\"?"
+             expected the name of a built-in glass; did you mean \"N-BK7\"?"
         );
         assert_eq!(error.exit_status(), 2);
     }

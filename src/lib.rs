@@ -1,86 +1,169 @@
-//! Abbe is a spectral photon-mapping renderer: light as it goes through prisms, lenses and real lamps, with numbers that can be
-//! checked and a picture that says how wrong it may be.
+//! Abbe is a spectral photon-mapping renderer. It simulates how light passes through prisms,
+//! lenses, fog and real lamps, and it reports the noise and the bias of every pixel.
 //!
-//! # The way of a picture
+//! # Render a scene
 //!
-//! ```text
-//! scene.json ─► SceneFile ─► Scene ─► Facts ─► Plan        what was written → what it means → what it calls for
-//!                                               │
-//!    for each pass:                             ▼
-//!      emit    lights ─► photons, each with its wavelengths and power
-//!      map     photons ─► kd-trees
-//!      gather  camera ray ─► spectral radiance at each pixel
-//!      sensor  × colour-matching functions ─► XYZ sums, noise and bias
-//!    develop ─► EXR + PNG + report
+//! ```
+//! use abbe::{RenderOptions, Scene};
+//!
+//! let scene = Scene::load("scenes/glass_ball.json")?;
+//! let image = scene.render(&RenderOptions::default().size(32, 18).passes(2).photons(10_000))?;
+//!
+//! let (x, y) = (16, 9);
+//! println!("luminance: {:.3} cd/m²", image.xyz(x, y)[1]);
+//! match image.half_interval_95(x, y) {
+//!     Some(half) => println!("95 % confidence: ± {half:.3} cd/m²"),
+//!     None => println!("the error of this pixel is unknown"),
+//! }
+//! # let folder = std::env::temp_dir().join(format!("abbe-front-page-{}", std::process::id()));
+//! # std::fs::create_dir_all(&folder).unwrap();
+//! # let file = |name: &str| folder.join(name);
+//! # /*
+//! image.write_exr("glass_ball.exr")?;
+//! image.write_png("glass_ball.png")?;
+//! # */
+//! # image.write_exr(file("glass_ball.exr"))?;
+//! # image.write_png(file("glass_ball.png"))?;
+//! # std::fs::remove_dir_all(&folder).unwrap();
+//! # Ok::<(), abbe::Error>(())
 //! ```
 //!
-//! The modules, in the order in which one may import another: [`math`], [`spectrum`], then [`colour`] and [`optics`], [`scene`], [`plan`],
-//! [`walk`], [`map`], then [`emit`] and [`gather`] (which do not know each other), [`render`], [`study`]; beside them [`sensor`] and [`output`]
-//! behind `colour`; `cli` sees all. A test checks it.
+//! [`Scene`] loads a scene from a file, from text, or from the structs of [`mod@format`].
+//! [`RenderOptions`] contains the stop rules of the render, and overrides settings of the scene.
+//! [`Image`] contains the pixels and their error bars. The folder `examples/` of the source code
+//! shows more: progress and cancellation, scenes without JSON, colours of spectra, error bars, the
+//! path of a single photon.
+//!
+//! # How a picture is computed
+//!
+//! ```text
+//! scene.json ──► SceneFile ──► Scene ──► Facts ──► Plan
+//!   parse          resolve       examine    decide which effects are simulated
+//!
+//! pilot            choose photon counts, first radii and aims
+//! for each pass:
+//!   emit           lights ──► photons with wavelengths and power
+//!   map            photons ──► kd-trees
+//!   gather         camera ray ──► spectral radiance of each pixel
+//!   sensor         spectral radiance × colour-matching functions ──► sums of XYZ, noise, bias
+//! develop          sums ──► EXR, PNG and statistics
+//! ```
+//!
+//! Photon mapping computes caustics and indirect light, and camera rays compute direct light
+//! (Jensen 1996). Passes are independent of each other, and their kernels shrink from pass to pass
+//! (Knaus & Zwicker 2011). Passes can therefore run on any machine in any order, and be merged.
+//!
+//! # Modules
+//!
+//! Each module may import only modules above it in this list. A test checks the exact order.
+//!
+//! | module | content |
+//! | --- | --- |
+//! | `error` | the error type |
+//! | `math` | random streams, sampling, quadrature |
+//! | `spectrum` | functions of wavelength, observers, the library of spectra |
+//! | `colour` | XYZ, RGB, colour differences, colour rendering |
+//! | `optics` | glass, BSDFs, phase functions, lenses |
+//! | `geometry` | shapes, meshes, the bounding volume hierarchy |
+//! | `scene` | the resolved scene: cameras, lights, media, motion |
+//! | `json` | strict JSON with line, column and path of every value |
+//! | `format` | the scene file, and its resolution into a scene |
+//! | `plan` | the decision which effects are simulated, with reasons |
+//! | `walk` | path segments, scattering, transmittance |
+//! | `map` | photon maps, kernels, radii |
+//! | `emit` | photon emission and photon paths |
+//! | `gather` | camera paths, direct light, photon density estimates, the path tracer |
+//! | `sensor` | film sums, noise and bias, exposure, development |
+//! | `output` | EXR and PNG files, comparisons, plots, pages |
+//! | `pass` | the transport of one pass: the pilot, photon recording, camera samples |
+//! | `render` | a render of many passes: stop rules, forecasts, checkpoints, merging |
+//! | `study` | error against time (feature `pages`) |
+//! | `api` | the items of this page |
+//! | `cli` | the `abbe` program (feature `cli`) |
+//!
+//! Only the items of this page are public interface. The modules are visible to the tests and
+//! benchmarks of this package, and they may change in every release.
 //!
 //! # Units and conventions
 //!
-//! Lengths in m relative to the scene's centre, wavelengths in nm, power in W over the band 360–830 nm, radiance in W/m²/sr. A picture's Y is in cd/m².
-//! Stored directions point the way light travels; at a scattering event `wo` and `wi` point away from the surface. Geometry is
-//! `f64`, stored photons are `f32`.
+//! Lengths in a scene file are in the file's `unit`, metres by default. Inside the program, lengths
+//! are in metres relative to the centre of the scene, wavelengths in nm, power in W over the band
+//! 360–830 nm, and radiance in W/m²/sr. The Y of a picture is in cd/m². Stored directions point
+//! along the propagation of light. At a scattering event, `wo` and `wi` point away from the
+//! surface. Geometry is computed in `f64`, and photons are stored in `f32`.
 //!
 //! # Scope and simplifications
 //!
-//! Geometrical optics of unpolarised light: no interference, no fluorescence. Time is frozen for each pass: all its rays and photons see the scene
-//! at one moment while the shutter is open, and the mean over passes is the motion's blur. Surfaces and homogeneous absorbing bodies; scattering media and
-//! textures are not simulated yet, and a scene that asks for them is refused.
+//! Abbe computes geometrical optics of unpolarised light, and diffraction only at the camera's
+//! aperture. It simulates no interference, fluorescence or polarisation, and no image textures on
+//! surfaces. Surfaces, homogeneous and heterogeneous scattering media, and glowing media are
+//! simulated. The scene is frozen during a pass: all rays and photons of a pass share one shutter
+//! time, and the mean over the passes is the motion blur.
 //!
-//! # Follow one photon
+//! # Features
 //!
-//! A sodium photon from a beam through a glass ball: it refracts twice, as Snell says, and ends on the floor.
+//! | feature | default | content |
+//! | --- | --- | --- |
+//! | `cli` | yes | the `abbe` program; implies `pages` |
+//! | `pages` | | HTML pages that compare pictures or lamps, and studies of accuracy |
+//! | `meshes` | yes | OBJ, PLY, STL and glTF files |
 //!
-//! ```
-//! use abbe::math::random::{Purpose, Stream};
-//! use abbe::optics::surface::Transport;
-//! use abbe::scene::{file, geometry::Ray, interior::Interior, resolve::resolve};
-//! use abbe::spectrum::Wavelengths;
-//! use abbe::walk::{Start, next, scatter};
-//! use glam::DVec3;
-//!
-//! let text = r#"{
-//!   "camera": {"from": [0, 2, 5], "at": [0, 0, 0], "lens": {"pinhole": {"fov": 40}}},
-//!   "film": {"width": 8, "height": 8},
-//!   "materials": {"grey": {"diffuse": {"reflectance": 0.5}}, "glass": {"dielectric": {"ior": "N-BK7"}}},
-//!   "objects": [
-//!     {"name": "floor", "shape": {"rectangle": {"width": 10, "height": 10}}, "material": "grey"},
-//!     {"name": "ball", "shape": {"sphere": {"center": [0, 2, 0], "radius": 1}}, "material": "glass"}],
-//!   "lights": [{"beam": {"from": [0.5, 5, 0], "to": [0.5, 0, 0], "radius": 0.01, "spectrum": "sodium-low-pressure", "power": 1}}]
-//! }"#;
-//! let (written, source) = file::parse(text, "ball.json".as_ref(), &[])?;
-//! let scene = resolve(&written, &source)?;
-//!
-//! let origin = DVec3::new(0.5, 5.0, 0.0) - scene.centre;
-//! let mut start = Start { ray: Ray::new(origin, DVec3::NEG_Y), from: None, interior: Interior::AIR };
-//! let sodium = Wavelengths::single(589.3);
-//! let mut stream = Stream::new(7, Purpose::FreePhoton, 0, 0);
-//! let mut met = Vec::new();
-//! while let Some(encounter) = next(&scene, start, 0.0) {
-//!     met.push(scene.objects[encounter.hit.object as usize].name.clone());
-//!     let Some(scattered) = scatter(&encounter, &sodium, Transport::Importance, &mut stream) else { break };
-//!     if met.last().is_some_and(|name| name == "floor") { break }
-//!     start = encounter.after(&scattered);
-//! }
-//! assert_eq!(met, ["ball", "ball", "floor"]);
-//! # Ok::<(), abbe::error::Error>(())
-//! ```
+//! A renderer without the command line is `abbe = { version = "…", default-features = false }`.
 
+#[doc(hidden)]
+pub mod api;
+#[cfg(feature = "cli")]
+pub mod cli;
+#[doc(hidden)]
 pub mod colour;
+#[doc(hidden)]
 pub mod emit;
+#[doc(hidden)]
 pub mod error;
+pub mod format;
+#[doc(hidden)]
 pub mod gather;
+#[doc(hidden)]
+pub mod geometry;
+#[doc(hidden)]
+pub mod json;
+#[doc(hidden)]
 pub mod map;
+#[doc(hidden)]
 pub mod math;
+#[doc(hidden)]
 pub mod optics;
+#[doc(hidden)]
 pub mod output;
+#[doc(hidden)]
+pub mod pass;
+#[doc(hidden)]
 pub mod plan;
+#[doc(hidden)]
 pub mod render;
+#[doc(hidden)]
 pub mod scene;
+#[doc(hidden)]
 pub mod sensor;
+#[doc(hidden)]
 pub mod spectrum;
+#[cfg(feature = "pages")]
+#[doc(hidden)]
 pub mod study;
+#[doc(hidden)]
 pub mod walk;
+
+pub use api::{Image, PixelSpectrum, RenderOptions, Scene};
+pub use colour::ColourReport;
+pub use error::{Error, ErrorKind, ErrorLocation, Result};
+pub use render::{ErrorMilestone, Forecast, Integrator, Progress, Stats};
+pub use spectrum::{Observer, Spectrum};
+
+/// Returns a spectrum of the built-in library, such as `D65`. `abbe spectrum --list` prints all
+/// names; letter case does not matter.
+///
+/// # Errors
+/// The name is unknown. The error suggests a similar name.
+pub fn spectrum_by_name(name: &str) -> Result<Spectrum> {
+    Ok(spectrum::library::find(name)?.spectrum)
+}

@@ -1,7 +1,5 @@
-//! The `abbe` command.
-
-mod cli;
+//! The `abbe` program.
 
 fn main() -> std::process::ExitCode {
-    cli::main()
+    abbe::cli::main()
 }

@@ -1,101 +1,99 @@
-//! The gathering of a camera sample.
+//! Gathering of camera samples, by the renderer and by hand.
 
-use super::scenes::{Prepared, Total, gatherer};
-use abbe::gather::{CameraNumbers, Maps, Outlines, RADIUS_KINDS, Scratch, power_heuristic};
-use abbe::map::LightMaps;
-use abbe::map::kernel::Disk;
+use super::scenes::{Prepared, Total, camera_pass};
+use abbe::gather::{NORMAL_TOLERANCE, Outlines, PLANE_TOLERANCE, PathBuffers, PixelSampler, power_heuristic};
+use abbe::geometry::Ray;
+use abbe::map::kernel::DiskKernel;
 use abbe::map::radius::least;
-use abbe::optics::surface::{Class, Sides, Transport};
-use abbe::scene::geometry::Ray;
-use abbe::scene::light::{Light, Tint};
-use abbe::spectrum::LANES;
+use abbe::map::{LightMaps, PixelRadii, SetMaps};
+use abbe::optics::bsdf::{BsdfClass, InterfaceIors, TransportMode};
+use abbe::scene::light::{EmittedSpd, Light};
+use abbe::spectrum::{LANES, REFERENCE_NM};
 use abbe::walk::{Sink, Tally};
 use glam::DVec3;
 
-/// Kernels of about 50 photons.
+/// The kernel radius; kernels contain about 50 photons.
 const RADIUS_M: f32 = 0.2;
 
-/// Photons of surfaces that face another way, or off the tangent plane, do not count.
-const NORMAL_TOLERANCE: f64 = 0.7;
-const PLANE_TOLERANCE: f64 = 0.3;
-
-/// As the renderer gathers.
-pub(crate) fn general(prepared: &Prepared, maps: &Maps, count: u64) -> f64 {
+/// Gathers as the renderer does.
+pub(crate) fn general(prepared: &Prepared, maps: &SetMaps, count: u64) -> f64 {
     let (outlines, light_maps) = (Outlines::default(), LightMaps::default());
-    let gatherer = gatherer(prepared, (maps, &outlines, &light_maps));
-    let (mut scratch, mut tally, mut total) = (Scratch::default(), Tally::default(), Total(0.0));
+    let camera_pass = camera_pass(prepared, (maps, &outlines, &light_maps));
+    let (mut buffers, mut tally, mut total) = (PathBuffers::default(), Tally::default(), Total(0.0));
     for pixel in pixels(prepared, count) {
-        let numbers = CameraNumbers::new(1, 0, pixel);
-        gatherer.sample(pixel, numbers, &[RADIUS_M; RADIUS_KINDS], (&mut scratch, &mut tally), &mut total);
+        let sampler = PixelSampler::new(1, 0, pixel);
+        camera_pass.sample(pixel, sampler, &PixelRadii::splat(RADIUS_M), &mut buffers, &mut tally, &mut total);
     }
     total.0
 }
 
-/// Pixels all over the picture.
+/// Returns pixels from all parts of the image.
 fn pixels(prepared: &Prepared, count: u64) -> impl Iterator<Item = u64> {
     let all = prepared.scene.camera.pixel_count() as u64;
     (0..count).map(move |number| number * 7919 % all)
 }
 
-/// Written out: a pinhole, one lamp with a surface, opaque walls that scatter or absorb, clear air, photons scattered before.
-pub(crate) fn plain(prepared: &Prepared, maps: &Maps, count: u64) -> f64 {
+/// Gathers by hand: a pinhole camera, one area light, opaque walls that scatter or absorb, clear air,
+/// and indirect photons.
+pub(crate) fn plain(prepared: &Prepared, maps: &SetMaps, count: u64) -> f64 {
     let (scene, mut total) = (&prepared.scene, Total(0.0));
-    let (world, lamp) = (scene.world(), &scene.lights[0]);
-    let sides = Sides { here: &scene.air, there: &scene.air };
+    let (world, light) = (scene.extent(), &scene.lights[0]);
+    let sides = InterfaceIors { here: &scene.air, there: &scene.air };
     for pixel in pixels(prepared, count) {
-        let mut numbers = CameraNumbers::new(1, 0, pixel);
-        let ray = numbers.ray(&scene.camera, pixel);
-        numbers.stream.uniform();
+        let mut sampler = PixelSampler::new(1, 0, pixel);
+        let ray = sampler.ray(&scene.camera, pixel);
+        sampler.stream.uniform();
         let Some(hit) = scene.geometry.intersect(&ray, None, f64::INFINITY) else { continue };
         let object = &scene.objects[hit.object as usize];
         if object.light.is_some() {
-            let radiance = lamp.surface_radiance(ray.direction, &hit);
-            each_wavelength(lamp, numbers.wavelength, |nm, share| {
-                total.biased(nm, share * lamp.shape_at(Tint::Own, nm) * radiance, 0.0);
+            let radiance = light.le_surface(ray.direction, &hit);
+            each_wavelength(light, sampler.wavelength, |nm, share| {
+                total.biased(nm, share * light.spd_at(EmittedSpd::Own, nm) * radiance, 0.0);
             });
         }
         let surface = &scene.materials[object.material].surface;
-        if surface.class() != Class::Diffuse {
+        if surface.class() != BsdfClass::Diffuse {
             continue;
         }
         let frame = hit.frame(ray.direction);
         let (wo, place) = (frame.to_local(-ray.direction), hit.position);
 
-        // A shadow ray, then a scattered ray, each with its share of the lamp.
-        if let Some(incident) = lamp.towards(world, place, numbers.lamp()) {
+        // Direct light by a shadow ray and by a scattered ray, with multiple importance sampling.
+        if let Some(incident) = light.sample_li(world, place, sampler.light()) {
             let wi = frame.to_local(incident.direction);
-            let pdf = surface.pdf(wo, wi, sides, 550.0);
-            let share = incident.pdf_solid_angle.map_or(1.0, |of_lamp| power_heuristic(of_lamp, pdf));
+            let pdf = surface.pdf(wo, wi, sides, REFERENCE_NM);
+            let share = incident.pdf_solid_angle.map_or(1.0, |pdf_light| power_heuristic(pdf_light, pdf));
             let strength = incident.irradiance * wi.z.abs() * share;
             let way = Ray { origin: place, direction: incident.direction };
             if pdf > 0.0
                 && strength > 0.0
                 && !scene.geometry.occluded(&way, Some(hit.surface), incident.target, incident.distance)
             {
-                each_wavelength(lamp, numbers.wavelength, |nm, share| {
-                    let f = surface.eval(wo, wi, sides, Transport::Radiance, nm);
-                    total.biased(nm, share * lamp.shape_at(incident.tint, nm) * strength * f, 0.0);
+                each_wavelength(light, sampler.wavelength, |nm, share| {
+                    let f = surface.eval(wo, wi, sides, TransportMode::Radiance, nm);
+                    total.biased(nm, share * light.spd_at(incident.spd, nm) * strength * f, 0.0);
                 });
             }
         }
-        if let Some(scatter) = surface.sample(wo, sides, 550.0, Transport::Radiance, numbers.stream.triple()) {
+        if let Some(scatter) = surface.sample(wo, sides, REFERENCE_NM, sampler.stream.triple()) {
             let way = Ray { origin: place, direction: frame.to_world(scatter.wi) };
             let found = scene.geometry.intersect(&way, Some(hit.surface), f64::INFINITY);
             if let Some(found) = found.filter(|found| scene.objects[found.object as usize].light.is_some()) {
-                let share = power_heuristic(scatter.probability, lamp.surface_pdf(world, place, &found));
-                let radiance = lamp.surface_radiance(way.direction, &found) * share;
-                each_wavelength(lamp, numbers.wavelength, |nm, share| {
-                    let response = surface.response(wo, &scatter, sides, Transport::Radiance, nm) / scatter.probability;
-                    total.biased(nm, share * (lamp.shape_at(Tint::Own, nm) * radiance) * response, 0.0);
+                let share = power_heuristic(scatter.probability, light.pdf_li_surface(world, place, &found));
+                let radiance = light.le_surface(way.direction, &found) * share;
+                each_wavelength(light, sampler.wavelength, |nm, share| {
+                    let response =
+                        surface.eval_sample(wo, &scatter, sides, TransportMode::Radiance, nm) / scatter.probability;
+                    total.biased(nm, share * (light.spd_at(EmittedSpd::Own, nm) * radiance) * response, 0.0);
                 });
             }
         }
 
-        // Photons around.
+        // Nearby photons.
         let radius = f64::from(RADIUS_M).max(least(place));
         let facing = if hit.leads_back(ray.direction, hit.normal) { hit.normal } else { -hit.normal };
-        let disk = Disk::new(radius * radius);
-        maps.indirect.within(place.as_vec3().to_array(), radius as f32, |found| {
+        let disk = DiskKernel::new(radius * radius);
+        maps.indirect.surface.within(place.as_vec3().to_array(), radius as f32, |found| {
             let normal = found.photon.normal();
             let alignment = normal.dot(facing);
             let offset = DVec3::from(found.position.map(f64::from)) - place;
@@ -106,8 +104,8 @@ pub(crate) fn plain(prepared: &Prepared, maps: &Maps, count: u64) -> f64 {
             let own_cosine = to_light.dot(normal);
             let wi = frame.to_local((to_light + (own_cosine - to_light.dot(facing)) * facing).normalize());
             let kernels = disk.at(f64::from(found.distance2));
-            for (nm, power) in found.photon.load.lanes() {
-                let radiance = surface.eval(wo, wi, sides, Transport::Radiance, nm) * power;
+            for (nm, power) in found.photon.power.lanes() {
+                let radiance = surface.eval(wo, wi, sides, TransportMode::Radiance, nm) * power;
                 total.biased(nm, radiance * kernels.estimate, radiance * kernels.bias());
             }
         });
@@ -115,10 +113,10 @@ pub(crate) fn plain(prepared: &Prepared, maps: &Maps, count: u64) -> f64 {
     total.0
 }
 
-/// Four wavelengths of the lamp, and one over their density.
-fn each_wavelength(lamp: &Light, u: f64, mut f: impl FnMut(f64, f64)) {
+/// Calls `f` with four wavelengths of the light and the inverse of their density.
+fn each_wavelength(light: &Light, u: f64, mut f: impl FnMut(f64, f64)) {
     for k in 0..LANES {
-        let (nm, pdf) = lamp.wavelengths.sample((u + k as f64) / LANES as f64);
+        let (nm, pdf) = light.wavelengths.sample((u + k as f64) / LANES as f64);
         f(nm, 1.0 / (pdf * LANES as f64));
     }
 }

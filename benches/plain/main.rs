@@ -1,9 +1,14 @@
-//! What planning leaves over: the two inner loops of a box of diffuse walls, as the renderer runs them and written out by hand for just such a box,
-//! without a branch for anything that it lacks. Both draw the same random numbers and must find the same light.
+//! The cost of generality in the two inner loops.
 //!
-//! `cargo bench --bench plain` checks that. To count instructions (figures in `benches/README.md`), run what it built under valgrind:
-//! `valgrind --tool=callgrind --callgrind-out-file=/dev/null target/release/deps/plain-… walk general 20000`, the same with `plain`, and both
-//! with 0 photons, which is what preparing the scene takes.
+//! The scene is a box of diffuse walls. Each inner loop runs twice: as the renderer runs it, and
+//! written by hand for such a box, without any branch for features that the box lacks. Both versions
+//! use the same random numbers and must compute the same light.
+//!
+//! `cargo bench --bench plain` checks that both versions agree. To count instructions, run the built
+//! executable under valgrind: `valgrind --tool=callgrind --callgrind-out-file=/dev/null
+//! target/release/deps/plain-… walk general 20000`, then the same with `plain`. Run both with 0
+//! photons too, which gives the cost of preparing the scene. The measured counts are in
+//! `benches/README.md`.
 
 mod gather;
 #[path = "../stages/scenes.rs"]
@@ -24,20 +29,20 @@ fn main() {
         ["gather", "plain", count] => drop(black_box(gather::plain(&prepared, &maps(), number(count)))),
         [] => {
             let [general, plain] = [walk::general, walk::plain].map(|walk| walk(&prepared, 5000));
-            assert!(general == plain && general.len() > 3000, "the walk by hand keeps other photons");
-            println!("walk: {} photons kept, the same by hand", plain.len());
+            assert!(general == plain && general.len() > 3000, "the two walks store different photons");
+            println!("walk: both versions store the same {} photons", plain.len());
             let maps = maps();
             let [general, plain] = [gather::general, gather::plain].map(|gather| gather(&prepared, &maps, 2000));
             assert!(
                 (general / plain - 1.0).abs() < 1e-12 && general > 0.0,
-                "gathered by hand it is other light: {general}, {plain}"
+                "the two versions gather different light: {general}, {plain}"
             );
-            println!("gather: {general:.6e} in all, the same by hand");
+            println!("gather: both versions gather the radiance sum {general:.6e}");
         }
-        _ => panic!("walk|gather general|plain COUNT, or nothing"),
+        _ => panic!("expected the arguments walk|gather general|plain COUNT, or no arguments"),
     }
 }
 
 fn number(word: &str) -> u64 {
-    word.parse().expect("a number of photons or pixels")
+    word.parse().expect("COUNT is a number of photons or pixels")
 }

@@ -1,46 +1,47 @@
-//! The photons' walk.
+//! Photon tracing, by the renderer and by hand.
 
 use super::scenes::{Harvest, Prepared};
-use abbe::emit::{Aim, Emitters};
-use abbe::map::{Load, Photon};
+use abbe::emit::{Aim, PhotonSource};
+use abbe::geometry::{Ray, SurfaceId};
+use abbe::map::{Photon, PhotonPower};
 use abbe::math::random::{Purpose, Stream};
-use abbe::optics::surface::{Sides, Surface, Transport};
-use abbe::scene::geometry::{Ray, SurfaceId};
-use abbe::scene::light::EmissionNumbers;
+use abbe::optics::bsdf::{Bsdf, InterfaceIors, TransportMode};
+use abbe::scene::light::LeRandoms;
 use abbe::spectrum::{LANES, Lanes, Wavelengths};
 
-/// Photons with their places, as the map takes them.
-pub(crate) type Kept = Vec<(Photon, [f32; 3])>;
+/// Photons with their positions, as the photon map expects them.
+pub(crate) type StoredPhotons = Vec<(Photon, [f32; 3])>;
 
-/// As the renderer walks.
-pub(crate) fn general(prepared: &Prepared, count: u64) -> Kept {
+/// Traces photons as the renderer does.
+pub(crate) fn general(prepared: &Prepared, count: u64) -> StoredPhotons {
     let Harvest { indirect, .. } = prepared.harvest(count);
     indirect
 }
 
-/// Written out: one lamp's wavelengths, opaque walls that scatter or absorb, clear air, photons of four wavelengths all their way.
-pub(crate) fn plain(prepared: &Prepared, count: u64) -> Kept {
+/// Traces photons by hand: one light, opaque walls that scatter or absorb, clear air, and four
+/// wavelengths along whole paths.
+pub(crate) fn plain(prepared: &Prepared, count: u64) -> StoredPhotons {
     let scene = &prepared.scene;
-    let (mut kept, mut absorbed, mut escaped) = (Kept::new(), vec![0.0; scene.materials.len()], 0.0);
+    let (mut kept, mut absorbed, mut escaped) = (StoredPhotons::new(), vec![0.0; scene.materials.len()], 0.0);
     let (mut emitted, mut sampling) = (0.0, 0.0);
-    prepared.with_emitters(count, |emitters: &Emitters<'_>| {
-        let points = emitters.points();
+    prepared.with_source(count, |source: &PhotonSource<'_>| {
+        let points = source.points();
         let aim = Aim::plain();
-        let sides = Sides { here: &scene.air, there: &scene.air };
+        let sides = InterfaceIors { here: &scene.air, there: &scene.air };
         for index in 0..count {
-            let mut stream = Stream::new(emitters.seed, Purpose::FreePhoton, emitters.pass, index);
+            let mut stream = Stream::new(source.seed, Purpose::FreePhoton, source.pass, index);
             let u = points.point(index as u32);
-            let mut which = u[1];
-            let number = emitters.choice.sample(&mut which);
+            let mut u_light = u[1];
+            let number = source.light_distribution.sample(&mut u_light);
             let light = &scene.lights[number];
-            let (aim, density) = aim.draw([u[2], u[3]]);
-            let emission = light.emit(scene.world(), EmissionNumbers { aim, rest: [u[4], u[5], u[6]] });
-            let flux = emission.flux_w / (count as f64 * emitters.choice.probability(number) * density);
+            let (aim, density) = aim.sample([u[2], u[3]]);
+            let emission = light.sample_le(scene.extent(), LeRandoms { aim, rest: [u[4], u[5], u[6]] });
+            let flux = emission.flux_w / (count as f64 * source.light_distribution.probability(number) * density);
             let (mut nm, mut power): (Lanes, Lanes) = ([0.0; LANES], [0.0; LANES]);
             for k in 0..LANES {
                 let (drawn, pdf) = light.wavelengths.sample((u[0] + k as f64) / LANES as f64);
                 nm[k] = drawn;
-                power[k] = light.shape_at(emission.tint, drawn) / (pdf * LANES as f64) * flux;
+                power[k] = light.spd_at(emission.spd, drawn) / (pdf * LANES as f64) * flux;
             }
             let wavelengths = Wavelengths::new(nm);
             emitted += power.iter().sum::<f64>();
@@ -55,34 +56,35 @@ pub(crate) fn plain(prepared: &Prepared, count: u64) -> Kept {
                 };
                 let material = scene.objects[hit.object as usize].material;
                 let surface = &scene.materials[material].surface;
-                let Surface::Diffuse(_) = surface else {
+                let Bsdf::Diffuse(_) = surface else {
                     absorbed[material] += power.iter().sum::<f64>();
                     break;
                 };
                 let to_light = -ray.direction;
                 if scattered_before {
                     let facing = if to_light.dot(hit.normal) >= 0.0 { hit.normal } else { -hit.normal };
-                    let photon = Photon::new(Load::new(&wavelengths, power, 0), to_light, facing);
+                    let photon = Photon::new(PhotonPower::new(&wavelengths, power, None), to_light, facing);
                     kept.push((photon, hit.position.as_vec3().to_array()));
                 }
                 let frame = hit.frame(ray.direction);
                 let wo = frame.to_local(to_light);
                 let u = stream.triple();
-                let Some(drawn) = surface.sample(wo, sides, nm[0], Transport::Importance, u) else {
+                let Some(drawn) = surface.sample(wo, sides, nm[0], u) else {
                     absorbed[material] += power.iter().sum::<f64>();
                     break;
                 };
                 let direction = frame.to_world(drawn.wi);
                 assert!(
                     hit.leads_back(ray.direction, direction),
-                    "these walls have no other normals than the true ones"
+                    "the shading normals of these walls are the geometric normals"
                 );
                 let correction = hit.adjoint_correction(&frame, to_light, direction);
                 let before: f64 = power.iter().sum();
                 let (mut weights, mut lost) = (0.0, 0.0);
                 for k in 0..LANES {
-                    let weight = surface.response(wo, &drawn, sides, Transport::Importance, nm[k]) / drawn.probability;
-                    lost += power[k] * surface.absorbed(wo, &drawn, sides, nm[k]);
+                    let weight =
+                        surface.eval_sample(wo, &drawn, sides, TransportMode::Importance, nm[k]) / drawn.probability;
+                    lost += power[k] * surface.absorbed_fraction(wo, &drawn, sides, nm[k]);
                     power[k] *= weight * correction;
                     weights += weight * correction;
                 }
@@ -100,6 +102,6 @@ pub(crate) fn plain(prepared: &Prepared, count: u64) -> Kept {
         }
     });
     let ended = absorbed.iter().sum::<f64>() + escaped;
-    assert!((emitted + sampling - ended).abs() < 1e-9 * emitted.max(1.0), "the ledger by hand does not balance");
+    assert!((emitted + sampling - ended).abs() < 1e-9 * emitted.max(1.0), "the energy balance by hand fails");
     kept
 }

@@ -1,4 +1,5 @@
-//! Photons from the lamp to their end, with the real materials and spectra; kept for the maps, not connected to the camera.
+//! Photons from the lamp to their end, with the real materials and spectra; kept for the maps, not
+//! connected to the camera.
 
 use super::scenes::Prepared;
 use criterion::{Criterion, Throughput};

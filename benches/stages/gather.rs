@@ -1,8 +1,8 @@
 //! Camera samples: the specular chain, lamps, and photons around the end.
 
-use super::scenes::{Prepared, Total, gatherer, load};
-use abbe::gather::{CameraNumbers, Direct, Outlines, PathTracer, RADIUS_KINDS, Scratch};
-use abbe::map::LightMaps;
+use super::scenes::{Prepared, Total, camera_pass, load};
+use abbe::gather::{DirectLighting, Outlines, PathBuffers, PathTracer, PixelSampler};
+use abbe::map::{LightMaps, PixelRadii};
 use abbe::walk::Tally;
 use criterion::{Criterion, Throughput};
 
@@ -17,15 +17,15 @@ pub(crate) fn benches(c: &mut Criterion) {
         group.throughput(Throughput::Elements(pixels.len() as u64));
         let maps = prepared.harvest(100_000).maps();
         let (outlines, light_maps) = (Outlines::default(), LightMaps::default());
-        let gatherer = gatherer(&prepared, (&maps, &outlines, &light_maps));
+        let camera_pass = camera_pass(&prepared, (&maps, &outlines, &light_maps));
         // Kernels of about 50 photons; the exact radii of a render are its pilot's.
-        let radii = [0.05_f32; RADIUS_KINDS];
+        let radii = PixelRadii::splat(0.05);
         group.bench_function(format!("photon maps/{name}"), |b| {
             b.iter(|| {
-                let (mut scratch, mut tally, mut total) = (Scratch::default(), Tally::default(), Total(0.0));
+                let (mut buffers, mut tally, mut total) = (PathBuffers::default(), Tally::default(), Total(0.0));
                 for &pixel in &pixels {
-                    let numbers = CameraNumbers::new(1, 0, pixel);
-                    gatherer.sample(pixel, numbers, &radii, (&mut scratch, &mut tally), &mut total);
+                    let sampler = PixelSampler::new(1, 0, pixel);
+                    camera_pass.sample(pixel, sampler, &radii, &mut buffers, &mut tally, &mut total);
                 }
                 total.0
             });
@@ -33,16 +33,16 @@ pub(crate) fn benches(c: &mut Criterion) {
     }
     let prepared = Prepared::new("s3_box.json");
     let scene = load("s3_box.json", &[]);
-    let direct = Direct::new(&scene, &prepared.choice.lights, prepared.plan.between);
-    let (wavelengths, between) = (&prepared.choice.wavelengths, prepared.plan.between);
-    let tracer = PathTracer { scene: &scene, direct, wavelengths, max_depth: 64, between };
+    let direct = DirectLighting::new(&scene, &prepared.choice.lights, prepared.plan.media_plan);
+    let (wavelengths, media_plan) = (&prepared.choice.wavelengths, prepared.plan.media_plan);
+    let tracer = PathTracer { scene: &scene, direct, wavelengths, max_depth: 64, media_plan };
     let pixels: Vec<u64> = (0..scene.camera.pixel_count() as u64).step_by(STEP).collect();
     group.throughput(Throughput::Elements(pixels.len() as u64));
     group.bench_function("path tracer/s3_box", |b| {
         b.iter(|| {
             let (mut tally, mut total) = (Tally::default(), Total(0.0));
             pixels.iter().for_each(|&pixel| {
-                tracer.sample(pixel, CameraNumbers::new(1, 0, pixel), &mut tally, &mut total);
+                tracer.sample(pixel, PixelSampler::new(1, 0, pixel), &mut tally, &mut total);
             });
             total.0
         });

@@ -1,10 +1,10 @@
 //! Rays against the scene: the nearest surface, and whether anything stands in the way.
 
+use abbe::geometry::mesh::TriangleMesh;
+use abbe::geometry::shape::{PlacedShape, Shape};
+use abbe::geometry::{Geometry, Ray};
 use abbe::math::random::{Purpose, Stream};
 use abbe::math::warp;
-use abbe::scene::geometry::{Geometry, Ray};
-use abbe::scene::mesh::TriangleMesh;
-use abbe::scene::shape::{Placed, Shape};
 use criterion::{Criterion, Throughput};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 const RAYS: usize = 10_000;
 
-fn placed(shape: Shape, at: DVec3, object: u32) -> Placed {
-    Placed { shape, to_world: DAffine3::from_translation(at), object }
+fn placed(shape: Shape, at: DVec3, object: u32) -> PlacedShape {
+    PlacedShape { shape, to_world: DAffine3::from_translation(at), object }
 }
 
 /// A sphere of `rows` × 2 `rows` quadrilaterals, less the poles' halves.

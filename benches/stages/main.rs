@@ -1,5 +1,6 @@
-//! How long each stage of the pipeline takes, on one thread unless a name says otherwise. `cargo bench` runs them all in about two
-//! minutes; `cargo bench emit` those whose names contain "emit". Figures stand in `benches/README.md`.
+//! How long each stage of the pipeline takes, on one thread unless a name says otherwise. `cargo
+//! bench` runs them all in about two minutes; `cargo bench emit` those whose names contain "emit".
+//! Figures stand in `benches/README.md`.
 
 mod emit;
 mod gather;

@@ -1,10 +1,11 @@
 //! The benchmark scenes, and what the stages make of them.
 
-use abbe::emit::{Aim, Arrival, Emitters, LightChoice, Receiver, Wavelengthed, trace};
-use abbe::gather::{Direct, Gatherer, Maps, Outlines};
-use abbe::map::radius::Scales;
-use abbe::map::{LightMaps, Load, Photon, PhotonIndex};
+use abbe::emit::{Aim, LightSampler, PhotonSource, PhotonVisitor, SurfaceArrival, WavelengthSampling, trace};
+use abbe::gather::{CameraPass, DirectLighting, Outlines};
+use abbe::map::radius::RadiusScales;
+use abbe::map::{ClassMaps, LightMaps, Photon, PhotonMap, PhotonPower, SetMaps};
 use abbe::math::random::{Purpose, Stream};
+use abbe::plan::partition::PerSet;
 use abbe::plan::partition::{LightPath, kept_in_map};
 use abbe::plan::{Plan, prepare};
 use abbe::scene::Scene;
@@ -16,7 +17,7 @@ use std::path::Path;
 pub(crate) struct Prepared {
     pub(crate) scene: Scene,
     pub(crate) plan: Plan,
-    pub(crate) choice: LightChoice,
+    pub(crate) choice: LightSampler,
     aims: Vec<Aim>,
 }
 
@@ -24,40 +25,40 @@ pub(crate) struct Prepared {
 pub(crate) fn load(name: &str, changes: &[&str]) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/scenes").join(name);
     let changes: Vec<String> = changes.iter().map(ToString::to_string).collect();
-    abbe::scene::resolve::load(&path, &changes).expect("a benchmark scene is valid")
+    abbe::format::resolve::load(&path, &changes).expect("a benchmark scene is valid")
 }
 
 impl Prepared {
     pub(crate) fn new(name: &str) -> Self {
         let mut scene = load(name, &[]);
         let (plan, _) = prepare(&mut scene).expect("a benchmark scene can be planned");
-        let choice = LightChoice::new(&scene).expect("a benchmark scene is lit");
+        let choice = LightSampler::new(&scene).expect("a benchmark scene is lit");
         let aims = vec![Aim::plain(); scene.lights.len()];
         Self { scene, plan, choice, aims }
     }
 
     /// Hands what emits `count` unaimed photons of pass 0 to `then`.
-    pub(crate) fn with_emitters<T>(&self, count: u64, then: impl FnOnce(&Emitters<'_>) -> T) -> T {
-        then(&Emitters {
+    pub(crate) fn with_source<T>(&self, count: u64, then: impl FnOnce(&PhotonSource<'_>) -> T) -> T {
+        then(&PhotonSource {
             scene: &self.scene,
-            choice: &self.choice.lights,
+            light_distribution: &self.choice.lights,
             aims: &self.aims,
-            wavelengths: Wavelengthed::Free,
+            wavelengths: WavelengthSampling::Free,
             count,
             max_depth: 64,
             seed: 1,
             purpose: Purpose::FreePhoton,
             pass: 0,
-            between: self.plan.between,
+            media_plan: self.plan.media_plan,
         })
     }
 
     /// Emits the photons and hands them to the receiver.
-    pub(crate) fn emit(&self, count: u64, receiver: &mut impl Receiver) -> Ledger {
+    pub(crate) fn emit(&self, count: u64, receiver: &mut impl PhotonVisitor) -> Ledger {
         let mut ledger = Ledger::new(self.scene.materials.len());
-        self.with_emitters(count, |emitters| {
-            let points = emitters.points();
-            trace(emitters, &points, 0..count, receiver, &mut ledger);
+        self.with_source(count, |source| {
+            let points = source.points();
+            trace(source, &points, 0..count, receiver, &mut ledger);
         });
         ledger
     }
@@ -78,27 +79,27 @@ pub(crate) struct Harvest {
 }
 
 impl Harvest {
-    pub(crate) fn maps(&self) -> Maps {
-        let (caustic, indirect) = (PhotonIndex::build(&self.caustic), PhotonIndex::build(&self.indirect));
-        Maps { caustic, indirect, ..Maps::default() }
+    pub(crate) fn maps(&self) -> SetMaps {
+        let of_class = |photons: &[_]| ClassMaps { surface: PhotonMap::build(photons), ..ClassMaps::default() };
+        SetMaps { caustic: of_class(&self.caustic), indirect: of_class(&self.indirect) }
     }
 }
 
-impl Receiver for Harvest {
+impl PhotonVisitor for Harvest {
     #[inline(always)]
-    fn arrive(&mut self, arrival: &Arrival<'_>, _: &mut Stream) {
-        let hit = &arrival.encounter.hit;
-        if !kept_in_map(arrival.path, arrival.encounter.surface.class()) {
+    fn on_surface(&mut self, arrival: &SurfaceArrival<'_>, _: &mut Stream) {
+        let hit = &arrival.interaction.hit;
+        if !kept_in_map(arrival.photon.light_path, arrival.interaction.bsdf.class()) {
             return;
         }
         let facing = if arrival.to_light().dot(hit.normal) >= 0.0 { hit.normal } else { -hit.normal };
-        let load = Load::new(arrival.wavelengths, *arrival.power, 0);
+        let load = PhotonPower::new(&arrival.photon.wavelengths, arrival.photon.power, None);
         let photon = Photon::new(load, arrival.to_light(), facing);
-        let list = if arrival.path == LightPath::Caustic { &mut self.caustic } else { &mut self.indirect };
+        let list = if arrival.photon.light_path == LightPath::Caustic { &mut self.caustic } else { &mut self.indirect };
         list.push((photon, hit.position.as_vec3().to_array()));
     }
 
-    fn depart(&mut self, _: usize, _: [f64; 2]) {}
+    fn on_emission(&mut self, _: usize, _: [f64; 2]) {}
 }
 
 /// Adds all light up.
@@ -115,24 +116,23 @@ impl Sink for Total {
 }
 
 /// What gathers by free photons alone, unless the plan asks for shared ones.
-pub(crate) fn gatherer<'a>(
+pub(crate) fn camera_pass<'a>(
     prepared: &'a Prepared,
-    (maps, outlines, light_maps): (&'a Maps, &'a Outlines, &'a LightMaps<'a>),
-) -> Gatherer<'a> {
+    (maps, outlines, light_maps): (&'a SetMaps, &'a Outlines, &'a LightMaps<'a>),
+) -> CameraPass<'a> {
     let wavelengths = [450.0, 520.0, 590.0, 650.0];
-    Gatherer {
+    CameraPass {
         scene: &prepared.scene,
         plan: &prepared.plan,
-        direct: Direct::new(&prepared.scene, &prepared.choice.lights, prepared.plan.between),
-        free: maps,
-        shared: maps,
+        direct: DirectLighting::new(&prepared.scene, &prepared.choice.lights, prepared.plan.media_plan),
+        maps: PerSet { free: maps, shared: maps },
         shared_nm: wavelengths,
         shared_pdf: wavelengths.map(|nm| prepared.choice.wavelengths.pdf(nm)),
-        glass: None,
+        lens_systems: None,
         light_maps,
         outlines,
-        scales: Scales::of_pass(0),
-        radius_m: None,
+        scales: RadiusScales::of_pass(0),
+        stated_radius_m: None,
         max_depth: 64,
     }
 }

@@ -24,7 +24,7 @@ pub(crate) fn benches(c: &mut Criterion) {
     });
     film.count_pass(0);
     film.count_pass(1);
-    group.bench_function("develop a pixel", |b| b.iter(|| film.develop().mean_y()));
+    group.bench_function("develop a pixel", |b| b.iter(|| film.picture().mean_y()));
     group.throughput(Throughput::Elements(u64::from(SPLATS)));
     group.bench_function("splat four wavelengths", |b| {
         b.iter(|| {
@@ -40,7 +40,8 @@ pub(crate) fn benches(c: &mut Criterion) {
     screens(c);
 }
 
-/// A picture of 3840 × 2160 for a screen, on all threads: from black to twice as bright as white, a tenth of it outside sRGB.
+/// A picture of 3840 × 2160 for a screen, on all threads: from black to twice as bright as white, a
+/// tenth of it outside sRGB.
 fn screens(c: &mut Criterion) {
     let (width, height) = (3840, 2160);
     let mut picture = Picture::black(width, height);

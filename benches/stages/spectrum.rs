@@ -1,6 +1,6 @@
 //! Drawing wavelengths, and looking spectra and indices up.
 
-use abbe::optics::glass::Index;
+use abbe::optics::glass::RefractiveIndex;
 use abbe::spectrum::{Observer, Outside, SpectralLine, Spectrum, WavelengthDistribution, library};
 use criterion::{Criterion, Throughput};
 use std::hint::black_box;
@@ -21,12 +21,12 @@ pub(crate) fn benches(c: &mut Criterion) {
         (0..12).map(|i| line(400.0 + 17.3 * f64::from(i), 1.0 + f64::from(i % 3))).collect();
     let lines = Spectrum::lines(&mercury).expect("lines");
     let red = Spectrum::table(&[360.0, 580.0, 600.0, 830.0], &[0.06, 0.06, 0.6, 0.6], Outside::Hold).expect("a table");
-    let glass = Index::catalogue("N-BK7").expect("N-BK7 is in the catalogue");
+    let glass = RefractiveIndex::catalogue("N-BK7").expect("N-BK7 is in the catalogue");
 
     let mut group = c.benchmark_group("spectrum");
     group.throughput(Throughput::Elements(ROUND));
     for (name, spectrum) in [("daylight", &daylight), ("lines", &lines), ("constant", &Spectrum::constant(1.0))] {
-        let distribution = WavelengthDistribution::important(spectrum, observer).expect("a lit spectrum");
+        let distribution = WavelengthDistribution::visually_weighted(spectrum, observer).expect("a lit spectrum");
         group.bench_function(format!("draw a wavelength/{name}"), |b| {
             b.iter(|| (0..ROUND).map(|i| distribution.sample(scattered(i)).1).sum::<f64>());
         });

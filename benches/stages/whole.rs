@@ -1,12 +1,12 @@
 //! Whole renders, pilot included, on all threads: a tiny one, and the preview of a million photons.
 
 use super::scenes::load;
-use abbe::render::{Integrator, Job, Request, StopRules, Unwatched};
+use abbe::render::{Integrator, Job, NoMonitor, Request, StopRules};
 use criterion::Criterion;
 
 fn render(job: &Job, integrator: Integrator, passes: u64) -> f64 {
     let request = Request { integrator, stop: StopRules { passes: Some(passes), ..StopRules::default() } };
-    job.render(request, &mut Unwatched).expect("a benchmark scene renders").picture.mean_y()
+    job.render(request, &mut NoMonitor).expect("a benchmark scene renders").picture.mean_y()
 }
 
 pub(crate) fn benches(c: &mut Criterion) {

@@ -1,26 +1,27 @@
-//! `abbe check`: validates scenes without rendering.
+//! `abbe check`: checks scenes without rendering them.
 
 use std::path::{Path, PathBuf};
 
-use super::{Outcome, opening, print};
-use abbe::error::Result;
-use abbe::render::Job;
-use abbe::scene::resolve::resolve;
+use super::scene_file::SceneFileArgs;
+use super::{Outcome, print};
+use crate::error::Result;
+use crate::format::resolve::resolve;
+use crate::render::Job;
 
 #[derive(Debug, clap::Args)]
-pub(crate) struct Arguments {
+pub(crate) struct CheckArgs {
     /// Scene files
     #[arg(required = true, value_name = "SCENE")]
     scenes: Vec<PathBuf>,
     #[command(flatten)]
-    opening: opening::Arguments,
+    scene_file: SceneFileArgs,
 }
 
-/// Checks every scene; all errors are reported, not only the first scene's.
-pub(crate) fn run(arguments: &Arguments) -> Outcome {
+/// Checks all scenes. If one scene has an error, the other scenes are still checked.
+pub(crate) fn run(arguments: &CheckArgs) -> Outcome {
     let mut worst = 0;
     for scene in &arguments.scenes {
-        if let Err(error) = check(scene, arguments.opening) {
+        if let Err(error) = check(scene, arguments.scene_file) {
             print::error(&error);
             worst = worst.max(error.exit_status());
         }
@@ -28,8 +29,8 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     Outcome::Reported(worst)
 }
 
-fn check(path: &Path, opening: opening::Arguments) -> Result<()> {
-    let (scene, source) = opening.read(path, &[])?;
+fn check(path: &Path, scene_file: SceneFileArgs) -> Result<()> {
+    let (scene, source) = scene_file.read(path, &[])?;
     let job = Job::new(resolve(&scene, &source)?).map_err(|error| error.in_file(path))?;
     for note in &job.scene.notes {
         print::remark(&format!("{}: note: {note}", path.display()));

@@ -1,103 +1,108 @@
-//! Checkpoints while a render goes on.
+//! Writes checkpoints during a render.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use abbe::error::{Error, Result};
-use abbe::output::file as files;
-use abbe::output::metadata::{Metadata, names};
-use abbe::render::{Identity, Job, Monitor, Part, Progress, Run, Saved};
+use crate::error::{Error, Result};
+use crate::output::file as files;
+use crate::output::metadata::{Metadata, names};
+use crate::render::{Job, Monitor, PassPart, Progress, RenderIdentity, Run, SavedRun};
 
 use super::print;
-use super::progress::Display;
+use super::progress::ProgressDisplay;
 
-/// Where a run is saved, and what is said of it.
+/// The checkpoint file of a run, and the data for its header.
 #[derive(Debug)]
-pub(crate) struct Checkpoint<'a> {
+pub(crate) struct CheckpointFile<'a> {
     pub(crate) path: PathBuf,
     pub(crate) job: &'a Job,
-    pub(crate) identity: &'a Identity,
-    /// What the header says of the scene.
+    pub(crate) identity: &'a RenderIdentity,
+    /// The header entries that describe the scene.
     pub(crate) metadata: &'a Metadata,
 }
 
-impl Checkpoint<'_> {
-    /// The run to begin with: the saved one, or a new one.
-    pub(crate) fn start(&self, part: Part, resume: bool) -> Result<Run> {
+impl CheckpointFile<'_> {
+    /// Returns the saved run if `resume` is set, and otherwise a new run.
+    pub(crate) fn start(&self, part: PassPart, resume: bool) -> Result<Run> {
         if !resume {
             return Ok(Run::new(self.job, part));
         }
         if !self.path.exists() {
-            let expected = "that of a render that was interrupted, or kept by --keep-checkpoint";
-            return Err(Error::input("there is no checkpoint to resume").expected(expected).in_file(&self.path));
+            let expected = "the checkpoint of an interrupted render, or one kept with --keep-checkpoint";
+            return Err(Error::input("the checkpoint does not exist").expected(expected).in_file(&self.path));
         }
-        Saved::resume(&self.path, self.job, self.identity, part)
+        SavedRun::resume(&self.path, self.job, self.identity, part)
     }
 
-    /// Saves a run in the checkpoint's file.
+    /// Writes a run to the checkpoint file.
     pub(crate) fn write(&self, run: &Run) -> Result<()> {
         self.write_to(&self.path, run, self.metadata.clone())
     }
 
-    /// Saves a run in another file, with what its header is to say.
+    /// Writes a run to another file with the given header entries.
     pub(crate) fn write_to(&self, path: &Path, run: &Run, metadata: Metadata) -> Result<()> {
         let metadata = match metadata.get(names::PASSES) {
             Some(_) => metadata,
             None => metadata.with(names::PASSES, &run.passes().to_string()),
         };
-        Saved::write(path, self.job, self.identity, run, metadata)
+        SavedRun::write(path, self.job, self.identity, run, metadata)
     }
 
-    /// After the picture: the checkpoint is kept if asked for, or if it is still needed.
-    pub(crate) fn end(&self, run: &Run, keep: bool) -> Result<()> {
+    /// Writes the final checkpoint if `keep` is set. Otherwise removes the checkpoint file.
+    pub(crate) fn finish(&self, run: &Run, keep: bool) -> Result<()> {
         if keep { self.write(run) } else { files::remove_if_present(&self.path) }
     }
 }
 
-/// How often a run is saved.
+/// The time between two checkpoints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Rhythm {
-    /// As someone has asked for; whatever it costs.
-    Every(Duration),
-    /// After a minute, or more where saving is slow.
-    Sparing,
+pub(crate) enum CheckpointInterval {
+    /// After this time.
+    Fixed(Duration),
+    /// The next checkpoint is written after a minute, or later if saving is slow.
+    Automatic,
 }
 
-impl Rhythm {
-    /// How long to wait after saving took `took`.
-    fn pause(self, took: Duration) -> Duration {
-        /// Saving may take one part in this many of the time.
-        const PARTS: u32 = 20;
+impl CheckpointInterval {
+    /// Returns the time until the next checkpoint. `duration` is the time of writing the last
+    /// checkpoint.
+    fn pause(self, duration: Duration) -> Duration {
+        /// The least ratio of the pause to the time of writing.
+        const LEAST_RATIO: u32 = 20;
         match self {
-            Self::Every(every) => every,
-            Self::Sparing => Duration::from_secs(60).max(took * PARTS),
+            Self::Fixed(interval) => interval,
+            Self::Automatic => Duration::from_secs(60).max(duration * LEAST_RATIO),
         }
     }
 }
 
-/// Shows how a render is going, and saves it now and then.
+/// Shows the progress of a render, and writes its checkpoints.
 #[derive(Debug)]
-pub(crate) struct Watch<'a> {
-    pub(crate) display: Display,
-    checkpoint: &'a Checkpoint<'a>,
-    rhythm: Rhythm,
+pub(crate) struct RenderMonitor<'a> {
+    pub(crate) display: ProgressDisplay,
+    checkpoint: &'a CheckpointFile<'a>,
+    interval: CheckpointInterval,
     next: Instant,
     has_failed: bool,
 }
 
-impl<'a> Watch<'a> {
-    pub(crate) fn new(display: Display, checkpoint: &'a Checkpoint<'a>, rhythm: Rhythm) -> Self {
-        let next = Instant::now() + rhythm.pause(Duration::ZERO);
-        Self { display, checkpoint, rhythm, next, has_failed: false }
+impl<'a> RenderMonitor<'a> {
+    pub(crate) fn new(
+        display: ProgressDisplay,
+        checkpoint: &'a CheckpointFile<'a>,
+        interval: CheckpointInterval,
+    ) -> Self {
+        let next = Instant::now() + interval.pause(Duration::ZERO);
+        Self { display, checkpoint, interval, next, has_failed: false }
     }
 }
 
-impl Monitor for Watch<'_> {
+impl Monitor for RenderMonitor<'_> {
     fn after_pass(&mut self, progress: &Progress) -> bool {
         self.display.after_pass(progress)
     }
 
-    fn keep(&mut self, run: &Run) {
+    fn checkpoint(&mut self, run: &Run) {
         let begun = Instant::now();
         if begun < self.next {
             return;
@@ -106,9 +111,9 @@ impl Monitor for Watch<'_> {
             && !self.has_failed
         {
             self.has_failed = true;
-            print::remark(&format!("warning: no checkpoint: {error}; rendering goes on"));
+            print::remark(&format!("warning: the checkpoint cannot be written: {error}; the render continues"));
         }
-        self.next = Instant::now() + self.rhythm.pause(begun.elapsed());
+        self.next = Instant::now() + self.interval.pause(begun.elapsed());
     }
 }
 
@@ -117,10 +122,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn saving_takes_a_small_share_of_the_time_unless_someone_asks_for_more() {
+    fn automatic_checkpoints_take_a_small_share_of_the_time() {
         let seconds = Duration::from_secs;
-        assert_eq!(Rhythm::Sparing.pause(seconds(1)), seconds(60));
-        assert_eq!(Rhythm::Sparing.pause(seconds(10)), seconds(200));
-        assert_eq!(Rhythm::Every(seconds(5)).pause(seconds(10)), seconds(5));
+        assert_eq!(CheckpointInterval::Automatic.pause(seconds(1)), seconds(60));
+        assert_eq!(CheckpointInterval::Automatic.pause(seconds(10)), seconds(200));
+        assert_eq!(CheckpointInterval::Fixed(seconds(5)).pause(seconds(10)), seconds(5));
     }
 }

@@ -1,24 +1,26 @@
-//! A colour for programs to read.
+//! The JSON form of a colour report.
 
-use abbe::colour::Report;
-use abbe::spectrum::Observer;
+use crate::colour::ColourReport;
+use crate::spectrum::Observer;
 use serde::Serialize;
 
-/// What `abbe spectrum --json` prints, and `abbe lamps --json` of each lamp.
+/// The colour of a light or of a surface, as printed by `abbe spectrum --json` and `abbe lamps
+/// --json`.
 #[derive(Debug, Serialize)]
-pub(crate) struct Colour<'a> {
+pub(crate) struct ColourJson<'a> {
     name: &'a str,
     observer: &'static str,
-    /// The lamp, for a reflectance.
+    /// The lamp of a reflectance, or null for a light.
     under: Option<&'a str>,
-    /// Y = 100; for a reflectance, Y of the perfect diffuser = 100.
+    /// Tristimulus values. A light has Y = 100. For a reflectance, the perfect diffuser has Y =
+    /// 100.
     xyz: [f64; 3],
     xy: [f64; 2],
-    /// Y = 1 where `xyz` has Y = 100.
+    /// Linear sRGB, scaled so that Y = 1 corresponds to Y = 100 in `xyz`.
     linear_srgb: [f64; 3],
     srgb_hex: &'a str,
     dominant_nm: Option<f64>,
-    /// Whether `dominant_nm` is the complementary wavelength of a purple.
+    /// Whether `dominant_nm` is a complementary wavelength, as for purples.
     complementary: Option<bool>,
     purity: Option<f64>,
     cct_k: Option<f64>,
@@ -27,10 +29,16 @@ pub(crate) struct Colour<'a> {
     efficacy_lm_per_w: Option<f64>,
 }
 
-impl<'a> Colour<'a> {
-    /// A report's figures under a name; `under` is the lamp of a reflectance.
-    pub(crate) fn new(name: &'a str, report: &'a Report, observer: &'static Observer, under: Option<&'a str>) -> Self {
-        let Report { xyz, xy, linear_srgb, srgb_hex, dominant, temperature, rendering, efficacy_lm_per_w } = report;
+impl<'a> ColourJson<'a> {
+    /// Returns the JSON form of a report. `under` is the name of the lamp of a reflectance.
+    pub(crate) fn new(
+        name: &'a str,
+        report: &'a ColourReport,
+        observer: &'static Observer,
+        under: Option<&'a str>,
+    ) -> Self {
+        let ColourReport { xyz, xy, linear_srgb, srgb_hex, dominant, temperature, rendering, efficacy_lm_per_w } =
+            report;
         Self {
             name,
             observer: observer.name(),

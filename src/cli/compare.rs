@@ -1,42 +1,43 @@
-//! `abbe compare`: how far a picture is from a reference.
+//! `abbe compare`: measures the difference between a picture and a reference.
 
 use std::path::{Path, PathBuf};
 
-use abbe::error::Result;
-use abbe::output::compare::{Comparison, Region, Selection, compare};
-use abbe::output::comparison_page::{Pair, page};
-use abbe::output::exr::read;
-use abbe::output::file;
-use abbe::output::png::read_mask;
+use crate::error::Result;
+use crate::output::compare::{Comparison, Region, Selection, compare};
+use crate::output::comparison_page::{PicturePair, page};
+use crate::output::exr::read;
+use crate::output::file;
+use crate::output::png::read_mask;
 
 use super::{Outcome, print, values};
 
 #[derive(Debug, clap::Args)]
-pub(crate) struct Arguments {
+pub(crate) struct CompareArgs {
     /// The picture
     #[arg(value_name = "A.exr")]
     picture: PathBuf,
     /// The reference
     #[arg(value_name = "B.exr")]
     reference: PathBuf,
-    /// Compare these pixels only: columns from x0 up to x1, rows from y0 up to y1, ends left out (repeatable)
+    /// Compare only these pixels: columns x0 to x1 and rows y0 to y1, without x1 and y1
+    /// (repeatable)
     #[arg(long, value_name = "x0,y0,x1,y1", value_parser = values::region)]
     region: Vec<Region>,
-    /// Compare only where this picture is not black
+    /// Compare only pixels that are not black in this image
     #[arg(long, value_name = "FILE.png")]
     mask: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
-    /// Write a page with the pictures, their differences, maps of the errors that they report, and the figures
+    /// Write an HTML page with the pictures, their differences, their error maps and all numbers
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
-    /// End with status 3 if the relative mean square error exceeds this
+    /// Exit with status 3 if the relative mean square error exceeds this value
     #[arg(long, value_name = "RELMSE", value_parser = values::limit)]
     fail_above: Option<f64>,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+pub(crate) fn run(arguments: &CompareArgs) -> Result<Outcome> {
     let picture = read(&arguments.picture)?.picture;
     let reference = read(&arguments.reference)?.picture;
     let mask = match &arguments.mask {
@@ -47,7 +48,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let comparison = compare(&picture, &reference, &selection)?;
     if let Some(path) = &arguments.html {
         let (a, b) = (name(&arguments.picture), name(&arguments.reference));
-        let pair = Pair { picture: (&a, &picture), reference: (&b, &reference) };
+        let pair = PicturePair { picture: (&a, &picture), reference: (&b, &reference) };
         file::write_whole(path, page(pair, &selection, &comparison)?.as_bytes())?;
     }
     if arguments.json {
@@ -55,7 +56,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     } else {
         print::result(&text(&comparison))?
     }
-    // What is no number exceeds every limit.
+    // An error that is not a number exceeds every limit.
     let within = arguments.fail_above.is_none_or(|limit| comparison.relative_mse <= limit);
     Ok(if within { Outcome::Done } else { Outcome::Exceeded })
 }
@@ -65,12 +66,12 @@ fn name(path: &Path) -> String {
 }
 
 fn text(comparison: &Comparison) -> String {
-    let z = comparison.z.map_or("unknown: an error layer is missing".to_string(), |z| {
+    let z = comparison.z.map_or("unknown: a picture has no error layers".to_string(), |z| {
         format!("{:.1} % of {} pixels have |z| < 1.96", 100.0 * z.share, z.pixels)
     });
     let covered = comparison.covered.map_or("unknown: A has no error layers".to_string(), |covered| {
         let share = 100.0 * covered.share;
-        format!("{share:.1} % of {} pixels of A have B in their 95 % interval", covered.pixels)
+        format!("the 95 % interval of A contains B in {share:.1} % of {} pixels", covered.pixels)
     });
     let mut text = format!(
         "relative MSE   {:.6}   without the worst 2 %: {:.6}\nRMSE of Y      {:.6} cd/m²\nmean Y, A / B  {:.6}\n\
@@ -84,7 +85,7 @@ fn text(comparison: &Comparison) -> String {
         comparison.pixels,
     );
     if comparison.covered.is_some() && comparison.unknown_pixels > 0 {
-        text += &format!("unknown        {} pixels of A, which no light reached\n", comparison.unknown_pixels);
+        text += &format!("unknown        {} pixels of A that no light reached\n", comparison.unknown_pixels);
     }
     if comparison.non_finite_pixels > 0 {
         text += &format!("not finite     {} pixels\n", comparison.non_finite_pixels);

@@ -1,62 +1,62 @@
-//! `abbe glass`: the index of a material.
+//! `abbe glass`: prints the refractive index of a glass.
 
 use std::path::PathBuf;
 
-use abbe::error::{Error, Result};
-use abbe::optics::glass::catalogue::{self, Glass, Kind};
-use abbe::optics::glass::{CauchyFit, Dispersion, Pole};
-use abbe::output::file;
-use abbe::output::plot::{Curve, Plot};
-use abbe::scene::resolve;
-use abbe::spectrum::BAND_NM;
+use crate::error::{Error, Result};
+use crate::format::resolve;
+use crate::optics::glass::catalogue::{self, Glass, GlassKind};
+use crate::optics::glass::{CauchyFit, Dispersion, SellmeierTerm};
+use crate::output::file;
+use crate::output::plot::{SpectralCurve, SpectralPlot};
+use crate::spectrum::BAND_NM;
 use serde::Serialize;
 
 use super::{Outcome, print, values};
 
 #[derive(Debug, clap::Args)]
-pub(crate) struct Arguments {
-    /// The name of a material in the catalogue
+pub(crate) struct GlassArgs {
+    /// The name of a glass, crystal, polymer, liquid or gas of the catalogue
     #[arg(value_name = "NAME", required_unless_present = "list")]
     name: Option<String>,
-    /// Take the material from this Zemax catalogue instead of the built-in one
+    /// Look the name up in this Zemax catalogue instead of the built-in one
     #[arg(long, value_name = "FILE.agf")]
     catalogue: Option<PathBuf>,
-    /// Give the index at these wavelengths in nm
-    #[arg(long, value_name = "NM,…", value_delimiter = ',', value_parser = values::wavelength_nm)]
+    /// Print the index at these wavelengths in nm
+    #[arg(long, value_name = "NM,...", value_delimiter = ',', value_parser = values::wavelength_nm)]
     at: Vec<f64>,
-    /// Plot the index
+    /// Plot the index against wavelength
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
-    /// List the catalogue
+    /// List all names of the catalogue; `abbe metal --list` lists the metals
     #[arg(long, conflicts_with_all = ["name", "at", "svg"])]
     list: bool,
 }
 
-/// A material for programs to read.
+/// The optical data of a glass.
 #[derive(Debug, Serialize)]
-struct Report<'a> {
+struct GlassReport<'a> {
     name: &'a str,
     kind: &'static str,
     nd: f64,
-    /// Null where the range does not hold the F and C lines.
+    /// Null if the range does not contain the F and C lines.
     vd: Option<f64>,
     range_nm: [f64; 2],
-    /// Null for materials with another formula.
-    sellmeier: Option<Sellmeier>,
-    cauchy: Cauchy,
+    /// Null for materials with a different formula.
+    sellmeier: Option<SellmeierJson>,
+    cauchy: CauchyJson,
     /// Only with `--at`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    n: Vec<Sample>,
+    n: Vec<IndexSample>,
     source: &'a str,
     warning: Option<&'a str>,
 }
 
 /// n² = 1 + c0 + Σ b λ²/(λ² − c), λ in µm.
 #[derive(Debug, Serialize)]
-struct Sellmeier {
+struct SellmeierJson {
     c0: f64,
     b: Vec<f64>,
     c: Vec<f64>,
@@ -64,7 +64,7 @@ struct Sellmeier {
 
 /// n = a + b/λ² + c/λ⁴, λ in µm, fitted within a range.
 #[derive(Debug, Serialize)]
-struct Cauchy {
+struct CauchyJson {
     a: f64,
     b: f64,
     c: f64,
@@ -73,14 +73,14 @@ struct Cauchy {
 }
 
 #[derive(Debug, Serialize)]
-struct Sample {
+struct IndexSample {
     nm: f64,
     n: f64,
 }
 
-/// A line of the list.
+/// An entry of the list.
 #[derive(Debug, Serialize)]
-struct Listed<'a> {
+struct GlassListing<'a> {
     name: &'a str,
     kind: &'static str,
     nd: f64,
@@ -88,11 +88,11 @@ struct Listed<'a> {
 }
 
 #[derive(Debug, Serialize)]
-struct List<'a> {
-    glasses: Vec<Listed<'a>>,
+struct GlassList<'a> {
+    glasses: Vec<GlassListing<'a>>,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+pub(crate) fn run(arguments: &GlassArgs) -> Result<Outcome> {
     let file = arguments.catalogue.as_deref().map(resolve::glass_file).transpose()?;
     match (&arguments.name, &file) {
         (Some(name), None) => one(catalogue::find(name)?, arguments)?,
@@ -106,14 +106,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
                     Err(error) => unusable.push(error),
                 }
             }
-            unusable.iter().for_each(|error| print::remark(&format!("note: left out: {error}")));
+            unusable.iter().for_each(|error| print::remark(&format!("note: skipped: {error}")));
             list(&glasses, arguments.json)?;
         }
     }
     Ok(Outcome::Done)
 }
 
-fn one(glass: &Glass, arguments: &Arguments) -> Result<()> {
+fn one(glass: &Glass, arguments: &GlassArgs) -> Result<()> {
     if let Some(bad) = arguments.at.iter().find(|&&nm| !(BAND_NM.0..=BAND_NM.1).contains(&nm) && !in_range(glass, nm)) {
         let (from, to) = glass.index.range_nm();
         let what = format!("the index of {} at {bad} nm", glass.name);
@@ -134,42 +134,42 @@ fn in_range(glass: &Glass, nm: f64) -> bool {
 fn list(glasses: &[Glass], json: bool) -> Result<()> {
     let listed = |glass| {
         let glass: &Glass = glass;
-        Listed { name: &glass.name, kind: kind_word(glass.kind), nd: glass.index.nd(), vd: glass.index.vd() }
+        GlassListing { name: &glass.name, kind: kind_word(glass.kind), nd: glass.index.nd(), vd: glass.index.vd() }
     };
-    let glasses: Vec<Listed<'_>> = glasses.iter().map(listed).collect();
+    let glasses: Vec<GlassListing<'_>> = glasses.iter().map(listed).collect();
     if json {
-        return print::json(&List { glasses });
+        return print::json(&GlassList { glasses });
     }
-    let line = |glass: &Listed<'_>| {
+    let line = |glass: &GlassListing<'_>| {
         let vd = glass.vd.map_or(String::new(), |vd| format!("V_d {vd:.2}"));
         format!("{:<24} {:<14} n_d {:.5}  {vd}", glass.name, glass.kind, glass.nd).trim_end().to_string() + "\n"
     };
     print::result(&glasses.iter().map(line).collect::<String>())
 }
 
-fn report<'a>(glass: &'a Glass, at: &[f64]) -> Report<'a> {
+fn report<'a>(glass: &'a Glass, at: &[f64]) -> GlassReport<'a> {
     let index = &glass.index;
     let (from, to) = index.range_nm();
     let CauchyFit { a, b, c, range_nm, max_error } = glass.cauchy;
-    Report {
+    GlassReport {
         name: &glass.name,
         kind: kind_word(glass.kind),
         nd: index.nd(),
         vd: index.vd(),
         range_nm: [from, to],
         sellmeier: sellmeier(index.dispersion()),
-        cauchy: Cauchy { a, b, c, max_error, range_nm: [range_nm.0, range_nm.1] },
-        n: at.iter().map(|&nm| Sample { nm, n: index.n(nm) }).collect(),
+        cauchy: CauchyJson { a, b, c, max_error, range_nm: [range_nm.0, range_nm.1] },
+        n: at.iter().map(|&nm| IndexSample { nm, n: index.n(nm) }).collect(),
         source: &glass.source,
         warning: index.warning(),
     }
 }
 
-fn sellmeier(dispersion: &Dispersion) -> Option<Sellmeier> {
+fn sellmeier(dispersion: &Dispersion) -> Option<SellmeierJson> {
     match dispersion {
         Dispersion::Sellmeier { c0, poles } => {
-            let (b, c) = poles.iter().map(|&Pole { b, c }| (b, c)).unzip();
-            Some(Sellmeier { c0: *c0, b, c })
+            let (b, c) = poles.iter().map(|&SellmeierTerm { b, c }| (b, c)).unzip();
+            Some(SellmeierJson { c0: *c0, b, c })
         }
         Dispersion::Constant(_)
         | Dispersion::Cauchy { .. }
@@ -183,54 +183,54 @@ fn sellmeier(dispersion: &Dispersion) -> Option<Sellmeier> {
     }
 }
 
-fn kind_word(kind: Kind) -> &'static str {
+fn kind_word(kind: GlassKind) -> &'static str {
     match kind {
-        Kind::Glass => "glass",
-        Kind::GlassCeramic => "glass ceramic",
-        Kind::Crystal => "crystal",
-        Kind::Polymer => "polymer",
-        Kind::Liquid => "liquid",
-        Kind::Gas => "gas",
+        GlassKind::Glass => "glass",
+        GlassKind::GlassCeramic => "glass ceramic",
+        GlassKind::Crystal => "crystal",
+        GlassKind::Polymer => "polymer",
+        GlassKind::Liquid => "liquid",
+        GlassKind::Gas => "gas",
     }
 }
 
-fn text(report: &Report<'_>) -> String {
+fn text(report: &GlassReport<'_>) -> String {
     let [from, to] = report.range_nm;
     let mut text = format!("{} ({})\nn_d        {:.6}\n", report.name, report.kind, report.nd);
     text += &match report.vd {
         Some(vd) => format!("V_d        {vd:.3}\n"),
-        None => "V_d        undefined: the range does not hold the F and C lines\n".to_string(),
+        None => "V_d        undefined: the range does not contain the F and C lines\n".to_string(),
     };
     text += &format!("range      {from} to {to} nm\n");
     text += &match &report.sellmeier {
-        Some(Sellmeier { c0, b, c }) => {
+        Some(SellmeierJson { c0, b, c }) => {
             let shift = if *c0 == 0.0 { String::new() } else { format!("   c0 = {c0}") };
             format!("Sellmeier  B = {b:?}   C = {c:?} µm²{shift}\n")
         }
-        None => "Sellmeier  none: the material has another formula\n".to_string(),
+        None => "Sellmeier  none: the material has a different formula\n".to_string(),
     };
-    let Cauchy { a, b, c, max_error, range_nm: [from, to] } = report.cauchy;
+    let CauchyJson { a, b, c, max_error, range_nm: [from, to] } = report.cauchy;
     text +=
         &format!("Cauchy     a = {a}   b = {b} µm²   c = {c} µm⁴   (error below {max_error:.1e}, {from} to {to} nm)\n");
-    report.n.iter().for_each(|Sample { nm, n }| text += &format!("n({nm} nm) = {n:.7}\n"));
+    report.n.iter().for_each(|IndexSample { nm, n }| text += &format!("n({nm} nm) = {n:.7}\n"));
     text += &format!("source     {}\n", report.source);
     text += &report.warning.map_or(String::new(), |warning| format!("note       {warning}\n"));
     text
 }
 
-/// The index over the part of the band where it is known, with the Cauchy fit beside it.
-fn plot(glass: &Glass) -> Plot {
+/// Plots the index within its range, with the Cauchy fit.
+fn plot(glass: &Glass) -> SpectralPlot {
     let (from, to) = glass.index.range_nm();
     let CauchyFit { a, b, c, range_nm, .. } = glass.cauchy;
     let fit = Dispersion::Cauchy { a, b, c };
     let curve = |name: &str, (from, to): (f64, f64), n: &dyn Fn(f64) -> f64| {
         let (from, to) = (from.max(BAND_NM.0), to.min(BAND_NM.1));
         let points = (0..=235).map(|i| from + (to - from) * f64::from(i) / 235.0).map(|nm| (nm, n(nm))).collect();
-        Curve { name: name.to_string(), points }
+        SpectralCurve { name: name.to_string(), points }
     };
     let own = curve(&glass.name, (from, to), &|nm| glass.index.n(nm));
     let cauchy = curve("Cauchy fit", range_nm, &|nm| fit.n(nm));
-    Plot {
+    SpectralPlot {
         title: format!("{}: index of refraction", glass.name),
         values: "n".to_string(),
         curves: vec![own, cauchy],

@@ -1,25 +1,30 @@
-//! Ctrl-C and termination: the first finishes the pass and saves, the second ends the program at once.
+//! Handles Ctrl-C and termination. After the first signal, the program finishes the pass and saves
+//! the run. After the second signal, the program ends at once.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::print;
-use abbe::error::{Error, Result};
+use crate::error::{Error, Result};
 
-static ASKED: AtomicUsize = AtomicUsize::new(0);
+static SIGNALS: AtomicUsize = AtomicUsize::new(0);
 
-/// Takes over Ctrl-C (SIGINT) and termination (SIGTERM, SIGHUP) for this process.
+/// Installs the handler of Ctrl-C (SIGINT) and termination (SIGTERM, SIGHUP) for this process.
 pub(crate) fn watch() -> Result<()> {
-    ctrlc::set_handler(|| {
-        if ASKED.fetch_add(1, Ordering::SeqCst) == 0 {
-            print::remark("interrupted: finishing this pass, then saving (once more to end at once)");
+    let installed = ctrlc::set_handler(|| {
+        if SIGNALS.fetch_add(1, Ordering::SeqCst) == 0 {
+            print::remark("interrupted: finishing this pass and saving; interrupt again to quit at once");
         } else {
             std::process::exit(130);
         }
-    })
-    .map_err(|error| Error::machine(format!("Ctrl-C cannot be watched: {error}")))
+    });
+    match installed {
+        // A process may run several commands one after the other.
+        Ok(()) | Err(ctrlc::Error::MultipleHandlers) => Ok(()),
+        Err(error) => Err(Error::machine(format!("the handler of Ctrl-C cannot be installed: {error}"))),
+    }
 }
 
-/// Whether the user has asked for the end.
-pub(crate) fn asked() -> bool {
-    ASKED.load(Ordering::SeqCst) > 0
+/// Whether the user has interrupted the program.
+pub(crate) fn is_requested() -> bool {
+    SIGNALS.load(Ordering::SeqCst) > 0
 }

@@ -1,37 +1,39 @@
-//! `abbe lamps`: two lamps compared, or a lamp and its match from primaries.
+//! `abbe lamps`: compares two lamps, or a lamp with its best match from primaries.
 
 use std::path::PathBuf;
 
-use abbe::colour::lamps::{ALIKE, DIFFERENT, LampComparison, PatchDifference, SplitPair};
-use abbe::colour::{LightDifference, Match, match_primaries, report};
-use abbe::error::{Error, Result};
-use abbe::output::figures::{apart, figures};
-use abbe::output::file;
-use abbe::output::lamps_page::{Lamp, Page, page};
-use abbe::spectrum::Observer;
+use crate::colour::lamps::{ALIKE, DIFFERENT, LampComparison, PatchDifference, SplitPair};
+use crate::colour::{LightDifference, PrimaryMatch, match_primaries, report};
+use crate::error::{Error, Result};
+use crate::output::figures::{difference_text, report_rows};
+use crate::output::file;
+use crate::output::lamps_page::{LampsPage, NamedLamp, page};
+use crate::spectrum::Observer;
 use serde::Serialize;
 
-use super::colour::Colour;
-use super::named::{self, Named};
+use super::colour::ColourJson;
+use super::named::{self, NamedSpectrum};
 use super::{Outcome, print};
 
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("against").required(true).multiple(true).args(["b", "primaries"])))]
 #[command(override_usage = "abbe lamps A [B] [--match PRIMARY...] [OPTIONS]")]
-pub(crate) struct Arguments {
-    /// A lamp: a name of the library, a file (columns nm,value; or IES TM-27 .spdx), or a spectrum as JSON
+pub(crate) struct LampsArgs {
+    /// The first lamp: a name of the library, a file (columns nm,value; or IES TM-27 .spdx), or a
+    /// spectrum in the JSON form of scenes
     #[arg(value_name = "A")]
     a: String,
-    /// The lamp that it is compared with (default: its match)
+    /// The second lamp [default: the match of A]
     #[arg(value_name = "B")]
     b: Option<String>,
-    /// Find the mix of these lights that comes nearest to A; without B, compare A with it
+    /// Find the mix of these lights that has the colour closest to A; if B is missing, compare A
+    /// with this mix
     #[arg(long = "match", value_name = "PRIMARY", num_args = 1..)]
     primaries: Vec<String>,
-    /// Whose eye: cie1931, cie1964, cie2015_2 or cie2015_10
+    /// The standard observer: cie1931, cie1964, cie2015_2 or cie2015_10
     #[arg(long, value_name = "O", default_value = "cie1931")]
     observer: String,
-    /// Write a page with spectra, swatches and the figures
+    /// Write an HTML page with spectra, colour swatches and all numbers
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
     /// Print one JSON object
@@ -39,25 +41,25 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-/// Two lamps and all that is known of them.
+/// The comparison of two lamps.
 #[derive(Debug)]
-struct Compared {
+struct LampsCompared {
     observer: &'static Observer,
-    /// A, and B or A's match.
-    lamps: [Named; 2],
+    /// The two lights: A, and either B or the match of A.
+    lamps: [NamedSpectrum; 2],
     comparison: LampComparison,
-    /// A's match, where one was asked for.
-    mix: Option<Mix>,
+    /// The match of A, if primaries were given.
+    mix: Option<PrimaryMix>,
 }
 
-/// The mix of primaries that comes nearest to a lamp.
+/// A mix of primaries. Its colour is as close as possible to the colour of a lamp.
 #[derive(Debug)]
-struct Mix {
-    primaries: Vec<Named>,
-    found: Match,
+struct PrimaryMix {
+    primaries: Vec<NamedSpectrum>,
+    found: PrimaryMatch,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+pub(crate) fn run(arguments: &LampsArgs) -> Result<Outcome> {
     let compared = compared(arguments)?;
     let warning = compared.warning();
     if let Some(path) = &arguments.html {
@@ -74,43 +76,44 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn compared(arguments: &Arguments) -> Result<Compared> {
+fn compared(arguments: &LampsArgs) -> Result<LampsCompared> {
     let observer = Observer::by_name(&arguments.observer)?;
     let a = named::light(&arguments.a)?;
-    let primaries = arguments.primaries.iter().map(|text| named::light(text)).collect::<Result<Vec<Named>>>()?;
-    let mix = if primaries.is_empty() { None } else { Some(Mix::nearest(&a, primaries, observer)?) };
+    let primaries =
+        arguments.primaries.iter().map(|text| named::light(text)).collect::<Result<Vec<NamedSpectrum>>>()?;
+    let mix = if primaries.is_empty() { None } else { Some(PrimaryMix::nearest(&a, primaries, observer)?) };
     let b = match (&arguments.b, &mix) {
         (Some(b), _) => named::light(b)?,
         (None, Some(mix)) => mix.lamp(&a),
-        (None, None) => return Err(Error::input("nothing to compare A with").expected("B or --match")),
+        (None, None) => return Err(Error::input("there is no second lamp to compare with A").expected("B or --match")),
     };
     let comparison = LampComparison::between([&a.spectrum, &b.spectrum], observer)?;
-    Ok(Compared { observer, lamps: [a, b], comparison, mix })
+    Ok(LampsCompared { observer, lamps: [a, b], comparison, mix })
 }
 
-impl Mix {
-    fn nearest(lamp: &Named, primaries: Vec<Named>, observer: &Observer) -> Result<Self> {
+impl PrimaryMix {
+    fn nearest(lamp: &NamedSpectrum, primaries: Vec<NamedSpectrum>, observer: &Observer) -> Result<Self> {
         let colours: Vec<[f64; 3]> = primaries.iter().map(|primary| report::xyz(&primary.spectrum, observer)).collect();
         let found = match_primaries(report::xyz(&lamp.spectrum, observer), &colours)?;
         Ok(Self { primaries, found })
     }
 
-    /// The mix as a lamp; its origin is its recipe.
-    fn lamp(&self, of: &Named) -> Named {
-        Named {
+    /// The mix as a lamp. The origin of the lamp contains the weights of the primaries.
+    fn lamp(&self, of: &NamedSpectrum) -> NamedSpectrum {
+        NamedSpectrum {
             name: format!("its match from {}", self.names()),
-            origin: format!("the non-negative mix nearest to {} in XYZ: {}", of.name, self.recipe()),
+            origin: format!("the non-negative mix nearest to {} in XYZ: {}", of.name, self.weights_text()),
             spectrum: self.found.mix(self.primaries.iter().map(|primary| &primary.spectrum)),
         }
     }
 
-    /// So much of each primary.
-    fn recipe(&self) -> String {
-        let part = |(primary, weight): (&Named, &f64)| format!("{weight:.6} × {}", primary.name);
+    /// The weights of the primaries as text.
+    fn weights_text(&self) -> String {
+        let part = |(primary, weight): (&NamedSpectrum, &f64)| format!("{weight:.6} × {}", primary.name);
         self.primaries.iter().zip(&self.found.weights).map(part).collect::<Vec<String>>().join(" + ")
     }
 
-    /// a, b and c.
+    /// The names of the primaries, joined as "a, b and c".
     fn names(&self) -> String {
         let names: Vec<&str> = self.primaries.iter().map(|primary| primary.name.as_str()).collect();
         match names.split_last() {
@@ -120,46 +123,50 @@ impl Mix {
     }
 }
 
-impl Compared {
-    /// What to say where the mix is no match.
+impl LampsCompared {
+    /// A warning if the mix does not match the lamp.
     fn warning(&self) -> Option<String> {
         let mix = self.mix.as_ref().filter(|mix| !mix.found.is_reached())?;
-        let left = apart(mix.found.left);
-        Some(format!("{} is out of reach of {}; the nearest mix is off by {left}", self.lamps[0].name, mix.names()))
+        let left = difference_text(mix.found.residual);
+        Some(format!(
+            "{} cannot be matched with {}; the closest mix differs by {left}",
+            self.lamps[0].name,
+            mix.names()
+        ))
     }
 }
 
-fn lamp(Named { name, origin, spectrum }: &Named) -> Lamp<'_> {
-    Lamp { name, origin, spectrum }
+fn lamp(NamedSpectrum { name, origin, spectrum }: &NamedSpectrum) -> NamedLamp<'_> {
+    NamedLamp { name, origin, spectrum }
 }
 
-fn html(compared: &Compared, warning: Option<&str>) -> Result<String> {
-    let Compared { observer, lamps, comparison, mix } = compared;
+fn html(compared: &LampsCompared, warning: Option<&str>) -> Result<String> {
+    let LampsCompared { observer, lamps, comparison, mix } = compared;
     let primaries = mix.iter().flat_map(|mix| &mix.primaries).map(lamp).collect();
-    page(&Page { lamps: [lamp(&lamps[0]), lamp(&lamps[1])], comparison, observer, primaries, warning })
+    page(&LampsPage { lamps: [lamp(&lamps[0]), lamp(&lamps[1])], comparison, observer, primaries, warning })
 }
 
-/// How many pairs the text shows.
+/// The largest number of pairs in the printed text.
 const SHOWN_PAIRS: usize = 12;
 
-fn text(compared: &Compared) -> String {
-    let Compared { observer, lamps: [a, b], comparison, mix } = compared;
+fn text(compared: &LampsCompared) -> String {
+    let LampsCompared { observer, lamps: [a, b], comparison, mix } = compared;
     let mut text = format!("A  {}\n   {}\nB  {}\n   {}\n", a.name, a.origin, b.name, b.origin);
-    text += &format!("seen by {}; XYZ with Y = 100, linear sRGB with Y = 1\n\n", observer.name());
+    text += &format!("observer {}; XYZ with Y = 100, linear sRGB with Y = 1\n\n", observer.name());
     text += &format!("{:<13} {:<34} B\n", "", "A");
-    for ((figure, a), (_, b)) in figures(&comparison.reports[0]).iter().zip(figures(&comparison.reports[1])) {
+    for ((figure, a), (_, b)) in report_rows(&comparison.reports[0]).iter().zip(report_rows(&comparison.reports[1])) {
         text += &format!("{figure:<13} {a:<34} {b}\n");
     }
-    let lights = apart(comparison.lights);
-    text += &format!("\nA from B      {lights} (at equal luminance, to an eye used to D65)\n");
+    let lights = difference_text(comparison.lights);
+    text += &format!("\nA from B      {lights} (at equal luminance, observer adapted to D65)\n");
     if let Some(mix) = mix {
         let found = &mix.found;
-        let state = if found.is_reached() { "reached" } else { "out of reach" };
-        let left = apart(found.left);
-        text += &format!("A's match     {}\n", mix.recipe());
+        let state = if found.is_reached() { "exact" } else { "inexact" };
+        let left = difference_text(found.residual);
+        text += &format!("A's match     {}\n", mix.weights_text());
         text += &format!("              {state}: {left}, luminance {:+.4} %\n", 100.0 * found.delta_y);
     }
-    text += "\nColorChecker patches, ΔE2000 between A and B, each lamp the white of its own column\n";
+    text += "\nColorChecker patches, ΔE2000 between A and B, each under its own lamp as white\n";
     for patch in &comparison.patches {
         let bar = "▪".repeat(patch.delta_e_2000.round() as usize);
         text += format!("  {:<15} {:6.2}  {bar}", patch.short_name(), patch.delta_e_2000).trim_end();
@@ -177,7 +184,7 @@ fn text(compared: &Compared) -> String {
 
 fn pairs_text(comparison: &LampComparison) -> String {
     let mut text = format!(
-        "\nMetameric pairs that split: ΔE2000 at most {ALIKE} under one lamp and at least {DIFFERENT} under the other\n\
+        "\nMetameric pairs: ΔE2000 at most {ALIKE} under one lamp and at least {DIFFERENT} under the other\n\
          (of {} pairs of ColorChecker patches, CIE test colours and leaves)\n",
         comparison.pair_count()
     );
@@ -194,108 +201,109 @@ fn pairs_text(comparison: &LampComparison) -> String {
     text
 }
 
-/// The comparison for programs to read.
+/// The JSON form of the comparison.
 #[derive(Debug, Serialize)]
-struct Json<'a> {
-    a: Colour<'a>,
-    b: Colour<'a>,
-    /// Between the lamps' own colours at equal luminance, to an eye used to D65.
-    lights: Left,
-    /// A's match, where one was asked for.
-    r#match: Option<JsonMatch<'a>>,
-    patches: Vec<Patch<'a>>,
-    /// Over the patches.
-    delta_e_2000: Spread,
-    metameric_pairs: Pairs<'a>,
+struct LampsJson<'a> {
+    a: ColourJson<'a>,
+    b: ColourJson<'a>,
+    /// The difference between the colours of the lamps. Both lamps have equal luminance, and the
+    /// observer is adapted to D65.
+    lights: DifferenceJson,
+    /// The match of A, if primaries were given.
+    r#match: Option<MatchJson<'a>>,
+    patches: Vec<PatchJson<'a>>,
+    /// The colour differences over all patches.
+    delta_e_2000: DeltaESummary,
+    metameric_pairs: MetamericPairsJson<'a>,
     warning: Option<String>,
 }
 
 #[derive(Debug, Serialize)]
-struct Left {
+struct DifferenceJson {
     delta_xy: f64,
     delta_e_2000: f64,
 }
 
-impl From<LightDifference> for Left {
+impl From<LightDifference> for DifferenceJson {
     fn from(LightDifference { delta_xy, delta_e_2000 }: LightDifference) -> Self {
         Self { delta_xy, delta_e_2000 }
     }
 }
 
 #[derive(Debug, Serialize)]
-struct JsonMatch<'a> {
+struct MatchJson<'a> {
     primaries: Vec<&'a str>,
-    /// What each primary is multiplied with.
+    /// The weight of each primary.
     weights: &'a [f64],
     #[serde(flatten)]
-    left: Left,
-    /// Relative error of Y.
+    left: DifferenceJson,
+    /// The relative error of Y.
     delta_y: f64,
     reached: bool,
 }
 
-/// A surface under A and under B, each time with that lamp for white.
+/// The colours of a surface under A and under B. For each colour, the lamp is the white point.
 #[derive(Debug, Serialize)]
-struct Patch<'a> {
+struct PatchJson<'a> {
     name: &'a str,
     delta_e_2000: f64,
-    /// Y of the perfect diffuser = 100.
+    /// Tristimulus values; the perfect diffuser has Y = 100.
     xyz: [[f64; 3]; 2],
     lab: [[f64; 3]; 2],
 }
 
-impl<'a> From<&'a PatchDifference> for Patch<'a> {
+impl<'a> From<&'a PatchDifference> for PatchJson<'a> {
     fn from(PatchDifference { name, xyz, lab, delta_e_2000 }: &'a PatchDifference) -> Self {
         Self { name, delta_e_2000: *delta_e_2000, xyz: *xyz, lab: *lab }
     }
 }
 
 #[derive(Debug, Serialize)]
-struct Spread {
+struct DeltaESummary {
     mean: f64,
     max: f64,
 }
 
 #[derive(Debug, Serialize)]
-struct Pairs<'a> {
-    /// Up to this ΔE2000 two surfaces look alike.
+struct MetamericPairsJson<'a> {
+    /// The largest ΔE2000 of two surfaces that look alike.
     alike: f64,
-    /// From this ΔE2000 on they look different.
+    /// The smallest ΔE2000 of two surfaces that look different.
     different: f64,
-    /// How many pairs were looked at.
+    /// The number of examined pairs.
     of: usize,
-    split: Vec<Pair<'a>>,
+    split: Vec<MetamericPairJson<'a>>,
 }
 
 #[derive(Debug, Serialize)]
-struct Pair<'a> {
+struct MetamericPairJson<'a> {
     names: [&'a str; 2],
-    /// Between the two surfaces, under A and under B.
+    /// The difference between the two surfaces under A and under B.
     delta_e_2000: [f64; 2],
 }
 
-fn json(compared: &Compared, warning: Option<String>) -> Json<'_> {
-    let Compared { observer, lamps, comparison, mix } = compared;
-    let colour = |i: usize| Colour::new(&lamps[i].name, &comparison.reports[i], observer, None);
-    let r#match = mix.as_ref().map(|Mix { primaries, found }| JsonMatch {
+fn json(compared: &LampsCompared, warning: Option<String>) -> LampsJson<'_> {
+    let LampsCompared { observer, lamps, comparison, mix } = compared;
+    let colour = |i: usize| ColourJson::new(&lamps[i].name, &comparison.reports[i], observer, None);
+    let r#match = mix.as_ref().map(|PrimaryMix { primaries, found }| MatchJson {
         primaries: primaries.iter().map(|primary| primary.name.as_str()).collect(),
         weights: &found.weights,
-        left: found.left.into(),
+        left: found.residual.into(),
         delta_y: found.delta_y,
         reached: found.is_reached(),
     });
-    let pair = |pair: &SplitPair| Pair {
+    let pair = |pair: &SplitPair| MetamericPairJson {
         names: comparison.surfaces_of(pair).map(|surface| surface.name.as_str()),
         delta_e_2000: pair.delta_e_2000,
     };
-    Json {
+    LampsJson {
         a: colour(0),
         b: colour(1),
         lights: comparison.lights.into(),
         r#match,
-        patches: comparison.patches.iter().map(Patch::from).collect(),
-        delta_e_2000: Spread { mean: comparison.mean(), max: comparison.worst().delta_e_2000 },
-        metameric_pairs: Pairs {
+        patches: comparison.patches.iter().map(PatchJson::from).collect(),
+        delta_e_2000: DeltaESummary { mean: comparison.mean(), max: comparison.worst().delta_e_2000 },
+        metameric_pairs: MetamericPairsJson {
             alike: ALIKE,
             different: DIFFERENT,
             of: comparison.pair_count(),

@@ -1,28 +1,30 @@
-//! `abbe lens`: what a lens of several elements does.
+//! `abbe lens`: analyses a lens of several elements.
 
 use std::path::{Path, PathBuf};
 
-use abbe::error::Result;
-use abbe::optics::glass::GlassFile;
-use abbe::optics::lens::section::{DrawnRay, Focus, Section, section};
-use abbe::optics::lens::{Analysis, FieldPoint, LINES, Lens, Pupil, catalogue};
-use abbe::output::drawing::{Drawing, Stroke, Window};
-use abbe::output::file;
-use abbe::scene::resolve;
+use crate::error::Result;
+use crate::format::resolve;
+use crate::optics::glass::AgfCatalogue;
+use crate::optics::lens::section::{DrawnRay, FocusWindow, LensSection, section};
+use crate::optics::lens::{FieldPoint, LINES, Lens, LensAnalysis, Pupil, catalogue};
+use crate::output::drawing::{FocusInset, LensDrawing, RayStroke};
+use crate::output::file;
 use serde::Serialize;
 
 use super::{Outcome, print, values};
 
 #[derive(Debug, clap::Args)]
-pub(crate) struct Arguments {
-    /// The name of a built-in lens, or a file: a prescription in JSON, or Zemax (.zmx)
+pub(crate) struct LensArgs {
+    /// The name of a built-in lens, or a file with a prescription in JSON or in Zemax form (.zmx)
     #[arg(value_name = "NAME|FILE", required_unless_present = "list")]
     lens: Option<String>,
-    /// Half the field of view in degrees [default: the design's; 20 where it states none, less where less passes]
+    /// Half the field of view in degrees [default: the field of the design, or at most 20 if the
+    /// design states none]
     #[arg(long, value_name = "DEG", value_parser = values::half_field_deg)]
     field: Option<f64>,
-    /// Find the glasses of a Zemax file in this catalogue (.agf) first (repeatable) [default: those that it names, if they lie
-    /// beside it, then the built-in one]
+    /// Look up the glasses of a Zemax file in this catalogue (.agf) first (repeatable) [default:
+    /// the catalogues that the file names, if they are in its folder, and then the built-in
+    /// catalogue]
     #[arg(long, value_name = "FILE.agf", conflicts_with = "list")]
     glasses: Vec<PathBuf>,
     /// Draw the cross-section with rays of the F, d and C lines
@@ -31,14 +33,14 @@ pub(crate) struct Arguments {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
-    /// List the built-in lenses
+    /// List all built-in lenses
     #[arg(long, conflicts_with_all = ["lens", "field", "svg"])]
     list: bool,
 }
 
-/// A lens for programs to read; fields and lengths as [`Analysis`] has them.
+/// The analysis of a lens. [`LensAnalysis`] defines the fields and the units of length.
 #[derive(Debug, Serialize)]
-struct Report<'a> {
+struct LensReport<'a> {
     name: &'a str,
     source: Option<&'a str>,
     surfaces: usize,
@@ -46,7 +48,7 @@ struct Report<'a> {
     efl_mm: f64,
     bfd_mm: f64,
     fc_shift_mm: f64,
-    /// Null where the entrance pupil lies at infinity.
+    /// Null if the entrance pupil lies at infinity.
     f_number: Option<f64>,
     entrance_pupil: Option<PupilReport>,
     exit_pupil: Option<PupilReport>,
@@ -85,9 +87,9 @@ struct SpotReport {
     rms_mm: f64,
 }
 
-/// A line of the list.
+/// An entry of the list.
 #[derive(Debug, Serialize)]
-struct Listed<'a> {
+struct LensListing<'a> {
     name: &'a str,
     efl_mm: f64,
     f_number: Option<f64>,
@@ -96,11 +98,11 @@ struct Listed<'a> {
 }
 
 #[derive(Debug, Serialize)]
-struct List<'a> {
-    lenses: Vec<Listed<'a>>,
+struct LensList<'a> {
+    lenses: Vec<LensListing<'a>>,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+pub(crate) fn run(arguments: &LensArgs) -> Result<Outcome> {
     match &arguments.lens {
         Some(name) => one(name, arguments)?,
         None => list(arguments.json)?,
@@ -108,11 +110,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn one(name: &str, arguments: &Arguments) -> Result<()> {
-    let catalogues: Vec<GlassFile> =
+fn one(name: &str, arguments: &LensArgs) -> Result<()> {
+    let catalogues: Vec<AgfCatalogue> =
         arguments.glasses.iter().map(|path| resolve::glass_file(path)).collect::<Result<_>>()?;
     let lens = named(name, &catalogues)?;
-    let analysis = Analysis::of(&lens, arguments.field)?;
+    let analysis = LensAnalysis::of(&lens, arguments.field)?;
     if let Some(path) = &arguments.svg {
         let drawing = drawing(&lens, &analysis, section(&lens, &analysis)?);
         file::write_whole(path, drawing.svg().as_bytes())?;
@@ -121,14 +123,15 @@ fn one(name: &str, arguments: &Arguments) -> Result<()> {
     if arguments.json { print::json(&report) } else { print::result(&text(&report)) }
 }
 
-/// The lens that an argument names.
-fn named(name: &str, catalogues: &[GlassFile]) -> Result<Lens> {
+/// Returns the lens given by an argument.
+fn named(name: &str, catalogues: &[AgfCatalogue]) -> Result<Lens> {
     let unknown = match catalogue::find(name) {
         Ok(lens) => return Ok(lens.clone()),
         Err(unknown) => unknown,
     };
     let path = Path::new(name);
-    // Names hold blanks and slashes ("Tessar f/4.5"), so that only what exists or ends like a file is one.
+    // Names of lenses contain blanks and slashes ("Tessar f/4.5"). An argument is a file only if it
+    // exists or has the extension of a lens file.
     if path.exists() || path.extension().is_some_and(|extension| extension == "json" || extension == "zmx") {
         return resolve::lens_file(path, catalogues);
     }
@@ -139,7 +142,7 @@ fn list(json: bool) -> Result<()> {
     let mut lenses = Vec::new();
     for lens in catalogue::all() {
         let paraxial = lens.at(LINES[1].1).paraxial()?;
-        lenses.push(Listed {
+        lenses.push(LensListing {
             name: lens.name(),
             efl_mm: paraxial.efl_mm,
             f_number: paraxial.f_number,
@@ -148,18 +151,18 @@ fn list(json: bool) -> Result<()> {
         });
     }
     if json {
-        return print::json(&List { lenses });
+        return print::json(&LensList { lenses });
     }
-    let line = |lens: &Listed<'_>| {
-        let Listed { name, efl_mm, f_number, half_field_deg, surfaces } = lens;
+    let line = |lens: &LensListing<'_>| {
+        let LensListing { name, efl_mm, f_number, half_field_deg, surfaces } = lens;
         let f_number = f_number.unwrap_or(f64::INFINITY);
         format!("{name:<28} {efl_mm:>8.2} mm  f/{f_number:<5.2} ±{half_field_deg:<5} {surfaces:>2} surfaces\n")
     };
     print::result(&lenses.iter().map(line).collect::<String>())
 }
 
-fn report<'a>(lens: &'a Lens, analysis: &Analysis) -> Report<'a> {
-    let Analysis { paraxial, lines, half_field_deg, fields } = analysis;
+fn report<'a>(lens: &'a Lens, analysis: &LensAnalysis) -> LensReport<'a> {
+    let LensAnalysis { paraxial, lines, half_field_deg, fields } = analysis;
     let pupil = |Pupil { z_mm, diameter_mm }| PupilReport { z_mm, diameter_mm };
     let spot = |(line, rms_mm): (&(&'static str, f64), f64)| SpotReport { line: line.0, rms_mm };
     let field = |field: &FieldPoint| FieldReport {
@@ -169,7 +172,7 @@ fn report<'a>(lens: &'a Lens, analysis: &Analysis) -> Report<'a> {
         lateral_colour_mm: field.lateral_colour_mm,
         spots: LINES.iter().zip(field.spots.map(|spot| spot.rms_mm)).map(spot).collect(),
     };
-    Report {
+    LensReport {
         name: lens.name(),
         source: lens.source(),
         surfaces: lens.surfaces().len(),
@@ -194,7 +197,7 @@ fn report<'a>(lens: &'a Lens, analysis: &Analysis) -> Report<'a> {
     }
 }
 
-fn text(report: &Report<'_>) -> String {
+fn text(report: &LensReport<'_>) -> String {
     let mut text = format!("{} ({} surfaces, {:.3} mm long)\n", report.name, report.surfaces, report.length_mm);
     let pupil = |pupil: &Option<PupilReport>| match pupil {
         Some(PupilReport { z_mm, diameter_mm }) => {
@@ -205,11 +208,11 @@ fn text(report: &Report<'_>) -> String {
     let f_number = report.f_number.map_or("undefined".to_string(), |f_number| format!("{f_number:.4}"));
     for (name, value) in [
         ("focal length", format!("{:.4} mm", report.efl_mm)),
-        ("back focus", format!("{:.4} mm behind the last surface; the sensor stands there", report.bfd_mm)),
+        ("back focus", format!("{:.4} mm from the last surface to the sensor", report.bfd_mm)),
         ("f-number", f_number),
         ("entrance pupil", pupil(&report.entrance_pupil)),
         ("exit pupil", pupil(&report.exit_pupil)),
-        ("F' - C'", format!("{:+.4} mm of the back focus (longitudinal colour)", report.fc_shift_mm)),
+        ("F' - C'", format!("{:+.4} mm of the back focus (longitudinal chromatic aberration)", report.fc_shift_mm)),
     ] {
         text += &format!("{name:<15} {value}\n");
     }
@@ -229,10 +232,10 @@ fn text(report: &Report<'_>) -> String {
     text
 }
 
-fn drawing(lens: &Lens, analysis: &Analysis, section: Section) -> Drawing {
-    let Section { elements, stop, sensor, rays, foci } = section;
-    let stroke = |ray: DrawnRay| Stroke { colour: ray.line, window: ray.field, points: ray.points };
-    let window = |focus: &Focus| Window {
+fn drawing(lens: &Lens, analysis: &LensAnalysis, section: LensSection) -> LensDrawing {
+    let LensSection { elements, stop, sensor, rays, foci } = section;
+    let stroke = |ray: DrawnRay| RayStroke { colour: ray.line, window: ray.field, points: ray.points };
+    let window = |focus: &FocusWindow| FocusInset {
         title: if focus.angle_deg == 0.0 {
             "focus on the axis".to_string()
         } else {
@@ -244,7 +247,7 @@ fn drawing(lens: &Lens, analysis: &Analysis, section: Section) -> Drawing {
     };
     let colours = LINES.iter().zip(["#1f5fbf", "#d09a00", "#c0302a"]);
     let f_number = analysis.paraxial.f_number.map_or(String::new(), |f_number| format!(", f/{f_number:.2}"));
-    Drawing {
+    LensDrawing {
         title: lens.name().to_string(),
         caption: format!(
             "f = {:.2} mm{f_number}, back focus {:.2} mm, F′ − C′ {:+.4} mm",

@@ -1,9 +1,10 @@
-//! Refusing what the machine cannot hold, rather than being killed in the middle of it.
+//! Refuses renders that need more memory than the machine has. Without this check, the system would
+//! kill the process.
 
-use abbe::error::{Error, Result};
-use abbe::plan::Budget;
+use crate::error::{Error, Result};
+use crate::plan::Budget;
 
-/// Refuses a render that needs more memory than is available.
+/// Refuses a render if it needs more memory than the machine has available.
 pub(crate) fn check(budget: &Budget) -> Result<()> {
     match available_bytes() {
         Some(available) if budget.memory_bytes > available => Err(refusal(budget, available)),
@@ -13,15 +14,16 @@ pub(crate) fn check(budget: &Budget) -> Result<()> {
 
 fn refusal(budget: &Budget, available: u64) -> Error {
     let gigabytes = |bytes: u64| format!("{:.1} GB", bytes as f64 * 1e-9);
-    let what = format!("out of memory: picture and photons need {}", gigabytes(budget.memory_bytes));
-    let lower = match budget.photons_within(available) {
-        0 => "lower --size (or --spectral-bands, or `render.light_map`)".to_string(),
-        photons => format!("lower --photons to {photons} or fewer"),
+    let what = format!("not enough memory: film and photons need {}", gigabytes(budget.memory_bytes));
+    let remedy = match budget.photons_within(available) {
+        0 => "a smaller --size, fewer --spectral-bands or a smaller `render.light_map`".to_string(),
+        photons => format!("at most --photons {photons}"),
     };
-    Error::machine(what).expected(format!("at most the {} that are available: {lower}", gigabytes(available)))
+    Error::machine(what).expected(format!("at most {}, which are available; use {remedy}", gigabytes(available)))
 }
 
-/// What new allocations may take before the machine swaps, or before a control group's limit, where Linux tells.
+/// Returns the available memory in bytes. Beyond this limit, the machine swaps or the limit of a
+/// control group is exceeded. Returns `None` if the system does not report the memory.
 fn available_bytes() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"));
@@ -52,16 +54,16 @@ mod tests {
     }
 
     #[test]
-    fn a_render_that_fits_is_let_through_and_one_that_does_not_is_told_how_it_would() {
+    fn a_render_that_does_not_fit_is_refused_with_a_remedy() {
         assert!(check(&budget(1 << 20, 1)).is_ok());
-        let said = refusal(&budget(41_000_000_000, 180_000_000), 8_000_000_000);
-        assert_eq!(said.exit_status(), 1);
-        let said = said.to_string();
+        let error = refusal(&budget(41_000_000_000, 180_000_000), 8_000_000_000);
+        assert_eq!(error.exit_status(), 1);
+        let error = error.to_string();
         assert!(
-            said.contains("need 41.0 GB") && said.contains("8.0 GB") && said.contains("lower --photons to"),
-            "{said}"
+            error.contains("need 41.0 GB") && error.contains("8.0 GB") && error.contains("at most --photons"),
+            "{error}"
         );
-        let said = refusal(&budget(41_000_000_000, 1000), 8_000_000_000).to_string();
-        assert!(said.contains("lower --size"), "{said}");
+        let error = refusal(&budget(41_000_000_000, 1000), 8_000_000_000).to_string();
+        assert!(error.contains("a smaller --size"), "{error}");
     }
 }

@@ -1,42 +1,44 @@
-//! `abbe merge`: parts of a picture, rendered anywhere, become the picture of a single run.
+//! `abbe merge`: merges parts of a picture. The result equals the picture of a single run.
 
 use std::path::PathBuf;
 
-use abbe::error::{Error, Result};
-use abbe::output::exr::write;
-use abbe::render::{Merging, on_threads};
+use crate::error::{Error, Result};
+use crate::output::exr::write;
+use crate::render::{PartSet, on_threads};
 
-use super::outputs::Outputs;
+use super::outputs::OutputFiles;
 use super::progress::percent;
 use super::{Outcome, print};
 
 #[derive(Debug, clap::Args)]
-pub(crate) struct Arguments {
-    /// The parts, from `abbe render --part`; checkpoints are parts too
+pub(crate) struct MergeArgs {
+    /// The parts, written by `abbe render --part`; checkpoints are parts too
     #[arg(value_name = "PART.exr", required = true)]
     parts: Vec<PathBuf>,
-    /// The picture's file; a PNG is written beside it
+    /// The file of the picture; a PNG file is written beside it
     #[arg(short, long, value_name = "OUT.exr")]
     output: PathBuf,
-    /// Merge though passes are missing, and say which
+    /// Merge even if passes are missing, and print which ones
     #[arg(long)]
     allow_gaps: bool,
-    /// Write what the parts measured together, as JSON
+    /// Write the statistics of all parts together as JSON
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
-    /// Say nothing unless something goes wrong
+    /// Print only warnings and errors
     #[arg(long)]
     quiet: bool,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    let outputs = Outputs::new(arguments.output.clone(), arguments.stats.clone())?;
+pub(crate) fn run(arguments: &MergeArgs) -> Result<Outcome> {
+    let outputs = OutputFiles::new(arguments.output.clone(), arguments.stats.clone())?;
     let same =
         |part: &&PathBuf| part.canonicalize().is_ok_and(|part| outputs.exr.canonicalize().is_ok_and(|out| out == part));
     if let Some(part) = arguments.parts.iter().find(same) {
-        return Err(Error::input("is both a part and the output").expected("another output").in_file(part));
+        return Err(Error::input("the file is both a part and the output")
+            .expected("a different output file")
+            .in_file(part));
     }
-    let merging = Merging::new(&arguments.parts)?;
+    let merging = PartSet::new(&arguments.parts)?;
     if let Some(gaps) = merging.gaps() {
         if !arguments.allow_gaps {
             let held: Vec<String> = merging
@@ -51,11 +53,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     outputs.check()?;
     let merged = on_threads(None, || merging.merge())??;
     let write_exr = |path: &std::path::Path| write(path, &merged.picture, &merged.metadata);
-    on_threads(None, || outputs.save(write_exr, &merged.picture, &merged.showing, &merged.stats))??;
+    on_threads(None, || outputs.save(write_exr, &merged.picture, &merged.display, &merged.stats))??;
     if !arguments.quiet {
         let error = merged.stats.error.relative.map_or(String::new(), |error| format!(", error {}", percent(error)));
         let (parts, passes) = (arguments.parts.len(), merged.stats.passes);
-        print::remark(&format!("{}: {passes} passes of {parts} parts{error}", outputs.named()));
+        print::remark(&format!("wrote {}: {passes} passes from {parts} parts{error}", outputs.named()));
     }
     Ok(Outcome::Done)
 }

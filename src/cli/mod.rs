@@ -1,42 +1,45 @@
-//! The command line: what is asked, and how it is answered.
+//! The command line: argument parsing and output of the `abbe` program.
 //!
-//! Results go to standard output, everything else to standard error. Exit status: 0 done, 1 the machine failed,
-//! 2 the input or the command is wrong, 3 `compare --fail-above` was exceeded, 130 interrupted.
+//! Results go to standard output, everything else to standard error. Exit status: 0 done, 1 machine
+//! failure, 2 wrong input or wrong command, 3 `compare --fail-above` was exceeded, 130 interrupted.
 
 mod check;
 mod checkpoint;
 mod colour;
 mod compare;
+mod completions;
 mod explain;
 mod frames;
 mod glass;
 mod interrupt;
 mod lamps;
 mod lens;
+mod man;
 mod memory;
 mod merge;
+mod metal;
 mod named;
-mod opening;
-mod origin;
 mod outputs;
 mod print;
 mod probe;
 mod progress;
 mod render;
+mod scene_file;
 mod schema;
 mod spectrum;
 mod study;
 mod values;
 
+use std::ffi::OsString;
 use std::panic::{self, AssertUnwindSafe};
 use std::process::ExitCode;
 use std::sync::Mutex;
 
-use abbe::error::{Error, Result};
+use crate::error::{Error, Result};
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
-/// Abbe renders what light does: prisms, lenses, caustics and real lamps, wavelength by wavelength.
+/// A spectral photon-mapping renderer for prisms, lenses, caustics and real lamps.
 #[derive(Debug, Parser)]
 #[command(name = "abbe", version, about, max_term_width = 110)]
 struct Cli {
@@ -46,42 +49,50 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Render a scene to an EXR with error bars, and a PNG beside it
-    Render(render::Arguments),
-    /// Merge parts of a picture, rendered anywhere, into the picture of a single run
-    Merge(merge::Arguments),
-    /// Say which effects a scene calls for, and why
-    Explain(explain::Arguments),
+    /// Render a scene to an EXR file with error bars, and to a PNG file beside it
+    Render(render::RenderArgs),
+    /// Merge the parts of a picture that several machines rendered
+    Merge(merge::MergeArgs),
+    /// Print which effects a scene needs, and why
+    Explain(explain::ExplainArgs),
     /// Check scenes without rendering them
-    Check(check::Arguments),
+    Check(check::CheckArgs),
     /// Print the JSON Schema of the scene file
-    Schema(schema::Arguments),
-    /// The colour of a spectrum: XYZ, sRGB, dominant wavelength, colour temperature, colour rendering
-    Spectrum(spectrum::Arguments),
-    /// A glass: its index at any wavelength, its Abbe number, its formulas
-    Glass(glass::Arguments),
-    /// A lens of several elements: focal length, pupils, colour errors, spots, cross-section
-    Lens(lens::Arguments),
-    /// Compare two lamps, or a lamp with its match from primaries: their colours, and what they make of surfaces
-    Lamps(lamps::Arguments),
+    Schema(schema::SchemaArgs),
+    /// Print the colour of a spectrum: XYZ, sRGB, dominant wavelength, colour temperature, colour
+    /// rendering index
+    Spectrum(spectrum::SpectrumArgs),
+    /// Print the refractive index, the Abbe number and the dispersion formula of a glass
+    Glass(glass::GlassArgs),
+    /// Print the complex refractive index of a metal
+    Metal(metal::MetalArgs),
+    /// Analyse a lens of several elements: focal length, pupils, aberrations, spots, cross-section
+    Lens(lens::LensArgs),
+    /// Compare two lamps, or a lamp and its best match from primaries: their colours and the
+    /// colours of surfaces under them
+    Lamps(lamps::LampsArgs),
     /// Compare a picture with a reference
-    Compare(compare::Arguments),
-    /// The spectrum, the colour and the error bars of a pixel
-    Probe(probe::Arguments),
-    /// What accuracy costs in time: tables, plots and a page
-    Study(study::Arguments),
+    Compare(compare::CompareArgs),
+    /// Print the colour, the error bars and the spectrum of a pixel
+    Probe(probe::ProbeArgs),
+    /// Measure the error against time for a scene: tables, plots and an HTML page
+    Study(study::StudyArgs),
+    /// Print a completion script for a shell
+    Completions(completions::CompletionsArgs),
+    /// Print a manual page, or write all of them
+    Man(man::ManArgs),
 }
 
-/// How a command ended that did not fail.
+/// The end of a command that did not fail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Outcome {
-    /// As asked.
+    /// The command did all its work.
     Done,
     /// The pictures differ by more than `--fail-above`.
     Exceeded,
-    /// By Ctrl-C, with what was finished saved.
+    /// The user interrupted the command, and the finished work was saved.
     Interrupted,
-    /// With errors that have been printed; the exit status that they call for.
+    /// The command has printed its errors. The value is the exit status.
     Reported(u8),
 }
 
@@ -96,37 +107,50 @@ impl Outcome {
     }
 }
 
-/// The whole program.
-pub(crate) fn main() -> ExitCode {
-    let last_words = silence_panics();
-    match panic::catch_unwind(AssertUnwindSafe(answer)) {
-        Ok(status) => ExitCode::from(status),
+/// Runs the `abbe` program with the arguments of this process, and returns its exit status.
+///
+/// This function contains the whole program. It replaces the process's panic hook and its handlers
+/// of Ctrl-C and termination.
+pub fn main() -> ExitCode {
+    ExitCode::from(run_from(std::env::args_os()))
+}
+
+/// Runs the `abbe` program with the given arguments, and returns its exit status.
+///
+/// `arguments` are the program's name and then the words of the command line. Use this function
+/// instead of [`main`] if another program, such as a Python interpreter, owns the process.
+pub fn run_from(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let panic_message = capture_panic_message();
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    match panic::catch_unwind(AssertUnwindSafe(|| execute(&arguments))) {
+        Ok(status) => status,
         Err(_) => {
-            let words = last_words.lock().map(|words| words.clone()).unwrap_or_default();
-            print::error_line(&format!("internal error: {words}; this is a bug in abbe, please report it"));
-            ExitCode::from(1)
+            let message = panic_message.lock().map(|message| message.clone()).unwrap_or_default();
+            print::error_line(&format!("internal error: {message}; this is a bug in abbe, please report it"));
+            1
         }
     }
 }
 
-/// Keeps panics from printing; what they would have said is collected.
-fn silence_panics() -> &'static Mutex<String> {
-    static LAST_WORDS: Mutex<String> = Mutex::new(String::new());
+/// Installs a panic hook. The hook stores the message of the first panic instead of printing the
+/// message.
+fn capture_panic_message() -> &'static Mutex<String> {
+    static MESSAGE: Mutex<String> = Mutex::new(String::new());
     panic::set_hook(Box::new(|info| {
-        if let Ok(mut words) = LAST_WORDS.lock()
-            && words.is_empty()
+        if let Ok(mut message) = MESSAGE.lock()
+            && message.is_empty()
         {
-            *words = info.to_string();
+            *message = info.to_string();
         }
     }));
-    &LAST_WORDS
+    &MESSAGE
 }
 
-/// Parses the command line and carries it out; returns the exit status.
-fn answer() -> u8 {
-    let outcome = match Cli::try_parse() {
+/// Parses the command line and runs the command. Returns the exit status.
+fn execute(arguments: &[OsString]) -> u8 {
+    let outcome = match Cli::try_parse_from(arguments) {
         Ok(cli) => run(&cli.command),
-        Err(error) => refuse(&error),
+        Err(error) => report_usage(&error),
     };
     match outcome {
         Ok(outcome) => outcome.exit_status(),
@@ -143,19 +167,23 @@ fn run(command: &Command) -> Result<Outcome> {
         Command::Merge(arguments) => merge::run(arguments),
         Command::Explain(arguments) => explain::run(arguments),
         Command::Check(arguments) => Ok(check::run(arguments)),
-        Command::Schema(schema::Arguments {}) => schema::run(),
+        Command::Schema(arguments) => schema::run(arguments),
         Command::Spectrum(arguments) => spectrum::run(arguments),
         Command::Glass(arguments) => glass::run(arguments),
+        Command::Metal(arguments) => metal::run(arguments),
         Command::Lens(arguments) => lens::run(arguments),
         Command::Lamps(arguments) => lamps::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Probe(arguments) => probe::run(arguments),
         Command::Study(arguments) => study::run(arguments),
+        Command::Completions(arguments) => completions::run(arguments),
+        Command::Man(arguments) => man::run(arguments),
     }
 }
 
-/// What clap has to say: help and version are results, everything else an error of one line.
-fn refuse(error: &clap::Error) -> Result<Outcome> {
+/// Prints the help and the version as results. Every other message of clap becomes an error of one
+/// line.
+fn report_usage(error: &clap::Error) -> Result<Outcome> {
     let text = error.to_string();
     let kind = error.kind();
     if matches!(kind, ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
@@ -168,11 +196,11 @@ fn refuse(error: &clap::Error) -> Result<Outcome> {
     Err(Error::input(one_line(&text)))
 }
 
-/// Clap's message up to its usage, on one line.
+/// Joins the lines of clap's message, up to its usage section, into one line.
 fn one_line(text: &str) -> String {
-    let said = text.split("\nUsage:").next().unwrap_or(text);
-    let said = said.split("\nFor more information").next().unwrap_or(said);
-    let lines: Vec<&str> = said.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+    let message = text.split("\nUsage:").next().unwrap_or(text);
+    let message = message.split("\nFor more information").next().unwrap_or(message);
+    let lines: Vec<&str> = message.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
     lines.join(" ").replace(" tip: ", "; tip: ").trim_start_matches("error: ").to_string()
 }
 

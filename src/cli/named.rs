@@ -1,55 +1,62 @@
-//! Spectra as the command line names them: JSON, a name of the library, a file.
+//! Spectra given as arguments of the command line: JSON, a name of the library, or a file.
 
 use std::path::Path;
 
-use abbe::error::{Error, Result};
-use abbe::scene::file::{self, SpectrumFile};
-use abbe::scene::resolve::{self, Role};
-use abbe::spectrum::library::{self, Kind};
-use abbe::spectrum::{Spectrum, read};
+use crate::error::{Error, Result};
+use crate::format::resolve::{self, Role};
+use crate::format::{self, SpectrumFile};
+use crate::spectrum::library::{self, SpectrumKind};
+use crate::spectrum::{Spectrum, read};
 
 use super::print;
 
-/// A spectrum with its name and where it comes from.
+/// A spectrum, its name and its origin.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Named {
-    /// The library's name, a few words for simple spectra written as JSON, or the argument as it was typed.
+pub(crate) struct NamedSpectrum {
+    /// The name in the library, a description of a simple JSON spectrum, or the argument itself.
     pub(crate) name: String,
-    /// What it is and whose numbers these are, in words.
+    /// A description of the spectrum, and the source of its data.
     pub(crate) origin: String,
     pub(crate) spectrum: Spectrum,
 }
 
-/// The spectrum that an argument names.
-pub(crate) fn spectrum(text: &str, role: Role) -> Result<Named> {
+/// Returns the spectrum given by an argument.
+pub(crate) fn spectrum(text: &str, role: Role) -> Result<NamedSpectrum> {
     let origin = Path::new("the command line");
     if text.trim_start().starts_with(['{', '"']) || text.trim().parse::<f64>().is_ok() {
-        let (file, source) = file::parse_spectrum(text, origin)?;
+        let (file, source) = format::parse_spectrum(text, origin)?;
         let spectrum = resolve::lone_spectrum(&file, &source, role)?;
-        return Ok(Named { name: described(&file, text), origin: "written on the command line".to_string(), spectrum });
+        return Ok(NamedSpectrum {
+            name: described(&file, text),
+            origin: "written on the command line".to_string(),
+            spectrum,
+        });
     }
     let unknown = match library::find(text) {
         Ok(entry) => {
-            // By way of JSON, so that a name means what it means in a scene.
+            // The name is resolved as in a scene.
             let name = serde_json::to_string(text).expect("a text is JSON");
-            let (_, source) = file::parse_spectrum(&name, origin)?;
+            let (_, source) = format::parse_spectrum(&name, origin)?;
             let spectrum = resolve::lone_spectrum(&SpectrumFile::Name(text.to_string()), &source, role)?;
             let origin = format!("{}; source: {}", entry.description, entry.source);
-            return Ok(Named { name: entry.name.to_string(), origin, spectrum });
+            return Ok(NamedSpectrum { name: entry.name.to_string(), origin, spectrum });
         }
         Err(unknown) => unknown,
     };
     let path = Path::new(text);
     if path.exists() || path.extension().is_some() || text.contains(std::path::is_separator) {
-        // A slip in a library's name such as led/red looks like a missing file.
-        let near = unknown.near.filter(|_| !path.exists());
-        let spectrum = read::spectrum_file(path, role.outside()).map_err(|error| Error { near, ..error })?;
-        return Ok(Named { name: text.to_string(), origin: "read from this file".to_string(), spectrum });
+        // Some names of the library contain a slash, such as led/red. A misspelt name looks like a
+        // missing file, so the error also suggests a name.
+        let near = unknown.suggestion.filter(|_| !path.exists());
+        let spectrum =
+            read::spectrum_file(path, role.outside()).map_err(|error| Error { suggestion: near, ..error })?;
+        return Ok(NamedSpectrum { name: text.to_string(), origin: "read from this file".to_string(), spectrum });
     }
     Err(unknown.expected("a name of `abbe spectrum --list`, a file, or a spectrum as JSON"))
 }
 
-/// What a spectrum is called that has no name: simple ones in words, others as they are written.
+/// Describes a spectrum without a name. The description of a simple spectrum is in words, and that
+/// of any other spectrum is its JSON text.
 fn described(file: &SpectrumFile, text: &str) -> String {
     match file {
         SpectrumFile::Name(name) => name.clone(),
@@ -69,12 +76,13 @@ fn described(file: &SpectrumFile, text: &str) -> String {
     }
 }
 
-/// The light that an argument names; what the library knows to be something else is taken with a remark.
-pub(crate) fn light(text: &str) -> Result<Named> {
+/// Returns the light given by an argument. If the library does not list the spectrum as a light,
+/// prints a note and uses the spectrum as a light.
+pub(crate) fn light(text: &str) -> Result<NamedSpectrum> {
     let light = spectrum(text, Role::Light)?;
-    if library::find(text).is_ok_and(|entry| entry.kind != Kind::Light) {
+    if library::find(text).is_ok_and(|entry| entry.kind != SpectrumKind::Light) {
         let hint = "`abbe spectrum --reflectance-under D65` shows it as a reflectance";
-        print::remark(&format!("note: {text} is no light; {hint}"));
+        print::remark(&format!("note: {text} is not a light; {hint}"));
     }
     Ok(light)
 }

@@ -1,32 +1,32 @@
-//! The files that a picture becomes: EXR, PNG and statistics.
+//! The output files of a render: EXR, PNG and statistics.
 
 use std::path::{Path, PathBuf};
 
-use abbe::error::{Error, Result};
-use abbe::output::file as files;
-use abbe::output::png::write as write_png;
-use abbe::render::{Showing, Stats};
-use abbe::sensor::Picture;
+use crate::error::{Error, Result};
+use crate::output::file as files;
+use crate::output::png::write as write_png;
+use crate::render::{DisplaySettings, Stats};
+use crate::sensor::Picture;
 
-/// The files to be written.
+/// The output files of a render.
 #[derive(Debug)]
-pub(crate) struct Outputs {
+pub(crate) struct OutputFiles {
     pub(crate) exr: PathBuf,
     png: PathBuf,
     stats: Option<PathBuf>,
 }
 
-impl Outputs {
-    /// The EXR, the PNG beside it, and statistics if asked for.
+impl OutputFiles {
+    /// The EXR file, the PNG file beside it, and optionally a file with statistics.
     pub(crate) fn new(exr: PathBuf, stats: Option<PathBuf>) -> Result<Self> {
         if !exr.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
-            let what = format!("the output {}", exr.display());
-            return Err(Error::input(what).expected("a name that ends in .exr (a PNG is written beside it)"));
+            let what = format!("the output {} is not an EXR file", exr.display());
+            return Err(Error::input(what).expected("a name that ends in .exr; the PNG file is written beside it"));
         }
         Ok(Self { png: exr.with_extension("png"), exr, stats })
     }
 
-    /// Where a render of this picture keeps its checkpoint.
+    /// The path of the checkpoint.
     pub(crate) fn checkpoint(&self) -> PathBuf {
         self.exr.with_extension("checkpoint.exr")
     }
@@ -35,23 +35,24 @@ impl Outputs {
         [&self.exr, &self.png].into_iter().chain(&self.stats).map(PathBuf::as_path)
     }
 
-    /// Checks that all can be expected to be written, before hours are spent on them; clears away what killed runs left half-written.
+    /// Checks that all files can be written, and removes unfinished files of killed runs. Call this
+    /// function before a long render.
     pub(crate) fn check(&self) -> Result<()> {
-        self.all().for_each(files::clear_unfinished);
+        self.all().for_each(files::remove_temporary_files);
         self.all().try_for_each(files::check_writable)
     }
 
-    /// The pictures' names.
+    /// The names of the pictures as text.
     pub(crate) fn named(&self) -> String {
         format!("{} and {}", self.exr.display(), self.png.display())
     }
 
-    /// Saves a picture; `write_exr` writes the EXR.
+    /// Saves a picture and its statistics. `write_exr` writes the EXR file.
     pub(crate) fn save(
         &self,
         write_exr: impl FnOnce(&Path) -> Result<()>,
         picture: &Picture,
-        showing: &Showing,
+        showing: &DisplaySettings,
         stats: &Stats,
     ) -> Result<()> {
         write_exr(&self.exr)?;

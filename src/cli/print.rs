@@ -1,11 +1,13 @@
-//! Where words go: results to standard output, everything else to standard error.
+//! Output: results go to standard output, everything else to standard error.
 
 use std::io::{ErrorKind, Write};
+use std::path::Path;
 
-use abbe::error::{Error, Result};
+use crate::error::{Error, Result};
+use crate::format::{FileAccess, PATCH_LABEL};
 use serde::Serialize;
 
-/// Prints a result. A reader that has gone away (`abbe … | head`) is no error.
+/// Prints a result. A closed pipe, as in `abbe ... | head`, is not an error.
 pub(crate) fn result(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -21,18 +23,61 @@ pub(crate) fn json<T: Serialize>(value: &T) -> Result<()> {
     result(&(text + "\n"))
 }
 
-/// Prints a remark on standard error; if that is closed there is nobody to tell.
+/// Prints a line on standard error. Failures are ignored, because no other channel is left.
 pub(crate) fn remark(text: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{text}");
+    let _ = writeln!(std::io::stderr().lock(), "{}", with_command_line_hints(text));
 }
 
-/// Prints an error on one line.
+/// Hints for messages of the library. Each pair contains a fragment of a message, and the words
+/// added after this fragment.
+const HINTS: [(&str, &str); 3] = [
+    (FileAccess::EXPECTED_WITHIN_FOLDER, ", or the option --allow-outside"),
+    ("the name of a built-in spectrum", " (`abbe spectrum --list` prints all)"),
+    ("a glass of the built-in catalogue", " (`abbe glass --list` prints all)"),
+];
+
+/// Two labels of a scene patch: the label in the errors of the library, and the label on the
+/// command line.
+const PATCH_LABELS: (&str, &str) = (PATCH_LABEL, "--set ");
+
+/// Adds hints to a message of the library: options and commands that help with the problem.
+fn with_command_line_hints(text: &str) -> String {
+    let mut text = text.to_string();
+    for (part, hint) in HINTS {
+        if text.contains(part) && !text.contains(hint) {
+            text = text.replace(part, &format!("{part}{hint}"));
+        }
+    }
+    text
+}
+
+/// Prints an error on one line. The label of a patch becomes the name of its option.
 pub(crate) fn error(error: &Error) {
+    let mut error = error.clone();
+    let label =
+        error.location.file.as_deref().and_then(Path::to_str).and_then(|file| file.strip_prefix(PATCH_LABELS.0));
+    if let Some(path) = label {
+        error.location.file = Some(format!("{}{path}", PATCH_LABELS.1).into());
+    }
     error_line(&error.to_string());
 }
 
-/// Prints an error's text on one line.
+/// Prints the text of an error on one line.
 pub(crate) fn error_line(text: &str) {
     let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
     remark(&format!("error: {}", lines.join(" ")));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_gain_the_options_that_help() {
+        let text = "a/b.json: found ../x.obj; expected a path within the folder of the file that names it";
+        let hinted = with_command_line_hints(text);
+        assert!(hinted.ends_with("names it, or the option --allow-outside"), "{hinted}");
+        assert_eq!(with_command_line_hints(&hinted), hinted);
+        assert_eq!(with_command_line_hints("no light"), "no light");
+    }
 }

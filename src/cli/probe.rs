@@ -1,37 +1,37 @@
-//! `abbe probe`: what a picture's file says about one pixel.
+//! `abbe probe`: prints one pixel of a picture.
 
 use std::path::PathBuf;
 
-use abbe::colour::gamut::desaturate;
-use abbe::colour::{RgbSpace, srgb_hex, xy, xyz_to_linear_srgb};
-use abbe::error::{Error, Result};
-use abbe::output::exr::read;
-use abbe::output::file;
-use abbe::output::heat::error_map;
-use abbe::output::plot::{Curve, Plot};
-use abbe::output::png::write as write_png;
-use abbe::sensor::{Development, Picture, exposure};
-use abbe::spectrum::BAND_NM;
+use crate::colour::gamut::desaturate;
+use crate::colour::{RgbSpace, srgb_hex, xy, xyz_to_linear_srgb};
+use crate::error::{Error, Result};
+use crate::output::exr::read;
+use crate::output::file;
+use crate::output::heat::error_map;
+use crate::output::plot::{SpectralCurve, SpectralPlot};
+use crate::output::png::write as write_png;
+use crate::sensor::{Development, Picture, exposure};
+use crate::spectrum::BAND_NM;
 use serde::Serialize;
 
 use super::progress::percent;
 use super::{Outcome, print};
 
 #[derive(Debug, clap::Args)]
-pub(crate) struct Arguments {
+pub(crate) struct ProbeArgs {
     /// The picture
     #[arg(value_name = "FILE.exr")]
     picture: PathBuf,
-    /// Column, from 0 at the left
+    /// The column, counted from 0 at the left
     #[arg(value_name = "X")]
     x: usize,
-    /// Row, from 0 at the top
+    /// The row, counted from 0 at the top
     #[arg(value_name = "Y")]
     y: usize,
-    /// Plot the pixel's spectrum
+    /// Plot the spectrum of the pixel
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
-    /// Write a heat map of the whole picture's relative error
+    /// Write a heat map of the relative error of the whole picture
     #[arg(long, value_name = "FILE.png")]
     heat: Option<PathBuf>,
     /// Print one JSON object
@@ -39,49 +39,52 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-/// A pixel for programs to read.
+/// The values of a pixel.
 #[derive(Debug, Serialize)]
-struct Pixel {
+struct PixelReport {
     pixel: [usize; 2],
     /// Y in cd/m².
     xyz: [f64; 3],
-    /// Null where it is black.
+    /// Null for a black pixel.
     xy: Option<[f64; 2]>,
-    /// 1 is 1 cd/m² of white.
+    /// White of 1 cd/m² has the components 1, 1, 1.
     linear_srgb: [f64; 3],
-    /// At the picture's automatic exposure.
+    /// At automatic exposure.
     srgb_hex: String,
-    /// Standard error and estimated bias of Y in cd/m²; null where unknown.
+    /// Standard error of Y in cd/m², or null if unknown.
     noise: Option<f64>,
+    /// Estimated bias of Y in cd/m², or null if unknown.
     bias: Option<f64>,
-    /// Whether it lies beside an edge of light, where the bias is likely larger than told; null where unknown.
+    /// Whether the pixel is near an edge of the illumination, or null if unknown. Near an edge, the
+    /// bias may be larger than the estimate.
     edge: Option<bool>,
-    /// Both together, relative to Y.
+    /// √(noise² + bias²) relative to Y.
     relative_error: Option<f64>,
-    /// Where Y lies with 95 % probability.
+    /// The 95 % confidence interval of Y in cd/m².
     interval_95: Option<[f64; 2]>,
-    spectrum: Option<Bands>,
+    spectrum: Option<PixelBands>,
 }
 
 #[derive(Debug, Serialize)]
-struct Bands {
+struct PixelBands {
     nm: Vec<f64>,
     /// W/m²/sr/nm.
     values: Vec<f64>,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+pub(crate) fn run(arguments: &ProbeArgs) -> Result<Outcome> {
     let picture = read(&arguments.picture)?.picture;
     let pixel = pixel(&picture, arguments.x, arguments.y).map_err(|error| error.in_file(&arguments.picture))?;
     if let Some(path) = &arguments.svg {
-        let Some(Bands { nm, values }) = &pixel.spectrum else {
-            let error = Error::input("holds no spectrum").expected("a picture rendered with --spectral-bands");
+        let Some(PixelBands { nm, values }) = &pixel.spectrum else {
+            let error =
+                Error::input("the picture holds no spectra").expected("a picture rendered with --spectral-bands");
             return Err(error.in_file(&arguments.picture));
         };
-        let plot = Plot {
+        let plot = SpectralPlot {
             title: format!("{}, pixel {}, {}", arguments.picture.display(), arguments.x, arguments.y),
             values: "radiance in W/m²/sr/nm".to_string(),
-            curves: vec![Curve { name: "radiance".to_string(), points: steps(nm, values) }],
+            curves: vec![SpectralCurve { name: "radiance".to_string(), points: steps(nm, values) }],
             lines: Vec::new(),
             from_zero: true,
         };
@@ -98,7 +101,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// A curve that keeps each band's mean over the whole band: from halfway to one neighbour to halfway to the other.
+/// Returns a step curve. Each band is a step at the mean of the band. The steps meet at the
+/// midpoints between the centres of neighbouring bands.
 fn steps(nm: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
     let last = nm.len() - 1;
     let middle = |i: usize| 0.5 * (nm[i] + nm[i + 1]);
@@ -106,14 +110,14 @@ fn steps(nm: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
         (true, true) => (middle(i - 1), middle(i)),
         (true, false) => (middle(i - 1), 2.0 * nm[i] - middle(i - 1)),
         (false, true) => (2.0 * nm[i] - middle(i), middle(i)),
-        // A single band is the whole of it.
+        // A single band covers the whole range of wavelengths.
         (false, false) => BAND_NM,
     };
     let step = |(i, &value): (usize, &f64)| [(edges(i).0, value), (edges(i).1, value)];
     values.iter().enumerate().flat_map(step).collect()
 }
 
-fn pixel(picture: &Picture, x: usize, y: usize) -> Result<Pixel> {
+fn pixel(picture: &Picture, x: usize, y: usize) -> Result<PixelReport> {
     let (width, height) = (picture.width, picture.height);
     if x >= width || y >= height {
         let what = format!("the pixel {x}, {y} in a picture of {width} × {height} pixels");
@@ -123,33 +127,32 @@ fn pixel(picture: &Picture, x: usize, y: usize) -> Result<Pixel> {
     let xyz = picture.xyz[i];
     let exposure = exposure::automatic(picture, &Development::default());
     let exposed = xyz_to_linear_srgb(xyz.map(|value| value * exposure));
-    let known = |value: f32| (value >= 0.0).then_some(f64::from(value));
     let spectrum = picture.bands.as_ref().map(|bands| {
         let count = bands.centres_nm.len();
         let values = bands.values[i * count..(i + 1) * count].iter().map(|&value| f64::from(value)).collect();
-        Bands { nm: bands.centres_nm.clone(), values }
+        PixelBands { nm: bands.centres_nm.clone(), values }
     });
     let error = picture.error(i);
     let reach = picture.half_interval_95(i, 0.0);
-    Ok(Pixel {
+    Ok(PixelReport {
         pixel: [x, y],
         xyz,
         xy: (xyz.iter().sum::<f64>() > 0.0).then(|| xy(xyz)),
         linear_srgb: xyz_to_linear_srgb(xyz),
         srgb_hex: srgb_hex(desaturate(exposed, RgbSpace::Srgb)),
-        noise: known(picture.noise[i]),
-        bias: known(picture.bias[i]),
-        edge: known(picture.edge[i]).map(|edge| edge > 0.0),
+        noise: picture.noise[i].map(f64::from),
+        bias: picture.bias[i].map(f64::from),
+        edge: picture.edge[i],
         relative_error: error.filter(|_| xyz[1] > 0.0).map(|error| error / xyz[1]),
-        // Light is not negative.
+        // Luminance is not negative.
         interval_95: reach.map(|reach| [(xyz[1] - reach).max(0.0), xyz[1] + reach]),
         spectrum,
     })
 }
 
-fn text(pixel: &Pixel) -> String {
-    let Pixel { pixel: [x, y], xyz, xy, linear_srgb: [r, g, b], srgb_hex, noise, bias, .. } = pixel;
-    let Pixel { edge, relative_error, interval_95, spectrum, .. } = pixel;
+fn text(pixel: &PixelReport) -> String {
+    let PixelReport { pixel: [x, y], xyz, xy, linear_srgb: [r, g, b], srgb_hex, noise, bias, .. } = pixel;
+    let PixelReport { edge, relative_error, interval_95, spectrum, .. } = pixel;
     let bar = |value: &Option<f64>| value.map_or("unknown".to_string(), |value| format!("{value:.6} cd/m²"));
     let mut text =
         format!("pixel        {x}, {y}\nXYZ          {:.6}  {:.6}  {:.6}   (Y in cd/m²)\n", xyz[0], xyz[1], xyz[2]);
@@ -157,7 +160,7 @@ fn text(pixel: &Pixel) -> String {
         text += &format!("xy           {x:.5}  {y:.5}\n");
     }
     text += &format!("linear sRGB  {r:.6}  {g:.6}  {b:.6}\nsRGB         {srgb_hex} at automatic exposure\n");
-    let beside = if *edge == Some(true) { ", or more: an edge of light is near" } else { "" };
+    let beside = if *edge == Some(true) { ", or larger: the pixel is near an edge of light" } else { "" };
     text += &format!("noise of Y   {}\nbias of Y    {}{beside}\n", bar(noise), bar(bias));
     text += &match (relative_error, interval_95) {
         (Some(error), Some([low, high])) => {
@@ -166,7 +169,7 @@ fn text(pixel: &Pixel) -> String {
         (_, _) => "error of Y   unknown\n".to_string(),
     };
     match spectrum {
-        Some(Bands { nm, values }) => {
+        Some(PixelBands { nm, values }) => {
             text += "spectrum     nm, W/m²/sr/nm\n";
             nm.iter().zip(values).for_each(|(nm, value)| text += &format!("  {nm:8.3}  {value:.6e}\n"));
         }

@@ -1,99 +1,100 @@
-//! How a render is going: a bar on a terminal, a line now and then elsewhere.
+//! Shows the progress of a render: a bar on a terminal, or a line every few seconds elsewhere.
 
 use std::io::IsTerminal;
 use std::time::Duration;
 
-use abbe::render::{Milestone, Monitor, Progress};
+use crate::render::{ErrorMilestone, Monitor, Progress};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{interrupt, print};
 
-/// Shows progress on standard error, and ends the render when the user asks for it.
+/// Shows progress on standard error, and stops the render if the user interrupts it.
 #[derive(Debug)]
-pub(crate) struct Display {
-    screen: Screen,
-    /// What is rendered, if it is one of several.
+pub(crate) struct ProgressDisplay {
+    output: ProgressOutput,
+    /// The name of the render, if there are several renders.
     label: Option<String>,
 }
 
-/// Where progress is shown.
+/// The form of the progress display.
 #[derive(Debug)]
-enum Screen {
+enum ProgressOutput {
     /// A bar on a terminal.
     Bar(ProgressBar),
-    /// A line every few seconds; when the last was printed.
+    /// A line every few seconds. The value is the time of the last line.
     Lines(Option<Duration>),
     /// Nothing.
     Quiet,
 }
 
-/// Steps of the bar.
+/// The number of steps of the bar.
 const STEPS: u64 = 1000;
 
-/// How often a line is printed where there is no terminal.
-const LINE_EVERY: Duration = Duration::from_secs(5);
+/// The time between two lines if standard error is not a terminal.
+const LINE_INTERVAL: Duration = Duration::from_secs(5);
 
-impl Display {
-    /// The display that fits standard error.
+impl ProgressDisplay {
+    /// A display for standard error.
     pub(crate) fn new(quiet: bool, label: Option<String>) -> Self {
-        let screen = match (quiet, std::io::stderr().is_terminal()) {
-            (true, _) => Screen::Quiet,
-            (false, false) => Screen::Lines(None),
-            (false, true) => Screen::Bar(Self::bar()),
+        let output = match (quiet, std::io::stderr().is_terminal()) {
+            (true, _) => ProgressOutput::Quiet,
+            (false, false) => ProgressOutput::Lines(None),
+            (false, true) => ProgressOutput::Bar(Self::bar()),
         };
-        Self { screen, label }
+        Self { output, label }
     }
 
     fn bar() -> ProgressBar {
         let bar = ProgressBar::new(STEPS);
         let style = ProgressStyle::with_template("{spinner} [{bar:30}] {msg}").expect("the template is well-formed");
         bar.set_style(style.progress_chars("=> "));
-        bar.set_message("finding where the light goes");
+        bar.set_message("pilot: estimating photon counts and radii");
         bar.enable_steady_tick(Duration::from_millis(200));
         bar
     }
 
-    /// The line of a render's state, after the label.
+    /// The progress line with the label in front.
     fn line(label: Option<&str>, progress: &Progress) -> String {
         label.map_or_else(|| line(progress), |label| format!("{label}: {}", line(progress)))
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub(crate) fn finish(&self) {
-        match &self.screen {
-            Screen::Bar(bar) => bar.finish_and_clear(),
-            Screen::Lines(_) | Screen::Quiet => {}
+        match &self.output {
+            ProgressOutput::Bar(bar) => bar.finish_and_clear(),
+            ProgressOutput::Lines(_) | ProgressOutput::Quiet => {}
         }
     }
 }
 
-impl Monitor for Display {
+impl Monitor for ProgressDisplay {
     fn after_pass(&mut self, progress: &Progress) -> bool {
         let line = || Self::line(self.label.as_deref(), progress);
-        match &mut self.screen {
-            Screen::Bar(bar) => {
+        match &mut self.output {
+            ProgressOutput::Bar(bar) => {
                 let done = share_done(progress).unwrap_or(0.0);
                 bar.set_position((done * STEPS as f64) as u64);
                 bar.set_message(line());
             }
-            Screen::Lines(last) => {
-                if last.is_none_or(|last| progress.elapsed >= last + LINE_EVERY) {
+            ProgressOutput::Lines(last) => {
+                if last.is_none_or(|last| progress.elapsed >= last + LINE_INTERVAL) {
                     print::remark(&line());
                     *last = Some(progress.elapsed);
                 }
             }
-            Screen::Quiet => {}
+            ProgressOutput::Quiet => {}
         }
-        !interrupt::asked()
+        !interrupt::is_requested()
     }
 }
 
-/// The time until the first stop rule holds, as far as it can be told.
+/// The predicted time until the first stop rule holds, or `None` if no prediction is possible.
 fn time_left(progress: &Progress) -> Option<Duration> {
     let elapsed = progress.elapsed.as_secs_f64();
     let by_passes = progress.passes_wanted.map(|wanted| elapsed * (wanted as f64 / progress.passes as f64 - 1.0));
     let by_time = progress.time_wanted.map(|wanted| wanted.as_secs_f64() - elapsed);
-    let by_error = progress.error_wanted.zip(progress.forecast).and_then(|(wanted, forecast)| forecast.when(wanted));
+    let by_error =
+        progress.error_wanted.zip(progress.forecast).and_then(|(wanted, forecast)| forecast.milestone(wanted));
     let by_error = by_error.map(|milestone| milestone.seconds - elapsed);
     let left = [by_passes, by_time, by_error].into_iter().flatten().reduce(f64::min)?;
     Duration::try_from_secs_f64(left.max(0.0)).ok()
@@ -104,25 +105,26 @@ fn share_done(progress: &Progress) -> Option<f64> {
     Some(if left > 0.0 { elapsed / (elapsed + left) } else { 1.0 })
 }
 
-/// When the error wanted will be reached, or without one the next round errors.
-fn ahead(progress: &Progress) -> Vec<String> {
+/// Predicts the time at which the target error will be reached. If there is no target, predicts the
+/// times of the next round errors.
+fn predicted_milestones(progress: &Progress) -> Vec<String> {
     let Some(forecast) = progress.forecast else { return Vec::new() };
-    let milestones: Vec<Milestone> = match progress.error_wanted {
-        Some(wanted) => forecast.when(wanted).into_iter().collect(),
+    let milestones: Vec<ErrorMilestone> = match progress.error_wanted {
+        Some(wanted) => forecast.milestone(wanted).into_iter().collect(),
         None => forecast.milestones().collect(),
     };
-    let left = |milestone: &Milestone| (milestone.seconds - progress.elapsed.as_secs_f64()).max(0.0);
+    let left = |milestone: &ErrorMilestone| (milestone.seconds - progress.elapsed.as_secs_f64()).max(0.0);
     milestones.iter().map(|at| format!("{} % in about {}", round(100.0 * at.error), about(left(at)))).collect()
 }
 
-/// A number to at most three digits, without zeros at its end.
+/// Writes a number with at most three digits, without trailing zeros.
 fn round(number: f64) -> String {
     let digits = (2.0 - number.log10().floor()).clamp(0.0, 12.0) as usize;
     let text = format!("{number:.digits$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
 }
 
-/// Seconds in words, to the one or two digits that a forecast is good for.
+/// Writes a predicted time with one or two significant digits.
 fn about(seconds: f64) -> String {
     const UNITS: [(f64, f64, &str); 4] =
         [(1.0, 100.0, "s"), (60.0, 100.0, "min"), (3600.0, 48.0, "h"), (86_400.0, f64::INFINITY, "days")];
@@ -130,7 +132,7 @@ fn about(seconds: f64) -> String {
     format!("{:.0} {name}", (seconds / unit).round().max(1.0))
 }
 
-/// Passes, photons per second, error and when it will be less, time left.
+/// Writes passes, photons per second, the error with its predictions, and the time left.
 fn line(progress: &Progress) -> String {
     let mut parts = vec![match progress.passes_wanted {
         Some(wanted) => format!("{}/{wanted} passes", progress.passes),
@@ -142,14 +144,14 @@ fn line(progress: &Progress) -> String {
     if let Some(error) = progress.relative_error {
         parts.push(format!("error {}", percent(error)));
     }
-    parts.extend(ahead(progress));
+    parts.extend(predicted_milestones(progress));
     if let Some(left) = time_left(progress) {
         parts.push(format!("{} left", time(left)));
     }
     parts.join(", ")
 }
 
-/// A large number in short.
+/// Writes a large number with a unit prefix.
 pub(crate) fn count(number: f64) -> String {
     if number >= 1e6 {
         format!("{:.1} M", number * 1e-6)
@@ -160,12 +162,12 @@ pub(crate) fn count(number: f64) -> String {
     }
 }
 
-/// A share in percent.
+/// Writes a ratio in percent.
 pub(crate) fn percent(share: f64) -> String {
     if share < 0.1 { format!("{:.2} %", 100.0 * share) } else { format!("{:.0} %", 100.0 * share) }
 }
 
-/// A time in its two largest units.
+/// Writes a time in its two largest units.
 pub(crate) fn time(duration: Duration) -> String {
     let seconds = duration.as_secs_f64();
     if seconds < 9.95 {
@@ -182,8 +184,8 @@ pub(crate) fn time(duration: Duration) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abbe::render::Forecast;
-    use abbe::sensor::ErrorSquares;
+    use crate::render::Forecast;
+    use crate::sensor::ErrorSquares;
 
     fn after(passes: u64, seconds: f64) -> Progress {
         Progress {
@@ -198,14 +200,19 @@ mod tests {
         }
     }
 
-    /// A forecast after 16 passes in 12 s: an error of 4 % that is all bias and falls as the fourth root of time.
+    /// Returns a forecast after 16 passes in 12 s. The error is 4 % and consists of bias only. The
+    /// bias falls in inverse proportion to the fourth root of time.
     fn forecast() -> Forecast {
-        let squares = ErrorSquares { bias: 0.0016, under_kernels: 0.0, sampling: 0.0 };
-        Forecast::without_history(squares, (16, 12.0, 0.0)).unwrap()
+        let squares = ErrorSquares { bias: 0.0016, kernel_noise: 0.0, sampling: 0.0 };
+        Forecast::without_history(
+            squares,
+            crate::render::RunTimes { passes: 16, total_s: 12.0, before_first_pass_s: 0.0 },
+        )
+        .unwrap()
     }
 
     #[test]
-    fn the_time_left_is_that_of_the_first_rule_to_hold() {
+    fn the_time_left_follows_the_first_stop_rule() {
         let left = |progress: &Progress| time_left(progress).map(|left| left.as_secs_f64());
         let mut progress = after(16, 10.0);
         assert_eq!(left(&progress), None);
@@ -228,8 +235,8 @@ mod tests {
         progress.relative_error = Some(0.0312);
         assert_eq!(line(&progress), "16/64 passes, 2.5 M photons/s, error 3.12 %, 30 s left");
         progress.forecast = Some(forecast());
-        let ahead = "2 % in about 3 min, 1 % in about 51 min";
-        assert_eq!(line(&progress), format!("16/64 passes, 2.5 M photons/s, error 3.12 %, {ahead}, 30 s left"));
+        let milestones = "2 % in about 3 min, 1 % in about 51 min";
+        assert_eq!(line(&progress), format!("16/64 passes, 2.5 M photons/s, error 3.12 %, {milestones}, 30 s left"));
         (progress.passes_wanted, progress.error_wanted) = (None, Some(0.025));
         assert_eq!(line(&progress), "16 passes, 2.5 M photons/s, error 3.12 %, 2.5 % in about 69 s, 1 min 09 s left");
     }

@@ -3,86 +3,98 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use abbe::error::{Error, Result};
-use abbe::output::exr::write as write_exr;
-use abbe::output::file as files;
-use abbe::output::metadata::names;
-use abbe::render::{Identity, Integrator, Job, Part, Rendered, Request, Showing, StopRules, on_threads};
-use abbe::scene::file::Source;
-use abbe::scene::resolve;
+use crate::error::{Error, Result};
+use crate::format::JsonSource;
+use crate::format::resolve;
+use crate::output::exr::write as write_exr;
+use crate::output::file as files;
+use crate::output::metadata::names;
+use crate::render::{
+    DisplaySettings, Integrator, Job, PassPart, RenderIdentity, Rendered, Request, StopRules, on_threads,
+};
 
-use super::checkpoint::{Checkpoint, Rhythm, Watch};
-use super::frames::{Frame, Sequence};
-use super::outputs::Outputs;
-use super::progress::{Display, percent, time};
-use super::{Outcome, interrupt, memory, opening, origin, print, values};
+use super::checkpoint::{CheckpointFile, CheckpointInterval, RenderMonitor};
+use super::frames::{SequenceArgs, SequenceFrame};
+use super::outputs::OutputFiles;
+use super::progress::{ProgressDisplay, percent, time};
+use super::scene_file::SceneFileArgs;
+use super::{Outcome, interrupt, memory, print, values};
+use crate::api::provenance;
 
 #[derive(Debug, Clone, clap::Args)]
-pub(crate) struct Arguments {
+pub(crate) struct RenderArgs {
     /// The scene file
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
-    /// The picture's file; a PNG is written beside it [default: the scene's name in the working directory]
+    /// The file of the picture; a PNG file is written beside it [default: the name of the scene, in
+    /// the working directory]
     #[arg(short, long, value_name = "OUT.exr")]
     output: Option<PathBuf>,
     /// Stop after this many passes
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     passes: Option<u64>,
-    /// Stop after this time, such as 90s or 5m
+    /// Stop after this time, such as 90s, 5m or 1h30m
     #[arg(long, value_name = "TIME", value_parser = values::duration)]
     time: Option<Duration>,
-    /// Stop when the picture's relative error falls to this, such as 2%
-    #[arg(long, value_name = "SHARE", value_parser = values::share)]
+    /// Stop when the relative error of the picture falls to this value, such as 2%
+    #[arg(long, value_name = "RATIO", value_parser = values::share)]
     target_error: Option<f64>,
-    /// Photon paths in a pass
+    /// The number of photon paths in a pass
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     photons: Option<u64>,
-    /// The picture's size in pixels
+    /// The size of the picture in pixels
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<(u32, u32)>,
-    /// The seed of all randomness
+    /// The seed of all random streams
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Worker threads [default: as many as the machine runs at once]
+    /// The number of worker threads [default: the number of logical processors]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     threads: Option<u32>,
-    /// Who solves the transport: photon mapping, or the plain path tracer for reference
+    /// The integrator: photon mapping, or the path tracer for reference pictures
     #[arg(long, value_enum, default_value_t)]
     integrator: IntegratorName,
-    /// Simulate an effect though nothing in the scene calls for it (repeatable; see `abbe explain`)
+    /// Simulate an effect even if the scene does not need it; `abbe explain` lists the effects
+    /// (repeatable)
     #[arg(long, value_name = "EFFECT")]
     force: Vec<String>,
-    /// Leave out an effect though the scene calls for it (repeatable)
+    /// Leave out an effect even if the scene needs it (repeatable)
     #[arg(long, value_name = "EFFECT")]
     forbid: Vec<String>,
-    /// Change a value of the scene, such as 'objects[0].material="crown"' (repeatable)
-    #[arg(long, value_name = "PATH=JSON")]
+    #[arg(
+        long,
+        value_name = "PATH=JSON",
+        help = "Change a value of the scene, such as 'objects[0].material=\"crown\"' (repeatable)"
+    )]
     set: Vec<String>,
     #[command(flatten)]
-    opening: opening::Arguments,
-    /// Keep the spectrum of every pixel in this many bands
+    scene_file: SceneFileArgs,
+    /// Store the spectrum of every pixel in this many bands
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1024))]
     spectral_bands: Option<u32>,
-    /// Render only the passes whose index leaves remainder I when divided by N, from 0/N on; `abbe merge` joins the parts
+    /// Render only one of N parts: the passes whose index modulo N is I, with I from 0 to N-1.
+    /// `abbe merge` merges the parts
     #[arg(long, value_name = "I/N", value_parser = values::part, default_value = "0/1", hide_default_value = true)]
     #[arg(conflicts_with = "target_error")]
-    part: Part,
-    /// Go on from the checkpoint beside the output: finish an interrupted render, or extend it with a larger --passes,
-    /// --time or smaller --target-error (all count from the render's very beginning)
+    part: PassPart,
+    /// Continue from the checkpoint beside the output. This finishes an interrupted render, or
+    /// extends a render with more --passes, more --time or a smaller --target-error. All limits
+    /// count from the beginning of the first run
     #[arg(long)]
     resume: bool,
-    /// Keep the checkpoint, OUT.checkpoint.exr, when the picture is complete
+    /// Keep the checkpoint OUT.checkpoint.exr when the picture is complete
     #[arg(long)]
     keep_checkpoint: bool,
-    /// Write a checkpoint this often, such as 10m [default: as the scene says, or 60s, or more where saving takes over 3s]
+    /// The time between checkpoints, such as 10m [default: the scene's setting, or 60s; longer if
+    /// saving takes more than 3s]
     #[arg(long, value_name = "TIME", value_parser = values::duration)]
     checkpoint_every: Option<Duration>,
     #[command(flatten)]
-    sequence: Sequence,
-    /// Write what was measured on the way, as JSON
+    sequence: SequenceArgs,
+    /// Write the statistics of the render as JSON
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
-    /// Say nothing unless something goes wrong
+    /// Print only warnings and errors
     #[arg(long)]
     quiet: bool,
 }
@@ -94,7 +106,7 @@ enum IntegratorName {
     Path,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+pub(crate) fn run(arguments: &RenderArgs) -> Result<Outcome> {
     interrupt::watch()?;
     let Some(frames) = arguments.sequence.frames() else {
         return picture(arguments, None);
@@ -108,24 +120,25 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Renders one picture; of a sequence the frame is told.
-fn picture(arguments: &Arguments, frame: Option<&Frame>) -> Result<Outcome> {
+/// Renders one picture. `frame` is the frame of the picture in an image sequence.
+fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>) -> Result<Outcome> {
     let outputs = arguments.outputs()?;
     let (source, job) = plan(arguments)?;
     memory::check(&job.budget)?;
     let request = arguments.request();
-    let of_scene = origin::of_scene(&source, &job, request.integrator);
-    let identity = Identity::of(&job, request.integrator, of_scene.get(names::SCENE_HASH).unwrap_or_default());
-    let checkpoint = Checkpoint { path: outputs.checkpoint(), job: &job, identity: &identity, metadata: &of_scene };
+    let of_scene = provenance::of_scene(Some(&source), &job, request.integrator);
+    let identity = RenderIdentity::of(&job, request.integrator, of_scene.get(names::SCENE_HASH).unwrap_or_default());
+    let checkpoint = CheckpointFile { path: outputs.checkpoint(), job: &job, identity: &identity, metadata: &of_scene };
     outputs.check()?;
-    files::clear_unfinished(&checkpoint.path);
+    files::remove_temporary_files(&checkpoint.path);
     files::check_writable(&checkpoint.path)?;
-    let label = frame.map(Frame::label);
-    // Of a sequence some frames may be finished, and some not begun.
+    let label = frame.map(SequenceFrame::label);
+    // Some frames of an image sequence may be finished, and others may have no checkpoint yet.
     let resume = arguments.resume && (frame.is_none() || checkpoint.path.exists());
-    if frame.is_some() && arguments.resume && !resume && origin::is_finished(&outputs.exr, &of_scene, request, &job) {
+    if frame.is_some() && arguments.resume && !resume && provenance::is_finished(&outputs.exr, &of_scene, request, &job)
+    {
         if !arguments.quiet {
-            print::remark(&format!("{} is finished", outputs.exr.display()));
+            print::remark(&format!("{} is already finished", outputs.exr.display()));
         }
         return Ok(Outcome::Done);
     }
@@ -136,25 +149,31 @@ fn picture(arguments: &Arguments, frame: Option<&Frame>) -> Result<Outcome> {
         if resume {
             print::remark(&format!("resuming after {} passes, from {path}", begin.passes()));
         } else if checkpoint.path.exists() {
-            print::remark(&format!("note: starting anew; {path}, from which --resume would go on, will be replaced"));
+            print::remark(&format!(
+                "note: starting from the beginning and replacing {path}; --resume would continue from it"
+            ));
         }
     }
     let threads = job.scene.settings.threads;
-    let mut watch = Watch::new(Display::new(arguments.quiet, label), &checkpoint, arguments.rhythm(&job));
-    let rendered = on_threads(threads, || job.go_on(request, begin, &mut watch));
+    let mut watch = RenderMonitor::new(
+        ProgressDisplay::new(arguments.quiet, label),
+        &checkpoint,
+        arguments.checkpoint_interval(&job),
+    );
+    let rendered = on_threads(threads, || job.continue_run(request, begin, &mut watch));
     watch.display.finish();
     let rendered = rendered?.map_err(|error| error.in_file(&arguments.scene))?;
     on_threads(threads, || save(arguments, &outputs, &checkpoint, &rendered))??;
     if rendered.stats.rejected_samples > 0 {
         let count = rendered.stats.rejected_samples;
         print::remark(&format!(
-            "warning: {count} contributions were no light and were left out; this is a bug in abbe, please report it"
+            "warning: {count} samples were NaN, infinite or negative and were discarded; this is a bug in abbe, please report it"
         ));
     }
     if rendered.interrupted {
         let (passes, path) = (rendered.stats.passes, checkpoint.path.display());
         let named = outputs.named();
-        print::remark(&format!("interrupted after {passes} passes; saved in {named}; --resume goes on from {path}"));
+        print::remark(&format!("interrupted after {passes} passes; saved {named}; --resume continues from {path}"));
         return Ok(Outcome::Interrupted);
     }
     if !arguments.quiet {
@@ -163,20 +182,26 @@ fn picture(arguments: &Arguments, frame: Option<&Frame>) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Saves the picture, with its exact sums if it is a part, and keeps the checkpoint if anything is left to do.
-fn save(arguments: &Arguments, outputs: &Outputs, checkpoint: &Checkpoint<'_>, rendered: &Rendered) -> Result<()> {
+/// Saves the picture. If the picture is a part, its exact sums are saved too. Keeps the checkpoint
+/// if the render is not complete, or if saving failed.
+fn save(
+    arguments: &RenderArgs,
+    outputs: &OutputFiles,
+    checkpoint: &CheckpointFile<'_>,
+    rendered: &Rendered,
+) -> Result<()> {
     let (picture, run) = (&rendered.picture, &rendered.run);
-    let metadata = origin::of_render(checkpoint.metadata, &rendered.stats);
+    let metadata = provenance::of_render(checkpoint.metadata, &rendered.stats);
     let write = |path: &Path| match arguments.part {
-        Part::WHOLE => write_exr(path, picture, &metadata),
+        PassPart::WHOLE => write_exr(path, picture, &metadata),
         _ => checkpoint.write_to(path, run, metadata.clone()),
     };
-    let saved = outputs.save(write, picture, &Showing::of(checkpoint.job), &rendered.stats);
+    let saved = outputs.save(write, picture, &DisplaySettings::of(checkpoint.job), &rendered.stats);
     let keep = rendered.interrupted || arguments.keep_checkpoint || saved.is_err();
-    let ended = checkpoint.end(run, keep);
+    let ended = checkpoint.finish(run, keep);
     match (saved, ended) {
         (Err(error), Ok(())) => {
-            let what = format!("{}; all passes are kept in {}", error.what, checkpoint.path.display());
+            let what = format!("{}; all passes are saved in {}", error.what, checkpoint.path.display());
             Err(Error { what, ..error })
         }
         (Err(error), Err(_)) => Err(error),
@@ -184,9 +209,9 @@ fn save(arguments: &Arguments, outputs: &Outputs, checkpoint: &Checkpoint<'_>, r
     }
 }
 
-impl Arguments {
-    /// The command that renders one frame of a sequence.
-    fn of_frame(&self, frame: &Frame) -> Result<Self> {
+impl RenderArgs {
+    /// Returns the arguments for one frame of a sequence.
+    fn of_frame(&self, frame: &SequenceFrame) -> Result<Self> {
         let pattern = self.output.clone().unwrap_or_else(|| self.stem().with_added_extension("####.exr"));
         let mut arguments = Self { output: Some(frame.name(&pattern)?), ..self.clone() };
         arguments.stats = self.stats.as_deref().map(|pattern| frame.name(pattern)).transpose()?;
@@ -194,7 +219,7 @@ impl Arguments {
         Ok(arguments)
     }
 
-    /// The scene's name, in the working directory.
+    /// The name of the scene without folder and extension.
     fn stem(&self) -> PathBuf {
         PathBuf::from(self.scene.file_stem().unwrap_or("scene".as_ref()))
     }
@@ -208,24 +233,25 @@ impl Arguments {
         Request { integrator, stop }
     }
 
-    /// The files to be written; parts without a name of their own are named apart.
-    fn outputs(&self) -> Result<Outputs> {
+    /// The output files. The default names of parts contain the number of the part.
+    fn outputs(&self) -> Result<OutputFiles> {
         let exr = match (&self.output, self.part) {
             (Some(path), _) => path.clone(),
-            (None, Part::WHOLE) => self.stem().with_added_extension("exr"),
+            (None, PassPart::WHOLE) => self.stem().with_added_extension("exr"),
             (None, part) => {
                 self.stem().with_added_extension(format!("part-{}.exr", part.to_string().replace('/', "-of-")))
             }
         };
-        Outputs::new(exr, self.stats.clone())
+        OutputFiles::new(exr, self.stats.clone())
     }
 
-    fn rhythm(&self, job: &Job) -> Rhythm {
+    fn checkpoint_interval(&self, job: &Job) -> CheckpointInterval {
         let of_scene = || Duration::try_from_secs_f64(job.scene.settings.checkpoint_seconds?).ok();
-        self.checkpoint_every.or_else(of_scene).map_or(Rhythm::Sparing, Rhythm::Every)
+        self.checkpoint_every.or_else(of_scene).map_or(CheckpointInterval::Automatic, CheckpointInterval::Fixed)
     }
 
-    /// The command line as patches of the scene; options override what `--set` sets.
+    /// The options as changes of the scene in the form `PATH=JSON`. The patches apply after the
+    /// changes of `--set`.
     fn patches(&self) -> Vec<String> {
         let mut patches = self.set.clone();
         let mut add = |path: &str, value: Option<String>| patches.extend(value.map(|value| format!("{path}={value}")));
@@ -239,13 +265,13 @@ impl Arguments {
     }
 }
 
-/// Reads, resolves and plans the scene as the command line changes it.
-fn plan(arguments: &Arguments) -> Result<(Source, Job)> {
+/// Reads the scene and applies the options. Then resolves and plans the scene.
+fn plan(arguments: &RenderArgs) -> Result<(JsonSource, Job)> {
     let path = &arguments.scene;
     let mut patches = arguments.patches();
-    let (mut scene, mut source) = arguments.opening.read(path, &patches)?;
+    let (mut scene, mut source) = arguments.scene_file.read(path, &patches)?;
     if !(arguments.force.is_empty() && arguments.forbid.is_empty()) {
-        // Effects of the command line come on top of the scene's own.
+        // The effects that the options force or forbid are added to the lists of the scene.
         for (key, own, more) in
             [("force", &scene.render.force, &arguments.force), ("forbid", &scene.render.forbid, &arguments.forbid)]
         {
@@ -253,18 +279,18 @@ fn plan(arguments: &Arguments) -> Result<(Source, Job)> {
             let list = serde_json::to_string(&all).expect("a list of texts is JSON");
             patches.push(format!("render.{key}={list}"));
         }
-        (scene, source) = arguments.opening.read(path, &patches)?;
+        (scene, source) = arguments.scene_file.read(path, &patches)?;
     }
     let resolved = resolve::resolve(&scene, &source)?;
     let job = Job::new(resolved).map_err(|error| error.in_file(path))?;
     Ok((source, job))
 }
 
-fn summary(rendered: &Rendered, outputs: &Outputs) -> String {
+fn summary(rendered: &Rendered, outputs: &OutputFiles) -> String {
     let stats = &rendered.stats;
     let spent = time(Duration::try_from_secs_f64(stats.seconds.total).unwrap_or_default());
     let error = stats.error.relative.map_or(String::new(), |error| format!(", error {}", percent(error)));
-    format!("{}: {} passes in {spent}{error}", outputs.named(), stats.passes)
+    format!("wrote {}: {} passes in {spent}{error}", outputs.named(), stats.passes)
 }
 
 #[cfg(test)]
@@ -273,17 +299,17 @@ mod tests {
     use clap::Parser;
 
     #[derive(Debug, Parser)]
-    struct Line {
+    struct RenderCli {
         #[command(flatten)]
-        arguments: Arguments,
+        arguments: RenderArgs,
     }
 
-    fn arguments(words: &[&str]) -> Arguments {
-        Line::try_parse_from([&["render"], words].concat()).unwrap().arguments
+    fn arguments(words: &[&str]) -> RenderArgs {
+        RenderCli::try_parse_from([&["render"], words].concat()).unwrap().arguments
     }
 
     #[test]
-    fn options_become_patches_after_those_of_set() {
+    fn options_apply_after_set() {
         let given =
             arguments(&["a.json", "--size", "64x32", "--set", "film.width=7", "--seed", "3", "--spectral-bands", "8"]);
         assert_eq!(
@@ -293,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn the_output_is_named_for_the_scene_in_the_working_directory() {
+    fn the_default_output_has_the_name_of_the_scene() {
         let named = |words: &[&str]| arguments(words).outputs().map(|outputs| outputs.named());
         assert_eq!(named(&["far/away/newton.v2.json"]).unwrap(), "newton.v2.exr and newton.v2.png");
         let part = named(&["a.v2.json", "--part", "1/4"]).unwrap();
@@ -303,11 +329,11 @@ mod tests {
     }
 
     #[test]
-    fn stop_rules_are_those_of_the_command_line() {
+    fn options_become_stop_rules() {
         let stop = arguments(&["a.json", "--time", "5m", "--target-error", "2%"]).request().stop;
         let known = StopRules { passes: None, time: Some(Duration::from_secs(300)), target_error: Some(0.02) };
         assert_eq!(stop, known);
-        assert!(Line::try_parse_from(["render", "a.json", "--passes", "0"]).is_err());
-        assert!(Line::try_parse_from(["render", "a.json", "--integrator", "bidirectional"]).is_err());
+        assert!(RenderCli::try_parse_from(["render", "a.json", "--passes", "0"]).is_err());
+        assert!(RenderCli::try_parse_from(["render", "a.json", "--integrator", "bidirectional"]).is_err());
     }
 }

@@ -1,13 +1,21 @@
-//! `abbe schema`: the JSON Schema of the scene file.
+//! `abbe schema`: the JSON Schema of the scene file, and the scene reference.
 
 use super::{Outcome, print};
-use abbe::error::Result;
-use abbe::scene::file;
+use crate::error::Result;
+use crate::format;
 
 #[derive(Debug, clap::Args)]
-pub(crate) struct Arguments {}
+pub(crate) struct SchemaArgs {
+    /// Print the scene reference in Markdown instead: every key with its type, unit, default and range
+    #[arg(long)]
+    markdown: bool,
+}
 
-pub(crate) fn run() -> Result<Outcome> {
-    print::json(&file::schema())?;
+pub(crate) fn run(arguments: &SchemaArgs) -> Result<Outcome> {
+    if arguments.markdown {
+        print::result(&format::scene_reference())?;
+    } else {
+        print::json(&format::schema())?;
+    }
     Ok(Outcome::Done)
 }

@@ -1,114 +1,118 @@
-//! `abbe study`: what accuracy costs in time.
+//! `abbe study`: measures error against time.
 
 use std::path::PathBuf;
 use std::time::Duration;
 
-use abbe::error::Result;
-use abbe::output::exr::read;
-use abbe::output::metadata::names;
-use abbe::render::{Integrator, Job, Monitor, Progress, on_threads};
-use abbe::scene::resolve::resolve;
-use abbe::study::report::{Report, theory, title_of};
-use abbe::study::{self, Audience, Ending, Options, PAGE, Subject};
+use crate::error::Result;
+use crate::format::resolve::resolve;
+use crate::output::exr::read;
+use crate::output::metadata::names;
+use crate::render::{Integrator, Job, Monitor, Progress, on_threads};
+use crate::study::report::{StudyReport, theory};
+use crate::study::study_scene::integrator_title;
+use crate::study::{self, PAGE, StudyMonitor, StudyOptions, StudyOutcome, StudyScene};
 
-use super::progress::{Display, percent, time};
-use super::{Outcome, interrupt, memory, opening, origin, print, values};
+use super::progress::{ProgressDisplay, percent, time};
+use super::scene_file::SceneFileArgs;
+use super::{Outcome, interrupt, memory, print, values};
+use crate::api::provenance;
 
 #[derive(Debug, clap::Args)]
-pub(crate) struct Arguments {
+pub(crate) struct StudyArgs {
     /// The scene file
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
-    /// The folder for the page, tables and plots; finished steps are kept in it, and the same command goes on from them
+    /// The folder for the page, the tables and the plots. Results of finished steps are cached in
+    /// it, and the same command continues from them
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// How long the study may take, about
+    /// The approximate time that the study may take
     #[arg(long, value_name = "TIME", value_parser = values::duration, default_value = "5m")]
     budget: Duration,
-    /// Measure errors against this picture instead of a reference that is rendered first
+    /// Measure errors against this picture, instead of rendering a reference first
     #[arg(long, value_name = "FILE.exr")]
     reference: Option<PathBuf>,
     #[command(flatten)]
-    opening: opening::Arguments,
-    /// Say nothing unless something goes wrong
+    scene_file: SceneFileArgs,
+    /// Print only warnings and errors
     #[arg(long)]
     quiet: bool,
 }
 
-/// Shows one step after the other.
-struct Steps {
-    display: Display,
+/// Shows the progress of the study, one step after the other.
+struct StudyDisplay {
+    display: ProgressDisplay,
     quiet: bool,
 }
 
-impl Monitor for Steps {
+impl Monitor for StudyDisplay {
     fn after_pass(&mut self, progress: &Progress) -> bool {
         self.display.after_pass(progress)
     }
 }
 
-impl Audience for Steps {
-    fn begin(&mut self, step: &str, kept: bool) {
+impl StudyMonitor for StudyDisplay {
+    fn begin(&mut self, step: &str, cached: bool) {
         self.display.finish();
-        if kept && !self.quiet {
-            print::remark(&format!("{step}: kept from before"));
+        if cached && !self.quiet {
+            print::remark(&format!("{step}: cached"));
         } else {
-            self.display = Display::new(self.quiet, Some(step.to_string()));
+            self.display = ProgressDisplay::new(self.quiet, Some(step.to_string()));
         }
     }
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+pub(crate) fn run(arguments: &StudyArgs) -> Result<Outcome> {
     interrupt::watch()?;
-    let (scene, source) = arguments.opening.read(&arguments.scene, &[])?;
+    let (scene, source) = arguments.scene_file.read(&arguments.scene, &[])?;
     let reference = match &arguments.reference {
         Some(path) => Some((path.display().to_string(), read(path)?.picture)),
         None => None,
     };
     let job = Job::new(resolve(&scene, &source)?).map_err(|error| error.in_file(&arguments.scene))?;
     memory::check(&job.budget)?;
-    let of_scene = origin::of_scene(&source, &job, Integrator::Photon);
-    let subject = Subject {
+    let of_scene = provenance::of_scene(Some(&source), &job, Integrator::Photon);
+    let study_scene = StudyScene {
         path: arguments.scene.clone(),
         text: source.text.clone(),
-        reach: source.reach(),
+        reach: source.file_access(),
         hash: of_scene.get(names::SCENE_HASH).unwrap_or_default().to_string(),
     };
-    let options = Options { folder: arguments.output.clone(), budget: arguments.budget, reference };
+    let options = StudyOptions { folder: arguments.output.clone(), budget: arguments.budget, reference };
     let quiet = arguments.quiet;
-    let mut steps = Steps { display: Display::new(true, None), quiet };
-    let ending = on_threads(job.scene.settings.threads, || study::run(&subject, &options, &mut steps))?;
+    let mut steps = StudyDisplay { display: ProgressDisplay::new(true, None), quiet };
+    let ending = on_threads(job.scene.settings.threads, || study::run(&study_scene, &options, &mut steps))?;
     steps.display.finish();
     let folder = arguments.output.display();
     match ending? {
-        Ending::Finished(report) => {
+        StudyOutcome::Finished(report) => {
             print::result(&text(&report))?;
             if !quiet {
                 print::remark(&format!(
-                    "{}: the page; tables, plots and steps beside it",
+                    "wrote {}; tables, plots and cached steps are in the same folder",
                     arguments.output.join(PAGE).display()
                 ));
             }
             Ok(Outcome::Done)
         }
-        Ending::Interrupted => {
+        StudyOutcome::Interrupted => {
             print::remark(&format!(
-                "interrupted; finished steps are kept in {folder}, and the same command goes on from them"
+                "interrupted; finished steps are cached in {folder}, and the same command continues from them"
             ));
             Ok(Outcome::Interrupted)
         }
     }
 }
 
-/// What was found, in short.
-fn text(report: &Report) -> String {
+/// A summary of the results.
+fn text(report: &StudyReport) -> String {
     let mut text = format!("{:<20} {:>16} {:>16}\n", "slope of the error", "fitted", "theory");
     for curve in &report.curves {
         let fitted = curve.fit.map_or("too few points".to_string(), |fit| fit.words());
-        text += &format!("  {:<18} {fitted:>16} {:>16}\n", title_of(curve.integrator), theory(curve));
+        text += &format!("  {:<18} {fitted:>16} {:>16}\n", integrator_title(curve.integrator), theory(curve));
     }
-    text += "\nerror wanted (relative MSE) → time on this machine\n";
-    for row in &report.wanted {
+    text += "\nwanted error (relative MSE) and predicted time on this machine\n";
+    for row in &report.recommendations {
         let seconds = Duration::try_from_secs_f64(row.seconds_own_film.max(0.1)).unwrap_or_default();
         let guess = if row.extrapolated { " (extrapolated)" } else { "" };
         let typical = percent(row.relative_mse.sqrt());

@@ -1,12 +1,12 @@
-//! Values on the command line.
+//! Parses the values of options and arguments.
 
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-use abbe::output::compare::Region;
-use abbe::render::Part;
+use crate::output::compare::Region;
+use crate::render::PassPart;
 
-/// A duration such as `90s`, `5m`, `1h30m`, `500ms`; a bare number counts seconds.
+/// Parses a duration such as `90s`, `5m`, `1h30m` or `500ms`; a number without unit means seconds.
 pub(crate) fn duration(text: &str) -> Result<Duration, String> {
     let wrong = || "expected a time such as 90s, 5m or 1h30m".to_string();
     let mut seconds = 0.0;
@@ -35,7 +35,7 @@ pub(crate) fn duration(text: &str) -> Result<Duration, String> {
     }
 }
 
-/// A share such as `2%` or `0.02`, above 0.
+/// Parses a ratio above 0 such as `2%` or `0.02`.
 pub(crate) fn share(text: &str) -> Result<f64, String> {
     let (number, unit) = match text.trim().strip_suffix('%') {
         Some(percent) => (percent.trim_end(), 0.01),
@@ -43,17 +43,17 @@ pub(crate) fn share(text: &str) -> Result<f64, String> {
     };
     match number.parse::<f64>() {
         Ok(value) if value > 0.0 && value.is_finite() => Ok(value * unit),
-        _ => Err("expected a share above 0 such as 2% or 0.02".to_string()),
+        _ => Err("expected a ratio above 0 such as 2% or 0.02".to_string()),
     }
 }
 
-/// Half a field of view in degrees, above 0 and below 90.
+/// Parses half a field of view in degrees, above 0 and below 90.
 pub(crate) fn half_field_deg(text: &str) -> Result<f64, String> {
     let inside = |degrees: &f64| 0.0 < *degrees && *degrees < 90.0;
     text.trim().parse().ok().filter(inside).ok_or_else(|| "expected degrees above 0 and below 90".to_string())
 }
 
-/// A size such as `640x360`.
+/// Parses a size in pixels such as `640x360`.
 pub(crate) fn size(text: &str) -> Result<(u32, u32), String> {
     let parse = |number: &str| number.trim().parse::<u32>().ok().filter(|&n| n > 0);
     text.split_once(['x', 'X', '×'])
@@ -61,14 +61,15 @@ pub(crate) fn size(text: &str) -> Result<(u32, u32), String> {
         .ok_or_else(|| "expected a size in pixels such as 640x360".to_string())
 }
 
-/// A part of the passes such as `0/4`, the first of four.
-pub(crate) fn part(text: &str) -> Result<Part, String> {
+/// Parses a part of the passes. For example, `0/4` is the first of four parts.
+pub(crate) fn part(text: &str) -> Result<PassPart, String> {
     let numbers = text.split_once('/').and_then(|(i, n)| Some((i.trim().parse().ok()?, n.trim().parse().ok()?)));
     let (index, of) = numbers.ok_or_else(|| "expected a part such as 0/4, the first of four".to_string())?;
-    Part::new(index, of).map_err(|error| error.to_string())
+    PassPart::new(index, of).map_err(|error| error.to_string())
 }
 
-/// A region such as `0,0,64,32`: columns from x0 up to x1, rows from y0 up to y1.
+/// Parses a region such as `0,0,64,32`: columns x0 to x1, and rows y0 to y1. Column x1 and row y1
+/// are excluded.
 pub(crate) fn region(text: &str) -> Result<Region, String> {
     let numbers: Option<Vec<usize>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
     match numbers.as_deref() {
@@ -77,15 +78,15 @@ pub(crate) fn region(text: &str) -> Result<Region, String> {
     }
 }
 
-/// A wavelength in nm, above 0.
+/// Parses a wavelength in nm, above 0.
 pub(crate) fn wavelength_nm(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(nm) if nm > 0.0 && nm.is_finite() => Ok(nm),
-        _ => Err("expected a wavelength in nm".to_string()),
+        _ => Err("expected a wavelength in nm, above 0".to_string()),
     }
 }
 
-/// A limit of 0 or more.
+/// Parses a limit of 0 or more.
 pub(crate) fn limit(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(value) if value >= 0.0 && value.is_finite() => Ok(value),
@@ -93,23 +94,23 @@ pub(crate) fn limit(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Frames of a sequence such as `1..48`, both included, counted from 1.
+/// Parses a range of frame numbers such as `1..48`. Both ends are included. The first frame is 1.
 pub(crate) fn frames(text: &str) -> Result<RangeInclusive<u32>, String> {
     let number = |text: &str| text.trim().parse::<u32>().ok().filter(|&number| number > 0);
     match text.split_once("..").and_then(|(from, to)| Some((number(from)?, number(to)?))) {
         Some((from, to)) if from <= to => Ok(from..=to),
-        Some((from, to)) => Err(format!("there are no frames from {from} to {to}; expected a range that rises")),
+        Some((from, to)) => Err(format!("the last frame {to} is before the first frame {from}")),
         None => Err("expected frames such as 1..48, counted from 1".to_string()),
     }
 }
 
-/// Frames per second, above 0.
+/// Parses a frame rate per second, above 0.
 pub(crate) fn rate(text: &str) -> Result<f64, String> {
     let rate = text.trim().parse().ok().filter(|fps: &f64| *fps > 0.0 && fps.is_finite());
     rate.ok_or_else(|| "expected a number above 0".to_string())
 }
 
-/// A shutter angle in degrees, from 0 to 360.
+/// Parses a shutter angle in degrees, from 0 to 360.
 pub(crate) fn shutter_angle(text: &str) -> Result<f64, String> {
     let angle = text.trim().parse().ok().filter(|degrees| (0.0..=360.0).contains(degrees));
     angle.ok_or_else(|| "expected degrees from 0 to 360".to_string())

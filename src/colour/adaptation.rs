@@ -1,43 +1,44 @@
-//! Chromatic adaptation: what a colour under one white looks like under another.
+//! Chromatic adaptation: corresponding colours under different white points.
 
 use super::Xyz;
-use super::matrix::{Matrix, apply, diagonal, inverse, product};
+use super::matrix::{Matrix3, apply, diagonal, inverse, product};
 
-/// A linear cone-like space in which adaptation scales the three components (von Kries).
+/// A chromatic adaptation transform: a linear cone-like space in which the three components are
+/// scaled (von Kries).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Transform {
-    /// Bradford (Lam 1985), as ICC profiles use it.
+pub enum AdaptationTransform {
+    /// Bradford (Lam 1985), which ICC profiles use.
     Bradford,
-    /// CAT16 (Li et al. 2017), that of CIECAM16, for complete adaptation.
+    /// CAT16 (Li et al. 2017), the transform of CIECAM16, for complete adaptation.
     Cat16,
 }
 
-const BRADFORD: Matrix = [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
-const CAT16: Matrix =
+const BRADFORD: Matrix3 = [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
+const CAT16: Matrix3 =
     [[0.401_288, 0.650_173, -0.051_461], [-0.250_268, 1.204_414, 0.045_854], [-0.002_079, 0.048_952, 0.953_127]];
 
-impl Transform {
-    fn matrix(self) -> &'static Matrix {
+impl AdaptationTransform {
+    fn matrix(self) -> &'static Matrix3 {
         match self {
             Self::Bradford => &BRADFORD,
             Self::Cat16 => &CAT16,
         }
     }
 
-    /// Whether light of this colour can be taken for white: each of the three components must see at least a hundredth
-    /// of what the strongest sees. Light of a single line leaves one of them without a response, or below zero; to
-    /// adapt to it would multiply noise, or turn colours inside out.
+    /// Returns whether `white` can be used as a white point. Each of the three responses must be at
+    /// least a hundredth of the strongest one. For light of a single line, a response may be near 0
+    /// or negative. Adaptation to such a light would amplify noise or invert colours.
     pub fn can_adapt_from(self, white: Xyz) -> bool {
-        const LEAST: f64 = 0.01;
+        const LEAST_RESPONSE: f64 = 0.01;
         let seen = apply(self.matrix(), white);
         let strongest = seen.into_iter().fold(0.0, f64::max);
-        strongest.is_finite() && strongest > 0.0 && seen.iter().all(|response| *response >= LEAST * strongest)
+        strongest.is_finite() && strongest > 0.0 && seen.iter().all(|response| *response >= LEAST_RESPONSE * strongest)
     }
 }
 
-/// The rows that turn XYZ under the white `from` into XYZ under the white `to`. Whites are taken at Y = 1, so that
-/// luminance keeps its scale.
-pub fn adaptation(from: Xyz, to: Xyz, transform: Transform) -> [[f64; 3]; 3] {
+/// Returns the matrix from XYZ under the white `from` to XYZ under the white `to`. Both whites are
+/// normalised to Y = 1, so luminance keeps its scale.
+pub fn adaptation(from: Xyz, to: Xyz, transform: AdaptationTransform) -> [[f64; 3]; 3] {
     let cones = transform.matrix();
     let seen = |white: Xyz| apply(cones, white.map(|value| value / white[1]));
     let (from, to) = (seen(from), seen(to));
@@ -45,8 +46,8 @@ pub fn adaptation(from: Xyz, to: Xyz, transform: Transform) -> [[f64; 3]; 3] {
     product(&inverse(cones), &product(&scale, cones))
 }
 
-/// XYZ under the white `to` that looks as `xyz` under the white `from`.
-pub fn adapt(xyz: Xyz, from: Xyz, to: Xyz, transform: Transform) -> Xyz {
+/// Returns the XYZ under the white `to` that corresponds to `xyz` under the white `from`.
+pub fn adapt(xyz: Xyz, from: Xyz, to: Xyz, transform: AdaptationTransform) -> Xyz {
     apply(&adaptation(from, to, transform), xyz)
 }
 
@@ -55,10 +56,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lamps_can_be_adapted_from_and_lines_cannot() {
+    fn lamps_are_usable_white_points_and_lines_are_not() {
         let (candle, high_pressure_sodium) = ([1.24, 1.0, 0.13], [1.28, 1.0, 0.09]);
         let (low_pressure_sodium, violet, dark) = ([1.3299, 1.0, 0.0016], [25.0, 1.0, 120.0], [0.0; 3]);
-        let can = |white: Xyz| Transform::Bradford.can_adapt_from(white);
+        let can = |white: Xyz| AdaptationTransform::Bradford.can_adapt_from(white);
         assert!([candle, high_pressure_sodium].into_iter().all(can));
         assert!(![low_pressure_sodium, violet, dark].into_iter().any(can));
     }
@@ -66,7 +67,7 @@ mod tests {
     #[test]
     fn white_becomes_white() {
         let (a, d65) = ([1.0985, 1.0, 0.3558], [0.9505, 1.0, 1.0891]);
-        for transform in [Transform::Bradford, Transform::Cat16] {
+        for transform in [AdaptationTransform::Bradford, AdaptationTransform::Cat16] {
             let white = adapt(a, a, d65, transform);
             assert!(white.iter().zip(d65).all(|(value, known)| (value - known).abs() < 1e-14));
         }

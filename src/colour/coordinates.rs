@@ -1,16 +1,16 @@
-//! Chromaticities and colour coordinates of XYZ, and back.
+//! Conversion of XYZ to chromaticities and colour coordinates, and back.
 
 use super::Xyz;
-use super::matrix::{Matrix, apply, inverse};
+use super::matrix::{Matrix3, apply, inverse};
 use super::space::{RgbSpace, xyz_to_linear_srgb};
 
-/// CIE 1931 chromaticity x, y; the white of equal energy for black.
+/// Returns the CIE 1931 chromaticity x, y. Black has the chromaticity of the equal-energy white.
 pub fn xy(xyz: Xyz) -> [f64; 2] {
     let sum = xyz[0] + xyz[1] + xyz[2];
     if sum == 0.0 { [1.0 / 3.0; 2] } else { [xyz[0] / sum, xyz[1] / sum] }
 }
 
-/// XYZ of a chromaticity and a luminance Y; black where y is 0.
+/// Returns the XYZ of a chromaticity and a luminance Y. The result is black if y is 0.
 pub fn from_xy(xy: [f64; 2], y: f64) -> Xyz {
     if xy[1] == 0.0 {
         return [0.0; 3];
@@ -18,19 +18,19 @@ pub fn from_xy(xy: [f64; 2], y: f64) -> Xyz {
     [xy[0] / xy[1] * y, y, (1.0 - xy[0] - xy[1]) / xy[1] * y]
 }
 
-/// CIE 1976 chromaticity u′, v′ (CIE 15); (0, 0) for black.
+/// Returns the CIE 1976 chromaticity u′, v′ (CIE 15), or (0, 0) for black.
 pub fn uv1976(xyz: Xyz) -> [f64; 2] {
     let sum = xyz[0] + 15.0 * xyz[1] + 3.0 * xyz[2];
     if sum == 0.0 { [0.0; 2] } else { [4.0 * xyz[0] / sum, 9.0 * xyz[1] / sum] }
 }
 
-/// CIE 1960 chromaticity u, v, the plane in which correlated colour temperature is defined.
+/// Returns the CIE 1960 chromaticity u, v. Correlated colour temperature is defined in this plane.
 pub fn uv1960(xyz: Xyz) -> [f64; 2] {
     let [u, v] = uv1976(xyz);
     [u, v * 2.0 / 3.0]
 }
 
-/// δ of CIE 15: below its cube the cube root gives way to a line.
+/// The constant δ of CIE 15. Below δ³ the cube root is replaced by a line.
 const DELTA: f64 = 6.0 / 29.0;
 
 fn lightness_curve(t: f64) -> f64 {
@@ -41,8 +41,8 @@ fn lightness_curve_inverse(f: f64) -> f64 {
     if f > DELTA { f * f * f } else { 3.0 * DELTA * DELTA * (f - 4.0 / 29.0) }
 }
 
-/// CIE 1976 L*, a*, b* relative to a white (CIE 15). What a white of pure light lacks (deep red has no Z) tells no
-/// colours apart: it counts as neutral.
+/// Returns CIE 1976 L*, a*, b* relative to a white (CIE 15). If a component of the white is 0 (for
+/// example Z of deep red), the same component of the colour is treated as neutral.
 pub fn lab(xyz: Xyz, white: Xyz) -> [f64; 3] {
     let [x, y, z] = [0, 1, 2].map(|i| {
         let i = if white[i] == 0.0 { 1 } else { i };
@@ -51,21 +51,21 @@ pub fn lab(xyz: Xyz, white: Xyz) -> [f64; 3] {
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
-/// The inverse of [`lab`].
+/// Returns the XYZ of L*, a*, b*, the inverse of [`lab`].
 pub fn from_lab(lab: [f64; 3], white: Xyz) -> Xyz {
     let y = (lab[0] + 16.0) / 116.0;
     let curve = [y + lab[1] / 500.0, y, y - lab[2] / 200.0];
     [0, 1, 2].map(|i| white[i] * lightness_curve_inverse(curve[i]))
 }
 
-/// CIE 1976 L*, u*, v* relative to a white (CIE 15).
+/// Returns CIE 1976 L*, u*, v* relative to a white (CIE 15).
 pub fn luv(xyz: Xyz, white: Xyz) -> [f64; 3] {
     let lightness = 116.0 * lightness_curve(xyz[1] / white[1]) - 16.0;
     let ([u, v], [white_u, white_v]) = (uv1976(xyz), uv1976(white));
     [lightness, 13.0 * lightness * (u - white_u), 13.0 * lightness * (v - white_v)]
 }
 
-/// The inverse of [`luv`]; black where L* is 0.
+/// Returns the XYZ of L*, u*, v*, the inverse of [`luv`]. The result is black if L* is 0.
 pub fn from_luv(luv: [f64; 3], white: Xyz) -> Xyz {
     if luv[0] == 0.0 {
         return [0.0; 3];
@@ -76,27 +76,28 @@ pub fn from_luv(luv: [f64; 3], white: Xyz) -> Xyz {
     [y * 9.0 * u / (4.0 * v), y, y * (12.0 - 3.0 * u - 20.0 * v) / (4.0 * v)]
 }
 
-/// From linear sRGB to the cone responses of Oklab, and from their cube roots to L, a, b (Ottosson 2020).
-const OKLAB_CONES: Matrix = [
+/// The matrix from linear sRGB to the cone responses of Oklab, and the matrix from the cube roots
+/// of these responses to L, a, b (Ottosson 2020).
+const OKLAB_CONES: Matrix3 = [
     [0.412_221_470_8, 0.536_332_536_3, 0.051_445_992_9],
     [0.211_903_498_2, 0.680_699_545_1, 0.107_396_956_6],
     [0.088_302_461_9, 0.281_718_837_6, 0.629_978_700_5],
 ];
-const OKLAB: Matrix = [
+const OKLAB: Matrix3 = [
     [0.210_454_255_3, 0.793_617_785_0, -0.004_072_046_8],
     [1.977_998_495_1, -2.428_592_205_0, 0.450_593_709_9],
     [0.025_904_037_1, 0.782_771_766_2, -0.808_675_766_0],
 ];
-const OKLAB_CONES_INVERSE: Matrix = inverse(&OKLAB_CONES);
-const OKLAB_INVERSE: Matrix = inverse(&OKLAB);
+const OKLAB_CONES_INVERSE: Matrix3 = inverse(&OKLAB_CONES);
+const OKLAB_INVERSE: Matrix3 = inverse(&OKLAB);
 
-/// Oklab L, a, b (B. Ottosson, "A perceptual color space for image processing", 2020), of XYZ with the white of sRGB
-/// at Y = 1.
+/// Returns Oklab L, a, b of XYZ. The white of sRGB has Y = 1 (B. Ottosson, "A perceptual color
+/// space for image processing", 2020).
 pub fn oklab(xyz: Xyz) -> [f64; 3] {
     apply(&OKLAB, apply(&OKLAB_CONES, xyz_to_linear_srgb(xyz)).map(f64::cbrt))
 }
 
-/// The inverse of [`oklab`].
+/// Returns the XYZ of Oklab L, a, b, the inverse of [`oklab`].
 pub fn from_oklab(oklab: [f64; 3]) -> Xyz {
     let cones = apply(&OKLAB_INVERSE, oklab).map(|root| root * root * root);
     RgbSpace::Srgb.to_xyz(apply(&OKLAB_CONES_INVERSE, cones))
@@ -107,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn white_is_without_hue() {
+    fn white_has_no_hue() {
         let white = RgbSpace::Srgb.white();
         assert!(lab(white, white).iter().zip([100.0, 0.0, 0.0]).all(|(a, b)| (a - b).abs() < 1e-12));
         assert!(luv(white, white).iter().zip([100.0, 0.0, 0.0]).all(|(a, b)| (a - b).abs() < 1e-12));
@@ -115,13 +116,13 @@ mod tests {
     }
 
     #[test]
-    fn the_primaries_of_srgb_stand_where_ottosson_puts_them() {
+    fn red_has_the_published_oklab_coordinates() {
         let red = oklab(RgbSpace::Srgb.to_xyz([1.0, 0.0, 0.0]));
         assert!(red.iter().zip([0.627_955, 0.224_863, 0.125_846]).all(|(a, b)| (a - b).abs() < 1e-5), "{red:?}");
     }
 
     #[test]
-    fn black_has_coordinates_everywhere() {
+    fn black_has_finite_coordinates() {
         let white = RgbSpace::Srgb.white();
         for value in [lab([0.0; 3], white), luv([0.0; 3], white), oklab([0.0; 3]), from_luv([0.0; 3], white)] {
             assert!(value.iter().all(|component| component.abs() < 1e-12), "{value:?}");

@@ -4,13 +4,14 @@ use super::Xyz;
 use super::coordinates::{lab, xy};
 use super::space::RgbSpace;
 
-/// ΔE*ab of 1976: the distance.
+/// Returns ΔE*ab (CIE 1976), the Euclidean distance of two L*, a*, b* values.
 pub fn delta_e_76(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// ΔE00, CIEDE2000 with kL = kC = kH = 1 (CIE 142-2001), in the formulation of G. Sharma, W. Wu and E. N. Dalal,
-/// "The CIEDE2000 color-difference formula", Color Research and Application 30 (2005).
+/// Returns ΔE00 (CIEDE2000) with kL = kC = kH = 1 (CIE 142-2001). The formulation is that of G.
+/// Sharma, W. Wu and E. N. Dalal, "The CIEDE2000 color-difference formula", Color Research and
+/// Application 30 (2005).
 pub fn delta_e_2000(a: [f64; 3], b: [f64; 3]) -> f64 {
     let mean_chroma = 0.5 * (a[1].hypot(a[2]) + b[1].hypot(b[2]));
     let stretch = 1.5 - 0.5 * seventh_share(mean_chroma);
@@ -36,22 +37,24 @@ pub fn delta_e_2000(a: [f64; 3], b: [f64; 3]) -> f64 {
     let hue_part = delta_hue / (1.0 + 0.015 * chroma * t);
     let rotation_degrees = 30.0 * (-((hue - 275.0) / 25.0).powi(2)).exp();
     let rotation = -2.0 * seventh_share(chroma) * (2.0 * rotation_degrees).to_radians().sin();
-    // Rounding may leave the quadratic form a hair below 0 for equal colours.
+    // For equal colours, rounding may give a value slightly below 0.
     let square = lightness_part.powi(2) + chroma_part.powi(2) + hue_part.powi(2) + rotation * chroma_part * hue_part;
     square.max(0.0).sqrt()
 }
 
-/// How far apart two lights are when they are seen side by side.
+/// The colour difference of two lights seen side by side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightDifference {
     /// The distance in x, y.
     pub delta_xy: f64,
-    /// ΔE2000 with D65 for white, for an eye that daylight has adapted. (With the light itself for white, CIELAB's b*
-    /// would magnify differences beyond all sense where the light has next to no Z, as that of sodium.)
+    /// ΔE2000 with the white D65, for an observer adapted to daylight. The light itself is not used
+    /// as white: for a light with almost no Z, such as sodium light, b* would exaggerate
+    /// differences.
     pub delta_e_2000: f64,
 }
 
-/// The difference between a light and another on the same scale; the first has luminance.
+/// Returns the colour difference between two lights on the same scale. The luminance of the first
+/// light must not be 0.
 pub fn light_difference(light: Xyz, other: Xyz) -> LightDifference {
     let seen = |xyz: Xyz| lab(xyz.map(|value| value / light[1]), RgbSpace::Srgb.white());
     let (from, to) = (xy(light), xy(other));
@@ -61,18 +64,18 @@ pub fn light_difference(light: Xyz, other: Xyz) -> LightDifference {
     }
 }
 
-/// √(C⁷ / (C⁷ + 25⁷)).
+/// Returns √(C⁷ / (C⁷ + 25⁷)).
 fn seventh_share(chroma: f64) -> f64 {
     let power = chroma.powi(7);
     (power / (power + 25.0_f64.powi(7))).sqrt()
 }
 
-/// From 0 to 360; 0 for grey.
+/// Returns the hue angle from 0 to 360 degrees, or 0 for grey.
 fn hue_degrees(a: f64, b: f64) -> f64 {
     if a == 0.0 && b == 0.0 { 0.0 } else { b.atan2(a).to_degrees().rem_euclid(360.0) }
 }
 
-/// From −180 to 180.
+/// Wraps an angle difference to the range from −180 to 180 degrees.
 fn wrapped(degrees: f64) -> f64 {
     if degrees > 180.0 {
         degrees - 360.0
@@ -98,9 +101,10 @@ fn mean_hue_degrees(a: f64, b: f64) -> f64 {
 mod tests {
     use super::*;
 
+    /// Almost equal lights must have a small difference, even if their Z is almost 0.
     #[test]
-    fn lights_that_hardly_differ_have_a_small_difference_even_without_blue() {
-        // Low-pressure sodium and its mix of 550 and 620 nm; no eye tells them apart.
+    fn similar_lights_without_blue_have_a_small_difference() {
+        // Low-pressure sodium and a metameric mix of 550 nm and 620 nm.
         let found = light_difference([1.329_710, 1.0, 0.001_484], [1.329_725, 0.999_965, 0.004_689]);
         assert!((found.delta_xy - 0.000_978).abs() < 1e-6 && (found.delta_e_2000 - 0.7662).abs() < 1e-3, "{found:?}");
         let itself = light_difference([2.0, 3.0, 4.0], [2.0, 3.0, 4.0]);
@@ -108,8 +112,8 @@ mod tests {
     }
 
     #[test]
-    fn ciede2000_meets_the_published_test_pairs() {
-        // Sharma, Wu and Dalal 2005, table 1 (a selection that visits every branch).
+    fn ciede2000_matches_the_published_test_pairs() {
+        // Sharma, Wu and Dalal 2005, table 1 (a selection that covers every branch).
         let pairs = [
             ([50.0, 2.6772, -79.7751], [50.0, 0.0, -82.7485], 2.0425),
             ([50.0, 3.1571, -77.2803], [50.0, 0.0, -82.7485], 2.8615),

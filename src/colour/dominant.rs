@@ -1,61 +1,66 @@
-//! Dominant wavelength and purity.
+//! Dominant wavelength and excitation purity.
 
 use super::coordinates::xy;
 use crate::spectrum::{BAND_NM, Observer};
 
-/// Colours nearer than this to white, in x, y, have no dominant wavelength.
+/// Colours closer than this to white, in x, y, have no dominant wavelength.
 const NEUTRAL: f64 = 1e-4;
 
-/// The spectral colour that mixes with white to a colour (CIE 15).
+/// The dominant wavelength of a colour (CIE 15). A mix of white and the spectral colour of this
+/// wavelength matches the colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Dominant {
-    /// Its wavelength in nm; for purples that of the complementary colour.
+pub struct DominantWavelength {
+    /// The wavelength in nm. For purples it is the wavelength of the complementary colour.
     pub nm: f64,
     /// Whether `nm` is the complementary wavelength, because the colour is a purple.
     pub complementary: bool,
-    /// Excitation purity: how far the colour stands from white towards the edge of the chromaticity diagram, 0 to 1.
+    /// Excitation purity from 0 to 1: the distance of the colour from white, divided by the
+    /// distance of the diagram's boundary from white.
     pub purity: f64,
 }
 
-/// The dominant wavelength of a chromaticity x, y against a white's; none for neutral colours.
-pub fn dominant(colour: [f64; 2], white: [f64; 2], observer: &Observer) -> Option<Dominant> {
+/// Returns the dominant wavelength of a chromaticity x, y relative to the white's chromaticity.
+/// Returns `None` for neutral colours.
+pub fn dominant(colour: [f64; 2], white: [f64; 2], observer: &Observer) -> Option<DominantWavelength> {
     let direction = [colour[0] - white[0], colour[1] - white[1]];
     let distance = direction[0].hypot(direction[1]);
     if distance.is_nan() || distance < NEUTRAL {
         return None;
     }
-    let locus: Vec<Point> = (BAND_NM.0 as u32..=BAND_NM.1 as u32)
+    let locus: Vec<LocusPoint> = (BAND_NM.0 as u32..=BAND_NM.1 as u32)
         .map(f64::from)
         .map(|nm| (nm, observer.xyz_bar(nm)))
-        .map(|(nm, xyz)| Point { nm, xy: xy(xyz), weight: xyz.iter().sum() })
+        .map(|(nm, xyz)| LocusPoint { nm, xy: xy(xyz), weight: xyz.iter().sum() })
         .filter(|point| point.weight > 0.0)
         .collect();
     if let Some((distance, nm)) = crossing(&locus, white, direction) {
-        return Some(Dominant { nm, complementary: false, purity: distance.recip() });
+        return Some(DominantWavelength { nm, complementary: false, purity: distance.recip() });
     }
     let (_, nm) = crossing(&locus, white, direction.map(|component| -component))?;
     let purple = [locus.first()?, locus.last()?];
     let (distance, _) = intersection(purple, white, direction)?;
-    Some(Dominant { nm, complementary: true, purity: distance.recip() })
+    Some(DominantWavelength { nm, complementary: true, purity: distance.recip() })
 }
 
-/// A spectral colour.
-struct Point {
+/// A point of the spectral locus.
+struct LocusPoint {
     nm: f64,
     xy: [f64; 2],
     /// x̄ + ȳ + z̄.
     weight: f64,
 }
 
-/// Where a ray from white leaves the diagram through the spectral colours: the distance in units of `direction`, and
-/// the wavelength. Of several crossings (the locus turns back on itself by rounding at both ends) the farthest.
-fn crossing(locus: &[Point], white: [f64; 2], direction: [f64; 2]) -> Option<(f64, f64)> {
+/// Intersects a ray from white with the spectral locus. Returns the distance in units of
+/// `direction`, and the wavelength. If there are several intersections, the farthest is returned.
+/// Several intersections are possible, because rounding makes the locus turn back at both ends.
+fn crossing(locus: &[LocusPoint], white: [f64; 2], direction: [f64; 2]) -> Option<(f64, f64)> {
     let mut farthest: Option<(f64, f64)> = None;
     for pair in locus.windows(2) {
         if let Some((distance, share)) = intersection([&pair[0], &pair[1]], white, direction)
             && farthest.is_none_or(|(so_far, _)| distance > so_far * (1.0 + 1e-9))
         {
-            // Along the chord of two mixed colours the share runs with their weights, not with the wavelength.
+            // The position of a mixed colour on a chord depends on the weights of the two colours,
+            // and not linearly on the wavelength.
             let (from, to) = (pair[0].weight * share, pair[1].weight * (1.0 - share));
             farthest = Some((distance, pair[0].nm + (pair[1].nm - pair[0].nm) * from / (from + to)));
         }
@@ -63,14 +68,15 @@ fn crossing(locus: &[Point], white: [f64; 2], direction: [f64; 2]) -> Option<(f6
     farthest
 }
 
-/// Where a ray meets the chord of two points: the distance in units of `direction`, and the share of the chord.
-fn intersection([from, to]: [&Point; 2], white: [f64; 2], direction: [f64; 2]) -> Option<(f64, f64)> {
+/// Intersects a ray with the chord between two points. Returns the distance in units of
+/// `direction`, and the position on the chord as a number from 0 to 1.
+fn intersection([from, to]: [&LocusPoint; 2], white: [f64; 2], direction: [f64; 2]) -> Option<(f64, f64)> {
     let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
     let chord = [to.xy[0] - from.xy[0], to.xy[1] - from.xy[1]];
     let start = [from.xy[0] - white[0], from.xy[1] - white[1]];
     let denominator = cross(direction, chord);
     let (distance, share) = (cross(start, chord) / denominator, cross(start, direction) / denominator);
-    // Neighbouring chords overlap by a hair, so that rounding leaves no gap between them.
+    // Adjacent chords overlap slightly, so that rounding leaves no gap between them.
     let hit = distance > 0.0 && distance.is_finite() && (-1e-9..=1.0 + 1e-9).contains(&share);
     hit.then(|| (distance, share.clamp(0.0, 1.0)))
 }

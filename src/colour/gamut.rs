@@ -1,4 +1,5 @@
-//! Bringing colours that a display cannot show into its gamut, the cube [0, 1]³ of linear components.
+//! Gamut mapping. Some colours cannot be shown on a display. They are replaced by colours in the
+//! cube [0, 1]³ of linear components.
 
 use super::coordinates;
 use super::space::RgbSpace;
@@ -6,16 +7,16 @@ use super::{Rgb, Xyz};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 
-/// How colours outside the gamut are brought into it.
+/// The method of mapping colours into the gamut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GamutMapping {
-    /// Towards the neutral of equal luminance, as far as needed.
+    /// Moves the colour towards the neutral of equal luminance, as far as needed.
     #[default]
     Desaturate,
-    /// Each component by itself.
+    /// Clips each component.
     Clip,
-    /// Towards the neutral of equal Oklab lightness, at constant hue.
+    /// Moves the colour towards the neutral of equal Oklab lightness, at constant hue.
     Oklab,
 }
 
@@ -23,7 +24,7 @@ impl GamutMapping {
     /// Every mapping.
     pub const ALL: [Self; 3] = [Self::Desaturate, Self::Clip, Self::Oklab];
 
-    /// The name by which it is chosen.
+    /// Returns the name of the mapping.
     pub fn name(self) -> &'static str {
         match self {
             Self::Desaturate => "desaturate",
@@ -32,10 +33,10 @@ impl GamutMapping {
         }
     }
 
-    /// A mapping by its name: `desaturate`, `clip` or `oklab`.
+    /// Returns a mapping by its name: `desaturate`, `clip` or `oklab`.
     ///
     /// # Errors
-    /// A name that is none of these.
+    /// Returns an error if the name is unknown.
     pub fn by_name(name: &str) -> Result<Self> {
         let names = Self::ALL.map(Self::name);
         Self::ALL
@@ -44,7 +45,7 @@ impl GamutMapping {
             .ok_or_else(|| Error::unknown_name("gamut mapping", name, names).expected(names.join(", ")))
     }
 
-    /// The colour inside the gamut; a colour that is inside already stays as it is.
+    /// Maps a colour into the gamut. Colours inside the gamut are not changed.
     #[inline]
     pub fn map(self, rgb: Rgb, space: RgbSpace) -> Rgb {
         match self {
@@ -55,33 +56,33 @@ impl GamutMapping {
     }
 }
 
-/// The colour as bright as sRGB can show it, desaturated where it lies outside: what a light's chromaticity looks like.
-/// Black for what has no positive component.
+/// Returns the brightest sRGB colour with the chromaticity of the given colour. If the given colour
+/// is outside sRGB, it is desaturated first. Returns black if no component is positive.
 pub fn brightest(linear_srgb: Rgb) -> Rgb {
     let most = linear_srgb.into_iter().fold(0.0, f64::max);
     if most > 0.0 { desaturate(linear_srgb.map(|component| component / most), RgbSpace::Srgb) } else { [0.0; 3] }
 }
 
-/// Whether all components lie in [0, 1].
+/// Returns whether all components are in [0, 1].
 #[inline]
 pub fn contains(rgb: Rgb) -> bool {
     rgb.iter().all(|component| (0.0..=1.0).contains(component))
 }
 
-/// Clipped to [0, 1]; what is no number becomes 0, which `clamp` would not do.
+/// Clips a value to [0, 1]. NaN becomes 0, whereas `clamp` returns NaN.
 #[inline]
 fn unit(value: f64) -> f64 {
     if value > 0.0 { value.min(1.0) } else { 0.0 }
 }
 
-/// Each component clipped to [0, 1]; what is no number becomes 0.
+/// Clips each component to [0, 1]. NaN becomes 0.
 #[inline]
 pub fn clip(rgb: Rgb) -> Rgb {
     rgb.map(unit)
 }
 
-/// The colour on the way to the neutral of equal luminance that is first inside. Luminance is kept where it lies in
-/// [0, 1]; brighter colours become white, darker ones black.
+/// Moves the colour towards the neutral of equal luminance until it is inside the gamut. A
+/// luminance in [0, 1] is preserved. Brighter colours become white, darker ones black.
 #[inline]
 pub fn desaturate(rgb: Rgb, space: RgbSpace) -> Rgb {
     if contains(rgb) {
@@ -93,7 +94,7 @@ pub fn desaturate(rgb: Rgb, space: RgbSpace) -> Rgb {
     if grey != luminance {
         return [grey; 3];
     }
-    // The largest share of the way from grey to the colour that leaves every component inside.
+    // The largest fraction of the way from grey to the colour at which every component is inside.
     let mut share: f64 = 1.0;
     for component in rgb {
         if component < 0.0 {
@@ -105,12 +106,14 @@ pub fn desaturate(rgb: Rgb, space: RgbSpace) -> Rgb {
     clip(rgb.map(|component| grey + share * (component - grey)))
 }
 
-/// The colour of the same Oklab lightness and hue with the most chroma that is inside (found to 10⁻⁶ of the chroma).
+/// Returns the colour with the same Oklab lightness and hue, and with the largest chroma inside the
+/// gamut. The precision of the chroma is one part in 10⁶.
 pub fn oklab(rgb: Rgb, space: RgbSpace) -> Rgb {
     if contains(rgb) {
         return rgb;
     }
-    // Oklab is defined about D65; the adaptation of ACEScg's white is undone by taking its white for white.
+    // Oklab is defined relative to D65. The inverse of the picture matrix maps the white of every
+    // space to D65, including the white of ACEScg.
     let (to_d65, from_d65) = (to_d65(space), from_d65(space));
     let [lightness, a, b] = coordinates::oklab(to_d65(rgb));
     let grey = from_d65(coordinates::from_oklab([unit(lightness), 0.0, 0.0]));
@@ -152,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn too_bright_is_white_and_too_dark_black() {
+    fn too_bright_colours_are_white_and_negative_ones_black() {
         for mapping in [GamutMapping::Desaturate, GamutMapping::Oklab] {
             assert_eq!(mapping.map([9.0, 7.0, 8.0], RgbSpace::Srgb).map(|c| (c * 1e6).round()), [1e6; 3]);
             assert_eq!(mapping.map([-0.1, -0.2, -0.3], RgbSpace::Srgb), [0.0; 3]);

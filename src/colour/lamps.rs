@@ -1,40 +1,46 @@
-//! Two lights compared: by their own colours, and by what they make of the same surfaces.
+//! Comparison of two lights: by the colours of the lights, and by the colours of surfaces under
+//! both lights.
 //!
-//! Under each light that light is the white, as for an eye (or a camera) that has adapted to it: L*a*b* are CIELAB's
-//! with the light's own XYZ for white and the perfect diffuser at Y = 100. A difference between the lights' own colours
-//! thus does not count against the surfaces; it is given by itself, as a [`LightDifference`] at equal luminance.
+//! The observer or camera is assumed to be adapted to each light. Therefore the XYZ of a light is
+//! the white point of the CIELAB values L*a*b* of all surfaces under that light, and the perfect
+//! diffuser has Y = 100. A difference between the colours of the lights therefore does not count as
+//! a difference of the surfaces. The difference of the lights is reported separately as a
+//! [`LightDifference`] at equal luminance.
 
 use super::Xyz;
 use super::coordinates::lab;
 use super::difference::{LightDifference, delta_e_2000, light_difference};
-use super::report::{self, Report};
+use super::report::{self, ColourReport};
 use crate::error::Result;
-use crate::spectrum::library::{self, Kind};
+use crate::spectrum::library::{self, SpectrumKind};
 use crate::spectrum::{Observer, Spectrum};
 
-/// Surfaces that differ by at most this ΔE2000 look alike: an eye hardly sees so much.
+/// Two surfaces look alike if their ΔE2000 is at most this value. Such a difference is hardly
+/// visible.
 pub const ALIKE: f64 = 2.0;
 
-/// Surfaces that differ by at least this ΔE2000 look different at a glance.
+/// Two surfaces look clearly different if their ΔE2000 is at least this value.
 pub const DIFFERENT: f64 = 5.0;
 
-/// Where the library keeps the chart, and the surfaces among which pairs are sought besides.
+/// The name prefixes of the ColorChecker patches and of the further surfaces. Pairs are searched
+/// among all these surfaces.
 const CHART: &str = "colorchecker/";
 const FURTHER: [&str; 2] = ["TCS", "leaf/"];
 
-/// Everything by which two lights are compared.
+/// The results of the comparison of two lights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LampComparison {
-    /// The lights' own figures.
-    pub reports: [Report; 2],
-    /// How far the second light is from the first, both at Y = 1.
+    /// The colour values of the two lights.
+    pub reports: [ColourReport; 2],
+    /// The difference of the second light from the first, both at Y = 1.
     pub lights: LightDifference,
-    /// The 24 patches of the ColorChecker, in the chart's order.
+    /// The 24 patches of the ColorChecker, in the order of the chart.
     pub patches: Vec<PatchDifference>,
-    /// Further surfaces: CIE's test colours and leaves.
+    /// Further surfaces: the CIE test colours and leaves.
     pub further: Vec<PatchDifference>,
-    /// The pairs of surfaces, patches or further ones, that one light makes look [`ALIKE`] and the other
-    /// [`DIFFERENT`], those that split the most first. They count on from the patches to the further surfaces.
+    /// The pairs of surfaces that are [`ALIKE`] under one light and [`DIFFERENT`] under the other,
+    /// sorted by decreasing split. Surfaces are numbered: first the patches, then the further
+    /// surfaces.
     pub pairs: Vec<SplitPair>,
 }
 
@@ -42,75 +48,79 @@ impl LampComparison {
     /// Compares two lights.
     ///
     /// # Errors
-    /// A light without power that the observer sees.
+    /// Returns an error if a light has no luminance for the observer.
     pub fn between(lights: [&Spectrum; 2], observer: &Observer) -> Result<Self> {
-        let report =
-            |i: usize| Report::of_light(lights[i], observer).map_err(|error| error.on_path(format!("lights[{i}]")));
+        let report = |i: usize| {
+            ColourReport::of_light(lights[i], observer).map_err(|error| error.on_path(format!("lights[{i}]")))
+        };
         let reports = [report(0)?, report(1)?];
         let mut patches = compare_lights(lights, &surfaces(&[CHART]), observer);
         let chart = patches.len();
         patches.extend(compare_lights(lights, &surfaces(&FURTHER), observer));
         let pairs = split_pairs(&patches, ALIKE, DIFFERENT);
-        let unit = |report: &Report| report.xyz.map(|value| value / report.xyz[1]);
+        let unit = |report: &ColourReport| report.xyz.map(|value| value / report.xyz[1]);
         let lights = light_difference(unit(&reports[0]), unit(&reports[1]));
         let further = patches.split_off(chart);
         Ok(Self { reports, lights, patches, further, pairs })
     }
 
-    /// The two surfaces of a pair.
+    /// Returns the two surfaces of a pair.
     pub fn surfaces_of(&self, pair: &SplitPair) -> [&PatchDifference; 2] {
         pair.patches.map(|i| self.patches.get(i).unwrap_or_else(|| &self.further[i - self.patches.len()]))
     }
 
-    /// Mean ΔE2000 of the patches.
+    /// Returns the mean ΔE2000 of the patches.
     pub fn mean(&self) -> f64 {
         self.patches.iter().map(|patch| patch.delta_e_2000).sum::<f64>() / self.patches.len() as f64
     }
 
-    /// The patch that differs most.
+    /// Returns the patch with the largest ΔE2000.
     pub fn worst(&self) -> &PatchDifference {
         let most = self.patches.iter().max_by(|a, b| a.delta_e_2000.total_cmp(&b.delta_e_2000));
         most.expect("the chart has patches")
     }
 
-    /// How many pairs the surfaces form.
+    /// Returns the number of all pairs of surfaces.
     pub fn pair_count(&self) -> usize {
         let surfaces = self.patches.len() + self.further.len();
         surfaces * surfaces.saturating_sub(1) / 2
     }
 }
 
-/// The library's reflectances whose names begin so.
+/// Returns the library's reflectances whose names begin with one of `beginnings`.
 fn surfaces(beginnings: &[&str]) -> Vec<(&'static str, Spectrum)> {
-    let wanted = |entry: &&library::Listing| {
-        entry.kind == Kind::Reflectance && beginnings.iter().any(|beginning| entry.name.starts_with(beginning))
+    let wanted = |entry: &&library::LibraryListing| {
+        entry.kind == SpectrumKind::Reflectance && beginnings.iter().any(|beginning| entry.name.starts_with(beginning))
     };
-    let had =
-        |entry: &library::Listing| (entry.name, library::find(entry.name).expect("a listed entry can be had").spectrum);
+    let had = |entry: &library::LibraryListing| {
+        (entry.name, library::find(entry.name).expect("a listed entry can be had").spectrum)
+    };
     library::list().iter().filter(wanted).map(had).collect()
 }
 
-/// A surface under two lights; each time with that light for white.
+/// A surface under two lights. The colour values under each light are relative to that light as
+/// white.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PatchDifference {
-    /// The surface's name.
+    /// The name of the surface.
     pub name: String,
-    /// XYZ under the first and under the second light; the perfect diffuser has Y = 100.
+    /// XYZ under the first and under the second light. The perfect diffuser has Y = 100.
     pub xyz: [Xyz; 2],
     /// L*, a*, b* under the first and under the second light.
     pub lab: [[f64; 3]; 2],
-    /// ΔE2000 between the two.
+    /// ΔE2000 between the colours under the first and under the second light.
     pub delta_e_2000: f64,
 }
 
 impl PatchDifference {
-    /// The name without that of the chart.
+    /// Returns the name without the prefix of the chart.
     pub fn short_name(&self) -> &str {
         self.name.strip_prefix(CHART).unwrap_or(&self.name)
     }
 }
 
-/// What two lights make of each surface, each light being the white of its own column.
+/// Computes the colours of each surface under two lights. The colour values under each light are
+/// relative to that light as white.
 pub fn compare_lights(
     lights: [&Spectrum; 2],
     surfaces: &[(&str, Spectrum)],
@@ -130,14 +140,14 @@ pub fn compare_lights(
 /// Two surfaces that look alike under one light and different under the other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SplitPair {
-    /// The surfaces' numbers in the comparison.
+    /// The numbers of the surfaces in the comparison.
     pub patches: [usize; 2],
-    /// ΔE2000 between the surfaces under the first and under the second light.
+    /// ΔE2000 between the two surfaces: under the first light, and under the second light.
     pub delta_e_2000: [f64; 2],
 }
 
-/// The pairs of surfaces whose difference is at most `alike` under one light and at least `different` under the
-/// other, those that split the most first.
+/// Returns pairs of surfaces. Under one light their difference is at most `alike`, and under the
+/// other light at least `different`. Pairs with the largest split come first.
 pub fn split_pairs(patches: &[PatchDifference], alike: f64, different: f64) -> Vec<SplitPair> {
     let mut pairs = Vec::new();
     for i in 0..patches.len() {
@@ -159,7 +169,7 @@ mod tests {
     use crate::spectrum::library;
 
     #[test]
-    fn a_light_without_any_blue_shows_surfaces_without_hue() {
+    fn surfaces_have_no_hue_under_one_line() {
         let line = |nm| Spectrum::lines(&[crate::spectrum::SpectralLine { nm, power: 1.0, fwhm_nm: None }]).unwrap();
         let compared = LampComparison::between([&line(680.0), &line(589.0)], Observer::cie1931()).unwrap();
         for patch in &compared.patches {
@@ -169,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn sodium_light_splits_what_daylight_tells_apart() {
+    fn sodium_light_hides_differences_that_daylight_shows() {
         let named = |name: &str| library::find(name).unwrap().spectrum;
         let (d65, sodium) = (named("D65"), named("sodium-low-pressure"));
         let compared = LampComparison::between([&d65, &sodium], Observer::cie1931()).unwrap();

@@ -1,57 +1,61 @@
-//! The mix of primaries that looks most like a target.
+//! Colour matching: the mix of primaries that is closest to a target colour.
 
 use super::Xyz;
 use super::difference::{LightDifference, light_difference};
-use super::matrix::{Matrix, dot};
+use super::matrix::{Matrix3, dot};
 use crate::error::{Error, Result};
 use crate::spectrum::Spectrum;
 
-/// Beyond this distance in x, y a match is called out of reach.
-const REACHED: f64 = 1e-4;
+/// If the distance in x, y is larger than this value, the mix does not match the target.
+const MATCH_TOLERANCE: f64 = 1e-4;
 
-/// A non-negative mix of primaries, and how near it comes.
+/// A mix of primaries with non-negative weights, and its distance from the target.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Match {
-    /// What each primary is multiplied with; at most three are above 0.
+pub struct PrimaryMatch {
+    /// The factor of each primary. At most three factors are above 0.
     pub weights: Vec<f64>,
-    /// XYZ of the mix, on the target's scale.
+    /// XYZ of the mix, on the same scale as the target.
     pub xyz: Xyz,
-    /// What is left between the target and the mix, which need not have the target's luminance.
-    pub left: LightDifference,
-    /// Relative error of Y.
+    /// The remaining difference between the target and the mix. The luminances of target and mix
+    /// may differ.
+    pub residual: LightDifference,
+    /// The relative error of Y.
     pub delta_y: f64,
 }
 
-impl Match {
-    /// Whether the target lies within the primaries' reach, so that the mix matches it.
+impl PrimaryMatch {
+    /// Returns whether the mix matches the target.
     pub fn is_reached(&self) -> bool {
-        self.left.delta_xy < REACHED && self.delta_y.abs() < REACHED
+        self.residual.delta_xy < MATCH_TOLERANCE && self.delta_y.abs() < MATCH_TOLERANCE
     }
 
-    /// The mix itself, of the spectra whose XYZ were the primaries.
+    /// Mixes the spectra of the primaries with the weights of the match.
     pub fn mix<'a>(&self, primaries: impl IntoIterator<Item = &'a Spectrum>) -> Spectrum {
         Spectrum::mix(&self.weights.iter().copied().zip(primaries).collect::<Vec<_>>())
     }
 }
 
-/// The non-negative weights of primaries whose mix comes nearest to a target in XYZ (least squares).
+/// Finds non-negative weights of the primaries, so that their mix is as close as possible to a
+/// target in XYZ (least squares).
 ///
-/// A least-squares optimum with non-negative weights can always be had with as many primaries as there are equations
-/// (Carathéodory), so that every set of at most three is solved and the best is taken.
+/// A least-squares optimum with non-negative weights needs at most as many primaries as there are
+/// equations (Carathéodory's theorem). Therefore the problem is solved for every set of at most
+/// three primaries, and the best solution is returned.
 ///
 /// # Errors
-/// No primaries, one without colour, or a target without luminance.
-pub fn match_primaries(target: Xyz, primaries: &[Xyz]) -> Result<Match> {
+/// Returns an error if there are no primaries, a primary has no colour, or the target has no
+/// luminance.
+pub fn match_primaries(target: Xyz, primaries: &[Xyz]) -> Result<PrimaryMatch> {
     if !(target.iter().all(|value| value.is_finite()) && target[1] > 0.0) {
-        return Err(Error::input("a target without luminance to match").expected("a light that is seen"));
+        return Err(Error::input("a match target without luminance").expected("a light with luminance"));
     }
     if primaries.is_empty() {
         return Err(Error::input("a match without primaries").expected("at least one primary"));
     }
     if let Some(i) = primaries.iter().position(|xyz| !(dot(*xyz, *xyz) > 0.0 && dot(*xyz, *xyz).is_finite())) {
-        return Err(Error::input("a primary without light that is seen").on_path(format!("primaries[{i}]")));
+        return Err(Error::input("a primary without colour").on_path(format!("primaries[{i}]")));
     }
-    // Unit vectors keep the search independent of everybody's scale.
+    // Unit vectors make the search independent of the scales of the primaries.
     let scales: Vec<f64> = primaries.iter().map(|xyz| dot(*xyz, *xyz).sqrt()).collect();
     let units: Vec<Xyz> = primaries.iter().zip(&scales).map(|(xyz, scale)| xyz.map(|value| value / scale)).collect();
     let wanted = target.map(|value| value / target[1]);
@@ -62,10 +66,15 @@ pub fn match_primaries(target: Xyz, primaries: &[Xyz]) -> Result<Match> {
     for (weight, xyz) in weights.iter().zip(primaries) {
         mixed.iter_mut().zip(xyz).for_each(|(sum, value)| *sum += weight * value);
     }
-    Ok(Match { xyz: mixed, left: light_difference(target, mixed), delta_y: mixed[1] / target[1] - 1.0, weights })
+    Ok(PrimaryMatch {
+        xyz: mixed,
+        residual: light_difference(target, mixed),
+        delta_y: mixed[1] / target[1] - 1.0,
+        weights,
+    })
 }
 
-/// The best mix of at most three, as pairs of number and weight.
+/// Returns the best mix of at most three primaries, as pairs of index and weight.
 fn best_mix(target: Xyz, units: &[Xyz]) -> Vec<(usize, f64)> {
     let mut best = (dot(target, target), Vec::new());
     let mut offer = |set: &[usize]| {
@@ -74,7 +83,7 @@ fn best_mix(target: Xyz, units: &[Xyz]) -> Vec<(usize, f64)> {
         for (&i, weight) in set.iter().zip(&weights) {
             left.iter_mut().zip(units[i]).for_each(|(left, value)| *left -= weight * value);
         }
-        // A larger set must be better by more than rounding.
+        // A larger set must reduce the error by more than rounding.
         if dot(left, left) < best.0 - 1e-20 {
             best = (dot(left, left), set.iter().copied().zip(weights).collect());
         }
@@ -91,11 +100,12 @@ fn best_mix(target: Xyz, units: &[Xyz]) -> Vec<(usize, f64)> {
     best.1
 }
 
-/// Unconstrained least squares over a set of one to three; none if a weight is negative or the set is dependent.
+/// Solves the least-squares problem without constraints for one to three primaries. Returns `None`
+/// if a weight is negative or the primaries are linearly dependent.
 fn least_squares(target: Xyz, set: &[usize], units: &[Xyz]) -> Option<Vec<f64>> {
-    // Orthogonalise (modified Gram–Schmidt), then substitute backwards.
+    // Orthogonalises by modified Gram–Schmidt, then substitutes backwards.
     let mut directions: Vec<Xyz> = Vec::with_capacity(3);
-    let mut triangle: Matrix = [[0.0; 3]; 3];
+    let mut triangle: Matrix3 = [[0.0; 3]; 3];
     for (column, &i) in set.iter().enumerate() {
         let mut rest = units[i];
         for (row, direction) in directions.iter().enumerate() {
@@ -123,11 +133,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_mix_of_primaries_is_found_again() {
+    fn the_weights_of_a_mix_are_recovered() {
         let primaries = [[41.0, 21.0, 2.0], [0.35, 0.71, 0.12], [18.0, 7.0, 95.0], [1.0, 1.0, 1.0]];
         let target = [0, 1, 2].map(|i| 0.3 * primaries[0][i] + 25.0 * primaries[1][i] + 0.1 * primaries[2][i]);
         let found = match_primaries(target, &primaries[..3]).unwrap();
-        assert!(found.is_reached() && found.left.delta_e_2000 < 1e-6, "{found:?}");
+        assert!(found.is_reached() && found.residual.delta_e_2000 < 1e-6, "{found:?}");
         for (weight, known) in found.weights.iter().zip([0.3, 25.0, 0.1]) {
             assert!((weight / known - 1.0).abs() < 1e-9, "{found:?}");
         }
@@ -135,17 +145,17 @@ mod tests {
     }
 
     #[test]
-    fn a_target_out_of_reach_gets_the_nearest_mix_and_says_so() {
+    fn a_target_out_of_reach_gets_the_nearest_mix() {
         let found = match_primaries([0.1, 1.0, 0.1], &[[1.0, 1.0, 1.0], [1.0, 0.5, 0.1]]).unwrap();
         assert!(!found.is_reached());
         assert!(found.weights.iter().all(|weight| *weight >= 0.0));
-        // The gradient of the squared error must not point into the allowed region.
+        // The squared error must not decrease in any allowed direction.
         let left = [0, 1, 2].map(|i| found.xyz[i] - [0.1, 1.0, 0.1][i]);
         assert!(dot(left, [1.0, 1.0, 1.0]).abs() < 1e-12 || found.weights[0] == 0.0);
     }
 
     #[test]
-    fn what_cannot_be_matched_is_an_error() {
+    fn targets_and_primaries_without_colour_are_errors() {
         assert!(match_primaries([0.0; 3], &[[1.0; 3]]).is_err());
         assert!(match_primaries([1.0; 3], &[]).is_err());
         assert!(match_primaries([1.0; 3], &[[1.0; 3], [0.0; 3]]).unwrap_err().to_string().contains("primaries[1]"));

@@ -1,10 +1,10 @@
-//! Matrices of three rows, also at compile time.
+//! 3 × 3 matrices, also in constant expressions.
 
-/// Three rows of three.
-pub(crate) type Matrix = [[f64; 3]; 3];
+/// Three rows of three components.
+pub(crate) type Matrix3 = [[f64; 3]; 3];
 
-/// m · v.
-pub(crate) const fn apply(m: &Matrix, v: [f64; 3]) -> [f64; 3] {
+/// Returns m · v.
+pub(crate) const fn apply(m: &Matrix3, v: [f64; 3]) -> [f64; 3] {
     [
         m[0][0] * v[0] + m[0][1] * v[1] + m[0][2] * v[2],
         m[1][0] * v[0] + m[1][1] * v[1] + m[1][2] * v[2],
@@ -12,18 +12,18 @@ pub(crate) const fn apply(m: &Matrix, v: [f64; 3]) -> [f64; 3] {
     ]
 }
 
-/// a · b.
-pub(crate) const fn product(a: &Matrix, b: &Matrix) -> Matrix {
+/// Returns a · b.
+pub(crate) const fn product(a: &Matrix3, b: &Matrix3) -> Matrix3 {
     transposed(&[apply(a, column(b, 0)), apply(a, column(b, 1)), apply(a, column(b, 2))])
 }
 
-/// The matrix that has `v` on its diagonal.
-pub(crate) const fn diagonal(v: [f64; 3]) -> Matrix {
+/// Returns the matrix with `v` on its diagonal.
+pub(crate) const fn diagonal(v: [f64; 3]) -> Matrix3 {
     [[v[0], 0.0, 0.0], [0.0, v[1], 0.0], [0.0, 0.0, v[2]]]
 }
 
-/// The inverse of a matrix that has one.
-pub(crate) const fn inverse(m: &Matrix) -> Matrix {
+/// Returns the inverse of a regular matrix.
+pub(crate) const fn inverse(m: &Matrix3) -> Matrix3 {
     let rows = [cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])];
     let determinant = dot(m[0], rows[0]);
     let mut result = transposed(&rows);
@@ -35,16 +35,16 @@ pub(crate) const fn inverse(m: &Matrix) -> Matrix {
     result
 }
 
-/// a · b.
+/// Returns the dot product a · b.
 pub(crate) const fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(crate) const fn transposed(m: &Matrix) -> Matrix {
+pub(crate) const fn transposed(m: &Matrix3) -> Matrix3 {
     [column(m, 0), column(m, 1), column(m, 2)]
 }
 
-const fn column(m: &Matrix, i: usize) -> [f64; 3] {
+const fn column(m: &Matrix3, i: usize) -> [f64; 3] {
     [m[0][i], m[1][i], m[2][i]]
 }
 
@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_matrix_times_its_inverse_is_one() {
+    fn a_matrix_times_its_inverse_is_the_identity() {
         let m = [[0.9, 0.3, -0.2], [-0.7, 1.7, 0.04], [0.04, -0.07, 1.03]];
         let one = product(&m, &inverse(&m));
         for (i, row) in one.iter().enumerate() {

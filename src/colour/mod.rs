@@ -1,7 +1,8 @@
-//! What an eye makes of light: tristimulus values and everything that is computed from them.
+//! Colorimetry: tristimulus values of light, and all quantities computed from these values.
 //!
-//! Values named XYZ are relative to nothing but the spectrum they come from: ∫ Φ x̄ȳz̄ dλ, without the factor 683.
-//! RGB values are linear unless a name says `encode`; they may be negative or above 1 until [`gamut`] maps them.
+//! XYZ values are ∫ Φ x̄ȳz̄ dλ without the factor 683, in the unit of the spectrum Φ. RGB values
+//! are linear unless a name contains `encode`. RGB values may be negative or above 1 until
+//! [`gamut`] maps them.
 
 pub mod adaptation;
 pub mod coordinates;
@@ -16,19 +17,19 @@ pub mod report;
 pub mod space;
 pub mod temperature;
 
-pub use adaptation::{Transform, adapt, adaptation};
+pub use adaptation::{AdaptationTransform, adapt, adaptation};
 pub use coordinates::{from_lab, from_luv, from_oklab, from_xy, lab, luv, oklab, uv1960, uv1976, xy};
 pub use difference::{LightDifference, delta_e_76, delta_e_2000, light_difference};
-pub use dominant::{Dominant, dominant};
+pub use dominant::{DominantWavelength, dominant};
 pub use lamps::{LampComparison, PatchDifference, compare_lights};
-pub use matching::{Match, match_primaries};
+pub use matching::{PrimaryMatch, match_primaries};
 pub use rendering::{ColourRendering, cri};
-pub use report::Report;
+pub use report::ColourReport;
 pub use space::{RgbSpace, decode_srgb, encode_srgb, encode_srgb_u8, linear_srgb_to_xyz, srgb_hex, xyz_to_linear_srgb};
 pub use temperature::{CorrelatedTemperature, cct_duv};
 
 /// Tristimulus values X, Y, Z.
 pub type Xyz = [f64; 3];
 
-/// Linear red, green and blue.
+/// Linear red, green and blue components.
 pub type Rgb = [f64; 3];

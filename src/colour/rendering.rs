@@ -1,20 +1,22 @@
-//! Colour rendering by CIE 13.3-1995.
+//! Colour rendering indices of CIE 13.3-1995.
 
 use super::Xyz;
 use super::coordinates::uv1960;
 use super::temperature::CorrelatedTemperature;
 use crate::spectrum::{Observer, Spectrum, daylight_extended, library};
 
-/// Test colours of the index; the first eight enter Ra.
+/// The number of test colours. The first eight determine Ra.
 const TEST_COLOURS: usize = 14;
 
-/// Colour temperatures, in K, between which an index is given.
+/// The index is computed in this range of colour temperatures in K.
 const RANGE_K: (f64, f64) = (1000.0, 50_000.0);
 
-/// From this temperature in K on the reference is daylight instead of a black body.
+/// The reference illuminant is daylight at this temperature in K and above. Below this temperature,
+/// it is a black body.
 const DAYLIGHT_FROM_K: f64 = 5000.0;
 
-/// How near a lamp renders the test colours to what a reference of its colour temperature does.
+/// The colour rendering indices of a light. The reference illuminant has the same colour
+/// temperature as the light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ColourRendering {
     /// The general index, the mean of R1–R8.
@@ -23,8 +25,9 @@ pub struct ColourRendering {
     pub special: [f64; TEST_COLOURS],
 }
 
-/// The colour rendering indices of a lamp whose correlated colour temperature is known; none below 1000 K or above
-/// 50,000 K. Continua are summed every 5 nm from 380 to 780 nm, as CIE 13.3 does; lines count at their wavelength.
+/// Computes the colour rendering indices of a light with a known correlated colour temperature.
+/// Returns `None` below 1000 K and above 50,000 K. The continuum is summed every 5 nm from 380 to
+/// 780 nm, as in CIE 13.3. Each line is evaluated at the wavelength of the line.
 pub fn cri(lamp: &Spectrum, temperature: CorrelatedTemperature) -> Option<ColourRendering> {
     let cct_k = temperature.cct_k;
     if !(RANGE_K.0..=RANGE_K.1).contains(&cct_k) {
@@ -33,7 +36,7 @@ pub fn cri(lamp: &Spectrum, temperature: CorrelatedTemperature) -> Option<Colour
     let reference = if cct_k < DAYLIGHT_FROM_K { Spectrum::blackbody(cct_k).ok()? } else { daylight_extended(cct_k) };
     let white = Spectrum::constant(1.0);
     let (lamp_white, reference_white) = (xyz(&white, lamp), xyz(&white, &reference));
-    let adaptation = Adaptation::new(lamp_white, reference_white);
+    let adaptation = VonKriesAdaptation::new(lamp_white, reference_white);
     let special = std::array::from_fn(|i| {
         let colour =
             library::find(&format!("TCS{:02}", i + 1)).expect("the built-in library holds TCS01–TCS14").spectrum;
@@ -46,7 +49,7 @@ pub fn cri(lamp: &Spectrum, temperature: CorrelatedTemperature) -> Option<Colour
     Some(ColourRendering { ra: special[..8].iter().sum::<f64>() / 8.0, special })
 }
 
-/// XYZ of a reflectance under a light by sums every 5 nm.
+/// Returns the XYZ of a reflectance under a light, by sums over samples every 5 nm.
 fn xyz(reflectance: &Spectrum, light: &Spectrum) -> Xyz {
     let observer = Observer::cie1931();
     let narrow = light.narrow_part();
@@ -65,18 +68,18 @@ fn xyz(reflectance: &Spectrum, light: &Spectrum) -> Xyz {
     sum
 }
 
-/// The von Kries adaptation of CIE 13.3, from the lamp's white to the reference's.
-struct Adaptation {
+/// The von Kries adaptation of CIE 13.3, from the white of the light to the white of the reference.
+struct VonKriesAdaptation {
     ratio: [f64; 2],
 }
 
-impl Adaptation {
+impl VonKriesAdaptation {
     fn new(lamp: Xyz, reference: Xyz) -> Self {
         let ([c_lamp, d_lamp], [c, d]) = (c_d(uv1960(lamp)), c_d(uv1960(reference)));
         Self { ratio: [c / c_lamp, d / d_lamp] }
     }
 
-    /// u, v as they look under the reference.
+    /// Returns u, v after adaptation to the reference.
     fn adapted(&self, uv: [f64; 2]) -> [f64; 2] {
         let [c, d] = c_d(uv);
         let (c, d) = (c * self.ratio[0], d * self.ratio[1]);
@@ -89,7 +92,7 @@ fn c_d([u, v]: [f64; 2]) -> [f64; 2] {
     [(4.0 - u - 10.0 * v) / v, (1.708 * v + 0.404 - 1.481 * u) / v]
 }
 
-/// CIE 1964 W*, U*, V* of Y (100 for white) and u, v.
+/// Returns CIE 1964 W*, U*, V* of Y (100 for white) and u, v.
 fn uniform(y: f64, [u, v]: [f64; 2], [white_u, white_v]: [f64; 2]) -> [f64; 3] {
     let w = 25.0 * y.cbrt() - 17.0;
     [w, 13.0 * w * (u - white_u), 13.0 * w * (v - white_v)]

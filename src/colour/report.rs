@@ -1,11 +1,12 @@
-//! The colour of a spectrum as tables of colour report it.
+//! The colour values of a spectrum, computed in the same way as in published tables.
 //!
-//! Smooth spectra and tables are summed over samples every nm from 360 to 830, as colour science does and the
-//! reference values assume; lines are multiplied with the colour-matching functions at their wavelength, and peaks
-//! narrower than 5 nm are integrated. (Rendering integrates everything exactly; the two agree to 3·10⁻⁴.)
+//! Smooth spectra and tables are summed over samples every nm from 360 to 830 nm. This is the
+//! convention of published reference values. Each line is multiplied by the colour-matching
+//! functions at the wavelength of the line. Peaks narrower than 5 nm are integrated. Rendering uses
+//! exact integrals instead of sums. The two methods agree to 3·10⁻⁴.
 
-use super::adaptation::{Transform, adapt};
-use super::dominant::{Dominant, dominant};
+use super::adaptation::{AdaptationTransform, adapt};
+use super::dominant::{DominantWavelength, dominant};
 use super::rendering::{ColourRendering, cri};
 use super::space::{RgbSpace, srgb_hex, xyz_to_linear_srgb};
 use super::temperature::{CorrelatedTemperature, cct_duv};
@@ -13,15 +14,16 @@ use super::{Rgb, Xyz, coordinates, gamut};
 use crate::error::{Error, Result};
 use crate::spectrum::{BAND_NM, LUMENS_PER_WATT, LineSegment, Observer, Spectrum};
 
-/// Lines wider than this, in nm, are integrated instead of evaluated at their centre.
+/// Lines wider than this value in nm are integrated. Narrower lines are evaluated at their centre.
 const WIDE_LINE_NM: f64 = 5.0;
 
-/// XYZ of a light: ∫ Φ x̄ȳz̄ dλ by the sums of this module, without the factor 683.
+/// Returns the XYZ of a light, ∫ Φ x̄ȳz̄ dλ without the factor 683. The integral is computed by the
+/// sums of this module.
 pub fn xyz(light: &Spectrum, observer: &Observer) -> Xyz {
     xyz_under(&Spectrum::constant(1.0), light, observer)
 }
 
-/// XYZ of a reflectance under a light, on the light's scale.
+/// Returns the XYZ of a reflectance under a light, on the scale of the light.
 pub fn xyz_under(reflectance: &Spectrum, light: &Spectrum, observer: &Observer) -> Xyz {
     if !reflectance.line_segments().is_empty() {
         return observer.xyz_under(reflectance, light);
@@ -34,7 +36,8 @@ pub fn xyz_under(reflectance: &Spectrum, light: &Spectrum, observer: &Observer) 
         let smooth_reflectance = reflectance.continuum_at(nm) - fine(&fine_reflectance, nm);
         add(&mut sum, smooth_light * smooth_reflectance, observer.xyz_bar(nm));
     }
-    // (light − fine)(reflectance − fine) is summed above; what is left of light · reflectance is integrated.
+    // The sum above covers (light − fine)(reflectance − fine). The remaining terms of light ·
+    // reflectance are integrated.
     if let Some(fine_light) = &fine_light {
         add(&mut sum, 1.0, observer.xyz_under(reflectance, fine_light));
     }
@@ -59,36 +62,38 @@ fn xyz_of_line(line: &LineSegment, reflectance: &Spectrum, observer: &Observer) 
         let power = line.power * reflectance.continuum_at(line.centre());
         return observer.xyz_bar(line.centre()).map(|bar| power * bar);
     }
-    observer.xyz_under(reflectance, &Spectrum::of_segments(&[*line]))
+    observer.xyz_under(reflectance, &Spectrum::from_segments(&[*line]))
 }
 
 /// The colour of a light, or of a reflectance under a light.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Report {
-    /// XYZ; Y = 100 for a light, and for the perfect diffuser under a light.
+pub struct ColourReport {
+    /// XYZ. A light has Y = 100. Under a light, the perfect diffuser has Y = 100.
     pub xyz: Xyz,
     /// Chromaticity x, y.
     pub xy: [f64; 2],
-    /// Linear sRGB with Y = 1 where `xyz` has Y = 100; unclipped.
+    /// Linear sRGB, not clipped. Y = 100 in `xyz` corresponds to Y = 1 here.
     pub linear_srgb: Rgb,
-    /// A swatch: the colour mapped into sRGB, a light's as bright as its chromaticity allows.
+    /// The colour mapped into sRGB, for a colour swatch. The swatch of a light has the largest
+    /// brightness that its chromaticity allows.
     pub srgb_hex: String,
-    /// Dominant wavelength and excitation purity, against equal energy for a light and against the lamp for a
-    /// reflectance; absent for neutral colours.
-    pub dominant: Option<Dominant>,
-    /// Correlated colour temperature of a light, where it is defined; always by the CIE 1931 observer.
+    /// Dominant wavelength and excitation purity, or `None` for neutral colours. For a light, the
+    /// white is the equal-energy white. For a reflectance, the white is the illuminant.
+    pub dominant: Option<DominantWavelength>,
+    /// Correlated colour temperature of a light, if this temperature is defined. The observer is
+    /// always CIE 1931.
     pub temperature: Option<CorrelatedTemperature>,
-    /// Colour rendering of a light, where it is defined.
+    /// Colour rendering indices of a light, if these indices are defined.
     pub rendering: Option<ColourRendering>,
-    /// Lumens per watt of radiation within the band; lights only.
+    /// Lumens per watt of radiation within the band; only for lights.
     pub efficacy_lm_per_w: Option<f64>,
 }
 
-impl Report {
-    /// The colour of a light.
+impl ColourReport {
+    /// Computes the colour of a light.
     ///
     /// # Errors
-    /// A spectrum without power that the observer sees.
+    /// Returns an error if the spectrum has no luminance for the observer.
     pub fn of_light(light: &Spectrum, observer: &Observer) -> Result<Self> {
         let raw = xyz(light, observer);
         let unit = unit_luminance(raw)?;
@@ -106,10 +111,10 @@ impl Report {
         })
     }
 
-    /// The colour of a reflectance under a light, not adapted.
+    /// Computes the colour of a reflectance under a light, without chromatic adaptation.
     ///
     /// # Errors
-    /// A light without power that the observer sees.
+    /// Returns an error if the light has no luminance for the observer.
     pub fn of_reflectance(reflectance: &Spectrum, light: &Spectrum, observer: &Observer) -> Result<Self> {
         let white = xyz(light, observer);
         let white_unit = unit_luminance(white)?;
@@ -127,13 +132,15 @@ impl Report {
         })
     }
 
-    /// Linear sRGB after adaptation from a white to that of sRGB by Bradford's transform.
+    /// Returns linear sRGB after adaptation from `white` to the white of sRGB (Bradford).
     pub fn adapted_srgb(&self, white: Xyz) -> Rgb {
-        xyz_to_linear_srgb(adapt(self.xyz, white, RgbSpace::Srgb.white(), Transform::Bradford).map(|v| v / 100.0))
+        xyz_to_linear_srgb(
+            adapt(self.xyz, white, RgbSpace::Srgb.white(), AdaptationTransform::Bradford).map(|v| v / 100.0),
+        )
     }
 }
 
-/// Power within the band by the same sums.
+/// Returns the power within the band, computed by the sums of this module.
 fn power(light: &Spectrum) -> f64 {
     let fine = light.narrow_part();
     let smooth = |nm: f64| light.continuum_at(nm) - fine.as_ref().map_or(0.0, |fine| fine.continuum_at(nm));
@@ -147,5 +154,6 @@ fn unit_luminance(xyz: Xyz) -> Result<Xyz> {
     if unit.iter().all(|value| value.is_finite()) && xyz[1] > 0.0 {
         return Ok(unit);
     }
-    Err(Error::input("a light without power that the observer sees").expected("power between 360 and 830 nm"))
+    Err(Error::input("a light without luminance for the observer")
+        .expected("a light with visible power between 360 and 830 nm"))
 }

@@ -1,9 +1,9 @@
-//! RGB spaces: sRGB, Display P3, Rec. 2020 and ACEScg.
+//! RGB colour spaces: sRGB, Display P3, Rec. 2020 and ACEScg.
 
 use std::sync::OnceLock;
 
-use super::adaptation::{Transform, adaptation};
-use super::matrix::{Matrix, apply, diagonal, inverse, product, transposed};
+use super::adaptation::{AdaptationTransform, adaptation};
+use super::matrix::{Matrix3, apply, diagonal, inverse, product, transposed};
 use super::{Rgb, Xyz};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -26,20 +26,21 @@ pub enum RgbSpace {
 const D65_XY: [f64; 2] = [0.3127, 0.3290];
 const ACES_WHITE_XY: [f64; 2] = [0.321_68, 0.337_67];
 
-static SRGB: Matrices = Matrices::new([[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]], D65_XY);
-static DISPLAY_P3: Matrices = Matrices::new([[0.680, 0.320], [0.265, 0.690], [0.150, 0.060]], D65_XY);
-static REC2020: Matrices = Matrices::new([[0.708, 0.292], [0.170, 0.797], [0.131, 0.046]], D65_XY);
-static ACES_CG: Matrices = Matrices::new([[0.713, 0.293], [0.165, 0.830], [0.128, 0.044]], ACES_WHITE_XY);
+static SRGB: SpaceMatrices = SpaceMatrices::new([[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]], D65_XY);
+static DISPLAY_P3: SpaceMatrices = SpaceMatrices::new([[0.680, 0.320], [0.265, 0.690], [0.150, 0.060]], D65_XY);
+static REC2020: SpaceMatrices = SpaceMatrices::new([[0.708, 0.292], [0.170, 0.797], [0.131, 0.046]], D65_XY);
+static ACES_CG: SpaceMatrices = SpaceMatrices::new([[0.713, 0.293], [0.165, 0.830], [0.128, 0.044]], ACES_WHITE_XY);
 
-struct Matrices {
+struct SpaceMatrices {
     primaries_xy: [[f64; 2]; 3],
     white_xy: [f64; 2],
-    to_xyz: Matrix,
-    from_xyz: Matrix,
+    to_xyz: Matrix3,
+    from_xyz: Matrix3,
 }
 
-impl Matrices {
-    /// The columns of `to_xyz` are the primaries, scaled so that (1, 1, 1) has the white's chromaticity and Y = 1.
+impl SpaceMatrices {
+    /// Builds the matrices. The columns of `to_xyz` are the primaries. They are scaled so that (1,
+    /// 1, 1) has Y = 1 and the chromaticity of white.
     const fn new(primaries_xy: [[f64; 2]; 3], white_xy: [f64; 2]) -> Self {
         let columns = transposed(&[of_xy(primaries_xy[0]), of_xy(primaries_xy[1]), of_xy(primaries_xy[2])]);
         let scale = apply(&inverse(&columns), of_xy(white_xy));
@@ -48,7 +49,7 @@ impl Matrices {
     }
 }
 
-/// XYZ of a chromaticity at Y = 1.
+/// Returns the XYZ of a chromaticity at Y = 1.
 const fn of_xy(xy: [f64; 2]) -> Xyz {
     [xy[0] / xy[1], 1.0, (1.0 - xy[0] - xy[1]) / xy[1]]
 }
@@ -57,7 +58,7 @@ impl RgbSpace {
     /// Every space.
     pub const ALL: [Self; 4] = [Self::Srgb, Self::DisplayP3, Self::Rec2020, Self::AcesCg];
 
-    /// The name by which the space is chosen.
+    /// Returns the name of the space.
     pub fn name(self) -> &'static str {
         match self {
             Self::Srgb => "srgb",
@@ -67,10 +68,10 @@ impl RgbSpace {
         }
     }
 
-    /// A space by its name: `srgb`, `display-p3`, `rec2020` or `acescg`.
+    /// Returns a space by its name: `srgb`, `display-p3`, `rec2020` or `acescg`.
     ///
     /// # Errors
-    /// A name that is none of these.
+    /// Returns an error if the name is unknown.
     pub fn by_name(name: &str) -> Result<Self> {
         let names = Self::ALL.map(Self::name);
         Self::ALL
@@ -79,7 +80,7 @@ impl RgbSpace {
             .ok_or_else(|| Error::unknown_name("colour space", name, names).expected(names.join(", ")))
     }
 
-    fn matrices(self) -> &'static Matrices {
+    fn matrices(self) -> &'static SpaceMatrices {
         match self {
             Self::Srgb => &SRGB,
             Self::DisplayP3 => &DISPLAY_P3,
@@ -88,36 +89,36 @@ impl RgbSpace {
         }
     }
 
-    /// The chromaticities x, y of red, green and blue.
+    /// Returns the chromaticities x, y of red, green and blue.
     pub fn primaries_xy(self) -> [[f64; 2]; 3] {
         self.matrices().primaries_xy
     }
 
-    /// The chromaticity x, y of white.
+    /// Returns the chromaticity x, y of white.
     pub fn white_xy(self) -> [f64; 2] {
         self.matrices().white_xy
     }
 
-    /// XYZ of white at Y = 1.
+    /// Returns the XYZ of white at Y = 1.
     pub fn white(self) -> Xyz {
         of_xy(self.white_xy())
     }
 
-    /// XYZ of linear components, (1, 1, 1) being the space's own white at Y = 1.
+    /// Converts linear components to XYZ. (1, 1, 1) is the white of the space at Y = 1.
     #[inline]
     pub fn to_xyz(self, rgb: Rgb) -> Xyz {
         apply(&self.matrices().to_xyz, rgb)
     }
 
-    /// Linear components of XYZ, without adaptation.
+    /// Converts XYZ to linear components, without chromatic adaptation.
     #[inline]
     pub fn from_xyz(self, xyz: Xyz) -> Rgb {
         apply(&self.matrices().from_xyz, xyz)
     }
 
-    /// The rows that turn XYZ into linear components, adapted by Bradford's transform so that the white of sRGB
-    /// becomes this space's white: what a picture seen with a D65 eye is written with. Only ACEScg differs from
-    /// [`from_xyz`](Self::from_xyz).
+    /// Returns the matrix from XYZ to linear components. The matrix includes Bradford's transform,
+    /// which adapts the white of sRGB (D65) to the white of this space. Pictures are developed with
+    /// this matrix. It differs from [`from_xyz`](Self::from_xyz) only for ACEScg.
     pub fn picture_matrix(self) -> [[f64; 3]; 3] {
         match self {
             Self::Srgb | Self::DisplayP3 | Self::Rec2020 => self.matrices().from_xyz,
@@ -125,19 +126,21 @@ impl RgbSpace {
         }
     }
 
-    /// The rows that turn XYZ into linear components, adapted by Bradford's transform so that light of the colour
-    /// `white` (at any scale) becomes this space's white.
+    /// Returns the matrix from XYZ to linear components. The matrix includes Bradford's transform,
+    /// which adapts the colour `white` to the white of this space. The scale of `white` has no
+    /// influence.
     pub fn balanced_matrix(self, white: Xyz) -> [[f64; 3]; 3] {
-        product(&self.matrices().from_xyz, &adaptation(white, self.white(), Transform::Bradford))
+        product(&self.matrices().from_xyz, &adaptation(white, self.white(), AdaptationTransform::Bradford))
     }
 
-    /// The share of each component in Y; they sum to 1.
+    /// Returns the contributions of the components to Y. The sum of the contributions is 1.
     pub fn luminance_weights(self) -> [f64; 3] {
         self.matrices().to_xyz[1]
     }
 
-    /// The non-linear signal of a linear component: the sRGB curve for sRGB and Display P3, Rec. 2020's own, none for
-    /// ACEScg. Odd, so that negative components stay what they are.
+    /// Encodes a linear component as a non-linear signal. sRGB and Display P3 use the sRGB curve,
+    /// Rec. 2020 its own, and ACEScg is linear. The function is odd, so negative components are
+    /// preserved.
     pub fn encode(self, component: f64) -> f64 {
         match self {
             Self::Srgb | Self::DisplayP3 => encode_srgb(component),
@@ -150,7 +153,7 @@ impl RgbSpace {
         }
     }
 
-    /// The inverse of [`encode`](Self::encode).
+    /// Decodes a signal to a linear component, the inverse of [`encode`](Self::encode).
     pub fn decode(self, signal: f64) -> f64 {
         match self {
             Self::Srgb | Self::DisplayP3 => decode_srgb(signal),
@@ -168,51 +171,55 @@ impl RgbSpace {
     }
 }
 
-/// α and β of ITU-R BT.2020, to the digits that make value and slope continuous.
+/// The constants α and β of ITU-R BT.2020. They have enough digits to make value and slope
+/// continuous.
 const BT2020_ALPHA: f64 = 1.099_296_826_809_442_4;
 const BT2020_BETA: f64 = 0.018_053_968_510_807_807;
 
-/// Linear sRGB of XYZ (Y = 1 is white); unclipped.
+/// Converts XYZ to linear sRGB, not clipped. White has Y = 1.
 #[inline]
 pub fn xyz_to_linear_srgb(xyz: Xyz) -> Rgb {
     RgbSpace::Srgb.from_xyz(xyz)
 }
 
-/// XYZ of linear sRGB; white has Y = 1.
+/// Converts linear sRGB to XYZ. White has Y = 1.
 #[inline]
 pub fn linear_srgb_to_xyz(rgb: Rgb) -> Xyz {
     RgbSpace::Srgb.to_xyz(rgb)
 }
 
-/// Where the two branches of the sRGB curve meet. The standard's rounded thresholds (0.0031308 and 0.04045) leave a
-/// gap of some 10⁻⁸ there, which would spoil the inverse.
-const SRGB_KNEE: f64 = 0.003_130_668_442_500_6;
+/// The linear component at which the two branches of the sRGB curve meet. The rounded thresholds of
+/// the standard (0.0031308 and 0.04045) leave a gap of about 10⁻⁸. With this gap, the inverse would
+/// be inexact.
+const SRGB_JUNCTION: f64 = 0.003_130_668_442_500_6;
 
-/// The sRGB signal of a linear component (IEC 61966-2-1), odd for negative ones.
+/// Encodes a linear component as an sRGB signal (IEC 61966-2-1). The function is odd.
 pub fn encode_srgb(component: f64) -> f64 {
     let x = component.abs();
-    let signal = if x <= SRGB_KNEE { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
+    let signal = if x <= SRGB_JUNCTION { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
     signal.copysign(component)
 }
 
-/// The linear component of an sRGB signal, the inverse of [`encode_srgb`].
+/// Decodes an sRGB signal to a linear component, the inverse of [`encode_srgb`].
 pub fn decode_srgb(signal: f64) -> f64 {
     let x = signal.abs();
-    let component = if x <= 12.92 * SRGB_KNEE { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
+    let component = if x <= 12.92 * SRGB_JUNCTION { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
     component.copysign(signal)
 }
 
-/// Entries of the table that guesses a code from a linear component: so many that a guess is at most one too low (the
-/// curve is steepest at 0, where 4096 entries are 12.92 · 255 codes).
-const GUESSES: usize = 4096;
+/// The number of entries of the table for the first estimate of a code. With this size the estimate
+/// is at most one code too low. The reason is that the curve is steepest at 0, where one entry
+/// covers 12.92 · 255 / 4096 codes.
+const CODE_TABLE_SIZE: usize = 4096;
 
-/// The nearest of 256 sRGB codes of a linear component, clipped to [0, 1]; the same as rounding
-/// 255 · [`encode_srgb`], without the power.
+/// Returns the nearest 8-bit sRGB code of a linear component, clipped to [0, 1]. The result is
+/// equal to 255 · [`encode_srgb`], rounded. However, the function computes no power.
 #[inline]
 pub fn encode_srgb_u8(component: f64) -> u8 {
     struct Table {
         guess: Vec<u8>,
-        /// The least component of every code; nothing compares as above the last entry, which is no number.
+        /// The smallest linear component of each code. The last entry is NaN, so no component
+        /// reaches that entry.
         least: [f64; 257],
     }
     static TABLE: OnceLock<Table> = OnceLock::new();
@@ -220,15 +227,15 @@ pub fn encode_srgb_u8(component: f64) -> u8 {
         let mut least = [f64::NAN; 257];
         least[0] = f64::NEG_INFINITY;
         (1..256_u16).for_each(|code| least[usize::from(code)] = decode_srgb((f64::from(code) - 0.5) / 255.0));
-        let code_of = |i: usize| least.partition_point(|&least| least <= i as f64 / GUESSES as f64) - 1;
-        Table { guess: (0..=GUESSES).map(|i| code_of(i) as u8).collect(), least }
+        let code_of = |i: usize| least.partition_point(|&least| least <= i as f64 / CODE_TABLE_SIZE as f64) - 1;
+        Table { guess: (0..=CODE_TABLE_SIZE).map(|i| code_of(i) as u8).collect(), least }
     });
-    // A NaN becomes 0 in the conversion.
-    let code = table.guess[((component * GUESSES as f64) as usize).min(GUESSES)];
+    // The conversion to an integer turns NaN into 0.
+    let code = table.guess[((component * CODE_TABLE_SIZE as f64) as usize).min(CODE_TABLE_SIZE)];
     code + u8::from(component >= table.least[usize::from(code) + 1])
 }
 
-/// A colour as `#rrggbb`, clipped to sRGB.
+/// Formats a colour as `#rrggbb`, clipped to sRGB.
 pub fn srgb_hex(rgb: Rgb) -> String {
     let [r, g, b] = rgb.map(encode_srgb_u8);
     format!("#{r:02x}{g:02x}{b:02x}")
@@ -279,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn curves_come_back_also_at_their_knees() {
+    fn decoding_inverts_encoding_also_at_the_junction() {
         for space in RgbSpace::ALL {
             for i in -3000..=3000 {
                 let component = f64::from(i) * 1e-5;
@@ -287,7 +294,7 @@ mod tests {
             }
             assert!((space.encode(1.0) - 1.0).abs() < 1e-12);
         }
-        let gap = encode_srgb(SRGB_KNEE.next_up()) - encode_srgb(SRGB_KNEE);
+        let gap = encode_srgb(SRGB_JUNCTION.next_up()) - encode_srgb(SRGB_JUNCTION);
         assert!(gap.abs() < 1e-12, "{gap}");
     }
 

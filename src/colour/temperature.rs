@@ -6,56 +6,60 @@ use super::Xyz;
 use super::coordinates::uv1960;
 use crate::spectrum::{BAND_NM, Observer, planck};
 
-/// Colours farther than this from the Planckian locus have no correlated colour temperature (CIE 15).
+/// Colours farther than this from the Planckian locus have no correlated colour temperature (CIE
+/// 15).
 const MAX_DUV: f64 = 0.05;
 
-/// The reciprocal temperatures that are searched, in 1/MK: from 10⁶ K down to 500 K.
-const MIREDS: (f64, f64) = (1.0, 2001.0);
+/// The search range of reciprocal temperatures in 1/MK: from 10⁶ K down to 500 K.
+const MIRED_RANGE: (f64, f64) = (1.0, 2001.0);
 
-/// Steps of the first search over the reciprocal temperatures.
-const STEPS: usize = 200;
+/// The number of steps of the first search over the reciprocal temperatures.
+const LOCUS_STEPS: usize = 200;
 
-/// The black body nearest to a colour.
+/// The black body whose colour is nearest to a colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CorrelatedTemperature {
-    /// Its temperature in K.
+    /// The temperature in K.
     pub cct_k: f64,
-    /// The distance from it in the CIE 1960 u, v plane; positive above the locus (greenish).
+    /// The distance from the Planckian locus in the CIE 1960 u, v plane. It is positive above the
+    /// locus (greenish).
     pub duv: f64,
 }
 
-/// The correlated colour temperature of a colour for the CIE 1931 observer: the nearest point of the Planckian locus
-/// in the CIE 1960 u, v plane, found by minimisation. None farther than 0.05 from the locus, or beyond 500–10⁶ K.
+/// Computes the correlated colour temperature of a colour for the CIE 1931 observer. This is the
+/// temperature at the nearest point of the Planckian locus in the CIE 1960 u, v plane. Returns
+/// `None` if the distance is above 0.05 or the temperature is outside 500–10⁶ K.
 pub fn cct_duv(xyz: Xyz) -> Option<CorrelatedTemperature> {
     let target = uv1960(xyz);
     let square = |uv: [f64; 2]| (uv[0] - target[0]).powi(2) + (uv[1] - target[1]).powi(2);
     let table = locus_table();
     let nearest = (0..table.len()).min_by(|&a, &b| square(table[a]).total_cmp(&square(table[b])))?;
-    let bracket = (mired_of(nearest.saturating_sub(1)), mired_of((nearest + 1).min(STEPS)));
+    let bracket = (mired_of(nearest.saturating_sub(1)), mired_of((nearest + 1).min(LOCUS_STEPS)));
     let mired = minimum(|mired| square(locus(mired)), bracket.0, bracket.1);
-    // A nearest point at an end of the locus means that the colour lies beyond it.
-    if mired < MIREDS.0 * (1.0 + 1e-6) || mired > MIREDS.1 * (1.0 - 1e-6) {
+    // If the nearest point is an end of the locus, the colour is beyond that end.
+    if mired < MIRED_RANGE.0 * (1.0 + 1e-6) || mired > MIRED_RANGE.1 * (1.0 - 1e-6) {
         return None;
     }
     let (foot, before, after) = (locus(mired), locus(mired - 0.01), locus(mired + 0.01));
     let tangent = [after[0] - before[0], after[1] - before[1]];
     let offset = [target[0] - foot[0], target[1] - foot[1]];
-    // The locus runs towards larger u with growing mired, so that "above" is to its left.
+    // The locus runs towards larger u with growing reciprocal temperature, so "above" is to its
+    // left.
     let side = (tangent[0] * offset[1] - tangent[1] * offset[0]).signum();
     let duv = side * offset[0].hypot(offset[1]);
     (duv.abs() <= MAX_DUV).then_some(CorrelatedTemperature { cct_k: 1e6 / mired, duv })
 }
 
 fn mired_of(step: usize) -> f64 {
-    MIREDS.0 + (MIREDS.1 - MIREDS.0) * step as f64 / STEPS as f64
+    MIRED_RANGE.0 + (MIRED_RANGE.1 - MIRED_RANGE.0) * step as f64 / LOCUS_STEPS as f64
 }
 
 fn locus_table() -> &'static [[f64; 2]] {
     static TABLE: OnceLock<Vec<[f64; 2]>> = OnceLock::new();
-    TABLE.get_or_init(|| (0..=STEPS).map(|step| locus(mired_of(step))).collect())
+    TABLE.get_or_init(|| (0..=LOCUS_STEPS).map(|step| locus(mired_of(step))).collect())
 }
 
-/// u, v of the black body of a reciprocal temperature.
+/// Returns u, v of a black body. The argument is the reciprocal temperature in 1/MK.
 fn locus(mired: f64) -> [f64; 2] {
     let observer = Observer::cie1931();
     let mut xyz = [0.0; 3];
@@ -66,7 +70,8 @@ fn locus(mired: f64) -> [f64; 2] {
     uv1960(xyz)
 }
 
-/// The place of a function's minimum in an interval, by golden sections.
+/// Finds the minimum of a function in an interval by golden-section search. Returns the position of
+/// the minimum.
 fn minimum(function: impl Fn(f64) -> f64, mut lower: f64, mut upper: f64) -> f64 {
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
     let mut inner = [upper - ratio * (upper - lower), lower + ratio * (upper - lower)];
@@ -102,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn saturated_colours_have_none() {
+    fn saturated_colours_have_no_temperature() {
         assert_eq!(cct_duv([0.2, 0.7, 0.1]), None);
         assert_eq!(cct_duv([0.0, 0.0, 0.0]), None);
     }

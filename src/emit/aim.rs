@@ -1,40 +1,44 @@
-//! Aiming: photons go where photons have proved useful.
+//! Importance-driven photon emission.
 //!
-//! A grid over the two random numbers that decide where a light's ray goes, learned by the pilot and then fixed: cell weights are
-//! the root mean square of what photons from there contributed (the variance-optimal choice). A share of photons stays
-//! unaimed, so that no direction has density 0 and the estimate stays unbiased whatever the pilot missed.
-//! After Jensen 1995 (projection maps) and Peter & Pietrek 1998 (importance-driven emission).
+//! Two random numbers select the direction of a light's ray. A grid covers these two numbers. The
+//! pilot fills the grid once, before pass 0. The weight of a cell is the root mean square of the
+//! contributions of the cell's photons. This weight minimises the variance. A fraction of the
+//! photons ignores the grid, so that every direction keeps a positive density and the estimate
+//! stays unbiased. Sources: Jensen 1995 (projection maps); Peter & Pietrek 1998, "Importance Driven
+//! Construction of Photon Maps".
 
-use crate::math::distribution::Grid;
+use crate::math::distribution::PiecewiseConstant2d;
 
-/// Cells per side of the grid.
+/// The number of cells along each side of the grid.
 pub const CELLS: usize = 64;
 
-/// The share of photons that is not aimed.
+/// The fraction of photons that ignores the grid (defensive sampling).
 const DEFENSIVE: f64 = 0.25;
 
-/// Where to send the photons of one light.
+/// The emission guide of one light.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Aim(Option<Grid>);
+pub struct Aim(Option<PiecewiseConstant2d>);
 
 impl Aim {
-    /// Everywhere alike.
+    /// Creates an aim that changes nothing.
     pub fn plain() -> Self {
         Self(None)
     }
 
-    /// Towards the cells whose `scores` (root-mean-square usefulness, rows of [`CELLS`]) are high.
+    /// Creates an aim from the cells' weights: root-mean-square contributions, in rows of
+    /// [`CELLS`].
     pub fn learned(scores: &[f64]) -> Self {
-        Self(Grid::new(CELLS, scores))
+        Self(PiecewiseConstant2d::new(CELLS, scores))
     }
 
-    /// Whether anything was learned.
+    /// Whether the aim changes nothing.
     pub fn is_plain(&self) -> bool {
         self.0.is_none()
     }
 
-    /// Draws the aiming pair; returns it with its density relative to the unaimed draw.
-    pub fn draw(&self, u: [f64; 2]) -> ([f64; 2], f64) {
+    /// Maps `u` in [0, 1)² to a point of the grid. Returns the point with its density relative to
+    /// uniform sampling.
+    pub fn sample(&self, u: [f64; 2]) -> ([f64; 2], f64) {
         let Some(grid) = &self.0 else {
             return (u, 1.0);
         };
@@ -43,10 +47,10 @@ impl Aim {
         } else {
             grid.sample([(u[0] - DEFENSIVE) / (1.0 - DEFENSIVE), u[1]]).0
         };
-        (point, DEFENSIVE + (1.0 - DEFENSIVE) * grid.density(point))
+        (point, DEFENSIVE + (1.0 - DEFENSIVE) * grid.pdf(point))
     }
 
-    /// The cell of an aiming pair.
+    /// Returns the index of the cell that contains a point.
     pub fn cell(point: [f64; 2]) -> usize {
         let cell = |x: f64| ((x * CELLS as f64) as usize).min(CELLS - 1);
         cell(point[1]) * CELLS + cell(point[0])
@@ -58,8 +62,9 @@ mod tests {
     use super::*;
     use crate::math::sobol::Sobol;
 
+    /// The mean of 1/density is 1, and the heaviest cell receives its share of the samples.
     #[test]
-    fn aimed_photons_carry_the_same_power_in_the_mean() {
+    fn aiming_preserves_the_mean_power() {
         let mut scores = vec![0.0; CELLS * CELLS];
         scores[700] = 3.0;
         scores[701] = 1.0;
@@ -68,7 +73,7 @@ mod tests {
         let n = 1 << 14;
         let (mut power, mut inside) = (0.0, 0);
         for i in 0..n {
-            let (point, density) = aim.draw([sobol.at(i, 0), sobol.at(i, 1)]);
+            let (point, density) = aim.sample([sobol.at(i, 0), sobol.at(i, 1)]);
             power += 1.0 / density / f64::from(n);
             inside += usize::from(Aim::cell(point) == 700);
         }

@@ -1,12 +1,17 @@
-//! Lights → photons: which light, which wavelengths, which way; then from surface to surface until the photon's end.
+//! Photon paths: emission from the lights, and tracing through the scene.
 
 mod aim;
-mod choice;
 pub mod connect;
-mod drift;
-mod photon;
+mod light_sampler;
+mod medium;
+mod photon_path;
+mod source;
+mod trace;
+mod visitor;
 
 pub use aim::{Aim, CELLS};
-pub use choice::LightChoice;
-pub use drift::{Collision, Crossing};
-pub use photon::{Arrival, Emitters, Receiver, Wavelengthed, trace};
+pub use light_sampler::LightSampler;
+pub use photon_path::PhotonState;
+pub use source::{PhotonSource, WavelengthSampling};
+pub use trace::trace;
+pub use visitor::{MediumCollision, MediumCrossing, PhotonVisitor, SurfaceArrival};

@@ -1,13 +1,20 @@
-//! Photons → density: the kd-tree over surfaces, what is near a ray in media, the kernel, the radius. Lamps → maps of their light in media.
+//! Photon maps and kernels for density estimation: photons on surfaces, photons and beams in media,
+//! kernel radii, and maps of direct light in media.
 
-pub mod index;
+mod box_tree;
 pub mod kernel;
-mod near_ray;
 pub mod photon;
+mod photon_map;
+mod query_cone;
 pub mod radius;
+mod set_maps;
 mod volume;
 
-pub use index::{Nearby, PhotonIndex};
-pub use near_ray::{Cone, Width};
-pub use photon::{Load, Photon};
-pub use volume::{Beam, Came, LightMap, LightMaps, Look, Neighbour, VolumeMap, VolumeMaps, VolumePhoton};
+pub use photon::{Photon, PhotonPower};
+pub use photon_map::{NearbyPhoton, PhotonMap};
+pub use query_cone::{KernelWidth, QueryCone};
+pub use radius::PixelRadii;
+pub use set_maps::{ClassMaps, SetMaps};
+pub use volume::{
+    BeamPath, LightMap, LightMapLookup, LightMaps, PhotonBeam, PhotonNearRay, VolumeMap, VolumeMaps, VolumePhoton,
+};

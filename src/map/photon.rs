@@ -1,44 +1,50 @@
-//! A stored photon.
+//! Stored photons and their compact representation.
 
 use crate::spectrum::{LANES, Lanes, Wavelengths};
 use glam::DVec3;
 
-/// The light that a stored photon carries.
+/// The wavelengths and powers of a stored photon, in single precision.
 #[derive(Debug, Clone, Copy, Default, PartialEq, PartialOrd)]
-pub struct Load {
+pub struct PhotonPower {
     nm: [f32; LANES],
     power: [f32; LANES],
+    /// The number of wavelengths in use.
     count: u8,
+    /// The lane of the only wavelength. If all wavelengths are in use, the value is 0 and is
+    /// ignored.
     lane: u8,
 }
 
-impl Load {
-    /// The wavelengths with their power: W for free photons, W/nm for shared ones. Of a single wavelength `lane` says which of the shared ones it is.
+impl PhotonPower {
+    /// Stores wavelengths with their power: in W for free photons, in W/nm for shared photons. If
+    /// the photon keeps a single wavelength, `lane` is the lane of this wavelength. If the photon
+    /// carries all its wavelengths, `lane` is `None`.
     #[inline]
-    pub fn new(wavelengths: &Wavelengths, power: Lanes, lane: usize) -> Self {
-        let all = wavelengths.count == LANES;
+    pub fn new(wavelengths: &Wavelengths, power: Lanes, lane: Option<usize>) -> Self {
         Self {
             nm: wavelengths.nm.map(|nm| nm as f32),
             power: power.map(|power| power as f32),
             count: wavelengths.count as u8,
-            lane: if all { 0 } else { lane as u8 },
+            lane: lane.map_or(0, |lane| lane as u8),
         }
     }
 
-    /// Each wavelength (nm) and its power.
+    /// Returns each wavelength (nm) in use, and its power.
     #[inline]
     pub fn lanes(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         let lanes = self.nm.iter().zip(&self.power).take(usize::from(self.count));
         lanes.map(|(&nm, &power)| (f64::from(nm), f64::from(power)))
     }
 
-    /// The same where photons keep all their wavelengths.
+    /// Returns all wavelengths (nm) and their powers. Use this function in scenes without
+    /// dispersion, where photons keep all wavelengths.
     #[inline]
     pub fn all_lanes(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         (0..LANES).map(|k| (f64::from(self.nm[k]), f64::from(self.power[k])))
     }
 
-    /// The power at the pass's shared wavelength number `lane`, if the photon still carries that.
+    /// Returns the power at the pass's shared wavelength number `lane`, or `None` if the photon
+    /// gave up that wavelength.
     pub fn at_lane(&self, lane: usize) -> Option<f64> {
         if usize::from(self.count) == LANES {
             Some(f64::from(self.power[lane]))
@@ -48,35 +54,37 @@ impl Load {
     }
 }
 
-/// What is kept of a photon where it met a surface: 44 bytes, and 12 more for its position in the tree.
+/// A photon stored on a surface. The photon takes 44 bytes. The map adds 12 bytes for the position.
 #[derive(Debug, Clone, Copy, Default, PartialEq, PartialOrd)]
 pub struct Photon {
-    /// Its light.
-    pub load: Load,
+    /// Its wavelengths and powers.
+    pub power: PhotonPower,
     to_light: Octahedral,
     normal: Octahedral,
 }
 
 impl Photon {
-    /// A photon that came from the unit direction `to_light` to a surface of this unit normal (on the side it came from).
-    pub fn new(load: Load, to_light: DVec3, normal: DVec3) -> Self {
-        Self { load, to_light: Octahedral::encode(to_light), normal: Octahedral::encode(normal) }
+    /// Creates a photon at a surface. The unit direction `to_light` points back along the photon's
+    /// path. `normal` is the surface's unit normal on the side of arrival.
+    pub fn new(power: PhotonPower, to_light: DVec3, normal: DVec3) -> Self {
+        Self { power, to_light: Octahedral::encode(to_light), normal: Octahedral::encode(normal) }
     }
 
-    /// The unit direction towards where the photon came from.
+    /// Returns the unit direction back towards the photon's previous vertex.
     #[inline]
     pub fn to_light(&self) -> DVec3 {
         self.to_light.decode()
     }
 
-    /// The surface's unit normal on the side it came from.
+    /// Returns the surface's unit normal on the side of arrival.
     #[inline]
     pub fn normal(&self) -> DVec3 {
         self.normal.decode()
     }
 }
 
-/// A unit vector on the octahedron, 16 bits a coordinate (Cigolle et al. 2014); off by less than 7·10⁻⁵ rad.
+/// A unit vector in octahedral encoding with 16 bits per coordinate (Cigolle et al. 2014, "A Survey
+/// of Efficient Representations for Independent Unit Vectors"). The error is below 7·10⁻⁵ rad.
 #[derive(Debug, Clone, Copy, Default, PartialEq, PartialOrd)]
 pub(super) struct Octahedral([i16; 2]);
 
@@ -106,8 +114,9 @@ mod tests {
     use super::*;
     use crate::math::{sobol::Sobol, warp};
 
+    /// The encoding changes a direction by less than the error given above.
     #[test]
-    fn directions_survive_their_sixteen_bits() {
+    fn octahedral_encoding_is_accurate() {
         let sobol = Sobol::new(2);
         let axes = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
         let random = (0..1000).map(|i| warp::sphere([sobol.at(i, 0), sobol.at(i, 1)]));
@@ -116,8 +125,9 @@ mod tests {
         }
     }
 
+    /// A photon with its position fits in 64 bytes.
     #[test]
-    fn a_photon_takes_no_more_than_its_share_of_memory() {
+    fn a_stored_photon_fits_in_64_bytes() {
         assert!(size_of::<Photon>() + 3 * size_of::<f32>() <= 64);
     }
 }

@@ -1,32 +1,86 @@
-//! Kernel radii: fixed per pixel by the pilot, shrinking with the pass.
+//! Kernel radii: the pilot fixes the first radius of each pixel, and each pass shrinks it.
 
+use crate::plan::partition::{PerClass, PerSet};
 use glam::DVec3;
 
-/// How far the radii of a pass have shrunk.
+/// The first radii of a pixel, by photon set and class.
+///
+/// `T` is `f32`, or `Option<f32>` while the pilot does not know all radii.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PixelRadii<T = f32> {
+    /// Radii on surfaces, in m.
+    pub surface: PerSet<PerClass<T>>,
+    /// Radii in media, relative to the distance from the camera.
+    pub volume: PerSet<PerClass<T>>,
+}
+
+/// The factors of a pass on the first radii.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scales {
-    /// On surfaces.
+pub struct RadiusScales {
+    /// The factor on surfaces.
     pub surface: f64,
-    /// Of points in media, seen along a ray.
+    /// The factor for points in media, gathered along a ray.
     pub points: f64,
-    /// Of beams in media, seen along a ray.
+    /// The factor for beams in media, gathered along a ray.
     pub beams: f64,
 }
 
-impl Scales {
-    /// Those of a pass, counted from 0.
+impl<T: Copy> PixelRadii<T> {
+    /// Sets all radii to the same value.
+    pub fn splat(radius: T) -> Self {
+        let of_all = PerSet::from_fn(|_| PerClass::from_fn(|_| radius));
+        Self { surface: of_all, volume: of_all }
+    }
+
+    /// Computes each radius from the corresponding values of two pixels.
+    pub fn zip_with<U: Copy, V>(self, other: PixelRadii<U>, mut combine: impl FnMut(T, U) -> V) -> PixelRadii<V> {
+        let mut of_sets = |a: PerSet<PerClass<T>>, b: PerSet<PerClass<U>>| {
+            a.zip_with(b, |a: PerClass<T>, b: PerClass<U>| a.zip_with(b, &mut combine))
+        };
+        PixelRadii { surface: of_sets(self.surface, other.surface), volume: of_sets(self.volume, other.volume) }
+    }
+
+    /// Returns all radii, always in the same order.
+    pub fn all(&self) -> [T; 8] {
+        let mut copy = *self;
+        copy.all_mut().map(|radius| *radius)
+    }
+
+    /// Returns mutable references to all radii, in the order of [`Self::all`].
+    pub fn all_mut(&mut self) -> [&mut T; 8] {
+        let Self { surface, volume } = self;
+        [
+            &mut surface.free.caustic,
+            &mut surface.free.indirect,
+            &mut surface.shared.caustic,
+            &mut surface.shared.indirect,
+            &mut volume.free.caustic,
+            &mut volume.free.indirect,
+            &mut volume.shared.caustic,
+            &mut volume.shared.indirect,
+        ]
+    }
+}
+
+impl RadiusScales {
+    /// Returns the factors of a pass, counted from 0.
     pub fn of_pass(pass: u64) -> Self {
         Self { surface: scale(pass, 2), points: scale(pass, 2), beams: scale(pass, 1) }
     }
 }
 
-/// How far the radius of pass `pass` (counted from 0) has shrunk: r_pass = scale · r_first. From rᵈ_{i+1} = rᵈ_i (i + α)/(i + 1), i counted from
-/// 1, with α = 4/(d + 4) for a kernel of d dimensions (Knaus & Zwicker 2011, eq. 15): 2 on surfaces and for points seen along a ray, where mean square
-/// error then falls as N^(−2/3); 1 for beams seen along a ray, N^(−4/5). Depends on the
-/// pass's number alone, so that passes may run in any order.
+/// Returns the factor on the first radius of a kernel in pass `pass` (counted from 0). The kernel
+/// has d dimensions.
+///
+/// The radii follow rᵈ_{i+1} = rᵈ_i (i + α)/(i + 1), with i counted from 1 and α = 4/(d + 4) (Knaus
+/// & Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach", eq. 15). Kernels on
+/// surfaces and for points along a ray have d = 2, and their mean square error falls as N^(−2/3).
+/// Kernels for beams along a ray have d = 1, and their mean square error falls as N^(−4/5). The
+/// factor depends only on the number of the pass, so that passes can run in any order.
 fn scale(pass: u64, dimensions: u32) -> f64 {
     let alpha = 4.0 / (f64::from(dimensions) + 4.0);
-    // Π (i + α)/(i + 1) for i = 1…pass: exact for the first, then by the ratio Γ(n + α)/Γ(n + 1) ~ n^(α−1)(1 + (α−1)α/2n).
+    // The product of (i + α)/(i + 1) for i = 1…pass is exact up to `EXACT`. For larger i, it
+    // follows the asymptotic ratio Γ(n + α)/Γ(n + 1) ~ n^(α−1)(1 + (α−1)α/2n).
     const EXACT: u64 = 4096;
     let product: f64 = (1..=pass.min(EXACT)).map(|i| (i as f64 + alpha) / (i as f64 + 1.0)).product();
     let tail = if pass > EXACT {
@@ -38,25 +92,29 @@ fn scale(pass: u64, dimensions: u32) -> f64 {
     (product * tail).powf(1.0 / f64::from(dimensions))
 }
 
-/// The first radius (m) of a pixel: that of the k-th nearest photon, at least the pixel's footprint (a smaller kernel only adds
-/// noise within one pixel) and at most `largest`. Coincident photons (distance 0) give the footprint.
+/// Returns the first radius (m) of a pixel: the distance to the k-th nearest photon, limited to the
+/// range from the pixel's footprint to `largest_m`. A kernel smaller than the footprint only adds
+/// noise. If the photons coincide (distance 0), the radius is the footprint. Without photons, the
+/// radius is `largest_m`.
 pub fn first(kth_distance_m: Option<f64>, footprint_m: f64, largest_m: f64) -> f64 {
     kth_distance_m.unwrap_or(largest_m).clamp(footprint_m.min(largest_m), largest_m)
 }
 
-/// The smallest radius (m) of a kernel at a place relative to the scene's centre: 16 of the steps in which photons' positions, in single precision,
-/// are kept there. A smaller kernel would see their lattice.
-pub fn least(place: DVec3) -> f64 {
+/// Returns the smallest useful radius (m) of a kernel at `position` (m, relative to the scene's
+/// centre): 16 times the spacing of single-precision numbers there. A smaller kernel would resolve
+/// the rounding of the photons' positions.
+pub fn least(position: DVec3) -> f64 {
     const SIXTEEN_STEPS: f64 = 16.0 * (f32::EPSILON as f64);
-    SIXTEEN_STEPS * place.abs().max_element()
+    SIXTEEN_STEPS * position.abs().max_element()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// The factors satisfy the recurrence, also beyond the part that is computed exactly.
     #[test]
-    fn radii_shrink_as_the_recurrence_says() {
+    fn radii_follow_the_recurrence() {
         for (dimensions, alpha) in [(1, 4.0 / 5.0), (2, 2.0 / 3.0)] {
             let mut power = 1.0;
             for i in 1..6000_u64 {
@@ -67,6 +125,7 @@ mod tests {
         }
     }
 
+    /// First radii lie between the footprint and the largest radius.
     #[test]
     fn a_first_radius_stays_within_its_bounds() {
         assert_eq!(first(Some(0.0), 0.01, 1.0), 0.01);

@@ -1,14 +1,16 @@
 //! Discrete and piecewise-constant distributions with exact densities.
 
-/// Draws an index with probability proportional to its weight.
+/// A distribution over indices. The probability of an index is proportional to its weight.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Discrete {
-    /// Cumulative probabilities; entry i is the sum below index i, the last is 1.
+pub struct DiscreteDistribution {
+    /// Cumulative probabilities. Entry i is the sum of the probabilities below index i; the last
+    /// entry is 1.
     cumulative: Vec<f64>,
 }
 
-impl Discrete {
-    /// Weights must be finite and not negative; `None` if their sum is 0.
+impl DiscreteDistribution {
+    /// Builds the distribution from its weights, which must be finite and not negative. Returns
+    /// `None` if the sum of the weights is 0.
     pub fn new(weights: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut cumulative = vec![0.0];
         let mut sum = 0.0;
@@ -23,22 +25,23 @@ impl Discrete {
         Some(Self { cumulative })
     }
 
-    /// How many indices there are.
+    /// Returns the number of indices.
     pub fn len(&self) -> usize {
         self.cumulative.len() - 1
     }
 
-    /// Never true: a distribution has at least one index of positive weight.
+    /// Always returns false, because a distribution has at least one index of positive weight.
     pub fn is_empty(&self) -> bool {
         false
     }
 
-    /// The probability of an index.
+    /// Returns the probability of an index.
     pub fn probability(&self, index: usize) -> f64 {
         self.cumulative[index + 1] - self.cumulative[index]
     }
 
-    /// Draws an index by `u` in [0, 1) and leaves in `u` a fresh uniform number. Never draws an index of probability 0.
+    /// Samples an index by the number `u` in [0, 1). Then replaces `u` by a new uniform number,
+    /// which can be used again. An index of probability 0 is never sampled.
     pub fn sample(&self, u: &mut f64) -> usize {
         let above = self.cumulative.partition_point(|&c| c <= *u).clamp(1, self.len());
         let index = above - 1;
@@ -47,40 +50,42 @@ impl Discrete {
     }
 }
 
-/// A density over the unit square, constant on each cell of a grid.
+/// A density over the unit square that is constant on each cell of a grid (pbrt's
+/// `PiecewiseConstant2D`).
 #[derive(Debug, Clone, PartialEq)]
-pub struct Grid {
+pub struct PiecewiseConstant2d {
     columns: usize,
-    rows: Discrete,
-    within_row: Vec<Option<Discrete>>,
+    rows: DiscreteDistribution,
+    within_row: Vec<Option<DiscreteDistribution>>,
 }
 
-impl Grid {
-    /// The density proportional to `weights` (rows of `columns` cells; row index along the second coordinate).
-    /// `None` if all are 0.
+impl PiecewiseConstant2d {
+    /// Builds the density from the weights of the cells. The weights are listed row by row, and
+    /// each row has `columns` cells. The rows follow each other along the second coordinate.
+    /// Returns `None` if all weights are 0.
     pub fn new(columns: usize, weights: &[f64]) -> Option<Self> {
-        let rows = Discrete::new(weights.chunks(columns).map(|row| row.iter().sum()))?;
-        let within_row = weights.chunks(columns).map(|row| Discrete::new(row.iter().copied())).collect();
+        let rows = DiscreteDistribution::new(weights.chunks(columns).map(|row| row.iter().sum()))?;
+        let within_row = weights.chunks(columns).map(|row| DiscreteDistribution::new(row.iter().copied())).collect();
         Some(Self { columns, rows, within_row })
     }
 
-    /// Draws a point of the unit square; returns it with its density.
+    /// Samples a point of the unit square. Returns the point and its density per unit area.
     pub fn sample(&self, u: [f64; 2]) -> ([f64; 2], f64) {
         let [mut a, mut b] = u;
         let row = self.rows.sample(&mut b);
         let cells = self.within_row[row].as_ref().expect("a row of probability 0 is never drawn");
         let column = cells.sample(&mut a);
         let point = [(column as f64 + a) / self.columns as f64, (row as f64 + b) / self.rows.len() as f64];
-        (point, self.cell_density(row, column))
+        (point, self.cell_pdf(row, column))
     }
 
-    /// The density at a point of the unit square.
-    pub fn density(&self, point: [f64; 2]) -> f64 {
+    /// Returns the density per unit area at a point of the unit square.
+    pub fn pdf(&self, point: [f64; 2]) -> f64 {
         let cell = |x: f64, count: usize| ((x * count as f64) as usize).min(count - 1);
-        self.cell_density(cell(point[1], self.rows.len()), cell(point[0], self.columns))
+        self.cell_pdf(cell(point[1], self.rows.len()), cell(point[0], self.columns))
     }
 
-    fn cell_density(&self, row: usize, column: usize) -> f64 {
+    fn cell_pdf(&self, row: usize, column: usize) -> f64 {
         let inside = self.within_row[row].as_ref().map_or(0.0, |cells| cells.probability(column));
         self.rows.probability(row) * inside * (self.columns * self.rows.len()) as f64
     }
@@ -92,8 +97,8 @@ mod tests {
     use crate::math::random::ONE_MINUS_ULP;
 
     #[test]
-    fn an_index_is_drawn_in_proportion_and_never_at_weight_zero() {
-        let distribution = Discrete::new([0.0, 1.0, 0.0, 3.0, 0.0]).unwrap();
+    fn indices_are_sampled_in_proportion_to_their_weights() {
+        let distribution = DiscreteDistribution::new([0.0, 1.0, 0.0, 3.0, 0.0]).unwrap();
         let mut counts = [0; 5];
         for i in 0..4000 {
             let mut u = f64::from(i) / 4000.0;
@@ -103,19 +108,19 @@ mod tests {
         assert_eq!(counts, [0, 1000, 0, 3000, 0]);
         assert_eq!(distribution.sample(&mut ONE_MINUS_ULP.clone()), 3);
         assert_eq!(distribution.sample(&mut 0.0_f64.clone()), 1);
-        assert!(Discrete::new([0.0, 0.0]).is_none());
+        assert!(DiscreteDistribution::new([0.0, 0.0]).is_none());
     }
 
     #[test]
-    fn a_grid_density_integrates_to_one_and_matches_its_samples() {
-        let grid = Grid::new(3, &[1.0, 0.0, 2.0, 0.0, 0.0, 0.0, 4.0, 1.0, 0.5]).unwrap();
+    fn the_density_integrates_to_one_and_matches_its_samples() {
+        let grid = PiecewiseConstant2d::new(3, &[1.0, 0.0, 2.0, 0.0, 0.0, 0.0, 4.0, 1.0, 0.5]).unwrap();
         let n = 300;
         let mut integral = 0.0;
         for i in 0..n {
             for j in 0..n {
-                integral += grid.density([(f64::from(i) + 0.5) / f64::from(n), (f64::from(j) + 0.5) / f64::from(n)]);
-                let (p, density) = grid.sample([f64::from(i) / f64::from(n), f64::from(j) / f64::from(n)]);
-                assert!(density > 0.0 && (density - grid.density(p)).abs() < 1e-12 * density);
+                integral += grid.pdf([(f64::from(i) + 0.5) / f64::from(n), (f64::from(j) + 0.5) / f64::from(n)]);
+                let (p, pdf) = grid.sample([f64::from(i) / f64::from(n), f64::from(j) / f64::from(n)]);
+                assert!(pdf > 0.0 && (pdf - grid.pdf(p)).abs() < 1e-12 * pdf);
             }
         }
         assert!((integral / f64::from(n * n) - 1.0).abs() < 1e-9);

@@ -1,8 +1,8 @@
-//! Orthonormal frames: from the world to a surface's own axes and back.
+//! Orthonormal frames: from world coordinates to the local axes of a surface and back.
 
 use glam::DVec3;
 
-/// A right-handed orthonormal frame whose third axis is a surface's normal.
+/// A right-handed orthonormal frame. Its third axis is the surface normal.
 #[derive(Debug, Clone, Copy)]
 pub struct Frame {
     s: DVec3,
@@ -11,7 +11,8 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame around the unit vector `n` (Duff et al. 2017, continuous but for one half-plane).
+    /// Builds a frame around the unit vector `n` (Duff et al. 2017). The frame is continuous in `n`
+    /// except on the circle n.z = 0.
     #[inline]
     pub fn new(n: DVec3) -> Self {
         let sign = 1.0_f64.copysign(n.z);
@@ -24,19 +25,19 @@ impl Frame {
         }
     }
 
-    /// The third axis.
+    /// Returns the third axis.
     #[inline]
     pub fn normal(&self) -> DVec3 {
         self.n
     }
 
-    /// The vector's components along the frame's axes.
+    /// Returns the components of a world vector along the axes of the frame.
     #[inline]
     pub fn to_local(&self, v: DVec3) -> DVec3 {
         DVec3::new(v.dot(self.s), v.dot(self.t), v.dot(self.n))
     }
 
-    /// The vector with these components.
+    /// Returns the world vector with the components `v` in the frame.
     #[inline]
     pub fn to_world(&self, v: DVec3) -> DVec3 {
         self.s * v.x + self.t * v.y + self.n * v.z

@@ -1,22 +1,27 @@
-//! Kronecker sequences: multiples of an irrational number, modulo 1. Any number of points is evenly spread, and none needs to know how many follow.
+//! Kronecker sequences: the multiples of an irrational number, modulo 1.
 //!
-//! The two here, by the golden ratio and by √3, share no rational relation: together they fill the square (Weyl 1916). A few points of both are no more
-//! correlated than independent numbers, and many far less. (The golden ratio and √2 would be: 1/φ + √2 = 2.03 ties a dozen points to a line.)
+//! Every prefix of a sequence is evenly spread, so the number of points need not be known in
+//! advance. The two sequences use the golden ratio φ and √3. Together they fill the unit square
+//! evenly, because 1, φ and √3 are linearly independent over the rational numbers (Weyl 1916). A
+//! few pairs of points are no more correlated than independent numbers, and many pairs are far less
+//! correlated. The pair φ and √2 would be worse: 1/φ + √2 ≈ 2.03 puts a dozen consecutive points
+//! close to one line.
 
-/// Point `index` of the golden-ratio sequence, shifted by a hash.
-pub fn golden(index: u32, shift: u64) -> f64 {
+/// Returns point `index` of the golden-ratio sequence, shifted by the hash `shift`.
+pub fn golden_ratio(index: u32, shift: u64) -> f64 {
     // 2⁶⁴/φ.
-    multiple(0x9e37_79b9_7f4a_7c15, index, shift)
+    kronecker_point(0x9e37_79b9_7f4a_7c15, index, shift)
 }
 
-/// Point `index` of the sequence of multiples of √3, Theodorus' constant, shifted by a hash.
-pub fn theodorus(index: u32, shift: u64) -> f64 {
+/// Returns point `index` of the sequence of the multiples of √3, shifted by the hash `shift`.
+pub fn sqrt3(index: u32, shift: u64) -> f64 {
     // 2⁶⁴·(√3 − 1).
-    multiple(0xbb67_ae85_84ca_a73b, index, shift)
+    kronecker_point(0xbb67_ae85_84ca_a73b, index, shift)
 }
 
-/// A multiple of a step of 2⁻⁶⁴ths; the product wraps around as the sequence wants.
-fn multiple(step: u64, index: u32, shift: u64) -> f64 {
+/// Returns `index` × `step` + `shift` in units of 2⁻⁶⁴, as a number in [0, 1). The integer product
+/// wraps around. This is the reduction modulo 1.
+fn kronecker_point(step: u64, index: u32, shift: u64) -> f64 {
     let turned = u64::from(index).wrapping_mul(step).wrapping_add(shift);
     (turned >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
 }
@@ -27,7 +32,7 @@ mod tests {
 
     #[test]
     fn any_number_of_points_is_evenly_spread() {
-        for sequence in [golden, theodorus] {
+        for sequence in [golden_ratio, sqrt3] {
             for count in [5_u32, 8, 37, 256] {
                 let mut points: Vec<f64> = (0..count).map(|i| sequence(i, 0x1234_5678_9abc_def0)).collect();
                 points.sort_by(f64::total_cmp);
@@ -43,17 +48,18 @@ mod tests {
     fn the_two_sequences_fill_the_square_together() {
         let mut seen = [0_u32; 64];
         for i in 0..64 * 64 {
-            seen[(golden(i, 1) * 8.0) as usize * 8 + (theodorus(i, 2) * 8.0) as usize] += 1;
+            seen[(golden_ratio(i, 1) * 8.0) as usize * 8 + (sqrt3(i, 2) * 8.0) as usize] += 1;
         }
         assert!(seen.iter().all(|count| (56..=72).contains(count)), "{seen:?}");
     }
 
+    /// A few pairs of points must be no more correlated than independent numbers.
     #[test]
-    fn a_few_points_of_both_are_no_more_correlated_than_independent_numbers() {
+    fn few_pairs_of_points_are_uncorrelated() {
         for count in [8_u32, 11, 16, 32] {
             let shifts: Vec<u64> = (0..256).map(crate::math::random::mix64).collect();
             let square = |pair: &[u64]| {
-                let points: Vec<[f64; 2]> = (0..count).map(|i| [golden(i, pair[0]), theodorus(i, pair[1])]).collect();
+                let points: Vec<[f64; 2]> = (0..count).map(|i| [golden_ratio(i, pair[0]), sqrt3(i, pair[1])]).collect();
                 let n = f64::from(count);
                 let mean = [0, 1].map(|d| points.iter().map(|p| p[d]).sum::<f64>() / n);
                 let product =

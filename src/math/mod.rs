@@ -1,4 +1,5 @@
-//! Random streams, low-discrepancy points, warps with their densities, distributions, quadrature, exact sums, frames.
+//! General mathematics that does not deal with light: random streams, low-discrepancy points,
+//! sampling routines and their densities, distributions, quadrature, exact sums and frames.
 
 pub mod distribution;
 pub mod frame;

@@ -1,6 +1,6 @@
-//! Gauss–Legendre quadrature: with n points exact for polynomials up to degree 2n − 1.
+//! Gauss–Legendre quadrature. A rule with n points is exact for polynomials up to degree 2n − 1.
 
-/// Places in (−1, 1), the positive half, with their weights.
+/// The positive nodes in (0, 1) with their weights. The negative nodes are their mirror images.
 const TWO: [(f64, f64); 1] = [(0.577_350_269_189_625_8, 1.0)];
 const FOUR: [(f64, f64); 2] =
     [(0.339_981_043_584_856_26, 0.652_145_154_862_546_1), (0.861_136_311_594_052_6, 0.347_854_845_137_453_85)];
@@ -15,17 +15,20 @@ const SIXTEEN: [(f64, f64); 8] = [
     (0.9894009349916499, 0.027152459411754176),
 ];
 
-/// ∫ f from `from` to `to` by two points: exact for cubics.
+/// Integrates `f` over an interval by the two-point rule. The result is exact for cubic
+/// polynomials.
 pub fn gauss2((from, to): (f64, f64), f: impl Fn(f64) -> f64) -> f64 {
     symmetric(&TWO, (from, to), f)
 }
 
-/// ∫ f from `from` to `to` by four points: exact for polynomials of degree 7.
+/// Integrates `f` over an interval with four points. The result is exact for polynomials of degree
+/// 7.
 pub fn gauss4((from, to): (f64, f64), f: impl Fn(f64) -> f64) -> f64 {
     symmetric(&FOUR, (from, to), f)
 }
 
-/// ∫ f from `from` to `to` by sixteen points: exact for polynomials of degree 31.
+/// Integrates `f` over an interval with sixteen points. The result is exact for polynomials of
+/// degree 31.
 pub fn gauss16((from, to): (f64, f64), f: impl Fn(f64) -> f64) -> f64 {
     symmetric(&SIXTEEN, (from, to), f)
 }
@@ -39,9 +42,12 @@ fn symmetric(half: &[(f64, f64)], (from, to): (f64, f64), f: impl Fn(f64) -> f64
 mod tests {
     use super::*;
 
+    /// Each rule must integrate polynomials exactly up to the documented degree, and not beyond
+    /// that degree.
     #[test]
-    fn polynomials_of_the_promised_degree_are_exact_and_the_next_are_not() {
-        // ∫₀² xⁿ dx, shifted so that nothing cancels by symmetry.
+    fn rules_are_exact_up_to_the_promised_degree() {
+        // The integral of xⁿ from 0 to 2. The interval is not symmetric, so no term cancels by
+        // symmetry.
         let power = |n: i32| move |x: f64| x.powi(n);
         let exact = |n: i32| 2.0_f64.powi(n + 1) / f64::from(n + 1);
         for n in 0..=33 {

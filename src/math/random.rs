@@ -1,38 +1,41 @@
-//! Independent streams of random numbers: one per path, seeded by a hash of what the path is.
+//! Independent streams of random numbers, one for each path. A stream is seeded by a hash of the
+//! path's identity.
 //!
-//! Every random number of a render comes from here or from [`super::sobol`], so that the picture depends on
-//! (seed, pass, path) and on nothing else: not on threads, not on the order in which the work was done.
+//! Every random number of a render comes from this module, from [`super::sobol`] or from
+//! [`super::kronecker`]. Therefore the picture depends only on the seed, the passes and the paths.
+//! The number of threads and the order of the work have no influence.
 
 use rand::Rng;
 use rand_pcg::Pcg32;
 
-/// The largest `f64` below 1, where a sampler's `u` ends.
+/// The largest `f64` below 1. It is the upper end of the range of the sampler argument `u`.
 pub const ONE_MINUS_ULP: f64 = 1.0 - f64::EPSILON / 2.0;
 
-/// Noise is measured over this many replicates of the whole picture; pass i belongs to replicate i mod 8.
+/// The number of replicates of the picture. The noise is measured from the replicates. Pass i
+/// belongs to replicate i mod 8.
 pub const REPLICATES: usize = 8;
 
-/// What a stream is for; streams of different purposes are independent.
+/// The purpose of a stream. Streams of different purposes are independent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Purpose {
-    /// Photons with wavelengths of their own.
+    /// Photons of the free set, which have their own wavelengths.
     FreePhoton = 1,
-    /// Photons on the pass's shared wavelengths.
+    /// Photons of the shared set, which have the shared wavelengths of the pass.
     SharedPhoton,
     /// Camera paths.
     Camera,
-    /// What a whole pass draws once: shared wavelengths.
+    /// Numbers drawn once in a pass, such as the shared wavelengths.
     Pass,
-    /// The pilot that fixes radii and guides before pass 0.
+    /// The pilot, which determines radii and guides before pass 0.
     Pilot,
-    /// The moment of a pass.
+    /// The shutter time of a pass.
     Moment,
-    /// The places of lamps that a pass's light maps are made for.
+    /// The points in the light maps of a pass. These points represent the lights.
     LightMap,
 }
 
-/// Mixes a 64-bit word thoroughly (the finaliser of SplitMix64, Steele, Lea & Flood 2014).
+/// Mixes the bits of a 64-bit word (the finaliser of SplitMix64, Steele, Lea & Flood 2014).
 pub fn mix64(mut x: u64) -> u64 {
     x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -40,34 +43,35 @@ pub fn mix64(mut x: u64) -> u64 {
     x ^ (x >> 31)
 }
 
-/// A hash of several words, order included.
+/// Hashes several words. The result depends on their order.
 pub fn hash64<const N: usize>(words: [u64; N]) -> u64 {
     words.into_iter().fold(0x243f_6a88_85a3_08d3, |state, word| mix64(state ^ word))
 }
 
-/// A stream of uniform numbers for one path.
+/// A stream of uniform random numbers for one path.
 #[derive(Debug, Clone)]
 pub struct Stream(Pcg32);
 
 impl Stream {
-    /// The stream of path `path` in pass `pass`. State and sequence are hashed apart: consecutive sequences on
-    /// one state are visibly correlated.
+    /// Returns the stream of path `path` in pass `pass`. The state and the sequence of the
+    /// generator are hashed separately, because consecutive sequences with the same state are
+    /// visibly correlated.
     pub fn new(seed: u64, purpose: Purpose, pass: u64, path: u64) -> Self {
         let key = hash64([seed, purpose as u64, pass, path]);
         Self(Pcg32::new(key, mix64(key)))
     }
 
-    /// A number in [0, 1) with 32 random bits.
+    /// Returns a number in [0, 1) with 32 random bits.
     pub fn uniform(&mut self) -> f64 {
         f64::from(self.0.next_u32()) * (1.0 / 4_294_967_296.0)
     }
 
-    /// Two numbers in [0, 1).
+    /// Returns two numbers in [0, 1).
     pub fn pair(&mut self) -> [f64; 2] {
         [self.uniform(), self.uniform()]
     }
 
-    /// Three numbers in [0, 1).
+    /// Returns three numbers in [0, 1).
     pub fn triple(&mut self) -> [f64; 3] {
         [self.uniform(), self.uniform(), self.uniform()]
     }
@@ -79,7 +83,8 @@ mod tests {
 
     #[test]
     fn neighbouring_streams_are_uncorrelated() {
-        // The correlation of n pairs has standard deviation 1/√n; four of them is the bound.
+        // The correlation of n pairs has the standard deviation 1/√n. The bound is four standard
+        // deviations.
         let n = 20_000_u64;
         for (purpose, step) in [(Purpose::Camera, 1), (Purpose::FreePhoton, 1 << 32)] {
             let mut sum = 0.0;

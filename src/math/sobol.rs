@@ -1,14 +1,16 @@
-//! Owen-scrambled Sobol points: each prefix of the sequence is well spread in every dimension and pair.
+//! Owen-scrambled Sobol points: each prefix of the sequence is evenly spread in every dimension and
+//! in every pair of dimensions.
 //!
-//! Direction numbers: Joe & Kuo 2008 (primitive polynomials and initial values of their first dimensions).
-//! Scrambling: nested uniform scrambling by a hash of the higher bits, Laine & Karras 2011 with the hash of
-//! Vegdahl 2021, as laid out in Burley 2020. 32 bits: the sequence repeats after 2³² points.
+//! The primitive polynomials and initial direction numbers are those of the first dimensions of Joe
+//! & Kuo 2008. Nested uniform scrambling hashes the higher bits of the points. The method is that
+//! of Laine & Karras 2011 in the form of Burley 2020. The hash is that of Vegdahl 2021. Numbers
+//! have 32 bits, so the sequence repeats after 2³² points.
 
-/// How many dimensions there are.
+/// The number of dimensions.
 pub const DIMENSIONS: usize = 8;
 
-/// Polynomial degree, coefficient bits, and initial direction numbers of dimensions 1…7 (dimension 0 is the
-/// van der Corput sequence).
+/// Polynomial degree, coefficient bits and initial direction numbers of dimensions 1 to 7.
+/// Dimension 0 is the van der Corput sequence.
 const JOE_KUO: [(u32, u32, [u32; 5]); DIMENSIONS - 1] = [
     (1, 0, [1, 0, 0, 0, 0]),
     (2, 1, [1, 3, 0, 0, 0]),
@@ -19,8 +21,8 @@ const JOE_KUO: [(u32, u32, [u32; 5]); DIMENSIONS - 1] = [
     (5, 2, [1, 1, 5, 5, 17]),
 ];
 
-/// The generator matrices' columns, side by side for all dimensions; most significant digit in bit 0, which is the order in which the
-/// scrambling wants them.
+/// The columns of the generator matrices, side by side for all dimensions. The most significant
+/// digit is in bit 0. The scrambling needs this order.
 static DIRECTIONS: [[u32; DIMENSIONS]; 32] = directions();
 
 const fn directions() -> [[u32; DIMENSIONS]; 32] {
@@ -63,14 +65,14 @@ const fn directions() -> [[u32; DIMENSIONS]; 32] {
     columns
 }
 
-/// A scrambled point set; different seeds give independent scramblings.
+/// A scrambled point set. Different seeds give independent scramblings.
 #[derive(Debug, Clone, Copy)]
 pub struct Sobol {
     scrambles: [u32; DIMENSIONS],
 }
 
 impl Sobol {
-    /// The point set scrambled by this seed.
+    /// Returns the point set scrambled by the seed.
     pub fn new(seed: u64) -> Self {
         Self {
             scrambles: std::array::from_fn(|dimension| {
@@ -79,7 +81,7 @@ impl Sobol {
         }
     }
 
-    /// Point `index`, all coordinates in [0, 1).
+    /// Returns point `index`; all coordinates are in [0, 1).
     #[inline(always)]
     pub fn point(&self, index: u32) -> [f64; DIMENSIONS] {
         let mut digits = [0_u32; DIMENSIONS];
@@ -93,14 +95,15 @@ impl Sobol {
         digits.map(|digits| f64::from(digits.reverse_bits()) * (1.0 / 4_294_967_296.0))
     }
 
-    /// Coordinate `dimension` (below [`DIMENSIONS`]) of point `index`, in [0, 1).
+    /// Returns coordinate `dimension` (below [`DIMENSIONS`]) of point `index`, in [0, 1).
     #[inline]
     pub fn at(&self, index: u32, dimension: usize) -> f64 {
         self.point(index)[dimension]
     }
 }
 
-/// Nested uniform scrambling of the digits, most significant in bit 0: each bit is flipped by a hash of the bits below it.
+/// Applies nested uniform scrambling to digits. The most significant digit is in bit 0. Each bit is
+/// flipped or not, depending on a hash of the bits below it.
 #[inline]
 fn owen(digits: u32, seed: u32) -> u32 {
     let mut x = digits;
@@ -145,7 +148,8 @@ mod tests {
 
     #[test]
     fn an_integral_converges_faster_than_random() {
-        // ∫ Π (0.5 + u_d) over [0,1]⁸ = 1, with 4096 points; random numbers would err by about 0.01.
+        // The integral of Π (0.5 + u_d) over [0, 1]⁸ is 1. With 4096 points, independent random
+        // numbers would have an error of about 0.01.
         let sobol = Sobol::new(11);
         let n = 4096;
         let product = |index| (0..DIMENSIONS).map(|d| 0.5 + sobol.at(index, d)).product::<f64>();

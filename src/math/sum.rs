@@ -2,8 +2,9 @@
 
 use std::ops::AddAssign;
 
-/// An exact sum in fixed point: 128 bits with a quantum of 2⁻⁶⁴, so that it holds magnitudes up to 9·10¹⁸ and adds in any
-/// order to the same bits. A term is rounded once to the quantum; a sum out of range sticks at the end and says so.
+/// An exact sum in 128-bit fixed point with a quantum of 2⁻⁶⁴. It holds magnitudes up to 9·10¹⁸ and
+/// gives the same bits in any order of addition. Each term is rounded once to the quantum. Outside
+/// this range the sum saturates, and [`overflowed`](Self::overflowed) returns true.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ExactSum(i128);
 
@@ -11,28 +12,29 @@ pub struct ExactSum(i128);
 const SCALE: f64 = 18_446_744_073_709_551_616.0;
 
 impl ExactSum {
-    /// The sum so far.
+    /// Returns the sum of the terms so far.
     pub fn value(self) -> f64 {
         self.0 as f64 / SCALE
     }
 
-    /// Whether a term or the sum ran out of range (or a term was not a number).
+    /// Returns whether a term was NaN, or whether a term or the sum left the range.
     pub fn overflowed(self) -> bool {
         self.0 == i128::MAX || self.0 == i128::MIN
     }
 
-    /// The sum's bits, for checkpoints and merging.
+    /// Returns the bits of the sum, for checkpoints and merging.
     pub fn bits(self) -> i128 {
         self.0
     }
 
-    /// A sum from its bits.
+    /// Builds a sum from its bits.
     pub fn from_bits(bits: i128) -> Self {
         Self(bits)
     }
 }
 
-/// A term in quanta. A float-to-integer cast saturates; it would take NaN to 0, which is marked as out of range instead.
+/// Converts a term to quanta. The cast saturates. NaN would become 0 in the cast, so NaN is marked
+/// as out of range instead.
 fn quanta(term: f64) -> i128 {
     if term.is_nan() { i128::MAX } else { (term * SCALE) as i128 }
 }

@@ -1,9 +1,10 @@
-//! Warps of the unit square onto disks, spheres and cones, each beside its density.
+//! Mappings of the unit square onto disks, spheres and cones, each with its density.
 
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
-/// The unit disk, uniformly (density 1/π), with little distortion: Shirley & Chiu 1997.
+/// Maps the unit square onto the unit disk uniformly (density 1/π) and with little distortion
+/// (Shirley & Chiu 1997).
 pub fn disk(u: [f64; 2]) -> DVec2 {
     let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
     if a == 0.0 && b == 0.0 {
@@ -14,22 +15,24 @@ pub fn disk(u: [f64; 2]) -> DVec2 {
     DVec2::new(radius * angle.cos(), radius * angle.sin())
 }
 
-/// The regular polygon of circumradius 1 with a corner at (1, 0), uniformly.
+/// Maps the unit square uniformly onto a regular polygon. The polygon has circumradius 1 and a
+/// corner at (1, 0).
 pub fn regular_polygon(corners: u32, u: [f64; 2]) -> DVec2 {
     let place = u[0] * f64::from(corners);
     let (triangle, across) = (place.floor(), place.fract());
     let corner = |number: f64| DVec2::from_angle(number / f64::from(corners) * TAU);
-    // From the middle outwards with the square root, as the width grows with the distance.
+    // The square root compensates for the width of a triangle, which grows with the distance from
+    // the centre.
     (corner(triangle) * (1.0 - across) + corner(triangle + 1.0) * across) * u[1].sqrt()
 }
 
-/// The hemisphere around +z with density cos θ / π per steradian (Malley's method).
+/// Samples a direction around +z with the density cos θ / π per steradian (Malley's method).
 pub fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
     let d = disk(u);
     d.extend((1.0 - d.length_squared()).max(0.0).sqrt())
 }
 
-/// The whole sphere, uniformly (density 1/4π per steradian).
+/// Samples a direction uniformly over the whole sphere (density 1/(4π) per steradian).
 pub fn sphere(u: [f64; 2]) -> DVec3 {
     let z = 1.0 - 2.0 * u[0];
     let (sin, cos) = (TAU * u[1]).sin_cos();
@@ -37,31 +40,32 @@ pub fn sphere(u: [f64; 2]) -> DVec3 {
     DVec3::new(r * cos, r * sin, z)
 }
 
-/// 1 − cos of a half-angle in radians, without cancellation for narrow cones.
+/// Returns 1 − cos of a half-angle in radians, without cancellation for narrow cones.
 pub fn one_minus_cos(half_angle: f64) -> f64 {
     let s = (0.5 * half_angle).sin();
     2.0 * s * s
 }
 
-/// The solid angle in steradians of a cone of this half-angle in radians.
+/// Returns the solid angle of a cone in steradians. The argument is the half-angle in radians.
 pub fn cone_solid_angle(half_angle: f64) -> f64 {
     TAU * one_minus_cos(half_angle)
 }
 
-/// A cone around +z given by 1 − cos of its half-angle, uniformly over its solid angle
-/// (density 1/(2π·`one_minus_cos`)); exact for very narrow cones too.
+/// Samples a direction uniformly over the solid angle of a cone around +z. The cone is given as 1 −
+/// cos of its half-angle. The density is 1/(2π·`one_minus_cos`). Very narrow cones are exact too.
 pub fn cone(one_minus_cos: f64, u: [f64; 2]) -> DVec3 {
-    ring(u[0] * one_minus_cos, u[1])
+    spherical_direction(u[0] * one_minus_cos, u[1])
 }
 
-/// The direction at an angle from +z, given by 1 − its cosine, and at the azimuth 2π·`u`; exact for very small angles too.
-pub fn ring(one_minus_cos: f64, u: f64) -> DVec3 {
+/// Returns the direction at an angle from +z and at the azimuth 2π·`u`. The angle is given as 1 −
+/// cos of the angle. Very small angles are exact too.
+pub fn spherical_direction(one_minus_cos: f64, u: f64) -> DVec3 {
     let (sin, cos) = (TAU * u).sin_cos();
     let r = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt();
     DVec3::new(r * cos, r * sin, 1.0 - one_minus_cos)
 }
 
-/// The density per steradian of [`cosine_hemisphere`].
+/// Returns the density per steradian of [`cosine_hemisphere`].
 pub fn cosine_hemisphere_pdf(cos_theta: f64) -> f64 {
     cos_theta.max(0.0) / PI
 }
@@ -77,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn first_and_second_moments_are_those_of_the_densities() {
+    fn moments_match_the_densities() {
         let n = 1 << 16;
         assert!((mean(n, |u| disk(u).length_squared()) - 0.5).abs() < 1e-4);
         assert!((mean(n, |u| cosine_hemisphere(u).z) - 2.0 / 3.0).abs() < 1e-4);

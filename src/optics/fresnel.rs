@@ -1,21 +1,25 @@
 //! Reflectance and refraction at a smooth interface between two media.
 //!
-//! The printed form of Fresnel's equations, (n₁cosθ₁ − n₂cosθ₂)/(n₁cosθ₁ + n₂cosθ₂), loses all its digits where the two
-//! products are nearly equal, which is where n₁ ≈ n₂. Multiplied by its own denominator the numerator becomes
-//! n₁² − n₂², which a product of sum and difference gives exactly; everything here is built on that.
+//! The usual form of Fresnel's equations, (n₁cosθ₁ − n₂cosθ₂)/(n₁cosθ₁ + n₂cosθ₂), suffers from
+//! cancellation if n₁ ≈ n₂. Multiplying numerator and denominator by the denominator turns the
+//! numerator into n₁² − n₂² = (n₁ − n₂)(n₁ + n₂), which is exact. All functions of this module use
+//! that form.
 
 use glam::DVec3;
 
-/// n_t²·cos²θ_t, from Snell's law without an angle: (n_t − n_i)(n_t + n_i) + n_i²·cos²θ_i. Negative beyond the critical
-/// angle. Reflectance and refraction both ask this one function, so that they agree on where total reflection begins.
+/// Returns n_t²·cos²θ_t by Snell's law: (n_t − n_i)(n_t + n_i) + n_i²·cos²θ_i. The value is
+/// negative beyond the critical angle. Reflectance and refraction share this function, so both find
+/// the same critical angle.
 fn squared_transmitted(cos_i: f64, n_i: f64, n_t: f64) -> f64 {
     (n_t - n_i) * (n_t + n_i) + (n_i * cos_i) * (n_i * cos_i)
 }
 
-/// Reflectances for s and p polarisation, each in \[0, 1\], of a smooth interface from index `n_i` to index `n_t`, both > 0.
+/// Returns the reflectances of a smooth interface for s and p polarisation. The light passes from
+/// index `n_i` to index `n_t`.
 ///
-/// `cos_i` is the cosine of the angle of incidence; its sign does not matter. Beyond the critical angle both are 1;
-/// between equal indices both are 0, at any angle. (Born & Wolf, Principles of Optics, §1.5.2.)
+/// Both indices must be positive. `cos_i` is the cosine of the angle of incidence; its sign is
+/// ignored. The reflectances lie in \[0, 1\]. Beyond the critical angle both are 1. If the indices
+/// are equal, both are 0 at every angle. Source: Born & Wolf, *Principles of Optics*, §1.5.2.
 pub fn dielectric_sp(cos_i: f64, n_i: f64, n_t: f64) -> (f64, f64) {
     let c = cos_i.abs().min(1.0);
     let step = (n_t - n_i) * (n_t + n_i);
@@ -33,15 +37,18 @@ pub fn dielectric_sp(cos_i: f64, n_i: f64, n_t: f64) -> (f64, f64) {
     ((s * s).min(1.0), (p * p).min(1.0))
 }
 
-/// Reflectance in \[0, 1\] for unpolarised light: the mean of [`dielectric_sp`]. What is not reflected is transmitted,
-/// T = 1 − R.
+/// Returns the reflectance for unpolarised light. It is the mean of [`dielectric_sp`] and lies in
+/// \[0, 1\]. The transmittance is 1 − R.
 pub fn dielectric(cos_i: f64, n_i: f64, n_t: f64) -> f64 {
     let (s, p) = dielectric_sp(cos_i, n_i, n_t);
     0.5 * (s + p)
 }
 
-/// Reflectances for s and p polarisation, each in \[0, 1\], of a smooth metal of complex index `n` + i·`k` seen from a medium of
-/// index `n_outside` > 0; `cos_i` as in [`dielectric_sp`]. (Born & Wolf, §14.2.)
+/// Returns the reflectances of a smooth metal for s and p polarisation. Both lie in \[0, 1\].
+///
+/// The metal has the complex index `n` + i·`k`. The surrounding medium has the positive index
+/// `n_outside`. The sign of `cos_i` is ignored, as in [`dielectric_sp`]. Source: Born & Wolf,
+/// *Principles of Optics*, §14.2.
 pub fn conductor_sp(cos_i: f64, n: f64, k: f64, n_outside: f64) -> (f64, f64) {
     let c = cos_i.abs().min(1.0);
     let (eta, kappa) = (n / n_outside, k / n_outside);
@@ -52,7 +59,8 @@ pub fn conductor_sp(cos_i: f64, n: f64, k: f64, n_outside: f64) -> (f64, f64) {
     if c == 0.0 {
         return (1.0, 1.0);
     }
-    // (a + ib)² = (η + iκ)² − sin²θ. Take the larger of a, b by the square root, the other from a·b = ηκ.
+    // (a + ib)² = (η + iκ)² − sin²θ. The square root gives the larger of a and b; the other follows
+    // from a·b = ηκ. This order avoids cancellation.
     let real = (eta - 1.0) * (eta + 1.0) + c * c - kappa * kappa;
     let imaginary = eta * kappa;
     let modulus = real.hypot(2.0 * imaginary);
@@ -65,44 +73,48 @@ pub fn conductor_sp(cos_i: f64, n: f64, k: f64, n_outside: f64) -> (f64, f64) {
     (s, (s * ratio).clamp(0.0, 1.0))
 }
 
-/// Reflectance in \[0, 1\] for unpolarised light of a smooth metal: the mean of [`conductor_sp`].
+/// Returns the reflectance of a smooth metal for unpolarised light. It is the mean of
+/// [`conductor_sp`] and lies in \[0, 1\].
 pub fn conductor(cos_i: f64, n: f64, k: f64, n_outside: f64) -> f64 {
     let (s, p) = conductor_sp(cos_i, n, k, n_outside);
     0.5 * (s + p)
 }
 
-/// The refracted direction, by Snell's law, or `None` under total reflection.
+/// Returns the refracted direction by Snell's law, or `None` under total reflection.
 ///
-/// `w` is a unit vector that points away from the surface into the medium of index `n_here`; the result points away from it
-/// on the other side, into the medium of index `n_there`, and is of unit length to a few 1e-16. `normal` is a unit vector;
-/// either of its two signs will do. Between equal indices the result is exactly −`w`.
-pub fn refract(w: DVec3, normal: DVec3, n_here: f64, n_there: f64) -> Option<DVec3> {
-    if n_here == n_there {
+/// `w` is a unit vector that points away from the surface into the medium of index `n_i`. The
+/// result points away from the surface into the medium of index `n_t`, and its length is 1 to a few
+/// 1e-16. `normal` is a unit vector of either sign. If the indices are equal, the result is exactly
+/// −`w`.
+pub fn refract(w: DVec3, normal: DVec3, n_i: f64, n_t: f64) -> Option<DVec3> {
+    if n_i == n_t {
         return Some(-w);
     }
     let projection = w.dot(normal);
     let (c, normal) = if projection >= 0.0 { (projection, normal) } else { (-projection, -normal) };
-    let squared = squared_transmitted(c, n_here, n_there);
+    let squared = squared_transmitted(c, n_i, n_t);
     if squared < 0.0 {
         return None;
     }
-    // t = −(n_h/n_t)·w + ((n_h·c − n_t·cosθ_t)/n_t)·normal, the difference again as a quotient.
+    // t = −(n_i/n_t)·w + ((n_i·c − n_t·cosθ_t)/n_t)·normal. The difference is written as a quotient
+    // to avoid cancellation.
     let q = squared.sqrt();
-    let along = (n_here - n_there) * (n_here + n_there) / (n_here * c + q);
-    Some((normal * along - w * n_here).normalize())
+    let along = (n_i - n_t) * (n_i + n_t) / (n_i * c + q);
+    Some((normal * along - w * n_i).normalize())
 }
 
-/// The mirrored direction: `w` and the result are unit vectors that point away from the surface, `normal` is a unit vector.
+/// Returns the mirror direction. `w` and the result are unit vectors that point away from the
+/// surface; `normal` is a unit vector.
 pub fn reflect(w: DVec3, normal: DVec3) -> DVec3 {
     normal * (2.0 * w.dot(normal)) - w
 }
 
-/// The angle of incidence, in degrees, beyond which all light is reflected; `None` where `n_i` ≤ `n_t`.
+/// Returns the critical angle of total reflection in degrees, or `None` if `n_i` ≤ `n_t`.
 pub fn critical_angle_deg(n_i: f64, n_t: f64) -> Option<f64> {
     (n_i > n_t).then(|| (n_t / n_i).asin().to_degrees())
 }
 
-/// The angle of incidence, in degrees, at which p-polarised light is not reflected at all.
+/// Returns Brewster's angle in degrees. At this angle the reflectance for p polarisation is 0.
 pub fn brewster_angle_deg(n_i: f64, n_t: f64) -> f64 {
     n_t.atan2(n_i).to_degrees()
 }
@@ -111,7 +123,7 @@ pub fn brewster_angle_deg(n_i: f64, n_t: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Cosines from grazing to normal incidence.
+    /// Cosines of the angle of incidence, from grazing to normal incidence.
     fn cosines() -> impl Iterator<Item = f64> {
         (0..=1000).map(|i| (f64::from(i) / 1000.0).powi(3)).chain([1e-300, 1e-16, 1e-8])
     }
@@ -144,13 +156,16 @@ mod tests {
     #[test]
     fn nearly_equal_indices_keep_all_digits() {
         let step = 2.0_f64.powi(-40);
-        // R = (δ/(2 + δ))² at normal incidence; the textbook quotient has a relative error of 1e-4 here.
+        // At normal incidence R = (δ/(2 + δ))². The textbook quotient has a relative error of 1e-4
+        // for this step.
         let exact = (step / (2.0 + step)).powi(2);
         assert!((dielectric(1.0, 1.0, 1.0 + step) / exact - 1.0).abs() < 1e-15);
     }
 
+    /// Within 20 ulp of the critical angle, all results are finite. Wherever `refract` returns
+    /// `None`, the reflectance is 1.
     #[test]
-    fn within_an_ulp_of_the_critical_angle_all_is_finite_and_total_reflection_begins_with_refraction_s_end() {
+    fn reflection_and_refraction_agree_at_the_critical_angle() {
         for (n_i, n_t) in [(1.5, 1.0), (2.4175, 1.333), (1.0 + 1e-9, 1.0)] {
             let critical = f64::sqrt((n_i - n_t) * (n_i + n_t)) / n_i;
             let mut cos = critical;
@@ -173,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn s_and_p_follow_the_textbook_where_that_is_stable() {
+    fn s_and_p_match_the_textbook_formulas_where_stable() {
         for (n_i, n_t) in [(1.0, 1.5), (1.5, 1.0), (1.33, 2.4)] {
             for degrees in [5.0_f64, 20.0, 30.0, 40.0] {
                 let (sin, cos) = degrees.to_radians().sin_cos();
@@ -197,7 +212,8 @@ mod tests {
         for (n_i, n_t) in [(1.0, 1.5), (1.5, 1.0), (1.2, 1.2)] {
             for cos in cosines() {
                 let (a, b) = (conductor(cos, n_t, 0.0, n_i), dielectric(cos, n_i, n_t));
-                // The metal's modulus subtracts near the critical angle, where R has an infinite slope.
+                // The modulus in `conductor_sp` suffers from cancellation near the critical angle,
+                // where the slope of R is infinite.
                 assert!((a - b).abs() < 1e-6, "{a} and {b} at cosine {cos} from {n_i} to {n_t}");
             }
         }

@@ -1,37 +1,43 @@
-//! The GGX distribution of microfacets (Trowbridge & Reitz 1975; Walter, Marschner, Li & Torrance 2007), isotropic, with
-//! Smith's height-correlated masking and shadowing (Heitz 2014, Understanding the masking-shadowing function).
+//! The isotropic GGX distribution of microfacet normals, with Smith's height-correlated masking and
+//! shadowing.
 //!
-//! Directions are unit vectors in the surface's frame, z along the normal on the side that is looked at; cosines are ≥ 0.
-//! Masking functions are given divided by the cosines that they are used with: the quotients stay finite at grazing, where
-//! both go to 0.
+//! Sources: Trowbridge & Reitz 1975; Walter, Marschner, Li & Torrance, "Microfacet models for
+//! refraction through rough surfaces", 2007; Heitz, "Understanding the masking-shadowing function
+//! in microfacet-based BRDFs", 2014.
+//!
+//! Directions are unit vectors in the local frame of the surface. The z axis is the normal on the
+//! side of the viewer, so all cosines are ≥ 0. The functions return the masking divided by the
+//! cosines in the denominator of the BSDF, because these quotients stay finite at grazing angles.
 
 use std::f64::consts::PI;
 
 use glam::DVec3;
 
-/// A rough interface below this counts as smooth; materials that cannot be smooth are held at it. The lobe is then 0.06° wide,
-/// far below what a light or a pixel resolves.
+/// Smallest roughness α of a rough interface. If the roughness of a material is lower, the material
+/// is treated as smooth. Materials without a smooth form are clamped to this value. At this
+/// roughness the lobe is only 0.06° wide. Lights and pixels do not resolve such a narrow lobe.
 pub const MIN_ALPHA: f64 = 1e-3;
 
-/// The GGX distribution of one roughness.
+/// The GGX distribution for one roughness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ggx {
     alpha: f64,
 }
 
 impl Ggx {
-    /// A distribution of roughness `alpha`, held within \[[`MIN_ALPHA`], 1\].
+    /// Creates a distribution of roughness `alpha`, clamped to \[[`MIN_ALPHA`], 1\].
     pub fn new(alpha: f64) -> Self {
         Self { alpha: alpha.clamp(MIN_ALPHA, 1.0) }
     }
 
-    /// The roughness: the root mean square slope is of this order.
+    /// Returns the roughness α. The root mean square slope of the surface is of the order of α.
     pub fn alpha(&self) -> f64 {
         self.alpha
     }
 
-    /// Density D(m) of microfacet normals, in 1/sr per unit of macroscopic area: ∫ D·cosθ_m dω = 1.
-    pub fn density(&self, m: DVec3) -> f64 {
+    /// Returns the density D(m) of microfacet normals in 1/sr, normalised by ∫ D(m)·cosθ_m dω_m =
+    /// 1.
+    pub fn eval(&self, m: DVec3) -> f64 {
         if m.z <= 0.0 {
             return 0.0;
         }
@@ -40,49 +46,54 @@ impl Ggx {
         a2 / (PI * t * t)
     }
 
-    /// √(α² sin²θ + cos²θ): with it, Smith's G₁ = 2cosθ/(cosθ + s).
-    fn slant(&self, cos: f64) -> f64 {
+    /// Returns s = √(α² sin²θ + cos²θ). Smith's masking function is G₁ = 2cosθ/(cosθ + s).
+    fn smith_root(&self, cos: f64) -> f64 {
         let a2 = self.alpha * self.alpha;
         (a2 + (1.0 - a2) * cos * cos).sqrt()
     }
 
-    /// G₁(w)/cosθ: the visible fraction of the facets, over the cosine.
+    /// Returns G₁(w)/cosθ: Smith's masking function divided by the cosine.
     pub fn g1_per_cos(&self, cos: f64) -> f64 {
-        2.0 / (cos + self.slant(cos))
+        2.0 / (cos + self.smith_root(cos))
     }
 
-    /// G₂(o, i)/(cosθ_o·cosθ_i): the fraction of the facets seen from both, over the cosines.
+    /// Returns G₂(o, i)/(cosθ_o·cosθ_i): the height-correlated masking-shadowing function divided
+    /// by both cosines.
     pub fn g2_per_cos(&self, cos_o: f64, cos_i: f64) -> f64 {
-        2.0 / (cos_o * self.slant(cos_i) + cos_i * self.slant(cos_o))
+        2.0 / (cos_o * self.smith_root(cos_i) + cos_i * self.smith_root(cos_o))
     }
 
-    /// What mirroring facets of normal `m` (the half vector) scatter, in 1/sr and still without Fresnel's factor:
-    /// D·G₂/(4·cosθ_o·cosθ_i).
-    pub fn reflected_density(&self, m: DVec3, cos_o: f64, cos_i: f64) -> f64 {
-        0.25 * self.density(m) * self.g2_per_cos(cos_o, cos_i)
+    /// Returns D·G₂/(4·cosθ_o·cosθ_i) in 1/sr for the half vector `m`. This is the reflection lobe
+    /// without the Fresnel factor (Walter et al. 2007, equation 20).
+    pub fn reflection_lobe(&self, m: DVec3, cos_o: f64, cos_i: f64) -> f64 {
+        0.25 * self.eval(m) * self.g2_per_cos(cos_o, cos_i)
     }
 
-    /// G₂(o, i)/G₁(o): of the light that left visible facets, the fraction that gets away without meeting another.
-    pub fn escaping(&self, cos_o: f64, cos_i: f64) -> f64 {
-        let (o, i) = (self.slant(cos_o), self.slant(cos_i));
+    /// Returns G₂(o, i)/G₁(o). Visible facets reflect light, and this fraction of it leaves the
+    /// surface without hitting another facet.
+    pub fn g2_over_g1(&self, cos_o: f64, cos_i: f64) -> f64 {
+        let (o, i) = (self.smith_root(cos_o), self.smith_root(cos_i));
         cos_i * (cos_o + o) / (cos_o * i + cos_i * o)
     }
 
-    /// 1 − G₂(o, i)/G₁(o), without the subtraction: the fraction that meets another facet, and that this model of single
-    /// scattering loses.
-    pub fn shadowed(&self, cos_o: f64, cos_i: f64) -> f64 {
-        let (o, i) = (self.slant(cos_o), self.slant(cos_i));
+    /// Returns 1 − G₂(o, i)/G₁(o) without cancellation. A model of single scattering loses this
+    /// fraction of the light.
+    pub fn shadowed_fraction(&self, cos_o: f64, cos_i: f64) -> f64 {
+        let (o, i) = (self.smith_root(cos_o), self.smith_root(cos_i));
         let sin2 = (1.0 - cos_i) * (1.0 + cos_i);
         cos_o * self.alpha * self.alpha * sin2 / ((i + cos_i) * (cos_o * i + cos_i * o))
     }
 
-    /// Density, in 1/sr, of the normals that [`Self::sample_visible`] draws: D(m)·G₁(w)·(w·m)/cosθ_w.
-    pub fn visible_density(&self, w: DVec3, m: DVec3) -> f64 {
-        self.g1_per_cos(w.z) * self.density(m) * w.dot(m).max(0.0)
+    /// Returns the density per solid angle of the normals sampled by [`Self::sample_visible`]:
+    /// D(m)·G₁(w)·(w·m)/cosθ_w.
+    pub fn visible_pdf(&self, w: DVec3, m: DVec3) -> f64 {
+        self.g1_per_cos(w.z) * self.eval(m) * w.dot(m).max(0.0)
     }
 
-    /// Draws a facet normal as seen from `w` (w.z ≥ 0), by stretching the facets into a hemisphere and choosing a point of its
-    /// projection (Heitz 2018, Sampling the GGX distribution of visible normals). `u` and `v` lie in \[0, 1).
+    /// Samples a visible microfacet normal. The view direction is `w`, and w.z must be ≥ 0.
+    ///
+    /// The method stretches the facets into a hemisphere and samples its projection (Heitz,
+    /// "Sampling the GGX distribution of visible normals", 2018). `u` and `v` lie in \[0, 1).
     pub fn sample_visible(&self, w: DVec3, u: f64, v: f64) -> DVec3 {
         let stretched = DVec3::new(self.alpha * w.x, self.alpha * w.y, w.z).normalize();
         let across = stretched.x * stretched.x + stretched.y * stretched.y;
@@ -105,60 +116,61 @@ mod tests {
 
     const ALPHAS: [f64; 4] = [0.02, 0.1, 0.5, 1.0];
 
-    /// ∫ f(m) dω over the upper hemisphere, by the midpoint rule in φ and y, where x = 1 − y² = tan²θ/(α² + tan²θ) follows
-    /// the distribution and y spreads its far end.
+    /// Integrates f(m) dω over the upper hemisphere by the midpoint rule in φ and y. The variable x
+    /// = 1 − y² = tan²θ/(α² + tan²θ) follows the distribution; y resolves its tail.
     fn over_facets(alpha: f64, f: impl Fn(DVec3) -> f64) -> f64 {
-        const STEPS: usize = 400;
+        const QUADRATURE_STEPS: usize = 400;
         let mut sum = 0.0;
-        for i in 0..STEPS {
-            let y = (i as f64 + 0.5) / STEPS as f64;
+        for i in 0..QUADRATURE_STEPS {
+            let y = (i as f64 + 0.5) / QUADRATURE_STEPS as f64;
             let x = 1.0 - y * y;
             let tan2 = alpha * alpha * x / (y * y);
             let cos2 = 1.0 / (1.0 + tan2);
             // dω = sinθ dθ dφ = ½cos³θ d(tan²θ) dφ.
             let measure = 2.0 * y * 0.5 * cos2 * cos2.sqrt() * alpha * alpha / (y * y * y * y);
-            for j in 0..STEPS {
-                let (sin_phi, cos_phi) = (2.0 * PI * (j as f64 + 0.5) / STEPS as f64).sin_cos();
+            for j in 0..QUADRATURE_STEPS {
+                let (sin_phi, cos_phi) = (2.0 * PI * (j as f64 + 0.5) / QUADRATURE_STEPS as f64).sin_cos();
                 let sin = (1.0 - cos2).sqrt();
                 let m = DVec3::new(sin * cos_phi, sin * sin_phi, cos2.sqrt());
-                sum += measure * 2.0 * PI / (STEPS * STEPS) as f64 * f(m);
+                sum += measure * 2.0 * PI / (QUADRATURE_STEPS * QUADRATURE_STEPS) as f64 * f(m);
             }
         }
         sum
     }
 
     #[test]
-    fn facets_cover_the_surface_exactly_once() {
+    fn normals_integrate_to_the_macroscopic_area() {
         for alpha in ALPHAS {
             let ggx = Ggx::new(alpha);
-            let area = over_facets(alpha, |m| ggx.density(m) * m.z);
+            let area = over_facets(alpha, |m| ggx.eval(m) * m.z);
             assert!((area - 1.0).abs() < 1e-6, "alpha {alpha}: {area}");
         }
     }
 
+    /// ∫ G₁·max(0, w·m)·D dω_m = cosθ_w, the definition of G₁.
     #[test]
-    fn visible_facets_cover_what_is_seen_exactly_once() {
-        // The definition of G₁: ∫ G₁·max(0, w·m)·D dω_m = cosθ_w.
+    fn visible_normals_integrate_to_the_projected_area() {
+        // The definition of G₁ is ∫ G₁·max(0, w·m)·D dω_m = cosθ_w.
         for alpha in ALPHAS {
             let ggx = Ggx::new(alpha);
             for cos in [1.0, 0.7, 0.3, 0.1_f64] {
                 let w = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-                let mass = over_facets(alpha, |m| ggx.visible_density(w, m));
+                let mass = over_facets(alpha, |m| ggx.visible_pdf(w, m));
                 assert!((mass - 1.0).abs() < 1e-5, "alpha {alpha}, cosine {cos}: {mass}");
             }
         }
     }
 
     #[test]
-    fn what_escapes_and_what_is_shadowed_add_up() {
+    fn g2_over_g1_and_shadowed_fraction_sum_to_one() {
         for alpha in ALPHAS {
             let ggx = Ggx::new(alpha);
             for cos_o in [1.0, 0.5, 0.01, 1e-9] {
                 for cos_i in [1.0, 0.6, 0.02, 1e-7] {
-                    let sum = ggx.escaping(cos_o, cos_i) + ggx.shadowed(cos_o, cos_i);
+                    let sum = ggx.g2_over_g1(cos_o, cos_i) + ggx.shadowed_fraction(cos_o, cos_i);
                     assert!((sum - 1.0).abs() < 1e-14, "alpha {alpha}: {sum}");
                     let quotient = ggx.g2_per_cos(cos_o, cos_i) * cos_i / ggx.g1_per_cos(cos_o);
-                    assert!((quotient - ggx.escaping(cos_o, cos_i)).abs() < 1e-14);
+                    assert!((quotient - ggx.g2_over_g1(cos_o, cos_i)).abs() < 1e-14);
                 }
             }
         }
@@ -166,12 +178,12 @@ mod tests {
 
     #[test]
     fn light_along_the_normal_is_never_shadowed() {
-        assert_eq!(Ggx::new(0.5).shadowed(0.3, 1.0), 0.0);
-        assert_eq!(Ggx::new(0.5).escaping(1.0, 1.0), 1.0);
+        assert_eq!(Ggx::new(0.5).shadowed_fraction(0.3, 1.0), 0.0);
+        assert_eq!(Ggx::new(0.5).g2_over_g1(1.0, 1.0), 1.0);
     }
 
     #[test]
-    fn drawn_facets_face_the_viewer_and_the_sky() {
+    fn sampled_normals_face_the_viewer_and_the_outside() {
         for alpha in ALPHAS {
             let ggx = Ggx::new(alpha);
             for cos in [1.0, 0.5, 1e-6, 0.0_f64] {

@@ -1,16 +1,21 @@
-//! What matter does to light at a point: pure functions of angle, index and wavelength.
+//! Optics of surfaces, media and lenses. The functions depend only on angle, refractive index and
+//! wavelength. They do not depend on the scene.
 //!
-//! [`fresnel`] says how much a smooth interface reflects and where it refracts; [`glass`] gives the index n(λ);
-//! [`microfacet`] roughens an interface; [`surface`] puts them together into what a surface does to a light path;
-//! [`phase`] says where a medium scatters; [`aperture`] bounds light and spreads it; [`lens`] traces rays through lenses of several
-//! elements; [`prism`] holds the textbook angles of a prism, to test the rest against.
+//! - [`fresnel`]: reflectance and refraction at a smooth interface.
+//! - [`glass`]: the refractive index n(λ) and the catalogue of glasses.
+//! - [`microfacet`]: the GGX distribution of rough interfaces.
+//! - [`bsdf`]: the scattering functions of surfaces.
+//! - [`phase`]: the phase functions of media.
+//! - [`aperture`]: polygonal apertures and their Fraunhofer diffraction.
+//! - [`lens`]: ray tracing through lenses of several elements.
+//! - [`prism`]: exact formulas for a prism, used as a reference in tests.
 
 pub mod aperture;
+pub mod bsdf;
 pub mod fresnel;
 pub mod glass;
 pub mod lens;
 pub mod microfacet;
 pub mod phase;
 pub mod prism;
-pub mod surface;
 mod zemax_text;

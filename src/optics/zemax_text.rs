@@ -1,6 +1,7 @@
-//! The text of Zemax files, as its versions have written it.
+//! Decoding of Zemax text files, whose encoding depends on the version of Zemax.
 
-/// UTF-8, UTF-16 with its mark, or Latin-1 (every byte a character).
+/// Decodes a text. Tries UTF-16 with a byte order mark, then UTF-8, then Latin-1. Returns `None` if
+/// UTF-16 is malformed or the text contains a NUL character.
 pub(super) fn decoded(bytes: &[u8]) -> Option<String> {
     let wide = |unit: fn([u8; 2]) -> u16| {
         let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();

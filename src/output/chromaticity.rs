@@ -1,64 +1,68 @@
-//! The chromaticity diagram as SVG: the colours that there are, and where some lights stand among them.
+//! The chromaticity diagram as SVG, with the chromaticities of two lights and of primaries.
 
 use super::data_uri::data_uri;
 use super::png::encode as encode_png;
 use crate::colour::gamut::brightest;
 use crate::colour::{RgbSpace, encode_srgb_u8, from_xy, report, xy, xyz_to_linear_srgb};
 use crate::error::Result;
-use crate::sensor::Screen;
+use crate::sensor::DisplayImage;
 use crate::spectrum::{Observer, Spectrum};
 
-/// Two lights, and the primaries of a match, in the x, y plane of an observer.
+/// Two lights, and optionally the primaries of a match, in the x, y plane of an observer.
 #[derive(Debug, Clone)]
-pub struct Diagram<'a> {
-    /// Whose plane it is.
+pub struct ChromaticityDiagram<'a> {
+    /// The observer that defines the x, y plane.
     pub observer: &'a Observer,
-    /// Where A (a ring) and B (a cross) stand.
+    /// The chromaticities of light A (drawn as a ring) and light B (drawn as a cross).
     pub lights: [[f64; 2]; 2],
-    /// Where the primaries stand, numbered from 1; lines between them enclose what they can mix.
+    /// The chromaticities of the primaries, numbered from 1. The lines between them enclose all
+    /// mixtures of the primaries.
     pub primaries: Vec<[f64; 2]>,
 }
 
-const SIZE: (f64, f64) = (510.0, 530.0);
-/// Where x = y = 0 stands, and how long 1 is.
-const ORIGIN: (f64, f64) = (80.0, 476.0);
-const UNIT: f64 = 530.0;
-/// What the axes span; the left one stands off, so that the locus has room for its wavelengths.
-const LEFT: f64 = -0.06;
-const SPAN: (f64, f64) = (0.78, 0.86);
-/// Pixels of the coloured ground, each 0.01 wide and high.
-const GROUND: (usize, usize) = (80, 86);
-/// The spectral locus is drawn between these wavelengths, in nm; beyond them it turns back on itself.
+const DIAGRAM_SIZE: (f64, f64) = (510.0, 530.0);
+/// The position of x = y = 0 on the page, and the length of one unit of x or y.
+const DIAGRAM_ORIGIN: (f64, f64) = (80.0, 476.0);
+const DIAGRAM_UNIT: f64 = 530.0;
+/// The ranges of the axes. The left end is below 0 to leave room for the labels of the spectral
+/// locus.
+const DIAGRAM_LEFT: f64 = -0.06;
+const DIAGRAM_SPAN: (f64, f64) = (0.78, 0.86);
+/// The size of the coloured background in pixels. Each pixel covers 0.01 × 0.01.
+const BACKGROUND_PIXELS: (usize, usize) = (80, 86);
+/// The wavelength range of the drawn spectral locus in nm. Beyond it, the locus turns back on
+/// itself.
 const LOCUS_NM: (u32, u32) = (390, 700);
-/// Temperatures that are written on the line of black bodies, in K.
+/// The labelled temperatures of the Planckian locus in K.
 const NAMED_K: [u32; 3] = [3000, 5000, 10_000];
 
-const INK: &str = "class=\"ink\" stroke=\"#222\" fill=\"none\"";
-const RULE: &str = "class=\"rule\" stroke=\"#ddd\" fill=\"none\"";
-/// Marks on the coloured ground, which is the same in light and dark.
-const MARK: &str = "stroke=\"#000\" fill=\"none\"";
+const DIAGRAM_INK: &str = "class=\"ink\" stroke=\"#222\" fill=\"none\"";
+const DIAGRAM_RULE: &str = "class=\"rule\" stroke=\"#ddd\" fill=\"none\"";
+/// The style of marks on the coloured background. The background is the same in light and dark
+/// mode.
+const DIAGRAM_MARK: &str = "stroke=\"#000\" fill=\"none\"";
 
-/// The names of the lights, with a margin that sets them off.
-const LABEL: &str =
+/// The style of the names of the lights, with a white outline.
+const DIAGRAM_LABEL: &str =
     "fill=\"#000\" stroke=\"#fff\" stroke-width=\"4\" paint-order=\"stroke\" font-weight=\"700\" font-size=\"16\"";
 
-impl Diagram<'_> {
-    /// The diagram, which needs no other file.
+impl ChromaticityDiagram<'_> {
+    /// Returns the diagram as a self-contained SVG document.
     ///
     /// # Errors
-    /// The machine's: a picture that PNG cannot hold.
+    /// Returns a machine error if the background cannot be encoded as PNG.
     pub fn svg(&self) -> Result<String> {
-        let (width, height) = SIZE;
+        let (width, height) = DIAGRAM_SIZE;
         let size = format!("viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\"");
         let font = "font-family=\"system-ui, sans-serif\" font-size=\"13\" fill=\"#222\"";
         let parts = [
             format!("<svg class=\"plot\" xmlns=\"http://www.w3.org/2000/svg\" {size} {font}>\n"),
             format!("<rect class=\"paper\" width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>\n"),
             axes(),
-            self.ground()?,
+            self.background()?,
             self.wavelengths(),
             self.black_bodies(),
-            lines(&RgbSpace::Srgb.primaries_xy(), true, &format!("{MARK} stroke-dasharray=\"2 4\"")),
+            lines(&RgbSpace::Srgb.primaries_xy(), true, &format!("{DIAGRAM_MARK} stroke-dasharray=\"2 4\"")),
             text(RgbSpace::Srgb.primaries_xy()[1], (6.0, -2.0), "fill=\"#000\" font-size=\"12\"", "sRGB"),
             self.primaries(),
             self.marks(),
@@ -71,33 +75,33 @@ impl Diagram<'_> {
         (LOCUS_NM.0..=LOCUS_NM.1).map(|nm| xy(self.observer.xyz_bar(f64::from(nm)))).collect()
     }
 
-    /// Each chromaticity's colour as far as sRGB holds it, within the spectral locus.
-    fn ground(&self) -> Result<String> {
-        let (width, height) = GROUND;
+    /// Draws each chromaticity within the spectral locus in its brightest sRGB colour.
+    fn background(&self) -> Result<String> {
+        let (width, height) = BACKGROUND_PIXELS;
         let colour = |i: usize| {
             let (column, row) = ((i % width) as f64, (height - 1 - i / width) as f64);
             let linear = xyz_to_linear_srgb(from_xy([0.01 * (column + 0.5), 0.01 * (row + 0.5)], 1.0));
             brightest(linear).map(encode_srgb_u8)
         };
-        let screen = Screen::of_srgb(width, height, (0..width * height).map(colour).collect());
-        let ((left, foot), (right, top)) = (at([0.0; 2]), at([0.01 * width as f64, 0.01 * height as f64]));
+        let screen = DisplayImage::of_srgb(width, height, (0..width * height).map(colour).collect());
+        let ((left, foot), (right, top)) = (position([0.0; 2]), position([0.01 * width as f64, 0.01 * height as f64]));
         let place = format!("x=\"{left}\" y=\"{top:.2}\" width=\"{:.2}\" height=\"{:.2}\"", right - left, foot - top);
         let source = data_uri("image/png", &encode_png(&screen)?);
         let locus = lines(&self.locus(), true, "");
         let inside = format!("<defs><clipPath id=\"colours\">{locus}</clipPath></defs>\n");
         let image =
             format!("<image {place} preserveAspectRatio=\"none\" clip-path=\"url(#colours)\" href=\"{source}\"/>\n");
-        Ok(inside + &image + &lines(&self.locus(), true, INK))
+        Ok(inside + &image + &lines(&self.locus(), true, DIAGRAM_INK))
     }
 
-    /// Ticks on the spectral locus, outwards.
+    /// Draws ticks outside the spectral locus.
     fn wavelengths(&self) -> String {
-        let place = |nm: u32| at(xy(self.observer.xyz_bar(f64::from(nm))));
+        let place = |nm: u32| position(xy(self.observer.xyz_bar(f64::from(nm))));
         let tick = |nm: u32| {
             let ((x, y), before, after) = (place(nm), place(nm - 1), place(nm + 1));
             let (along_x, along_y) = (after.0 - before.0, after.1 - before.1);
             let length = along_x.hypot(along_y);
-            // The locus is walked with the colours to its right.
+            // The locus is traversed with the colours on its right.
             let (out_x, out_y) = (along_y / length, -along_x / length);
             let anchor = if out_x < -0.4 {
                 "end"
@@ -109,39 +113,39 @@ impl Diagram<'_> {
             let (from, to) = (format!("M{x:.2} {y:.2}"), format!("l{:.2} {:.2}", 5.0 * out_x, 5.0 * out_y));
             let (label_x, label_y) = (x + 9.0 * out_x, y + 9.0 * out_y + 4.0);
             format!(
-                "<path {INK} d=\"{from}{to}\"/><text x=\"{label_x:.1}\" y=\"{label_y:.1}\" font-size=\"11\" \
+                "<path {DIAGRAM_INK} d=\"{from}{to}\"/><text x=\"{label_x:.1}\" y=\"{label_y:.1}\" font-size=\"11\" \
                  text-anchor=\"{anchor}\">{nm}</text>\n"
             )
         };
         [450, 470, 480, 490, 500, 510, 520, 530, 540, 550, 560, 570, 580, 590, 600, 620, 650].map(tick).concat()
     }
 
-    /// The line of black bodies with some temperatures.
+    /// Draws the Planckian locus with some temperatures.
     fn black_bodies(&self) -> String {
         let body = |temperature_k: f64| {
             let body = Spectrum::blackbody(temperature_k).expect("a positive temperature");
             xy(report::xyz(&body, self.observer))
         };
-        // Even steps of the reciprocal temperature, from 1000 K to 25,000 K, are even steps to the eye.
+        // Equal steps of the reciprocal temperature, from 1000 K to 25,000 K, look equal.
         let line: Vec<[f64; 2]> = (2..=50).map(|step| body(1e6 / (20.0 * f64::from(step)))).collect();
         let named = |kelvin: u32| {
             let place = body(f64::from(kelvin));
-            let (x, y) = at(place);
+            let (x, y) = position(place);
             let dot = format!("<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"2\" fill=\"#000\"/>\n");
             dot + &text(place, (2.0, 15.0), "fill=\"#000\" font-size=\"11\"", &format!("{kelvin} K"))
         };
-        lines(&line, false, MARK) + &NAMED_K.map(named).concat()
+        lines(&line, false, DIAGRAM_MARK) + &NAMED_K.map(named).concat()
     }
 
     fn primaries(&self) -> String {
         let mut svg = String::new();
         for (i, one) in self.primaries.iter().enumerate() {
             for other in &self.primaries[..i] {
-                svg += &lines(&[*other, *one], false, &format!("{MARK} stroke-width=\"1.5\""));
+                svg += &lines(&[*other, *one], false, &format!("{DIAGRAM_MARK} stroke-width=\"1.5\""));
             }
         }
         for (i, &place) in self.primaries.iter().enumerate() {
-            let (x, y) = at(place);
+            let (x, y) = position(place);
             svg += &format!("<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"8\" fill=\"#000\"/>\n");
             svg +=
                 &text(place, (0.0, 4.0), "fill=\"#fff\" font-size=\"11\" text-anchor=\"middle\"", &(i + 1).to_string());
@@ -149,9 +153,9 @@ impl Diagram<'_> {
         svg
     }
 
-    /// A ring for A and a cross for B, so that both are seen where they coincide.
+    /// Draws a ring for A and a cross for B, so that both are visible if they coincide.
     fn marks(&self) -> String {
-        let (ring, cross) = (at(self.lights[0]), at(self.lights[1]));
+        let (ring, cross) = (position(self.lights[0]), position(self.lights[1]));
         let arms = format!("M{:.2} {:.2}l10 10m0 -10l-10 10", cross.0 - 5.0, cross.1 - 5.0);
         let drawn = |style: &str| {
             format!(
@@ -159,25 +163,26 @@ impl Diagram<'_> {
                 ring.0, ring.1
             )
         };
-        let label = |place, shift, name| text(place, shift, LABEL, name);
+        let label = |place, shift, name| text(place, shift, DIAGRAM_LABEL, name);
         let names = label(self.lights[0], (-22.0, -8.0), "A") + &label(self.lights[1], (11.0, 18.0), "B");
         drawn("stroke=\"#fff\" stroke-width=\"5\"") + &drawn("stroke=\"#000\" stroke-width=\"2\"") + &names
     }
 }
 
-/// Where a chromaticity stands.
-fn at([x, y]: [f64; 2]) -> (f64, f64) {
-    (ORIGIN.0 + UNIT * x, ORIGIN.1 - UNIT * y)
+/// Returns the position of a chromaticity on the page.
+fn position([x, y]: [f64; 2]) -> (f64, f64) {
+    (DIAGRAM_ORIGIN.0 + DIAGRAM_UNIT * x, DIAGRAM_ORIGIN.1 - DIAGRAM_UNIT * y)
 }
 
 fn lines(points: &[[f64; 2]], closed: bool, style: &str) -> String {
-    let path: Vec<String> = points.iter().map(|&point| at(point)).map(|(x, y)| format!("{x:.2} {y:.2}")).collect();
+    let path: Vec<String> =
+        points.iter().map(|&point| position(point)).map(|(x, y)| format!("{x:.2} {y:.2}")).collect();
     format!("<path d=\"M{}{}\" {style}/>\n", path.join("L"), if closed { "Z" } else { "" })
 }
 
-/// Text beside a chromaticity.
+/// Draws text beside a chromaticity.
 fn text(place: [f64; 2], shift: (f64, f64), style: &str, words: &str) -> String {
-    let (x, y) = at(place);
+    let (x, y) = position(place);
     format!("<text x=\"{:.2}\" y=\"{:.2}\" {style}>{words}</text>\n", x + shift.0, y + shift.1)
 }
 
@@ -185,16 +190,16 @@ fn axes() -> String {
     let mut svg = String::new();
     for tick in 0..=8 {
         let value = 0.1 * f64::from(tick);
-        svg += &lines(&[[LEFT, value], [SPAN.0, value]], false, RULE);
-        svg += &text([LEFT, value], (-8.0, 4.0), "text-anchor=\"end\"", &format!("{value:.1}"));
-        if value <= SPAN.0 {
-            svg += &lines(&[[value, 0.0], [value, SPAN.1]], false, RULE);
+        svg += &lines(&[[DIAGRAM_LEFT, value], [DIAGRAM_SPAN.0, value]], false, DIAGRAM_RULE);
+        svg += &text([DIAGRAM_LEFT, value], (-8.0, 4.0), "text-anchor=\"end\"", &format!("{value:.1}"));
+        if value <= DIAGRAM_SPAN.0 {
+            svg += &lines(&[[value, 0.0], [value, DIAGRAM_SPAN.1]], false, DIAGRAM_RULE);
             svg += &text([value, 0.0], (0.0, 18.0), "text-anchor=\"middle\"", &format!("{value:.1}"));
         }
     }
-    svg += &lines(&[[LEFT, SPAN.1], [LEFT, 0.0], [SPAN.0, 0.0]], false, INK);
+    svg += &lines(&[[DIAGRAM_LEFT, DIAGRAM_SPAN.1], [DIAGRAM_LEFT, 0.0], [DIAGRAM_SPAN.0, 0.0]], false, DIAGRAM_INK);
     svg += &text([0.4, 0.0], (0.0, 38.0), "text-anchor=\"middle\"", "x");
-    svg + &text([LEFT, 0.4], (-40.0, 4.0), "text-anchor=\"middle\"", "y")
+    svg + &text([DIAGRAM_LEFT, 0.4], (-40.0, 4.0), "text-anchor=\"middle\"", "y")
 }
 
 #[cfg(test)]
@@ -202,11 +207,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_lights_stand_where_their_chromaticities_are() {
+    fn lights_are_drawn_at_their_chromaticities() {
         let primaries = vec![[0.7, 0.3], [0.2, 0.7], [0.15, 0.05]];
-        let diagram = Diagram { observer: Observer::cie1931(), lights: [[0.5, 0.4], [0.3, 0.3]], primaries };
+        let diagram =
+            ChromaticityDiagram { observer: Observer::cie1931(), lights: [[0.5, 0.4], [0.3, 0.3]], primaries };
         let svg = diagram.svg().unwrap();
-        let (x, y) = at([0.5, 0.4]);
+        let (x, y) = position([0.5, 0.4]);
         assert!(svg.contains(&format!("cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"9\"")), "{svg}");
         assert_eq!((svg.matches("r=\"8\"").count(), svg.matches("stroke-width=\"1.5\"").count()), (3, 3));
         assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n") && !svg.contains("NaN"));

@@ -1,4 +1,4 @@
-//! How far two pictures are apart.
+//! Numerical comparison of two pictures.
 
 use serde::Serialize;
 
@@ -6,12 +6,13 @@ use crate::colour::{RgbSpace, delta_e_2000, lab};
 use crate::error::{Error, Result};
 use crate::sensor::{Development, Picture, exposure};
 
-/// A rectangle of pixels: columns from `x0` up to but not including `x1`, rows likewise, counted from the top left.
+/// A rectangle of pixels: columns from `x0` to `x1`, and rows from `y0` to `y1`. Column `x1` and
+/// row `y1` are excluded. Columns and rows count from the top left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Region {
-    /// First column.
+    /// The first column.
     pub x0: usize,
-    /// First row.
+    /// The first row.
     pub y0: usize,
     /// The column after the last.
     pub x1: usize,
@@ -19,82 +20,86 @@ pub struct Region {
     pub y1: usize,
 }
 
-/// Which pixels count; without regions and without a mask all do.
+/// The pixels to compare. Without regions and without a mask, all pixels are selected.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Selection {
-    /// A pixel counts if it is in any of these.
+    /// Regions. A pixel is selected if any of these regions contains the pixel.
     pub regions: Vec<Region>,
-    /// And only if it is true here, rows from the top.
+    /// A mask, row by row from the top. Only pixels whose value is true are selected.
     pub mask: Option<Vec<bool>>,
 }
 
-/// Colour differences over the pixels that count.
+/// Colour differences ΔE2000 over the selected pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DeltaE {
-    /// Their mean.
+    /// The mean.
     pub mean: f64,
-    /// What 95 % of them do not exceed.
+    /// The 95th percentile.
     pub p95: f64,
 }
 
 /// A test of the differences against their standard errors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ZTest {
-    /// The share of pixels with |z| < 1.96: 0.95 for pictures of the same scene with normal errors, a little less
-    /// where the standard errors come from few replicates.
+    /// The fraction of pixels with |z| < 1.96. It is 0.95 for pictures of the same scene with
+    /// normal errors, and slightly less if the standard errors come from few replicates.
     pub share: f64,
-    /// Pixels whose error both pictures know.
+    /// The number of pixels whose error is known in both pictures.
     pub pixels: usize,
 }
 
-/// A test of the error that A reports, noise and bias.
+/// A test of the error reported in A: noise and bias.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Covered {
-    /// The share of pixels where B lies in A's 95 % interval, widened by B's own noise where that is known.
+pub struct IntervalCoverage {
+    /// The fraction of pixels where B is in A's 95 % interval. If the noise of B is known, the
+    /// noise widens the interval.
     pub share: f64,
-    /// Pixels whose error A knows.
+    /// The number of pixels whose error is known in A.
     pub pixels: usize,
 }
 
-/// How far a picture A is from a reference B, over the pixels that count.
+/// The difference between a picture A and a reference B over the selected pixels.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
-    /// Mean over X, Y, Z and pixels of (a − b)² / (b² + 0.01 m²), m the channel's mean over all of B.
+    /// The mean over X, Y, Z and pixels of (a − b)² / (b² + 0.01 m²), where m is the mean of the
+    /// channel over the whole reference.
     pub relative_mse: f64,
-    /// The same without the worst 2 % of the pixels.
+    /// The same mean without the 2 % of the pixels with the largest errors.
     pub relative_mse_trimmed: f64,
-    /// Root of the mean square difference of Y, cd/m².
+    /// The root mean square difference of Y in cd/m².
     pub rmse: f64,
-    /// Mean Y of A over mean Y of B.
+    /// The mean Y of A divided by the mean Y of B.
     pub mean_ratio: f64,
-    /// CIEDE2000 at B's automatic exposure, D65 white.
+    /// CIEDE2000 at the automatic exposure of B, with the white D65.
     pub delta_e_2000: DeltaE,
-    /// Where both pictures hold their standard errors.
+    /// The z test, if both pictures contain standard errors.
     pub z: Option<ZTest>,
-    /// Where A holds its error.
-    pub covered: Option<Covered>,
-    /// Those whose error A does not know: no light reached them, or the file has no such layers.
+    /// The test of A's intervals, if A contains its error.
+    pub covered: Option<IntervalCoverage>,
+    /// The number of pixels whose error is unknown in A, because no light reached them or the file
+    /// contains no error layers.
     pub unknown_pixels: usize,
-    /// Pixels that count.
+    /// The number of selected pixels.
     pub pixels: usize,
-    /// Those of them where either picture is not finite; they are infinitely wrong.
+    /// The number of selected pixels where either picture is not finite. Their error is infinite.
     pub non_finite_pixels: usize,
 }
 
-/// The share of pixels that the trimmed error leaves out.
+/// The trimmed error leaves out this fraction of the pixels.
 const TRIMMED: f64 = 0.02;
 
 /// Compares a picture with a reference.
 ///
 /// # Errors
-/// The input's: different sizes, a region that is empty or reaches out of the picture, a selection without pixels.
+/// Returns an input error if the sizes differ, if a region is empty or extends beyond the picture,
+/// or if no pixel is selected.
 pub fn compare(picture: &Picture, reference: &Picture, selection: &Selection) -> Result<Comparison> {
-    let counted = selection.counted(picture, reference)?;
-    let scale = Scale::of(reference);
-    let errors: Vec<f64> = counted.iter().map(|&i| scale.relative_square(picture.xyz[i], reference.xyz[i])).collect();
-    let count = counted.len() as f64;
-    let squares: f64 = counted.iter().map(|&i| (picture.xyz[i][1] - reference.xyz[i][1]).powi(2)).sum();
-    let mean_y = |of: &Picture| counted.iter().map(|&i| of.xyz[i][1]).sum::<f64>() / count;
+    let selected = selection.selected(picture, reference)?;
+    let scale = ErrorScale::of(reference);
+    let errors: Vec<f64> = selected.iter().map(|&i| scale.relative_square(picture.xyz[i], reference.xyz[i])).collect();
+    let count = selected.len() as f64;
+    let squares: f64 = selected.iter().map(|&i| (picture.xyz[i][1] - reference.xyz[i][1]).powi(2)).sum();
+    let mean_y = |of: &Picture| selected.iter().map(|&i| of.xyz[i][1]).sum::<f64>() / count;
     let finite = |of: &Picture, i: usize| of.xyz[i].iter().all(|value| value.is_finite());
     let differences = delta_e_map(picture, reference);
     Ok(Comparison {
@@ -102,17 +107,17 @@ pub fn compare(picture: &Picture, reference: &Picture, selection: &Selection) ->
         relative_mse_trimmed: trimmed_mean(errors),
         rmse: (squares / count).sqrt(),
         mean_ratio: mean_y(picture) / mean_y(reference),
-        delta_e_2000: delta_e(counted.iter().map(|&i| differences[i]).collect()),
-        z: z_test(picture, reference, &counted),
-        covered: covered(picture, reference, &counted),
-        unknown_pixels: counted.iter().filter(|&&i| picture.error(i).is_none()).count(),
-        pixels: counted.len(),
-        non_finite_pixels: counted.iter().filter(|&&i| !(finite(picture, i) && finite(reference, i))).count(),
+        delta_e_2000: delta_e(selected.iter().map(|&i| differences[i]).collect()),
+        z: z_test(picture, reference, &selected),
+        covered: covered(picture, reference, &selected),
+        unknown_pixels: selected.iter().filter(|&&i| picture.error(i).is_none()).count(),
+        pixels: selected.len(),
+        non_finite_pixels: selected.iter().filter(|&&i| !(finite(picture, i) && finite(reference, i))).count(),
     })
 }
 
 impl Region {
-    /// Whether a pixel lies within.
+    /// Returns whether a pixel is in the region.
     pub fn contains(&self, x: usize, y: usize) -> bool {
         (self.x0..self.x1).contains(&x) && (self.y0..self.y1).contains(&y)
     }
@@ -128,45 +133,47 @@ impl Region {
 }
 
 impl Selection {
-    /// The numbers of the pixels that count.
-    fn counted(&self, picture: &Picture, reference: &Picture) -> Result<Vec<usize>> {
+    /// Returns the indices of the selected pixels.
+    fn selected(&self, picture: &Picture, reference: &Picture) -> Result<Vec<usize>> {
         let (width, height) = (reference.width, reference.height);
         if (picture.width, picture.height) != (width, height) {
             let what = format!("pictures of {} × {} and {width} × {height} pixels", picture.width, picture.height);
             return Err(Error::input(what).expected("two pictures of the same size"));
         }
         self.regions.iter().try_for_each(|region| region.check(width, height))?;
-        let counted: Vec<usize> = (0..width * height).filter(|&i| self.counts(i % width, i / width, width)).collect();
-        if counted.is_empty() {
-            return Err(Error::input("no pixel counts").expected("at least one pixel in the mask and the regions"));
+        let selected: Vec<usize> = (0..width * height).filter(|&i| self.selects(i % width, i / width, width)).collect();
+        if selected.is_empty() {
+            return Err(Error::input("no pixel is selected").expected("at least one pixel in the mask and the regions"));
         }
-        Ok(counted)
+        Ok(selected)
     }
 
-    /// Whether a pixel of a picture of this width counts.
-    pub fn counts(&self, x: usize, y: usize, width: usize) -> bool {
+    /// Returns whether a pixel of a picture of this width is selected.
+    pub fn selects(&self, x: usize, y: usize, width: usize) -> bool {
         let in_region = self.regions.is_empty() || self.regions.iter().any(|region| region.contains(x, y));
         in_region && self.mask.as_ref().is_none_or(|mask| mask[y * width + x])
     }
 }
 
-/// The means of X, Y, Z over the whole reference, by which dark pixels are judged.
+/// The means of X, Y and Z over a reference. These means limit the relative error of dark pixels.
 #[derive(Debug, Clone, Copy)]
-pub struct Scale([f64; 3]);
+pub struct ErrorScale([f64; 3]);
 
-impl Scale {
-    /// That of a reference.
+impl ErrorScale {
+    /// Computes the means of a reference.
     pub fn of(reference: &Picture) -> Self {
         let count = reference.xyz.len() as f64;
         Self([0, 1, 2].map(|c| reference.xyz.iter().map(|xyz| xyz[c]).filter(|v| v.is_finite()).sum::<f64>() / count))
     }
 
-    /// The mean over X, Y, Z of (a − b)² / (b² + 0.01 m²); infinite where a value is no number.
+    /// Returns the mean over X, Y, Z of (a − b)² / (b² + 0.01 m²). The result is infinite if a
+    /// value is NaN.
     pub fn relative_square(&self, a: [f64; 3], b: [f64; 3]) -> f64 {
         let one = |c: usize| {
             let difference = (a[c] - b[c]).powi(2);
             let square = difference / self.unit(b[c], c).powi(2);
-            // In a black channel of a black picture 0/0 is no difference, and anything else infinite.
+            // A channel that is black in the whole reference has unit 0. Equal values give 0/0 and
+            // count as no difference. Any other difference is infinite.
             if difference == 0.0 {
                 0.0
             } else if square.is_nan() {
@@ -178,21 +185,22 @@ impl Scale {
         (one(0) + one(1) + one(2)) / 3.0
     }
 
-    /// What a difference in channel `c` is relative to.
+    /// Returns the divisor for the relative difference in channel `c`.
     pub fn unit(&self, reference: f64, c: usize) -> f64 {
         (reference.powi(2) + 0.01 * self.0[c].powi(2)).sqrt()
     }
 }
 
-/// The mean without the largest [`TRIMMED`] share (rounded down in number).
+/// Returns the mean without the largest values. The omitted fraction is [`TRIMMED`], and the number
+/// of omitted values is rounded down.
 fn trimmed_mean(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let kept = values.len() - (values.len() as f64 * TRIMMED) as usize;
     values[..kept].iter().sum::<f64>() / kept as f64
 }
 
-/// CIEDE2000 of every pixel at the reference's automatic exposure, white being sRGB's at the luminance that is shown
-/// as white.
+/// Returns the CIEDE2000 of every pixel at the automatic exposure of the reference. The white point
+/// is D65, at the luminance displayed as white.
 pub(super) fn delta_e_map(picture: &Picture, reference: &Picture) -> Vec<f64> {
     let exposure = exposure::automatic(reference, &Development::default());
     let white = RgbSpace::Srgb.white();
@@ -207,13 +215,10 @@ fn delta_e(mut values: Vec<f64>) -> DeltaE {
     DeltaE { mean, p95: values[rank - 1] }
 }
 
-fn z_test(picture: &Picture, reference: &Picture, counted: &[usize]) -> Option<ZTest> {
+fn z_test(picture: &Picture, reference: &Picture, selected: &[usize]) -> Option<ZTest> {
     let (mut pixels, mut within) = (0_usize, 0_usize);
-    for &i in counted {
-        let (a, b) = (picture.noise[i], reference.noise[i]);
-        if a < 0.0 || b < 0.0 {
-            continue;
-        }
+    for &i in selected {
+        let Some((a, b)) = picture.noise[i].zip(reference.noise[i]) else { continue };
         pixels += 1;
         let difference = (picture.xyz[i][1] - reference.xyz[i][1]).abs();
         let sigma = f64::from(a).hypot(f64::from(b));
@@ -223,21 +228,21 @@ fn z_test(picture: &Picture, reference: &Picture, counted: &[usize]) -> Option<Z
     (pixels > 0).then(|| ZTest { share: within as f64 / pixels as f64, pixels })
 }
 
-fn covered(picture: &Picture, reference: &Picture, counted: &[usize]) -> Option<Covered> {
+fn covered(picture: &Picture, reference: &Picture, selected: &[usize]) -> Option<IntervalCoverage> {
     let (mut pixels, mut within) = (0_usize, 0_usize);
-    for &i in counted {
-        let Some(half) = picture.half_interval_95(i, f64::from(reference.noise[i].max(0.0))) else { continue };
+    for &i in selected {
+        let Some(half) = picture.half_interval_95(i, f64::from(reference.noise[i].unwrap_or(0.0))) else { continue };
         pixels += 1;
         within += usize::from((picture.xyz[i][1] - reference.xyz[i][1]).abs() <= half);
     }
-    (pixels > 0).then(|| Covered { share: within as f64 / pixels as f64, pixels })
+    (pixels > 0).then(|| IntervalCoverage { share: within as f64 / pixels as f64, pixels })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// A grey picture of the same luminance everywhere.
+    /// Returns a grey picture with the same luminance everywhere.
     fn grey(width: usize, height: usize, y: f64) -> Picture {
         let mut picture = Picture::black(width, height);
         picture.xyz.fill(RgbSpace::Srgb.white().map(|value| value * y));
@@ -257,15 +262,16 @@ mod tests {
     }
 
     #[test]
-    fn figures_of_a_known_difference() {
-        // 10 % too bright everywhere: (0.1 b)² / (b² + 0.01 b²).
+    fn a_known_difference_has_the_expected_values() {
+        // The picture is 10 % too bright everywhere: (0.1 b)² / (b² + 0.01 b²).
         let brighter = all(&grey(8, 8, 2.2), &grey(8, 8, 2.0));
         assert!((brighter.relative_mse - 0.01 / 1.01).abs() < 1e-12);
         assert!((brighter.relative_mse_trimmed - 0.01 / 1.01).abs() < 1e-12);
         assert!((brighter.rmse - 0.2).abs() < 1e-12);
         assert!((brighter.mean_ratio - 1.1).abs() < 1e-12);
-        // Automatic exposure shows the grey as Y = 0.5: L* = 76.069 and, 10 % brighter, 79.071 (CIE 15); ΔE2000 is
-        // their difference over S_L at the mean lightness (Sharma et al. 2005).
+        // The automatic exposure shows the grey at Y = 0.5, that is L* = 76.069, and at L* = 79.071
+        // if it is 10 % brighter (CIE 15). ΔE2000 is their difference divided by S_L at the mean
+        // lightness (Sharma et al. 2005).
         let (low, high) = (116.0 * 0.5_f64.cbrt() - 16.0, 116.0 * 0.55_f64.cbrt() - 16.0);
         let offset = (0.5 * (low + high) - 50.0).powi(2);
         let known = (high - low) / (1.0 + 0.015 * offset / (20.0 + offset).sqrt());
@@ -274,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn the_trimmed_error_forgets_two_percent_of_the_pixels() {
+    fn the_trimmed_error_ignores_two_percent_of_the_pixels() {
         let reference = grey(10, 10, 1.0);
         let mut fireflies = reference.clone();
         for i in [3, 77] {
@@ -287,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn regions_and_mask_limit_what_counts_but_not_the_scale() {
+    fn regions_and_mask_limit_the_pixels_but_not_the_scale() {
         let mut reference = grey(10, 10, 1.0);
         reference.xyz[0] = [0.0; 3];
         let mut picture = reference.clone();
@@ -320,29 +326,35 @@ mod tests {
     #[test]
     fn the_z_test_weighs_differences_by_both_errors() {
         let (mut a, mut b) = (grey(2, 2, 1.0), grey(2, 2, 1.0));
-        a.noise = vec![0.3, 0.3, -1.0, 0.0];
-        b.noise = vec![0.4, 0.4, 0.4, 0.0];
+        a.noise = vec![Some(0.3), Some(0.3), None, Some(0.0)];
+        b.noise = [0.4, 0.4, 0.4, 0.0].map(Some).to_vec();
         a.xyz[0][1] += 1.96 * 0.5 * 0.999;
         a.xyz[1][1] += 1.96 * 0.5 * 1.001;
         a.xyz[2][1] += 100.0;
         assert_eq!(all(&a, &b).z, Some(ZTest { share: 2.0 / 3.0, pixels: 3 }));
     }
 
+    /// Checks that an interval includes noise and bias, and that pixels with unknown errors have no
+    /// interval.
     #[test]
-    fn an_interval_is_of_noise_and_bias_and_unknown_pixels_have_none() {
+    fn an_interval_combines_noise_and_bias() {
         let (mut a, b) = (grey(2, 2, 1.0), grey(2, 2, 1.0));
-        a.noise = vec![0.3, 0.3, -1.0, 0.0];
-        a.bias = vec![0.4, 0.4, -1.0, 0.0];
+        a.noise = vec![Some(0.3), Some(0.3), None, Some(0.0)];
+        a.bias = vec![Some(0.4), Some(0.4), None, Some(0.0)];
         a.xyz[0][1] += (0.4 + 1.833 * 0.3) * 0.999;
         a.xyz[1][1] += (0.4 + 1.833 * 0.3) * 1.001;
         let found = all(&a, &b);
-        assert_eq!((found.covered, found.unknown_pixels), (Some(Covered { share: 2.0 / 3.0, pixels: 3 }), 1));
-        let known = Picture { noise: vec![0.1; 4], ..b };
-        assert_eq!(all(&a, &known).covered, Some(Covered { share: 1.0, pixels: 3 }), "the reference is noisy too");
+        assert_eq!((found.covered, found.unknown_pixels), (Some(IntervalCoverage { share: 2.0 / 3.0, pixels: 3 }), 1));
+        let known = Picture { noise: vec![Some(0.1); 4], ..b };
+        assert_eq!(
+            all(&a, &known).covered,
+            Some(IntervalCoverage { share: 1.0, pixels: 3 }),
+            "the reference is noisy too"
+        );
     }
 
     #[test]
-    fn pixels_that_are_no_numbers_are_infinitely_wrong() {
+    fn nan_pixels_have_an_infinite_error() {
         let reference = grey(3, 1, 1.0);
         let mut broken = reference.clone();
         broken.xyz[1][0] = f64::NAN;

@@ -1,50 +1,51 @@
-//! A comparison as one page that needs no other file: both pictures, their differences, the figures.
+//! The HTML page of a comparison of two pictures: both pictures, maps of their differences and the
+//! numbers. The page needs no other file.
 
 use maud::{Markup, html};
 
-use super::compare::{Comparison, Scale, Selection, delta_e_map};
+use super::compare::{Comparison, ErrorScale, Selection, delta_e_map};
 use super::data_uri::data_uri;
 use super::heat::{self, heat, relative_errors};
 use super::page::document;
 use super::png::encode as encode_png;
 use crate::error::Result;
-use crate::sensor::{Development, Picture, Screen, develop, exposure};
+use crate::sensor::{Development, DisplayImage, Picture, develop, exposure};
 
 /// Two pictures with their names.
 #[derive(Debug, Clone, Copy)]
-pub struct Pair<'a> {
-    /// The picture and its name.
+pub struct PicturePair<'a> {
+    /// The name of the picture, and the picture.
     pub picture: (&'a str, &'a Picture),
-    /// What it is compared with.
+    /// The name of the reference, and the reference.
     pub reference: (&'a str, &'a Picture),
 }
 
-/// The relative difference in Y that is shown in full red or blue.
-const FULL_DIFFERENCE: f64 = 0.5;
+/// Relative differences in Y of this size and above have full saturation in the map.
+const SATURATED_DIFFERENCE: f64 = 0.5;
 
-/// The colour difference that is shown in white.
-const FULL_DELTA_E: f64 = 10.0;
+/// Colour differences of this size and above are white in the map.
+const WHITE_DELTA_E: f64 = 10.0;
 
-/// How the maps of the errors are read.
-const ERRORS: &str =
-    "relative to Y, noise and bias together: black at 0, white at 50 % and above; blue-green where it is unknown.";
+/// The legend of the error maps.
+const ERROR_LEGEND: &str =
+    "√(noise² + bias²) relative to Y: black at 0, white at 50 % and above, blue-green if it is unknown.";
 
-/// The page.
+/// Returns the page.
 ///
 /// # Errors
-/// The machine's: pictures too large for PNG.
-pub fn page(pair: Pair<'_>, selection: &Selection, comparison: &Comparison) -> Result<String> {
-    let Pair { picture: (name_a, a), reference: (name_b, b) } = pair;
+/// Returns a machine error if a picture is too large for PNG.
+pub fn page(pair: PicturePair<'_>, selection: &Selection, comparison: &Comparison) -> Result<String> {
+    let PicturePair { picture: (name_a, a), reference: (name_b, b) } = pair;
     let development = Development::default();
     let exposure = exposure::automatic(b, &development);
     let shown = |picture: &Picture| develop(picture, exposure, &development);
     let title = format!("{name_a} against {name_b}");
     let signed =
-        "Difference in Y: red where A is brighter, blue where it is darker; full colour at 50 % of the reference.";
+        "Difference in Y: red where A is brighter, blue where A is darker, saturated at 50 % of the reference.";
     let colours = "Colour difference ΔE2000: black at 0, white at 10 and above.";
     let body = html! {
         h1 { (title) }
-        (figures(comparison))
+        (table(comparison))
         div.pictures {
             (figure(&shown(a), &format!("A: {name_a}"))?)
             (figure(&shown(b), &format!("B, the reference: {name_b}"))?)
@@ -52,38 +53,38 @@ pub fn page(pair: Pair<'_>, selection: &Selection, comparison: &Comparison) -> R
             (figure(&colour_differences(a, b, selection), colours)?)
             @for (letter, picture) in [("A", a), ("B", b)] {
                 @if (0..picture.xyz.len()).any(|pixel| picture.error(pixel).is_some()) {
-                    (figure(&errors(picture, selection), &format!("Error that {letter} reports, {ERRORS}"))?)
+                    (figure(&relative_error_map(picture, selection), &format!("Error that {letter} reports, {ERROR_LEGEND}"))?)
                 }
             }
         }
         p { "Both pictures are shown at the reference's automatic exposure: "
-            (format!("{:.4}", 1.0 / exposure)) " cd/m² is white. Pixels that do not count are grey in the differences." }
+            (format!("{:.4}", 1.0 / exposure)) " cd/m² is white. In the maps, pixels that are not selected are grey." }
     };
-    Ok(document(&title, STYLE, &body))
+    Ok(document(&title, COMPARISON_STYLE, &body))
 }
 
-const STYLE: &str = ".pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(20rem, 1fr)); gap: 1.5rem; \
+const COMPARISON_STYLE: &str = ".pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(20rem, 1fr)); gap: 1.5rem; \
     margin: 1.5rem 0; }\nimg { width: 100%; height: auto; image-rendering: pixelated; background: #000; }\n";
 
-fn figures(comparison: &Comparison) -> Markup {
+fn table(comparison: &Comparison) -> Markup {
     let number = |value: f64| format!("{value:.6}");
     html! {
         table {
             @for (name, value) in [
                 ("Relative mean square error", number(comparison.relative_mse)),
-                ("… without the worst 2 % of the pixels", number(comparison.relative_mse_trimmed)),
+                ("Relative mean square error without the worst 2 % of the pixels", number(comparison.relative_mse_trimmed)),
                 ("RMSE of Y in cd/m²", number(comparison.rmse)),
                 ("Mean Y, A / B", number(comparison.mean_ratio)),
                 ("ΔE2000, mean", number(comparison.delta_e_2000.mean)),
-                ("ΔE2000, 95 % are below", number(comparison.delta_e_2000.p95)),
+                ("ΔE2000, 95th percentile", number(comparison.delta_e_2000.p95)),
                 ("Share of pixels with |z| < 1.96", comparison.z.map_or("errors unknown".to_string(), |z| number(z.share))),
                 (
                     "Share of pixels where B lies in A's 95 % interval",
                     comparison.covered.map_or("errors unknown".to_string(), |covered| number(covered.share)),
                 ),
                 ("Pixels compared", comparison.pixels.to_string()),
-                ("Pixels of A that no light reached", comparison.unknown_pixels.to_string()),
-                ("Pixels that are no numbers", comparison.non_finite_pixels.to_string()),
+                ("Pixels of A whose error is unknown", comparison.unknown_pixels.to_string()),
+                ("Pixels that are not finite", comparison.non_finite_pixels.to_string()),
             ] {
                 tr { th scope="row" { (name) } td { (value) } }
             }
@@ -91,41 +92,42 @@ fn figures(comparison: &Comparison) -> Markup {
     }
 }
 
-fn figure(screen: &Screen, caption: &str) -> Result<Markup> {
+fn figure(screen: &DisplayImage, caption: &str) -> Result<Markup> {
     let source = data_uri("image/png", &encode_png(screen)?);
     Ok(html! { figure { img src=(source) alt=(caption); figcaption { (caption) } } })
 }
 
-/// A pixel that does not count.
-const LEFT_OUT: [u8; 3] = [128, 128, 128];
+/// The colour of a pixel that is not selected.
+const UNSELECTED_COLOUR: [u8; 3] = [128, 128, 128];
 
-/// Every pixel by its number, grey where it does not count.
-fn map(of: &Picture, selection: &Selection, colour: impl Fn(usize) -> [u8; 3]) -> Screen {
+/// Builds a map from the colour of every pixel. Pixels that are not selected are grey.
+fn pixel_map(of: &Picture, selection: &Selection, colour: impl Fn(usize) -> [u8; 3]) -> DisplayImage {
     let width = of.width;
-    let pixel = |i: usize| if selection.counts(i % width, i / width, width) { colour(i) } else { LEFT_OUT };
-    Screen::of_srgb(width, of.height, (0..of.xyz.len()).map(pixel).collect())
+    let pixel = |i: usize| if selection.selects(i % width, i / width, width) { colour(i) } else { UNSELECTED_COLOUR };
+    DisplayImage::of_srgb(width, of.height, (0..of.xyz.len()).map(pixel).collect())
 }
 
-fn luminance_differences(a: &Picture, b: &Picture, selection: &Selection) -> Screen {
-    let scale = Scale::of(b);
-    map(b, selection, |i| {
+fn luminance_differences(a: &Picture, b: &Picture, selection: &Selection) -> DisplayImage {
+    let scale = ErrorScale::of(b);
+    pixel_map(b, selection, |i| {
         let (a, b) = (a.xyz[i][1], b.xyz[i][1]);
-        let share = ((a - b) / scale.unit(b, 1) / FULL_DIFFERENCE).clamp(-1.0, 1.0);
+        let share = ((a - b) / scale.unit(b, 1) / SATURATED_DIFFERENCE).clamp(-1.0, 1.0);
         let faded = (255.0 * (1.0 - share.abs())) as u8;
         if share > 0.0 { [255, faded, faded] } else { [faded, faded, 255] }
     })
 }
 
-/// The relative error that a picture reports of itself.
-fn errors(of: &Picture, selection: &Selection) -> Screen {
+/// Builds a map of the relative error reported by the picture itself.
+fn relative_error_map(of: &Picture, selection: &Selection) -> DisplayImage {
     let errors: Vec<Option<f64>> = relative_errors(of).collect();
-    map(of, selection, |i| errors[i].map_or(heat::UNKNOWN, |error| heat(error / heat::FULL_ERROR)))
+    pixel_map(of, selection, |i| errors[i].map_or(heat::UNKNOWN_COLOUR, |error| heat(error / heat::WHITE_ERROR)))
 }
 
-/// ΔE2000 of every pixel that counts at the reference's exposure: black at 0, over violet and orange to white at 10 and above.
-pub fn colour_differences(a: &Picture, b: &Picture, selection: &Selection) -> Screen {
+/// Builds a map of ΔE2000 of every selected pixel. Both pictures have the exposure of the
+/// reference. The colours go from black at 0 over violet and orange to white at 10 and above.
+pub fn colour_differences(a: &Picture, b: &Picture, selection: &Selection) -> DisplayImage {
     let differences = delta_e_map(a, b);
-    map(b, selection, |i| heat(differences[i] / FULL_DELTA_E))
+    pixel_map(b, selection, |i| heat(differences[i] / WHITE_DELTA_E))
 }
 
 #[cfg(test)]
@@ -134,13 +136,13 @@ mod tests {
     use crate::output::compare::{Region, compare};
 
     #[test]
-    fn the_page_holds_four_pictures_and_nothing_from_elsewhere() {
+    fn the_page_contains_four_pictures_and_no_links() {
         let mut a = Picture::black(4, 2);
         a.xyz.fill([1.0; 3]);
         let mut b = a.clone();
         b.xyz[3] = [2.0; 3];
         let comparison = compare(&a, &b, &Selection::default()).unwrap();
-        let pair = Pair { picture: ("<a>.exr", &a), reference: ("b.exr", &b) };
+        let pair = PicturePair { picture: ("<a>.exr", &a), reference: ("b.exr", &b) };
         let page = page(pair, &Selection::default(), &comparison).unwrap();
         assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 4);
         assert!(!page.contains("http") && !page.contains("<script"), "the page is self-contained");
@@ -149,13 +151,16 @@ mod tests {
     }
 
     #[test]
-    fn brighter_is_red_darker_blue_and_what_does_not_count_grey() {
+    fn brighter_is_red_darker_blue_and_unselected_grey() {
         let mut b = Picture::black(4, 1);
         b.xyz.fill([1.0; 3]);
         let mut a = b.clone();
         (a.xyz[0][1], a.xyz[1][1], a.xyz[3][1]) = (5.0, 0.0, 5.0);
         let selection = Selection { regions: vec![Region { x0: 0, y0: 0, x1: 3, y1: 1 }], mask: None };
         let shown = luminance_differences(&a, &b, &selection);
-        assert_eq!(shown, Screen::of_srgb(4, 1, vec![[255, 0, 0], [0, 0, 255], [255, 255, 255], LEFT_OUT]));
+        assert_eq!(
+            shown,
+            DisplayImage::of_srgb(4, 1, vec![[255, 0, 0], [0, 0, 255], [255, 255, 255], UNSELECTED_COLOUR])
+        );
     }
 }

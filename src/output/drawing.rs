@@ -1,104 +1,109 @@
-//! The drawing of a lens cut along its axis, as SVG: glass, stop, sensor, rays, and magnified windows where they focus.
+//! The drawing of a lens in the meridional plane as SVG: glass, stop, sensor, rays, and magnified
+//! views of the foci.
 
 use glam::DVec2;
 
-use super::plot::{append, escaped};
+use super::svg::{append, escape_xml};
 
-/// A chain of points in a colour.
+/// A polyline with a colour.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Stroke {
-    /// Which of [`Drawing::colours`] it has.
+pub struct RayStroke {
+    /// The index of the polyline's colour in [`LensDrawing::colours`].
     pub colour: usize,
-    /// Which of [`Drawing::windows`] shows it magnified.
+    /// The index in [`LensDrawing::windows`] of the window that magnifies the polyline.
     pub window: usize,
-    /// Its points (along the axis, across it).
+    /// The points. Each is a position along the axis and a height above the axis.
     pub points: Vec<DVec2>,
 }
 
-/// A place to be magnified; its two directions have scales of their own.
+/// A magnified view. The two directions have different scales.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Window {
-    /// What it shows.
+pub struct FocusInset {
+    /// The title of the window.
     pub title: String,
-    /// Its middle.
+    /// The centre.
     pub centre: DVec2,
-    /// Half its size, above 0.
+    /// Half the width and half the height, both above 0.
     pub half_size: DVec2,
-    /// The slope of the line through the centre that is shown level, so that steep bundles fill the window too.
+    /// The slope of a line through the centre. The window shows this line as horizontal, so that
+    /// steep bundles fill the window too.
     pub slope: f64,
 }
 
-/// What is drawn; all lengths in mm, the axis at 0 across.
+/// The content of a drawing. All lengths are in mm; the optical axis has the height 0.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Drawing {
+pub struct LensDrawing {
     /// The title.
     pub title: String,
-    /// What is worth knowing, below the title.
+    /// A description below the title.
     pub caption: String,
-    /// Closed outlines of glass.
+    /// Closed outlines of the glass.
     pub glass: Vec<Vec<DVec2>>,
-    /// The blades of the stop.
+    /// The two blades of the stop.
     pub stop: [[DVec2; 2]; 2],
-    /// The sensor.
+    /// The ends of the sensor.
     pub sensor: [DVec2; 2],
     /// The rays.
-    pub strokes: Vec<Stroke>,
-    /// The colours of strokes: what each means, and how it is written in SVG.
+    pub strokes: Vec<RayStroke>,
+    /// The colours of the rays. Each entry contains the meaning of the colour, and the colour in
+    /// SVG notation.
     pub colours: Vec<(String, String)>,
-    /// The magnified places.
-    pub windows: Vec<Window>,
+    /// The magnified views.
+    pub windows: Vec<FocusInset>,
 }
 
-const WIDTH: f64 = 1080.0;
-const MARGIN: f64 = 28.0;
-const TOP: f64 = 76.0;
-/// The largest height of the lens itself.
-const TALLEST: f64 = 460.0;
-/// Height of a window, with its words.
-const WINDOW: f64 = 190.0;
-const BELOW: f64 = 52.0;
+const DRAWING_WIDTH: f64 = 1080.0;
+const DRAWING_MARGIN: f64 = 28.0;
+const DRAWING_TOP: f64 = 76.0;
+/// The largest height of the lens.
+const DRAWING_TALLEST: f64 = 460.0;
+/// The height of a window.
+const WINDOW_HEIGHT: f64 = 190.0;
+const DRAWING_BELOW: f64 = 52.0;
 
-/// From mm to the page.
+/// The mapping from mm to the page.
 #[derive(Debug, Clone, Copy)]
-struct Scale {
+struct DrawingScale {
     origin: DVec2,
     per_mm: DVec2,
 }
 
-impl Scale {
-    fn place(&self, point: DVec2) -> DVec2 {
+impl DrawingScale {
+    fn position(&self, point: DVec2) -> DVec2 {
         self.origin + self.per_mm * point * DVec2::new(1.0, -1.0)
     }
 
     fn path(&self, points: &[DVec2]) -> String {
         let mut path = String::new();
         for (i, point) in points.iter().enumerate() {
-            let (command, place) = (if i == 0 { 'M' } else { 'L' }, self.place(*point));
+            let (command, place) = (if i == 0 { 'M' } else { 'L' }, self.position(*point));
             append(&mut path, format_args!("{command}{:.2} {:.2}", place.x, place.y));
         }
         path
     }
 }
 
-impl Drawing {
-    /// The drawing as a file that needs no other.
+impl LensDrawing {
+    /// Returns the drawing as a self-contained SVG document.
     pub fn svg(&self) -> String {
         let (low, high) = self.bounds();
         let size = high - low;
-        let per_mm = ((WIDTH - 2.0 * MARGIN) / size.x).min(TALLEST / size.y);
-        let left = 0.5 * (WIDTH - per_mm * size.x);
-        let scale =
-            Scale { origin: DVec2::new(left - per_mm * low.x, TOP + per_mm * high.y), per_mm: DVec2::splat(per_mm) };
-        let foot = TOP + per_mm * size.y + 24.0;
-        let height = foot + if self.windows.is_empty() { 0.0 } else { WINDOW + BELOW };
+        let per_mm = ((DRAWING_WIDTH - 2.0 * DRAWING_MARGIN) / size.x).min(DRAWING_TALLEST / size.y);
+        let left = 0.5 * (DRAWING_WIDTH - per_mm * size.x);
+        let scale = DrawingScale {
+            origin: DVec2::new(left - per_mm * low.x, DRAWING_TOP + per_mm * high.y),
+            per_mm: DVec2::splat(per_mm),
+        };
+        let foot = DRAWING_TOP + per_mm * size.y + 24.0;
+        let height = foot + if self.windows.is_empty() { 0.0 } else { WINDOW_HEIGHT + DRAWING_BELOW };
         let mut svg = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.0}\" width=\"{WIDTH}\" height=\"{height:.0}\" \
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {DRAWING_WIDTH} {height:.0}\" width=\"{DRAWING_WIDTH}\" height=\"{height:.0}\" \
              font-family=\"system-ui, sans-serif\" font-size=\"14\" fill=\"#222\">\n\
-             <rect width=\"{WIDTH}\" height=\"{height:.0}\" fill=\"#fff\"/>\n\
-             <text x=\"{MARGIN}\" y=\"32\" font-size=\"18\">{}</text>\n\
-             <text x=\"{MARGIN}\" y=\"54\" fill=\"#555\">{}</text>\n",
-            escaped(&self.title),
-            escaped(&self.caption)
+             <rect width=\"{DRAWING_WIDTH}\" height=\"{height:.0}\" fill=\"#fff\"/>\n\
+             <text x=\"{DRAWING_MARGIN}\" y=\"32\" font-size=\"18\">{}</text>\n\
+             <text x=\"{DRAWING_MARGIN}\" y=\"54\" fill=\"#555\">{}</text>\n",
+            escape_xml(&self.title),
+            escape_xml(&self.caption)
         );
         svg += &self.legend();
         svg += &self.lens(&scale, (low.x, high.x));
@@ -109,7 +114,7 @@ impl Drawing {
         svg
     }
 
-    /// Lower and upper corner of all that is drawn.
+    /// Returns the lower and the upper corner of all points.
     fn bounds(&self) -> (DVec2, DVec2) {
         let rays = self.strokes.iter().flat_map(|stroke| &stroke.points);
         let points = self.glass.iter().flatten().chain(rays).chain(self.stop.iter().flatten()).chain(&self.sensor);
@@ -121,8 +126,8 @@ impl Drawing {
     fn legend(&self) -> String {
         let mut svg = String::new();
         for (i, (name, colour)) in self.colours.iter().rev().enumerate() {
-            let x = WIDTH - MARGIN - 130.0 * i as f64;
-            let name = escaped(name);
+            let x = DRAWING_WIDTH - DRAWING_MARGIN - 130.0 * i as f64;
+            let name = escape_xml(name);
             append(
                 &mut svg,
                 format_args!("<text x=\"{x}\" y=\"32\" text-anchor=\"end\" fill=\"{colour}\">{name}</text>\n"),
@@ -131,7 +136,7 @@ impl Drawing {
         svg
     }
 
-    fn lens(&self, scale: &Scale, (from, to): (f64, f64)) -> String {
+    fn lens(&self, scale: &DrawingScale, (from, to): (f64, f64)) -> String {
         let mut svg = String::new();
         for outline in &self.glass {
             let path = scale.path(outline);
@@ -153,8 +158,9 @@ impl Drawing {
         svg
     }
 
-    /// The rays through the lens: where the colours run together they lie inside each other, so that each shows.
-    fn rays(&self, scale: &Scale) -> String {
+    /// Draws the rays through the lens. The colours drawn first have wider lines. Therefore
+    /// coinciding rays of all colours stay visible.
+    fn rays(&self, scale: &DrawingScale) -> String {
         let mut svg = String::new();
         for (i, (_, colour)) in self.colours.iter().enumerate() {
             let width = 0.8 + (self.colours.len() - 1 - i) as f64;
@@ -165,29 +171,29 @@ impl Drawing {
         svg
     }
 
-    /// The neighbourhood of a focus, magnified.
+    /// Draws the magnified view of a focus.
     fn window(&self, i: usize, top: f64) -> String {
-        let Window { title, centre, half_size, slope: _ } = &self.windows[i];
-        let share = (WIDTH - MARGIN) / self.windows.len() as f64;
-        let (x, width) = (MARGIN + share * i as f64, share - MARGIN);
-        let size = DVec2::new(width, WINDOW);
+        let FocusInset { title, centre, half_size, slope: _ } = &self.windows[i];
+        let share = (DRAWING_WIDTH - DRAWING_MARGIN) / self.windows.len() as f64;
+        let (x, width) = (DRAWING_MARGIN + share * i as f64, share - DRAWING_MARGIN);
+        let size = DVec2::new(width, WINDOW_HEIGHT);
         let per_mm = size / (2.0 * *half_size);
-        let middle = DVec2::new(x + 0.5 * width, top + 0.5 * WINDOW);
-        let scale = Scale { origin: middle - per_mm * *centre * DVec2::new(1.0, -1.0), per_mm };
-        let frame = format!("x=\"{x:.2}\" y=\"{top:.2}\" width=\"{width:.2}\" height=\"{WINDOW}\"");
+        let middle = DVec2::new(x + 0.5 * width, top + 0.5 * WINDOW_HEIGHT);
+        let scale = DrawingScale { origin: middle - per_mm * *centre * DVec2::new(1.0, -1.0), per_mm };
+        let frame = format!("x=\"{x:.2}\" y=\"{top:.2}\" width=\"{width:.2}\" height=\"{WINDOW_HEIGHT}\"");
         let mut svg =
             format!("<clipPath id=\"window{i}\"><rect {frame}/></clipPath>\n<g clip-path=\"url(#window{i})\">\n");
         for stroke in self.strokes.iter().filter(|stroke| stroke.window == i) {
             let colour = self.colours.get(stroke.colour).map_or("#222", |colour| colour.1.as_str());
             ray(&mut svg, &scale.path(&across(&self.windows[i], &stroke.points)), colour, 1.4);
         }
-        let sensor = format!("M{:.2} {top:.2}v{WINDOW}", middle.x);
+        let sensor = format!("M{:.2} {top:.2}v{WINDOW_HEIGHT}", middle.x);
         append(
             &mut svg,
             format_args!("<path class=\"sensor\" d=\"{sensor}\" stroke=\"#111\" stroke-width=\"2.5\"/>\n</g>\n"),
         );
         append(&mut svg, format_args!("<rect {frame} fill=\"none\" stroke=\"#999\"/>\n"));
-        let (y, title) = (top + WINDOW + 22.0, escaped(title));
+        let (y, title) = (top + WINDOW_HEIGHT + 22.0, escape_xml(title));
         append(
             &mut svg,
             format_args!("<text x=\"{:.2}\" y=\"{y:.2}\" text-anchor=\"middle\">{title}</text>\n", middle.x),
@@ -208,8 +214,9 @@ fn ray(svg: &mut String, path: &str, colour: &str, width: f64) {
     );
 }
 
-/// The line of a chain's last two points, from one side of a window to the other, less the window's slope.
-fn across(window: &Window, points: &[DVec2]) -> Vec<DVec2> {
+/// Extends the last segment of a polyline to both sides of a window. Heights are relative to the
+/// sloped line of the window.
+fn across(window: &FocusInset, points: &[DVec2]) -> Vec<DVec2> {
     let [.., before, last] = points else { return Vec::new() };
     let slope = (last.y - before.y) / (last.x - before.x);
     let side = |sign: f64| {
@@ -223,15 +230,15 @@ fn across(window: &Window, points: &[DVec2]) -> Vec<DVec2> {
 mod tests {
     use super::*;
 
-    fn drawing() -> Drawing {
-        let stroke = |window, points| Stroke { colour: 0, window, points };
-        let window = |y| Window {
+    fn drawing() -> LensDrawing {
+        let stroke = |window, points| RayStroke { colour: 0, window, points };
+        let window = |y| FocusInset {
             title: "focus".to_string(),
             centre: DVec2::new(100.0, y),
             half_size: DVec2::new(1.0, 0.1),
             slope: 0.0,
         };
-        Drawing {
+        LensDrawing {
             title: "a <lens> & more".to_string(),
             caption: String::new(),
             glass: vec![vec![DVec2::new(0.0, -10.0), DVec2::new(0.0, 10.0), DVec2::new(5.0, 0.0)]],
@@ -247,23 +254,24 @@ mod tests {
     }
 
     #[test]
-    fn the_file_is_whole_and_its_text_escaped() {
+    fn the_document_is_complete_and_its_text_escaped() {
         let svg = drawing().svg();
         assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
         assert!(svg.contains("a &lt;lens&gt; &amp; more") && !svg.contains("NaN") && !svg.contains("inf"));
         let count = |class: &str| svg.matches(&format!("class=\"{class}\"")).count();
-        // Each ray once in the lens and once in its window; the sensor in all three.
+        // Each ray is drawn once in the lens and once in its window. The sensor is drawn in all
+        // three.
         assert_eq!([count("glass"), count("stop"), count("ray"), count("sensor")], [1, 2, 4, 3]);
     }
 
     #[test]
-    fn a_window_shows_the_last_piece_of_its_rays_from_side_to_side() {
-        let Drawing { windows, strokes, .. } = drawing();
+    fn a_window_extends_the_last_segment_of_its_rays() {
+        let LensDrawing { windows, strokes, .. } = drawing();
         let shown = across(&windows[0], &strokes[0].points);
         assert_eq!(shown, [DVec2::new(99.0, 0.08), DVec2::new(101.0, -0.08)]);
         assert!(across(&windows[0], &strokes[0].points[..1]).is_empty());
-        // Along the ray itself it is level.
-        let level = across(&Window { slope: -0.08, ..windows[0].clone() }, &strokes[0].points);
+        // A window with the slope of the ray shows the ray horizontally.
+        let level = across(&FocusInset { slope: -0.08, ..windows[0].clone() }, &strokes[0].points);
         assert!(level.iter().all(|point| point.y.abs() < 1e-15), "{level:?}");
     }
 }

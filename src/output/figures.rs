@@ -1,11 +1,11 @@
-//! The figures of a colour in words, for tables.
+//! The values of a colour as text for tables.
 
-use crate::colour::{LightDifference, Report};
+use crate::colour::{ColourReport, LightDifference};
 
-/// What a report says, each with its name; undefined figures say so. A reflectance has neither colour temperature nor
-/// colour rendering nor efficacy.
-pub fn figures(report: &Report) -> Vec<(&'static str, String)> {
-    let Report { xyz, xy, linear_srgb, srgb_hex, dominant, temperature, rendering, efficacy_lm_per_w } = report;
+/// Returns the names and values of a colour report. Undefined values are given as "undefined".
+/// Colour temperature, colour rendering and efficacy are listed only for a light.
+pub fn report_rows(report: &ColourReport) -> Vec<(&'static str, String)> {
+    let ColourReport { xyz, xy, linear_srgb, srgb_hex, dominant, temperature, rendering, efficacy_lm_per_w } = report;
     let three = |values: &[f64; 3], decimals: usize| values.map(|value| format!("{value:.decimals$}")).join("  ");
     let undefined = || "undefined".to_string();
     let dominant = dominant.map_or_else(undefined, |dominant| {
@@ -28,8 +28,8 @@ pub fn figures(report: &Report) -> Vec<(&'static str, String)> {
     rows
 }
 
-/// How far two lights are apart.
-pub fn apart(lights: LightDifference) -> String {
+/// Formats the difference of two lights.
+pub fn difference_text(lights: LightDifference) -> String {
     format!("Δxy {:.5}, ΔE2000 {:.2}", lights.delta_xy, lights.delta_e_2000)
 }
 
@@ -39,14 +39,14 @@ mod tests {
     use crate::spectrum::{Observer, SpectralLine, Spectrum, library};
 
     #[test]
-    fn a_light_has_its_temperature_and_a_reflectance_none() {
+    fn only_a_light_has_a_temperature() {
         let d65 = library::find("D65").unwrap().spectrum;
-        let light = figures(&Report::of_light(&d65, Observer::cie1931()).unwrap());
+        let light = report_rows(&ColourReport::of_light(&d65, Observer::cie1931()).unwrap());
         assert!(light.iter().any(|(name, value)| *name == "CCT" && value.starts_with("650")), "{light:?}");
         let laser = Spectrum::lines(&[SpectralLine { nm: 532.0, power: 1.0, fwhm_nm: None }]).unwrap();
-        let laser = figures(&Report::of_light(&laser, Observer::cie1931()).unwrap());
+        let laser = report_rows(&ColourReport::of_light(&laser, Observer::cie1931()).unwrap());
         assert!(laser.contains(&("CCT", "undefined".to_string())), "{laser:?}");
-        let grey = Report::of_reflectance(&Spectrum::constant(0.5), &d65, Observer::cie1931()).unwrap();
-        assert!(figures(&grey).iter().all(|(name, _)| !["CCT", "Ra", "efficacy"].contains(name)));
+        let grey = ColourReport::of_reflectance(&Spectrum::constant(0.5), &d65, Observer::cie1931()).unwrap();
+        assert!(report_rows(&grey).iter().all(|(name, _)| !["CCT", "Ra", "efficacy"].contains(name)));
     }
 }

@@ -1,4 +1,4 @@
-//! Files that are there whole or not at all.
+//! Atomic writing of files: a file is written completely or not at all.
 
 use std::fs::{self, File};
 use std::io::Write;
@@ -6,33 +6,36 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 
-/// Writes a whole file: beside its final name first, then renamed, so that no reader ever sees a part of it and a
-/// failure leaves what was there before. What is no ordinary file (a pipe, a device) is written directly; a link is
-/// followed.
+/// Writes a file atomically. The data is first written to a temporary file in the same folder. Then
+/// the temporary file is renamed. Readers never see a partial file, and a failure leaves the
+/// previous file in place. Pipes and devices are written directly. Symbolic links are followed.
 ///
 /// # Errors
-/// The machine's: a folder that is missing or cannot be written to, a full disk; the error names `path`.
+/// Returns a machine error that names `path` if the folder is missing or not writable, or the disk
+/// is full.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     let target = followed(path);
     if is_special(&target) {
         return fs::write(&target, bytes).map_err(|error| unwritable(path, &error));
     }
-    let beside = beside(&target);
-    let written = File::create(&beside).and_then(|mut file| {
+    let temporary_path = temporary_path(&target);
+    let written = File::create(&temporary_path).and_then(|mut file| {
         file.write_all(bytes)?;
         file.sync_all()
     });
-    written.and_then(|()| fs::rename(&beside, &target)).map_err(|error| {
-        // The name is ours alone; if even this fails there is nothing left to try.
-        let _ = fs::remove_file(&beside);
+    written.and_then(|()| fs::rename(&temporary_path, &target)).map_err(|error| {
+        // The temporary name belongs to this process. A failure to remove the file is ignored,
+        // because the write error is already reported.
+        let _ = fs::remove_file(&temporary_path);
         unwritable(path, &error)
     })
 }
 
-/// Checks that [`write_whole`] can be expected to succeed, before hours are spent on what is to be written.
+/// Checks that [`write_whole`] will probably succeed. Call this function before a long computation
+/// of the data.
 ///
 /// # Errors
-/// As [`write_whole`]'s, as far as they can be known; and a file that is protected against writing.
+/// Returns the foreseeable errors of [`write_whole`], and an error if the file is write-protected.
 pub fn check_writable(path: &Path) -> Result<()> {
     let target = followed(path);
     let refused = |what: &str| Err(Error::machine(format!("cannot be written: {what}")).in_file(path));
@@ -43,16 +46,19 @@ pub fn check_writable(path: &Path) -> Result<()> {
         return fs::OpenOptions::new().write(true).open(&target).map(drop).map_err(|error| unwritable(path, &error));
     }
     if fs::metadata(&target).is_ok_and(|metadata| metadata.permissions().readonly()) {
-        return refused("the file is there and protected against writing");
+        return refused("the file is write-protected");
     }
-    let beside = beside(&target);
-    File::create(&beside).and_then(|_| fs::remove_file(&beside)).map_err(|error| unwritable(path, &error))
+    let temporary_path = temporary_path(&target);
+    File::create(&temporary_path)
+        .and_then(|_| fs::remove_file(&temporary_path))
+        .map_err(|error| unwritable(path, &error))
 }
 
-/// Removes a file that may not be there; a link is removed itself, not what it leads to.
+/// Removes a file if it exists. If the path is a symbolic link, the link is removed, and its target
+/// stays.
 ///
 /// # Errors
-/// The machine's: a file that cannot be removed.
+/// Returns a machine error if the file cannot be removed.
 pub fn remove_if_present(path: &Path) -> Result<()> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
@@ -62,24 +68,24 @@ pub fn remove_if_present(path: &Path) -> Result<()> {
     }
 }
 
-/// The file behind a link, or the path itself where there is none yet.
+/// Returns the target of a symbolic link, or the path itself if the file does not exist.
 fn followed(path: &Path) -> PathBuf {
     fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf())
 }
 
-/// Whether something other than a file or folder has this name.
+/// Returns true if the path belongs to something other than a file or a folder.
 fn is_special(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
 }
 
-/// What stands in names of unfinished files between the final name and the number of the process.
-const UNFINISHED: &str = ".unfinished-";
+/// In the name of a temporary file, this text is between the final name and the process number.
+const TEMPORARY_MARK: &str = ".unfinished-";
 
-/// Removes what processes that were killed while they wrote this file left beside it, where the system tells which those are
-/// (Linux).
-pub fn clear_unfinished(path: &Path) {
+/// Removes the temporary files of `path` left behind by killed processes. The function works only
+/// on systems with a list of processes in `/proc` (Linux).
+pub fn remove_temporary_files(path: &Path) {
     let target = followed(path);
-    let name = target.file_name().unwrap_or_default().to_string_lossy().into_owned() + UNFINISHED;
+    let name = target.file_name().unwrap_or_default().to_string_lossy().into_owned() + TEMPORARY_MARK;
     let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let processes = Path::new("/proc");
     if !processes.join("self").exists() {
@@ -89,16 +95,16 @@ pub fn clear_unfinished(path: &Path) {
         let left = entry.file_name();
         let process = left.to_str().and_then(|left| left.strip_prefix(&name)?.parse::<u32>().ok());
         if process.is_some_and(|process| !processes.join(process.to_string()).exists()) {
-            // A leftover that cannot be removed does no harm.
+            // A leftover file that cannot be removed is harmless.
             let _ = fs::remove_file(entry.path());
         }
     }
 }
 
-/// A name beside the final one that no other process uses.
-fn beside(path: &Path) -> PathBuf {
+/// Returns a path in the same folder. No other process uses this path.
+fn temporary_path(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!("{UNFINISHED}{}", std::process::id()));
+    name.push(format!("{TEMPORARY_MARK}{}", std::process::id()));
     path.with_file_name(name)
 }
 
@@ -116,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_is_replaced_whole_and_nothing_is_left_beside_it() {
+    fn a_file_is_replaced_without_leftovers() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.txt");
         write_whole(&path, b"first").unwrap();
@@ -127,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_written_is_the_machine_s_fault_and_named() {
+    fn unwritable_files_are_machine_errors() {
         let folder = tempfile::tempdir().unwrap();
         let missing = folder.path().join("no/such/folder/a.exr");
         for error in [check_writable(&missing).unwrap_err(), write_whole(&missing, b"").unwrap_err()] {
@@ -138,16 +144,18 @@ mod tests {
         assert!(names_in(folder.path()).is_empty());
     }
 
+    /// Checks that temporary files of ended processes are removed. Files of running processes are
+    /// kept.
     #[cfg(target_os = "linux")]
     #[test]
-    fn what_killed_processes_left_is_cleared_and_what_living_ones_write_is_not() {
+    fn only_temporary_files_of_dead_processes_are_removed() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
         let own = format!("a.exr.unfinished-{}", std::process::id());
         for name in [&own, "a.exr.unfinished-4294967295", "a.exr.unfinished-mine", "b.exr.unfinished-4294967295"] {
             fs::write(folder.path().join(name), "half").unwrap();
         }
-        clear_unfinished(&path);
+        remove_temporary_files(&path);
         let mut names = names_in(folder.path());
         names.sort();
         let mut kept = [own, "a.exr.unfinished-mine".to_string(), "b.exr.unfinished-4294967295".to_string()];
@@ -157,7 +165,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_link_is_followed_and_a_device_never_replaced() {
+    fn links_are_followed_and_devices_not_replaced() {
         let folder = tempfile::tempdir().unwrap();
         let (file, link) = (folder.path().join("file"), folder.path().join("link"));
         fs::write(&file, "old").unwrap();

@@ -1,30 +1,34 @@
-//! Heat maps: a picture's numbers as colours, and its relative error as a picture.
+//! Heat maps: numbers as colours, and the relative error of a picture as an image.
 
-use crate::sensor::{Picture, Screen};
+use crate::sensor::{DisplayImage, Picture};
 
-/// A pixel of which nothing is known: no light reached it.
-pub const UNKNOWN: [u8; 3] = [0, 96, 128];
+/// The colour of a pixel whose error is unknown because no light reached it.
+pub const UNKNOWN_COLOUR: [u8; 3] = [0, 96, 128];
 
-/// The relative error that is shown in white.
-pub const FULL_ERROR: f64 = 0.5;
+/// The smallest relative error shown as white in the map.
+pub const WHITE_ERROR: f64 = 0.5;
 
-/// A share from 0 to 1 as black over violet and orange to white, brighter all the way; NaN is white.
+/// Returns the colour of a fraction from 0 to 1. The colours go from black over violet and orange
+/// to white, with increasing brightness. NaN is white.
 pub fn heat(share: f64) -> [u8; 3] {
-    const STOPS: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [90.0, 20.0, 130.0], [240.0, 120.0, 30.0], [255.0, 255.0, 255.0]];
+    const HEAT_COLOURS: [[f64; 3]; 4] =
+        [[0.0, 0.0, 0.0], [90.0, 20.0, 130.0], [240.0, 120.0, 30.0], [255.0, 255.0, 255.0]];
     let place = if share < 1.0 { share.max(0.0) * 3.0 } else { 3.0 };
     let stop = (place as usize).min(2);
     let t = place - stop as f64;
-    [0, 1, 2].map(|c| (STOPS[stop][c] + t * (STOPS[stop + 1][c] - STOPS[stop][c])).round() as u8)
+    [0, 1, 2].map(|c| (HEAT_COLOURS[stop][c] + t * (HEAT_COLOURS[stop + 1][c] - HEAT_COLOURS[stop][c])).round() as u8)
 }
 
-/// A picture's relative error: each pixel's, noise and bias together, over √(Y² + 0.01 m²), m the picture's mean Y. 0 is black, [`FULL_ERROR`] and
-/// more white, unknown [`UNKNOWN`].
-pub fn error_map(picture: &Picture) -> Screen {
-    let colours = relative_errors(picture).map(|error| error.map_or(UNKNOWN, |error| heat(error / FULL_ERROR)));
-    Screen::of_srgb(picture.width, picture.height, colours.collect())
+/// Returns a map of the relative error of a picture: √(noise² + bias²) / √(Y² + 0.01 m²), where m
+/// is the mean Y of the picture. Error 0 is black. Errors of [`WHITE_ERROR`] and more are white.
+/// Pixels with unknown errors have the colour [`UNKNOWN_COLOUR`].
+pub fn error_map(picture: &Picture) -> DisplayImage {
+    let colours = relative_errors(picture).map(|error| error.map_or(UNKNOWN_COLOUR, |error| heat(error / WHITE_ERROR)));
+    DisplayImage::of_srgb(picture.width, picture.height, colours.collect())
 }
 
-/// Each pixel's relative error, as in [`error_map`].
+/// Returns the relative error of each pixel, defined as in [`error_map`]. Unknown errors are
+/// `None`.
 pub(super) fn relative_errors(picture: &Picture) -> impl Iterator<Item = Option<f64>> {
     let dark = 0.01 * picture.mean_y().powi(2);
     let unit = move |pixel: usize| (picture.xyz[pixel][1].powi(2) + dark).sqrt();
@@ -42,14 +46,18 @@ mod tests {
         assert_eq!([0.0, 1.0, 7.0, f64::INFINITY, f64::NAN].map(brightness), [0, 765, 765, 765, 765]);
     }
 
+    /// Checks that an error map combines noise and bias, and shows unknown pixels.
     #[test]
-    fn an_error_map_shows_noise_and_bias_together_and_what_is_unknown() {
+    fn an_error_map_combines_noise_and_bias() {
         let mut picture = Picture::black(4, 1);
         picture.xyz.fill([1.0; 3]);
-        picture.noise = vec![0.0, 0.3, 0.9, -1.0];
-        picture.bias = vec![0.0, 0.4, 0.0, -1.0];
-        let full = FULL_ERROR * 1.01_f64.sqrt();
+        picture.noise = vec![Some(0.0), Some(0.3), Some(0.9), None];
+        picture.bias = vec![Some(0.0), Some(0.4), Some(0.0), None];
+        let full = WHITE_ERROR * 1.01_f64.sqrt();
         let known = [0.0, 0.5 / full, 1.0].map(heat);
-        assert_eq!(error_map(&picture), Screen::of_srgb(4, 1, vec![known[0], known[1], known[2], UNKNOWN]));
+        assert_eq!(
+            error_map(&picture),
+            DisplayImage::of_srgb(4, 1, vec![known[0], known[1], known[2], UNKNOWN_COLOUR])
+        );
     }
 }

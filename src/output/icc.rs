@@ -1,38 +1,38 @@
-//! ICC profiles of RGB spaces, for readers that do not know code points.
+//! ICC profiles of RGB spaces, for programs that cannot read code points.
 
 use moxcms::{ColorProfile, LocalizableString, Matrix3d, ProfileText, ToneReprCurve, Xyzd};
 
-use crate::colour::{RgbSpace, Transform, Xyz, adapt, adaptation};
+use crate::colour::{AdaptationTransform, RgbSpace, Xyz, adapt, adaptation};
 use crate::error::{Error, Result};
 
-/// The white of the profile connection space (ICC.1:2022, 7.2.16): D50 as the header rounds it.
+/// The white of the profile connection space (ICC.1:2022, 7.2.16): D50, rounded as in the header.
 const D50: Xyz = [0.9642, 1.0, 0.8249];
 
-/// The day that all profiles state as that of their making, so that the same picture gives the same file: 2020-01-01,
-/// 0:00:00, as six numbers of 16 bits.
+/// The creation date of all profiles, 2020-01-01 0:00:00, as six 16-bit numbers. A constant date
+/// makes the files reproducible.
 const MADE: [u8; 12] = [7, 228, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0];
 
-/// Where the header holds that day.
+/// The position of the creation date in the header.
 const MADE_AT: std::ops::Range<usize> = 24..36;
 
-/// The bytes of a version 4 matrix profile of a space; the same every time.
+/// Returns the bytes of a version 4 matrix profile of a space. The bytes are the same in every run.
 ///
 /// # Errors
-/// The machine's: what the encoder cannot hold.
+/// Returns a machine error if the profile cannot be encoded.
 pub fn profile(space: RgbSpace) -> Result<Vec<u8>> {
     let [red, green, blue] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
-        .map(|rgb| xyz_of(adapt(space.to_xyz(rgb), space.white(), D50, Transform::Bradford)));
+        .map(|rgb| xyz_of(adapt(space.to_xyz(rgb), space.white(), D50, AdaptationTransform::Bradford)));
     let text = |text: &str| {
         let localized = LocalizableString::new("en".to_string(), "US".to_string(), text.to_string());
         Some(ProfileText::Localizable(vec![localized]))
     };
-    // Its header and nothing else of it is kept.
+    // Only the header of this profile is kept.
     let mut profile = ColorProfile::new_srgb();
     (profile.red_colorant, profile.green_colorant, profile.blue_colorant) = (red, green, blue);
     let curve = Some(curve(space));
     (profile.red_trc, profile.green_trc, profile.blue_trc) = (curve.clone(), curve.clone(), curve);
     profile.media_white_point = Some(xyz_of(D50));
-    profile.chromatic_adaptation = Some(Matrix3d { v: adaptation(space.white(), D50, Transform::Bradford) });
+    profile.chromatic_adaptation = Some(Matrix3d { v: adaptation(space.white(), D50, AdaptationTransform::Bradford) });
     profile.cicp = None;
     (profile.description, profile.copyright) = (text(title(space)), text("No copyright"));
     let failed = |error| Error::machine(format!("a colour profile cannot be written: {error}"));
@@ -54,8 +54,8 @@ fn title(space: RgbSpace) -> &'static str {
     }
 }
 
-/// Light Y of a signal X: (aX + b)^g from d on, cX below, as the numbers g, a, b, c, d (ICC.1:2022, 10.18, type 3); or
-/// no curve.
+/// Returns the decoding curve: the signal X becomes (aX + b)^g for X ≥ d and cX below. The numbers
+/// are g, a, b, c, d (ICC.1:2022, 10.18, type 3). A linear space has an empty table.
 fn curve(space: RgbSpace) -> ToneReprCurve {
     match space {
         RgbSpace::Srgb | RgbSpace::DisplayP3 => {
@@ -79,26 +79,28 @@ mod tests {
             let bytes = profile(space).unwrap();
             assert_eq!(bytes, profile(space).unwrap());
             let read = ColorProfile::new_from_slice(&bytes).unwrap();
-            // Colorants add up to D50, in s15Fixed16 numbers.
+            // The colorants add up to D50, as s15Fixed16 numbers.
             let sum = [
                 read.red_colorant.x + read.green_colorant.x + read.blue_colorant.x,
                 read.red_colorant.y + read.green_colorant.y + read.blue_colorant.y,
                 read.red_colorant.z + read.green_colorant.z + read.blue_colorant.z,
             ];
             assert!(sum.iter().zip(D50).all(|(sum, white)| (sum - white).abs() < 1e-4), "{space:?} {sum:?}");
-            let green = adapt(space.to_xyz([0.0, 1.0, 0.0]), space.white(), D50, Transform::Bradford);
+            let green = adapt(space.to_xyz([0.0, 1.0, 0.0]), space.white(), D50, AdaptationTransform::Bradford);
             let found = [read.green_colorant.x, read.green_colorant.y, read.green_colorant.z];
             assert!(found.iter().zip(green).all(|(found, known)| (found - known).abs() < 2e-5), "{space:?} {found:?}");
-            for (row, known) in
-                read.chromatic_adaptation.unwrap().v.iter().zip(adaptation(space.white(), D50, Transform::Bradford))
-            {
+            for (row, known) in read.chromatic_adaptation.unwrap().v.iter().zip(adaptation(
+                space.white(),
+                D50,
+                AdaptationTransform::Bradford,
+            )) {
                 assert!(row.iter().zip(known).all(|(a, b)| (a - b).abs() < 2e-5), "{space:?}");
             }
         }
     }
 
     #[test]
-    fn the_curves_are_those_of_the_codes() {
+    fn profile_curves_match_the_decoding() {
         for space in RgbSpace::ALL {
             let linear = |signal: f64| match curve(space) {
                 ToneReprCurve::Lut(table) if table.is_empty() => signal,

@@ -1,56 +1,56 @@
-//! Two lamps compared, as one page that needs no other file: their spectra, their colours, and what surfaces look like
-//! under both.
+//! The HTML page of a comparison of two lamps: their spectra, their colours, and the colours of
+//! surfaces under both lamps. The page needs no other file.
 
 use maud::{Markup, PreEscaped, html};
 
-use super::chromaticity::Diagram;
-use super::figures::{apart, figures};
+use super::chromaticity::ChromaticityDiagram;
+use super::figures::{difference_text, report_rows};
 use super::page::document;
-use super::plot::Plot;
+use super::plot::SpectralPlot;
 use crate::colour::gamut::desaturate;
 use crate::colour::lamps::{ALIKE, DIFFERENT, LampComparison, PatchDifference, SplitPair};
 use crate::colour::{RgbSpace, Xyz, from_lab, report, srgb_hex, xy, xyz_to_linear_srgb};
 use crate::error::Result;
 use crate::spectrum::{LUMENS_PER_WATT, Observer, Spectrum};
 
-/// A light with its name and where it comes from.
+/// A lamp with its name and its origin.
 #[derive(Debug, Clone, Copy)]
-pub struct Lamp<'a> {
-    /// Its name.
+pub struct NamedLamp<'a> {
+    /// The name.
     pub name: &'a str,
-    /// What it is and whose numbers these are.
+    /// A description and the source of the data.
     pub origin: &'a str,
-    /// Its light, on any scale.
+    /// The spectrum of its light, on any scale.
     pub spectrum: &'a Spectrum,
 }
 
-/// What the page shows.
+/// The content of the page.
 #[derive(Debug, Clone)]
-pub struct Page<'a> {
-    /// A and B.
-    pub lamps: [Lamp<'a>; 2],
-    /// Their comparison.
+pub struct LampsPage<'a> {
+    /// The lamps A and B.
+    pub lamps: [NamedLamp<'a>; 2],
+    /// The comparison of the lamps.
     pub comparison: &'a LampComparison,
-    /// Whose eye it is.
+    /// The observer.
     pub observer: &'a Observer,
-    /// Of what A's match is mixed, where one was asked for.
-    pub primaries: Vec<Lamp<'a>>,
-    /// What the reader must know first.
+    /// The primaries if B is a match of A, or else an empty list.
+    pub primaries: Vec<NamedLamp<'a>>,
+    /// A warning at the top of the page.
     pub warning: Option<&'a str>,
 }
 
-/// How many split pairs are shown.
-const SHOWN_PAIRS: usize = 12;
+/// The number of split pairs on the page.
+pub const SHOWN_PAIRS: usize = 12;
 
-/// Longest name in a plot's title, in characters.
+/// The longest name in the title of a plot, in characters.
 const LONGEST_TITLE: usize = 70;
 
-/// The page.
+/// Returns the page.
 ///
 /// # Errors
-/// The machine's: a picture that PNG cannot hold.
-pub fn page(page: &Page<'_>) -> Result<String> {
-    let Page { lamps: [a, b], comparison, observer, primaries: _, warning } = page;
+/// Returns a machine error if an image cannot be encoded as PNG.
+pub fn page(page: &LampsPage<'_>) -> Result<String> {
+    let LampsPage { lamps: [a, b], comparison, observer, primaries: _, warning } = page;
     let title = format!("{} against {}", a.name, b.name);
     let body = html! {
         h1 { (title) }
@@ -63,25 +63,26 @@ pub fn page(page: &Page<'_>) -> Result<String> {
         div.two.spectra {
             @for (badge, lamp) in [("A", a), ("B", b)] { figure { (PreEscaped(plot(badge, lamp, observer).svg())) } }
         }
-        p.soft { "Spectral power of each lamp for one lumen of its light; lines are as high as their share of the tallest. The axes differ." }
+        p.soft { "Spectral power of each lamp for one lumen. The height of a line is its power relative to the strongest line. The two plots have different scales." }
         (charts(comparison))
         (pairs(comparison))
-        h2 { "Every patch" }
+        h2 { "All patches" }
         (table(comparison))
         (notes(observer))
     };
     Ok(document(&title, include_str!("lamps_page.css"), &body))
 }
 
-/// The lamps' own colours: figures, and a diagram.
-fn lights(page: &Page<'_>) -> Result<Markup> {
-    let Page { comparison, observer, primaries, .. } = page;
+/// Renders the section with the colours of the lamps: a table and a chromaticity diagram.
+fn lights(page: &LampsPage<'_>) -> Result<Markup> {
+    let LampsPage { comparison, observer, primaries, .. } = page;
     let [a, b] = &comparison.reports;
-    let place = |lamp: &Lamp<'_>| xy(report::xyz(lamp.spectrum, observer));
-    let diagram = Diagram { observer, lights: [a.xy, b.xy], primaries: primaries.iter().map(place).collect() };
-    let rows = figures(a).into_iter().zip(figures(b));
+    let place = |lamp: &NamedLamp<'_>| xy(report::xyz(lamp.spectrum, observer));
+    let diagram =
+        ChromaticityDiagram { observer, lights: [a.xy, b.xy], primaries: primaries.iter().map(place).collect() };
+    let rows = report_rows(a).into_iter().zip(report_rows(b));
     Ok(html! {
-        h2 { "The light itself" }
+        h2 { "Colours of the lamps" }
         div.two {
             div {
                 table.figures {
@@ -91,14 +92,14 @@ fn lights(page: &Page<'_>) -> Result<Markup> {
                         @for ((name, of_a), (_, of_b)) in rows { tr { th scope="row" { (name) } td { (of_a) } td { (of_b) } } }
                     }
                 }
-                p { "Side by side at equal luminance, to an eye used to D65: " strong { (apart(comparison.lights)) } "." }
-                p.soft { "XYZ has Y = 100, linear sRGB Y = 1; sRGB is the colour as bright as a screen can show it. "
+                p { "Difference at equal luminance, for an observer adapted to D65: " strong { (difference_text(comparison.lights)) } "." }
+                p.soft { "XYZ has Y = 100 and linear sRGB has Y = 1. sRGB is the brightest displayable colour of this chromaticity. "
                     "Efficacy is per watt of radiation from 360 to 830 nm." }
             }
             figure.diagram {
                 (PreEscaped(diagram.svg()?))
                 figcaption {
-                    "Chromaticities by " (observer.name()) ": the spectral locus in nm, the line of black bodies, A (ring) and B (cross)"
+                    "Chromaticities for " (observer.name()) ": the spectral locus in nm, the Planckian locus, A (ring) and B (cross)"
                     @for (i, primary) in primaries.iter().enumerate() { "; " (i + 1) " is " (primary.name) }
                     "."
                 }
@@ -107,14 +108,19 @@ fn lights(page: &Page<'_>) -> Result<Markup> {
     })
 }
 
-/// The lamp's spectral power for one lumen.
-fn plot(badge: &str, lamp: &Lamp<'_>, observer: &Observer) -> Plot {
+/// Plots the spectral power of a lamp, scaled to one lumen.
+fn plot(badge: &str, lamp: &NamedLamp<'_>, observer: &Observer) -> SpectralPlot {
     let lumens = LUMENS_PER_WATT * report::xyz(lamp.spectrum, observer)[1];
     let mut name: String = lamp.name.chars().take(LONGEST_TITLE).collect();
     if name.len() < lamp.name.len() {
         name += "…";
     }
-    Plot::of_spectrum(&format!("{badge}: {name}"), &lamp.spectrum.scaled(1000.0 / lumens), "mW/(nm lm)", Some("mW/lm"))
+    SpectralPlot::of_spectrum(
+        &format!("{badge}: {name}"),
+        &lamp.spectrum.scaled(1000.0 / lumens),
+        "mW/(nm lm)",
+        Some("mW/lm"),
+    )
 }
 
 fn charts(comparison: &LampComparison) -> Markup {
@@ -126,13 +132,13 @@ fn charts(comparison: &LampComparison) -> Markup {
         div.two {
             figure {
                 (chart(comparison, adapted, true))
-                figcaption.chart-caption { "As an eye sees them that has adapted to each lamp, with ΔE2000 between the halves: "
+                figcaption.chart-caption { "Colours for an observer adapted to each lamp, with ΔE2000 between the halves: "
                     (format!("mean {:.2}, largest {:.2} ({})", comparison.mean(), comparison.worst().delta_e_2000, comparison.worst().short_name()))
                     "." }
             }
             figure {
                 (chart(comparison, left, false))
-                figcaption.chart-caption { "As an eye used to D65 would see the same light, at equal luminance of the lamps." }
+                figcaption.chart-caption { "Colours for an observer adapted to D65, at equal luminance of the lamps." }
             }
         }
     }
@@ -170,7 +176,7 @@ fn pairs(comparison: &LampComparison) -> Markup {
             "Two surfaces that look alike under one lamp (ΔE2000 at most " (ALIKE) ") and different under the other (at least "
             (DIFFERENT) "), of " (comparison.pair_count()) " pairs of ColorChecker patches, CIE test colours and leaves: "
             @if found == 0 { strong { "none" } "." } @else { strong { (found) } "." }
-            @if found > SHOWN_PAIRS { " These split the most." }
+            @if found > SHOWN_PAIRS { " The pairs with the largest split are shown." }
         }
         @if found > 0 { div.splits { @for pair in comparison.pairs.iter().take(SHOWN_PAIRS) { (split(comparison, pair)) } } }
     }
@@ -216,7 +222,7 @@ fn table(comparison: &LampComparison) -> Markup {
     }
 }
 
-/// One decimal, with a true minus and none before a zero.
+/// Formats a number with one decimal and a true minus sign. Zero has no sign.
 fn signed(value: f64) -> String {
     let text = format!("{value:.1}");
     if text == "-0.0" { "0.0".to_string() } else { text.replace('-', "−") }
@@ -226,27 +232,28 @@ fn notes(observer: &Observer) -> Markup {
     html! {
         h2 { "How it is computed" }
         p.soft {
-            "By " (observer.name()) ", with sums every nm from 360 to 830 nm; spectral lines count at their wavelength. L*a*b* under a lamp "
-            "have that lamp's XYZ for white, the perfect diffuser having Y = 100. Adapted swatches show the same L*a*b* with D65 for "
-            "white; colours that sRGB does not hold are desaturated at constant luminance. Patches: N. Ohta's measurement of the "
-            "ColorChecker; test colours: CIE 13.3; leaves: PROSPECT-D. Ra by CIE 13.3, undefined farther than 0.05 from the "
-            "line of black bodies. Written by abbe " (env!("CARGO_PKG_VERSION")) "."
+            "Colours are computed for " (observer.name()) " with sums every nm from 360 to 830 nm. Spectral lines are evaluated at their wavelength. L*a*b* under a lamp "
+            "use the XYZ of that lamp as white; the perfect diffuser has Y = 100. Adapted swatches show the same L*a*b* with D65 as "
+            "white. Colours outside sRGB are desaturated at constant luminance. Patches: N. Ohta's measurement of the "
+            "ColorChecker; test colours: CIE 13.3; leaves: PROSPECT-D. Ra by CIE 13.3 is undefined farther than 0.05 from the "
+            "Planckian locus. Written by abbe " (env!("CARGO_PKG_VERSION")) "."
         }
     }
 }
 
-/// What makes the brightest component of both lamps' white 1, as a factor of XYZ with the white at Y = 100.
+/// Returns the factor that scales XYZ for the display. With this factor, the brightest component of
+/// both lamps' whites is 1. Before scaling, white has Y = 100.
 fn exposure(comparison: &LampComparison) -> f64 {
     let components = comparison.reports.iter().flat_map(|report| report.linear_srgb);
     0.01 / components.fold(1.0, f64::max)
 }
 
-/// A colour, white having Y = 1, as a screen shows it.
+/// Returns the display colour of XYZ. White has Y = 1.
 fn shown(xyz: Xyz) -> String {
     srgb_hex(desaturate(xyz_to_linear_srgb(xyz), RgbSpace::Srgb))
 }
 
-/// The patch under each lamp, as it looks once the eye has adapted to that lamp.
+/// Returns the display colours of the patch under each lamp, after adaptation to that lamp.
 fn adapted(patch: &PatchDifference) -> [String; 2] {
     patch.lab.map(|lab| shown(from_lab(lab, RgbSpace::Srgb.white())))
 }

@@ -1,49 +1,51 @@
-//! What a picture's file says about how the picture came to be.
+//! Metadata of a picture: named texts in its file.
 
 use serde::Serialize;
 
-/// Named texts in an EXR's header, in their order. Values are ASCII; those that hold structure are JSON.
+/// Named texts in the header of an EXR, in their order. Values are ASCII. Structured values are
+/// JSON.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Metadata {
     entries: Vec<(String, String)>,
 }
 
-/// The names that [`Metadata`] of a render uses.
+/// The names of the texts written by a render.
 pub mod names {
-    /// The effective scene: the file's text with all patches, JSON.
+    /// The effective scene: the text of the scene file after all changes, as JSON.
     pub const SCENE: &str = "abbe.scene";
-    /// A hash of the effective scene and the files that it refers to, 32 hexadecimal digits.
+    /// A BLAKE3 hash of the effective scene and its files, as 64 hexadecimal digits.
     pub const SCENE_HASH: &str = "abbe.sceneHash";
-    /// The plan, JSON as `abbe explain --json` prints it.
+    /// The plan, as the JSON that `abbe explain --json` prints.
     pub const PLAN: &str = "abbe.plan";
     /// The seed of all random streams.
     pub const SEED: &str = "abbe.seed";
-    /// Passes done.
+    /// The number of completed passes.
     pub const PASSES: &str = "abbe.passes";
-    /// Photon paths in a pass.
+    /// The number of photon paths in a pass.
     pub const PHOTONS: &str = "abbe.photons";
-    /// `photon` or `path`.
+    /// The integrator: `photon` or `path`.
     pub const INTEGRATOR: &str = "abbe.integrator";
-    /// Where the light went, in W, JSON.
+    /// The energy balance in W, as JSON.
     pub const LEDGER: &str = "abbe.ledger";
-    /// Wall-clock seconds.
+    /// Wall-clock time in seconds.
     pub const SECONDS: &str = "abbe.seconds";
-    /// The program's version.
+    /// The version of the program.
     pub const VERSION: &str = "abbe.version";
-    /// What a reader should know: residuals of matched lamps, clamped indices, forbidden effects, JSON.
+    /// Notes for the user as JSON, such as residuals of matched spectra, clamped indices and
+    /// forbidden effects.
     pub const NOTES: &str = "abbe.notes";
 }
 
 impl Metadata {
-    /// Nothing said.
+    /// Returns metadata without texts.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Adds a text; what is not ASCII is escaped as in a JSON string.
+    /// Adds a text. Characters beyond ASCII are escaped as in a JSON string.
     #[must_use]
     pub fn with(mut self, name: &str, value: &str) -> Self {
-        self.entries.push((name.to_string(), escaped(value)));
+        self.entries.push((name.to_string(), escape_non_ascii(value)));
         self
     }
 
@@ -54,19 +56,20 @@ impl Metadata {
         self.with(name, &text)
     }
 
-    /// A text by its name.
+    /// Returns the text of the entry with this name.
     pub fn get(&self, name: &str) -> Option<&str> {
         self.entries.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
     }
 
-    /// All names and texts.
+    /// Returns all names and texts.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &str)> {
         self.entries.iter().map(|(name, value)| (name.as_str(), value.as_str()))
     }
 }
 
-/// JSON text with everything beyond ASCII as `\u` escapes. Such characters can only stand inside its strings.
-pub fn escaped(json: &str) -> String {
+/// Escapes all characters of a JSON text beyond ASCII as `\u`. Such characters occur only inside
+/// JSON strings.
+pub fn escape_non_ascii(json: &str) -> String {
     let mut ascii = String::with_capacity(json.len());
     for character in json.chars() {
         if character.is_ascii() {
@@ -86,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn json_comes_back_from_its_ascii_form() {
+    fn ascii_json_parses_to_the_original_text() {
         let text = "Prisma für λ = 550 nm, 𝄞";
         let metadata = Metadata::new().with_json("title", text);
         let stored = metadata.get("title").unwrap();

@@ -1,10 +1,12 @@
-//! What a render leaves behind: EXR and PNG pictures, the comparison of two of them, plots and reports.
+//! Output files: EXR and PNG pictures, comparisons of pictures, plots and reports.
 //!
-//! [`exr`] holds the measured picture (absolute XYZ, its error bars, its spectrum, where it comes from), [`png`] what a
-//! screen shows of it, [`compare`] says how far two pictures are apart.
+//! [`exr`] writes the measured picture: absolute XYZ, error bars, spectrum and metadata. [`png`]
+//! writes an image for a display. [`compare`] computes the difference of two pictures.
 
+pub mod axis;
 pub mod chromaticity;
 pub mod compare;
+#[cfg(feature = "pages")]
 pub mod comparison_page;
 pub mod data_uri;
 pub mod drawing;
@@ -15,10 +17,13 @@ pub mod graph;
 pub mod hash;
 pub mod heat;
 pub mod icc;
+#[cfg(feature = "pages")]
 pub mod lamps_page;
 pub mod metadata;
+#[cfg(feature = "pages")]
 pub mod page;
 pub mod plot;
 pub mod png;
+mod svg;
 
 pub use metadata::Metadata;

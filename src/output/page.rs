@@ -1,10 +1,10 @@
-//! A page that needs no other file, in light or dark as its reader prefers.
+//! HTML pages in light or dark mode, as the reader prefers. A page needs no other file.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-const STYLE: &str = include_str!("page.css");
+const COMMON_STYLE: &str = include_str!("page.css");
 
-/// The page of a body; `style` adds to the common style sheet.
+/// Returns the page with this body. `style` is appended to the common style sheet.
 pub fn document(title: &str, style: &str, body: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
@@ -13,7 +13,7 @@ pub fn document(title: &str, style: &str, body: &Markup) -> String {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { (title) }
-                style { (PreEscaped(STYLE)) (PreEscaped(style)) }
+                style { (PreEscaped(COMMON_STYLE)) (PreEscaped(style)) }
             }
             body { (body) }
         }

@@ -1,4 +1,4 @@
-//! What a screen shows of a picture, as PNG with its colour space.
+//! PNG files of display images, with their colour space.
 //!
 //! | space | bits | chunks |
 //! | --- | --- | --- |
@@ -7,9 +7,10 @@
 //! | Rec. 2020 | 16 | `iCCP`, `gAMA`, `cHRM` |
 //! | ACEScg | 16 | `iCCP`, `gAMA`, `cHRM` (linear) |
 //!
-//! A reader takes the first that it knows in this order (PNG, third edition, 4.3). Rec. 2020 goes without code points because
-//! browsers take them for a display of gamma 2.4, which shows a picture too dark; the profile states the standard's own curve.
-//! ACEScg's primaries have none.
+//! A reader uses the first of these chunks that it supports, in this order (PNG, third edition,
+//! 4.3). Code points are not written for Rec. 2020: browsers assume a display gamma of 2.4 for
+//! these code points, and the picture becomes too dark. The profile of Rec. 2020 contains the
+//! standard's own curve. No code points exist for the primaries of ACEScg.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -20,13 +21,13 @@ use ::png::{BitDepth, ColorType, Compression, Filter, Info, ScaledFloat, SourceC
 use super::{file, icc};
 use crate::colour::RgbSpace;
 use crate::error::{Error, Result};
-use crate::sensor::{Codes, Screen};
+use crate::sensor::{Codes, DisplayImage};
 
-/// The bytes of a PNG file.
+/// Returns the bytes of a PNG file.
 ///
 /// # Errors
-/// The machine's: a picture that the format cannot hold.
-pub fn encode(screen: &Screen) -> Result<Vec<u8>> {
+/// Returns a machine error if the image cannot be encoded.
+pub fn encode(screen: &DisplayImage) -> Result<Vec<u8>> {
     let failed = |error: ::png::EncodingError| Error::machine(format!("cannot be written as PNG: {error}"));
     let mut bytes = Vec::new();
     let mut encoder = ::png::Encoder::with_info(&mut bytes, header(screen)?).map_err(failed)?;
@@ -51,16 +52,16 @@ pub fn encode(screen: &Screen) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Writes a PNG file, whole or not at all.
+/// Writes a PNG file atomically.
 ///
 /// # Errors
-/// The machine's: a folder that is missing or cannot be written to, a full disk.
-pub fn write(path: &Path, screen: &Screen) -> Result<()> {
+/// Returns a machine error if the folder is missing or not writable, or the disk is full.
+pub fn write(path: &Path, screen: &DisplayImage) -> Result<()> {
     let bytes = encode(screen).map_err(|error| error.in_file(path))?;
     file::write_whole(path, &bytes)
 }
 
-fn header(screen: &Screen) -> Result<Info<'static>> {
+fn header(screen: &DisplayImage) -> Result<Info<'static>> {
     let size = |pixels: usize| u32::try_from(pixels).map_err(|_| Error::machine("the picture is too large for PNG"));
     let mut info = Info::with_size(size(screen.width)?, size(screen.height)?);
     info.color_type = ColorType::Rgb;
@@ -77,10 +78,11 @@ fn header(screen: &Screen) -> Result<Info<'static>> {
     Ok(info)
 }
 
-/// The code points' chunk (PNG, third edition, 11.3.2.6).
+/// The type of the chunk with the code points (PNG, third edition, 11.3.2.6).
 const CODE_POINTS: ChunkType = ChunkType(*b"cICP");
 
-/// Primaries, transfer function, matrix (0: RGB) and full range (1) by the numbers of ITU-T H.273.
+/// Returns the code points of ITU-T H.273: primaries, transfer function, matrix (0: RGB) and full
+/// range (1).
 fn code_points(space: RgbSpace) -> Option<[u8; 4]> {
     match space {
         RgbSpace::Srgb => Some([1, 13, 0, 1]),
@@ -89,11 +91,12 @@ fn code_points(space: RgbSpace) -> Option<[u8; 4]> {
     }
 }
 
-/// The exponent that comes nearest the space's encoding, in 1/100,000.
+/// Returns the exponent closest to the encoding of the space, in units of 1/100,000.
 fn gamma(space: RgbSpace) -> u32 {
     match space {
         RgbSpace::Srgb | RgbSpace::DisplayP3 => 45_455,
-        // Of ITU-R BT.2020's curve as a whole; its power of 0.45 has a straight foot.
+        // The exponent of the whole curve of ITU-R BT.2020. The curve's power of 0.45 has a linear
+        // part near 0.
         RgbSpace::Rec2020 => 51_000,
         RgbSpace::AcesCg => 100_000,
     }
@@ -108,18 +111,20 @@ fn chromaticities(space: RgbSpace) -> SourceChromaticities {
     SourceChromaticities { white: scaled(space.white_xy()), red, green, blue }
 }
 
-/// Reads a mask: true where any component of a PNG's pixel but its opacity is not zero.
+/// Reads a mask. A pixel is selected if any of its colour components is not zero. Opacity is
+/// ignored.
 ///
 /// # Errors
-/// The input's: a file that is missing or no PNG, a size other than `width` × `height`.
+/// Returns an input error if the file is missing or not a PNG, or its size is not `width` ×
+/// `height`.
 pub fn read_mask(path: &Path, width: usize, height: usize) -> Result<Vec<bool>> {
     let wrong = |what: String| Error::input(what).in_file(path);
     let bytes = std::fs::read(path).map_err(|error| wrong(format!("cannot be read: {error}")))?;
     let mask = image::load_from_memory_with_format(&bytes, image::ImageFormat::Png)
-        .map_err(|error| wrong(format!("is not a sound PNG file: {error}")))?
+        .map_err(|error| wrong(format!("is not a valid PNG file: {error}")))?
         .into_rgb16();
     if (mask.width() as usize, mask.height() as usize) != (width, height) {
-        let what = format!("a mask of {} × {} pixels", mask.width(), mask.height());
+        let what = format!("the mask has {} × {} pixels", mask.width(), mask.height());
         return Err(wrong(what).expected(format!("the pictures' size, {width} × {height}")));
     }
     Ok(mask.pixels().map(|pixel| pixel.0 != [0; 3]).collect())
@@ -130,14 +135,14 @@ mod tests {
     use super::*;
     use std::io::Cursor;
 
-    /// One pixel of 16-bit codes in a space.
-    fn wide(space: RgbSpace) -> Screen {
-        Screen { width: 1, height: 1, space, codes: Codes::Sixteen(vec![[1, 0x1234, 0xfffe]]) }
+    /// Returns an image of one pixel in this space. Its codes have 16 bits.
+    fn wide(space: RgbSpace) -> DisplayImage {
+        DisplayImage { width: 1, height: 1, space, codes: Codes::Sixteen(vec![[1, 0x1234, 0xfffe]]) }
     }
 
     #[test]
-    fn a_png_holds_the_screen_s_pixels() {
-        let screen = Screen::of_srgb(2, 1, vec![[1, 2, 3], [250, 128, 0]]);
+    fn a_png_contains_the_pixels() {
+        let screen = DisplayImage::of_srgb(2, 1, vec![[1, 2, 3], [250, 128, 0]]);
         let image = image::load_from_memory(&encode(&screen).unwrap()).unwrap().into_rgb8();
         assert_eq!((image.width(), image.height()), (2, 1));
         assert_eq!(image.into_raw(), [1, 2, 3, 250, 128, 0]);
@@ -146,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn the_colour_space_stands_in_the_file() {
+    fn the_file_states_the_colour_space() {
         for space in RgbSpace::ALL {
             let bytes = encode(&wide(space)).unwrap();
             let reader = ::png::Decoder::new(Cursor::new(bytes)).read_info().unwrap();
@@ -177,10 +182,10 @@ mod tests {
     }
 
     #[test]
-    fn a_mask_counts_what_is_not_zero_and_must_fit() {
+    fn a_mask_selects_nonzero_pixels_and_must_fit() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("mask.png");
-        write(&path, &Screen::of_srgb(3, 1, vec![[0; 3], [0, 0, 1], [255; 3]])).unwrap();
+        write(&path, &DisplayImage::of_srgb(3, 1, vec![[0; 3], [0, 0, 1], [255; 3]])).unwrap();
         assert_eq!(read_mask(&path, 3, 1).unwrap(), [false, true, true]);
         let error = read_mask(&path, 4, 1).unwrap_err();
         assert!(error.to_string().contains("expected the pictures' size, 4 × 1"), "{error}");

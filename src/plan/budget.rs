@@ -1,107 +1,122 @@
-//! How many passes and photons, and how much memory.
+//! The budget of a render: passes, photons, path depth and memory.
 
-use super::Plan;
+use super::fields::Plan;
 use crate::math::random::REPLICATES;
 use crate::scene::Scene;
 
-/// Passes without any stop rule.
+/// The number of passes without any stop rule.
 pub const DEFAULT_PASSES: u64 = 64;
 
-/// Photon paths a pass: enough to fill the first radii, few enough that passes are short and wavelengths many.
+/// The number of photon paths per pass. The number is large enough for the first kernel radii. The
+/// number is also small, so that a render has many short passes and therefore many wavelengths.
 pub const DEFAULT_PHOTONS: u64 = 200_000;
 
-/// Surface events a path may have.
+/// The largest number of surface events on a path.
 pub const DEFAULT_MAX_DEPTH: u32 = 64;
 
-/// Photons within the first radius.
+/// The number of photons within the first kernel radius.
 pub const DEFAULT_NEAREST: u32 = 50;
 
-/// Cells of the first pass's light maps along the longest side of a medium's box.
+/// The number of light map cells in the first pass, along the longest side of a medium's box.
 pub const DEFAULT_LIGHT_MAP_CELLS: u32 = 32;
 
-/// Bytes of a light map's node: whether it sees the lamp,
+/// Bytes per light map node for its visibility flag.
 const LIGHT_MAP_NODE_BYTES: u64 = 1;
 
-/// and for each matter that may be on the way a mean density, once more while those of absent matters are dropped.
-const LIGHT_MAP_MATTER_BYTES: u64 = 2 * 4;
+/// Bytes per light map node and absorbing medium for the mean density. The map needs this memory
+/// twice during the removal of media that are in front of no node.
+const LIGHT_MAP_MEDIUM_BYTES: u64 = 2 * 4;
 
-/// Bytes of a stored photon: payload and position in the tree, and once more while it is sorted.
+/// Bytes per stored photon: its data and its position. The map needs this memory twice during the
+/// sorting of the photons.
 const PHOTON_BYTES: u64 = 2 * 56;
 
-/// A photon path meets a few diffuse surfaces; two photons are kept on average.
-const BYTES_A_PATH: u64 = 2 * PHOTON_BYTES;
+/// Bytes per photon path. A path stores two photons on average.
+const PATH_BYTES: u64 = 2 * PHOTON_BYTES;
 
-/// What the pilot leaves of a pixel: eight radii, the number of its outline, and a third of an outline (44 bytes, near edges only).
-const PILOT_BYTES_A_PIXEL: u64 = 8 * 4 + 4 + 44 / 3;
+/// Bytes per pixel for the results of the pilot: eight radii, the index of the pixel's outline, and
+/// a third of an outline. An outline has 44 bytes and is stored near edges only.
+const PILOT_PIXEL_BYTES: u64 = 8 * 4 + 4 + 44 / 3;
 
-/// Numbers that fix a render, from the scene's settings or by default.
+/// The numbers that fix a render. Each number comes from the scene's settings or has a default.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Budget {
-    /// Passes, if no other stop rule holds.
+    /// The number of passes without any stop rule.
     pub passes: u64,
-    /// Photon paths a pass.
+    /// The number of photon paths per pass.
     pub photons: u64,
-    /// Surface events a path may have.
+    /// The largest number of surface events on a path.
     pub max_depth: u32,
-    /// Photons within the first radius.
+    /// The number of photons within the first kernel radius.
     pub nearest: u32,
-    /// First radius in m, if the scene fixes it.
+    /// The first kernel radius in m, if the scene fixes it.
     pub radius_m: Option<f64>,
-    /// Cells of the first pass's light maps along the longest side of a medium's box.
+    /// The number of light map cells in the first pass, along the longest side of a medium's box.
     pub light_map_cells: u32,
-    /// Seed.
+    /// The seed of all random streams.
     pub seed: u64,
-    /// Estimated memory of film and photons.
+    /// The estimated memory of the film, the photons, the geometry and the light maps, in bytes.
     pub memory_bytes: u64,
-    /// How far, in pixels, things move over the picture while the shutter is open.
+    /// The largest motion of an object over the picture while the shutter is open, in pixels.
     pub motion_px: f64,
 }
 
-/// Passes that show no steps of something that moves over so many pixels: two for each pixel, in whole rounds of the replicates.
-pub fn passes_without_strobing(motion_px: f64) -> u64 {
+/// Returns the smallest number of passes at which an object moving over `motion_px` pixels shows no
+/// separate images. The number is two passes per pixel, rounded up to a multiple of the replicates.
+fn passes_without_strobing(motion_px: f64) -> u64 {
     ((2.0 * motion_px).ceil() as u64).next_multiple_of(REPLICATES as u64)
 }
 
-/// Photon paths a pass if the scene leaves them open: as many in all as in the default number of passes, but not so few that a pass tells nothing.
-fn photons_a_pass(passes: u64) -> u64 {
-    const LEAST: u64 = 20_000;
-    (DEFAULT_PHOTONS * DEFAULT_PASSES / passes).max(LEAST)
+/// Returns the default number of photon paths per pass. `passes` is the number of passes.
+///
+/// The total number of paths is the same as for the default number of passes. Each pass has at
+/// least 20 000 paths, so that the estimates of a pass stay usable.
+fn photons_per_pass(passes: u64) -> u64 {
+    const MIN_PHOTONS: u64 = 20_000;
+    (DEFAULT_PHOTONS * DEFAULT_PASSES / passes).max(MIN_PHOTONS)
 }
 
-/// The most that the light maps of any pass take: boxes of media are no larger than cubes.
+/// Returns an upper bound in bytes for the memory of the light maps in any pass. The bound assumes
+/// that each medium's box is a cube.
 fn light_map_bytes(scene: &Scene, cells: u32, passes: u64) -> u64 {
-    let lamps = scene.lights.iter().filter(|light| light.can_be_picked()).count() as u64;
-    let media = scene.media.iter().filter(|medium| medium.scatters()).count() as u64;
+    let lights = scene.lights.iter().filter(|light| light.has_virtual_lights()).count() as u64;
+    let scattering = scene.media.iter().filter(|medium| medium.scatters()).count() as u64;
     let absorbing = scene.materials.iter().filter_map(|material| material.body.as_ref()?.absorption.as_ref()).count();
-    let matters = (scene.media.len() + absorbing) as u64;
-    let nodes = (u64::from(grown(cells, passes.saturating_sub(1))) + 2).saturating_pow(3);
-    nodes.saturating_mul((LIGHT_MAP_NODE_BYTES + matters * LIGHT_MAP_MATTER_BYTES) * lamps * media)
+    let media = (scene.media.len() + absorbing) as u64;
+    let nodes = (u64::from(cells_in_pass(cells, passes.saturating_sub(1))) + 2).saturating_pow(3);
+    nodes.saturating_mul((LIGHT_MAP_NODE_BYTES + media * LIGHT_MAP_MEDIUM_BYTES) * lights * scattering)
 }
 
-fn grown(cells: u32, pass: u64) -> u32 {
+/// Returns the number of light map cells in a pass. `cells` is the number of cells in the first
+/// pass.
+fn cells_in_pass(cells: u32, pass: u64) -> u32 {
     (f64::from(cells) * (f64::from((pass + 1).ilog2()) / 6.0).exp2()).round() as u32
 }
 
 impl Budget {
-    /// Whether so few passes may show a moving thing in steps.
+    /// Returns true if a moving object may appear as separate images, because there are too few
+    /// passes.
     pub fn strobes(&self) -> bool {
         (self.passes as f64) < 2.0 * self.motion_px
     }
 
-    /// The budget of a scene whose film takes `film_bytes` (the film is the sensor's business, of which the plan knows nothing).
+    /// Returns the budget of a scene.
+    ///
+    /// `film_bytes` is the memory of the film. The caller computes this number, because the plan
+    /// does not depend on the sensor.
     pub fn of(scene: &Scene, plan: &Plan, film_bytes: u64) -> Self {
         let settings = &scene.settings;
         let motion_px = scene.image_motion_px();
         let enough = DEFAULT_PASSES.max(passes_without_strobing(motion_px));
         let (passes, photons) =
-            (settings.passes.unwrap_or(enough), settings.photons.unwrap_or_else(|| photons_a_pass(enough)));
+            (settings.passes.unwrap_or(enough), settings.photons.unwrap_or_else(|| photons_per_pass(enough)));
         let light_map_cells = settings.light_map.unwrap_or(DEFAULT_LIGHT_MAP_CELLS);
         let (width, height) = (u64::from(scene.film.width), u64::from(scene.film.height));
         let memory_bytes = film_bytes
-            .saturating_add(PILOT_BYTES_A_PIXEL.saturating_mul(width.saturating_mul(height)))
-            .saturating_add(photons.saturating_mul(BYTES_A_PATH))
+            .saturating_add(PILOT_PIXEL_BYTES.saturating_mul(width.saturating_mul(height)))
+            .saturating_add(photons.saturating_mul(PATH_BYTES))
             .saturating_add(scene.geometry.memory_bytes() as u64)
-            .saturating_add(if plan.between.maps_lamps() {
+            .saturating_add(if plan.media_plan.has_light_maps() {
                 light_map_bytes(scene, light_map_cells, passes)
             } else {
                 0
@@ -119,23 +134,31 @@ impl Budget {
         }
     }
 
-    /// The memory where a pass keeps this many photons, instead of as many as are expected of its paths.
+    /// Returns the memory in bytes of a pass with this number of photons.
     pub fn memory_keeping(&self, photons: u64) -> u64 {
-        let rest = self.memory_bytes.saturating_sub(self.photons.saturating_mul(BYTES_A_PATH));
-        rest.saturating_add(photons.saturating_mul(PHOTON_BYTES))
+        self.memory_without_photons().saturating_add(photons.saturating_mul(PHOTON_BYTES))
     }
 
-    /// Cells of a pass's light maps along the longest side of a medium's box: they shrink as kernels on surfaces do, whose radius falls as
-    /// pass^(−1/6), but in steps, where the number of passes has doubled, so that maps of what stands still are made only then.
+    /// Returns the number of light map cells in a pass, along the longest side of a medium's box.
+    ///
+    /// The cells shrink as pass^(−1/6), like the kernel radii on surfaces. The cells shrink in
+    /// steps, at each doubling of the number of passes. Therefore, in a still scene, most passes
+    /// reuse the maps of earlier passes.
     pub fn light_map_cells(&self, pass: u64) -> u32 {
-        grown(self.light_map_cells, pass)
+        cells_in_pass(self.light_map_cells, pass)
     }
 
-    /// How many photon paths a pass may have for all to fit in this memory, to two digits; 0 if the rest alone does not.
+    /// Returns the largest number of photon paths per pass that fits into `bytes` of memory,
+    /// rounded down to two digits. Returns 0 if the memory is too small even for a pass without
+    /// photons.
     pub fn photons_within(&self, bytes: u64) -> u64 {
-        let rest = self.memory_bytes.saturating_sub(self.photons.saturating_mul(BYTES_A_PATH));
-        let photons = bytes.saturating_sub(rest) / BYTES_A_PATH;
+        let photons = bytes.saturating_sub(self.memory_without_photons()) / PATH_BYTES;
         let digit = 10_u64.pow(photons.checked_ilog10().unwrap_or(0).saturating_sub(1));
         photons / digit * digit
+    }
+
+    /// Returns the memory in bytes of all data except the photons.
+    fn memory_without_photons(&self) -> u64 {
+        self.memory_bytes.saturating_sub(self.photons.saturating_mul(PATH_BYTES))
     }
 }

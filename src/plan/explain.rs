@@ -1,10 +1,12 @@
-//! The plan in words.
+//! The text of `abbe explain`.
 
-use super::{Budget, Plan, Row, WavelengthPlan};
+use super::budget::Budget;
+use super::decide::EffectRow;
+use super::fields::{Plan, WavelengthPlan};
 use crate::scene::Scene;
-use crate::scene::camera::{Camera, DepthOfField, Diffraction, Shutter};
+use crate::scene::camera::{ApertureDiffraction, Camera, DepthOfField, Shutter};
 
-/// `free`, `shared` or `both`.
+/// Returns the name of the wavelength plan: `free`, `shared` or `both`.
 pub fn wavelengths_word(plan: &Plan) -> &'static str {
     match plan.wavelengths {
         WavelengthPlan::Free => "free",
@@ -13,8 +15,9 @@ pub fn wavelengths_word(plan: &Plan) -> &'static str {
     }
 }
 
-/// The whole plan as text, a line for each effect with its reason.
-pub fn text(scene: &Scene, plan: &Plan, rows: &[Row], budget: &Budget) -> String {
+/// Returns the plan as text: two lines per effect (state with reason, and consequence), then the
+/// wavelengths, film, camera, budget and notes.
+pub fn text(scene: &Scene, plan: &Plan, rows: &[EffectRow], budget: &Budget) -> String {
     let mut lines = vec![format!("{}", scene.title), String::new(), "Effects:".to_string()];
     for row in rows {
         lines.push(format!("  {:<15} {:<9} {}", row.effect.name, row.state.word(), row.because));
@@ -32,39 +35,40 @@ pub fn text(scene: &Scene, plan: &Plan, rows: &[Row], budget: &Budget) -> String
         scene.lights.len()
     ));
     lines.push(camera_text(&scene.camera));
-    lines.push(format!("Passes: {}, each of {} photon paths", budget.passes, budget.photons));
+    lines.push(format!("Passes: {}, with {} photon paths each", budget.passes, budget.photons));
     lines.extend(motion_text(scene, budget));
     lines.push(match budget.radius_m {
-        Some(radius) => format!("First radius: {radius} m, as the scene says"),
-        None => format!("First radius: per pixel, around the {} nearest photons of a pilot", budget.nearest),
+        Some(radius) => format!("First kernel radius: {radius} m, set by the scene"),
+        None => format!("First kernel radius: set per pixel by a pilot, to contain {} photons", budget.nearest),
     });
     lines.push(format!("Memory: about {:.0} MB", budget.memory_bytes as f64 / 1e6));
     lines.extend(scene.notes.iter().map(|note| format!("Note: {note}")));
     lines.join("\n") + "\n"
 }
 
-/// How far things move over the picture, and what that asks of the passes.
+/// Describes how far objects move over the picture, and whether the passes are enough to hide
+/// separate images.
 fn motion_text(scene: &Scene, budget: &Budget) -> Option<String> {
     let Shutter { open_s, close_s, .. } = scene.shutter;
     scene.moves().then(|| {
         let verdict = if budget.strobes() {
-            "fewer than two passes a pixel: steps may be seen"
+            "fewer than two passes per pixel, so separate images may be visible"
         } else {
-            "at least two passes a pixel"
+            "at least two passes per pixel"
         };
         format!("Motion: up to {:.1} pixels from {open_s} s to {close_s} s; {verdict}", budget.motion_px)
     })
 }
 
-/// The field of view, and what an open lens keeps sharp.
+/// Describes the field of view, the depth of field and the diffraction of the camera.
 fn camera_text(camera: &Camera) -> String {
     let [across, down] = camera.field_of_view().map(f64::to_degrees);
     let view = format!("Camera: {across:.1}° × {down:.1}°");
     let Some(depth) = DepthOfField::of(camera) else {
-        return format!("{view}, a pinhole: everything is sharp");
+        return format!("{view}, a pinhole: all distances are sharp");
     };
     let DepthOfField { focus_m, near_m, far_m, hyperfocal_m, blur_at_infinity_px } = depth;
-    let airy = Diffraction::of(camera).map_or(0.0, |diffraction| diffraction.airy_diameter_px());
+    let airy = ApertureDiffraction::of(camera).map_or(0.0, |diffraction| diffraction.airy_diameter_px());
     let far = if far_m.is_finite() { format!("{far_m:.4} m") } else { "infinity".to_owned() };
     format!(
         "{view}, focused at {focus_m:.4} m: blur below a pixel from {near_m:.4} m to {far}; a point at infinity spreads over \

@@ -1,10 +1,15 @@
-//! Effects that something in the scene calls for, and that cannot be seen all the same: nothing reaches it, or what it does is bounded
-//! below a stated tolerance. Such an effect is taken out of the scene before it is planned, unless it is forced.
+//! Finds negligible effects. The scene calls for such an effect, but the effect cannot be seen in
+//! the picture.
+//!
+//! There are two cases. In the first case, no light reaches the object that calls for the effect.
+//! In the second case, a bound shows that the effect changes the picture by less than a given
+//! tolerance. Such an effect is removed before planning, unless the user forces the effect.
 
-use super::effects::{EFFECTS, listed};
+use super::effect_table::EFFECTS;
+use super::effects::{EffectId, listed};
 use crate::math::random::ONE_MINUS_ULP;
-use crate::optics::glass::Index;
-use crate::optics::surface::Class;
+use crate::optics::bsdf::BsdfClass;
+use crate::optics::glass::RefractiveIndex;
 use crate::scene::Scene;
 use crate::scene::camera::{Aperture, DepthOfField};
 use crate::scene::facts::Facts;
@@ -12,52 +17,59 @@ use crate::scene::light::Light;
 
 /// An effect that cannot be seen.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Negligible {
-    /// Its name.
-    pub effect: &'static str,
-    /// Why, with the bound and the tolerance.
-    pub because: String,
+pub(super) struct NegligibleEffect {
+    /// The effect.
+    pub(super) effect: EffectId,
+    /// The reason, with the bound and the tolerance.
+    pub(super) because: String,
 }
 
-/// How far, in pixels, a refraction may send two of the light's wavelengths apart, up to 80° of incidence.
-const APART_PX: f64 = 0.01;
+/// The tolerance for dispersion: the largest distance in pixels between two wavelengths of the
+/// light after one refraction. The bound covers angles of incidence up to 80°.
+const MAX_SEPARATION_PX: f64 = 0.01;
 
-/// Tangent of that angle of incidence: turning by dθ = tan θ dn/n is at most this × dn in anything denser than air.
-const TAN_STEEPEST: f64 = 5.671;
+/// The tangent of 80°, the largest angle of incidence in that bound.
+///
+/// A refraction into a medium denser than air turns a ray by dθ = tan θ dn/n, which is at most
+/// tan 80° × dn.
+const TAN_MAX_INCIDENCE: f64 = 5.671;
 
-/// How far, in pixels, the lens may spread a point.
-const BLUR_PX: f64 = 0.5;
+/// The tolerance for depth of field: the largest width in pixels of a point's image.
+const MAX_BLUR_PX: f64 = 0.5;
 
-/// The share of the light on any straight way that a medium may take or scatter: a thousandth of a relative error of 1 %.
-const TAKEN: f64 = 1e-5;
+/// The largest optical depth that may be ignored on a straight path through media: a thousandth of
+/// a relative error of 1 %.
+const MAX_OPTICAL_DEPTH: f64 = 1e-5;
 
-/// The wavelength in the middle of the scene's light, in nm.
-pub(super) fn middle_of_light_nm(scene: &Scene) -> f64 {
-    let (from, to) = band_of_light(scene);
+/// Returns the centre of the wavelength range of the scene's lights, in nm.
+pub(super) fn light_centre_nm(scene: &Scene) -> f64 {
+    let (from, to) = light_range_nm(scene);
     0.5 * (from + to)
 }
 
-/// The wavelengths of the scene's light, in nm: least and largest.
-fn band_of_light(scene: &Scene) -> (f64, f64) {
+/// Returns the smallest and the largest wavelength of the scene's lights, in nm.
+fn light_range_nm(scene: &Scene) -> (f64, f64) {
     let ends = |light: &Light| [0.0, ONE_MINUS_ULP].map(|u| light.wavelengths.sample(u).0);
     scene.lights.iter().map(ends).fold((f64::INFINITY, 0.0), |(low, high), [from, to]| (low.min(from), high.max(to)))
 }
 
-/// All effects that cannot be seen.
-pub(super) fn negligible(scene: &Scene) -> Vec<Negligible> {
+/// Returns all effects that cannot be seen, each with its reason.
+pub(super) fn negligible(scene: &Scene) -> Vec<NegligibleEffect> {
     let facts = Facts::of(scene);
-    let mut all = out_of_reach(scene, &facts);
-    let mut add = |effect, because: Option<String>| all.extend(because.map(|because| Negligible { effect, because }));
-    add("indirect", indirect(scene, &facts));
-    add("dispersion", dispersion(scene, &facts));
-    add("depth-of-field", blur(scene, &facts));
-    add("absorption", absorption(scene, &facts));
-    add("media", media(scene, &facts));
+    let mut all = unreachable(scene, &facts);
+    let mut add =
+        |effect, because: Option<String>| all.extend(because.map(|because| NegligibleEffect { effect, because }));
+    add(EffectId::Indirect, indirect(scene, &facts));
+    add(EffectId::Dispersion, dispersion(scene, &facts));
+    add(EffectId::DepthOfField, depth_of_field(scene, &facts));
+    add(EffectId::Absorption, absorption(scene, &facts));
+    add(EffectId::Media, media(scene, &facts));
     all
 }
 
-/// What only objects inside closed bodies call for.
-fn out_of_reach(scene: &Scene, facts: &Facts) -> Vec<Negligible> {
+/// Returns the effects of objects inside closed opaque bodies, if no other object calls for the
+/// same effects. No light reaches objects inside such bodies.
+fn unreachable(scene: &Scene, facts: &Facts) -> Vec<NegligibleEffect> {
     let enclosures = scene.enclosures();
     if enclosures.is_empty() {
         return Vec::new();
@@ -68,113 +80,124 @@ fn out_of_reach(scene: &Scene, facts: &Facts) -> Vec<Negligible> {
         let callers = effect.callers(&everything);
         let container = enclosures.iter().find(|(object, _)| callers.contains(&name(**object)))?.1;
         let because = format!(
-            "out of reach: {} in {}, an opaque body without a light or the camera in it",
+            "enclosed: {} in {}, an opaque body that contains neither a light nor the camera",
             listed(&callers),
             name(*container)
         );
-        effect.callers(facts).is_empty().then_some(Negligible { effect: effect.name, because })
+        effect.callers(facts).is_empty().then_some(NegligibleEffect { effect: effect.id, because })
     });
     inside.collect()
 }
 
-/// What scatters light is one flat thing, and nothing brings the light back to it.
+/// Returns the reason if indirect light is absent. Indirect light is absent if only one flat object
+/// scatters light, and no mirror, glass or medium sends the light back to this object.
 fn indirect(scene: &Scene, facts: &Facts) -> Option<String> {
     if !(facts.specular.is_empty() && facts.media.is_empty()) {
         return None;
     }
     let scatters = |object: &u32| {
         let class = scene.material_of(*object).surface.class();
-        class == Class::Diffuse || class == Class::Glossy
+        class == BsdfClass::Diffuse || class == BsdfClass::Glossy
     };
     let mut scattering = (0..scene.objects.len() as u32).filter(scatters);
     let (only, None) = (scattering.next()?, scattering.next()) else { return None };
     let flat = scene.geometry.flat_objects().any(|object| object == only);
     let only = &scene.objects[only as usize].name;
     flat.then(|| {
-        format!("what {only} scatters meets nothing that would scatter it again: all else absorbs, and {only} is flat")
+        format!(
+            "light that {only} scatters is never scattered again: {only} is flat, and all other objects absorb light"
+        )
     })
 }
 
-/// All the light is of nearly one wavelength, or the glass has nearly one index for all of it.
+/// Returns the reason if dispersion is negligible: the lights have nearly one wavelength, or the
+/// glass has nearly the same index at all their wavelengths.
 fn dispersion(scene: &Scene, facts: &Facts) -> Option<String> {
-    /// Places in the band at which indices are compared; they rise or fall steadily in between.
-    const PLACES: u32 = 64;
-    let (from, to) = band_of_light(scene);
+    /// The number of wavelength intervals. Indices are compared at the ends of the intervals.
+    /// Within an interval, indices are assumed to be monotonic.
+    const INTERVALS: u32 = 64;
+    let (from, to) = light_range_nm(scene);
     if facts.dispersive.is_empty() || facts.lens_system.is_some() || from > to {
         return None;
     }
-    let spread = |index: &Index| {
-        let n = (0..=PLACES).map(|i| index.n(from + (to - from) * f64::from(i) / f64::from(PLACES)));
+    let spread = |index: &RefractiveIndex| {
+        let n = (0..=INTERVALS).map(|i| index.n(from + (to - from) * f64::from(i) / f64::from(INTERVALS)));
         let (low, high) = n.fold((f64::INFINITY, 0.0_f64), |(low, high), n| (low.min(n), high.max(n)));
         high - low
     };
     let indices = scene.materials.iter().filter_map(|material| material.body.as_ref()?.index.as_ref());
     let spread = indices.map(spread).fold(0.0, f64::max);
-    let apart_px = spread * TAN_STEEPEST / scene.camera.pixel_angle();
-    (apart_px <= APART_PX).then(|| {
+    let separation_px = spread * TAN_MAX_INCIDENCE / scene.camera.pixel_angle();
+    (separation_px <= MAX_SEPARATION_PX).then(|| {
         format!(
-            "all light is within {from:.3}–{to:.3} nm, for which no index differs by more than {spread:.1e}: a refraction sends \
-             it apart by at most {apart_px:.1e} pixels, of {APART_PX} allowed"
+            "all light is within {from:.3}–{to:.3} nm, where no index varies by more than {spread:.1e}: a refraction \
+             separates wavelengths by at most {separation_px:.1e} pixels, and {MAX_SEPARATION_PX} are allowed"
         )
     })
 }
 
-/// All that the camera sees is in focus. Where it sees mirrors or glass, or light between surfaces, what it looks at may be nearer than any surface.
-fn blur(scene: &Scene, facts: &Facts) -> Option<String> {
+/// Returns the reason if depth of field is negligible: all surfaces are in focus.
+///
+/// The bound does not hold in scenes with mirrors, glass or media. An image in a mirror, or light
+/// scattered in a medium, may be nearer than any surface.
+fn depth_of_field(scene: &Scene, facts: &Facts) -> Option<String> {
     let Aperture::ThinLens { .. } = scene.camera.aperture() else { return None };
-    let (lenses, between) = (&facts.specular, &facts.media);
-    if !(lenses.is_empty() && between.is_empty()) || scene.moves() || scene.camera.diffracts {
+    if !(facts.specular.is_empty() && facts.media.is_empty()) || scene.moves() || scene.camera.diffracts {
         return None;
     }
     let depth = DepthOfField::of(&scene.camera)?;
     let [across, down] = scene.camera.field_of_view().map(|angle| (0.5 * angle).tan());
-    // Along the axis, if it stands in a corner of the picture.
+    // Depth along the optical axis, if the nearest object is in a corner of the picture.
     let near_m = scene.geometry.clearance_m(scene.camera.origin()) / (1.0 + across * across + down * down).sqrt();
     let blur_px = depth.blur_at_infinity_px * (depth.focus_m / near_m - 1.0).abs().max(1.0);
-    (blur_px < BLUR_PX).then(|| {
+    (blur_px < MAX_BLUR_PX).then(|| {
         format!(
-            "from {near_m:.4} m to infinity nothing is spread over more than {blur_px:.1e} pixels, of {BLUR_PX} allowed"
+            "from {near_m:.4} m to infinity, the lens spreads a point over at most {blur_px:.1e} pixels, and {MAX_BLUR_PX} are allowed"
         )
     })
 }
 
-/// No way through bodies of clear glass is long enough.
+/// Returns the reason if absorption is negligible: no straight path through absorbing bodies is
+/// long enough.
 fn absorption(scene: &Scene, facts: &Facts) -> Option<String> {
     if facts.absorbing_bodies.is_empty() || scene.moves() {
         return None;
     }
-    let bodies = across_bodies(scene).filter_map(|(material, across_m)| {
+    let bodies = diagonals(scene).filter_map(|(material, diagonal_m)| {
         let absorption = scene.materials[material].body.as_ref()?.absorption.as_ref()?;
-        Some(absorption.max() * across_m)
+        Some(absorption.max() * diagonal_m)
     });
-    // A way may lead through all of them.
-    too_thin(bodies.sum())
+    // A path may cross all bodies.
+    if_thin(bodies.sum())
 }
 
-/// No way through a medium is long enough, and none glows.
+/// Returns the reason if media are negligible: none emits light, and no straight path through them
+/// is long enough.
 fn media(scene: &Scene, facts: &Facts) -> Option<String> {
     if facts.media.is_empty() || scene.moves() || scene.media.iter().any(|medium| medium.emission.is_some()) {
         return None;
     }
-    let bodies = across_bodies(scene).filter_map(|(material, across_m)| {
+    let bodies = diagonals(scene).filter_map(|(material, diagonal_m)| {
         let medium = &scene.media[scene.materials[material].body.as_ref()?.medium?];
-        Some(medium.largest_extinction() * medium.most_column_m(across_m))
+        Some(medium.largest_extinction() * medium.max_column_m(diagonal_m))
     });
-    // A way may lead through all of them.
-    too_thin(bodies.sum())
+    // A path may cross all bodies.
+    if_thin(bodies.sum())
 }
 
-fn too_thin(depth: f64) -> Option<String> {
-    (depth <= TAKEN).then(|| {
+/// Returns the reason if an optical depth is negligible.
+fn if_thin(depth: f64) -> Option<String> {
+    (depth <= MAX_OPTICAL_DEPTH).then(|| {
         format!(
-            "no straight way through it takes or scatters more than {depth:.1e} of the light, of {TAKEN:.0e} allowed"
+            "no straight path through it loses more than {depth:.1e} of its light, and {MAX_OPTICAL_DEPTH:.0e} is allowed"
         )
     })
 }
 
-/// The material of each object, and the longest straight way within a box around it, in m.
-fn across_bodies(scene: &Scene) -> impl Iterator<Item = (usize, f64)> + '_ {
-    let boxes = [&scene.geometry, &scene.boundaries].map(|geometry| geometry.object_boxes());
+/// Returns the material of each object, and the diagonal of the object's bounding box in m. No
+/// straight path inside the object is longer than the diagonal.
+fn diagonals(scene: &Scene) -> impl Iterator<Item = (usize, f64)> + '_ {
+    let boxes = [&scene.geometry, &scene.boundaries].map(|geometry| geometry.object_bounds());
     let all = boxes.into_iter().flatten();
     all.map(|(object, (low, high))| (scene.objects[object as usize].material, (high - low).length()))
 }

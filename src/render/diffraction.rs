@@ -1,43 +1,44 @@
-//! From the camera's opening and the lights' spectrum to what the film needs to know of diffraction.
+//! The diffraction at the camera's aperture, as the film needs it.
 
-use crate::emit::LightChoice;
+use crate::emit::LightSampler;
 use crate::optics::aperture::{Blades, fraunhofer};
 use crate::plan::Plan;
-use crate::scene::camera::{Camera, Diffraction as Opening};
-use crate::sensor::Diffraction;
+use crate::scene::camera::{ApertureDiffraction, Camera};
+use crate::sensor::DiffractionPsf;
 use serde::{Deserialize, Serialize};
 
-/// Wavelengths that stand for the lights' spectrum.
+/// The number of wavelengths that represent the spectrum of the lights.
 const WAVELENGTHS: u32 = 1024;
 
-/// What diffraction does to a picture, in a form that a part or a checkpoint can hold.
+/// The diffraction at the camera's aperture. Saved runs contain it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Diffracting {
+pub struct DiffractionSetup {
     blades: Option<Blades>,
-    /// λN in pixels, for each nm of wavelength.
+    /// λN in pixels per nm of wavelength λ, where N is the f-number.
     spread_px_per_nm: f64,
-    /// The lights' wavelengths, each for an equal share of the light as it is seen.
+    /// Wavelengths in nm that represent equal shares of the lights' visible power.
     light_nm: Vec<f64>,
 }
 
-impl Diffracting {
-    /// What the plan calls for.
-    pub(super) fn of(camera: &Camera, plan: &Plan, choice: &LightChoice) -> Option<Self> {
-        let Opening { blades, spread_px_per_nm } = Opening::of(camera).filter(|_| plan.aperture.diffracts())?;
+impl DiffractionSetup {
+    /// Returns the diffraction of a camera, or `None` if the plan contains no diffraction.
+    pub(super) fn of(camera: &Camera, plan: &Plan, lights: &LightSampler) -> Option<Self> {
+        let ApertureDiffraction { blades, spread_px_per_nm } =
+            ApertureDiffraction::of(camera).filter(|_| plan.aperture.diffracts())?;
         let share = |i: u32| (f64::from(i) + 0.5) / f64::from(WAVELENGTHS);
-        let light_nm = (0..WAVELENGTHS).map(|i| choice.wavelengths.sample(share(i)).0).collect();
+        let light_nm = (0..WAVELENGTHS).map(|i| lights.wavelengths.sample(share(i)).0).collect();
         Some(Self { blades, spread_px_per_nm, light_nm })
     }
 
-    /// How many slices of the spectrum the film keeps apart.
+    /// Returns the number of spectrum slices on the film.
     pub fn slices(&self) -> usize {
-        Diffraction::slices_of(&self.light_nm)
+        DiffractionPsf::slices_of(&self.light_nm)
     }
 
-    /// With the opening's pattern.
-    pub(super) fn for_film(&self, (width, height): (usize, usize)) -> Diffraction {
+    /// Computes the diffraction patterns for a film of this width and height in pixels.
+    pub(super) fn for_film(&self, (width, height): (usize, usize)) -> DiffractionPsf {
         let pattern = |place| fraunhofer(self.blades, place);
-        Diffraction::new(self.spread_px_per_nm, width.max(height), self.light_nm.clone(), pattern)
+        DiffractionPsf::new(self.spread_px_per_nm, width.max(height), self.light_nm.clone(), pattern)
     }
 }

@@ -1,49 +1,52 @@
-//! Parts of one picture, rendered anywhere, to the picture that a single run of all their passes would have given.
+//! Merges the parts of a picture. The result equals a single run of all their passes.
 
-use super::saved::{Identity, Saved, Showing};
-use super::{Part, Stats};
+use super::identity::RenderIdentity;
+use super::part::PassPart;
+use super::saved_run::{DisplaySettings, SavedRun};
+use super::stats::Stats;
 use crate::error::{Error, Result};
 use crate::output::metadata::{Metadata, names};
 use crate::sensor::{Film, Picture};
 use crate::spectrum::Observer;
 use std::path::{Path, PathBuf};
 
-/// Parts that fit together, before their sums are read.
+/// Parts of one picture that can be merged. Only their records are in memory.
 #[derive(Debug)]
-pub struct Merging {
-    parts: Vec<(PathBuf, Saved)>,
-    /// The first part's header.
+pub struct PartSet {
+    parts: Vec<(PathBuf, SavedRun)>,
+    /// The header of the first part.
     header: Metadata,
+    /// The missing passes, in words.
     gaps: Option<String>,
 }
 
 /// A merged picture.
 #[derive(Debug)]
-pub struct Merged {
+pub struct MergedPicture {
     /// The picture with its error layers.
     pub picture: Picture,
-    /// What the parts measured, together.
+    /// The statistics of all parts together.
     pub stats: Stats,
-    /// How its colours become those of a PNG.
-    pub showing: Showing,
-    /// What its file's header says.
+    /// The conversion of the picture's colours for a PNG file.
+    pub display: DisplaySettings,
+    /// The header of the picture's file.
     pub metadata: Metadata,
 }
 
-impl Merging {
-    /// Reads the parts' records.
+impl PartSet {
+    /// Reads the records of the parts.
     ///
     /// # Errors
-    /// The input's: a file without exact sums, parts of different renders, a pass in two parts; the error names the file and
-    /// the difference.
+    /// Returns an input error if a file has no exact sums, if the parts belong to different
+    /// renders, or if two parts contain the same pass. The error names the file and the difference.
     pub fn new(paths: &[PathBuf]) -> Result<Self> {
-        let mut parts: Vec<(PathBuf, Saved)> = Vec::with_capacity(paths.len());
+        let mut parts: Vec<(PathBuf, SavedRun)> = Vec::with_capacity(paths.len());
         let mut header = Metadata::new();
         for path in paths {
             if let Some((same, _)) = parts.iter().find(|(other, _)| is_same(other, path)) {
                 return Err(Error::input(format!("is given twice (as {})", same.display())).in_file(path));
             }
-            let (saved, metadata) = Saved::read(path)?;
+            let (saved, metadata) = SavedRun::read(path)?;
             match parts.first() {
                 None => header = metadata,
                 Some((first, other)) => check(&saved.identity, &other.identity, first).map_err(|e| e.in_file(path))?,
@@ -54,22 +57,23 @@ impl Merging {
         Ok(Self { parts, header, gaps })
     }
 
-    /// Which passes are in none of the parts, in words, if any are missing.
+    /// Returns the missing passes in words, or `None` if the parts are complete.
     pub fn gaps(&self) -> Option<&str> {
         self.gaps.as_deref()
     }
 
-    /// The passes that each part holds: its file, the part and how many.
-    pub fn parts(&self) -> impl Iterator<Item = (&Path, Part, u64)> {
+    /// Returns the parts. Each entry contains the file, the part and its number of passes.
+    pub fn parts(&self) -> impl Iterator<Item = (&Path, PassPart, u64)> {
         self.parts.iter().map(|(path, saved)| (path.as_path(), saved.part, saved.done))
     }
 
-    /// Adds up all sums.
+    /// Adds the sums of all parts.
     ///
     /// # Errors
-    /// The input's: a file that is damaged.
-    pub fn merge(self) -> Result<Merged> {
-        // Developing asks no observer: what he sees is in the sums already.
+    /// Returns an input error if a file is damaged.
+    pub fn merge(self) -> Result<MergedPicture> {
+        // The sums already contain the observer's response, so developing them ignores the
+        // observer.
         let observer = Observer::cie1931();
         let mut sum: Option<Film> = None;
         for (path, saved) in &self.parts {
@@ -79,15 +83,15 @@ impl Merging {
                 Some(sum) => sum.add(&film),
             }
         }
-        let (picture, squares) = sum.ok_or_else(|| Error::input("no parts to merge"))?.develop_and_judge();
+        let (picture, squares) = sum.ok_or_else(|| Error::input("no parts to merge"))?.picture_and_error();
         let stats: Vec<&Stats> = self.parts.iter().map(|(_, saved)| &saved.stats).collect();
-        let stats = Stats::together(&stats, (&picture, squares));
-        let showing = self.parts[0].1.showing;
+        let stats = Stats::merged(&stats, &picture, squares);
+        let display = self.parts[0].1.display;
         let metadata = self.metadata(&stats);
-        Ok(Merged { picture, stats, showing, metadata })
+        Ok(MergedPicture { picture, stats, display, metadata })
     }
 
-    /// The first part's header with what the parts measured together.
+    /// Returns the header of the first part, with the statistics of all parts.
     fn metadata(&self, stats: &Stats) -> Metadata {
         let mut notes: Vec<String> =
             self.header.get(names::NOTES).and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default();
@@ -110,6 +114,7 @@ impl Merging {
     }
 }
 
+/// Returns true if two paths name the same file.
 fn is_same(a: &Path, b: &Path) -> bool {
     match (a.canonicalize(), b.canonicalize()) {
         (Ok(a), Ok(b)) => a == b,
@@ -117,38 +122,46 @@ fn is_same(a: &Path, b: &Path) -> bool {
     }
 }
 
-fn check(identity: &Identity, first: &Identity, path: &Path) -> Result<()> {
+/// Compares the identity of a part with the identity of the first part, whose file is `path`.
+fn check(identity: &RenderIdentity, first: &RenderIdentity, path: &Path) -> Result<()> {
     identity.check(first).map_err(|error| {
         let expected = error.expected.clone().unwrap_or_default();
         error.expected(format!("{expected}, as {} has", path.display()))
     })
 }
 
-/// Refuses a pass in two parts; tells which passes are in none. What the records say is not known to be true yet: nothing here grows with
-/// the number of passes.
-fn gaps(parts: &[(PathBuf, Saved)]) -> Result<Option<String>> {
+/// Returns the missing passes in words.
+///
+/// The records are not checked yet, and may contain any number of passes. Therefore the time and
+/// the memory of this function do not grow with the number of passes.
+///
+/// # Errors
+/// Returns an input error if two parts contain the same pass.
+fn gaps(parts: &[(PathBuf, SavedRun)]) -> Result<Option<String>> {
     for (number, (path, saved)) in parts.iter().enumerate() {
         for (other_path, other) in &parts[..number] {
             if let Some(pass) =
                 saved.part.shared_with(other.part).filter(|&pass| saved.holds(pass) && other.holds(pass))
             {
-                let what = format!("holds pass {pass}, which {} holds too", other_path.display());
-                return Err(Error::input(what).expected("every pass in one part only").in_file(path));
+                let what = format!("contains pass {pass}, which {} also contains", other_path.display());
+                return Err(Error::input(what).expected("each pass in one part only").in_file(path));
             }
         }
     }
-    let of_part = |saved: &Saved| saved.done.checked_sub(1).map_or(0, |last| saved.part.pass(last).saturating_add(1));
+    let of_part =
+        |saved: &SavedRun| saved.done.checked_sub(1).map_or(0, |last| saved.part.pass(last).saturating_add(1));
     let total = parts.iter().map(|(_, saved)| of_part(saved).max(saved.wanted.unwrap_or(0))).max().unwrap_or(0);
     let missing = parts.iter().fold(total, |missing, (_, saved)| missing.saturating_sub(saved.done));
     if missing == 0 {
         return Ok(None);
     }
-    /// How many are named, of the first so many passes.
+    /// The largest number of missing passes in the text.
     const NAMED: usize = 3;
-    const LOOKED_THROUGH: u64 = 1_000_000;
+    /// The search for missing passes ends after this many passes.
+    const SEARCHED: u64 = 1_000_000;
     let is_absent = |pass: &u64| !parts.iter().any(|(_, saved)| saved.holds(*pass));
     let absent: Vec<String> =
-        (0..total.min(LOOKED_THROUGH)).filter(is_absent).take(NAMED).map(|pass| pass.to_string()).collect();
+        (0..total.min(SEARCHED)).filter(is_absent).take(NAMED).map(|pass| pass.to_string()).collect();
     let more = (missing > absent.len() as u64).then(|| "…".to_owned());
     let named = absent.into_iter().chain(more).collect::<Vec<_>>().join(", ");
     Ok(Some(format!("{missing} of {total} passes ({named})")))

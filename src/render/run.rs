@@ -1,54 +1,54 @@
-//! What grows from pass to pass.
+//! The state of a render between two passes.
 
-use super::{Job, Part, Seconds};
+use super::job::Job;
+use super::part::PassPart;
+use crate::pass::{PassSums, StageSeconds};
+use crate::plan::Tally;
 use crate::sensor::{Film, Picture};
-use crate::walk::Tally;
 use crate::walk::ledger::Ledger;
 
-/// What grows from pass to pass: all that going on later, elsewhere or together with others needs.
+/// The state of a render between two passes. From this state, the render can continue later or
+/// elsewhere. The state can also be merged with other runs.
 #[derive(Debug)]
 pub struct Run {
-    pub(super) film: Film,
-    /// Sums over passes.
-    pub(super) ledger: Ledger,
-    pub(super) tally: Tally,
-    pub(super) seconds: Seconds,
-    pub(super) part: Part,
-    /// How many passes of the part are done, the first ones.
+    /// The sums of the passes that are done.
+    pub(super) sums: PassSums,
+    /// The passes that belong to the run.
+    pub(super) part: PassPart,
+    /// The number of completed passes of the part. These are the first passes of the part.
     pub(super) done: u64,
-    /// How many passes the whole picture is to have, if a number was given.
+    /// The number of passes at which the render of the whole picture stops, if it has such a stop
+    /// rule.
     pub(super) wanted: Option<u64>,
 }
 
 impl Run {
-    /// A run of a part of the passes that has not begun.
-    pub fn new(job: &Job, part: Part) -> Self {
+    /// Creates a run without passes.
+    pub fn new(job: &Job, part: PassPart) -> Self {
         let film = &job.scene.film;
         let [width, height, bands] = [film.width, film.height, film.spectral_bands].map(|count| count as usize);
         let diffraction = job.diffraction.as_ref().map(|diffraction| diffraction.for_film((width, height)).into());
-        Self {
-            film: Film::new(width, height, film.observer, bands).diffracting(diffraction),
+        let sums = PassSums {
+            film: Film::new(width, height, film.observer, bands).with_diffraction(diffraction),
             ledger: Ledger::new(job.scene.materials.len()),
             tally: Tally::default(),
-            seconds: Seconds::default(),
-            part,
-            done: 0,
-            wanted: None,
-        }
+            seconds: StageSeconds::default(),
+        };
+        Self { sums, part, done: 0, wanted: None }
     }
 
-    /// The picture so far.
+    /// Develops the picture of the completed passes.
     pub fn picture(&self) -> Picture {
-        self.film.develop()
+        self.sums.film.picture()
     }
 
-    /// Passes done.
+    /// Returns the number of passes that are done.
     pub fn passes(&self) -> u64 {
         self.done
     }
 
-    /// The relative error of the picture so far; `None` while it is unknown.
+    /// Returns the relative error of the picture, or `None` if it is unknown.
     pub fn relative_error(&self) -> Option<f64> {
-        self.film.develop_and_judge().1.map(|squares| squares.relative())
+        self.sums.film.picture_and_error().1.map(|squares| squares.relative())
     }
 }

@@ -1,148 +1,137 @@
-//! What a render measured: for `--stats`, headers and tests.
+//! The statistics of a render, for reports and file headers.
 
-use super::forecast::{Forecast, Milestone};
-use super::{Job, Run};
-use crate::plan::{State, WavelengthPlan, explain};
+use super::forecast::{ErrorMilestone, Forecast, RunTimes};
+use super::job::Job;
+use super::run::Run;
+use crate::pass::{PassSums, StageSeconds};
+use crate::plan::{Tally, explain};
 use crate::sensor::picture::ErrorMeans;
 use crate::sensor::{ErrorSquares, Picture};
-use crate::walk::Tally;
 use crate::walk::ledger::Ledger;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Wall-clock seconds by stage.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Seconds {
-    /// From start to end.
-    pub total: f64,
-    /// Learning aims and radii.
-    pub pilot: f64,
-    /// Posing the scene.
-    pub pose: f64,
-    /// Photons.
-    pub emit: f64,
-    /// Building trees.
-    pub map: f64,
-    /// Camera paths.
-    pub gather: f64,
-    /// From sums to XYZ.
-    pub develop: f64,
-}
-
-/// The ledger in W, means over passes.
+/// The energy balance in W, as the mean over passes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LedgerStats {
-    /// What the lights handed out.
+    /// The emitted power.
     pub emitted: f64,
-    /// What random choices gained or lost.
+    /// The power gained (positive) or lost by random decisions, such as Russian roulette.
     pub sampling: f64,
-    /// What surfaces and bodies absorbed.
+    /// The power absorbed by surfaces and bodies.
     pub absorbed: f64,
-    /// What left the scene.
+    /// The power that left the scene.
     pub escaped: f64,
-    /// What was given up at the limit of depth.
+    /// The power of the paths that ended at the depth limit.
     pub depth_limit: f64,
-    /// What is missing, relative to emitted.
+    /// The imbalance of the power, relative to the emitted power.
     pub balance: f64,
-    /// The lamps' power by their closed forms.
-    pub lamps: f64,
-    /// What was absorbed, by material.
+    /// The power of the lights, computed from closed forms.
+    #[serde(rename = "lamps")]
+    pub lights: f64,
+    /// The absorbed power of each material, with the material's name as the key.
     pub by_material: BTreeMap<String, f64>,
 }
 
-/// Error layers' image means.
+/// The means of the error layers over the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ErrorStats {
-    /// Mean standard error of Y, cd/m².
+    /// The mean standard error of Y in cd/m².
     pub noise: f64,
-    /// Mean bias of Y, cd/m².
+    /// The mean bias of Y in cd/m².
     pub bias: f64,
-    /// √mean(noise² + bias²) / mean Y; `None` if unknown.
+    /// The relative error: √mean(noise² + bias²) / mean Y, or `None` if it is unknown.
     pub relative: Option<f64>,
-    /// Pixels that no light reached.
+    /// The number of pixels without any light.
     pub unknown_pixels: usize,
-    /// Pixels beside an edge of light, where the bias is likely larger than told.
+    /// The number of pixels near an edge of the illumination. The bias of these pixels is probably
+    /// larger than reported.
     pub edge_pixels: usize,
 }
 
-/// How the error would fall if the render went on.
+/// The forecast of the error if the render continued.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ForecastStats {
-    /// The relative error after four times the time that it took.
+    /// The relative error after four times the time of the run.
     pub error_after_four_times: f64,
-    /// When the next two round errors would be reached, counted from the beginning.
-    pub milestones: Vec<Milestone>,
+    /// The passes and the time of the next two round errors, from the beginning.
+    pub milestones: Vec<ErrorMilestone>,
 }
 
-/// One effect's state and how often it was at work.
+/// The state of an effect, and how often the effect occurred.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EffectStats {
-    /// `on`, `off`, `forced` or `forbidden`.
+    /// The state: `on`, `off`, `forced` or `forbidden`.
     pub state: String,
-    /// Events counted.
+    /// The number of events.
     pub events: u64,
 }
 
-/// All that a render measured.
+/// The statistics of a render.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Stats {
-    /// Passes done.
+    /// The number of passes done.
     pub passes: u64,
-    /// Photon paths emitted.
+    /// The number of photon paths.
     pub photons_emitted: u64,
-    /// Those of them on the passes' shared wavelengths.
+    /// The number of photon paths on the wavelengths shared by passes.
     pub photons_shared: u64,
-    /// Photons stored in maps.
+    /// The number of photons stored on surfaces.
     pub photons_stored: u64,
-    /// Wall-clock seconds.
-    pub seconds: Seconds,
-    /// Photons emitted per second of the emission stage.
+    /// The wall-clock time of each stage in s.
+    pub seconds: StageSeconds,
+    /// The number of photon paths per second of the emission stage.
     pub photons_per_second: f64,
-    /// The process's largest memory so far; 0 where the system does not tell.
+    /// The largest resident memory of the process so far, or 0 if the system does not report it.
     pub peak_memory_bytes: u64,
-    /// Where the light went.
+    /// The energy balance.
     pub ledger_w: LedgerStats,
-    /// How wrong the picture may be.
+    /// The error of the picture.
     pub error: ErrorStats,
-    /// How much less wrong it would be after more time; `None` while its error is unknown.
+    /// The forecast of the error, or `None` if the error is unknown.
     pub forecast: Option<ForecastStats>,
-    /// Effects by name.
+    /// The effects by name.
     pub effects: BTreeMap<String, EffectStats>,
-    /// `free`, `shared` or `both`.
+    /// The wavelength plan: `free`, `shared` or `both`.
     pub wavelengths: String,
-    /// Contributions dropped because they were not finite, or negative; anything but 0 is a bug.
+    /// The number of samples that were NaN, infinite or negative and were discarded. A value other
+    /// than 0 means that the program has a bug.
     pub rejected_samples: u64,
-    /// Threads that took part.
+    /// The number of worker threads.
     pub threads: usize,
 }
 
 impl Stats {
-    /// What a run has measured so far, and its picture's error.
+    /// Returns the statistics of a run and its picture.
     pub(super) fn new(job: &Job, run: &Run, picture: &Picture, forecast: Option<Forecast>) -> Self {
-        let emit_seconds = run.seconds.emit;
-        let mut ledger = run.ledger.clone();
+        let PassSums { ledger, tally, seconds, .. } = &run.sums;
+        let mut ledger = ledger.clone();
         ledger.scale(1.0 / run.done.max(1) as f64);
         Self {
             passes: run.done,
-            photons_emitted: run.tally.photons,
-            photons_shared: run.tally.shared_photons,
-            photons_stored: run.tally.stored,
-            seconds: run.seconds,
-            photons_per_second: if emit_seconds > 0.0 { run.tally.photons as f64 / emit_seconds } else { 0.0 },
+            photons_emitted: tally.photons,
+            photons_shared: tally.shared_photons,
+            photons_stored: tally.stored,
+            seconds: *seconds,
+            photons_per_second: if seconds.emit > 0.0 { tally.photons as f64 / seconds.emit } else { 0.0 },
             peak_memory_bytes: peak_memory_bytes(),
             ledger_w: ledger_stats(job, &ledger),
             error: ErrorStats::of(picture),
-            forecast: forecast.map(|forecast| ForecastStats::of(&forecast, run.seconds.total)),
-            effects: effect_stats(job, &run.tally),
+            forecast: forecast.map(|forecast| ForecastStats::of(&forecast, seconds.total)),
+            effects: effect_stats(job, tally),
             wavelengths: explain::wavelengths_word(&job.plan).to_string(),
-            rejected_samples: run.tally.rejected,
+            rejected_samples: tally.rejected,
             threads: rayon::current_num_threads(),
         }
     }
 
-    /// What several runs of one scene's passes measured together: counts and seconds are sums, the ledger the mean over all passes.
-    /// The error is that of their common picture, and so is the forecast, as if one machine had done all.
-    pub(super) fn together(runs: &[&Self], (picture, squares): (&Picture, Option<ErrorSquares>)) -> Self {
+    /// Merges the statistics of several runs of one scene.
+    ///
+    /// Counts and times are sums, and the energy balance is the mean over all passes. The error and
+    /// the forecast belong to the merged picture, as if one machine had rendered all passes.
+    /// `squares` is the squared error of that picture, if the error is known.
+    pub(super) fn merged(runs: &[&Self], picture: &Picture, squares: Option<ErrorSquares>) -> Self {
         let count = |of: fn(&Self) -> u64| runs.iter().map(|run| of(run)).sum::<u64>();
         let mut effects: BTreeMap<String, EffectStats> = BTreeMap::new();
         for (name, effect) in runs.iter().flat_map(|run| &run.effects) {
@@ -150,11 +139,11 @@ impl Stats {
             let EffectStats { state, events } = effect.clone();
             effects.insert(name.clone(), EffectStats { state, events: so_far + events });
         }
-        let seconds = Seconds::together(runs.iter().map(|run| run.seconds));
+        let seconds = total_seconds(runs.iter().map(|run| run.seconds));
         let emitted = count(|run| run.photons_emitted);
         let passes = count(|run| run.passes);
-        let run = (passes, seconds.total, seconds.pilot);
-        let forecast = squares.and_then(|squares| Forecast::without_history(squares, run));
+        let times = RunTimes::of(passes, &seconds);
+        let forecast = squares.and_then(|squares| Forecast::without_history(squares, times));
         Self {
             passes,
             photons_emitted: emitted,
@@ -174,25 +163,24 @@ impl Stats {
     }
 }
 
-impl Seconds {
-    fn together(all: impl Iterator<Item = Self>) -> Self {
-        all.fold(Self::default(), |sum, more| {
-            let Self { total, pilot, pose, emit, map, gather, develop } = more;
-            Self {
-                total: sum.total + total,
-                pilot: sum.pilot + pilot,
-                pose: sum.pose + pose,
-                emit: sum.emit + emit,
-                map: sum.map + map,
-                gather: sum.gather + gather,
-                develop: sum.develop + develop,
-            }
-        })
-    }
+/// Adds the times of several runs.
+fn total_seconds(all: impl Iterator<Item = StageSeconds>) -> StageSeconds {
+    all.fold(StageSeconds::default(), |sum, more| {
+        let StageSeconds { total, pilot, pose, emit, map, gather, develop } = more;
+        StageSeconds {
+            total: sum.total + total,
+            pilot: sum.pilot + pilot,
+            pose: sum.pose + pose,
+            emit: sum.emit + emit,
+            map: sum.map + map,
+            gather: sum.gather + gather,
+            develop: sum.develop + develop,
+        }
+    })
 }
 
 impl LedgerStats {
-    /// The mean over the runs' passes.
+    /// Returns the mean over the passes of all runs.
     fn mean(runs: &[&Stats]) -> Self {
         let passes: u64 = runs.iter().map(|run| run.passes).sum();
         let mean = |of: &dyn Fn(&Self) -> f64| {
@@ -208,9 +196,9 @@ impl LedgerStats {
             absorbed: mean(&|ledger| ledger.absorbed),
             escaped: mean(&|ledger| ledger.escaped),
             depth_limit: mean(&|ledger| ledger.depth_limit),
-            // All runs emit the same power but for noise.
+            // All runs emit the same power, apart from noise.
             balance: mean(&|ledger| ledger.balance),
-            lamps: mean(&|ledger| ledger.lamps),
+            lights: mean(&|ledger| ledger.lights),
             by_material: by_material.collect(),
         }
     }
@@ -239,42 +227,22 @@ fn ledger_stats(job: &Job, ledger: &Ledger) -> LedgerStats {
         escaped: ledger.escaped,
         depth_limit: ledger.depth_limit,
         balance: ledger.balance(),
-        lamps: job.lamp_power_w(),
+        lights: job.light_power_w(),
         by_material: names.zip(ledger.absorbed.iter().copied()).collect(),
     }
 }
 
 fn effect_stats(job: &Job, tally: &Tally) -> BTreeMap<String, EffectStats> {
-    let events = |name: &str| match name {
-        "dispersion" => tally.dispersions,
-        "shared" if job.plan.wavelengths == WavelengthPlan::Shared => tally.shared_paths,
-        "caustics" => tally.connections,
-        "indirect" => tally.map_queries,
-        "direct" => tally.shadow_rays,
-        "depth-of-field" => tally.lens_rays,
-        "diffraction" if job.plan.aperture.diffracts() => tally.lens_rays,
-        "environment" => tally.environment_rays,
-        "roughness" => tally.rough_events,
-        "bodies" => tally.body_events,
-        "absorption" => tally.absorptions,
-        "media" => tally.media_stretches,
-        "volume-photons" => tally.volume_points,
-        "photon-beams" => tally.volume_beams,
-        "light-map" => tally.light_map_looks,
-        "aim" => tally.aimed,
-        "motion" => tally.moments,
-        _ => 0,
-    };
-    let state = |state: State| state.word().to_string();
-    job.rows
-        .iter()
-        .map(|row| {
-            (row.effect.name.to_string(), EffectStats { state: state(row.state), events: events(row.effect.name) })
-        })
-        .collect()
+    let stats = job.rows.iter().map(|row| {
+        let effect = row.effect;
+        let events = (effect.events)(tally, &job.plan);
+        (effect.name.to_string(), EffectStats { state: row.state.word().to_string(), events })
+    });
+    stats.collect()
 }
 
-/// The largest resident memory of this process so far, where Linux tells.
+/// Returns the largest resident memory of this process so far, as Linux reports it; 0 on other
+/// systems.
 fn peak_memory_bytes() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));

@@ -1,11 +1,12 @@
-//! How many threads take part.
+//! The thread pool of a render.
 
 use crate::error::{Error, Result};
 
-/// Runs something with a pool of this many worker threads; without a number, as many as the machine runs at once.
+/// Runs a function in a pool of this many worker threads. Without a number, the pool has one thread
+/// per logical processor.
 ///
 /// # Errors
-/// The machine's: threads that cannot be started.
+/// Returns a machine error if the threads cannot be started.
 pub fn on_threads<R: Send>(threads: Option<u32>, run: impl FnOnce() -> R + Send) -> Result<R> {
     let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0) as usize);
     let pool = builder.build().map_err(|error| Error::machine(format!("threads cannot be started: {error}")))?;
@@ -17,7 +18,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn as_many_threads_as_asked_take_part() {
+    fn the_pool_has_the_requested_number_of_threads() {
         assert_eq!(on_threads(Some(3), rayon::current_num_threads), Ok(3));
         assert!(on_threads(None, rayon::current_num_threads).unwrap() >= 1);
     }

@@ -1,22 +1,24 @@
-//! Objects that no light reaches and no camera sees, since an opaque body is closed around them.
+//! Finds objects enclosed in an opaque body. No light reaches these objects, and no camera sees
+//! them.
 
 use super::Scene;
-use super::light::Emitter;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
 impl Scene {
-    /// The objects inside opaque convex bodies that hold neither a light nor the camera, each with the body's number. Nothing is said of scenes
-    /// in which something moves, or a medium glows.
+    /// Maps the number of each enclosed object to the number of the enclosing object.
+    ///
+    /// An object is enclosed if it lies inside an opaque convex body that contains neither a light
+    /// nor the camera. The result is empty if anything moves or a medium emits light.
     pub fn enclosures(&self) -> BTreeMap<u32, u32> {
         let mut enclosures = BTreeMap::new();
-        let opaque = |object: u32| !self.material_of(object).surface.lets_through();
+        let opaque = |object: u32| !self.material_of(object).surface.is_transmissive();
         let mut containers = self.geometry.convex_bodies().filter(|(object, _)| opaque(*object)).peekable();
         if containers.peek().is_none() || self.moves() {
             return enclosures;
         }
-        let boxes = self.geometry.object_boxes();
-        let Some(open) = self.open_places(&boxes) else {
+        let boxes = self.geometry.object_bounds();
+        let Some(open) = self.boxes_of_camera_and_lights(&boxes) else {
             return enclosures;
         };
         for (container, holds) in containers {
@@ -33,22 +35,11 @@ impl Scene {
         enclosures
     }
 
-    /// Boxes around the camera and all near lights; `None` where a light has no such box.
-    fn open_places(&self, boxes: &BTreeMap<u32, (DVec3, DVec3)>) -> Option<Vec<(DVec3, DVec3)>> {
+    /// Boxes around the camera and all local lights, or `None` if a local light has no box.
+    fn boxes_of_camera_and_lights(&self, object_bounds: &BTreeMap<u32, (DVec3, DVec3)>) -> Option<Vec<(DVec3, DVec3)>> {
         let camera = self.camera.origin();
-        let mut places = vec![(camera, camera)];
-        for light in &self.lights {
-            let around = |centre: DVec3, radius: f64| Some((centre - radius, centre + radius));
-            let place = match &light.emitter {
-                Emitter::Directional(_) | Emitter::Environment(_) => continue,
-                Emitter::Point(point) => around(point.at, 0.0),
-                Emitter::Spot(spot) => around(spot.at(), 0.0),
-                Emitter::Beam(beam) => around(beam.centre(), beam.radius_m()),
-                Emitter::Area(area) => boxes.get(&area.object).copied(),
-                Emitter::Volume(_) => None,
-            };
-            places.push(place?);
-        }
-        Some(places)
+        let local = self.lights.iter().filter(|light| !light.is_distant());
+        let of_lights: Option<Vec<_>> = local.map(|light| light.bounds(object_bounds)).collect();
+        Some([vec![(camera, camera)], of_lights?].concat())
     }
 }

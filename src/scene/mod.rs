@@ -1,59 +1,61 @@
-//! The scene: as written (`file`), and resolved into surfaces, lights, materials and a camera in metres and watts.
+//! The scene model: surfaces, lights, materials, media and a camera, in metres and watts.
 //!
-//! Rendering a resolved scene cannot fail for a reason in the scene.
+//! The model is independent of files. [`builder::SceneBuilder`] builds and checks a scene from its
+//! parts; [`format::resolve`](crate::format::resolve) translates a scene file into these parts.
+//! Once a scene is built, errors in the scene cannot make rendering fail.
 
-pub mod bvh;
+mod animation;
+pub mod builder;
 pub mod camera;
+mod emitting_media;
 mod enclosure;
 pub mod facts;
-pub mod file;
-pub mod geometry;
-pub mod interior;
+mod initial_stack;
 pub mod light;
 pub mod medium;
-pub mod mesh;
+pub mod medium_stack;
 pub mod motion;
-pub mod resolve;
-pub mod shape;
 pub mod sweep;
 
 use crate::colour::gamut::GamutMapping;
 use crate::colour::{RgbSpace, Xyz};
-use crate::optics::glass::Index;
-use crate::optics::surface::Surface;
+use crate::geometry::{Geometry, Hit, Ray};
+use crate::optics::bsdf::Bsdf;
+use crate::optics::glass::RefractiveIndex;
 use crate::spectrum::{Observer, Spectrum};
 use camera::{Camera, Shutter};
-use geometry::{Geometry, Hit, Ray};
 use glam::{DAffine3, DVec3};
-use interior::{Interior, Rank};
-use light::{Emitter, Light, World};
+use light::{Light, SceneExtent};
 use medium::{Density, Medium};
-use motion::Motions;
+use medium_stack::{BodyPriority, MediumStack};
+use motion::SceneMotion;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// A resolved scene, as it stands when the shutter opens. Positions are relative to `centre`.
+/// A scene at the moment when the shutter opens. All positions are relative to `centre`.
 #[derive(Debug, Clone)]
 pub struct Scene {
-    /// The title, or the file's name.
+    /// The title.
     pub title: String,
-    /// Where the origin of all positions stands in the scene file's world, in m.
+    /// The origin of all positions, in the coordinates of the world, in m.
     pub centre: DVec3,
-    /// The radius of a ball around the origin that holds all surfaces and local lights, in m.
+    /// The radius in m of a sphere around the origin. At all times, the sphere contains all
+    /// surfaces and all local lights.
     pub radius_m: f64,
     /// The camera.
     pub camera: Camera,
-    /// When the camera is open.
+    /// The shutter of the camera.
     pub shutter: Shutter,
-    /// What moves meanwhile.
-    pub motions: Motions,
+    /// The motions of shapes and camera while the shutter is open.
+    pub motions: SceneMotion,
     /// The film.
     pub film: FilmSpec,
     /// All surfaces.
     pub geometry: Arc<Geometry>,
-    /// The faces of bodies that have no surface: they only bound a medium, and rays pass them without an event.
+    /// The faces of bodies without a surface. These faces only bound a medium. Rays cross them
+    /// without an interaction.
     pub boundaries: Arc<Geometry>,
-    /// What the surfaces belong to, by object number.
+    /// The objects, indexed by the object numbers of the surfaces.
     pub objects: Vec<Object>,
     /// The materials, by number.
     pub materials: Vec<Material>,
@@ -61,158 +63,163 @@ pub struct Scene {
     pub media: Vec<Medium>,
     /// The lights, by number.
     pub lights: Vec<Light>,
-    /// The lights at infinity, which rays that leave the scene see.
+    /// The numbers of the distant lights. Rays see these lights when they leave the scene.
     pub distant_lights: Vec<usize>,
-    /// The light that each medium is, where it glows.
+    /// For each medium: the number of its first volume light, if the medium emits light.
     pub medium_lights: Vec<Option<usize>>,
-    /// Render settings as far as the scene states them.
+    /// The render settings of the scene.
     pub settings: Settings,
-    /// What a reader should know: residuals of matched lights, clamped indices, open meshes, …
+    /// Remarks for the user: residuals of matched spectra, clamped indices, open meshes, ….
     pub notes: Vec<String>,
-    /// The index of the air.
-    pub air: Index,
+    /// The refractive index of air.
+    pub air: RefractiveIndex,
 }
 
 /// An object: a surface with a material.
 #[derive(Debug, Clone)]
 pub struct Object {
-    /// Its name for reports.
+    /// The name in reports.
     pub name: String,
-    /// Its material's number.
+    /// The number of its material.
     pub material: usize,
-    /// Its light's number, if it shines.
+    /// The number of its light, if its surface emits light.
     pub light: Option<usize>,
 }
 
-/// A material: a surface, and what stands behind it.
+/// A material: a surface, and the body behind it.
 #[derive(Debug, Clone)]
 pub struct Material {
-    /// Its name for reports.
+    /// The name in reports.
     pub name: String,
-    /// What the surface does to light.
-    pub surface: Surface,
-    /// What fills the object, if it is transparent.
+    /// The scattering of light at the surface.
+    pub surface: Bsdf,
+    /// The body that fills an object of this material, or `None` for an opaque or a thin object.
     pub body: Option<Body>,
 }
 
 /// The inside of a transparent object.
 #[derive(Debug, Clone)]
 pub struct Body {
-    /// Refractive index; `None` is that of whatever is around: the body only bounds a medium.
-    pub index: Option<Index>,
-    /// Absorption coefficient in 1/m; `None` is perfectly clear.
+    /// The refractive index. `None` means that the body only bounds a medium. The index is then the
+    /// index of the surroundings.
+    pub index: Option<RefractiveIndex>,
+    /// The absorption coefficient in 1/m, or `None` for a clear body.
     pub absorption: Option<Spectrum>,
-    /// The number of the medium in it.
+    /// The number of the medium inside.
     pub medium: Option<usize>,
-    /// Which body rules where several overlap: the higher.
+    /// The priority. Where bodies overlap, the body of the highest priority dominates.
     pub priority: i32,
 }
 
-/// The film as the scene wants it.
+/// The film specified by the scene.
 #[derive(Debug, Clone)]
 pub struct FilmSpec {
     /// Pixels per row.
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Whose eye sees it.
+    /// The standard observer of the picture's XYZ values.
     pub observer: &'static Observer,
-    /// Number of spectral bands kept, 0 for none.
+    /// The number of spectral bands in the output. 0 means no bands.
     pub spectral_bands: u32,
     /// The colour space of the PNG.
     pub space: RgbSpace,
-    /// The light that the PNG shows as white, as XYZ of `observer` at any scale; `None` shows colours as they are.
+    /// XYZ of the light that the PNG shows as white, for `observer` and at any scale. `None` for no
+    /// white balance.
     pub white: Option<Xyz>,
-    /// What is done with colours outside that space.
+    /// The treatment of colours outside the colour space.
     pub gamut: GamutMapping,
-    /// How bright the PNG is.
+    /// The exposure of the PNG.
     pub exposure: Exposure,
 }
 
-/// How radiance becomes brightness in the PNG.
+/// The mapping from luminance to brightness of the PNG.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Exposure {
-    /// So that the picture is neither dark nor burnt out.
+    /// Chosen from the picture, so that it is neither too dark nor overexposed.
     Auto,
-    /// The given luminance factor 2^ev relative to 1 cd/m² = white.
+    /// The luminance factor 2^ev; at 0 a luminance of 1 cd/m² is white.
     Ev(f64),
-    /// This luminance in cd/m² is white.
+    /// The PNG shows this luminance in cd/m² as white.
     White(f64),
-    /// Luminance 1 cd/m² is white.
+    /// The PNG shows a luminance of 1 cd/m² as white.
     None,
 }
 
-/// Render settings, as far as stated.
+/// The render settings of a scene. A field is `None` if the scene does not set it.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Settings {
-    /// Number of passes.
+    /// The number of passes.
     pub passes: Option<u64>,
-    /// Photon paths a pass.
+    /// Photon paths per pass.
     pub photons: Option<u64>,
-    /// Surface events a path may have.
+    /// The largest number of surface interactions of a path.
     pub max_depth: Option<u32>,
-    /// Photons within the first radius.
+    /// The number of photons within the radius of the first pass.
     pub nearest: Option<u32>,
-    /// First radius in m, instead of `nearest`.
+    /// The radius of the first pass in m, instead of `nearest`.
     pub radius_m: Option<f64>,
-    /// Seed of all random streams.
+    /// The seed of all random streams.
     pub seed: Option<u64>,
-    /// Worker threads.
+    /// The number of worker threads.
     pub threads: Option<u32>,
-    /// Seconds between checkpoints.
+    /// The time between checkpoints in s.
     pub checkpoint_seconds: Option<f64>,
-    /// Cells of the first pass's light maps along the longest side of a medium's box.
+    /// The resolution of the first pass's light maps: cells along the longest side of a medium's
+    /// box.
     pub light_map: Option<u32>,
-    /// Effects to switch on though no fact calls for them.
+    /// Effects that are simulated even if no fact requires them.
     pub force: Vec<String>,
-    /// Effects to leave out though a fact calls for them.
+    /// Effects that are left out even if a fact requires them.
     pub forbid: Vec<String>,
 }
 
 impl Material {
-    /// No surface, but the bounds of a medium.
+    /// A material without a surface, which only bounds a medium.
     pub fn boundary(name: &str, medium: usize, priority: i32) -> Self {
         let body = Body { index: None, absorption: None, medium: Some(medium), priority };
-        // Rays pass such faces without meeting the surface.
-        Self { name: name.to_owned(), surface: Surface::Absorber, body: Some(body) }
+        // Rays cross such faces without an interaction, so the surface is never evaluated.
+        Self { name: name.to_owned(), surface: Bsdf::Absorber, body: Some(body) }
     }
 
-    /// Whether it only bounds a medium.
+    /// Whether the material only bounds a medium.
     pub fn is_boundary(&self) -> bool {
         self.body.as_ref().is_some_and(|body| body.index.is_none())
     }
 }
 
 impl Body {
-    /// What decides whether it rules where bodies overlap.
-    pub fn rank(&self) -> Rank {
-        Rank { priority: self.priority, refracts: self.index.is_some() }
+    /// The properties of the body that decide whether it dominates where bodies overlap.
+    pub fn body_priority(&self) -> BodyPriority {
+        BodyPriority { priority: self.priority, refracts: self.index.is_some() }
     }
 }
 
 impl Scene {
-    /// What distant lights need to know.
-    pub fn world(&self) -> World<'_> {
-        World { geometry: &self.geometry, radius_m: self.radius_m }
+    /// Returns the surfaces and the bounding sphere. The methods of lights need them.
+    pub fn extent(&self) -> SceneExtent<'_> {
+        SceneExtent { geometry: &self.geometry, radius_m: self.radius_m }
     }
 
-    /// Finds the distant lights, and every object's and medium's light, again after lights were added or taken out.
+    /// Recomputes the numbers of lights after lights were added or removed: the numbers of the
+    /// distant lights, and the numbers in objects and media.
     pub fn renumber_lights(&mut self) {
         self.objects.iter_mut().for_each(|object| object.light = None);
         self.distant_lights.clear();
         self.medium_lights = vec![None; self.media.len()];
         for (number, light) in self.lights.iter().enumerate() {
-            match &light.emitter {
-                Emitter::Area(area) => self.objects[area.object as usize].light = Some(number),
-                Emitter::Environment(_) | Emitter::Directional(_) => self.distant_lights.push(number),
-                Emitter::Volume(volume) => {
-                    let medium = self.media.iter().position(|medium| &medium.name == volume.medium_name());
-                    medium.into_iter().for_each(|medium| {
-                        self.medium_lights[medium].get_or_insert(number);
-                    });
-                }
-                Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) => {}
+            if let Some(object) = light.object() {
+                self.objects[object as usize].light = Some(number);
+            }
+            if light.is_distant() {
+                self.distant_lights.push(number);
+            }
+            if let Some(name) = light.medium_name() {
+                let medium = self.media.iter().position(|medium| medium.name == name);
+                medium.into_iter().for_each(|medium| {
+                    self.medium_lights[medium].get_or_insert(number);
+                });
             }
         }
     }
@@ -222,23 +229,24 @@ impl Scene {
         &self.materials[self.objects[object as usize].material]
     }
 
-    /// The body that fills an object, if it is transparent.
+    /// The body that fills an object, or `None` for an opaque or a thin object.
     pub fn body_of(&self, object: u32) -> Option<&Body> {
         self.material_of(object).body.as_ref()
     }
 
-    /// The light that a medium is, if it glows.
+    /// The first volume light of a medium, if the medium emits light.
     pub fn light_of_medium(&self, number: usize) -> Option<&Light> {
         self.medium_lights[number].map(|light| &self.lights[light])
     }
 
-    /// The map from the unit cube onto a box that holds all of a medium: its own box, or one along the axes around the objects that it fills.
-    /// `None` of a medium that fills nothing, or lies behind a flat face.
+    /// The map from the unit cube to a box around a whole medium. The box is the box of a grid
+    /// medium, or an axis-aligned box around the objects that contain the medium. `None` if no
+    /// object contains the medium, or if the box is flat.
     pub fn box_of_medium(&self, number: usize) -> Option<DAffine3> {
         if let Density::Field(field) = &self.media[number].density {
             return Some(field.from_unit());
         }
-        let boxes = [&self.geometry, &self.boundaries].map(|geometry| geometry.object_boxes());
+        let boxes = [&self.geometry, &self.boundaries].map(|geometry| geometry.object_bounds());
         let filled = |object: u32| self.body_of(object).is_some_and(|body| body.medium == Some(number));
         let boxes = boxes.into_iter().flatten().filter(|(object, _)| filled(*object)).map(|(_, around)| around);
         let around = |(low, high): (DVec3, DVec3), (from, to): (DVec3, DVec3)| (low.min(from), high.max(to));
@@ -247,52 +255,55 @@ impl Scene {
         is_box.then(|| DAffine3::from_translation(low) * DAffine3::from_scale(high - low))
     }
 
-    /// The bodies on the other side of a face that the ray meets.
-    pub fn across(&self, interior: &Interior, ray: &Ray, hit: &Hit) -> Interior {
+    /// The medium stack on the other side of a face that the ray hits.
+    pub fn across(&self, medium_stack: &MediumStack, ray: &Ray, hit: &Hit) -> MediumStack {
         match self.body_of(hit.object) {
-            None => *interior,
-            Some(_) if ray.direction.dot(hit.normal) < 0.0 => interior.entered(hit.object),
-            Some(_) => interior.left(hit.object),
+            None => *medium_stack,
+            Some(_) if ray.direction.dot(hit.normal) < 0.0 => medium_stack.entered(hit.object),
+            Some(_) => medium_stack.left(hit.object),
         }
     }
 
-    /// Whether a face with these bodies on its two sides does not show: it lies inside a body of higher priority, which rules on both.
+    /// Whether a face is hidden. A hidden face lies inside a body of higher priority, and this body
+    /// dominates on both sides of the face. `here` and `there` are the medium stacks on the two
+    /// sides.
     #[inline]
-    pub fn is_hidden(&self, hit: &Hit, here: &Interior, there: &Interior) -> bool {
-        self.body_of(hit.object).is_some() && self.ruler(there) == self.ruler(here)
+    pub fn is_hidden(&self, hit: &Hit, here: &MediumStack, there: &MediumStack) -> bool {
+        self.body_of(hit.object).is_some() && self.dominant_dielectric(there) == self.dominant_dielectric(here)
     }
 
-    /// The object whose refractive index rules inside these bodies; `None` is the air.
-    pub fn ruler(&self, interior: &Interior) -> Option<u32> {
-        interior.ruler(|object| self.rank(object))
+    /// The object that determines the refractive index inside these bodies, or `None` for air.
+    pub fn dominant_dielectric(&self, medium_stack: &MediumStack) -> Option<u32> {
+        medium_stack.dominant_dielectric(|object| self.body_priority(object))
     }
 
-    /// The body that fills the place inside these bodies, with a surface of its own or without; `None` is the air.
-    fn filler(&self, interior: &Interior) -> Option<&Body> {
-        interior.filler(|object| self.rank(object)).and_then(|object| self.body_of(object))
+    /// The body that determines the medium inside these bodies. It need not have a surface. `None`
+    /// for air.
+    fn dominant_body(&self, medium_stack: &MediumStack) -> Option<&Body> {
+        medium_stack.dominant_body(|object| self.body_priority(object)).and_then(|object| self.body_of(object))
     }
 
-    fn rank(&self, object: u32) -> Rank {
-        self.body_of(object).map(Body::rank).unwrap_or_default()
+    fn body_priority(&self, object: u32) -> BodyPriority {
+        self.body_of(object).map(Body::body_priority).unwrap_or_default()
     }
 
-    /// The refractive index that rules inside these bodies.
+    /// The refractive index inside these bodies.
     #[inline]
-    pub fn index_in(&self, interior: &Interior) -> &Index {
-        if interior.is_air() {
+    pub fn index_in(&self, medium_stack: &MediumStack) -> &RefractiveIndex {
+        if medium_stack.is_air() {
             return &self.air;
         }
-        let body = self.ruler(interior).and_then(|object| self.body_of(object));
+        let body = self.dominant_dielectric(medium_stack).and_then(|object| self.body_of(object));
         body.and_then(|body| body.index.as_ref()).unwrap_or(&self.air)
     }
 
-    /// The absorption that rules inside these bodies.
-    pub fn absorption_in(&self, interior: &Interior) -> Option<&Spectrum> {
-        self.filler(interior).and_then(|body| body.absorption.as_ref())
+    /// The absorption coefficient inside these bodies, or `None` if they are clear.
+    pub fn absorption_in(&self, medium_stack: &MediumStack) -> Option<&Spectrum> {
+        self.dominant_body(medium_stack).and_then(|body| body.absorption.as_ref())
     }
 
     /// The number of the medium inside these bodies.
-    pub fn medium_in(&self, interior: &Interior) -> Option<usize> {
-        self.filler(interior).and_then(|body| body.medium)
+    pub fn medium_in(&self, medium_stack: &MediumStack) -> Option<usize> {
+        self.dominant_body(medium_stack).and_then(|body| body.medium)
     }
 }

@@ -1,45 +1,41 @@
-//! What moves: the pose of a thing at any moment, from its keyframes; and the whole scene as it stands at a moment.
+//! Keyframe animation: transforms, camera poses and shapes as functions of time.
 //!
-//! Between keys translation and scale interpolate linearly and rotation along the shortest arc (slerp, Shoemake 1985); outside them
-//! the end poses hold. At a key, and between equal keys, the pose is exactly the one written, so that a thing that its keys leave where it is
-//! gives the same picture as one without keys.
+//! Between keyframes, translation and scale are interpolated linearly and rotation by slerp
+//! (Shoemake 1985). Before the first keyframe and after the last one, the transform is constant. At
+//! a keyframe, and between equal keyframes, the transform is exactly the given one. If all
+//! keyframes of an object are the same, the picture is therefore the same as for the object at
+//! rest.
 
-use super::Scene;
-use super::camera::Camera;
-use super::geometry::Geometry;
-use super::light::{Area, Emitter};
-use super::shape::Placed;
-use crate::error::Result;
+use crate::geometry::shape::PlacedShape;
 use glam::{DAffine3, DQuat, DVec3};
-use std::borrow::Cow;
 use std::sync::Arc;
 
-/// A pose in the parts that interpolate.
+/// A transform without shear, decomposed into the parts that are interpolated.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pose {
-    /// Where to.
+pub struct DecomposedTransform {
+    /// The translation.
     pub translation: DVec3,
-    /// The turn after the scaling.
+    /// The rotation, applied after the scale.
     pub rotation: DQuat,
-    /// Scales along the axes; the first is negative where the pose mirrors.
+    /// The scale along each axis. If the transform mirrors, the first scale is negative.
     pub scale: DVec3,
 }
 
-impl Pose {
-    /// The parts of a placing that has no shear.
-    pub fn of(placing: &DAffine3) -> Self {
-        let (scale, rotation, translation) = placing.to_scale_rotation_translation();
+impl DecomposedTransform {
+    /// Decomposes a transform that has no shear.
+    pub fn of(transform: &DAffine3) -> Self {
+        let (scale, rotation, translation) = transform.to_scale_rotation_translation();
         Self { translation, rotation, scale }
     }
 
-    /// Whether a placing has a shear, which no translation, rotation and scale make.
-    pub fn is_sheared(placing: &DAffine3) -> bool {
-        let [x, y, z] = [placing.matrix3.x_axis, placing.matrix3.y_axis, placing.matrix3.z_axis];
+    /// Whether a transform has a shear, which translation, rotation and scale cannot represent.
+    pub fn is_sheared(transform: &DAffine3) -> bool {
+        let [x, y, z] = [transform.matrix3.x_axis, transform.matrix3.y_axis, transform.matrix3.z_axis];
         [(x, y), (y, z), (z, x)].iter().any(|(a, b)| a.dot(*b).abs() > 1e-9 * a.length() * b.length())
     }
 
-    /// The placing a share of the way to another pose.
-    fn towards(&self, to: &Self, share: f64) -> DAffine3 {
+    /// The interpolated transform between `self` (`share` = 0) and `to` (`share` = 1).
+    fn interpolate(&self, to: &Self, share: f64) -> DAffine3 {
         DAffine3::from_scale_rotation_translation(
             self.scale.lerp(to.scale, share),
             self.rotation.slerp(to.rotation, share),
@@ -48,12 +44,13 @@ impl Pose {
     }
 }
 
-/// States of a thing at rising times (s); at least one.
+/// States at increasing times in s; at least one.
 #[derive(Debug, Clone, PartialEq)]
-struct Keys<T>(Vec<(f64, T)>);
+struct Keyframes<T>(Vec<(f64, T)>);
 
-impl<T: Clone + PartialEq> Keys<T> {
-    /// The state at a moment: a key's own at its time, where its neighbour is equal, and beyond the ends.
+impl<T: Clone + PartialEq> Keyframes<T> {
+    /// The state at a time. `between` interpolates, but only at times strictly between two unequal
+    /// keyframes. At all other times, the state of a keyframe is returned unchanged.
     fn at(&self, time_s: f64, between: impl Fn(&T, &T, f64) -> T) -> T {
         let Self(keys) = self;
         let next = keys.partition_point(|key| key.0 <= time_s).min(keys.len() - 1);
@@ -67,7 +64,7 @@ impl<T: Clone + PartialEq> Keys<T> {
         between(&before.1, &after.1, (time_s - before.0) / (after.0 - before.0))
     }
 
-    /// Whether the state changes between two moments, if `at` gives it at each.
+    /// Whether the state changes within an interval of time; `at` gives the state at a time.
     fn changes(&self, (from_s, to_s): (f64, f64), at: impl Fn(f64) -> T) -> bool {
         let inside = self.0.iter().filter(|key| from_s < key.0 && key.0 < to_s).map(|key| key.1.clone());
         let first = at(from_s);
@@ -75,207 +72,161 @@ impl<T: Clone + PartialEq> Keys<T> {
     }
 }
 
-/// A thing's way through space.
+/// A transform as a function of time.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Motion {
-    keys: Keys<Stance>,
-    /// The thing's own transform, with which the keys' are composed.
+pub struct AnimatedTransform {
+    keys: Keyframes<TransformKey>,
+    /// The transform applied before the interpolated transform.
     own: DAffine3,
 }
 
-/// A keyframe's transform, and where it takes the thing: after the thing's own transform.
+/// The transform of a keyframe: alone, and composed with the object's own transform.
 #[derive(Debug, Clone, PartialEq)]
-struct Stance {
+struct TransformKey {
     pose: DAffine3,
-    placing: DAffine3,
+    to_world: DAffine3,
 }
 
-impl Motion {
-    /// The way of a thing with a transform of its `own`; each key (at rising times) has the transform that comes after it, by itself and composed
-    /// with it. `None` without keys.
+impl AnimatedTransform {
+    /// Creates the motion of an object. `own` is the object's own transform.
+    ///
+    /// Each keyframe has a time in s (increasing), a transform applied after the object's own
+    /// transform, and the composition of both. Returns `None` without keyframes.
     pub fn new(own: DAffine3, keys: impl Iterator<Item = (f64, DAffine3, DAffine3)>) -> Option<Self> {
-        let keys: Vec<_> = keys.map(|(time_s, pose, placing)| (time_s, Stance { pose, placing })).collect();
-        (!keys.is_empty()).then_some(Self { keys: Keys(keys), own })
+        let keys: Vec<_> = keys.map(|(time_s, pose, to_world)| (time_s, TransformKey { pose, to_world })).collect();
+        (!keys.is_empty()).then_some(Self { keys: Keyframes(keys), own })
     }
 
-    fn stance(&self, time_s: f64) -> Stance {
+    fn key_at(&self, time_s: f64) -> TransformKey {
         self.keys.at(time_s, |from, to, share| {
-            let pose = Pose::of(&from.pose).towards(&Pose::of(&to.pose), share);
-            Stance { pose, placing: pose * self.own }
+            let (from, to) = (DecomposedTransform::of(&from.pose), DecomposedTransform::of(&to.pose));
+            let pose = from.interpolate(&to, share);
+            TransformKey { pose, to_world: pose * self.own }
         })
     }
 
-    /// Where the thing stands at a moment: its own frame → world.
+    /// The transform from the object's frame to the world at a time in s.
     pub fn at(&self, time_s: f64) -> DAffine3 {
-        self.stance(time_s).placing
+        self.key_at(time_s).to_world
     }
 
-    /// Whether it moves between two moments.
+    /// Whether the transform changes between two times in s.
     pub fn moves(&self, from_s: f64, to_s: f64) -> bool {
-        self.keys.changes((from_s, to_s), |time_s| self.stance(time_s))
+        self.keys.changes((from_s, to_s), |time_s| self.key_at(time_s))
     }
 
-    /// The same with all lengths multiplied.
+    /// The same motion with all lengths multiplied by a factor.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
-        let scaled = |placing: DAffine3| DAffine3 { translation: placing.translation * factor, ..placing };
-        let stance = |stance: &Stance| Stance { pose: scaled(stance.pose), placing: scaled(stance.placing) };
-        Self { keys: Keys(self.keys.0.iter().map(|(time, key)| (*time, stance(key))).collect()), own: scaled(self.own) }
+        let scaled = |map: DAffine3| DAffine3 { translation: map.translation * factor, ..map };
+        let key = |key: &TransformKey| TransformKey { pose: scaled(key.pose), to_world: scaled(key.to_world) };
+        let keys = self.keys.0.iter().map(|(time_s, state)| (*time_s, key(state))).collect();
+        Self { keys: Keyframes(keys), own: scaled(self.own) }
+    }
+
+    /// The map of the world that moves the object from its place at one time to its place at
+    /// another time. If the two places are equal, the map is the identity.
+    pub(super) fn displacement(&self, from_s: f64, to_s: f64) -> DAffine3 {
+        let (from, to) = (self.at(from_s), self.at(to_s));
+        if from == to { DAffine3::IDENTITY } else { to * from.inverse() }
+    }
+
+    /// The same map for positions relative to `centre`.
+    pub(super) fn displacement_about(&self, centre: DVec3, from_s: f64, to_s: f64) -> DAffine3 {
+        let map = self.displacement(from_s, to_s);
+        DAffine3 { translation: map.transform_point3(centre) - centre, ..map }
     }
 }
 
-/// Where a camera stands, where it looks and what is up.
-pub type Stand = [DVec3; 3];
+/// The pose of a camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LookAt {
+    /// The position of the camera.
+    pub from: DVec3,
+    /// The point at which the camera looks.
+    pub at: DVec3,
+    /// The direction that is up in the picture.
+    pub up: DVec3,
+}
 
-/// A camera's way: each of its three vectors interpolates linearly.
+/// The pose of a camera as a function of time. Each of the three vectors of the pose is
+/// interpolated linearly.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CameraMotion(Keys<Stand>);
+pub struct AnimatedLookAt(Keyframes<LookAt>);
 
-impl CameraMotion {
-    /// From keys at rising times (s); `None` without keys.
-    pub fn new(keys: impl Iterator<Item = (f64, Stand)>) -> Option<Self> {
+impl AnimatedLookAt {
+    /// Creates the motion from keyframes at increasing times in s; `None` without keyframes.
+    pub fn new(keys: impl Iterator<Item = (f64, LookAt)>) -> Option<Self> {
         let keys: Vec<_> = keys.collect();
-        (!keys.is_empty()).then_some(Self(Keys(keys)))
+        (!keys.is_empty()).then_some(Self(Keyframes(keys)))
     }
 
-    /// How it stands at a moment.
-    pub fn at(&self, time_s: f64) -> Stand {
-        self.0.at(time_s, |from, to, share| std::array::from_fn(|i| from[i].lerp(to[i], share)))
+    /// The pose at a time in s.
+    pub fn at(&self, time_s: f64) -> LookAt {
+        self.0.at(time_s, |a, b, share| LookAt {
+            from: a.from.lerp(b.from, share),
+            at: a.at.lerp(b.at, share),
+            up: a.up.lerp(b.up, share),
+        })
     }
 
-    /// Whether it moves between two moments.
+    /// Whether the pose changes between two times in s.
     pub fn moves(&self, from_s: f64, to_s: f64) -> bool {
         self.0.changes((from_s, to_s), |time_s| self.at(time_s))
     }
 
-    /// The same with every stand changed.
+    /// The same motion with `change` applied to each keyframe.
     #[must_use]
-    pub fn map(&self, change: impl Fn(Stand) -> Stand) -> Self {
-        Self(Keys(self.0.0.iter().map(|(time, stand)| (*time, change(*stand))).collect()))
+    pub fn map(&self, change: impl Fn(LookAt) -> LookAt) -> Self {
+        Self(Keyframes(self.0.0.iter().map(|(time_s, pose)| (*time_s, change(*pose))).collect()))
     }
 
-    /// The first moment between two keys, if any, at which the camera would look at itself, or along its `up`.
-    pub fn lost_s(&self) -> Option<f64> {
+    /// The first time in s, between two keyframes, with a degenerate pose: the camera would look at
+    /// its own position or along its `up` vector. `None` if there is no such time.
+    pub fn degenerate_time_s(&self) -> Option<f64> {
         const STEPS: usize = 1024;
-        // Less than the largest step of a half turn.
+        /// If the relative length or the sine is below this tolerance, the pose is degenerate. The
+        /// tolerance is below the largest step of a half turn, so that no degenerate pose is
+        /// missed.
         const LEAST: f64 = 2e-3;
         self.0.0.windows(2).find_map(|pair| {
-            let view = |stand: Stand| stand[1] - stand[0];
+            let view = |pose: LookAt| pose.at - pose.from;
             let size = view(pair[0].1).length().max(view(pair[1].1).length());
-            let is_lost = |time_s: f64| {
-                let stand = self.at(time_s);
-                let (view, up) = (view(stand), stand[2].normalize_or_zero());
+            let is_degenerate = |time_s: f64| {
+                let pose = self.at(time_s);
+                let (view, up) = (view(pose), pose.up.normalize_or_zero());
                 view.length() < LEAST * size || view.normalize_or_zero().cross(up).length() < LEAST
             };
-            let moments = (1..STEPS).map(|i| pair[0].0 + (pair[1].0 - pair[0].0) * i as f64 / STEPS as f64);
-            moments.into_iter().find(|&time_s| is_lost(time_s))
+            let times = (1..STEPS).map(|i| pair[0].0 + (pair[1].0 - pair[0].0) * i as f64 / STEPS as f64);
+            times.into_iter().find(|&time_s| is_degenerate(time_s))
         })
     }
 }
 
-/// A shape, and its way if it moves while the shutter is open.
+/// A shape, with its motion if it moves while the shutter is open.
 #[derive(Debug, Clone)]
-pub struct MovingShape {
-    /// The shape where it stands when the shutter opens.
-    pub placed: Placed,
-    /// Its way in m, and where the shape stands in the frame that moves.
-    pub motion: Option<(Motion, DAffine3)>,
+pub struct AnimatedShape {
+    /// The shape at its place when the shutter opens.
+    pub placed: PlacedShape,
+    /// The motion in m, and the transform from the shape's frame to the moving frame.
+    pub motion: Option<(AnimatedTransform, DAffine3)>,
 }
 
-impl MovingShape {
-    /// Where the shape's frame stands in the world at a moment.
+impl AnimatedShape {
+    /// The transform from the shape's frame to the world at a time in s.
     pub fn to_world(&self, time_s: f64) -> DAffine3 {
         self.motion.as_ref().map_or(self.placed.to_world, |(motion, local)| motion.at(time_s) * *local)
     }
 }
 
-/// What moves in a scene while the shutter is open; nothing by default. (Lights know their own ways.)
+/// The moving parts of a scene while the shutter is open. Lights and media are not included,
+/// because they store their own motion. The default is a scene at rest.
 #[derive(Debug, Clone, Default)]
-pub struct Motions {
-    /// All shapes, if any of them moves.
-    pub shapes: Arc<[MovingShape]>,
-    /// The camera's way, relative to the scene's centre, in m.
-    pub camera: Option<CameraMotion>,
-}
-
-impl Scene {
-    /// Whether anything moves while the shutter is open.
-    pub fn moves(&self) -> bool {
-        !self.motions.shapes.is_empty()
-            || self.motions.camera.is_some()
-            || self.moving_lights().next().is_some()
-            || self.media.iter().any(|medium| medium.motion.is_some())
-    }
-
-    /// The lights that move by themselves.
-    pub fn moving_lights(&self) -> impl Iterator<Item = &super::light::Light> {
-        self.lights.iter().filter(|light| light.motion.is_some())
-    }
-
-    /// The scene as it stands at a moment while the shutter is open; what moves is built anew, the rest shared. A scene in which nothing moves is
-    /// itself at every moment.
-    ///
-    /// # Errors
-    /// The input's: a shape that its motion takes so far away that nothing is left of it.
-    pub fn at(&self, time_s: f64) -> Result<Cow<'_, Self>> {
-        if !self.moves() {
-            return Ok(Cow::Borrowed(self));
-        }
-        let mut posed = self.clone();
-        if !self.motions.shapes.is_empty() {
-            let build = |boundaries: bool| {
-                let is_boundary = |shape: &&MovingShape| self.material_of(shape.placed.object).is_boundary();
-                let shapes = self.motions.shapes.iter().filter(|shape| is_boundary(shape) == boundaries);
-                let placed = |shape: &MovingShape| Placed { to_world: shape.to_world(time_s), ..shape.placed.clone() };
-                Geometry::build(shapes.map(placed).collect(), self.centre).map(Arc::new)
-            };
-            (posed.geometry, posed.boundaries) = (build(false)?, build(true)?);
-            posed.radius_m = self.radius_m.max(posed.geometry.radius_m());
-        }
-        posed.camera = self.camera_at(time_s);
-        for (medium, here) in self.media.iter().zip(&mut posed.media) {
-            if let Some(motion) = &medium.motion {
-                *here = medium.moved(&about(self.centre, since(motion, self.shutter.open_s, time_s)));
-            }
-        }
-        for light in &mut posed.lights {
-            if let Some(motion) = &light.motion {
-                light.emitter = light.emitter.moved(&about(self.centre, since(motion, self.shutter.open_s, time_s)));
-            }
-            if let Emitter::Area(Area { object, area_m2, .. }) = &mut light.emitter {
-                *area_m2 = posed.geometry.area(*object);
-            }
-        }
-        posed.find_interiors();
-        Ok(Cow::Owned(posed))
-    }
-
-    /// Stops everything where it stands when the shutter opens.
-    pub fn stop(&mut self) {
-        self.motions = Motions::default();
-        self.lights.iter_mut().for_each(|light| light.motion = None);
-        self.media.iter_mut().for_each(|medium| medium.motion = None);
-    }
-
-    /// The camera as it stands at a moment.
-    pub fn camera_at(&self, time_s: f64) -> Camera {
-        let mut camera = self.camera.clone();
-        if let Some(motion) = &self.motions.camera {
-            camera.stand(motion.at(time_s));
-        }
-        camera
-    }
-}
-
-/// What a motion does to a thing between two moments; nothing at all where it stands still.
-pub(super) fn since(motion: &Motion, from_s: f64, to_s: f64) -> DAffine3 {
-    let (from, to) = (motion.at(from_s), motion.at(to_s));
-    if from == to { DAffine3::IDENTITY } else { to * from.inverse() }
-}
-
-/// A map of the world as a map of places relative to `centre`.
-pub(super) fn about(centre: DVec3, map: DAffine3) -> DAffine3 {
-    DAffine3 { translation: map.transform_point3(centre) - centre, ..map }
+pub struct SceneMotion {
+    /// All shapes if at least one of them moves. Otherwise the list is empty.
+    pub shapes: Arc<[AnimatedShape]>,
+    /// The motion of the camera in m, relative to the scene's centre.
+    pub camera: Option<AnimatedLookAt>,
 }
 
 #[cfg(test)]
@@ -283,8 +234,8 @@ mod tests {
     use super::*;
     use std::f64::consts::FRAC_PI_2;
 
-    fn motion(keys: &[(f64, DAffine3)]) -> Motion {
-        Motion::new(DAffine3::IDENTITY, keys.iter().map(|&(time, pose)| (time, pose, pose))).unwrap()
+    fn motion(keys: &[(f64, DAffine3)]) -> AnimatedTransform {
+        AnimatedTransform::new(DAffine3::IDENTITY, keys.iter().map(|&(time, pose)| (time, pose, pose))).unwrap()
     }
 
     #[test]
@@ -295,7 +246,7 @@ mod tests {
             let share = f64::from(i) / 20.0;
             let rim = motion.at(share).transform_point3(DVec3::X);
             assert!((rim.length() - 1.0).abs() < 1e-14);
-            assert!((rim - turned(2.0 * share).transform_point3(DVec3::X)).length() < 1e-12, "uniform turning");
+            assert!((rim - turned(2.0 * share).transform_point3(DVec3::X)).length() < 1e-12, "uniform rotation");
         }
     }
 
@@ -315,14 +266,15 @@ mod tests {
         assert!(
             motion.moves(0.0, 1.5) && motion.moves(-5.0, 5.0) && !motion.moves(0.0, 1.0) && !motion.moves(3.0, 4.0)
         );
-        assert!(!motion.moves(2.0, 2.0), "a shutter without length");
+        assert!(!motion.moves(2.0, 2.0), "a shutter of zero duration");
     }
 
     #[test]
-    fn keys_come_after_the_things_own_transform() {
+    fn keyframes_follow_the_own_transform() {
         let own = DAffine3::from_quat(DQuat::from_rotation_z(FRAC_PI_2));
         let by = |x: f64| DAffine3::from_translation(DVec3::X * x);
-        let motion = Motion::new(own, [(0.0, by(0.0), own), (1.0, by(2.0), by(2.0) * own)].into_iter()).unwrap();
+        let keys = [(0.0, by(0.0), own), (1.0, by(2.0), by(2.0) * own)];
+        let motion = AnimatedTransform::new(own, keys.into_iter()).unwrap();
         let place = motion.at(0.5).transform_point3(DVec3::X);
         assert!((place - DVec3::new(1.0, 1.0, 0.0)).length() < 1e-12, "{place}");
         let place = motion.scaled(10.0).at(0.5).transform_point3(DVec3::ZERO);
@@ -330,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mirror_image_turns_without_becoming_flat() {
+    fn a_mirror_image_rotates_without_becoming_flat() {
         let mirrored = |angle: f64| {
             DAffine3::from_quat(DQuat::from_rotation_x(angle)) * DAffine3::from_scale(DVec3::new(1.0, -2.0, 1.0))
         };
@@ -342,17 +294,17 @@ mod tests {
     }
 
     #[test]
-    fn a_camera_that_would_look_along_up_on_its_way_is_found() {
-        let stand = |at: DVec3| [DVec3::ZERO, at, DVec3::Y];
-        let over = CameraMotion::new(
-            [(0.0, stand(DVec3::new(1.0, 2.0, 0.0))), (1.0, stand(DVec3::new(-1.0, 2.0, 0.0)))].into_iter(),
+    fn degenerate_camera_poses_between_keyframes_are_found() {
+        let towards = |at: DVec3| LookAt { from: DVec3::ZERO, at, up: DVec3::Y };
+        let over = AnimatedLookAt::new(
+            [(0.0, towards(DVec3::new(1.0, 2.0, 0.0))), (1.0, towards(DVec3::new(-1.0, 2.0, 0.0)))].into_iter(),
         );
-        assert!((over.unwrap().lost_s().unwrap() - 0.5).abs() < 0.01);
-        let beside = CameraMotion::new(
-            [(0.0, stand(DVec3::new(1.0, 0.0, 1.0))), (1.0, stand(DVec3::new(-1.0, 0.0, 1.0)))].into_iter(),
+        assert!((over.unwrap().degenerate_time_s().unwrap() - 0.5).abs() < 0.01);
+        let beside = AnimatedLookAt::new(
+            [(0.0, towards(DVec3::new(1.0, 0.0, 1.0))), (1.0, towards(DVec3::new(-1.0, 0.0, 1.0)))].into_iter(),
         );
-        assert_eq!(beside.unwrap().lost_s(), None);
-        let through = CameraMotion::new([(0.0, stand(DVec3::X)), (3.0, stand(-2.0 * DVec3::X))].into_iter());
-        assert!((through.unwrap().lost_s().unwrap() - 1.0).abs() < 0.01);
+        assert_eq!(beside.unwrap().degenerate_time_s(), None);
+        let through = AnimatedLookAt::new([(0.0, towards(DVec3::X)), (3.0, towards(-2.0 * DVec3::X))].into_iter());
+        assert!((through.unwrap().degenerate_time_s().unwrap() - 1.0).abs() < 0.01);
     }
 }

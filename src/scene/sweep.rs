@@ -1,140 +1,154 @@
-//! What moving things sweep over while the shutter is open: in space, and in the picture.
+//! The extent of motion while the shutter is open: boxes in space, and lengths in the picture.
 
 use super::Scene;
 use super::camera::Camera;
 use super::light::Light;
 use super::medium::{Density, Medium};
-use super::motion::{MovingShape, Pose, about, since};
-use crate::optics::surface::{Class, Surface};
+use super::motion::{AnimatedShape, DecomposedTransform};
+use crate::optics::bsdf::{Bsdf, BsdfClass};
 use glam::{DAffine3, DVec2, DVec3};
 
-/// Moments at which the scene is looked at, spread as the shutter lets light through.
-const MOMENTS: usize = 33;
+/// The number of times at which motion is evaluated, spaced by equal shares of the exposure.
+const TIMES: usize = 33;
 
-/// Pixels on a side of the grid of places that the picture shows.
-const PLACES: usize = 17;
+/// Visible points are sampled on a square grid over the film. This is the number of grid points
+/// along each side.
+const VISIBLE_GRID: usize = 17;
 
-/// A box: least and largest coordinates, relative to the scene's centre, in m.
+/// The lowest and highest corner of a box, relative to the scene's centre, in m.
 pub type Bounds = (DVec3, DVec3);
 
 impl Scene {
-    /// Boxes that hold whatever moves, wherever it is while the shutter is open.
+    /// Boxes around the moving shapes, one box per shape. Each box contains its shape at all times.
     pub fn swept_boxes(&self) -> Vec<Bounds> {
-        let moments = self.moments();
+        let times = self.shutter_times();
         let moving = self.motions.shapes.iter().filter(|shape| shape.motion.is_some());
         moving
             .map(|shape| {
-                let ways = lattice(shape).map(|place| self.way(shape, place, &moments));
+                let trajectories = lattice(shape).map(|point| self.trajectory(shape, point, &times));
                 let (mut low, mut high, mut step) = (DVec3::INFINITY, DVec3::NEG_INFINITY, 0.0_f64);
-                for way in ways {
-                    way.iter().for_each(|&place| (low, high) = (low.min(place), high.max(place)));
-                    step = way.windows(2).map(|pair| pair[0].distance(pair[1])).fold(step, f64::max);
+                for trajectory in trajectories {
+                    trajectory.iter().for_each(|&place| (low, high) = (low.min(place), high.max(place)));
+                    step = trajectory.windows(2).map(|pair| pair[0].distance(pair[1])).fold(step, f64::max);
                 }
-                // Between two moments nothing bulges out by more than half of what it moves.
+                // Between two times, a point leaves the box by at most half of the distance that it
+                // moves in a step.
                 (low - 0.5 * step, high + 0.5 * step)
             })
             .collect()
     }
 
-    /// How far, in pixels, things move over the picture while the shutter is open: the longest way of a point of a moving thing's box; of what a
-    /// moving camera sees; and of light that a turning mirror or prism, or a moving lamp, sends over what is seen.
+    /// The largest length in pixels of any motion in the picture while the shutter is open.
+    ///
+    /// It is the largest of four lengths: the trajectories of points in the boxes of moving shapes,
+    /// the trajectories of the corners of moving media, the apparent motion of visible points under
+    /// a moving camera, and the motion of light on visible points under a moving light or a
+    /// rotating specular object.
     pub fn image_motion_px(&self) -> f64 {
         if !self.moves() {
             return 0.0;
         }
-        let moments = self.moments();
-        let cameras: Vec<Camera> = moments.iter().map(|&time_s| self.camera_at(time_s)).collect();
-        let length = |way: &[DVec3]| {
+        let times = self.shutter_times();
+        let cameras: Vec<Camera> = times.iter().map(|&time_s| self.camera_at(time_s)).collect();
+        let length = |trajectory: &[DVec3]| {
             let seen: Vec<Option<DVec2>> =
-                cameras.iter().zip(way).map(|(camera, &place)| seen_at(camera, place)).collect();
+                cameras.iter().zip(trajectory).map(|(camera, &place)| project_clamped(camera, place)).collect();
             seen.windows(2).filter_map(|pair| Some(pair[0]?.distance(pair[1]?))).sum::<f64>()
         };
         let moving = self.motions.shapes.iter().filter(|shape| shape.motion.is_some());
-        let of_shapes = moving.flat_map(|shape| lattice(shape).map(|place| length(&self.way(shape, place, &moments))));
-        let places = self.places_seen();
-        let still = |place: &DVec3| length(&vec![*place; moments.len()]);
-        let of_camera = places.iter().filter(|_| self.motions.camera.is_some()).map(still);
-        let swings = self.swings(&moments);
+        let of_shapes =
+            moving.flat_map(|shape| lattice(shape).map(|point| length(&self.trajectory(shape, point, &times))));
+        let visible = self.visible_points();
+        let at_rest = |point: &DVec3| length(&vec![*point; times.len()]);
+        let of_camera = visible.iter().filter(|_| self.motions.camera.is_some()).map(at_rest);
+        let light_maps = self.motions_of_light(&times);
         let carried =
-            |swing: &[DAffine3], place: DVec3| swing.iter().map(|map| map.transform_point3(place)).collect::<Vec<_>>();
-        let of_light = swings.iter().flat_map(|swing| places.iter().map(|&place| length(&carried(swing, place))));
-        let of_media =
-            self.media.iter().flat_map(|medium| self.ways_of_medium(medium, &moments)).map(|way| length(&way));
+            |maps: &[DAffine3], point: DVec3| maps.iter().map(|map| map.transform_point3(point)).collect::<Vec<_>>();
+        let of_light = light_maps.iter().flat_map(|maps| visible.iter().map(|&point| length(&carried(maps, point))));
+        let of_media = self
+            .media
+            .iter()
+            .flat_map(|medium| self.trajectories_of_medium(medium, &times))
+            .map(|trajectory| length(&trajectory));
         of_shapes.chain(of_camera).chain(of_light).chain(of_media).fold(0.0, f64::max)
     }
 
-    fn moments(&self) -> Vec<f64> {
-        (0..MOMENTS).map(|i| self.shutter.time_s(i as f64 / (MOMENTS - 1) as f64)).collect()
+    fn shutter_times(&self) -> Vec<f64> {
+        (0..TIMES).map(|i| self.shutter.time_s(i as f64 / (TIMES - 1) as f64)).collect()
     }
 
-    /// Where a place of a shape's own frame is at each moment.
-    fn way(&self, shape: &MovingShape, place: DVec3, moments: &[f64]) -> Vec<DVec3> {
-        moments.iter().map(|&time_s| shape.to_world(time_s).transform_point3(place) - self.centre).collect()
+    /// The position, at each time, of a point in a shape's own frame.
+    fn trajectory(&self, shape: &AnimatedShape, point: DVec3, times: &[f64]) -> Vec<DVec3> {
+        times.iter().map(|&time_s| shape.to_world(time_s).transform_point3(point) - self.centre).collect()
     }
 
-    /// The ways of the corners of a medium's box, if it moves.
-    fn ways_of_medium(&self, medium: &Medium, moments: &[f64]) -> Vec<Vec<DVec3>> {
+    /// The trajectories of the corners of a medium's box. Empty if the medium does not move.
+    fn trajectories_of_medium(&self, medium: &Medium, times: &[f64]) -> Vec<Vec<DVec3>> {
         let (Some(motion), Density::Field(field)) = (&medium.motion, &medium.density) else {
             return Vec::new();
         };
-        let at = |time_s: f64| about(self.centre, since(motion, self.shutter.open_s, time_s));
-        let maps: Vec<DAffine3> = moments.iter().map(|&time_s| at(time_s)).collect();
-        let way = |corner| maps.iter().map(|map| map.transform_point3(corner)).collect();
-        field.corners().into_iter().map(way).collect()
+        let at = |time_s: f64| motion.displacement_about(self.centre, self.shutter.open_s, time_s);
+        let maps: Vec<DAffine3> = times.iter().map(|&time_s| at(time_s)).collect();
+        let trajectory = |corner| maps.iter().map(|map| map.transform_point3(corner)).collect();
+        field.corners().into_iter().map(trajectory).collect()
     }
 
-    /// Places all over the picture, as they are when the shutter opens.
-    fn places_seen(&self) -> Vec<DVec3> {
+    /// Visible points, sampled over the whole picture at the moment when the shutter opens.
+    fn visible_points(&self) -> Vec<DVec3> {
         let size = DVec2::new(self.camera.width() as f64, (self.camera.pixel_count() / self.camera.width()) as f64);
-        let at = |i: usize| (i as f64 + 0.5) / PLACES as f64;
-        let seen = |index: usize| {
-            let film = size * DVec2::new(at(index % PLACES), at(index / PLACES));
+        let at = |i: usize| (i as f64 + 0.5) / VISIBLE_GRID as f64;
+        let visible = |index: usize| {
+            let film = size * DVec2::new(at(index % VISIBLE_GRID), at(index / VISIBLE_GRID));
             let ray = self.camera.ray(film, [0.5; 2]);
             self.geometry.intersect(&ray, None, f64::INFINITY).map(|hit| hit.position)
         };
-        (0..PLACES * PLACES).filter_map(seen).collect()
+        (0..VISIBLE_GRID * VISIBLE_GRID).filter_map(visible).collect()
     }
 
-    /// What becomes, at each moment, of a place that light falls on when the shutter opens, for everything that sends light about: with a lamp it
-    /// moves as the lamp does; with a mirror or glass it moves along, and turns twice as far.
-    fn swings(&self, moments: &[f64]) -> Vec<Vec<DAffine3>> {
-        let of_lamp = |light: &Light| {
+    /// For each moving light and each moving specular object: the transforms that move the
+    /// illuminated points, at each time. A light moves its illumination by its own motion. A
+    /// specular object translates the illumination by its own translation, and rotates it by twice
+    /// its own angle.
+    fn motions_of_light(&self, times: &[f64]) -> Vec<Vec<DAffine3>> {
+        let of_light = |light: &Light| {
             let motion = light.motion.as_ref()?;
-            Some(moments.iter().map(|&time_s| about(self.centre, since(motion, self.shutter.open_s, time_s))).collect())
+            let at = |time_s: f64| motion.displacement_about(self.centre, self.shutter.open_s, time_s);
+            Some(times.iter().map(|&time_s| at(time_s)).collect())
         };
-        let of_shape = |shape: &MovingShape| {
+        let of_shape = |shape: &AnimatedShape| {
             let (motion, _) = shape.motion.as_ref()?;
             let material = self.material_of(shape.placed.object);
-            if !material.surface.components().map(Surface::class).any(|class| class == Class::Specular) {
+            if !material.surface.components().map(Bsdf::class).any(|class| class == BsdfClass::Specular) {
                 return None;
             }
             let (low, high) = shape.placed.shape.bounds()?;
             let middle = shape.placed.to_world.transform_point3(0.5 * (low + high));
             let twice = |time_s: f64| {
-                let map = since(motion, self.shutter.open_s, time_s);
-                let turn = Pose::of(&map).rotation;
+                let map = motion.displacement(self.shutter.open_s, time_s);
+                let rotation = DecomposedTransform::of(&map).rotation;
                 let moved = map.transform_point3(middle);
-                let turned = DAffine3::from_quat(turn * turn);
+                let rotated = DAffine3::from_quat(rotation * rotation);
                 DAffine3::from_translation(moved - self.centre)
-                    * turned
+                    * rotated
                     * DAffine3::from_translation(self.centre - middle)
             };
-            Some(moments.iter().map(|&time_s| twice(time_s)).collect())
+            Some(times.iter().map(|&time_s| twice(time_s)).collect())
         };
-        self.lights.iter().filter_map(of_lamp).chain(self.motions.shapes.iter().filter_map(of_shape)).collect()
+        self.lights.iter().filter_map(of_light).chain(self.motions.shapes.iter().filter_map(of_shape)).collect()
     }
 }
 
-/// 3 × 3 × 3 places of a box around a shape, in its own frame.
-fn lattice(shape: &MovingShape) -> impl Iterator<Item = DVec3> {
+/// A lattice of 3 × 3 × 3 points in the box around a shape, in the shape's frame.
+fn lattice(shape: &AnimatedShape) -> impl Iterator<Item = DVec3> {
     let share = |digit: usize| (digit % 3) as f64 * 0.5;
-    let place =
+    let point =
         move |(low, high): (DVec3, DVec3), i| low + (high - low) * DVec3::new(share(i), share(i / 3), share(i / 9));
-    shape.placed.shape.bounds().into_iter().flat_map(move |bounds| (0..27).map(move |i| place(bounds, i)))
+    shape.placed.shape.bounds().into_iter().flat_map(move |bounds| (0..27).map(move |i| point(bounds, i)))
 }
 
-/// Where on the film a place is seen; what is far beside the picture counts as half a picture beside it.
-fn seen_at(camera: &Camera, place: DVec3) -> Option<DVec2> {
+/// The film position of a point, clamped to half a picture beyond each edge. `None` if the point is
+/// behind the camera.
+fn project_clamped(camera: &Camera, point: DVec3) -> Option<DVec2> {
     let size = DVec2::new(camera.width() as f64, (camera.pixel_count() / camera.width()) as f64);
-    Some(camera.project(place)?.clamp(-0.5 * size, 1.5 * size))
+    Some(camera.project(point)?.clamp(-0.5 * size, 1.5 * size))
 }

@@ -1,4 +1,5 @@
-//! What a display shows of a picture: white balance, the display's colour space, its gamut, its codes.
+//! Conversion of a picture to an image for a display: white balance, colour space, gamut mapping
+//! and encoding.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -8,20 +9,21 @@ use crate::colour::gamut::GamutMapping;
 use crate::colour::space::encode_srgb_u8;
 use crate::colour::{Rgb, RgbSpace, Xyz};
 
-/// How a picture's colours become a display's.
+/// The parameters of the conversion from a picture's XYZ to display codes.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Development {
-    /// The display's colour space.
+    /// The colour space of the display.
     pub space: RgbSpace,
-    /// The light that is shown as white, by its XYZ at any scale; `None` shows colours as they are.
+    /// The XYZ of the light shown as white, at any scale. If this is `None`, colours are not
+    /// balanced.
     pub white: Option<Xyz>,
-    /// What becomes of colours that the space does not hold.
+    /// The method that moves outside colours into the colour space.
     pub gamut: GamutMapping,
 }
 
 impl Development {
-    /// The rows that turn XYZ into linear components of the display.
+    /// Returns the matrix from XYZ to linear components of the display.
     pub fn matrix(&self) -> [[f64; 3]; 3] {
         match self.white {
             None => self.space.picture_matrix(),
@@ -30,41 +32,42 @@ impl Development {
     }
 }
 
-/// Colours of a display, rows from the top.
+/// Encoded colours for a display, row by row from the top.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Screen {
+pub struct DisplayImage {
     /// Pixels per row.
     pub width: usize,
-    /// Rows.
+    /// Number of rows.
     pub height: usize,
-    /// What red, green and blue are, and how codes stand for light.
+    /// The colour space, which defines the primaries and the encoding.
     pub space: RgbSpace,
-    /// Red, green and blue of every pixel.
+    /// The codes of red, green and blue of every pixel.
     pub codes: Codes,
 }
 
-/// The codes of all pixels, in as many bits as their space needs to show no steps.
+/// The codes of all pixels, with enough bits per component to avoid visible steps.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Codes {
-    /// 8 bits a component: sRGB and Display P3.
+    /// 8 bits per component: sRGB and Display P3.
     Eight(Vec<[u8; 3]>),
-    /// 16 bits a component: Rec. 2020, whose standard asks for at least 10, and ACEScg, whose codes are linear.
+    /// 16 bits per component: Rec. 2020 and ACEScg. The standard of Rec. 2020 requires at least 10
+    /// bits, and the codes of ACEScg are linear.
     Sixteen(Vec<[u16; 3]>),
 }
 
-impl Screen {
-    /// A screen of sRGB codes, as many as `width` × `height`.
+impl DisplayImage {
+    /// Builds an image from `width` × `height` sRGB codes.
     pub fn of_srgb(width: usize, height: usize, rgb: Vec<[u8; 3]>) -> Self {
         Self { width, height, space: RgbSpace::Srgb, codes: Codes::Eight(rgb) }
     }
 }
 
-/// Pixels that a worker develops at once.
-const CHUNK: usize = 1 << 14;
+/// The number of pixels that one task converts.
+const PIXELS_PER_TASK: usize = 1 << 14;
 
-/// Develops a picture: luminance times `exposure` (1/(cd/m²)) is 1 at white. What is not a number becomes black.
-/// Works on all threads of the current pool.
-pub fn develop(picture: &Picture, exposure: f64, development: &Development) -> Screen {
+/// Converts a picture to display codes. `exposure` is in 1/(cd/m²): white has luminance ×
+/// `exposure` = 1. NaN becomes black. The work is divided among the threads of the current pool.
+pub fn develop(picture: &Picture, exposure: f64, development: &Development) -> DisplayImage {
     let &Development { space, white: _, gamut } = development;
     let matrix = development.matrix().map(|row| row.map(|entry| entry * exposure));
     let linear = |xyz: &Xyz| -> Rgb {
@@ -80,13 +83,13 @@ pub fn develop(picture: &Picture, exposure: f64, development: &Development) -> S
             Codes::Sixteen(coded(&picture.xyz, |xyz| linear(xyz).map(sixteen)))
         }
     };
-    Screen { width: picture.width, height: picture.height, space, codes }
+    DisplayImage { width: picture.width, height: picture.height, space, codes }
 }
 
-/// The codes of all pixels.
+/// Encodes all pixels in parallel.
 fn coded<T: Copy + Default + Send + Sync>(xyz: &[Xyz], code: impl Fn(&Xyz) -> [T; 3] + Sync) -> Vec<[T; 3]> {
     let mut codes = vec![[T::default(); 3]; xyz.len()];
-    codes.par_chunks_mut(CHUNK).zip(xyz.par_chunks(CHUNK)).for_each(|(codes, xyz)| {
+    codes.par_chunks_mut(PIXELS_PER_TASK).zip(xyz.par_chunks(PIXELS_PER_TASK)).for_each(|(codes, xyz)| {
         codes.iter_mut().zip(xyz).for_each(|(shown, xyz)| *shown = code(xyz));
     });
     codes
@@ -103,7 +106,7 @@ mod tests {
         picture
     }
 
-    /// The codes of pixels given in linear sRGB, as numbers from 0 to 1.
+    /// Converts pixels from linear sRGB to codes. The codes are scaled to the range from 0 to 1.
     fn shown(pixels: &[[f64; 3]], exposure: f64, development: &Development) -> Vec<[f64; 3]> {
         match develop(&picture(pixels), exposure, development).codes {
             Codes::Eight(codes) => codes.iter().map(|rgb| rgb.map(|code| f64::from(code) / 255.0)).collect(),
@@ -114,12 +117,12 @@ mod tests {
     #[test]
     fn exposure_brings_luminance_to_white() {
         let screen = develop(&picture(&[[200.0; 3], [100.0; 3], [0.0; 3]]), 1.0 / 200.0, &Development::default());
-        // Half of white's luminance is 0.7354 of the signal.
-        assert_eq!(screen, Screen::of_srgb(3, 1, vec![[255; 3], [188; 3], [0; 3]]));
+        // Half the luminance of white has the signal 0.7354.
+        assert_eq!(screen, DisplayImage::of_srgb(3, 1, vec![[255; 3], [188; 3], [0; 3]]));
     }
 
     #[test]
-    fn colours_outside_srgb_are_mapped_as_asked() {
+    fn colours_outside_srgb_follow_the_gamut_mapping() {
         let sodium = [2.771_426_5, 0.587_216_4, -0.128_436_9].map(|component| 0.2 * component);
         let shown = |gamut| shown(&[sodium], 1.0, &Development { gamut, ..Development::default() })[0];
         let (desaturated, clipped) = (shown(GamutMapping::Desaturate), shown(GamutMapping::Clip));
@@ -129,19 +132,22 @@ mod tests {
         assert!(oklab != desaturated && oklab != clipped, "{oklab:?}");
     }
 
+    /// Checks that every space encodes white as white, and that a space's own colours stay
+    /// unchanged.
     #[test]
-    fn every_space_shows_white_as_white_and_its_own_colours_as_they_are() {
+    fn every_space_encodes_white_and_its_own_colours() {
         for space in RgbSpace::ALL {
             let development = Development { space, ..Development::default() };
             assert_eq!(shown(&[[1.0; 3]], 1.0, &development), [[1.0; 3]], "{space:?}");
             let own = [0.25, 0.5, 0.75];
             let mut picture = picture(&[[0.0; 3]]);
-            // A colour under the space's own white, seen under D65's: only ACEScg has another.
+            // A colour relative to the white of the space, adapted to D65. Only the white of ACEScg
+            // is not D65.
             let adapted = crate::colour::adapt(
                 space.to_xyz(own),
                 space.white(),
                 RgbSpace::Srgb.white(),
-                crate::colour::Transform::Bradford,
+                crate::colour::AdaptationTransform::Bradford,
             );
             picture.xyz[0] = adapted;
             let code = match develop(&picture, 1.0, &development).codes {
@@ -156,7 +162,7 @@ mod tests {
 
     #[test]
     fn the_balanced_light_is_white_at_its_luminance() {
-        // Illuminant A, half as bright as white.
+        // Illuminant A at half the luminance of white.
         let white = [1.0985, 1.0, 0.3558];
         let mut picture = Picture::black(1, 1);
         picture.xyz[0] = white.map(|value| 0.5 * value);
@@ -168,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn pixels_that_are_no_numbers_are_black() {
+    fn nan_pixels_are_black() {
         let mut broken = Picture::black(1, 1);
         broken.xyz[0] = [f64::NAN; 3];
         assert_eq!(develop(&broken, 1.0, &Development::default()).codes, Codes::Eight(vec![[0; 3]]));

@@ -1,7 +1,10 @@
-//! Diffraction at the lens's opening: the picture of each slice of the spectrum is convolved with the pattern of its wavelengths.
+//! Diffraction at the aperture stop: the picture of each slice of the spectrum is convolved with
+//! the point spread function of its wavelengths.
 //!
-//! The pattern is Fraunhofer's, integrated over the squares of the pixels; light in a pixel counts as in its middle. Beyond its edges the film is
-//! taken to go on as its mirror image, so that no light is lost there and an even picture stays even. Kernels are scaled to 1: energy is kept.
+//! The point spread function is the Fraunhofer pattern of the stop, integrated over the pixel
+//! squares. All light of a pixel is assumed to be at the pixel's centre. Beyond its edges the film
+//! is continued by reflection, so no light is lost there and a uniform picture stays uniform.
+//! Kernels are normalised to 1, so energy is conserved.
 
 use crate::spectrum::BAND_NM;
 use glam::DVec2;
@@ -10,43 +13,50 @@ use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftDirection, FftPlanner};
 use std::sync::Arc;
 
-/// Slices of the whole band, of equal ratios of wavelength: 5 % each, so that a slice's patterns hardly differ in size.
-const SLICES: usize = 16;
+/// The number of slices of the whole band. The upper wavelength of every slice is about 5 % longer
+/// than its lower one, so the size of the pattern hardly changes within a slice.
+const SLICES_OF_BAND: usize = 16;
 
-/// How many wavelengths' patterns make the kernel of a slice, at most.
-const WAVELENGTHS: usize = 8;
+/// The largest number of wavelengths in the kernel of a slice. Each contributes a pattern.
+const WAVELENGTHS_PER_KERNEL: usize = 8;
 
-/// The pattern is followed as far as this many λN, or as the film is wide; the little light beyond (of a round opening one part in 600) is
-/// spread as the rest.
-const REACH: f64 = 128.0;
+/// The radius of the pattern in units of λN, if the pattern is smaller than the film. If the stop
+/// is round, 1/600 of the light is outside this radius. This light is spread in proportion to the
+/// light inside.
+const PATTERN_RADIUS: f64 = 128.0;
 
-/// Samples of the pattern to a λN: as many as this where few λN are followed, …
-const MOST_STEPS: f64 = 24.0;
+/// The number of samples of the pattern per λN, if the radius is small.
+const MAX_SAMPLES_PER_UNIT: f64 = 24.0;
 
-/// … and no more than this many from the middle to one end, 8 to a λN at least.
-const MOST_SAMPLES: f64 = 1024.0;
+/// The largest number of samples from the centre to an edge of the pattern. The largest radius has
+/// 8 samples per λN.
+const MAX_SAMPLES_PER_RADIUS: f64 = 1024.0;
 
-/// How light of each wavelength spreads over the film.
+/// The point spread function of the film as a function of wavelength.
 #[derive(Debug)]
-pub struct Diffraction {
-    /// λN in pixels, for each nm of wavelength.
+pub struct DiffractionPsf {
+    /// The length λN in pixels per nm of wavelength, where N is the f-number.
     spread_px_per_nm: f64,
-    /// The light's wavelengths in nm, rising: each stands for an equal share.
+    /// The wavelengths of the light in nm, ascending. Each wavelength represents an equal share of
+    /// the light.
     light_nm: Vec<f64>,
-    /// Where the slices begin, in nm.
+    /// The lower ends of the slices in nm.
     edges_nm: Vec<f64>,
-    /// Samples of the pattern to a λN.
+    /// The number of samples of the pattern per λN.
     steps: f64,
-    /// Samples of the pattern from one end to the other.
+    /// The number of samples of the pattern from edge to edge.
     across: usize,
-    /// Rows from the bottom, columns from the left.
+    /// The samples of the pattern, with rows from the bottom and columns from the left.
     pattern: Vec<f32>,
 }
 
-impl Diffraction {
-    /// For light that has these wavelengths (nm, rising, at least one, each for an equal share of the light) and a pattern known at places
-    /// to the right and up in units of λN, of which a nm of wavelength has `spread_px_per_nm` pixels; the film has `longest_px` on its
-    /// longer side.
+impl DiffractionPsf {
+    /// Samples the pattern.
+    ///
+    /// `light_nm` contains at least one wavelength in nm, in ascending order. Each wavelength
+    /// represents an equal share of the light. The arguments of `pattern` are the positions to the
+    /// right and upwards in units of λN. λN has `spread_px_per_nm` pixels per nm of wavelength. The
+    /// longer side of the film has `longest_px` pixels.
     pub fn new(
         spread_px_per_nm: f64,
         longest_px: usize,
@@ -54,13 +64,14 @@ impl Diffraction {
         pattern: impl Fn(DVec2) -> f64 + Sync,
     ) -> Self {
         let film = (longest_px as f64 + 1.0) / (light_nm[0] * spread_px_per_nm);
-        let reach = REACH.min(film);
-        let steps = MOST_STEPS.min(MOST_SAMPLES / reach);
+        let reach = PATTERN_RADIUS.min(film);
+        let steps = MAX_SAMPLES_PER_UNIT.min(MAX_SAMPLES_PER_RADIUS / reach);
         let half = (reach * steps).ceil();
         let across = 2 * half as usize + 1;
         let place = |sample: usize| (sample as f64 - half) / steps;
         let sample = |i: usize| pattern(DVec2::new(place(i % across), place(i / across))) as f32;
-        // An opening's pattern is the same in opposite directions.
+        // The Fraunhofer pattern of a stop is point-symmetric, so half of the samples are
+        // sufficient.
         let middle = across * across / 2;
         let mut pattern: Vec<f32> = (0..=middle).into_par_iter().map(sample).collect();
         pattern.extend_from_within(..middle);
@@ -69,66 +80,70 @@ impl Diffraction {
         Self { spread_px_per_nm, light_nm, edges_nm, steps, across, pattern }
     }
 
-    /// How many slices light of these wavelengths (nm, rising) falls into.
+    /// Returns the number of slices that contain light of these wavelengths (nm, ascending).
     pub fn slices_of(light_nm: &[f64]) -> usize {
         edges_nm(light_nm).len()
     }
 
-    /// How many slices there are.
+    /// Returns the number of slices.
     pub(super) fn slices(&self) -> usize {
         self.edges_nm.len()
     }
 
-    /// The slice of a wavelength.
+    /// Returns the slice of a wavelength.
     pub(super) fn slice_of(&self, nm: f64) -> usize {
         self.edges_nm.partition_point(|&edge| edge <= nm).saturating_sub(1)
     }
 
-    /// The wavelengths in nm between which a slice lies.
+    /// Returns the lower and upper wavelength of a slice in nm.
     pub(super) fn slice_nm(&self, slice: usize) -> (f64, f64) {
         (self.edges_nm[slice], self.edges_nm.get(slice + 1).copied().unwrap_or(f64::INFINITY))
     }
 
-    /// Wavelengths that stand for the light between two, `None` of which shines if the light has none there.
+    /// Returns wavelengths that represent the light between two wavelengths. The list is empty if
+    /// the light has no power in the slice.
     fn between(&self, (from_nm, to_nm): (f64, f64)) -> Vec<f64> {
         let [first, end] = [from_nm, to_nm].map(|nm| self.light_nm.partition_point(|&light| light < nm));
         let light = &self.light_nm[first..end];
-        let count = light.len().min(WAVELENGTHS);
+        let count = light.len().min(WAVELENGTHS_PER_KERNEL);
         (0..count).map(|i| light[(2 * i + 1) * light.len() / (2 * count)]).collect()
     }
 }
 
-/// Where slices begin: only where light falls into the slice. What little light lies between counts to the slice before it, or the first.
+/// Returns the lower ends of the slices that contain light. Light between two slices belongs to the
+/// lower slice, and light below all slices belongs to the first slice.
 fn edges_nm(light_nm: &[f64]) -> Vec<f64> {
-    let ratio = (BAND_NM.1 / BAND_NM.0).ln() / SLICES as f64;
+    let ratio = (BAND_NM.1 / BAND_NM.0).ln() / SLICES_OF_BAND as f64;
     let mut cells: Vec<i64> = light_nm.iter().map(|nm| ((nm / BAND_NM.0).ln() / ratio) as i64).collect();
     cells.dedup();
     cells.into_iter().map(|cell| BAND_NM.0 * (cell as f64 * ratio).exp()).collect()
 }
 
-/// A plane's Fourier transform, over the film and its mirror images.
-pub(super) type Spectrum = Vec<Complex<f64>>;
+/// The Fourier transform of a plane. Reflection extends the plane beyond its edges.
+pub(super) type PlaneTransform = Vec<Complex<f64>>;
 
-/// Convolves planes of a film of one size.
+/// Convolves the planes of films of one size.
 pub(super) struct Convolution<'a> {
-    diffraction: &'a Diffraction,
+    diffraction: &'a DiffractionPsf,
     width: usize,
     height: usize,
-    /// Transforms of rows and of columns, there and back.
+    /// The forward and inverse transforms of rows, and the forward and inverse transforms of
+    /// columns.
     rows: [Arc<dyn Fft<f64>>; 2],
     columns: [Arc<dyn Fft<f64>>; 2],
 }
 
 impl<'a> Convolution<'a> {
-    pub(super) fn new(diffraction: &'a Diffraction, (width, height): (usize, usize)) -> Self {
+    pub(super) fn new(diffraction: &'a DiffractionPsf, (width, height): (usize, usize)) -> Self {
         let mut planner = FftPlanner::new();
         let mut both = |length| [FftDirection::Forward, FftDirection::Inverse].map(|way| planner.plan_fft(length, way));
         let (rows, columns) = (both(2 * width), both(2 * height));
         Self { diffraction, width, height, rows, columns }
     }
 
-    /// The transform of a plane, or of two: one in the real part, one in the imaginary part.
-    pub(super) fn transform(&self, plane: impl Fn(usize) -> [f64; 2] + Sync) -> Spectrum {
+    /// Returns the transform of two real planes, one as the real part and one as the imaginary
+    /// part.
+    pub(super) fn transform(&self, plane: impl Fn(usize) -> [f64; 2] + Sync) -> PlaneTransform {
         let mirrored = |i: usize, length: usize| if i < length { i } else { 2 * length - 1 - i };
         let value = |place: usize| {
             let (x, y) = (place % (2 * self.width), place / (2 * self.width));
@@ -138,8 +153,8 @@ impl<'a> Convolution<'a> {
         self.forward((0..4 * self.width * self.height).into_par_iter().map(value).collect())
     }
 
-    /// The planes that a transform stands for.
-    pub(super) fn planes(&self, mut spectrum: Spectrum) -> Vec<[f64; 2]> {
+    /// Returns the planes of a transform, the inverse of `transform`.
+    pub(super) fn planes(&self, mut spectrum: PlaneTransform) -> Vec<[f64; 2]> {
         let (width, height) = (2 * self.width, 2 * self.height);
         process(&self.columns[1], &mut spectrum);
         let mut plane = transposed(&spectrum, height);
@@ -149,8 +164,8 @@ impl<'a> Convolution<'a> {
         (0..self.width * self.height).map(|i| [pixel(i).re, pixel(i).im]).collect()
     }
 
-    /// The transform of the kernel of light between two wavelengths in nm.
-    pub(super) fn kernel(&self, between_nm: (f64, f64)) -> Spectrum {
+    /// Returns the transform of the kernel for light between two wavelengths in nm.
+    pub(super) fn kernel(&self, between_nm: (f64, f64)) -> PlaneTransform {
         let (width, height) = (2 * self.width, 2 * self.height);
         let mut kernel = vec![0.0; width * height];
         for nm in self.diffraction.between(between_nm) {
@@ -158,7 +173,7 @@ impl<'a> Convolution<'a> {
             let step_px = spread_px / self.diffraction.steps;
             let samples = self.diffraction.across;
             let (across, down) = (overlaps(step_px, samples, width), overlaps(-step_px, samples, height));
-            let resampled = |(row, lines): (&[f32], &Overlaps)| {
+            let resampled = |(row, lines): (&[f32], &SampleOverlaps)| {
                 if lines.is_empty() {
                     return Vec::new();
                 }
@@ -186,8 +201,8 @@ impl<'a> Convolution<'a> {
         self.forward(kernel.into_iter().map(Complex::from).collect())
     }
 
-    /// Over rows, then over columns; the result is stored column by column.
-    fn forward(&self, mut plane: Spectrum) -> Spectrum {
+    /// Transforms rows and then columns. The result is stored column by column.
+    fn forward(&self, mut plane: PlaneTransform) -> PlaneTransform {
         process(&self.rows[0], &mut plane);
         let mut spectrum = transposed(&plane, 2 * self.width);
         process(&self.columns[0], &mut spectrum);
@@ -195,29 +210,31 @@ impl<'a> Convolution<'a> {
     }
 }
 
-/// Adds the product of two transforms, times a factor, to a sum.
-pub(super) fn add_product(sum: &mut Spectrum, a: &Spectrum, b: &Spectrum) {
+/// Adds the product of two transforms to a sum.
+pub(super) fn add_product(sum: &mut PlaneTransform, a: &PlaneTransform, b: &PlaneTransform) {
     sum.par_iter_mut().zip(a).zip(b).for_each(|((sum, a), b)| *sum += a * b);
 }
 
-fn process(fft: &Arc<dyn Fft<f64>>, lines: &mut Spectrum) {
+fn process(fft: &Arc<dyn Fft<f64>>, lines: &mut PlaneTransform) {
     lines.par_chunks_mut(fft.len()).for_each(|line| fft.process(line));
 }
 
-/// Lines of `length` values become columns.
-fn transposed(lines: &Spectrum, length: usize) -> Spectrum {
+/// Transposes a plane whose rows have `length` values.
+fn transposed(lines: &PlaneTransform, length: usize) -> PlaneTransform {
     let count = lines.len() / length;
     (0..lines.len()).into_par_iter().map(|i| lines[i % count * length + i / count]).collect()
 }
 
-/// Pixels that a sample of the pattern falls into, with its share in each.
-type Overlaps = Vec<(usize, f64)>;
+/// The pixels that overlap a sample of the pattern, and the share of the sample in each pixel.
+type SampleOverlaps = Vec<(usize, f64)>;
 
-/// The pixels of each of the samples of a line of the pattern, whose step is as many pixels; between samples the pattern is linear. Pixels are counted from
-/// the middle, modulo `period`, of which they fill all at most: no light comes from farther away than the film is wide.
-fn overlaps(step_px: f64, samples: usize, period: usize) -> Vec<Overlaps> {
+/// Returns the overlaps of each sample along a line of the pattern. `step_px` is the distance
+/// between samples in pixels; the pattern is linear between samples. Pixels are counted from the
+/// centre modulo `period`. Overlaps farther than half a period are dropped, so no light comes from
+/// farther away than the width of the film.
+fn overlaps(step_px: f64, samples: usize, period: usize) -> Vec<SampleOverlaps> {
     let half = step_px.abs();
-    // The share of a sample's triangle, of half-width 1, that lies below a place.
+    // The integral below x of a triangle with half-width 1 and area 1.
     let below = |x: f64| {
         let x = x.clamp(-1.0, 1.0);
         if x < 0.0 { 0.5 * (1.0 + x) * (1.0 + x) } else { 1.0 - 0.5 * (1.0 - x) * (1.0 - x) }

@@ -1,70 +1,81 @@
-//! How noisy and how biased each pixel of a film may be, and which part of that falls how fast.
+//! Error bars of a film: noise and bias of each pixel, and their dependence on the number of
+//! passes.
 //!
-//! *Noise* is the standard error of Y from the means of the replicates. Eight of them say little about a pixel that light reaches in
-//! rare bright hits: its own seven degrees of freedom are moderated by two of its neighbours' (empirical Bayes: Smyth, "Linear models and empirical Bayes
-//! methods", 2004), which leaves the mean over the picture as it is.
+//! *Noise* is the standard error of Y, computed from the means of the replicates. Eight replicates
+//! give an uncertain estimate for pixels with rare bright samples. Therefore the seven degrees of
+//! freedom of a pixel are combined with two degrees of freedom of its neighbours (empirical Bayes:
+//! Smyth, "Linear models and empirical Bayes methods", 2004). This preserves the mean over the
+//! picture.
 //!
-//! *Bias* is that of the kernels, from two of them in the same query. Its estimate is as noisy as the pixel, but over the even and over the odd replicates there
-//! are two estimates without noise in common: the mean of their product over a pixel's neighbours is the mean square bias, without a noise of its own to
-//! lift it. Where a kernel reaches over an edge of light the bias changes its sign from pixel to pixel; its mean square tells it all the same, but too low:
-//! two kernels of one radius tell curvature, and across an edge there is more than that. Such pixels are marked.
+//! *Bias* is the bias of the kernel density estimates, measured with two kernels in the same query.
+//! A single estimate of the bias is as noisy as the pixel value. The even and the odd replicates
+//! give two estimates with independent noise. Their product is averaged over the neighbourhood of a
+//! pixel. This mean estimates the mean square bias, without a contribution of the noise. Where a
+//! kernel crosses an edge of the illumination, the bias changes its sign from pixel to pixel. The
+//! mean square of the bias is above zero at an edge, but too low: two kernels of one radius measure
+//! curvature, and the bias at an edge is larger. Such pixels are marked.
 
 use crate::math::random::REPLICATES;
 
-/// What a pixel's bars are made from: means over passes, in cd/m².
+/// The measured means of a pixel over passes, in cd/m².
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Measured {
-    /// Y by replicate; of no meaning for those without passes.
+pub(super) struct PixelMeans {
+    /// Y of each replicate. The value is meaningless for replicates without passes.
     pub(super) y: [f64; REPLICATES],
-    /// The bias of Y over the even replicates and over the odd ones; of no meaning for a half without passes.
+    /// The bias of Y over the even and over the odd replicates. The value is meaningless for a half
+    /// without passes.
     pub(super) bias: [f64; 2],
 }
 
-/// The error bars of a picture, pixel by pixel in cd/m²; −1 where unknown, which is where no light arrived.
+/// The error bars of a picture, pixel by pixel in cd/m². Pixels without light have no error bars.
 #[derive(Debug)]
 pub(super) struct ErrorBars {
-    /// Standard error of Y.
-    pub(super) noise: Vec<f32>,
-    /// Estimated bias of Y, as a magnitude.
-    pub(super) bias: Vec<f32>,
-    /// 1 beside an edge of light within a kernel's reach, where the bias is likely larger than told; else 0.
-    pub(super) edge: Vec<f32>,
-    /// The mean variance of what kernels bring, (cd/m²)².
-    under_kernels: f64,
+    /// The standard error of Y, if it is known.
+    pub(super) noise: Vec<Option<f32>>,
+    /// The magnitude of the estimated bias of Y, if it is known.
+    pub(super) bias: Vec<Option<f32>>,
+    /// Whether an edge of the illumination is within the reach of a kernel. If so, the bias is
+    /// probably larger than estimated.
+    pub(super) edge: Vec<Option<bool>>,
+    /// The mean variance of the kernel estimates in (cd/m²)².
+    kernel_noise: f64,
 }
 
-/// The square of a picture's relative error, by how its parts fall with the number of passes n.
+/// The squared relative error of a picture. Its parts depend differently on the number of passes n.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorSquares {
-    /// That of the bias: as n^(−2/3) where light is smooth, slower at edges.
+    /// The squared bias. It falls as n^(−2/3) where light is smooth, and slower at edges.
     pub bias: f64,
-    /// That of the noise of what kernels bring: they shrink, and it falls as n^(−2/3).
-    pub under_kernels: f64,
-    /// That of all other noise: as n⁻¹, and up to n⁻² where sampling is stratified.
+    /// The variance of the kernel estimates. It falls as n^(−2/3), because the kernels shrink.
+    pub kernel_noise: f64,
+    /// The variance of all other contributions. It falls as n⁻¹, and up to n⁻² where sampling is
+    /// stratified.
     pub sampling: f64,
 }
 
-/// Degrees of freedom that a pixel's noise takes from its neighbours.
-const FROM_NEIGHBOURS: f64 = 2.0;
+/// The number of degrees of freedom contributed by the neighbours of a pixel to its noise.
+const NEIGHBOUR_DEGREES: f64 = 2.0;
 
-/// Noise is moderated by pixels up to this far away.
+/// The distance in pixels up to which neighbours contribute to the noise.
 const NOISE_REACH: usize = 1;
 
-/// Bias is smoothed over pixels up to this far away.
+/// The distance in pixels up to which neighbours contribute to the bias.
 const BIAS_REACH: usize = 2;
 
-/// An edge is told where the square of the bias is this many times the variance of what kernels bring: in even light a mean of products of two halves, whose own
-/// variances are twice that, seldom is.
-const TOLD: f64 = 3.0;
+/// A pixel can be marked as an edge if its squared bias exceeds this multiple of the variance of
+/// the kernel estimates. Under uniform light the squared bias seldom exceeds this threshold.
+const EDGE_THRESHOLD: f64 = 3.0;
 
-/// Beside an edge the mean bias around a pixel is below this share of its root mean square: it changes its sign.
-const ONE_SIDED: f64 = 0.5;
+/// The bias changes its sign at an edge. Therefore a pixel is marked as an edge only if the mean
+/// bias around the pixel is below this share of the root mean square bias.
+const EDGE_MEAN_SHARE: f64 = 0.5;
 
 impl ErrorBars {
-    /// The bars of a picture `width` wide, from what its lit pixels measured and the passes by replicate.
+    /// Computes the error bars of a picture with a given width and number of pixels. `measured`
+    /// returns the means of a lit pixel; `passes` is the number of passes of each replicate.
     pub(super) fn new(
         (width, count): (usize, usize),
-        measured: impl Fn(usize) -> Option<Measured>,
+        measured: impl Fn(usize) -> Option<PixelMeans>,
         passes: [u64; REPLICATES],
     ) -> Self {
         let replicates = passes.iter().filter(|&&passes| passes > 0).count();
@@ -72,79 +83,81 @@ impl ErrorBars {
         let halves = [half(0), half(1)];
         let (mut variances, mut squares) = (vec![None; count], vec![None; count]);
         let (mut signed, mut noise_of_bias) = (vec![None; count], vec![None; count]);
-        let (mut under_kernels, mut lit) = (0.0, 0_usize);
+        let (mut kernel_noise, mut lit) = (0.0, 0_usize);
         for pixel in 0..count {
             let Some(measured) = measured(pixel) else { continue };
             variances[pixel] = measured.variance(passes);
-            squares[pixel] = measured.square_bias(halves);
-            let variance = measured.variance_under_kernels(halves);
-            under_kernels += variance;
+            squares[pixel] = measured.squared_bias(halves);
+            let variance = measured.kernel_variance(halves);
+            kernel_noise += variance;
             (signed[pixel], noise_of_bias[pixel]) = (Some(0.5 * (measured.bias[0] + measured.bias[1])), Some(variance));
             lit += 1;
         }
         let own = replicates.saturating_sub(1) as f64;
         let noise = |pixel: usize| {
             let around = mean_around(&variances, width, pixel, NOISE_REACH);
-            variances[pixel].map(|variance| (own * variance + FROM_NEIGHBOURS * around) / (own + FROM_NEIGHBOURS))
+            variances[pixel].map(|variance| (own * variance + NEIGHBOUR_DEGREES * around) / (own + NEIGHBOUR_DEGREES))
         };
         let around = |values: &[Option<f64>], pixel: usize| mean_around(values, width, pixel, BIAS_REACH);
         let smooth: Vec<Option<f64>> =
             (0..count).map(|pixel| squares[pixel].map(|_| around(&squares, pixel))).collect();
         let bias = |pixel: usize| smooth[pixel];
         let edge = |pixel: usize| {
-            smooth[pixel].map_or(-1.0, |square| {
-                let is_told = halves == [true; 2] && square > TOLD * around(&noise_of_bias, pixel);
-                let is_edge = is_told && around(&signed, pixel).powi(2) < ONE_SIDED * ONE_SIDED * square;
-                f32::from(u8::from(is_edge))
+            smooth[pixel].map(|square| {
+                let is_significant = halves == [true; 2] && square > EDGE_THRESHOLD * around(&noise_of_bias, pixel);
+                is_significant && around(&signed, pixel).powi(2) < EDGE_MEAN_SHARE * EDGE_MEAN_SHARE * square
             })
         };
         let edge = (0..count).map(edge).collect();
         let bars = |of: &dyn Fn(usize) -> Option<f64>| {
-            (0..count).map(|pixel| of(pixel).map_or(-1.0, |square| square.max(0.0).sqrt() as f32)).collect()
+            (0..count).map(|pixel| of(pixel).map(|square| square.max(0.0).sqrt() as f32)).collect()
         };
-        Self { noise: bars(&noise), bias: bars(&bias), edge, under_kernels: under_kernels / lit.max(1) as f64 }
+        Self { noise: bars(&noise), bias: bars(&bias), edge, kernel_noise: kernel_noise / lit.max(1) as f64 }
     }
 
-    /// The parts of the square of the relative error of a picture with this mean Y; `None` while it is unknown.
+    /// Returns the parts of the squared relative error of a picture with this mean Y. Returns
+    /// `None` if the error is unknown.
     pub(super) fn squares(&self, mean_y: f64) -> Option<ErrorSquares> {
-        let known = self.noise.iter().filter(|&&noise| noise >= 0.0).count();
+        let known = self.noise.iter().flatten().count();
         if known == 0 || mean_y <= 0.0 {
             return None;
         }
-        let mean_square = |bars: &[f32]| {
-            bars.iter().map(|&bar| f64::from(bar.max(0.0)).powi(2)).sum::<f64>() / known as f64 / (mean_y * mean_y)
+        let mean_square = |bars: &[Option<f32>]| {
+            bars.iter().map(|bar| f64::from(bar.unwrap_or(0.0)).powi(2)).sum::<f64>() / known as f64 / (mean_y * mean_y)
         };
         let noise = mean_square(&self.noise);
-        let under_kernels = (self.under_kernels / (mean_y * mean_y)).min(noise);
-        let squares = ErrorSquares { bias: mean_square(&self.bias), under_kernels, sampling: noise - under_kernels };
-        // Pixels that are known exactly say nothing about those that no light has reached yet.
+        let kernel_noise = (self.kernel_noise / (mean_y * mean_y)).min(noise);
+        let squares = ErrorSquares { bias: mean_square(&self.bias), kernel_noise, sampling: noise - kernel_noise };
+        // Pixels with error 0 do not represent the pixels that no light has reached yet.
         (squares.relative() > 0.0 || known == self.noise.len()).then_some(squares)
     }
 }
 
 impl ErrorSquares {
-    /// The relative error.
+    /// Returns the relative error.
     pub fn relative(&self) -> f64 {
-        (self.bias + self.under_kernels + self.sampling).sqrt()
+        (self.bias + self.kernel_noise + self.sampling).sqrt()
     }
 }
 
-impl Measured {
-    /// The variance of the mean of Y, from the means of the replicates that have passes; `None` with fewer than two. Unequal numbers of passes
-    /// weigh accordingly.
+impl PixelMeans {
+    /// Returns the variance of the mean of Y, computed from the means of all replicates with at
+    /// least one pass. Returns `None` if there are fewer than two such replicates. Means are
+    /// weighted by their numbers of passes.
     fn variance(&self, passes: [u64; REPLICATES]) -> Option<f64> {
         let means = || passes.into_iter().zip(self.y).filter(|(n, _)| *n > 0).map(|(n, mean)| (n as f64, mean));
         let degrees = means().count().checked_sub(1).filter(|&degrees| degrees > 0)?;
         let total: f64 = means().map(|(n, _)| n).sum();
         let mean = means().map(|(n, m)| n * m).sum::<f64>() / total;
         let spread: f64 = means().map(|(n, m)| n * (m - mean) * (m - mean)).sum();
-        // Each replicate mean has variance σ²/n; Σ n (m − mean)² estimates (R − 1) σ², and the mean's variance is σ²/Σn.
+        // Each replicate mean has variance σ²/n; Σ n (m − mean)² estimates (R − 1) σ², and the
+        // variance of the mean is σ²/Σn.
         Some(spread / degrees as f64 / total)
     }
 
-    /// An estimate of the square of the bias: without bias of its own from two halves. Where all passes are in one (some parts of a picture
-    /// have such), its noise counts with it.
-    fn square_bias(&self, halves: [bool; 2]) -> Option<f64> {
+    /// Returns an estimate of the squared bias. It is unbiased if both halves have passes. If only
+    /// one half has passes (as in some parts of a picture), the estimate includes its noise.
+    fn squared_bias(&self, halves: [bool; 2]) -> Option<f64> {
         let [even, odd] = self.bias;
         match halves {
             [true, true] => Some(even * odd),
@@ -154,15 +167,17 @@ impl Measured {
         }
     }
 
-    /// The variance of what kernels bring to the pixel. On the disk, the bias by two kernels has the variance of Epanechnikov's estimate itself:
-    /// ∫k² = 4/(3πr²) for both. (On the line it has 3/8 of it.)
-    fn variance_under_kernels(&self, halves: [bool; 2]) -> f64 {
+    /// Returns the variance of the kernel estimates of the pixel. On the disk, the bias from two
+    /// kernels has the same variance as Epanechnikov's estimate: ∫k² = 4/(3πr²) for both. (On the
+    /// line, the bias has 3/8 of that variance.)
+    fn kernel_variance(&self, halves: [bool; 2]) -> f64 {
         let [even, odd] = self.bias;
         if halves == [true; 2] { (0.5 * (even - odd)).powi(2) } else { 0.0 }
     }
 }
 
-/// The mean of the values that are known around a pixel, up to `reach` pixels away in each direction; 0 if none is.
+/// Returns the mean of the known values around a pixel, up to `reach` pixels away in each
+/// direction. Returns 0 if no value is known.
 fn mean_around(values: &[Option<f64>], width: usize, pixel: usize, reach: usize) -> f64 {
     let (x, y) = (pixel % width, pixel / width);
     let (mut sum, mut count) = (0.0, 0.0_f64);
@@ -182,64 +197,72 @@ mod tests {
 
     const EVEN: [u64; REPLICATES] = [2; REPLICATES];
 
-    fn steady(y: f64, bias: [f64; 2]) -> Measured {
-        Measured { y: [y; REPLICATES], bias }
+    fn steady(y: f64, bias: [f64; 2]) -> PixelMeans {
+        PixelMeans { y: [y; REPLICATES], bias }
     }
 
-    /// Replicates that lie `spread` above and below `y` in turn: the standard error is spread/√7.
-    fn noisy(y: f64, spread: f64) -> Measured {
+    /// Returns means of replicates that alternate between `y` ± `spread`. The standard error is
+    /// `spread`/√7.
+    fn noisy(y: f64, spread: f64) -> PixelMeans {
         let sign = |r: usize| if r.is_multiple_of(2) { 1.0 } else { -1.0 };
-        Measured { y: std::array::from_fn(|r| y + sign(r) * spread), bias: [0.0; 2] }
+        PixelMeans { y: std::array::from_fn(|r| y + sign(r) * spread), bias: [0.0; 2] }
     }
 
     #[test]
-    fn noise_is_moderated_by_neighbours_and_keeps_its_mean_square() {
+    fn neighbours_moderate_noise_and_keep_its_mean_square() {
         let pixels = [noisy(1.0, 0.1), noisy(1.0, 0.2), noisy(1.0, 0.3)];
         let bars = ErrorBars::new((3, 3), |i| Some(pixels[i]), EVEN);
         let own = |spread: f64| spread * spread / 7.0;
         let middle = (7.0 * own(0.2) + 2.0 * (own(0.1) + own(0.2) + own(0.3)) / 3.0) / 9.0;
-        assert!((f64::from(bars.noise[1]) - middle.sqrt()).abs() < 1e-7);
+        assert!((f64::from(bars.noise[1].unwrap()) - middle.sqrt()).abs() < 1e-7);
         let flat = ErrorBars::new((4, 8), |_| Some(noisy(1.0, 0.2)), EVEN);
-        assert!(flat.noise.iter().all(|&noise| (f64::from(noise) - own(0.2).sqrt()).abs() < 1e-7));
+        assert!(flat.noise.iter().flatten().all(|&noise| (f64::from(noise) - own(0.2).sqrt()).abs() < 1e-7));
     }
 
+    /// Checks that a bias counts if both halves agree. Otherwise the bias is treated as noise.
     #[test]
-    fn a_bias_whose_halves_agree_counts_and_one_whose_halves_do_not_is_noise() {
+    fn only_a_bias_whose_halves_agree_counts() {
         let agree = ErrorBars::new((5, 25), |_| Some(steady(1.0, [0.03, 0.03])), EVEN);
-        assert!(agree.bias.iter().all(|&bias| (bias - 0.03).abs() < 1e-7));
-        assert_eq!(agree.under_kernels, 0.0);
-        assert!(agree.edge.iter().all(|&edge| edge == 0.0), "an even bias is none of an edge");
+        assert!(agree.bias.iter().flatten().all(|&bias| (bias - 0.03).abs() < 1e-7));
+        assert_eq!(agree.kernel_noise, 0.0);
+        assert!(agree.edge.iter().all(|&edge| edge == Some(false)), "a uniform bias is not an edge");
         let noise = ErrorBars::new((5, 25), |_| Some(steady(1.0, [0.03, -0.03])), EVEN);
-        assert!(noise.bias.iter().all(|&bias| bias == 0.0));
-        assert!((noise.under_kernels - 9e-4).abs() < 1e-12);
+        assert!(noise.bias.iter().all(|&bias| bias == Some(0.0)));
+        assert!((noise.kernel_noise - 9e-4).abs() < 1e-12);
     }
 
     #[test]
     fn a_bias_that_changes_its_sign_at_an_edge_does_not_vanish() {
         let side = |i: usize| if i % 6 < 3 { 0.1 } else { -0.1 };
         let bars = ErrorBars::new((6, 36), |i| Some(steady(1.0, [side(i); 2])), EVEN);
-        assert!(bars.bias.iter().all(|&bias| (bias - 0.1).abs() < 1e-6), "{:?}", bars.bias);
-        let beside = |x: usize| bars.edge.iter().skip(x).step_by(6).all(|&edge| edge == 1.0);
+        assert!(bars.bias.iter().flatten().all(|&bias| (bias - 0.1).abs() < 1e-6), "{:?}", bars.bias);
+        let beside = |x: usize| bars.edge.iter().skip(x).step_by(6).all(|&edge| edge == Some(true));
         assert!(beside(2) && beside(3) && !beside(0) && !beside(5), "{:?}", bars.edge);
     }
 
+    /// Checks that pixels without light have unknown errors and do not influence their neighbours.
     #[test]
-    fn what_no_light_reached_is_unknown_and_lends_nothing_to_its_neighbours() {
-        let pixel = |i: usize| (i != 4).then(|| Measured { bias: [0.05; 2], ..noisy(1.0, 0.1) });
+    fn unlit_pixels_are_unknown_and_do_not_influence_neighbours() {
+        let pixel = |i: usize| (i != 4).then(|| PixelMeans { bias: [0.05; 2], ..noisy(1.0, 0.1) });
         let bars = ErrorBars::new((3, 9), pixel, EVEN);
-        assert_eq!((bars.noise[4], bars.bias[4], bars.edge[4]), (-1.0, -1.0, -1.0));
-        let others = || (0..9).filter(|&i| i != 4);
-        assert!(others().all(|i| (bars.noise[i] - bars.noise[0]).abs() < 1e-7 && (bars.bias[i] - 0.05).abs() < 1e-7));
+        assert_eq!((bars.noise[4], bars.bias[4], bars.edge[4]), (None, None, None));
+        let [noise, bias] =
+            [&bars.noise, &bars.bias].map(|layer| layer.iter().flatten().copied().collect::<Vec<f32>>());
+        assert_eq!((noise.len(), bias.len()), (8, 8));
+        assert!(noise.iter().all(|value| (value - noise[0]).abs() < 1e-7));
+        assert!(bias.iter().all(|value| (value - 0.05).abs() < 1e-7));
         assert_eq!(ErrorBars::new((3, 9), |_| None, EVEN).squares(1.0), None);
     }
 
+    /// Checks that the noise is unknown for a single replicate, and that the bias from a single
+    /// half includes its noise.
     #[test]
-    fn one_replicate_tells_no_noise_and_one_half_tells_a_bias_with_its_noise() {
+    fn one_replicate_gives_no_noise_and_one_half_gives_bias() {
         let first = |n: [usize; 2]| std::array::from_fn(|r| u64::from(n.contains(&r)));
         let one = ErrorBars::new((1, 1), |_| Some(steady(1.0, [0.2, 0.0])), first([0, 0]));
-        assert_eq!((one.noise[0], one.bias[0]), (-1.0, 0.2));
+        assert_eq!((one.noise[0], one.bias[0]), (None, Some(0.2)));
         assert_eq!(one.squares(1.0), None);
         let both_even = ErrorBars::new((1, 1), |_| Some(steady(1.0, [0.2, 0.0])), first([0, 4]));
-        assert_eq!((both_even.noise[0], both_even.bias[0]), (0.0, 0.2));
+        assert_eq!((both_even.noise[0], both_even.bias[0]), (Some(0.0), Some(0.2)));
     }
 }

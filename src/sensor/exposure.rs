@@ -1,18 +1,22 @@
-//! How bright a picture is shown.
+//! Automatic exposure.
 
 use super::develop::Development;
 use super::picture::Picture;
 
-/// Luminance of middle grey, where white is 1.
+/// The luminance of middle grey relative to white.
 const MIDDLE_GREY: f64 = 0.18;
 
-/// This share of the pixels may be too bright to be shown as they are.
-const BURNT_SHARE: f64 = 0.005;
+/// The fraction of the pixels that may be overexposed.
+const OVEREXPOSED_SHARE: f64 = 0.005;
 
-/// The factor on luminance (cd/m²) that shows a picture, developed so, neither dark nor burnt out: the log-average of the lit pixels goes to
-/// middle grey (0.18; after Reinhard et al. 2002), but not so far that more than 0.5 % of the pixels are too bright for their
-/// colour, nor that the whole picture stays below one half. Saturated colours reach that limit long before white does: sodium light
-/// brighter than 0.36 is no longer orange on a display. Lamps in view are not metered: they are white whatever the exposure.
+/// Returns the exposure of a picture: the factor on luminance, in 1/(cd/m²), for a suitable
+/// brightness under this development.
+///
+/// The log-average of the lit pixels becomes middle grey (0.18; after Reinhard et al. 2002). Two
+/// limits apply: at most 0.5 % of the pixels may exceed the range of the display, and the
+/// highlights must reach at least one half. Saturated colours reach the limit long before white
+/// does: sodium light with a relative luminance above 0.36 is no longer orange on a display. Light
+/// sources in view are not metered, because they are white at any exposure.
 pub fn automatic(picture: &Picture, development: &Development) -> f64 {
     let matrix = development.matrix();
     let component = |xyz: &[f64; 3], row: [f64; 3]| row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2];
@@ -24,9 +28,9 @@ pub fn automatic(picture: &Picture, development: &Development) -> f64 {
     }
     luminances.sort_by(f64::total_cmp);
     strongest.sort_by(f64::total_cmp);
-    let metered = without_lamps(&strongest).len();
-    let highlight = strongest[((metered - 1) as f64 * (1.0 - BURNT_SHARE)) as usize];
-    // Pixels far darker than the bright ones (unlit background) say nothing about exposure.
+    let metered = without_light_sources(&strongest).len();
+    let highlight = strongest[((metered - 1) as f64 * (1.0 - OVEREXPOSED_SHARE)) as usize];
+    // Pixels far darker than the highlights (an unlit background) are not metered.
     let luminances = &luminances[..metered];
     let bright = &luminances[luminances.partition_point(|&y| y < highlight * 1e-3)..];
     let log_mean = bright.iter().map(|y| y.ln()).sum::<f64>() / bright.len().max(1) as f64;
@@ -34,12 +38,15 @@ pub fn automatic(picture: &Picture, development: &Development) -> f64 {
     grey.clamp(0.5 / highlight, 1.0 / highlight)
 }
 
-/// The brightnesses (sorted) less those of lamps: bright pixels, at most a tenth of all, that stand clear of the rest by a factor of eight
-/// with hardly a pixel between. What lamps light, caustics too, fades into its surroundings and leaves no such gap.
-fn without_lamps(sorted: &[f64]) -> &[f64] {
+/// Removes the pixels of light sources from sorted brightnesses. Light sources are bright pixels,
+/// at most a tenth of all. A gap in brightness separates them from the other pixels: a factor of
+/// eight, with few pixels in between. Illuminated surfaces, caustics included, fade into their
+/// surroundings and leave no such gap.
+fn without_light_sources(sorted: &[f64]) -> &[f64] {
     const GAP: f64 = 8.0;
     const LARGEST_SHARE: f64 = 0.1;
-    /// Pixels half on a lamp's edge lie in the gap: this many for each pixel of the lamp.
+    /// The largest number of pixels in the gap, per pixel of the light source. Pixels on the edge
+    /// of the light source are in the gap.
     const EDGES: f64 = 0.25;
     let below = |y: f64| sorted.partition_point(|&other| other < y);
     let mut top = sorted[sorted.len() - 1];
@@ -64,7 +71,7 @@ mod tests {
         super::automatic(picture, &Development::default())
     }
 
-    /// White light of these luminances.
+    /// Returns a picture of white light with these luminances.
     fn picture(luminances: impl IntoIterator<Item = f64>) -> Picture {
         let xyz: Vec<[f64; 3]> = luminances.into_iter().map(|y| [0.9505 * y, y, 1.089 * y]).collect();
         let mut picture = Picture::black(xyz.len(), 1);
@@ -72,7 +79,7 @@ mod tests {
         picture
     }
 
-    /// A room from 10 to 100 cd/m².
+    /// Returns the luminances of a room, from 10 to 100 cd/m².
     fn room() -> impl Iterator<Item = f64> {
         (0..10_000).map(|i| 10.0 * 10.0_f64.powf(f64::from(i) * 1e-4))
     }
@@ -92,8 +99,8 @@ mod tests {
     }
 
     #[test]
-    fn a_caustic_on_a_dark_table_is_not_burnt_out() {
-        // It fades from 5000 cd/m² into a table of 10 cd/m².
+    fn a_caustic_on_a_dark_table_is_not_overexposed() {
+        // The caustic fades from 5000 cd/m² into a table of 10 cd/m².
         let caustic = (0..300).map(|i| 5000.0 * (-f64::from(i) / 60.0).exp());
         let table = std::iter::repeat_n(10.0, 9_700);
         let exposure = automatic(&picture(caustic.clone().chain(table)));
@@ -103,7 +110,8 @@ mod tests {
 
     #[test]
     fn sodium_light_stays_orange() {
-        // Grey paper under sodium light, from black to white: the brightest is as bright as the display's orange can be.
+        // Grey paper under sodium light, from black to white. The brightest pixel is as bright as
+        // the orange of the display.
         let mut picture = picture((1..=1000).map(f64::from));
         picture.xyz.iter_mut().for_each(|xyz| *xyz = [1.3299 * xyz[1], xyz[1], 0.0016 * xyz[1]]);
         let red = xyz_to_linear_srgb(picture.xyz[990].map(|value| value * automatic(&picture)))[0];
@@ -111,8 +119,9 @@ mod tests {
     }
 
     #[test]
-    fn a_display_that_holds_the_colour_shows_it_brighter() {
-        // Sodium light lies outside sRGB but well inside Rec. 2020; balanced to a candle, its red is weaker still.
+    fn a_wider_gamut_allows_a_brighter_exposure() {
+        // Sodium light is outside sRGB but well inside Rec. 2020. Balanced to a candle, its red
+        // component is weaker.
         let mut picture = picture((1..=1000).map(f64::from));
         picture.xyz.iter_mut().for_each(|xyz| *xyz = [1.3299 * xyz[1], xyz[1], 0.0016 * xyz[1]]);
         let exposure =
@@ -123,9 +132,9 @@ mod tests {
     }
 
     #[test]
-    fn a_dark_picture_and_a_white_one_are_shown_within_bounds() {
+    fn extreme_pictures_have_a_finite_exposure() {
         assert_eq!(automatic(&picture([0.0, 0.0])), 1.0);
-        assert!((automatic(&picture([4.0; 100])) - 0.5 / 4.0).abs() < 1e-4, "grey paper stays bright paper");
+        assert!((automatic(&picture([4.0; 100])) - 0.5 / 4.0).abs() < 1e-4, "grey paper is shown as bright paper");
         assert!(automatic(&picture([1e-9, 1e9])).is_finite());
     }
 }

@@ -1,26 +1,28 @@
-//! The film: exact sums per pixel, kept apart by replicate.
+//! The film: exact sums per pixel, separate for each replicate.
 
 use super::channels::{Channels, band_nm};
-use super::diffraction::{Convolution, Diffraction, add_product};
-use super::error_bars::{ErrorBars, ErrorSquares, Measured};
+use super::diffraction::{Convolution, DiffractionPsf, add_product};
+use super::error_bars::{ErrorBars, ErrorSquares, PixelMeans};
 use crate::math::random::REPLICATES;
 use crate::math::sum::ExactSum;
-use crate::sensor::picture::{Bands, Picture};
+use crate::sensor::picture::{Picture, SpectralBands};
 use crate::spectrum::{LUMENS_PER_WATT, Observer};
 use std::sync::Arc;
 
-/// One pixel's sums over all passes: 192 bytes, and 16 for each channel.
+/// The sums of one pixel over all passes: 192 bytes, and 16 bytes for each channel.
 #[derive(Debug, Clone, Copy, Default)]
 struct PixelSums {
     x: ExactSum,
     z: ExactSum,
-    /// Y by replicate; their sum is Y.
+    /// Y of each replicate. The sum of the replicates is Y.
     y: [ExactSum; REPLICATES],
-    /// The bias of Y over the even replicates and over the odd ones: two estimates that have no noise in common.
+    /// The bias of Y, once over the even and once over the odd replicates. The two estimates have
+    /// independent noise.
     bias: [ExactSum; 2],
 }
 
-/// The light of a pixel over all passes, in W; Y once more by replicate.
+/// The light of a pixel summed over all passes, in W/m²/sr. The unit applies to radiance times
+/// colour-matching functions. Y is also given for each replicate.
 #[derive(Debug, Clone, Copy)]
 struct PixelLight {
     xyz: [f64; 3],
@@ -39,7 +41,7 @@ impl PixelSums {
     }
 }
 
-/// All pixels' sums. Adding passes in any order gives the same bits.
+/// The sums of all pixels. Adding passes in any order gives the same bits.
 #[derive(Debug)]
 pub struct Film {
     width: usize,
@@ -47,7 +49,7 @@ pub struct Film {
     observer: &'static Observer,
     pixels: Vec<PixelSums>,
     channels: Channels,
-    /// Sums of the channels, pixel by pixel.
+    /// The sums of the channels, pixel by pixel.
     by_channel: Vec<ExactSum>,
     passes: [u64; REPLICATES],
 }
@@ -61,7 +63,7 @@ const FIRST_Y: usize = FIRST_BIAS + 2;
 /// The first plane of a channel.
 const FIRST_CHANNEL: usize = FIRST_Y + REPLICATES;
 
-/// Collects one pixel's light in one pass.
+/// Collects the light of one pixel in one pass.
 #[derive(Debug)]
 pub struct PixelSink<'f> {
     observer: &'static Observer,
@@ -72,7 +74,7 @@ pub struct PixelSink<'f> {
     rejected: u64,
 }
 
-/// Collects light that photons bring to pixels all over the film.
+/// Collects splats: photons contribute this light to pixels all over the film.
 #[derive(Debug)]
 pub struct SplatSink {
     observer: &'static Observer,
@@ -83,56 +85,57 @@ pub struct SplatSink {
 }
 
 impl Film {
-    /// An unexposed film.
+    /// Returns an unexposed film with `bands` spectral bands.
     pub fn new(width: usize, height: usize, observer: &'static Observer, bands: usize) -> Self {
         let pixels = vec![PixelSums::default(); width * height];
         let passes = [0; REPLICATES];
         let channels = Channels::default();
         Self { width, height, observer, pixels, channels, by_channel: Vec::new(), passes }
-            .keeping(Channels { bands, diffraction: None })
+            .with_channels(Channels { bands, diffraction: None })
     }
 
-    /// The film, still unexposed, on which light will be diffracted.
+    /// Adds this diffraction to the film. The film must still be unexposed.
     #[must_use]
-    pub fn diffracting(self, diffraction: Option<Arc<Diffraction>>) -> Self {
+    pub fn with_diffraction(self, diffraction: Option<Arc<DiffractionPsf>>) -> Self {
         let bands = self.channels.bands;
-        self.keeping(Channels { bands, diffraction })
+        self.with_channels(Channels { bands, diffraction })
     }
 
-    fn keeping(mut self, channels: Channels) -> Self {
+    fn with_channels(mut self, channels: Channels) -> Self {
         self.by_channel = vec![ExactSum::default(); self.pixels.len() * channels.count()];
         self.channels = channels;
         self
     }
 
-    /// Pixels per row.
+    /// Returns the number of pixels per row.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows.
+    /// Returns the number of rows.
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// How many passes have been counted.
+    /// Returns the number of counted passes.
     pub fn passes(&self) -> u64 {
         self.passes.iter().sum()
     }
 
-    /// Memory of the sums in bytes, with spectral bands and slices that are diffracted.
+    /// Returns the memory of the sums in bytes, including spectral bands and slices for
+    /// diffraction.
     pub fn memory_bytes(width: usize, height: usize, bands: usize, slices: usize) -> usize {
         let pixel = size_of::<PixelSums>() + (bands + 3 * slices) * size_of::<ExactSum>();
         width.saturating_mul(height).saturating_mul(pixel)
     }
 
-    /// Counts a pass whose light has been added.
+    /// Counts a pass. The light of the pass must already be added.
     pub fn count_pass(&mut self, pass: u64) {
         self.passes[replicate(pass)] += 1;
     }
 
-    /// The rows of the film, each to be exposed by one worker: calls `expose(row, pixel in row, sink)` for its pixels through the
-    /// returned slices.
+    /// Returns the rows of the film. Each row can be exposed by a different thread with
+    /// [`FilmRow::expose`].
     pub fn rows(&mut self) -> impl Iterator<Item = FilmRow<'_>> {
         let (observer, width, channels) = (self.observer, self.width, &self.channels);
         let mut by_channel = self.by_channel.chunks_mut((width * channels.count()).max(1));
@@ -145,12 +148,13 @@ impl Film {
         })
     }
 
-    /// A sink for light that falls anywhere on the film.
+    /// Returns a sink for light. The light can contribute to any pixel of the film.
     pub fn splat_sink(&self) -> SplatSink {
         SplatSink::new(self.observer, self.channels.clone())
     }
 
-    /// Adds what a sink has collected. Returns how many contributions were dropped because they were no light.
+    /// Adds the light of a sink. Returns the number of samples that were NaN, infinite or negative
+    /// and were discarded.
     pub fn add_splats(&mut self, pass: u64, sink: &SplatSink) -> u64 {
         let replicate = replicate(pass);
         for &(xyz, pixel) in &sink.splats {
@@ -166,7 +170,8 @@ impl Film {
         sink.rejected
     }
 
-    /// The names of the film's planes of sums: `X`, `Z`, bias by halves, Y by replicate, the channels.
+    /// Returns the names of the planes of sums: `X`, `Z`, the bias of both halves, Y of the
+    /// replicates, and the channels.
     pub fn plane_names(&self) -> Vec<String> {
         let replicates = (0..REPLICATES).map(|r| format!("Y{r}"));
         ["X", "Z", "bias0", "bias1"]
@@ -177,7 +182,7 @@ impl Film {
             .collect()
     }
 
-    /// The sums of one plane, by its place among the names, pixel by pixel.
+    /// Returns the sums of one plane, pixel by pixel. `plane` is the index of its name.
     pub fn plane(&self, plane: usize) -> impl Iterator<Item = ExactSum> {
         let count = self.channels.count();
         (0..self.pixels.len()).map(move |pixel| match plane {
@@ -189,7 +194,7 @@ impl Film {
         })
     }
 
-    /// Adds sums to one plane, by its place among the names, pixel by pixel.
+    /// Adds sums to one plane, pixel by pixel. `plane` is the index of its name.
     pub fn add_plane(&mut self, plane: usize, sums: impl Iterator<Item = ExactSum>) {
         let count = self.channels.count();
         for ((pixel, own), sum) in self.pixels.iter_mut().enumerate().zip(sums) {
@@ -209,16 +214,17 @@ impl Film {
         self.passes.iter_mut().zip(other.passes).for_each(|(own, more)| *own += more);
     }
 
-    /// The picture so far: means over the passes, with error bars.
-    pub fn develop(&self) -> Picture {
-        self.develop_and_judge().0
+    /// Returns the picture so far: means over the passes, with error bars.
+    pub fn picture(&self) -> Picture {
+        self.picture_and_error().0
     }
 
-    /// The picture so far, and the parts of the square of its relative error; `None` while that is unknown.
-    pub fn develop_and_judge(&self) -> (Picture, Option<ErrorSquares>) {
+    /// Returns the picture so far, and the parts of the squared relative error of the picture. An
+    /// unknown error is `None`.
+    pub fn picture_and_error(&self) -> (Picture, Option<ErrorSquares>) {
         let passes = self.passes() as f64;
         let mut picture = Picture::black(self.width, self.height);
-        let diffracted = self.channels.diffraction.as_deref().map(|diffraction| self.spread(diffraction));
+        let diffracted = self.channels.diffraction.as_deref().map(|diffraction| self.diffracted_light(diffraction));
         let light =
             |pixel: usize| diffracted.as_ref().map_or_else(|| self.pixels[pixel].light(), |(light, _)| light[pixel]);
         let scale = LUMENS_PER_WATT / self.passes().max(1) as f64;
@@ -236,7 +242,7 @@ impl Film {
                 Some((_, values)) => values.into_iter().map(|value| (value * scale) as f32).collect(),
                 None => self.by_channel.iter().map(|sum| (sum.value() * scale) as f32).collect(),
             };
-            picture.bands = Some(Bands { centres_nm, values });
+            picture.bands = Some(SpectralBands { centres_nm, values });
         }
         (picture, squares)
     }
@@ -247,7 +253,7 @@ impl Film {
         let mean = |sum: f64, passes: u64| sum * LUMENS_PER_WATT / passes.max(1) as f64;
         let measured = |pixel: usize| {
             let PixelLight { xyz, y, bias } = light(pixel);
-            (xyz[1] > 0.0).then(|| Measured {
+            (xyz[1] > 0.0).then(|| PixelMeans {
                 y: std::array::from_fn(|r| mean(y[r], self.passes[r])),
                 bias: [0, 1].map(|half| mean(bias[half], passes_by_half[half])),
             })
@@ -255,10 +261,10 @@ impl Film {
         ErrorBars::new((self.width, self.pixels.len()), measured, self.passes)
     }
 
-    /// The light of all pixels, and their spectral bands, as diffraction spreads it. Each slice and each band has its own kernel. For the replicates,
-    /// whose spread tells the noise, and for the bias there is only Y of all wavelengths together: they get the slices' mean kernel,
-    /// weighted by Y.
-    fn spread(&self, diffraction: &Diffraction) -> (Vec<PixelLight>, Vec<f64>) {
+    /// Returns the light of all pixels and their spectral bands after diffraction. Each slice and
+    /// each band has its own kernel. The replicates and the bias are stored only as Y over all
+    /// wavelengths. They are convolved with the mean of the slices' kernels, weighted by Y.
+    fn diffracted_light(&self, diffraction: &DiffractionPsf) -> (Vec<PixelLight>, Vec<f64>) {
         let convolution = Convolution::new(diffraction, (self.width, self.height));
         let count = self.channels.count();
         let value = |pixel: usize, channel: usize| self.by_channel[pixel * count + channel].value();
@@ -276,7 +282,7 @@ impl Film {
         mean.iter_mut().for_each(|value| *value /= whole);
         let (xy, z) = (convolution.planes(xy), convolution.planes(z));
         let mut light: Vec<PixelLight> = self.pixels.iter().map(PixelSums::light).collect();
-        // Rounding may leave a little less than nothing.
+        // Rounding may give values slightly below 0.
         let positive = |value: f64| value.max(0.0);
         for ((light, xy), z) in light.iter_mut().zip(xy).zip(z) {
             light.xyz = [xy[0], xy[1], z[0]].map(positive);
@@ -307,19 +313,20 @@ impl Film {
         (light, values)
     }
 
-    /// Whether any sum ran out of range.
+    /// Returns whether any sum of light has overflowed its range.
     pub fn overflowed(&self) -> bool {
         let pixel = |p: &PixelSums| p.x.overflowed() || p.z.overflowed() || p.y.iter().any(|y| y.overflowed());
         self.pixels.iter().any(pixel) || self.by_channel.iter().any(|sum| sum.overflowed())
     }
 }
 
-/// Whether a contribution is light: finite and not negative. What is not is a bug; it is counted, and never reaches a picture.
+/// Returns whether a sample is finite and not negative. Other values indicate a bug. They are
+/// counted and discarded.
 #[inline]
-fn is_light(weight: f64) -> bool {
-    let is_light = (0.0..f64::INFINITY).contains(&weight);
-    debug_assert!(is_light, "a contribution of {weight} W/m²/sr");
-    is_light
+fn is_valid_radiance(weight: f64) -> bool {
+    let is_valid_radiance = (0.0..f64::INFINITY).contains(&weight);
+    debug_assert!(is_valid_radiance, "a sample of {weight} W/m²/sr");
+    is_valid_radiance
 }
 
 fn replicate(pass: u64) -> usize {
@@ -329,7 +336,7 @@ fn replicate(pass: u64) -> usize {
 /// One row of the film.
 #[derive(Debug)]
 pub struct FilmRow<'f> {
-    /// The number of its first pixel.
+    /// The index of the first pixel of the row.
     pub first_pixel: usize,
     observer: &'static Observer,
     pixels: &'f mut [PixelSums],
@@ -338,8 +345,8 @@ pub struct FilmRow<'f> {
 }
 
 impl FilmRow<'_> {
-    /// Exposes every pixel of the row in this pass by `expose(pixel, sink)`; returns how many contributions were dropped because they were no
-    /// light.
+    /// Exposes every pixel of the row in this pass: calls `expose(pixel, sink)` for each pixel.
+    /// Returns the number of samples that were NaN, infinite or negative and were discarded.
     pub fn expose(&mut self, pass: u64, mut expose: impl FnMut(usize, &mut PixelSink<'_>)) -> u64 {
         let replicate = replicate(pass);
         let count = self.channels.count();
@@ -370,7 +377,7 @@ impl FilmRow<'_> {
 
 impl PixelSink<'_> {
     fn add(&mut self, nm: f64, weight: f64) -> [f64; 3] {
-        if !is_light(weight) {
+        if !is_valid_radiance(weight) {
             self.rejected += 1;
             return [0.0; 3];
         }
@@ -378,17 +385,19 @@ impl PixelSink<'_> {
         (0..3).for_each(|c| self.xyz[c] += weight * bar[c]);
         if !self.by_channel.is_empty() {
             let by_channel = &mut *self.by_channel;
-            self.channels.split(nm, weight, bar.map(|bar| weight * bar), |channel, value| by_channel[channel] += value);
+            self.channels
+                .distribute(nm, weight, bar.map(|bar| weight * bar), |channel, value| by_channel[channel] += value);
         }
         bar
     }
 
-    /// Adds radiance (W/m²/sr) at a wavelength.
+    /// Adds radiance (W/m²/sr) at a wavelength in nm.
     pub fn radiance(&mut self, nm: f64, weight: f64) {
         self.add(nm, weight);
     }
 
-    /// Adds radiance that is off in the mean, with its estimated bias.
+    /// Adds a biased estimate of radiance (W/m²/sr) at a wavelength in nm, with the estimate of its
+    /// bias.
     pub fn biased(&mut self, nm: f64, weight: f64, bias: f64) {
         let bar = self.add(nm, weight);
         if bias.is_finite() {
@@ -402,30 +411,31 @@ impl SplatSink {
         Self { observer, channels, splats: Vec::new(), channel_splats: Vec::new(), rejected: 0 }
     }
 
-    /// Adds radiance (W/m²/sr) at several wavelengths to a pixel.
+    /// Adds radiance (W/m²/sr) at several wavelengths to a pixel. The iterator yields pairs of
+    /// wavelength in nm and radiance.
     pub fn splat(&mut self, pixel: u32, light: impl Iterator<Item = (f64, f64)>) {
         let mut xyz = [0.0; 3];
         for (nm, weight) in light {
-            if !is_light(weight) {
+            if !is_valid_radiance(weight) {
                 self.rejected += 1;
                 continue;
             }
             let bar = self.observer.xyz_bar(nm);
             (0..3).for_each(|c| xyz[c] += weight * bar[c]);
             let splats = &mut self.channel_splats;
-            self.channels.split(nm, weight, bar.map(|bar| weight * bar), |channel, value| {
+            self.channels.distribute(nm, weight, bar.map(|bar| weight * bar), |channel, value| {
                 splats.push((value as f32, pixel, channel as u32));
             });
         }
         self.splats.push((xyz.map(|c| c as f32), pixel));
     }
 
-    /// How many splats were collected.
+    /// Returns the number of collected splats.
     pub fn len(&self) -> usize {
         self.splats.len()
     }
 
-    /// Whether none were.
+    /// Returns whether no splats were collected.
     pub fn is_empty(&self) -> bool {
         self.splats.is_empty()
     }

@@ -1,5 +1,7 @@
-//! Film sums, noise and bias, diffraction, exposure, develop: from (pixel, wavelength, weight) to XYZ with error bars, and to what a display
-//! shows of it.
+//! The sensor: film sums, noise, bias, diffraction, exposure and display encoding.
+//!
+//! The input is (pixel, wavelength, weight). The results are XYZ pictures with error bars, and
+//! images for a display.
 
 mod channels;
 pub mod develop;
@@ -9,8 +11,8 @@ pub mod exposure;
 pub mod film;
 pub mod picture;
 
-pub use develop::{Codes, Development, Screen, develop};
-pub use diffraction::Diffraction;
+pub use develop::{Codes, Development, DisplayImage, develop};
+pub use diffraction::DiffractionPsf;
 pub use error_bars::ErrorSquares;
 pub use film::{Film, PixelSink, SplatSink};
-pub use picture::{Bands, Picture};
+pub use picture::{Picture, SpectralBands};

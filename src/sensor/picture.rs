@@ -1,100 +1,106 @@
-//! A developed picture: XYZ with error bars.
+//! A picture: XYZ with error bars.
 
-/// Radiance as seen by the observer, pixel by pixel, rows from the top.
+/// The observer's XYZ of every pixel, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
     /// Pixels per row.
     pub width: usize,
-    /// Rows.
+    /// Number of rows.
     pub height: usize,
-    /// X, Y, Z per pixel; Y in cd/m².
+    /// X, Y and Z of each pixel; Y in cd/m².
     pub xyz: Vec<[f64; 3]>,
-    /// Standard error of Y in cd/m²; −1 where unknown.
-    pub noise: Vec<f32>,
-    /// Estimated bias of Y in cd/m², as a magnitude; −1 where unknown.
-    pub bias: Vec<f32>,
-    /// 1 beside an edge of light that kernels blur, where the bias is likely larger than told; else 0; −1 where unknown.
-    pub edge: Vec<f32>,
-    /// Spectral radiance, if it was kept.
-    pub bands: Option<Bands>,
+    /// The standard error of Y in cd/m², if it is known.
+    pub noise: Vec<Option<f32>>,
+    /// The magnitude of the estimated bias of Y in cd/m², if it is known.
+    pub bias: Vec<Option<f32>>,
+    /// Whether kernels blur an edge of the illumination at the pixel. There, the bias is probably
+    /// larger than the estimate. `None` means that the edges are unknown.
+    pub edge: Vec<Option<bool>>,
+    /// Spectral radiance, if it was recorded.
+    pub bands: Option<SpectralBands>,
 }
 
 /// Spectral radiance in equal bands.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Bands {
-    /// The bands' centres in nm.
+pub struct SpectralBands {
+    /// The centres of the bands in nm.
     pub centres_nm: Vec<f64>,
-    /// W/m²/sr/nm, pixel by pixel, band by band.
+    /// Radiance in W/m²/sr/nm, pixel by pixel and band by band.
     pub values: Vec<f32>,
 }
 
-/// Image means of the error layers over the pixels where they are known.
+/// Means of the error layers over the pixels with known errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorMeans {
-    /// Mean standard error of Y, cd/m².
+    /// The mean standard error of Y in cd/m².
     pub noise: f64,
-    /// Mean bias of Y, cd/m².
+    /// The mean bias of Y in cd/m².
     pub bias: f64,
-    /// √mean(noise² + bias²) / mean Y; `None` while noise is unknown everywhere, and never 0 while there are pixels that no light reached.
+    /// √mean(noise² + bias²) / mean Y. It is `None` while the noise is unknown everywhere. While
+    /// some pixels have received no light, it is `None` instead of 0.
     pub relative: Option<f64>,
-    /// Pixels where the error is unknown.
+    /// The number of pixels with unknown noise.
     pub unknown_pixels: usize,
-    /// Pixels beside an edge of light, where the bias is likely larger than told.
+    /// The number of pixels at an edge of the illumination, where the bias is probably larger than
+    /// estimated.
     pub edge_pixels: usize,
 }
 
-/// Half of a 95 % interval around a value with this standard error and a bias of this magnitude. Where the bias is small, noise may lead to both sides; where it is not,
-/// noise matters on the side to which it leads. By Student's t with 9 degrees of freedom, 7 of a pixel's eight replicates and 2 that it takes from its
-/// neighbours: it holds from eight passes on.
+/// Returns half the width of the 95 % interval around a value with this standard error and a bias
+/// of this magnitude.
+///
+/// The interval is two-sided if the bias is negligible and one-sided otherwise. The factors are
+/// quantiles of Student's t with 9 degrees of freedom: 7 from the eight replicates of a pixel and 2
+/// from its neighbours. Therefore the factors are valid from eight passes on.
 pub fn half_interval_95(noise: f64, bias: f64) -> f64 {
-    const TO_BOTH_SIDES: f64 = 2.262;
-    const TO_ONE_SIDE: f64 = 1.833;
-    (TO_BOTH_SIDES * noise).max(bias + TO_ONE_SIDE * noise)
+    const TWO_SIDED: f64 = 2.262;
+    const ONE_SIDED: f64 = 1.833;
+    (TWO_SIDED * noise).max(bias + ONE_SIDED * noise)
 }
 
 impl Picture {
-    /// A picture without light.
+    /// Returns a picture without light. All errors are unknown.
     pub fn black(width: usize, height: usize) -> Self {
         let count = width * height;
         Self {
             width,
             height,
             xyz: vec![[0.0; 3]; count],
-            noise: vec![-1.0; count],
-            bias: vec![-1.0; count],
-            edge: vec![-1.0; count],
+            noise: vec![None; count],
+            bias: vec![None; count],
+            edge: vec![None; count],
             bands: None,
         }
     }
 
-    /// Mean of Y over all pixels, cd/m².
+    /// Returns the mean of Y over all pixels in cd/m².
     pub fn mean_y(&self) -> f64 {
         self.xyz.iter().map(|xyz| xyz[1]).sum::<f64>() / self.xyz.len() as f64
     }
 
-    /// A pixel's error in cd/m², noise and bias together: √(noise² + bias²); `None` where it is unknown.
+    /// Returns the error of a pixel in cd/m², √(noise² + bias²), or `None` if it is unknown.
     pub fn error(&self, pixel: usize) -> Option<f64> {
         self.bars(pixel).map(|(noise, bias)| noise.hypot(bias))
     }
 
-    /// Half of the pixel's 95 % interval in cd/m², where it is compared with a value of which this standard error is known; `None` where its error is
-    /// unknown.
+    /// Returns half the width of a pixel's 95 % interval in cd/m², for a comparison with another
+    /// value. `other_noise` is the standard error of the other value. Returns `None` if the error
+    /// of the pixel is unknown.
     pub fn half_interval_95(&self, pixel: usize, other_noise: f64) -> Option<f64> {
         self.bars(pixel).map(|(noise, bias)| half_interval_95(noise.hypot(other_noise), bias))
     }
 
-    /// A pixel's noise and bias, where both are known.
+    /// Returns the noise and the bias of a pixel if both are known.
     fn bars(&self, pixel: usize) -> Option<(f64, f64)> {
-        let (noise, bias) = (f64::from(self.noise[pixel]), f64::from(self.bias[pixel]));
-        (noise >= 0.0 && bias >= 0.0).then_some((noise, bias))
+        self.noise[pixel].zip(self.bias[pixel]).map(|(noise, bias)| (f64::from(noise), f64::from(bias)))
     }
 
-    /// The error layers' means.
+    /// Returns the means of the error layers.
     pub fn error_means(&self) -> ErrorMeans {
         let (mut noise, mut bias, mut square, mut known) = (0.0, 0.0, 0.0, 0_usize);
         for (&n, &b) in self.noise.iter().zip(&self.bias) {
-            if n >= 0.0 {
-                let (n, b) = (f64::from(n), f64::from(b.max(0.0)));
+            if let Some(n) = n {
+                let (n, b) = (f64::from(n), f64::from(b.unwrap_or(0.0)));
                 noise += n;
                 bias += b;
                 square += n * n + b * b;
@@ -103,15 +109,15 @@ impl Picture {
         }
         let count = known.max(1) as f64;
         let mean_y = self.mean_y();
-        // Pixels that are known exactly say nothing about those that no light has reached yet.
-        let tells = known > 0 && mean_y > 0.0 && (square > 0.0 || known == self.xyz.len());
-        let relative = tells.then(|| (square / count).sqrt() / mean_y);
+        // Pixels with error 0 do not represent the pixels that no light has reached yet.
+        let is_known = known > 0 && mean_y > 0.0 && (square > 0.0 || known == self.xyz.len());
+        let relative = is_known.then(|| (square / count).sqrt() / mean_y);
         ErrorMeans {
             noise: noise / count,
             bias: bias / count,
             relative,
             unknown_pixels: self.xyz.len() - known,
-            edge_pixels: self.edge.iter().filter(|&&edge| edge > 0.0).count(),
+            edge_pixels: self.edge.iter().filter(|edge| **edge == Some(true)).count(),
         }
     }
 }
@@ -124,19 +130,20 @@ mod tests {
     fn a_relative_error_is_never_0_while_pixels_are_unlit() {
         let mut picture = Picture::black(2, 1);
         picture.xyz[0] = [1.0; 3];
-        (picture.noise[0], picture.bias[0]) = (0.0, 0.0);
+        (picture.noise[0], picture.bias[0]) = (Some(0.0), Some(0.0));
         assert_eq!((picture.error_means().relative, picture.error_means().unknown_pixels), (None, 1));
-        picture.noise[0] = 0.1;
+        picture.noise[0] = Some(0.1);
         assert!((picture.error_means().relative.unwrap() - 0.2).abs() < 1e-7, "the mean Y is 1/2");
         picture.xyz[1] = [1.0; 3];
-        (picture.noise, picture.bias) = (vec![0.0; 2], vec![0.0; 2]);
+        (picture.noise, picture.bias) = (vec![Some(0.0); 2], vec![Some(0.0); 2]);
         assert_eq!(picture.error_means().relative, Some(0.0), "all pixels are known exactly");
     }
 
+    /// Checks that the error combines noise and bias, and is unknown if one of them is unknown.
     #[test]
-    fn an_error_is_noise_and_bias_together_and_unknown_where_either_is() {
+    fn an_error_combines_noise_and_bias() {
         let mut picture = Picture::black(3, 1);
-        (picture.noise, picture.bias) = (vec![0.3, 0.3, -1.0], vec![0.4, -1.0, 0.4]);
+        (picture.noise, picture.bias) = (vec![Some(0.3), Some(0.3), None], vec![Some(0.4), None, Some(0.4)]);
         assert!((picture.error(0).unwrap() - 0.5).abs() < 1e-6);
         assert_eq!([1, 2].map(|pixel| picture.error(pixel)), [None; 2]);
     }

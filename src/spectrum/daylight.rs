@@ -3,13 +3,14 @@
 use std::sync::OnceLock;
 
 use super::library;
-use super::value::{Outside, Spectrum};
+use super::table::Outside;
+use super::value::Spectrum;
 use crate::error::{Error, Result};
 
-/// Correlated colour temperatures, in K, for which the CIE defines daylight.
+/// The range of correlated colour temperatures, in K, for which the CIE defines daylight.
 pub const DAYLIGHT_K: (f64, f64) = (4000.0, 25_000.0);
 
-/// The mean S₀ and the first two characteristic vectors S₁, S₂ of daylight, every 5 nm (CIE 15).
+/// The mean S₀ and the first two characteristic vectors S₁ and S₂ of daylight, every 5 nm (CIE 15).
 struct Components {
     nm: Vec<f64>,
     vectors: [Vec<f64>; 3],
@@ -24,11 +25,12 @@ fn components() -> &'static Components {
 }
 
 impl Spectrum {
-    /// Daylight of a correlated colour temperature in K, relative power (100 at 560 nm), by CIE 15; without the
-    /// rounding of M₁ and M₂ that the tables of D50, D55, D65 and D75 contain.
+    /// Returns daylight of a correlated colour temperature in K by CIE 15. The power is relative,
+    /// with 100 at 560 nm. M₁ and M₂ are not rounded. The published tables of D50, D55, D65 and D75
+    /// use rounded values.
     ///
     /// # Errors
-    /// A temperature outside 4000–25,000 K.
+    /// Returns an error if the temperature is outside 4000–25,000 K.
     pub fn daylight(temperature_k: f64) -> Result<Self> {
         if !(DAYLIGHT_K.0..=DAYLIGHT_K.1).contains(&temperature_k) {
             let what = format!("daylight of {temperature_k} K");
@@ -38,7 +40,8 @@ impl Spectrum {
     }
 }
 
-/// As [`Spectrum::daylight`], with its upper formula used for any higher temperature too.
+/// Computes [`Spectrum::daylight`], but without the upper limit of 25,000 K. The formula for high
+/// temperatures is applied there too.
 pub(crate) fn daylight_extended(temperature_k: f64) -> Spectrum {
     let t = 1000.0 / temperature_k;
     let x = if temperature_k <= 7000.0 {

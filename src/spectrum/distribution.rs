@@ -1,4 +1,4 @@
-//! Drawing wavelengths from a spectrum.
+//! Wavelength sampling: probability densities that follow a spectrum.
 
 use super::continuum::Continuum;
 use super::index::BandIndex;
@@ -6,45 +6,49 @@ use super::observer::Observer;
 use super::sweep::sweep;
 use super::{BAND_NM, Spectrum};
 
-/// The share of [`WavelengthDistribution::important`] that follows what an eye sees; the rest follows the power.
-const VISUAL_SHARE: f64 = 0.85;
+/// The share of the visual response in the density of
+/// [`WavelengthDistribution::visually_weighted`]. The other part of the density follows the power.
+const VISUAL_WEIGHT: f64 = 0.85;
 
-/// How near, as a share of its width, a draw may come to the end of a stretch where the density vanishes.
+/// If the density is 0 at an end of a segment, sampled wavelengths keep at least this relative
+/// distance from that end.
 const END_GUARD: f64 = 1e-6;
 
-/// In steps of this many nm a distribution follows what an eye sees: near enough for importance, and the table stays in the
-/// processor's nearest cache.
+/// The step in nm of the visual response. It is fine enough for importance sampling, and the table
+/// stays in the first-level cache.
 const VISUAL_STEP_NM: u32 = 5;
 
-/// How many steps of the guide a stretch has on average: enough that most draws find theirs at once.
-const GUIDE_STEPS: usize = 4;
+/// The mean number of guide steps per segment. With four steps, most samples find their segment
+/// without a search.
+const GUIDE_STEPS_PER_SEGMENT: usize = 4;
 
-/// A stretch with a linear density, with the reciprocals that spare the inner loop its divisions.
+/// A segment of linear density. Reciprocals are stored, so sampling needs no divisions.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Stretch {
+struct DensitySegment {
     lower: f64,
-    /// The last number below its upper end.
+    /// The largest number below the upper end.
     last: f64,
     width: f64,
     per_width: f64,
-    /// Density per nm at the lower end, and how much higher it is at the upper end.
+    /// The density per nm at the lower end, and its increase from the lower to the upper end.
     density: f64,
     rise: f64,
-    /// The probability of all before it, and the reciprocal of its own.
+    /// The total probability below the segment, and the reciprocal of the segment's probability.
     before: f64,
     per_mass: f64,
 }
 
-/// A stretch before the total is known: its ends in nm, the weights per nm there, the mass of all before it and its own.
-struct Part {
+/// A segment before normalisation: its ends in nm, the weights per nm at both ends, the mass below
+/// the segment and the mass of the segment.
+struct UnscaledSegment {
     ends: (f64, f64),
     weights: (f64, f64),
     before: f64,
     mass: f64,
 }
 
-impl Stretch {
-    fn new(part: &Part, total: f64) -> Self {
+impl DensitySegment {
+    fn new(part: &UnscaledSegment, total: f64) -> Self {
         let (lower, upper) = part.ends;
         let width = upper - lower;
         Self {
@@ -55,7 +59,7 @@ impl Stretch {
             density: part.weights.0 / total,
             rise: (part.weights.1 - part.weights.0) / total,
             before: part.before / total,
-            // Infinite of the smallest masses, and 0 times that would be no number.
+            // The quotient is infinite for the smallest masses, and 0 times infinity would be NaN.
             per_mass: (total / part.mass).min(f64::MAX),
         }
     }
@@ -65,11 +69,12 @@ impl Stretch {
         self.density + ((nm - self.lower) * self.per_width).min(1.0) * self.rise
     }
 
-    /// The wavelength below which a share `v` of the stretch's mass lies.
+    /// Returns a wavelength of the segment. The fraction `v` of the segment's mass lies below this
+    /// wavelength.
     #[inline]
     fn quantile(&self, v: f64) -> f64 {
         let (from, to) = (self.density, self.density + self.rise);
-        // The root of the quadratic in the form without cancellation.
+        // The root of the quadratic equation in the form without cancellation.
         let root = (from * from + v * (self.rise * (from + to))).max(0.0).sqrt();
         let mut t = v * (from + to) / (from + root);
         if from.min(to) < 1e-9 * from.max(to) {
@@ -79,43 +84,49 @@ impl Stretch {
     }
 }
 
-/// A density over wavelength, in 1/nm, which is piecewise linear with knots wherever the spectrum (and the
-/// observer) has one; lines are narrow stretches with their exact probability.
+/// A piecewise-linear density over wavelength, in 1/nm. The density has a knot at each knot of the
+/// spectrum (and of the observer). A spectral line becomes a narrow segment, which has exactly the
+/// probability of the line.
 ///
-/// The density is what it is between knots, not the product of the spectrum and the observer there: an estimate
-/// that divides by it is right whatever it is, as long as it is positive where the spectrum is.
+/// The density is linear between knots, so it is not exactly the product of the spectrum and the
+/// observer. Nevertheless, an estimator that divides by the density is unbiased, because the
+/// density is positive wherever the spectrum is positive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WavelengthDistribution {
-    /// Stretches of positive probability in ascending order; between them the density is 0.
-    stretches: Vec<Stretch>,
+    /// Segments of positive probability in ascending order. The density is 0 between them.
+    segments: Vec<DensitySegment>,
     by_wavelength: BandIndex,
-    /// The probability of all before each stretch, and infinity at the end.
+    /// The total probability below each segment, and infinity at the end.
     before: Vec<f64>,
-    /// For equal steps of probability, a power of two of them, the stretch that holds the step's lower end.
+    /// The guide table. The total probability is divided into equal steps. The number of steps is a
+    /// power of two. The table lists the segment that contains the lower end of each step.
     guide: Vec<u32>,
 }
 
 impl WavelengthDistribution {
-    /// A density proportional to the spectrum; none if it has no power.
+    /// Returns a density proportional to the spectrum, or `None` if the spectrum has no power.
     pub fn new(spectrum: &Spectrum) -> Option<Self> {
         Self::weighted(spectrum, None)
     }
 
-    /// A density that mixes 85 % of spectrum × (x̄ + ȳ + z̄), these taken every 5 nm, with 15 % of the spectrum alone, so that no
-    /// wavelength with power is left out; none if there is no power.
-    pub fn important(spectrum: &Spectrum, observer: &Observer) -> Option<Self> {
+    /// Returns a mixed density, or `None` if the spectrum has no power. A share of 85 % is
+    /// proportional to spectrum × (x̄ + ȳ + z̄), with the response tabulated every 5 nm. A share of
+    /// 15 % is proportional to the spectrum alone, so that every wavelength with power has a
+    /// positive density.
+    pub fn visually_weighted(spectrum: &Spectrum, observer: &Observer) -> Option<Self> {
         let nm = (BAND_NM.0 as u32..=BAND_NM.1 as u32).step_by(VISUAL_STEP_NM as usize).map(f64::from);
         let knots: Vec<(f64, f64)> = nm.map(|nm| (nm, observer.sum_bar().at(nm))).collect();
-        let seen = Spectrum::smooth(Continuum::from_knots(&knots));
-        let (all, visible) = (spectrum.integral(), spectrum.product_integral(&seen));
+        let visible_weight = Spectrum::from_continuum(Continuum::from_knots(&knots));
+        let (all, visible) = (spectrum.integral(), spectrum.product_integral(&visible_weight));
         let ratio = all / visible;
         if ratio.is_finite() {
-            return Self::weighted(spectrum, Some((&seen, VISUAL_SHARE * ratio, 1.0 - VISUAL_SHARE)));
+            return Self::weighted(spectrum, Some((&visible_weight, VISUAL_WEIGHT * ratio, 1.0 - VISUAL_WEIGHT)));
         }
         Self::weighted(spectrum, None)
     }
 
-    /// A density ∝ Φ, or ∝ Φ·(a·w + b) at the knots of Φ and w, given `(w, a, b)`.
+    /// Returns a density proportional to Φ. If `weight` is `(w, a, b)`, the density at the knots of
+    /// Φ and w is proportional to Φ·(a·w + b).
     fn weighted(spectrum: &Spectrum, weight: Option<(&Spectrum, f64, f64)>) -> Option<Self> {
         let peak = spectrum.max();
         if !(peak.is_finite() && peak > 0.0) {
@@ -125,59 +136,60 @@ impl WavelengthDistribution {
         let (weight, a, b) = weight.unwrap_or((&one, 1.0, 0.0));
         let mut parts = Vec::new();
         let mut total = 0.0;
-        sweep([spectrum, weight], |(lower, upper), [power, weight]| {
+        sweep([spectrum.parts(), weight.parts()], |(lower, upper), [power, weight]| {
             let from = power.0 / peak * (a * weight.0 + b);
             let to = power.1 / peak * (a * weight.1 + b);
             let mass = (upper - lower) * (0.5 * from + 0.5 * to);
             if mass > 0.0 {
-                parts.push(Part { ends: (lower, upper), weights: (from, to), before: total, mass });
+                parts.push(UnscaledSegment { ends: (lower, upper), weights: (from, to), before: total, mass });
                 total += mass;
             }
         });
         (total > 0.0 && total.is_finite()).then(|| Self::normalised(&parts, total))
     }
 
-    fn normalised(parts: &[Part], total: f64) -> Self {
-        let stretches: Vec<Stretch> = parts.iter().map(|part| Stretch::new(part, total)).collect();
-        let before: Vec<f64> = stretches.iter().map(|stretch| stretch.before).chain([f64::INFINITY]).collect();
-        let steps = (GUIDE_STEPS * stretches.len()).next_power_of_two();
+    fn normalised(parts: &[UnscaledSegment], total: f64) -> Self {
+        let segments: Vec<DensitySegment> = parts.iter().map(|part| DensitySegment::new(part, total)).collect();
+        let before: Vec<f64> = segments.iter().map(|segment| segment.before).chain([f64::INFINITY]).collect();
+        let steps = (GUIDE_STEPS_PER_SEGMENT * segments.len()).next_power_of_two();
         let mut guide = Vec::with_capacity(steps);
-        let mut stretch = 0;
+        let mut segment = 0;
         for step in 0..steps {
-            while before[stretch + 1] <= step as f64 / steps as f64 {
-                stretch += 1;
+            while before[segment + 1] <= step as f64 / steps as f64 {
+                segment += 1;
             }
-            guide.push(stretch as u32);
+            guide.push(segment as u32);
         }
-        let by_wavelength = BandIndex::new(stretches.iter().map(|stretch| stretch.lower));
-        Self { stretches, by_wavelength, before, guide }
+        let by_wavelength = BandIndex::new(segments.iter().map(|segment| segment.lower));
+        Self { segments, by_wavelength, before, guide }
     }
 
-    /// The wavelength in nm, and its density in 1/nm, for a number `u` in [0, 1). Larger `u` give longer
-    /// wavelengths, so that stratified `u` stratify the spectrum. The density is positive and equals
-    /// [`pdf`](Self::pdf) of the wavelength.
+    /// Samples a wavelength by the number `u` in [0, 1). Returns the wavelength in nm and its
+    /// density in 1/nm. The wavelength increases with `u`, so stratified values of `u` give
+    /// stratified wavelengths. The density is positive and equals [`pdf`](Self::pdf) at the
+    /// wavelength.
     #[inline(always)]
     pub fn sample(&self, u: f64) -> (f64, f64) {
-        // Exact, as there are a power of two of steps.
+        // The product is exact because the number of steps is a power of two.
         let step = ((u * self.guide.len() as f64) as usize).min(self.guide.len() - 1);
         let mut i = self.guide[step] as usize;
         while self.before[i + 1] <= u {
             i += 1;
         }
-        let stretch = &self.stretches[i];
-        let nm = stretch.quantile(((u - stretch.before) * stretch.per_mass).clamp(0.0, 1.0));
-        (nm, stretch.at(nm))
+        let segment = &self.segments[i];
+        let nm = segment.quantile(((u - segment.before) * segment.per_mass).clamp(0.0, 1.0));
+        (nm, segment.at(nm))
     }
 
-    /// The density at a wavelength, in 1/nm; 0 outside the band.
+    /// Returns the density in 1/nm at a wavelength in nm. The density is 0 outside the band.
     #[inline]
     pub fn pdf(&self, nm: f64) -> f64 {
-        let first = self.stretches[0].lower;
-        let last = self.stretches[self.stretches.len() - 1].last;
+        let first = self.segments[0].lower;
+        let last = self.segments[self.segments.len() - 1].last;
         if !(nm >= first && nm <= last) {
             return 0.0;
         }
-        let stretch = &self.stretches[self.by_wavelength.find(nm, |i| self.stretches[i].lower)];
-        if nm <= stretch.last { stretch.at(nm) } else { 0.0 }
+        let segment = &self.segments[self.by_wavelength.find(nm, |i| self.segments[i].lower)];
+        if nm <= segment.last { segment.at(nm) } else { 0.0 }
     }
 }

@@ -1,40 +1,44 @@
-//! Finding, in constant time, the stretch of the band that a wavelength falls in.
+//! Constant-time search for the segment of the band that contains a wavelength.
 
 use super::BAND_NM;
 
-/// The most buckets an index uses; beyond it a bucket holds several stretches and is searched by bisection.
+/// The largest number of buckets of an index. If there are more segments than this, a bucket
+/// contains several segments and is searched by bisection.
 const MAX_BUCKETS: usize = 1 << 17;
 
-/// How many stretches of one bucket are walked one by one before bisection is quicker.
-const WALK: usize = 6;
+/// A bucket with at most this number of segments is searched segment by segment. If a bucket has
+/// more segments, bisection is faster.
+const MAX_LINEAR_SEARCH: usize = 6;
 
-/// Equal buckets over the band; each knows the first stretch that reaches into it (the guide table, or
-/// cut-point, method: H.-C. Chen and Y. Asau, "On generating random variates from an empirical distribution",
-/// AIIE Transactions 6, 1974).
+/// Buckets of equal width over the band. Each bucket stores the first segment that reaches into it
+/// (the guide table or cut-point method: H.-C. Chen and Y. Asau, "On generating random variates
+/// from an empirical distribution", AIIE Transactions 6, 1974).
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct BandIndex {
     buckets_per_nm: f64,
-    /// For each bucket the number of the stretch that holds its lower end; one more entry closes the list.
+    /// For each bucket, the number of the segment that contains the lower end of the bucket. The
+    /// list ends with one extra entry.
     first: Vec<u32>,
 }
 
 impl BandIndex {
-    /// An index over stretches whose lower ends, in nm and in ascending order, are `lower`; the first stretch
-    /// also answers for everything below its lower end.
+    /// Builds an index over segments. `lower` lists the lower ends of the segments in nm, in
+    /// ascending order. Wavelengths below the first lower end belong to the first segment.
     pub(crate) fn new(lower: impl ExactSizeIterator<Item = f64> + Clone) -> Self {
         let count = lower.len();
         let buckets = count.clamp(1, MAX_BUCKETS);
         let buckets_per_nm = buckets as f64 / (BAND_NM.1 - BAND_NM.0);
         let mut first = Vec::with_capacity(buckets + 1);
         let mut rest = lower.skip(1).peekable();
-        let mut stretch = 0_u32;
+        let mut segment = 0_u32;
         for bucket in 0..=buckets {
-            // The slack keeps a wavelength that rounding puts into the next bucket from starting too far on.
+            // Rounding may put a wavelength into the next bucket. The margin ensures that the
+            // search does not start beyond its segment.
             let edge = BAND_NM.0 + bucket as f64 / buckets_per_nm - 1e-9;
             while rest.next_if(|&lower| lower <= edge).is_some() {
-                stretch += 1;
+                segment += 1;
             }
-            first.push(stretch);
+            first.push(segment);
         }
         if let Some(last) = first.last_mut() {
             *last = (count.max(1) - 1) as u32;
@@ -42,24 +46,25 @@ impl BandIndex {
         Self { buckets_per_nm, first }
     }
 
-    /// The number of the last stretch whose lower end, given by `lower`, is ≤ `nm`; `nm` lies in the band.
+    /// Returns the number of the last segment whose lower end is ≤ `nm`. `nm` must be in the band.
+    /// The function `lower` returns the lower end of a segment.
     #[inline]
     pub(crate) fn find(&self, nm: f64, lower: impl Fn(usize) -> f64) -> usize {
         let buckets = self.first.len() - 1;
         let bucket = (((nm - BAND_NM.0) * self.buckets_per_nm) as usize).min(buckets - 1);
-        let mut stretch = self.first[bucket] as usize;
-        // Two buckets on, for the same rounding.
+        let mut segment = self.first[bucket] as usize;
+        // The search ends two buckets later, because of the same rounding.
         let mut last = self.first[(bucket + 2).min(buckets)] as usize;
-        if last - stretch <= WALK {
-            while stretch < last && lower(stretch + 1) <= nm {
-                stretch += 1;
+        if last - segment <= MAX_LINEAR_SEARCH {
+            while segment < last && lower(segment + 1) <= nm {
+                segment += 1;
             }
-            return stretch;
+            return segment;
         }
-        while stretch < last {
-            let middle = stretch + (last - stretch).div_ceil(2);
-            if lower(middle) <= nm { stretch = middle } else { last = middle - 1 }
+        while segment < last {
+            let middle = segment + (last - segment).div_ceil(2);
+            if lower(middle) <= nm { segment = middle } else { last = middle - 1 }
         }
-        stretch
+        segment
     }
 }

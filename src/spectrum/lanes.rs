@@ -1,41 +1,43 @@
-//! The few wavelengths that one light path carries, and values at them.
+//! The wavelengths of one light path, and the values at these wavelengths.
 
-/// How many wavelengths a path starts with. Four stratified wavelengths cost little more than one and take away
-/// most colour noise where nothing disperses; eight add almost nothing.
+/// The number of wavelengths of a new path. Four stratified wavelengths cost little more than one,
+/// and they remove most colour noise if no glass disperses the light. Eight wavelengths would
+/// hardly be better.
 pub const LANES: usize = 4;
 
-/// One value per wavelength of a path; lanes at and beyond its count are 0.
+/// One value for each wavelength of a path. Unused lanes are 0.
 pub type Lanes = [f64; LANES];
 
-/// The wavelengths of a path: all of [`LANES`] at first, only the hero's after the first dispersive refraction.
+/// The wavelengths of a path. A path starts with [`LANES`] wavelengths. After the first dispersive
+/// refraction only the hero wavelength remains.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wavelengths {
-    /// Wavelengths in nm; the first `count` are in use.
+    /// Wavelengths in nm. Only the first `count` wavelengths are in use.
     pub nm: Lanes,
-    /// How many are in use, 1 to [`LANES`].
+    /// The number of wavelengths in use, from 1 to [`LANES`].
     pub count: usize,
 }
 
 impl Wavelengths {
-    /// A path that carries all of these.
+    /// Returns the wavelengths of a path that starts with all wavelengths of `nm`.
     pub fn new(nm: Lanes) -> Self {
         Self { nm, count: LANES }
     }
 
-    /// A path at one wavelength.
+    /// Returns the wavelengths of a path with only one wavelength.
     pub fn single(nm: f64) -> Self {
         let mut lanes = [0.0; LANES];
         lanes[0] = nm;
         Self { nm: lanes, count: 1 }
     }
 
-    /// The wavelength that decides where the path goes.
+    /// Returns the hero wavelength, which decides the direction of the path.
     #[inline]
     pub fn hero(&self) -> f64 {
         self.nm[0]
     }
 
-    /// The values of `f` at the wavelengths in use.
+    /// Evaluates `f` at the wavelengths in use.
     #[inline]
     pub fn each(&self, mut f: impl FnMut(f64) -> f64) -> Lanes {
         let mut values = [0.0; LANES];
@@ -43,7 +45,7 @@ impl Wavelengths {
         values
     }
 
-    /// The wavelengths in use.
+    /// Returns the wavelengths in use.
     #[inline]
     pub fn active(&self) -> &[f64] {
         &self.nm[..self.count]

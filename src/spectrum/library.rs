@@ -1,20 +1,24 @@
-//! The built-in library: illuminants, lamps, reflectances, coefficients and metals by name.
+//! The built-in library: spectra of illuminants, lamps, reflectances and coefficients, and indices
+//! of metals, by name.
 //!
-//! The catalogue is `data/library.csv`; it names for every entry the file and the column that hold it. Files are part
-//! of the program and are read when an entry is asked for, only the one and only its column.
+//! The catalogue `data/library.csv` names the file and the column of every entry. The files are
+//! part of the program. An entry is parsed when it is requested. Only the column of the entry is
+//! read.
 
 use std::sync::OnceLock;
 
 use super::line::SpectralLine;
-use super::value::{Outside, Spectrum};
+use super::table::Outside;
+use super::value::Spectrum;
 use crate::error::{Error, Result};
 
-/// What an entry of the library is, and so what its numbers mean.
+/// The physical quantity of a library spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// Power per nm on a scale of the entry's own; 0 outside its table.
+pub enum SpectrumKind {
+    /// Power per nm. Each entry has its own scale. The power is 0 outside the table.
     Light,
-    /// A reflectance from 0 to 1; the end value holds outside its table, as for all that follow.
+    /// A reflectance from 0 to 1. Outside the table, the value at the nearest end is used. The same
+    /// is true for all kinds below.
     Reflectance,
     /// A transmittance from 0 to 1.
     Transmittance,
@@ -24,12 +28,12 @@ pub enum Kind {
     Scattering,
 }
 
-impl Kind {
+impl SpectrumKind {
     /// Every kind, in the order of the catalogue.
     pub const ALL: [Self; 5] =
         [Self::Light, Self::Reflectance, Self::Transmittance, Self::Absorption, Self::Scattering];
 
-    /// The kind's name, as the catalogue writes it.
+    /// Returns the name of the kind as the catalogue writes it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Light => "light",
@@ -40,7 +44,7 @@ impl Kind {
         }
     }
 
-    /// What a table of this kind means beyond its ends.
+    /// Returns the rule for values beyond the ends of a table of this kind.
     pub fn outside(self) -> Outside {
         match self {
             Self::Light => Outside::Zero,
@@ -49,31 +53,31 @@ impl Kind {
     }
 }
 
-/// A line of the catalogue.
+/// A row of the catalogue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Listing {
-    /// The name by which it is found, without regard to case.
+pub struct LibraryListing {
+    /// The name of the spectrum. Lookups ignore case.
     pub name: &'static str,
-    /// What it is.
-    pub kind: Kind,
-    /// What it shows, in words.
+    /// The physical quantity.
+    pub kind: SpectrumKind,
+    /// A description in words.
     pub description: &'static str,
-    /// Where its numbers come from.
+    /// The source of the data.
     pub source: &'static str,
-    file: &'static File,
+    file: &'static LibraryFile,
     column: &'static str,
 }
 
 /// A spectrum from the library.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Entry {
+pub struct LibrarySpectrum {
     /// The name as the catalogue writes it.
     pub name: &'static str,
-    /// What it is.
-    pub kind: Kind,
-    /// What it shows, in words.
+    /// The physical quantity.
+    pub kind: SpectrumKind,
+    /// A description in words.
     pub description: &'static str,
-    /// Where its numbers come from.
+    /// The source of the data.
     pub source: &'static str,
     /// The spectrum itself.
     pub spectrum: Spectrum,
@@ -81,131 +85,141 @@ pub struct Entry {
 
 /// A data file that is part of the program.
 #[derive(Debug, PartialEq, Eq)]
-struct File {
+struct LibraryFile {
     path: &'static str,
     source: &'static str,
     text: &'static str,
 }
 
-/// The file of spectral lines; all others are tables with a column per entry.
-const LINES: &str = "illuminants/lines.csv";
+/// The file of spectral lines. All other files are tables with one column per entry.
+const LINES_FILE: &str = "illuminants/lines.csv";
 
 static CATALOGUE: &str = include_str!("../../data/library.csv");
 static METALS: &str = include_str!("../../data/metals/metals.csv");
 static METALS_NK: &str = include_str!("../../data/metals/metals_nk.csv");
 
-static FILES: [File; 14] = [
-    File {
+static FILES: [LibraryFile; 14] = [
+    LibraryFile {
         path: "illuminants/cie_standard_1nm.csv",
         source: "CIE 15; A by its formula, D beyond 780 nm from the CIE daylight components",
         text: include_str!("../../data/illuminants/cie_standard_1nm.csv"),
     },
-    File { path: "illuminants/cie_C.csv", source: "CIE 15", text: include_str!("../../data/illuminants/cie_C.csv") },
-    File {
+    LibraryFile {
+        path: "illuminants/cie_C.csv",
+        source: "CIE 15",
+        text: include_str!("../../data/illuminants/cie_C.csv"),
+    },
+    LibraryFile {
         path: "illuminants/cie_fl.csv",
         source: "CIE 15, sets of 1986 and 2004",
         text: include_str!("../../data/illuminants/cie_fl.csv"),
     },
-    File { path: "illuminants/cie_hp.csv", source: "CIE 15", text: include_str!("../../data/illuminants/cie_hp.csv") },
-    File {
+    LibraryFile {
+        path: "illuminants/cie_hp.csv",
+        source: "CIE 15",
+        text: include_str!("../../data/illuminants/cie_hp.csv"),
+    },
+    LibraryFile {
         path: "illuminants/cie_led.csv",
         source: "CIE 15:2018",
         text: include_str!("../../data/illuminants/cie_led.csv"),
     },
-    File {
+    LibraryFile {
         path: "illuminants/lamps_measured_5nm.csv",
         source: "NIST Colour Quality Scale lamps (Davis and Ohno 2008)",
         text: include_str!("../../data/illuminants/lamps_measured_5nm.csv"),
     },
-    File {
+    LibraryFile {
         path: "illuminants/led_models_1nm.csv",
         source: "model of Ohno 2005",
         text: include_str!("../../data/illuminants/led_models_1nm.csv"),
     },
-    File {
+    LibraryFile {
         path: "illuminants/solar_astm_g173.csv",
         source: "ASTM G173-03 (SMARTS 2.9.2, NREL)",
         text: include_str!("../../data/illuminants/solar_astm_g173.csv"),
     },
-    File {
-        path: LINES,
+    LibraryFile {
+        path: LINES_FILE,
         source: "NIST Atomic Spectra Database, wavelengths in air; makers' tables",
         text: include_str!("../../data/illuminants/lines.csv"),
     },
-    File {
+    LibraryFile {
         path: "reflectance/colorchecker_ohta_5nm.csv",
         source: "N. Ohta, The Basis of Color Reproduction Engineering",
         text: include_str!("../../data/reflectance/colorchecker_ohta_5nm.csv"),
     },
-    File {
+    LibraryFile {
         path: "reflectance/colorchecker_babelcolor_10nm.csv",
         source: "BabelColor (D. Pascale), mean of 30 charts",
         text: include_str!("../../data/reflectance/colorchecker_babelcolor_10nm.csv"),
     },
-    File {
+    LibraryFile {
         path: "reflectance/cie_tcs_5nm.csv",
         source: "CIE 13.3-1995",
         text: include_str!("../../data/reflectance/cie_tcs_5nm.csv"),
     },
-    File {
+    LibraryFile {
         path: "reflectance/leaf_prospectD.csv",
         source: "PROSPECT-D (Féret et al. 2017), computed",
         text: include_str!("../../data/reflectance/leaf_prospectD.csv"),
     },
-    File {
+    LibraryFile {
         path: "reflectance/sky_zenith_single_scatter.csv",
         source: "ASTM G173 sunlight with single Rayleigh scattering, computed",
         text: include_str!("../../data/reflectance/sky_zenith_single_scatter.csv"),
     },
 ];
 
-static MEDIA: [File; 2] = [
-    File {
+static MEDIA: [LibraryFile; 2] = [
+    LibraryFile {
         path: "media/water.csv",
         source: "Pope and Fry 1997, Hale and Querry 1973; Morel 1974, Smith and Baker 1981",
         text: include_str!("../../data/media/water.csv"),
     },
-    File {
+    LibraryFile {
         path: "media/rayleigh_air.csv",
         source: "Bodhaine et al. 1999, computed",
         text: include_str!("../../data/media/rayleigh_air.csv"),
     },
 ];
 
-/// The whole catalogue, in its order.
-pub fn list() -> &'static [Listing] {
-    static LIST: OnceLock<Vec<Listing>> = OnceLock::new();
+/// Returns the whole catalogue in its order.
+pub fn list() -> &'static [LibraryListing] {
+    static LIST: OnceLock<Vec<LibraryListing>> = OnceLock::new();
     LIST.get_or_init(|| CATALOGUE.lines().skip(1).map(listing).collect())
 }
 
-/// Every name, in the catalogue's order.
+/// Returns every name in the order of the catalogue.
 pub fn names() -> impl Iterator<Item = &'static str> {
     list().iter().map(|listing| listing.name)
 }
 
-/// A spectrum by its name, without regard to case.
+/// Returns a spectrum by its name, without regard to case.
 ///
 /// # Errors
-/// A name that is not in the catalogue; the error names a near one.
-pub fn find(name: &str) -> Result<Entry> {
+/// Returns an error if the name is not in the catalogue. The error suggests a similar name.
+pub fn find(name: &str) -> Result<LibrarySpectrum> {
     let listing = list()
         .iter()
         .find(|listing| listing.name.eq_ignore_ascii_case(name))
-        .ok_or_else(|| Error::unknown_name("spectrum", name, names()).expected("a name of `abbe spectrum --list`"))?;
-    let Listing { name, kind, description, source, file, column } = *listing;
-    let spectrum = if file.path == LINES { lines(file.text, column) } else { table(file.text, column, kind.outside()) };
-    Ok(Entry { name, kind, description, source, spectrum })
+        .ok_or_else(|| Error::unknown_name("spectrum", name, names()).expected("the name of a built-in spectrum"))?;
+    let LibraryListing { name, kind, description, source, file, column } = *listing;
+    let spectrum =
+        if file.path == LINES_FILE { lines(file.text, column) } else { table(file.text, column, kind.outside()) };
+    Ok(LibrarySpectrum { name, kind, description, source, spectrum })
 }
 
-/// The symbols of the metals.
+/// Returns the symbols of the metals.
 pub fn metal_names() -> impl Iterator<Item = &'static str> {
     metals().map(|[symbol, ..]| symbol)
 }
 
-/// The complex index n + ik of a metal, as n and k, by its symbol or its English name, without regard to case.
+/// Returns n and k of a metal, whose complex index is n + ik. The name is the symbol or the English
+/// name of the metal, without regard to case.
 ///
 /// # Errors
-/// A name that is not known; the error names a near one.
+/// Returns an error if the name is unknown. The error suggests a similar name.
 pub fn metal(name: &str) -> Result<(Spectrum, Spectrum)> {
     let known = |[symbol, full, also, _]: &[&'static str; 4]| {
         [symbol, full, also].iter().any(|known| !known.is_empty() && known.eq_ignore_ascii_case(name))
@@ -220,14 +234,14 @@ pub fn metal(name: &str) -> Result<(Spectrum, Spectrum)> {
         columns.iter_mut().zip(row.split(',').skip(1)).for_each(|(column, cell)| column.push(number(cell)));
     }
     let [nm, n, k] = columns;
-    let spectrum = |values: &[f64]| {
-        Spectrum::table(&nm, values, Outside::Hold).expect("a built-in table of a metal is a good table")
-    };
+    let spectrum =
+        |values: &[f64]| Spectrum::table(&nm, values, Outside::Hold).expect("a built-in table of a metal is valid");
     Ok((spectrum(&n), spectrum(&k)))
 }
 
-/// Symbol, name, another spelling (or nothing) and reference of every metal.
-fn metals() -> impl Iterator<Item = [&'static str; 4]> {
+/// Lists all metals. Each entry contains the symbol, the name, an alternative spelling (or an empty
+/// string) and the reference.
+pub fn metals() -> impl Iterator<Item = [&'static str; 4]> {
     METALS.lines().skip(1).map(cells)
 }
 
@@ -236,18 +250,19 @@ fn cells<const N: usize>(row: &'static str) -> [&'static str; N] {
     std::array::from_fn(|_| rest.next().expect("a row of a built-in catalogue has all its columns"))
 }
 
-fn listing(row: &'static str) -> Listing {
+fn listing(row: &'static str) -> LibraryListing {
     let [name, kind, path, column, description] = cells(row);
-    let kind = Kind::ALL.into_iter().find(|known| known.name() == kind).expect("the catalogue names known kinds");
+    let kind =
+        SpectrumKind::ALL.into_iter().find(|known| known.name() == kind).expect("the catalogue names known kinds");
     let file = FILES.iter().chain(&MEDIA).find(|file| file.path == path).expect("the catalogue names built-in files");
-    Listing { name, kind, description, source: file.source, file, column }
+    LibraryListing { name, kind, description, source: file.source, file, column }
 }
 
 fn number(cell: &str) -> f64 {
     cell.parse().expect("a built-in table holds numbers")
 }
 
-/// The first columns of a table with a header line.
+/// Parses the first `N` columns of a table with a header line.
 pub(crate) fn columns<const N: usize>(text: &str) -> [Vec<f64>; N] {
     let mut columns = std::array::from_fn(|_| Vec::new());
     for row in text.lines().skip(1) {
@@ -256,7 +271,7 @@ pub(crate) fn columns<const N: usize>(text: &str) -> [Vec<f64>; N] {
     columns
 }
 
-/// A column of a table with wavelengths in its first column.
+/// Parses one column of a table. The first column of the table contains the wavelengths.
 fn table(text: &str, column: &str, outside: Outside) -> Spectrum {
     let header = text.lines().next().expect("a built-in table has a header");
     let place = header.split(',').position(|title| title == column).expect("the catalogue names an existing column");
@@ -269,10 +284,11 @@ fn table(text: &str, column: &str, outside: Outside) -> Spectrum {
             (nm, number(cells.nth(place - 1).expect("a row of a built-in table has all its columns")))
         })
         .unzip();
-    Spectrum::table(&nm, &values, outside).expect("a built-in table is a good table")
+    Spectrum::table(&nm, &values, outside).expect("a built-in table is valid")
 }
 
-/// The lines of one lamp, from rows of lamp, nm and power.
+/// Parses the spectral lines of one lamp. Each row contains the name of a lamp, a wavelength in nm
+/// and a power.
 fn lines(text: &str, lamp: &str) -> Spectrum {
     let lines: Vec<SpectralLine> = text
         .lines()
@@ -284,7 +300,7 @@ fn lines(text: &str, lamp: &str) -> Spectrum {
             })
         })
         .collect();
-    Spectrum::lines(&lines).expect("the built-in lines are good lines")
+    Spectrum::lines(&lines).expect("the built-in lines are valid")
 }
 
 #[cfg(test)]
@@ -292,13 +308,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_entry_can_be_had_and_has_power_in_the_band() {
+    fn every_entry_is_readable_and_has_power_in_the_band() {
         assert!(list().len() >= 190);
         for listing in list() {
             let entry = find(&listing.name.to_uppercase()).unwrap();
             assert_eq!(entry.name, listing.name);
             assert!(entry.spectrum.integral() > 0.0 && entry.spectrum.min() >= 0.0, "{}", entry.name);
-            if matches!(entry.kind, Kind::Reflectance | Kind::Transmittance) {
+            if matches!(entry.kind, SpectrumKind::Reflectance | SpectrumKind::Transmittance) {
                 assert!(entry.spectrum.max() <= 1.0, "{}", entry.name);
             }
         }
@@ -319,14 +335,14 @@ mod tests {
     }
 
     #[test]
-    fn a_slip_is_answered_with_the_near_name() {
+    fn a_misspelling_gets_a_suggestion() {
         let error = find("sodium-low-presure").unwrap_err();
-        assert_eq!(error.near.as_deref(), Some("sodium-low-pressure"));
-        assert_eq!(metal("sliver").unwrap_err().near.as_deref(), Some("silver"));
+        assert_eq!(error.suggestion.as_deref(), Some("sodium-low-pressure"));
+        assert_eq!(metal("sliver").unwrap_err().suggestion.as_deref(), Some("silver"));
     }
 
     #[test]
-    fn metals_answer_to_symbol_and_name() {
+    fn metals_are_found_by_symbol_and_name() {
         assert_eq!(metal("gold").unwrap(), metal("Au").unwrap());
         assert_eq!(metal("Aluminum").unwrap(), metal("aluminium").unwrap());
         assert_eq!(metal_names().count(), 11);

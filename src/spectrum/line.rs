@@ -1,23 +1,23 @@
-//! Spectral lines: narrow stretches of the band with an exact power each.
+//! Spectral lines: narrow segments of the band. Each line has an exact power.
 
 use super::BAND_NM;
 use super::index::BandIndex;
 use crate::error::{Error, Result};
 
-/// How wide a line is, in nm, unless its width is stated.
+/// The default width of a line in nm.
 pub const DEFAULT_LINE_WIDTH_NM: f64 = 0.001;
 
-/// The least width of a line or peak, in nm; rounding of wavelengths stays seven digits below it.
+/// The least width of a line or peak, in nm. It is 10⁷ times the rounding error of a wavelength.
 pub const MIN_WIDTH_NM: f64 = 1e-6;
 
-/// A spectral line as one writes it down.
+/// A spectral line as given in a scene or a file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpectralLine {
-    /// Where it is centred, in nm (in air).
+    /// The centre wavelength in nm (in air).
     pub nm: f64,
-    /// Its power, in W or in the unit of its spectrum times nm.
+    /// The power in W, or the integral in the unit of the spectrum times nm.
     pub power: f64,
-    /// Its full width, in nm; [`DEFAULT_LINE_WIDTH_NM`] if absent.
+    /// The full width in nm; [`DEFAULT_LINE_WIDTH_NM`] if absent.
     pub fwhm_nm: Option<f64>,
 }
 
@@ -29,19 +29,20 @@ impl SpectralLine {
             return Err(place(Error::input(what).expected("a positive wavelength in nm"), "nm"));
         }
         if !(self.power.is_finite() && self.power >= 0.0) {
-            let what = format!("a line of power {}", self.power);
+            let what = format!("a line with the power {}", self.power);
             return Err(place(Error::input(what).expected("a finite power of 0 or more"), "power"));
         }
         match self.fwhm_nm {
             Some(width) if !(width.is_finite() && width >= MIN_WIDTH_NM) => {
                 let what = format!("a line {width} nm wide");
-                Err(place(Error::input(what).expected(format!("at least {MIN_WIDTH_NM} nm")), "fwhm_nm"))
+                Err(place(Error::input(what).expected(format!("a width of at least {MIN_WIDTH_NM} nm")), "fwhm_nm"))
             }
             Some(_) | None => Ok(()),
         }
     }
 
-    /// The line as a box of constant density, cut to the band: what lies outside the band is lost with its power.
+    /// Returns the line as a segment of constant density, clipped to the band. The power outside
+    /// the band is lost. Returns `None` if no part of the line is left.
     fn segment(&self) -> Option<LineSegment> {
         let half = 0.5 * self.fwhm_nm.unwrap_or(DEFAULT_LINE_WIDTH_NM);
         let (lower, upper) = (self.nm - half, self.nm + half);
@@ -51,29 +52,29 @@ impl SpectralLine {
     }
 }
 
-/// A stretch of the band with constant power per nm; the stretches of a spectrum do not overlap.
+/// An interval of the band with constant power per nm. The segments of a spectrum do not overlap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineSegment {
-    /// Where it begins and ends, in nm.
+    /// The lower and the upper end in nm.
     pub nm: (f64, f64),
-    /// The power within it.
+    /// The power of the segment.
     pub power: f64,
 }
 
 impl LineSegment {
-    /// Power per nm within it.
+    /// Returns the power per nm.
     #[inline]
     pub fn density(&self) -> f64 {
         self.power / (self.nm.1 - self.nm.0)
     }
 
-    /// The wavelength in its middle, in nm.
+    /// Returns the centre wavelength in nm.
     pub fn centre(&self) -> f64 {
         0.5 * (self.nm.0 + self.nm.1)
     }
 }
 
-/// Segments in ascending order without overlap.
+/// Line segments in ascending order, without overlap.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Lines {
     segments: Vec<LineSegment>,
@@ -81,21 +82,22 @@ pub(crate) struct Lines {
 }
 
 impl Lines {
-    /// None at all.
+    /// Returns an empty list.
     pub(crate) fn none() -> Self {
         Self::from_segments(Vec::new())
     }
 
-    /// The lines as segments.
+    /// Converts lines to segments.
     ///
     /// # Errors
-    /// A wavelength, power or width that cannot be, with the line's number.
+    /// Returns an error with the number of the line if a wavelength, power or width is out of
+    /// range.
     pub(crate) fn new(lines: &[SpectralLine]) -> Result<Self> {
         lines.iter().enumerate().try_for_each(|(i, line)| line.check(i))?;
         Ok(Self::from_segments(lines.iter().filter_map(SpectralLine::segment).collect()))
     }
 
-    /// Any segments; where some overlap their densities add up.
+    /// Builds the list from any segments. The densities of overlapping segments are added.
     pub(crate) fn from_segments(mut segments: Vec<LineSegment>) -> Self {
         segments.retain(|segment| segment.power > 0.0);
         segments.sort_by(|a, b| a.nm.0.total_cmp(&b.nm.0));
@@ -110,7 +112,7 @@ impl Lines {
         &self.segments
     }
 
-    /// Power per nm at a wavelength of the band.
+    /// Returns the power per nm at a wavelength of the band.
     #[inline]
     pub(crate) fn at(&self, nm: f64) -> f64 {
         if self.segments.is_empty() {
@@ -125,7 +127,8 @@ impl Lines {
     }
 }
 
-/// Cuts overlapping segments (in order of their beginnings) at each other's ends and adds up what coincides.
+/// Splits overlapping segments at all segment ends, and adds the densities of coinciding parts. The
+/// segments must be sorted by their lower ends.
 fn disjoint(segments: &[LineSegment]) -> Vec<LineSegment> {
     let mut cuts: Vec<f64> = segments.iter().flat_map(|segment| [segment.nm.0, segment.nm.1]).collect();
     cuts.sort_by(f64::total_cmp);
@@ -143,14 +146,14 @@ fn disjoint(segments: &[LineSegment]) -> Vec<LineSegment> {
     parts
 }
 
-/// A place among lines that only moves towards longer wavelengths.
+/// A position in a list of lines. The position moves towards longer wavelengths only.
 #[derive(Debug, Clone)]
 pub(crate) struct LineCursor<'a> {
     rest: &'a [LineSegment],
 }
 
 impl LineCursor<'_> {
-    /// The first beginning or end of a line beyond `nm`.
+    /// Moves to `nm` and returns the first lower or upper end of a line beyond `nm`.
     pub(crate) fn knot_after(&mut self, nm: f64) -> f64 {
         while let [first, rest @ ..] = self.rest
             && first.nm.1 <= nm
@@ -164,8 +167,9 @@ impl LineCursor<'_> {
         }
     }
 
-    /// Power per nm on a stretch that holds no knot and begins at `lower`, where `knot_after` was last asked.
-    pub(crate) fn on(&self, lower: f64) -> f64 {
+    /// Returns the power per nm on an interval that begins at `lower` and contains no knot. `lower`
+    /// must be the argument of the last call of `knot_after`.
+    pub(crate) fn values_on(&self, lower: f64) -> f64 {
         self.rest.first().filter(|segment| segment.nm.0 <= lower).map_or(0.0, LineSegment::density)
     }
 }
@@ -197,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_lines_are_named() {
+    fn errors_name_the_invalid_line() {
         let found = |bad: SpectralLine| Lines::new(&[line(500.0, 1.0, 1.0), bad]).unwrap_err().to_string();
         assert!(found(line(-5.0, 1.0, 1.0)).starts_with("lines[1].nm: a line at -5 nm"));
         assert!(found(line(500.0, f64::NAN, 1.0)).contains("lines[1].power"));

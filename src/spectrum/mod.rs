@@ -1,9 +1,10 @@
-//! Light as a function of wavelength: values, integrals, drawing wavelengths, observers and a library.
+//! Light as a function of wavelength: values, integrals, wavelength sampling, observers and a
+//! library of measured spectra.
 //!
-//! A [`Spectrum`] is an exact piecewise-linear function over the band plus narrow lines of exact power. Whatever is
-//! asked of it (a value, an integral, a product, a random wavelength) is answered for that function, so that no
-//! line is ever lost between samples. What one writes down, tables, formulas, colours, becomes such a function once,
-//! when it is read.
+//! A [`Spectrum`] is a piecewise-linear function over the simulated band plus narrow lines of exact
+//! power. Values, integrals, products and sampled wavelengths are computed for exactly that
+//! function, so no line is lost between samples. When a table, formula or colour is read, it is
+//! converted to such a function once.
 
 pub mod library;
 pub mod read;
@@ -23,7 +24,7 @@ mod sweep;
 mod table;
 mod value;
 
-pub use continuum::Piece;
+pub use continuum::LinearPiece;
 pub use daylight::DAYLIGHT_K;
 pub(crate) use daylight::daylight_extended;
 pub use distribution::WavelengthDistribution;
@@ -31,7 +32,13 @@ pub use lanes::{LANES, Lanes, Wavelengths};
 pub use line::{DEFAULT_LINE_WIDTH_NM, LineSegment, MIN_WIDTH_NM, SpectralLine};
 pub use observer::{LUMENS_PER_WATT, OBSERVER_NAMES, Observer};
 pub use planck::planck;
-pub use value::{Outside, Spectrum};
+pub use table::Outside;
+pub use value::Spectrum;
 
-/// The band of wavelengths that Abbe simulates, in nm. Every power and every integral is meant over it.
+/// The simulated band of wavelengths in nm. All powers and integrals refer to this band.
 pub const BAND_NM: (f64, f64) = (360.0, 830.0);
+
+/// The green wavelength, in nm, that represents the whole band. It is used for the sampling
+/// decisions of paths without wavelengths, for the optical depths by which media are classified,
+/// and for the size of the Airy disk.
+pub const REFERENCE_NM: f64 = 550.0;

@@ -1,18 +1,19 @@
-//! Thermal radiation.
+//! Thermal radiation: Planck's law.
 
-/// First radiation constant for spectral radiance, 2hc², in W m² sr⁻¹ (exact in the SI of 2019).
+/// The first radiation constant for spectral radiance, 2hc², in W m² sr⁻¹ (exact in the SI of
+/// 2019).
 const C1_RADIANCE: f64 = 1.191_042_972_397_188e-16;
-/// Second radiation constant, hc/k, in m K (exact in the SI of 2019).
+/// The second radiation constant, hc/k, in m K (exact in the SI of 2019).
 pub(crate) const C2_M_K: f64 = 0.014_387_768_775_039_337;
 
-/// Beyond this exponent the radiance is below the least positive number at any wavelength in use.
+/// The largest exponent. Above it the radiance is below the smallest positive number at every
+/// wavelength of the band.
 const LAST_EXPONENT: f64 = 1600.0;
 
-/// Spectral radiance of a black body by Planck's law, in W m⁻² sr⁻¹ m⁻¹, at a wavelength in nm and a temperature in
-/// K, both positive.
+/// Returns the spectral radiance of a black body by Planck's law, in W m⁻² sr⁻¹ m⁻¹. The wavelength
+/// in nm and the temperature in K must be positive.
 ///
-/// The exponential is split in two halves, so that radiances far below the least normal value of exp(−x) keep their
-/// digits.
+/// The exponential is split into two halves, so that very small radiances keep their precision.
 pub fn planck(nm: f64, temperature_k: f64) -> f64 {
     let length_m = nm * 1e-9;
     let exponent = C2_M_K / (length_m * temperature_k);
@@ -28,7 +29,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn long_waves_follow_rayleigh_and_jeans() {
+    fn long_waves_follow_the_rayleigh_jeans_law() {
         // For hc ≪ λkT the law tends to 2ckT/λ⁴ (1 − x/2 + x²/12).
         let (nm, temperature) = (830.0, 1e12);
         let x = C2_M_K / (830e-9 * 1e12);

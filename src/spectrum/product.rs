@@ -1,23 +1,23 @@
-//! Products and sums of spectra that are spectra again.
+//! Products of spectra, and sums of black-body spectra, as new spectra.
 
-use super::continuum::{Continuum, Piece};
+use super::continuum::{Continuum, LinearPiece};
 use super::line::LineSegment;
 use super::sweep::sweep;
 use super::{Spectrum, planck, smooth};
 
-/// The largest error of a product's linear pieces, relative to the product of the two maxima.
-const TOLERANCE: f64 = 1e-7;
+/// The largest error of the linear pieces of a product, relative to the product of the two maxima.
+const PRODUCT_TOLERANCE: f64 = 1e-7;
 
 impl Spectrum {
-    /// This spectrum times another at every wavelength: to one part in 10⁷ of the maxima's product where both are smooth, exactly
-    /// in power where one has a line.
+    /// Multiplies two spectra. Where both spectra are smooth, the error is at most one part in 10⁷
+    /// of the product of the maxima. Where one spectrum has a line, the power is exact.
     #[must_use]
     pub fn product(&self, other: &Self) -> Self {
-        let tolerance = TOLERANCE * self.continuum_only().max() * other.continuum_only().max();
+        let tolerance = PRODUCT_TOLERANCE * self.continuum_only().max() * other.continuum_only().max();
         let (mut pieces, mut lines) = (Vec::new(), Vec::new());
-        sweep([self, other], |nm, [a, b]| {
+        sweep([self.parts(), other.parts()], |nm, [a, b]| {
             let middle = 0.5 * (nm.0 + nm.1);
-            let (line_a, line_b) = (self.lines_part().at(middle), other.lines_part().at(middle));
+            let (line_a, line_b) = (self.parts().lines.at(middle), other.parts().lines.at(middle));
             let (smooth_a, smooth_b) = ((a.0 - line_a, a.1 - line_a), (b.0 - line_b, b.1 - line_b));
             add_pieces(nm, [smooth_a, smooth_b], tolerance, &mut pieces);
             if line_a > 0.0 || line_b > 0.0 {
@@ -25,32 +25,36 @@ impl Spectrum {
                 lines.push(LineSegment { nm, power });
             }
         });
-        let lines = Self::of_segments(&lines);
-        Self::mix(&[(1.0, &Self::smooth(Continuum::from_pieces(&pieces))), (1.0, &lines)])
+        let lines = Self::from_segments(&lines);
+        Self::mix(&[(1.0, &Self::from_continuum(Continuum::from_pieces(&pieces))), (1.0, &lines)])
     }
 
-    /// The summed radiance of black bodies of these temperatures in K (above 0) and weights, in W m⁻² sr⁻¹ nm⁻¹.
+    /// Returns the sum of weighted black-body radiances in W m⁻² sr⁻¹ nm⁻¹. `bodies` lists pairs of
+    /// a temperature in K (above 0) and a weight.
     pub fn blackbodies(bodies: &[(f64, f64)]) -> Self {
         let radiance = |nm: f64| bodies.iter().map(|&(kelvin, weight)| weight * planck(nm, kelvin)).sum::<f64>() * 1e-9;
-        Self::smooth(smooth::sampled(radiance, &[]))
+        Self::from_continuum(smooth::sampled(radiance, &[]))
     }
 }
 
-/// The mean of the product of two linear functions, given at both ends.
+/// Returns the mean of the product of two linear functions. Each function is given by its values at
+/// both ends.
 fn mean_product(a: (f64, f64), b: (f64, f64)) -> f64 {
     (2.0 * (a.0 * b.0 + a.1 * b.1) + a.0 * b.1 + a.1 * b.0) / 6.0
 }
 
-/// Adds the product of two linear functions as linear pieces, as many as it takes.
-fn add_pieces(nm: (f64, f64), [a, b]: [(f64, f64); 2], tolerance: f64, pieces: &mut Vec<Piece>) {
-    // A chord is off by at most a quarter of the product of the rises, which goes with the square of the parts.
+/// Appends the product of two linear functions as linear pieces. The tolerance determines the
+/// number of pieces.
+fn add_pieces(nm: (f64, f64), [a, b]: [(f64, f64); 2], tolerance: f64, pieces: &mut Vec<LinearPiece>) {
+    // The error of a straight line through the end points is at most a quarter of the product of
+    // the two rises. It is proportional to the square of the width of a part.
     let off = 0.25 * ((a.1 - a.0) * (b.1 - b.0)).abs();
     let parts = if off > tolerance { (off / tolerance).sqrt().ceil() } else { 1.0 };
     let value = |t: f64| (a.0 + t * (a.1 - a.0)) * (b.0 + t * (b.1 - b.0));
     let place = |i: f64| if i < parts { nm.0 + i / parts * (nm.1 - nm.0) } else { nm.1 };
     for i in (0..parts as u32).map(f64::from) {
         let values = (value(i / parts), value((i + 1.0) / parts));
-        pieces.push(Piece { nm: (place(i), place(i + 1.0)), values });
+        pieces.push(LinearPiece { nm: (place(i), place(i + 1.0)), values });
     }
 }
 

@@ -1,8 +1,9 @@
-//! Spectra for RGB colours: smooth reflectances that never leave [0, 1].
+//! Spectra for RGB colours (spectral upsampling): smooth reflectances within [0, 1].
 //!
-//! W. Jakob and J. Hanika, "A low-dimensional function space for efficient spectral upsampling", Computer Graphics
-//! Forum 38 (2019): a reflectance is S(c₀ + c₁x + c₂x²) with the sigmoid S(y) = ½ + y/(2√(1 + y²)). The three
-//! coefficients are fitted when a colour is read, so that no table of them has to be carried.
+//! Method: W. Jakob and J. Hanika, "A low-dimensional function space for efficient spectral
+//! upsampling", Computer Graphics Forum 38 (2019). A reflectance is S(c₀ + c₁x + c₂x²) with the
+//! sigmoid S(y) = ½ + y/(2√(1 + y²)). The three coefficients are fitted when a colour is read, so
+//! no coefficient table is needed.
 
 use std::sync::OnceLock;
 
@@ -11,80 +12,86 @@ use super::value::Spectrum;
 use super::{BAND_NM, library, smooth};
 use crate::error::{Error, Result};
 
-/// Linear sRGB from XYZ (IEC 61966-2-1: its primaries' chromaticities and the white x, y = 0.3127, 0.3290).
+/// The matrix from XYZ to linear sRGB (IEC 61966-2-1, with the white x, y = 0.3127, 0.3290).
 const XYZ_TO_LINEAR_SRGB: [[f64; 3]; 3] = [
     [3.240_969_941_904_521, -1.537_383_177_570_093, -0.498_610_760_293],
     [-0.969_243_636_280_879_4, 1.875_967_501_507_72, 0.041_555_057_407_175_56],
     [0.055_630_079_696_993_59, -0.203_976_958_888_976_5, 1.056_971_514_242_878],
 ];
 
-/// Samples per colour fit: every nm of the band.
-const SAMPLES: usize = (BAND_NM.1 - BAND_NM.0) as usize + 1;
+/// The number of samples of a fit: one per nm of the band.
+const FIT_SAMPLES: usize = (BAND_NM.1 - BAND_NM.0) as usize + 1;
 
-/// Where the fit stops: errors in linear RGB below this are far below one display step.
-const GOOD_ENOUGH: f64 = 1e-9;
+/// The fit stops when the error in linear RGB is below this value. One display step is much larger.
+const FIT_TOLERANCE: f64 = 1e-9;
 
 type Vec3 = [f64; 3];
 
-/// What the fit is made under: D65 and the CIE 1931 observer.
-struct Basis {
+/// The illuminant and observer of the fit: D65 and CIE 1931.
+struct FitBasis {
     /// D65, scaled so that its Y is 1.
     d65: Spectrum,
-    /// What reflectance 1 at one sample adds to linear sRGB; the sum over all samples is (1, 1, 1).
+    /// The contribution of reflectance 1 at one sample to linear sRGB. The sum over all samples is
+    /// (1, 1, 1).
     to_rgb: Vec<Vec3>,
 }
 
-fn basis() -> &'static Basis {
-    static BASIS: OnceLock<Basis> = OnceLock::new();
+fn basis() -> &'static FitBasis {
+    static BASIS: OnceLock<FitBasis> = OnceLock::new();
     BASIS.get_or_init(|| {
         let table = library::find("D65").expect("the built-in library holds D65").spectrum;
         let observer = Observer::cie1931();
         let d65 = table.scaled(observer.xyz(&table)[1].recip());
-        let mut to_rgb: Vec<Vec3> = (0..SAMPLES)
+        let mut to_rgb: Vec<Vec3> = (0..FIT_SAMPLES)
             .map(|i| {
                 let nm = BAND_NM.0 + i as f64;
                 let xyz = observer.xyz_bar(nm).map(|bar| bar * d65.at(nm));
                 XYZ_TO_LINEAR_SRGB.map(|row| dot(row, xyz))
             })
             .collect();
-        // D65 integrates to the white of sRGB within 3·10⁻⁴ only. Taking its own integral for white makes greys flat.
+        // The integral of D65 differs from the white of sRGB by up to 3·10⁻⁴. Using the integral as
+        // white makes the reflectances of greys constant.
         for channel in 0..3 {
             let sum: f64 = to_rgb.iter().map(|rgb| rgb[channel]).sum();
             to_rgb.iter_mut().for_each(|rgb| rgb[channel] /= sum);
         }
-        Basis { d65, to_rgb }
+        FitBasis { d65, to_rgb }
     })
 }
 
 impl Spectrum {
-    /// A smooth reflectance within [0, 1] that has a colour in linear sRGB under D65 for the CIE 1931 observer: to
-    /// 10⁻³ over the whole cube. Greys are constant.
+    /// Returns a smooth reflectance within [0, 1]. Under D65 and for the CIE 1931 observer, the
+    /// reflectance has the given linear sRGB colour. The error is at most 10⁻³ over the whole cube.
+    /// Greys are constant.
     ///
     /// # Errors
-    /// A component outside [0, 1].
+    /// Returns an error if a component is outside [0, 1].
     pub fn rgb_reflectance(rgb: [f64; 3]) -> Result<Self> {
         if !rgb.iter().all(|component| (0.0..=1.0).contains(component)) {
-            return Err(Error::input(format!("the colour {rgb:?} of a reflectance")).expected("components from 0 to 1"));
+            return Err(
+                Error::input(format!("the colour {rgb:?} for a reflectance")).expected("components from 0 to 1")
+            );
         }
         if rgb == [rgb[0]; 3] {
             return Ok(Self::constant(rgb[0]));
         }
         let coefficients = fit(rgb);
-        Ok(Self::made_from_a_colour(smooth::sampled(|nm| reflectance(coefficients, nm), &[])))
+        Ok(Self::upsampled(smooth::sampled(|nm| reflectance(coefficients, nm), &[])))
     }
 
-    /// A light of a colour in linear sRGB: D65 seen through a smooth filter, scaled so that its XYZ (without the
-    /// factor 683) is that of the colour, to 10⁻³ of its brightest component.
+    /// Returns a light of the given linear sRGB colour: D65 times a smooth filter. Its XYZ values
+    /// (without the factor 683) match the colour, with an error of at most 10⁻³ of the brightest
+    /// component.
     ///
     /// # Errors
-    /// A component that is negative or not finite.
+    /// Returns an error if a component is negative or not finite.
     pub fn rgb_light(rgb: [f64; 3]) -> Result<Self> {
         if !rgb.iter().all(|component| component.is_finite() && *component >= 0.0) {
             return Err(
-                Error::input(format!("the colour {rgb:?} of a light")).expected("finite components of 0 or more")
+                Error::input(format!("the colour {rgb:?} for a light")).expected("finite components of 0 or more")
             );
         }
-        // Half the brightest component leaves the filter room above it, where it can stay smooth.
+        // The filter is fitted to at most half the brightest component, so that it can stay smooth.
         let scale = 2.0 * rgb.iter().copied().fold(0.0, f64::max);
         let d65 = &basis().d65;
         if scale == 0.0 || rgb == [rgb[0]; 3] {
@@ -92,11 +99,11 @@ impl Spectrum {
         }
         let coefficients = fit(rgb.map(|component| component / scale));
         let light = |nm: f64| scale * reflectance(coefficients, nm) * d65.at(nm);
-        Ok(Self::made_from_a_colour(smooth::sampled(light, &[])))
+        Ok(Self::upsampled(smooth::sampled(light, &[])))
     }
 }
 
-/// From −1 to 1 over the band, so that the fit is well conditioned.
+/// Maps the band to [−1, 1], so that the fit is well conditioned.
 fn abscissa(nm: f64) -> f64 {
     (2.0 * nm - (BAND_NM.0 + BAND_NM.1)) / (BAND_NM.1 - BAND_NM.0)
 }
@@ -111,13 +118,14 @@ fn reflectance(c: Vec3, nm: f64) -> f64 {
 }
 
 fn sigmoid(y: f64) -> f64 {
-    // Written without cancellation where y is far below 0.
+    // This form has no cancellation where y is far below 0.
     let root = (1.0 + y * y).sqrt();
     if y < 0.0 { 0.5 / (root * (root - y)) } else { 0.5 + 0.5 * y / root }
 }
 
-/// The coefficients whose reflectance has the colour, by damped Gauss–Newton steps (Levenberg, Marquardt) along the
-/// way from the grey of equal mean to the colour; every component is in [0, 1].
+/// Fits the coefficients to a colour whose components lie in [0, 1]. The method is damped
+/// Gauss–Newton steps (Levenberg–Marquardt). In eight steps the target moves from a grey with the
+/// same mean to the colour.
 fn fit(rgb: Vec3) -> Vec3 {
     let grey = (rgb.iter().sum::<f64>() / 3.0).clamp(0.01, 0.99);
     let level = 2.0 * grey - 1.0;
@@ -135,7 +143,7 @@ fn solve_from(mut c: Vec3, target: Vec3, steps: usize) -> Vec3 {
     let (mut error, mut jacobian) = residual(c, target);
     for _ in 0..steps {
         let size = dot(error, error);
-        if size < GOOD_ENOUGH * GOOD_ENOUGH {
+        if size < FIT_TOLERANCE * FIT_TOLERANCE {
             break;
         }
         let next = step(c, error, jacobian, damping);
@@ -150,7 +158,8 @@ fn solve_from(mut c: Vec3, target: Vec3, steps: usize) -> Vec3 {
     c
 }
 
-/// The error of a fit in linear sRGB, and its derivatives: `[channel][coefficient]`.
+/// Returns the error of a fit in linear sRGB, and the derivatives of the error as
+/// `[channel][coefficient]`.
 fn residual(c: Vec3, target: Vec3) -> (Vec3, [Vec3; 3]) {
     let mut error = target.map(|component| -component);
     let mut jacobian = [[0.0; 3]; 3];
@@ -169,7 +178,7 @@ fn residual(c: Vec3, target: Vec3) -> (Vec3, [Vec3; 3]) {
     (error, jacobian)
 }
 
-/// c − (JᵀJ + damping·diag(JᵀJ))⁻¹ Jᵀ error.
+/// Returns c − (JᵀJ + damping·diag(JᵀJ))⁻¹ Jᵀ error.
 fn step(c: Vec3, error: Vec3, jacobian: [Vec3; 3], damping: f64) -> Vec3 {
     let column = |i: usize| [jacobian[0][i], jacobian[1][i], jacobian[2][i]];
     let mut normal = [[0.0; 3]; 3];
@@ -183,7 +192,7 @@ fn step(c: Vec3, error: Vec3, jacobian: [Vec3; 3], damping: f64) -> Vec3 {
     if next.iter().all(|coefficient| coefficient.is_finite()) { next } else { c }
 }
 
-/// Cramer's rule for three equations.
+/// Solves three linear equations by Cramer's rule.
 fn solve(m: [Vec3; 3], right: Vec3) -> Vec3 {
     let determinant = |m: [Vec3; 3]| {
         m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
@@ -210,7 +219,8 @@ mod tests {
         XYZ_TO_LINEAR_SRGB.map(|row| dot(row, xyz))
     }
 
-    /// The largest error of a component over a grid of 9³ colours of the cube, and where.
+    /// Returns the largest error of a component on a grid of 9³ colours of the cube, and the colour
+    /// with this error.
     fn worst(back: impl Fn(Vec3) -> Vec3) -> (f64, Vec3) {
         let colours = (0..729).map(|code| [code / 81, code / 9 % 9, code % 9].map(|level| f64::from(level) / 8.0));
         let error = |rgb: Vec3| {
@@ -220,12 +230,13 @@ mod tests {
         colours.map(|rgb| (error(rgb), rgb)).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
     }
 
+    /// Every colour of the cube must be reproduced by a reflectance within [0, 1].
     #[test]
-    fn reflectances_of_the_whole_cube_come_back_and_stay_within_0_and_1() {
+    fn every_colour_has_a_reflectance_within_0_and_1() {
         let worst = worst(|rgb| {
             let spectrum = Spectrum::rgb_reflectance(rgb).unwrap();
             assert!(spectrum.min() >= 0.0 && spectrum.max() <= 1.0, "{rgb:?}");
-            assert_eq!(spectrum.is_upsampled(), rgb != [rgb[0]; 3], "greys are no guess");
+            assert_eq!(spectrum.is_upsampled(), rgb != [rgb[0]; 3], "greys are not upsampled");
             linear_srgb_under_d65(&spectrum)
         });
         println!("reflectances: {worst:?}");
@@ -233,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn lights_of_the_whole_cube_come_back_at_any_strength() {
+    fn every_colour_has_a_light_at_any_strength() {
         for strength in [1.0, 1e-6, 1e6] {
             let worst = worst(|rgb| {
                 let light = Spectrum::rgb_light(rgb.map(|component| strength * component)).unwrap();

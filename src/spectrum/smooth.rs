@@ -1,27 +1,27 @@
-//! Functions given by a formula, turned into pieces fine enough that nobody can tell.
+//! Conversion of formulas to piecewise-linear functions.
 
 use super::BAND_NM;
 use super::continuum::Continuum;
 
-/// The largest error of the linear pieces, relative to the function's maximum: less than half of what is promised, so that a
-/// peak may still be scaled to its exact area.
-const TOLERANCE: f64 = 4e-7;
+/// The largest error of the linear pieces, relative to the maximum of the function. This error is
+/// less than half of the promised 10⁻⁶, because a peak may afterwards be scaled to its exact area.
+const SAMPLING_TOLERANCE: f64 = 4e-7;
 
-/// How often a stretch between two given knots may be divided again.
+/// The largest number of successive divisions of an interval between two given knots.
 const MAX_DIVISIONS: u32 = 12;
 
-/// The most parts of one division.
+/// The largest number of parts of one division.
 const MAX_PARTS: f64 = 8.0;
 
-/// A smooth function as pieces: knots at every whole nm of the band and at `extra`, and as many between them as it
-/// takes to stay within one part in 10⁶ of the maximum.
+/// Converts a smooth function to pieces. The knots are the whole nm of the band and the wavelengths
+/// `extra`. More knots are added until the error is within one part in 10⁶ of the maximum.
 pub(crate) fn sampled(function: impl Fn(f64) -> f64, extra: &[f64]) -> Continuum {
     let mut knots: Vec<f64> = (BAND_NM.0 as u32..=BAND_NM.1 as u32).map(f64::from).collect();
     knots.extend(extra.iter().filter(|nm| (BAND_NM.0..=BAND_NM.1).contains(*nm)));
     knots.sort_by(f64::total_cmp);
     knots.dedup();
     let values: Vec<f64> = knots.iter().map(|&nm| function(nm)).collect();
-    let tolerance = TOLERANCE * values.iter().copied().fold(0.0, f64::max);
+    let tolerance = SAMPLING_TOLERANCE * values.iter().copied().fold(0.0, f64::max);
     let mut pieces = vec![(knots[0], values[0])];
     for i in 1..knots.len() {
         let (from, to) = ((knots[i - 1], values[i - 1]), (knots[i], values[i]));
@@ -30,7 +30,7 @@ pub(crate) fn sampled(function: impl Fn(f64) -> f64, extra: &[f64]) -> Continuum
     Continuum::from_knots(&pieces)
 }
 
-/// Appends the knots after `from` up to and including `to`.
+/// Appends the knots after `from`, up to and including `to`.
 fn refine(
     function: &impl Fn(f64) -> f64,
     [from, to]: [(f64, f64); 2],
@@ -44,7 +44,7 @@ fn refine(
         knots.push(to);
         return;
     }
-    // The error of linear interpolation goes with the square of the width.
+    // The error of linear interpolation is proportional to the square of the width.
     let parts = (worst / tolerance).sqrt().ceil().clamp(2.0, MAX_PARTS);
     let mut lower = from;
     for part in 1..=parts as u32 {
@@ -57,7 +57,7 @@ fn refine(
     }
 }
 
-/// The integral over the band of the function itself, by Simpson's rule on its own pieces.
+/// Integrates the original function over the band. Simpson's rule is applied on each piece.
 pub(crate) fn integral_of(function: impl Fn(f64) -> f64, pieces: &Continuum) -> f64 {
     pieces
         .pieces()

@@ -1,22 +1,31 @@
-//! Several spectra side by side, stretch by stretch: the one way in which integrals, sums and products are formed.
+//! Simultaneous traversal of several spectra, interval by interval. All integrals, sums and
+//! products of spectra use this traversal.
 
 use super::BAND_NM;
-use super::Spectrum;
-use super::continuum::ContinuumCursor;
-use super::line::LineCursor;
+use super::continuum::{Continuum, ContinuumCursor};
+use super::line::{LineCursor, Lines};
 
-struct Cursor<'a> {
+/// The two parts of a spectrum.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SpectrumParts<'a> {
+    pub(crate) continuum: &'a Continuum,
+    pub(crate) lines: &'a Lines,
+}
+
+struct SpectrumCursor<'a> {
     continuum: ContinuumCursor<'a>,
     lines: LineCursor<'a>,
 }
 
-/// Cuts the band at every knot of every spectrum and calls `visit` with each stretch (its ends in nm) and every
-/// spectrum's values at its ends; within the stretch all are linear. Lines count with their power per nm.
-pub(crate) fn sweep<const N: usize>(spectra: [&Spectrum; N], mut visit: impl FnMut((f64, f64), [(f64, f64); N])) {
-    let mut cursors = spectra.map(|spectrum| Cursor {
-        continuum: spectrum.continuum_part().cursor(),
-        lines: spectrum.lines_part().cursor(),
-    });
+/// Divides the band at every knot of every spectrum. Calls `visit` for each interval. The arguments
+/// are the ends of the interval in nm, and the values of every spectrum at both ends. All spectra
+/// are linear within the interval. Lines contribute their power per nm.
+pub(crate) fn sweep<const N: usize>(
+    spectra: [SpectrumParts<'_>; N],
+    mut visit: impl FnMut((f64, f64), [(f64, f64); N]),
+) {
+    let mut cursors = spectra
+        .map(|spectrum| SpectrumCursor { continuum: spectrum.continuum.cursor(), lines: spectrum.lines.cursor() });
     let mut lower = BAND_NM.0;
     while lower < BAND_NM.1 {
         let mut upper = BAND_NM.1;
@@ -24,8 +33,8 @@ pub(crate) fn sweep<const N: usize>(spectra: [&Spectrum; N], mut visit: impl FnM
             upper = upper.min(cursor.continuum.knot_after(lower)).min(cursor.lines.knot_after(lower));
         }
         let values = cursors.each_ref().map(|cursor| {
-            let (from, to) = cursor.continuum.on(lower, upper);
-            let line = cursor.lines.on(lower);
+            let (from, to) = cursor.continuum.values_on(lower, upper);
+            let line = cursor.lines.values_on(lower);
             (from + line, to + line)
         });
         visit((lower, upper), values);
@@ -33,9 +42,9 @@ pub(crate) fn sweep<const N: usize>(spectra: [&Spectrum; N], mut visit: impl FnM
     }
 }
 
-/// The integral over the band of the product of at most three spectra: exact, because Simpson's rule is exact for
-/// cubics.
-pub(crate) fn product_integral<const N: usize>(spectra: [&Spectrum; N]) -> f64 {
+/// Integrates the product of at most three spectra over the band. The result is exact, because
+/// Simpson's rule is exact for cubic polynomials.
+pub(crate) fn product_integral<const N: usize>(spectra: [SpectrumParts<'_>; N]) -> f64 {
     const { assert!(N <= 3, "four linear factors make a quartic, which Simpson's rule does not integrate") }
     let mut sum = 0.0;
     sweep(spectra, |nm, values| {

@@ -1,14 +1,23 @@
-//! Tables of samples: their checks, and their meaning over the band.
+//! Tables of samples: validation, and conversion to a function over the band.
 
 use super::BAND_NM;
-use super::continuum::{Continuum, Piece};
-use super::value::Outside;
+use super::continuum::{Continuum, LinearPiece};
 use crate::error::{Error, Result};
 
-/// Tables with steps below this, in nm, hold features that samples every nm would miss.
+/// The continuation of a table beyond its ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outside {
+    /// The value is 0 outside the table. This is the rule for lights.
+    Zero,
+    /// Outside the table, the value at the nearest end is used. This is the rule for reflectances
+    /// and optical constants.
+    Hold,
+}
+
+/// If a table has steps below this width in nm, samples every nm would miss some of its features.
 const FINE_STEP_NM: f64 = 0.49;
 
-/// The first fault of a list of samples and the number (from 0) of the entry it stands at.
+/// Returns the first error in a list of samples, and the index of the wrong sample.
 pub(crate) fn first_fault(nm: &[f64], values: &[f64]) -> Option<(usize, Error)> {
     for (i, (&at, &value)) in nm.iter().zip(values).enumerate() {
         let what = if !(at.is_finite() && at > 0.0) {
@@ -18,7 +27,7 @@ pub(crate) fn first_fault(nm: &[f64], values: &[f64]) -> Option<(usize, Error)> 
         } else if value < 0.0 {
             Error::input(format!("the negative value {value} at {at} nm")).expected("0 or more")
         } else if i > 0 && at == nm[i - 1] {
-            Error::input(format!("the wavelength {at} nm twice")).expected("every wavelength once")
+            Error::input(format!("the wavelength {at} nm, which occurs twice")).expected("each wavelength once")
         } else if i > 0 && at < nm[i - 1] {
             Error::input(format!("the wavelength {at} nm after {} nm", nm[i - 1])).expected("ascending wavelengths")
         } else {
@@ -29,16 +38,16 @@ pub(crate) fn first_fault(nm: &[f64], values: &[f64]) -> Option<(usize, Error)> 
     None
 }
 
-/// Whether any step within the band is too fine for sums over samples every nm.
+/// Returns whether a step within the band is too fine for sums over samples every nm.
 pub(crate) fn is_fine(nm: &[f64]) -> bool {
     nm.windows(2).any(|pair| pair[1] - pair[0] < FINE_STEP_NM && pair[1] > BAND_NM.0 && pair[0] < BAND_NM.1)
 }
 
-/// The table as pieces over the band.
+/// Converts a table to a function over the band.
 pub(crate) fn continuum(nm: &[f64], values: &[f64], outside: Outside) -> Result<Continuum> {
     if nm.len() != values.len() {
         let what = format!("{} wavelengths and {} values", nm.len(), values.len());
-        return Err(Error::input(what).expected("as many of one as of the other"));
+        return Err(Error::input(what).expected("equal numbers of wavelengths and values"));
     }
     if let Some((i, fault)) = first_fault(nm, values) {
         return Err(fault.on_path(format!("[{i}]")));
@@ -47,7 +56,7 @@ pub(crate) fn continuum(nm: &[f64], values: &[f64], outside: Outside) -> Result<
         return match (values, outside) {
             ([value], Outside::Hold) => Ok(Continuum::constant(*value)),
             ([_], Outside::Zero) => {
-                let what = "a light's table of a single sample, which has no width";
+                let what = "a table with a single sample for a light";
                 Err(Error::input(what).expected("at least two samples, or a spectral line (\"lines\")"))
             }
             ([] | [_, _, ..], _) => Err(Error::input("a table without entries").expected("at least one sample")),
@@ -60,11 +69,12 @@ pub(crate) fn continuum(nm: &[f64], values: &[f64], outside: Outside) -> Result<
     Ok(Continuum::from_pieces(&pieces(nm, values, ends)))
 }
 
-/// The pieces of at least two samples; `ends` holds their first and last wavelength and the value beyond it.
-fn pieces(nm: &[f64], values: &[f64], [below, above]: [(f64, f64); 2]) -> Vec<Piece> {
+/// Converts at least two samples to pieces. `ends` contains the first and the last wavelength, and
+/// the value beyond each of them.
+fn pieces(nm: &[f64], values: &[f64], [below, above]: [(f64, f64); 2]) -> Vec<LinearPiece> {
     let mut pieces = Vec::with_capacity(nm.len() + 1);
     if below.0 > BAND_NM.0 {
-        pieces.push(Piece { nm: (BAND_NM.0, below.0.min(BAND_NM.1)), values: (below.1, below.1) });
+        pieces.push(LinearPiece { nm: (BAND_NM.0, below.0.min(BAND_NM.1)), values: (below.1, below.1) });
     }
     for i in 1..nm.len() {
         let (from, to) = (nm[i - 1], nm[i]);
@@ -74,16 +84,17 @@ fn pieces(nm: &[f64], values: &[f64], [below, above]: [(f64, f64); 2]) -> Vec<Pi
                 let t = (x - from) / (to - from);
                 (1.0 - t) * values[i - 1] + t * values[i]
             };
-            pieces.push(Piece { nm: inside, values: (at(inside.0), at(inside.1)) });
+            pieces.push(LinearPiece { nm: inside, values: (at(inside.0), at(inside.1)) });
         }
     }
     if above.0 < BAND_NM.1 {
-        // One step of rounding beyond the last sample, so that the sample itself still belongs to the table.
+        // The last piece begins one floating-point step beyond the last sample, so that the sample
+        // belongs to the table.
         let from = if above.0 < BAND_NM.0 { BAND_NM.0 } else { above.0.next_up() };
         if let Some(last) = pieces.last_mut() {
             last.nm.1 = from;
         }
-        pieces.push(Piece { nm: (from, BAND_NM.1), values: (above.1, above.1) });
+        pieces.push(LinearPiece { nm: (from, BAND_NM.1), values: (above.1, above.1) });
     }
     pieces
 }

@@ -1,79 +1,79 @@
-//! A spectrum: values over the band, as a continuum of linear pieces and narrow lines.
+//! A spectrum: a continuum of linear pieces and narrow lines over the band.
 
-use super::continuum::{Continuum, Piece};
+use super::continuum::{Continuum, LinearPiece};
 use super::line::{LineSegment, Lines, MIN_WIDTH_NM, SpectralLine};
-use super::{BAND_NM, planck, smooth, sweep, table};
+use super::sweep::{self, SpectrumParts};
+use super::table::{self, Outside};
+use super::{BAND_NM, planck, smooth};
 use crate::error::{Error, Result};
 
-/// Peaks narrower than this, in nm, are not represented faithfully by samples every nm.
+/// Samples every nm do not represent peaks well that are narrower than this width in nm.
 const NARROW_NM: f64 = 5.0;
 
-/// What a table means beyond its ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outside {
-    /// Nothing: the rule for lamps.
-    Zero,
-    /// Its end value: the rule for reflectances and for optical constants.
-    Hold,
-}
-
-/// A function of wavelength over the band 360–830 nm: power per nm, reflectance, extinction, …
+/// A function of wavelength over the band 360–830 nm, such as power per nm, reflectance or
+/// extinction.
 ///
-/// It is an exact piecewise-linear continuum, which may jump, plus narrow lines of exact power. Every integral over
-/// it is exact for that function, and [`at`](Self::at) takes constant time.
+/// A spectrum is the sum of a piecewise-linear continuum, which may be discontinuous, and narrow
+/// lines of exact power. Every integral is exact for this function. [`at`](Self::at) takes constant
+/// time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrum {
-    /// Everything but the lines.
+    /// The spectrum without its lines.
     continuum: Continuum,
     lines: Lines,
     /// The part of the continuum whose features are too narrow for sums over samples every nm.
     narrow: Option<Box<Continuum>>,
-    /// Whether some of it was made from a colour.
+    /// Whether a part of the spectrum was made from an RGB colour.
     upsampled: bool,
 }
 
 impl Spectrum {
-    /// The same value everywhere in the band.
+    /// Returns a spectrum with the same value everywhere in the band.
     pub fn constant(value: f64) -> Self {
-        Self::smooth(Continuum::constant(value))
+        Self::from_continuum(Continuum::constant(value))
     }
 
-    /// Values at wavelengths in nm, linear in between. Samples beyond the band serve to interpolate at its ends.
+    /// Builds a spectrum from values at wavelengths in nm, with linear interpolation. Samples
+    /// beyond the band are used to interpolate at its ends.
     ///
     /// # Errors
-    /// Lists of different lengths or without entries; wavelengths that do not ascend, occur twice or are not positive;
-    /// values that are negative or not finite; a single sample of something that is zero elsewhere.
+    /// Returns an error if the lists have different lengths or are empty; if wavelengths do not
+    /// ascend, occur twice or are not positive; or if values are negative or not finite. A single
+    /// sample is also an error if the spectrum is 0 outside the table.
     pub fn table(nm: &[f64], values: &[f64], outside: Outside) -> Result<Self> {
         let continuum = table::continuum(nm, values, outside)?;
         let fine = table::is_fine(nm);
-        Ok(Self { narrow: fine.then(|| Box::new(continuum.clone())), ..Self::smooth(continuum) })
+        Ok(Self { narrow: fine.then(|| Box::new(continuum.clone())), ..Self::from_continuum(continuum) })
     }
 
-    /// Lines of exact power. Each is a box of constant density, 0.001 nm wide unless it says otherwise; where boxes
-    /// overlap they add up; what lies outside the band is cut off with its share of the power.
+    /// Builds a spectrum from lines of exact power. Each line is a box of constant density, 0.001
+    /// nm wide unless its width is given. The densities of overlapping boxes are added. Parts of a
+    /// box outside the band are cut off, and their power is lost.
     ///
     /// # Errors
-    /// A wavelength that is not positive, a power that is negative or not finite, a width below 10⁻⁶ nm.
+    /// Returns an error if a wavelength is not positive, a power is negative or not finite, or a
+    /// width is below 10⁻⁶ nm.
     pub fn lines(lines: &[SpectralLine]) -> Result<Self> {
         Ok(Self { lines: Lines::new(lines)?, ..Self::constant(0.0) })
     }
 
-    /// The spectral radiance of a black body, in W m⁻² sr⁻¹ nm⁻¹.
+    /// Returns the spectral radiance of a black body in W m⁻² sr⁻¹ nm⁻¹.
     ///
     /// # Errors
-    /// A temperature (in K) that is not positive and finite.
+    /// Returns an error if the temperature (in K) is not positive and finite.
     pub fn blackbody(temperature_k: f64) -> Result<Self> {
         if !(temperature_k.is_finite() && temperature_k > 0.0) {
             let what = format!("a black body at {temperature_k} K");
             return Err(Error::input(what).expected("a positive temperature in K"));
         }
-        Ok(Self::smooth(smooth::sampled(|nm| planck::planck(nm, temperature_k) * 1e-9, &[])))
+        Ok(Self::from_continuum(smooth::sampled(|nm| planck::planck(nm, temperature_k) * 1e-9, &[])))
     }
 
-    /// A Gaussian peak of height 1, by its centre and its full width at half maximum, in nm.
+    /// Returns a Gaussian peak of height 1 with the given centre and full width at half maximum, in
+    /// nm.
     ///
     /// # Errors
-    /// A centre that is not positive and finite, a width below 10⁻⁶ nm.
+    /// Returns an error if the centre is not positive and finite, or the width is below 10⁻⁶ nm.
     pub fn gaussian(peak_nm: f64, fwhm_nm: f64) -> Result<Self> {
         if !(peak_nm.is_finite() && peak_nm > 0.0) {
             return Err(Error::input(format!("a peak at {peak_nm} nm")).expected("a positive wavelength in nm"));
@@ -92,31 +92,33 @@ impl Spectrum {
         let found = pieces.integral();
         let continuum = if found > 0.0 { pieces.scaled(area / found) } else { pieces };
         let narrow = (fwhm_nm < NARROW_NM).then(|| Box::new(continuum.clone()));
-        Ok(Self { narrow, ..Self::smooth(continuum) })
+        Ok(Self { narrow, ..Self::from_continuum(continuum) })
     }
 
-    /// A power of the wavelength: `value` · (λ/`reference_nm`)^`exponent` (Rayleigh scattering: −4).
+    /// Returns a power law of the wavelength: `value` · (λ/`reference_nm`)^`exponent`. Rayleigh
+    /// scattering has the exponent −4.
     ///
     /// # Errors
-    /// A reference that is not positive, a value that is negative, anything that is not finite over the band.
+    /// Returns an error if the reference is not positive, the value is negative, or the function is
+    /// not finite over the band.
     pub fn power_law(reference_nm: f64, value: f64, exponent: f64) -> Result<Self> {
         let law = |nm: f64| value * (nm / reference_nm).powf(exponent);
         if !(reference_nm.is_finite() && reference_nm > 0.0) {
-            let what = format!("a power law about {reference_nm} nm");
+            let what = format!("a power law with the reference {reference_nm} nm");
             return Err(Error::input(what).expected("a positive reference wavelength in nm"));
         }
         if !(value.is_finite() && value >= 0.0) {
-            let what = format!("a power law of value {value}");
+            let what = format!("a power law with the value {value}");
             return Err(Error::input(what).expected("a finite value of 0 or more"));
         }
         if !(exponent.is_finite() && law(BAND_NM.0).is_finite() && law(BAND_NM.1).is_finite()) {
-            let what = format!("a power law with the exponent {exponent}, which overflows within the band");
-            return Err(Error::input(what).expected("an exponent of ordinary size"));
+            let what = format!("a power law with the exponent {exponent}, which is not finite over the band");
+            return Err(Error::input(what).expected("an exponent for which the power law is finite from 360 to 830 nm"));
         }
-        Ok(Self::smooth(smooth::sampled(law, &[])))
+        Ok(Self::from_continuum(smooth::sampled(law, &[])))
     }
 
-    /// The weighted sum of spectra; weights are finite and not negative.
+    /// Returns the weighted sum of spectra. Weights must be finite and not negative.
     pub fn mix(parts: &[(f64, &Self)]) -> Self {
         let mut sum = Self::constant(0.0);
         for (weight, part) in parts {
@@ -134,7 +136,7 @@ impl Spectrum {
         sum
     }
 
-    /// The spectrum times a factor.
+    /// Returns the spectrum times a factor.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         Self {
@@ -145,9 +147,10 @@ impl Spectrum {
         }
     }
 
-    /// The value at a wavelength in nm: the continuum's, and within a line its power per nm besides. Outside the
-    /// band it is 0; at a jump it is the value of the side of longer wavelengths, except that the last sample of a
-    /// table belongs to the table.
+    /// Returns the value at a wavelength in nm. Within a line, the value is the sum of the
+    /// continuum and the line's power per nm. Outside the band, the value is 0. At a discontinuity,
+    /// the value is the limit from longer wavelengths. The end of a table is an exception: there
+    /// the value is the last sample of the table.
     #[inline]
     pub fn at(&self, nm: f64) -> f64 {
         if !(nm >= BAND_NM.0 && nm <= BAND_NM.1) {
@@ -156,22 +159,22 @@ impl Spectrum {
         self.continuum.at(nm) + self.lines.at(nm)
     }
 
-    /// The integral over the band, in the value's unit times nm.
+    /// Returns the integral over the band, in the unit of the value times nm.
     pub fn integral(&self) -> f64 {
         self.continuum.integral() + self.lines.segments().iter().map(|line| line.power).sum::<f64>()
     }
 
-    /// The integral over the band of this spectrum times another, exact for pieces and lines alike.
+    /// Multiplies two spectra and returns the exact integral of the product over the band.
     pub fn product_integral(&self, other: &Self) -> f64 {
-        sweep::product_integral([self, other])
+        sweep::product_integral([self.parts(), other.parts()])
     }
 
-    /// The largest value in the band, lines included with their power per nm.
+    /// Returns the largest value in the band. Lines contribute their power per nm.
     pub fn max(&self) -> f64 {
         self.extreme(f64::max)
     }
 
-    /// The least value in the band.
+    /// Returns the least value in the band.
     pub fn min(&self) -> f64 {
         self.extreme(f64::min)
     }
@@ -185,35 +188,40 @@ impl Spectrum {
             return extreme;
         }
         extreme = self.at(BAND_NM.0);
-        sweep::sweep([self], |_, [(from, to)]| extreme = of(extreme, of(from, to)));
+        sweep::sweep([self.parts()], |_, [(from, to)]| extreme = of(extreme, of(from, to)));
         extreme
     }
 
-    /// The value, if it is the same everywhere in the band.
+    /// Returns the value if it is the same everywhere in the band.
     pub fn is_constant(&self) -> Option<f64> {
         self.continuum.is_constant().filter(|_| self.lines.segments().is_empty())
     }
 
-    /// The pieces of the continuum, in order, from one end of the band to the other.
-    pub fn continuum(&self) -> impl ExactSizeIterator<Item = Piece> + '_ {
+    /// Returns the pieces of the continuum in ascending order.
+    pub fn continuum(&self) -> impl ExactSizeIterator<Item = LinearPiece> + '_ {
         self.continuum.pieces()
     }
 
-    /// The lines, in order and without overlap.
+    /// Returns the lines in ascending order, without overlap.
     pub fn line_segments(&self) -> &[LineSegment] {
         self.lines.segments()
     }
 
-    /// The part of the continuum whose features are narrower than 5 nm, or samples closer than half a nm; sums over
-    /// samples every nm must leave it to exact integration.
+    /// Returns the part of the continuum whose peaks are narrower than 5 nm or whose samples are
+    /// closer than half a nm. Sums over samples every nm must exclude this part. It must be
+    /// integrated exactly instead.
     pub fn narrow_part(&self) -> Option<Self> {
-        self.narrow.as_ref().map(|narrow| Self { narrow: self.narrow.clone(), ..Self::smooth((**narrow).clone()) })
+        self.narrow
+            .as_ref()
+            .map(|narrow| Self { narrow: self.narrow.clone(), ..Self::from_continuum((**narrow).clone()) })
     }
 
-    /// The share of the integral that lies in lines and peaks narrower than 5 nm, from 0 to 1.
+    /// Returns the fraction of the integral, from 0 to 1, that lies in lines and in peaks narrower
+    /// than 5 nm.
     pub fn line_share(&self) -> f64 {
         let narrow_lines = self.lines.segments().iter().filter(|line| line.nm.1 - line.nm.0 < NARROW_NM);
-        // The narrow part holds finely sampled tables too: those count if most of them is as narrow as a peak.
+        // The narrow part contains finely sampled tables too. It counts only if most of its power
+        // lies in a peak.
         let peaks = self.narrow.iter().map(|narrow| {
             let highest = narrow.pieces().map(|piece| piece.values.0.max(piece.values.1)).fold(0.0, f64::max);
             let area = narrow.integral();
@@ -223,47 +231,47 @@ impl Spectrum {
         if all > 0.0 { (narrow_lines.map(|line| line.power).sum::<f64>() + peaks.sum::<f64>()) / all } else { 0.0 }
     }
 
-    /// Whether some of the spectrum was made from a colour: a smooth guess, of which only three numbers are known.
+    /// Returns whether a part of the spectrum was made from an RGB colour. Such a spectrum is a
+    /// smooth estimate that is determined by three numbers only.
     pub fn is_upsampled(&self) -> bool {
         self.upsampled
     }
 
-    /// The spectrum as one that was made from a colour if `origin` was.
+    /// Marks the spectrum as made from an RGB colour if `origin` is marked.
     #[must_use]
     pub fn with_origin_of(self, origin: &Self) -> Self {
         Self { upsampled: origin.upsampled, ..self }
     }
 
-    /// The continuum's value at a wavelength of the band, without lines.
+    /// Returns the value of the continuum at a wavelength of the band, without lines.
     pub fn continuum_at(&self, nm: f64) -> f64 {
         self.continuum.at(nm)
     }
 
-    /// The spectrum without its lines.
+    /// Returns the spectrum without its lines.
     #[must_use]
     pub fn continuum_only(&self) -> Self {
         Self { lines: Lines::none(), ..self.clone() }
     }
 
-    /// A spectrum that consists of these segments; where some overlap their densities add up.
-    pub(crate) fn of_segments(segments: &[LineSegment]) -> Self {
+    /// Builds a spectrum from line segments. The densities of overlapping segments are added.
+    pub(crate) fn from_segments(segments: &[LineSegment]) -> Self {
         Self { lines: Lines::from_segments(segments.to_vec()), ..Self::constant(0.0) }
     }
 
-    pub(super) fn made_from_a_colour(continuum: Continuum) -> Self {
-        Self { upsampled: true, ..Self::smooth(continuum) }
+    /// Returns a spectrum that is marked as made from an RGB colour.
+    pub(super) fn upsampled(continuum: Continuum) -> Self {
+        Self { upsampled: true, ..Self::from_continuum(continuum) }
     }
 
-    pub(crate) fn smooth(continuum: Continuum) -> Self {
+    /// Returns a spectrum without lines and without narrow features.
+    pub(crate) fn from_continuum(continuum: Continuum) -> Self {
         Self { continuum, lines: Lines::none(), narrow: None, upsampled: false }
     }
 
-    pub(crate) fn continuum_part(&self) -> &Continuum {
-        &self.continuum
-    }
-
-    pub(crate) fn lines_part(&self) -> &Lines {
-        &self.lines
+    /// Returns references to the continuum and the lines.
+    pub(crate) fn parts(&self) -> SpectrumParts<'_> {
+        SpectrumParts { continuum: &self.continuum, lines: &self.lines }
     }
 }
 
@@ -271,12 +279,12 @@ fn scaled_segments(lines: &Lines, factor: f64) -> impl Iterator<Item = LineSegme
     lines.segments().iter().map(move |line| LineSegment { power: line.power * factor, ..*line })
 }
 
-/// a + weight · b.
+/// Returns a + weight · b.
 fn add(a: &Continuum, b: &Continuum, weight: f64) -> Continuum {
-    let (a, b) = (Spectrum::smooth(a.clone()), Spectrum::smooth(b.clone()));
+    let lines = &Lines::none();
     let mut pieces = Vec::new();
-    sweep::sweep([&a, &b], |nm, [(a0, a1), (b0, b1)]| {
-        pieces.push(Piece { nm, values: (a0 + weight * b0, a1 + weight * b1) });
+    sweep::sweep([a, b].map(|continuum| SpectrumParts { continuum, lines }), |nm, [(a0, a1), (b0, b1)]| {
+        pieces.push(LinearPiece { nm, values: (a0 + weight * b0, a1 + weight * b1) });
     });
     Continuum::from_pieces(&pieces)
 }

@@ -1,90 +1,96 @@
-//! Error against time, for both integrators.
+//! Measures error against time for both integrators.
 
-use super::course::{Done, Order, Point, Workshop};
-use super::fit::Fit;
-use super::reference::Estimate;
-use super::report::title_of;
-use super::truth::Truth;
-use super::{Halt, SHARES};
+use super::convergence::ConvergencePoint;
+use super::fit::PowerLawFit;
+use super::monitor::StudyError;
+use super::reference::MeanEstimate;
+use super::reference_choice::ChosenReference;
+use super::runner::{FinishedStep, RenderStep, Runner};
+use super::study_scene::integrator_title;
+use super::time_shares::TIME_SHARES;
 use crate::plan::{CausticPlan, IndirectPlan, Plan, VolumePlan};
 use crate::render::{Integrator, Job, Stats};
 use crate::sensor::Picture;
 use serde::Serialize;
 
-/// How an integrator's error falls.
+/// The error of an integrator as a function of passes and time.
 #[derive(Debug, Clone, Serialize)]
-pub struct Curve {
+pub struct ConvergenceCurve {
     /// `photon` or `path`.
     pub integrator: &'static str,
-    /// How it stood after some passes.
-    pub points: Vec<Point>,
-    /// The slope of the error in smooth regions (of the whole picture where there are too few) against passes.
-    pub fit: Option<Fit>,
-    /// The same against seconds of work, pilot included.
-    pub fit_seconds: Option<Fit>,
-    /// What theory says of the estimators that take part, in smooth regions.
-    pub theory: Vec<Theory>,
-    /// The passes that the scene's settings ask for.
+    /// The error after some passes.
+    pub points: Vec<ConvergencePoint>,
+    /// The fitted slope of the error against passes, in smooth regions. If the picture has too few
+    /// smooth regions, the slope is fitted over the whole picture.
+    pub fit: Option<PowerLawFit>,
+    /// The fitted slope against seconds of work, including the pilot.
+    pub fit_seconds: Option<PowerLawFit>,
+    /// The theoretical slopes of the estimators in use, in smooth regions.
+    pub theory: Vec<TheoreticalSlope>,
+    /// The number of passes in the scene's settings.
     pub passes_wanted: u64,
-    /// What the longest render measured of itself.
+    /// The statistics of the render.
     pub stats: Stats,
-    /// Its picture.
+    /// The picture of the render.
     #[serde(skip)]
     pub picture: Picture,
 }
 
-/// The slope of an estimator's mean square error over passes.
+/// The theoretical slope of an estimator's mean square error over passes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Theory {
-    /// The estimator.
+pub struct TheoreticalSlope {
+    /// The name of the estimator.
     pub estimator: &'static str,
-    /// Its slope.
+    /// The exponent of the number of passes.
     pub slope: f64,
 }
 
-/// Fits leave out the first passes, whose wavelengths and places on the lens are not spread evenly yet.
+/// Fits ignore points with fewer passes than this. After so few passes, the samples of wavelength
+/// and lens are not evenly distributed yet.
 pub(super) const FIRST_PASSES: u64 = 4;
 
-impl Curve {
-    /// Both integrators' curves, the photons' first.
+impl ConvergenceCurve {
+    /// Measures the curves of photon mapping and of the path tracer, in this order.
     pub(super) fn of_both(
-        workshop: &mut Workshop<'_>,
+        runner: &mut Runner<'_>,
         job: &Job,
-        truth: &Truth,
-        budget: f64,
-    ) -> Result<[Self; 2], Halt> {
-        let mut one = |integrator: Integrator, share: f64, theory: Vec<Theory>| {
-            let words = format!("error against time, {}", title_of(integrator.word()));
-            let order = Order::new(&format!("curve-{}", integrator.word()), &words, share * budget).by(integrator);
-            Ok::<Self, Halt>(Self::new(integrator, workshop.render(&order, truth.measure())?, theory))
+        reference: &ChosenReference,
+        budget_seconds: f64,
+    ) -> Result<[Self; 2], StudyError> {
+        let mut one = |integrator: Integrator, share: f64, theory: Vec<TheoreticalSlope>| {
+            let words = format!("error against time, {}", integrator_title(integrator.word()));
+            let step = RenderStep::new(&format!("curve-{}", integrator.word()), &words, share * budget_seconds)
+                .with_integrator(integrator);
+            Ok::<Self, StudyError>(Self::new(integrator, runner.render(&step, reference.identified())?, theory))
         };
-        let unbiased = Theory { estimator: "unbiased", slope: -1.0 };
+        let unbiased = TheoreticalSlope { estimator: "unbiased", slope: -1.0 };
         Ok([
-            one(Integrator::Photon, SHARES.photon_curve, theory(&job.plan))?,
-            one(Integrator::Path, SHARES.path_curve, vec![unbiased])?,
+            one(Integrator::Photon, TIME_SHARES.photon_curve, theory(&job.plan))?,
+            one(Integrator::Path, TIME_SHARES.path_curve, vec![unbiased])?,
         ])
     }
 
-    fn new(integrator: Integrator, done: Done, theory: Vec<Theory>) -> Self {
-        let found = done.found;
-        let fitted = |across: fn(&Point) -> f64| {
-            let points = found.points.iter().filter(|point| point.passes >= FIRST_PASSES);
-            let certain = points.filter(|point| error_to_fit(point).is_certain());
-            Fit::of(certain.map(|point| (across(point), error_to_fit(point).value)))
+    fn new(integrator: Integrator, step: FinishedStep, theory: Vec<TheoreticalSlope>) -> Self {
+        let result = step.result;
+        let fitted = |across: fn(&ConvergencePoint) -> f64| {
+            let points = result.points.iter().filter(|point| point.passes >= FIRST_PASSES);
+            let significant = points.filter(|point| error_to_fit(point).is_significant());
+            PowerLawFit::of(significant.map(|point| (across(point), error_to_fit(point).value)))
         };
         Self {
             integrator: integrator.word(),
             fit: fitted(|point| point.passes as f64),
             fit_seconds: fitted(|point| point.seconds),
-            points: found.points,
+            points: result.points,
             theory,
-            passes_wanted: found.passes_wanted,
-            stats: found.stats,
-            picture: done.picture,
+            passes_wanted: result.passes_wanted,
+            stats: result.stats,
+            picture: step.picture,
         }
     }
 
-    /// The slopes of its estimators, each once, the least steep first: that one decides in the end.
+    /// The different slopes of the estimators, the least steep slope first. This slope dominates
+    /// after many passes.
     pub fn slopes_in_theory(&self) -> Vec<f64> {
         let mut slopes: Vec<f64> = self.theory.iter().map(|theory| theory.slope).collect();
         slopes.sort_by(|a, b| b.total_cmp(a));
@@ -93,14 +99,16 @@ impl Curve {
     }
 }
 
-/// In smooth regions, or over the whole picture where there are too few.
-pub fn error_to_fit(point: &Point) -> Estimate {
-    point.wrong.smooth.unwrap_or(point.wrong.whole)
+/// The error in smooth regions. If the picture has too few smooth regions, this is the error over
+/// the whole picture.
+pub fn error_to_fit(point: &ConvergencePoint) -> MeanEstimate {
+    point.error.smooth.unwrap_or(point.error.whole)
 }
 
-/// The estimators that take part in a plan, with the slopes of Knaus & Zwicker 2011 for kernels of two and of one dimension.
-fn theory(plan: &Plan) -> Vec<Theory> {
-    // Caustics too need kernels where they are seen through glass or in mirrors.
+/// The estimators of a plan, and their slopes. The slopes for kernels of two dimensions and of one
+/// dimension follow Knaus & Zwicker 2011.
+fn theory(plan: &Plan) -> Vec<TheoreticalSlope> {
+    // Caustics also need kernels if they are seen through glass or in mirrors.
     let on_surfaces = plan.indirect == IndirectPlan::Photons || plan.caustics == CausticPlan::Photons;
     let (points, beams) = match plan.volume {
         VolumePlan::Absent => (false, false),
@@ -109,10 +117,10 @@ fn theory(plan: &Plan) -> Vec<Theory> {
         VolumePlan::ByDensity => (true, true),
     };
     let kernels = [
-        (on_surfaces, Theory { estimator: "photons on surfaces", slope: -2.0 / 3.0 }),
-        (points, Theory { estimator: "beam radiance estimate", slope: -2.0 / 3.0 }),
-        (beams, Theory { estimator: "photon beams", slope: -0.8 }),
-        (true, Theory { estimator: "light without a kernel", slope: -1.0 }),
+        (on_surfaces, TheoreticalSlope { estimator: "photons on surfaces", slope: -2.0 / 3.0 }),
+        (points, TheoreticalSlope { estimator: "beam radiance estimate", slope: -2.0 / 3.0 }),
+        (beams, TheoreticalSlope { estimator: "photon beams", slope: -0.8 }),
+        (true, TheoreticalSlope { estimator: "estimators without kernels", slope: -1.0 }),
     ];
     kernels.into_iter().filter(|(takes_part, _)| *takes_part).map(|(_, theory)| theory).collect()
 }

@@ -1,156 +1,166 @@
-//! Effect by effect: what each costs, and how much of the picture it makes.
+//! Measures the cost of every effect, and how much the effect changes the picture.
 
-use super::course::{Done, Order, Workshop};
-use super::reference::Estimate;
-use super::truth::{Truth, seed};
-use super::{Halt, SHARES};
+use super::monitor::StudyError;
+use super::reference::MeanEstimate;
+use super::reference_choice::{ChosenReference, seed};
+use super::runner::{FinishedStep, RenderStep, Runner};
+use super::time_shares::TIME_SHARES;
+use crate::format::SceneFile;
 use crate::output::compare::{DeltaE, Selection, compare};
-use crate::plan::{Row, State};
+use crate::plan::{EffectRow, EffectState};
 use crate::render::Job;
-use crate::scene::file::SceneFile;
 use crate::sensor::Picture;
 use serde::Serialize;
 
-/// An effect that the plan switched on, and the picture without it.
+/// An effect that is on, and the comparison with a picture without this effect.
 #[derive(Debug, Clone, Serialize)]
-pub struct Without {
-    /// Its name.
+pub struct EffectAblation {
+    /// The name of the effect.
     pub name: &'static str,
     /// `on` or `forced`.
     pub state: &'static str,
-    /// What calls for it.
+    /// The reason why the effect is on.
     pub because: String,
-    /// How often it was at work.
+    /// The number of events of the effect.
     pub events: u64,
-    /// What leaving it out does, or why it cannot be left out.
-    pub left_out: LeftOut,
-    /// The picture without it.
+    /// The result of a render without the effect, or the reason why the effect cannot be left out.
+    pub left_out: AblationResult,
+    /// The picture without the effect.
     #[serde(skip)]
     pub picture: Option<Picture>,
 }
 
-/// What leaving an effect out does.
+/// The result of leaving an effect out.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum LeftOut {
-    /// It saves this, and the picture changes so.
+pub enum AblationResult {
+    /// The effect was left out.
     Measured {
-        /// Seconds and memory without it.
-        cost: Cost,
-        /// How far the picture without it is from the one with it, after as many passes of the same seed.
+        /// Time and memory without the effect.
+        cost: RenderCost,
+        /// The relative mean square difference between two pictures, one without the effect and one
+        /// with it. Both have the same number of passes and the same seeds.
         relative_mse: f64,
-        /// The same as colours.
+        /// The colour difference between the same pictures.
         delta_e_2000: DeltaE,
-        /// How wrong the picture without it is.
-        wrong: Estimate,
+        /// The error of the picture without the effect.
+        #[serde(rename = "wrong")]
+        error: MeanEstimate,
     },
-    /// It cannot.
+    /// The reason why the effect cannot be left out.
     Refused(String),
-    /// There was no time for it.
+    /// The study had no time for this effect.
     NoTime,
 }
 
-/// What a render costs.
+/// Time and memory of a render.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Cost {
-    /// Seconds in all, pilot included.
+pub struct RenderCost {
+    /// Seconds in total, including the pilot.
     pub seconds: f64,
-    /// Seconds of a pass.
+    /// Seconds per pass.
     pub seconds_per_pass: f64,
-    /// Memory of film, scene and photons, by the number of photons that were kept.
+    /// The memory of film, scene and photons in bytes, computed from the number of stored photons.
     pub memory_bytes: u64,
 }
 
 /// An effect that is off.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Off {
-    /// Its name.
+pub struct InactiveEffect {
+    /// The name of the effect.
     pub name: &'static str,
     /// `off` or `forbidden`.
     pub state: &'static str,
-    /// Why.
+    /// The reason why the effect is off.
     pub because: String,
-    /// How often it was at work: 0.
+    /// The number of events of the effect, 0.
     pub events: u64,
 }
 
-/// What was found of all effects.
+/// The results for all effects.
 #[derive(Debug, Clone, Serialize)]
-pub struct Effects {
-    /// Passes of every picture that is compared.
+pub struct EffectStudy {
+    /// The number of passes of every compared picture.
     pub passes: u64,
-    /// What the whole picture costs.
-    pub with: Cost,
-    /// How wrong the whole picture is.
-    pub wrong: Estimate,
-    /// What noise alone makes of a comparison: the whole picture against one of another seed.
+    /// Time and memory of the picture with all effects.
+    pub with: RenderCost,
+    /// The error of the picture with all effects.
+    #[serde(rename = "wrong")]
+    pub error: MeanEstimate,
+    /// The relative mean square difference caused by noise alone: the difference between two
+    /// pictures with all effects and with different seeds.
     pub noise_relative_mse: f64,
-    /// The same as colours.
+    /// The colour difference caused by noise alone.
     pub noise_delta_e_2000: DeltaE,
-    /// Those that are on.
-    pub on: Vec<Without>,
-    /// Those that are off.
-    pub off: Vec<Off>,
-    /// The whole picture.
+    /// The effects that are on.
+    pub on: Vec<EffectAblation>,
+    /// The effects that are off.
+    pub off: Vec<InactiveEffect>,
+    /// The picture with all effects.
     #[serde(skip)]
     pub picture: Picture,
 }
 
+/// The seed offset of the render for the measurement of noise.
 const OTHER_SEED: u64 = 301;
 
-/// How many renders it takes at most.
+/// The largest number of renders for the measurements.
 pub(super) fn steps(job: &Job) -> usize {
     2 + job.rows.iter().filter(|row| row.state.is_on()).count()
 }
 
-impl Cost {
-    fn of(done: &Done) -> Self {
-        let stats = &done.found.stats;
+impl RenderCost {
+    fn of(step: &FinishedStep) -> Self {
+        let stats = &step.result.stats;
         let passing = stats.seconds.total - stats.seconds.pilot;
         Self {
             seconds: stats.seconds.total,
             seconds_per_pass: passing / stats.passes.max(1) as f64,
-            memory_bytes: done.found.memory_bytes,
+            memory_bytes: step.result.memory_bytes,
         }
     }
 }
 
-impl Effects {
-    /// Renders the whole picture, once more with another seed, and then without each effect that is on.
+impl EffectStudy {
+    /// Renders the scene with all effects, and once more with another seed. Then renders the scene
+    /// without each active effect, one by one.
     pub(super) fn of(
-        workshop: &mut Workshop<'_>,
-        (written, job): (&SceneFile, &Job),
-        (truth, budget): (&Truth, f64),
-    ) -> Result<Self, Halt> {
-        let share = SHARES.effects * budget;
-        let before = workshop.spent;
+        runner: &mut Runner<'_>,
+        scene_file: &SceneFile,
+        job: &Job,
+        reference: &ChosenReference,
+        budget_seconds: f64,
+    ) -> Result<Self, StudyError> {
+        let share = TIME_SHARES.effects * budget_seconds;
+        let before = runner.seconds_spent;
         let seconds = share / steps(job) as f64;
-        let whole = workshop.render(&Order::new("effects-all", "all effects", seconds), truth.measure())?;
-        let stats = &whole.found.stats;
-        let order = Order::new("effects-other-seed", "all effects, another seed", seconds).until(stats.passes);
-        let other = workshop.render(&order.changed([seed(job, OTHER_SEED)]), None)?;
+        let whole = runner.render(&RenderStep::new("effects-all", "all effects", seconds), reference.identified())?;
+        let stats = &whole.result.stats;
+        let step =
+            RenderStep::new("effects-other-seed", "all effects, another seed", seconds).with_passes(stats.passes);
+        let other = runner.render(&step.with_changes([seed(job, OTHER_SEED)]), None)?;
         let noise = compare(&other.picture, &whole.picture, &Selection::default())?;
-        let events = |row: &Row| stats.effects.get(row.effect.name).map_or(0, |effect| effect.events);
+        let events = |row: &EffectRow| stats.effects.get(row.effect.name).map_or(0, |effect| effect.events);
         let (mut on, mut off) = (Vec::new(), Vec::new());
         for row in &job.rows {
             let (name, state, because, events) = (row.effect.name, row.state.word(), row.because.clone(), events(row));
             if !row.state.is_on() {
-                off.push(Off { name, state, because, events });
+                off.push(InactiveEffect { name, state, because, events });
                 continue;
             }
-            // What is left out may also make passes slower.
-            let (left_out, picture) = if workshop.spent - before > 2.0 * share {
-                workshop.step.0 += 1;
-                (LeftOut::NoTime, None)
+            // Leaving an effect out can also make passes slower.
+            let (left_out, picture) = if runner.seconds_spent - before > 2.0 * share {
+                runner.steps_done += 1;
+                (AblationResult::NoTime, None)
             } else {
-                without(workshop, (written, row), &whole, truth)?
+                without(runner, scene_file, row, &whole, reference)?
             };
-            on.push(Without { name, state, because, events, left_out, picture });
+            on.push(EffectAblation { name, state, because, events, left_out, picture });
         }
         Ok(Self {
             passes: stats.passes,
-            with: Cost::of(&whole),
-            wrong: wrong(&whole),
+            with: RenderCost::of(&whole),
+            error: final_error(&whole),
             noise_relative_mse: noise.relative_mse,
             noise_delta_e_2000: noise.delta_e_2000,
             on,
@@ -160,53 +170,55 @@ impl Effects {
     }
 }
 
-/// The error at the end, over the whole picture.
-fn wrong(done: &Done) -> Estimate {
-    let none = Estimate { value: f64::NAN, standard_error: f64::NAN };
-    done.found.points.last().map_or(none, |point| point.wrong.whole)
+/// The error of the finished picture, over all pixels.
+fn final_error(step: &FinishedStep) -> MeanEstimate {
+    let none = MeanEstimate { value: f64::NAN, standard_error: f64::NAN };
+    step.result.points.last().map_or(none, |point| point.error.whole)
 }
 
-/// The picture without an effect, after as many passes as the whole one.
+/// Renders the picture without an effect, with as many passes as the picture with all effects.
 fn without(
-    workshop: &mut Workshop<'_>,
-    (written, row): (&SceneFile, &Row),
-    whole: &Done,
-    truth: &Truth,
-) -> Result<(LeftOut, Option<Picture>), Halt> {
+    runner: &mut Runner<'_>,
+    scene_file: &SceneFile,
+    row: &EffectRow,
+    whole: &FinishedStep,
+    reference: &ChosenReference,
+) -> Result<(AblationResult, Option<Picture>), StudyError> {
     let name = row.effect.name;
-    let changes = leaving_out(written, row);
-    let planned = workshop.film.iter().chain(&changes).cloned().collect::<Vec<String>>();
-    if let Err(error) = workshop.subject.job(&planned) {
-        workshop.step.0 += 1;
+    let changes = changes_without(scene_file, row);
+    let planned = runner.film_changes.iter().chain(&changes).cloned().collect::<Vec<String>>();
+    if let Err(error) = runner.study_scene.job(&planned) {
+        runner.steps_done += 1;
         let reason =
             error.expected.map_or(error.what.clone(), |expected| format!("{}; expected {expected}", error.what));
-        return Ok((LeftOut::Refused(reason), None));
+        return Ok((AblationResult::Refused(reason), None));
     }
-    let order = Order::new(&format!("effects-without-{name}"), &format!("without {name}"), 1.0);
-    let order = order.until(whole.found.stats.passes).changed(changes);
-    let done = workshop.render(&order, truth.measure())?;
-    let difference = compare(&done.picture, &whole.picture, &Selection::default())?;
-    let measured = LeftOut::Measured {
-        cost: Cost::of(&done),
+    let step = RenderStep::new(&format!("effects-without-{name}"), &format!("without {name}"), 1.0);
+    let step = step.with_passes(whole.result.stats.passes).with_changes(changes);
+    let finished = runner.render(&step, reference.identified())?;
+    let difference = compare(&finished.picture, &whole.picture, &Selection::default())?;
+    let measured = AblationResult::Measured {
+        cost: RenderCost::of(&finished),
         relative_mse: difference.relative_mse,
         delta_e_2000: difference.delta_e_2000,
-        wrong: wrong(&done),
+        error: final_error(&finished),
     };
-    Ok((measured, Some(done.picture)))
+    Ok((measured, Some(finished.picture)))
 }
 
-/// The changes that leave an effect out: it is forbidden, or no longer forced.
-fn leaving_out(written: &SceneFile, row: &Row) -> Vec<String> {
+/// Returns changes of the scene that switch an effect off. With these changes, the scene forbids
+/// the effect or no longer forces it.
+fn changes_without(scene_file: &SceneFile, row: &EffectRow) -> Vec<String> {
     let name = row.effect.name;
     let list = |names: Vec<&str>| {
         format!("[{}]", names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(","))
     };
-    let (force, forbid) = (&written.render.force, &written.render.forbid);
-    if row.state == State::Forced {
+    let (force, forbid) = (&scene_file.render.force, &scene_file.render.forbid);
+    if row.state == EffectState::Forced {
         let others = force.iter().map(String::as_str).filter(|&other| other != name);
         return vec![format!("render.force={}", list(others.collect()))];
     }
-    // One that the scene both calls for and forces cannot be forced any more.
+    // An effect must not be forced and forbidden at the same time.
     let others = force.iter().map(String::as_str).filter(|&other| other != name).collect();
     let forbidden = forbid.iter().map(String::as_str).chain([name]).collect();
     vec![format!("render.force={}", list(others)), format!("render.forbid={}", list(forbidden))]

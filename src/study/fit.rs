@@ -1,23 +1,24 @@
-//! How fast an error falls: least squares on logarithms.
+//! Fits power laws by least squares on logarithms.
 
 use serde::{Deserialize, Serialize};
 
-/// The power law that comes nearest to points: y = c·xᵖ.
+/// A power law y = c·xᵖ, fitted to points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Fit {
+pub struct PowerLawFit {
     /// The exponent p.
     pub slope: f64,
-    /// Its standard error, from the scatter around the line.
+    /// The standard error of the exponent, from the scatter of the points around the line.
     pub standard_error: f64,
     /// log₁₀ of c.
     #[serde(skip)]
     pub intercept: f64,
-    /// How many points there were.
+    /// The number of points.
     pub points: usize,
 }
 
-impl Fit {
-    /// Fits a power law; `None` with fewer than three points above 0, or all at the same x.
+impl PowerLawFit {
+    /// Fits a power law. Returns `None` if fewer than three points are positive, or if all points
+    /// have the same x.
     pub fn of(points: impl Iterator<Item = (f64, f64)>) -> Option<Self> {
         let logs: Vec<(f64, f64)> =
             points.filter(|(x, y)| *x > 0.0 && *y > 0.0).map(|(x, y)| (x.log10(), y.log10())).collect();
@@ -34,12 +35,12 @@ impl Fit {
         Some(Self { slope, standard_error: (left / (count - 2.0) / spread).sqrt(), intercept, points: logs.len() })
     }
 
-    /// The exponent with its standard error.
+    /// Writes the exponent with its standard error.
     pub fn words(&self) -> String {
         format!("{:.2} ± {:.2}", self.slope, self.standard_error).replace('-', "−")
     }
 
-    /// The law's value.
+    /// The value of the law at `x`.
     pub fn at(&self, x: f64) -> f64 {
         10.0_f64.powf(self.intercept + self.slope * x.log10())
     }
@@ -52,22 +53,23 @@ mod tests {
     #[test]
     fn a_power_law_is_found_exactly() {
         let law = |x: f64| (x, 3.0 * x.powf(-0.8));
-        let fit = Fit::of([1.0, 2.0, 8.0, 64.0].into_iter().map(law)).unwrap();
+        let fit = PowerLawFit::of([1.0, 2.0, 8.0, 64.0].into_iter().map(law)).unwrap();
         assert!((fit.slope + 0.8).abs() < 1e-12 && fit.standard_error < 1e-7 && fit.points == 4, "{fit:?}");
         assert!((fit.at(5.0) / law(5.0).1 - 1.0).abs() < 1e-12);
     }
 
     #[test]
-    fn the_standard_error_is_that_of_the_textbook() {
-        // log y = 0, 1, 0 at log x = 0, 1, 2: the line is level at 1/3, squares left 2/3, spread 2.
-        let fit = Fit::of([(1.0, 1.0), (10.0, 10.0), (100.0, 1.0)].into_iter()).unwrap();
+    fn the_standard_error_matches_the_textbook_formula() {
+        // log y = 0, 1, 0 at log x = 0, 1, 2: the line is y = 1/3, the sum of squared residuals is
+        // 2/3, and the sum of squared deviations of x is 2.
+        let fit = PowerLawFit::of([(1.0, 1.0), (10.0, 10.0), (100.0, 1.0)].into_iter()).unwrap();
         assert!(fit.slope.abs() < 1e-12 && (fit.intercept - 1.0 / 3.0).abs() < 1e-12);
         assert!((fit.standard_error - (1.0_f64 / 3.0).sqrt()).abs() < 1e-12, "{fit:?}");
     }
 
     #[test]
     fn too_few_points_have_no_slope() {
-        assert_eq!(Fit::of([(1.0, 1.0), (2.0, 0.5), (3.0, -1.0)].into_iter()), None);
-        assert_eq!(Fit::of([(2.0, 1.0), (2.0, 0.5), (2.0, 0.2)].into_iter()), None);
+        assert_eq!(PowerLawFit::of([(1.0, 1.0), (2.0, 0.5), (3.0, -1.0)].into_iter()), None);
+        assert_eq!(PowerLawFit::of([(2.0, 1.0), (2.0, 0.5), (2.0, 0.2)].into_iter()), None);
     }
 }

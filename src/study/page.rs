@@ -1,51 +1,59 @@
-//! What a study found, as one page that needs no other file.
+//! The results of a study as one self-contained HTML page.
 
 use maud::{Markup, PreEscaped, html};
 
-use super::curves::Curve;
-use super::effects::{Cost, Effects, LeftOut, Without};
-use super::reference::Estimate;
-use super::report::{Report, signed, theory, title_of};
-use super::subject::Recipe;
-use super::truth::Truth;
-use super::{Point, SHARES};
+use super::convergence::ConvergencePoint;
+use super::curves::ConvergenceCurve;
+use super::effects::{AblationResult, EffectAblation, EffectStudy, RenderCost};
+use super::reference::MeanEstimate;
+use super::reference_choice::ChosenReference;
+use super::report::{StudyReport, signed, theory};
+use super::study_scene::RenderSettings;
+use super::study_scene::integrator_title;
+use super::time_shares::TIME_SHARES;
 use crate::error::Result;
+use crate::output::axis::power_of_ten;
 use crate::output::compare::{DeltaE, Selection};
 use crate::output::comparison_page::colour_differences;
 use crate::output::data_uri::data_uri;
-use crate::output::graph::power_of_ten;
 use crate::output::page::document;
 use crate::output::png::encode;
 use crate::render::{Integrator, Job};
-use crate::sensor::{Development, Picture, Screen, develop, exposure};
+use crate::sensor::{Development, DisplayImage, Picture, develop, exposure};
 
-/// The pictures that the page shows, all at the reference's exposure.
+/// The pictures of the page. All pictures have the exposure of the reference.
 #[derive(Debug)]
-pub(super) struct Pictures<'a> {
+pub(super) struct StudyPictures<'a> {
     development: Development,
     exposure: f64,
-    /// Those that can be compared, with their names: reference, photons, path tracer, then without each effect.
+    /// The pictures for comparison and their names: the reference, photon mapping, the path tracer,
+    /// and then one picture without each effect.
     full: Vec<(String, &'a Picture)>,
     /// The picture with all effects.
     whole: &'a Picture,
 }
 
-/// The places of the first pictures.
+/// Indices of the first pictures.
 const REFERENCE: usize = 0;
 const PHOTONS: usize = 1;
 const FIRST_EFFECT: usize = 3;
 
-/// Thumbnails are at most this wide, in pixels.
+/// The largest width of a thumbnail in pixels.
 const THUMBNAIL: usize = 160;
 
-impl<'a> Pictures<'a> {
-    pub(super) fn of(job: &Job, truth: &'a Truth, curves: &'a [Curve; 2], effects: &'a Effects) -> Self {
+impl<'a> StudyPictures<'a> {
+    pub(super) fn of(
+        job: &Job,
+        reference: &'a ChosenReference,
+        curves: &'a [ConvergenceCurve; 2],
+        effects: &'a EffectStudy,
+    ) -> Self {
         let film = &job.scene.film;
         let development = Development { white: film.white, gamut: film.gamut, ..Development::default() };
-        let reference = &truth.reference.picture;
+        let reference = &reference.reference.picture;
         let exposure = exposure::automatic(reference, &development);
-        let of_curve = |curve: &'a Curve| {
-            let name = format!("{}, {}", title_of(curve.integrator), passes(curve.stats.passes));
+        let of_curve = |curve: &'a ConvergenceCurve| {
+            let name = format!("{}, {}", integrator_title(curve.integrator), passes(curve.stats.passes));
             (name, &curve.picture)
         };
         let without = effects.on.iter().filter_map(|effect| {
@@ -55,21 +63,21 @@ impl<'a> Pictures<'a> {
         Self { development, exposure, full: first.into_iter().chain(without).collect(), whole: &effects.picture }
     }
 
-    fn shown(&self, picture: &Picture) -> Screen {
+    fn shown(&self, picture: &Picture) -> DisplayImage {
         develop(picture, self.exposure, &self.development)
     }
 }
 
-fn image(screen: &Screen, words: &str) -> Result<Markup> {
+fn image(screen: &DisplayImage, words: &str) -> Result<Markup> {
     let source = data_uri("image/png", &encode(screen)?);
     Ok(html! { img src=(source) alt=(words) width=(screen.width) height=(screen.height); })
 }
 
-/// The page.
+/// Writes the page.
 ///
 /// # Errors
-/// The machine's: pictures too large for PNG.
-pub(super) fn page(report: &Report, pictures: &Pictures<'_>) -> Result<String> {
+/// A picture is too large for PNG.
+pub(super) fn page(report: &StudyReport, pictures: &StudyPictures<'_>) -> Result<String> {
     let title = format!("What accuracy costs: {}", report.title);
     let body = html! {
         header {
@@ -78,7 +86,7 @@ pub(super) fn page(report: &Report, pictures: &Pictures<'_>) -> Result<String> {
             (summary(report))
         }
         (compared(pictures)?)
-        (wanted(report))
+        (recommendations(report))
         (curves(report))
         (sweep(report))
         (effects(report, pictures)?)
@@ -88,29 +96,29 @@ pub(super) fn page(report: &Report, pictures: &Pictures<'_>) -> Result<String> {
     Ok(document(&title, include_str!("page.css"), &body))
 }
 
-fn summary(report: &Report) -> Markup {
+fn summary(report: &StudyReport) -> Markup {
     let film = &report.film;
     let (error, passes) = report
         .sweep
         .default
-        .map_or_else(|| (None, report.curves[0].passes_wanted), |point| (Some(point.wrong.whole), point.passes));
+        .map_or_else(|| (None, report.curves[0].passes_wanted), |point| (Some(point.error.whole), point.passes));
     html! {
         p {
             @if let Some((point, error)) = report.sweep.default.zip(error) {
-                "As the scene is set (" (passes) " passes), its picture is good to " strong { (typical(error.value)) }
+                "With the scene's own settings (" (passes) " passes), the error of the picture is " strong { (typical(error.value)) }
                 " (relMSE " (short(error.value)) ") after " strong { (time(point.seconds)) } ". "
             } @else {
-                "The study ended before the " (passes) " passes that the scene asks for. "
+                "The study ended before the " (passes) " passes that the scene states. "
             }
-            "All times are those of " (report.machine.words()) ", all errors those of pictures of "
+            "All times were measured with " (report.machine.words()) ". All errors were measured on pictures of "
             (film.width) " × " (film.height) " pixels"
-            @if film.pixel_ratio() > 1.0 { " (the scene's film has " (film.own_width) " × " (film.own_height) ")" }
+            @if film.pixel_ratio() > 1.0 { " (the scene's own film has " (film.own_width) " × " (film.own_height) ")" }
             "."
         }
     }
 }
 
-fn compared(pictures: &Pictures<'_>) -> Result<Markup> {
+fn compared(pictures: &StudyPictures<'_>) -> Result<Markup> {
     let (width, height) = pictures.full.first().map_or((1, 1), |(_, picture)| (picture.width, picture.height));
     let choice = |id: &str, words: &str, chosen: usize| {
         html! {
@@ -135,24 +143,24 @@ fn compared(pictures: &Pictures<'_>) -> Result<Markup> {
                 div.handle {}
                 input id="split" type="range" min="0" max="100" step="0.1" value="50" aria-label="where the left picture ends";
             }
-            p.soft { "Drag across the picture. All are shown at the reference's exposure." }
+            p.soft { "Drag across the picture to compare. All pictures are shown at the exposure of the reference." }
             div.pictures hidden { @for image in &images { (image) } }
         }
     })
 }
 
-fn wanted(report: &Report) -> Markup {
+fn recommendations(report: &StudyReport) -> Markup {
     html! {
         section {
-            h2 { "The error you want, and what it takes" }
-            @if report.wanted.is_empty() {
-                p { "No error could be told from the reference's own noise in this time: give the study a larger budget." }
+            h2 { "Settings and time for a wanted error" }
+            @if report.recommendations.is_empty() {
+                p { "No measured error exceeded the noise of the reference. A larger time budget is needed." }
             } @else {
                 div.table { table.grid {
                     thead { tr {
                         th.number { "error" } th.number { "relMSE" } th.number { "time" } th { "settings" } th.number { "passes" } th { "command" }
                     } }
-                    tbody { @for row in &report.wanted { tr {
+                    tbody { @for row in &report.recommendations { tr {
                         td.number { strong { (typical(row.relative_mse)) } }
                         td.number { (short(row.relative_mse)) }
                         td.number { strong { (time(row.seconds_own_film)) } @if row.extrapolated { " *" } }
@@ -162,10 +170,10 @@ fn wanted(report: &Report) -> Markup {
                     } } }
                 } }
                 p.soft {
-                    "Error is the square root of relMSE, which " code { "abbe compare" } " defines. Times are for the scene's own film, from the "
-                    "study's by the number of pixels; passes are those of the study's film."
-                    @if report.wanted.iter().any(|row| row.extrapolated) {
-                        " * The study did not get so far: from its last picture on, the error is taken to fall as theory says."
+                    "The error is the square root of relMSE, the relative mean square error that " code { "abbe compare" } " prints. "
+                    "Times hold for the scene's own film size; they were extrapolated from the study's film by the number of pixels."
+                    @if report.recommendations.iter().any(|row| row.extrapolated) {
+                        " * Extrapolated beyond the last picture with the theoretical slope."
                     }
                 }
             }
@@ -173,7 +181,7 @@ fn wanted(report: &Report) -> Markup {
     }
 }
 
-fn curves(report: &Report) -> Markup {
+fn curves(report: &StudyReport) -> Markup {
     let in_smooth = report.reference.smooth_share.is_some();
     html! {
         section {
@@ -185,7 +193,7 @@ fn curves(report: &Report) -> Markup {
                         thead { tr { th {} th.number { "fitted slope" } th.number { "theory" } } }
                         tbody { @for curve in &report.curves {
                             tr {
-                                th scope="row" { (title_of(curve.integrator)) ", over passes" }
+                                th scope="row" { (integrator_title(curve.integrator)) ", over passes" }
                                 td.number { strong { (slope(curve.fit)) } }
                                 td.number { (theory(curve)) }
                             }
@@ -197,15 +205,13 @@ fn curves(report: &Report) -> Markup {
                     } }
                     p.soft {
                         @if let Some(share) = report.reference.smooth_share {
-                            "Lines and slopes: smooth regions (" (percent(share)) " of the pixels); dots: the whole picture. "
+                            "Lines and slopes hold for smooth regions (" (percent(share)) " of the pixels); dots hold for the whole picture. "
                         } @else {
-                            "The picture has too few smooth regions: lines and slopes are those of the whole picture, where edges make kernels slower than theory says. "
+                            "The picture has too few smooth regions. Lines and slopes hold for the whole picture, where kernels at edges converge more slowly than in theory. "
                         }
-                        "Dashed: the slopes of theory, from the first point of the fit. Slopes are fitted by least squares to the logarithms, from 4 passes on, to "
-                        "errors that stand three standard errors clear of the reference's noise; ± is the fit's standard error. "
-                        @if in_smooth { "Where several estimators add up, the least steep of them decides in the end; before, the noise of the others does, and even spreading of "
-                        "wavelengths and places makes that fall faster than 1/N. " }
-                        "Against seconds the pilot counts too."
+                        "Dashed lines show the theoretical slopes from the first point of the fit. Slopes are fitted by least squares to logarithms. The fit uses points with at least 4 passes and an error above three standard errors. ± is the standard error of the fit. "
+                        @if in_smooth { "If a picture combines several estimators, the least steep slope dominates after many passes. With fewer passes, the noise of the other estimators dominates. Stratified wavelengths and positions make this noise fall faster than 1/N. " }
+                        "Seconds include the pilot."
                     }
                 }
             }
@@ -214,14 +220,14 @@ fn curves(report: &Report) -> Markup {
     }
 }
 
-/// Says so where the path tracer's error has a floor.
-fn lost_light(report: &Report) -> Markup {
+/// Warns if some of the light cannot be found by the path tracer.
+fn lost_light(report: &StudyReport) -> Markup {
     html! { @if let Some(reason) = &report.reference.out_of_reach {
         p.warning { "The path tracer's error cannot fall to zero here: " (reason) "." }
     } }
 }
 
-fn sweep(report: &Report) -> Markup {
+fn sweep(report: &StudyReport) -> Markup {
     let sweep = &report.sweep;
     html! {
         section {
@@ -229,39 +235,39 @@ fn sweep(report: &Report) -> Markup {
             div.with-plot {
                 figure { (PreEscaped(report.sweep_graph().svg())) }
                 div {
-                    p { "The Pareto front: nothing that was tried has a smaller error in less time." }
+                    p { "The Pareto front: no other measured point has a smaller error in less time." }
                     div.table { table.grid {
                         thead { tr { th.number { "time" } th.number { "error" } th.number { "passes" } th { "settings" } } }
                         tbody {
-                            @for place in &sweep.front { (place_row(&place.point, &sweep.runs[place.run].recipe(), "")) }
-                            @if let Some(default) = &sweep.default { (place_row(default, &Recipe::DEFAULT, "default")) }
+                            @for place in &sweep.front { (place_row(&place.point, &sweep.runs[place.run].settings(), "")) }
+                            @if let Some(default) = &sweep.default { (place_row(default, &RenderSettings::DEFAULT, "default")) }
                         }
                     } }
                 }
             }
             p.soft {
-                "One setting is changed at a time; each line is one render as its passes add up. "
-                @if sweep.default.is_some() { "The ring is the scene as it is set. " }
+                "Each run changes one setting. A line shows the error of one run over its passes. "
+                @if sweep.default.is_some() { "The ring marks the scene's own settings. " }
                 @if !sweep.left_out.is_empty() {
-                    "Left out for want of time: "
+                    "Skipped for lack of time: "
                     (sweep.left_out.iter().map(|change| change.words()).collect::<Vec<_>>().join("; ")) ". "
                 }
-                "Fixed by design, and so not swept: " (report.fixed_by_design.join("; ")) "."
+                "Fixed by design: " (report.fixed_by_design.join("; ")) "."
             }
         }
     }
 }
 
-fn place_row(point: &Point, recipe: &Recipe, class: &str) -> Markup {
+fn place_row(point: &ConvergencePoint, settings: &RenderSettings, class: &str) -> Markup {
     html! { tr class=(class) {
         td.number { (time(point.seconds)) }
-        td.number { (typical(point.wrong.whole.value)) }
+        td.number { (typical(point.error.whole.value)) }
         td.number { (point.passes) }
-        td { (if recipe.integrator == Integrator::Path { "path tracer".to_string() } else { recipe.words() }) @if class == "default" { " (default)" } }
+        td { (if settings.integrator == Integrator::Path { "path tracer".to_string() } else { settings.words() }) @if class == "default" { " (default)" } }
     } }
 }
 
-fn effects(report: &Report, pictures: &Pictures<'_>) -> Result<Markup> {
+fn effects(report: &StudyReport, pictures: &StudyPictures<'_>) -> Result<Markup> {
     let effects = &report.effects;
     let mut place = FIRST_EFFECT;
     let whole = shrunk(pictures.whole);
@@ -275,15 +281,14 @@ fn effects(report: &Report, pictures: &Pictures<'_>) -> Result<Markup> {
         section {
             h2 { "Effect by effect" }
             p {
-                "Each effect that the scene calls for is left out in turn, for " (passes(effects.passes)) " of the same seed. With all of them these take "
-                (time(effects.with.seconds)) " and " (bytes(effects.with.memory_bytes)) ". Noise alone makes ΔE "
-                (format!("{:.2}", effects.noise_delta_e_2000.mean)) " and relMSE " (short(effects.noise_relative_mse)) " between two seeds; pictures of the same seed share most of it, but where an effect gives random numbers another meaning (aim, dispersion) it "
-                "stays in the difference."
+                "Each effect of the scene is left out in turn, for " (passes(effects.passes)) " with the same seed. With all effects, the render takes "
+                (time(effects.with.seconds)) " and " (bytes(effects.with.memory_bytes)) ". Noise alone causes ΔE "
+                (format!("{:.2}", effects.noise_delta_e_2000.mean)) " and relMSE " (short(effects.noise_relative_mse)) " between two seeds. Pictures of the same seed share most of the noise. Effects that change the use of random numbers (aim, dispersion) do not share this noise."
             }
             div.cards { @for card in &cards { (card) } }
             h3 { "Off in this scene" }
             div.table { table.grid {
-                thead { tr { th { "effect" } th.number { "events" } th { "because" } } }
+                thead { tr { th { "effect" } th.number { "events" } th { "reason" } } }
                 tbody { @for off in &effects.off {
                     tr { th scope="row" { (off.name) } td.number { (off.events) } td { @if off.state != "off" { (off.state) "; " } (off.because) } }
                 } }
@@ -293,17 +298,17 @@ fn effects(report: &Report, pictures: &Pictures<'_>) -> Result<Markup> {
 }
 
 fn card(
-    effect: &Without,
-    effects: &Effects,
-    (pictures, whole): (&Pictures<'_>, &Picture),
+    effect: &EffectAblation,
+    effects: &EffectStudy,
+    (pictures, whole): (&StudyPictures<'_>, &Picture),
     at: Option<usize>,
 ) -> Result<Markup> {
     let figures = match &effect.left_out {
-        LeftOut::Measured { cost, relative_mse, delta_e_2000, wrong } => {
-            measured(effects, cost, (*relative_mse, delta_e_2000), *wrong)
+        AblationResult::Measured { cost, relative_mse, delta_e_2000, error } => {
+            measured(effects, cost, (*relative_mse, delta_e_2000), *error)
         }
-        LeftOut::Refused(reason) => html! { p.soft { "Cannot be left out: " (reason) "." } },
-        LeftOut::NoTime => html! { p.soft { "No time was left for it." } },
+        AblationResult::Refused(reason) => html! { p.soft { "Cannot be left out: " (reason) "." } },
+        AblationResult::NoTime => html! { p.soft { "The study had no time for this effect." } },
     };
     let thumbnails = match &effect.picture {
         Some(picture) => {
@@ -331,7 +336,12 @@ fn card(
     })
 }
 
-fn measured(effects: &Effects, cost: &Cost, (relative_mse, delta_e): (f64, &DeltaE), wrong: Estimate) -> Markup {
+fn measured(
+    effects: &EffectStudy,
+    cost: &RenderCost,
+    (relative_mse, delta_e): (f64, &DeltaE),
+    error: MeanEstimate,
+) -> Markup {
     let with = &effects.with;
     let share = 1.0 - cost.seconds / with.seconds;
     let change = if share >= 0.0 { format!("{} less", percent(share)) } else { format!("{} more", percent(-share)) };
@@ -340,12 +350,12 @@ fn measured(effects: &Effects, cost: &Cost, (relative_mse, delta_e): (f64, &Delt
             tr { th { "time" } td { (time(with.seconds)) " → " (time(cost.seconds)) " (" (change) ")" } }
             tr { th { "memory" } td { (bytes(with.memory_bytes)) " → " (bytes(cost.memory_bytes)) } }
             tr { th { "difference" } td { "ΔE " (format!("{:.2}", delta_e.mean)) ", 95 %: " (format!("{:.1}", delta_e.p95)) "; relMSE " (short(relative_mse)) } }
-            tr { th { "error" } td { (typical(effects.wrong.value)) " → " (typical(wrong.value)) } }
+            tr { th { "error" } td { (typical(effects.error.value)) " → " (typical(error.value)) } }
         } }
     }
 }
 
-fn method(report: &Report) -> Markup {
+fn method(report: &StudyReport) -> Markup {
     let reference = &report.reference;
     let percent_of = |share: f64| percent(share);
     html! {
@@ -356,31 +366,32 @@ fn method(report: &Report) -> Markup {
                 @match reference.origin {
                     "given" => { (reference.because) ". " }
                     origin => {
-                        "by " (title_of(origin)) ": " (reference.because) "; two halves with seeds of their own, " (reference.passes) " passes in "
+                        "by " (integrator_title(origin)) ": " (reference.because) "; two halves with different seeds, " (reference.passes) " passes in "
                         (time(reference.seconds)) ". "
                     }
                 }
                 "Its own noise is " (typical(reference.relative_variance)) " (relMSE " (short(reference.relative_variance))
-                ") and is taken off every error, pixel by pixel; errors that do not stand clear of it by three standard errors are left out of plots and fits. "
+                "). This noise is subtracted from every error, pixel by pixel. Plots and fits leave out errors below three standard errors. "
                 @if reference.origin == "photon" {
-                    "Its kernels have a tenth of the scene's area, and so a tenth of the bias, which cannot be taken off: it claims a bias of "
+                    "Its kernels have a tenth of the area of the scene's kernels, and so about a tenth of the bias. Bias cannot be subtracted; the reference estimates its own bias as "
                     (typical(reference.relative_bias_square)) ". "
                 }
             }
             p { strong { "Smooth regions: " } (report.smooth_rule) "." }
             p {
-                strong { "Time: " } "of " (time(report.budget_seconds)) " asked for, renders took " (time(report.spent_seconds)) ": "
-                (percent_of(SHARES.trial)) " to try out who renders the reference, " (percent_of(SHARES.reference)) " the reference, "
-                (percent_of(SHARES.photon_curve + SHARES.path_curve)) " error against time, " (percent_of(SHARES.sweep)) " the sweep, "
-                (percent_of(SHARES.effects)) " effects. The film is as large as that allows, at most 65,536 pixels. Measuring errors is not counted."
+                strong { "Time: " } "the renders took " (time(report.spent_seconds)) " of a budget of " (time(report.budget_seconds)) ". The budget is divided as follows: "
+                (percent_of(TIME_SHARES.trial)) " trials that choose the integrator of the reference, " (percent_of(TIME_SHARES.reference)) " the reference, "
+                (percent_of(TIME_SHARES.photon_curve + TIME_SHARES.path_curve)) " error against time, " (percent_of(TIME_SHARES.sweep)) " the sweep of settings, "
+                (percent_of(TIME_SHARES.effects)) " effects. The film is as large as the budget allows, at most 65,536 pixels. The measurement of errors is not counted."
             }
-            p { strong { "Memory " } "is that of film, scene and photons, by the number of photons kept in a pass; the system tells only the peak of the whole process." }
-            p.soft { (report.scene) ", abbe " (report.version) ". The same figures stand in study.json and in CSV files beside this page." }
+            p { strong { "Memory: " } "film, scene and photons, computed from the number of photons stored in a pass. The operating system reports only the peak of the whole process." }
+            p.soft { (report.scene) ", abbe " (report.version) ". The same figures are in study.json and in the CSV files beside this page." }
         }
     }
 }
 
-/// Means of squares of pixels, so that a picture is at most [`THUMBNAIL`] wide.
+/// Makes a picture smaller by averaging square blocks of pixels. The result is at most
+/// [`THUMBNAIL`] wide.
 fn shrunk(picture: &Picture) -> Picture {
     let step = picture.width.div_ceil(THUMBNAIL);
     let (width, height) = ((picture.width / step).max(1), (picture.height / step).max(1));
@@ -395,11 +406,11 @@ fn shrunk(picture: &Picture) -> Picture {
     small
 }
 
-fn slope(fit: Option<super::fit::Fit>) -> String {
+fn slope(fit: Option<super::fit::PowerLawFit>) -> String {
     fit.map_or("too few points".to_string(), |fit| fit.words())
 }
 
-/// The square root of a relative mean square error, in percent.
+/// Writes the square root of a relative mean square error in percent.
 fn typical(relative_mse: f64) -> String {
     if relative_mse.is_nan() { "unknown".to_string() } else { percent(relative_mse.max(0.0).sqrt()) }
 }
@@ -409,7 +420,7 @@ fn percent(share: f64) -> String {
     if percent < 9.95 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
 }
 
-/// A relative mean square error with two digits.
+/// Writes a relative mean square error with two digits.
 fn short(relative_mse: f64) -> String {
     if !relative_mse.is_finite() {
         return "unknown".to_string();

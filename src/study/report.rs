@@ -1,73 +1,73 @@
-//! What a study found, for programs (JSON, CSV) and as plots.
+//! The results of a study as JSON, CSV and plots.
 
-use super::curves::{Curve, error_to_fit};
-use super::effects::{Effects, LeftOut};
+use super::convergence::ConvergencePoint;
+use super::curves::{ConvergenceCurve, error_to_fit};
+use super::effects::{AblationResult, EffectStudy};
 use super::film::StudyFilm;
-use super::reference::Estimate;
-use super::shelf::json;
-use super::subject::{Setting, Subject};
-use super::sweep::Sweep;
-use super::truth::{Account, Truth};
-use super::wanted::{self, Wanted};
-use super::{Point, smooth};
-use crate::output::graph::{Graph, Look, Series};
-use crate::render::Job;
+use super::recommendation::Recommendation;
+use super::reference::MeanEstimate;
+use super::reference_choice::ReferenceProvenance;
+use super::step_cache::json;
+use super::study_scene::{Setting, integrator_title};
+use super::sweep::SettingSweep;
+use crate::output::graph::{LogLogPlot, PlotSeries, SeriesStyle};
 use serde::Serialize;
 
-/// What a study found.
+/// The results of a study.
 #[derive(Debug, Serialize)]
-pub struct Report {
-    /// The program's version.
+pub struct StudyReport {
+    /// The version of the program.
     pub version: &'static str,
-    /// The scene's file.
+    /// The path of the scene file.
     pub scene: String,
-    /// What it shows.
+    /// The title of the scene.
     pub title: String,
-    /// Seconds that the study was to take.
+    /// The time budget in seconds.
     pub budget_seconds: f64,
-    /// Seconds that its renders took.
+    /// The total time of the renders in seconds.
     pub spent_seconds: f64,
-    /// Whose seconds these are.
-    pub machine: Machine,
-    /// The film.
+    /// The machine used for the measurement of times.
+    pub machine: MachineInfo,
+    /// The film size.
     pub film: StudyFilm,
-    /// What errors are measured against.
-    pub reference: Account,
-    /// What a smooth region is.
+    /// The provenance of the reference.
+    pub reference: ReferenceProvenance,
+    /// The definition of a smooth region.
     pub smooth_rule: &'static str,
-    /// Error against time, the photon integrator's first.
-    pub curves: [Curve; 2],
+    /// Error against time: first photon mapping, and then the path tracer.
+    pub curves: [ConvergenceCurve; 2],
     /// The sweep of settings.
-    pub sweep: Sweep,
-    /// What the sweep leaves out because it is fixed by design.
+    pub sweep: SettingSweep,
+    /// Quantities fixed in the program, with reasons. No option changes them.
     pub fixed_by_design: [&'static str; 3],
-    /// Effect by effect.
-    pub effects: Effects,
-    /// The error you want, and what it takes.
-    pub wanted: Vec<Wanted>,
+    /// The results for all effects.
+    pub effects: EffectStudy,
+    /// Recommended settings for given errors, with predicted times.
+    #[serde(rename = "wanted")]
+    pub recommendations: Vec<Recommendation>,
 }
 
-/// A machine.
+/// The machine of a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Machine {
-    /// Threads that took part, of as many cores.
+pub struct MachineInfo {
+    /// The number of worker threads.
     pub threads: usize,
-    /// Its cores.
+    /// The number of cores.
     pub cores: usize,
-    /// Their clock in GHz, where the system tells.
+    /// The clock frequency in GHz, if the system reports it.
     pub clock_ghz: Option<f64>,
 }
 
-/// What no option changes, with the reason.
-const FIXED_BY_DESIGN: [&str; 3] = [
-    "wavelengths a photon: 4, so that all of them go through the same vector instructions",
-    "the pass's shared wavelengths: 4, one from each quarter of the lights' visible power, shifted from pass to pass",
-    "stratification of lens, time and wavelength: low-discrepancy sequences over the passes, always",
+/// Quantities fixed in the program, with reasons. No option changes them.
+pub(super) const FIXED_BY_DESIGN: [&str; 3] = [
+    "wavelengths per photon: 4, so that one vector instruction handles all of them",
+    "shared wavelengths per pass: 4, one from each quarter of the lights' visible power, shifted from pass to pass",
+    "stratification of lens, time and wavelength: low-discrepancy sequences over the passes",
 ];
 
-impl Machine {
-    /// The one that this runs on.
-    pub(super) fn here(curve: &Curve) -> Self {
+impl MachineInfo {
+    /// The machine that runs this program.
+    pub(super) fn here(curve: &ConvergenceCurve) -> Self {
         let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
         let line = text.lines().find_map(|line| line.strip_prefix("cpu MHz"));
         let mhz: Option<f64> = line.and_then(|rest| rest.split_once(':')).and_then(|(_, mhz)| mhz.trim().parse().ok());
@@ -78,7 +78,7 @@ impl Machine {
         }
     }
 
-    /// In words.
+    /// The machine as text.
     pub fn words(&self) -> String {
         let clock = self.clock_ghz.map_or_else(String::new, |ghz| format!(" at {ghz} GHz"));
         let counted = |count: usize, what| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
@@ -86,33 +86,8 @@ impl Machine {
     }
 }
 
-impl Report {
-    pub(super) fn new(
-        (subject, job, machine): (&Subject, &Job, Machine),
-        (budget_seconds, spent_seconds): (f64, f64),
-        (film, truth): (StudyFilm, &Truth),
-        (curves, sweep, effects): (&[Curve; 2], Sweep, &Effects),
-    ) -> Self {
-        let wanted = wanted::table(subject, (&film, &truth.account), curves, &sweep);
-        Self {
-            version: env!("CARGO_PKG_VERSION"),
-            scene: subject.path.display().to_string(),
-            title: job.scene.title.clone(),
-            budget_seconds,
-            spent_seconds,
-            machine,
-            film,
-            reference: truth.account.clone(),
-            smooth_rule: smooth::RULE,
-            curves: curves.clone(),
-            sweep,
-            fixed_by_design: FIXED_BY_DESIGN,
-            effects: effects.clone(),
-            wanted,
-        }
-    }
-
-    /// All files but the page, by their names.
+impl StudyReport {
+    /// The names and contents of all files except the page.
     pub(super) fn files(&self) -> [(&'static str, String); 7] {
         [
             ("study.json", json(self) + "\n"),
@@ -129,19 +104,19 @@ impl Report {
         let rows = self.curves.iter().flat_map(|curve| {
             curve.points.iter().map(|point| [vec![curve.integrator.to_string()], cells_of(point)].concat())
         });
-        csv(&[&["integrator"][..], &POINT].concat(), rows)
+        csv(&[&["integrator"][..], &POINT_COLUMNS].concat(), rows)
     }
 
     fn sweep_csv(&self) -> String {
         let rows = self.sweep.runs.iter().enumerate().flat_map(|(number, run)| {
-            let words = run.recipe().words();
+            let words = run.settings().words();
             run.points.iter().map(move |point| {
                 let on_front = self.sweep.front.iter().any(|place| place.run == number && place.point == *point);
                 let is_default = run.change.is_none() && self.sweep.default == Some(*point);
                 [vec![words.clone()], cells_of(point), vec![on_front.to_string(), is_default.to_string()]].concat()
             })
         });
-        csv(&[&["settings"][..], &POINT, &["on_front", "default"]].concat(), rows)
+        csv(&[&["settings"][..], &POINT_COLUMNS, &["on_front", "default"]].concat(), rows)
     }
 
     fn effects_csv(&self) -> String {
@@ -164,16 +139,16 @@ impl Report {
         let on = effects.on.iter().map(|effect| {
             let first = [effect.name.to_string(), effect.state.to_string(), effect.events.to_string()];
             let rest = match &effect.left_out {
-                LeftOut::Measured { cost, relative_mse, delta_e_2000, wrong } => {
+                AblationResult::Measured { cost, relative_mse, delta_e_2000, error } => {
                     let (with, without) = (effects.with, *cost);
                     let bytes = [with.memory_bytes, without.memory_bytes].map(|bytes| bytes.to_string());
                     let figures =
-                        [*relative_mse, delta_e_2000.mean, delta_e_2000.p95, effects.wrong.value, wrong.value];
+                        [*relative_mse, delta_e_2000.mean, delta_e_2000.p95, effects.error.value, error.value];
                     let seconds = [with.seconds, without.seconds].map(number);
                     [seconds.to_vec(), bytes.to_vec(), figures.map(number).to_vec(), vec![String::new()]].concat()
                 }
-                LeftOut::Refused(reason) => [vec![String::new(); 9], vec![reason.clone()]].concat(),
-                LeftOut::NoTime => [vec![String::new(); 9], vec!["no time".to_string()]].concat(),
+                AblationResult::Refused(reason) => [vec![String::new(); 9], vec![reason.clone()]].concat(),
+                AblationResult::NoTime => [vec![String::new(); 9], vec!["no time".to_string()]].concat(),
             };
             [first.to_vec(), rest].concat()
         });
@@ -186,7 +161,7 @@ impl Report {
 
     fn settings_csv(&self) -> String {
         let head = ["relative_mse", "settings", "passes", "seconds", "seconds_own_film", "extrapolated", "command"];
-        let rows = self.wanted.iter().map(|row| {
+        let rows = self.recommendations.iter().map(|row| {
             vec![
                 number(row.relative_mse),
                 row.settings.clone(),
@@ -200,24 +175,24 @@ impl Report {
         csv(&head, rows)
     }
 
-    /// Error against time of both integrators.
-    pub(super) fn curves_graph(&self) -> Graph {
+    /// Plots error against time of both integrators.
+    pub(super) fn curves_graph(&self) -> LogLogPlot {
         let mut series = Vec::new();
         for (curve, colour) in self.curves.iter().zip([2, 1]) {
-            let certain = |of: fn(&Point) -> Estimate| {
-                let points = curve.points.iter().filter(move |point| of(point).is_certain());
+            let significant = |of: fn(&ConvergencePoint) -> MeanEstimate| {
+                let points = curve.points.iter().filter(move |point| of(point).is_significant());
                 points.map(|point| (point.seconds, of(point).value)).collect::<Vec<(f64, f64)>>()
             };
-            let has_smooth = curve.points.iter().any(|point| point.wrong.smooth.is_some());
+            let has_smooth = curve.points.iter().any(|point| point.error.smooth.is_some());
             if has_smooth {
-                series.push(Series {
+                series.push(PlotSeries {
                     name: String::new(),
-                    look: Look::Dots,
+                    style: SeriesStyle::Dots,
                     colour,
-                    points: certain(|point| point.wrong.whole),
+                    points: significant(|point| point.error.whole),
                 });
             }
-            let fitted = certain(error_to_fit);
+            let fitted = significant(error_to_fit);
             for (slope, (first, last)) in fitted
                 .first()
                 .zip(fitted.last())
@@ -225,15 +200,15 @@ impl Report {
                 .flat_map(|ends| curve.slopes_in_theory().into_iter().map(move |slope| (slope, ends)))
             {
                 let points = vec![*first, (last.0, first.1 * (last.0 / first.0).powf(slope))];
-                series.push(Series { name: String::new(), look: Look::Dashed, colour, points });
+                series.push(PlotSeries { name: String::new(), style: SeriesStyle::Dashed, colour, points });
             }
             let slope = curve
                 .fit
                 .map_or("no fit".to_string(), |fit| format!("{} ± {:.2}", signed(fit.slope), fit.standard_error));
-            let name = format!("{}: slope {slope} (theory {})", title_of(curve.integrator), theory(curve));
-            series.push(Series { name, look: Look::Line, colour, points: fitted });
+            let name = format!("{}: slope {slope} (theory {})", integrator_title(curve.integrator), theory(curve));
+            series.push(PlotSeries { name, style: SeriesStyle::Line, colour, points: fitted });
         }
-        Graph {
+        LogLogPlot {
             title: "Error against time".to_string(),
             across: "seconds".to_string(),
             up: "relative mean square error".to_string(),
@@ -241,15 +216,15 @@ impl Report {
         }
     }
 
-    /// All that the sweep tried.
-    pub(super) fn sweep_graph(&self) -> Graph {
+    /// Plots error against time of all runs of the sweep.
+    pub(super) fn sweep_graph(&self) -> LogLogPlot {
         let of_setting = |setting: Option<Setting>, colour: usize, name: &str| {
             let runs = self.sweep.runs.iter().filter(move |run| run.change.map(|change| change.setting) == setting);
             let named = std::iter::once(name.to_string()).chain(std::iter::repeat(String::new()));
             runs.zip(named).map(move |(run, name)| {
-                let certain = run.points.iter().filter(|point| point.wrong.whole.is_certain());
-                let points = certain.map(|point| (point.seconds, point.wrong.whole.value)).collect();
-                Series { name, look: Look::Line, colour, points }
+                let significant = run.points.iter().filter(|point| point.error.whole.is_significant());
+                let points = significant.map(|point| (point.seconds, point.error.whole.value)).collect();
+                PlotSeries { name, style: SeriesStyle::Line, colour, points }
             })
         };
         let settings = [
@@ -261,11 +236,16 @@ impl Report {
         ];
         let changed = settings.iter().flat_map(|&(setting, colour)| of_setting(Some(setting), colour, setting.words()));
         let own = of_setting(None, 1, "the scene's settings");
-        let front = self.sweep.front.iter().map(|place| (place.point.seconds, place.point.wrong.whole.value));
-        let front = Series { name: "Pareto front".to_string(), look: Look::Steps, colour: 0, points: front.collect() };
-        let default = self.sweep.default.iter().map(|point| (point.seconds, point.wrong.whole.value)).collect();
-        let default = Series { name: String::new(), look: Look::Rings, colour: 1, points: default };
-        Graph {
+        let front = self.sweep.front.iter().map(|place| (place.point.seconds, place.point.error.whole.value));
+        let front = PlotSeries {
+            name: "Pareto front".to_string(),
+            style: SeriesStyle::Steps,
+            colour: 0,
+            points: front.collect(),
+        };
+        let default = self.sweep.default.iter().map(|point| (point.seconds, point.error.whole.value)).collect();
+        let default = PlotSeries { name: String::new(), style: SeriesStyle::Rings, colour: 1, points: default };
+        LogLogPlot {
             title: "Settings: error against time, whole picture".to_string(),
             across: "seconds".to_string(),
             up: "relative mean square error".to_string(),
@@ -274,23 +254,18 @@ impl Report {
     }
 }
 
-/// An integrator's name in words.
-pub fn title_of(integrator: &str) -> &'static str {
-    if integrator == "path" { "path tracer" } else { "photons" }
-}
-
-/// What theory says of a curve's slope: one number, or from where to where.
-pub fn theory(curve: &Curve) -> String {
+/// The theoretical slope of a curve as text: one number, or a range.
+pub fn theory(curve: &ConvergenceCurve) -> String {
     curve.slopes_in_theory().into_iter().rev().map(signed).collect::<Vec<String>>().join(" to ")
 }
 
-/// Two decimals, with a true minus.
+/// Writes two decimals, with a Unicode minus sign.
 pub(super) fn signed(value: f64) -> String {
     format!("{value:.2}").replace('-', "−")
 }
 
-/// The columns of a point.
-const POINT: [&str; 6] = [
+/// The columns of a convergence point.
+const POINT_COLUMNS: [&str; 6] = [
     "passes",
     "seconds",
     "relative_mse",
@@ -299,19 +274,19 @@ const POINT: [&str; 6] = [
     "smooth_relative_mse_standard_error",
 ];
 
-fn cells_of(point: &Point) -> Vec<String> {
-    let estimate = |estimate: Estimate| [number(estimate.value), number(estimate.standard_error)];
+fn cells_of(point: &ConvergencePoint) -> Vec<String> {
+    let estimate = |estimate: MeanEstimate| [number(estimate.value), number(estimate.standard_error)];
     let none = || [String::new(), String::new()];
-    let (whole, smooth) = (estimate(point.wrong.whole), point.wrong.smooth.map_or_else(none, estimate));
+    let (whole, smooth) = (estimate(point.error.whole), point.error.smooth.map_or_else(none, estimate));
     [vec![point.passes.to_string(), number(point.seconds)], whole.to_vec(), smooth.to_vec()].concat()
 }
 
-/// A number with six digits; nothing where it is not finite.
+/// Writes a number with six digits. The text is empty if the number is not finite.
 fn number(value: f64) -> String {
     if value.is_finite() { format!("{value:.5e}") } else { String::new() }
 }
 
-/// Rows under a header (RFC 4180, but lines end in a line feed).
+/// Writes rows under a header (RFC 4180, but with line feeds as line ends).
 fn csv(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     let quoted = |cell: &String| {
         if cell.contains([',', '"', '\n']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.clone() }

@@ -1,46 +1,48 @@
-//! Where the light of a pass went: the balance of emitted and absorbed power.
+//! The energy balance of a pass.
 
 use serde::{Deserialize, Serialize};
 
-/// The power that photons carried in one pass, in W over the band. Emitted + sampling = absorbed + escaped + depth limit.
+/// The power of the photons of one pass, in W over the band. The balance is: emitted + sampling =
+/// absorbed + escaped + depth limit.
 ///
-/// *Absorbed* is computed from albedo and Beer's law and never as a difference, so that a weight that loses or gains energy
-/// somewhere shows as an imbalance or as a *sampling* that is not zero in the mean.
+/// The absorbed power is computed from the albedo and from Beer's law, never as a difference.
+/// Therefore an error in a path weight causes an imbalance, or a mean *sampling* that is not zero.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ledger {
-    /// What the lights handed out.
+    /// Power emitted by the lights.
     pub emitted: f64,
-    /// What roulette, the choice of one wavelength and importance sampling gained (positive) or lost.
+    /// Power gained (positive) or lost by Russian roulette, by the choice of one wavelength and by
+    /// importance sampling.
     pub sampling: f64,
-    /// What surfaces absorbed, by material number.
+    /// Power absorbed by surfaces, per material number.
     pub absorbed: Vec<f64>,
-    /// What bodies of glass or liquid absorbed.
+    /// Power absorbed by bodies of glass, liquid or fog.
     pub absorbed_inside: f64,
-    /// What left the scene.
+    /// Power that left the scene.
     pub escaped: f64,
-    /// What was given up at the limit of depth.
+    /// Power of the photons ended by the depth limit.
     pub depth_limit: f64,
 }
 
 impl Ledger {
-    /// An empty ledger for this many materials.
+    /// Creates an empty ledger for a scene with this number of materials.
     pub fn new(materials: usize) -> Self {
         Self { absorbed: vec![0.0; materials], ..Self::default() }
     }
 
-    /// All that was absorbed.
+    /// Returns the power absorbed by surfaces and bodies together.
     pub fn absorbed_total(&self) -> f64 {
         self.absorbed.iter().sum::<f64>() + self.absorbed_inside
     }
 
-    /// Emitted + sampling − absorbed − escaped − depth limit, relative to emitted.
+    /// Returns emitted + sampling − absorbed − escaped − depth limit, relative to emitted.
     pub fn balance(&self) -> f64 {
         let left = self.emitted + self.sampling - self.absorbed_total() - self.escaped - self.depth_limit;
         if self.emitted > 0.0 { left / self.emitted } else { left }
     }
 
-    /// Multiplies all entries.
+    /// Multiplies all entries by `factor`.
     pub fn scale(&mut self, factor: f64) {
         for entry in
             [&mut self.emitted, &mut self.sampling, &mut self.absorbed_inside, &mut self.escaped, &mut self.depth_limit]
@@ -50,7 +52,8 @@ impl Ledger {
         self.absorbed.iter_mut().for_each(|entry| *entry *= factor);
     }
 
-    /// Adds another ledger's entries. Sums in a fixed order give the same bits again.
+    /// Adds the entries of another ledger. The same ledgers in the same order give a bit-identical
+    /// sum.
     pub fn add(&mut self, other: &Self) {
         self.emitted += other.emitted;
         self.sampling += other.sampling;

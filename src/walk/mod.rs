@@ -1,16 +1,25 @@
-//! From one event to the next: which surface a ray meets, in which body of glass it travels, and how it scatters there.
+//! Path segments of photons and of camera paths: the search for the next surface along a ray, the
+//! media before this surface, and the scattering at the surface.
 
-mod encounter;
+mod body_mode;
 pub mod ledger;
-mod passage;
+mod medium_segment;
+mod next_interaction;
+mod ray_state;
 mod scatter;
 mod sink;
-mod stretch;
-mod tally;
+mod surface_interaction;
+mod transmittance;
 
-pub use encounter::{Encounter, Leg, Start, next, next_in_air, travel};
-pub use passage::{Passage, Passages, bias_of_excess, excess_depth, passages, passages_tracked, product as passes};
-pub use scatter::{Drawn, Scattered, draw_consistently, scatter, scatter_together};
+pub use crate::plan::Tally;
+pub use body_mode::{BodyMode, WithBodies, WithoutBodies};
+pub use medium_segment::{MAX_COLLISIONS, MediumSegment, NumberedMedium, for_each_segment};
+pub use next_interaction::{SegmentEnd, next_interaction, next_interaction_in_air, next_interaction_through_media};
+pub use ray_state::RayState;
+pub use scatter::{ConsistentBsdfSample, ScatteredRay, sample_consistently, scatter, scatter_all_wavelengths};
 pub use sink::Sink;
-pub use stretch::{Stretch, stretches};
-pub use tally::Tally;
+pub use surface_interaction::SurfaceInteraction;
+pub use transmittance::{
+    PathTransmittance, SegmentTransmittance, bias_of_excess, excess_optical_depth, path_transmittance,
+    path_transmittance_tracked, transmittance,
+};

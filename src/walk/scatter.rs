@@ -1,196 +1,225 @@
 //! Scattering of a path that carries several wavelengths.
 //!
-//! All wavelengths of a path go the same way until a refraction sends each its own way: then the path keeps one of them.
+//! All wavelengths of a path share one direction until a dispersive refraction. At a dispersive
+//! refraction, the path keeps one wavelength.
 
-use super::encounter::Encounter;
+use super::ray_state::RayState;
+use super::surface_interaction::SurfaceInteraction;
 use crate::math::frame::Frame;
 use crate::math::random::Stream;
+use crate::optics::bsdf::{Bsdf, BsdfSample, ScatterEvent, TransportMode};
 use crate::optics::fresnel;
-use crate::optics::surface::{Event, Scatter, Surface, Transport};
 use crate::spectrum::{LANES, Lanes, Wavelengths};
 use glam::DVec3;
 
-/// What became of a path at a surface.
+/// The result of scattering a path at a surface.
 #[derive(Debug, Clone, Copy)]
-pub struct Scattered {
-    /// The new direction, unit.
+pub struct ScatteredRay {
+    /// The new direction, unit, in world space.
     pub direction: DVec3,
-    /// Factor on each wavelength's power or radiance; that of lanes given up is 0.
+    /// The factor on the power or radiance of each wavelength. The factor is 0 if the path gave up
+    /// the wavelength.
     pub weight: Lanes,
-    /// The share of each wavelength's power that this event absorbed.
+    /// The fraction of the power absorbed by the surface, per wavelength.
     pub absorbed: Lanes,
-    /// The lane that was kept, if the path gave up the others here.
+    /// The lane of the only remaining wavelength, if the event was dispersive.
     pub kept: Option<usize>,
-    /// Whether the direction was the only one possible.
+    /// Whether the BSDF is a delta distribution in this direction.
     pub delta: bool,
-    /// The density per steradian of the direction, for the hero wavelength; 0 for a delta.
+    /// The density of the direction per steradian at the hero wavelength, or 0 for a delta
+    /// distribution.
     pub pdf: f64,
-    /// Whether it went through.
-    pub event: Event,
+    /// Reflection or transmission.
+    pub event: ScatterEvent,
 }
 
-/// Scatters a path with these wavelengths; `None` where it ends (an absorber).
+impl SurfaceInteraction<'_> {
+    /// Returns the ray that leaves the surface after scattering.
+    #[inline]
+    pub fn spawn_scattered(&self, scattered: &ScatteredRay) -> RayState {
+        self.spawn_ray(scattered.direction, self.medium_stack_after(scattered.event))
+    }
+}
+
+/// Scatters a path with these wavelengths. Returns `None` if the surface absorbs the path.
 #[inline]
 pub fn scatter(
-    encounter: &Encounter<'_>,
+    interaction: &SurfaceInteraction<'_>,
     wavelengths: &Wavelengths,
-    transport: Transport,
+    transport: TransportMode,
     stream: &mut Stream,
-) -> Option<Scattered> {
-    if let Surface::Dielectric(dielectric) = encounter.surface
+) -> Option<ScatteredRay> {
+    if let Bsdf::Dielectric(dielectric) = interaction.bsdf
         && wavelengths.count > 1
-        && (encounter.sides.here.is_dispersive() || encounter.sides.there.is_dispersive())
+        && (interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive())
     {
         return match dielectric.is_rough() {
-            false => split_at_dispersive_interface(encounter, wavelengths, transport, stream),
-            true => split_at_dispersive_facets(encounter, wavelengths, transport, stream),
+            false => split_at_dispersive_interface(interaction, wavelengths, transport, stream),
+            true => split_at_dispersive_facets(interaction, wavelengths, transport, stream),
         };
     }
-    scatter_together(encounter, wavelengths, transport, stream)
+    scatter_all_wavelengths(interaction, wavelengths, transport, stream)
 }
 
-/// The same where wavelengths stay together, as they do wherever nothing disperses: one direction for all of them, drawn for the hero.
+/// Scatters all wavelengths of a path into one direction. The direction is sampled for the hero
+/// wavelength. Returns `None` if the surface absorbs the path. The interaction must not be
+/// dispersive.
 #[inline(always)]
-pub fn scatter_together(
-    encounter: &Encounter<'_>,
+pub fn scatter_all_wavelengths(
+    interaction: &SurfaceInteraction<'_>,
     wavelengths: &Wavelengths,
-    transport: Transport,
+    transport: TransportMode,
     stream: &mut Stream,
-) -> Option<Scattered> {
+) -> Option<ScatteredRay> {
     let u = stream.triple();
-    let (surface, sides) = (encounter.surface, encounter.sides);
-    let Drawn { frame, wo, scatter: drawn } =
-        draw_consistently(encounter, |wo| surface.sample(wo, sides, wavelengths.hero(), transport, u))?;
+    let (bsdf, sides) = (interaction.bsdf, interaction.sides);
+    let ConsistentBsdfSample { frame, wo, sample } =
+        sample_consistently(interaction, |wo| bsdf.sample(wo, sides, wavelengths.hero(), u))?;
     let mut weight = [0.0; LANES];
     let mut absorbed = [0.0; LANES];
     for (k, &nm) in wavelengths.active().iter().enumerate() {
-        weight[k] = surface.response(wo, &drawn, sides, transport, nm) / drawn.probability;
-        absorbed[k] = surface.absorbed(wo, &drawn, sides, nm);
+        weight[k] = bsdf.eval_sample(wo, &sample, sides, transport, nm) / sample.probability;
+        absorbed[k] = bsdf.absorbed_fraction(wo, &sample, sides, nm);
     }
-    Some(Scattered {
-        direction: frame.to_world(drawn.wi),
+    Some(ScatteredRay {
+        direction: frame.to_world(sample.wi),
         weight,
         absorbed,
         kept: None,
-        delta: drawn.delta,
-        pdf: if drawn.delta { 0.0 } else { drawn.probability },
-        event: drawn.event,
+        delta: sample.delta,
+        pdf: if sample.delta { 0.0 } else { sample.probability },
+        event: sample.event,
     })
 }
 
-/// A rough interface of dispersive media: its facets send each wavelength its own way, so one is chosen beforehand.
+/// Scatters at a rough interface of dispersive media. The facets scatter each wavelength into a
+/// different direction. The path therefore first selects one wavelength, and then samples a
+/// direction.
 #[inline(never)]
 fn split_at_dispersive_facets(
-    encounter: &Encounter<'_>,
+    interaction: &SurfaceInteraction<'_>,
     wavelengths: &Wavelengths,
-    transport: Transport,
+    transport: TransportMode,
     stream: &mut Stream,
-) -> Option<Scattered> {
+) -> Option<ScatteredRay> {
     let kept = ((stream.uniform() * LANES as f64) as usize).min(wavelengths.count - 1);
     let single = Wavelengths::single(wavelengths.nm[kept]);
-    let one = scatter_together(encounter, &single, transport, stream)?;
-    let spread = |value: f64| lane(kept, value * wavelengths.count as f64);
-    Some(Scattered { weight: spread(one.weight[0]), absorbed: spread(one.absorbed[0]), kept: Some(kept), ..one })
+    let one = scatter_all_wavelengths(interaction, &single, transport, stream)?;
+    let in_kept_lane = |value: f64| single_lane(kept, value * wavelengths.count as f64);
+    Some(ScatteredRay {
+        weight: in_kept_lane(one.weight[0]),
+        absorbed: in_kept_lane(one.absorbed[0]),
+        kept: Some(kept),
+        ..one
+    })
 }
 
-/// A smooth interface of dispersive media. Reflection keeps all wavelengths and is chosen by their mean reflectance F̄ (weights F/F̄
-/// ≤ their number, also where only some are totally reflected); refraction keeps one, drawn by its transmittance, so that
-/// its weight is exactly the number of wavelengths.
+/// Scatters at a smooth interface of dispersive media.
+///
+/// Reflection keeps all wavelengths. The probability of reflection is the mean reflectance F̄ of
+/// the wavelengths. The weights F/F̄ are therefore at most the number of wavelengths, even if only
+/// some wavelengths are totally reflected. Refraction keeps one wavelength, selected in proportion
+/// to its transmittance, so that its weight is exactly the number of wavelengths.
 fn split_at_dispersive_interface(
-    encounter: &Encounter<'_>,
+    interaction: &SurfaceInteraction<'_>,
     wavelengths: &Wavelengths,
-    transport: Transport,
+    transport: TransportMode,
     stream: &mut Stream,
-) -> Option<Scattered> {
+) -> Option<ScatteredRay> {
     let u = stream.uniform();
-    with_consistent_normal(encounter, |encounter| {
-        let (wo, sides) = (encounter.wo, encounter.sides);
+    scatter_consistently(interaction, |interaction| {
+        let (wo, sides) = (interaction.wo, interaction.sides);
         let count = wavelengths.count as f64;
         let mut reflectance = [0.0; LANES];
         for (k, &nm) in wavelengths.active().iter().enumerate() {
             reflectance[k] = fresnel::dielectric(wo.z.abs(), sides.here.n(nm), sides.there.n(nm));
         }
         let mean = reflectance.iter().sum::<f64>() / count;
-        let base = Scattered {
-            direction: encounter.frame.to_world(DVec3::new(-wo.x, -wo.y, wo.z)),
+        let base = ScatteredRay {
+            direction: interaction.frame.to_world(DVec3::new(-wo.x, -wo.y, wo.z)),
             weight: reflectance.map(|f| f / mean),
             absorbed: [0.0; LANES],
             kept: None,
             delta: true,
             pdf: 0.0,
-            event: Event::Reflection,
+            event: ScatterEvent::Reflection,
         };
         if u < mean {
             return Some(base);
         }
-        let kept = draw_transmitted(&reflectance[..wavelengths.count], (u - mean) * count)?;
+        let kept = sample_transmitted_lane(&reflectance[..wavelengths.count], (u - mean) * count)?;
         let nm = wavelengths.nm[kept];
         let (n_here, n_there) = (sides.here.n(nm), sides.there.n(nm));
         let refracted = fresnel::refract(wo, DVec3::Z, n_here, n_there)?;
         let scale = match transport {
-            Transport::Radiance => (n_here / n_there) * (n_here / n_there),
-            Transport::Importance => 1.0,
+            TransportMode::Radiance => (n_here / n_there) * (n_here / n_there),
+            TransportMode::Importance => 1.0,
         };
-        Some(Scattered {
-            direction: encounter.frame.to_world(refracted),
-            weight: lane(kept, count * scale),
+        Some(ScatteredRay {
+            direction: interaction.frame.to_world(refracted),
+            weight: single_lane(kept, count * scale),
             kept: Some(kept),
-            event: Event::Transmission,
+            event: ScatterEvent::Transmission,
             ..base
         })
     })
 }
 
-/// Draws a lane with probability proportional to its transmittance; `rest` is uniform between 0 and their sum.
-fn draw_transmitted(reflectance: &[f64], mut rest: f64) -> Option<usize> {
-    let drawn = reflectance.iter().position(|f| {
+/// Selects a lane in proportion to its transmittance 1 − F. `rest` is uniform between 0 and the sum
+/// of the transmittances.
+fn sample_transmitted_lane(reflectance: &[f64], mut rest: f64) -> Option<usize> {
+    let lane = reflectance.iter().position(|f| {
         rest -= 1.0 - f;
         rest < 0.0
     });
-    drawn.or_else(|| reflectance.iter().rposition(|&f| f < 1.0))
+    lane.or_else(|| reflectance.iter().rposition(|&f| f < 1.0))
 }
 
-/// A way on from a surface, in the frame in which it was drawn.
+/// A BSDF sample with the frame in which it was drawn.
 #[derive(Debug, Clone, Copy)]
-pub struct Drawn {
-    /// The frame.
+pub struct ConsistentBsdfSample {
+    /// The shading frame, or the frame of the geometric normal.
     pub frame: Frame,
     /// The direction back along the path, in the frame.
     pub wo: DVec3,
-    /// The way on.
-    pub scatter: Scatter,
+    /// The sample; its direction is in the frame.
+    pub sample: BsdfSample,
 }
 
-/// Draws in the frame of the shading normal; where that would send a reflected ray through the surface, or hold a transmitted one
-/// back, again in the frame of the true normal.
+/// Samples a BSDF in the shading frame. If the sampled direction is on the wrong side of the
+/// geometric surface, samples again in the frame of the geometric normal.
 #[inline(always)]
-pub fn draw_consistently(encounter: &Encounter<'_>, draw: impl Fn(DVec3) -> Option<Scatter>) -> Option<Drawn> {
-    let Encounter { mut frame, mut wo, .. } = *encounter;
-    let mut scatter = draw(wo)?;
-    if !encounter.agrees(frame.to_world(scatter.wi), scatter.event) {
-        (frame, wo) = encounter.seen_truly();
-        scatter = draw(wo)?;
+pub fn sample_consistently(
+    interaction: &SurfaceInteraction<'_>,
+    draw: impl Fn(DVec3) -> Option<BsdfSample>,
+) -> Option<ConsistentBsdfSample> {
+    let SurfaceInteraction { mut frame, mut wo, .. } = *interaction;
+    let mut sample = draw(wo)?;
+    if !interaction.is_consistent(frame.to_world(sample.wi), sample.event) {
+        (frame, wo) = interaction.geometric_frame();
+        sample = draw(wo)?;
     }
-    Some(Drawn { frame, wo, scatter })
+    Some(ConsistentBsdfSample { frame, wo, sample })
 }
 
-/// The same for an event that has been worked out for all wavelengths.
-fn with_consistent_normal<'a>(
-    encounter: &Encounter<'a>,
-    scatter: impl Fn(&Encounter<'a>) -> Option<Scattered>,
-) -> Option<Scattered> {
-    let scattered = scatter(encounter)?;
-    if encounter.agrees(scattered.direction, scattered.event) {
+/// Scatters all wavelengths in the shading frame. If the direction is on the wrong side of the
+/// geometric surface, scatters again in the frame of the geometric normal.
+fn scatter_consistently<'a>(
+    interaction: &SurfaceInteraction<'a>,
+    scatter: impl Fn(&SurfaceInteraction<'a>) -> Option<ScatteredRay>,
+) -> Option<ScatteredRay> {
+    let scattered = scatter(interaction)?;
+    if interaction.is_consistent(scattered.direction, scattered.event) {
         Some(scattered)
     } else {
-        let (frame, wo) = encounter.seen_truly();
-        scatter(&Encounter { frame, wo, ..*encounter })
+        let (frame, wo) = interaction.geometric_frame();
+        scatter(&SurfaceInteraction { frame, wo, ..*interaction })
     }
 }
 
-/// A value in one lane, 0 in the others.
-fn lane(kept: usize, value: f64) -> Lanes {
+/// Returns lanes with `value` in one lane and 0 in the others.
+fn single_lane(lane: usize, value: f64) -> Lanes {
     let mut lanes = [0.0; LANES];
-    lanes[kept] = value;
+    lanes[lane] = value;
     lanes
 }

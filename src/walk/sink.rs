@@ -1,10 +1,13 @@
-//! Where transport hands over what it found.
+//! The interface between light transport and the sensor.
 
-/// Takes contributions at single wavelengths; transport itself never sees XYZ, RGB or bands.
+/// Receives contributions at single wavelengths. The code of light transport does not use XYZ, RGB
+/// or bands.
 pub trait Sink {
-    /// Adds radiance: `weight` (W/m²/sr) is already divided by every density, that of the wavelength included.
+    /// Adds unbiased radiance at the wavelength `nm`. `weight` (W/m²/sr) is already divided by all
+    /// densities, including the density of the wavelength.
     fn radiance(&mut self, nm: f64, weight: f64);
 
-    /// Adds radiance that is off in the mean, by its kernel or by steps through a medium, with its estimated bias (both like `weight` above).
+    /// Adds radiance with an estimate of its bias, from a density-estimation kernel or from ray
+    /// marching through a medium. `weight` and `bias` have the unit of [`Sink::radiance`].
     fn biased(&mut self, nm: f64, weight: f64, bias: f64);
 }

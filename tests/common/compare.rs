@@ -1,23 +1,24 @@
-//! Are two renders the same, up to their noise? Measured values from independent seeds, and Welch's test with Šidák's correction.
+//! Statistical comparison of renders: values measured with independent seeds, and Welch's test with
+//! Šidák's correction.
 
 use super::render;
 use abbe::render::{Integrator, Rendered};
 use serde_json::Value;
 
-/// How likely a test of the suite may be to fail without a fault.
+/// The probability that a correct program fails any statistical test of the suite.
 const SUITE_LEVEL: f64 = 0.01;
 
-/// How many comparisons the suite makes (an upper bound).
+/// An upper bound of the number of comparisons in the suite.
 const SUITE_COMPARISONS: f64 = 60.0;
 
-/// Values measured in several renders that differ in nothing but their seeds.
+/// Values measured in several renders that differ only in their seeds.
 #[derive(Debug, Clone)]
 pub(crate) struct Measured {
     runs: Vec<Vec<f64>>,
 }
 
 impl Measured {
-    /// Renders the scene once for each seed and takes values of each render.
+    /// Renders the scene once per seed and takes values from each render.
     pub(crate) fn new(
         scene: &Value,
         (integrator, passes): (Integrator, u64),
@@ -28,12 +29,12 @@ impl Measured {
         Self { runs: seeds.map(run).collect() }
     }
 
-    /// From values already measured, one list a run.
+    /// Wraps values that were measured already, one list per run.
     pub(crate) fn from_runs(runs: Vec<Vec<f64>>) -> Self {
         Self { runs }
     }
 
-    /// Another quantity, worked out within each run from several.
+    /// Computes another quantity from several, within each run.
     pub(crate) fn combine(parts: &[&Self], combine: impl Fn(&[f64]) -> f64) -> Self {
         let runs = (0..parts[0].runs.len()).map(|run| {
             let count = parts[0].runs[run].len();
@@ -42,33 +43,34 @@ impl Measured {
         Self { runs: runs.collect() }
     }
 
-    /// The limit of radius 0 from renders with radius r and r/2: (4·L_{r/2} − L_r)/3 takes away a bias proportional to r².
+    /// Extrapolates to radius 0 from renders with radius r and r/2: (4·L_{r/2} − L_r)/3 removes a
+    /// bias that is proportional to r².
     pub(crate) fn extrapolated(whole: &Self, half: &Self) -> Self {
         Self::combine(&[half, whole], |l| (4.0 * l[0] - l[1]) / 3.0)
     }
 
-    /// How many values a run has.
+    /// Returns the number of values per run.
     pub(crate) fn count(&self) -> usize {
         self.runs[0].len()
     }
 
-    /// Mean over the runs of one value.
+    /// Returns the mean over the runs of one value.
     pub(crate) fn mean(&self, i: usize) -> f64 {
         self.runs.iter().map(|run| run[i]).sum::<f64>() / self.runs.len() as f64
     }
 
-    /// Standard error of that mean.
+    /// Returns the standard error of that mean.
     pub(crate) fn error(&self, i: usize) -> f64 {
         let (n, mean) = (self.runs.len() as f64, self.mean(i));
         (self.runs.iter().map(|run| (run[i] - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt()
     }
 
-    /// The mean over all values.
+    /// Returns the mean over all values.
     pub(crate) fn overall(&self) -> f64 {
         (0..self.count()).map(|i| self.mean(i)).sum::<f64>() / self.count() as f64
     }
 
-    /// The mean standard error of a value, relative to the mean over all values.
+    /// Returns the mean standard error of a value, relative to the mean over all values.
     pub(crate) fn relative_error(&self) -> f64 {
         let mean_error = (0..self.count()).map(|i| self.error(i)).sum::<f64>() / self.count() as f64;
         mean_error / self.overall()
@@ -79,23 +81,25 @@ impl Measured {
     }
 }
 
-/// What a comparison of two lists of values found.
+/// The result of comparing two lists of values.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Comparison {
-    /// The probability that equal pictures differ so much anywhere, Šidák's correction over the values included.
+    /// The probability that equal pictures differ by so much in any value, with Šidák's correction
+    /// for the number of values.
     pub(crate) p: f64,
     /// The largest |t|.
     pub(crate) largest: f64,
     /// √mean t²; about 1 for equal pictures.
     pub(crate) rms: f64,
-    /// How many values were compared.
+    /// The number of compared values.
     pub(crate) count: usize,
-    /// Ratio of the means over all values.
+    /// The ratio of the means over all values.
     pub(crate) ratio: f64,
 }
 
 impl Comparison {
-    /// From each value's t and its degrees of freedom, and the ratio of the means.
+    /// Makes a comparison from each value's t and its degrees of freedom, and the ratio of the
+    /// means.
     fn of(tests: impl Iterator<Item = (f64, f64)>, ratio: f64) -> Self {
         let (mut least_p, mut largest, mut squares, mut count) = (1.0_f64, 0.0_f64, 0.0, 0);
         for (t, degrees) in tests {
@@ -108,7 +112,7 @@ impl Comparison {
         Self { p, largest, rms: (squares / count as f64).sqrt(), count, ratio }
     }
 
-    /// Whether the two are the same as far as noise lets one tell.
+    /// Tells whether the two lists are equal within their noise.
     pub(crate) fn is_equal(&self) -> bool {
         let level = 1.0 - (1.0 - SUITE_LEVEL).powf(1.0 / SUITE_COMPARISONS);
         self.p >= level
@@ -122,8 +126,8 @@ impl std::fmt::Display for Comparison {
     }
 }
 
-/// Compares value by value with Welch's t; a standard error below 0.05 % of the overall mean counts as that, so that no value of accidentally
-/// small spread decides.
+/// Compares value by value with Welch's t. Standard errors below 0.05 % of the overall mean are
+/// raised to that, so that a value whose spread is small by chance does not decide.
 pub(crate) fn compare(a: &Measured, b: &Measured) -> Comparison {
     const FLOOR: f64 = 5e-4;
     assert_eq!(a.count(), b.count());
@@ -136,8 +140,8 @@ pub(crate) fn compare(a: &Measured, b: &Measured) -> Comparison {
     Comparison::of((0..a.count()).map(welch), a.overall() / b.overall())
 }
 
-/// Compares two pictures that are to be the same, says what it found, and checks that their standard errors, relative to the mean, are below
-/// `noise` and that they are equal.
+/// Compares two pictures that should be equal and prints the result. Checks that their standard
+/// errors relative to the mean are below `noise`, and that the pictures are equal.
 #[track_caller]
 pub(crate) fn assert_same(name: &str, a: &Measured, b: &Measured, noise: f64) {
     let found = compare(a, b);
@@ -147,7 +151,7 @@ pub(crate) fn assert_same(name: &str, a: &Measured, b: &Measured, noise: f64) {
     assert!(found.is_equal(), "{found}");
 }
 
-/// Compares one number with what it should be.
+/// Compares measured values with known ones.
 pub(crate) fn compare_with(a: &Measured, truth: &[f64]) -> Comparison {
     let exact = Measured { runs: vec![truth.to_vec(), truth.to_vec()] };
     let student = |(i, truth): (usize, &f64)| {
@@ -157,8 +161,8 @@ pub(crate) fn compare_with(a: &Measured, truth: &[f64]) -> Comparison {
     Comparison::of(truth.iter().enumerate().map(student), a.overall() / exact.overall())
 }
 
-/// The probability of |t| or more by Student's distribution: I_{ν/(ν+t²)}(ν/2, 1/2), the integral worked out in the angle φ with
-/// t = √ν tan φ, where the density is cos^{ν−1} φ.
+/// Returns the probability of |t| or more under Student's distribution: I_{ν/(ν+t²)}(ν/2, 1/2). The
+/// integral is evaluated in the angle φ with t = √ν tan φ, where the density is cos^{ν−1} φ.
 fn two_sided(t: f64, degrees: f64) -> f64 {
     let from = (t.abs() / degrees.sqrt()).atan();
     let integral = |from: f64| {
@@ -171,7 +175,8 @@ fn two_sided(t: f64, degrees: f64) -> f64 {
 
 #[test]
 fn the_tails_of_students_distribution_are_those_of_the_tables() {
-    // Two-sided 5 % and 0.1 % points (any table): ν = 5 → 2.5706, 6.8688; ν = 20 → 2.0860, 3.8495.
+    // Two-sided 5 % and 0.1 % points of standard tables: ν = 5 → 2.5706, 6.8688; ν = 20 → 2.0860,
+    // 3.8495.
     for (degrees, t, p) in [(5.0, 2.5706, 0.05), (5.0, 6.8688, 0.001), (20.0, 2.0860, 0.05), (20.0, 3.8495, 0.001)] {
         assert!((two_sided(t, degrees) / p - 1.0).abs() < 1e-3);
     }

@@ -1,10 +1,12 @@
-//! Pixels at whose surface a kernel would reach over an edge: density estimates are wrong there by design, and comparisons leave them out.
+//! A mask of pixels that are close to an edge of a surface. Density estimates are biased there by
+//! design, so comparisons leave these pixels out.
 
+use abbe::geometry::{Hit, Ray};
 use abbe::scene::Scene;
-use abbe::scene::geometry::{Hit, Ray};
 use glam::{DVec2, DVec3};
 
-/// For each pixel, whether the surface seen in it (at its corners and its middle) goes on for `reach` (m) all around, with nothing standing on it.
+/// Returns for each pixel whether the visible surface (at the pixel's corners and centre) continues
+/// for `reach` metres in all directions without an object on it.
 pub(crate) fn away_from_edges(scene: &Scene, reach: f64) -> Vec<bool> {
     let width = scene.camera.width();
     let places = [[0.5, 0.5], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];

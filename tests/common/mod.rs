@@ -1,47 +1,50 @@
-//! What the tests of pictures share: scenes from JSON, renders, measured values with their spread, and the tests of equality.
+//! Shared by the tests that render: scenes from JSON, renders, measured values with their spread,
+//! and tests of equality.
 
 pub(crate) mod compare;
 pub(crate) mod edges;
+pub(crate) mod near;
 
-use abbe::render::{Integrator, Job, Rendered, Request, StopRules, Unwatched};
-use abbe::scene::{file, resolve};
+use abbe::format::{self, resolve};
+use abbe::render::{Integrator, Job, NoMonitor, Rendered, Request, StopRules};
 use serde_json::Value;
 use std::path::Path;
 
-/// A scene from JSON, planned.
+/// Resolves and plans a scene from JSON.
 pub(crate) fn job(scene: &Value) -> Job {
     let (file, source) =
-        file::parse(&scene.to_string(), Path::new("tests/inline.json"), &[]).expect("the scene parses");
+        format::parse(&scene.to_string(), Path::new("tests/inline.json"), &[]).expect("the scene parses");
     Job::new(resolve::resolve(&file, &source).expect("the scene resolves")).expect("the scene can be planned")
 }
 
 /// Renders a scene with a fixed number of passes.
 pub(crate) fn render(scene: &Value, integrator: Integrator, passes: u64) -> Rendered {
     let request = Request { integrator, stop: StopRules { passes: Some(passes), ..StopRules::default() } };
-    let rendered = job(scene).render(request, &mut Unwatched).expect("the scene renders");
+    let rendered = job(scene).render(request, &mut NoMonitor).expect("the scene renders");
     assert_eq!(rendered.stats.rejected_samples, 0, "contributions that are not finite");
     rendered
 }
 
-/// The scene with one of its render settings changed.
+/// Returns the scene with one render setting changed.
 pub(crate) fn with_setting(scene: &Value, key: &str, value: impl Into<Value>) -> Value {
     let mut scene = scene.clone();
     scene["render"][key] = value.into();
     scene
 }
 
-/// A material in one line.
+/// A diffuse material.
 pub(crate) fn diffuse(reflectance: impl Into<Value>) -> Value {
     serde_json::json!({ "diffuse": { "reflectance": reflectance.into() } })
 }
 
-/// Glass in one line.
+/// A dielectric material.
 pub(crate) fn glass(ior: impl Into<Value>) -> Value {
     serde_json::json!({ "dielectric": { "ior": ior.into() } })
 }
 
-/// A camera that looks straight down from `height` at a square of floor around `above` (x, z), `side` wide: the square is what a square film
-/// sees. Rows run along +z, columns along +x.
+/// A camera that looks straight down from `height` at a square of floor with its centre at `above`
+/// (x, z) and the given side. A square film sees exactly this square. Rows run along +z, columns
+/// along +x.
 pub(crate) fn overhead_camera(above: [f64; 2], height: f64, side: f64) -> Value {
     let fov = 2.0 * (0.5 * side / height).atan().to_degrees();
     serde_json::json!({
@@ -50,17 +53,17 @@ pub(crate) fn overhead_camera(above: [f64; 2], height: f64, side: f64) -> Value 
     })
 }
 
-/// Mean Y of the picture.
+/// Returns the mean Y of the picture.
 pub(crate) fn mean_y(rendered: &Rendered) -> Vec<f64> {
     vec![rendered.picture.mean_y()]
 }
 
-/// Y of all pixels.
+/// Returns Y of all pixels.
 pub(crate) fn all_y(rendered: &Rendered) -> Vec<f64> {
     rendered.picture.xyz.iter().map(|xyz| xyz[1]).collect()
 }
 
-/// X, then Y, then Z in blocks of `side` × `side` pixels of the whole picture.
+/// Returns X, then Y, then Z of the whole picture in blocks of `side` × `side` pixels.
 pub(crate) fn colour_blocks(side: usize) -> impl Fn(&Rendered) -> Vec<f64> {
     move |rendered| {
         let picture = &rendered.picture;
@@ -70,8 +73,8 @@ pub(crate) fn colour_blocks(side: usize) -> impl Fn(&Rendered) -> Vec<f64> {
     }
 }
 
-/// Means of Y over blocks of `side` × `side` pixels, rows first; pixels whose `mask` is false do not count, and blocks less than a quarter of
-/// whose pixels count are left out.
+/// Returns the means of Y over blocks of `side` × `side` pixels, rows first. Pixels whose `mask` is
+/// false do not count. Blocks with less than a quarter of their pixels are left out.
 pub(crate) fn block_means(y: &[f64], width: usize, side: usize, mask: &[bool]) -> Vec<f64> {
     let height = y.len() / width;
     let mut means = Vec::new();

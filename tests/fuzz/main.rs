@@ -1,8 +1,8 @@
-//! Bad input stays harmless: files that were good once, changed at random but repeatably. Whatever is read answers with a result or an error:
-//! no panic, no case longer than a second, and never more than 1 GiB of memory.
+//! Robustness against bad input: valid files with random, repeatable changes. Every reader returns
+//! a result or an error, without a panic, within a second, and within 1 GiB of memory.
 //!
-//! The default run makes 20,000 changes; `cargo test --release --test fuzz -- --ignored` makes 200,000. Inputs that fail are kept in
-//! `target/tmp`.
+//! The default run makes 20,000 changes; `cargo test --release --test fuzz -- --ignored` makes
+//! 200,000. Failing inputs are kept in `target/tmp`.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -17,20 +17,22 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use cap::Cap;
+use cpu_time::ProcessTime;
 use mutate::Mutator;
 use targets::{Target, all};
 
-/// Counts what is allocated. (A request beyond the limit would end the process; the input is on disk by then.)
+/// Counts the allocated memory. A request above the limit ends the process; the input is on disk by
+/// then.
 #[global_allocator]
 static MEMORY: Cap<System> = Cap::new(System, 16 << 30);
 
-/// The most that a case may allocate.
+/// The largest amount of memory that a case may allocate, in bytes.
 const LARGEST: usize = 1 << 30;
 
-/// The longest that a case may take.
+/// The longest CPU time of a case.
 const LONGEST: Duration = Duration::from_secs(1);
 
-/// After this a case counts as hanging, and the run ends.
+/// After this time a case counts as hanging, and the run ends.
 const HANGS: Duration = Duration::from_secs(20);
 
 #[test]
@@ -44,10 +46,10 @@ fn changed_files_do_no_harm() {
     fuzz(all(), 200_000, 2);
 }
 
-/// Changes the targets' good inputs `count` times in all, by their shares.
+/// Changes the valid inputs of the targets `count` times in total, by their shares.
 fn fuzz(targets: Vec<Target>, count: u64, seed: u64) {
     let _alone = ALONE.lock();
-    // In memory, where the system has a place for that: writing to a disk takes longer than reading a changed file.
+    // Uses a RAM disk if there is one: writing to disk takes longer than reading a changed file.
     let memory = Path::new("/dev/shm");
     let scratch = tempfile::tempdir_in(if memory.is_dir() { memory } else { Path::new(env!("CARGO_TARGET_TMPDIR")) });
     let scratch = scratch.unwrap();
@@ -75,10 +77,10 @@ fn fuzz(targets: Vec<Target>, count: u64, seed: u64) {
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults[..faults.len().min(20)].join("\n"));
 }
 
-/// The two runs share the count of memory, which never falls.
+/// The two runs share the memory counter, which never falls.
 static ALONE: Mutex<()> = Mutex::new(());
 
-/// One changed input: whether it was still good, or what went wrong.
+/// Runs one changed input. Returns whether it was still valid, or the failure.
 fn run(target: &Target, folder: &Path, seed: u64, case: u64) -> Result<bool, String> {
     let mut mutator = Mutator::new(seed, target.name, case);
     let bytes = mutator.change(&target.good);
@@ -86,7 +88,7 @@ fn run(target: &Target, folder: &Path, seed: u64, case: u64) -> Result<bool, Str
     std::fs::write(&path, &bytes).unwrap();
     let (before, peak_before) = (MEMORY.allocated(), MEMORY.max_allocated());
     let watch = Watch::over(path.clone());
-    let start = Instant::now();
+    let start = ProcessTime::now();
     let answer = catch_unwind(AssertUnwindSafe(|| (target.read)(&path)));
     let elapsed = start.elapsed();
     drop(watch);
@@ -102,12 +104,12 @@ fn run(target: &Target, folder: &Path, seed: u64, case: u64) -> Result<bool, Str
         return Err(format!("{}: {} MiB for {} bytes", kept(), (peak - before) >> 20, bytes.len()));
     }
     if elapsed > LONGEST {
-        return Err(format!("{}: takes {elapsed:.2?}", kept()));
+        return Err(format!("{}: takes {elapsed:.2?} of CPU time", kept()));
     }
     Ok(was_good)
 }
 
-/// Ends the process if a case hangs, and says which.
+/// Ends the process if a case hangs, and names the case.
 struct Watch(Arc<AtomicBool>);
 
 impl Watch {
@@ -128,7 +130,7 @@ impl Drop for Watch {
     }
 }
 
-/// The case that runs: whether it is over, since when it runs, and its input.
+/// The running case: whether it has finished, its start time, and its input.
 static WATCHED: Mutex<Option<(Arc<AtomicBool>, Instant, PathBuf)>> = Mutex::new(None);
 
 fn watch_for_ever() {

@@ -1,9 +1,10 @@
-//! Changes that files suffer: bits, lengths and numbers of any file; words, lines and numbers of a text; values, keys and branches of JSON.
+//! Random changes of files: bits, lengths and numbers of any file; words, lines and numbers of a
+//! text; values, keys and branches of JSON.
 
 use abbe::math::random::{Purpose, Stream};
 use serde_json::{Map, Number, Value};
 
-/// Numbers at which readers stumble, as they stand in texts.
+/// Numbers at the limits of common types, in text form.
 const NUMBERS: [&str; 22] = [
     "0",
     "-0",
@@ -29,7 +30,7 @@ const NUMBERS: [&str; 22] = [
     "0x7f",
 ];
 
-/// The same in binary, of 1, 2, 4 and 8 bytes.
+/// Numbers at the limits of common types in binary, for fields of 1, 2, 4 and 8 bytes.
 const WORDS: [u64; 12] = [
     0,
     1,
@@ -57,7 +58,7 @@ impl Mutator {
         Self(Stream::new(name, Purpose::Pilot, case, seed))
     }
 
-    /// A number below `count`.
+    /// Returns a number below `count`.
     fn below(&mut self, count: usize) -> usize {
         (self.0.uniform() * count as f64) as usize
     }
@@ -66,7 +67,7 @@ impl Mutator {
         &list[self.below(list.len())]
     }
 
-    /// One of the good inputs with one to four changes.
+    /// Returns one of the valid inputs with one to four changes.
     pub(crate) fn change(&mut self, good: &[Vec<u8>]) -> Vec<u8> {
         let mut bytes = self.pick(good).clone();
         for _ in 0..1 + self.below(4) {
@@ -82,7 +83,7 @@ impl Mutator {
     }
 
     fn binary(&mut self, mut bytes: Vec<u8>, good: &[Vec<u8>]) -> Vec<u8> {
-        // Headers decide most: half of all changes fall into the first 512 bytes.
+        // Headers matter most, so half of all changes fall into the first 512 bytes.
         let reach = if self.below(2) == 0 { bytes.len().min(512) } else { bytes.len() };
         let at = self.below(reach.max(1)).min(bytes.len());
         let end = (at + 1 + self.below(64)).min(bytes.len());
@@ -92,7 +93,7 @@ impl Mutator {
             3 | 4 => {
                 let word = self.pick(&WORDS).to_le_bytes();
                 let size = *self.pick(&[1, 2, 4, 8]);
-                // Numbers in headers stand at even places.
+                // Numbers in headers are aligned.
                 let from = at / size * size;
                 bytes.iter_mut().skip(from).take(size).zip(word).for_each(|(byte, new)| *byte = new);
             }
@@ -132,7 +133,7 @@ impl Mutator {
         lines.concat().into_bytes()
     }
 
-    /// A line with one of its words taken out, doubled or replaced by a number.
+    /// Returns a line with one word removed, doubled or replaced by a number.
     fn word(&mut self, line: &str) -> String {
         let mut words: Vec<&str> = line.split_inclusive([' ', '\t', '/', ',', ':', '"', '<', '>', '=']).collect();
         if words.is_empty() {
@@ -168,7 +169,7 @@ impl Mutator {
         value.to_string().into_bytes()
     }
 
-    /// A value somewhere inside another, the deeper the likelier.
+    /// Returns a value inside another one; deeper values are more likely.
     fn inside<'v>(&mut self, value: &'v mut Value) -> &'v mut Value {
         let count = match &*value {
             Value::Object(entries) => entries.len(),
@@ -197,7 +198,7 @@ impl Mutator {
         }
     }
 
-    /// A value of any kind; `branch` is one that stood elsewhere.
+    /// Returns a value of any kind; `branch` is taken from another place.
     fn value(&mut self, branch: Value) -> Value {
         let number = |text: &str| text.parse::<Number>().map_or(Value::String(text.to_string()), Value::Number);
         match self.below(10) {

@@ -1,15 +1,15 @@
-//! What is read: each kind of file with good examples of it.
+//! The kinds of files that are fuzzed, with valid examples of each.
 
 use std::path::Path;
 
-use abbe::optics::glass::GlassFile;
+use abbe::format::volume_file;
+use abbe::format::{self, FileAccess};
+use abbe::format::{mesh, resolve};
+use abbe::optics::glass::AgfCatalogue;
 use abbe::optics::phase;
 use abbe::output::Metadata;
 use abbe::output::exr;
-use abbe::render::{Identity, Integrator, Job, Merging, Request, Saved, StopRules, Unwatched};
-use abbe::scene::file::{self, Reach};
-use abbe::scene::medium::volume_file;
-use abbe::scene::{mesh, resolve};
+use abbe::render::{Integrator, Job, NoMonitor, PartSet, RenderIdentity, Request, SavedRun, StopRules};
 use abbe::spectrum::{Outside, read};
 
 /// A kind of input.
@@ -18,11 +18,11 @@ pub(crate) struct Target {
     pub(crate) extension: &'static str,
     /// Its share of the cases.
     pub(crate) share: u64,
-    /// Good inputs.
+    /// Valid inputs.
     pub(crate) good: Vec<Vec<u8>>,
-    /// Files that stand beside it.
+    /// Other files in the same folder.
     pub(crate) beside: Vec<(&'static str, Vec<u8>)>,
-    /// Reads a file; true if it was good.
+    /// Reads a file; returns whether it was valid.
     pub(crate) read: fn(&Path) -> bool,
 }
 
@@ -39,7 +39,7 @@ impl Target {
 }
 
 pub(crate) fn all() -> Vec<Target> {
-    let mesh = |path: &Path| mesh::load(path, Reach::Folder).is_ok();
+    let mesh = |path: &Path| mesh::load(path, FileAccess::WithinFolder).is_ok();
     let spectrum = |path: &Path| read::spectrum_file(path, Outside::Zero).is_ok();
     let lens = |path: &Path| resolve::lens_file(path, &[]).is_ok();
     let beside = vec![("cube.bin", buffer()), ("a.mtl", MTL.as_bytes().to_vec())];
@@ -57,7 +57,7 @@ pub(crate) fn all() -> Vec<Target> {
         Target::new("zemax", "zmx", 5, vec![bytes(ZMX)], lens),
         Target::new("prescription", "json", 4, vec![bytes(PRESCRIPTION)], lens),
         Target::new("catalogue", "agf", 2, vec![bytes(AGF)], |path| {
-            GlassFile::parse(&std::fs::read(path).unwrap(), path).and_then(|file| file.find("OWN-7")).is_ok()
+            AgfCatalogue::parse(&std::fs::read(path).unwrap(), path).and_then(|file| file.find("OWN-7")).is_ok()
         }),
         Target::new("volume", "npy", 2, vec![npy()], |path| volume_file::read(path).is_ok()),
         Target::new("volume", "npz", 2, vec![npz()], |path| volume_file::read(path).is_ok()),
@@ -71,7 +71,8 @@ pub(crate) fn all() -> Vec<Target> {
     ]
 }
 
-/// Small scenes. Those with a lens of real glass, whose pupils are traced when it is read (0.1 s), are left to the prescriptions.
+/// Small scenes. Scenes with a lens system are left out, because tracing their pupils takes 0.1 s;
+/// lens prescriptions are a target of their own.
 fn scenes() -> Vec<Vec<u8>> {
     let package = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut paths: Vec<_> = ["tests/good_scenes", "scenes"]
@@ -84,10 +85,10 @@ fn scenes() -> Vec<Vec<u8>> {
     texts.filter(|text| !text.contains("\"prescription\"")).map(String::into_bytes).collect()
 }
 
-/// A scene is read, resolved and planned.
+/// Reads, resolves and plans a scene.
 fn plans(path: &Path) -> bool {
     let planned =
-        file::read(path, &[]).and_then(|(scene, source)| resolve::resolve(&scene, &source)).and_then(Job::new);
+        format::read(path, &[]).and_then(|(scene, source)| resolve::resolve(&scene, &source)).and_then(Job::new);
     planned.is_ok()
 }
 
@@ -107,37 +108,37 @@ const SETS: [&str; 6] = [
     "objects[0].transform=[{\"translate\":[0,1,0]},{\"rotate\":{\"axis\":[0,1,0],\"degrees\":30}}]",
 ];
 
-/// The text is a patch of a good scene.
+/// Uses the text as a patch of a valid scene.
 fn patches(path: &Path) -> bool {
     let patch = String::from_utf8_lossy(&std::fs::read(path).unwrap()).into_owned();
-    let read = file::parse(SCENE, Path::new("scene.json"), &[patch]);
+    let read = format::parse(SCENE, Path::new("scene.json"), &[patch]);
     read.and_then(|(scene, source)| resolve::resolve(&scene, &source)).is_ok()
 }
 
-/// The picture is the surroundings of a scene.
+/// Uses the picture as the surroundings of a scene.
 fn is_sky(path: &Path) -> bool {
     let name = path.file_name().unwrap().to_str().unwrap();
     let patch = format!("lights[0]={{\"environment\":{{\"image\":{{\"path\":\"{name}\"}},\"irradiance\":1}}}}");
-    let read = file::parse(SCENE, &path.with_file_name("scene.json"), &[patch]);
+    let read = format::parse(SCENE, &path.with_file_name("scene.json"), &[patch]);
     read.and_then(|(scene, source)| resolve::resolve(&scene, &source)).is_ok()
 }
 
-/// The file is a picture, and a part that can be merged.
+/// Reads the file as a picture and as a part to be merged.
 fn is_saved(path: &Path) -> bool {
     let picture = exr::read(path).is_ok();
-    Merging::new(&[path.to_path_buf()]).and_then(Merging::merge).is_ok() && picture
+    PartSet::new(&[path.to_path_buf()]).and_then(PartSet::merge).is_ok() && picture
 }
 
 fn checkpoint() -> Vec<u8> {
-    let (scene, source) = file::parse(SCENE, Path::new("scene.json"), &[]).unwrap();
+    let (scene, source) = format::parse(SCENE, Path::new("scene.json"), &[]).unwrap();
     let job = Job::new(resolve::resolve(&scene, &source).unwrap()).unwrap();
     let request = Request { integrator: Integrator::Path, stop: StopRules { passes: Some(3), ..StopRules::default() } };
-    let run = job.render(request, &mut Unwatched).unwrap().run;
-    let identity = Identity::of(&job, Integrator::Path, "0123456789abcdef");
+    let run = job.render(request, &mut NoMonitor).unwrap().run;
+    let identity = RenderIdentity::of(&job, Integrator::Path, "0123456789abcdef");
     let metadata = Metadata::new().with("abbe.version", env!("CARGO_PKG_VERSION")).with("abbe.seed", "0");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");
-    Saved::write(&path, &job, &identity, &run, metadata).unwrap();
+    SavedRun::write(&path, &job, &identity, &run, metadata).unwrap();
     assert!(is_saved(&path));
     std::fs::read(path).unwrap()
 }
@@ -235,7 +236,7 @@ fn binary_stl() -> Vec<u8> {
     bytes
 }
 
-/// Corners, then indices.
+/// Vertices, then indices.
 fn buffer() -> Vec<u8> {
     let mut bytes = corners();
     bytes.extend(FACES.iter().flatten().flat_map(|index| index.to_le_bytes()));

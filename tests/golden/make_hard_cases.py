@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Makes hard_cases.json: Fresnel, Snell, spheres and Planck where double precision is hard, with fifty decimal digits. Needs `pip install mpmath`.
+"""Makes hard_cases.json: Fresnel, Snell, spheres, Planck and phase functions in the cases that are
+hard in double precision, with fifty decimal digits. Needs `pip install mpmath`.
 
-All inputs are doubles, written as they are, and taken as exact: what is compared is only what the program does with them.
+All inputs are doubles, written as they are and taken as exact. So a comparison shows only what the
+program does with them.
 """
 
 import json
@@ -18,7 +20,10 @@ def text(value):
 
 
 def fresnel(cos, n_i, n_t):
-    """Reflectance of unpolarised light, and cosine and sine of the refracted ray (both 0 under total reflection)."""
+    """Returns the reflectance of unpolarised light, and cosine and sine of the refracted ray.
+
+    The cosine and the sine are 0 under total reflection.
+    """
     c, n_i, n_t = mpf(cos), mpf(n_i), mpf(n_t)
     sine = mp.sqrt(1 - c * c) * n_i / n_t
     if sine > 1:
@@ -55,7 +60,10 @@ def critical():
 
 
 def spheres():
-    """Rays from `distance` at a sphere about the origin, aimed at a share of its radius beside the middle: first distance and normal."""
+    """Returns rays at a sphere about the origin, each with its first distance and the normal there.
+
+    A ray starts at `distance` and aims at a share of the radius beside the middle.
+    """
     rows = []
     for distance in [1.0, 1e3, 1e6]:
         for radius in [1e-6, 1e-3, 0.5]:
@@ -90,7 +98,10 @@ def planck():
 
 
 def henyey_greenstein():
-    """The density per steradian at a cosine, and 1 - cos of the angle below which a share u of the light goes."""
+    """Returns densities per steradian, and draws.
+
+    A draw is 1 - cos of the angle below which a share u of the light goes.
+    """
     gs = [0.0, 1e-6, -1e-6, 0.5, -0.9, 0.9999, -0.9999, 0.999999]
     densities, draws = [], []
     for g in gs:
@@ -98,7 +109,7 @@ def henyey_greenstein():
         for cos in [-1.0, -0.999999, -0.5, 0.0, 0.5, 0.999999, 1 - 2.0**-40, 1 - 2.0**-53, 1.0]:
             apart = 1 + exact**2 - 2 * exact * mpf(cos)
             densities.append([g, cos, text((1 - exact**2) / (4 * mp.pi * apart ** mpf("1.5")))])
-        # Light is drawn from the peak on, which lies behind where g < 0.
+        # Light is drawn from the peak on. The peak lies behind where g < 0.
         forward = abs(exact)
         for u in [0.0, 1e-12, 1e-3, 0.5, 0.999, 1 - 2.0**-53]:
             share = 1 - mpf(u)

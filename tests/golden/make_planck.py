@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Makes planck.json: Planck's law with sixty decimal digits, from 50 K to 10 million K. Needs `pip install mpmath`.
+"""Makes planck.json: Planck's law with sixty decimal digits, from 50 K to 10 million K.
 
-Spectral radiance 2 h c^2 / lambda^5 / (exp(h c / (lambda k T)) - 1) in W m^-2 sr^-1 m^-1 with the exact constants of
-the SI of 2019. Radiances below the least normal double (2.2e-308) are written as they are and read as what is nearest.
+The spectral radiance is 2 h c^2 / lambda^5 / (exp(h c / (lambda k T)) - 1) in W m^-2 sr^-1 m^-1,
+with the exact constants of the SI of 2019. Radiances below the least normal double (2.2e-308) are
+written as they are and read as the nearest double. Needs `pip install mpmath`.
 """
 
 import json

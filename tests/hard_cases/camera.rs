@@ -1,22 +1,23 @@
-//! Cameras: openings of nothing and of everything, focus at infinity, films of one pixel and of one column, shutters that never move.
+//! Cameras: apertures of radius 0 and of the size of the focus distance, focus at infinity, films
+//! of one pixel and of one column, shutters and keyframes without extent.
 
 use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
 
+use abbe::format;
+use abbe::format::resolve::resolve;
 use abbe::render::Integrator;
 use abbe::scene::camera::Camera;
-use abbe::scene::file;
-use abbe::scene::resolve::resolve;
 
 use super::common::{diffuse, job, render};
 use super::table::{Bound, Case, Pace};
 
 pub(crate) const CASES: &[Case] = &[
     Case {
-        name: "An opening of 0",
-        naive: "0/0 in the lens's density",
-        here: "places in the opening are drawn, not densities divided",
-        measured: "distance of any ray from the pinhole's",
+        name: "An aperture of radius 0",
+        naive: "0/0 in the density over the lens",
+        here: "points of the aperture are sampled directly, without a division by a density",
+        measured: "largest distance of a ray from the pinhole's ray",
         bound: Bound::AtMost(4e-16),
         pace: Pace::Fast,
         measure: || {
@@ -28,10 +29,10 @@ pub(crate) const CASES: &[Case] = &[
         },
     },
     Case {
-        name: "An opening whose radius is the focus distance",
-        naive: "small-angle forms miss the plane in focus",
-        here: "rays are aimed at a point of that plane",
-        measured: "how far rays miss that point, relative to the distance",
+        name: "An aperture whose radius equals the focus distance",
+        naive: "small-angle formulas miss the plane of focus",
+        here: "rays are aimed at a point on that plane",
+        measured: "distance of the rays from that point, relative to the focus distance",
         bound: Bound::AtMost(1e-15),
         pace: Pace::Fast,
         measure: || {
@@ -46,9 +47,9 @@ pub(crate) const CASES: &[Case] = &[
     },
     Case {
         name: "Focus at 10⁹, 10¹⁵⁰ and 10³⁰⁰ m",
-        naive: "the square of the distance overflows: rays without a direction",
-        here: "the shift over the distance, not the direction times it",
-        measured: "angle between rays of one pixel, less the opening over the distance",
+        naive: "the square of the distance overflows, and rays have no direction",
+        here: "the aperture offset is divided by the distance; the direction is not multiplied by it",
+        measured: "angle between rays of one pixel, minus the ratio of aperture to distance",
         bound: Bound::AtMost(1e-15),
         pace: Pace::Fast,
         measure: || {
@@ -68,10 +69,10 @@ pub(crate) const CASES: &[Case] = &[
         },
     },
     Case {
-        name: "A point in the plane in focus, seen through the whole opening",
-        naive: "a circle of confusion of rounding's size over a pixel's edge",
-        here: "ray and sight are one formula and its inverse",
-        measured: "places of the opening that see it in another pixel, of 48 × 36 × 25",
+        name: "A point in the plane of focus, seen through the whole aperture",
+        naive: "a circle of confusion of the size of rounding crosses a pixel's edge",
+        here: "the camera's connection is the exact inverse of its ray",
+        measured: "aperture points that see it in another pixel, of 48 × 36 × 25",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
         measure: || {
@@ -81,26 +82,26 @@ pub(crate) const CASES: &[Case] = &[
                 let film = DVec2::new(f64::from(pixel % 48) + 0.5, f64::from(pixel / 48) + 0.5);
                 let chief = camera.ray(film, [0.5; 2]);
                 let point = chief.at(3.0 / chief.direction.dot(DVec3::NEG_Z));
-                let seen = |lens| camera.sight(point, lens).is_some_and(|sighting| sighting.pixel == pixel);
+                let seen = |lens| camera.connect(point, lens).is_some_and(|sighting| sighting.pixel == pixel);
                 wrong += openings().filter(|&lens| !seen(lens)).count() as u32;
             }
             f64::from(wrong)
         },
     },
     Case {
-        name: "A film of one pixel, and of 1 × 100,000, the longest there is",
-        naive: "an aspect of 100,000 leaves blocks empty; a pixel's neighbours do not exist",
-        here: "rows are the units of work; neighbours are asked for, not assumed",
-        measured: "relative error of the mean Y before an even sky, with all pixels within 20 %",
+        name: "A film of one pixel, and of 1 × 100,000, the largest length",
+        naive: "an aspect ratio of 100,000 leaves blocks empty; neighbours of a pixel do not exist",
+        here: "rows are the units of work; missing neighbours are handled",
+        measured: "relative error of the mean Y under a uniform sky, with all pixels within 20 %",
         bound: Bound::AtMost(5e-3),
         pace: Pace::Fast,
         measure: || f64::max(sky_error([1, 1]), sky_error([1, 100_000])),
     },
     Case {
-        name: "A shutter that opens and closes at the same time",
-        naive: "an exposure of 0 s: 0/0",
-        here: "pictures are means over the shutter, and a moment is a shutter",
-        measured: "pixels that differ from those without a shutter",
+        name: "A shutter that opens and closes at the same instant",
+        naive: "an exposure of 0 s gives 0/0",
+        here: "a picture is the mean over the shutter interval, which may be a single instant",
+        measured: "pixels that differ from a render without a shutter",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
         measure: || {
@@ -112,10 +113,10 @@ pub(crate) const CASES: &[Case] = &[
         },
     },
     Case {
-        name: "Keyframes at equal times, turns of 180° and 360° between two, a scale that passes 0",
-        naive: "0/0 between the times; the shortest arc of a whole turn is none at all; a thing that is flat for a moment",
-        here: "refused, with the key's place in the scene: which way to turn is not known",
-        measured: "scenes that are not refused by the key's name, of 4",
+        name: "Keyframes at equal times, rotations of 180° and 360° between two keyframes, a scale that crosses 0",
+        naive: "0/0 between the times; the shortest arc of a full turn is no rotation; an object is flat for an instant",
+        here: "refused with the keyframe's position in the scene, because the direction of rotation is ambiguous",
+        measured: "scenes not refused with the keyframe's name, of 4",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
         measure: || {
@@ -131,7 +132,7 @@ pub(crate) const CASES: &[Case] = &[
             let taken = ways.into_iter().filter(|way| {
                 let mut scene = scene(json!({ "pinhole": { "fov": 40 } }));
                 scene["objects"][0]["motion"] = json!(way);
-                let read = file::parse(&scene.to_string(), "moving.json".as_ref(), &[]);
+                let read = format::parse(&scene.to_string(), "moving.json".as_ref(), &[]);
                 let resolved = read.and_then(|(file, source)| resolve(&file, &source));
                 !resolved.is_err_and(|error| error.to_string().contains("objects[0].motion[1]"))
             });
@@ -144,7 +145,7 @@ fn thin(focus: f64, defocus_angle: f64) -> Value {
     json!({ "thin": { "fov": 40, "focus_distance": focus, "defocus_angle": defocus_angle } })
 }
 
-/// A camera at the origin that looks along −z, over something.
+/// A camera at the origin that looks along −z at the rest of the scene.
 fn scene(lens: Value) -> Value {
     json!({
         "camera": { "from": [0, 0, 0], "at": [0, 0, -1], "lens": lens },
@@ -161,12 +162,12 @@ fn camera(lens: Value) -> Camera {
     job(&scene(lens)).scene.camera
 }
 
-/// Places of the opening, its rim included.
+/// Points of the aperture, including its rim.
 fn openings() -> impl Iterator<Item = [f64; 2]> {
     (0..25).map(|i| [f64::from(i % 5), f64::from(i / 5)].map(|u| (u / 4.0).min(1.0 - f64::EPSILON)))
 }
 
-/// The worst of a measure over rays all over the film and the opening.
+/// Returns the worst value of a measure over rays from all parts of the film and the aperture.
 fn worst_ray(measure: impl Fn(DVec2, [f64; 2]) -> f64) -> f64 {
     let films = (0..100).map(|i| DVec2::new(f64::from(i % 10) * 5.33, f64::from(i / 10) * 4.0));
     films
@@ -175,7 +176,7 @@ fn worst_ray(measure: impl Fn(DVec2, [f64; 2]) -> f64) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The relative error of the mean Y where only an even sky of 1 cd/m² is seen.
+/// Returns the relative error of the mean Y if the camera sees only a uniform sky of 1 cd/m².
 fn sky_error([width, height]: [u32; 2]) -> f64 {
     let mut scene = scene(json!({ "pinhole": { "fov": 10 } }));
     scene["film"] = json!({ "width": width, "height": height });

@@ -1,11 +1,12 @@
-//! Density estimation: no photons, one, many in one place or line; densities without bound; photons that must not count.
+//! Density estimation: no photon, one photon, many at one point or on a line; unbounded densities;
+//! photons that must not count.
 
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::num::NonZero;
 
-use abbe::map::kernel::Disk;
-use abbe::map::{Load, Photon, PhotonIndex, radius};
+use abbe::map::kernel::DiskKernel;
+use abbe::map::{Photon, PhotonMap, PhotonPower, radius};
 use abbe::math::random::{Purpose, Stream};
 use abbe::math::sum::ExactSum;
 use abbe::render::Integrator;
@@ -16,19 +17,19 @@ use super::table::{Bound, Case, Pace};
 
 pub(crate) const CASES: &[Case] = &[
     Case {
-        name: "No photon, one, 10,000 in one place, 10,000 in a line",
-        naive: "a radius of 0 divides by zero; a mutable kd-tree cannot split them",
-        here: "an immutable tree; the first radius is at least a pixel",
+        name: "No photon, one photon, 10,000 at one point, 10,000 on a line",
+        naive: "a radius of 0 divides by zero; a mutable kd-tree cannot split coincident points",
+        here: "the tree is immutable, and the first radius is at least a pixel",
         measured: "relative error against the sum over all photons",
         bound: Bound::AtMost(1e-5),
         pace: Pace::Fast,
         measure: few_and_many,
     },
     Case {
-        name: "The first radius where the k-th photon is at distance 0, or there is none",
-        naive: "0, and a density of ∞",
-        here: "held between a pixel's footprint and the largest kernel",
-        measured: "radii outside these bounds, of 4",
+        name: "The first radius if the k-th photon is at distance 0 or missing",
+        naive: "a radius of 0 and an infinite density",
+        here: "the radius is clamped between a pixel's footprint and the largest kernel",
+        measured: "radii outside these limits, of 4",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
         measure: || {
@@ -37,18 +38,18 @@ pub(crate) const CASES: &[Case] = &[
         },
     },
     Case {
-        name: "A caustic's fold, whose density has no bound: the estimate grows",
-        naive: "a clamp on bright pixels takes energy away",
-        here: "none: the estimate follows the closed form as the kernel shrinks",
-        measured: "ratio of estimates with radii 4 : 1 against 2 (the density is 1/(2√x)), relative",
+        name: "The fold of a caustic, whose density is unbounded: growth of the estimate",
+        naive: "clamping bright pixels removes energy",
+        here: "no clamp: the estimate follows the closed form as the kernel shrinks",
+        measured: "relative difference between the ratio of estimates with radii 4 : 1 and 2 (the density is 1/(2√x))",
         bound: Bound::AtMost(0.02),
         pace: Pace::Fast,
         measure: || (fold().at(0.02) / fold().at(0.08) / 2.0 - 1.0).abs(),
     },
     Case {
-        name: "The same fold, and a cusp: the sum of all estimates",
+        name: "The fold and a cusp of a caustic: the sum of all estimates",
         naive: "as above",
-        here: "kernels integrate to 1 wherever photons lie",
+        here: "every kernel integrates to 1",
         measured: "relative error of the power summed over the plane",
         bound: Bound::AtMost(2e-4),
         pace: Pace::Fast,
@@ -56,35 +57,35 @@ pub(crate) const CASES: &[Case] = &[
     },
     Case {
         name: "Photons on one side of a wall 1e-6 thick, seen from the other",
-        naive: "a ball around the point takes in both sides: light shines through",
-        here: "photons of a surface that faces another way do not count",
-        measured: "largest Y of the dark side, as a share of the lit one",
+        naive: "a ball around the point contains photons of both sides, so light leaks through",
+        here: "photons on a surface with another normal do not count",
+        measured: "largest Y of the dark side relative to the lit side",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
         measure: || largest_y(&wall(-3.0)) / largest_y(&wall(3.0)),
     },
     Case {
-        name: "Photons on a floor beside a wall that nothing lights",
-        naive: "the floor's photons light the foot of the wall",
-        here: "photons off the tangent plane, or of another facing, do not count",
-        measured: "largest Y of the wall, as a share of the floor's",
+        name: "Photons on a floor beside an unlit wall",
+        naive: "photons of the floor light the foot of the wall",
+        here: "photons off the tangent plane, or with another normal, do not count",
+        measured: "largest Y of the wall relative to the floor",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
         measure: || largest_y(&corner(true)) / largest_y(&corner(false)),
     },
     Case {
-        name: "A kernel smaller than the steps of single precision, 10⁵ m from the middle",
-        naive: "photons stand on a lattice of 8 mm: the estimate is 0 between its points and huge on them, for ever",
-        here: "no kernel is smaller than 16 of these steps",
-        measured: "standard deviation of 200 estimates over even photons, relative",
+        name: "A kernel smaller than the spacing of single precision, 10⁵ m from the centre",
+        naive: "photons lie on a lattice of 8 mm: the estimate is 0 between its points and huge at them, in every pass",
+        here: "no kernel is smaller than 16 times the spacing",
+        measured: "relative standard deviation of 200 estimates of a uniform density",
         bound: Bound::AtMost(0.05),
         pace: Pace::Fast,
         measure: far_from_the_middle,
     },
     Case {
-        name: "The powers of 10⁸ photons summed",
-        naive: "in single precision the sum stands still at 0.17 of its value",
-        here: "128-bit fixed point",
+        name: "The sum of the powers of 10⁸ photons",
+        naive: "in single precision the sum stops growing at 0.17 of its value",
+        here: "the sum uses 128-bit fixed point",
         measured: "relative error",
         bound: Bound::AtMost(1e-10),
         pace: Pace::Fast,
@@ -98,28 +99,29 @@ pub(crate) const CASES: &[Case] = &[
 ];
 
 fn photon(power: f32) -> Photon {
-    let load = Load::new(&Wavelengths::single(550.0), [f64::from(power), 0.0, 0.0, 0.0], 0);
-    Photon::new(load, DVec3::Y, DVec3::Y)
+    let power = PhotonPower::new(&Wavelengths::single(550.0), [f64::from(power), 0.0, 0.0, 0.0], None);
+    Photon::new(power, DVec3::Y, DVec3::Y)
 }
 
-/// Photons of the plane y = 0.
+/// Photons on the plane y = 0.
 struct Plane {
     places: Vec<[f64; 2]>,
-    index: PhotonIndex,
+    index: PhotonMap,
     middle: [f64; 2],
 }
 
 impl Plane {
     fn new(places: Vec<[f64; 2]>, middle: [f64; 2]) -> Self {
         let photons: Vec<_> = places.iter().map(|p| (photon(1.0), [p[0] as f32, 0.0, p[1] as f32])).collect();
-        Self { index: PhotonIndex::build(&photons), places, middle }
+        Self { index: PhotonMap::build(&photons), places, middle }
     }
 
     fn estimate(&self, [x, z]: [f64; 2], radius: f64) -> f64 {
         let mut density = 0.0;
         self.index.within([x as f32, 0.0, z as f32], radius as f32, |found| {
             let (d2, r2) = (f64::from(found.distance2), radius * radius);
-            density += found.photon.load.lanes().map(|(_, power)| power).sum::<f64>() * Disk::new(r2).at(d2).estimate;
+            density +=
+                found.photon.power.lanes().map(|(_, power)| power).sum::<f64>() * DiskKernel::new(r2).at(d2).estimate;
         });
         density / self.places.len().max(1) as f64
     }
@@ -128,7 +130,7 @@ impl Plane {
         let r2 = radius * radius;
         let near = |p: &[f64; 2]| (p[0] - x).powi(2) + (p[1] - z).powi(2);
         let sum: f64 =
-            self.places.iter().map(near).filter(|d2| *d2 <= r2).map(|d2| Disk::new(r2).at(d2).estimate).sum();
+            self.places.iter().map(near).filter(|d2| *d2 <= r2).map(|d2| DiskKernel::new(r2).at(d2).estimate).sum();
         sum / self.places.len().max(1) as f64
     }
 
@@ -136,7 +138,7 @@ impl Plane {
         self.estimate(self.middle, radius)
     }
 
-    /// The estimates over a fine grid, summed, against the power 1.
+    /// Compares the sum of the estimates over a fine grid with the total power 1.
     fn power_error(&self) -> f64 {
         const CELLS: usize = 400;
         let cell = |i: usize| (i as f64 + 0.5) / CELLS as f64 * 4.0 - 2.0;
@@ -160,7 +162,7 @@ fn few_and_many() -> f64 {
     worst
 }
 
-/// x = a² with a even: density 1/(2√x) from the fold at x = 0 on; even along z.
+/// x = a² with uniform a: the density is 1/(2√x) from the fold at x = 0 on, and uniform along z.
 fn fold() -> Plane {
     let side = 700;
     let even = |i: usize| (i as f64 + 0.5) / side as f64;
@@ -183,7 +185,8 @@ fn largest_y(scene: &Value) -> f64 {
     all_y(&render(scene, Integrator::Photon, 4)).into_iter().fold(0.0, f64::max)
 }
 
-/// A thin box lit through a pane by a beam, seen from a height: + is the lit side.
+/// A thin box that a beam lights through a pane, seen from a height; positive heights are on the
+/// lit side.
 fn wall(height: f64) -> Value {
     json!({
         "camera": { "from": [0, height, 0.1], "at": [0, 0, 0], "lens": { "pinhole": { "fov": 20 } } },
@@ -198,7 +201,8 @@ fn wall(height: f64) -> Value {
     })
 }
 
-/// A floor lit straight from above through a pane, and a wall on it; one of the two is seen.
+/// A floor lit from directly above through a pane, with a wall on it. The camera sees one of the
+/// two.
 fn corner(of_wall: bool) -> Value {
     let (from, at) = if of_wall { ([0.0, 0.05, 3.0], [0.0, 0.2, 0.0]) } else { ([0.0, 3.0, 0.6], [0.0, 0.0, 0.5]) };
     let mut scene = wall(3.0);
@@ -212,7 +216,8 @@ fn corner(of_wall: bool) -> Value {
     scene
 }
 
-/// The spread of estimates over photons that lie evenly, 10⁵ m from the middle, asked for with a kernel of a millimetre.
+/// Returns the spread of estimates of a uniform density, 10⁵ m from the centre, with a requested
+/// kernel radius of 1 mm.
 fn far_from_the_middle() -> f64 {
     const FAR: f64 = 1e5;
     let mut stream = Stream::new(5, Purpose::FreePhoton, 0, 0);

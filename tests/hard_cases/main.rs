@@ -1,5 +1,6 @@
-//! Hard cases: where the formula that first comes to mind gives nonsense. Each is measured against a value of higher precision or a closed form,
-//! and stands with its bound in `docs/hard-cases.md`, which `ABBE_BLESS=1 cargo test --release --test hard_cases -- --include-ignored` writes.
+//! Hard cases: inputs for which the obvious formula fails. Each case is measured against a value of
+//! higher precision or a closed form. The hard-cases document lists each case with its bound;
+//! `ABBE_BLESS=1 cargo test --release --test hard_cases -- --include-ignored` writes its tables.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

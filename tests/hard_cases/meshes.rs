@@ -1,25 +1,25 @@
-//! Meshes made by hand, and rays at their edges and corners.
+//! Hand-made meshes, and rays at their edges and vertices.
 
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 use serde_json::json;
 
+use abbe::format::resolve::resolve;
+use abbe::geometry::mesh::TriangleMesh;
+use abbe::geometry::shape::{PlacedShape, Shape};
+use abbe::geometry::{Geometry, Ray};
 use abbe::math::random::{Purpose, Stream};
 use abbe::math::warp;
-use abbe::optics::surface::Transport;
-use abbe::scene::geometry::{Geometry, Ray};
-use abbe::scene::interior::Interior;
-use abbe::scene::mesh::TriangleMesh;
-use abbe::scene::resolve::resolve;
-use abbe::scene::shape::{Placed, Shape};
-use abbe::scene::{Scene, file};
+use abbe::optics::bsdf::TransportMode;
+use abbe::scene::medium_stack::MediumStack;
 use abbe::spectrum::Wavelengths;
-use abbe::walk::{Start, next, scatter};
+use abbe::walk::{RayState, next_interaction, scatter};
+use abbe::{format, scene::Scene};
 
-/// Corners and triangles.
+/// Vertices and triangles.
 pub(crate) type Raw = (Vec<DVec3>, Vec<[u32; 3]>);
 
-/// An octahedron split `levels` times, its corners on the unit sphere.
+/// An octahedron subdivided `levels` times, with its vertices on the unit sphere.
 pub(crate) fn ball(levels: usize) -> Raw {
     let axes = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
     let mut corners = axes.to_vec();
@@ -44,25 +44,25 @@ pub(crate) fn ball(levels: usize) -> Raw {
     (corners, triangles)
 }
 
-/// A shape by itself in the world.
+/// The geometry of a single shape.
 pub(crate) fn alone(shape: Shape) -> Geometry {
-    Geometry::build(vec![Placed { shape, to_world: DAffine3::IDENTITY, object: 0 }], DVec3::ZERO).unwrap()
+    Geometry::build(vec![PlacedShape { shape, to_world: DAffine3::IDENTITY, object: 0 }], DVec3::ZERO).unwrap()
 }
 
 pub(crate) fn mesh((corners, triangles): Raw) -> TriangleMesh {
     TriangleMesh::new(corners, None, None, triangles).unwrap()
 }
 
-/// What of a mesh is aimed at.
+/// The targets of rays on a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum At {
-    /// Corners, points of edges, along edges, faces.
+    /// Vertices, points on edges, directions along edges, and faces.
     Everything,
-    /// Points of faces.
+    /// Points of faces only.
     Faces,
 }
 
-/// A scene with nothing but a mesh of glass, whose OBJ is written for it.
+/// A scene that contains only a glass mesh, written as an OBJ file.
 pub(crate) fn glass_scene((corners, triangles): &Raw) -> Scene {
     let folder = tempfile::tempdir().unwrap();
     let mut text: String = corners.iter().map(|c| format!("v {} {} {}\n", c.x, c.y, c.z)).collect();
@@ -74,12 +74,13 @@ pub(crate) fn glass_scene((corners, triangles): &Raw) -> Scene {
         "objects": [{ "name": "stone", "shape": { "mesh": { "path": "mesh.obj" } }, "material": "glass" }],
         "lights": [{ "point": { "at": [5, 5, 5], "spectrum": 1, "power": 1 } }]
     });
-    let (scene, source) = file::parse(&scene.to_string(), &folder.path().join("scene.json"), &[]).unwrap();
+    let (scene, source) = format::parse(&scene.to_string(), &folder.path().join("scene.json"), &[]).unwrap();
     resolve(&scene, &source).unwrap()
 }
 
-/// Sends light into a closed star-shaped mesh of glass about the origin, aimed from outside and from within at corners, at points of edges, along
-/// edges and at faces; counts the paths that find no way out of the body, leave it without having been inside, or end outside in glass.
+/// Sends rays into a closed star-shaped glass mesh about the origin. They start outside and inside
+/// and aim at vertices, points on edges, along edges and at faces. Returns the number of paths that
+/// never leave the mesh, leave it without having entered, or end outside it in glass.
 pub(crate) fn leaks(raw: &Raw, at: At, rays: u64) -> f64 {
     const CHUNK: u64 = 4096;
     const LONGEST: usize = 30;
@@ -106,18 +107,19 @@ pub(crate) fn leaks(raw: &Raw, at: At, rays: u64) -> f64 {
             (false, _) => warp::sphere(stream.pair()) * (3.0 * reach),
         };
         let ray = Ray::new(from, (target - from).normalize());
-        let interior = if within { Interior::AIR.entered(0) } else { Interior::AIR };
-        let mut start = Start { ray, from: None, interior };
+        let medium_stack = if within { MediumStack::AIR.entered(0) } else { MediumStack::AIR };
+        let mut start = RayState { ray, from: None, medium_stack };
         for _ in 0..LONGEST {
-            let Some(encounter) = next(&scene, start, 0.0) else { return !start.interior.is_air() };
-            let leaves = encounter.incoming.dot(encounter.hit.normal) > 0.0;
-            if leaves == encounter.here.is_air() {
+            let Some(interaction) = next_interaction(&scene, start, 0.0) else { return !start.medium_stack.is_air() };
+            let leaves = interaction.incoming.dot(interaction.hit.normal) > 0.0;
+            if leaves == interaction.here.is_air() {
                 return true;
             }
-            let Some(way) = scatter(&encounter, &Wavelengths::single(550.0), Transport::Importance, &mut stream) else {
+            let Some(way) = scatter(&interaction, &Wavelengths::single(550.0), TransportMode::Importance, &mut stream)
+            else {
                 return true;
             };
-            start = encounter.after(&way);
+            start = interaction.spawn_scattered(&way);
         }
         false
     };

@@ -1,42 +1,42 @@
-//! Random paths through bodies of glass, and where they are by closed forms.
+//! Random paths through glass objects, compared with closed forms of what is inside.
 
 use glam::DVec3;
 use serde_json::{Value, json};
 
+use abbe::geometry::Ray;
 use abbe::math::random::{Purpose, Stream};
 use abbe::math::warp;
-use abbe::optics::surface::Transport;
-use abbe::scene::geometry::Ray;
+use abbe::optics::bsdf::TransportMode;
 use abbe::spectrum::Wavelengths;
-use abbe::walk::{Start, next, scatter};
+use abbe::walk::{RayState, next_interaction, scatter};
 
 use super::common::job;
 
-/// A body about the origin whose inside is known in closed form.
+/// An object about the origin whose inside has a closed form.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Body {
-    /// By its radius.
+    /// A ball, by its radius.
     Ball(f64),
-    /// By its middle and its half extents.
+    /// A box, by its centre and half extents.
     Box(DVec3, DVec3),
-    /// Equilateral, its axis along z: by its inner radius and half its length.
+    /// An equilateral prism along z, by its inner radius and half its length.
     Prism(f64, f64),
 }
 
 /// A body with the name, shape and material of its object.
-pub(crate) type Placed = (Body, (String, Value, Value));
+pub(crate) type NamedBody = (Body, (String, Value, Value));
 
 impl Body {
     pub(crate) fn prism(side: f64, length: f64) -> Self {
         Self::Prism(side / 12.0_f64.sqrt(), 0.5 * length)
     }
 
-    /// 1 × `thickness` × 1.
+    /// A slab of 1 × `thickness` × 1.
     pub(crate) fn slab(thickness: f64) -> Self {
         Self::Box(DVec3::ZERO, DVec3::new(0.5, 0.5 * thickness, 0.5))
     }
 
-    /// How far a point is outside; negative within.
+    /// Returns the distance of a point from the body; negative inside.
     fn outside(&self, p: DVec3) -> f64 {
         match *self {
             Self::Ball(radius) => p.length() - radius,
@@ -50,9 +50,10 @@ impl Body {
     }
 }
 
-/// Follows random paths of light through bodies (in rising order of priority) and counts the legs whose middle is not in the medium that the path
-/// takes it for, and the paths that leave the scene in another medium than air.
-pub(crate) fn wrong_sides(bodies: &[Placed], paths: u64) -> f64 {
+/// Follows random paths through bodies (in rising order of priority). Counts the segments whose
+/// midpoint is not in the medium of the path's stack, and the paths that leave the scene in a
+/// medium other than air.
+pub(crate) fn wrong_sides(bodies: &[NamedBody], paths: u64) -> f64 {
     const FARTHEST: f64 = 1.2;
     let objects: Vec<Value> = bodies
         .iter()
@@ -79,26 +80,26 @@ pub(crate) fn wrong_sides(bodies: &[Placed], paths: u64) -> f64 {
         let from = warp::sphere(stream.pair()) * 3.0;
         let at = warp::sphere(stream.pair()) * (FARTHEST * 0.5 * stream.uniform());
         let ray = Ray::new(from - scene.centre, (at - from).normalize());
-        let mut start = Start { ray, from: None, interior: scene.interior_at(ray.origin) };
+        let mut start = RayState { ray, from: None, medium_stack: scene.medium_stack_at(ray.origin) };
         let mut events = 0;
-        while let Some(encounter) = next(scene, start, 0.0) {
-            let middle = 0.5 * (start.ray.origin + encounter.hit.position) + scene.centre;
+        while let Some(interaction) = next_interaction(scene, start, 0.0) {
+            let middle = 0.5 * (start.ray.origin + interaction.hit.position) + scene.centre;
             let sure = bodies.iter().all(|(body, _)| body.outside(middle).abs() > 1e-13);
             let truth = bodies.iter().rposition(|(body, _)| body.outside(middle) < 0.0).map(|index| index as u32);
-            wrong += u64::from(sure && scene.ruler(&encounter.here) != truth);
+            wrong += u64::from(sure && scene.dominant_dielectric(&interaction.here) != truth);
             events += 1;
-            let Some(scattered) = scatter(&encounter, &sodium, Transport::Importance, &mut stream) else { break };
-            start = encounter.after(&scattered);
+            let Some(scattered) = scatter(&interaction, &sodium, TransportMode::Importance, &mut stream) else { break };
+            start = interaction.spawn_scattered(&scattered);
             if events == 40 {
                 break;
             }
         }
-        wrong += u64::from(events < 40 && !start.interior.is_air());
+        wrong += u64::from(events < 40 && !start.medium_stack.is_air());
     }
     wrong as f64
 }
 
-/// Glass beside glass, and glass flush with the faces of the water around it.
+/// The same count for glass beside glass, and glass flush with the faces of the surrounding water.
 pub(crate) fn wrong_sides_at_coincident_faces(paths: u64) -> f64 {
     let block = |name: &str, middle: [f64; 3], size: [f64; 3], ior: f64, priority: i32| {
         let material = json!({ "dielectric": { "ior": ior, "priority": priority } });

@@ -1,57 +1,57 @@
-//! Random numbers: the ends of their range in every sampler, and streams that know nothing of each other.
+//! Random numbers: the ends of their range in every sampler, and the independence of streams.
 
 use glam::{DVec2, DVec3};
 use serde_json::json;
 
-use abbe::emit::{Aim, CELLS, LightChoice};
-use abbe::math::distribution::{Discrete, Grid};
+use abbe::emit::{Aim, CELLS, LightSampler};
+use abbe::math::distribution::{DiscreteDistribution, PiecewiseConstant2d};
 use abbe::math::random::{ONE_MINUS_ULP, Purpose, Stream};
 use abbe::math::warp;
-use abbe::optics::glass::Index;
-use abbe::optics::surface::{Sides, Surface, Transport};
+use abbe::optics::bsdf::{Bsdf, InterfaceIors, TransportMode};
+use abbe::optics::glass::RefractiveIndex;
 use abbe::scene::Scene;
-use abbe::scene::light::EmissionNumbers;
+use abbe::scene::light::LeRandoms;
 use abbe::spectrum::Spectrum;
 
 use super::common::job;
 use super::table::{Bound, Case, Pace};
 
-/// The ends of the range, in one and two steps of either precision, and the middle.
+/// The ends of the range, their neighbours in both precisions, and the middle.
 const ENDS: [f64; 6] = [0.0, 1e-300, 1.0 / 4_294_967_296.0, 0.5, 1.0 - 1.0 / 4_294_967_296.0, ONE_MINUS_ULP];
 
 pub(crate) const CASES: &[Case] = &[
     Case {
-        name: "u = 0 to 1 − ulp into warps and distributions",
-        naive: "√−ε, an index one beyond the end, an entry of probability 0",
-        here: "roots held at 0, indices at the last entry of positive probability",
-        measured: "results outside their domain",
+        name: "u = 0 to 1 − ulp in warps and distributions",
+        naive: "√−ε, an index beyond the end, an entry of probability 0",
+        here: "square roots are clamped at 0, and indices at the last entry of positive probability",
+        measured: "results outside their domains",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
         measure: warps_and_distributions,
     },
     Case {
-        name: "… into every surface, from above, below and grazing",
-        naive: "directions in the surface, densities of 0, weights of ∞",
-        here: "cosines kept above 0, quotients of masking and cosine in closed form",
-        measured: "directions not unit, densities not positive, weights not finite",
+        name: "The same in every BSDF, from above, below and grazing",
+        naive: "directions in the surface plane, densities of 0, infinite weights",
+        here: "cosines stay above 0, and quotients of masking and cosine are in closed form",
+        measured: "non-unit directions, densities that are not positive, weights that are not finite",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
         measure: surfaces,
     },
     Case {
-        name: "… into every lamp, shape and camera of a scene",
-        naive: "a lamp's edge at u = 1, a pole at u = 0",
-        here: "closed forms that hold at both ends",
-        measured: "rays not unit, powers or densities not finite or below 0",
+        name: "The same in every light, shape and camera of a scene",
+        naive: "the edge of a light at u = 1, a pole at u = 0",
+        here: "closed forms that hold at both ends of the interval",
+        measured: "non-unit rays, powers or densities that are negative or not finite",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
         measure: lamps_and_cameras,
     },
     Case {
-        name: "Streams of 10⁶ passes, of all purposes",
-        naive: "seed + pass, or neighbouring sequences of one state: passes repeat each other",
+        name: "Random streams of 10⁶ passes, for all purposes",
+        naive: "seed + pass, or adjacent sequences of one state: passes repeat each other",
         here: "state and sequence are hashes of (seed, purpose, pass, path)",
-        measured: "streams that begin with the same 64 bits",
+        measured: "streams that start with the same 64 bits",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
         measure: || {
@@ -67,10 +67,10 @@ pub(crate) const CASES: &[Case] = &[
         },
     },
     Case {
-        name: "Their correlation at distances 1, 8, 2¹⁶ passes and between purposes",
-        naive: "as above: a pattern that no number of passes averages away",
+        name: "Correlation of streams at distances of 1, 8 and 2¹⁶ passes and between purposes",
+        naive: "as above: a pattern that does not average out over passes",
         here: "as above",
-        measured: "largest correlation in standard deviations, of 15",
+        measured: "largest of 15 correlations, in standard deviations",
         bound: Bound::AtMost(4.0),
         pace: Pace::Fast,
         measure: correlation,
@@ -103,8 +103,8 @@ fn warps_and_distributions() -> f64 {
         let in_disk = disks.iter().all(|place| place.length() <= 1.0 + 1e-15);
         !(in_disk && directions.into_iter().all(is_unit) && warp::cosine_hemisphere(u).z >= 0.0)
     });
-    let discrete = Discrete::new([0.0, 1e-300, 1.0, 0.0, 1e300, 0.0]).unwrap();
-    let grid = Grid::new(3, &[0.0, 1.0, 0.0, 1e-200, 0.0, 0.0]).unwrap();
+    let discrete = DiscreteDistribution::new([0.0, 1e-300, 1.0, 0.0, 1e300, 0.0]).unwrap();
+    let grid = PiecewiseConstant2d::new(3, &[0.0, 1.0, 0.0, 1e-200, 0.0, 0.0]).unwrap();
     let mut scores = vec![0.0; CELLS * CELLS];
     scores[CELLS * CELLS - 1] = 1.0;
     let aim = Aim::learned(&scores);
@@ -112,7 +112,7 @@ fn warps_and_distributions() -> f64 {
         let mut rest = u[0];
         let entry = discrete.sample(&mut rest);
         let ([x, y], density) = grid.sample(u);
-        let (at, aimed) = aim.draw(u);
+        let (at, aimed) = aim.sample(u);
         let inside = [x, y, at[0], at[1]].iter().all(|c| (0.0..=1.0).contains(c));
         let positive = discrete.probability(entry) > 0.0 && density > 0.0 && aimed > 0.0 && aimed.is_finite();
         !(inside && positive && (0.0..1.0).contains(&rest) && Aim::cell(at) < CELLS * CELLS)
@@ -122,32 +122,33 @@ fn warps_and_distributions() -> f64 {
 
 fn surfaces() -> f64 {
     let half = || Spectrum::constant(0.5);
-    let index = |n: f64| Index::constant(n).unwrap();
+    let index = |n: f64| RefractiveIndex::constant(n).unwrap();
     let mut all = vec![
-        Surface::Absorber,
-        Surface::diffuse(half()).unwrap(),
-        Surface::translucent(half(), Spectrum::constant(0.4)).unwrap(),
-        Surface::mirror(half()).unwrap(),
-        Surface::thin_dielectric(index(1.5)),
+        Bsdf::Absorber,
+        Bsdf::diffuse(half()).unwrap(),
+        Bsdf::translucent(half(), Spectrum::constant(0.4)).unwrap(),
+        Bsdf::mirror(half()).unwrap(),
+        Bsdf::thin_dielectric(index(1.5)),
     ];
     for alpha in [0.0, 1e-3, 0.3, 1.0] {
-        all.push(Surface::conductor(Spectrum::constant(0.2), Spectrum::constant(3.0), alpha).unwrap());
-        all.push(Surface::dielectric(alpha).unwrap());
-        all.push(Surface::glossy(half(), index(1.5), alpha).unwrap());
+        all.push(Bsdf::conductor(Spectrum::constant(0.2), Spectrum::constant(3.0), alpha).unwrap());
+        all.push(Bsdf::dielectric(alpha).unwrap());
+        all.push(Bsdf::glossy(half(), index(1.5), alpha).unwrap());
     }
-    all.push(Surface::mix(vec![(1.0, all[1].clone()), (1.0, all[5].clone())]).unwrap());
+    all.push(Bsdf::mix(vec![(1.0, all[1].clone()), (1.0, all[5].clone())]).unwrap());
     let (air, glass) = (index(1.0), index(1.5));
-    let sides = [Sides { here: &air, there: &glass }, Sides { here: &glass, there: &air }];
+    let sides = [InterfaceIors { here: &air, there: &glass }, InterfaceIors { here: &glass, there: &air }];
     let cosines = [1.0_f64, 0.3, 1e-3, 1e-9, 1e-300, -1e-300, -1e-9, -0.5, -1.0];
     let mut faults = 0.0;
     for surface in &all {
         for (sides, cos) in sides.iter().flat_map(|sides| cosines.map(|cos| (*sides, cos))) {
             let wo = DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
-            for (u, transport) in triples().flat_map(|u| [(u, Transport::Radiance), (u, Transport::Importance)]) {
-                let surface = surface.pick(u[2]);
-                let Some(scatter) = surface.sample(wo, sides, 550.0, transport, u) else { continue };
-                let weight = surface.response(wo, &scatter, sides, transport, 550.0) / scatter.probability;
-                let absorbed = surface.absorbed(wo, &scatter, sides, 550.0);
+            for (u, transport) in triples().flat_map(|u| [(u, TransportMode::Radiance), (u, TransportMode::Importance)])
+            {
+                let surface = surface.sample_component(u[2]);
+                let Some(scatter) = surface.sample(wo, sides, 550.0, u) else { continue };
+                let weight = surface.eval_sample(wo, &scatter, sides, transport, 550.0) / scatter.probability;
+                let absorbed = surface.absorbed_fraction(wo, &scatter, sides, 550.0);
                 let sound = is_unit(scatter.wi) && scatter.probability > 0.0 && weight.is_finite() && weight >= 0.0;
                 faults += f64::from(u8::from(!(sound && absorbed.is_finite())));
             }
@@ -156,7 +157,7 @@ fn surfaces() -> f64 {
     faults
 }
 
-/// A lamp of every kind, and every shape as a lamp.
+/// A light of every kind, and every shape as an area light.
 fn lit_by_everything() -> Scene {
     let shapes = [
         json!({ "sphere": { "radius": 0.3 } }),
@@ -192,18 +193,18 @@ fn lit_by_everything() -> Scene {
 
 fn lamps_and_cameras() -> f64 {
     let scene = lit_by_everything();
-    let choice = LightChoice::new(&scene).unwrap();
+    let choice = LightSampler::new(&scene).unwrap();
     let sound = |value: f64| value.is_finite() && value >= 0.0;
     let mut faults = 0.0;
     let places = [DVec3::ZERO, DVec3::new(0.0, 4.0, 0.0), DVec3::new(2.0, -3.0, 1e-12), DVec3::new(1e6, 0.0, 0.0)];
     for light in &scene.lights {
         for (aim, rest) in pairs().flat_map(|aim| triples().map(move |rest| (aim, rest))) {
-            let emission = light.emit(scene.world(), EmissionNumbers { aim, rest });
+            let emission = light.sample_le(scene.extent(), LeRandoms { aim, rest });
             let is_sound = is_unit(emission.direction) && emission.origin.is_finite() && sound(emission.flux_w);
             faults += f64::from(u8::from(!is_sound));
         }
         for (place, u) in places.iter().flat_map(|place| triples().map(move |u| (*place, u))) {
-            let Some(incident) = light.towards(scene.world(), place, u) else { continue };
+            let Some(incident) = light.sample_li(scene.extent(), place, u) else { continue };
             let density = incident.pdf_solid_angle.unwrap_or(1.0);
             let is_sound =
                 is_unit(incident.direction) && incident.distance > 0.0 && sound(incident.irradiance) && density > 0.0;
@@ -222,7 +223,8 @@ fn lamps_and_cameras() -> f64 {
     faults + count(rays.map(|(film, lens)| !is_unit(scene.camera.ray(DVec2::from(film) * 4.0, lens).direction)))
 }
 
-/// The largest correlation of first numbers, in standard deviations (1/√n of n products of uniform numbers about their mean, over their variance).
+/// Returns the largest correlation of first numbers in standard deviations: 1/√n for n products of
+/// centred uniform numbers, relative to their variance.
 fn correlation() -> f64 {
     const PASSES: u64 = 250_000;
     let first = |purpose, pass| Stream::new(0, purpose, pass, 7).uniform() - 0.5;

@@ -1,4 +1,5 @@
-//! Refraction: Fresnel and Snell at their ends, paths through nested bodies, coincident faces, light that cannot get out.
+//! Refraction: limits of Fresnel's and Snell's formulas, paths through nested bodies, coincident
+//! faces, and trapped light.
 
 use std::sync::LazyLock;
 
@@ -11,14 +12,14 @@ use abbe::walk::ledger::Ledger;
 
 use super::common::{diffuse, glass, render};
 use super::golden::golden;
-use super::paths::{Body, Placed, wrong_sides, wrong_sides_at_coincident_faces};
+use super::paths::{Body, NamedBody, wrong_sides, wrong_sides_at_coincident_faces};
 use super::table::{Bound, Case, Pace};
 
 pub(crate) const CASES: &[Case] = &[
     Case {
         name: "Reflectance at 0° to 89.9999999°, n₁ = n₂ ± 1e-12, n = 1 + 1e-9, n = 4",
-        naive: "(n₁c₁ − n₂c₂)/(n₁c₁ + n₂c₂) keeps no digit where n₁ ≈ n₂",
-        here: "(n₂ − n₁)(n₂ + n₁)/(n₁c₁ + n₂c₂)², a difference of inputs",
+        naive: "(n₁c₁ − n₂c₂)/(n₁c₁ + n₂c₂) loses all digits if n₁ ≈ n₂",
+        here: "(n₂ − n₁)(n₂ + n₁)/(n₁c₁ + n₂c₂)² subtracts only inputs",
         measured: "relative error against 50 digits",
         bound: Bound::AtMost(2e-14),
         pace: Pace::Fast,
@@ -26,8 +27,8 @@ pub(crate) const CASES: &[Case] = &[
     },
     Case {
         name: "Transmittance at 0° to 89.9999999°",
-        naive: "R > 1 by rounding makes it negative",
-        here: "T = 1 − R with R held to 1",
+        naive: "rounding makes R > 1 and T negative",
+        here: "T = 1 − R with R clamped to 1",
         measured: "error against 50 digits",
         bound: Bound::AtMost(1e-15),
         pace: Pace::Fast,
@@ -35,39 +36,39 @@ pub(crate) const CASES: &[Case] = &[
     },
     Case {
         name: "Reflectance within 8 ulp of the critical angle",
-        naive: "the root of a negative number",
-        here: "one function tells refraction's end to Fresnel and Snell",
-        measured: "error against 50 digits (R falls there with an infinite slope: an ulp of the cosine is as much)",
+        naive: "square root of a negative number",
+        here: "one function decides total reflection for Fresnel's and Snell's formulas",
+        measured: "error against 50 digits (the slope of R is infinite there, so one ulp of the cosine causes as much)",
         bound: Bound::AtMost(2e-7),
         pace: Pace::Fast,
         measure: || worst("critical", |row| (row.reflectance() - row.r).abs()),
     },
     Case {
         name: "Refraction ends where total reflection begins, within 8 ulp of the critical angle",
-        naive: "two formulas disagree: light is to go on and has no direction",
-        here: "the same squared cosine decides both",
-        measured: "disagreements",
+        naive: "two formulas disagree: light is transmitted but has no direction",
+        here: "one squared cosine decides both",
+        measured: "number of disagreements",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
         measure: || {
-            let lost = |row: &&Row| row.refracted().is_none() && row.reflectance() < 1.0;
+            let lost = |row: &&InterfaceRow| row.refracted().is_none() && row.reflectance() < 1.0;
             rows("critical").iter().filter(lost).count() as f64
         },
     },
     Case {
         name: "Refracted direction at the same angles and indices",
-        naive: "n₁c₁/n₂ − c₂ cancels where n₁ ≈ n₂; the ray bends by rounding",
-        here: "the difference as a quotient, then normalised",
+        naive: "n₁c₁/n₂ − c₂ cancels if n₁ ≈ n₂, and rounding bends the ray",
+        here: "the difference is written as a quotient, then the direction is normalised",
         measured: "angle to 50 digits, in radians",
         bound: Bound::AtMost(4e-16),
         pace: Pace::Fast,
-        measure: || worst("interfaces", Row::bending_error),
+        measure: || worst("interfaces", InterfaceRow::bending_error),
     },
     Case {
         name: "n₁ = n₂ exactly",
-        naive: "0/0 at grazing; the ray turns by an ulp at each of a thousand faces",
-        here: "R = 0 and the direction itself, without arithmetic",
-        measured: "directions changed, or light reflected, of 1000",
+        naive: "0/0 at grazing incidence; the ray turns by an ulp at each of a thousand faces",
+        here: "returns R = 0 and the unchanged direction without arithmetic",
+        measured: "changed directions or reflections, of 1000",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
         measure: || {
@@ -81,10 +82,10 @@ pub(crate) const CASES: &[Case] = &[
         },
     },
     Case {
-        name: "Paths through a prism, a ball, a slab of 1e-6 and glass with liquid with an air bubble",
-        naive: "an epsilon on the ray's start steps over the slab, or back into the face",
-        here: "a ray knows the face it starts on; nested bodies by priority",
-        measured: "legs in the wrong medium, of 4 × 20,000 paths",
+        name: "Paths through a prism, a ball, a slab of thickness 1e-6, and a glass of liquid with an air bubble",
+        naive: "an epsilon at the ray's origin skips the slab or hits the same face again",
+        here: "a ray stores the face on which it starts; nested objects have priorities",
+        measured: "segments in the wrong medium, of 4 × 20,000 paths",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
         measure: || wrong_side_events(20_000),
@@ -93,33 +94,33 @@ pub(crate) const CASES: &[Case] = &[
         name: "The same, a million paths each",
         naive: "as above",
         here: "as above",
-        measured: "legs in the wrong medium, of 4 × 10⁶ paths",
+        measured: "segments in the wrong medium, of 4 × 10⁶ paths",
         bound: Bound::AtMost(0.0),
         pace: Pace::Slow,
         measure: || wrong_side_events(1_000_000),
     },
     Case {
         name: "Coincident faces: glass on glass, glass in water, by priority",
-        naive: "the order of two equal distances is rounding's",
-        here: "surfaces nearer than rounding are passed in one fixed order",
-        measured: "media wrong, of 40,000 paths",
+        naive: "rounding decides the order of two equal distances",
+        here: "surfaces within rounding of each other are crossed in one fixed order",
+        measured: "paths in a wrong medium, of 40,000",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
         measure: || wrong_sides_at_coincident_faces(20_000),
     },
     Case {
-        name: "A lamp in a glass cube: total reflection for ever",
-        naive: "an endless loop, or power that is in no account",
-        here: "the depth limit ends the path and books its power",
-        measured: "|balance| of the ledger",
+        name: "A light in a glass cube: endless total reflection",
+        naive: "an endless loop, or power that is not accounted for",
+        here: "the depth limit ends the path, and the ledger records its power",
+        measured: "absolute balance of the ledger",
         bound: Bound::AtMost(1e-12),
         pace: Pace::Fast,
         measure: || TRAPPED.0,
     },
     Case {
-        name: "The share of its light that never gets out",
-        naive: "roulette that takes it without an account darkens the scene unseen",
-        here: "booked under depth limit",
+        name: "The share of that light that never leaves the cube",
+        naive: "Russian roulette that removes it without a record darkens the scene unnoticed",
+        here: "recorded in the ledger's depth limit",
         measured: "standard errors from the closed form 3 cos θ_c − 2",
         bound: Bound::AtMost(4.0),
         pace: Pace::Fast,
@@ -127,8 +128,8 @@ pub(crate) const CASES: &[Case] = &[
     },
 ];
 
-/// A ray at an interface, and the truth about it.
-struct Row {
+/// A ray at an interface with its exact result.
+struct InterfaceRow {
     cos: f64,
     n_i: f64,
     n_t: f64,
@@ -137,7 +138,7 @@ struct Row {
     sin_t: f64,
 }
 
-impl Row {
+impl InterfaceRow {
     fn reflectance(&self) -> f64 {
         fresnel::dielectric(self.cos, self.n_i, self.n_t)
     }
@@ -153,9 +154,9 @@ impl Row {
     }
 }
 
-fn rows(name: &str) -> Vec<Row> {
+fn rows(name: &str) -> Vec<InterfaceRow> {
     let decimal = |value: &Value| value.as_str().unwrap().parse::<f64>().unwrap();
-    let row = |row: &Value| Row {
+    let row = |row: &Value| InterfaceRow {
         cos: row[0].as_f64().unwrap(),
         n_i: row[1].as_f64().unwrap(),
         n_t: row[2].as_f64().unwrap(),
@@ -166,18 +167,18 @@ fn rows(name: &str) -> Vec<Row> {
     golden("hard_cases.json")[name].as_array().unwrap().iter().map(row).collect()
 }
 
-fn worst(name: &str, error: impl Fn(&Row) -> f64) -> f64 {
+fn worst(name: &str, error: impl Fn(&InterfaceRow) -> f64) -> f64 {
     rows(name).iter().map(error).fold(0.0, f64::max)
 }
 
-/// Events on the wrong side on random paths through four arrangements.
+/// Counts events on the wrong side, on random paths through four arrangements of bodies.
 fn wrong_side_events(paths: u64) -> f64 {
     let named = |name: &str, shape: Value, ior: Value, priority: i32| {
         let material = json!({ "dielectric": { "ior": ior, "priority": priority } });
         (name.to_string(), shape, material)
     };
     let ball = |radius: f64| json!({ "sphere": { "radius": radius } });
-    let arrangements: [Vec<Placed>; 4] = [
+    let arrangements: [Vec<NamedBody>; 4] = [
         vec![(
             Body::prism(1.0, 1.0),
             named("prism", json!({ "prism": { "side": 1, "length": 1 } }), json!("N-SF10"), 0),
@@ -193,7 +194,8 @@ fn wrong_side_events(paths: u64) -> f64 {
     arrangements.iter().map(|arrangement| wrong_sides(arrangement, paths)).sum()
 }
 
-/// A point in a glass cube: the ledger's balance, and how many standard errors the trapped share is off.
+/// A point light in a glass cube: the ledger's balance, and the error of the trapped share in
+/// standard errors.
 static TRAPPED: LazyLock<(f64, f64)> = LazyLock::new(|| {
     const RUNS: u64 = 6;
     let scene = |seed: u64| {

@@ -1,4 +1,4 @@
-//! Scale and place: a scene is the same picture in any unit and anywhere.
+//! Scale and position: a scene gives the same picture in any unit and at any place.
 
 use serde_json::{Value, json};
 
@@ -11,8 +11,8 @@ use super::table::{Bound, Case, Pace};
 pub(crate) const CASES: &[Case] = &[
     Case {
         name: "Scenes scaled by 1e-6, 1e-3, 1e3 and 1e6: shading",
-        naive: "an epsilon of 1e-4 m is a mountain at one scale and nothing at another",
-        here: "no lengths of their own: faces are known by name, tolerances are roundings",
+        naive: "an epsilon of 1e-4 m is far too large at one scale and too small at another",
+        here: "no fixed lengths: faces have identifiers, and tolerances are relative to rounding",
         measured: "relative difference of any pixel in direct light",
         bound: Bound::AtMost(1e-6),
         pace: Pace::Fast,
@@ -20,8 +20,8 @@ pub(crate) const CASES: &[Case] = &[
     },
     Case {
         name: "Scenes moved by 1e6 of their size: shading",
-        naive: "single-precision positions 0.06 apart",
-        here: "positions relative to the scene's middle, in double precision",
+        naive: "single-precision positions are 0.06 apart",
+        here: "positions are relative to the scene's centre, in double precision",
         measured: "relative difference of any pixel in direct light",
         bound: Bound::AtMost(1e-6),
         pace: Pace::Fast,
@@ -29,8 +29,8 @@ pub(crate) const CASES: &[Case] = &[
     },
     Case {
         name: "The same with a glass ball, its caustic and indirect light",
-        naive: "kernels and offsets in metres",
-        here: "radii from photons and pixels",
+        naive: "kernel radii and offsets fixed in metres",
+        here: "radii derive from photon distances and pixel sizes",
         measured: "probability, over all blocks, scales and the move, that the pictures are equal",
         bound: Bound::AtLeast(1e-3),
         pace: Pace::Fast,
@@ -42,9 +42,9 @@ pub(crate) const CASES: &[Case] = &[
         },
     },
     Case {
-        name: "A lamp of 1e-9 W and one of 1e12 W",
+        name: "Lights of 1e-9 W and 1e12 W",
         naive: "single-precision sums, thresholds on power",
-        here: "exact sums in 128 bits with a quantum of 5e-20",
+        here: "exact 128-bit sums with a quantum of 5e-20",
         measured: "relative difference of any pixel, scaled back",
         bound: Bound::AtMost(1e-5),
         pace: Pace::Fast,
@@ -62,7 +62,8 @@ pub(crate) const CASES: &[Case] = &[
 
 const SCALES: [f64; 4] = [1e-6, 1e-3, 1e3, 1e6];
 
-/// Any scene with all lengths times `scale`, its middle moved along (1, 1, 1) by `shift` of its size, its lamp's power so that radiance stays.
+/// Scales all lengths of a scene by `scale`, moves its centre along (1, 1, 1) by `shift` times its
+/// size, and changes the light's power so that radiance stays equal.
 fn placed(mut scene: Value, scale: f64, shift: f64) -> Value {
     let point = |value: &mut Value| {
         let old: Vec<f64> = value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
@@ -80,7 +81,7 @@ fn placed(mut scene: Value, scale: f64, shift: f64) -> Value {
     scene
 }
 
-/// Diffuse things under a lamp; nothing but direct light.
+/// Diffuse objects under a light; only direct light.
 fn shaded(scale: f64, shift: f64) -> Value {
     let scene = json!({
         "camera": { "from": [0, 2, 5], "at": [0, 0.5, 0], "lens": { "pinhole": { "fov": 40 } } },
@@ -109,7 +110,7 @@ fn shading_difference(scale: f64, shift: f64) -> f64 {
     largest_difference(&picture(scale, shift), &picture(1.0, 0.0))
 }
 
-/// Block means of a floor with a caustic, from seeds that no other place has.
+/// Returns block means of a floor with a caustic, with seeds that no other scale or position uses.
 fn caustic(scale: f64, shift: f64, run: u64) -> Measured {
     let scene = json!({
         "camera": { "from": [0, 2.5, 3], "at": [0, 0.2, 0], "lens": { "pinhole": { "fov": 40 } } },

@@ -1,13 +1,13 @@
-//! Shapes: far and small, thin and broken; no ray gets through a closed surface.
+//! Shapes: far and small, thin and defective; no ray leaks through a closed surface.
 
 use std::sync::Arc;
 
 use glam::DVec3;
 use serde_json::Value;
 
-use abbe::scene::geometry::Ray;
-use abbe::scene::mesh::TriangleMesh;
-use abbe::scene::shape::Shape;
+use abbe::geometry::Ray;
+use abbe::geometry::mesh::TriangleMesh;
+use abbe::geometry::shape::Shape;
 
 use super::golden::golden;
 use super::meshes::{At, Raw, alone, ball, glass_scene, leaks, mesh};
@@ -16,52 +16,52 @@ use super::table::{Bound, Case, Pace};
 pub(crate) const CASES: &[Case] = &[
     Case {
         name: "Spheres of radius 1e-6 to 0.5 at distances 1 to 1e6",
-        naive: "b² − 4ac loses all digits beyond 1e8 radii: no hit, or one beside the sphere",
-        here: "the discriminant from the point of closest approach, the root that does not cancel, the hit snapped to the surface",
-        measured: "place of the hit against 50 digits, in roundings (2⁻⁵³) of the distance",
+        naive: "b² − 4ac loses all digits beyond 1e8 radii: the hit is missed or lies beside the sphere",
+        here: "the discriminant comes from the point of closest approach, the root does not cancel, and the hit is moved onto the surface",
+        measured: "position of the hit against 50 digits, in units of 2⁻⁵³ of the distance",
         bound: Bound::AtMost(8.0),
         pace: Pace::Fast,
         measure: || spheres().0,
     },
     Case {
-        name: "The distance to the same hits",
-        naive: "as above",
-        here: "as above",
-        measured: "relative error against 50 digits",
+        name: "The distance to the same spheres",
+        naive: "the same as in the previous row",
+        here: "the same as in the previous row",
+        measured: "relative error, compared with a value of 50 digits",
         bound: Bound::AtMost(4e-16),
         pace: Pace::Fast,
         measure: || spheres().1,
     },
     Case {
-        name: "Light from within and from outside at corners, at edges, along edges and at faces of a closed mesh of glass",
-        naive: "a ray at an edge meets both triangles or none",
-        here: "edge signs with the same arithmetic on both sides, exact zeros decided by one infinitely small step",
+        name: "Rays from inside and outside at corners, at edges, along edges and at faces of a closed glass mesh",
+        naive: "a ray at an edge hits both triangles or none",
+        here: "edge signs use the same arithmetic for both triangles; an infinitesimal shift decides exact zeros",
         measured: "leaks of 400,000 paths",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
         measure: || leaks(&ball(4), At::Everything, 400_000),
     },
     Case {
-        name: "The same, a hundred million paths",
-        naive: "as above",
-        here: "as above",
-        measured: "leaks of 10⁸ paths",
+        name: "The same mesh, with a hundred million paths",
+        naive: "the same as in the previous row",
+        here: "the same as in the previous row",
+        measured: "leaking paths, of 10⁸",
         bound: Bound::AtMost(0.0),
         pace: Pace::Slow,
         measure: || leaks(&ball(5), At::Everything, 100_000_000),
     },
     Case {
-        name: "A needle 10⁷ times as long as wide, closed",
+        name: "A closed needle 10⁷ times as long as wide",
         naive: "a determinant below an epsilon drops its triangles",
-        here: "no epsilon: signs alone decide",
+        here: "no epsilon: only signs decide",
         measured: "leaks of 100,000 paths",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
         measure: || leaks(&needle(1e-7), At::Faces, 100_000),
     },
     Case {
-        name: "Slivers: a ball squeezed to a thickness of 1e-7",
-        naive: "as above; normals of rounding",
+        name: "Slivers: a ball flattened to a thickness of 1e-7",
+        naive: "as above; normals consist of rounding errors",
         here: "as above",
         measured: "leaks of 100,000 paths",
         bound: Bound::AtMost(0.0),
@@ -72,10 +72,10 @@ pub(crate) const CASES: &[Case] = &[
         },
     },
     Case {
-        name: "Triangles without area among others",
-        naive: "a normal of 0/0 reaches the picture",
-        here: "left out and counted; the rest stays closed",
-        measured: "leaks of 50,000 paths, and triangles not counted",
+        name: "Some triangles without area",
+        naive: "a normal of 0/0 propagates to the picture",
+        here: "they are dropped and counted; the mesh stays closed",
+        measured: "leaks of 50,000 paths, plus triangles that were not counted",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
         measure: || {
@@ -90,34 +90,35 @@ pub(crate) const CASES: &[Case] = &[
     },
     Case {
         name: "Every triangle twice",
-        naive: "two hits at one place: a photon is absorbed twice, a glass entered twice",
-        here: "a face that was passed is not met again from the same side; entering twice counts once",
-        measured: "passages of 1000 rays that do not end in air",
+        naive: "two hits at one point: a photon is absorbed twice, or glass is entered twice",
+        here: "a crossed face is not hit again from the same side; entering twice counts once",
+        measured: "rays that do not end in air, of 1000",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
         measure: doubled,
     },
     Case {
-        name: "Meshes with a hole, a turned triangle, a fin, doubled faces, inside out, as glass",
-        naive: "light lost in them without a word",
-        here: "watertight means that every edge belongs to two triangles in opposite directions; what is not is named in the scene's notes",
-        measured: "not detected, of 5 (and a sound one that is)",
+        name: "Glass meshes with a hole, a flipped triangle, a fin, doubled faces, or turned inside out",
+        naive: "light is lost in them without a warning",
+        here: "a mesh is watertight if every edge belongs to two triangles in opposite directions; the scene's notes name meshes that are not",
+        measured: "defects not detected, of 5, plus false alarms on a sound mesh",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
         measure: undetected,
     },
     Case {
-        name: "A lens whose surfaces nearly touch at the rim (1e-12) or in the middle (1e-9)",
-        naive: "entry and exit in the wrong order, or one of them stepped over by an epsilon",
-        here: "a convex body is left by another face than it was entered by",
-        measured: "path in the glass against the closed form, in m (the lens is 0.1 m wide)",
+        name: "A lens whose surfaces almost touch at the rim (1e-12) or in the middle (1e-9)",
+        naive: "entry and exit in the wrong order, or an epsilon skips one of them",
+        here: "a ray leaves a convex object by another face than the one it entered",
+        measured: "path length in the glass against the closed form, in m (the lens is 0.1 m wide)",
         bound: Bound::AtMost(1e-15),
         pace: Pace::Fast,
         measure: thin_lenses,
     },
 ];
 
-/// Worst place, in roundings of the distance, and worst relative distance of hits on spheres.
+/// Returns the worst position error, in units of 2⁻⁵³ of the distance, and the worst relative error
+/// of the distance, for hits on spheres.
 fn spheres() -> (f64, f64) {
     let numbers = |value: &Value| DVec3::from_array([0, 1, 2].map(|i| value[i].as_f64().unwrap()));
     let decimal = |value: &Value| value.as_str().unwrap().parse::<f64>().unwrap();
@@ -133,7 +134,7 @@ fn spheres() -> (f64, f64) {
     (place, distance)
 }
 
-/// Two long three-sided pyramids on one base.
+/// Two long three-sided pyramids on a common base.
 fn needle(width: f64) -> Raw {
     let around = |i: f64| DVec3::new(width * (i * 2.1).cos(), 0.0, width * (i * 2.1).sin());
     let corners = vec![DVec3::Y, DVec3::NEG_Y, around(0.0), around(1.0), around(2.0)];
@@ -146,7 +147,7 @@ fn cube() -> Raw {
     ((0..8).map(corner).collect(), quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect())
 }
 
-/// How many broken meshes pass as sound, and sound ones as broken.
+/// Counts defective meshes that pass as sound, and sound meshes reported as defective.
 fn undetected() -> f64 {
     let (corners, triangles) = cube();
     let hole = (corners.clone(), triangles[1..].to_vec());
@@ -160,9 +161,10 @@ fn undetected() -> f64 {
     (silent + glass_scene(&(corners, triangles)).notes.len()) as f64
 }
 
-/// Rays that pass a cube whose triangles all stand twice, as paths of light would, and do not end in air.
+/// Counts rays through a cube with doubled triangles, followed like paths of light, that do not end
+/// in air.
 fn doubled() -> f64 {
-    use abbe::scene::interior::Interior;
+    use abbe::scene::medium_stack::MediumStack;
     let (corners, triangles) = cube();
     let both = [&triangles[..], &triangles[..]].concat();
     let geometry = alone(Shape::Mesh(Arc::new(TriangleMesh::new(corners, None, None, both).unwrap())));
@@ -170,23 +172,23 @@ fn doubled() -> f64 {
         let from = DVec3::new(0.3 + 0.3 * f64::from(i).sin(), 3.0, 0.5 + 0.3 * f64::from(i).cos());
         let towards = DVec3::new(0.5, 0.4, 0.6 + 1e-4 * f64::from(i));
         let ray = Ray::new(from, (towards - from).normalize());
-        let mut interior = Interior::AIR;
+        let mut medium_stack = MediumStack::AIR;
         geometry.for_each_hit(&ray, None, |hit| {
             let enters = ray.direction.dot(hit.normal) < 0.0;
-            interior = if enters { interior.entered(0) } else { interior.left(0) };
+            medium_stack = if enters { medium_stack.entered(0) } else { medium_stack.left(0) };
         });
-        !interior.is_air()
+        !medium_stack.is_air()
     };
     (0..1000).filter(|&i| stays_inside(i)).count() as f64
 }
 
-/// Worst error of the path in two lenses, over rays parallel to the axis.
+/// Returns the largest error of the path length in two lenses, for rays parallel to the axis.
 fn thin_lenses() -> f64 {
     const RADIUS: f64 = 0.2;
     const RIM: f64 = 0.05;
     let depth = |y: f64| y * y / (RADIUS + (RADIUS * RADIUS - y * y).sqrt());
     let mut worst = 0.0_f64;
-    // Biconvex with a rim of 1e-12, and biconcave 1e-9 thick in the middle.
+    // A biconvex lens with a rim of 1e-12, and a biconcave lens 1e-9 thick in the middle.
     for (radius, thickness) in [(RADIUS, 2.0 * depth(RIM) + 1e-12), (-RADIUS, 1e-9)] {
         let lens = Shape::Lens { radius1: radius, radius2: -radius, thickness, diameter: 2.0 * RIM };
         let geometry = alone(lens);

@@ -1,9 +1,10 @@
-//! Spectra: lines beside continua, the ends of the band, black bodies at their extremes, light that nothing reflects or nobody sees.
+//! Spectra: lines with continua, the ends of the band, black bodies at extreme temperatures, and
+//! light that is not reflected or not visible.
 
 use serde_json::{Value, json};
 
+use abbe::format::{self, resolve};
 use abbe::render::{Integrator, Job};
-use abbe::scene::{file, resolve};
 use abbe::spectrum::{Observer, Outside, SpectralLine, Spectrum, WavelengthDistribution, planck};
 
 use super::common::{diffuse, glass, render};
@@ -13,18 +14,18 @@ use super::table::{Bound, Case, Pace};
 pub(crate) const CASES: &[Case] = &[
     Case {
         name: "Black bodies from 35 K to 10¹⁵ K",
-        naive: "exp overflows where it is cold; 1 − exp(−x) keeps no digit where it is hot",
-        here: "the exponential in two halves, and expm1",
+        naive: "exp overflows at low temperatures; 1 − exp(−x) loses all digits at high ones",
+        here: "the exponential is split into two factors, and expm1 is used",
         measured: "relative error against 50 digits",
         bound: Bound::AtMost(2e-13),
         pace: Pace::Fast,
         measure: black_bodies,
     },
     Case {
-        name: "A line 10¹² times as strong as its continuum",
+        name: "A spectral line 10¹² times as strong as its continuum",
         naive: "a table of the spectrum loses the line or the continuum",
-        here: "lines are narrow stretches with their exact probability",
-        measured: "Φ/p against the power, relative, over draws of both",
+        here: "lines are narrow intervals with their exact probability",
+        measured: "relative difference between Φ/p and the power, over draws of both",
         bound: Bound::AtMost(1e-12),
         pace: Pace::Fast,
         measure: || {
@@ -33,10 +34,10 @@ pub(crate) const CASES: &[Case] = &[
         },
     },
     Case {
-        name: "A continuum 10¹² times as strong as its line",
+        name: "A continuum 10¹² times as strong as its spectral line",
         naive: "as above",
         here: "as above",
-        measured: "Φ/p against the power, relative, over draws of both",
+        measured: "relative difference between Φ/p and the power, over draws of both",
         bound: Bound::AtMost(1e-12),
         pace: Pace::Fast,
         measure: || {
@@ -45,18 +46,18 @@ pub(crate) const CASES: &[Case] = &[
         },
     },
     Case {
-        name: "Lines at 360 and 830 nm, tables that end there",
-        naive: "half a line too much, or a last sample that is lost",
-        here: "what lies outside the band is cut with its share of the power; the last sample belongs to the table",
+        name: "Lines at 360 and 830 nm, and tables that end there",
+        naive: "half a line is counted too much, or the last sample is lost",
+        here: "the part outside the band is cut off with its power; the last sample belongs to the table",
         measured: "relative error of integrals and end values",
         bound: Bound::AtMost(1e-15),
         pace: Pace::Fast,
         measure: band_ends,
     },
     Case {
-        name: "A lamp whose light nothing in the scene reflects",
-        naive: "0/0 where the path's weights are normalised",
-        here: "densities are those of the lamp; products of zero are zero",
+        name: "A light whose wavelengths no surface reflects",
+        naive: "0/0 when path weights are normalised",
+        here: "densities come from the light alone, so products with zero are zero",
         measured: "largest component of the picture",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
@@ -72,9 +73,9 @@ pub(crate) const CASES: &[Case] = &[
     },
     Case {
         name: "Light outside 360–830 nm only",
-        naive: "a black picture after an hour, or NaN",
-        here: "an error before the first pass: there is nothing to see",
-        measured: "lamps not refused, of 4",
+        naive: "a black picture after an hour of rendering, or NaN",
+        here: "an error before the first pass, because no light is visible",
+        measured: "lights that are not refused, of 4",
         bound: Bound::AtMost(0.0),
         pace: Pace::Fast,
         measure: || {
@@ -88,9 +89,9 @@ pub(crate) const CASES: &[Case] = &[
         },
     },
     Case {
-        name: "A lamp of one line, seen directly",
-        naive: "samples at fixed wavelengths miss it",
-        here: "wavelengths are drawn from the lamp, within the line's width",
+        name: "A light with a single spectral line, seen directly",
+        naive: "samples at fixed wavelengths miss the line",
+        here: "wavelengths are drawn from the light's spectrum, within the line's width",
         measured: "relative error of Y against 683 lm/W · L · ȳ(λ)",
         bound: Bound::AtMost(2e-5),
         pace: Pace::Fast,
@@ -101,10 +102,10 @@ pub(crate) const CASES: &[Case] = &[
         },
     },
     Case {
-        name: "The same through a prism",
-        naive: "shared wavelengths miss the line and the picture is black or another colour",
-        here: "the pass's wavelengths are drawn from the lamps too",
-        measured: "distance of any lit pixel from the line's own chromaticity",
+        name: "The same light through a prism",
+        naive: "shared wavelengths miss the line, and the picture is black or has another colour",
+        here: "the shared wavelengths of a pass are drawn from the lights too",
+        measured: "largest distance of a lit pixel from the line's chromaticity",
         bound: Bound::AtMost(2e-6),
         pace: Pace::Fast,
         measure: || {
@@ -114,10 +115,10 @@ pub(crate) const CASES: &[Case] = &[
         },
     },
     Case {
-        name: "The same through a camera of real glass",
+        name: "The same light through a camera lens of real glass",
         naive: "as above",
         here: "as above",
-        measured: "distance of any lit pixel from the line's own chromaticity",
+        measured: "largest distance of a lit pixel from the line's chromaticity",
         bound: Bound::AtMost(2e-6),
         pace: Pace::Fast,
         measure: || {
@@ -136,7 +137,8 @@ fn black_bodies() -> f64 {
     golden("hard_cases.json")["planck"].as_array().unwrap().iter().map(error).fold(0.0, f64::max)
 }
 
-/// Draws wavelengths, dense at the ends and within the line, where the density is the spectrum itself: Φ/p is then the power.
+/// Samples wavelengths, densely at the ends of the band and within the line, where the density is
+/// proportional to the spectrum: Φ/p is then the power.
 fn drawn(spectrum: &Spectrum) -> f64 {
     let distribution = WavelengthDistribution::new(spectrum).unwrap();
     let power = spectrum.integral();
@@ -164,7 +166,7 @@ fn band_ends() -> f64 {
     errors.into_iter().map(f64::abs).fold(0.0, f64::max)
 }
 
-/// Two surfaces that light each other, under one lamp.
+/// Two surfaces that illuminate each other, under one light.
 fn lit(lamp: Value, reflectance: Value) -> Value {
     json!({
         "camera": { "from": [0, 2, 5], "at": [0, 0.5, 0], "lens": { "pinhole": { "fov": 40 } } },
@@ -180,13 +182,13 @@ fn lit(lamp: Value, reflectance: Value) -> Value {
 }
 
 fn is_refused(scene: &Value) -> bool {
-    let planned = file::parse(&scene.to_string(), "dark.json".as_ref(), &[])
+    let planned = format::parse(&scene.to_string(), "dark.json".as_ref(), &[])
         .and_then(|(scene, source)| resolve::resolve(&scene, &source))
         .and_then(Job::new);
     planned.is_err_and(|error| error.exit_status() == 2)
 }
 
-/// A wall that shines with 1 W/m²/sr of a line at 589.3 nm, and things before it.
+/// A wall that emits 1 W/m²/sr in a line at 589.3 nm, behind other objects.
 fn one_line(things: Value, lens: Value) -> Value {
     let mut scene = json!({
         "camera": { "from": [0, 0, 4], "at": [0, 0, 0], "lens": lens },

@@ -1,9 +1,10 @@
-//! The table of hard cases: what each guards against, its bound, and what is measured; kept in `docs/hard-cases.md`.
+//! The table of hard cases: the failure of the obvious formula, Abbe's method, the measure and its
+//! bound.
 
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// What a measured value must keep to.
+/// The bound of a measured value.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Bound {
     /// At most this.
@@ -15,7 +16,7 @@ pub(crate) enum Bound {
 /// When a case is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Pace {
-    /// With every run of the tests.
+    /// In every run of the tests.
     Fast,
     /// With the slow tests.
     Slow,
@@ -24,21 +25,21 @@ pub(crate) enum Pace {
 /// One hard case.
 #[derive(Debug)]
 pub(crate) struct Case {
-    /// What is hard.
+    /// The input or situation that is hard.
     pub(crate) name: &'static str,
-    /// What goes wrong with the formula that first comes to mind.
+    /// The failure of the obvious formula.
     pub(crate) naive: &'static str,
-    /// How it is computed here.
+    /// Abbe's method.
     pub(crate) here: &'static str,
-    /// What is measured, against which truth.
+    /// The measured quantity and the exact value to which it is compared.
     pub(crate) measured: &'static str,
     pub(crate) bound: Bound,
     pub(crate) pace: Pace,
-    /// The worst value found; the same in every run.
+    /// Returns the worst value found; it is the same in every run.
     pub(crate) measure: fn() -> f64,
 }
 
-/// All families, in the order of the document.
+/// All families in the order of the document.
 pub(crate) struct Family {
     pub(crate) title: &'static str,
     pub(crate) cases: &'static [Case],
@@ -60,13 +61,13 @@ impl Bound {
     }
 }
 
-/// A number in two digits; counts as they are.
+/// Formats a number with two digits; counts stay whole.
 fn figure(value: f64) -> String {
     if value == value.trunc() && value.abs() < 1000.0 { format!("{value}") } else { format!("{value:.1e}") }
 }
 
-/// Measures a family's cases of one pace. Each must keep to its bound and stand in the document as it is here; with `ABBE_BLESS` the document
-/// is written instead.
+/// Measures the cases of a family at one pace. Each case must keep its bound and must be in the
+/// document in its present form. With `ABBE_BLESS` the document is written instead.
 pub(crate) fn check(families: &[Family], title: &str, pace: Pace) {
     let family = families.iter().find(|family| family.title == title).expect("the family is in the table");
     let mut faults = Vec::new();
@@ -85,13 +86,13 @@ pub(crate) fn check(families: &[Family], title: &str, pace: Pace) {
     for case in family.cases {
         assert!(
             document.contains(&start_of_row(case)),
-            "docs/hard-cases.md lacks \"{}\" as it is: bless it",
+            "docs/validation/hard-cases.md lacks \"{}\" as it is: bless it",
             case.name
         );
     }
 }
 
-/// Every row of the document's tables is a case, and all have been measured.
+/// Checks that every row of the document's tables is a case, and that all have been measured.
 pub(crate) fn check_document(families: &[Family]) {
     let document = read();
     let known: Vec<String> = families.iter().flat_map(|family| family.cases).map(start_of_row).collect();
@@ -113,26 +114,26 @@ const HEADING: &str = "| Case |";
 const UNMEASURED: &str = "?";
 
 fn path() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/hard-cases.md")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/validation/hard-cases.md")
 }
 
 fn read() -> String {
-    std::fs::read_to_string(path()).expect("docs/hard-cases.md can be read")
+    std::fs::read_to_string(path()).expect("docs/validation/hard-cases.md can be read")
 }
 
-/// Where a mark begins and ends.
+/// Returns the start and the end of a mark in the document.
 fn place(document: &str, mark: &str) -> (usize, usize) {
-    let start = document.find(mark).expect("docs/hard-cases.md has its marks");
+    let start = document.find(mark).expect("docs/validation/hard-cases.md has its marks");
     (start, start + mark.len())
 }
 
-/// A row up to the measured value.
+/// Returns a row up to the measured value.
 fn start_of_row(case: &Case) -> String {
     let Case { name, naive, here, measured, bound, .. } = case;
     format!("| {name} | {naive} | {here} | {measured} | {} | ", bound.words())
 }
 
-/// Writes the document with this case's value; the others keep theirs.
+/// Writes the document with this case's value; other cases keep their values.
 fn bless(families: &[Family], case: &Case, value: f64) {
     static WRITING: Mutex<()> = Mutex::new(());
     let _alone = WRITING.lock().expect("no other writer failed");
@@ -146,8 +147,9 @@ fn bless(families: &[Family], case: &Case, value: f64) {
     let mut text = String::new();
     for family in families {
         text += &format!("\n### {}\n\n", family.title);
-        text +=
-            &format!("{HEADING} Naively | Here | Measured | Bound | Worst |\n| --- | --- | --- | --- | --- | --- |\n");
+        text += &format!(
+            "{HEADING} Naive approach | Abbe | Measured | Bound | Worst |\n| --- | --- | --- | --- | --- | --- |\n"
+        );
         for other in family.cases {
             let same = std::ptr::eq(other, case);
             let worst = if same { figure(value) } else { old(other).unwrap_or_else(|| UNMEASURED.to_string()) };
@@ -155,5 +157,5 @@ fn bless(families: &[Family], case: &Case, value: f64) {
         }
     }
     let whole = [&document[..begin], &text, "\n", &document[end..]].concat();
-    std::fs::write(path(), whole).expect("docs/hard-cases.md can be written");
+    std::fs::write(path(), whole).expect("docs/validation/hard-cases.md can be written");
 }

@@ -1,18 +1,19 @@
-//! The spectral film: light of a flat spectrum is flat in the bands, however many there are.
+//! A flat spectrum gives equal values in all bands of the spectral film, for any number of bands.
 
 use crate::common::compare::{Measured, compare_with};
 use crate::common::{diffuse, glass, render, with_setting};
 use abbe::render::{Integrator, Rendered};
 use serde_json::{Value, json};
 
-/// How many bands are tried: few, as many as an RGB film has channels or more, and numbers that share no factor with the sampling.
+/// The numbers of bands: few, as many as an RGB film has channels, more, and numbers that share no
+/// factor with the stratification of wavelengths.
 const COUNTS: [usize; 5] = [4, 8, 16, 31, 63];
 
-/// The picture is square.
+/// Pixels along each side of the square film.
 const SIDE: usize = 12;
 
-/// A lamp of 1 W/m²/sr/nm that the camera sees (upper half of the picture), and a floor that it lights, also
-/// by way of a wall and through a ball of glass without dispersion.
+/// A light of 1 W/m²/sr/nm in the upper half of the picture, and a floor that it lights directly,
+/// by way of a wall, and through a ball of glass without dispersion.
 fn lamp_and_floor(bands: usize, force: &[&str]) -> Value {
     json!({
         "camera": { "from": [0, 1, 3], "at": [0, 1, 0], "lens": { "pinhole": { "fov": 50 } } },
@@ -30,8 +31,9 @@ fn lamp_and_floor(bands: usize, force: &[&str]) -> Value {
     })
 }
 
-/// The bands' means over the lamp (the two top rows), then over the floor (the four bottom rows) relative to their own mean, `ripple` of
-/// which is added to every other band; then 1 + the difference between every other band, for each of the two. All of it is 1.
+/// Returns the means of the bands over the light (the two top rows), then over the floor (the four
+/// bottom rows) relative to their own mean. Every other band gets `ripple` added. Two more numbers
+/// per region follow: 1 + the mean difference between neighbouring bands. All of them should be 1.
 fn lamp_and_floor_bands(rendered: &Rendered, ripple: f64) -> Vec<f64> {
     let bands = rendered.picture.bands.as_ref().expect("the film has bands");
     let count = bands.centres_nm.len();
@@ -51,7 +53,8 @@ fn lamp_and_floor_bands(rendered: &Rendered, ripple: f64) -> Vec<f64> {
     lamp.iter().chain(&floor).chain(&ripples).copied().collect()
 }
 
-/// Renders with 16 seeds in each number of bands, and checks that all of them are flat and that a ripple of `mutant` would have shown.
+/// Renders 16 seeds for each number of bands. Checks that all bands are equal, and that a ripple of
+/// `mutant` would have been detected.
 fn check(name: &str, (integrator, passes): (Integrator, u64), force: &[&str], mutant: f64) {
     for count in COUNTS {
         let known = vec![1.0; 2 * count + 2];
@@ -82,7 +85,7 @@ fn photons_of_a_flat_spectrum_are_flat_in_any_number_of_bands() {
 }
 
 #[test]
-fn shared_wavelengths_of_a_flat_spectrum_are_flat_in_any_number_of_bands() {
+fn a_flat_spectrum_on_shared_wavelengths_is_flat_in_bands() {
     check("shared wavelengths", (Integrator::Photon, 128), &["shared"], 0.15);
 }
 

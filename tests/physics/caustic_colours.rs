@@ -1,5 +1,6 @@
-//! The colours of a caustic's fringe against rays traced backward through the ball by hand: a sphere, Snell's law and Fresnel's formulas, and
-//! nothing of the program's but the observer and the pixels' places on the floor.
+//! The colours of a caustic's fringe, compared with rays that this test traces backward through the
+//! ball. It uses a sphere, Snell's law and Fresnel's formulas. From the program it takes only the
+//! observer and the positions of the pixels on the floor.
 
 use crate::common::{job, render, with_setting};
 use crate::free_and_shared::{beside_the_ball, s1};
@@ -11,7 +12,7 @@ use rayon::prelude::*;
 use serde_json::json;
 use std::f64::consts::PI;
 
-/// S1's camera, ball, lamp and floor: numbers of its scene file.
+/// Camera, ball, light and floor of S1, copied from its scene file.
 const CAMERA: DVec3 = DVec3::new(0.0, 4.0, 9.0);
 const CENTRE: DVec3 = DVec3::new(0.0, 1.01, 0.0);
 const LAMP: DVec3 = DVec3::new(2.0, 6.0, 0.0);
@@ -19,14 +20,14 @@ const LAMP_SIDE: f64 = 0.3;
 const LAMP_TILT_DEGREES: f64 = 158.159007943;
 const LUMINANCE: f64 = 1000.0;
 const REFLECTANCE: f64 = 0.5;
-/// Reflections inside the ball that are followed.
+/// The number of reflections inside the ball that are followed.
 const INSIDE: usize = 4;
 
 fn index(nm: f64) -> f64 {
     1.5046 + 0.0042 / (1e-3 * nm).powi(2)
 }
 
-/// Whether a ray meets the lamp's shining side.
+/// Tells whether a ray hits the emitting side of the light.
 fn meets_lamp(from: DVec3, direction: DVec3) -> bool {
     let (sin, cos) = LAMP_TILT_DEGREES.to_radians().sin_cos();
     let (along, normal) = (DVec3::new(cos, sin, 0.0), DVec3::new(-sin, cos, 0.0));
@@ -37,7 +38,8 @@ fn meets_lamp(from: DVec3, direction: DVec3) -> bool {
     towards < 0.0 && distance > 0.0 && place.dot(along).abs() < half && place.z.abs() < half
 }
 
-/// Fresnel's reflectance from n1 to n2 and the cosine behind; `None` for total reflection.
+/// Returns Fresnel's reflectance from index n1 to n2 and the cosine of the refracted ray; `None`
+/// under total reflection.
 fn fresnel(cos: f64, n1: f64, n2: f64) -> Option<(f64, f64)> {
     let sin2 = (n1 / n2).powi(2) * (1.0 - cos * cos);
     let behind = (1.0 - sin2).max(0.0).sqrt();
@@ -46,7 +48,7 @@ fn fresnel(cos: f64, n1: f64, n2: f64) -> Option<(f64, f64)> {
     (sin2 < 1.0).then_some((0.5 * (s * s + p * p), behind))
 }
 
-/// The share of the lamp's radiance that comes along a ray from the floor, by the ball.
+/// Returns the share of the light's radiance that reaches the floor along a ray through the ball.
 fn through_the_ball(from: DVec3, direction: DVec3, n: f64) -> f64 {
     let to = from - CENTRE;
     let b = to.dot(direction);
@@ -74,7 +76,8 @@ fn through_the_ball(from: DVec3, direction: DVec3, n: f64) -> f64 {
     share
 }
 
-/// XYZ that a patch of floor sends up: `count` rays from random points of it into the cone that the ball fills.
+/// Returns the XYZ that a patch of floor reflects: `count` rays from random points of the patch
+/// into the cone that the ball fills.
 fn xyz(patch: impl Fn([f64; 2]) -> DVec3, count: usize, seed: u64) -> [f64; 3] {
     let mut stream = Stream::new(seed, Purpose::Camera, 0, 0);
     let observer = Observer::cie1931();
@@ -102,7 +105,7 @@ fn xyz(patch: impl Fn([f64; 2]) -> DVec3, count: usize, seed: u64) -> [f64; 3] {
 
 #[test]
 #[ignore = "slow: 64 million photons, and 60 million rays by hand"]
-fn the_fringe_of_s1s_caustic_has_the_colour_of_rays_traced_backward_by_hand() {
+fn the_caustic_fringe_of_s1_has_the_traced_colour() {
     let mut scene =
         with_setting(&s1(json!({ "cauchy": { "a": 1.5046, "b": 0.0042 } }), &[]), "forbid", json!(["indirect"]));
     scene["render"]["photons"] = json!(1_000_000);
@@ -114,11 +117,13 @@ fn the_fringe_of_s1s_caustic_has_the_colour_of_rays_traced_backward_by_hand() {
         let corner = DVec2::new((pixel % camera.width()) as f64, (pixel / camera.width()) as f64);
         move |place: [f64; 2]| {
             let ray = camera.ray(corner + DVec2::from(place), [0.5; 2]);
-            // The program counts lengths from the scene's centre, this test from the file's origin.
+            // The program measures positions from the scene's centre, this test from the file's
+            // origin.
             CAMERA - CAMERA.y / ray.direction.y * ray.direction
         }
     };
-    // One run of rays picks the fringe and another measures it, so that the choice does not favour lucky pixels.
+    // One set of rays selects the fringe and another measures it, so that the selection does not
+    // favour pixels that are bright by chance.
     let by_hand = |pixels: &[usize], count: usize, salt: u64| -> Vec<[f64; 3]> {
         pixels.par_iter().map(|&pixel| xyz(patch(pixel), count, salt + pixel as u64)).collect()
     };

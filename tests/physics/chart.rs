@@ -1,4 +1,5 @@
-//! Rendered = integrated: a ColorChecker under five lamps has the colours that an independent program integrated from the same tables.
+//! A rendered ColorChecker under five lamps has the colours that an independent program integrated
+//! from the same tables.
 
 use crate::common::{diffuse, overhead_camera, render};
 use crate::golden::golden;
@@ -7,18 +8,18 @@ use abbe::spectrum::library;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
-/// Patches in a row and in a column, and pixels along a patch's side.
+/// Patches per row and per column, and pixels along a patch's side.
 const COLUMNS: usize = 6;
 const ROWS: usize = 4;
 const SIDE: usize = 8;
 
-/// The names of the chart's patches, and the golden file's titles for them.
+/// The library names of the chart's patches, and their titles in the golden file.
 fn patches() -> Vec<(&'static str, &'static str)> {
     let of_chart = library::list().iter().filter(|entry| entry.name.starts_with("colorchecker/"));
     of_chart.map(|entry| (entry.name, entry.description.rsplit(": ").next().expect("a title"))).collect()
 }
 
-/// The chart on its own under light from straight above, of which a perfect diffuser would have 100 cd/m².
+/// The chart alone, lit from directly above. A perfect diffuser would have 100 cd/m².
 fn chart(lamp: &str) -> Value {
     let place = |i: usize| [(i % COLUMNS) as f64 - 2.5, 0.0, (i / COLUMNS) as f64 - 2.5];
     let patches = patches();
@@ -38,7 +39,7 @@ fn chart(lamp: &str) -> Value {
     })
 }
 
-/// A patch's mean XYZ, its outermost pixels left out.
+/// Returns a patch's mean XYZ without its outermost pixels.
 fn mean(picture: &[[f64; 3]], patch: usize) -> [f64; 3] {
     let (column, row) = (patch % COLUMNS, patch / COLUMNS);
     let mut sum = [0.0; 3];
@@ -50,7 +51,7 @@ fn mean(picture: &[[f64; 3]], patch: usize) -> [f64; 3] {
 }
 
 #[test]
-fn a_rendered_colorchecker_has_the_integrated_colours_under_five_lamps() {
+fn a_rendered_colorchecker_has_the_integrated_colours() {
     let golden = golden("colorchecker.json");
     let lamps =
         [("D65", "D65"), ("A", "A"), ("FL11", "FL11"), ("lamp HPS", "lamp/hps"), ("LPS_D_thin", "sodium-low-pressure")];
@@ -63,7 +64,7 @@ fn a_rendered_colorchecker_has_the_integrated_colours_under_five_lamps() {
             let found = mean(&picture.xyz, i);
             for c in 0..3 {
                 let known = known[c].as_f64().unwrap_or_else(|| panic!("{patch} under {title}"));
-                // Sodium light has no Z to speak of.
+                // Z is almost 0 under sodium light, so the tolerance has a floor.
                 let off = (found[c] - known).abs() / known.max(1e-3);
                 assert!(off < 0.005, "{patch} under {title}: {found:?}, integrated {known}");
                 worst = worst.max(off);

@@ -1,24 +1,30 @@
-//! Media whose extinction varies 100 : 1 over the band: no wavelength's weight may grow where another one drew what happened.
+//! Media whose extinction varies by a factor of 100 over the band: no wavelength's weight may grow
+//! because another wavelength drew the event.
 //!
-//! A photon, or a camera path, carries several wavelengths, and all go one way. Weighted by the density of the one wavelength that drew it, the
-//! others' weights are ratios σ_k/σ_h · exp((σ_h − σ_k) s), a hundred for every scattering and e^(σ_h s) for every passage: fireflies. Weighted
-//! by the density of all that could have drawn it (the balance heuristic), the sum over the wavelengths stays what it was: no draw can make a
-//! path heavier than it set out.
+//! A photon or a camera path carries several wavelengths along one path. If each wavelength is
+//! weighted by the density of the one that drew the event, the weights are ratios σ_k/σ_h ·
+//! exp((σ_h − σ_k) s): a factor of 100 per scattering event and e^(σ_h s) per segment, which shows
+//! as fireflies. If it is weighted by the mean density of all wavelengths (the balance heuristic),
+//! the sum over the wavelengths is constant, so no path becomes heavier than it started.
 
 use crate::common::{all_y, job, render};
 use crate::furnace::surroundings;
-use abbe::emit::{Aim, Arrival, Collision, Crossing, Emitters, LightChoice, Receiver, Wavelengthed, trace};
+use abbe::emit::{
+    Aim, LightSampler, MediumCollision, MediumCrossing, PhotonSource, PhotonVisitor, SurfaceArrival,
+    WavelengthSampling, trace,
+};
 use abbe::math::random::{Purpose, Stream};
 use abbe::math::warp;
 use abbe::render::Integrator;
 use abbe::walk::ledger::Ledger;
 use serde_json::{Value, json};
 
-/// The extinction at the band's ends, in 1/m, and their geometric mean.
+/// The extinction at the ends of the band in 1/m, and their geometric mean.
 const SIGMA: [f64; 2] = [6.0, 0.06];
 const GREY: f64 = 0.6;
 
-/// A white ball of radius 1 m in uniform surroundings that fills the picture: every pixel's luminance is 1.
+/// A ball of radius 1 m and albedo 1 in uniform surroundings that fill the picture: every pixel has
+/// luminance 1.
 fn white_ball(scattering: Value) -> Value {
     json!({
         "camera": { "from": [0, 0, 5], "at": [0, 0, 0], "lens": { "pinhole": { "fov": 15 } } },
@@ -34,30 +40,31 @@ fn chromatic() -> Value {
     json!({ "table": { "nm": [360, 830], "values": SIGMA } })
 }
 
-/// The largest power that any photon had anywhere, and how often one was scattered.
+/// The largest power of any photon at any point, and the number of scattering events.
 #[derive(Default)]
 struct Heaviest {
     power: f64,
     collisions: u64,
 }
 
-impl Receiver for Heaviest {
-    fn arrive(&mut self, _: &Arrival<'_>, _: &mut Stream) {}
+impl PhotonVisitor for Heaviest {
+    fn on_surface(&mut self, _: &SurfaceArrival<'_>, _: &mut Stream) {}
 
-    fn depart(&mut self, _: usize, _: [f64; 2]) {}
+    fn on_emission(&mut self, _: usize, _: [f64; 2]) {}
 
-    fn cross(&mut self, crossing: &Crossing<'_>, _: &mut Stream) {
-        self.power = self.power.max(crossing.power.iter().sum());
+    fn on_medium_crossing(&mut self, crossing: &MediumCrossing<'_>, _: &mut Stream) {
+        self.power = self.power.max(crossing.photon.power.iter().sum());
     }
 
-    fn collide(&mut self, collision: &Collision, _: &mut Stream) {
-        self.power = self.power.max(collision.power.iter().sum());
+    fn on_medium_collision(&mut self, collision: &MediumCollision<'_>, _: &mut Stream) {
+        self.power = self.power.max(collision.photon.power.iter().sum());
         self.collisions += 1;
     }
 }
 
-/// What the heaviest of so many photons would weigh by the density of one wavelength alone, of a mean weight of 1: into the ball from a point of
-/// its surface, and about until they come out.
+/// Returns the weight of the heaviest of `count` photons, relative to a mean weight of 1, if each
+/// were weighted by the density of the one wavelength that drew its path. The photons start on the
+/// ball's surface and are followed until about where they leave.
 fn heaviest_by_one_wavelength(count: u64) -> f64 {
     let mut heaviest = 0.0_f64;
     for index in 0..count {
@@ -90,19 +97,19 @@ fn heaviest_by_one_wavelength(count: u64) -> f64 {
 fn no_photon_grows_heavier_than_it_set_out() {
     const PHOTONS: u64 = 20_000;
     let job = job(&white_ball(chromatic()));
-    let choice = LightChoice::new(&job.scene).expect("the scene is lit");
+    let choice = LightSampler::new(&job.scene).expect("the scene is lit");
     let aims = vec![Aim::plain(); job.scene.lights.len()];
-    let emitters = Emitters {
+    let emitters = PhotonSource {
         scene: &job.scene,
-        choice: &choice.lights,
+        light_distribution: &choice.lights,
         aims: &aims,
-        wavelengths: Wavelengthed::Free,
+        wavelengths: WavelengthSampling::Free,
         count: PHOTONS,
         max_depth: 64,
         seed: 1,
         purpose: Purpose::FreePhoton,
         pass: 0,
-        between: job.plan.between,
+        media_plan: job.plan.media_plan,
     };
     let (points, mut heaviest, mut ledger) = (emitters.points(), Heaviest::default(), Ledger::new(1));
     let mut growth = 0.0_f64;
@@ -121,18 +128,19 @@ fn no_photon_grows_heavier_than_it_set_out() {
     assert!(alone > 100.0, "single-wavelength weights would do: {alone}");
 }
 
-/// The brightest pixel over the mean.
+/// Returns the luminance of the brightest pixel relative to the mean.
 fn brightest(scattering: Value, way: Integrator, passes: u64) -> f64 {
     let y = all_y(&render(&white_ball(scattering), way, passes));
     y.iter().fold(0.0_f64, |most, y| most.max(*y)) * y.len() as f64 / y.iter().sum::<f64>()
 }
 
-/// How bright a camera path at most finds surroundings of luminance 1: with the weight of all its wavelengths, which stays what it was at the start,
-/// on the one that looks brightest.
+/// Returns the largest luminance that one camera path can add in surroundings of luminance 1: the
+/// weight of all its wavelengths, which is constant along the path, on the wavelength with the
+/// largest luminous efficiency.
 fn most_of_a_path() -> f64 {
-    /// ∫ ȳ in nm, of ȳ ≤ 1 (CIE 1931).
+    /// ∫ ȳ dλ in nm, with ȳ ≤ 1 (CIE 1931).
     const LUMINOSITY_NM: f64 = 106.857;
-    let choice = LightChoice::new(&job(&white_ball(chromatic())).scene).expect("the scene is lit");
+    let choice = LightSampler::new(&job(&white_ball(chromatic())).scene).expect("the scene is lit");
     let weight = |u: f64| {
         let drawn = (0..4).map(|k| choice.wavelengths.sample((u + f64::from(k)) / 4.0));
         drawn.map(|(_, pdf)| 0.25 / pdf).sum::<f64>() / LUMINOSITY_NM
@@ -146,10 +154,12 @@ fn no_pixel_of_chromatic_fog_is_a_firefly() {
     for passes in [1, 16] {
         let path = brightest(chromatic(), Integrator::Path, passes);
         println!("100 : 1, {passes} paths a pixel: brightest {path:.2} of the mean, bound {bound:.2}");
-        // At each scattering a path asks for half of what it may find: of four in a row near the surface, none of it lost, it sees twice as much.
+        // At each scattering event, direct lighting takes half of what the path may find. Over four
+        // events in a row near the surface without loss, the sum is twice the bound of one.
         assert!(path < 2.0 * bound);
     }
-    // Photons are the lighter the more there are: they stand out no more than in grey fog, up to the colours that they bring.
+    // Photons become lighter with their number. Their brightest pixel exceeds the one of grey fog
+    // only by the colours of single photons.
     let [chromatic, grey] = [chromatic(), json!(GREY)].map(|fog| brightest(fog, Integrator::Photon, 16));
     println!("100 : 1, photons: brightest pixel {chromatic:.2} of the mean; of grey fog {grey:.2}");
     assert!(chromatic - 1.0 < 3.0 * (grey - 1.0));

@@ -1,4 +1,5 @@
-//! Diffraction: the pattern of a point has its dark ring and its spikes where they belong, light is neither lost nor made, error bars hold.
+//! Diffraction: the first dark ring and the spikes of a point have the right positions, energy is
+//! conserved, and the error bars hold.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -11,10 +12,10 @@ use std::f64::consts::{PI, TAU};
 const FOCUS_M: f64 = 10.0;
 const FOCAL_MM: f64 = 50.0;
 const F_NUMBER: f64 = 16.0;
-/// Odd: a pixel lies in the middle.
+/// Odd, so that one pixel lies in the middle.
 const FILM: usize = 121;
 
-/// A point of light in focus in the middle of the film, on whose pixels λN of 550 nm takes `spread_px`.
+/// A point light in focus in the middle of the film. For 550 nm, λN covers `spread_px` pixels.
 fn point(spectrum: &Value, spread_px: f64, lens: &Value) -> Value {
     let image_mm = FOCAL_MM * 1e3 * FOCUS_M / (1e3 * FOCUS_M - FOCAL_MM);
     let pixel_mm = 550e-6 * F_NUMBER * image_mm / FOCAL_MM / spread_px;
@@ -32,7 +33,7 @@ fn point(spectrum: &Value, spread_px: f64, lens: &Value) -> Value {
     })
 }
 
-/// Y of all pixels with their places relative to the middle, in pixels to the right and up.
+/// Returns Y of all pixels with their positions relative to the middle, in pixels right and up.
 fn places(rendered: &Rendered) -> impl Iterator<Item = ([f64; 2], f64)> {
     let middle = 0.5 * (FILM - 1) as f64;
     let place = move |i: usize| [(i % FILM) as f64 - middle, middle - (i / FILM) as f64];
@@ -40,9 +41,9 @@ fn places(rendered: &Rendered) -> impl Iterator<Item = ([f64; 2], f64)> {
 }
 
 #[test]
-fn the_first_dark_ring_lies_at_1_22_wavelengths_times_the_f_number() {
+fn the_first_dark_ring_has_radius_1_22_lambda_n() {
     const SPREAD_PX: f64 = 18.0;
-    /// Bins a pixel.
+    /// Bins per pixel.
     const BINS: f64 = 2.0;
     for nm in [450.0, 550.0, 650.0] {
         let line = json!({ "lines": [{ "nm": nm, "power": 1 }] });
@@ -58,7 +59,7 @@ fn the_first_dark_ring_lies_at_1_22_wavelengths_times_the_f_number() {
         let expected = 1.2197 * SPREAD_PX * nm / 550.0;
         let near = |share: f64| (share * expected * BINS) as usize;
         let darkest = (near(0.7)..near(1.3)).min_by(|&i, &j| profile[i].total_cmp(&profile[j])).unwrap();
-        // The minimum of the parabola through the bins two to either side.
+        // Takes the minimum of the parabola through this bin and the bins two to either side.
         let [before, here, after] = [darkest - 2, darkest, darkest + 2].map(|bin| profile[bin]);
         let shift = (before - after) / (before - 2.0 * here + after);
         let found = (darkest as f64 + 0.5 + shift) / BINS;
@@ -67,7 +68,8 @@ fn the_first_dark_ring_lies_at_1_22_wavelengths_times_the_f_number() {
             here / profile[0]
         );
         assert!((found / expected - 1.0).abs() < 0.02, "{nm} nm: {found} and {expected}");
-        // The next bright ring has 1.7e-2 of the middle; the film's mirror image adds some 1e-3.
+        // The next bright ring has 1.7e-2 of the central value; the film's periodic images add
+        // about 1e-3.
         assert!(here < 2e-3 * profile[0], "{nm} nm: the ring is not dark");
     }
 }
@@ -86,7 +88,7 @@ fn blades_make_as_many_spikes_or_twice_as_many_if_they_are_odd() {
         for ([x, up], y) in places(&rendered) {
             let radius = x.hypot(up);
             if (5.0 * SPREAD_PX..15.0 * SPREAD_PX).contains(&radius) {
-                // The first corner lies to the right, and a spike stands on each edge.
+                // The first corner lies to the right, and each edge has a spike at right angles.
                 sectors[((up.atan2(x) + TAU) / TAU * SECTORS as f64 + 0.5) as usize % SECTORS] += y * radius;
             }
         }
@@ -122,9 +124,9 @@ fn light_is_spread_and_neither_lost_nor_made() {
     }
 }
 
-/// A wall of light, or a floor with noise.
+/// A uniform bright wall, or a floor with noise.
 fn surroundings(diffraction: bool, floor: bool) -> Value {
-    // One wavelength has no colour noise, and one kernel.
+    // A single wavelength has no colour noise and one diffraction kernel.
     let spectrum = if floor { json!({ "lines": [{ "nm": 550, "power": 1 }] }) } else { json!("E") };
     let mut scene = json!({
         "camera": { "from": [0, 1, 0], "at": [0, 0, -3],
@@ -160,9 +162,11 @@ fn the_error_bars_of_a_diffracted_picture_are_its_spread() {
     let pixels = |rendered: &Rendered| rendered.picture.xyz.iter().map(|xyz| xyz[1]).collect::<Vec<f64>>();
     let measured = Measured::from_runs(runs.iter().map(pixels).collect());
     let count = runs[0].picture.xyz.len();
-    // The error of the mean over the runs, times √runs, is that of one.
+    // The standard error of the mean over the runs, times √runs, is the standard deviation of one
+    // run.
     let spread = ((0..count).map(|i| measured.error(i).powi(2)).sum::<f64>() / count as f64 * runs.len() as f64).sqrt();
-    let squares = |rendered: &Rendered| rendered.picture.noise.iter().map(|&n| f64::from(n).powi(2)).sum::<f64>();
+    let squares =
+        |rendered: &Rendered| rendered.picture.noise.iter().flatten().map(|&n| f64::from(n).powi(2)).sum::<f64>();
     let stated = (runs.iter().map(squares).sum::<f64>() / (count * runs.len()) as f64).sqrt();
     let undiffracted = render(&surroundings(false, true), Integrator::Path, 32);
     let before = (squares(&undiffracted) / count as f64).sqrt();

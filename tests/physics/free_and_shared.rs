@@ -1,14 +1,15 @@
-//! Photons with wavelengths of their own and photons on the pass's shared wavelengths converge to the same picture, and the dispersive glass
-//! in a scene makes only those pixels noisier that look through it.
+//! Free photons (with wavelengths of their own) and shared photons (on the wavelengths of the pass)
+//! converge to the same picture. Dispersive glass adds noise only to pixels that look through it.
 
 use crate::common::compare::{Measured, assert_same};
 use crate::common::{colour_blocks, diffuse, glass, job, render, with_setting};
-use abbe::emit::LightChoice;
+use abbe::emit::LightSampler;
 use abbe::render::{Integrator, Job};
 use glam::DVec2;
 use serde_json::{Value, json};
 
-/// The caustic of a ball of dense flint, seen from below the ball: nothing but floor in view.
+/// The caustic of a ball of dense flint on a floor. The camera is below the ball and sees only
+/// floor.
 fn floor_only() -> Value {
     json!({
         "camera": { "from": [-0.6, 0.45, 2.0], "at": [-0.6, 0, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 20 } } },
@@ -26,7 +27,7 @@ fn floor_only() -> Value {
 }
 
 #[test]
-fn forced_onto_shared_wavelengths_a_picture_of_a_floor_stays_the_same() {
+fn forced_shared_wavelengths_leave_a_floor_unchanged() {
     let take = colour_blocks(8);
     let scene = floor_only();
     let free = Measured::new(&scene, (Integrator::Photon, 16), 0..8, &take);
@@ -38,7 +39,8 @@ fn forced_onto_shared_wavelengths_a_picture_of_a_floor_stays_the_same() {
     assert_same("floor only, free against shared", &free, &shared, 1e-2);
 }
 
-/// A small flint ball on a floor under a large lamp, seen through a flint prism that bends the view down to its caustic.
+/// A small flint ball on a floor under a large light. The camera sees the caustic through a flint
+/// prism that bends the view down.
 fn through_a_prism() -> Value {
     json!({
         "camera": { "from": [-3.2, 1.25, 0], "at": [-2.5, 1.5, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 12 } } },
@@ -67,7 +69,7 @@ fn a_caustic_seen_through_a_dispersive_prism_keeps_its_energy() {
     assert_same("caustic through a prism, photon against path", &photon, &path, 1e-2);
 }
 
-/// S1 of the benchmark scenes, near its caustic, with another index for the ball.
+/// The benchmark scene S1 near its caustic, with another index of the ball.
 pub(crate) fn s1(ior: Value, force: &[&str]) -> Value {
     let mut scene: Value =
         serde_json::from_str(include_str!("../../benches/scenes/s1_ball.json")).expect("s1_ball.json");
@@ -79,10 +81,10 @@ pub(crate) fn s1(ior: Value, force: &[&str]) -> Value {
     scene
 }
 
-/// Pixels on a side of [`s1`]'s film.
+/// Pixels along each side of the film of [`s1`].
 const FILM: usize = 32;
 
-/// Pixels nowhere of which the ball is seen.
+/// Returns the pixels in which the ball is not visible.
 pub(crate) fn beside_the_ball(scene: &Value) -> Vec<usize> {
     let job = job(scene);
     let camera = &job.scene.camera;
@@ -98,10 +100,10 @@ pub(crate) fn beside_the_ball(scene: &Value) -> Vec<usize> {
     (0..camera.pixel_count()).filter(|&pixel| places(pixel).all(sees_floor)).collect()
 }
 
-/// Pixels' means and variances over runs.
+/// The means and variances of pixels over runs.
 type Moments = (Vec<[f64; 3]>, Vec<[f64; 3]>);
 
-/// Means over several runs of X, Y and Z pixel by pixel, and their variances in one run.
+/// Returns the means over several runs of X, Y and Z for each pixel, and the variance of one run.
 fn moments(scene: &Value) -> Moments {
     const RUNS: usize = 12;
     let runs: Vec<Vec<[f64; 3]>> = (0..RUNS as u64)
@@ -117,10 +119,11 @@ fn moments(scene: &Value) -> Moments {
     (means, variances)
 }
 
-/// How much larger the mean square of what a photon adds to X, Y and Z is if it carries one wavelength and not four stratified ones.
+/// Returns, for X, Y and Z, the ratio of the mean square contribution of a photon with one
+/// wavelength to that of a photon with four stratified wavelengths.
 fn spread_of_colour(job: &Job) -> [f64; 3] {
     const STEPS: usize = 4000;
-    let choice = LightChoice::new(&job.scene).expect("a light");
+    let choice = LightSampler::new(&job.scene).expect("a light");
     let observer = job.scene.film.observer;
     let values: Vec<[f64; 3]> = (0..STEPS)
         .map(|i| {
@@ -132,14 +135,15 @@ fn spread_of_colour(job: &Job) -> [f64; 3] {
         let mean = |of: &[[f64; 3]]| of.iter().map(|value| value[c]).sum::<f64>() / of.len() as f64;
         let square = values.iter().map(|value| value[c].powi(2)).sum::<f64>() / STEPS as f64;
         let between: f64 = values.chunks(STEPS / 4).map(|quarter| mean(quarter).powi(2)).sum::<f64>() / 4.0;
-        // One from each quarter: the quarters' own variances, over 4·4 for each of the four.
+        // One wavelength from each quarter of the distribution: the variances within the quarters,
+        // divided by 4·4 for each of the four.
         let of_four = mean(&values).powi(2) + (square - between) / 4.0;
         square / of_four
     })
 }
 
 #[test]
-fn dispersion_in_the_ball_makes_the_caustic_beside_it_no_noisier_than_its_colours_do() {
+fn dispersion_adds_only_colour_noise_to_a_caustic() {
     let cauchy = json!({ "cauchy": { "a": 1.5046, "b": 0.0042 } });
     let n_550 = 1.5046 + 0.0042 / 0.55_f64.powi(2);
     let dispersive_scene = s1(cauchy.clone(), &[]);
@@ -147,9 +151,10 @@ fn dispersion_in_the_ball_makes_the_caustic_beside_it_no_noisier_than_its_colour
     let (mean, dispersive) = moments(&dispersive_scene);
     let (fixed_mean, fixed) = moments(&s1(json!(n_550), &[]));
     let (_, shared) = moments(&s1(cauchy, &["shared"]));
-    // The core: where either ball makes the floor as bright as the rest of it in full light.
+    // The core of the caustic: pixels where both balls make the floor brighter than 0.5.
     let core: Vec<usize> = beside.into_iter().filter(|&p| mean[p][1].min(fixed_mean[p][1]) > 0.5).collect();
-    // Photons arrive at random, so the variance is proportional to the light: per unit of light it tells how unequal the photons are.
+    // Photons arrive at random, so the variance is proportional to the light. Variance per unit of
+    // light measures how unequal the photons are.
     let per_light = |means: &[[f64; 3]], variances: &[[f64; 3]], c: usize| {
         core.iter().map(|&p| variances[p][c]).sum::<f64>() / core.iter().map(|&p| means[p][c]).sum::<f64>()
     };
@@ -169,7 +174,8 @@ fn dispersion_in_the_ball_makes_the_caustic_beside_it_no_noisier_than_its_colour
         println!(
             "{channel}: {ratio:.2}, {explained:.2} explained; with every path on shared wavelengths {all_shared:.1}"
         );
-        // More than the colours explain is left because photons' stratified origins are worth less where each wavelength takes its own way.
+        // The ratio exceeds the part explained by colour, because the stratified origins of the
+        // photons lose some of their effect where each wavelength has its own path.
         assert!(ratio < 2.0 * explained, "{channel}: {ratio}, {explained} explained");
         assert!(all_shared > 3.0 * ratio, "{channel}: {all_shared} and {ratio}");
     }

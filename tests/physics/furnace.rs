@@ -1,11 +1,13 @@
-//! White furnaces: where light of radiance 1 comes from everywhere and nothing is lost, everything looks alike.
+//! White furnaces: in uniform surroundings of radiance 1 without absorption, every pixel has
+//! radiance 1.
 
 use crate::common::compare::{Measured, compare, compare_with};
 use crate::common::{all_y, block_means, diffuse, glass, mean_y, with_setting};
 use abbe::render::Integrator;
 use serde_json::{Value, json};
 
-/// Renders, and checks that the mean luminance is 1 within 0.5 %, and that of the picture's quarters as far as noise lets one tell.
+/// Renders, and checks that the mean luminance is 1 within 0.5 %, and that the four quarters of the
+/// picture equal 1 within their noise.
 pub(crate) fn check(name: &str, scene: &Value, (integrator, passes): (Integrator, u64)) {
     let width = scene["film"]["width"].as_u64().expect("a width") as usize;
     let whole_and_quarters = |rendered: &abbe::render::Rendered| {
@@ -22,12 +24,13 @@ pub(crate) fn check(name: &str, scene: &Value, (integrator, passes): (Integrator
     assert!(found.is_equal(), "{name}: {found}");
 }
 
-/// Surroundings of luminance 1.
+/// Uniform surroundings of luminance 1.
 pub(crate) fn surroundings() -> Value {
     json!([{ "environment": { "spectrum": "E", "illuminance": std::f64::consts::PI } }])
 }
 
-/// Six walls that face inwards, reflect half and emit half.
+/// Six walls that face inwards, with reflectance 0.5 and an emission of half the furnace's
+/// radiance.
 fn closed_box() -> Value {
     let turns = [
         json!([{ "translate": [0, -1, 0] }]),
@@ -58,7 +61,7 @@ fn a_closed_box_that_reflects_half_and_emits_half() {
     check("box", &closed_box(), (Integrator::Path, 64));
 }
 
-/// A ball of glass and an albedo-1 ball beside it.
+/// A ball of glass and a white diffuse ball (albedo 1) beside it.
 fn ball(ior: Value) -> Value {
     json!({
         "camera": { "from": [0, 0, 5], "at": [0, 0, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 26 } } },
@@ -83,7 +86,8 @@ fn a_dispersive_ball_of_glass_in_uniform_surroundings() {
 
 #[test]
 fn frosted_glass_in_uniform_surroundings_never_shines_brighter() {
-    // Rough glass loses what its facets scatter more than once: that much is the model's (Walter et al. 2007).
+    // The rough dielectric model loses the light that its facets scatter more than once (Walter et
+    // al. 2007).
     let mut scene = ball(json!(1.5));
     scene["materials"]["glass"]["dielectric"]["roughness"] = json!(0.3);
     let [photon, path] =
@@ -94,7 +98,8 @@ fn frosted_glass_in_uniform_surroundings_never_shines_brighter() {
     assert!(found.is_equal(), "{found}");
 }
 
-/// A white core in a shell of glass, with or without air between, seen so that the core fills the picture.
+/// A white diffuse core in a shell of glass, with or without an air gap. The core fills the
+/// picture.
 fn core_in_a_shell(ior: Value, core_radius: f64, gap: bool, fov: f64) -> Value {
     let mut objects = vec![
         json!({ "name": "shell", "shape": { "sphere": { "radius": 1 } }, "material": "glass" }),
@@ -121,14 +126,14 @@ fn a_white_core_in_glass_lit_through_the_photon_map_only() {
 
 #[test]
 fn a_large_white_core_in_glass_whose_light_is_partly_shut_in() {
-    // Beyond core radius 1/n some of what the core scatters is totally reflected back to it.
+    // Beyond a core radius of 1/n, part of the light from the core is totally reflected back to it.
     let scene = core_in_a_shell(json!(1.5), 0.85, false, 16.0);
     check("large core in glass, n = 1.5", &scene, (Integrator::Photon, 16));
     check("large core in glass, n = 1.5", &scene, (Integrator::Path, 64));
 }
 
 #[test]
-fn a_white_core_in_dispersive_glass_lit_through_the_shared_photon_map() {
+fn a_white_core_in_dispersive_glass_keeps_its_radiance() {
     let scene = core_in_a_shell(json!("SF10"), 0.5, false, 14.0);
     check("core in SF10", &with_setting(&scene, "photons", 10000), (Integrator::Photon, 64));
     check("core in SF10", &scene, (Integrator::Path, 512));
@@ -143,7 +148,8 @@ fn a_white_core_behind_glass_and_air() {
 
 #[test]
 fn a_white_ball_and_a_ball_of_glass_in_uniform_surroundings() {
-    // Shadow rays, connected photons (the caustic on the white ball) and the map (light between the balls) add up to 1.
+    // Shadow rays, connected photons (the caustic on the white ball) and the photon map (light
+    // between the balls) add up to 1.
     let mut scene = ball(json!("N-BK7"));
     scene["materials"]["white"] = diffuse(1);
     scene["objects"] = json!([

@@ -1,4 +1,4 @@
-//! A diffuse floor under each kind of lamp has the radiance of the closed form: L_v = ρ E_v / π.
+//! A diffuse floor under each kind of light has the radiance of the closed form: L_v = ρ E_v / π.
 
 use crate::common::compare::Measured;
 use crate::common::{diffuse, glass, mean_y, overhead_camera, with_setting};
@@ -6,10 +6,10 @@ use abbe::render::Integrator;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
-/// The floor's reflectance.
+/// The reflectance of the floor.
 const ALBEDO: f64 = 0.6;
 
-/// Half the side of the square of floor in view, which is centred at (`MIDDLE`, 0).
+/// Half the side of the visible square of floor, whose centre is (`MIDDLE`, 0).
 const HALF: f64 = 0.1;
 const MIDDLE: f64 = 0.7;
 
@@ -27,7 +27,7 @@ fn floor(objects: &[Value], lights: &[Value]) -> Value {
     })
 }
 
-/// The mean of an illuminance over the square in view.
+/// Returns the mean of an illuminance over the visible square.
 fn mean_over_view(illuminance: impl Fn(f64, f64) -> f64) -> f64 {
     const N: u32 = 40;
     let at = |i: u32| (f64::from(i) + 0.5) / f64::from(N) * 2.0 * HALF - HALF;
@@ -62,7 +62,8 @@ fn a_sphere_of_so_many_lumens() {
     let flux = 900.0;
     let lamp = json!({ "name": "lamp", "shape": { "sphere": { "center": [0.2, 1.1, 0.3], "radius": 0.4 } }, "material": "black",
                        "emission": { "spectrum": "A", "luminous_flux": flux } });
-    // A uniform sphere wholly above the horizon lights a plane as a point of the same flux at its centre.
+    // A uniform sphere that is wholly above the horizon lights a plane like a point of the same
+    // flux at its centre.
     let illuminance = mean_over_view(|x, z| {
         let d2 = (x - 0.2).powi(2) + 1.1_f64.powi(2) + (z - 0.3).powi(2);
         flux / (4.0 * PI) * 1.1 / d2.powf(1.5)
@@ -78,7 +79,8 @@ fn a_rectangle_of_so_many_lumens() {
                        "emission": { "spectrum": "FL2", "luminous_flux": flux },
                        "transform": [ { "rotate": { "axis": [1, 0, 0], "degrees": 180 } }, { "translate": [0.1, height, 0.2] } ] });
     let luminance = flux / (PI * width * depth);
-    // The form factor of a parallel rectangle with a corner above the point (any table of view factors), with signs summed over the corners.
+    // The form factor of a parallel rectangle with one corner above the point (standard tables of
+    // view factors). The sum over the corners is signed.
     let corner = |a: f64, b: f64| {
         let (p, q) = ((a * a + height * height).sqrt(), (b * b + height * height).sqrt());
         0.5 * (a / p * (b / p).atan() + b / q * (a / q).atan())
@@ -114,7 +116,7 @@ fn uniform_surroundings_of_so_many_lux() {
 
 #[test]
 fn a_beam_of_so_many_lumens() {
-    // The disk of light covers all of the view: E = Φ/(π r²) · cos θ.
+    // The disk of light covers the whole view: E = Φ/(π r²) · cos θ.
     let lamp = json!({ "beam": { "from": [MIDDLE - 1.0, 1.0, 0], "to": [MIDDLE, 0, 0], "radius": 0.3, "spectrum": "E",
                                  "luminous_flux": 80 } });
     let illuminance = 80.0 / (PI * 0.09) * 0.5_f64.sqrt();
@@ -122,7 +124,8 @@ fn a_beam_of_so_many_lumens() {
         .for_each(|integrator| check("beam", &floor(&[], std::slice::from_ref(&lamp)), illuminance, integrator, 32));
 }
 
-/// A mirror wall at x = −0.5 that faces +x, and a lamp before it: the floor sees the lamp and its image at x → −1 − x.
+/// A mirror wall at x = −0.5 that faces +x, with a light in front of it. The floor sees the light
+/// and its mirror image at x → −1 − x.
 fn mirrored_point() -> (Vec<Value>, Value, f64) {
     let wall = json!({ "name": "wall", "shape": { "rectangle": { "width": 40, "height": 40 } }, "material": "mirror",
                        "transform": [ { "rotate": { "axis": [0, 0, 1], "degrees": -90 } }, { "translate": [-0.5, 0, 0] } ] });
@@ -138,7 +141,7 @@ fn mirrored_point() -> (Vec<Value>, Value, f64) {
 }
 
 #[test]
-fn photons_connected_to_the_camera_bring_the_light_of_a_lamps_mirror_image() {
+fn connected_photons_carry_a_mirrored_lamps_irradiance() {
     let (objects, lamp, illuminance) = mirrored_point();
     let scene = with_setting(&floor(&objects, &[lamp]), "photons", 20000);
     check("mirror image, connected", &scene, illuminance, Integrator::Photon, 24);
@@ -146,7 +149,7 @@ fn photons_connected_to_the_camera_bring_the_light_of_a_lamps_mirror_image() {
 
 #[test]
 fn photons_in_the_map_bring_the_light_of_a_lamps_mirror_image() {
-    // The camera looks through a pane that bends nothing, so that the map serves it.
+    // The camera looks through a pane with index 1, so that the photon map estimates this light.
     let (mut objects, lamp, illuminance) = mirrored_point();
     objects.push(json!({ "name": "pane", "shape": { "box": { "size": [0.5, 0.02, 0.5] } }, "material": "clear",
                          "transform": [ { "translate": [MIDDLE, 0.4, 0] } ] }));
@@ -156,7 +159,7 @@ fn photons_in_the_map_bring_the_light_of_a_lamps_mirror_image() {
 }
 
 #[test]
-fn photons_on_shared_wavelengths_bring_the_light_of_a_lamps_mirror_image() {
+fn shared_photons_carry_a_mirrored_lamps_irradiance() {
     let (objects, lamp, illuminance) = mirrored_point();
     let mut scene = floor(&objects, &[lamp]);
     scene["render"] = json!({ "photons": 20000, "radius": 0.02, "force": ["shared"] });

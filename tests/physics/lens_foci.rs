@@ -1,35 +1,36 @@
-//! Where a lens of real glass puts its images: best focus and place of points in single lines, rendered against exact rays; and how the light falls
-//! off towards the corners.
+//! Image positions of lenses of real glass: best focus and image height of points in single
+//! spectral lines, compared with exactly traced rays; and the illuminance towards the corners.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use crate::common::{diffuse, render};
+use abbe::format::{self, resolve};
 use abbe::optics::glass::lines;
-use abbe::optics::lens::{Lens, Limits, Monochromatic, Ray, Travel, catalogue};
+use abbe::optics::lens::{ApertureCheck, Lens, LensRay, MonochromaticLens, TraceDirection, catalogue};
 use abbe::render::Integrator;
-use abbe::scene::{file, resolve};
 use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
 
 const FILM: usize = 64;
 
-/// A picture's places in mm on the sensor, with Y.
+/// Returns positions in mm on the sensor with their Y.
 fn rendered(scene: &Value, passes: u64, pixel_mm: f64) -> Vec<(DVec2, f64)> {
     let picture = render(scene, Integrator::Path, passes).picture;
     let middle = 0.5 * FILM as f64;
-    // The image stands on its head: right in the picture is −x on the sensor.
+    // The image is inverted: right in the picture is −x on the sensor.
     let place = |i: usize| DVec2::new(middle - (i % FILM) as f64 - 0.5, (i / FILM) as f64 + 0.5 - middle) * pixel_mm;
     picture.xyz.iter().enumerate().map(|(i, xyz)| (place(i), xyz[1])).collect()
 }
 
-/// A lens of these surfaces, as a scene writes it and as it is.
+/// Returns a lens of these surfaces in its scene form and as a traced lens.
 fn own_lens(surfaces: Value) -> (Value, Lens) {
     let prescription = json!({ "surfaces": surfaces });
-    let (file, source) = file::parse_prescription(&prescription.to_string(), "lens.json".as_ref()).unwrap();
+    let (file, source) = format::parse_prescription(&prescription.to_string(), "lens.json".as_ref()).unwrap();
     (prescription, resolve::lone_lens(&file, &source).unwrap())
 }
 
-/// Shining balls at places (mm, z behind the first vertex) in light of one line, through a lens at an f-number.
+/// Emitting balls at positions in mm (z behind the first vertex), in the light of one line, seen
+/// through a lens at an f-number.
 fn points(lens: &Value, f_number: f64, focus_mm: f64, (nm, sensor_mm): (f64, f64), balls: &[(DVec3, f64)]) -> Value {
     let ball = |&(center, radius): &(DVec3, f64)| {
         json!({ "shape": { "sphere": { "center": center.to_array(), "radius": radius } }, "material": "black",
@@ -46,19 +47,21 @@ fn points(lens: &Value, f_number: f64, focus_mm: f64, (nm, sensor_mm): (f64, f64
     })
 }
 
-/// Rays that get from a point of the scene through the lens: a fine grid over its first surface.
-fn traced<'a>(at: &'a Monochromatic<'_>, point: DVec3) -> impl Iterator<Item = Ray> + 'a {
+/// Traces rays from a point of the scene through a fine grid on the lens's first surface. Returns
+/// those that pass.
+fn traced<'a>(at: &'a MonochromaticLens<'_>, point: DVec3) -> impl Iterator<Item = LensRay> + 'a {
     const SIDE: u32 = 200;
     let reach = at.lens().surfaces()[0].semi_aperture_mm;
     let place = move |i: u32| reach * (2.0 * (f64::from(i) + 0.5) / f64::from(SIDE) - 1.0);
     (0..SIDE * SIDE).filter_map(move |i| {
         let aim = DVec3::new(place(i % SIDE), place(i / SIDE), 0.0);
-        let ray = Ray { origin: point, direction: (aim - point).normalize() };
-        at.trace(ray, Travel::ToSensor, Limits::Apertures).ok()
+        let ray = LensRay { origin: point, direction: (aim - point).normalize() };
+        at.trace(ray, TraceDirection::ToSensor, ApertureCheck::Enforced).ok()
     })
 }
 
-/// Where the bundle of a point on the axis is narrowest, in mm behind the last vertex.
+/// Returns the position of the narrowest cross-section of the ray bundle of an axial point, in mm
+/// behind the last vertex.
 fn traced_focus_mm(lens: &Lens, nm: f64, point: DVec3) -> f64 {
     let (mut above, mut below) = (0.0, 0.0);
     let at = lens.at(nm);
@@ -71,7 +74,8 @@ fn traced_focus_mm(lens: &Lens, nm: f64, point: DVec3) -> f64 {
     above / below
 }
 
-/// The same from three renders, the sensor `step_mm` before, at and behind the focus of the d line: the mean square size of a spot is a parabola.
+/// Measures the same position from three renders with the sensor `step_mm` before, at and behind
+/// the focus of the d line. The mean square size of a spot is a parabola in the sensor's position.
 fn rendered_focus_mm(name: &str, f_number: f64, nm: f64, point: DVec3, step_mm: f64) -> f64 {
     let lens = catalogue::find(name).unwrap();
     let at_d = lens.at(lines::D_NM);
@@ -81,7 +85,7 @@ fn rendered_focus_mm(name: &str, f_number: f64, nm: f64, point: DVec3, step_mm: 
     let pixel_mm = sensor_mm / FILM as f64;
     let magnification = paraxial.efl_mm / (-point.z - paraxial.efl_mm);
     let [before, there, behind] = [-1.0, 0.0, 1.0].map(|sign| {
-        // Newton's equation, for the object whose d focus lies there.
+        // Newton's equation gives the object distance whose d focus lies there.
         let image_mm = middle_mm + sign * step_mm;
         let focus_mm = paraxial.efl_mm.powi(2) / (image_mm - paraxial.bfd_mm) - paraxial.front_focus_z_mm;
         let ball = (point, 4.0 * pixel_mm / magnification);
@@ -95,7 +99,7 @@ fn rendered_focus_mm(name: &str, f_number: f64, nm: f64, point: DVec3, step_mm: 
 }
 
 #[test]
-fn points_in_single_lines_are_sharpest_where_exact_rays_meet_and_longitudinal_colour_is_the_traced_one() {
+fn points_are_sharpest_at_the_traced_focus_of_each_line() {
     const POINT: DVec3 = DVec3::new(0.0, 0.0, -2000.0);
     const F_NUMBER: f64 = 10.0;
     for (name, step_mm) in [("singlet", 2.0), ("cemented achromat", 1.0)] {
@@ -115,7 +119,7 @@ fn points_in_single_lines_are_sharpest_where_exact_rays_meet_and_longitudinal_co
 
 #[test]
 fn lateral_colour_in_a_grid_of_points_is_the_traced_one() {
-    // A lens far before its stop images colours at different sizes.
+    // A lens far in front of its stop images each colour at another size (lateral colour).
     let surfaces = json!([
         { "radius_mm": 80, "thickness_mm": 6, "ior": "N-SF5", "semi_aperture_mm": 20 },
         { "radius_mm": -150, "thickness_mm": 25, "ior": 1, "semi_aperture_mm": 20 },
@@ -160,7 +164,8 @@ fn lateral_colour_in_a_grid_of_points_is_the_traced_one() {
     assert!(worst.into_iter().all(|worst| worst < 0.1), "{worst:?}");
 }
 
-/// Y along the diagonal through a lens at light from everywhere, with the light that exact rays from the same places of the sensor let through.
+/// Returns Y along the diagonal of the picture under uniform light, with the transmittance that
+/// exact rays from the same sensor positions have.
 fn falloff(prescription: &Value, lens: &Lens, sensor_mm: f64) -> Vec<[f64; 3]> {
     let pixel_mm = sensor_mm / FILM as f64;
     let scene = json!({
@@ -184,12 +189,13 @@ fn falloff(prescription: &Value, lens: &Lens, sensor_mm: f64) -> Vec<[f64; 3]> {
         let origin = DVec3::new(radius_mm, 0.0, last_mm + distance_mm);
         let share = |i: u32| {
             let direction = (DVec3::new(place(i % SIDE), place(i / SIDE), last_mm) - origin).normalize();
-            let passes = at.trace(Ray { origin, direction }, Travel::ToScene, Limits::Apertures).is_ok();
+            let passes =
+                at.trace(LensRay { origin, direction }, TraceDirection::ToScene, ApertureCheck::Enforced).is_ok();
             if passes { direction.z.powi(4) } else { 0.0 }
         };
         (0..SIDE * SIDE).map(share).sum::<f64>()
     };
-    // Rings of four pixels' width, as means over hundreds of pixels.
+    // Rings four pixels wide: means over hundreds of pixels.
     let on_axis = through(0.0);
     let ring = |i: usize| {
         let (from, to) = (4.0 * i as f64 * pixel_mm, 4.0 * (i + 1) as f64 * pixel_mm);
@@ -205,8 +211,8 @@ fn falloff(prescription: &Value, lens: &Lens, sensor_mm: f64) -> Vec<[f64; 3]> {
 }
 
 #[test]
-fn light_falls_off_as_the_fourth_power_of_the_cosine_and_by_what_the_rims_cut_off() {
-    // A small stop as the last surface is its own exit pupil: nothing but cos⁴.
+fn illuminance_falls_off_by_cos4_and_vignetting() {
+    // A small stop as the last surface is its own exit pupil, so the falloff is cos⁴ alone.
     let surfaces = json!([
         { "radius_mm": 100, "thickness_mm": 12, "ior": "N-BK7", "semi_aperture_mm": 30 },
         { "radius_mm": -100, "thickness_mm": 1, "ior": 1, "semi_aperture_mm": 30 },

@@ -1,16 +1,17 @@
-//! Lenses as things in the scene, with photons through them: a projector, a magnifier and an eye; and a caustic photographed through a lens system.
+//! Lenses as objects of the scene: a projector, a magnifier, an eye, and a caustic seen through a
+//! lens system.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use crate::common::{diffuse, glass, render};
-use abbe::optics::lens::{Limits, Travel, catalogue};
+use abbe::optics::lens::{ApertureCheck, TraceDirection, catalogue};
 use abbe::render::Integrator;
 use abbe::sensor::Picture;
 use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
 
-/// The centre of the light in a picture, as far as it lies near the brightest pixel, and its root mean square distance from there, in pixels
-/// to the right of and above the middle.
+/// Returns the centroid of the light within `near_px` of the brightest pixel, and its root mean
+/// square distance from the centroid, in pixels right of and above the middle.
 fn spot(picture: &Picture, near_px: f64) -> (DVec2, f64) {
     let middle = DVec2::new(picture.width as f64, picture.height as f64) * 0.5;
     let place = |i: usize| {
@@ -26,13 +27,14 @@ fn spot(picture: &Picture, near_px: f64) -> (DVec2, f64) {
     (centre, square.sqrt())
 }
 
-/// Where the d line of a biconvex lens (radius, thickness, index) has its focal length and its principal planes' distance from the vertices.
+/// Returns the focal length of a biconvex lens (radius, thickness, index) and the distance of its
+/// principal planes from the vertices.
 fn thick_lens(radius: f64, thickness: f64, n: f64) -> (f64, f64) {
     let power = (n - 1.0) * (2.0 / radius - (n - 1.0) * thickness / (n * radius * radius));
     (1.0 / power, (n - 1.0) * thickness / (n * radius * power))
 }
 
-/// A biconvex lens along −z with its middle at the origin, all in mm.
+/// A biconvex lens along −z with its middle at the origin, in mm.
 fn biconvex(radius: f64, thickness: f64, diameter: f64) -> Value {
     json!({ "shape": { "lens": { "radius1": radius, "radius2": -radius, "thickness": thickness, "diameter": diameter } },
             "material": "glass", "transform": [{ "translate": [0, 0, -0.5 * thickness] }] })
@@ -41,11 +43,11 @@ fn biconvex(radius: f64, thickness: f64, diameter: f64) -> Value {
 const N: f64 = 1.5;
 
 #[test]
-fn a_projector_throws_its_slide_on_the_wall_upside_down_at_the_formulas_size() {
+fn a_projector_inverts_and_magnifies_its_slide() {
     let (focal, principal) = thick_lens(100.0, 6.0, N);
     let slide_z = 0.5 * 6.0 - principal + 1.5 * focal;
     let wall_z = -(0.5 * 6.0 - principal + 3.0 * focal);
-    // 1/1.5 + 1/3 = 1: twice as large, and turned round.
+    // 1/1.5 + 1/3 = 1: the image is inverted and twice as large.
     let height = 4.0;
     let scene = json!({
         "unit": "mm",
@@ -68,14 +70,16 @@ fn a_projector_throws_its_slide_on_the_wall_upside_down_at_the_formulas_size() {
     let (centre, size) = spot(&picture, 8.0);
     println!("projector: slide's point {height} mm up, image {:.3} mm, {:.3} mm wide", centre.y * pixel, size * pixel);
     assert!((centre.y * pixel + 2.0 * height).abs() < 0.15 && (centre.x * pixel).abs() < 0.05, "{centre}");
-    // The image of an even disk of twice the slide's radius has a mean square of 0.5 mm²; spherical aberration adds a little.
+    // The image of a uniform disk of twice the slide's radius has a mean square radius of 0.5 mm².
+    // Spherical aberration adds a little.
     assert!((0.6..1.1).contains(&(size * pixel)), "{}", size * pixel);
 }
 
 #[test]
-fn a_magnifier_shows_things_larger_by_its_formula_and_lit_through_itself() {
+fn a_magnifier_magnifies_by_the_lens_formula() {
     let (focal, principal) = thick_lens(60.0, 6.0, N);
-    // The page at 0.6 of the focal length behind the principal plane: a virtual image 2.5 times as large, 1.5 focal lengths away.
+    // The page lies at 0.6 focal lengths behind the principal plane: its virtual image is 2.5 times
+    // as large and 1.5 focal lengths away.
     let page_z = -(0.5 * 6.0 - principal + 0.6 * focal);
     let eye_z = 0.5 * 6.0 - principal + 200.0;
     let scene = |with_lens: bool| {
@@ -95,7 +99,7 @@ fn a_magnifier_shows_things_larger_by_its_formula_and_lit_through_itself() {
     };
     let side = |with_lens: bool| {
         let picture = render(&scene(with_lens), Integrator::Photon, 16).picture;
-        // A square's root mean square distance from its middle is its side over √6.
+        // The root mean square distance of a square from its middle is its side over √6.
         spot(&picture, 200.0).1 * 6.0_f64.sqrt()
     };
     let found = side(true) / side(false);
@@ -107,8 +111,8 @@ fn a_magnifier_shows_things_larger_by_its_formula_and_lit_through_itself() {
 
 #[test]
 fn an_eye_gathers_parallel_light_on_its_retina() {
-    // A reduced eye: one surface of 5.55 mm before water of n = 4/3, which focuses 22.2 mm behind it; the retina lets light through
-    // to a camera behind it.
+    // A reduced eye: one surface of radius 5.55 mm in front of water of n = 4/3, which focuses 22.2
+    // mm behind it. The retina is translucent, and a camera behind it sees the image.
     let (radius, n) = (5.55, 4.0 / 3.0);
     let focus = n * radius / (n - 1.0);
     let scene = |retina: f64| {
@@ -132,7 +136,8 @@ fn an_eye_gathers_parallel_light_on_its_retina() {
         assert!(centre.length() < 0.5, "the light falls on the axis: {centre}");
         size * pixel
     });
-    // Of an even disk of radius 1 mm the root mean square is 0.707 mm; at 0.6 of the way to the focus 0.4 of it is left.
+    // The root mean square of a uniform disk of radius 1 mm is 0.707 mm. At 0.6 of the distance to
+    // the focus, 0.4 of it remains.
     println!(
         "eye: spot of {sharp:.4} mm in focus, {near:.4} mm at 0.6 of the focal distance (a disk's {:.4})",
         0.4 * 0.5_f64.sqrt()
@@ -142,11 +147,12 @@ fn an_eye_gathers_parallel_light_on_its_retina() {
 }
 
 #[test]
-fn a_caustic_photographed_through_a_lens_system_is_sharp_and_where_it_should_be() {
-    // A beam that a ball focuses on the wall, beside the lens's axis; it comes from the side, so that the ball leaves the view free.
+fn a_caustic_seen_through_a_lens_system_is_sharp() {
+    // A beam that a ball focuses on the wall, beside the lens axis. The beam comes from the side,
+    // so that the ball does not hide the view.
     let place = DVec3::new(0.03, 0.02, -3.0);
     let back = DVec3::new(1.0, 0.4, 1.0).normalize();
-    // A ball's focus lies n·R/(2(n − 1)) from its centre.
+    // The focus of a ball is n·R/(2(n − 1)) from its centre.
     let (ball, n) = (0.02, 1.5);
     let centre = place + back * n * ball / (2.0 * (n - 1.0));
     let lamp = |distance: f64| (place + back * distance).to_array();
@@ -170,8 +176,8 @@ fn a_caustic_photographed_through_a_lens_system_is_sharp_and_where_it_should_be(
     let chief = DVec3::new(1e3 * place.x, 1e3 * place.y, 1e3 * place.z);
     let rays = (0..400).filter_map(|i| {
         let aim = DVec3::new(f64::from(i % 20 - 10) * 2.0, f64::from(i / 20 - 10) * 2.0, 0.0);
-        let ray = abbe::optics::lens::Ray { origin: chief, direction: (aim - chief).normalize() };
-        at.trace(ray, Travel::ToSensor, Limits::Apertures).ok()
+        let ray = abbe::optics::lens::LensRay { origin: chief, direction: (aim - chief).normalize() };
+        at.trace(ray, TraceDirection::ToSensor, ApertureCheck::Enforced).ok()
     });
     let (sum, count) =
         rays.fold((DVec2::ZERO, 0.0), |(sum, count), ray| (sum + ray.at_z(sensor_z).truncate(), count + 1.0));

@@ -1,11 +1,12 @@
-//! A camera lens of real glass: it takes as much light as a pinhole in the middle of the picture, and photons and paths paint the same through it.
+//! A camera lens of real glass: the centre of the picture is as bright as through a pinhole, and
+//! photon and path renders agree.
 
 use crate::common::compare::{Measured, assert_same};
 use crate::common::{colour_blocks, diffuse, glass, render};
 use abbe::render::Integrator;
 use serde_json::{Value, json};
 
-/// Light from everywhere, of 100/π cd/m² in every direction.
+/// Uniform light of 100/π cd/m² from every direction.
 fn uniform(lens: &Value) -> Value {
     json!({
         "camera": { "from": [0, 0, 0], "at": [0, 0, -1], "lens": lens },
@@ -21,7 +22,8 @@ fn system(prescription: &str, f_number: f64) -> Value {
     json!({ "system": { "prescription": prescription, "focus_distance": 3, "f_number": f_number, "sensor_height_mm": 12 } })
 }
 
-/// Mean Y of the pixels around the middle, over which cos⁴ falls by 0.2 %, and of those in the corners.
+/// Returns the mean Y of the pixels around the middle, where cos⁴ falls by 0.2 %, and of the
+/// corners.
 fn middle_and_corners(scene: &Value, integrator: Integrator) -> [f64; 2] {
     let picture = render(scene, integrator, 2000).picture;
     let y = |columns: std::ops::Range<usize>, rows: std::ops::Range<usize>| {
@@ -37,7 +39,7 @@ fn middle_and_corners(scene: &Value, integrator: Integrator) -> [f64; 2] {
 
 #[test]
 #[ignore = "slow: half a minute of CPU time"]
-fn a_uniform_wall_has_the_same_luminance_through_pinhole_thin_lens_and_real_glass() {
+fn a_wall_is_equally_bright_through_every_kind_of_lens() {
     let wall = 100.0 / std::f64::consts::PI;
     let thin =
         json!({ "thin": { "focal_length_mm": 100, "f_number": 4, "focus_distance": 3, "sensor_height_mm": 12 } });
@@ -52,7 +54,7 @@ fn a_uniform_wall_has_the_same_luminance_through_pinhole_thin_lens_and_real_glas
             lens
         }),
     ];
-    // The zooms of a thin lens are as bright as each other.
+    // Thin lenses of all zoom settings give equal brightness.
     let zoom = |focal_mm: f64| json!({ "thin": { "focal_length_mm": focal_mm, "f_number": 4, "focus_distance": 22, "sensor_height_mm": 24 } });
     let zooms = [("50 mm", zoom(50.0)), ("135 mm", zoom(135.0)), ("300 mm", zoom(300.0))];
     let lenses = lenses.into_iter().chain(zooms);
@@ -67,7 +69,7 @@ fn a_uniform_wall_has_the_same_luminance_through_pinhole_thin_lens_and_real_glas
 }
 
 #[test]
-fn four_blades_in_a_lens_of_real_glass_make_a_point_out_of_focus_a_square() {
+fn four_blades_blur_a_point_to_a_square() {
     let corner_light = |rotation: f64| {
         let mut lens = system("double-gauss", 4.0);
         lens["system"]["blades"] = json!(4);
@@ -84,7 +86,8 @@ fn four_blades_in_a_lens_of_real_glass_make_a_point_out_of_focus_a_square() {
         let picture = render(&scene, Integrator::Path, 128).picture;
         let from_middle = |i: usize| (i as f64 + 0.5 - 24.0).abs();
         let light = picture.xyz.iter().enumerate().map(|(i, xyz)| (from_middle(i % 48), from_middle(i / 48), xyz[1]));
-        // A point 6 m away spreads over a circle 0.43 mm in diameter, 8.6 pixels: half its square's side is 3.0 of them.
+        // A point 6 m away is spread over a circle of 0.43 mm diameter, 8.6 pixels. Half the side
+        // of the square inscribed in it is 3.0 pixels.
         let [mut corners, mut all] = [0.0; 2];
         for (x, y, light) in light {
             all += light;
@@ -98,7 +101,7 @@ fn four_blades_in_a_lens_of_real_glass_make_a_point_out_of_focus_a_square() {
 }
 
 #[test]
-fn through_a_lens_of_real_glass_photons_and_paths_paint_the_same() {
+fn photon_and_path_renders_agree_through_a_lens_system() {
     let scene = json!({
         "camera": { "from": [0, 0.5, 3], "at": [0, 0, 0], "lens": system("double-gauss", 2.0) },
         "film": { "width": 24, "height": 16 },

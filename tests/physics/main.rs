@@ -1,9 +1,11 @@
-//! Pictures that have known answers: closed forms, conservation of energy, and two methods that share no estimator.
+//! Pictures that have known answers: closed forms, conservation of energy, and two methods that
+//! share no estimator.
 //!
-//! `cargo test --release --test physics` runs the fast versions; `cargo test --release --test physics -- --ignored` the slow ones.
-//! Add `--nocapture` to read the measured figures.
+//! `cargo test --release --test physics` runs the fast versions; `cargo test --release --test
+//! physics -- --ignored` the slow ones. Add `--nocapture` to read the measured figures.
 
 #[path = "../common/mod.rs"]
+#[expect(dead_code, reason = "other tests use the rest")]
 mod common;
 #[path = "../golden/mod.rs"]
 mod golden;

@@ -1,4 +1,4 @@
-//! Media with known answers: Beer's law, and white fog in uniform surroundings.
+//! Media with known answers: Beer's law, and non-absorbing fog in uniform surroundings.
 
 use crate::common::compare::Measured;
 use crate::common::{diffuse, mean_y, render, with_setting};
@@ -7,9 +7,9 @@ use crate::golden::golden;
 use abbe::render::Integrator;
 use serde_json::{Value, json};
 
-/// A slab of a medium, `thickness` m thick, before a bright wall that fills the picture.
+/// A slab of a medium, `thickness` m thick, in front of a bright wall that fills the picture.
 fn slab(medium: Value, thickness: f64) -> Value {
-    // Forced, since the plan leaves out what is too thin to be seen.
+    // The medium is forced, because the plan leaves out media that are too thin to be visible.
     json!({
         "camera": { "from": [0, 0, 0], "at": [0, 0, -1], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 0.1 } } },
         "film": { "width": 16, "height": 16 },
@@ -30,7 +30,7 @@ fn absorbing(sigma: impl Into<Value>) -> Value {
     json!({ "homogeneous": { "absorption": sigma.into(), "scattering": 0, "phase": "isotropic" } })
 }
 
-/// The same density everywhere, as a grid whose attenuation is worked out in this way.
+/// A uniform density as a grid, with this method of computing its transmittance.
 fn even_grid(sigma: f64, transmittance: &str) -> Value {
     json!({ "grid": { "bounds": [[-5, -5, -2], [5, 5, -1]], "density": { "constant": 1 }, "absorption": sigma,
                       "scattering": 0, "phase": "isotropic", "transmittance": transmittance } })
@@ -45,10 +45,11 @@ fn a_slab_of_any_depth_passes_what_beers_law_says() {
     for depth in [1e-8, 1e-4, 0.1, 1.0, 10.0, 50.0, 200.0] {
         for medium in [absorbing(depth), even_grid(depth, "exact"), even_grid(depth, "march")] {
             let passed = luminance(medium, Integrator::Photon) / clear;
-            // Coefficients are kept to 1e-6: an error of the depth by so much is one of the transmittance by depth times as much.
+            // Coefficients are stored to 1e-6. A relative error of 1e-6 in the depth changes the
+            // transmittance by 1e-6 times the depth.
             let off = if depth < 1e-2 { (1.0 - passed) / -(-depth).exp_m1() } else { passed / (-depth).exp() } - 1.0;
             println!("Beer, optical depth {depth:e}: off by {off:.1e}");
-            // The film adds up in steps: of depth 50 nothing is left in it.
+            // The film's sums have a smallest step; at depth 50 the transmittance is below it.
             let exact = off.abs() < 1e-6 * depth.max(1.0) || (passed - (-depth).exp()).abs() < 1e-18;
             assert!(exact, "optical depth {depth}: {passed}");
         }
@@ -64,7 +65,7 @@ fn too_few_steps_through_a_medium_are_reported_as_bias() {
         json!({ "grid": { "bounds": [[-5, -5, -2], [5, 5, -1]], "density": { "values": [0, 3, 0.5], "resolution": [1, 1, 3] },
                           "absorption": 0.6, "scattering": 0, "phase": "isotropic", "transmittance": transmittance } })
     };
-    // A wall that glows, and one that a lamp beside the camera lights through the same slab.
+    // A wall that emits, and a wall that a light beside the camera lights through the same slab.
     let glowing = |transmittance: &str| slab(uneven(transmittance), 1.0);
     let lit = |transmittance: &str| {
         let mut scene = glowing(transmittance);
@@ -124,7 +125,7 @@ fn daylight_through_water_has_the_golden_colour() {
     }
 }
 
-/// A ball of fog that absorbs nothing, of this optical depth from side to side.
+/// A ball of non-absorbing fog with this optical depth along its diameter.
 fn white_ball(depth: f64, g: f64) -> Value {
     json!({
         "camera": { "from": [0, 0, 5], "at": [0, 0, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 16 } } },
@@ -182,10 +183,11 @@ fn the_ledger_of_fog_balances() {
     }
 }
 
-/// Beams that run along a ray are few and bright: the mean is bounded no closer than their noise.
+/// Beams that run along a camera ray are rare and bright, so the mean is only known to within their
+/// noise.
 #[test]
 #[ignore = "slow: a minute of CPU time; beams that run along a ray are few and bright"]
-fn white_fog_that_scatters_forward_in_uniform_surroundings_by_beams() {
+fn forward_scattering_white_fog_by_beams_is_a_furnace() {
     let mut scene = white_ball(2.0, 0.8);
     scene["render"] = json!({ "photons": 500, "radius": 0.05 });
     let seen = Measured::new(&scene, (Integrator::Photon, 4096), 0..8, mean_y);

@@ -1,4 +1,5 @@
-//! Media and the bodies that hold them: overlaps, liquids in glasses, lamps and cameras inside; against closed forms and uniform surroundings.
+//! Media and the bodies that contain them: overlaps, liquids in glasses, lights and cameras inside,
+//! compared with closed forms and uniform surroundings.
 
 use crate::common::compare::Measured;
 use crate::common::{diffuse, mean_y, render};
@@ -13,19 +14,19 @@ fn absorbing(sigma: f64) -> Value {
     json!({ "homogeneous": { "absorption": sigma, "scattering": 0, "phase": "isotropic" } })
 }
 
-/// A camera at z = `from` that sees a small piece of what lies straight ahead.
+/// A camera at z = `from` that sees a small region straight ahead.
 fn ahead(from: f64) -> Value {
     json!({ "from": [0, 0, from], "at": [0, 0, from - 1.0], "lens": { "pinhole": { "fov": 0.1 } } })
 }
 
-/// A box 10 m wide and high of this material, between these depths before the camera.
+/// A box 10 m wide and high of this material, between these distances from the camera.
 fn layer(material: &str, [near, far]: [f64; 2]) -> Value {
     let size = [10.0, 10.0, far - near];
     json!({ "shape": { "box": { "size": size } }, "material": material,
             "transform": [{ "translate": [0, 0, -0.5 * (near + far)] }] })
 }
 
-/// What these materials and layers leave of the light of a wall 5 m before the camera.
+/// A bright wall 5 m from the camera, behind these materials and layers.
 fn before_a_bright_wall(mut materials: Value, mut objects: Vec<Value>) -> Value {
     materials["black"] = json!("absorber");
     objects.push(json!({ "shape": { "rectangle": { "width": 10, "height": 10 } }, "material": "black",
@@ -38,7 +39,7 @@ fn before_a_bright_wall(mut materials: Value, mut objects: Vec<Value>) -> Value 
     })
 }
 
-/// Compares the luminance with what Beer's law leaves, by both ways.
+/// Compares the luminance with Beer's law, for both integrators.
 fn check_depth(name: &str, scene: &Value, depth: f64) {
     let truth = (-depth).exp();
     for way in [(Integrator::Photon, 4), (Integrator::Path, 512)] {
@@ -50,7 +51,7 @@ fn check_depth(name: &str, scene: &Value, depth: f64) {
 }
 
 #[test]
-fn where_media_overlap_the_higher_priority_fills_the_place_and_of_equals_the_innermost() {
+fn overlapping_media_obey_priority_then_nesting() {
     let liquid =
         |medium: &str, priority: i32| json!({ "dielectric": { "ior": 1, "medium": medium, "priority": priority } });
     for (priorities, between) in [([1, 0], 0.3), ([0, 1], 1.1), ([0, 0], 1.1)] {
@@ -61,19 +62,20 @@ fn where_media_overlap_the_higher_priority_fills_the_place_and_of_equals_the_inn
 }
 
 #[test]
-fn a_medium_inside_another_and_a_body_in_the_atmosphere_displace_what_is_around_them() {
+fn inner_bodies_displace_the_medium_around_them() {
     let materials = json!({ "near": { "boundary": { "medium": "near" } }, "far": { "boundary": { "medium": "far" } } });
     let inside = before_a_bright_wall(materials.clone(), vec![layer("near", [1.0, 4.0]), layer("far", [2.0, 3.0])]);
     check_depth("a medium inside another", &inside, 2.0 * 0.3 + 1.1);
     let mut air = before_a_bright_wall(materials, vec![layer("far", [2.0, 4.0])]);
     air["atmosphere"] = json!("near");
     check_depth("a body in the atmosphere", &air, 3.0 * 0.3 + 2.0 * 1.1);
-    // The camera inside the body.
+    // The camera is inside the body.
     air["objects"][0] = layer("far", [-2.0, 3.0]);
     check_depth("a camera in a body in the atmosphere", &air, 2.0 * 0.3 + 3.0 * 1.1);
 }
 
-/// A lamp of 1 cd and a camera inside a box of smoke of this density, z from −1 to 1; both face a wall at z = −3. `lamp_z` is the lamp's place.
+/// A light of 1 cd and a camera inside a box of smoke of this density, with z from −1 to 1. Both
+/// face a wall at z = −3. `lamp_z` is the z of the light.
 fn inside_a_grid(scattering: f64, lamp_z: f64) -> Value {
     json!({
         "camera": ahead(0.5), "film": { "width": 4, "height": 4 },
@@ -92,7 +94,7 @@ fn inside_a_grid(scattering: f64, lamp_z: f64) -> Value {
 
 #[test]
 fn a_lamp_and_a_camera_inside_a_grid() {
-    // 1 m from the lamp to the grid's end, 1.5 m from there to the camera.
+    // 1 m from the light to the end of the grid, and 1.5 m from there to the camera.
     let truth = 0.5 / PI / 9.0 * (-0.7 * 2.5_f64).exp();
     for way in WAYS {
         let seen = Measured::new(&inside_a_grid(0.0, 0.0), way, 0..4, mean_y);
@@ -103,7 +105,8 @@ fn a_lamp_and_a_camera_inside_a_grid() {
 
 #[test]
 fn a_lamp_in_a_node_of_a_grid_is_as_one_beside_it() {
-    // The nine values of the grid stand at x = y = 0 and z = −8/9, −6/9, … 8/9; the camera looks past the lamp.
+    // The nine nodes of the grid lie at x = y = 0 and z = −8/9, −6/9, … 8/9. The light is outside
+    // the view.
     let [node, beside] = [0.0, 1e-5].map(|z| {
         let mut scene = inside_a_grid(0.3, z);
         scene["camera"]["from"] = json!([0.4, 0.1, 0.5]);
@@ -126,7 +129,7 @@ fn a_medium_that_nothing_holds_changes_nothing() {
     assert!(unheld.mean_y() > 0.0);
 }
 
-/// White fog around a ball of glass.
+/// Non-absorbing fog around a ball of glass.
 fn fog_around_glass() -> Value {
     json!({
         "camera": { "from": [0, 0, 5], "at": [0, 0, 0], "lens": { "pinhole": { "fov": 20 } } },
@@ -145,7 +148,8 @@ fn white_fog_around_a_ball_of_glass_in_uniform_surroundings() {
     furnace::check("fog around glass", &fog_around_glass(), (Integrator::Path, 256));
 }
 
-/// A white liquid in a glass, the liquid a little into the glass so that no gap is left; `scattering` per m, seen from above the rim.
+/// A non-absorbing liquid in a glass, seen from above the rim. The liquid reaches slightly into the
+/// glass, so that there is no gap. `scattering` is in 1/m.
 fn liquid_in_a_glass(scattering: f64, radius: f64) -> Value {
     let cylinder = |name: &str, radius: f64, height: f64, y: f64| {
         json!({ "shape": { "cylinder": { "radius": radius, "height": height } }, "material": name,
@@ -168,7 +172,8 @@ fn a_dense_white_liquid_in_a_glass_in_uniform_surroundings() {
     furnace::check("milk in a glass", &liquid_in_a_glass(20.0, 0.1), (Integrator::Path, 256));
 }
 
-/// A kernel loses what reaches beyond the liquid's surface: a share that falls with its radius, to nothing.
+/// A kernel loses the part that reaches beyond the liquid's surface. The loss vanishes with the
+/// radius.
 #[test]
 #[ignore = "slow: a minute of CPU time; two radii, many scatterings"]
 fn a_dense_white_liquid_in_a_glass_by_photons() {

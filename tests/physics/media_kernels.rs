@@ -1,31 +1,33 @@
-//! Kernels in media against a closed form: what they find of light that is scattered once is off by the square of their radius.
+//! Kernels in media against a closed form: the bias of the single-scattering estimate is
+//! proportional to the square of the kernel radius.
 
-use abbe::map::{Beam, Cone, Load, VolumeMap, VolumePhoton, Width};
+use abbe::geometry::Ray;
+use abbe::map::{KernelWidth, PhotonBeam, PhotonPower, QueryCone, VolumeMap, VolumePhoton};
 use abbe::math::sobol::Sobol;
 use abbe::math::warp;
-use abbe::scene::geometry::Ray;
-use abbe::spectrum::{LANES, Wavelengths};
+use abbe::spectrum::Wavelengths;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Photons fly this far, in m.
+/// Length of the photon paths in m.
 const REACH: f64 = 4.0;
 
-/// Rays pass the lamp at this distance in m, and look this far to both sides.
+/// Distance in m at which rays pass the light; the rays extend by `SIGHT` to both sides.
 const PASSING: f64 = 0.5;
 const SIGHT: f64 = 2.0;
 const RAYS: u32 = 64;
 
 const RADII: [f64; 3] = [0.4, 0.2, 0.1];
 
-fn load() -> Load {
-    Load::new(&Wavelengths::single(550.0), [1.0, 0.0, 0.0, 0.0], LANES)
+fn load() -> PhotonPower {
+    PhotonPower::new(&Wavelengths::single(550.0), [1.0, 0.0, 0.0, 0.0], None)
 }
 
-/// A lamp of one photon in all, seen by many rays: the mean of what the kernels of each radius find, over the integral along the ray, minus 1.
-/// A unit of each photon's way scatters `scattered` of it.
+/// Estimates the light of one point source along many rays, and returns the mean for each kernel
+/// radius relative to the exact integral, minus 1. Each unit of a photon path scatters the share
+/// `scattered`.
 fn bias(map: &VolumeMap, scattered: f64, photons: u32) -> [f64; 3] {
-    // ∫ 1/(4π d²) along the ray.
+    // The exact value is ∫ 1/(4π d²) along the ray.
     let truth = 2.0 * (SIGHT / PASSING).atan() / (4.0 * PI * PASSING);
     let sobol = Sobol::new(5);
     RADII.map(|radius| {
@@ -36,14 +38,15 @@ fn bias(map: &VolumeMap, scattered: f64, photons: u32) -> [f64; 3] {
             let (sine, cosine) = (2.0 * PI * sobol.at(i, 2)).sin_cos();
             let direction = cosine * side + sine * other;
             let ray = Ray::new(PASSING * away - SIGHT * direction, direction);
-            let cone = Cone::of_camera(ray, 2.0 * SIGHT, 0.0, Width::Stated(radius));
+            let cone = QueryCone::of_camera(ray, 2.0 * SIGHT, 0.0, KernelWidth::Stated(radius));
             map.along(&cone, |photon| found += photon.kernels.estimate);
         }
         found * scattered / (f64::from(photons) * f64::from(RAYS) * truth) - 1.0
     })
 }
 
-/// Each halving of the radius is to show an order of 2, to half an order: at the widest the fourth power adds 0.3, at the narrowest there is noise.
+/// Each halving of the radius must show order 2 within half an order: at the largest radius the
+/// fourth power adds 0.3, and at the smallest one there is noise.
 fn check_order(name: &str, bias: [f64; 3]) {
     let orders = [(bias[0] / bias[1]).log2(), (bias[1] / bias[2]).log2()];
     println!("{name}, radii {RADII:?} m: bias {bias:+.5?}, order {orders:.2?}");
@@ -60,7 +63,8 @@ fn the_bias_of_points_falls_with_the_square_of_the_radius() {
     });
     let bias = bias(&VolumeMap::of_points(points.collect()), REACH, PHOTONS);
     check_order("points", bias);
-    // Of 1/ρ, the integral along a ray that passes at ρ, Epanechnikov's kernel of the disk finds r²/12 ∇²(1/ρ) = r²/(12 ρ³) more, and 3/128 r⁴/ρ⁵.
+    // The integral along a ray at distance ρ is proportional to 1/ρ. Epanechnikov's kernel on the
+    // disk overestimates it by r²/12 ∇²(1/ρ) = r²/(12 ρ³) and 3/128 r⁴/ρ⁵.
     let expected = RADII.map(|radius: f64| {
         let square = (radius / PASSING).powi(2);
         square / 12.0 + 3.0 / 128.0 * square * square
@@ -74,7 +78,7 @@ fn the_bias_of_beams_falls_with_the_square_of_the_radius() {
     let sobol = Sobol::new(1);
     let beams = (0..PHOTONS).map(|i| {
         let direction = warp::sphere([sobol.at(i, 0), sobol.at(i, 1)]);
-        Beam::new([DVec3::ZERO, REACH * direction], 0, load())
+        PhotonBeam::new([DVec3::ZERO, REACH * direction], 0, load())
     });
     let bias = bias(&VolumeMap::of_beams(beams.collect()), 1.0, PHOTONS);
     check_order("beams", bias);

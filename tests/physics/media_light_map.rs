@@ -1,4 +1,5 @@
-//! Light that comes straight from lamps, looked up in maps, against integrals along the camera's rays, shadow rays and photons.
+//! Direct light in media from light maps, compared with integrals along camera rays, shadow rays
+//! and photons.
 
 use crate::common::compare::{Measured, assert_same, compare};
 use crate::common::{all_y, block_means, job, mean_y, render, with_setting};
@@ -8,17 +9,17 @@ use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
-/// Pixels a side.
+/// Pixels per side.
 const FILM: usize = 16;
 
-/// So little of the extinction is scattering that light which is scattered twice does not count.
+/// Scattering as a share of the extinction. It is so small that double scattering does not matter.
 const SCATTERING: f64 = 1e-4;
 const ABSORPTION: f64 = 1.0;
 
-/// Where a lamp of 1 cd stands, beside a ball of smoke of radius 1.
+/// The position of a light of 1 cd beside a ball of smoke of radius 1.
 const LAMP: DVec3 = DVec3::new(1.2, 0.9, 0.4);
 
-/// A ball of smoke that fades from its centre to its surface, so that its density is smooth.
+/// A ball of smoke whose density falls smoothly from its centre to 0 at its surface.
 fn smoke(resolution: u32, lamp: Value) -> Value {
     let smoke = json!({ "grid": { "bounds": [[-1, -1, -1], [1, 1, 1]],
         "density": { "sphere": { "value": 1, "center": [0, 0, 0], "radius": 1, "falloff": 1 } },
@@ -26,7 +27,7 @@ fn smoke(resolution: u32, lamp: Value) -> Value {
     ball(smoke, json!({ "box": { "size": [2, 2, 2] } }), resolution, lamp)
 }
 
-/// A ball of fog that is the same everywhere.
+/// A ball of homogeneous fog.
 fn fog(resolution: u32, lamp: Value) -> Value {
     let fog = json!({ "homogeneous": { "absorption": ABSORPTION, "scattering": SCATTERING, "phase": "isotropic" } });
     ball(fog, json!({ "sphere": { "radius": 1 } }), resolution, lamp)
@@ -48,7 +49,7 @@ fn point_lamp() -> Value {
     json!({ "point": { "at": LAMP.to_array(), "spectrum": { "lines": [{ "nm": 550, "power": 1 }] }, "luminous_intensity": 1 } })
 }
 
-/// Density at a place of the ball by the square of its distance from the centre.
+/// The density in the ball as a function of the squared distance from its centre.
 type Density = fn(f64) -> f64;
 
 fn fading(r2: f64) -> f64 {
@@ -56,27 +57,30 @@ fn fading(r2: f64) -> f64 {
     share * share * (3.0 - 2.0 * share)
 }
 
-/// The part of the straight way from one place to another that lies in the ball, in shares of the way.
+/// Returns the part of the segment `way` from `from` that lies in the ball, as shares of its
+/// length.
 fn inside(from: DVec3, way: DVec3) -> Option<[f64; 2]> {
     let (a, b) = (way.length_squared(), from.dot(way));
     let discriminant = b * b - a * (from.length_squared() - 1.0);
     (discriminant > 0.0).then(|| [-1.0, 1.0].map(|sign| (-b + sign * discriminant.sqrt()) / a))
 }
 
-/// ∫ρ between two places; the density is a polynomial of degree 6 along the way, but only within the ball.
+/// Returns ∫ρ between two points. Within the ball, the density along a line is a polynomial of
+/// degree 6.
 fn column(density: Density, from: DVec3, to: DVec3) -> f64 {
     let way = to - from;
     let Some(ends) = inside(from, way) else { return 0.0 };
     let [enter, leave] = ends.map(|end| end.clamp(0.0, 1.0));
     let half = 0.5 * (leave - enter);
-    // Four points of Gauss and Legendre.
+    // Gauss–Legendre quadrature with four points is exact here.
     let points =
         [(0.861_136_311_594_052_6, 0.347_854_845_137_453_85), (0.339_981_043_584_856_26, 0.652_145_154_862_546_1)];
     let at = |x: f64| density((from + (enter + half * (1.0 + x)) * way).length_squared());
     half * way.length() * points.iter().map(|&(x, weight)| weight * (at(x) + at(-x))).sum::<f64>()
 }
 
-/// The luminance of all pixels' mean, by integrals along rays through the middles of 4 × 4 parts of each.
+/// Returns the mean luminance of the picture from integrals along rays through the centres of 4 × 4
+/// parts of each pixel.
 fn expected(scene: &Value, density: Density) -> f64 {
     let scene = job(scene).scene;
     let (parts, eye) = (4 * FILM, DVec3::new(0.0, 0.0, 4.0));
@@ -94,14 +98,19 @@ fn expected(scene: &Value, density: Density) -> f64 {
     (0..parts * parts).map(along).sum::<f64>() / (parts * parts) as f64
 }
 
-/// Between nodes a smooth density is off by the square of the cell's size; and where it ends in a surface, by the cell's size in a share of all places
-/// that falls with it: of second order, a quarter each time that the cells are halved.
+/// Interpolation between nodes has an error of second order in the cell size for a smooth density.
+/// At a surface where the density ends, the error is of first order in a share of the volume that
+/// is itself proportional to the cell size. Both are second order: halving the cells leaves a
+/// quarter.
 fn check_order(name: &str, scene: impl Fn(u32, Value) -> Value, density: Density) {
     let truth = expected(&scene(8, point_lamp()), density);
     let mut last = f64::INFINITY;
     for resolution in [4, 8, 16, 32] {
         let found = Measured::new(&scene(resolution, point_lamp()), (Integrator::Photon, 1), 0..64, |rendered| {
-            vec![rendered.picture.mean_y(), rendered.picture.bias.iter().map(|&bias| f64::from(bias)).sum::<f64>()]
+            vec![
+                rendered.picture.mean_y(),
+                rendered.picture.bias.iter().flatten().map(|&bias| f64::from(bias)).sum::<f64>(),
+            ]
         });
         let (off, error) = (found.mean(0) / truth - 1.0, found.error(0) / truth);
         let told = found.mean(1) / (FILM * FILM) as f64 / truth;
@@ -131,7 +140,7 @@ fn blocks(rendered: &Rendered) -> Vec<f64> {
     block_means(&all_y(rendered), FILM, 8, &[true; FILM * FILM])
 }
 
-/// Puts half a wall between the lamp and the smoke, and a post into it.
+/// Adds half a wall between the light and the smoke, and a post inside the smoke.
 fn with_obstacles(mut scene: Value) -> Value {
     let obstacles = [
         json!({ "shape": { "rectangle": { "width": 1, "height": 1 } }, "material": "black",
@@ -150,7 +159,8 @@ fn maps_and_shadow_rays_find_the_same_light() {
                                  "luminous_intensity": 1 } });
     let sun = json!({ "directional": { "toward": [-1, -0.7, -0.2], "spectrum": "E", "illuminance": 0.4 } });
     let beam = json!({ "beam": { "from": LAMP.to_array(), "to": [0, 0, 0], "radius": 0.4, "spectrum": "E", "luminous_flux": 1 } });
-    // Of a lamp with extent a pass sees one place: it takes more passes, and each makes a map of its own.
+    // A pass sees one point of an extended light, so this light needs more passes. Each pass builds
+    // its own map.
     for (name, lamp, passes) in [("spot", spot, 16), ("sun", sun, 16), ("beam", beam, 16), ("sphere", Value::Null, 64)]
     {
         let mut scene = with_obstacles(smoke(16, point_lamp()));
@@ -174,7 +184,7 @@ fn a_light_counts_by_its_map_or_by_shadow_rays_but_not_by_both() {
     let scene = smoke(4, point_lamp());
     assert!(looks(&scene) > 1000);
     assert_eq!(looks(&with_setting(&scene, "forbid", json!(["light-map"]))), 0);
-    // Two lamps where there was one, one of them with a map: twice the light.
+    // Two lights, one of which has a map: twice the light.
     let environment = json!({ "environment": { "spectrum": "E", "irradiance": 1e-3 } });
     let mut both = scene.clone();
     both["lights"] = json!([point_lamp(), environment]);
@@ -189,7 +199,7 @@ fn a_light_counts_by_its_map_or_by_shadow_rays_but_not_by_both() {
 #[test]
 #[ignore = "slow: half a minute of CPU time; photons that are scattered once are few"]
 fn a_light_map_and_volume_photons_find_the_same_light() {
-    // A pane of glass that does not refract: what comes through it is the photons'.
+    // A pane of glass with index 1. Light that passes it is carried by photons.
     let open = with_obstacles(smoke(32, point_lamp()));
     let mut closed = open.clone();
     closed["materials"]["pane"] = json!({ "dielectric": { "ior": 1 } });

@@ -1,4 +1,4 @@
-//! Light that fog scatters once, against integrals along the camera's rays: straight from a lamp, at drawn places, and from its map.
+//! Single scattering in fog: sampled distances and light maps against integrals along camera rays.
 
 use crate::common::compare::Measured;
 use crate::common::{job, mean_y, with_setting};
@@ -7,18 +7,18 @@ use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
-/// Pixels a side.
+/// Pixels per side.
 const FILM: usize = 8;
 
-/// So little of the extinction is scattering that light which is scattered twice does not count.
+/// Scattering as a share of the extinction. It is so small that double scattering does not matter.
 const SCATTERING: f64 = 1e-4;
 const ABSORPTION: f64 = 0.6;
 
-/// The camera, inside the fog, sees an absorbing wall at z = −2 past a lamp of 1 cd.
+/// The z of an absorbing wall, which the camera inside the fog sees past a light of 1 cd.
 const WALL_Z: f64 = -2.0;
 const LAMP: DVec3 = DVec3::new(0.5, 0.1, -1.0);
 
-/// Passes by maps, whose many places make them less noisy.
+/// Passes with light maps. A map is evaluated at many points per ray, so its noise is lower.
 const MAPPED_PASSES: u64 = 64;
 
 fn fog(phase: &Value) -> Value {
@@ -40,7 +40,8 @@ fn fog(phase: &Value) -> Value {
     })
 }
 
-/// ∫ f from 0 to `end` by Simpson's rule, halved until nothing changes by 1e-8.
+/// Returns ∫ f from 0 to `end` by Simpson's rule. The step is halved until the result changes by
+/// less than 1e-8.
 pub(crate) fn integral(f: impl Fn(f64) -> f64, end: f64) -> f64 {
     let simpson = |steps: u32| {
         let h = end / f64::from(steps);
@@ -58,7 +59,8 @@ pub(crate) fn integral(f: impl Fn(f64) -> f64, end: f64) -> f64 {
     }
 }
 
-/// The mean luminance of the picture by the light of 1 cd at `lamp`: of the middles of 4 × 4 parts of each pixel.
+/// Returns the mean luminance under a light of 1 cd at `lamp`, from rays through the centres of 4 ×
+/// 4 parts of each pixel.
 fn expected(scene: &Value, lamp: DVec3, phase: &dyn Fn(f64) -> f64) -> f64 {
     let camera = job(scene).scene;
     let parts = 4 * FILM;
@@ -81,7 +83,7 @@ pub(crate) fn henyey_greenstein(g: f64) -> (Value, impl Fn(f64) -> f64) {
     (json!({ "henyey_greenstein": { "g": g } }), at)
 }
 
-/// The fog's table of drops at 550 nm, straight between its angles.
+/// The phase function table of fog drops at 550 nm, interpolated linearly in the angle.
 fn drops() -> (Value, impl Fn(f64) -> f64) {
     let text = std::fs::read_to_string("tests/golden/mie_fog_phase.csv").expect("the table");
     let rows: Vec<(f64, f64)> = text

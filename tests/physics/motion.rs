@@ -1,4 +1,5 @@
-//! Things that move: closed forms of what a shutter sees, two methods that must agree, and what must not change at all.
+//! Moving objects, lights and cameras: closed forms of motion blur, agreement of two integrators,
+//! and cases that must not change at all.
 
 use crate::common::compare::{Comparison, Measured, assert_same, compare};
 use crate::common::edges::away_from_edges;
@@ -7,11 +8,11 @@ use abbe::render::{Integrator, Rendered};
 use serde_json::{Value, json};
 use std::borrow::Cow;
 
-/// Columns of the strip that the edge crosses, and how wide it is in m.
+/// Columns of the strip that the edge crosses, and its width in m.
 const COLUMNS: usize = 32;
 const WIDTH: f64 = 2.0;
 
-/// A strip of floor seen from above, and a shutter that is open from 0.1 s to 0.9 s.
+/// A strip of floor seen from above. The shutter is open from 0.1 s to 0.9 s.
 fn strip(objects: Value, lights: Value) -> Value {
     let mut camera = overhead_camera([0.0, 0.0], 10.0, WIDTH / 8.0);
     camera["shutter"] = json!({ "open": 0.1, "close": 0.9 });
@@ -22,19 +23,19 @@ fn strip(objects: Value, lights: Value) -> Value {
     })
 }
 
-/// Keys of a uniform motion along x from 0 s to 1 s.
+/// Keyframes of a uniform motion along x from 0 s to 1 s.
 fn along_x(from: f64, to: f64) -> Value {
     json!([{ "time": 0, "transform": [{ "translate": [from, 0, 0] }] }, { "time": 1, "transform": [{ "translate": [to, 0, 0] }] }])
 }
 
-/// Means of Y over each column.
+/// Returns the mean Y of each column.
 fn columns(rendered: &Rendered) -> Vec<f64> {
     let y = all_y(rendered);
     let rows = y.len() / COLUMNS;
     (0..COLUMNS).map(|x| (0..rows).map(|row| y[row * COLUMNS + x]).sum::<f64>() / rows as f64).collect()
 }
 
-/// The mean over each column of a function of x.
+/// Returns the mean of a function of x over each column.
 fn over_columns(f: impl Fn(f64) -> f64) -> Vec<f64> {
     const STEPS: usize = 200;
     let at = |i: usize| ((i as f64 + 0.5) / (COLUMNS * STEPS) as f64 - 0.5) * WIDTH;
@@ -45,15 +46,16 @@ fn against(measured: &Measured, truth: Vec<f64>) -> Comparison {
     compare(measured, &Measured::from_runs(vec![truth; 8]))
 }
 
-/// A lamp of 10 cd/m² with an edge at x = 0 that reaches far to the left.
+/// A light of 10 cd/m² with an edge at x = 0 that extends far to the left.
 fn lamp(motion: Value) -> Value {
     json!({ "name": "lamp", "shape": { "rectangle": { "width": 8, "height": 2 } }, "material": "black",
             "emission": { "spectrum": "D65", "luminance": 10 }, "transform": [{ "translate": [-4, 0, 0] }], "motion": motion })
 }
 
 #[test]
-fn a_moving_edge_is_a_linear_ramp_whether_it_moves_or_the_camera() {
-    // The edge goes from −0.75 m to 0.75 m in a second: while the shutter is open from −0.6 m to 0.6 m.
+fn a_moving_edge_or_camera_gives_a_linear_ramp() {
+    // The edge moves from −0.75 m to 0.75 m in one second, and from −0.6 m to 0.6 m while the
+    // shutter is open.
     let edge = strip(json!([lamp(along_x(-0.75, 0.75))]), json!([]));
     let ramp = over_columns(|x| 10.0 * (0.5 - x / 1.2).clamp(0.0, 1.0));
     let mut panned = strip(json!([lamp(json!([]))]), json!([]));
@@ -69,7 +71,7 @@ fn a_moving_edge_is_a_linear_ramp_whether_it_moves_or_the_camera() {
         println!("{name}: {found}");
         assert!(found.is_equal() && measured.relative_error() < 0.01);
     }
-    // The shutter's times matter: had it been open for the whole second, the ramp would be flatter.
+    // If the shutter were open for the whole second, the ramp would be flatter.
     let longer = over_columns(|x| 10.0 * (0.5 - x / 1.5).clamp(0.0, 1.0));
     assert!(!against(&Measured::new(&edge, (Integrator::Path, 96), 0..8, columns), longer).is_equal());
 }
@@ -78,7 +80,7 @@ fn a_moving_edge_is_a_linear_ramp_whether_it_moves_or_the_camera() {
 fn a_shutter_that_opens_and_closes_slowly_weighs_the_ramp() {
     let mut scene = strip(json!([lamp(along_x(-0.75, 0.75))]), json!([]));
     scene["camera"]["shutter"]["curve"] = json!([[0, 0], [0.5, 1], [1, 0]]);
-    // A triangle's share of light up to the share s of the time.
+    // The light that a triangular shutter curve has transmitted by the share s of its time.
     let passed = |s: f64| if s < 0.5 { 2.0 * s * s } else { 1.0 - 2.0 * (1.0 - s) * (1.0 - s) };
     let truth = over_columns(|x| 10.0 * (1.0 - passed((x / 1.2 + 0.5).clamp(0.0, 1.0))));
     let found = against(&Measured::new(&scene, (Integrator::Path, 96), 0..8, columns), truth);
@@ -91,7 +93,8 @@ fn a_moving_lamp_lights_each_place_for_its_time() {
     let floor = json!({ "name": "floor", "shape": { "rectangle": { "width": 8, "height": 2 } }, "material": "white" });
     let point = json!({ "point": { "at": [0, 0.5, 0], "spectrum": "D65", "luminous_intensity": 10, "motion": along_x(-1.0, 1.0) } });
     let scene = strip(json!([floor]), json!([point]));
-    // (ρ/π)·I·h/d³ over the lamp's way from −0.8 m to 0.8 m; ∫ du/(q² + u²)^{3/2} = u/(q²√(q² + u²)), q² = h² + z², over the strip's rows.
+    // (ρ/π)·I·h/d³ over the light's path from −0.8 m to 0.8 m, with ∫ du/(q² + u²)^{3/2} =
+    // u/(q²√(q² + u²)) and q² = h² + z², averaged over the rows of the strip.
     let along = |q2: f64, u: f64| u / (q2 * (q2 + u * u).sqrt());
     let row =
         |x: f64, q2: f64| 0.8 / std::f64::consts::PI * 10.0 * 0.5 * (along(q2, x + 0.8) - along(q2, x - 0.8)) / 1.6;
@@ -120,7 +123,8 @@ fn a_turning_disk_does_not_shrink() {
     assert_same("turning disk", &turning, &still, 0.05);
 }
 
-/// A ball of glass over a floor under a lamp; the ball has these keyframes, and the shutter is open from 0 s to 1 s.
+/// A ball of glass over a floor under a light. The ball has these keyframes, and the shutter is
+/// open from 0 s to 1 s.
 fn ball(transform: Value, motion: Value) -> Value {
     json!({
         "camera": { "from": [0, 2.2, 5], "at": [0, 0.6, 0], "lens": { "pinhole": { "fov": 32 } }, "shutter": { "open": 0, "close": 1 } },
@@ -137,7 +141,7 @@ fn ball(transform: Value, motion: Value) -> Value {
     })
 }
 
-/// Checks that two scenes give the same picture to the bit, by both integrators.
+/// Checks that two scenes give bit-identical pictures with both integrators.
 #[track_caller]
 fn assert_identical(a: &Value, b: &Value) {
     for integrator in [Integrator::Photon, Integrator::Path] {
@@ -147,22 +151,23 @@ fn assert_identical(a: &Value, b: &Value) {
 }
 
 #[test]
-fn what_stands_still_while_the_shutter_is_open_gives_the_picture_of_a_still_scene() {
+fn a_scene_still_during_the_shutter_equals_a_still_scene() {
     let there = json!([{ "rotate": { "axis": [1, 2, 3], "degrees": 40 } }, { "translate": [0.3, 0.1, -0.2] }]);
     let key = |time: f64, transform: &Value| json!({ "time": time, "transform": transform });
     let away = json!([{ "translate": [1, 0, 0] }]);
     let still = ball(there.clone(), json!([]));
-    // Keys that are all alike.
+    // All keyframes are equal.
     assert_identical(&ball(json!([]), json!([key(0.2, &there), key(0.7, &there)])), &still);
-    // One key, and motion before and after the shutter is open: outside their times the end poses hold.
+    // A single keyframe, and motion before and after the shutter is open: the first and last poses
+    // hold outside the keyframes' times.
     assert_identical(&ball(json!([]), json!([key(0.2, &there)])), &still);
     assert_identical(&ball(json!([]), json!([key(-2.0, &away), key(-1.0, &there)])), &still);
     assert_identical(&ball(json!([]), json!([key(1.0, &there), key(2.0, &away)])), &still);
-    // A camera whose keys leave it where it is.
+    // A camera whose keyframes do not move it.
     let mut watched = still.clone();
     watched["camera"]["motion"] = json!([{ "time": 0 }, { "time": 1 }]);
     assert_identical(&watched, &still);
-    // It costs nothing: no pass has a moment, no scene is built anew.
+    // Such motion costs nothing: passes have no time of their own, and no scene is rebuilt.
     let rendered = render(&watched, Integrator::Photon, 2);
     assert_eq!((rendered.stats.effects["motion"].events, rendered.stats.seconds.pose), (0, 0.0));
     assert!(matches!(job(&watched).scene.at(0.5), Ok(Cow::Borrowed(_))));
@@ -177,7 +182,7 @@ fn a_shutter_without_length_shows_a_moment() {
 }
 
 #[test]
-fn forcing_motion_on_a_still_scene_changes_nothing_and_forbidding_it_freezes_the_first_moment() {
+fn forced_motion_changes_nothing_and_forbidden_motion_freezes() {
     let still = ball(json!([]), json!([]));
     assert_identical(&with_setting(&still, "force", json!(["motion"])), &still);
     let moving = ball(
@@ -188,7 +193,7 @@ fn forcing_motion_on_a_still_scene_changes_nothing_and_forbidding_it_freezes_the
     assert_eq!(render(&moving, Integrator::Photon, 3).stats.effects["motion"].events, 3);
 }
 
-/// Pixels a side of the box.
+/// Pixels per side.
 const FILM: usize = 32;
 
 /// A white box with a red wall whose floor rises while the shutter is open.
@@ -231,7 +236,7 @@ fn photons_on_a_moving_receiver_give_the_path_tracers_picture() {
         .map(|radius| Measured::new(&with_setting(&scene, "radius", radius), (Integrator::Photon, 32), 0..8, blocks));
     let photon = Measured::extrapolated(&whole, &half);
     assert_same("rising floor, photon against path", &photon, &path, 5e-3);
-    // A program that left the floor where it was when the shutter opened would not pass.
+    // A renderer that froze the floor at the shutter's opening would fail.
     let frozen = with_setting(&scene, "forbid", json!(["motion"]));
     let found = compare(&photon, &Measured::new(&frozen, (Integrator::Path, 128), 100..108, blocks));
     println!("rising floor, mutant frozen: {found}");

@@ -1,5 +1,5 @@
-//! Photon mapping and path tracing share no estimator beyond light straight from lamps: where both can, they must agree; and the
-//! comparison must see named faults.
+//! Photon mapping and path tracing share no estimator except direct lighting, so they must agree
+//! where both apply. The comparison must also detect named faults.
 
 use crate::common::compare::{Measured, assert_same, compare};
 use crate::common::edges::away_from_edges;
@@ -7,22 +7,23 @@ use crate::common::{all_y, block_means, diffuse, glass, job, with_setting};
 use abbe::render::{Integrator, Rendered};
 use serde_json::{Value, json};
 
-/// Pixels a side.
+/// Pixels per side.
 const FILM: usize = 32;
 
-/// Y in blocks of `side` × `side` pixels, edges left out.
+/// Returns Y in blocks of `side` × `side` pixels without the masked edges.
 fn blocks(mask: &[bool], side: usize) -> impl Fn(&Rendered) -> Vec<f64> + '_ {
     move |rendered| block_means(&all_y(rendered), FILM, side, mask)
 }
 
-/// Photon mapping at radius 0, from two fixed first radii.
+/// Extrapolates photon mapping to radius 0 from two fixed radii.
 fn photons(scene: &Value, radius: f64, passes: u64, take: impl Fn(&Rendered) -> Vec<f64>) -> Measured {
     let [whole, half] = [radius, 0.5 * radius]
         .map(|radius| Measured::new(&with_setting(scene, "radius", radius), (Integrator::Photon, passes), 0..8, &take));
     Measured::extrapolated(&whole, &half)
 }
 
-/// A white box with one red and one green wall, a white ball and a lamp under the ceiling; `albedo` is that of the white.
+/// A white box with a red and a green wall, a white ball, and a light under the ceiling. `albedo`
+/// is the reflectance of white.
 fn cornell(albedo: f64) -> Value {
     let wall = |name: &str, material: &str, transform: Value| json!({ "name": name, "shape": { "rectangle": { "width": 2, "height": 2 } }, "material": material, "transform": transform });
     json!({
@@ -70,7 +71,7 @@ fn a_diffuse_box_and_faults_in_it() {
     assert!(!twice.is_equal());
 }
 
-/// A ball of glass with a white core, on a floor under a large lamp.
+/// A ball of glass with a white core, on a floor under a large light.
 fn ball(ior: Value) -> Value {
     json!({
         "camera": { "from": [0, 2.2, 5], "at": [0.2, 0.6, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 32 } } },
@@ -88,7 +89,7 @@ fn ball(ior: Value) -> Value {
     })
 }
 
-/// Pixels that see the core's middle through the ball, as a mask of all pixels.
+/// Returns a mask of the pixels that see the middle of the core through the ball.
 fn sees_the_core(scene: &Value) -> Vec<bool> {
     let job = job(scene);
     let names = |object: u32| job.scene.objects[object as usize].name.as_str();
@@ -113,8 +114,8 @@ fn compare_balls(name: &str, scene: &Value, passes: [u64; 2], side: usize) -> (M
     (photon, path)
 }
 
-/// Compares, and shows that a program that forgot n² would not pass: radiance inside glass is that outside times n², and without the
-/// factor the core would look so much darker.
+/// Compares, and shows that a renderer without the factor n² would fail: radiance inside glass is
+/// n² times the radiance outside, so without the factor the core would be darker by n².
 fn compare_with_missing_n2(name: &str, passes: [u64; 2], side: usize) {
     let scene = ball(json!(1.5));
     let (photon, path) = compare_balls(name, &scene, passes, side);

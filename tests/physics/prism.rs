@@ -1,44 +1,48 @@
-//! Where a prism sends each colour: the centroid of the rendered spot against Snell's law worked out elsewhere (golden/prism.json).
+//! The deviation of each colour by a prism: the centroid of the rendered spot against Snell's law,
+//! computed independently (golden/prism.json).
 
 use crate::common::{diffuse, glass, render};
 use abbe::render::Integrator;
 use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
 
-/// Side of the prism, distance from its exit face to the screen, width of the screen in view, radius of the beam, in m.
+/// The side of the prism, the distance from its exit face to the screen, the visible width of the
+/// screen and the radius of the beam, in m.
 const SIDE: f64 = 0.2;
 const THROW: f64 = 2.0;
 const VIEW: f64 = 0.024;
 const BEAM: f64 = 0.004;
 
-/// Pixels across the view: 0.5 mm each, or 0.014° seen from the prism; the spot covers a dozen of them.
+/// Pixels across the view: 0.5 mm or 0.014° each, seen from the prism. The spot covers about
+/// twelve.
 const PIXELS: u32 = 48;
 
-/// A beam's way through the prism in its cross-section (x, y): apex up, centroid at the origin.
+/// A beam's path in the prism's cross-section (x, y), with the apex up and the centroid at the
+/// origin.
 struct Way {
     from: DVec2,
     entry: DVec2,
     exit: DVec2,
-    /// Where it goes behind the prism, from the golden deviation.
+    /// The direction behind the prism, from the golden deviation.
     out: DVec2,
 }
 
 fn way(apex_deg: f64, incidence_deg: f64, n: f64, deviation_deg: f64) -> Way {
     let half = 0.5 * apex_deg.to_radians();
-    // The legs meet at the apex, 2/3 of the height above the centroid; the beam comes from the left and enters in the left leg's middle, or
-    // farther up where the base would catch it.
+    // The legs meet at the apex, 2/3 of the height above the centroid. The beam comes from the left
+    // and enters the middle of the left leg, or a higher point if it would otherwise hit the base.
     let height = SIDE * half.cos();
     let apex = DVec2::new(0.0, height * 2.0 / 3.0);
     let [left, right] = [-1.0, 1.0].map(|side| DVec2::new(side * half.sin(), -half.cos()));
     let entry = apex + left * (0.25 * SIDE);
     let normal = DVec2::new(-half.cos(), half.sin());
-    // Incidence counts towards the base: a beam from below the normal.
+    // Angles of incidence are positive towards the base: the beam comes from below the normal.
     let turn = |v: DVec2, angle: f64| DVec2::from_angle(angle).rotate(v);
     let way_in = turn(-normal, incidence_deg.to_radians());
     let inside = turn(-normal, (incidence_deg.to_radians().sin() / n).asin());
-    // Deviation bends towards the base: clockwise here.
+    // Deviation is towards the base, which is clockwise here.
     let out = turn(way_in, -deviation_deg.to_radians());
-    // entry + t·inside = apex + s·right
+    // Solves entry + t·inside = apex + s·right.
     let to_apex = apex - entry;
     let t = to_apex.perp_dot(right) / inside.perp_dot(right);
     Way { from: entry - way_in * 0.2, entry, exit: entry + inside * t, out }
@@ -65,8 +69,8 @@ fn spot_scene(name: &str, apex_deg: f64, wavelength_nm: f64, way: &Way) -> Value
     })
 }
 
-/// How far (degrees, seen from where the beam leaves the prism) the spot's centroid is from the middle of the screen, in the plane of the
-/// cross-section and across it.
+/// Returns the angle in degrees, seen from the exit point of the beam, between the spot's centroid
+/// and the middle of the screen, in the plane of the cross-section and across it.
 fn offset_deg(scene: &Value) -> [f64; 2] {
     let rendered = render(scene, Integrator::Photon, 1);
     let mut sum = 0.0;
@@ -81,7 +85,8 @@ fn offset_deg(scene: &Value) -> [f64; 2] {
     (moment / sum).to_array().map(|metres| (metres / THROW).atan().to_degrees())
 }
 
-/// Checks every wavelength of a glass at one incidence; returns how many, and the worst offset.
+/// Checks every wavelength of a glass at one incidence. Returns their number and the largest
+/// offset.
 fn check_glass(name: &str, prism: &Value, incidence: &str) -> (usize, f64) {
     let apex_deg = prism["apex_deg"].as_f64().expect("an apex angle");
     let (mut count, mut worst) = (0, 0.0_f64);
@@ -92,7 +97,7 @@ fn check_glass(name: &str, prism: &Value, incidence: &str) -> (usize, f64) {
         } else {
             (incidence.parse().ok(), row["deviation_deg"][incidence].as_f64())
         };
-        // Total reflection: no spot to look for.
+        // Under total reflection there is no spot.
         let (Some(incidence_deg), Some(deviation_deg)) = (incidence_deg, deviation_deg) else { continue };
         let scene = spot_scene(name, apex_deg, nm, &way(apex_deg, incidence_deg, n, deviation_deg));
         let offset = offset_deg(&scene);
@@ -122,7 +127,8 @@ fn a_prism_sends_every_wavelength_where_snell_says() {
 
 #[test]
 fn the_beam_crosses_the_prism_in_its_plane() {
-    // The geometry of this file itself: at minimum deviation the ray is parallel to the base and the way is symmetric.
+    // Checks this file's own geometry: at minimum deviation the ray inside is parallel to the base,
+    // and the path is symmetric.
     let way = way(60.0, 49.91766831, 1.530239986, 39.83533662);
     assert!((way.exit.y - way.entry.y).abs() < 1e-8 && (way.exit.x + way.entry.x).abs() < 1e-8);
     let mirrored = (way.entry - way.from).normalize() * DVec2::new(1.0, -1.0);

@@ -1,38 +1,41 @@
-//! The bows of the example scene's rain, wavelength by wavelength: they stand where the drops' phase function has its peaks, in the right
-//! order, with the dark band between them, as bright as the integral along the ray says.
+//! The rainbows of the example scene's rain at single wavelengths: their angles are the peaks of
+//! the drops' phase function, their order is right, the band between them is dark, and their
+//! brightness equals the integral along the ray.
 
 use crate::common::render;
 use abbe::render::Integrator;
 use serde_json::{Value, json};
 
-/// Wavelengths of the sun's lines, each in the middle of a band of the film.
+/// Wavelengths of the sun's lines, each in the middle of one band of the film.
 const LINES_NM: [f64; 3] = [455.0, 555.0, 655.0];
 const BANDS: usize = 47;
 
-/// A strip of sky straight above the point opposite the sun: angles from that point, in degrees, as its pixels see them.
+/// A strip of sky above the antisolar point: its limits as angles from that point, in degrees.
 const NEAR_DEG: f64 = 35.0;
 const FAR_DEG: f64 = 57.0;
 const ROWS: usize = 264;
 const COLUMNS: usize = 4;
 
-/// Where the peaks of the bows are looked for, and where Alexander's band and its neighbours lie, in degrees from the point opposite the sun.
+/// The angles in degrees from the antisolar point between which the bows' peaks are searched, and
+/// the positions of Alexander's band and its neighbours.
 const PRIMARY: [f64; 2] = [39.0, 43.5];
 const SECONDARY: [f64; 2] = [49.5, 55.0];
 const DARK: [f64; 2] = [44.5, 49.0];
 const WITHIN: [f64; 2] = [37.0, 40.0];
 const BEYOND: [f64; 2] = [54.0, 56.5];
 
-/// The sun's irradiance in W/m² by each line.
+/// The sun's irradiance in W/m² in each line.
 const IRRADIANCE: f64 = 1.0;
 
-/// The example scene's rain and sun.
+/// The rain and the sun of the example scene.
 struct Rain {
-    /// The scene with nothing but the rain in the light of a sun of three lines, scattered once, as a strip of a camera sees it.
+    /// The scene reduced to the rain, single scattering, and a sun of three lines, seen by a
+    /// strip-shaped camera.
     scene: Value,
-    /// How high the sun stands, and how wide it is, in degrees.
+    /// The sun's elevation and diameter in degrees.
     sun_deg: f64,
     sun_width_deg: f64,
-    /// The box of rain (y and z, in m) and its extinction in 1/m.
+    /// The box of rain (y and z in m) and its extinction in 1/m.
     low: [f64; 2],
     high: [f64; 2],
     extinction: f64,
@@ -62,8 +65,9 @@ fn rain() -> Rain {
 }
 
 impl Rain {
-    /// ∫ σ e^(−σ(t + s)) dt along a camera ray, s the light's way through the rain: the share of the sunlight that is scattered towards the
-    /// camera per steradian, but for the phase function.
+    /// Returns ∫ σ e^(−σ(t + s)) dt along a camera ray, where s is the length of the light's path
+    /// through the rain. Times the phase function, it is the share of sunlight scattered to the
+    /// camera per steradian.
     fn scattered(&self, angle_deg: f64) -> f64 {
         const STEPS: usize = 1000;
         let (sin, cos) = (angle_deg - self.sun_deg).to_radians().sin_cos();
@@ -80,14 +84,14 @@ impl Rain {
     }
 }
 
-/// The angle from the point opposite the sun that the middle of a row sees.
+/// Returns the angle from the antisolar point at the middle of a row.
 fn angle_of(row: usize) -> f64 {
     let up = 1.0 - (2 * row + 1) as f64 / ROWS as f64;
     let half = (0.5 * (FAR_DEG - NEAR_DEG)).to_radians();
     0.5 * (NEAR_DEG + FAR_DEG) + (up * half.tan()).atan().to_degrees()
 }
 
-/// Something as a function of the angle from the point opposite the sun.
+/// Values as a function of the angle from the antisolar point.
 struct Profile(Vec<(f64, f64)>);
 
 impl Profile {
@@ -96,13 +100,15 @@ impl Profile {
         inside.iter().sum::<f64>() / inside.len() as f64
     }
 
-    /// The top of the parabola that fits best around the largest value within these angles.
+    /// Returns the vertex of the best-fitting parabola around the largest value within these
+    /// angles.
     fn peak(&self, [from, to]: [f64; 2]) -> f64 {
         const AROUND: f64 = 0.45;
         let inside = self.0.iter().filter(|(angle, _)| (from..to).contains(angle));
         let top = inside.max_by(|a, b| a.1.total_cmp(&b.1)).expect("some rows").0;
         assert!(top - AROUND > from && top + AROUND < to, "no peak within {from}–{to}°: {top}°");
-        // About the middle of an even stretch of angles, the slope and the curvature of the fit stand by themselves.
+        // About the middle of evenly spaced angles, the slope and the curvature of the fit are
+        // independent.
         let around: Vec<_> = self.0.iter().filter(|row| (row.0 - top).abs() < AROUND).collect();
         let moment = |f: &dyn Fn(f64, f64) -> f64| around.iter().map(|row| f(row.0 - top, row.1)).sum::<f64>();
         let (count, square, fourth) = (moment(&|_, _| 1.0), moment(&|x, _| x * x), moment(&|x, _| x.powi(4)));
@@ -113,7 +119,8 @@ impl Profile {
     }
 }
 
-/// The phase function's table at a wavelength, blurred by the sun's disk, at the strip's angles: straight between its angles and wavelengths.
+/// Returns the phase function's table at a wavelength and at the strip's angles, convolved with the
+/// sun's disk. It is interpolated linearly in angle and wavelength.
 fn table(nm: f64, sun_width_deg: f64) -> Profile {
     let text = std::fs::read_to_string("data/media/rainbow.csv").expect("the table");
     let mut lines = text.lines();
@@ -132,7 +139,7 @@ fn table(nm: f64, sun_width_deg: f64) -> Profile {
         let ((a, low), (b, high)) = (rows[next - 1], rows[next]);
         low + (high - low) * (angle - a) / (b - a)
     };
-    // A disk cut into strips across the bow.
+    // The disk is cut into strips parallel to the bow.
     const STRIPS: usize = 32;
     let strips = (0..STRIPS).map(|i| (2 * i + 1) as f64 / STRIPS as f64 - 1.0);
     let strips: Vec<(f64, f64)> = strips.map(|x| (0.5 * sun_width_deg * x, (1.0 - x * x).sqrt())).collect();
@@ -142,7 +149,7 @@ fn table(nm: f64, sun_width_deg: f64) -> Profile {
 }
 
 #[test]
-fn the_bows_stand_where_the_drops_send_them_and_the_sky_between_is_darker() {
+fn rainbows_have_their_angles_and_the_band_between_is_dark() {
     let rain = rain();
     let picture = render(&rain.scene, Integrator::Photon, 96).picture;
     let bands = picture.bands.as_ref().expect("the film has bands");

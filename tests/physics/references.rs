@@ -1,4 +1,5 @@
-//! The benchmark scenes against references that an independent program rendered (benches/scenes/README.md says which).
+//! The benchmark scenes against references from an independent renderer, which
+//! benches/scenes/README.md names.
 
 use crate::common::{render, with_setting};
 use abbe::output::compare::{Region, Selection, compare};
@@ -8,7 +9,7 @@ use abbe::sensor::Picture;
 use serde_json::Value;
 use std::path::Path;
 
-/// The largest difference of a region's mean Y that two right programs should have.
+/// The largest relative difference of a region's mean Y that two correct renderers should have.
 const BETWEEN_PROGRAMS: f64 = 0.01;
 
 struct Benchmark {
@@ -29,13 +30,14 @@ impl Benchmark {
         render(&with_setting(&self.scene, "seed", 0), Integrator::Photon, passes).picture
     }
 
-    /// relMSE and the ratio of the mean Y over the pixels selected.
+    /// Returns the relMSE and the ratio of the mean Y over the selected pixels.
     fn measure(&self, picture: &Picture, selection: &Selection) -> (f64, f64) {
         let found = compare(picture, &self.reference, selection).expect("comparable");
         (found.relative_mse, found.mean_ratio)
     }
 
-    /// Checks the mean Y of regions, and that the error falls from few passes to many, to below `floor`.
+    /// Checks the mean Y of regions. Checks that the error falls from few passes to many, to below
+    /// `floor`.
     fn agrees(&self, name: &str, regions: &[(&str, Selection)], [few, many]: [u64; 2], floor: f64) {
         let (rough, fine) = (self.picture(few), self.picture(many));
         for (region, selection) in regions {
@@ -50,13 +52,13 @@ impl Benchmark {
     }
 }
 
-/// A rectangle of pixels, first and last included.
+/// Selects a rectangle of pixels; both ends are included.
 fn pixels(rows: [usize; 2], columns: [usize; 2]) -> Selection {
     let region = Region { x0: columns[0], y0: rows[0], x1: columns[1] + 1, y1: rows[1] + 1 };
     Selection { regions: vec![region], mask: None }
 }
 
-/// S1's caustic where the reference's Y is above 0.5 cd/m².
+/// Selects S1's caustic: pixels where the reference's Y exceeds 0.5 cd/m².
 fn core(reference: &Picture) -> Selection {
     let mask = reference.xyz.iter().map(|xyz| xyz[1] > 0.5).collect();
     Selection { mask: Some(mask), ..pixels([138, 157], [85, 129]) }
@@ -87,6 +89,6 @@ fn errors_fall_to_three_times_the_references_noise() {
     let s1 = Benchmark::read("s1_ball");
     s1.agrees("S1", &[("core", core(&s1.reference))], [8, 128], 0.006);
     Benchmark::read("s2_prism").agrees("S2", &[], [1, 64], 0.003);
-    // The S3 reference's noise by what the errors of both our integrators against it have in common: 0.0012.
+    // The common part of both integrators' errors against the S3 reference gives its noise: 0.0012.
     Benchmark::read("s3_box").agrees("S3", &[], [8, 128], 0.0035);
 }

@@ -1,4 +1,5 @@
-//! The example scene's sky: clear air and a layer of ozone around a planet at true scale, against integrals along rays that are worked out here.
+//! The sky of the example scene: clear air and a layer of ozone around a planet at true scale,
+//! against integrals along rays that this test computes.
 
 use crate::common::render;
 use abbe::colour;
@@ -6,7 +7,8 @@ use abbe::render::{Integrator, Rendered};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
-/// The scene's planet, its air's scale height, and the radii from which on it holds ozone and where it ends, in m.
+/// The radius of the planet, the scale height of its air, and the radii where the ozone begins and
+/// the air ends, in m.
 const GROUND: f64 = 6_371_000.0;
 const SCALE_HEIGHT: f64 = 8000.0;
 const OZONE: f64 = 6_389_000.0;
@@ -18,10 +20,11 @@ const CAMERA: f64 = 2.0;
 /// The sun's angular diameter in degrees.
 const SUN_DEG: f64 = 0.53;
 
-/// Bands of the film: 47 nm each.
+/// Bands of the film, 47 nm wide.
 const BANDS: usize = 10;
 
-/// The example scene with a sun of this spectrum and 1 W/m² at `sun_deg` above the horizon, seen by a narrow camera that looks up by `look_deg` towards it.
+/// The example scene with a sun of this spectrum and 1 W/m² at `sun_deg` above the horizon. A
+/// narrow camera looks up by `look_deg` towards it.
 fn sky(spectrum: Value, [sun_deg, look_deg]: [f64; 2], side: usize) -> Value {
     let text = std::fs::read_to_string("scenes/blue_sky_red_sunset.json").expect("the example scene");
     let mut scene: Value = serde_json::from_str(&text).expect("JSON");
@@ -43,7 +46,7 @@ fn sky(spectrum: Value, [sun_deg, look_deg]: [f64; 2], side: usize) -> Value {
     scene
 }
 
-/// A function that is straight between its rows.
+/// Interpolates linearly between rows.
 fn straight(rows: Vec<(f64, f64)>) -> impl Fn(f64) -> f64 {
     move |x| {
         let next = rows.partition_point(|row| row.0 <= x).clamp(1, rows.len() - 1);
@@ -52,7 +55,7 @@ fn straight(rows: Vec<(f64, f64)>) -> impl Fn(f64) -> f64 {
     }
 }
 
-/// A table of the data folder: its first column against another.
+/// Reads a table of the data folder: one column as a function of the first.
 fn data(path: &str, column: usize) -> impl Fn(f64) -> f64 {
     let text = std::fs::read_to_string(path).expect("a table");
     let row = |line: &str| {
@@ -63,7 +66,8 @@ fn data(path: &str, column: usize) -> impl Fn(f64) -> f64 {
     straight(text.lines().skip(1).map(row).collect())
 }
 
-/// What the air does at a wavelength: its scattering, and the absorption of the ozone in the upper air, in 1/m at the ground's density.
+/// The scattering of the air and the absorption of the ozone at a wavelength, in 1/m at ground
+/// density.
 struct Air<S, A> {
     scattering: S,
     absorption: A,
@@ -84,13 +88,14 @@ fn air() -> Air<impl Fn(f64) -> f64, impl Fn(f64) -> f64> {
 }
 
 impl<S: Fn(f64) -> f64, A: Fn(f64) -> f64> Air<S, A> {
-    /// The transmittance of columns of air and of air with ozone.
+    /// Returns the transmittance of columns of air and of air with ozone.
     fn passes(&self, nm: f64, [air, ozone]: [f64; 2]) -> f64 {
         (-(self.scattering)(nm) * air - (self.absorption)(nm) * ozone).exp()
     }
 }
 
-/// ∫ f along a ray that leaves `radius` upwards by an angle of this sine, as far as the air goes: midpoints, closer together near the start.
+/// Returns ∫ f along a ray that starts at `radius` with this sine of its elevation, up to the end
+/// of the air. Midpoint rule with denser points near the start.
 fn along<const N: usize>(radius: f64, sine: f64, steps: u32, f: impl Fn(f64) -> [f64; N]) -> [f64; N] {
     let end = (END * END - radius * radius * (1.0 - sine * sine)).sqrt() - radius * sine;
     let mut sum = [0.0; N];
@@ -102,17 +107,18 @@ fn along<const N: usize>(radius: f64, sine: f64, steps: u32, f: impl Fn(f64) -> 
     sum
 }
 
-/// How far from the planet's centre a ray is after t metres.
+/// Returns the distance from the planet's centre after t metres along a ray.
 fn radius_after(radius: f64, sine: f64, t: f64) -> f64 {
     (radius * radius + 2.0 * radius * t * sine + t * t).sqrt()
 }
 
-/// The air's density there, relative to the ground's.
+/// Returns the density of the air at a radius, relative to the ground.
 fn density(radius: f64) -> f64 {
     (-(radius - GROUND) / SCALE_HEIGHT).exp()
 }
 
-/// The column in m that a ray meets on its way out: of all air, and of that with ozone.
+/// Returns the column densities in m that a ray crosses on its way out: of all air, and of air with
+/// ozone.
 fn column(radius: f64, sine: f64, steps: u32) -> [f64; 2] {
     along(radius, sine, steps, |t| {
         let here = radius_after(radius, sine, t);
@@ -120,10 +126,10 @@ fn column(radius: f64, sine: f64, steps: u32) -> [f64; 2] {
     })
 }
 
-/// The light per steradian that the zenith's air scatters once down to the camera, of a sun of irradiance 1
-/// around this height, at two wavelengths.
+/// Returns the light per steradian that the air above scatters once down to the camera, at two
+/// wavelengths, for a sun of irradiance 1 centred at this elevation.
 fn zenith(sun_deg: f64, nm: [f64; 2]) -> [f64; 2] {
-    // The disk cut into level strips.
+    // The disk is cut into horizontal strips.
     const STRIPS: i32 = 9;
     let mut sum = [0.0; 3];
     for i in 0..STRIPS {
@@ -162,7 +168,7 @@ fn chromaticity(rendered: &Rendered) -> [f64; 2] {
 }
 
 #[test]
-fn the_zenith_is_as_bright_at_each_wavelength_as_the_integral_of_single_scattering() {
+fn the_zenith_matches_the_single_scattering_integral() {
     let sun = json!({ "lines": [{ "nm": 450, "power": 1 }, { "nm": 650, "power": 1 }] });
     for sun_deg in [60.0, 5.0, 1.0] {
         let rendered = render(&sky(sun.clone(), [sun_deg, 90.0], 16), Integrator::Photon, 96);
@@ -184,7 +190,7 @@ fn the_zenith_is_as_bright_at_each_wavelength_as_the_integral_of_single_scatteri
 }
 
 #[test]
-fn the_sky_is_bluer_than_the_sun_and_the_low_sun_is_as_red_as_the_air_before_it_makes_it() {
+fn sky_and_low_sun_have_the_colours_of_the_air_mass() {
     let sun = json!({ "blackbody": { "temperature": 5778 } });
     let air = air();
     let matching: [_; 3] = std::array::from_fn(|c| data("data/cie/cie1931_2deg_1nm.csv", c + 1));

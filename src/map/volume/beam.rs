@@ -1,41 +1,46 @@
-//! Photon beams (Jarosz et al. 2011): a photon's whole way through a medium, seen where a ray passes it. The kernel is a line across both.
+//! Photon beams (Jarosz, Nowrouzezahrai, Sadeghi & Jensen 2011, "A Comprehensive Theory of
+//! Volumetric Radiance Estimation Using Photon Points and Beams"). A beam is a whole segment of a
+//! photon path. The kernel is a line perpendicular to the beam and to the camera ray.
 
-use super::{Came, Neighbour};
+use super::{BeamPath, PhotonNearRay};
 use crate::map::kernel;
-use crate::map::near_ray::Cone;
-use crate::map::photon::Load;
+use crate::map::photon::PhotonPower;
+use crate::map::query_cone::QueryCone;
 use glam::{DVec3, Vec3};
 
-/// A photon's way through a medium.
+/// A segment of a photon path in a medium.
 #[derive(Debug, Clone, Copy)]
-pub struct Beam {
+pub struct PhotonBeam {
     start: [f32; 3],
     end: [f32; 3],
     medium: u16,
-    /// The light that sets out.
-    load: Load,
+    /// The power at the start.
+    power: PhotonPower,
 }
 
 /// One piece of a beam.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Piece {
+pub(super) struct BeamPiece {
     beam: u32,
+    /// The number of this piece, counted from 0.
     number: u16,
+    /// The number of pieces of the beam.
     count: u16,
 }
 
-/// Sines of crossing angles below this are taken for it: rays that run along a beam would see it infinitely bright.
+/// The least sine of the angle between a beam and a ray. The estimate divides by the sine. For a
+/// ray along a beam, the estimate would be infinite.
 const LEAST_SINE: f64 = 1e-3;
 
-/// Beams are cut into pieces about this long, as a share of the longest.
-const PIECES: f64 = 48.0;
+/// The number of pieces of the longest beam. Pieces of all beams have about the same length.
+const MOST_PIECES: f64 = 48.0;
 
-impl Beam {
-    /// A photon that sets out from the first to the second of `ends` (m, relative to the scene's centre) with this load, in the medium of this
-    /// number.
-    pub fn new([start, end]: [DVec3; 2], medium: usize, load: Load) -> Self {
+impl PhotonBeam {
+    /// Creates a beam in the medium number `medium`. The two positions are the start and the end of
+    /// the beam, in m, relative to the scene's centre. `power` is the power at the start.
+    pub fn new([start, end]: [DVec3; 2], medium: usize, power: PhotonPower) -> Self {
         let point = |p: DVec3| p.as_vec3().to_array();
-        Self { start: point(start), end: point(end), medium: medium as u16, load }
+        Self { start: point(start), end: point(end), medium: medium as u16, power }
     }
 
     fn ends(&self) -> (DVec3, DVec3) {
@@ -49,40 +54,42 @@ impl Beam {
 }
 
 /// Cuts beams into pieces of about equal length.
-pub(super) fn pieces(beams: &[Beam]) -> Vec<Piece> {
-    let longest = beams.iter().map(Beam::length).fold(0.0, f64::max);
+pub(super) fn pieces(beams: &[PhotonBeam]) -> Vec<BeamPiece> {
+    let longest = beams.iter().map(PhotonBeam::length).fold(0.0, f64::max);
     let mut pieces = Vec::with_capacity(beams.len() * 8);
     for (number, beam) in beams.iter().enumerate() {
-        let count = (beam.length() / longest * PIECES).ceil().clamp(1.0, PIECES) as u16;
-        pieces.extend((0..count).map(|piece| Piece { beam: number as u32, number: piece, count }));
+        let count = (beam.length() / longest * MOST_PIECES).ceil().clamp(1.0, MOST_PIECES) as u16;
+        pieces.extend((0..count).map(|piece| BeamPiece { beam: number as u32, number: piece, count }));
     }
     pieces
 }
 
-impl Piece {
-    /// The shares of the beam's length at which it starts and ends.
+impl BeamPiece {
+    /// Returns the start and the end of the piece, as fractions of the beam's length.
     fn span(&self) -> (f64, f64) {
         let count = f64::from(self.count);
         (f64::from(self.number) / count, f64::from(self.number + 1) / count)
     }
 
-    pub(super) fn bounds(&self, beams: &[Beam]) -> (Vec3, Vec3) {
+    /// Returns the least and the largest coordinates of the piece.
+    pub(super) fn bounds(&self, beams: &[PhotonBeam]) -> (Vec3, Vec3) {
         let (start, end) = beams[self.beam as usize].ends();
         let (from, to) = self.span();
         let (a, b) = (start.lerp(end, from).as_vec3(), start.lerp(end, to).as_vec3());
         (a.min(b), a.max(b))
     }
 
-    /// The piece as a ray sees it where the two lines are nearest, if that lies on both.
-    pub(super) fn seen_from<'m>(&self, beams: &'m [Beam], cone: &Cone) -> Option<Neighbour<'m>> {
+    /// Returns the beam if the closest approach of beam and ray lies on this piece, on the ray and
+    /// within the kernel radius.
+    pub(super) fn near_ray<'m>(&self, beams: &'m [PhotonBeam], cone: &QueryCone) -> Option<PhotonNearRay<'m>> {
         let beam = &beams[self.beam as usize];
         let (start, end) = beam.ends();
-        let way = end - start;
-        let length = way.length();
+        let along = end - start;
+        let length = along.length();
         if length <= 0.0 {
             return None;
         }
-        let (incoming, direction) = (way / length, cone.ray.direction);
+        let (incoming, direction) = (along / length, cone.ray.direction);
         let across = direction.cross(incoming);
         let sine2 = across.length_squared();
         if sine2 <= 0.0 {
@@ -100,13 +107,13 @@ impl Piece {
         }
         let sine = sine2.sqrt();
         let (distance, radius) = ((offset.dot(across) / sine).abs(), cone.radius_at(t));
-        (distance < radius).then(|| Neighbour {
-            load: &beam.load,
+        (distance < radius).then(|| PhotonNearRay {
+            power: &beam.power,
             incoming,
             medium: usize::from(beam.medium),
             t,
             kernels: kernel::on_line(distance, radius).times(1.0 / sine.max(LEAST_SINE)),
-            came: Some(Came { start, distance_m: s }),
+            beam: Some(BeamPath { start, distance_m: s }),
         })
     }
 }

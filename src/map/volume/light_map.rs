@@ -1,80 +1,103 @@
-//! Volumetric light maps: a grid around a medium, one map a light, that knows at each node what the light went through to get there.
+//! Volumetric light maps: precomputed shadow transmittance of direct light in media, one map for
+//! each light and medium.
 //!
-//! What is kept is the smoothest thing that says it all: not radiance, which falls off with the square of the distance and has the lamp's
-//! colour, but the mean density along the straight way from the lamp, for each medium on it; fog that is the same everywhere is then kept
-//! without error. The way itself and the irradiance at its end are worked out anew wherever the map is asked, and the transmittance
-//! exp(−σ_t(λ)·D) follows at any wavelength. Beside it each node knows whether the lamp shines there. Where none of the eight nodes around a place
-//! sees it the place is very likely dark, and to look from there is mostly in vain.
+//! A map is a grid around a medium. Radiance is not interpolated, because it falls off with the
+//! square of the distance and depends on the light's spectrum. Instead, each node stores the mean
+//! density of each medium along the straight line from the light. Homogeneous fog is then
+//! represented without error. A lookup recomputes the distance and the irradiance, and obtains the
+//! transmittance exp(−σ_t(λ)·D) at any wavelength from the column density D. Each node also stores
+//! whether the node sees the light. If none of the eight nodes around a position sees the light,
+//! the position is very likely in shadow, and most of its shadow rays can be saved.
 //!
-//! Every other node makes a lattice of half the resolution. Between nodes the error of what is smooth is of second order in the cell's size, so
-//! that a third of the difference between the two lattices estimates that of the finer one.
+//! Every second node belongs to a coarse lattice of half the resolution. The error of trilinear
+//! interpolation of a smooth function is of second order in the cell size. Therefore a third of the
+//! difference between the two lattices estimates the error of the fine one (Richardson
+//! extrapolation).
 
+use crate::geometry::Ray;
 use crate::math::random::{Purpose, REPLICATES, hash64};
 use crate::math::sobol::Sobol;
 use crate::scene::Scene;
-use crate::scene::geometry::Ray;
-use crate::scene::light::{Pick, WayTo};
+use crate::scene::light::{LightConnection, VirtualLight};
 use crate::scene::medium::Medium;
 use crate::spectrum::{LANES, Lanes, Spectrum, Wavelengths};
-use crate::walk::{Start, Stretch, stretches};
+use crate::walk::{MediumSegment, NumberedMedium, RayState, for_each_segment};
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 
-/// The maps of a pass: of each light that one place stands for, in each medium that scatters.
+/// The maps of a pass: one for each pair of a light and a scattering medium. Only lights
+/// represented by a single position have maps.
 #[derive(Debug, Default)]
 pub struct LightMaps<'a> {
     maps: Vec<LightMap<'a>>,
-    /// Cells along the longest side of each medium's box.
+    /// The number of cells along the longest side of each medium's box.
     cells: u32,
 }
 
-/// One light's map over one medium.
+/// The map of one light over one medium.
 #[derive(Debug)]
 pub struct LightMap<'a> {
     /// The light's number.
     pub light: usize,
     /// The medium's number.
     pub medium: usize,
-    /// The light's place in this pass.
-    pub pick: Pick,
-    /// From the scene to cells of the lattice.
+    /// The position or direction that represents the light in this pass.
+    pub virtual_light: VirtualLight,
+    /// Transforms scene coordinates to cells of the fine lattice.
     to_cells: DAffine3,
-    /// Cells along each axis; even.
+    /// The number of cells along each axis; even.
     cells: [usize; 3],
-    /// What may be on the way.
-    matters: Vec<Matter<'a>>,
-    /// For each node, x fastest, and each matter the mean density along the way (of light from infinity the column density in m).
+    /// The attenuators between the light and the nodes.
+    attenuators: Vec<Attenuator<'a>>,
+    /// The mean density along the line from the light to each node, or the column density in m if
+    /// the light is at infinity. The index runs over nodes (x fastest) and attenuators.
     means: Vec<f32>,
-    /// For each node whether the light shines there.
-    lit: Vec<bool>,
+    /// Whether the light is visible from each node.
+    visible: Vec<bool>,
 }
 
-/// What weakens light on its way.
+/// A cause of attenuation.
 #[derive(Debug, Clone, Copy)]
-enum Matter<'a> {
-    /// A medium, by its number.
-    Medium(usize, &'a Medium),
-    /// A clear body's absorption.
+enum Attenuator<'a> {
+    /// A participating medium.
+    Medium(NumberedMedium<'a>),
+    /// The absorption coefficient of a clear body, in 1/m.
     Clear(&'a Spectrum),
 }
 
-/// A place between the nodes of a lattice: the eight around it, with their weights.
+/// Trilinear interpolation: the eight nodes around a position, with their weights.
 #[derive(Debug, Clone, Copy)]
-struct Between {
+struct TrilinearWeights {
     nodes: [usize; 8],
     weights: [f64; 8],
 }
 
-/// A place looked up in both lattices, the fine one first.
+/// A position in a light map: its interpolation in the fine and in the coarse lattice.
 #[derive(Debug, Clone, Copy)]
-pub struct Look([Between; 2]);
+pub struct LightMapLookup([TrilinearWeights; 2]);
+
+/// The number of a light in the scene, and the position or direction that represents the light.
+#[derive(Debug, Clone, Copy)]
+struct PickedLight {
+    number: usize,
+    virtual_light: VirtualLight,
+}
+
+/// The number of a medium, and the box of the medium as a transform of the unit cube.
+#[derive(Debug, Clone, Copy)]
+struct MediumBox {
+    medium: usize,
+    from_unit: DAffine3,
+}
 
 impl<'a> LightMaps<'a> {
-    /// Makes the maps of a pass with so many cells (rounded up to even numbers) along the longest side of each medium's box; those of another
-    /// pass of the same scene stay as they are where nothing in them changes. Of a light with extent each pass sees another place.
-    pub fn renew(&mut self, scene: &'a Scene, cells: u32, (seed, pass): (u64, u64)) {
-        if self.cells == cells && !self.maps.iter().any(|map| scene.lights[map.light].can_be_hit()) {
+    /// Updates the maps for a pass. `seed` is the seed of the render. The longest side of each
+    /// medium's box gets `cells` cells, rounded up to an even number. In each pass, a different
+    /// position represents an extended light. Maps of the same resolution stay valid and are kept
+    /// if no light has an extent: all lights are points, or parallel light from infinity.
+    pub fn update(&mut self, scene: &'a Scene, cells: u32, seed: u64, pass: u64) {
+        if self.cells == cells && !self.maps.iter().any(|map| !scene.lights[map.light].is_delta()) {
             return;
         }
         let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64);
@@ -84,21 +107,23 @@ impl<'a> LightMaps<'a> {
             [point[0], point[1], point[2]]
         };
         let lights = scene.lights.iter().enumerate();
-        let picks = lights.filter_map(|(number, light)| Some((number, light.pick(scene.world(), numbers(number))?)));
+        let virtual_lights = lights.filter_map(|(number, light)| {
+            Some(PickedLight { number, virtual_light: light.virtual_light(scene.extent(), numbers(number))? })
+        });
         let is_served = |medium: &Medium| medium.scatters() && medium.is_smooth_in_cells(cells);
         let media = (0..scene.media.len()).filter(|&number| is_served(&scene.media[number]));
-        let placed: Vec<_> = media.filter_map(|number| Some((number, scene.box_of_medium(number)?))).collect();
-        let of_light =
-            |pick: (usize, Pick)| placed.iter().map(move |&place| LightMap::build(scene, pick, place, cells));
-        *self = Self { maps: picks.flat_map(of_light).collect(), cells };
+        let boxes: Vec<MediumBox> =
+            media.filter_map(|medium| Some(MediumBox { medium, from_unit: scene.box_of_medium(medium)? })).collect();
+        let of_light = |light: PickedLight| boxes.iter().map(move |&place| LightMap::build(scene, light, place, cells));
+        *self = Self { maps: virtual_lights.flat_map(of_light).collect(), cells };
     }
 
-    /// The maps of lights over a medium.
+    /// Returns the maps of all lights over a medium.
     pub fn over(&self, medium: usize) -> impl Iterator<Item = &LightMap<'a>> {
         self.maps.iter().filter(move |map| map.medium == medium)
     }
 
-    /// The map of a light over a medium.
+    /// Returns the map of a light over a medium, if there is one.
     pub fn of(&self, light: usize, medium: usize) -> Option<&LightMap<'a>> {
         self.maps.iter().find(|map| map.light == light && map.medium == medium)
     }
@@ -107,8 +132,8 @@ impl<'a> LightMaps<'a> {
 impl<'a> LightMap<'a> {
     fn build(
         scene: &'a Scene,
-        (light, pick): (usize, Pick),
-        (medium, from_unit): (usize, DAffine3),
+        light: PickedLight,
+        MediumBox { medium, from_unit }: MediumBox,
         resolution: u32,
     ) -> Self {
         let axes = from_unit.matrix3;
@@ -117,153 +142,168 @@ impl<'a> LightMap<'a> {
         let cells = sides.map(|side| 2 * ((0.5 * f64::from(resolution) * side / longest).ceil() as usize).max(1));
         let counts = DVec3::from_array(cells.map(|count| count as f64));
         let from_cells = from_unit * DAffine3::from_scale(counts.recip());
-        let matters = matters(scene);
+        let attenuators = attenuators(scene);
         let node_count = cells.iter().map(|count| count + 1).product();
         let mut map = Self {
-            light,
+            light: light.number,
             medium,
-            pick,
+            virtual_light: light.virtual_light,
             to_cells: from_cells.inverse(),
             cells,
-            means: vec![0.0; node_count * matters.len()],
-            matters,
-            lit: vec![false; node_count],
+            means: vec![0.0; node_count * attenuators.len()],
+            attenuators,
+            visible: vec![false; node_count],
         };
         let [x, y] = [cells[0] + 1, cells[1] + 1];
-        let place = |node: usize| {
+        let position = |node: usize| {
             let along = [node % x, node / x % y, node / (x * y)];
             from_cells.transform_point3(DVec3::from_array(along.map(|along| along as f64)))
         };
-        let (matters, means) = (&map.matters, &mut map.means);
-        let nodes = means.par_chunks_mut(matters.len()).zip(&mut map.lit).enumerate();
-        nodes.for_each(|(node, (means, lit))| *lit = light_up(scene, (light, &pick), place(node), (matters, means)));
-        map.forget_absent();
+        let (attenuators, means) = (&map.attenuators, &mut map.means);
+        let nodes = means.par_chunks_mut(attenuators.len()).zip(&mut map.visible).enumerate();
+        nodes.for_each(|(node, (means, visible))| {
+            *visible = trace_to_node(scene, &light, position(node), attenuators, means);
+        });
+        map.remove_absent_attenuators();
         map
     }
 
-    /// Drops what is on no node's way.
-    fn forget_absent(&mut self) {
-        let count = self.matters.len();
+    /// Keeps only the attenuators that lie between the light and at least one node.
+    fn remove_absent_attenuators(&mut self) {
+        let count = self.attenuators.len();
         let present: Vec<bool> =
-            (0..count).map(|matter| self.means.iter().skip(matter).step_by(count).any(|&mean| mean > 0.0)).collect();
+            (0..count).map(|i| self.means.iter().skip(i).step_by(count).any(|&mean| mean > 0.0)).collect();
         let kept = |index: &usize| present[index % count];
         self.means = (0..self.means.len()).filter(kept).map(|index| self.means[index]).collect();
-        self.matters = (0..count).filter(kept).map(|index| self.matters[index]).collect();
+        self.attenuators = (0..count).filter(kept).map(|index| self.attenuators[index]).collect();
     }
 
-    /// Looks a place up; places outside the grid count as the nearest inside.
-    pub fn look(&self, place: DVec3) -> Look {
-        let along = self.to_cells.transform_point3(place);
-        Look([1, 2].map(|step| self.between(along, step)))
+    /// Looks up a position. Positions outside the grid are clamped to the grid.
+    pub fn lookup(&self, position: DVec3) -> LightMapLookup {
+        let in_cells = self.to_cells.transform_point3(position);
+        LightMapLookup([1, 2].map(|step| self.trilinear_weights(in_cells, step)))
     }
 
-    /// Between which of every `step`th node a place lies.
-    fn between(&self, along: DVec3, step: usize) -> Between {
+    /// Returns the interpolation of a position between every `step`-th node. The position is in
+    /// cells of the fine lattice.
+    fn trilinear_weights(&self, in_cells: DVec3, step: usize) -> TrilinearWeights {
         let (mut nodes, mut weights) = ([0; 8], [1.0; 8]);
         let mut stride = 1;
         for axis in 0..3 {
             let last = self.cells[axis] / step;
-            let place = (along[axis] / step as f64).clamp(0.0, last as f64);
-            let cell = (place as usize).min(last - 1);
-            let share = place - cell as f64;
+            let position = (in_cells[axis] / step as f64).clamp(0.0, last as f64);
+            let cell = (position as usize).min(last - 1);
+            let fraction = position - cell as f64;
             for corner in 0..8 {
                 let upper = corner >> axis & 1;
                 nodes[corner] += (cell + upper) * step * stride;
-                weights[corner] *= if upper == 1 { share } else { 1.0 - share };
+                weights[corner] *= if upper == 1 { fraction } else { 1.0 - fraction };
             }
             stride *= self.cells[axis] + 1;
         }
-        Between { nodes, weights }
+        TrilinearWeights { nodes, weights }
     }
 
-    /// Whether any of the nodes around a place sees the light.
-    pub fn may_see(&self, look: &Look) -> bool {
-        look.0[0].nodes.iter().any(|&node| self.lit[node])
+    /// Returns true if any node around the position sees the light.
+    pub fn may_be_lit(&self, lookup: &LightMapLookup) -> bool {
+        lookup.0[0].nodes.iter().any(|&node| self.visible[node])
     }
 
-    /// What weakens light of these wavelengths: coefficients in 1/m for each matter, to be handed to [`Self::depths`].
+    /// Returns the extinction coefficients (1/m) of each attenuator at these wavelengths, for
+    /// [`Self::optical_depths`].
     pub fn coefficients(&self, wavelengths: &Wavelengths) -> impl Iterator<Item = Lanes> {
-        self.matters.iter().map(|matter| wavelengths.each(|nm| matter.coefficient(nm)))
+        self.attenuators.iter().map(|attenuator| wavelengths.each(|nm| attenuator.coefficient(nm)))
     }
 
-    /// The optical depths, by both lattices, of the way from the light to the place, which is `distance` long.
-    pub fn depths(&self, look: &Look, distance: f64, coefficients: &[Lanes]) -> [Lanes; 2] {
-        look.0.map(|between| {
+    /// Returns the optical depths between the light and the position, by the fine and by the coarse
+    /// lattice. `distance` is the distance to the light in m, infinite for a light at infinity.
+    pub fn optical_depths(&self, lookup: &LightMapLookup, distance: f64, coefficients: &[Lanes]) -> [Lanes; 2] {
+        lookup.0.map(|weights| {
             let mut depths = [0.0; LANES];
-            for (matter, coefficients) in coefficients.iter().enumerate() {
-                let column = self.column(&between, matter, distance);
+            for (attenuator, coefficients) in coefficients.iter().enumerate() {
+                let column = self.column_m(&weights, attenuator, distance);
                 (0..LANES).for_each(|k| depths[k] += coefficients[k] * column);
             }
             depths
         })
     }
 
-    /// The column density in m.
-    fn column(&self, Between { nodes, weights }: &Between, matter: usize, distance: f64) -> f64 {
-        let count = self.matters.len();
-        let mean: f64 = (0..8).map(|i| weights[i] * f64::from(self.means[nodes[i] * count + matter])).sum();
+    /// Returns the column density of an attenuator in m.
+    fn column_m(&self, interpolation: &TrilinearWeights, attenuator: usize, distance: f64) -> f64 {
+        let TrilinearWeights { nodes, weights } = interpolation;
+        let count = self.attenuators.len();
+        let mean: f64 = (0..8).map(|i| weights[i] * f64::from(self.means[nodes[i] * count + attenuator])).sum();
         if distance.is_finite() { mean * distance } else { mean }
     }
 }
 
-impl Matter<'_> {
+impl Attenuator<'_> {
+    /// Returns the extinction or absorption coefficient in 1/m.
     fn coefficient(&self, nm: f64) -> f64 {
         match self {
-            Matter::Medium(_, medium) => medium.extinction.at(nm),
-            Matter::Clear(absorption) => absorption.at(nm),
+            Attenuator::Medium(filling) => filling.medium.extinction.at(nm),
+            Attenuator::Clear(absorption) => absorption.at(nm),
         }
     }
 
-    /// The column density of a stretch of it in m; 0 of a stretch of something else.
-    fn column_m(&self, stretch: &Stretch<'_>) -> f64 {
+    /// Returns the attenuator's column density along a segment in m, or 0 if the attenuator does
+    /// not fill the segment.
+    fn column_m(&self, segment: &MediumSegment<'_>) -> f64 {
         match self {
-            Matter::Medium(number, medium) if stretch.medium.is_some_and(|(other, _)| other == *number) => {
-                medium.column_m(&stretch.ray, stretch.length_m)
+            Attenuator::Medium(filling) if segment.medium.is_some_and(|other| other.number == filling.number) => {
+                filling.medium.column_m(&segment.ray, segment.length_m)
             }
-            Matter::Clear(absorption) if stretch.absorption.is_some_and(|other| std::ptr::eq(other, *absorption)) => {
-                stretch.length_m
+            Attenuator::Clear(absorption)
+                if segment.absorption.is_some_and(|other| std::ptr::eq(other, *absorption)) =>
+            {
+                segment.length_m
             }
-            Matter::Medium(..) | Matter::Clear(_) => 0.0,
+            Attenuator::Medium(_) | Attenuator::Clear(_) => 0.0,
         }
     }
 
-    /// The density at a place, if the matter is there.
-    fn density_at(&self, place: DVec3) -> f64 {
+    /// Returns the relative density at a position inside the attenuator.
+    fn density_at(&self, position: DVec3) -> f64 {
         match self {
-            Matter::Medium(_, medium) => medium.density_at(place),
-            Matter::Clear(_) => 1.0,
+            Attenuator::Medium(filling) => filling.medium.density_at(position),
+            Attenuator::Clear(_) => 1.0,
         }
     }
 }
 
-/// All that weakens light anywhere in a scene.
-fn matters(scene: &Scene) -> Vec<Matter<'_>> {
+/// Returns all attenuators of a scene.
+fn attenuators(scene: &Scene) -> Vec<Attenuator<'_>> {
     let bodies = || scene.materials.iter().filter_map(|material| material.body.as_ref());
     let fills = |number: &usize| bodies().any(|body| body.medium == Some(*number));
-    let media = (0..scene.media.len()).filter(fills).map(|number| Matter::Medium(number, &scene.media[number]));
-    media.chain(bodies().filter_map(|body| body.absorption.as_ref().map(Matter::Clear))).collect()
+    let numbered = |number| NumberedMedium { number, medium: &scene.media[number] };
+    let media = (0..scene.media.len()).filter(fills).map(|number| Attenuator::Medium(numbered(number)));
+    media.chain(bodies().filter_map(|body| body.absorption.as_ref().map(Attenuator::Clear))).collect()
 }
 
-/// Finds the mean density of each matter along the light's way to a node, and whether the light shines on the node. What is on the way is
-/// followed from the light, for around it the bodies are known; surfaces do not end it, so that what is kept goes on smoothly behind them.
-fn light_up(
+/// Computes the mean density of each attenuator between the light and a node. Returns whether the
+/// light is visible from the node.
+///
+/// The line is followed from the light, because the medium stack is known there. The line continues
+/// behind surfaces, so that the stored densities are smooth there.
+fn trace_to_node(
     scene: &Scene,
-    (light, pick): (usize, &Pick),
+    light: &PickedLight,
     node: DVec3,
-    (matters, means): (&[Matter<'_>], &mut [f32]),
+    attenuators: &[Attenuator<'_>],
+    means: &mut [f32],
 ) -> bool {
-    let WayTo { direction, distance, target } = pick.way_from(node);
+    let LightConnection { direction, distance, target } = light.virtual_light.connection_from(node);
     if distance <= 0.0 {
-        means.iter_mut().zip(matters).for_each(|(mean, matter)| *mean = matter.density_at(node) as f32);
+        means.iter_mut().zip(attenuators).for_each(|(mean, attenuator)| *mean = attenuator.density_at(node) as f32);
         return false;
     }
     let outside = 2.0 * (scene.radius_m.max(scene.boundaries.radius_m()) + node.length());
-    let (ray, length) = pick.ray_to(node, outside);
-    let start = Start { ray, from: target, interior: scene.lights[light].interior };
+    let (ray, length) = light.virtual_light.ray_to(node, outside);
+    let ray_state = RayState { ray, from: target, medium_stack: scene.lights[light.number].medium_stack };
     let per_length = if distance.is_finite() { 1.0 / distance } else { 1.0 };
-    let _end = stretches(scene, start, length, &mut |stretch| {
-        for (mean, matter) in means.iter_mut().zip(matters) {
-            *mean += (matter.column_m(stretch) * per_length) as f32;
+    let _end = for_each_segment(scene, ray_state, length, &mut |segment| {
+        for (mean, attenuator) in means.iter_mut().zip(attenuators) {
+            *mean += (attenuator.column_m(segment) * per_length) as f32;
         }
         ControlFlow::Continue(())
     });
@@ -274,10 +314,11 @@ fn light_up(
 mod tests {
     use super::*;
     use crate::math::sobol::Sobol;
-    use crate::scene::{file, resolve::resolve};
+    use crate::{format, format::resolve::resolve};
 
-    /// A ball of smoke that fades towards its surface, beside it a lamp, and between them half a wall.
-    fn scene(lamp: &str) -> Scene {
+    /// Returns a scene with a ball of smoke that fades towards its surface, a light beside it, and
+    /// a wall that covers half of the light.
+    fn scene(light: &str) -> Scene {
         let text = format!(
             r#"{{
   "camera": {{"from": [0, 0, 5], "at": [0, 0, 0], "lens": {{"pinhole": {{"fov": 40}}}}}},
@@ -288,10 +329,10 @@ mod tests {
   "objects": [{{"shape": {{"box": {{"size": [2, 2, 2]}}}}, "material": "smoke"}},
     {{"shape": {{"rectangle": {{"width": 1, "height": 4}}}}, "material": "black",
       "transform": [{{"rotate": {{"axis": [0, 0, 1], "degrees": 90}}}}, {{"translate": [1.5, -0.5, 0]}}]}}],
-  "lights": [{lamp}]
+  "lights": [{light}]
 }}"#
         );
-        let (written, source) = file::parse(&text, "smoke.json".as_ref(), &[]).unwrap();
+        let (written, source) = format::parse(&text, "smoke.json".as_ref(), &[]).unwrap();
         resolve(&written, &source).unwrap()
     }
 
@@ -303,49 +344,56 @@ mod tests {
         (0..4096).map(move |i| 2.0 * DVec3::new(sobol.at(i, 0), sobol.at(i, 1), sobol.at(i, 2)) - 1.0)
     }
 
-    /// Mean |error| of the transmittance from the lamp by a map of so many cells, and the mean of what the map takes it for.
+    /// Returns two means for a map of this number of cells: the absolute error of the
+    /// transmittance, and the map's own estimate of this error.
     fn transmittance_errors(scene: &Scene, cells: u32) -> [f64; 2] {
         let mut maps = LightMaps::default();
-        maps.renew(scene, cells, (0, 0));
+        maps.update(scene, cells, 0, 0);
         let (map, medium) = (maps.of(0, 0).unwrap(), &scene.media[0]);
         let sigma: Vec<Lanes> = map.coefficients(&Wavelengths::single(550.0)).collect();
-        let (mut off, mut told, mut count) = (0.0, 0.0, 0.0);
+        let (mut error, mut estimated, mut count) = (0.0, 0.0, 0.0);
         for place in places() {
-            let way = map.pick.way_from(place);
+            let way = map.virtual_light.connection_from(place);
             let truth = (-3.0 * medium.column_m(&Ray::new(place, way.direction), way.distance.min(10.0))).exp();
-            let [fine, coarse] = map.depths(&map.look(place), way.distance, &sigma).map(|depths| (-depths[0]).exp());
-            off += (fine - truth).abs();
-            told += ((coarse - fine) / 3.0).abs();
+            let [fine, coarse] =
+                map.optical_depths(&map.lookup(place), way.distance, &sigma).map(|depths| (-depths[0]).exp());
+            error += (fine - truth).abs();
+            estimated += ((coarse - fine) / 3.0).abs();
             count += 1.0;
         }
-        [off / count, told / count]
+        [error / count, estimated / count]
     }
 
+    /// The error is of second order in the cell size, and the coarse lattice estimates it.
     #[test]
-    fn what_a_map_lacks_falls_with_the_square_of_its_cells_and_is_told_by_halving_them() {
-        for (name, lamp) in [("point", POINT), ("sun", SUN)] {
-            let scene = scene(lamp);
+    fn map_error_is_second_order_and_estimated() {
+        for (name, light) in [("point", POINT), ("sun", SUN)] {
+            let scene = scene(light);
             let errors = [8, 16, 32].map(|cells| transmittance_errors(&scene, cells));
             for (pair, cells) in errors.windows(2).zip([16, 32]) {
                 let order = (pair[0][0] / pair[1][0]).log2();
-                println!("{name}, {cells} cells: off by {:.2e}, told {:.2e}, order {order:.2}", pair[1][0], pair[1][1]);
+                println!(
+                    "{name}, {cells} cells: error {:.2e}, estimated {:.2e}, order {order:.2}",
+                    pair[1][0], pair[1][1]
+                );
                 assert!((1.7..2.3).contains(&order), "order {order}");
-                assert!((0.5..2.0).contains(&(pair[1][1] / pair[1][0])), "told {:e}", pair[1][1]);
+                assert!((0.5..2.0).contains(&(pair[1][1] / pair[1][0])), "estimated {:e}", pair[1][1]);
             }
         }
     }
 
+    /// If no node around a position sees the light, the position is nearly always in shadow.
     #[test]
-    fn where_no_node_sees_the_lamp_nearly_all_places_are_dark() {
+    fn positions_between_dark_nodes_are_nearly_all_dark() {
         let scene = scene(POINT);
         let mut maps = LightMaps::default();
-        maps.renew(&scene, 32, (0, 0));
+        maps.update(&scene, 32, 0, 0);
         let map = maps.of(0, 0).unwrap();
         let (mut dark, mut lit_in_the_dark, mut dark_in_the_light) = (0, 0, 0);
         for place in places() {
-            let WayTo { direction, distance, .. } = map.pick.way_from(place);
+            let LightConnection { direction, distance, .. } = map.virtual_light.connection_from(place);
             let hidden = scene.geometry.occluded(&Ray::new(place, direction), None, None, distance);
-            if map.may_see(&map.look(place)) {
+            if map.may_be_lit(&map.lookup(place)) {
                 dark_in_the_light += u32::from(hidden);
             } else {
                 dark += 1;
@@ -356,24 +404,26 @@ mod tests {
         assert!(dark > 400 && lit_in_the_dark < 8 && dark_in_the_light < 200);
     }
 
+    /// Maps of lights without extent are kept until the resolution changes. All other maps are
+    /// rebuilt.
     #[test]
-    fn maps_of_lamps_without_extent_last_until_their_cells_change() {
+    fn maps_of_point_lights_last_until_cells_change() {
         let still = scene(POINT);
         let mut maps = LightMaps::default();
-        maps.renew(&still, 8, (0, 0));
+        maps.update(&still, 8, 0, 0);
         let first = maps.maps[0].means.as_ptr();
-        maps.renew(&still, 8, (0, 1));
+        maps.update(&still, 8, 0, 1);
         assert_eq!(maps.maps[0].means.as_ptr(), first);
-        maps.renew(&still, 10, (0, 2));
+        maps.update(&still, 10, 0, 2);
         assert_eq!(maps.maps[0].cells, [10; 3]);
         let wide = scene(
             r#"{"directional": {"toward": [-1, 0, 0], "angular_diameter": 5, "spectrum": "E", "irradiance": 1}}"#,
         );
-        let direction = |maps: &LightMaps<'_>| maps.maps[0].pick.way_from(DVec3::ZERO).direction;
+        let direction = |maps: &LightMaps<'_>| maps.maps[0].virtual_light.connection_from(DVec3::ZERO).direction;
         let mut maps = LightMaps::default();
-        maps.renew(&wide, 8, (0, 0));
+        maps.update(&wide, 8, 0, 0);
         let before = direction(&maps);
-        maps.renew(&wide, 8, (0, 1));
+        maps.update(&wide, 8, 0, 1);
         assert_ne!(direction(&maps), before);
     }
 }

@@ -1,109 +1,113 @@
-//! Photons in media, as a ray finds them: as points where they met particles, or as beams along their whole way. Beside them the light that
-//! comes straight from lamps, worked out beforehand on a grid.
+//! Photons in media, gathered along camera rays. Points are the collisions of photons, and beams
+//! are whole segments of photon paths. The module also contains maps of direct light on a grid.
 
 mod beam;
 mod light_map;
 mod point;
 
-pub use beam::Beam;
-pub use light_map::{LightMap, LightMaps, Look};
+pub use beam::PhotonBeam;
+pub use light_map::{LightMap, LightMapLookup, LightMaps};
 pub use point::VolumePhoton;
 
-use super::kernel::Kernels;
-use super::near_ray::{Cone, NearRay};
-use super::photon::Load;
+use super::box_tree::BoxTree;
+use super::kernel::KernelValues;
+use super::photon::PhotonPower;
+use super::query_cone::QueryCone;
 use glam::{DVec3, Vec3};
 
-/// The photons of one class of paths in media: points in some media, beams in others.
+/// The photons of one class in media: points in some media, beams in others.
 #[derive(Debug, Default)]
 pub struct VolumeMaps {
-    /// Where photons met particles.
+    /// Collisions of photons.
     pub points: VolumeMap,
-    /// Photons' whole ways.
+    /// Segments of photon paths.
     pub beams: VolumeMap,
 }
 
-/// Photons of a pass in media.
+/// A spatial index over points or over beams.
 #[derive(Debug, Default)]
 pub struct VolumeMap {
-    kept: Kept,
-    index: NearRay,
+    photons: VolumePhotons,
+    tree: BoxTree,
 }
 
 #[derive(Debug)]
-enum Kept {
+enum VolumePhotons {
     Points(Vec<VolumePhoton>),
     Beams {
-        beams: Vec<Beam>,
-        /// The pieces into which long beams are cut, so that their boxes stay small: beam, and which of how many.
-        pieces: Vec<beam::Piece>,
+        beams: Vec<PhotonBeam>,
+        /// Long beams are cut into pieces, so that the boxes of the pieces stay small.
+        pieces: Vec<beam::BeamPiece>,
     },
 }
 
-impl Default for Kept {
+impl Default for VolumePhotons {
     fn default() -> Self {
         Self::Points(Vec::new())
     }
 }
 
-/// A photon that a ray passes close by.
+/// A photon whose kernel intersects a camera ray.
 #[derive(Debug)]
-pub struct Neighbour<'m> {
-    /// Its light.
-    pub load: &'m Load,
-    /// The way it goes, unit.
+pub struct PhotonNearRay<'m> {
+    /// The wavelengths and powers.
+    pub power: &'m PhotonPower,
+    /// The photon's direction, unit.
     pub incoming: DVec3,
     /// The medium's number.
     pub medium: usize,
-    /// Where along the ray it is nearest, in m.
+    /// The distance along the ray to the closest approach, in m.
     pub t: f64,
-    /// The kernels there: 1/m² for points, 1/m² for beams too, the sine of the crossing angle included.
-    pub kernels: Kernels,
-    /// Of a beam, how it came there; of a point nothing: its power is that at the point already.
-    pub came: Option<Came>,
+    /// The kernel values, in 1/m². The values of beams include the inverse sine of the crossing
+    /// angle.
+    pub kernels: KernelValues,
+    /// The beam from its start to the ray. `None` for a point, because the stored power of a point
+    /// needs no correction.
+    pub beam: Option<BeamPath>,
 }
 
-/// How a beam came to where a ray passes it.
+/// The part of a beam between its start and a camera ray.
 #[derive(Debug, Clone, Copy)]
-pub struct Came {
-    /// Its start.
+pub struct BeamPath {
+    /// The start of the beam.
     pub start: DVec3,
-    /// How far from there the ray passes, in m.
+    /// The distance from the start to the closest approach, in m.
     pub distance_m: f64,
 }
 
 impl VolumeMap {
-    /// A map of points.
+    /// Creates a map of points.
     pub fn of_points(points: Vec<VolumePhoton>) -> Self {
         let boxes: Vec<(Vec3, Vec3)> = points.iter().map(|p| (p.position.into(), p.position.into())).collect();
-        Self { index: NearRay::build(&boxes), kept: Kept::Points(points) }
+        Self { tree: BoxTree::build(&boxes), photons: VolumePhotons::Points(points) }
     }
 
-    /// A map of beams.
-    pub fn of_beams(beams: Vec<Beam>) -> Self {
+    /// Creates a map of beams.
+    pub fn of_beams(beams: Vec<PhotonBeam>) -> Self {
         let pieces = beam::pieces(&beams);
         let boxes: Vec<(Vec3, Vec3)> = pieces.iter().map(|piece| piece.bounds(&beams)).collect();
-        Self { index: NearRay::build(&boxes), kept: Kept::Beams { beams, pieces } }
+        Self { tree: BoxTree::build(&boxes), photons: VolumePhotons::Beams { beams, pieces } }
     }
 
-    /// Whether there are no photons.
+    /// Whether the map has no photons.
     pub fn is_empty(&self) -> bool {
-        match &self.kept {
-            Kept::Points(points) => points.is_empty(),
-            Kept::Beams { beams, .. } => beams.is_empty(),
+        match &self.photons {
+            VolumePhotons::Points(points) => points.is_empty(),
+            VolumePhotons::Beams { beams, .. } => beams.is_empty(),
         }
     }
 
-    /// Calls `visit` with every photon whose kernel the cone's ray passes.
-    pub fn along(&self, cone: &Cone, mut visit: impl FnMut(Neighbour<'_>)) {
-        match &self.kept {
-            Kept::Points(points) => self.index.visit(cone, |i| {
-                if let Some(found) = points[i as usize].seen_from(cone) {
+    /// Calls `visit` for each photon whose kernel intersects the ray of the cone. Allocates
+    /// nothing.
+    pub fn along(&self, cone: &QueryCone, mut visit: impl FnMut(PhotonNearRay<'_>)) {
+        match &self.photons {
+            VolumePhotons::Points(points) => self.tree.visit(cone, |i| {
+                if let Some(found) = points[i as usize].near_ray(cone) {
                     visit(found);
                 }
             }),
-            Kept::Beams { beams, pieces } => self.index.visit(cone, |i| {
-                if let Some(found) = pieces[i as usize].seen_from(beams, cone) {
+            VolumePhotons::Beams { beams, pieces } => self.tree.visit(cone, |i| {
+                if let Some(found) = pieces[i as usize].near_ray(beams, cone) {
                     visit(found);
                 }
             }),

@@ -1,47 +1,51 @@
-//! Photons where they met particles of a medium, seen by the beam radiance estimate (Jarosz, Zwicker & Jensen 2008): the kernel is a disk across the ray.
+//! Photon points in media, gathered by the beam radiance estimate (Jarosz, Zwicker & Jensen 2008,
+//! "The Beam Radiance Estimate for Volumetric Photon Mapping"): the kernel is a disk perpendicular
+//! to the camera ray.
 
-use super::Neighbour;
-use crate::map::kernel::Disk;
-use crate::map::near_ray::Cone;
-use crate::map::photon::{Load, Octahedral};
+use super::PhotonNearRay;
+use crate::map::kernel::DiskKernel;
+use crate::map::photon::{Octahedral, PhotonPower};
+use crate::map::query_cone::QueryCone;
 use glam::{DVec3, Vec3};
 
-/// A photon where it met a particle.
+/// A collision of a photon with a medium.
 #[derive(Debug, Clone, Copy)]
 pub struct VolumePhoton {
-    /// Where, in m relative to the scene's centre.
+    /// The position in m, relative to the scene's centre.
     pub position: [f32; 3],
     incoming: Octahedral,
     medium: u16,
-    /// The light that the particle scatters, all directions together.
-    load: Load,
+    /// The power scattered by the medium, summed over all directions.
+    power: PhotonPower,
 }
 
 impl VolumePhoton {
-    /// A photon that came along the unit vector `incoming` and whose `load` is scattered at `position`, in the medium of this number.
-    pub fn new(position: DVec3, incoming: DVec3, medium: usize, load: Load) -> Self {
+    /// Creates a photon at a collision. The photon arrives at `position` in the unit direction
+    /// `incoming`. The medium number `medium` scatters the power `power` there.
+    pub fn new(position: DVec3, incoming: DVec3, medium: usize, power: PhotonPower) -> Self {
         Self {
             position: position.as_vec3().to_array(),
             incoming: Octahedral::encode(incoming),
             medium: medium as u16,
-            load,
+            power,
         }
     }
 
-    pub(super) fn seen_from(&self, cone: &Cone) -> Option<Neighbour<'_>> {
+    /// Returns the photon if the cone contains it.
+    pub(super) fn near_ray(&self, cone: &QueryCone) -> Option<PhotonNearRay<'_>> {
         let offset = Vec3::from(self.position).as_dvec3() - cone.ray.origin;
         let t = offset.dot(cone.ray.direction);
         if !(t > 0.0 && t < cone.length_m) {
             return None;
         }
         let (d2, r) = ((offset - t * cone.ray.direction).length_squared(), cone.radius_at(t));
-        (d2 < r * r).then(|| Neighbour {
-            load: &self.load,
+        (d2 < r * r).then(|| PhotonNearRay {
+            power: &self.power,
             incoming: self.incoming.decode(),
             medium: usize::from(self.medium),
             t,
-            kernels: Disk::new(r * r).at(d2),
-            came: None,
+            kernels: DiskKernel::new(r * r).at(d2),
+            beam: None,
         })
     }
 }

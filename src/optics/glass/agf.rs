@@ -1,25 +1,28 @@
-//! Glass catalogues of Zemax (`.agf`): a list of operands, one a line, those of a glass after its `NM`.
+//! Zemax glass catalogues (`.agf`): a list of operands, one per line. The operands of a glass
+//! follow its `NM` line.
 //!
-//! Read are `NM` (name and number of the formula), `CD` (its coefficients, for λ in µm) and `LD` (the range in µm); indices are relative to air, as
-//! catalogues quote them. The other operands say nothing of n(λ) at the catalogue's temperature.
+//! The reader uses `NM` (name and formula number), `CD` (coefficients for λ in µm) and `LD`
+//! (wavelength range in µm). The indices are relative to air. All other operands are ignored,
+//! because they do not affect n(λ) at the reference temperature of the catalogue.
 
 use std::path::{Path, PathBuf};
 
-use super::catalogue::{CauchyFit, Glass, Kind, RelativeTo};
-use super::dispersion::{Dispersion, Pole, Power};
-use super::index::Index;
+use super::catalogue::{CauchyFit, Glass, GlassKind};
+use super::dispersion::{Dispersion, PowerTerm, SellmeierTerm};
+use super::index::{ReferenceMedium, RefractiveIndex};
 use crate::error::{Error, Result};
 use crate::optics::zemax_text::decoded;
 
-/// A catalogue as read; the formula of a glass is looked at when the glass is asked for.
+/// A parsed catalogue. The formulas are not checked yet: [`AgfCatalogue::find`] checks the formula
+/// of a glass.
 #[derive(Debug, Clone)]
-pub struct GlassFile {
+pub struct AgfCatalogue {
     path: PathBuf,
-    glasses: Vec<Row>,
+    glasses: Vec<AgfRow>,
 }
 
 #[derive(Debug, Clone)]
-struct Row {
+struct AgfRow {
     line: usize,
     name: String,
     formula: u32,
@@ -27,16 +30,16 @@ struct Row {
     range_um: Option<(f64, f64)>,
 }
 
-impl GlassFile {
-    /// Reads a catalogue from the bytes of a file; `path` names it in errors, which also give the line.
+impl AgfCatalogue {
+    /// Parses a catalogue from the bytes of a file. Errors name `path` and the line.
     ///
     /// # Errors
-    /// The input's: what is no such file, and numbers that are none.
+    /// Returns an error if the file is not an AGF catalogue or a number is malformed.
     pub fn parse(bytes: &[u8], path: &Path) -> Result<Self> {
         let expected = "a Zemax glass catalogue: lines NM, CD and LD for each glass";
         let fault = |what: &str| Error::input(what).expected(expected).in_file(path);
-        let text = decoded(bytes).ok_or_else(|| fault("the file is no text"))?;
-        let mut glasses: Vec<Row> = Vec::new();
+        let text = decoded(bytes).ok_or_else(|| fault("the file is not text"))?;
+        let mut glasses: Vec<AgfRow> = Vec::new();
         for (i, line) in text.lines().enumerate() {
             let mut words = line.split_whitespace();
             let operand = words.next().unwrap_or_default();
@@ -57,37 +60,38 @@ impl GlassFile {
         Ok(Self { path: path.to_path_buf(), glasses })
     }
 
-    /// The names of its glasses, in the file's order.
+    /// Returns the names of the glasses in the order of the file.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.glasses.iter().map(|glass| glass.name.as_str())
     }
 
-    /// Whether it has a glass of this name, without regard to case.
+    /// Returns whether the catalogue contains a glass of this name; case is ignored.
     pub fn has(&self, name: &str) -> bool {
         self.names().any(|own| own.eq_ignore_ascii_case(name))
     }
 
-    /// The glass of this name, without regard to case.
+    /// Returns the glass of this name; case is ignored.
     ///
     /// # Errors
-    /// The input's: an unknown name, a formula that is not known, coefficients that give no index.
+    /// Returns an error if the name is unknown, the formula is not supported, or the coefficients
+    /// give no valid index.
     pub fn find(&self, name: &str) -> Result<Glass> {
         let row = self.glasses.iter().find(|glass| glass.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
             Error::unknown_name("glass", name, self.names()).expected(format!("a glass of {}", self.path.display()))
         })?;
         let placed = |error: Error| error.at(row.line, 1).in_file(&self.path);
-        let missing = || Error::input(format!("{} states no range of wavelengths", row.name)).expected("a line LD");
+        let missing = || Error::input(format!("{} has no wavelength range", row.name)).expected("an LD line");
         let (from_um, to_um) = row.range_um.ok_or_else(missing).map_err(placed)?;
         let range_nm = (1e3 * from_um, 1e3 * to_um);
         let dispersion = dispersion(row).map_err(placed)?;
-        let mut index = Index::new(dispersion, range_nm).map_err(placed)?;
-        index.explain(&row.name, RelativeTo::Air);
-        let cauchy = CauchyFit::to(&index).map_err(placed)?;
+        let mut index = RefractiveIndex::new(dispersion, range_nm).map_err(placed)?;
+        index.set_warning(&row.name, ReferenceMedium::Air);
+        let cauchy = CauchyFit::fit(&index).map_err(placed)?;
         Ok(Glass {
             name: row.name.clone(),
-            kind: Kind::Glass,
+            kind: GlassKind::Glass,
             index,
-            relative_to: RelativeTo::Air,
+            relative_to: ReferenceMedium::Air,
             temperature_k: None,
             extinction: None,
             cauchy,
@@ -96,14 +100,14 @@ impl GlassFile {
     }
 }
 
-fn row(line: usize, words: &[&str]) -> Result<Row> {
+fn row(line: usize, words: &[&str]) -> Result<AgfRow> {
     let number = |word: &&str| word.parse::<f64>().ok().filter(|number| number.fract() == 0.0 && *number >= 1.0);
     match words {
         [name, formula, ..] if number(formula).is_some() => {
             let formula = number(formula).unwrap_or_default() as u32;
-            Ok(Row { line, name: (*name).to_string(), formula, coefficients: Vec::new(), range_um: None })
+            Ok(AgfRow { line, name: (*name).to_string(), formula, coefficients: Vec::new(), range_um: None })
         }
-        _ => Err(Error::input("found a glass without a name or formula").expected("NM, a name, the formula's number")),
+        _ => Err(Error::input("found a glass without a name or formula").expected("NM, a name and a formula number")),
     }
 }
 
@@ -115,12 +119,13 @@ fn numbers(words: &[&str]) -> Result<Vec<f64>> {
     words.iter().map(number).collect()
 }
 
-/// The formula of a glass by its number in Zemax's manual; a coefficient that is left out is 0.
-fn dispersion(row: &Row) -> Result<Dispersion> {
+/// Converts the coefficients of a glass by its formula number in the Zemax manual. Missing
+/// coefficients are 0.
+fn dispersion(row: &AgfRow) -> Result<Dispersion> {
     let c: [f64; 10] = std::array::from_fn(|i| row.coefficients.get(i).copied().unwrap_or(0.0));
-    let poles = |count: usize| (0..count).map(|i| Pole { b: c[2 * i], c: c[2 * i + 1] }).collect();
+    let poles = |count: usize| (0..count).map(|i| SellmeierTerm { b: c[2 * i], c: c[2 * i + 1] }).collect();
     let squared = |powers: &[i32]| {
-        let power = |(i, &p): (usize, &i32)| Power { c: c[i + 1], p };
+        let power = |(i, &p): (usize, &i32)| PowerTerm { c: c[i + 1], p };
         Dispersion::SquaredPowers { c0: c[0], powers: powers.iter().enumerate().map(power).collect() }
     };
     // n² = c₁ + c₂ λ^c₃/(λ² − c₄^c₅) + c₆ λ^c₇/(λ² − c₈^c₉)
@@ -128,12 +133,13 @@ fn dispersion(row: &Row) -> Result<Dispersion> {
     Ok(match row.formula {
         // Schott.
         1 => squared(&[2, -2, -4, -6, -8]),
-        // Sellmeier 1, 3 and 5: pairs of strength and squared resonance.
+        // Sellmeier 1, 3 and 5: pairs of strength and squared resonance wavelength.
         2 => Dispersion::Sellmeier { c0: 0.0, poles: poles(3) },
         6 => Dispersion::Sellmeier { c0: 0.0, poles: poles(4) },
         11 => Dispersion::Sellmeier { c0: 0.0, poles: poles(5) },
         3 => Dispersion::Herzberger(Box::new([c[0], c[1], c[2], c[3], c[4], c[5]])),
-        // Sellmeier 2: resonances not squared, the second term without λ² above.
+        // Sellmeier 2: the resonance wavelengths are not squared, and the numerator of the second
+        // term has no λ².
         4 => rational([1.0 + c[0], c[1], 2.0, c[2], 2.0, c[3], 0.0, c[4], 2.0]),
         5 => Dispersion::Conrady { a: c[0], b: c[1], c: c[2] },
         // Handbook of Optics 1 and 2.
@@ -142,7 +148,7 @@ fn dispersion(row: &Row) -> Result<Dispersion> {
         // Sellmeier 4.
         9 => Dispersion::Sellmeier {
             c0: c[0] - 1.0,
-            poles: [Pole { b: c[1], c: c[2] }, Pole { b: c[3], c: c[4] }].into(),
+            poles: [SellmeierTerm { b: c[1], c: c[2] }, SellmeierTerm { b: c[3], c: c[4] }].into(),
         },
         // Extended, and Extended 2.
         10 => squared(&[2, -2, -4, -6, -8, -10, -12]),
@@ -159,7 +165,8 @@ mod tests {
     use super::*;
     use crate::optics::glass::catalogue;
 
-    /// Of the makers' published coefficients: Schott's N-BK7 and SF6 in the old and the new form, a mould glass, made-up ones.
+    /// N-BK7 and BK7 with Schott's published coefficients in the new and the old form, and
+    /// synthetic glasses for the other formulas.
     const FILE: &str = "CC a few glasses\r\n\
         NM N-BK7 2 517642.251 1.5168 64.17 0 1 -1\r\nGC \r\nED 7.1 8.3 2.51 -0.0009 0\r\n\
         CD 1.03961212E+0 6.00069867E-3 2.31792344E-1 2.00179144E-2 1.01046945E+0 1.03560653E+2 0 0 0 0\r\n\
@@ -170,8 +177,8 @@ mod tests {
         NM SEVEN 7 0 0 0\nCD 2.2 0.02 0.03 0.01\nLD 0.36 1\n\
         NM LATE 13 0 0 0\nCD 1\nLD 0.36 1\nNM BARE 2 0 0 0\nCD 1 0.01\n";
 
-    fn file() -> GlassFile {
-        GlassFile::parse(FILE.as_bytes(), "a.agf".as_ref()).unwrap()
+    fn file() -> AgfCatalogue {
+        AgfCatalogue::parse(FILE.as_bytes(), "a.agf".as_ref()).unwrap()
     }
 
     #[test]
@@ -202,16 +209,16 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_used_is_named_with_its_place() {
+    fn unusable_glasses_are_reported_with_their_line() {
         let file = file();
         let told = |result: Result<Glass>, words: &[&str]| {
             let text = result.unwrap_err().to_string();
             assert!(words.iter().all(|word| text.contains(word)), "{text}");
         };
         told(file.find("LATE"), &["a.agf:27:1", "formula 13 of LATE", "1 to 12"]);
-        told(file.find("BARE"), &["a.agf:30:1", "no range", "LD"]);
+        told(file.find("BARE"), &["a.agf:30:1", "no wavelength range", "LD"]);
         told(file.find("N-BK8"), &["unknown glass \"N-BK8\"", "N-BK7", "a glass of a.agf"]);
-        let parse = |text: &str| GlassFile::parse(text.as_bytes(), "a.agf".as_ref()).unwrap_err().to_string();
+        let parse = |text: &str| AgfCatalogue::parse(text.as_bytes(), "a.agf".as_ref()).unwrap_err().to_string();
         assert!(parse("hello\n").contains("found no glass"));
         assert!(parse("NM A two\n").contains("a.agf:1:1"));
         assert!(parse("NM A 2\nCD 1 x\n").contains("a.agf:2:1: found \"x\""));

@@ -1,25 +1,26 @@
-//! The catalogue of transparent materials: `data/glass/glasses.json`, read once, at the first look-up.
+//! The catalogue of transparent materials. The first lookup parses `data/glass/glasses.json`.
 
 use std::sync::LazyLock;
 
 use serde::Deserialize;
 
-use super::dispersion::{Dispersion, Pole, Power};
+use super::dispersion::{Dispersion, PowerTerm, SellmeierTerm};
 use super::extinction::Extinction;
-use super::index::Index;
+use super::index::{ReferenceMedium, RefractiveIndex};
 use crate::error::{Error, Result};
 use crate::spectrum::BAND_NM;
 use glam::{DMat3, DVec3};
 
-/// What a material is.
+/// The kind of a material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum GlassKind {
     /// An optical or technical glass.
     Glass,
     /// A glass ceramic.
     GlassCeramic,
-    /// A crystal; of a birefringent one the ordinary (o) or extraordinary (e) index.
+    /// A crystal. Birefringent crystals have separate entries for the ordinary (o) and
+    /// extraordinary (e) index.
     Crystal,
     /// A plastic.
     Polymer,
@@ -29,47 +30,40 @@ pub enum Kind {
     Gas,
 }
 
-/// The medium in which light is as fast as n = 1 says.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum RelativeTo {
-    /// Air at 20–22 °C and 101 325 Pa, as catalogues quote it.
-    Air,
-    /// Vacuum.
-    Vacuum,
-    /// The source does not say; the difference is 3e-4.
-    Unstated,
-}
-
-/// A least-squares fit of n = a + b/λ² + c/λ⁴, λ in µm.
+/// A least-squares fit of n = a + b/λ² + c/λ⁴ with λ in µm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CauchyFit {
-    /// Without unit.
+    /// Coefficient a, dimensionless.
     pub a: f64,
-    /// In µm².
+    /// Coefficient b in µm².
     pub b: f64,
-    /// In µm⁴.
+    /// Coefficient c in µm⁴.
     pub c: f64,
-    /// The wavelengths in nm that were fitted.
+    /// The fitted wavelength range in nm.
     pub range_nm: (f64, f64),
-    /// The largest |difference| from the material's own formula within them.
+    /// The largest absolute difference between the fit and the formula of the material, within the
+    /// fitted range.
     pub max_error: f64,
 }
 
 impl CauchyFit {
-    /// The fit to an index, at every nm of the band that lies within its range.
+    /// Fits an index. The fit uses every whole nanometre of the band within the range of the index.
     ///
     /// # Errors
-    /// The input's: a range that leaves fewer than three wavelengths.
-    pub(super) fn to(index: &Index) -> Result<Self> {
+    /// Returns an error if the range contains fewer than three whole nanometres of the band.
+    pub(super) fn fit(index: &RefractiveIndex) -> Result<Self> {
         let (from, to) = index.range_nm();
         let (from, to) = (from.max(BAND_NM.0), to.min(BAND_NM.1));
         let nm: Vec<f64> = (from.ceil() as u32..=to.floor() as u32).map(f64::from).collect();
         if nm.len() < 3 {
-            return Err(Error::input(format!("a range that leaves {} whole nm of 360 to 830", nm.len()))
-                .expected("an index that is known where light is seen"));
+            return Err(Error::input(format!(
+                "a range that contains {} whole nanometres of the band (360 to 830 nm)",
+                nm.len()
+            ))
+            .expected("at least 3"));
         }
-        // The normal equations in x = λ⁻², about its middle for the digits' sake.
+        // The normal equations in x = λ⁻² are centred on the mean of x, which keeps the matrix well
+        // conditioned.
         let x = |nm: f64| 1e6 / (nm * nm);
         let middle = nm.iter().map(|&nm| x(nm)).sum::<f64>() / nm.len() as f64;
         let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
@@ -90,92 +84,109 @@ impl CauchyFit {
 /// A material of the catalogue.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Glass {
-    /// The name, as published.
+    /// Name as published.
     pub name: String,
-    /// What it is.
-    pub kind: Kind,
-    /// n(λ) and the range in which it holds.
-    pub index: Index,
-    /// What n is relative to.
-    pub relative_to: RelativeTo,
-    /// The temperature in K at which it was measured, if the source says so.
+    /// Kind of the material.
+    pub kind: GlassKind,
+    /// Refractive index n(λ) with its range of validity.
+    pub index: RefractiveIndex,
+    /// The medium to which n is relative.
+    pub relative_to: ReferenceMedium,
+    /// Temperature of the measurement in K, or `None` if the source does not contain it.
     pub temperature_k: Option<f64>,
-    /// The extinction coefficient, if the source gives it.
+    /// Extinction coefficient, or `None` if the source does not contain it.
     pub extinction: Option<Extinction>,
-    /// The Cauchy fit.
+    /// Cauchy fit of n.
     pub cauchy: CauchyFit,
-    /// Where the numbers come from.
+    /// Source of the data.
     pub source: String,
 }
 
 impl Glass {
-    /// The Cauchy fit as an index. Fails where that falls below 1 in the band.
-    pub fn cauchy_index(&self) -> Result<Index> {
+    /// Returns the Cauchy fit as an index, or an error if the fit is below 1 in the band.
+    pub fn cauchy_index(&self) -> Result<RefractiveIndex> {
         let CauchyFit { a, b, c, range_nm, max_error: _ } = self.cauchy;
-        let mut index = Index::new(Dispersion::Cauchy { a, b, c }, range_nm)?;
-        index.explain(&format!("{} (Cauchy fit)", self.name), self.relative_to);
+        let mut index = RefractiveIndex::new(Dispersion::Cauchy { a, b, c }, range_nm)?;
+        index.set_warning(&format!("{} (Cauchy fit)", self.name), self.relative_to);
         Ok(index)
     }
 
-    /// The absorption coefficient in 1/m at a wavelength in nm, if the source gives it.
+    /// Returns the absorption coefficient in 1/m at a wavelength in nm. Returns `None` if the
+    /// source contains no extinction coefficient.
     pub fn absorption_per_m(&self, wavelength_nm: f64) -> Option<f64> {
         self.extinction.as_ref().map(|extinction| extinction.absorption_per_m(wavelength_nm))
     }
 
-    /// The fraction of light at a wavelength in nm that `length_m` metres let through, reflections at the faces left out.
+    /// Returns the internal transmittance of `length_m` metres at a wavelength in nm. Reflection
+    /// losses at the faces are not included. Returns `None` if the source contains no extinction
+    /// coefficient.
     pub fn internal_transmittance(&self, wavelength_nm: f64, length_m: f64) -> Option<f64> {
         self.extinction.as_ref().map(|extinction| extinction.internal_transmittance(wavelength_nm, length_m))
     }
 }
 
-/// The names of all materials, in the file's order.
+impl RefractiveIndex {
+    /// Returns the index of the material `name` from the catalogue. Case is ignored. Returns an
+    /// error if the name is unknown.
+    pub fn catalogue(name: &str) -> Result<Self> {
+        Ok(find(name)?.index.clone())
+    }
+
+    /// Returns the Cauchy fit of the material `name` from the catalogue. The error of the fit is
+    /// [`CauchyFit::max_error`]. Returns an error if the name is unknown.
+    pub fn catalogue_cauchy(name: &str) -> Result<Self> {
+        find(name)?.cauchy_index()
+    }
+}
+
+/// Returns the names of all materials in the order of the file.
 pub fn names() -> impl Iterator<Item = &'static str> {
     GLASSES.iter().map(|glass| glass.name.as_str())
 }
 
-/// All materials, in the file's order.
+/// Returns all materials in the order of the file.
 pub fn all() -> &'static [Glass] {
     &GLASSES
 }
 
-/// The material of this name, without regard to case; without its qualifier ("water" for "water 20C") the first of that name. Fails on
-/// an unknown name, with the nearest known one.
+/// Returns the material `name`; case is ignored. A name without its qualifier (`water` for `water
+/// 20C`) returns the first match. If the name is unknown, the error suggests the most similar name.
 pub fn find(name: &str) -> Result<&'static Glass> {
     let wanted = name.to_lowercase();
     let found = GLASSES.iter().find(|glass| glass.name.to_lowercase() == wanted);
     let found =
         found.or_else(|| GLASSES.iter().find(|glass| glass.name.to_lowercase().starts_with(&format!("{wanted} "))));
-    found.ok_or_else(|| Error::unknown_name("glass", name, names()).expected("a name of `abbe glass --list`"))
+    found.ok_or_else(|| Error::unknown_name("glass", name, names()).expected("a glass of the built-in catalogue"))
 }
 
 static GLASSES: LazyLock<Vec<Glass>> = LazyLock::new(|| {
     let text = include_str!("../../../data/glass/glasses.json");
-    let file: File = serde_json::from_str(text).expect("a test reads the whole of the embedded catalogue");
+    let file: GlassesFile = serde_json::from_str(text).expect("a test parses the embedded catalogue");
     file.glasses.into_iter().map(Glass::from).collect()
 });
 
-/// The file as written.
+/// The structure of the JSON file.
 #[derive(Deserialize)]
-struct File {
-    glasses: Vec<Entry>,
+struct GlassesFile {
+    glasses: Vec<GlassEntry>,
 }
 
 #[derive(Deserialize)]
-struct Entry {
+struct GlassEntry {
     name: String,
-    kind: Kind,
-    dispersion: Formula,
+    kind: GlassKind,
+    dispersion: DispersionEntry,
     range_nm: (f64, f64),
-    relative_to: RelativeTo,
-    cauchy: Fit,
+    relative_to: ReferenceMedium,
+    cauchy: CauchyFitEntry,
     temperature_k: Option<f64>,
-    extinction: Option<Measured>,
+    extinction: Option<ExtinctionEntry>,
     source: String,
     original: String,
 }
 
 #[derive(Deserialize)]
-struct Fit {
+struct CauchyFitEntry {
     a: f64,
     b_um2: f64,
     c_um4: f64,
@@ -184,14 +195,14 @@ struct Fit {
 }
 
 #[derive(Deserialize)]
-struct Measured {
+struct ExtinctionEntry {
     nm: Vec<f64>,
     k: Vec<f64>,
 }
 
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Formula {
+enum DispersionEntry {
     Sellmeier { c0: f64, b: Vec<f64>, c_um2: Vec<f64> },
     PowerSeriesN2 { c0: f64, c: Vec<f64>, p: Vec<i32> },
     PowerSeriesN { c0: f64, c: Vec<f64>, p: Vec<i32> },
@@ -200,34 +211,34 @@ enum Formula {
     Table { nm: Vec<f64>, n: Vec<f64> },
 }
 
-impl From<Formula> for Dispersion {
-    fn from(formula: Formula) -> Self {
-        let poles = |b: Vec<f64>, c: Vec<f64>| b.into_iter().zip(c).map(|(b, c)| Pole { b, c }).collect();
-        let powers = |c: Vec<f64>, p: Vec<i32>| c.into_iter().zip(p).map(|(c, p)| Power { c, p }).collect();
+impl From<DispersionEntry> for Dispersion {
+    fn from(formula: DispersionEntry) -> Self {
+        let poles = |b: Vec<f64>, c: Vec<f64>| b.into_iter().zip(c).map(|(b, c)| SellmeierTerm { b, c }).collect();
+        let powers = |c: Vec<f64>, p: Vec<i32>| c.into_iter().zip(p).map(|(c, p)| PowerTerm { c, p }).collect();
         match formula {
-            Formula::Sellmeier { c0, b, c_um2 } => Self::Sellmeier { c0, poles: poles(b, c_um2) },
-            Formula::PowerSeriesN2 { c0, c, p } => Self::SquaredPowers { c0, powers: powers(c, p) },
-            Formula::PowerSeriesN { c0, c, p } => Self::Powers { c0, powers: powers(c, p) },
-            Formula::RiiFormula4(c) => Self::Rational(Box::new(c)),
-            Formula::Gas { c0, b, c_per_um2 } => Self::Gas { c0, poles: poles(b, c_per_um2) },
-            Formula::Table { nm, n } => Self::Table { nm: nm.into(), n: n.into() },
+            DispersionEntry::Sellmeier { c0, b, c_um2 } => Self::Sellmeier { c0, poles: poles(b, c_um2) },
+            DispersionEntry::PowerSeriesN2 { c0, c, p } => Self::SquaredPowers { c0, powers: powers(c, p) },
+            DispersionEntry::PowerSeriesN { c0, c, p } => Self::Powers { c0, powers: powers(c, p) },
+            DispersionEntry::RiiFormula4(c) => Self::Rational(Box::new(c)),
+            DispersionEntry::Gas { c0, b, c_per_um2 } => Self::Gas { c0, poles: poles(b, c_per_um2) },
+            DispersionEntry::Table { nm, n } => Self::Table { nm: nm.into(), n: n.into() },
         }
     }
 }
 
-impl From<Entry> for Glass {
-    fn from(entry: Entry) -> Self {
-        let mut index = Index::new(entry.dispersion.into(), entry.range_nm)
-            .expect("a test reads the whole of the embedded catalogue");
-        index.explain(&entry.name, entry.relative_to);
-        let Fit { a, b_um2, c_um4, range_nm, max_error } = entry.cauchy;
+impl From<GlassEntry> for Glass {
+    fn from(entry: GlassEntry) -> Self {
+        let mut index = RefractiveIndex::new(entry.dispersion.into(), entry.range_nm)
+            .expect("a test parses the embedded catalogue");
+        index.set_warning(&entry.name, entry.relative_to);
+        let CauchyFitEntry { a, b_um2, c_um4, range_nm, max_error } = entry.cauchy;
         Self {
             index,
             name: entry.name,
             kind: entry.kind,
             relative_to: entry.relative_to,
             temperature_k: entry.temperature_k,
-            extinction: entry.extinction.map(|Measured { nm, k }| Extinction { nm, k }),
+            extinction: entry.extinction.map(|ExtinctionEntry { nm, k }| Extinction { nm, k }),
             cauchy: CauchyFit { a, b: b_um2, c: c_um4, range_nm, max_error },
             source: format!("refractiveindex.info, {}: {}", entry.source, entry.original),
         }
@@ -276,5 +287,34 @@ mod tests {
     fn an_unknown_name_brings_the_nearest_one() {
         let message = find("N-BK8").unwrap_err().to_string();
         assert!(message.contains("unknown glass \"N-BK8\"") && message.contains("did you mean"), "{message}");
+    }
+
+    #[test]
+    fn outside_its_range_an_index_holds_the_value_at_the_end() {
+        let index = RefractiveIndex::catalogue("N-SF10").unwrap();
+        assert_eq!(index.range_nm(), (380.0, 2500.0));
+        assert_eq!(index.n(360.0), index.n(380.0));
+        assert!(index.n(380.0) > index.n(381.0));
+        assert!(index.warning().unwrap().contains("380 to 2500 nm"));
+        assert_eq!(RefractiveIndex::catalogue("N-BK7").unwrap().warning(), None);
+        assert!(RefractiveIndex::catalogue("air (Ciddor)").unwrap().warning().unwrap().contains("relative to vacuum"));
+    }
+
+    #[test]
+    fn the_catalogue_s_cauchy_fit_stays_within_its_stated_error() {
+        for name in ["N-BK7", "N-SF10", "diamond", "water 20C"] {
+            let (exact, fit) =
+                (RefractiveIndex::catalogue(name).unwrap(), RefractiveIndex::catalogue_cauchy(name).unwrap());
+            let bound = find(name).unwrap().cauchy.max_error;
+            let (from, to) = fit.range_nm();
+            let mut worst: f64 = 0.0;
+            for step in 0..=((to - from) / 5.0) as usize {
+                let nm = from + 5.0 * step as f64;
+                worst = worst.max((exact.n(nm) - fit.n(nm)).abs());
+            }
+            // The coefficients of the fits are stored with 11 digits.
+            assert!(worst <= bound + 1e-10, "{name}: {worst} > {bound}");
+            assert!(worst >= bound * 0.99, "{name}: the stated error {bound} is not reached ({worst})");
+        }
     }
 }

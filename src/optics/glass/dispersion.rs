@@ -1,90 +1,93 @@
-//! The formulas of dispersion, n(λ).
+//! Dispersion formulas n(λ).
 
 /// One term b·λ²/(λ² − c) of Sellmeier's formula.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pole {
-    /// Strength, without unit (in [`Dispersion::Gas`] in 1/µm²).
+pub struct SellmeierTerm {
+    /// Strength, dimensionless. In [`Dispersion::Gas`] it is in 1/µm².
     pub b: f64,
-    /// The squared resonance wavelength in µm² (in [`Dispersion::Gas`] the squared wavenumber in 1/µm²).
+    /// Squared resonance wavelength in µm². In [`Dispersion::Gas`] it is the squared wavenumber in
+    /// 1/µm².
     pub c: f64,
 }
 
-/// One term c·λᵖ of a power series, λ in µm.
+/// One term c·λᵖ of a power series, with λ in µm.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Power {
-    /// The coefficient, in µm⁻ᵖ.
+pub struct PowerTerm {
+    /// Coefficient in µm⁻ᵖ.
     pub c: f64,
-    /// The exponent.
+    /// Exponent.
     pub p: i32,
 }
 
-/// A formula for the index of refraction. Coefficients are for λ in µm; the argument of [`Dispersion::n`] is in nm.
+/// A dispersion formula. Its coefficients are for λ in µm; the argument of [`Dispersion::n`] is in
+/// nm.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Dispersion {
-    /// The same at every wavelength.
+    /// The same index at every wavelength.
     Constant(f64),
     /// Cauchy 1836: n = a + b/λ² + c/λ⁴.
     Cauchy {
-        /// The index at long wavelengths.
+        /// Limit of the index for long wavelengths.
         a: f64,
-        /// In µm².
+        /// Coefficient in µm².
         b: f64,
-        /// In µm⁴.
+        /// Coefficient in µm⁴.
         c: f64,
     },
     /// Sellmeier 1871: n² = 1 + c0 + Σ b λ²/(λ² − c).
     Sellmeier {
-        /// What resonances far in the ultraviolet add at every wavelength.
+        /// Contribution of resonances far in the ultraviolet. It is the same at every wavelength.
         c0: f64,
-        /// The resonances.
-        poles: Box<[Pole]>,
+        /// Resonance terms.
+        poles: Box<[SellmeierTerm]>,
     },
-    /// n² = c0 + Σ c λᵖ, as Schott used it until 1992.
+    /// n² = c0 + Σ c λᵖ, used by Schott until 1992.
     SquaredPowers {
-        /// The constant term.
+        /// Constant term.
         c0: f64,
-        /// The others.
-        powers: Box<[Power]>,
+        /// Terms that depend on the wavelength.
+        powers: Box<[PowerTerm]>,
     },
     /// n = c0 + Σ c λᵖ.
     Powers {
-        /// The constant term.
+        /// Constant term.
         c0: f64,
-        /// The others.
-        powers: Box<[Power]>,
+        /// Terms that depend on the wavelength.
+        powers: Box<[PowerTerm]>,
     },
     /// n² = c₁ + c₂ λ^c₃/(λ² − c₄^c₅) + c₆ λ^c₇/(λ² − c₈^c₉): formula 4 of refractiveindex.info.
     Rational(Box<[f64; 9]>),
     /// n = 1 + c0 + Σ b/(c − λ⁻²), for gases (Ciddor 1996).
     Gas {
-        /// The constant term.
+        /// Constant term.
         c0: f64,
-        /// The resonances.
-        poles: Box<[Pole]>,
+        /// Resonance terms.
+        poles: Box<[SellmeierTerm]>,
     },
     /// Conrady 1929: n = a + b/λ + c/λ^3.5.
     Conrady {
-        /// The index at long wavelengths.
+        /// Limit of the index for long wavelengths.
         a: f64,
-        /// In µm.
+        /// Coefficient in µm.
         b: f64,
-        /// In µm^3.5.
+        /// Coefficient in µm^3.5.
         c: f64,
     },
     /// Herzberger 1959: n = c₀ + c₁L + c₂L² + c₃λ² + c₄λ⁴ + c₅λ⁶ with L = 1/(λ² − 0.028 µm²).
     Herzberger(Box<[f64; 6]>),
-    /// Straight lines between measured points; the end values are held outside.
+    /// Linear interpolation of measured points. Outside the table, the first or last value is used.
     Table {
         /// Wavelengths in nm, strictly increasing, at least one.
         nm: Box<[f64]>,
-        /// The index at each.
+        /// Index at each wavelength.
         n: Box<[f64]>,
     },
 }
 
 impl Dispersion {
-    /// The index at a wavelength in nm, wherever that lies: [`super::Index::n`] keeps to the formula's range. NaN where the
-    /// formula gives a negative square.
+    /// Returns the index at a wavelength in nm. The range of validity is not checked here.
+    /// [`super::RefractiveIndex::n`] clamps the wavelength to that range. If the formula gives a
+    /// negative n², the result is NaN.
     pub fn n(&self, wavelength_nm: f64) -> f64 {
         let um = wavelength_nm * 1e-3;
         match self {
@@ -120,12 +123,12 @@ impl Dispersion {
     }
 }
 
-fn sum_of_powers(powers: &[Power], um: f64) -> f64 {
+fn sum_of_powers(powers: &[PowerTerm], um: f64) -> f64 {
     powers.iter().map(|power| power.c * um.powi(power.p)).sum()
 }
 
-/// The value at `x` of the straight lines through (`xs`, `ys`), `xs` strictly increasing and not empty; the end values are held
-/// outside.
+/// Interpolates linearly between the points (`xs`, `ys`). Returns the value at `x`. `xs` must be
+/// strictly increasing and not empty. Outside the points, the first or last value is used.
 pub(super) fn interpolate(xs: &[f64], ys: &[f64], x: f64) -> f64 {
     let next = xs.partition_point(|&knot| knot <= x);
     if next == 0 {

@@ -1,18 +1,20 @@
-//! The Fraunhofer lines at which indices are quoted: wavelengths in air, in nm (ISO 7944 and Schott's technical information 29).
+//! Spectral lines for which refractive indices are published. The values are wavelengths in air in
+//! nm (ISO 7944; Schott, technical information 29).
 
-/// Mercury, violet.
+/// The h line: mercury, violet.
 pub const H_NM: f64 = 404.6561;
-/// Mercury, blue.
+/// The g line: mercury, blue.
 pub const G_NM: f64 = 435.8343;
-/// Hydrogen, blue-green (F).
+/// The F line: hydrogen, blue-green.
 pub const F_NM: f64 = 486.1327;
-/// Mercury, green.
+/// The e line: mercury, green.
 pub const E_NM: f64 = 546.074;
-/// Helium, yellow: the index without further word, n_d.
+/// The d line: helium, yellow. If no line is specified, the refractive index of a glass is n_d, the
+/// index at this line.
 pub const D_NM: f64 = 587.5618;
-/// Sodium, yellow: the centre of the doublet (D).
+/// The D line: the centre of the sodium doublet, yellow.
 pub const SODIUM_NM: f64 = 589.2938;
-/// Hydrogen, red (C).
+/// The C line: hydrogen, red.
 pub const C_NM: f64 = 656.2725;
-/// Helium, red.
+/// The r line: helium, red.
 pub const R_NM: f64 = 706.5188;

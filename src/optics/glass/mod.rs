@@ -1,9 +1,9 @@
-//! The index of refraction as a function of wavelength, and the catalogue of glasses.
+//! Refractive indices as functions of wavelength, and the catalogue of glasses.
 //!
-//! [`Index`] is what a material holds: a dispersion formula ([`Dispersion`]) and the range in which it holds.
-//! [`catalogue`] finds a [`Glass`] by name; it reads the file of `data/glass`. (Metals, whose index is complex, are spectra of
-//! the library: [`crate::spectrum::library::metal`].)
-//! Other catalogues are read from files ([`GlassFile`]).
+//! A material has a [`RefractiveIndex`], which consists of a [`Dispersion`] formula and its range
+//! of validity. [`catalogue`] finds a [`Glass`] by name in the data of `data/glass`.
+//! [`AgfCatalogue`] reads further catalogues from Zemax files. The complex indices of metals are
+//! spectra of the library: [`crate::spectrum::library::metal`].
 
 mod agf;
 pub mod catalogue;
@@ -12,8 +12,8 @@ mod extinction;
 mod index;
 pub mod lines;
 
-pub use agf::GlassFile;
-pub use catalogue::{CauchyFit, Glass, Kind, RelativeTo};
-pub use dispersion::{Dispersion, Pole, Power};
+pub use agf::AgfCatalogue;
+pub use catalogue::{CauchyFit, Glass, GlassKind};
+pub use dispersion::{Dispersion, PowerTerm, SellmeierTerm};
 pub use extinction::Extinction;
-pub use index::Index;
+pub use index::{ReferenceMedium, RefractiveIndex};

@@ -1,61 +1,64 @@
-//! The built-in lenses: `data/lenses/lenses.json`, read once, at the first look-up.
+//! The built-in lenses. The first lookup parses `data/lenses/lenses.json`.
 
 use std::sync::LazyLock;
 
 use serde::Deserialize;
 
-use super::prescription::{Lens, Opening, Prescription, Surface, medium};
-use super::profile::Profile;
+use super::prescription::{ApertureSpec, Lens, LensSurface, Prescription, medium};
+use super::profile::SurfaceProfile;
 use crate::error::{Error, Result};
 
-/// All lenses, in the file's order.
+/// Returns all lenses in the order of the file.
 pub fn all() -> &'static [Lens] {
     &LENSES
 }
 
-/// The lens of this name, without regard to case, with `-` and `_` for blanks if one likes; the first words of a name will do
-/// (`double-gauss` for "double Gauss f/2 f100"). Fails on an unknown name, with the nearest known one.
+/// Returns the lens `name`. Case is ignored, and `-` and `_` count as spaces. The first words of a
+/// name are sufficient (`double-gauss` for `double Gauss f/2 f100`). If the name is unknown, the
+/// error suggests the most similar name.
 pub fn find(name: &str) -> Result<&'static Lens> {
-    let wanted = plain(name);
-    let found = LENSES.iter().find(|lens| plain(lens.name()) == wanted);
-    let found = found.or_else(|| LENSES.iter().find(|lens| plain(lens.name()).starts_with(&format!("{wanted} "))));
-    found.ok_or_else(|| Error::unknown_name("lens", name, LENSES.iter().flat_map(|lens| forms(lens.name()))))
+    let wanted = normalised_name(name);
+    let found = LENSES.iter().find(|lens| normalised_name(lens.name()) == wanted);
+    let found =
+        found.or_else(|| LENSES.iter().find(|lens| normalised_name(lens.name()).starts_with(&format!("{wanted} "))));
+    found.ok_or_else(|| Error::unknown_name("lens", name, LENSES.iter().flat_map(|lens| searchable_names(lens.name()))))
 }
 
-fn plain(name: &str) -> String {
+fn normalised_name(name: &str) -> String {
     name.to_lowercase().replace(['-', '_'], " ")
 }
 
-/// The name, and its first one and two words, which find it too.
-fn forms(name: &str) -> impl Iterator<Item = &str> {
+/// Returns all names under which the lens is found: the full name, the first word, and the first
+/// two words.
+fn searchable_names(name: &str) -> impl Iterator<Item = &str> {
     let ends = name.match_indices(' ').map(|(at, _)| at).take(2).chain([name.len()]);
     ends.map(|end| &name[..end])
 }
 
 static LENSES: LazyLock<Vec<Lens>> = LazyLock::new(|| {
     let text = include_str!("../../../data/lenses/lenses.json");
-    let file: File = serde_json::from_str(text).expect("a test reads the whole of the embedded file");
+    let file: LensesFile = serde_json::from_str(text).expect("a test parses the embedded file");
     let lens = |entry| Lens::new(prescription(entry)?);
-    file.lenses.into_iter().map(lens).collect::<Result<_>>().expect("a test reads the whole of the embedded file")
+    file.lenses.into_iter().map(lens).collect::<Result<_>>().expect("a test parses the embedded file")
 });
 
-/// The file as written.
+/// The structure of the JSON file.
 #[derive(Deserialize)]
-struct File {
-    lenses: Vec<Entry>,
+struct LensesFile {
+    lenses: Vec<LensEntry>,
 }
 
 #[derive(Deserialize)]
-struct Entry {
+struct LensEntry {
     name: String,
     source: String,
     entrance_pupil_diameter_mm: f64,
     half_field_deg: f64,
-    surfaces: Vec<Row>,
+    surfaces: Vec<LensSurfaceEntry>,
 }
 
 #[derive(Deserialize)]
-struct Row {
+struct LensSurfaceEntry {
     radius_mm: Option<f64>,
     thickness_mm: f64,
     glass: String,
@@ -64,20 +67,20 @@ struct Row {
     stop: bool,
 }
 
-fn prescription(entry: Entry) -> Result<Prescription> {
-    let Entry { name, source, entrance_pupil_diameter_mm: diameter_mm, half_field_deg, surfaces } = entry;
+fn prescription(entry: LensEntry) -> Result<Prescription> {
+    let LensEntry { name, source, entrance_pupil_diameter_mm: diameter_mm, half_field_deg, surfaces } = entry;
     let stop = surfaces.iter().position(|row| row.stop);
-    let surface = |row: Row| {
-        let Row { radius_mm, thickness_mm, glass, semi_aperture_mm, stop: _ } = row;
-        let profile = Profile::sphere(radius_mm.unwrap_or(0.0));
-        Ok(Surface { profile, thickness_mm, index: medium(&glass)?, semi_aperture_mm })
+    let surface = |row: LensSurfaceEntry| {
+        let LensSurfaceEntry { radius_mm, thickness_mm, glass, semi_aperture_mm, stop: _ } = row;
+        let profile = SurfaceProfile::sphere(radius_mm.unwrap_or(0.0));
+        Ok(LensSurface { profile, thickness_mm, index: medium(&glass)?, semi_aperture_mm })
     };
     Ok(Prescription {
         name,
         source: Some(source),
         surfaces: surfaces.into_iter().map(surface).collect::<Result<_>>()?,
         stop,
-        opening: Opening::EntrancePupil { diameter_mm },
+        opening: ApertureSpec::EntrancePupil { diameter_mm },
         half_field_deg: Some(half_field_deg),
     })
 }

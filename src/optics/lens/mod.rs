@@ -1,9 +1,13 @@
-//! Lenses of several elements: prescriptions, exact rays, and the paraxial and real quantities that follow.
+//! Lenses of several elements: prescriptions, exact ray tracing, and paraxial and real properties.
 //!
-//! The axis is z with the first vertex at 0; the scene lies towards −z, the sensor towards +z; lengths are in mm. Outside is air,
-//! n = 1. A [`Prescription`] (built in: [`catalogue`]; read: [`zemax`]) becomes a checked [`Lens`]; [`Lens::at`] is the lens as one
-//! wavelength sees it, which traces rays ([`Monochromatic::trace`]) without allocating and knows its cardinal points ([`Paraxial`]).
-//! [`Analysis`] is what a lens designer looks at first; [`section`] is its drawing.
+//! The optical axis is z. The first vertex lies at z = 0. The scene lies towards −z and the sensor
+//! towards +z. Lengths are in mm. The surrounding medium is air, n = 1.
+//!
+//! A [`Prescription`] comes from the built-in [`catalogue`] or from a Zemax file ([`zemax`]).
+//! [`Lens::new`] checks it. [`Lens::at`] evaluates the lens at one wavelength. The result traces
+//! rays without allocation ([`MonochromaticLens::trace`]) and gives the cardinal points
+//! ([`Paraxial`]). [`LensAnalysis`] computes the usual figures of a lens design. [`section`]
+//! computes a drawing of the cross-section.
 
 mod analysis;
 pub mod catalogue;
@@ -15,9 +19,9 @@ pub mod section;
 mod trace;
 pub mod zemax;
 
-pub use analysis::{Analysis, AtLine, FieldPoint, LINES};
-pub use field::Spot;
+pub use analysis::{FieldPoint, LINES, LensAnalysis, LineFocus};
+pub use field::LensSpot;
 pub use paraxial::{Paraxial, Pupil};
-pub use prescription::{Lens, MAX_SURFACES, Opening, Prescription, Surface, medium};
-pub use profile::Profile;
-pub use trace::{Limits, Loss, Monochromatic, Ray, Travel};
+pub use prescription::{ApertureSpec, Lens, LensSurface, MAX_SURFACES, Prescription, medium};
+pub use profile::{SurfaceProfile, TraceDirection};
+pub use trace::{ApertureCheck, LensRay, MonochromaticLens, RayLoss};

@@ -1,44 +1,47 @@
-//! Paraxial optics by matrices on (y, n·u): height in mm and slope times index (Born & Wolf, *Principles of Optics*, §4.4).
+//! Paraxial optics by ray transfer matrices. A ray is (y, n·u): the height in mm, and the product
+//! of index and slope (Born & Wolf, *Principles of Optics*, §4.4).
 
-use super::trace::Monochromatic;
+use super::trace::MonochromaticLens;
 use crate::error::{Error, Result};
 
 /// An image of the stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pupil {
-    /// Where it lies on the axis in mm, from the first vertex.
+    /// Position on the axis in mm from the first vertex.
     pub z_mm: f64,
-    /// Its diameter in mm.
+    /// Diameter in mm.
     pub diameter_mm: f64,
 }
 
-/// What a lens does to rays near its axis, at one wavelength.
+/// Paraxial properties of a lens at one wavelength.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Paraxial {
-    /// Effective focal length f′ in mm; below 0 for a diverging lens.
+    /// Effective focal length f′ in mm, negative for a diverging lens.
     pub efl_mm: f64,
-    /// Back focal distance in mm, from the last vertex to the focus behind it.
+    /// Back focal distance in mm, from the last vertex to the rear focus.
     pub bfd_mm: f64,
-    /// The front focus on the axis in mm, from the first vertex; below 0 where it lies before the lens.
+    /// Position of the front focus on the axis in mm, measured from the first vertex. The value is
+    /// negative if this focus lies in front of the lens.
     pub front_focus_z_mm: f64,
-    /// The stop as the scene sees it; `None` where it lies at infinity.
+    /// Image of the stop seen from the scene, or `None` if the image lies at infinity.
     pub entrance_pupil: Option<Pupil>,
-    /// The stop as the sensor sees it; `None` where it lies at infinity.
+    /// Image of the stop seen from the sensor, or `None` if the image lies at infinity.
     pub exit_pupil: Option<Pupil>,
-    /// Focal length over the entrance pupil's diameter, for an object at infinity; `None` where that pupil lies at infinity.
+    /// F-number for an object at infinity: the focal length divided by the diameter of the entrance
+    /// pupil. `None` if this pupil lies at infinity.
     pub f_number: Option<f64>,
 }
 
-/// A ray-transfer matrix: y′ = a·y + b·ω, ω′ = c·y + d·ω with ω = n·u; a·d − b·c = 1.
+/// A ray transfer matrix: y′ = a·y + b·ω and ω′ = c·y + d·ω with ω = n·u, where a·d − b·c = 1.
 #[derive(Debug, Clone, Copy)]
-struct Matrix {
+struct RayTransferMatrix {
     a: f64,
     b: f64,
     c: f64,
     d: f64,
 }
 
-impl Matrix {
+impl RayTransferMatrix {
     const IDENTITY: Self = Self { a: 1.0, b: 0.0, c: 0.0, d: 1.0 };
 
     fn refraction(self, power_per_mm: f64) -> Self {
@@ -50,14 +53,15 @@ impl Matrix {
     }
 }
 
-/// A lens of less power than this, relative to its size, has no focus.
+/// A lens has a focus only if its power, relative to its size, reaches this value.
 const AFOCAL: f64 = 1e-9;
 
-impl Monochromatic<'_> {
-    /// From the vertex of surface `from`, before it refracts, to that of `to`, before it refracts; for the number of surfaces, to the
-    /// last vertex after it has refracted.
-    fn matrix(&self, from: usize, to: usize) -> Matrix {
-        let (mut matrix, surfaces) = (Matrix::IDENTITY, self.lens().surfaces());
+impl MonochromaticLens<'_> {
+    /// Returns the matrix from the vertex of surface `from` to the vertex of surface `to`. Both
+    /// ends are taken before refraction. If `to` is the number of surfaces, the matrix ends at the
+    /// last vertex after refraction.
+    fn matrix(&self, from: usize, to: usize) -> RayTransferMatrix {
+        let (mut matrix, surfaces) = (RayTransferMatrix::IDENTITY, self.lens().surfaces());
         for (i, surface) in surfaces.iter().enumerate().take(to).skip(from) {
             let (before, behind) = (self.index_before(i), self.index_before(i + 1));
             matrix = matrix.refraction((behind - before) * surface.profile.vertex_curvature_per_mm());
@@ -68,12 +72,13 @@ impl Monochromatic<'_> {
         matrix
     }
 
-    /// How high a ray parallel to the axis goes at the stop, over its height before the lens.
+    /// Follows a ray that is parallel to the axis in front of the lens. Returns the height of this
+    /// ray at the stop, divided by its height in front of the lens.
     pub(super) fn stop_magnification(&self) -> f64 {
         self.matrix(0, self.lens().stop()).a
     }
 
-    /// Focal length, focal points and pupils. Fails for a lens without power.
+    /// Computes focal length, focal points and pupils. Returns an error for a lens without power.
     pub fn paraxial(&self) -> Result<Paraxial> {
         let lens = self.lens();
         let (count, stop) = (lens.surfaces().len(), lens.stop());
@@ -86,7 +91,7 @@ impl Monochromatic<'_> {
         }
         let (front, back) = (self.matrix(0, stop), self.matrix(stop, count));
         let diameter_mm = 2.0 * lens.surfaces()[stop].semi_aperture_mm;
-        // A ray through the stop's centre crosses the axis where the stop's image lies.
+        // A ray through the centre of the stop crosses the axis at the image of the stop.
         let entrance_pupil =
             (front.a != 0.0).then(|| Pupil { z_mm: front.b / front.a, diameter_mm: diameter_mm / front.a.abs() });
         let behind = self.index_before(count);
@@ -105,13 +110,16 @@ impl Monochromatic<'_> {
         })
     }
 
-    /// How far behind the last vertex, in mm, the image of an object lies that is `object_mm` before the first vertex (infinity is
-    /// allowed): where the sensor has to stand. Fails where no real image is behind the lens: the object is too near, or the lens
-    /// diverges.
+    /// Returns the distance of the image behind the last vertex in mm. A sensor at this distance is
+    /// in focus. The object lies `object_mm` in front of the first vertex, or at infinity.
+    ///
+    /// # Errors
+    /// Returns an error if there is no real image behind the lens, because the object is too near
+    /// or the lens diverges.
     pub fn image_distance_mm(&self, object_mm: f64) -> Result<f64> {
         let Paraxial { efl_mm, bfd_mm, front_focus_z_mm, .. } = self.paraxial()?;
         let behind = self.index_before(self.lens().surfaces().len());
-        // Newton: x·x′ = −f·f′, from the focal points.
+        // Newton's equation from the focal points: x·x′ = −f·f′.
         let from_focus_mm = object_mm + front_focus_z_mm;
         let distance_mm = bfd_mm + behind * efl_mm * efl_mm / from_focus_mm;
         if efl_mm < 0.0 || (object_mm == f64::INFINITY && bfd_mm < 0.0) {
@@ -121,7 +129,7 @@ impl Monochromatic<'_> {
         }
         if !(from_focus_mm > 0.0 && distance_mm >= 0.0 && object_mm > 0.0) {
             let least_mm = (-front_focus_z_mm).max(0.0);
-            let what = format!("a focus {object_mm} mm before the lens is nearer than it can reach");
+            let what = format!("the lens cannot focus on an object {object_mm} mm in front of it");
             return Err(
                 Error::input(what).expected(format!("a distance above {least_mm:.4} mm from the first surface"))
             );

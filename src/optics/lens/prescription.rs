@@ -1,79 +1,86 @@
-//! What a lens is made of, and the check that it can be.
+//! Lens prescriptions and their validation.
 
-use super::profile::Profile;
+use super::profile::SurfaceProfile;
 use crate::error::{Error, Result};
 use crate::optics::aperture::Blades;
-use crate::optics::glass::{Index, lines};
+use crate::optics::glass::{RefractiveIndex, lines};
 use glam::DVec2;
 
-/// The largest number of surfaces.
+/// Maximum number of surfaces.
 pub const MAX_SURFACES: usize = 64;
 
-/// One surface of a lens, with what lies behind it.
+/// A surface of a lens and the medium behind it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Surface {
-    /// Its shape.
-    pub profile: Profile,
-    /// Distance to the next vertex in mm, ≥ 0; of the last surface to the sensor as designed, 0 where the design does not say.
+pub struct LensSurface {
+    /// Profile of the surface.
+    pub profile: SurfaceProfile,
+    /// Distance to the next vertex in mm, ≥ 0. For the last surface, this is the distance to the
+    /// sensor. If the design does not contain that distance, the value is 0.
     pub thickness_mm: f64,
-    /// The index behind it, relative to air.
-    pub index: Index,
-    /// Half the clear diameter in mm.
+    /// Refractive index behind the surface, relative to air.
+    pub index: RefractiveIndex,
+    /// Half of the clear diameter in mm.
     pub semi_aperture_mm: f64,
 }
 
-/// How large the stop is.
+/// The size of the stop, specified in one of three ways.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Opening {
-    /// As large as its surface's semi-aperture.
+pub enum ApertureSpec {
+    /// The semi-aperture of the stop's surface.
     Stop,
-    /// Such that the entrance pupil has this diameter at the d line.
+    /// A diameter of the entrance pupil at the d line.
     EntrancePupil {
-        /// In mm.
+        /// Diameter in mm.
         diameter_mm: f64,
     },
-    /// Such that the lens has this f-number at the d line.
+    /// An f-number at the d line.
     FNumber(f64),
 }
 
-/// A lens as its designer states it, not yet checked.
+/// A lens prescription that is not yet validated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prescription {
-    /// What it is called.
+    /// Name of the lens.
     pub name: String,
-    /// Whose design it is.
+    /// Source of the design.
     pub source: Option<String>,
-    /// From the scene to the sensor.
-    pub surfaces: Vec<Surface>,
-    /// The number of the surface that is the aperture stop, from 0.
+    /// Surfaces from the scene to the sensor.
+    pub surfaces: Vec<LensSurface>,
+    /// Index of the surface that is the aperture stop, from 0.
     pub stop: Option<usize>,
-    /// How large the stop is.
-    pub opening: Opening,
-    /// Half the field of view that it is designed for, in degrees.
+    /// Size of the stop.
+    pub opening: ApertureSpec,
+    /// Half of the designed field of view in degrees.
     pub half_field_deg: Option<f64>,
 }
 
-/// A lens that can be built: its surfaces exist as far as they reach, do not cross, and one of them is the stop.
+/// A validated lens. Every surface is defined up to its semi-aperture, surfaces do not cross, and
+/// one surface is the stop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lens {
     name: String,
     source: Option<String>,
-    surfaces: Vec<Surface>,
+    surfaces: Vec<LensSurface>,
     vertices_mm: Vec<f64>,
     stop: usize,
     blades: Option<Blades>,
     half_field_deg: Option<f64>,
 }
 
-/// The index of a medium in a prescription: `air`, which is 1 as indices of glasses are relative to it, or a name of the catalogue.
-/// Fails on an unknown name.
-pub fn medium(name: &str) -> Result<Index> {
-    if name.eq_ignore_ascii_case("air") { Index::constant(1.0) } else { Index::catalogue(name) }
+/// Returns the refractive index of a medium by name. The name is `air` or a name of the glass
+/// catalogue. The index of `air` is 1, because all indices are relative to air. Returns an error if
+/// the name is unknown.
+pub fn medium(name: &str) -> Result<RefractiveIndex> {
+    if name.eq_ignore_ascii_case("air") { RefractiveIndex::constant(1.0) } else { RefractiveIndex::catalogue(name) }
 }
 
 impl Lens {
-    /// Checks a prescription. Fails, naming the surface (`surfaces[i]`, from 0), where a number is out of its range, a surface does
-    /// not reach as far as its semi-aperture or crosses the next one, or the stop is missing.
+    /// Validates a prescription.
+    ///
+    /// # Errors
+    /// Returns an error if a number is out of range, a surface is not defined up to its
+    /// semi-aperture or crosses the next one, or the stop is missing. The error contains the path
+    /// of the surface, `surfaces[i]`, where i counts from 0.
     pub fn new(prescription: Prescription) -> Result<Self> {
         let Prescription { name, source, surfaces, stop, opening, half_field_deg } = prescription;
         if !(1..=MAX_SURFACES).contains(&surfaces.len()) {
@@ -92,84 +99,88 @@ impl Lens {
             return Err(Error::input("found a half field outside 0 to 90 degrees"));
         }
         let mut behind_mm = 0.0;
-        let advance = |surface: &Surface| {
+        let advance = |surface: &LensSurface| {
             let vertex_mm = behind_mm;
             behind_mm += surface.thickness_mm;
             vertex_mm
         };
         let vertices_mm = surfaces.iter().map(advance).collect();
         let blades = None;
-        let lens = Self { name, source, surfaces, vertices_mm, stop, blades, half_field_deg }.opened(opening)?;
+        let lens = Self { name, source, surfaces, vertices_mm, stop, blades, half_field_deg }.with_aperture(opening)?;
         lens.check_shapes()?;
         Ok(lens)
     }
 
-    /// What it is called.
+    /// Returns the name of the lens.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Whose design it is.
+    /// Returns the source of the design.
     pub fn source(&self) -> Option<&str> {
         self.source.as_deref()
     }
 
-    /// From the scene to the sensor.
-    pub fn surfaces(&self) -> &[Surface] {
+    /// Returns the surfaces from the scene to the sensor.
+    pub fn surfaces(&self) -> &[LensSurface] {
         &self.surfaces
     }
 
-    /// The number of the stop's surface, from 0.
+    /// Returns the index of the stop's surface, from 0.
     pub fn stop(&self) -> usize {
         self.stop
     }
 
-    /// The lens with blades, or none, inside the circle of its stop.
+    /// Sets or removes the aperture blades inside the circle of the stop.
     #[must_use]
     pub fn with_blades(mut self, blades: Option<Blades>) -> Self {
         self.blades = blades;
         self
     }
 
-    /// What bounds the stop inside its circle, if anything does.
+    /// Returns the aperture blades, if the stop has any.
     pub fn blades(&self) -> Option<Blades> {
         self.blades
     }
 
-    /// Whether a surface's aperture lets a ray through that meets it at a place, in mm from the axis to the right and up.
-    pub(super) fn lets_through(&self, surface: usize, place: DVec2) -> bool {
+    /// Returns whether a point lies inside the aperture of a surface. The point is given in mm from
+    /// the axis (right, up).
+    pub(super) fn aperture_contains(&self, surface: usize, place: DVec2) -> bool {
         let semi_aperture_mm = self.surfaces[surface].semi_aperture_mm;
         if place.length_squared() > semi_aperture_mm * semi_aperture_mm {
             return false;
         }
         match self.blades {
-            Some(blades) if surface == self.stop => blades.leave(place / semi_aperture_mm),
+            Some(blades) if surface == self.stop => blades.contains(place / semi_aperture_mm),
             Some(_) | None => true,
         }
     }
 
-    /// Half the field of view that it is designed for, in degrees, if the design says so.
+    /// Returns half of the designed field of view in degrees, or `None` if the design does not
+    /// contain it.
     pub fn half_field_deg(&self) -> Option<f64> {
         self.half_field_deg
     }
 
-    /// z of a surface's vertex in mm.
+    /// Returns z of the vertex of a surface in mm.
     pub fn vertex_z_mm(&self, surface: usize) -> f64 {
         self.vertices_mm[surface]
     }
 
-    /// From the first to the last vertex, in mm.
+    /// Returns the distance from the first to the last vertex in mm.
     pub fn length_mm(&self) -> f64 {
         self.vertices_mm[self.surfaces.len() - 1]
     }
 
-    /// The lens stopped down to an f-number. Fails on one that the open stop does not reach.
+    /// Returns the lens stopped down to the given f-number. Returns an error if even the open stop
+    /// does not reach this f-number.
     pub fn stopped_down(&self, f_number: f64) -> Result<Self> {
-        /// An open lens may be this much slower than its nominal f-number.
-        const NOMINAL: f64 = 1e-2;
-        let stopped = self.clone().opened(Opening::FNumber(f_number))?;
+        /// Tolerance of the size of the stop. The true f-number of an open lens may exceed its
+        /// nominal f-number by this fraction.
+        const NOMINAL_TOLERANCE: f64 = 1e-2;
+        let stopped = self.clone().with_aperture(ApertureSpec::FNumber(f_number))?;
         let semi_aperture_mm = |lens: &Self| lens.surfaces[lens.stop].semi_aperture_mm;
-        if semi_aperture_mm(&stopped) > semi_aperture_mm(self) * (1.0 + NOMINAL) {
+        if semi_aperture_mm(&stopped) > semi_aperture_mm(self) * (1.0 + NOMINAL_TOLERANCE) {
             let open = self.at(lines::D_NM).paraxial()?.f_number.unwrap_or(f64::NAN);
             let what = format!("the lens does not open to f/{f_number}");
             return Err(Error::input(what).expected(format!("an f-number of at least {open:.4}")));
@@ -177,28 +188,31 @@ impl Lens {
         Ok(stopped)
     }
 
-    /// Sets the stop's size.
-    fn opened(mut self, opening: Opening) -> Result<Self> {
+    /// Sets the size of the stop.
+    fn with_aperture(mut self, opening: ApertureSpec) -> Result<Self> {
         let diameter_mm = match opening {
-            Opening::Stop => return Ok(self),
-            Opening::EntrancePupil { diameter_mm } => diameter_mm,
-            Opening::FNumber(f_number) => self.at(lines::D_NM).paraxial()?.efl_mm.abs() / f_number,
+            ApertureSpec::Stop => return Ok(self),
+            ApertureSpec::EntrancePupil { diameter_mm } => diameter_mm,
+            ApertureSpec::FNumber(f_number) => self.at(lines::D_NM).paraxial()?.efl_mm.abs() / f_number,
         };
         let semi_aperture_mm = 0.5 * diameter_mm * self.at(lines::D_NM).stop_magnification().abs();
         if !(semi_aperture_mm > 0.0 && semi_aperture_mm.is_finite()) {
-            let what = format!("an entrance pupil of {diameter_mm} mm leaves a stop of {semi_aperture_mm} mm");
-            return Err(Error::input(what).expected("a stop that is open"));
+            let what = format!(
+                "an entrance pupil of {diameter_mm} mm gives a stop with a semi-aperture of {semi_aperture_mm} mm"
+            );
+            return Err(Error::input(what).expected("a positive semi-aperture"));
         }
         self.surfaces[self.stop].semi_aperture_mm = semi_aperture_mm;
         Ok(self)
     }
 
-    /// Surfaces reach as far as they say, and do not cross where both are.
+    /// Checks that every surface is defined up to its semi-aperture and that neighbouring surfaces
+    /// do not cross within their common aperture.
     fn check_shapes(&self) -> Result<()> {
         for (i, surface) in self.surfaces.iter().enumerate() {
             let reach_mm = surface.semi_aperture_mm;
             if !surface.profile.sag_mm(reach_mm * reach_mm).is_finite() {
-                let what = format!("the surface does not reach as far as its semi-aperture of {reach_mm} mm");
+                let what = format!("the surface is not defined up to its semi-aperture of {reach_mm} mm");
                 let expected = "a radius of at least the semi-aperture";
                 return Err(on_surface(i, Error::input(what).expected(expected)));
             }
@@ -223,9 +237,9 @@ fn on_surface(i: usize, error: Error) -> Error {
     error.on_path(format!("surfaces[{i}]"))
 }
 
-fn check_numbers(surface: &Surface) -> Result<()> {
-    let Surface { profile, thickness_mm, index: _, semi_aperture_mm } = surface;
-    let Profile { curvature_per_mm, conic, even_terms } = profile;
+fn check_numbers(surface: &LensSurface) -> Result<()> {
+    let LensSurface { profile, thickness_mm, index: _, semi_aperture_mm } = surface;
+    let SurfaceProfile { curvature_per_mm, conic, even_terms } = profile;
     if !(curvature_per_mm.is_finite() && conic.is_finite() && even_terms.iter().all(|term| term.is_finite())) {
         return Err(Error::input("found a shape whose numbers are not finite"));
     }

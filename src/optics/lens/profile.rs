@@ -1,61 +1,81 @@
-//! The shape of a surface of revolution: a conic with even aspheric terms.
+//! The profile of a rotationally symmetric surface: a conic with even aspheric terms.
 
 use glam::DVec3;
 
-use super::trace::Travel;
+/// The direction in which light passes the lens.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TraceDirection {
+    /// Towards +z.
+    ToSensor,
+    /// Towards −z.
+    ToScene,
+}
 
-/// A surface about the z axis with its vertex at the origin:
-/// z(h) = c·h²/(1 + √(1 − (1 + k)c²h²)) + Σ aᵢ h²ⁱ, i from 1 (Welford, *Aberrations of Optical Systems*, §2.3).
+impl TraceDirection {
+    /// Returns +1 towards the sensor and −1 towards the scene.
+    pub(super) fn sign(self) -> f64 {
+        match self {
+            Self::ToSensor => 1.0,
+            Self::ToScene => -1.0,
+        }
+    }
+}
+
+/// A surface of revolution about the z axis. The vertex lies at the origin: z(h) = c·h²/(1 + √(1 −
+/// (1 + k)c²h²)) + Σ aᵢ h²ⁱ with i from 1 (Welford, *Aberrations of Optical Systems*, §2.3).
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Profile {
-    /// c in 1/mm, above 0 where the centre lies towards +z; 0 is a plane.
+pub struct SurfaceProfile {
+    /// Curvature c in 1/mm. It is positive if the centre lies towards +z, and 0 for a plane.
     pub curvature_per_mm: f64,
-    /// k: 0 is a sphere, −1 a paraboloid.
+    /// Conic constant k. 0 is a sphere, −1 a paraboloid.
     pub conic: f64,
-    /// a₁, a₂, … in mm^(1 − 2i), the coefficients of h², h⁴, …; empty for a conic.
+    /// Coefficients a₁, a₂, … of h², h⁴, … in mm^(1 − 2i). Empty for a conic.
     pub even_terms: Box<[f64]>,
 }
 
-/// Steps of Newton's method on an aspheric surface; it takes about four.
-const MAX_STEPS: usize = 32;
+/// Maximum number of Newton steps for an aspheric surface. About four steps are usual.
+const MAX_ASPHERE_STEPS: usize = 32;
 
-impl Profile {
-    /// A sphere by its radius in mm, above 0 where its centre lies towards +z; 0 is a plane.
+impl SurfaceProfile {
+    /// Creates a sphere from its radius in mm. The radius is positive if the centre lies towards
+    /// +z. A radius of 0 gives a plane, as in lens files.
     pub fn sphere(radius_mm: f64) -> Self {
         let curvature_per_mm = if radius_mm == 0.0 { 0.0 } else { 1.0 / radius_mm };
         Self { curvature_per_mm, ..Self::default() }
     }
 
-    /// z in mm at a squared distance from the axis in mm²; NaN beyond the conic's reach.
+    /// Returns the sag z in mm at a squared height in mm², or NaN beyond the extent of the conic.
     pub fn sag_mm(&self, height2_mm2: f64) -> f64 {
         let conic = self.curvature_per_mm * height2_mm2 / (1.0 + self.root(height2_mm2));
         conic + height2_mm2 * self.even_terms.iter().rev().fold(0.0, |sum, term| sum * height2_mm2 + term)
     }
 
-    /// The curvature in 1/mm at the vertex, which paraxial rays see.
+    /// Returns the curvature at the vertex in 1/mm. This curvature determines the paraxial power.
     pub fn vertex_curvature_per_mm(&self) -> f64 {
         self.curvature_per_mm + 2.0 * self.even_terms.first().copied().unwrap_or(0.0)
     }
 
-    /// √(1 − (1 + k)c²h²); rounding at the equator of a ball does not count.
+    /// Returns √(1 − (1 + k)c²h²). If the value under the root differs from 0 by less than 1e-14,
+    /// it counts as 0. Otherwise rounding could exclude the equator of a ball.
     fn root(&self, height2_mm2: f64) -> f64 {
         let square = 1.0 - (1.0 + self.conic) * self.curvature_per_mm * self.curvature_per_mm * height2_mm2;
         if square.abs() < 1e-14 { 0.0 } else { square.sqrt() }
     }
 
-    /// dz/d(h²) in 1/mm.
+    /// Returns dz/d(h²) in 1/mm.
     fn slope(&self, height2_mm2: f64) -> f64 {
         let conic = 0.5 * self.curvature_per_mm / self.root(height2_mm2);
         let terms = self.even_terms.iter().enumerate().rev();
         conic + terms.fold(0.0, |sum, (i, term)| sum * height2_mm2 + (i + 1) as f64 * term)
     }
 
-    /// The unit normal, towards +z, at a point of the surface.
+    /// Returns the unit normal towards +z at a point of the surface.
     pub fn normal(&self, point: DVec3) -> DVec3 {
         self.gradient(point).normalize()
     }
 
-    /// Along the gradient of z − z(h): for a conic from its quadratic, which is finite at the equator too.
+    /// Returns a vector along the gradient of z − z(h). For a conic, the vector is the gradient of
+    /// the quadratic equation, which is finite at the equator too.
     fn gradient(&self, point: DVec3) -> DVec3 {
         if self.even_terms.is_empty() {
             let c = self.curvature_per_mm;
@@ -65,22 +85,29 @@ impl Profile {
         DVec3::new(slope * point.x, slope * point.y, 1.0)
     }
 
-    /// Where the line through `origin` along the unit vector `direction` crosses the sheet of the vertex in the sense of `travel`, on
-    /// either side of `origin`; `None` if it does not.
-    pub fn meet(&self, origin: DVec3, direction: DVec3, travel: Travel) -> Option<DVec3> {
-        let conic = self.meet_conic(origin, direction, travel);
+    /// Intersects a line with the surface. The line passes through `origin` along the unit vector
+    /// `direction`. Only the sheet of the surface around the vertex is considered.
+    ///
+    /// `travel` selects the intersection in the direction of propagation. The point may lie on
+    /// either side of `origin`. Returns `None` if there is no such intersection.
+    pub fn intersect(&self, origin: DVec3, direction: DVec3, travel: TraceDirection) -> Option<DVec3> {
+        let conic = self.intersect_conic(origin, direction, travel);
         if self.even_terms.is_empty() {
             return conic;
         }
         let start = conic.unwrap_or_else(|| origin - direction * (origin.z / direction.z));
-        self.meet_asphere(start, direction, travel)
+        self.intersect_asphere(start, direction, travel)
     }
 
-    /// The quadratic of the conic c(x² + y² + (1 + k)z²) = 2z along the line, its root by the quotient that keeps its digits on nearly
-    /// flat surfaces. Of the two crossings the one in the sense of travel has the gradient's sign along the ray.
-    fn meet_conic(&self, origin: DVec3, direction: DVec3, travel: Travel) -> Option<DVec3> {
+    /// Intersects the line with the conic c(x² + y² + (1 + k)z²) = 2z.
+    ///
+    /// The quadratic formula is used in a form that is accurate for nearly flat surfaces. The line
+    /// crosses the conic at up to two points. The function returns the point where the component of
+    /// the gradient along the ray has the same sign as `travel`.
+    fn intersect_conic(&self, origin: DVec3, direction: DVec3, travel: TraceDirection) -> Option<DVec3> {
         let (c, k) = (self.curvature_per_mm, self.conic);
-        // From the vertex plane's neighbourhood, so that far origins do not cancel.
+        // The quadratic is set up at the point of the line nearest to the vertex, which avoids
+        // cancellation for distant origins.
         let near = origin - direction * origin.dot(direction);
         let a = c * (1.0 + k * direction.z * direction.z);
         let b = direction.z - c * k * near.z * direction.z;
@@ -94,10 +121,10 @@ impl Profile {
         (on_sheet && point.is_finite()).then_some(point)
     }
 
-    /// Newton's method along the line.
-    fn meet_asphere(&self, start: DVec3, direction: DVec3, travel: Travel) -> Option<DVec3> {
+    /// Intersects the line with the aspheric surface by Newton's method.
+    fn intersect_asphere(&self, start: DVec3, direction: DVec3, travel: TraceDirection) -> Option<DVec3> {
         let mut point = start;
-        for _ in 0..MAX_STEPS {
+        for _ in 0..MAX_ASPHERE_STEPS {
             let gradient = self.gradient(point).dot(direction);
             let step = (point.z - self.sag_mm(point.x * point.x + point.y * point.y)) / gradient;
             point -= direction * step;
@@ -116,13 +143,13 @@ impl Profile {
 mod tests {
     use super::*;
 
-    fn profiles() -> Vec<Profile> {
-        let conic = |curvature_per_mm, conic| Profile { curvature_per_mm, conic, even_terms: [].into() };
-        let asphere = |even_terms: &[f64]| Profile { even_terms: even_terms.into(), ..conic(0.02, -0.5) };
+    fn profiles() -> Vec<SurfaceProfile> {
+        let conic = |curvature_per_mm, conic| SurfaceProfile { curvature_per_mm, conic, even_terms: [].into() };
+        let asphere = |even_terms: &[f64]| SurfaceProfile { even_terms: even_terms.into(), ..conic(0.02, -0.5) };
         vec![
-            Profile::sphere(0.0),
-            Profile::sphere(50.0),
-            Profile::sphere(-30.0),
+            SurfaceProfile::sphere(0.0),
+            SurfaceProfile::sphere(50.0),
+            SurfaceProfile::sphere(-30.0),
             conic(0.02, -1.0),
             conic(-0.03, -2.5),
             conic(0.01, 3.0),
@@ -135,10 +162,10 @@ mod tests {
     fn a_line_meets_the_surface_where_its_sag_says_from_either_side() {
         for profile in profiles() {
             for (y, slope) in [(0.0, 0.0), (7.0, -0.3), (-12.0, 0.2)] {
-                for (travel, sign) in [(Travel::ToSensor, 1.0), (Travel::ToScene, -1.0)] {
+                for (travel, sign) in [(TraceDirection::ToSensor, 1.0), (TraceDirection::ToScene, -1.0)] {
                     let direction = sign * DVec3::new(0.1, slope, 1.0).normalize();
                     let origin = DVec3::new(1.0, y, 0.0) - 500.0 * direction;
-                    let point = profile.meet(origin, direction, travel).unwrap();
+                    let point = profile.intersect(origin, direction, travel).unwrap();
                     let sag = profile.sag_mm(point.x * point.x + point.y * point.y);
                     assert!((point.z - sag).abs() < 1e-12, "{profile:?}: {point} {sag}");
                     assert!((point - origin).cross(direction).length() < 1e-11);
@@ -153,12 +180,16 @@ mod tests {
         }
     }
 
+    /// A line beside a ball and a line parallel to a plane have no intersection.
     #[test]
-    fn a_line_beside_a_ball_misses_it_and_one_in_its_tangent_plane_too() {
-        let ball = Profile::sphere(5.0);
-        assert_eq!(ball.meet(DVec3::new(0.0, 5.1, -9.0), DVec3::Z, Travel::ToSensor), None);
-        assert_eq!(Profile::sphere(0.0).meet(DVec3::new(0.0, 1.0, -1.0), DVec3::Y, Travel::ToSensor), None);
-        let asphere = Profile { even_terms: [0.0, 1e-5].into(), ..ball };
-        assert_eq!(asphere.meet(DVec3::new(0.0, 5.1, -9.0), DVec3::Z, Travel::ToSensor), None);
+    fn lines_beside_a_ball_and_within_a_plane_miss() {
+        let ball = SurfaceProfile::sphere(5.0);
+        assert_eq!(ball.intersect(DVec3::new(0.0, 5.1, -9.0), DVec3::Z, TraceDirection::ToSensor), None);
+        assert_eq!(
+            SurfaceProfile::sphere(0.0).intersect(DVec3::new(0.0, 1.0, -1.0), DVec3::Y, TraceDirection::ToSensor),
+            None
+        );
+        let asphere = SurfaceProfile { even_terms: [0.0, 1e-5].into(), ..ball };
+        assert_eq!(asphere.intersect(DVec3::new(0.0, 5.1, -9.0), DVec3::Z, TraceDirection::ToSensor), None);
     }
 }

@@ -1,40 +1,23 @@
-//! Exact rays through a lens, surface by surface, at one wavelength.
+//! Exact sequential ray tracing through a lens at one wavelength.
 
 use glam::DVec3;
 
 use super::prescription::{Lens, MAX_SURFACES};
+use super::profile::TraceDirection;
 use crate::optics::fresnel;
 
-/// Which way light goes through the lens.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Travel {
-    /// Towards +z.
-    ToSensor,
-    /// Towards −z.
-    ToScene,
-}
-
-impl Travel {
-    /// +1 towards the sensor, −1 towards the scene.
-    pub(super) fn sign(self) -> f64 {
-        match self {
-            Self::ToSensor => 1.0,
-            Self::ToScene => -1.0,
-        }
-    }
-}
-
-/// A ray in the lens's coordinates.
+/// A ray in lens coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ray {
-    /// A point on it, in mm.
+pub struct LensRay {
+    /// A point on the ray in mm.
     pub origin: DVec3,
-    /// Unit vector along which light travels.
+    /// Unit vector along the propagation of the light.
     pub direction: DVec3,
 }
 
-impl Ray {
-    /// The point on the ray's line at this z, in mm; not finite for a ray across the axis.
+impl LensRay {
+    /// Returns the point on the line of the ray at the given z, in mm. If the ray is perpendicular
+    /// to the axis, the result is not finite.
     pub fn at_z(&self, z_mm: f64) -> DVec3 {
         let mut point = self.origin + self.direction * ((z_mm - self.origin.z) / self.direction.z);
         point.z = z_mm;
@@ -42,91 +25,98 @@ impl Ray {
     }
 }
 
-/// Whether semi-apertures and the stop hold rays back.
+/// Whether the semi-apertures and the stop block rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Limits {
-    /// They do.
-    Apertures,
-    /// Surfaces reach as far as their shape does: for finding rays through a given point.
-    None,
+pub enum ApertureCheck {
+    /// Rays outside a semi-aperture or the stop are blocked.
+    Enforced,
+    /// Apertures do not block rays. Every surface extends as far as its shape is defined. This mode
+    /// is used to search for rays through a given point.
+    Ignored,
 }
 
-/// Why a ray does not get through, with the surface's number from 0.
+/// The reason why a ray does not pass the lens, with the index of the surface from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Loss {
-    /// It passes the surface by.
+pub enum RayLoss {
+    /// The ray does not intersect the surface.
     Missed(usize),
-    /// It falls outside the semi-aperture.
+    /// The ray lies outside the semi-aperture or the stop.
     Vignetted(usize),
-    /// It is totally reflected.
+    /// The ray is totally reflected.
     Reflected(usize),
 }
 
-/// A lens as one wavelength sees it.
+/// A lens with its refractive indices at one wavelength.
 #[derive(Debug, Clone)]
-pub struct Monochromatic<'a> {
+pub struct MonochromaticLens<'a> {
     lens: &'a Lens,
     wavelength_nm: f64,
-    /// The index before each surface, and behind the last one.
+    /// Refractive index in front of each surface, and finally behind the last surface.
     n: [f64; MAX_SURFACES + 1],
 }
 
 impl Lens {
-    /// The lens at a wavelength in nm: the indices are looked up once, rays then cost no allocation.
-    pub fn at(&self, wavelength_nm: f64) -> Monochromatic<'_> {
+    /// Evaluates the lens at a wavelength in nm. The indices are computed only once, so no memory
+    /// is allocated while rays are traced.
+    pub fn at(&self, wavelength_nm: f64) -> MonochromaticLens<'_> {
         let mut n = [1.0; MAX_SURFACES + 1];
         for (n, surface) in n[1..].iter_mut().zip(self.surfaces()) {
             *n = surface.index.n(wavelength_nm);
         }
-        Monochromatic { lens: self, wavelength_nm, n }
+        MonochromaticLens { lens: self, wavelength_nm, n }
     }
 }
 
-impl<'a> Monochromatic<'a> {
-    /// The lens.
+impl<'a> MonochromaticLens<'a> {
+    /// Returns the lens.
     pub fn lens(&self) -> &'a Lens {
         self.lens
     }
 
-    /// The wavelength in nm.
+    /// Returns the wavelength in nm.
     pub fn wavelength_nm(&self) -> f64 {
         self.wavelength_nm
     }
 
-    /// The index before surface `i`, counted from 0; for the number of surfaces, that behind the last one.
+    /// Returns the refractive index in front of surface `i`. If `i` is the number of surfaces, it
+    /// returns the index behind the last surface.
     pub(super) fn index_before(&self, i: usize) -> f64 {
         self.n[i]
     }
 
-    /// The ray as it leaves the lens, its origin on the last surface; `Err` says where and why it is lost.
-    pub fn trace(&self, ray: Ray, travel: Travel, limits: Limits) -> Result<Ray, Loss> {
+    /// Traces a ray through the lens. The returned ray starts on the last surface along its way.
+    ///
+    /// # Errors
+    /// Returns the surface at which the ray is lost, and the reason.
+    pub fn trace(&self, ray: LensRay, travel: TraceDirection, limits: ApertureCheck) -> Result<LensRay, RayLoss> {
         self.trace_through(ray, travel, limits, |_, _| ())
     }
 
-    /// As [`Self::trace`]; `visit` gets each surface's number and the point where the ray meets it, as it goes.
+    /// Traces a ray like [`Self::trace`]. Calls `visit` for each surface. The arguments are the
+    /// index of the surface, and the intersection point in mm.
     pub fn trace_through(
         &self,
-        mut ray: Ray,
-        travel: Travel,
-        limits: Limits,
+        mut ray: LensRay,
+        travel: TraceDirection,
+        limits: ApertureCheck,
         mut visit: impl FnMut(usize, DVec3),
-    ) -> Result<Ray, Loss> {
+    ) -> Result<LensRay, RayLoss> {
         let count = self.lens.surfaces().len();
         for step in 0..count {
-            let (i, n_here, n_there) = match travel {
-                Travel::ToSensor => (step, self.n[step], self.n[step + 1]),
-                Travel::ToScene => (count - 1 - step, self.n[count - step], self.n[count - 1 - step]),
+            let (i, n_i, n_t) = match travel {
+                TraceDirection::ToSensor => (step, self.n[step], self.n[step + 1]),
+                TraceDirection::ToScene => (count - 1 - step, self.n[count - step], self.n[count - 1 - step]),
             };
             let surface = &self.lens.surfaces()[i];
             let vertex = DVec3::new(0.0, 0.0, self.lens.vertex_z_mm(i));
-            let met = surface.profile.meet(ray.origin - vertex, ray.direction, travel);
-            let point = met.ok_or(Loss::Missed(i))?;
-            if limits == Limits::Apertures && !self.lens.lets_through(i, point.truncate()) {
-                return Err(Loss::Vignetted(i));
+            let met = surface.profile.intersect(ray.origin - vertex, ray.direction, travel);
+            let point = met.ok_or(RayLoss::Missed(i))?;
+            if limits == ApertureCheck::Enforced && !self.lens.aperture_contains(i, point.truncate()) {
+                return Err(RayLoss::Vignetted(i));
             }
             visit(i, point + vertex);
-            let refracted = fresnel::refract(-ray.direction, surface.profile.normal(point), n_here, n_there);
-            ray = Ray { origin: point + vertex, direction: refracted.ok_or(Loss::Reflected(i))? };
+            let refracted = fresnel::refract(-ray.direction, surface.profile.normal(point), n_i, n_t);
+            ray = LensRay { origin: point + vertex, direction: refracted.ok_or(RayLoss::Reflected(i))? };
         }
         Ok(ray)
     }

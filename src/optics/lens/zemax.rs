@@ -1,27 +1,30 @@
-//! Lens files of Zemax (`.zmx`): sequential systems of spheres, conics and even aspheres between media of the built-in catalogue
-//! or of `.agf` files.
+//! Zemax lens files (`.zmx`): sequential systems of spheres, conics and even aspheres. The media
+//! come from the built-in catalogue or from `.agf` files.
 //!
-//! The file is a list of operands, one a line; those of a surface are indented under its `SURF`. Read are `MODE`, `NAME`, `UNIT`,
-//! `ENPD`, `FNUM`, `FLOA`, `FTYP`, `YFLN` and of surfaces `STOP`, `TYPE`, `CURV`, `CONI`, `PARM`, `DISZ`, `GLAS`, `DIAM`, `CLAP`; what would
-//! change the rays but is not known here is refused, all else is left out. The first surface is the object, the last the sensor.
+//! The file is a list of operands, one per line. The operands of a surface are indented under its
+//! `SURF` line. The reader uses `MODE`, `NAME`, `UNIT`, `ENPD`, `FNUM`, `FLOA`, `FTYP` and `YFLN`,
+//! and for surfaces `STOP`, `TYPE`, `CURV`, `CONI`, `PARM`, `DISZ`, `GLAS`, `DIAM` and `CLAP`. An
+//! operand that is known to change the rays, but is not supported, is an error. All other operands
+//! are ignored. The first surface is the object and the last one the sensor.
 
 use std::path::Path;
 
-use super::prescription::{Lens, Opening, Prescription, Surface, medium};
-use super::profile::Profile;
+use super::prescription::{ApertureSpec, Lens, LensSurface, Prescription, medium};
+use super::profile::SurfaceProfile;
 use crate::error::{Error, Result};
-use crate::optics::glass::{GlassFile, Index};
+use crate::optics::glass::{AgfCatalogue, RefractiveIndex};
 use crate::optics::zemax_text::decoded;
 
-/// Reads a lens from the bytes of a file, UTF-8 or UTF-16; `path` names it in errors, which also give the line. A glass is that of the first of the
-/// `catalogues` that has it, else of the built-in one.
+/// Parses a lens from the bytes of a file in UTF-8 or UTF-16. Errors name `path` and the line. Each
+/// glass is searched first in `catalogues`, in their order, and then in the built-in catalogue.
 ///
 /// # Errors
-/// The input's: what is not supported, unknown glasses, surfaces that make no lens.
-pub fn parse(bytes: &[u8], path: &Path, catalogues: &[GlassFile]) -> Result<Lens> {
+/// Returns an error if an operand is not supported, a glass is unknown, or the surfaces form no
+/// valid lens.
+pub fn parse(bytes: &[u8], path: &Path, catalogues: &[AgfCatalogue]) -> Result<Lens> {
     let text = text(bytes).map_err(|error| error.in_file(path))?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let mut reader = Reader::new(name, catalogues);
+    let mut reader = ZmxReader::new(name, catalogues);
     for (i, line) in text.lines().enumerate() {
         let mut words = line.split_whitespace();
         let Some(operand) = words.next() else { continue };
@@ -31,7 +34,8 @@ pub fn parse(bytes: &[u8], path: &Path, catalogues: &[GlassFile]) -> Result<Lens
     reader.finish().map_err(|error| error.in_file(path))
 }
 
-/// The names of the glass catalogues that a file's glasses are of (`GCAT`); none if it is no text.
+/// Returns the names of the glass catalogues (`GCAT`) in a file, or no names if the file is not
+/// text.
 pub fn catalogues(bytes: &[u8]) -> Vec<String> {
     let text = text(bytes).unwrap_or_default();
     let lines = text.lines().filter_map(|line| line.trim().strip_prefix("GCAT "));
@@ -40,36 +44,36 @@ pub fn catalogues(bytes: &[u8]) -> Vec<String> {
 
 fn text(bytes: &[u8]) -> Result<String> {
     let expected = "a Zemax lens file in UTF-8 or UTF-16";
-    decoded(bytes).ok_or_else(|| Error::input("the file is no text").expected(expected))
+    decoded(bytes).ok_or_else(|| Error::input("the file is not text").expected(expected))
 }
 
-/// A surface as far as it is read, lengths in the file's unit.
-struct Row {
+/// A surface during parsing, with lengths in the unit of the file.
+struct ZmxSurface {
     line: usize,
-    profile: Profile,
+    profile: SurfaceProfile,
     thickness: f64,
-    index: Option<Index>,
+    index: Option<RefractiveIndex>,
     semi_aperture: f64,
-    /// A circular aperture, which goes before the semi-diameter.
+    /// Radius of a circular aperture, which takes precedence over the semi-diameter.
     clear: Option<f64>,
     stop: bool,
     aspheric: bool,
 }
 
-struct Reader<'a> {
-    catalogues: &'a [GlassFile],
+struct ZmxReader<'a> {
+    catalogues: &'a [AgfCatalogue],
     name: String,
     unit_mm: f64,
-    /// In the file's unit until the end.
-    opening: Opening,
+    /// The lengths are in the unit of the file until [`ZmxReader::finish`] converts them.
+    opening: ApertureSpec,
     fields_are_angles: bool,
     half_field_deg: Option<f64>,
-    rows: Vec<Row>,
+    rows: Vec<ZmxSurface>,
 }
 
-impl<'a> Reader<'a> {
-    fn new(name: String, catalogues: &'a [GlassFile]) -> Self {
-        let opening = Opening::Stop;
+impl<'a> ZmxReader<'a> {
+    fn new(name: String, catalogues: &'a [AgfCatalogue]) -> Self {
+        let opening = ApertureSpec::Stop;
         Self {
             catalogues,
             name,
@@ -88,9 +92,9 @@ impl<'a> Reader<'a> {
             }
             "NAME" if !arguments.is_empty() => self.name = arguments.join(" "),
             "UNIT" => self.unit_mm = unit_mm(arguments.first().copied().unwrap_or_default())?,
-            "ENPD" => self.opening = Opening::EntrancePupil { diameter_mm: number(arguments, 0)? },
-            "FNUM" => self.opening = Opening::FNumber(number(arguments, 0)?),
-            "FLOA" => self.opening = Opening::Stop,
+            "ENPD" => self.opening = ApertureSpec::EntrancePupil { diameter_mm: number(arguments, 0)? },
+            "FNUM" => self.opening = ApertureSpec::FNumber(number(arguments, 0)?),
+            "FLOA" => self.opening = ApertureSpec::Stop,
             "OBNA" => return Err(unsupported("an aperture stated by the object's numerical aperture", APERTURES)),
             "FTYP" => self.fields_are_angles = number(arguments, 0)? == 0.0,
             "YFLN" => {
@@ -98,9 +102,9 @@ impl<'a> Reader<'a> {
                 let widest = angles.into_iter().map(f64::abs).fold(0.0, f64::max);
                 self.half_field_deg = (widest > 0.0).then_some(widest);
             }
-            "SURF" => self.rows.push(Row {
+            "SURF" => self.rows.push(ZmxSurface {
                 line,
-                profile: Profile::default(),
+                profile: SurfaceProfile::default(),
                 thickness: 0.0,
                 index: None,
                 semi_aperture: 0.0,
@@ -124,15 +128,17 @@ impl<'a> Reader<'a> {
             let what = format!("found {} surfaces", rows.len());
             return Err(Error::input(what).expected("an object, at least one surface, and an image"));
         };
-        if sensor.profile != Profile::default() {
+        if sensor.profile != SurfaceProfile::default() {
             return Err(unsupported("a curved image surface", "a plane sensor").at(sensor.line, 1));
         }
         rows.remove(0);
         let stop = rows.iter().position(|row| row.stop);
         let lines: Vec<usize> = rows.iter().map(|row| row.line).collect();
         let opening = match opening {
-            Opening::EntrancePupil { diameter_mm } => Opening::EntrancePupil { diameter_mm: diameter_mm * unit_mm },
-            Opening::Stop | Opening::FNumber(_) => opening,
+            ApertureSpec::EntrancePupil { diameter_mm } => {
+                ApertureSpec::EntrancePupil { diameter_mm: diameter_mm * unit_mm }
+            }
+            ApertureSpec::Stop | ApertureSpec::FNumber(_) => opening,
         };
         let surfaces = rows.into_iter().map(|row| row.surface(unit_mm)).collect::<Result<_>>()?;
         let half_field_deg = half_field_deg.filter(|_| fields_are_angles);
@@ -141,13 +147,14 @@ impl<'a> Reader<'a> {
     }
 }
 
-const GLASSES: &str = "a name of `abbe glass --list`, or the glass's catalogue (.agf)";
+const GLASSES: &str = "a glass of the built-in catalogue, or of an .agf catalogue that is read with the lens";
 
 const APERTURES: &str = "an entrance pupil diameter (ENPD), an f-number (FNUM), or the stop's size (FLOA)";
 
-/// Gives a fault of a surface the line of that surface.
+/// Adds a line number to an error that contains the path of a surface. The line is the line of that
+/// surface in the file.
 fn placed(error: Error, lines: &[usize]) -> Error {
-    let path = error.place.path.as_deref().unwrap_or_default();
+    let path = error.location.path.as_deref().unwrap_or_default();
     let surface = path.strip_prefix("surfaces[").and_then(|rest| rest.split(']').next()?.parse::<usize>().ok());
     match surface.and_then(|i| lines.get(i)) {
         Some(&line) => error.at(line, 1),
@@ -155,8 +162,8 @@ fn placed(error: Error, lines: &[usize]) -> Error {
     }
 }
 
-impl Row {
-    fn read(&mut self, operand: &str, arguments: &[&str], catalogues: &[GlassFile]) -> Result<()> {
+impl ZmxSurface {
+    fn read(&mut self, operand: &str, arguments: &[&str], catalogues: &[AgfCatalogue]) -> Result<()> {
         match operand {
             "STOP" => self.stop = true,
             "TYPE" => match arguments.first() {
@@ -183,7 +190,7 @@ impl Row {
         Ok(())
     }
 
-    /// The coefficient of h^(2·number).
+    /// Sets the coefficient of h^(2·order).
     fn read_term(&mut self, order: f64, value: f64) -> Result<()> {
         if value == 0.0 {
             return Ok(());
@@ -198,15 +205,15 @@ impl Row {
         Ok(())
     }
 
-    /// In mm.
-    fn surface(self, unit_mm: f64) -> Result<Surface> {
-        let Self { line, profile: Profile { curvature_per_mm, conic, even_terms }, thickness, index, .. } = self;
+    /// Converts the surface to mm.
+    fn surface(self, unit_mm: f64) -> Result<LensSurface> {
+        let Self { line, profile: SurfaceProfile { curvature_per_mm, conic, even_terms }, thickness, index, .. } = self;
         if !thickness.is_finite() {
-            return Err(Error::input("found a surface that is infinitely thick").at(line, 1));
+            return Err(Error::input("found an infinite thickness").at(line, 1));
         }
         let scaled = |(i, term): (usize, &f64)| term * unit_mm.powi(1 - 2 * (i as i32 + 1));
-        Ok(Surface {
-            profile: Profile {
+        Ok(LensSurface {
+            profile: SurfaceProfile {
                 curvature_per_mm: curvature_per_mm / unit_mm,
                 conic,
                 even_terms: even_terms.iter().enumerate().map(scaled).collect(),
@@ -228,16 +235,17 @@ fn unit_mm(unit: &str) -> Result<f64> {
     }
 }
 
-/// A medium by its name; `___BLANK` is a model glass, given by its n_d and Abbe number.
-fn glass(arguments: &[&str], catalogues: &[GlassFile]) -> Result<Index> {
+/// Returns the index of a glass by name. `___BLANK` is a model glass with a given n_d and Abbe
+/// number.
+fn glass(arguments: &[&str], catalogues: &[AgfCatalogue]) -> Result<RefractiveIndex> {
     match arguments.first() {
         Some(&"MIRROR") => Err(unsupported("a mirror", "a glass of the catalogue")),
-        Some(&"___BLANK") => Index::abbe(number(arguments, 3)?, number(arguments, 4)?),
+        Some(&"___BLANK") => RefractiveIndex::abbe(number(arguments, 3)?, number(arguments, 4)?),
         Some(name) => match catalogues.iter().find(|file| file.has(name)) {
             Some(file) => Ok(file.find(name)?.index),
             None => medium(name).map_err(|error| error.expected(GLASSES)),
         },
-        None => Err(Error::input("found no name of a glass")),
+        None => Err(Error::input("found no glass name")),
     }
 }
 

@@ -1,65 +1,68 @@
-//! The contract that every phase function keeps: a density that integrates to 1, drawn from exactly.
+//! The contract test of all phase functions: the density integrates to 1, and the samples follow
+//! the density.
 
 use super::*;
 use crate::math::random::{ONE_MINUS_ULP, Purpose, Stream};
 use crate::spectrum::Outside;
 use std::f64::consts::TAU;
 
-/// The ends of the band and between.
-const WAVELENGTHS_NM: [f64; 4] = [360.0, 475.0, 550.0, 830.0];
+/// Test wavelengths in nm: the ends of the band and two between them.
+const PHASE_TEST_NM: [f64; 4] = [360.0, 475.0, 550.0, 830.0];
 
-/// A phase function, how far from 1 its integral may be, and the angles, as 1 − cos, where it has kinks.
-struct Case {
+/// A phase function, the tolerance of its integral, and the kinks of its density. The kinks are
+/// given as values of 1 − cos θ.
+struct PhaseCase {
     name: String,
-    phase: Phase,
+    phase: PhaseFunction,
     tolerance: f64,
     kinks: Vec<f64>,
 }
 
-fn of_mean_cosine(g: f64) -> Phase {
-    Phase::HenyeyGreenstein { g: Spectrum::constant(g) }
+fn of_mean_cosine(g: f64) -> PhaseFunction {
+    PhaseFunction::HenyeyGreenstein { g: Spectrum::constant(g) }
 }
 
-/// The angles of [`uneven_table`] in degrees, closest by the forward peak.
+/// Returns the angles of [`uneven_table`] in degrees. They are dense near the forward peak.
 fn uneven_angles() -> Vec<f64> {
     (0..=90).map(|i| f64::from(i * i) / 45.0).collect()
 }
 
-fn uneven_table() -> Phase {
+fn uneven_table() -> PhaseFunction {
     let angles = uneven_angles();
     let lobe = |k: f64| angles.iter().map(|a: &f64| (k * a.to_radians().cos()).exp() + 0.02 * (a % 7.0)).collect();
     let mut columns: Vec<Vec<f64>> = [0.5, 3.0, 20.0].map(lobe).to_vec();
-    // A stretch without scattering.
+    // A range of angles without scattering.
     columns[1][20..40].fill(0.0);
-    Phase::Table(Arc::new(PhaseTable::new(&angles, &[400.0, 500.0, 600.0], &columns).unwrap()))
+    PhaseFunction::Table(Arc::new(PhaseTable::new(&angles, &[400.0, 500.0, 600.0], &columns).unwrap()))
 }
 
-fn cases() -> Vec<Case> {
-    let analytic = |name: String, phase| Case { name, phase, tolerance: 1e-9, kinks: Vec::new() };
+fn cases() -> Vec<PhaseCase> {
+    let analytic = |name: String, phase| PhaseCase { name, phase, tolerance: 1e-9, kinks: Vec::new() };
     let peaks = [-0.999, -0.4, -1e-4, 0.0, 1e-12, 0.3, 0.76, 0.9, 0.999]
         .map(|g| analytic(format!("Henyey & Greenstein {g}"), of_mean_cosine(g)));
     let ramp = Spectrum::table(&[360.0, 830.0], &[0.1, 0.9], Outside::Hold).unwrap();
     let kinks = uneven_angles().iter().map(|degrees| 1.0 - degrees.to_radians().cos()).collect();
     let mut cases = vec![
-        analytic("isotropic".into(), Phase::Isotropic),
-        analytic("Rayleigh".into(), Phase::Rayleigh),
-        analytic("Henyey & Greenstein, coloured".into(), Phase::HenyeyGreenstein { g: ramp }),
-        Case { name: "table".into(), phase: uneven_table(), tolerance: 1e-6, kinks },
+        analytic("isotropic".into(), PhaseFunction::Isotropic),
+        analytic("Rayleigh".into(), PhaseFunction::Rayleigh),
+        analytic("Henyey & Greenstein, coloured".into(), PhaseFunction::HenyeyGreenstein { g: ramp }),
+        PhaseCase { name: "table".into(), phase: uneven_table(), tolerance: 1e-6, kinks },
     ];
     cases.extend(peaks);
     cases
 }
 
-/// ∫ f(cos θ) p dω, between the kinks in steps that shrink towards both poles, each by five-point Gauss quadrature.
-fn integral(case: &Case, nm: f64, f: impl Fn(f64) -> f64) -> f64 {
-    const POINTS: [(f64, f64); 5] = [
+/// Integrates f(cos θ)·p dω between the kinks. The steps shrink towards both poles, and each step
+/// uses five-point Gauss quadrature.
+fn integral(case: &PhaseCase, nm: f64, f: impl Fn(f64) -> f64) -> f64 {
+    const GAUSS_5: [(f64, f64); 5] = [
         (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
         (-0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
         (0.0, 0.568_888_888_888_888_9),
         (0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
         (0.906_179_845_938_664, 0.236_926_885_056_189_1),
     ];
-    // 1 − |cos| from 2⁻⁴⁰ to 1 by 32nds of an octave.
+    // 1 − |cos θ| from 2⁻⁴⁰ to 1 in steps of 1/32 octave.
     let near_a_pole = (-1280..=0).map(|i| 2.0_f64.powf(f64::from(i) / 32.0));
     let mut edges: Vec<f64> = near_a_pole.flat_map(|h| [h, 2.0 - h]).chain([0.0, 2.0]).collect();
     edges.extend(&case.kinks);
@@ -67,7 +70,7 @@ fn integral(case: &Case, nm: f64, f: impl Fn(f64) -> f64) -> f64 {
     let step = |pair: &[f64]| -> f64 {
         let half = 0.5 * (pair[1] - pair[0]);
         let at = |x: f64| 1.0 - (pair[0] + half + half * x);
-        POINTS.iter().map(|&(x, weight)| TAU * half * weight * f(at(x)) * case.phase.at(at(x), nm)).sum()
+        GAUSS_5.iter().map(|&(x, weight)| TAU * half * weight * f(at(x)) * case.phase.eval(at(x), nm)).sum()
     };
     edges.windows(2).map(step).sum()
 }
@@ -75,7 +78,7 @@ fn integral(case: &Case, nm: f64, f: impl Fn(f64) -> f64) -> f64 {
 #[test]
 fn the_density_integrates_to_one_and_has_its_mean_cosine() {
     for case in cases() {
-        for nm in WAVELENGTHS_NM {
+        for nm in PHASE_TEST_NM {
             let (name, stated) = (&case.name, case.phase.mean_cosine(nm));
             let whole = integral(&case, nm, |_| 1.0);
             assert!((whole - 1.0).abs() < case.tolerance, "{name} at {nm} nm: {whole}");
@@ -85,7 +88,8 @@ fn the_density_integrates_to_one_and_has_its_mean_cosine() {
     }
 }
 
-/// The value of χ² over cells that all expect the same number, in standard deviations above its mean (Wilson & Hilferty 1931).
+/// Returns the number of standard deviations by which χ² exceeds its mean (Wilson & Hilferty 1931).
+/// All cells have the same expected count.
 fn chi_square_deviations(counts: &[u32]) -> f64 {
     let degrees = counts.len() as f64 - 1.0;
     let expected = f64::from(counts.iter().sum::<u32>()) / counts.len() as f64;
@@ -94,9 +98,10 @@ fn chi_square_deviations(counts: &[u32]) -> f64 {
     ((sum / degrees).cbrt() - (1.0 - spread)) / spread.sqrt()
 }
 
-/// Edges in 1 − cos θ between which the density holds equal shares, by stepping through it finely.
-fn equal_shares(phase: &Phase, nm: f64, shares: usize) -> Vec<f64> {
-    // Fine near both poles, where the peaks are.
+/// Returns the values of 1 − cos θ that divide the density into intervals of equal probability. The
+/// function accumulates the density in small steps.
+fn equal_shares(phase: &PhaseFunction, nm: f64, shares: usize) -> Vec<f64> {
+    // The steps are small near both poles, where the peaks are.
     let steps = 400_000;
     let height = |step: usize| {
         let t = step as f64 / steps as f64;
@@ -107,7 +112,7 @@ fn equal_shares(phase: &Phase, nm: f64, shares: usize) -> Vec<f64> {
     let mut sum = 0.0;
     for step in 0..steps {
         let (from, to) = (height(step), height(step + 1));
-        let mass = TAU * (to - from) * phase.at(1.0 - 0.5 * (from + to), nm);
+        let mass = TAU * (to - from) * phase.eval(1.0 - 0.5 * (from + to), nm);
         while edges.len() + 1 < shares && (edges.len() + 1) as f64 / shares as f64 <= sum + mass {
             let wanted = (edges.len() + 1) as f64 / shares as f64;
             edges.push(from + (wanted - sum) / mass * (to - from));
@@ -117,8 +122,9 @@ fn equal_shares(phase: &Phase, nm: f64, shares: usize) -> Vec<f64> {
     edges
 }
 
-/// How many draws fall into each of `shares` equal shares of the angle times four quarters of the azimuth.
-fn drawn(phase: &Phase, expected_of: &Phase, nm: f64, number: u64) -> Vec<u32> {
+/// Counts the samples in a grid of cells. There are 24 angle intervals of equal probability and
+/// four quarters of the azimuth.
+fn drawn(phase: &PhaseFunction, expected_of: &PhaseFunction, nm: f64, number: u64) -> Vec<u32> {
     let shares = 24;
     let edges = equal_shares(expected_of, nm, shares);
     let incoming = DVec3::new(0.36, -0.48, 0.8);
@@ -128,7 +134,8 @@ fn drawn(phase: &Phase, expected_of: &Phase, nm: f64, number: u64) -> Vec<u32> {
     for _ in 0..60_000 {
         let out = phase.sample(incoming, nm, stream.pair());
         assert!((out.length() - 1.0).abs() < 1e-12);
-        // 1 − cos of the angle between unit vectors, with its digits near both poles.
+        // Computes 1 − cos θ from the difference of the unit vectors, which is accurate near both
+        // poles.
         let height = if out.dot(incoming) > 0.0 {
             0.5 * (out - incoming).length_squared()
         } else {
@@ -142,10 +149,10 @@ fn drawn(phase: &Phase, expected_of: &Phase, nm: f64, number: u64) -> Vec<u32> {
 }
 
 #[test]
-fn draws_fall_as_the_density_says() {
+fn samples_follow_the_density() {
     let mut number = 0;
-    for Case { name, phase, .. } in cases() {
-        for nm in WAVELENGTHS_NM {
+    for PhaseCase { name, phase, .. } in cases() {
+        for nm in PHASE_TEST_NM {
             number += 1;
             let deviations = chi_square_deviations(&drawn(&phase, &phase, nm, number));
             assert!(deviations < 4.5, "{name} at {nm} nm: χ² is {deviations} deviations too large");
@@ -162,17 +169,17 @@ fn the_chi_square_test_rejects_a_slightly_different_peak() {
 #[test]
 fn rayleigh_has_its_closed_form() {
     for cos in [-1.0, -0.3, 0.0, 0.5, 1.0_f64] {
-        assert_eq!(Phase::Rayleigh.at(cos, 500.0), 3.0 / (16.0 * PI) * (1.0 + cos * cos));
+        assert_eq!(PhaseFunction::Rayleigh.eval(cos, 500.0), 3.0 / (16.0 * PI) * (1.0 + cos * cos));
     }
 }
 
 #[test]
-fn the_narrowest_peak_and_the_ends_of_the_random_numbers_stay_finite() {
+fn narrowest_peaks_and_extreme_random_numbers_stay_finite() {
     let narrow = [MAX_MEAN_COSINE, -MAX_MEAN_COSINE].map(of_mean_cosine);
     for phase in cases().into_iter().map(|case| case.phase).chain(narrow) {
-        for nm in WAVELENGTHS_NM {
+        for nm in PHASE_TEST_NM {
             for cos in [-1.0, -0.5, 0.0, 1.0] {
-                let density = phase.at(cos, nm);
+                let density = phase.eval(cos, nm);
                 assert!(density.is_finite() && density >= 0.0, "{phase:?} at {cos}: {density}");
             }
             for u in [0.0, 1e-17, 0.5, ONE_MINUS_ULP] {
@@ -181,10 +188,11 @@ fn the_narrowest_peak_and_the_ends_of_the_random_numbers_stay_finite() {
             }
         }
     }
-    // The peak's height, (1 + g)/(4π(1 − g)²), and its median, half the light within 1 − cos = (1 − g)²(1 + g/2) / (1 + g − g)².
+    // The peak of the density is (1 + g)/(4π(1 − g)²). Half of the light lies within 1 − cos θ = (1
+    // − g)²(1 + g/2)/(1 + g − g²), the median.
     let g = MAX_MEAN_COSINE;
     let peak = (1.0 + g) / (4.0 * PI * (1.0 - g) * (1.0 - g));
-    assert!((of_mean_cosine(g).at(1.0, 500.0) / peak - 1.0).abs() < 1e-9);
+    assert!((of_mean_cosine(g).eval(1.0, 500.0) / peak - 1.0).abs() < 1e-9);
     let median = of_mean_cosine(g).sample(DVec3::Z, 500.0, [0.5, 0.0]);
     assert!((0.5 * (median - DVec3::Z).length_squared() / ((1.0 - g).powi(2) * (1.0 + 0.5 * g)) - 1.0).abs() < 1e-4);
 }

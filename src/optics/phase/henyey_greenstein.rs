@@ -1,24 +1,27 @@
-//! Henyey & Greenstein's function (1941), whose one parameter g is the mean cosine.
+//! The Henyey–Greenstein phase function (Henyey & Greenstein 1941). Its parameter g is the mean
+//! cosine.
 //!
-//! Backward scattering (g < 0) is forward scattering mirrored. What is left, 0 ≤ g, is written in 1 − cos θ, without a difference
-//! of nearly equal numbers in either the density or the draw; so g = 0 and the narrowest peaks need no branch of their own.
+//! Backward scattering (g < 0) is mirrored forward scattering. For g ≥ 0 the density and its
+//! quantile are written in terms of 1 − cos θ without cancellation. Therefore g = 0 and very narrow
+//! peaks need no special case.
 
 use std::f64::consts::PI;
 
-/// The largest |g|: beyond it a cosine in double precision no longer resolves the peak.
+/// Largest |g|. Beyond this limit, a cosine in double precision does not resolve the peak.
 pub const MAX_MEAN_COSINE: f64 = 0.999_999;
 
-/// The density per steradian, |g| ≤ [`MAX_MEAN_COSINE`]: (1 − g²) / 4π((1 − g)² + 2g(1 − cos θ))^(3/2).
-pub(super) fn at(g: f64, cos_theta: f64) -> f64 {
+/// Returns the density per steradian for |g| ≤ [`MAX_MEAN_COSINE`]: (1 − g²) / (4π((1 − g)² + 2g(1
+/// − cos θ))^(3/2)).
+pub(super) fn eval(g: f64, cos_theta: f64) -> f64 {
     let (g, cos) = if g < 0.0 { (-g, -cos_theta) } else { (g, cos_theta) };
     let apart = (1.0 - g) * (1.0 - g) + 2.0 * g * (1.0 - cos);
     (1.0 - g) * (1.0 + g) / (4.0 * PI * apart * apart.sqrt())
 }
 
-/// 1 − cos of the angle from the peak below which a share `u` in [0, 1) of the light is scattered, 0 ≤ g:
-/// the usual inverse with its difference of squares multiplied out.
+/// Returns the quantile of 1 − cos θ for a probability `u` in [0, 1) and g ≥ 0. This is the usual
+/// formula for the inverse, but the difference of squares is expanded.
 pub(super) fn quantile(g: f64, u: f64) -> f64 {
-    // Counted from the far end, so that small `u` are near the peak with all their digits.
+    // Small `u` correspond to angles near the peak, where the result keeps full precision.
     let v = (1.0 - g) / (1.0 + g - 2.0 * g * u);
     2.0 * u * v * v * (1.0 + g - g * u)
 }

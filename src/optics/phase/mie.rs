@@ -1,70 +1,76 @@
-//! Scattering by spheres of any size (Lorenz and Mie), as a phase function at angles and wavelengths.
+//! Lorenz–Mie scattering by spheres, tabulated over angles and wavelengths.
 //!
-//! The series of Bohren & Huffman 1983, chapter 4 and appendix A: the logarithmic derivative D_n(mx) by downward recurrence, the
-//! Riccati–Bessel functions ψ_n(x), χ_n(x) upwards, as many terms as the largest sphere calls for. The spheres do not absorb: of
-//! water in visible light a drop takes less than one part in 10⁴.
+//! The series follows Bohren & Huffman 1983, chapter 4 and appendix A. The logarithmic derivative
+//! D_n(mx) is computed by downward recurrence, and the Riccati–Bessel functions ψ_n(x) and χ_n(x)
+//! by upward recurrence. The number of terms follows from the largest sphere. The spheres are
+//! assumed not to absorb, because a drop of water absorbs less than one part in 10⁴ of visible
+//! light.
 
 use super::table::PhaseTable;
 use crate::error::{Error, Result};
-use crate::optics::glass::Index;
+use crate::optics::glass::RefractiveIndex;
 use crate::spectrum::BAND_NM;
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 use std::sync::{Arc, Mutex, OnceLock};
 
-/// Spheres of one radius, or of many.
+/// Spheres with a distribution of radii.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Spheres {
-    /// Their radii in µm, each with its share of the number of spheres.
+pub struct MieSpheres {
+    /// Radii in µm, each with its fraction of the number of spheres.
     pub radii_um: Vec<(f64, f64)>,
-    /// Their index, relative to the medium around.
-    pub index: Index,
+    /// Refractive index of the spheres relative to the surrounding medium.
+    pub index: RefractiveIndex,
 }
 
-/// What spheres do to light of one wavelength.
+/// Scattering by spheres at one wavelength.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Scattering {
-    /// The density per steradian at the angles.
+pub struct MieScattering {
+    /// Density per steradian at the requested angles.
     pub density: Vec<f64>,
-    /// The mean scattering cross-section in µm².
+    /// Mean scattering cross-section in µm².
     pub cross_section_um2: f64,
-    /// The mean of cos θ.
+    /// Mean of cos θ.
     pub mean_cosine: f64,
 }
 
-/// The largest size parameter 2πr/λ of a phase function that is computed when a scene is read: larger spheres take minutes.
+/// Largest size parameter 2πr/λ accepted by the scene loader. The series of larger spheres would
+/// take minutes to compute.
 const MAX_SIZE_PARAMETER: f64 = 1000.0;
 
-/// Radii of a distribution, out to this many standard deviations of ln r.
-const RADII: i32 = 100;
-const DEVIATIONS: f64 = 3.5;
+/// Number of radius steps of a distribution, and its half-width in standard deviations of ln r.
+const RADIUS_STEPS: i32 = 100;
+const RADIUS_RANGE_SIGMAS: f64 = 3.5;
 
-/// Columns of a table over the band.
-const COLUMNS: u32 = 16;
+/// Number of wavelength steps of a table over the band.
+const TABLE_STEPS: u32 = 16;
 
-/// The terms of the series at one size: a_n and b_n as (a + b, a − b) times (2n + 1)/(n(n + 1)), each with real and imaginary part.
-struct Series {
+/// The terms of the series at one size parameter: a_n + b_n and a_n − b_n times (2n + 1)/(n(n +
+/// 1)), each as real and imaginary part.
+struct MieSeries {
     sums: Vec<[f64; 2]>,
     differences: Vec<[f64; 2]>,
-    /// Σ (2n + 1)(|a|² + |b|²), proportional to the scattering cross-section.
-    strength: f64,
-    /// The sum that, divided by the strength, gives the mean cosine.
-    forwardness: f64,
+    /// Σ (2n + 1)(|a_n|² + |b_n|²), proportional to the scattering cross-section.
+    scattering_sum: f64,
+    /// The mean cosine times `scattering_sum`.
+    asymmetry_sum: f64,
 }
 
-impl Spheres {
-    /// Spheres of this median radius in µm whose radii are lognormally distributed with the geometric standard deviation `spread`
-    /// (1, or none: all the same), of this index.
+impl MieSpheres {
+    /// Creates spheres from their median radius in µm and their relative refractive index. The
+    /// radii follow a lognormal distribution of geometric standard deviation `spread`. `None` and 1
+    /// give a single radius.
     ///
     /// # Errors
-    /// A spread below 1; spheres too large for the series to be summed in reasonable time.
-    pub fn new(radius_um: f64, spread: Option<f64>, index: Index) -> Result<Self> {
+    /// Returns an error if the spread is below 1, or the largest size parameter exceeds the limit
+    /// of 1000.
+    pub fn new(radius_um: f64, spread: Option<f64>, index: RefractiveIndex) -> Result<Self> {
         let spread = spread.unwrap_or(1.0);
         if !(spread >= 1.0 && spread.is_finite()) {
             let error = Error::input(format!("found a spread of {spread}"));
             return Err(error.expected("a geometric standard deviation of at least 1, such as 1.35"));
         }
-        let radii_um = lognormal(radius_um, spread.ln(), RADII);
+        let radii_um = lognormal(radius_um, spread.ln(), RADIUS_STEPS);
         let largest = size_parameter(radii_um[radii_um.len() - 1].0, BAND_NM.0);
         if largest > MAX_SIZE_PARAMETER {
             let limit = MAX_SIZE_PARAMETER * BAND_NM.0 * 1e-3 / TAU;
@@ -74,10 +80,11 @@ impl Spheres {
         Ok(Self { radii_um, index })
     }
 
-    /// The phase function over the band. It is kept for as long as the program runs, for scenes that are read again and again.
+    /// Returns the phase function over the band. The tables are cached for the lifetime of the
+    /// process, because scenes may be read repeatedly.
     ///
     /// # Errors
-    /// None for spheres that [`new`](Self::new) made.
+    /// Never fails for spheres created by [`new`](Self::new).
     pub fn table(&self) -> Result<Arc<PhaseTable>> {
         static KNOWN: OnceLock<Mutex<HashMap<String, Arc<PhaseTable>>>> = OnceLock::new();
         let key = format!("{self:?}");
@@ -87,8 +94,8 @@ impl Spheres {
             return Ok(table);
         }
         let angles = self.angles_deg();
-        let step = (BAND_NM.1 - BAND_NM.0) / f64::from(COLUMNS);
-        let nm: Vec<f64> = (0..=COLUMNS).map(|i| BAND_NM.0 + f64::from(i) * step).collect();
+        let step = (BAND_NM.1 - BAND_NM.0) / f64::from(TABLE_STEPS);
+        let nm: Vec<f64> = (0..=TABLE_STEPS).map(|i| BAND_NM.0 + f64::from(i) * step).collect();
         let values: Vec<Vec<f64>> = nm.iter().map(|&nm| self.scattering(nm, &angles).density).collect();
         let table = Arc::new(PhaseTable::new(&angles, &nm, &values)?);
         if let Ok(mut known) = known.lock() {
@@ -97,8 +104,9 @@ impl Spheres {
         Ok(table)
     }
 
-    /// Angles in degrees close enough for the forward peak, whose width goes with 1/x, and for the ripples, π/x apart; x is the size
-    /// parameter of the mean sphere at the shortest wavelength.
+    /// Returns angles in degrees. Their steps are small enough for the forward peak and the
+    /// ripples. The peak width is proportional to 1/x, and the ripples are π/x apart. x is the size
+    /// parameter of the mean radius at the shortest wavelength.
     fn angles_deg(&self) -> Vec<f64> {
         let mean_um: f64 = self.radii_um.iter().map(|(radius, share)| radius * share).sum();
         let x = size_parameter(mean_um, BAND_NM.0);
@@ -106,7 +114,8 @@ impl Spheres {
         let mut angles = vec![0.0];
         let mut angle: f64 = 0.0;
         while angle < 180.0 {
-            // From a tenth of a ripple in the peak to a whole step beyond some ten of them.
+            // The step grows from a tenth of a ripple in the peak to a whole ripple beyond the
+            // first ten ripples.
             let step = ripple * (angle / (10.0 * ripple)).clamp(0.1, 1.0);
             angle = if angle + 1.5 * step >= 180.0 { 180.0 } else { angle + step };
             angles.push(angle);
@@ -114,27 +123,27 @@ impl Spheres {
         angles
     }
 
-    /// The scattering at a wavelength in nm into angles in degrees.
-    pub fn scattering(&self, nm: f64, angles_deg: &[f64]) -> Scattering {
+    /// Computes the scattering at a wavelength in nm for angles in degrees.
+    pub fn scattering(&self, nm: f64, angles_deg: &[f64]) -> MieScattering {
         let cosines: Vec<f64> = angles_deg.iter().map(|degrees| degrees.to_radians().cos()).collect();
         let mut intensity = vec![0.0; cosines.len()];
-        let (mut strength, mut forwardness) = (0.0, 0.0);
+        let (mut scattering_sum, mut asymmetry_sum) = (0.0, 0.0);
         for &(radius_um, share) in &self.radii_um {
-            let series = Series::new(size_parameter(radius_um, nm), self.index.n(nm));
-            strength += share * series.strength;
-            forwardness += share * series.forwardness;
-            for (cosines, intensity) in cosines.chunks(LANES).zip(intensity.chunks_mut(LANES)) {
-                let mut lanes = [1.0; LANES];
+            let series = MieSeries::new(size_parameter(radius_um, nm), self.index.n(nm));
+            scattering_sum += share * series.scattering_sum;
+            asymmetry_sum += share * series.asymmetry_sum;
+            for (cosines, intensity) in cosines.chunks(ANGLE_LANES).zip(intensity.chunks_mut(ANGLE_LANES)) {
+                let mut lanes = [1.0; ANGLE_LANES];
                 lanes[..cosines.len()].copy_from_slice(cosines);
                 let found = series.intensity(&lanes);
                 intensity.iter_mut().zip(found).for_each(|(sum, here)| *sum += share * here);
             }
         }
-        // (|S₁|² + |S₂|²)/2k² over C = 2π/k² · strength.
-        let density = intensity.iter().map(|intensity| intensity / (4.0 * PI * strength)).collect();
+        // (|S₁|² + |S₂|²)/2k² divided by the cross-section C = 2π/k² · `scattering_sum`.
+        let density = intensity.iter().map(|intensity| intensity / (4.0 * PI * scattering_sum)).collect();
         let wavelength_um = nm * 1e-3;
-        let cross_section_um2 = wavelength_um * wavelength_um / TAU * strength;
-        Scattering { density, cross_section_um2, mean_cosine: forwardness / strength }
+        let cross_section_um2 = wavelength_um * wavelength_um / TAU * scattering_sum;
+        MieScattering { density, cross_section_um2, mean_cosine: asymmetry_sum / scattering_sum }
     }
 }
 
@@ -142,35 +151,37 @@ fn size_parameter(radius_um: f64, nm: f64) -> f64 {
     TAU * radius_um / (nm * 1e-3)
 }
 
-/// Radii at `steps` equal steps of ln r within ± [`DEVIATIONS`] of `sigma`, with shares that sum to 1.
+/// Returns radii and their fractions, which sum to 1. The radii have `steps` equal steps of ln r
+/// within ± [`RADIUS_RANGE_SIGMAS`] · `sigma`.
 pub(super) fn lognormal(median_um: f64, sigma: f64, steps: i32) -> Vec<(f64, f64)> {
     if sigma == 0.0 {
         return vec![(median_um, 1.0)];
     }
-    let deviation = |i: i32| DEVIATIONS * (2.0 * f64::from(i) / f64::from(steps) - 1.0);
+    let deviation = |i: i32| RADIUS_RANGE_SIGMAS * (2.0 * f64::from(i) / f64::from(steps) - 1.0);
     let share = |z: f64| (-0.5 * z * z).exp();
     let sum: f64 = (0..=steps).map(|i| share(deviation(i))).sum();
     (0..=steps).map(deviation).map(|z| (median_um * (sigma * z).exp(), share(z) / sum)).collect()
 }
 
-/// Angles summed side by side.
-const LANES: usize = 8;
+/// Number of angles that are summed together.
+const ANGLE_LANES: usize = 8;
 
-impl Series {
+impl MieSeries {
     fn new(x: f64, m: f64) -> Self {
         let terms = (x + 4.05 * x.cbrt() + 2.0).ceil() as usize;
         let derivative = log_derivatives(m * x, terms);
-        // ψ₀ and ψ₋₁, χ₀ and χ₋₁, in Bohren & Huffman's signs.
+        // ψ₀ and ψ₋₁, χ₀ and χ₋₁, with the signs of Bohren & Huffman.
         let (mut psi, mut psi_before) = (x.sin(), x.cos());
         let (mut chi, mut chi_before) = (x.cos(), -x.sin());
         let (mut sums, mut differences) = (Vec::with_capacity(terms), Vec::with_capacity(terms));
-        let (mut strength, mut forwardness) = (0.0, 0.0);
+        let (mut scattering_sum, mut asymmetry_sum) = (0.0, 0.0);
         let mut last: Option<([f64; 2], [f64; 2])> = None;
         for (order, derivative) in derivative.iter().enumerate().skip(1) {
             let n = order as f64;
             (psi, psi_before) = ((2.0 * n - 1.0) / x * psi - psi_before, psi);
             (chi, chi_before) = ((2.0 * n - 1.0) / x * chi - chi_before, chi);
-            // (f ψ_n − ψ_{n−1}) / (f ξ_n − ξ_{n−1}) with ξ = ψ − iχ: a_n for f = D/m + n/x, b_n for f = mD + n/x.
+            // (f ψ_n − ψ_{n−1}) / (f ξ_n − ξ_{n−1}) with ξ = ψ − iχ. f = D/m + n/x gives a_n; f =
+            // mD + n/x gives b_n.
             let coefficient = |f: f64| {
                 let (real, imaginary) = (f * psi - psi_before, f * chi - chi_before);
                 let norm = real * real + imaginary * imaginary;
@@ -178,28 +189,29 @@ impl Series {
             };
             let a = coefficient(derivative / m + n / x);
             let b = coefficient(derivative * m + n / x);
-            strength += (2.0 * n + 1.0) * (square(a) + square(b));
+            scattering_sum += (2.0 * n + 1.0) * (square(a) + square(b));
             if let Some((a_before, b_before)) = last {
                 let k = n - 1.0;
-                forwardness += 2.0 * k * (k + 2.0) / (k + 1.0) * (dot(a_before, a) + dot(b_before, b));
-                forwardness += 2.0 * (2.0 * k + 1.0) / (k * (k + 1.0)) * dot(a_before, b_before);
+                asymmetry_sum += 2.0 * k * (k + 2.0) / (k + 1.0) * (dot(a_before, a) + dot(b_before, b));
+                asymmetry_sum += 2.0 * (2.0 * k + 1.0) / (k * (k + 1.0)) * dot(a_before, b_before);
             }
             last = Some((a, b));
             let weight = (2.0 * n + 1.0) / (n * (n + 1.0));
             sums.push([weight * (a[0] + b[0]), weight * (a[1] + b[1])]);
             differences.push([weight * (a[0] - b[0]), weight * (a[1] - b[1])]);
         }
-        Self { sums, differences, strength, forwardness }
+        Self { sums, differences, scattering_sum, asymmetry_sum }
     }
 
-    /// |S₁|² + |S₂|² at cosines: half of |S₁ + S₂|² + |S₁ − S₂|², which are sums over (a + b)(π + τ) and (a − b)(π − τ).
-    fn intensity(&self, cosines: &[f64; LANES]) -> [f64; LANES] {
-        let (mut pi, mut pi_before) = ([1.0; LANES], [0.0; LANES]);
-        let mut parts = [[0.0; LANES]; 4];
+    /// Returns |S₁|² + |S₂|² at the cosines: half of |S₁ + S₂|² + |S₁ − S₂|². These are sums over
+    /// (a + b)(π + τ) and (a − b)(π − τ).
+    fn intensity(&self, cosines: &[f64; ANGLE_LANES]) -> [f64; ANGLE_LANES] {
+        let (mut pi, mut pi_before) = ([1.0; ANGLE_LANES], [0.0; ANGLE_LANES]);
+        let mut parts = [[0.0; ANGLE_LANES]; 4];
         for (order, (sum, difference)) in self.sums.iter().zip(&self.differences).enumerate() {
             let n = order as f64 + 1.0;
             let (up, down) = ((2.0 * n + 1.0) / n, (n + 1.0) / n);
-            for lane in 0..LANES {
+            for lane in 0..ANGLE_LANES {
                 let mu = cosines[lane];
                 let tau = n * mu * pi[lane] - (n + 1.0) * pi_before[lane];
                 let (plus, minus) = (pi[lane] + tau, pi[lane] - tau);
@@ -216,7 +228,8 @@ impl Series {
     }
 }
 
-/// D_n(z) for n up to `terms`, from well beyond both it and z, where any start is forgotten on the way down.
+/// Returns D_n(z) for n up to `terms` by downward recurrence. The recurrence starts far above
+/// `terms` and above z, so the starting value has no influence.
 fn log_derivatives(z: f64, terms: usize) -> Vec<f64> {
     let start = terms.max(z as usize) + 16 + (4.0 * z.cbrt()) as usize;
     let mut derivatives = vec![0.0; terms + 1];
@@ -235,7 +248,7 @@ fn square(z: [f64; 2]) -> f64 {
     dot(z, z)
 }
 
-/// The real part of z times the conjugate of w.
+/// Returns the real part of z times the conjugate of w.
 fn dot(z: [f64; 2], w: [f64; 2]) -> f64 {
     z[0] * w[0] + z[1] * w[1]
 }
@@ -243,13 +256,14 @@ fn dot(z: [f64; 2], w: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optics::phase::Phase;
+    use crate::optics::phase::PhaseFunction;
 
-    fn water() -> Index {
-        Index::catalogue("water 20C").unwrap()
+    fn water() -> RefractiveIndex {
+        RefractiveIndex::catalogue("water 20C").unwrap()
     }
 
-    /// The columns of a table with a header, its first column the angles.
+    /// Reads a CSV table with a header. Returns its first column (the angles) and its other
+    /// columns.
     fn table(name: &str) -> (Vec<f64>, Vec<Vec<f64>>) {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
         let text = std::fs::read_to_string(path).unwrap();
@@ -261,23 +275,25 @@ mod tests {
 
     #[test]
     fn small_spheres_scatter_as_rayleigh_says() {
-        let tiny = Spheres::new(0.002, None, Index::constant(1.5).unwrap()).unwrap();
+        let tiny = MieSpheres::new(0.002, None, RefractiveIndex::constant(1.5).unwrap()).unwrap();
         let angles = [0.0, 40.0, 90.0, 170.0];
         let found = tiny.scattering(500.0, &angles);
         for (angle, density) in angles.iter().zip(&found.density) {
-            let expected = Phase::Rayleigh.at(f64::to_radians(*angle).cos(), 500.0);
+            let expected = PhaseFunction::Rayleigh.eval(f64::to_radians(*angle).cos(), 500.0);
             assert!((density / expected - 1.0).abs() < 1e-3, "{angle}°: {density}");
         }
-        // C = 8/3 π r² x⁴ ((m² − 1)/(m² + 2))².
+        // Rayleigh limit: C = 8/3 π r² x⁴ ((m² − 1)/(m² + 2))².
         let x = size_parameter(0.002, 500.0);
         let expected = 8.0 / 3.0 * PI * 4e-6 * x.powi(4) * (1.25_f64 / 4.25).powi(2);
         assert!((found.cross_section_um2 / expected - 1.0).abs() < 2e-3, "{}", found.cross_section_um2);
     }
 
+    /// The phase function, the cross-section and the mean cosine of fog agree with the values of an
+    /// independent Mie program.
     #[test]
-    fn fog_has_the_phase_function_cross_section_and_mean_cosine_that_were_computed_elsewhere() {
+    fn fog_matches_an_independent_mie_program() {
         let (angles, columns) = table("mie_fog_phase.csv");
-        let fog = Spheres { radii_um: lognormal(5.0, 0.3, 300), index: water() };
+        let fog = MieSpheres { radii_um: lognormal(5.0, 0.3, 300), index: water() };
         let known =
             [(400.0, 197.004_65, 0.858_689_23), (550.0, 199.381_33, 0.854_115_89), (700.0, 201.384_09, 0.849_848_39)];
         for (nm, cross_section, mean_cosine) in known {
@@ -296,13 +312,14 @@ mod tests {
         }
     }
 
+    /// The mean cosine of the cached table of fog equals the mean cosine of the Mie series.
     #[test]
-    fn the_table_of_fog_is_normalised_and_has_the_mean_cosine_of_the_series() {
-        let fog = Spheres::new(5.0, Some(0.3_f64.exp()), water()).unwrap();
+    fn fog_table_keeps_the_mean_cosine_of_the_series() {
+        let fog = MieSpheres::new(5.0, Some(0.3_f64.exp()), water()).unwrap();
         let table = fog.table().unwrap();
         let again = fog.table().unwrap();
         assert!(Arc::ptr_eq(&table, &again));
-        let phase = Phase::Table(table);
+        let phase = PhaseFunction::Table(table);
         for nm in [BAND_NM.0, BAND_NM.1] {
             let exact = fog.scattering(nm, &[]).mean_cosine;
             assert!((phase.mean_cosine(nm) - exact).abs() < 1e-3, "{nm} nm: {} {exact}", phase.mean_cosine(nm));
@@ -310,13 +327,13 @@ mod tests {
     }
 
     #[test]
-    fn spheres_that_cannot_be_are_refused() {
+    fn impossible_sphere_sizes_are_refused() {
         for (radius, spread, words) in [
             (5.0, Some(0.5), "a spread of 0.5"),
             (5.0, Some(f64::NAN), "a spread of NaN"),
             (500.0, None, "\"rainbow\""),
         ] {
-            let error = Spheres::new(radius, spread, water()).unwrap_err().to_string();
+            let error = MieSpheres::new(radius, spread, water()).unwrap_err().to_string();
             assert!(error.contains(words), "{error}");
         }
     }

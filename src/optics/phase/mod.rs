@@ -1,7 +1,8 @@
-//! Phase functions: into which directions a medium scatters.
+//! Phase functions of participating media.
 //!
-//! One convention: cos θ = ω_in · ω_out, both along the way the light travels, so that forward is +1. Every function is a density
-//! per steradian that integrates to 1 over the sphere.
+//! Convention: cos θ = ω_in · ω_out with both directions along the propagation of the light, so
+//! forward scattering has cos θ = +1. Every phase function is a density per steradian that
+//! integrates to 1 over the sphere.
 
 mod henyey_greenstein;
 pub mod mie;
@@ -25,32 +26,34 @@ use std::sync::Arc;
 
 /// A phase function.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Phase {
-    /// The same into all directions.
+pub enum PhaseFunction {
+    /// Uniform scattering in all directions.
     Isotropic,
-    /// By particles much smaller than the wavelength.
+    /// Scattering by particles much smaller than the wavelength.
     Rayleigh,
-    /// By its mean cosine g, |g| ≤ [`MAX_MEAN_COSINE`] at every wavelength.
+    /// The Henyey–Greenstein phase function with |g| ≤ [`MAX_MEAN_COSINE`] at every wavelength.
     HenyeyGreenstein {
-        /// Mean cosine.
+        /// Asymmetry parameter g(λ): the mean cosine.
         g: Spectrum,
     },
-    /// Known at angles and wavelengths.
+    /// A table over angles and wavelengths.
     Table(Arc<PhaseTable>),
 }
 
-impl Phase {
-    /// The density per steradian of scattering by the angle of this cosine, at a wavelength.
-    pub fn at(&self, cos_theta: f64, nm: f64) -> f64 {
+impl PhaseFunction {
+    /// Returns the density per steradian for a scattering cosine and a wavelength in nm.
+    pub fn eval(&self, cos_theta: f64, nm: f64) -> f64 {
         match self {
             Self::Isotropic => 0.25 / PI,
-            Self::Rayleigh => rayleigh::at(cos_theta),
-            Self::HenyeyGreenstein { g } => henyey_greenstein::at(g.at(nm), cos_theta),
-            Self::Table(table) => table.at(cos_theta, nm),
+            Self::Rayleigh => rayleigh::eval(cos_theta),
+            Self::HenyeyGreenstein { g } => henyey_greenstein::eval(g.at(nm), cos_theta),
+            Self::Table(table) => table.eval(cos_theta, nm),
         }
     }
 
-    /// Draws the new direction (unit) of light that came along the unit vector `incoming`, with the density [`at`](Self::at) exactly.
+    /// Samples the direction of scattered light. `incoming`, the direction before scattering, and
+    /// the result are unit vectors. The density of the samples is exactly [`eval`](Self::eval). The
+    /// two values of `u` lie in \[0, 1).
     pub fn sample(&self, incoming: DVec3, nm: f64, u: [f64; 2]) -> DVec3 {
         let (axis, one_minus_cos) = match self {
             Self::Isotropic => return warp::sphere(u),
@@ -61,10 +64,10 @@ impl Phase {
             }
             Self::Table(table) => (incoming, table.quantile(nm, u[0])),
         };
-        Frame::new(axis).to_world(warp::ring(one_minus_cos, u[1]))
+        Frame::new(axis).to_world(warp::spherical_direction(one_minus_cos, u[1]))
     }
 
-    /// The mean of cos θ at a wavelength.
+    /// Returns the mean of cos θ at a wavelength in nm.
     pub fn mean_cosine(&self, nm: f64) -> f64 {
         match self {
             Self::Isotropic | Self::Rayleigh => 0.0,
@@ -73,7 +76,7 @@ impl Phase {
         }
     }
 
-    /// Whether light of different wavelengths is scattered differently.
+    /// Returns whether the phase function varies with wavelength.
     pub fn depends_on_wavelength(&self) -> bool {
         match self {
             Self::Isotropic | Self::Rayleigh => false,

@@ -1,32 +1,37 @@
-//! Drops of rain: the phase function of `data/media/rainbow.csv`, computed once by the series of [`mie`](super::mie).
+//! The phase function of rain, read from `data/media/rainbow.csv`. The table was computed by the
+//! series of [`mie`](super::mie).
 //!
-//! The drops' radii are lognormally distributed by number about 0.4 mm, from 0.16 to 1 mm (ln-width 0.26, out to 3.5 widths); water at
-//! 20 °C in air; sunlight from a point (a sun with a disk blurs the bows as it does in the sky).
+//! The radii of the drops lie between 0.16 and 1 mm. The number of drops follows a lognormal
+//! distribution about 0.4 mm. The standard deviation of ln r is 0.26, and the distribution is cut
+//! off at 3.5 standard deviations. The drops are water at 20 °C in air. The table assumes light
+//! from a point. If the light has the angular size of the sun, the bows become blurred as in the
+//! sky.
 
 use super::table::{self, PhaseTable};
 use std::sync::{Arc, OnceLock};
 
 static RAINBOW: &str = include_str!("../../../data/media/rainbow.csv");
 
-/// The phase function of rain.
+/// Returns the phase function of rain.
 pub fn rainbow() -> Arc<PhaseTable> {
     static TABLE: OnceLock<Arc<PhaseTable>> = OnceLock::new();
-    TABLE.get_or_init(|| Arc::new(table::parse(RAINBOW).expect("the built-in table is a good table"))).clone()
+    TABLE.get_or_init(|| Arc::new(table::parse(RAINBOW).expect("the built-in table is valid"))).clone()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::Phase;
-    use super::super::mie::{Spheres, lognormal};
+    use super::super::PhaseFunction;
+    use super::super::mie::{MieSpheres, lognormal};
     use super::*;
-    use crate::optics::glass::Index;
+    use crate::optics::glass::RefractiveIndex;
     use std::fmt::Write;
 
-    fn rain() -> Spheres {
-        Spheres { radii_um: lognormal(400.0, 0.26, 100), index: Index::catalogue("water 20C").unwrap() }
+    fn rain() -> MieSpheres {
+        MieSpheres { radii_um: lognormal(400.0, 0.26, 100), index: RefractiveIndex::catalogue("water 20C").unwrap() }
     }
 
-    /// Angles in degrees, in steps of a thousandth of a degree: finest in the forward peak, fine in the bows and the glory.
+    /// Returns angles as multiples of 0.001°. The steps are smallest in the forward peak, and small
+    /// in the bows and in the glory.
     fn angles() -> Vec<f64> {
         let forward = [(0, 40, 1), (40, 200, 4), (200, 2000, 30), (2000, 10_000, 200)];
         let bows = [(10_000, 120_000, 1000), (120_000, 150_000, 50), (150_000, 178_000, 500), (178_000, 180_000, 100)];
@@ -35,8 +40,9 @@ mod tests {
         thousandths.map(|thousandths| f64::from(thousandths) / 1000.0).collect()
     }
 
-    /// One column of the table. Beyond the forward peak it is the mean over five places within 0.1°: what is left of the drops' ripples,
-    /// which are finer than that, would otherwise be sampled at random.
+    /// Returns one column of the table. Between 5° and 179° each value is the mean over five angles
+    /// within 0.1°. The mean removes the remaining ripples of the drops, which are narrower than
+    /// 0.1°.
     fn column(nm: f64) -> Vec<f64> {
         let angles = angles();
         let places = angles.iter().flat_map(|&angle| {
@@ -49,7 +55,7 @@ mod tests {
 
     #[test]
     #[ignore = "minutes: sums series of thousands of terms; with ABBE_BLESS it writes the table"]
-    fn the_built_in_table_is_that_of_the_series() {
+    fn built_in_rainbow_table_matches_the_mie_series() {
         let bless = std::env::var_os("ABBE_BLESS").is_some();
         let nm: Vec<f64> = (360..=830).step_by(if bless { 20 } else { 160 }).map(f64::from).chain([830.0]).collect();
         let (first, second) = nm.split_at(nm.len() / 2);
@@ -60,10 +66,11 @@ mod tests {
         });
         if !bless {
             for (nm, column) in nm.iter().zip(&columns) {
-                let table = Phase::Table(rainbow());
+                let table = PhaseFunction::Table(rainbow());
                 for (angle, density) in angles().into_iter().zip(column).step_by(7) {
-                    // Both are normalised by their own sums; the table to six digits.
-                    let found = table.at(angle.to_radians().cos(), *nm);
+                    // Each side is normalised by its own sum, and the table is rounded to five
+                    // digits.
+                    let found = table.eval(angle.to_radians().cos(), *nm);
                     assert!((found / density - 1.0).abs() < 0.02, "{angle}° {nm} nm: {found}, {density}");
                 }
             }

@@ -1,75 +1,83 @@
-//! A phase function known at angles and wavelengths: measured, or computed from the particles' size.
+//! Tabulated phase functions over angles and wavelengths, measured or computed from particle sizes.
 //!
-//! Between its angles it is linear in cos θ, between its wavelengths linear in λ, beyond the first and last wavelength it keeps
-//! its values. So it is a mix of columns, each of which integrates exactly, is normalised exactly and is drawn from exactly.
+//! The table is linear in cos θ between angles and linear in λ between wavelengths. Beyond the
+//! first and last wavelength, the first or last column is used. The phase function is therefore a
+//! mixture of columns. Each column is integrated, normalised and sampled exactly.
+//!
+//! Angles are stored as the versine 1 − cos θ, in [0, 2]. Unlike the cosine, the versine keeps full
+//! precision near the forward peak.
 
 use crate::error::{Error, Result};
-use crate::math::distribution::Discrete;
+use crate::math::distribution::DiscreteDistribution;
 use std::f64::consts::TAU;
 
-/// Steps of the guide that finds an angle's cell, for each cell.
+/// Guide steps per cell. The guide finds the cell of an angle.
 const GUIDE_STEPS: usize = 2;
 
-/// A phase function at angles × wavelengths.
+/// A phase function over angles and wavelengths.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PhaseTable {
     /// Wavelengths in nm, ascending.
     nm: Vec<f64>,
-    /// 1 − cos θ at the angles, ascending from 0 to 2: unlike the cosine it keeps its digits near the forward peak.
-    heights: Vec<f64>,
-    /// One column for each wavelength.
-    columns: Vec<Column>,
-    /// For equal steps of sin θ/2, the first cell that reaches into the step; one more entry closes the list.
+    /// Versines 1 − cos θ of the angles, ascending from 0 to 2.
+    versines: Vec<f64>,
+    /// One column per wavelength.
+    columns: Vec<PhaseColumn>,
+    /// The range of sin(θ/2) is divided into equal steps. Each entry is the first cell that
+    /// overlaps the step. The list ends with one extra entry.
     guide: Vec<u32>,
 }
 
 /// The phase function at one wavelength.
 #[derive(Debug, Clone, PartialEq)]
-struct Column {
+struct PhaseColumn {
     /// Density per steradian at the angles.
     density: Vec<f64>,
-    /// The share of the light in each cell between two angles.
-    cells: Discrete,
+    /// Probability of each cell between two angles.
+    cells: DiscreteDistribution,
     mean_cosine: f64,
 }
 
 impl PhaseTable {
-    /// A table from angles in degrees (ascending from 0 to 180), wavelengths in nm (ascending) and, for each wavelength, values at
-    /// the angles on any scale: they are normalised to integrate to 1 over the sphere.
+    /// Creates a table from angles, wavelengths and one list of values per wavelength. The angles
+    /// are in degrees and ascend from 0 to 180. The wavelengths are in nm and ascend. The values
+    /// may have any scale. Each list is normalised, so that its integral over the sphere is 1.
     ///
     /// # Errors
-    /// Angles or wavelengths that do not ascend or do not reach from 0 to 180; lists of different lengths; values that are negative
-    /// or not finite; a wavelength at which all values are 0.
+    /// Returns an error if angles or wavelengths do not ascend, the angles do not cover 0 to 180,
+    /// lists have different lengths, a value is negative or not finite, or all values of a
+    /// wavelength are 0.
     pub fn new(angles_deg: &[f64], nm: &[f64], values: &[Vec<f64>]) -> Result<Self> {
         check_angles(angles_deg)?;
         check_wavelengths(nm, values.len())?;
-        let height = |degrees: f64| 2.0 * (0.5 * degrees).to_radians().sin().powi(2);
-        let heights: Vec<f64> = angles_deg.iter().map(|&degrees| height(degrees)).collect();
-        if let Some(i) = (1..heights.len()).find(|&i| heights[i] <= heights[i - 1]) {
+        let versine = |degrees: f64| 2.0 * (0.5 * degrees).to_radians().sin().powi(2);
+        let versines: Vec<f64> = angles_deg.iter().map(|&degrees| versine(degrees)).collect();
+        if let Some(i) = (1..versines.len()).find(|&i| versines[i] <= versines[i - 1]) {
             let what = format!("the angles {} and {}°, too near to each other", angles_deg[i - 1], angles_deg[i]);
             return Err(Error::input(what).expected("angles whose cosines differ"));
         }
-        let columns: Result<Vec<Column>> =
-            nm.iter().zip(values).map(|(nm, values)| Column::new(*nm, (angles_deg, &heights), values)).collect();
-        let guide = guide(&heights);
-        Ok(Self { nm: nm.to_vec(), heights, columns: columns?, guide })
+        let columns: Result<Vec<PhaseColumn>> =
+            nm.iter().zip(values).map(|(nm, values)| PhaseColumn::new(*nm, angles_deg, &versines, values)).collect();
+        let guide = guide(&versines);
+        Ok(Self { nm: nm.to_vec(), versines, columns: columns?, guide })
     }
 
-    /// Whether it differs between wavelengths.
+    /// Returns whether the columns differ between wavelengths.
     pub(super) fn depends_on_wavelength(&self) -> bool {
         self.columns.iter().any(|column| column.density != self.columns[0].density)
     }
 
-    /// The density per steradian.
-    pub(super) fn at(&self, cos_theta: f64, nm: f64) -> f64 {
-        let height = (1.0 - cos_theta).clamp(0.0, 2.0);
-        let cell = self.cell(height);
-        let (from, to) = (self.heights[cell], self.heights[cell + 1]);
-        let t = (height - from) / (to - from);
-        self.mixed(nm, |column| (1.0 - t) * column.density[cell] + t * column.density[cell + 1])
+    /// Returns the density per steradian.
+    pub(super) fn eval(&self, cos_theta: f64, nm: f64) -> f64 {
+        let versine = (1.0 - cos_theta).clamp(0.0, 2.0);
+        let cell = self.cell(versine);
+        let (from, to) = (self.versines[cell], self.versines[cell + 1]);
+        let t = (versine - from) / (to - from);
+        self.interpolated(nm, |column| (1.0 - t) * column.density[cell] + t * column.density[cell + 1])
     }
 
-    /// 1 − cos θ below which a share `u` in [0, 1) of one of the two neighbouring columns lies, the column drawn by `u` as well.
+    /// Samples the versine by `u` in [0, 1): `u` first selects one of the two neighbouring columns.
+    /// Then `u` is rescaled, and the quantile of the selected column is evaluated.
     pub(super) fn quantile(&self, nm: f64, mut u: f64) -> f64 {
         let (first, weight) = self.column(nm);
         let column = if u < weight {
@@ -81,25 +89,25 @@ impl PhaseTable {
         };
         let cell = column.cells.sample(&mut u);
         let (from, to) = (column.density[cell], column.density[cell + 1]);
-        // The share of a cell of linear density, in the form without cancellation.
+        // The quantile of a linear density within a cell, in the form without cancellation.
         let t = u * (from + to) / (from + (from * from + u * (to - from) * (to + from)).max(0.0).sqrt());
         let t = if t.is_finite() { t.min(1.0) } else { 0.0 };
-        self.heights[cell] + t * (self.heights[cell + 1] - self.heights[cell])
+        self.versines[cell] + t * (self.versines[cell + 1] - self.versines[cell])
     }
 
-    /// The mean of cos θ.
+    /// Returns the mean of cos θ.
     pub(super) fn mean_cosine(&self, nm: f64) -> f64 {
-        self.mixed(nm, |column| column.mean_cosine)
+        self.interpolated(nm, |column| column.mean_cosine)
     }
 
-    /// The value at a wavelength of what each column has one of.
-    fn mixed(&self, nm: f64, of: impl Fn(&Column) -> f64) -> f64 {
+    /// Interpolates a property of the columns at a wavelength.
+    fn interpolated(&self, nm: f64, of: impl Fn(&PhaseColumn) -> f64) -> f64 {
         let (first, weight) = self.column(nm);
         let value = of(&self.columns[first]);
         if weight == 0.0 { value } else { value + weight * (of(&self.columns[first + 1]) - value) }
     }
 
-    /// The column before a wavelength, and the weight of the one behind it.
+    /// Returns the index of the column below a wavelength, and the weight of the next column.
     fn column(&self, nm: f64) -> (usize, f64) {
         let last = self.nm.len() - 1;
         let after = self.nm.partition_point(|&known| known <= nm);
@@ -110,34 +118,34 @@ impl PhaseTable {
         (after - 1, (nm - from) / (to - from))
     }
 
-    /// The cell that holds a height.
-    fn cell(&self, height: f64) -> usize {
+    /// Returns the cell that contains a versine.
+    fn cell(&self, versine: f64) -> usize {
         let steps = self.guide.len() - 1;
-        let step = (((0.5 * height).sqrt() * steps as f64) as usize).min(steps - 1);
+        let step = (((0.5 * versine).sqrt() * steps as f64) as usize).min(steps - 1);
         let (first, last) = (self.guide[step] as usize, self.guide[step + 1] as usize);
-        first + self.heights[first + 1..=last].partition_point(|&known| known <= height)
+        first + self.versines[first + 1..=last].partition_point(|&known| known <= versine)
     }
 }
 
-impl Column {
-    fn new(nm: f64, (angles_deg, heights): (&[f64], &[f64]), values: &[f64]) -> Result<Self> {
-        if values.len() != heights.len() {
-            let what = format!("{} values at {nm} nm for {} angles", values.len(), heights.len());
+impl PhaseColumn {
+    fn new(nm: f64, angles_deg: &[f64], versines: &[f64], values: &[f64]) -> Result<Self> {
+        if values.len() != versines.len() {
+            let what = format!("{} values at {nm} nm for {} angles", values.len(), versines.len());
             return Err(Error::input(what).expected("a value for each angle"));
         }
         if let Some(i) = values.iter().position(|value| !(value.is_finite() && *value >= 0.0)) {
             let what = format!("the value {} at {}° and {nm} nm", values[i], angles_deg[i]);
             return Err(Error::input(what).expected("a finite number of at least 0"));
         }
-        let cells = |i: usize| (heights[i + 1] - heights[i], values[i], values[i + 1]);
-        let count = heights.len() - 1;
+        let cells = |i: usize| (versines[i + 1] - versines[i], values[i], values[i + 1]);
+        let count = versines.len() - 1;
         let masses: Vec<f64> = (0..count).map(cells).map(|(width, from, to)| TAU * width * 0.5 * (from + to)).collect();
         let total: f64 = masses.iter().sum();
         let nothing = || Error::input(format!("no scattering at all at {nm} nm")).expected("some value above 0");
-        let distribution = Discrete::new(masses).filter(|_| total.is_finite()).ok_or_else(nothing)?;
+        let distribution = DiscreteDistribution::new(masses).filter(|_| total.is_finite()).ok_or_else(nothing)?;
         let first_moment = |i: usize| {
             let (width, from, to) = cells(i);
-            TAU * width * (heights[i] * (2.0 * from + to) + heights[i + 1] * (from + 2.0 * to)) / 6.0
+            TAU * width * (versines[i] * (2.0 * from + to) + versines[i + 1] * (from + 2.0 * to)) / 6.0
         };
         let mean_cosine = 1.0 - (0..count).map(first_moment).sum::<f64>() / total;
         let density = values.iter().map(|value| value / total).collect();
@@ -145,14 +153,14 @@ impl Column {
     }
 }
 
-/// See [`PhaseTable::guide`].
-fn guide(heights: &[f64]) -> Vec<u32> {
-    let cells = heights.len() - 1;
+/// Computes [`PhaseTable::guide`].
+fn guide(versines: &[f64]) -> Vec<u32> {
+    let cells = versines.len() - 1;
     let steps = GUIDE_STEPS * cells;
-    // A little before and behind each step's ends, for what rounding does to a root.
-    let height = |step: f64| 2.0 * (step / steps as f64).powi(2);
-    let cell_of = |height: f64| heights.partition_point(|&known| known <= height).clamp(1, cells) - 1;
-    let mut guide: Vec<u32> = (0..steps).map(|step| cell_of(height(step as f64) * (1.0 - 1e-12)) as u32).collect();
+    // The range of each step is widened slightly, because the square root in `cell` is rounded.
+    let versine = |step: f64| 2.0 * (step / steps as f64).powi(2);
+    let cell_of = |versine: f64| versines.partition_point(|&known| known <= versine).clamp(1, cells) - 1;
+    let mut guide: Vec<u32> = (0..steps).map(|step| cell_of(versine(step as f64) * (1.0 - 1e-12)) as u32).collect();
     guide.push(cells as u32 - 1);
     guide
 }
@@ -190,13 +198,16 @@ fn check_wavelengths(nm: &[f64], columns: usize) -> Result<()> {
     }
 }
 
-/// Reads a table of comma-separated values: a header line, whose first title names the angle and each further one the wavelength
-/// of its column in nm (`p_550nm_per_sr` or just `550`), then a row for each angle in degrees. A single column needs no
-/// wavelength: it holds at all. Lines that are empty or begin with `#` are passed over.
+/// Parses a table of comma-separated values.
+///
+/// The first line is a header. The title of the first column is ignored. Each other title contains
+/// the wavelength of its column in nm (`p_550nm_per_sr` or `550`). Each further line holds an angle
+/// in degrees and one value per column. A single column needs no wavelength, because it applies to
+/// all wavelengths. Empty lines and lines that start with `#` are skipped.
 ///
 /// # Errors
-/// A cell that is no number, a row of another length than the header, whatever [`PhaseTable::new`] refuses; with its line where
-/// it has one.
+/// Returns an error if a cell is not a number, a row has the wrong number of cells, or
+/// [`PhaseTable::new`] rejects the values. If the text is wrong, the error contains the line.
 pub fn parse(text: &str) -> Result<PhaseTable> {
     let mut rows = text
         .trim_start_matches('\u{feff}')
@@ -227,7 +238,7 @@ pub fn parse(text: &str) -> Result<PhaseTable> {
     PhaseTable::new(&angles, &nm, &values)
 }
 
-/// The wavelengths that the titles of columns name.
+/// Extracts the wavelengths in nm from the column titles.
 fn wavelengths(titles: &[&str]) -> Result<Vec<f64>> {
     let number = |title: &str| -> Option<f64> {
         let start = title.find(|c: char| c.is_ascii_digit())?;
@@ -237,7 +248,7 @@ fn wavelengths(titles: &[&str]) -> Result<Vec<f64>> {
     };
     match titles {
         [] => Err(Error::input("a table of one column").expected("the angle and at least one column of values")),
-        [only] => Ok(vec![number(only).unwrap_or(ANY_NM)]),
+        [only] => Ok(vec![number(only).unwrap_or(SINGLE_COLUMN_NM)]),
         _ => titles
             .iter()
             .map(|title| {
@@ -249,8 +260,9 @@ fn wavelengths(titles: &[&str]) -> Result<Vec<f64>> {
     }
 }
 
-/// Where a single column stands that names no wavelength.
-const ANY_NM: f64 = 550.0;
+/// Wavelength in nm assigned to a single column whose title contains no wavelength. The value has
+/// no effect, because a single column applies to all wavelengths.
+const SINGLE_COLUMN_NM: f64 = 550.0;
 
 #[cfg(test)]
 mod tests {
@@ -259,23 +271,25 @@ mod tests {
 
     const FORM: &str = "angle_deg,p_400nm_per_sr,p_700nm_per_sr\n0,3,1\n90,1,1\n180,0,1\n";
 
+    /// A table is interpolated between its wavelengths; beyond them, the first or last column is
+    /// used.
     #[test]
-    fn a_table_is_mixed_between_its_wavelengths_and_held_beyond_them() {
+    fn table_interpolates_wavelengths_and_holds_its_ends() {
         let table = parse(FORM).unwrap();
-        // ∫ = 2π (2 + 0.5) for the first column, 4π for the second.
+        // The integral is 2π (2 + 0.5) for the first column and 4π for the second.
         let first = |p: f64| p / (5.0 * PI);
-        assert!((table.at(1.0, 380.0) - first(3.0)).abs() < 1e-15);
-        assert!((table.at(0.5, 400.0) - first(2.0)).abs() < 1e-15);
-        assert!((table.at(-1.0, 700.0) - 0.25 / PI).abs() < 1e-15);
-        assert!((table.at(0.0, 550.0) - 0.5 * (first(1.0) + 0.25 / PI)).abs() < 1e-15);
-        // ∫ cos θ p dω: of the first column 2π (∫₀¹ μ(1 + 2μ) dμ + ∫₋₁⁰ μ(1 + μ) dμ) / 5π.
+        assert!((table.eval(1.0, 380.0) - first(3.0)).abs() < 1e-15);
+        assert!((table.eval(0.5, 400.0) - first(2.0)).abs() < 1e-15);
+        assert!((table.eval(-1.0, 700.0) - 0.25 / PI).abs() < 1e-15);
+        assert!((table.eval(0.0, 550.0) - 0.5 * (first(1.0) + 0.25 / PI)).abs() < 1e-15);
+        // ∫ cos θ p dω of the first column is 2π (∫₀¹ μ(1 + 2μ) dμ + ∫₋₁⁰ μ(1 + μ) dμ) / 5π.
         assert!((table.mean_cosine(400.0) - 2.0 * (7.0 / 6.0 - 1.0 / 6.0) / 5.0).abs() < 1e-15);
         assert!(table.depends_on_wavelength());
         assert!(!parse("angle,p\n0,1\n180,2\n").unwrap().depends_on_wavelength());
     }
 
     #[test]
-    fn what_is_wrong_with_a_table_is_said() {
+    fn malformed_tables_give_specific_errors() {
         for (text, words) in [
             ("", "an empty file"),
             ("angle\n0\n180\n", "a table of one column"),

@@ -1,19 +1,21 @@
-//! The measured picture as OpenEXR: absolute XYZ, linear RGB for every viewer, error bars, the spectrum, and its history.
+//! The measured picture as OpenEXR: absolute XYZ, linear RGB for viewers, error bars, spectrum and
+//! metadata.
 //!
-//! | channel | holds |
+//! | channel | content |
 //! | --- | --- |
-//! | `R` `G` `B` | linear Rec. 709 primaries, D65 white, unclipped; 1 is 1 cd/m² of white |
+//! | `R` `G` `B` | linear Rec. 709 primaries, D65 white, not clipped; 1 is 1 cd/m² of white |
 //! | `xyz.X` `xyz.Y` `xyz.Z` | tristimulus values, Y in cd/m² |
-//! | `error.noise` `error.bias` | standard error and estimated bias of Y in cd/m²; −1 where unknown |
-//! | `error.edge` | 1 beside an edge of light that kernels blur, where the bias is likely larger than told; else 0; −1 where unknown |
+//! | `error.noise` `error.bias` | standard error and estimated bias of Y in cd/m²; −1 if unknown |
+//! | `error.edge` | 1 if kernels blur an edge of the illumination, so that the bias is probably larger than estimated; else 0; −1 if unknown |
 //! | `sums.<plane>.<word>` | in checkpoints and parts: the exact sums over passes, as 32-bit words |
 //! | `S0.<λ>nm` | spectral radiance in W/m²/sr/nm, λ in nm with a decimal comma |
 //!
-//! The spectral channels follow A. Fichet, R. Pacanowski and A. Wilkie, "An OpenEXR Layout for Spectral Images",
-//! Journal of Computer Graphics Techniques 10(3), 2021.
+//! The spectral channels follow A. Fichet, R. Pacanowski and A. Wilkie, "An OpenEXR Layout for
+//! Spectral Images", Journal of Computer Graphics Techniques 10(3), 2021.
 
+mod channel_names;
+mod open;
 mod read;
-mod spectral;
 mod sums;
 mod write;
 
@@ -21,43 +23,31 @@ pub use read::{ExrFile, read};
 pub use sums::{add_sums, holds_sums_of, read_metadata};
 pub use write::{encode, write, write_with_sums};
 
-/// The channels of XYZ.
-const XYZ: [&str; 3] = ["xyz.X", "xyz.Y", "xyz.Z"];
-
-/// The channel of the standard error.
-const NOISE: &str = "error.noise";
-
-/// The channel of the bias.
-const BIAS: &str = "error.bias";
-
-/// The channel that marks edges of light.
-const EDGE: &str = "error.edge";
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::output::Metadata;
-    use crate::sensor::{Bands, Picture};
+    use crate::sensor::{Picture, SpectralBands};
 
-    /// A picture whose every value is its own and survives single precision.
+    /// Returns a picture. All its values are different, and exact in single precision.
     pub(super) fn sample() -> Picture {
         let (width, height) = (5, 3);
         let mut picture = Picture::black(width, height);
         for i in 0..width * height {
             let value = i as f64;
             picture.xyz[i] = [value, 0.5 * value + 1.0, -0.25 * value];
-            picture.noise[i] = if i == 4 { -1.0 } else { i as f32 * 0.125 };
-            picture.bias[i] = if i == 4 { -1.0 } else { i as f32 * 0.25 };
-            picture.edge[i] = if i == 4 { -1.0 } else { (i % 2) as f32 };
+            picture.noise[i] = (i != 4).then_some(i as f32 * 0.125);
+            picture.bias[i] = (i != 4).then_some(i as f32 * 0.25);
+            picture.edge[i] = (i != 4).then_some(i % 2 == 1);
         }
         let centres_nm = vec![360.5, 595.25, 830.0];
         let values = (0..3 * width * height).map(|i| i as f32 * 0.5).collect();
-        picture.bands = Some(Bands { centres_nm, values });
+        picture.bands = Some(SpectralBands { centres_nm, values });
         picture
     }
 
     #[test]
-    fn a_picture_comes_back_with_everything_it_holds() {
+    fn a_picture_and_its_metadata_survive_a_round_trip() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
         let metadata = Metadata::new().with("abbe.seed", "7").with_json("abbe.scene", "λ");
@@ -69,13 +59,14 @@ mod tests {
         assert_eq!(file.metadata.get("spectralLayoutVersion"), Some("1.0"));
     }
 
+    /// Checks that pixels survive a round trip and that missing error layers are unknown.
     #[test]
-    fn the_same_picture_gives_the_same_pixels_and_no_error_layers_stay_unknown() {
+    fn pixels_survive_a_round_trip() {
         let mut picture = sample();
         picture.bands = None;
-        picture.noise.fill(-1.0);
-        picture.bias.fill(-1.0);
-        picture.edge.fill(-1.0);
+        picture.noise.fill(None);
+        picture.bias.fill(None);
+        picture.edge.fill(None);
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
         write(&path, &picture, &Metadata::new()).unwrap();

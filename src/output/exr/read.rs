@@ -1,105 +1,76 @@
-//! EXR to pictures, ours and those of other renderers.
+//! Reads EXR pictures, including pictures of other renderers.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use ::exr::meta::attribute::Chromaticities;
-use ::exr::prelude::{
-    AnyChannels, AttributeValue, FlatImage, FlatSamples, Layer, LayerAttributes, MetaData, ReadChannels, ReadLayers,
-    Text, Vec2,
-};
+use ::exr::prelude::{AnyChannels, FlatSamples, Layer, Text, Vec2};
 use glam::{DMat3, DVec3};
 
-use super::{BIAS, EDGE, NOISE, XYZ, spectral, sums};
+use super::channel_names::{BIAS, EDGE, NOISE, SUMS_PREFIX, XYZ, wavelength_nm};
+use super::open::{header_texts, read_layers};
 use crate::colour::RgbSpace;
 use crate::error::{Error, Result};
 use crate::output::Metadata;
-use crate::sensor::{Bands, Picture};
+use crate::sensor::{Picture, SpectralBands};
 
-/// What an EXR file holds for us.
+/// The content of an EXR file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExrFile {
-    /// The picture; noise and bias are −1 where the file has no such layers.
+    /// The picture. Noise, bias and edges are unknown if the file has no such channels.
     pub picture: Picture,
-    /// The header's texts.
+    /// The texts of the header.
     pub metadata: Metadata,
 }
 
-/// What colour channels a file is searched for, in this order.
-const COLOURS: &str = "channels `xyz.X xyz.Y xyz.Z`, `R G B`, `X Y Z` or `Y`";
+/// The colour channels, in the order of the search.
+const COLOUR_CHANNELS: &str = "channels `xyz.X xyz.Y xyz.Z`, `R G B`, `X Y Z` or `Y`";
 
-/// Reads a picture. Its XYZ come from `xyz.X xyz.Y xyz.Z`, or else from `R G B` (by the header's chromaticities and
-/// white luminance, Rec. 709 and 1 cd/m² without them), from `X Y Z`, from the first layer's `NAME.R NAME.G NAME.B`, or
-/// as grey from `Y`.
+/// Reads a picture. The XYZ values come from the first channel set of this list that is present:
+/// - `xyz.X xyz.Y xyz.Z`
+/// - `R G B`, with the chromaticities and the white luminance of the header (without them, Rec. 709
+///   and 1 cd/m²)
+/// - `X Y Z`
+/// - `NAME.R NAME.G NAME.B` for the first such NAME in alphabetical order
+/// - `Y`, as grey
 ///
 /// # Errors
-/// The input's: a file that is missing or no EXR, without colours, with layers of different sizes.
+/// Returns an input error if the file is missing or not an EXR, contains no colours, or contains
+/// layers of different sizes.
 pub fn read(path: &Path) -> Result<ExrFile> {
     decode(path).map_err(|error| error.in_file(path))
 }
 
-/// All layers and channels of a file that is not larger than it should be.
-pub(super) fn flat_image(path: &Path) -> Result<FlatImage> {
-    check_size(path)?;
-    let reader = ::exr::prelude::read().no_deep_data().largest_resolution_level().all_channels();
-    reader.all_layers().all_attributes().from_file(path).map_err(unreadable)
-}
-
 fn decode(path: &Path) -> Result<ExrFile> {
-    let image = flat_image(path)?;
-    let first = image.layer_data.first().ok_or_else(|| Error::input("holds no picture"))?;
+    let image = read_layers(path)?;
+    let first = image.layer_data.first().ok_or_else(|| Error::input("contains no picture"))?;
     let Vec2(width, height) = first.size;
     let mut channels = BTreeMap::new();
     for layer in &image.layer_data {
         collect(layer, first.size, image.layer_data.len() > 1, &mut channels)?;
     }
-    let rgb = Rgb::of(image.attributes.chromaticities, first.attributes.white_luminance)?;
+    let rgb = RgbToXyz::of(image.attributes.chromaticities, first.attributes.white_luminance)?;
     let mut picture = Picture::black(width, height);
     picture.xyz = colours(&channels, &rgb)?;
-    for (layer, name) in [(&mut picture.noise, NOISE), (&mut picture.bias, BIAS), (&mut picture.edge, EDGE)] {
+    for (layer, name) in [(&mut picture.noise, NOISE), (&mut picture.bias, BIAS)] {
         if let Some(samples) = channels.get(name) {
-            layer.copy_from_slice(samples);
+            *layer = samples.iter().map(|&sample| known(sample)).collect();
         }
+    }
+    if let Some(samples) = channels.get(EDGE) {
+        picture.edge = samples.iter().map(|&sample| known(sample).map(|edge| edge > 0.0)).collect();
     }
     picture.bands = bands(&channels);
     let texts = image.attributes.other.iter().chain(&first.attributes.other);
-    Ok(ExrFile { picture, metadata: metadata(texts, &first.attributes) })
+    Ok(ExrFile { picture, metadata: header_texts(texts, &first.attributes) })
 }
 
-pub(super) fn unreadable(error: ::exr::error::Error) -> Error {
-    match error {
-        ::exr::error::Error::Io(error) => Error::input(format!("cannot be read: {error}")),
-        ::exr::error::Error::Invalid(what) => Error::input(format!("is not a sound EXR file: {what}")),
-        ::exr::error::Error::NotSupported(what) => Error::input(format!("is an EXR file of an unknown kind: {what}")),
-        ::exr::error::Error::Aborted => Error::input("was not read to its end"),
-    }
+/// Returns a sample of an error channel. Negative numbers and NaN mean that the error is unknown.
+fn known(sample: f32) -> Option<f32> {
+    (sample >= 0.0).then_some(sample)
 }
 
-/// Reads the header, and refuses one that asks for far more memory than the file can fill.
-pub(super) fn check_size(path: &Path) -> Result<MetaData> {
-    /// No compression of the format makes more of a byte (deflate's limit is 1032), and what is read is copied once.
-    const MOST_PER_BYTE: u64 = 4000;
-    /// A file below 1 MiB may fill this much, whatever it says.
-    const ALWAYS_ALLOWED: u64 = 3 << 28;
-    /// What a pixel takes as XYZ with its error layers.
-    const PIXEL: u64 = 36;
-    let meta = MetaData::read_from_file(path, false).map_err(unreadable)?;
-    let bytes = std::fs::metadata(path).map_err(|error| unreadable(error.into()))?.len();
-    let wanted = meta.headers.iter().fold(0_u64, |sum, header| {
-        let Vec2(width, height) = header.layer_size;
-        let pixels = (width as u64).saturating_mul(height as u64);
-        sum.saturating_add(pixels.saturating_mul(PIXEL + 8 * header.channels.list.len() as u64))
-    });
-    let whole_mib = bytes >> 20 << 20;
-    if wanted > ALWAYS_ALLOWED.max(whole_mib.saturating_mul(MOST_PER_BYTE)) {
-        return Err(Error::input(format!(
-            "is not a sound EXR file: {bytes} bytes cannot hold {wanted} bytes of pixels"
-        )));
-    }
-    Ok(meta)
-}
-
-/// Adds a layer's channels by their full names; exact sums are no picture and left out.
+/// Adds the channels of a layer by their full names. Exact sums are skipped.
 fn collect(
     layer: &Layer<AnyChannels<FlatSamples>>,
     size: Vec2<usize>,
@@ -107,7 +78,7 @@ fn collect(
     channels: &mut BTreeMap<String, Vec<f32>>,
 ) -> Result<()> {
     if layer.size != size {
-        return Err(Error::input("holds layers of different sizes").expected("layers of one size"));
+        return Err(Error::input("contains layers of different sizes").expected("layers of one size"));
     }
     let prefix = layer.attributes.layer_name.as_ref().filter(|_| several).map(Text::to_string);
     for channel in &layer.channel_data.list {
@@ -115,12 +86,12 @@ fn collect(
             continue;
         }
         let name = channel.name.to_string();
-        if name.starts_with(sums::PREFIX) {
+        if name.starts_with(SUMS_PREFIX) {
             continue;
         }
         let full = prefix.as_ref().map_or(name.clone(), |prefix| format!("{prefix}.{name}"));
         let samples: Vec<f32> = channel.sample_data.values_as_f32().collect();
-        // The first layer goes also by its plain names.
+        // The channels of the first layer are also available without the layer's name.
         if prefix.is_some() {
             channels.entry(name).or_insert_with(|| samples.clone());
         }
@@ -129,10 +100,10 @@ fn collect(
     Ok(())
 }
 
-/// From RGB of a file to XYZ.
-struct Rgb(DMat3);
+/// The matrix from the RGB of a file to XYZ.
+struct RgbToXyz(DMat3);
 
-impl Rgb {
+impl RgbToXyz {
     fn of(chromaticities: Option<Chromaticities>, white_luminance: Option<f32>) -> Result<Self> {
         let luminance = white_luminance.map_or(1.0, f64::from);
         let to_xyz = match chromaticities {
@@ -152,7 +123,7 @@ impl Rgb {
         if matrix.is_finite() {
             return Ok(Self(matrix));
         }
-        Err(Error::input("states chromaticities or a white luminance that make no colours"))
+        Err(Error::input("has invalid chromaticities or an invalid white luminance"))
     }
 
     fn xyz(&self, rgb: [f32; 3]) -> [f64; 3] {
@@ -160,8 +131,8 @@ impl Rgb {
     }
 }
 
-/// XYZ of every pixel from the best channels there are.
-fn colours(channels: &BTreeMap<String, Vec<f32>>, rgb: &Rgb) -> Result<Vec<[f64; 3]>> {
+/// Returns the XYZ of every pixel from the first channel set that is present.
+fn colours(channels: &BTreeMap<String, Vec<f32>>, rgb: &RgbToXyz) -> Result<Vec<[f64; 3]>> {
     let three = |names: [&str; 3]| {
         let [a, b, c] = names.map(|name| channels.get(name));
         Some(a?.iter().zip(b?).zip(c?).map(|((&a, &b), &c)| [a, b, c]))
@@ -182,43 +153,27 @@ fn colours(channels: &BTreeMap<String, Vec<f32>>, rgb: &Rgb) -> Result<Vec<[f64;
             return Ok(pixels.map(|pixel| rgb.xyz(pixel)).collect());
         }
     }
-    let grey = channels.get("Y").ok_or_else(|| Error::input("holds no colours").expected(COLOURS))?;
+    let grey =
+        channels.get("Y").ok_or_else(|| Error::input("contains no colour channels").expected(COLOUR_CHANNELS))?;
     let white = RgbSpace::Srgb.white();
     Ok(grey.iter().map(|&y| white.map(|value| value * f64::from(y))).collect())
 }
 
-fn bands(channels: &BTreeMap<String, Vec<f32>>) -> Option<Bands> {
+fn bands(channels: &BTreeMap<String, Vec<f32>>) -> Option<SpectralBands> {
     let mut found: Vec<(f64, &Vec<f32>)> =
-        channels.iter().filter_map(|(name, samples)| Some((spectral::wavelength_nm(name)?, samples))).collect();
+        channels.iter().filter_map(|(name, samples)| Some((wavelength_nm(name)?, samples))).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     let pixels = found.first()?.1.len();
     let values = (0..pixels).flat_map(|pixel| found.iter().map(move |(_, samples)| samples[pixel])).collect();
-    Some(Bands { centres_nm: found.iter().map(|(nm, _)| *nm).collect(), values })
-}
-
-/// The header's texts in the order of their names.
-pub(super) fn metadata<'a>(
-    others: impl Iterator<Item = (&'a Text, &'a AttributeValue)>,
-    layer: &LayerAttributes,
-) -> Metadata {
-    let mut texts = BTreeMap::new();
-    for (name, value) in others {
-        if let AttributeValue::Text(value) = value {
-            texts.insert(name.to_string(), value.to_string());
-        }
-    }
-    if let Some(software) = &layer.software_name {
-        texts.insert("software".to_string(), software.to_string());
-    }
-    texts.iter().fold(Metadata::new(), |metadata, (name, value)| metadata.with(name, value))
+    Some(SpectralBands { centres_nm: found.iter().map(|(nm, _)| *nm).collect(), values })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ::exr::prelude::{AnyChannel, Encoding, Image, WritableImage};
+    use ::exr::prelude::{AnyChannel, Encoding, Image, LayerAttributes, WritableImage};
 
-    /// Writes single-pixel channels as another program might.
+    /// Writes the channels of a single pixel, in the way of another program.
     fn foreign(path: &Path, channels: &[(&str, f32)], chromaticities: Option<Chromaticities>, white: Option<f32>) {
         let list = channels.iter().map(|(name, value)| AnyChannel::new(*name, FlatSamples::F32(vec![*value])));
         let attributes = LayerAttributes { white_luminance: white, ..LayerAttributes::default() };
@@ -263,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_picture_is_the_input_s_fault_and_named() {
+    fn files_without_a_picture_are_input_errors() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
         let complaint = || {
@@ -274,7 +229,7 @@ mod tests {
         };
         assert!(complaint().contains("cannot be read"));
         std::fs::write(&path, "P6 1 1 255 ...").unwrap();
-        assert!(complaint().contains("not a sound EXR"));
+        assert!(complaint().contains("not a valid EXR"));
         foreign(&path, &[("depth", 1.0)], None, None);
         assert!(complaint().contains("expected channels"));
         foreign(&path, &[("R", 1.0), ("G", 1.0), ("B", 1.0)], None, Some(f32::NAN));
@@ -289,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn a_header_that_asks_for_the_world_is_refused() {
+    fn a_header_with_a_huge_size_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
         foreign(&path, &[("R", 1.0), ("G", 1.0), ("B", 1.0)], None, None);

@@ -1,7 +1,8 @@
-//! A film's exact sums as channels of an EXR: 128 bits a sum, in four channels of 32-bit words, lowest first.
+//! The exact sums of a film as channels of an EXR: four channels of 32-bit words for each 128-bit
+//! sum, lowest word first.
 //!
-//! The channels are named `sums.<plane>.<word>`. Upper words are almost always 0 and lower ones of splats often, so that ZIP
-//! leaves little of them.
+//! The channels are named `sums.<plane>.<word>`. The upper words are almost always 0, and the lower
+//! words of splats are often 0. Therefore ZIP compresses the channels well.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,27 +10,25 @@ use std::path::Path;
 use ::exr::meta::header::Header;
 use ::exr::prelude::{AnyChannel, FlatSamples, Vec2};
 
-use super::read::{check_size, flat_image, metadata};
+use super::channel_names::SUMS_PREFIX;
+use super::open::{header_texts, read_headers, read_layers};
 use crate::error::{Error, Result};
 use crate::math::sum::ExactSum;
 use crate::output::Metadata;
 use crate::sensor::Film;
 
-/// What the channels' names begin with.
-pub(super) const PREFIX: &str = "sums.";
-
-/// 32-bit words of a sum.
-const WORDS: usize = 4;
+/// The number of 32-bit words of a sum.
+const WORDS_PER_SUM: usize = 4;
 
 fn name(plane: &str, word: usize) -> String {
-    format!("{PREFIX}{plane}.{word}")
+    format!("{SUMS_PREFIX}{plane}.{word}")
 }
 
-/// The channels of a film's sums.
+/// Returns the channels of a film's sums.
 pub(super) fn channels(film: &Film) -> Vec<AnyChannel<FlatSamples>> {
     let mut channels = Vec::new();
     for (plane, plane_name) in film.plane_names().iter().enumerate() {
-        for word in 0..WORDS {
+        for word in 0..WORDS_PER_SUM {
             let words = film.plane(plane).map(|sum| (sum.bits() >> (32 * word)) as u32).collect();
             channels.push(AnyChannel::new(name(plane_name, word).as_str(), FlatSamples::U32(words)));
         }
@@ -37,45 +36,47 @@ pub(super) fn channels(film: &Film) -> Vec<AnyChannel<FlatSamples>> {
     channels
 }
 
-/// The header's texts, without the pixels.
+/// Reads the texts of the header without the pixels.
 ///
 /// # Errors
-/// The input's: a file that is missing or no EXR.
+/// Returns an input error if the file is missing or not an EXR.
 pub fn read_metadata(path: &Path) -> Result<Metadata> {
     let read = || {
-        let meta = check_size(path)?;
-        let first = meta.headers.first().ok_or_else(|| Error::input("holds no picture"))?;
+        let meta = read_headers(path)?;
+        let first = meta.headers.first().ok_or_else(|| Error::input("contains no picture"))?;
         let texts = first.shared_attributes.other.iter().chain(&first.own_attributes.other);
-        Ok(metadata(texts, &first.own_attributes))
+        Ok(header_texts(texts, &first.own_attributes))
     };
     read().map_err(|error: Error| error.in_file(path))
 }
 
-/// Whether a file's header is that of a film of this width, height and number of spectral bands, as far as it tells: asked before room is made
-/// for such a film.
+/// Returns true if the header can belong to a film of this width, height and number of spectral
+/// bands. Call this function before the allocation of the film.
 ///
 /// # Errors
-/// The input's: a file that is missing or no EXR.
+/// Returns an input error if the file is missing or not an EXR.
 pub fn holds_sums_of(path: &Path, (width, height): (usize, usize), bands: usize) -> Result<bool> {
-    let meta = check_size(path).map_err(|error| error.in_file(path))?;
-    let fits =
-        |header: &Header| header.layer_size == Vec2(width, height) && header.channels.list.len() / WORDS >= bands;
+    let meta = read_headers(path).map_err(|error| error.in_file(path))?;
+    let fits = |header: &Header| {
+        header.layer_size == Vec2(width, height) && header.channels.list.len() / WORDS_PER_SUM >= bands
+    };
     Ok(meta.headers.first().is_some_and(fits))
 }
 
-/// Adds the exact sums that a file holds to a film of its size and bands.
+/// Adds the exact sums of a file to a film of the same size and bands.
 ///
 /// # Errors
-/// The input's: a file that is missing or no EXR, or whose sums are not those of such a film.
+/// Returns an input error if the file is missing or not an EXR, or its sums do not belong to such a
+/// film.
 pub fn add_sums(path: &Path, film: &mut Film) -> Result<()> {
     decode(path, film).map_err(|error| error.in_file(path))
 }
 
 fn decode(path: &Path, film: &mut Film) -> Result<()> {
-    let image = flat_image(path)?;
-    let layer = image.layer_data.first().ok_or_else(|| Error::input("holds no picture"))?;
+    let image = read_layers(path)?;
+    let layer = image.layer_data.first().ok_or_else(|| Error::input("contains no picture"))?;
     if layer.size != Vec2(film.width(), film.height()) {
-        return Err(Error::input("is damaged: its size is not the one that it states"));
+        return Err(Error::input("is damaged: its size differs from the recorded size"));
     }
     let words: BTreeMap<String, &[u32]> = layer
         .channel_data
@@ -87,7 +88,7 @@ fn decode(path: &Path, film: &mut Film) -> Result<()> {
         })
         .collect();
     for (plane, plane_name) in film.plane_names().iter().enumerate() {
-        let mut found = [[].as_slice(); WORDS];
+        let mut found = [[].as_slice(); WORDS_PER_SUM];
         for (word, samples) in found.iter_mut().enumerate() {
             let name = name(plane_name, word);
             *samples = words.get(&name).ok_or_else(|| Error::input(format!("lacks the channel `{name}`")))?;
@@ -98,7 +99,7 @@ fn decode(path: &Path, film: &mut Film) -> Result<()> {
     Ok(())
 }
 
-fn sum(words: [u32; WORDS]) -> ExactSum {
+fn sum(words: [u32; WORDS_PER_SUM]) -> ExactSum {
     let bits = words.iter().rev().fold(0_u128, |bits, &word| bits << 32 | u128::from(word));
     ExactSum::from_bits(bits as i128)
 }
@@ -109,7 +110,7 @@ mod tests {
     use crate::spectrum::Observer;
 
     #[test]
-    fn sums_come_back_to_the_last_bit() {
+    fn sums_survive_a_round_trip_exactly() {
         let (width, height, bands) = (4, 3, 2);
         let blank = || Film::new(width, height, Observer::cie1931(), bands);
         let mut film = blank();
@@ -124,7 +125,7 @@ mod tests {
         }
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
-        super::super::write_with_sums(&path, &film, &film.develop(), &Metadata::new().with("abbe.seed", "7")).unwrap();
+        super::super::write_with_sums(&path, &film, &film.picture(), &Metadata::new().with("abbe.seed", "7")).unwrap();
         let mut back = blank();
         add_sums(&path, &mut back).unwrap();
         for plane in 0..film.plane_names().len() {

@@ -1,4 +1,4 @@
-//! Pictures to EXR.
+//! Writing of EXR pictures.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -9,35 +9,36 @@ use ::exr::prelude::{
     WritableImage,
 };
 
-use super::{BIAS, EDGE, NOISE, XYZ, spectral, sums};
+use super::channel_names::{BIAS, EDGE, NOISE, XYZ, channel_name};
+use super::sums;
 use crate::colour::{RgbSpace, xyz_to_linear_srgb};
 use crate::error::{Error, Result};
 use crate::output::{Metadata, file};
-use crate::sensor::{Bands, Film, Picture};
+use crate::sensor::{Film, Picture, SpectralBands};
 
-/// Writes a picture, whole or not at all.
+/// Writes a picture atomically.
 ///
 /// # Errors
-/// The machine's: a folder that is missing or cannot be written to, a full disk.
+/// Returns a machine error if the folder is missing or not writable, or the disk is full.
 pub fn write(path: &Path, picture: &Picture, metadata: &Metadata) -> Result<()> {
     let bytes = encode(picture, metadata).map_err(|error| error.in_file(path))?;
     file::write_whole(path, &bytes)
 }
 
-/// Writes a film's exact sums with the picture that they make so far, whole or not at all.
+/// Writes the exact sums of a film together with its current picture, atomically.
 ///
 /// # Errors
-/// As [`write()`]'s.
+/// Returns the errors of [`write()`].
 pub fn write_with_sums(path: &Path, film: &Film, picture: &Picture, metadata: &Metadata) -> Result<()> {
     let channels = channels(picture).into_iter().chain(sums::channels(film)).collect();
     let bytes = encode_channels(channels, picture, metadata).map_err(|error| error.in_file(path))?;
     file::write_whole(path, &bytes)
 }
 
-/// The bytes of a picture's file.
+/// Returns the bytes of a picture's file.
 ///
 /// # Errors
-/// The machine's: a picture that the format cannot hold.
+/// Returns a machine error if the picture cannot be encoded.
 pub fn encode(picture: &Picture, metadata: &Metadata) -> Result<Vec<u8>> {
     encode_channels(channels(picture), picture, metadata)
 }
@@ -67,9 +68,12 @@ fn channels(picture: &Picture) -> Vec<AnyChannel<FlatSamples>> {
     let of_each =
         |value: &dyn Fn(&[f64; 3]) -> f64| FlatSamples::F32(picture.xyz.iter().map(|xyz| value(xyz) as f32).collect());
     let mut channels = vec![
-        AnyChannel::new(NOISE, FlatSamples::F32(picture.noise.clone())),
-        AnyChannel::new(BIAS, FlatSamples::F32(picture.bias.clone())),
-        AnyChannel::new(EDGE, FlatSamples::F32(picture.edge.clone())),
+        AnyChannel::new(NOISE, error_samples(picture.noise.iter().copied())),
+        AnyChannel::new(BIAS, error_samples(picture.bias.iter().copied())),
+        AnyChannel::new(
+            EDGE,
+            error_samples(picture.edge.iter().map(|edge| edge.map(|edge| f32::from(u8::from(edge))))),
+        ),
     ];
     for (c, name) in XYZ.into_iter().enumerate() {
         channels.push(AnyChannel::new(name, of_each(&|xyz| xyz[c])));
@@ -77,16 +81,25 @@ fn channels(picture: &Picture) -> Vec<AnyChannel<FlatSamples>> {
     for (c, name) in ["R", "G", "B"].into_iter().enumerate() {
         channels.push(AnyChannel::new(name, of_each(&|xyz| xyz_to_linear_srgb(*xyz)[c])));
     }
-    if let Some(Bands { centres_nm, values }) = &picture.bands {
+    if let Some(SpectralBands { centres_nm, values }) = &picture.bands {
         for (band, &nm) in centres_nm.iter().enumerate() {
             let samples = values.iter().skip(band).step_by(centres_nm.len()).copied().collect();
-            channels.push(AnyChannel::new(text(&spectral::channel_name(nm)), FlatSamples::F32(samples)));
+            channels.push(AnyChannel::new(text(&channel_name(nm)), FlatSamples::F32(samples)));
         }
     }
     channels
 }
 
-/// What the spectral layout asks for. Its unit of radiance is understood per nm; ours is said in so many words too.
+/// The value of an unknown error in an error channel.
+const UNKNOWN_ERROR: f32 = -1.0;
+
+/// Returns the samples of an error channel.
+fn error_samples(errors: impl Iterator<Item = Option<f32>>) -> FlatSamples {
+    FlatSamples::F32(errors.map(|error| error.unwrap_or(UNKNOWN_ERROR)).collect())
+}
+
+/// Returns the attributes required by the spectral layout. The layout defines the radiance per nm.
+/// `abbe.bandUnits` repeats this unit explicitly.
 fn spectral_attributes<'a>(picture: &Picture) -> impl Iterator<Item = (&'a str, &'a str)> + use<'a> {
     let attributes =
         [("spectralLayoutVersion", "1.0"), ("emissiveUnits", "W.m^-2.sr^-1"), ("abbe.bandUnits", "W.m^-2.sr^-1.nm^-1")];
@@ -100,7 +113,8 @@ fn chromaticities() -> Chromaticities {
     Chromaticities { red, green, blue, white: vector(RgbSpace::Srgb.white_xy()) }
 }
 
-/// A header's text: names are ours, values escaped; what is still not Latin-1 becomes a question mark.
+/// Converts a text for the header. Metadata is ASCII already. Other characters that are not Latin-1
+/// become question marks.
 fn text(text: &str) -> Text {
     Text::from_slice_unchecked(text.chars().map(|c| u8::try_from(c).unwrap_or(b'?')).collect::<Vec<u8>>().as_slice())
 }

@@ -1,27 +1,30 @@
-//! What a lens keeps sharp, by geometrical optics.
+//! The depth of field of a lens, by geometrical optics.
 //!
-//! A point at distance u spreads, on the plane in focus at u_f, over a disk of 2R·|u − u_f|/u, R being the opening's radius; sharp is what
-//! spreads over less than a pixel there.
+//! A point at distance u is blurred to a disk. On the plane in focus at distance u_f, the diameter
+//! of the disk is 2R·|u − u_f|/u, where R is the radius of the aperture. A point is sharp if the
+//! diameter is less than a pixel.
 
 use super::{Aperture, Camera};
 
-/// What an open lens keeps sharp. Distances are in m along the axis.
+/// The depth of field. All distances are in m along the optical axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthOfField {
-    /// The plane in focus.
+    /// The distance of the plane in focus.
     pub focus_m: f64,
-    /// From here on the blur is less than a pixel.
+    /// The distance at which the sharp range begins.
     pub near_m: f64,
-    /// Up to here; infinite from the hyperfocal distance on.
+    /// The distance at which the sharp range ends; infinite if the lens is focused at or beyond the
+    /// hyperfocal distance.
     pub far_m: f64,
-    /// Focused here, everything beyond half of it is sharp.
+    /// The hyperfocal distance. A lens focused at this distance is sharp from half of this distance
+    /// to infinity.
     pub hyperfocal_m: f64,
-    /// Over how many pixels a point at infinity spreads.
+    /// The diameter of the blur disk of a point at infinity, in pixels.
     pub blur_at_infinity_px: f64,
 }
 
 impl DepthOfField {
-    /// Of a camera with an open lens; `None` for a pinhole, to which everything is sharp.
+    /// The depth of field of a camera. `None` for a pinhole, which has no blur.
     pub fn of(camera: &Camera) -> Option<Self> {
         let (radius_m, focus_m) = match camera.aperture() {
             Aperture::Pinhole => return None,
@@ -43,16 +46,16 @@ impl DepthOfField {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::camera::Stop;
+    use crate::scene::camera::ApertureStop;
     use glam::DVec3;
 
     fn camera(radius_m: f64, focus_m: f64) -> Camera {
-        let aperture = Aperture::ThinLens { stop: Stop { radius_m, blades: None }, focus_m };
+        let aperture = Aperture::ThinLens { stop: ApertureStop { radius_m, blades: None }, focus_m };
         Camera::new(DVec3::ZERO, (DVec3::NEG_Z, DVec3::Y), 0.25, (100, 100), aperture)
     }
 
     #[test]
-    fn the_blur_at_the_limits_is_a_pixel() {
+    fn the_blur_at_the_limits_is_one_pixel() {
         let camera = camera(0.1, 2.0);
         let depth = DepthOfField::of(&camera).unwrap();
         let blur_px = |u: f64| 2.0 * 0.1 * (u - 2.0).abs() / u / (2.0 * camera.pixel_angle());
@@ -61,7 +64,7 @@ mod tests {
     }
 
     #[test]
-    fn focused_at_the_hyperfocal_distance_all_is_sharp_from_half_of_it() {
+    fn hyperfocal_focus_is_sharp_from_half_the_distance_on() {
         let hyperfocal = DepthOfField::of(&camera(0.1, 2.0)).unwrap().hyperfocal_m;
         let depth = DepthOfField::of(&camera(0.1, hyperfocal)).unwrap();
         assert!((depth.near_m - 0.5 * hyperfocal).abs() < 1e-9 && depth.far_m > 1e9, "{depth:?}");

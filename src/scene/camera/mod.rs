@@ -1,41 +1,44 @@
-//! The camera: from a place on the film to a ray into the scene, and from a point of the scene to its place on the film.
+//! The camera: maps film positions to rays into the scene, and points of the scene to film
+//! positions.
 //!
-//! Film coordinates are in pixels, origin at the top left. Here stand the pinhole and the thin lens, which are the same to all wavelengths;
-//! real glass has a file of its own.
+//! Film coordinates are in pixels with the origin at the top left. This file contains the pinhole
+//! and the thin lens, which do not depend on wavelength. `system` contains lens systems of real
+//! glass.
 
+mod aperture;
 mod depth_of_field;
 mod diffraction;
 mod shutter;
-mod stop;
 mod system;
 
+pub use aperture::ApertureStop;
 pub use depth_of_field::DepthOfField;
-pub use diffraction::Diffraction;
+pub use diffraction::ApertureDiffraction;
 pub use shutter::Shutter;
-pub use stop::Stop;
 pub use system::{SystemAt, SystemLens};
 
-use crate::scene::geometry::Ray;
-use crate::scene::interior::Interior;
+use crate::geometry::Ray;
+use crate::scene::medium_stack::MediumStack;
+use crate::scene::motion::LookAt;
 use glam::{DVec2, DVec3};
 
-/// What lets the light in.
+/// The aperture of a camera.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Aperture {
-    /// A point: everything is sharp.
+    /// A point: the whole scene is in focus.
     Pinhole,
-    /// A thin lens, focused on the plane at a distance.
+    /// A thin lens that is focused on a plane.
     ThinLens {
-        /// Its opening.
-        stop: Stop,
-        /// Distance in m of the plane in focus, along the axis.
+        /// The opening of the lens.
+        stop: ApertureStop,
+        /// The distance of the plane in focus along the optical axis, in m.
         focus_m: f64,
     },
-    /// A lens of real glass.
+    /// A lens system of real glass.
     System(Box<SystemLens>),
 }
 
-/// Where the camera stands and what it sees.
+/// A camera: its pose, field of view, aperture and resolution.
 #[derive(Debug, Clone)]
 pub struct Camera {
     origin: DVec3,
@@ -44,30 +47,33 @@ pub struct Camera {
     forward: DVec3,
     aperture: Aperture,
     size: DVec2,
-    /// The side of a pixel on the plane at distance 1.
+    /// The side of a pixel, projected to the plane at distance 1.
     pixel: f64,
-    /// The bodies of glass that it stands in.
-    pub interior: Interior,
-    /// Whether its opening diffracts light; of a pinhole it says nothing.
+    /// The bodies that contain the camera.
+    pub medium_stack: MediumStack,
+    /// Whether the scene enables diffraction at the aperture. A pinhole ignores this value.
     pub diffracts: bool,
 }
 
-/// How a point of the scene is seen on the film.
+/// The connection from a point of the scene to the film, through the lens.
 #[derive(Debug, Clone, Copy)]
-pub struct Sighting {
+pub struct CameraConnection {
     /// The pixel's index, row by row.
     pub pixel: u32,
-    /// From the point to the camera, unit.
+    /// The unit vector from the point to the lens.
     pub direction: DVec3,
-    /// Distance to the lens.
+    /// The distance from the point to the lens in m.
     pub distance: f64,
-    /// The pixel's mean radiance per W/sr that the point sends along `direction` (1/m²): |dA_film/dω| over the pixel's area.
+    /// The mean radiance of the pixel in 1/m², per W/sr of intensity of the point along
+    /// `direction`. The value is |dA_film/dω| divided by the area of the pixel.
     pub importance: f64,
 }
 
 impl Camera {
-    /// A camera at `origin` that looks along `forward` with `up` above, all orthonormal; `tan_half_height` is the
-    /// tangent of half the vertical field of view.
+    /// Creates a camera at `origin` (m, relative to the scene's centre).
+    ///
+    /// `forward` and `up` are orthogonal unit vectors; see [`look_at_axes`]. `tan_half_height` is
+    /// the tangent of half the vertical field of view. The film has `width` × `height` pixels.
     pub fn new(
         origin: DVec3,
         (forward, up): (DVec3, DVec3),
@@ -77,27 +83,27 @@ impl Camera {
     ) -> Self {
         let size = DVec2::new(f64::from(width), f64::from(height));
         let pixel = 2.0 * tan_half_height / size.y;
-        let (right, interior, diffracts) = (forward.cross(up), Interior::AIR, false);
-        Self { origin, right, up, forward, aperture, size, pixel, interior, diffracts }
+        let (right, medium_stack, diffracts) = (forward.cross(up), MediumStack::AIR, false);
+        Self { origin, right, up, forward, aperture, size, pixel, medium_stack, diffracts }
     }
 
-    /// Where it stands (the lens's centre).
+    /// The centre of the lens, relative to the scene's centre, in m.
     pub fn origin(&self) -> DVec3 {
         self.origin
     }
 
-    /// Stands it at a place, looking at another, with a third vector up in the picture.
-    pub fn stand(&mut self, [from, at, up]: [DVec3; 3]) {
-        (self.forward, self.up) = axes(at - from, up);
+    /// Moves the camera to a pose (m, relative to the scene's centre).
+    pub fn look_at(&mut self, LookAt { from, at, up }: LookAt) {
+        (self.forward, self.up) = look_at_axes(at - from, up);
         (self.origin, self.right) = (from, self.forward.cross(self.up));
     }
 
-    /// What lets the light in.
+    /// The aperture.
     pub fn aperture(&self) -> &Aperture {
         &self.aperture
     }
 
-    /// The lens of real glass that it has, if any.
+    /// The lens system, if the camera has one.
     pub fn system(&self) -> Option<&SystemLens> {
         match &self.aperture {
             Aperture::Pinhole | Aperture::ThinLens { .. } => None,
@@ -105,49 +111,54 @@ impl Camera {
         }
     }
 
-    /// Makes it a pinhole.
+    /// Replaces the aperture by a pinhole.
     pub fn close_aperture(&mut self) {
         self.aperture = Aperture::Pinhole;
     }
 
-    /// The whole field of view across and down the picture, in radians.
+    /// The horizontal and the vertical field of view in radians.
     pub fn field_of_view(&self) -> [f64; 2] {
         [self.size.x, self.size.y].map(|pixels| 2.0 * (0.5 * pixels * self.pixel).atan())
     }
 
-    /// The angle that a pixel in the middle subtends, in radians: a point at distance d has a footprint of d times this.
+    /// The angle that a pixel in the middle of the picture subtends, in radians. The footprint of a
+    /// pixel at distance d is d times this angle.
     pub fn pixel_angle(&self) -> f64 {
         self.pixel
     }
 
-    /// How many pixels there are.
+    /// The number of pixels.
     pub fn pixel_count(&self) -> usize {
         (self.size.x * self.size.y) as usize
     }
 
-    /// Pixels per row.
+    /// The number of pixels per row.
     pub fn width(&self) -> usize {
         self.size.x as usize
     }
 
-    /// The ray through a place of the film (in pixels) and, for a thin lens, through the place of the opening that `lens` draws. Of real glass
-    /// it is the ray through the middle of an ideal lens with the same field of view.
+    /// The ray through a film position (in pixels).
+    ///
+    /// The random numbers `lens` sample the opening of a thin lens. For a lens system, the ray
+    /// passes through the centre of an ideal lens that has the same field of view. See
+    /// [`ray_through`](Self::ray_through).
     pub fn ray(&self, film: DVec2, lens: [f64; 2]) -> Ray {
         let offset = (film - 0.5 * self.size) * self.pixel;
         let through = self.forward + self.right * offset.x - self.up * offset.y;
         match self.aperture {
             Aperture::Pinhole | Aperture::System(_) => Ray { origin: self.origin, direction: through.normalize() },
             Aperture::ThinLens { stop, focus_m } => {
-                let opening = stop.place(lens);
+                let opening = stop.sample(lens);
                 let shift = self.right * opening.x + self.up * opening.y;
-                // The shift over the distance: the distance itself may be far beyond what can be squared.
+                // Dividing by the distance avoids overflow of the square of a very large distance.
                 Ray { origin: self.origin + shift, direction: (through - shift / focus_m).normalize() }
             }
         }
     }
 
-    /// The ray from a place of the film (in pixels) through the lens of real glass at a wavelength, and its weight; `None` where the lens lets
-    /// nothing through.
+    /// The ray at one wavelength from a film position (in pixels) through the lens system, and the
+    /// ray's weight. `None` if the lens blocks the ray. The random numbers `lens` sample the exit
+    /// pupil.
     pub fn ray_through(&self, glass: &SystemAt<'_>, film: DVec2, lens: [f64; 2]) -> Option<(Ray, f64)> {
         let offset = (film - 0.5 * self.size) * (self.pixel * glass.system().image_mm());
         let (ray, weight) = glass.ray(DVec2::new(offset.x, -offset.y), lens)?;
@@ -155,24 +166,29 @@ impl Camera {
         Some((Ray { origin: self.origin + to_world(ray.origin) * 1e-3, direction: to_world(ray.direction) }, weight))
     }
 
-    /// Where on the film (in pixels, perhaps beside it) a point is seen through the middle of the lens; `None` behind the camera.
+    /// Projects a point through the centre of the lens to a position in pixels. The position may be
+    /// outside the film. Returns `None` for a point behind the camera.
     pub fn project(&self, point: DVec3) -> Option<DVec2> {
         let offset = point - self.origin;
         let depth = offset.dot(self.forward);
         (depth > 0.0).then(|| self.on_film(DVec2::new(offset.dot(self.right), offset.dot(self.up)) / depth))
     }
 
-    /// The place on the film (in pixels) of a place on the plane at distance 1, right and up from its middle.
+    /// The position in pixels of a point on the plane at distance 1. `on_plane` is the point's
+    /// offset from the optical axis, to the right and up.
     fn on_film(&self, on_plane: DVec2) -> DVec2 {
         DVec2::new(on_plane.x, -on_plane.y) / self.pixel + 0.5 * self.size
     }
 
-    /// How the point is seen, through the place of the opening that `lens` draws; `None` if it is not on the film.
-    /// Real glass is left aside, as in [`ray`](Self::ray).
-    pub fn sight(&self, point: DVec3, lens: [f64; 2]) -> Option<Sighting> {
+    /// Connects a point of the scene to the film. Returns `None` if the image of the point is
+    /// outside the film.
+    ///
+    /// The random numbers `lens` sample the opening of a thin lens. A lens system counts as an
+    /// ideal lens, as in [`ray`](Self::ray).
+    pub fn connect(&self, point: DVec3, lens: [f64; 2]) -> Option<CameraConnection> {
         let (shift, focus_m) = match self.aperture {
             Aperture::Pinhole | Aperture::System(_) => (DVec2::ZERO, 1.0),
-            Aperture::ThinLens { stop, focus_m } => (stop.place(lens), focus_m),
+            Aperture::ThinLens { stop, focus_m } => (stop.sample(lens), focus_m),
         };
         let lens_point = self.origin + self.right * shift.x + self.up * shift.y;
         let offset = lens_point - point;
@@ -181,7 +197,8 @@ impl Camera {
             return None;
         }
         let sideways = DVec2::new(-offset.dot(self.right), -offset.dot(self.up));
-        // Where the line meets the plane in focus, brought to the plane at distance 1.
+        // The intersection of the line with the plane in focus, projected to the plane at distance
+        // 1.
         let on_plane = sideways / depth + shift / focus_m;
         let film = self.on_film(on_plane);
         if !(film.x >= 0.0 && film.y >= 0.0 && film.x < self.size.x && film.y < self.size.y) {
@@ -189,7 +206,7 @@ impl Camera {
         }
         let distance = offset.length();
         let cos = depth / distance;
-        Some(Sighting {
+        Some(CameraConnection {
             pixel: film.y as u32 * self.size.x as u32 + film.x as u32,
             direction: offset / distance,
             distance,
@@ -198,8 +215,9 @@ impl Camera {
     }
 }
 
-/// The unit vectors forward and up of a camera that looks along `view`, with `up` above (not along the view).
-pub fn axes(view: DVec3, up: DVec3) -> (DVec3, DVec3) {
+/// The unit vectors `forward` and `up` of a camera that looks along `view`. The vector `up`
+/// need not be orthogonal to `view`, but it must not be parallel to it.
+pub fn look_at_axes(view: DVec3, up: DVec3) -> (DVec3, DVec3) {
     let forward = view.normalize();
     let right = forward.cross(up).normalize();
     (forward, right.cross(forward))
@@ -212,26 +230,26 @@ mod tests {
 
     fn cameras() -> [Camera; 3] {
         let axes = (DVec3::NEG_Z, DVec3::Y);
-        let lens = |blades| Aperture::ThinLens { stop: Stop { radius_m: 0.3, blades }, focus_m: 2.5 };
+        let lens = |blades| Aperture::ThinLens { stop: ApertureStop { radius_m: 0.3, blades }, focus_m: 2.5 };
         let five = Blades { count: 5, rotation: 0.3 };
         [Aperture::Pinhole, lens(None), lens(Some(five))]
             .map(|aperture| Camera::new(DVec3::new(1.0, 2.0, 3.0), axes, 0.4, (40, 30), aperture))
     }
 
     #[test]
-    fn a_point_on_a_pixels_ray_is_seen_in_that_pixel() {
+    fn a_point_on_the_ray_of_a_pixel_connects_to_that_pixel() {
         for camera in cameras() {
             for (i, film) in [[0.5, 0.5], [12.25, 20.75], [39.5, 29.5]].into_iter().enumerate() {
                 let lens = [0.2 + 0.3 * i as f64, 0.7];
                 let ray = camera.ray(DVec2::from(film), lens);
-                let sighting = camera.sight(ray.origin + ray.direction * 4.2, lens).unwrap();
+                let sighting = camera.connect(ray.origin + ray.direction * 4.2, lens).unwrap();
                 assert_eq!(sighting.pixel, film[1] as u32 * 40 + film[0] as u32);
                 assert!((sighting.distance - 4.2).abs() < 1e-12);
                 let seen = camera.project(camera.origin() + (ray.origin - camera.origin()) + ray.direction * 4.2);
                 assert!(camera.aperture() != &Aperture::Pinhole || (seen.unwrap() - DVec2::from(film)).length() < 1e-9);
                 assert!((sighting.direction + ray.direction).length() < 1e-12);
             }
-            assert!(camera.sight(DVec3::new(1.0, 2.0, 4.0), [0.5; 2]).is_none(), "behind the camera");
+            assert!(camera.connect(DVec3::new(1.0, 2.0, 4.0), [0.5; 2]).is_none(), "behind the camera");
         }
     }
 
@@ -250,7 +268,7 @@ mod tests {
                 let lens = [0.5, 0.5];
                 let ray = camera.ray(film, lens);
                 let cos = ray.direction.dot(DVec3::NEG_Z);
-                let sighting = camera.sight(ray.origin + ray.direction * 2.0, lens).unwrap();
+                let sighting = camera.connect(ray.origin + ray.direction * 2.0, lens).unwrap();
                 let pixel_solid_angle = camera.pixel_angle().powi(2) * cos.powi(3);
                 assert!((sighting.importance * 4.0 * pixel_solid_angle - 1.0).abs() < 1e-9);
             }

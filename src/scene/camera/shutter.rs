@@ -1,29 +1,31 @@
-//! The shutter: when it is open, and how much light it lets through at each moment.
+//! The shutter: its opening time, its closing time, and its transmission as a function of time.
 
-/// A shutter. One that closes at the moment it opens shows that moment, as sharp as the scene stands.
+/// A shutter. If it opens and closes at the same time, the picture shows that moment without motion
+/// blur.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shutter {
-    /// It opens, in s.
+    /// The time at which it opens, in s.
     pub open_s: f64,
-    /// It closes, in s.
+    /// The time at which it closes, in s.
     pub close_s: f64,
-    /// Transmission over the time that it is open; fully open without.
-    curve: Option<Curve>,
+    /// The transmission as a function of time, or `None` if the shutter is fully open the whole
+    /// time.
+    curve: Option<ShutterCurve>,
 }
 
-/// A transmission that is linear between points.
+/// The transmission as a piecewise linear function of time.
 #[derive(Debug, Clone, PartialEq)]
-struct Curve {
-    /// Time as a share of the time open, and transmission; from 0 to 1.
+struct ShutterCurve {
+    /// The time as a share of the open time, and the transmission; both from 0 to 1.
     points: Vec<[f64; 2]>,
     /// The integral of the transmission up to each point.
     passed: Vec<f64>,
 }
 
-impl Curve {
+impl ShutterCurve {
     fn new(written: &[[f64; 2]]) -> Self {
         let mut points = written.to_vec();
-        // Before the first point and after the last the transmission there is held.
+        // The transmission is constant before the first point and after the last.
         if let Some(&[_, held]) = written.first().filter(|point| point[0] > 0.0) {
             points.insert(0, [0.0, held]);
         }
@@ -43,14 +45,15 @@ impl Curve {
         self.passed[self.passed.len() - 1]
     }
 
-    /// The moment by which the share `u` of all light has passed.
+    /// The time at which the share `u` of all light has passed. The time is a share of the open
+    /// time.
     fn inverse(&self, u: f64) -> f64 {
         let wanted = u * self.mean();
         let last = self.passed.len() - 2;
         let piece = self.passed.partition_point(|&passed| passed <= wanted).saturating_sub(1).min(last);
         let [[from, a], [to, b]] = [self.points[piece], self.points[piece + 1]];
         let rest = wanted - self.passed[piece];
-        // a·x + (b − a)·x²/2w = rest, in the form that keeps its digits where a is near b or near 0.
+        // Solves a·x + slope·x²/2 = rest in the form that is accurate for a near b and a near 0.
         let slope = (b - a) / (to - from);
         let root = (a * a + 2.0 * slope * rest).max(0.0).sqrt();
         let x = if a + root > 0.0 { 2.0 * rest / (a + root) } else { 0.0 };
@@ -59,18 +62,21 @@ impl Curve {
 }
 
 impl Shutter {
-    /// A shutter that is open from `open_s` to `close_s` (s, not before); `curve` is its transmission (0 to 1, not 0 throughout) over rising shares of
-    /// that time.
+    /// Creates a shutter that is open from `open_s` to `close_s` in s, with `open_s` ≤ `close_s`.
+    ///
+    /// `curve` has points of time and transmission, both from 0 to 1. The time is a share of the
+    /// open time and increases; the transmission must not be 0 everywhere.
     pub fn new(open_s: f64, close_s: f64, curve: Option<&[[f64; 2]]>) -> Self {
-        Self { open_s, close_s, curve: curve.map(Curve::new) }
+        Self { open_s, close_s, curve: curve.map(ShutterCurve::new) }
     }
 
-    /// For how long it is open, in s: a time of half transmission counts half.
+    /// The exposure time in s: the integral of the transmission over time.
     pub fn exposure_s(&self) -> f64 {
-        (self.close_s - self.open_s) * self.curve.as_ref().map_or(1.0, Curve::mean)
+        (self.close_s - self.open_s) * self.curve.as_ref().map_or(1.0, ShutterCurve::mean)
     }
 
-    /// The moment (s) by which the share `u` in [0, 1] of all light has come through: uniform `u` give moments as dense as the shutter is open.
+    /// The time in s at which the share `u` in [0, 1] of all light has passed. If `u` is uniform,
+    /// the density of the times is proportional to the transmission.
     pub fn time_s(&self, u: f64) -> f64 {
         let share = self.curve.as_ref().map_or(u, |curve| curve.inverse(u));
         (1.0 - share) * self.open_s + share * self.close_s
@@ -82,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn moments_are_as_dense_as_the_shutter_is_open() {
+    fn the_density_of_times_is_the_transmission() {
         let curves: [&[[f64; 2]]; 5] = [
             &[[0.0, 1.0], [1.0, 1.0]],
             &[[0.0, 0.0], [0.5, 1.0], [1.0, 0.0]],
@@ -94,8 +100,8 @@ mod tests {
             let shutter = Shutter::new(2.0, 4.0, Some(curve));
             let n = 1_000_000;
             let mean = (0..n).map(|i| shutter.time_s((f64::from(i) + 0.5) / f64::from(n))).sum::<f64>() / f64::from(n);
-            // The mean moment by Simpson's rule over the transmission: exact for pieces of a quadratic.
-            let held = Curve::new(curve).points;
+            // The mean time by Simpson's rule, which is exact for quadratic pieces.
+            let held = ShutterCurve::new(curve).points;
             let moment: f64 = held
                 .windows(2)
                 .map(|p| {
@@ -110,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn a_shutter_without_a_curve_is_a_box_and_may_have_no_length() {
+    fn a_shutter_without_a_curve_may_have_zero_duration() {
         let shutter = Shutter::new(1.0, 3.0, None);
         assert_eq!([0.0, 0.25, 1.0].map(|u| shutter.time_s(u)), [1.0, 1.5, 3.0]);
         let instant = Shutter::new(0.7, 0.7, Some(&[[0.0, 0.0], [1.0, 1.0]]));

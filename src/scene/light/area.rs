@@ -1,53 +1,73 @@
-//! An object's surface as a light: the same radiance everywhere, in all directions of its outer side.
+//! The surface of an object as a light. The radiance is constant in all directions of the outer
+//! side.
 
-use super::{Emission, EmissionNumbers, Incident, Tint};
+use super::lit_interval::LitInterval;
+use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoint};
+use super::virtual_light::VirtualLight;
+use crate::geometry::Geometry;
 use crate::math::frame::Frame;
 use crate::math::warp;
-use crate::scene::geometry::Geometry;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// The emission of an object.
+/// The emission of an object's surface.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Area {
-    /// The object.
+pub struct AreaLight {
+    /// The object's number.
     pub object: u32,
-    /// Radiance in W/m²/sr over the band.
+    /// The radiance in W/m²/sr over the band.
     pub radiance: f64,
     /// The object's area in m².
     pub area_m2: f64,
 }
 
-impl Area {
+impl AreaLight {
     pub(super) fn power_w(&self) -> f64 {
         PI * self.area_m2 * self.radiance
     }
 
-    pub(super) fn emit(&self, geometry: &Geometry, u: EmissionNumbers) -> Emission {
-        let place = geometry.sample_area(self.object, u.rest);
-        let direction = Frame::new(place.normal).to_world(warp::cosine_hemisphere(u.aim));
-        // L cos θ over the densities cos θ/π and pdf_area.
-        let flux_w = self.radiance * PI / place.pdf_area;
-        Emission { origin: place.position, direction, from: Some(place.surface), flux_w, tint: Tint::Own }
+    pub(super) fn sample_le(&self, geometry: &Geometry, u: LeRandoms) -> LeSample {
+        let point = geometry.sample_area(self.object, u.rest);
+        let direction = Frame::new(point.normal).to_world(warp::cosine_hemisphere(u.aim));
+        // L cos θ divided by the densities cos θ/π and pdf_area.
+        let flux_w = self.radiance * PI / point.pdf_area;
+        LeSample { origin: point.position, direction, from: Some(point.surface), flux_w, spd: EmittedSpd::Own }
     }
 
-    pub(super) fn towards(&self, geometry: &Geometry, from: DVec3, u: [f64; 3]) -> Option<Incident> {
-        let (place, pdf) = geometry.sample_towards(self.object, from, u)?;
-        let offset = place.position - from;
+    pub(super) fn sample_li(&self, geometry: &Geometry, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
+        let (point, pdf) = geometry.sample_solid_angle(self.object, from, u)?;
+        let offset = point.position - from;
         let distance = offset.length();
         let direction = offset / distance;
-        let lit = pdf > 0.0 && distance > 0.0 && direction.dot(place.normal) < 0.0;
-        lit.then_some(Incident {
+        let lit = pdf > 0.0 && distance > 0.0 && direction.dot(point.normal) < 0.0;
+        lit.then_some(LiSample {
             direction,
             distance,
-            target: Some(place.surface),
+            target: Some(point.surface),
             irradiance: self.radiance / pdf,
             pdf_solid_angle: Some(pdf),
-            tint: Tint::Own,
+            spd: EmittedSpd::Own,
         })
     }
 
-    pub(super) fn radiance(&self, direction: DVec3, normal: DVec3) -> f64 {
+    /// The radiance of a point, seen along the ray direction `direction`. `normal` is the normal at
+    /// this point.
+    pub(super) fn le(&self, direction: DVec3, normal: DVec3) -> f64 {
         if direction.dot(normal) < 0.0 { self.radiance } else { 0.0 }
+    }
+
+    pub(super) fn lit_interval(&self, geometry: &Geometry, (from, to): (f64, f64), u: [f64; 3]) -> LitInterval {
+        LitInterval { from, to, pivot: Some(geometry.sample_area(self.object, u).position) }
+    }
+
+    pub(super) fn virtual_light(&self, geometry: &Geometry, u: [f64; 3]) -> VirtualLight {
+        VirtualLight::on_surface(&geometry.sample_area(self.object, u), self.radiance, u)
+    }
+
+    pub(super) fn representative_point(&self, geometry: &Geometry) -> RepresentativePoint {
+        /// Arbitrary numbers, because all points of the surface are in the same bodies.
+        const U: [f64; 3] = [0.37, 0.61, 0.53];
+        let point = geometry.sample_area(self.object, U);
+        RepresentativePoint { position: point.position, surface: Some((point.surface, point.normal)) }
     }
 }

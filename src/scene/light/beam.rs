@@ -1,33 +1,38 @@
-//! A disk of light: parallel, or a narrow cone of constant radiance from every point of it. It cannot be seen itself.
+//! A beam: light from a uniform disk. The disk emits parallel light, or each of its points emits a
+//! cone of constant radiance. The disk itself is invisible.
 
-use super::{Emission, EmissionNumbers, Incident, Tint};
+use super::lit_interval::{LitInterval, inside_cone, inside_cylinder};
+use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample};
+use super::virtual_light::VirtualLight;
+use crate::geometry::Ray;
 use crate::math::frame::Frame;
 use crate::math::warp;
 use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// What a map does to lengths, in the mean: the cube root of what it does to volumes.
-pub fn mean_stretch(map: &DAffine3) -> f64 {
+/// The mean scale factor of a map for lengths: the cube root of its scale factor for volumes.
+pub fn mean_scale(map: &DAffine3) -> f64 {
     map.matrix3.determinant().abs().cbrt()
 }
 
-/// A uniform disk that shines along its axis.
+/// A uniform disk that emits along its axis.
 #[derive(Debug, Clone)]
-pub struct Beam {
-    /// Power in W over the band.
+pub struct BeamLight {
+    /// The power in W over the band.
     pub power_w: f64,
     centre: DVec3,
     axis: DVec3,
     frame: Frame,
     radius_m: f64,
-    /// Sine of the cone's half-angle; 0 is parallel light.
+    /// The sine of the half-angle of the cones, or 0 for parallel light.
     sin_divergence: f64,
     one_minus_cos_divergence: f64,
 }
 
-impl Beam {
-    /// A disk around `centre` of this radius that shines along the unit vector `axis`, into cones of half-angle
-    /// `divergence` (radians, below π/2).
+impl BeamLight {
+    /// Creates a beam from a disk around `centre` (m, relative to the scene's centre). The disk
+    /// emits along the unit vector `axis`, into cones of half-angle `divergence` (radians, below
+    /// π/2).
     pub fn new(centre: DVec3, axis: DVec3, radius_m: f64, divergence: f64, power_w: f64) -> Self {
         Self {
             power_w,
@@ -42,33 +47,29 @@ impl Beam {
 
     pub(super) fn moved(&self, map: &DAffine3) -> Self {
         let (centre, axis) = (map.transform_point3(self.centre), map.transform_vector3(self.axis).normalize());
-        let radius_m = self.radius_m * mean_stretch(map);
+        let radius_m = self.radius_m * mean_scale(map);
         Self { centre, axis, frame: Frame::new(axis), radius_m, ..*self }
     }
 
-    /// The disk's centre.
+    /// The centre of the disk, relative to the scene's centre, in m.
     pub fn centre(&self) -> DVec3 {
         self.centre
     }
 
-    /// The unit vector along which it shines.
-    pub(super) fn axis(&self) -> DVec3 {
-        self.axis
-    }
-
-    /// The disk's radius in m.
+    /// The radius of the disk in m.
     pub fn radius_m(&self) -> f64 {
         self.radius_m
     }
 
-    /// The cone that holds all of the light: its apex behind the disk, and 1 − cos of its half-angle; `None` of parallel light.
-    pub(super) fn cone(&self) -> Option<(DVec3, f64)> {
+    /// The cone that bounds the light: its apex behind the disk, and 1 − cos of its half-angle.
+    /// `None` for parallel light.
+    fn cone(&self) -> Option<(DVec3, f64)> {
         let tangent = self.sin_divergence / (1.0 - self.one_minus_cos_divergence);
         let behind = self.radius_m / tangent;
         (!self.is_parallel()).then(|| (self.centre - behind * self.axis, self.one_minus_cos_divergence))
     }
 
-    /// Whether the light is parallel.
+    /// Whether the divergence is 0.
     pub fn is_parallel(&self) -> bool {
         self.sin_divergence == 0.0
     }
@@ -77,24 +78,24 @@ impl Beam {
         PI * self.radius_m * self.radius_m
     }
 
-    /// Radiance inside the cones, from Φ = L · A · π sin².
+    /// The radiance inside the cones, from Φ = L A π sin² θ.
     fn radiance(&self) -> f64 {
         self.power_w / (self.area() * PI * self.sin_divergence * self.sin_divergence)
     }
 
-    pub(super) fn emit(&self, u: EmissionNumbers) -> Emission {
-        let (place, way) = (warp::disk(u.aim), warp::disk([u.rest[0], u.rest[1]]) * self.sin_divergence);
-        let direction = way.extend((1.0 - way.length_squared()).max(0.0).sqrt());
-        Emission {
+    pub(super) fn sample_le(&self, u: LeRandoms) -> LeSample {
+        let (place, tilt) = (warp::disk(u.aim), warp::disk([u.rest[0], u.rest[1]]) * self.sin_divergence);
+        let direction = tilt.extend((1.0 - tilt.length_squared()).max(0.0).sqrt());
+        LeSample {
             origin: self.centre + self.frame.to_world((place * self.radius_m).extend(0.0)),
             direction: self.frame.to_world(direction),
             from: None,
             flux_w: self.power_w,
-            tint: Tint::Own,
+            spd: EmittedSpd::Own,
         }
     }
 
-    pub(super) fn towards(&self, from: DVec3, u: [f64; 3]) -> Option<Incident> {
+    pub(super) fn sample_li(&self, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
         let local = self.frame.to_local(from - self.centre);
         if local.z <= 0.0 {
             return None;
@@ -104,27 +105,42 @@ impl Beam {
             let irradiance = self.power_w / self.area();
             return inside.then(|| self.incident(-self.axis, local.z, irradiance));
         }
-        // Draw where fewer draws are lost: over the disk, or over the cone of directions.
+        // Samples the disk or the cone of directions. The one with the smaller solid angle is
+        // sampled, because fewer of its samples miss the other one.
         let disk_solid_angle = self.area() / (local.z * local.z);
         let cone_solid_angle = 2.0 * PI * self.one_minus_cos_divergence;
         if disk_solid_angle < cone_solid_angle {
             let source = (warp::disk([u[0], u[1]]) * self.radius_m).extend(0.0);
-            let way = local - source;
-            let distance = way.length();
-            let cos = way.z / distance;
+            let offset = local - source;
+            let distance = offset.length();
+            let cos = offset.z / distance;
             let inside = 1.0 - cos <= self.one_minus_cos_divergence;
             let irradiance = self.radiance() * self.area() * cos / (distance * distance);
-            inside.then(|| self.incident(self.frame.to_world(-way / distance), distance, irradiance))
+            inside.then(|| self.incident(self.frame.to_world(-offset / distance), distance, irradiance))
         } else {
-            let way = warp::cone(self.one_minus_cos_divergence, [u[0], u[1]]);
-            let distance = local.z / way.z;
-            let source = local - way * distance;
+            let towards = warp::cone(self.one_minus_cos_divergence, [u[0], u[1]]);
+            let distance = local.z / towards.z;
+            let source = local - towards * distance;
             let inside = DVec2::new(source.x, source.y).length() <= self.radius_m;
-            inside.then(|| self.incident(self.frame.to_world(-way), distance, self.radiance() * cone_solid_angle))
+            inside.then(|| self.incident(self.frame.to_world(-towards), distance, self.radiance() * cone_solid_angle))
         }
     }
 
-    fn incident(&self, direction: DVec3, distance: f64, irradiance: f64) -> Incident {
-        Incident { direction, distance, target: None, irradiance, pdf_solid_angle: None, tint: Tint::Own }
+    pub(super) fn lit_interval(&self, ray: &Ray, window: (f64, f64)) -> Option<LitInterval> {
+        let (from, to) = match self.cone() {
+            None => inside_cylinder(ray, window, self.centre, self.axis, self.radius_m)?,
+            Some((apex, one_minus_cos)) => inside_cone(ray, window, apex, self.axis, one_minus_cos)?,
+        };
+        Some(LitInterval { from, to, pivot: None })
+    }
+
+    /// A virtual light of parallel rays. `None` for divergent light, because many points receive it
+    /// from two directions.
+    pub(super) fn virtual_light(&self, u: [f64; 3]) -> Option<VirtualLight> {
+        self.is_parallel().then(|| VirtualLight::parallel(-self.axis, Some(self.centre), u))
+    }
+
+    fn incident(&self, direction: DVec3, distance: f64, irradiance: f64) -> LiSample {
+        LiSample { direction, distance, target: None, irradiance, pdf_solid_angle: None, spd: EmittedSpd::Own }
     }
 }

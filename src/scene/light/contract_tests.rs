@@ -1,42 +1,42 @@
-//! The contract of all emitters: what they hand out is their power, and what shadow rays find at a place is what the emitted
-//! rays bring there.
+//! The contract of all lights: the mean emitted flux is the power, and the irradiance from shadow
+//! rays equals the irradiance from emitted rays.
 //!
-//! Estimates are compared within four standard errors, which are themselves small (stated at each test), so that a wrong
-//! factor of two per cent could not pass. Random numbers come from fixed streams.
+//! Estimates must agree within four standard errors. Each test limits the standard error, so that
+//! the test detects an error of two per cent. Random numbers come from fixed streams.
 
 mod volume;
 
 use super::*;
+use crate::geometry::Ray;
+use crate::geometry::mesh::TriangleMesh;
+use crate::geometry::shape::{PlacedShape, Shape};
 use crate::math::frame::Frame;
 use crate::math::random::{ONE_MINUS_ULP, Purpose, Stream};
 use crate::math::warp;
-use crate::scene::geometry::Ray;
-use crate::scene::mesh::TriangleMesh;
-use crate::scene::shape::{Placed, Shape};
 use glam::{DAffine3, DMat3, DQuat};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// The radius of the ball that distant lights shine on.
+/// The radius of the bounding sphere for distant lights.
 const WORLD_RADIUS_M: f64 = 1.5;
 
-/// A light with the surfaces it needs, and a place where its light is measured.
-struct Case {
+/// A light with its surfaces, and a square. The irradiance is measured on the square.
+struct LightCase {
     name: &'static str,
     light: Light,
     geometry: Geometry,
-    receiver: Receiver,
+    receiver: ReceiverSquare,
 }
 
-/// A square that takes light from the side of its normal.
+/// A square that receives light on the side of its normal.
 #[derive(Clone, Copy)]
-struct Receiver {
+struct ReceiverSquare {
     centre: DVec3,
     normal: DVec3,
     sides: [DVec3; 2],
 }
 
-impl Receiver {
+impl ReceiverSquare {
     fn new(centre: DVec3, facing: DVec3, side: f64) -> Self {
         let normal = facing.normalize();
         let across = normal.any_orthonormal_vector();
@@ -47,12 +47,12 @@ impl Receiver {
         self.sides[0].cross(self.sides[1]).length()
     }
 
-    fn place(&self, u: [f64; 2]) -> DVec3 {
+    fn point(&self, u: [f64; 2]) -> DVec3 {
         self.centre + self.sides[0] * (u[0] - 0.5) + self.sides[1] * (u[1] - 0.5)
     }
 
-    /// How far along the ray it is met from its front.
-    fn meet(&self, ray: &Ray) -> Option<f64> {
+    /// The distance at which a ray hits the front of the square.
+    fn intersect(&self, ray: &Ray) -> Option<f64> {
         let approach = -ray.direction.dot(self.normal);
         let t = (ray.origin - self.centre).dot(self.normal) / approach;
         let offset = ray.at(t) - self.centre;
@@ -61,24 +61,19 @@ impl Receiver {
     }
 }
 
-impl Case {
-    fn world(&self) -> World<'_> {
-        World { geometry: &self.geometry, radius_m: WORLD_RADIUS_M }
+impl LightCase {
+    fn extent(&self) -> SceneExtent<'_> {
+        SceneExtent { geometry: &self.geometry, radius_m: WORLD_RADIUS_M }
     }
 
-    fn emit(&self, stream: &mut Stream) -> Emission {
-        self.light.emit(self.world(), EmissionNumbers { aim: stream.pair(), rest: stream.triple() })
+    fn emit(&self, stream: &mut Stream) -> LeSample {
+        self.light.sample_le(self.extent(), LeRandoms { aim: stream.pair(), rest: stream.triple() })
     }
 
-    /// Whether the way of a drawn direction is free.
-    fn sees(&self, from: DVec3, incident: &Incident) -> bool {
+    /// Whether a sampled direction is not blocked.
+    fn sees(&self, from: DVec3, incident: &LiSample) -> bool {
         let ray = Ray::new(from, incident.direction);
         !self.geometry.occluded(&ray, None, incident.target, incident.distance)
-    }
-
-    /// Whether rays that leave the scene see the light.
-    fn is_distant(&self) -> bool {
-        matches!(self.light.emitter, Emitter::Directional(_) | Emitter::Environment(_))
     }
 }
 
@@ -90,7 +85,7 @@ fn light(emitter: Emitter, spectrum: Spectrum) -> Light {
         spectrum,
         wavelengths,
         importance_per_watt: 1.0,
-        interior: Interior::AIR,
+        medium_stack: MediumStack::AIR,
         motion: None,
     }
 }
@@ -99,25 +94,29 @@ fn flat_spectrum() -> Spectrum {
     Spectrum::constant(1.0 / 470.0)
 }
 
-fn place_turned(shape: Shape) -> Placed {
+fn place_turned(shape: Shape) -> PlacedShape {
     let rotation = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
-    Placed { shape, to_world: DAffine3::from_rotation_translation(rotation, DVec3::new(0.2, 0.1, -0.1)), object: 0 }
+    PlacedShape {
+        shape,
+        to_world: DAffine3::from_rotation_translation(rotation, DVec3::new(0.2, 0.1, -0.1)),
+        object: 0,
+    }
 }
 
-fn area_case(name: &'static str, placed: Placed) -> Case {
+fn area_case(name: &'static str, placed: PlacedShape) -> LightCase {
     let up = placed.to_world.transform_vector3(DVec3::Y).normalize();
     let middle = placed.to_world.translation;
     let geometry = Geometry::build(vec![placed], DVec3::ZERO).unwrap();
-    let emitter = Emitter::Area(Area { object: 0, radiance: 3.0, area_m2: geometry.area(0) });
+    let emitter = Emitter::Area(AreaLight { object: 0, radiance: 3.0, area_m2: geometry.area(0) });
     let light = light(emitter, flat_spectrum());
-    // Above the shape's facing side and to one side of it, tilted.
+    // The receiver is above the shape's front and to one side of it, tilted.
     let way = (up + 0.4 * up.any_orthonormal_vector()).normalize();
     let tilt = way.cross(up).normalize();
-    Case { name, light, geometry, receiver: Receiver::new(middle + 1.3 * way, -way + 0.3 * tilt, 0.9) }
+    LightCase { name, light, geometry, receiver: ReceiverSquare::new(middle + 1.3 * way, -way + 0.3 * tilt, 0.9) }
 }
 
-fn area_cases() -> Vec<Case> {
-    let unequal = Placed {
+fn area_cases() -> Vec<LightCase> {
+    let unequal = PlacedShape {
         shape: Shape::Sphere { radius: 0.4 },
         to_world: DAffine3::from_mat3(DMat3::from_diagonal(DVec3::new(1.8, 0.5, 1.0))),
         object: 0,
@@ -131,7 +130,7 @@ fn area_cases() -> Vec<Case> {
         area_case("cylinder", place_turned(Shape::Cylinder { radius: 0.3, height: 0.6 })),
         area_case("prism", place_turned(Shape::Prism { side: 0.7, length: 0.6, apex_deg: 50.0 })),
         area_case("lens", place_turned(Shape::Lens { radius1: 0.5, radius2: -0.8, thickness: 0.4, diameter: 0.7 })),
-        // Hollow surfaces shade themselves.
+        // A concave surface shades itself.
         area_case(
             "hollow lens",
             place_turned(Shape::Lens { radius1: -0.5, radius2: 0.5, thickness: 0.1, diameter: 0.9 }),
@@ -145,32 +144,33 @@ fn tetrahedron() -> TriangleMesh {
     TriangleMesh::new(corners.to_vec(), None, None, vec![[0, 1, 2], [1, 0, 3], [2, 1, 3], [0, 2, 3]]).unwrap()
 }
 
-fn local_cases() -> Vec<Case> {
+fn local_cases() -> Vec<LightCase> {
     let at = DVec3::new(0.3, -0.2, 0.4);
     let axis = DVec3::new(0.5, 1.0, -0.3).normalize();
-    let ahead = Receiver::new(at + 1.2 * axis + DVec3::new(0.1, 0.0, 0.05), -axis + DVec3::new(0.2, 0.1, 0.0), 0.8);
-    let case = |name, emitter| Case {
+    let ahead =
+        ReceiverSquare::new(at + 1.2 * axis + DVec3::new(0.1, 0.0, 0.05), -axis + DVec3::new(0.2, 0.1, 0.0), 0.8);
+    let case = |name, emitter| LightCase {
         name,
         light: light(emitter, flat_spectrum()),
         geometry: Geometry::build(Vec::new(), DVec3::ZERO).unwrap(),
         receiver: ahead,
     };
     vec![
-        case("point", Emitter::Point(Point { at, intensity: 2.0 })),
-        case("spot", Emitter::Spot(Spot::new(at, axis, 0.35, 0.0, 5.0))),
-        case("soft spot", Emitter::Spot(Spot::new(at, axis, 0.4, 0.25, 5.0))),
-        case("wide spot", Emitter::Spot(Spot::new(at, axis, 2.0, 2.0, 5.0))),
-        case("parallel beam", Emitter::Beam(Beam::new(at, axis, 0.3, 0.0, 7.0))),
-        // The one draws from the disk, the other from the cone.
-        case("divergent beam", Emitter::Beam(Beam::new(at, axis, 0.1, 0.3, 7.0))),
-        case("nearly parallel beam", Emitter::Beam(Beam::new(at, axis, 0.3, 0.05, 7.0))),
+        case("point", Emitter::Point(PointLight { position: at, intensity: 2.0 })),
+        case("spot", Emitter::Spot(SpotLight::new(at, axis, 0.35, 0.0, 5.0))),
+        case("soft spot", Emitter::Spot(SpotLight::new(at, axis, 0.4, 0.25, 5.0))),
+        case("wide spot", Emitter::Spot(SpotLight::new(at, axis, 2.0, 2.0, 5.0))),
+        case("parallel beam", Emitter::Beam(BeamLight::new(at, axis, 0.3, 0.0, 7.0))),
+        // The first samples the disk, the second the cone.
+        case("divergent beam", Emitter::Beam(BeamLight::new(at, axis, 0.1, 0.3, 7.0))),
+        case("nearly parallel beam", Emitter::Beam(BeamLight::new(at, axis, 0.3, 0.05, 7.0))),
     ]
 }
 
-fn distant_cases() -> Vec<Case> {
+fn distant_cases() -> Vec<LightCase> {
     let toward = DVec3::new(0.3, -0.9, 0.5).normalize();
-    let receiver = Receiver::new(DVec3::new(0.2, -0.3, 0.1), -toward + DVec3::new(0.3, 0.0, 0.4), 1.0);
-    let case = |name, emitter, spectrum| Case {
+    let receiver = ReceiverSquare::new(DVec3::new(0.2, -0.3, 0.1), -toward + DVec3::new(0.3, 0.0, 0.4), 1.0);
+    let case = |name, emitter, spectrum| LightCase {
         name,
         light: light(emitter, spectrum),
         geometry: Geometry::build(Vec::new(), DVec3::ZERO).unwrap(),
@@ -179,14 +179,14 @@ fn distant_cases() -> Vec<Case> {
     let map = Arc::new(image());
     let mean = map.mean_spectrum();
     vec![
-        case("directional", Emitter::Directional(Directional::new(toward, 0.0, 4.0)), flat_spectrum()),
-        case("sun", Emitter::Directional(Directional::new(toward, 0.3, 4.0)), flat_spectrum()),
-        case("sky", Emitter::Environment(Environment::new(2.0, None)), flat_spectrum()),
-        case("image", Emitter::Environment(Environment::new(2.0, Some(map))), mean),
+        case("directional", Emitter::Directional(DirectionalLight::new(toward, 0.0, 4.0)), flat_spectrum()),
+        case("sun", Emitter::Directional(DirectionalLight::new(toward, 0.3, 4.0)), flat_spectrum()),
+        case("sky", Emitter::Environment(EnvironmentLight::new(2.0, None)), flat_spectrum()),
+        case("image", Emitter::Environment(EnvironmentLight::new(2.0, Some(map))), mean),
     ]
 }
 
-/// An uneven image with black pixels and a black row.
+/// An image with unequal pixels, black pixels and a black row.
 fn image() -> EnvironmentMap {
     let basis = [620.0, 540.0, 450.0].map(|nm| Spectrum::gaussian(nm, 60.0).unwrap());
     let pixel = |i: u32| [i % 5, (i * 7) % 3, i % 4].map(|c| if (16..24).contains(&i) { 0.0 } else { c as f32 });
@@ -194,18 +194,18 @@ fn image() -> EnvironmentMap {
     EnvironmentMap::new(8, 6, &pixels, [&basis[0], &basis[1], &basis[2]]).unwrap()
 }
 
-fn all_cases() -> Vec<Case> {
+fn all_cases() -> Vec<LightCase> {
     local_cases().into_iter().chain(distant_cases()).chain(area_cases()).chain(volume::cases()).collect()
 }
 
-/// A mean with its standard error.
+/// A mean and its standard error.
 #[derive(Debug, Clone, Copy)]
-struct Mean {
+struct SampleMean {
     value: f64,
     error: f64,
 }
 
-impl Mean {
+impl SampleMean {
     fn of(count: u32, mut draw: impl FnMut() -> f64) -> Self {
         let (mut sum, mut squares) = (0.0, 0.0);
         for _ in 0..count {
@@ -218,18 +218,21 @@ impl Mean {
         Self { value, error: ((squares / n - value * value).max(0.0) / n).sqrt() }
     }
 
-    /// Asserts that it is `expected` within four standard errors (and rounding), and that it says anything: a standard
-    /// error below `precision`, relative to the value.
+    /// Asserts that the mean equals `expected` within four standard errors (and rounding), and that
+    /// the relative standard error is below `precision`.
     fn agrees(self, expected: Self, precision: f64, what: &str) {
         let error = self.error.hypot(expected.error);
         let difference = (self.value - expected.value).abs();
-        assert!(error <= precision * expected.value.abs(), "{what}: {self:?} against {expected:?} says too little");
+        assert!(
+            error <= precision * expected.value.abs(),
+            "{what}: {self:?} against {expected:?} is not precise enough"
+        );
         assert!(difference <= 4.0 * error + 1e-9 * expected.value.abs(), "{what}: {self:?} against {expected:?}");
     }
 }
 
-fn exactly(value: f64) -> Mean {
-    Mean { value, error: 0.0 }
+fn exactly(value: f64) -> SampleMean {
+    SampleMean { value, error: 0.0 }
 }
 
 fn stream(number: u64) -> Stream {
@@ -240,26 +243,27 @@ fn stream(number: u64) -> Stream {
 fn the_mean_emitted_flux_is_the_power() {
     for case in all_cases() {
         let mut stream = stream(0);
-        let mean = Mean::of(100_000, || case.emit(&mut stream).flux_w);
-        mean.agrees(exactly(case.light.power_w(case.world())), 0.003, case.name);
+        let mean = SampleMean::of(100_000, || case.emit(&mut stream).flux_w);
+        mean.agrees(exactly(case.light.power_w(case.extent())), 0.003, case.name);
     }
 }
 
 #[test]
-fn emitted_rays_bring_the_irradiance_that_shadow_rays_find() {
+fn emitted_rays_and_shadow_rays_give_the_same_irradiance() {
     for case in all_cases() {
         let receiver = case.receiver;
         let mut emitted = stream(1);
-        let brought = Mean::of(1_000_000, || {
+        let brought = SampleMean::of(1_000_000, || {
             let emission = case.emit(&mut emitted);
             let ray = Ray::new(emission.origin, emission.direction);
-            let arrives = receiver.meet(&ray).is_some_and(|t| !case.geometry.occluded(&ray, emission.from, None, t));
+            let arrives =
+                receiver.intersect(&ray).is_some_and(|t| !case.geometry.occluded(&ray, emission.from, None, t));
             if arrives { emission.flux_w / receiver.area() } else { 0.0 }
         });
         let mut drawn = stream(2);
-        let found = Mean::of(100_000, || {
-            let from = receiver.place(drawn.pair());
-            let incident = case.light.towards(case.world(), from, drawn.triple());
+        let found = SampleMean::of(100_000, || {
+            let from = receiver.point(drawn.pair());
+            let incident = case.light.sample_li(case.extent(), from, drawn.triple());
             let seen = incident.filter(|incident| case.sees(from, incident));
             seen.map_or(0.0, |incident| incident.irradiance * incident.direction.dot(receiver.normal).max(0.0))
         });
@@ -268,31 +272,31 @@ fn emitted_rays_bring_the_irradiance_that_shadow_rays_find() {
 }
 
 #[test]
-fn shadow_rays_find_the_closed_form_of_the_irradiance() {
+fn shadow_rays_find_the_closed_form_irradiance() {
     let (at, axis, distance) = (DVec3::new(0.3, -0.2, 0.4), DVec3::new(0.6, 0.0, 0.8), 2.0_f64);
-    let placed = |shape| Placed {
+    let placed = |shape| PlacedShape {
         shape,
         to_world: DAffine3::from_rotation_translation(DQuat::from_rotation_arc(DVec3::Y, axis), at),
         object: 0,
     };
     let area = |shape| area_case("", placed(shape));
-    let bare = |emitter| Case { light: light(emitter, flat_spectrum()), ..local_cases().swap_remove(0) };
+    let bare = |emitter| LightCase { light: light(emitter, flat_spectrum()), ..local_cases().swap_remove(0) };
     let (radius, radiance) = (0.7_f64, 3.0);
     let cases = [
-        (bare(Emitter::Point(Point { at, intensity: 2.0 })), 2.0 / (distance * distance)),
-        (bare(Emitter::Spot(Spot::new(at, axis, 0.3, 0.1, 2.0))), 2.0 / (distance * distance)),
-        (bare(Emitter::Beam(Beam::new(at, axis, 0.3, 0.0, 2.0))), 2.0 / (PI * 0.09)),
-        (bare(Emitter::Directional(Directional::new(axis, 0.0, 4.0))), 4.0),
-        (bare(Emitter::Directional(Directional::new(axis, 0.5, 4.0))), 4.0),
-        (bare(Emitter::Environment(Environment::new(2.0, None))), 2.0 * PI),
+        (bare(Emitter::Point(PointLight { position: at, intensity: 2.0 })), 2.0 / (distance * distance)),
+        (bare(Emitter::Spot(SpotLight::new(at, axis, 0.3, 0.1, 2.0))), 2.0 / (distance * distance)),
+        (bare(Emitter::Beam(BeamLight::new(at, axis, 0.3, 0.0, 2.0))), 2.0 / (PI * 0.09)),
+        (bare(Emitter::Directional(DirectionalLight::new(axis, 0.0, 4.0))), 4.0),
+        (bare(Emitter::Directional(DirectionalLight::new(axis, 0.5, 4.0))), 4.0),
+        (bare(Emitter::Environment(EnvironmentLight::new(2.0, None))), 2.0 * PI),
         (area(Shape::Sphere { radius }), PI * radiance * (radius / distance).powi(2)),
         (area(Shape::Disk { radius }), PI * radiance * radius * radius / (radius * radius + distance * distance)),
     ];
     for (number, (case, expected)) in cases.into_iter().enumerate() {
         let from = at + distance * axis;
         let mut stream = stream(3);
-        let mean = Mean::of(200_000, || {
-            let incident = case.light.towards(case.world(), from, stream.triple());
+        let mean = SampleMean::of(200_000, || {
+            let incident = case.light.sample_li(case.extent(), from, stream.triple());
             incident.map_or(0.0, |i| i.irradiance * i.direction.dot(-axis).max(0.0))
         });
         mean.agrees(exactly(expected), 0.004, &format!("closed form {number}"));
@@ -300,22 +304,22 @@ fn shadow_rays_find_the_closed_form_of_the_irradiance() {
 }
 
 #[test]
-fn a_drawn_direction_leads_to_the_light_with_the_density_it_states() {
+fn sampled_directions_hit_the_light_with_the_stated_density() {
     for case in area_cases().into_iter().chain(distant_cases()) {
-        let (world, receiver) = (case.world(), case.receiver);
+        let (world, receiver) = (case.extent(), case.receiver);
         let mut stream = stream(4);
         for _ in 0..20_000 {
-            let from = receiver.place(stream.pair());
-            let Some(incident) = case.light.towards(world, from, stream.triple()) else { continue };
+            let from = receiver.point(stream.pair());
+            let Some(incident) = case.light.sample_li(world, from, stream.triple()) else { continue };
             let Some(pdf) = incident.pdf_solid_angle.filter(|_| case.sees(from, &incident)) else { continue };
-            let (looked_up, radiance) = if case.is_distant() {
-                let radiance = case.light.escaping(incident.direction).map_or(0.0, |(radiance, _)| radiance);
-                (case.light.escaping_pdf(incident.direction), radiance)
+            let (looked_up, radiance) = if case.light.is_distant() {
+                let radiance = case.light.le(incident.direction).map_or(0.0, |(radiance, _)| radiance);
+                (case.light.pdf_li_escaped(incident.direction), radiance)
             } else {
                 let hit = case.geometry.intersect(&Ray::new(from, incident.direction), None, f64::INFINITY);
                 let Some(hit) = hit.filter(|hit| hit.normal.dot(incident.direction) < -1e-5) else { continue };
                 assert!((hit.t - incident.distance).abs() < 1e-9, "{}: {} m", case.name, hit.t - incident.distance);
-                (case.light.surface_pdf(world, from, &hit), case.light.surface_radiance(incident.direction, &hit))
+                (case.light.pdf_li_surface(world, from, &hit), case.light.le_surface(incident.direction, &hit))
             };
             assert!((looked_up / pdf - 1.0).abs() < 1e-6, "{}: {looked_up} against {pdf}", case.name);
             let expected = incident.irradiance * pdf;
@@ -325,27 +329,28 @@ fn a_drawn_direction_leads_to_the_light_with_the_density_it_states() {
 }
 
 #[test]
-fn the_density_of_surfaces_integrates_to_the_share_of_draws_that_are_lit() {
-    // Both sides weighted by the cosine at the lamp: densities by area grow without bound where it vanishes.
+fn the_density_of_surfaces_integrates_to_the_lit_share() {
+    // Both sides are weighted by the cosine at the light, because the density of area sampling has
+    // no bound near cosine 0.
     for case in area_cases() {
-        let (world, from) = (case.world(), case.receiver.centre);
-        // Directions uniform over a cone around the whole object.
+        let (world, from) = (case.extent(), case.receiver.centre);
+        // Uniform directions in a cone around the whole object.
         let (low, high) = case.geometry.bounds();
         let (axis, distance) = (0.5 * (low + high) - from).normalize_and_length();
         let cone = warp::one_minus_cos((0.5 * (high - low).length() / distance).asin());
         let frame = Frame::new(axis);
         let mut uniform = stream(5);
-        let integral = Mean::of(400_000, || {
+        let integral = SampleMean::of(400_000, || {
             let ray = Ray::new(from, frame.to_world(warp::cone(cone, uniform.pair())));
             let hit = case.geometry.intersect(&ray, None, f64::INFINITY);
-            let lit = hit.filter(|hit| case.light.surface_radiance(ray.direction, hit) > 0.0);
+            let lit = hit.filter(|hit| case.light.le_surface(ray.direction, hit) > 0.0);
             lit.map_or(0.0, |hit| {
-                TAU * cone * case.light.surface_pdf(world, from, &hit) * -hit.normal.dot(ray.direction)
+                TAU * cone * case.light.pdf_li_surface(world, from, &hit) * -hit.normal.dot(ray.direction)
             })
         });
         let mut drawn = stream(6);
-        let lit = Mean::of(200_000, || {
-            let incident = case.light.towards(world, from, drawn.triple());
+        let lit = SampleMean::of(200_000, || {
+            let incident = case.light.sample_li(world, from, drawn.triple());
             let ray = incident.filter(|i| case.sees(from, i)).map(|i| Ray::new(from, i.direction));
             let hit = ray.and_then(|ray| case.geometry.intersect(&ray, None, f64::INFINITY));
             hit.zip(ray).map_or(0.0, |(hit, ray)| -hit.normal.dot(ray.direction))
@@ -356,9 +361,9 @@ fn the_density_of_surfaces_integrates_to_the_share_of_draws_that_are_lit() {
 
 #[test]
 fn the_density_of_distant_lights_integrates_to_one() {
-    for case in distant_cases().into_iter().filter(|case| case.light.can_be_hit()) {
+    for case in distant_cases().into_iter().filter(|case| !case.light.is_delta()) {
         let mut stream = stream(8);
-        let integral = Mean::of(400_000, || 4.0 * PI * case.light.escaping_pdf(warp::sphere(stream.pair())));
+        let integral = SampleMean::of(400_000, || 4.0 * PI * case.light.pdf_li_escaped(warp::sphere(stream.pair())));
         integral.agrees(exactly(1.0), 0.015, case.name);
     }
 }
@@ -369,7 +374,7 @@ fn area_lights_emit_from_their_surface_to_its_outer_side() {
         let mut stream = stream(9);
         for _ in 0..5000 {
             let emission = case.emit(&mut stream);
-            // Back along the emitted ray from a little way ahead stands the same surface, seen from its outer side.
+            // A ray back to the origin must hit the outer side of the same surface.
             let step = 1e-3;
             let back = Ray::new(emission.origin + step * emission.direction, -emission.direction);
             let hit = case.geometry.intersect(&back, None, f64::INFINITY);
@@ -388,7 +393,7 @@ fn area_lights_emit_from_their_surface_to_its_outer_side() {
 }
 
 #[test]
-fn emitted_directions_and_places_lie_where_the_light_says() {
+fn emitted_rays_stay_within_the_cone_and_disk_of_the_light() {
     let axis_angle = |axis: DVec3, direction: DVec3| axis.cross(direction).length().atan2(axis.dot(direction));
     let at = DVec3::new(0.3, -0.2, 0.4);
     let axis = DVec3::new(0.5, 1.0, -0.3).normalize();
@@ -411,9 +416,9 @@ fn emitted_directions_and_places_lie_where_the_light_says() {
         let (mut widest, mut outermost) = (0.0_f64, 0.0_f64);
         for _ in 0..20_000 {
             let emission = case.emit(&mut stream);
-            widest = widest.max(axis_angle(if case.is_distant() { toward } else { axis }, emission.direction));
-            let offset = if case.is_distant() {
-                // Distant light starts before the ball and crosses it.
+            widest = widest.max(axis_angle(if case.light.is_distant() { toward } else { axis }, emission.direction));
+            let offset = if case.light.is_distant() {
+                // Rays of distant lights start outside the bounding sphere and cross it.
                 assert!(emission.origin.dot(emission.direction) <= -WORLD_RADIUS_M + 1e-9, "{}", case.name);
                 emission.origin - emission.direction * emission.origin.dot(emission.direction)
             } else {
@@ -422,24 +427,24 @@ fn emitted_directions_and_places_lie_where_the_light_says() {
             };
             outermost = outermost.max(offset.length());
         }
-        // Nothing outside, and the outermost part is reached.
+        // No ray is outside the cone and the disk, and some are near their edges.
         assert!(widest <= angle + 1e-7 && widest >= 0.95 * angle, "{}: {widest} rad", case.name);
         assert!(outermost <= disk * (1.0 + 1e-12) && outermost >= 0.99 * disk, "{}: {outermost} m", case.name);
     }
 }
 
 #[test]
-fn the_ends_of_the_random_numbers_give_finite_rays() {
+fn extreme_random_numbers_give_finite_rays() {
     let ends = [0.0, 0.5, ONE_MINUS_ULP];
     for case in all_cases() {
         for number in 0..243_usize {
             let u: [f64; 5] = std::array::from_fn(|digit| ends[number / 3_usize.pow(digit as u32) % 3]);
-            let numbers = EmissionNumbers { aim: [u[0], u[1]], rest: [u[2], u[3], u[4]] };
-            let emission = case.light.emit(case.world(), numbers);
+            let numbers = LeRandoms { aim: [u[0], u[1]], rest: [u[2], u[3], u[4]] };
+            let emission = case.light.sample_le(case.extent(), numbers);
             let unit = (emission.direction.length() - 1.0).abs() < 1e-9;
             let flux = emission.flux_w.is_finite() && emission.flux_w >= 0.0;
             assert!(emission.origin.is_finite() && unit && flux, "{} at {u:?}: {emission:?}", case.name);
-            let Some(incident) = case.light.towards(case.world(), case.receiver.centre, [u[0], u[1], u[2]]) else {
+            let Some(incident) = case.light.sample_li(case.extent(), case.receiver.centre, [u[0], u[1], u[2]]) else {
                 continue;
             };
             let unit = (incident.direction.length() - 1.0).abs() < 1e-9;
@@ -451,40 +456,41 @@ fn the_ends_of_the_random_numbers_give_finite_rays() {
 }
 
 #[test]
-fn the_colours_of_an_image_add_up_to_its_mean_spectrum() {
+fn the_spectra_of_an_image_add_up_to_its_mean_spectrum() {
     let case = distant_cases().swap_remove(3);
-    let power = case.light.power_w(case.world());
+    let power = case.light.power_w(case.extent());
     for nm in [430.0, 480.0, 545.0, 600.0, 640.0] {
         let mut stream = stream(12);
-        let mean = Mean::of(100_000, || {
+        let mean = SampleMean::of(100_000, || {
             let emission = case.emit(&mut stream);
-            emission.flux_w / power * case.light.shape_at(emission.tint, nm)
+            emission.flux_w / power * case.light.spd_at(emission.spd, nm)
         });
         mean.agrees(exactly(case.light.spectrum.at(nm)), 0.01, &format!("{nm} nm"));
     }
 }
 
 #[test]
-fn places_beside_a_cone_or_behind_a_face_are_dark() {
+fn points_outside_a_cone_or_behind_a_face_get_no_light() {
     let at = DVec3::ZERO;
-    let spot = light(Emitter::Spot(Spot::new(at, DVec3::Z, 0.3, 0.1, 1.0)), flat_spectrum());
-    let beam = light(Emitter::Beam(Beam::new(at, DVec3::Z, 0.1, 0.0, 1.0)), flat_spectrum());
-    let spreading = light(Emitter::Beam(Beam::new(at, DVec3::Z, 0.1, 0.2, 1.0)), flat_spectrum());
+    let spot = light(Emitter::Spot(SpotLight::new(at, DVec3::Z, 0.3, 0.1, 1.0)), flat_spectrum());
+    let beam = light(Emitter::Beam(BeamLight::new(at, DVec3::Z, 0.1, 0.0, 1.0)), flat_spectrum());
+    let spreading = light(Emitter::Beam(BeamLight::new(at, DVec3::Z, 0.1, 0.2, 1.0)), flat_spectrum());
     let empty = Geometry::build(Vec::new(), DVec3::ZERO).unwrap();
-    let world = World { geometry: &empty, radius_m: 1.0 };
+    let world = SceneExtent { geometry: &empty, radius_m: 1.0 };
     let beside = DVec3::new(f64::tan(0.31) + 0.11, 0.0, 1.0);
     for light in [spot, beam, spreading] {
         for from in [beside, -DVec3::Z, at] {
             for turn in 0..20 {
                 let u = [f64::from(turn) / 20.0, 0.3, 0.0];
-                assert!(light.towards(world, from, u).is_none(), "{:?} from {from}", light.emitter);
+                assert!(light.sample_li(world, from, u).is_none(), "{:?} from {from}", light.emitter);
             }
         }
     }
-    let face = area_case("", Placed { shape: Shape::Disk { radius: 0.3 }, to_world: DAffine3::IDENTITY, object: 0 });
+    let face =
+        area_case("", PlacedShape { shape: Shape::Disk { radius: 0.3 }, to_world: DAffine3::IDENTITY, object: 0 });
     for turn in 0..20 {
         let angle = TAU * f64::from(turn) / 20.0;
         let behind = DVec3::new(angle.cos(), -0.5, angle.sin());
-        assert!(face.light.towards(face.world(), behind, [0.2, 0.7, 0.3]).is_none());
+        assert!(face.light.sample_li(face.extent(), behind, [0.2, 0.7, 0.3]).is_none());
     }
 }

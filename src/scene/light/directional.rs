@@ -1,25 +1,28 @@
-//! Light from one far direction, or from a round disk in the sky around it, such as the sun.
+//! A distant light: parallel light from one direction, or light from a round disk in the sky such
+//! as the sun.
 
-use super::{Emission, EmissionNumbers, Incident, Tint};
+use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample};
+use super::virtual_light::VirtualLight;
 use crate::math::frame::Frame;
 use crate::math::warp;
 use glam::{DAffine3, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// A distant light.
+/// A distant light from one direction.
 #[derive(Debug, Clone)]
-pub struct Directional {
-    /// Where the light goes, unit.
+pub struct DirectionalLight {
+    /// The direction in which the light travels, as a unit vector.
     toward: DVec3,
     frame: Frame,
-    /// Irradiance in W/m² over the band, on a plane across the light.
+    /// The irradiance in W/m² over the band on a plane perpendicular to `toward`.
     irradiance: f64,
-    /// 1 − cos of the disk's angular radius; 0 is parallel light.
+    /// 1 − cos of the angular radius of the disk, or 0 for parallel light.
     one_minus_cos: f64,
 }
 
-impl Directional {
-    /// Light that goes along the unit vector `toward`, from a disk of `angular_radius` (radians).
+impl DirectionalLight {
+    /// Creates a distant light from a disk of angular radius `angular_radius` in radians. The light
+    /// travels along the unit vector `toward`. `irradiance` is in W/m² over the band.
     pub fn new(toward: DVec3, angular_radius: f64, irradiance: f64) -> Self {
         Self { toward, frame: Frame::new(toward), irradiance, one_minus_cos: warp::one_minus_cos(angular_radius) }
     }
@@ -29,26 +32,28 @@ impl Directional {
         Self { toward, frame: Frame::new(toward), ..*self }
     }
 
+    /// Whether the light has an angular radius above 0.
     pub(super) fn has_extent(&self) -> bool {
         self.one_minus_cos > 0.0
     }
 
-    /// What passes the scene's ball: the mean of π R² over directions that each cross it fully.
+    /// The power in W through the bounding sphere. The light of each direction crosses a full disk
+    /// of the sphere, of area π R².
     pub(super) fn power_w(&self, world_radius_m: f64) -> f64 {
         self.fluence() * PI * world_radius_m * world_radius_m
     }
 
-    /// Irradiance summed over directions each taken head-on, ∫ L dω; the irradiance itself is ∫ L cos θ dω = L π sin² θ_max.
+    /// The fluence rate ∫ L dω in W/m². The irradiance is ∫ L cos θ dω = L π sin² θ_max.
     fn fluence(&self) -> f64 {
         self.irradiance / (1.0 - 0.5 * self.one_minus_cos)
     }
 
-    /// Radiance of the disk.
+    /// The radiance of the disk in W/m²/sr.
     fn disk_radiance(&self) -> f64 {
         self.fluence() / (TAU * self.one_minus_cos)
     }
 
-    pub(super) fn emit(&self, world_radius_m: f64, u: EmissionNumbers) -> Emission {
+    pub(super) fn sample_le(&self, world_radius_m: f64, u: LeRandoms) -> LeSample {
         let direction = if self.has_extent() {
             self.frame.to_world(warp::cone(self.one_minus_cos, [u.rest[0], u.rest[1]]))
         } else {
@@ -56,17 +61,17 @@ impl Directional {
         };
         let across = (warp::disk(u.aim) * world_radius_m).extend(-world_radius_m);
         let origin = Frame::new(direction).to_world(across);
-        Emission { origin, direction, from: None, flux_w: self.power_w(world_radius_m), tint: Tint::Own }
+        LeSample { origin, direction, from: None, flux_w: self.power_w(world_radius_m), spd: EmittedSpd::Own }
     }
 
-    pub(super) fn towards(&self, u: [f64; 3]) -> Incident {
-        let mut incident = Incident {
+    pub(super) fn sample_li(&self, u: [f64; 3]) -> LiSample {
+        let mut incident = LiSample {
             direction: -self.toward,
             distance: f64::INFINITY,
             target: None,
             irradiance: self.irradiance,
             pdf_solid_angle: None,
-            tint: Tint::Own,
+            spd: EmittedSpd::Own,
         };
         if self.has_extent() {
             incident.direction = -self.frame.to_world(warp::cone(self.one_minus_cos, [u[0], u[1]]));
@@ -76,11 +81,18 @@ impl Directional {
         incident
     }
 
-    pub(super) fn radiance(&self, direction: DVec3) -> Option<f64> {
-        (self.pdf(direction) > 0.0).then(|| self.disk_radiance())
+    pub(super) fn virtual_light(&self, u: [f64; 3]) -> VirtualLight {
+        VirtualLight::parallel(self.sample_li(u).direction, None, u)
     }
 
-    pub(super) fn pdf(&self, direction: DVec3) -> f64 {
+    /// The radiance in W/m²/sr seen by a ray that leaves the scene along `direction`. `None`
+    /// outside the disk.
+    pub(super) fn le(&self, direction: DVec3) -> Option<f64> {
+        (self.pdf_li(direction) > 0.0).then(|| self.disk_radiance())
+    }
+
+    /// The sampling density of [`sample_li`](Self::sample_li) for `direction`, per steradian.
+    pub(super) fn pdf_li(&self, direction: DVec3) -> f64 {
         let one_minus_cos = 0.5 * (direction + self.toward).length_squared();
         if self.has_extent() && one_minus_cos <= self.one_minus_cos { 1.0 / (TAU * self.one_minus_cos) } else { 0.0 }
     }

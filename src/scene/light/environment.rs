@@ -1,7 +1,7 @@
-//! Light from everywhere far away: uniform, or an image of the surroundings.
+//! The environment: distant light from all directions, uniform or from an image.
 
-use super::{Emission, EmissionNumbers, Incident, Tint};
-use crate::math::distribution::Grid;
+use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample};
+use crate::math::distribution::PiecewiseConstant2d;
 use crate::math::frame::Frame;
 use crate::math::warp;
 use crate::spectrum::Spectrum;
@@ -9,34 +9,46 @@ use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 use std::sync::Arc;
 
-/// The surroundings as a light.
+/// Distant light from all directions.
 #[derive(Debug, Clone)]
-pub struct Environment {
-    /// Mean radiance over all directions, in W/m²/sr over the band.
+pub struct EnvironmentLight {
+    /// The mean radiance over all directions, in W/m²/sr over the band.
     pub mean_radiance: f64,
-    /// The image, if it is not the same everywhere.
+    /// The image, or `None` for a uniform environment.
     pub map: Option<Arc<EnvironmentMap>>,
-    /// From directions of the image to those of the world.
-    turn: DMat3,
+    /// The rotation from directions of the image to directions of the world.
+    rotation: DMat3,
 }
 
-/// A latitude–longitude image: rows from +y (top) to −y, columns around y, the middle one towards −z (see
-/// [`EnvironmentMap::direction`]); mean radiance 1.
+/// A latitude–longitude image with mean radiance 1. Rows go from +y (top) to −y, columns go around
+/// the y axis, and the middle column is towards −z (see [`EnvironmentMap::direction`]).
 #[derive(Debug)]
 pub struct EnvironmentMap {
     width: usize,
     height: usize,
-    /// Power shares of the three basis lights, per pixel; their sum is the pixel's radiance relative to the mean.
+    /// The weights of the three basis spectra for each pixel. Their sum is the radiance of the
+    /// pixel relative to the mean.
     weights: Vec<[f64; 3]>,
-    /// Draws pixels by radiance × solid angle.
-    pixels: Grid,
-    /// The basis lights, each with integral 1.
+    /// Samples pixels in proportion to radiance × solid angle.
+    pixels: PiecewiseConstant2d,
+    /// The basis spectra, each with integral 1 over the band.
     basis: [Spectrum; 3],
 }
 
+/// A sampled direction towards the environment.
+struct EnvironmentSample {
+    /// Unit vector.
+    direction: DVec3,
+    /// Density per steradian.
+    pdf: f64,
+    /// W/m²/sr over the band.
+    radiance: f64,
+    spd: EmittedSpd,
+}
+
 impl EnvironmentMap {
-    /// A map from linear RGB pixels (row by row from the top) and the spectra of the lights red, green and blue.
-    /// `None` if the image is black.
+    /// Creates a map from linear RGB pixels (row by row from the top) and the spectra of red, green
+    /// and blue light. Returns `None` if the image is black.
     pub fn new(width: usize, height: usize, rgb: &[[f32; 3]], lights: [&Spectrum; 3]) -> Option<Self> {
         let powers = lights.map(Spectrum::integral);
         let mut weights: Vec<[f64; 3]> =
@@ -50,10 +62,10 @@ impl EnvironmentMap {
         weights.iter_mut().for_each(|w| w.iter_mut().for_each(|c| *c /= mean));
         let masses: Vec<f64> = weights.iter().enumerate().map(|(i, w)| w.iter().sum::<f64>() * row_weight(i)).collect();
         let basis = std::array::from_fn(|c| lights[c].scaled(1.0 / powers[c]));
-        Some(Self { width, height, weights, pixels: Grid::new(width, &masses)?, basis })
+        Some(Self { width, height, weights, pixels: PiecewiseConstant2d::new(width, &masses)?, basis })
     }
 
-    /// The spectrum of all directions together, with integral 1.
+    /// The mean spectrum over all directions, with integral 1 over the band.
     pub fn mean_spectrum(&self) -> Spectrum {
         let mut sums = [0.0; 3];
         for (pixel, weight) in self.weights.iter().enumerate() {
@@ -64,15 +76,16 @@ impl EnvironmentMap {
         Spectrum::mix(&std::array::from_fn::<_, 3, _>(|c| (sums[c] / total, &self.basis[c])))
     }
 
-    /// The direction *from* which light comes, seen at a point of the unit square: the middle of the image is −z, its
-    /// right quarter +x, the top +y.
+    /// The direction towards a point of the image. Both coordinates of the point are in [0, 1]. The
+    /// direction −z is in the middle of the image, +x is at three quarters of the width, and +y is
+    /// the top row.
     pub fn direction(point: [f64; 2]) -> DVec3 {
         let (sin_theta, cos_theta) = (PI * point[1]).sin_cos();
         let (sin_phi, cos_phi) = (TAU * (point[0] - 0.5)).sin_cos();
         DVec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi)
     }
 
-    /// The point of the unit square for a direction; the inverse of [`EnvironmentMap::direction`].
+    /// The point of the image in a direction: the inverse of [`EnvironmentMap::direction`].
     pub fn point(direction: DVec3) -> [f64; 2] {
         let phi = direction.x.atan2(-direction.z);
         [(phi / TAU + 0.5).clamp(0.0, 1.0), direction.y.clamp(-1.0, 1.0).acos() / PI]
@@ -84,93 +97,111 @@ impl EnvironmentMap {
         row * self.width + column
     }
 
-    /// Radiance relative to the mean, and colour, seen from `direction`.
-    fn look(&self, point: [f64; 2]) -> (f64, Tint) {
+    /// The radiance relative to the mean and the spectrum at a point of the image.
+    fn le(&self, point: [f64; 2]) -> (f64, EmittedSpd) {
         let weights = self.weights[self.pixel(point)];
         let sum: f64 = weights.iter().sum();
-        (sum, if sum > 0.0 { Tint::Mixed(weights.map(|w| w / sum)) } else { Tint::Own })
+        (sum, if sum > 0.0 { EmittedSpd::Mixed(weights.map(|w| w / sum)) } else { EmittedSpd::Own })
     }
 
-    /// From density over the unit square to density per steradian: the square maps to 2π² sin θ.
-    fn pdf(&self, point: [f64; 2]) -> f64 {
+    /// The sampling density of a point of the image, per steradian. Near a point, the solid angle
+    /// per area of the unit square is 2π² sin θ.
+    fn pdf_solid_angle(&self, point: [f64; 2]) -> f64 {
         let sin_theta = (PI * point[1]).sin();
-        if sin_theta > 0.0 { self.pixels.density(point) / (2.0 * PI * PI * sin_theta) } else { 0.0 }
+        if sin_theta > 0.0 { self.pixels.pdf(point) / (2.0 * PI * PI * sin_theta) } else { 0.0 }
     }
 }
 
-/// The solid angle of a row of pixels, up to a constant factor.
+/// The solid angle of a row of pixels divided by 2π.
 fn row_solid_angle(row: usize, height: usize) -> f64 {
     let edge = |r: usize| (PI * r as f64 / height as f64).cos();
     edge(row) - edge(row + 1)
 }
 
-impl Environment {
-    /// Surroundings of this mean radiance (W/m²/sr over the band); uniform without an image.
+impl EnvironmentLight {
+    /// Creates an environment of this mean radiance (W/m²/sr over the band). Without an image, the
+    /// environment is uniform.
     pub fn new(mean_radiance: f64, map: Option<Arc<EnvironmentMap>>) -> Self {
-        Self { mean_radiance, map, turn: DMat3::IDENTITY }
+        Self { mean_radiance, map, rotation: DMat3::IDENTITY }
     }
 
-    /// The surroundings turned about the scene.
-    pub(super) fn turned(&self, by: DQuat) -> Self {
-        Self { turn: DMat3::from_quat(by) * self.turn, ..self.clone() }
+    /// The environment rotated around the scene.
+    pub(super) fn rotated(&self, by: DQuat) -> Self {
+        Self { rotation: DMat3::from_quat(by) * self.rotation, ..self.clone() }
     }
 
-    /// The point of the image's unit square for a direction of the world; the turn's transpose is its inverse.
+    /// The point of the image in a direction of the world. The transpose of a rotation is its
+    /// inverse.
     fn point(&self, direction: DVec3) -> [f64; 2] {
-        EnvironmentMap::point(self.turn.transpose() * direction)
+        EnvironmentMap::point(self.rotation.transpose() * direction)
     }
 
     pub(super) fn power_w(&self, world_radius_m: f64) -> f64 {
         self.mean_radiance * 4.0 * PI * PI * world_radius_m * world_radius_m
     }
 
-    /// Radiance and colour of a ray that leaves the scene along `direction`.
-    pub(super) fn radiance(&self, direction: DVec3) -> (f64, Tint) {
+    /// For a ray that leaves the scene along `direction`: the radiance (W/m²/sr over the band) and
+    /// the spectrum seen by the ray.
+    pub(super) fn le(&self, direction: DVec3) -> (f64, EmittedSpd) {
         match &self.map {
-            None => (self.mean_radiance, Tint::Own),
+            None => (self.mean_radiance, EmittedSpd::Own),
             Some(map) => {
-                let (relative, tint) = map.look(self.point(direction));
-                (self.mean_radiance * relative, tint)
+                let (relative, spd) = map.le(self.point(direction));
+                (self.mean_radiance * relative, spd)
             }
         }
     }
 
-    pub(super) fn pdf(&self, direction: DVec3) -> f64 {
-        self.map.as_ref().map_or(0.25 * FRAC_1_PI, |map| map.pdf(self.point(direction)))
+    /// The sampling density of [`sample_li`](Self::sample_li) for `direction`, per steradian.
+    pub(super) fn pdf_li(&self, direction: DVec3) -> f64 {
+        self.map.as_ref().map_or(0.25 * FRAC_1_PI, |map| map.pdf_solid_angle(self.point(direction)))
     }
 
-    fn draw(&self, u: [f64; 2]) -> Option<(DVec3, f64, f64, Tint)> {
+    /// Samples a direction towards the environment, or `None` for a black row of the image.
+    fn sample(&self, u: [f64; 2]) -> Option<EnvironmentSample> {
         let Some(map) = &self.map else {
-            return Some((warp::sphere(u), 0.25 * FRAC_1_PI, self.mean_radiance, Tint::Own));
+            return Some(EnvironmentSample {
+                direction: warp::sphere(u),
+                pdf: 0.25 * FRAC_1_PI,
+                radiance: self.mean_radiance,
+                spd: EmittedSpd::Own,
+            });
         };
         let (point, _) = map.pixels.sample(u);
-        let pdf = map.pdf(point);
-        let (relative, tint) = map.look(point);
-        (pdf > 0.0).then(|| (self.turn * EnvironmentMap::direction(point), pdf, self.mean_radiance * relative, tint))
+        let pdf = map.pdf_solid_angle(point);
+        let (relative, spd) = map.le(point);
+        (pdf > 0.0).then(|| EnvironmentSample {
+            direction: self.rotation * EnvironmentMap::direction(point),
+            pdf,
+            radiance: self.mean_radiance * relative,
+            spd,
+        })
     }
 
-    pub(super) fn emit(&self, world_radius_m: f64, u: EmissionNumbers) -> Emission {
-        let drawn = self.draw([u.rest[0], u.rest[1]]);
-        let (from, pdf, radiance, tint) = drawn.unwrap_or((DVec3::Y, 1.0, 0.0, Tint::Own));
-        let direction = -from;
+    pub(super) fn sample_le(&self, world_radius_m: f64, u: LeRandoms) -> LeSample {
+        let sample = self.sample([u.rest[0], u.rest[1]]);
+        let none = EnvironmentSample { direction: DVec3::Y, pdf: 1.0, radiance: 0.0, spd: EmittedSpd::Own };
+        let EnvironmentSample { direction, pdf, radiance, spd } = sample.unwrap_or(none);
+        let direction = -direction;
         let origin = Frame::new(direction).to_world((warp::disk(u.aim) * world_radius_m).extend(-world_radius_m));
         let flux_w = radiance / pdf * PI * world_radius_m * world_radius_m;
-        Emission { origin, direction, from: None, flux_w, tint }
+        LeSample { origin, direction, from: None, flux_w, spd }
     }
 
-    pub(super) fn towards(&self, u: [f64; 3]) -> Option<Incident> {
-        let (direction, pdf, radiance, tint) = self.draw([u[0], u[1]])?;
-        Some(Incident {
+    pub(super) fn sample_li(&self, u: [f64; 3]) -> Option<LiSample> {
+        let EnvironmentSample { direction, pdf, radiance, spd } = self.sample([u[0], u[1]])?;
+        Some(LiSample {
             direction,
             distance: f64::INFINITY,
             target: None,
             irradiance: radiance / pdf,
             pdf_solid_angle: Some(pdf),
-            tint,
+            spd,
         })
     }
 
-    pub(super) fn mixed_at(&self, weights: [f64; 3], nm: f64) -> f64 {
+    /// The density per nm of a mixture of the basis spectra.
+    pub(super) fn mixture_at(&self, weights: [f64; 3], nm: f64) -> f64 {
         self.map.as_ref().map_or(0.0, |map| (0..3).map(|c| weights[c] * map.basis[c].at(nm)).sum())
     }
 }

@@ -1,149 +1,97 @@
-//! Light sources: what they emit, and what of it reaches a point.
+//! Light sources: the light that they emit, and the light that reaches a point from them.
 //!
-//! One contract holds for all of them and is tested for all: the power that [`Light::emit`] hands out in the mean is the
-//! closed form [`Light::power_w`], and the irradiance that [`Light::towards`] finds at a point is the one that the emitted
-//! rays bring there.
+//! All lights obey one contract. Tests check the contract for each kind of light. The mean flux of
+//! [`Light::sample_le`] is [`Light::power_w`], which is a closed form. At each point, the
+//! irradiance from [`Light::sample_li`] equals the irradiance from the emitted rays.
+//!
+//! Only this file matches over the variants of [`Emitter`]. All other code calls the methods of
+//! [`Light`].
 
 mod area;
 mod beam;
 mod directional;
 mod environment;
-mod pick;
+mod lit_interval;
 mod point;
-mod reach;
+mod sample;
+mod spectrum;
+mod virtual_light;
 mod volume;
 
 #[cfg(test)]
 mod contract_tests;
 
-pub use area::Area;
-pub use beam::{Beam, mean_stretch};
-pub use directional::Directional;
-pub use environment::{Environment, EnvironmentMap};
-pub use pick::{Pick, WayTo};
-pub use point::{Point, Spot};
-pub use reach::Reach;
+pub use area::AreaLight;
+pub use beam::{BeamLight, mean_scale};
+pub use directional::DirectionalLight;
+pub use environment::{EnvironmentLight, EnvironmentMap};
+pub use lit_interval::LitInterval;
+pub use point::{PointLight, SpotLight};
+pub use sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoint, SceneExtent};
+pub use spectrum::LightSpectrum;
+pub use virtual_light::{LightConnection, VirtualLight};
+pub use volume::VolumeLight;
 
-pub use volume::Volume;
-
-use super::geometry::Geometry;
-use super::geometry::{Hit, SurfaceId};
-use super::interior::Interior;
-use super::motion::{Motion, Pose};
-use crate::spectrum::{Spectrum, WavelengthDistribution};
+use super::medium_stack::MediumStack;
+use super::motion::{AnimatedTransform, DecomposedTransform};
+use crate::error::{Error, Result};
+use crate::geometry::{Geometry, Hit, Ray};
+use crate::spectrum::{Observer, Spectrum, WavelengthDistribution};
 use glam::{DAffine3, DVec3};
+use std::collections::BTreeMap;
 
 /// A light source of the scene.
 #[derive(Debug, Clone)]
 pub struct Light {
-    /// Its name for reports.
+    /// The name in reports.
     pub name: String,
-    /// Where the light comes from and where it goes.
+    /// The kind of light, with its position and radiometric quantity.
     pub emitter: Emitter,
-    /// The shape of its spectrum: density per nm with integral 1 over the band.
+    /// The relative spectral power distribution: density per nm, with integral 1 over the band.
     pub spectrum: Spectrum,
-    /// How photons' wavelengths are drawn: the spectrum times visual importance.
+    /// The sampling distribution of photon wavelengths: the spectrum times visual importance.
     pub wavelengths: WavelengthDistribution,
-    /// The luminous importance of one watt: ∫ S(λ)(x̄+ȳ+z̄)(λ) dλ.
+    /// The visual importance of one watt: ∫ S(λ)(x̄+ȳ+z̄)(λ) dλ.
     pub importance_per_watt: f64,
-    /// The bodies of glass that the source stands in.
-    pub interior: Interior,
-    /// Its way in m, if it moves by itself while the shutter is open (objects that shine take their light along); the emitter is where it is
-    /// when the shutter opens.
-    pub motion: Option<Motion>,
+    /// The bodies that contain the light.
+    pub medium_stack: MediumStack,
+    /// The light's own motion (in m) while the shutter is open. An area light has none, because it
+    /// moves with its object. `emitter` is the state at the moment when the shutter opens.
+    pub motion: Option<AnimatedTransform>,
 }
 
-/// The kinds of sources. Quantities are over the whole band.
+/// The kinds of lights. All quantities are integrals over the band 360–830 nm.
 #[derive(Debug, Clone)]
 pub enum Emitter {
-    /// A point that shines equally everywhere.
-    Point(Point),
+    /// A point with the same intensity in all directions.
+    Point(PointLight),
     /// A point that shines into a cone.
-    Spot(Spot),
-    /// A disk of parallel or slightly divergent light.
-    Beam(Beam),
-    /// Light from one far direction, or the sun's disk around it.
-    Directional(Directional),
-    /// Light from everywhere far away.
-    Environment(Environment),
+    Spot(SpotLight),
+    /// A disk of parallel or divergent light.
+    Beam(BeamLight),
+    /// Distant light from one direction or from a disk in the sky.
+    Directional(DirectionalLight),
+    /// Distant light from all directions.
+    Environment(EnvironmentLight),
     /// The surface of an object.
-    Area(Area),
-    /// A glowing medium.
-    Volume(Box<Volume>),
-}
-
-/// The colour of a part of a light: the light's own spectrum, or a mix of an image's three basis lights.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Tint {
-    /// The light's own spectrum.
-    Own,
-    /// Weights of the environment map's red, green and blue lights, summing to 1.
-    Mixed([f64; 3]),
-    /// Of hot matter of this temperature in K.
-    Thermal(f64),
-}
-
-/// One emitted ray.
-#[derive(Debug, Clone, Copy)]
-pub struct Emission {
-    /// Where it starts.
-    pub origin: DVec3,
-    /// Where it goes, unit.
-    pub direction: DVec3,
-    /// The surface that it leaves, if any.
-    pub from: Option<SurfaceId>,
-    /// Flux in W over the band, divided by the density of the draw.
-    pub flux_w: f64,
-    /// The colour of this ray.
-    pub tint: Tint,
-}
-
-/// What a shadow ray from a point looks for.
-#[derive(Debug, Clone, Copy)]
-pub struct Incident {
-    /// From the point to the light, unit.
-    pub direction: DVec3,
-    /// How far the light is; infinite for directions.
-    pub distance: f64,
-    /// The surface aimed at, which does not block.
-    pub target: Option<SurfaceId>,
-    /// Radiance divided by density (W/m²), or the perpendicular irradiance of a light without extent.
-    pub irradiance: f64,
-    /// Density per steradian of this direction; `None` for lights that a scattered ray can never hit.
-    pub pdf_solid_angle: Option<f64>,
-    /// The colour from there.
-    pub tint: Tint,
-}
-
-/// The random numbers of one emission; `aim` are the two that decide where the ray goes.
-#[derive(Debug, Clone, Copy)]
-pub struct EmissionNumbers {
-    /// The pair worth aiming: the direction of local lights, the place of distant ones.
-    pub aim: [f64; 2],
-    /// All others.
-    pub rest: [f64; 3],
-}
-
-/// The ball around the scene that distant lights shine on; its centre is the origin.
-#[derive(Debug, Clone, Copy)]
-pub struct World<'a> {
-    /// The surfaces.
-    pub geometry: &'a Geometry,
-    /// The ball's radius in m.
-    pub radius_m: f64,
+    Area(AreaLight),
+    /// A medium that emits light.
+    Volume(Box<VolumeLight>),
 }
 
 impl Emitter {
-    /// The emitter after a map of the world's places. A beam's radius is scaled by the mean of what the map does to lengths; surroundings only turn.
+    /// Returns the emitter transformed by a map of world positions.
+    ///
+    /// The radius of a beam is multiplied by the mean scale of the map. An environment only
+    /// rotates. An area light is not changed, because its object moves instead.
     #[must_use]
     pub fn moved(&self, map: &DAffine3) -> Self {
         match self {
-            Self::Point(light) => Self::Point(Point { at: map.transform_point3(light.at), ..*light }),
+            Self::Point(light) => Self::Point(light.moved(map)),
             Self::Spot(light) => Self::Spot(light.moved(map)),
             Self::Beam(light) => Self::Beam(light.moved(map)),
             Self::Directional(light) => Self::Directional(light.moved(map)),
-            Self::Environment(light) => Self::Environment(light.turned(Pose::of(map).rotation)),
-            // Its surface moves by itself.
+            Self::Environment(light) => Self::Environment(light.rotated(DecomposedTransform::of(map).rotation)),
             Self::Area(_) => self.clone(),
             Self::Volume(light) => Self::Volume(Box::new(light.moved(map))),
         }
@@ -151,67 +99,95 @@ impl Emitter {
 }
 
 impl Light {
-    /// The power that the light sends into the scene, in W over the band.
-    pub fn power_w(&self, world: World<'_>) -> f64 {
+    /// Creates a light at rest.
+    ///
+    /// `observer` is the observer of the film. Photon wavelengths are sampled by the visual
+    /// importance for this observer.
+    ///
+    /// # Errors
+    /// The spectrum has no power within the band.
+    pub fn new(name: String, emitter: Emitter, spectrum: &LightSpectrum, observer: &'static Observer) -> Result<Self> {
+        let spectrum = spectrum.normalised();
+        let wavelengths = WavelengthDistribution::visually_weighted(spectrum, observer)
+            .ok_or_else(|| Error::input("the spectrum has no power within 360–830 nm"))?;
+        let importance_per_watt = observer.xyz(spectrum).iter().sum();
+        Ok(Self {
+            name,
+            emitter,
+            spectrum: spectrum.clone(),
+            wavelengths,
+            importance_per_watt,
+            medium_stack: MediumStack::AIR,
+            motion: None,
+        })
+    }
+
+    /// The emitted power in W over the band. For a distant light, it is the power through the
+    /// scene's bounding sphere.
+    pub fn power_w(&self, extent: SceneExtent<'_>) -> f64 {
         match &self.emitter {
             Emitter::Point(light) => light.power_w(),
             Emitter::Spot(light) => light.power_w(),
             Emitter::Beam(light) => light.power_w,
-            Emitter::Directional(light) => light.power_w(world.radius_m),
-            Emitter::Environment(light) => light.power_w(world.radius_m),
+            Emitter::Directional(light) => light.power_w(extent.radius_m),
+            Emitter::Environment(light) => light.power_w(extent.radius_m),
             Emitter::Area(light) => light.power_w(),
             Emitter::Volume(light) => light.power_w(),
         }
     }
 
-    /// Draws one ray of the light's emission.
-    pub fn emit(&self, world: World<'_>, u: EmissionNumbers) -> Emission {
+    /// Samples an emitted ray.
+    pub fn sample_le(&self, extent: SceneExtent<'_>, u: LeRandoms) -> LeSample {
         match &self.emitter {
-            Emitter::Point(light) => light.emit(u),
-            Emitter::Spot(light) => light.emit(u),
-            Emitter::Beam(light) => light.emit(u),
-            Emitter::Directional(light) => light.emit(world.radius_m, u),
-            Emitter::Environment(light) => light.emit(world.radius_m, u),
-            Emitter::Area(light) => light.emit(world.geometry, u),
-            Emitter::Volume(light) => light.emit(u),
+            Emitter::Point(light) => light.sample_le(u),
+            Emitter::Spot(light) => light.sample_le(u),
+            Emitter::Beam(light) => light.sample_le(u),
+            Emitter::Directional(light) => light.sample_le(extent.radius_m, u),
+            Emitter::Environment(light) => light.sample_le(extent.radius_m, u),
+            Emitter::Area(light) => light.sample_le(extent.geometry, u),
+            Emitter::Volume(light) => light.sample_le(u),
         }
     }
 
-    /// Draws a direction from the point `from` towards the light; `None` where the light cannot shine.
-    pub fn towards(&self, world: World<'_>, from: DVec3, u: [f64; 3]) -> Option<Incident> {
+    /// Samples a direction from the point `from` towards the light. Returns `None` if the sample
+    /// carries no light. The caller tests visibility.
+    pub fn sample_li(&self, extent: SceneExtent<'_>, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
         match &self.emitter {
-            Emitter::Point(light) => light.towards(from),
-            Emitter::Spot(light) => light.towards(from),
-            Emitter::Beam(light) => light.towards(from, u),
-            Emitter::Directional(light) => Some(light.towards(u)),
-            Emitter::Environment(light) => light.towards(u),
-            Emitter::Area(light) => light.towards(world.geometry, from, u),
-            Emitter::Volume(light) => light.towards(from, u),
+            Emitter::Point(light) => light.sample_li(from),
+            Emitter::Spot(light) => light.sample_li(from),
+            Emitter::Beam(light) => light.sample_li(from, u),
+            Emitter::Directional(light) => Some(light.sample_li(u)),
+            Emitter::Environment(light) => light.sample_li(u),
+            Emitter::Area(light) => light.sample_li(extent.geometry, from, u),
+            Emitter::Volume(light) => light.sample_li(from, u),
         }
     }
 
-    /// Radiance (W/m²/sr over the band) and colour that a ray leaving the scene along `direction` sees of a distant light.
-    pub fn escaping(&self, direction: DVec3) -> Option<(f64, Tint)> {
+    /// For a ray that leaves the scene along `direction`: the radiance (W/m²/sr over the band) and
+    /// the spectrum seen by the ray. `None` for local lights.
+    pub fn le(&self, direction: DVec3) -> Option<(f64, EmittedSpd)> {
         match &self.emitter {
-            Emitter::Directional(light) => light.radiance(direction).map(|radiance| (radiance, Tint::Own)),
-            Emitter::Environment(light) => Some(light.radiance(direction)),
+            Emitter::Directional(light) => light.le(direction).map(|radiance| (radiance, EmittedSpd::Own)),
+            Emitter::Environment(light) => Some(light.le(direction)),
             Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Area(_) | Emitter::Volume(_) => None,
         }
     }
 
-    /// The density per steradian with which [`Light::towards`] draws a direction that leaves the scene.
-    pub fn escaping_pdf(&self, direction: DVec3) -> f64 {
+    /// The sampling density of [`Light::sample_li`], per steradian, for a direction that leaves the
+    /// scene. 0 for lights that are not distant.
+    pub fn pdf_li_escaped(&self, direction: DVec3) -> f64 {
         match &self.emitter {
-            Emitter::Directional(light) => light.pdf(direction),
-            Emitter::Environment(light) => light.pdf(direction),
+            Emitter::Directional(light) => light.pdf_li(direction),
+            Emitter::Environment(light) => light.pdf_li(direction),
             Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Area(_) | Emitter::Volume(_) => 0.0,
         }
     }
 
-    /// Radiance (W/m²/sr over the band) that a ray along `direction` sees where it hits the light's surface.
-    pub fn surface_radiance(&self, direction: DVec3, hit: &Hit) -> f64 {
+    /// The radiance (W/m²/sr over the band) of the light's surface at the hit of a ray along
+    /// `direction`. 0 for lights that are not area lights.
+    pub fn le_surface(&self, direction: DVec3, hit: &Hit) -> f64 {
         match &self.emitter {
-            Emitter::Area(light) => light.radiance(direction, hit.normal),
+            Emitter::Area(light) => light.le(direction, hit.normal),
             Emitter::Point(_)
             | Emitter::Spot(_)
             | Emitter::Beam(_)
@@ -221,34 +197,189 @@ impl Light {
         }
     }
 
-    /// The density per steradian with which [`Light::towards`] draws, from `from`, the place of `hit` on the light's surface.
-    pub fn surface_pdf(&self, world: World<'_>, from: DVec3, hit: &Hit) -> f64 {
+    /// The sampling density of [`Light::sample_li`], per steradian at `from`, for the point `hit`
+    /// of the light's surface. 0 for lights that are not area lights.
+    pub fn pdf_li_surface(&self, extent: SceneExtent<'_>, from: DVec3, hit: &Hit) -> f64 {
+        match self.object() {
+            Some(object) => extent.geometry.pdf_solid_angle(object, from, hit),
+            None => 0.0,
+        }
+    }
+
+    /// A part of the light's spectrum as a density per nm, with integral 1 over the band.
+    pub fn spd_at(&self, spd: EmittedSpd, nm: f64) -> f64 {
+        match (spd, &self.emitter) {
+            (EmittedSpd::Mixed(weights), Emitter::Environment(light)) => light.mixture_at(weights, nm),
+            (EmittedSpd::Thermal(temperature), Emitter::Volume(light)) => light.spd_at(temperature, nm),
+            (EmittedSpd::Own | EmittedSpd::Mixed(_) | EmittedSpd::Thermal(_), _) => self.spectrum.at(nm),
+        }
+    }
+
+    /// The part of a ray that the light can illuminate, within the distances `window` (m). `None`
+    /// if there is no such part. If the light has extent, `u` samples the pivot.
+    pub fn lit_interval(
+        &self,
+        extent: SceneExtent<'_>,
+        ray: &Ray,
+        window: (f64, f64),
+        u: [f64; 3],
+    ) -> Option<LitInterval> {
+        let (from, to) = window;
         match &self.emitter {
-            Emitter::Area(light) => world.geometry.pdf_towards(light.object, from, hit),
+            Emitter::Point(light) => Some(LitInterval { from, to, pivot: Some(light.position) }),
+            Emitter::Spot(light) => light.lit_interval(ray, window),
+            Emitter::Beam(light) => light.lit_interval(ray, window),
+            Emitter::Directional(_) | Emitter::Environment(_) => Some(LitInterval { from, to, pivot: None }),
+            Emitter::Area(light) => Some(light.lit_interval(extent.geometry, window, u)),
+            Emitter::Volume(light) => Some(light.lit_interval(window, u)),
+        }
+    }
+
+    /// Samples a virtual light. Returns `None` if [`has_virtual_lights`](Self::has_virtual_lights)
+    /// is false.
+    pub fn virtual_light(&self, extent: SceneExtent<'_>, u: [f64; 3]) -> Option<VirtualLight> {
+        match &self.emitter {
+            Emitter::Point(light) => Some(VirtualLight::at_point(light.position, u)),
+            Emitter::Spot(light) => Some(VirtualLight::at_point(light.position(), u)),
+            Emitter::Beam(light) => light.virtual_light(u),
+            Emitter::Directional(light) => Some(light.virtual_light(u)),
+            Emitter::Area(light) => Some(light.virtual_light(extent.geometry, u)),
+            Emitter::Environment(_) | Emitter::Volume(_) => None,
+        }
+    }
+
+    /// Whether virtual lights can represent the light. For an environment, a volume light or a
+    /// divergent beam, a single virtual light is too inaccurate.
+    pub fn has_virtual_lights(&self) -> bool {
+        match &self.emitter {
+            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Directional(_) | Emitter::Area(_) => true,
+            Emitter::Beam(light) => light.is_parallel(),
+            Emitter::Environment(_) | Emitter::Volume(_) => false,
+        }
+    }
+
+    /// The light from a virtual light at the point `from`. `None` if no light arrives there. The
+    /// caller tests visibility.
+    pub fn li_from(&self, extent: SceneExtent<'_>, virtual_light: &VirtualLight, from: DVec3) -> Option<LiSample> {
+        let connection = virtual_light.connection_from(from);
+        let Some(irradiance) = virtual_light.surface_irradiance(&connection) else {
+            return self.sample_li(extent, from, virtual_light.randoms());
+        };
+        let LightConnection { direction, distance, target } = connection;
+        (irradiance > 0.0 && irradiance.is_finite()).then_some(LiSample {
+            direction,
+            distance,
+            target,
+            irradiance,
+            pdf_solid_angle: None,
+            spd: EmittedSpd::Own,
+        })
+    }
+
+    /// Whether the light is at infinity, so that a ray leaving the scene may see the light.
+    pub fn is_distant(&self) -> bool {
+        match &self.emitter {
+            Emitter::Directional(_) | Emitter::Environment(_) => true,
+            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Area(_) | Emitter::Volume(_) => false,
+        }
+    }
+
+    /// Whether no scattered ray can hit the light. In this case, only [`Light::sample_li`] finds
+    /// the light. Beams count as delta lights because their disk is invisible. Volume lights count
+    /// as delta lights because a ray never sees the light itself, but only the emission of the
+    /// medium.
+    pub fn is_delta(&self) -> bool {
+        match &self.emitter {
+            Emitter::Area(_) | Emitter::Environment(_) => false,
+            Emitter::Directional(light) => !light.has_extent(),
+            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Volume(_) => true,
+        }
+    }
+
+    /// Whether a rotation leaves the light unchanged: a uniform environment.
+    pub fn is_rotation_invariant(&self) -> bool {
+        match &self.emitter {
+            Emitter::Environment(light) => light.map.is_none(),
+            Emitter::Point(_)
+            | Emitter::Spot(_)
+            | Emitter::Beam(_)
+            | Emitter::Directional(_)
+            | Emitter::Area(_)
+            | Emitter::Volume(_) => false,
+        }
+    }
+
+    /// The number of the emitting object, for area lights.
+    pub fn object(&self) -> Option<u32> {
+        match &self.emitter {
+            Emitter::Area(light) => Some(light.object),
             Emitter::Point(_)
             | Emitter::Spot(_)
             | Emitter::Beam(_)
             | Emitter::Directional(_)
             | Emitter::Environment(_)
-            | Emitter::Volume(_) => 0.0,
+            | Emitter::Volume(_) => None,
         }
     }
 
-    /// The spectral density per nm of a part of the light with this colour; integral 1 over the band.
-    pub fn shape_at(&self, tint: Tint, nm: f64) -> f64 {
-        match (tint, &self.emitter) {
-            (Tint::Mixed(weights), Emitter::Environment(light)) => light.mixed_at(weights, nm),
-            (Tint::Thermal(temperature), Emitter::Volume(light)) => light.shape_at(temperature, nm),
-            (Tint::Own | Tint::Mixed(_) | Tint::Thermal(_), _) => self.spectrum.at(nm),
-        }
-    }
-
-    /// Whether a scattered ray can find the light by itself.
-    pub fn can_be_hit(&self) -> bool {
+    /// The name of the emitting medium, for volume lights.
+    pub fn medium_name(&self) -> Option<&str> {
         match &self.emitter {
-            Emitter::Area(_) | Emitter::Environment(_) => true,
-            Emitter::Directional(light) => light.has_extent(),
-            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Volume(_) => false,
+            Emitter::Volume(light) => Some(light.medium_name()),
+            Emitter::Point(_)
+            | Emitter::Spot(_)
+            | Emitter::Beam(_)
+            | Emitter::Directional(_)
+            | Emitter::Environment(_)
+            | Emitter::Area(_) => None,
+        }
+    }
+
+    /// The position of a point, spot or beam light, relative to the scene's centre, in m; `None`
+    /// for all other lights.
+    pub fn position(&self) -> Option<DVec3> {
+        match &self.emitter {
+            Emitter::Point(light) => Some(light.position),
+            Emitter::Spot(light) => Some(light.position()),
+            Emitter::Beam(light) => Some(light.centre()),
+            Emitter::Directional(_) | Emitter::Environment(_) | Emitter::Area(_) | Emitter::Volume(_) => None,
+        }
+    }
+
+    /// A point of the light. The bodies around the light are found from this point. `None` for
+    /// distant lights, which are in air.
+    pub fn representative_point(&self, geometry: &Geometry) -> Option<RepresentativePoint> {
+        match &self.emitter {
+            Emitter::Area(light) => Some(light.representative_point(geometry)),
+            Emitter::Volume(light) => Some(light.representative_point()),
+            Emitter::Point(_)
+            | Emitter::Spot(_)
+            | Emitter::Beam(_)
+            | Emitter::Directional(_)
+            | Emitter::Environment(_) => {
+                self.position().map(|position| RepresentativePoint { position, surface: None })
+            }
+        }
+    }
+
+    /// The lowest and highest corner of a box around a local light, relative to the scene's centre,
+    /// in m. `None` for distant lights and volume lights. `object_bounds` are the boxes around all
+    /// objects.
+    pub fn bounds(&self, object_bounds: &BTreeMap<u32, (DVec3, DVec3)>) -> Option<(DVec3, DVec3)> {
+        let around = |centre: DVec3, radius: f64| Some((centre - radius, centre + radius));
+        match &self.emitter {
+            Emitter::Point(light) => around(light.position, 0.0),
+            Emitter::Spot(light) => around(light.position(), 0.0),
+            Emitter::Beam(light) => around(light.centre(), light.radius_m()),
+            Emitter::Area(light) => object_bounds.get(&light.object).copied(),
+            Emitter::Directional(_) | Emitter::Environment(_) | Emitter::Volume(_) => None,
+        }
+    }
+
+    /// Recomputes the area of an area light after its object has moved.
+    pub(super) fn update_area(&mut self, geometry: &Geometry) {
+        if let Emitter::Area(light) = &mut self.emitter {
+            light.area_m2 = geometry.area(light.object);
         }
     }
 }

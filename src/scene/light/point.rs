@@ -1,86 +1,89 @@
-//! Lights without extent: a point, and a point that shines into a cone.
+//! Lights without extent: a point light, and a spot light that shines into a cone.
 
-use super::{Emission, EmissionNumbers, Incident, Tint};
+use super::lit_interval::{LitInterval, inside_cone};
+use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample};
+use crate::geometry::Ray;
 use crate::math::frame::Frame;
 use crate::math::warp;
 use glam::{DAffine3, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// A point that shines equally in all directions.
+/// A point light: the same intensity in all directions.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Point {
-    /// Where it is.
-    pub at: DVec3,
-    /// Intensity in W/sr over the band.
+pub struct PointLight {
+    /// The position, relative to the scene's centre, in m.
+    pub position: DVec3,
+    /// The intensity in W/sr over the band.
     pub intensity: f64,
 }
 
-impl Point {
+impl PointLight {
+    pub(super) fn moved(&self, map: &DAffine3) -> Self {
+        Self { position: map.transform_point3(self.position), ..*self }
+    }
+
     pub(super) fn power_w(&self) -> f64 {
         4.0 * PI * self.intensity
     }
 
-    pub(super) fn emit(&self, u: EmissionNumbers) -> Emission {
+    pub(super) fn sample_le(&self, u: LeRandoms) -> LeSample {
         let direction = warp::sphere(u.aim);
-        Emission { origin: self.at, direction, from: None, flux_w: self.power_w(), tint: Tint::Own }
+        LeSample { origin: self.position, direction, from: None, flux_w: self.power_w(), spd: EmittedSpd::Own }
     }
 
-    pub(super) fn towards(&self, from: DVec3) -> Option<Incident> {
-        towards_point(self.at, from, |_| self.intensity)
+    pub(super) fn sample_li(&self, from: DVec3) -> Option<LiSample> {
+        sample_li_from_point(self.position, from, |_| self.intensity)
     }
 }
 
-/// A point that shines into a cone, with a smooth edge: the intensity is `intensity` up to the cosine `cos_inner` from the
-/// axis, 0 beyond `cos_outer`, and a smoothstep in the cosine between.
+/// A spot light: a point that shines into a cone with a smooth edge.
+///
+/// The intensity is constant inside the inner cone and 0 outside the outer cone. In between, the
+/// intensity is a smoothstep of the cosine of the angle to the axis.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Spot {
-    at: DVec3,
+pub struct SpotLight {
+    position: DVec3,
     axis: DVec3,
     intensity: f64,
-    /// 1 − cos at the inner and outer edge: cosines of narrow cones would lose their digits.
+    /// 1 − cos of the half-angles of the inner and the outer cone. For narrow cones, the cosine
+    /// itself would be too inaccurate.
     inner: f64,
     outer: f64,
 }
 
-impl Spot {
-    /// A spot on `at` that shines along the unit vector `axis` within `half_angle` (radians); over the last `penumbra` radians
-    /// inside that it fades out. `intensity` is that on the axis.
-    pub fn new(at: DVec3, axis: DVec3, half_angle: f64, penumbra: f64, intensity: f64) -> Self {
+impl SpotLight {
+    /// Creates a spot light at `position` (m, relative to the scene's centre) that shines along the
+    /// unit vector `axis`.
+    ///
+    /// `half_angle` is the half-angle of the outer cone in radians. The intensity (W/sr over the
+    /// band on the axis) falls to 0 over the last `penumbra` radians.
+    pub fn new(position: DVec3, axis: DVec3, half_angle: f64, penumbra: f64, intensity: f64) -> Self {
         let inner = warp::one_minus_cos((half_angle - penumbra).max(0.0));
-        Self { at, axis, intensity, inner, outer: warp::one_minus_cos(half_angle) }
+        Self { position, axis, intensity, inner, outer: warp::one_minus_cos(half_angle) }
     }
 
     pub(super) fn moved(&self, map: &DAffine3) -> Self {
-        let (at, axis) = (map.transform_point3(self.at), map.transform_vector3(self.axis).normalize());
-        Self { at, axis, ..*self }
+        let (position, axis) = (map.transform_point3(self.position), map.transform_vector3(self.axis).normalize());
+        Self { position, axis, ..*self }
     }
 
-    /// The power of a spot of unit intensity: 2π ∫ falloff d(cos θ), the smoothstep's mean being one half.
+    /// The power in W of a spot light whose intensity is 1 W/sr on the axis: 2π ∫ falloff d(cos θ).
+    /// The mean of the smoothstep is one half. Angles are in radians.
     pub fn power_per_intensity(half_angle: f64, penumbra: f64) -> f64 {
         let spot = Self::new(DVec3::ZERO, DVec3::Z, half_angle, penumbra, 1.0);
         spot.power_w()
     }
 
-    /// Where it is.
-    pub fn at(&self) -> DVec3 {
-        self.at
-    }
-
-    /// The unit vector along which it shines.
-    pub(super) fn axis(&self) -> DVec3 {
-        self.axis
-    }
-
-    /// 1 − cos of the cone's half-angle.
-    pub(super) fn one_minus_cos(&self) -> f64 {
-        self.outer
+    /// The position, relative to the scene's centre, in m.
+    pub fn position(&self) -> DVec3 {
+        self.position
     }
 
     pub(super) fn power_w(&self) -> f64 {
         self.intensity * TAU * 0.5 * (self.inner + self.outer)
     }
 
-    /// The intensity along a direction given by 1 − its cosine with the axis.
+    /// The intensity in W/sr in a direction; `one_minus_cos` is 1 − cos of its angle to the axis.
     fn intensity_at(&self, one_minus_cos: f64) -> f64 {
         if one_minus_cos <= self.inner {
             self.intensity
@@ -92,40 +95,49 @@ impl Spot {
         }
     }
 
-    /// Draws uniformly within the cone.
-    pub(super) fn emit(&self, u: EmissionNumbers) -> Emission {
+    /// Samples an emitted ray uniformly over the solid angle of the outer cone.
+    pub(super) fn sample_le(&self, u: LeRandoms) -> LeSample {
         let local = warp::cone(self.outer, u.aim);
         let solid_angle = TAU * self.outer;
         let flux_w = self.intensity_at(u.aim[0] * self.outer) * solid_angle;
-        Emission {
-            origin: self.at,
+        LeSample {
+            origin: self.position,
             direction: Frame::new(self.axis).to_world(local),
             from: None,
             flux_w,
-            tint: Tint::Own,
+            spd: EmittedSpd::Own,
         }
     }
 
-    pub(super) fn towards(&self, from: DVec3) -> Option<Incident> {
-        // 1 − cos of the angle between unit vectors a, b is |a − b|²/2, exact for narrow cones.
-        towards_point(self.at, from, |outward| self.intensity_at(0.5 * (outward - self.axis).length_squared()))
+    pub(super) fn sample_li(&self, from: DVec3) -> Option<LiSample> {
+        // 1 − cos of the angle between unit vectors a and b is |a − b|²/2, exact for narrow cones.
+        sample_li_from_point(self.position, from, |outward| {
+            self.intensity_at(0.5 * (outward - self.axis).length_squared())
+        })
+    }
+
+    pub(super) fn lit_interval(&self, ray: &Ray, window: (f64, f64)) -> Option<LitInterval> {
+        let (from, to) = inside_cone(ray, window, self.position, self.axis, self.outer)?;
+        Some(LitInterval { from, to, pivot: Some(self.position) })
     }
 }
 
-fn towards_point(at: DVec3, from: DVec3, intensity: impl Fn(DVec3) -> f64) -> Option<Incident> {
-    let offset = at - from;
+/// The light from a point source at `position` that arrives at `from`. `None` if no light arrives.
+/// `intensity` gives W/sr for a direction away from the source.
+fn sample_li_from_point(position: DVec3, from: DVec3, intensity: impl Fn(DVec3) -> f64) -> Option<LiSample> {
+    let offset = position - from;
     let distance = offset.length();
     if distance == 0.0 {
         return None;
     }
     let direction = offset / distance;
     let irradiance = intensity(-direction) / (distance * distance);
-    (irradiance > 0.0).then_some(Incident {
+    (irradiance > 0.0).then_some(LiSample {
         direction,
         distance,
         target: None,
         irradiance,
         pdf_solid_angle: None,
-        tint: Tint::Own,
+        spd: EmittedSpd::Own,
     })
 }

@@ -1,66 +1,83 @@
-//! A glowing medium as a light: hot soot, a neon tube.
+//! A volume light: a medium that emits light, such as hot soot or the gas of a neon tube.
 //!
-//! Places are drawn from the cells of a box around it, in proportion to what the cells emit; directions are drawn uniformly. A small
-//! share of the places is drawn from all cells alike, so that nothing that a cell's few probes missed is left out.
+//! A box around the medium is divided into cells. Most points are sampled in proportion to the
+//! emission of each cell. The other points, a small share, are sampled uniformly over all cells,
+//! because the probes may miss the emission of a cell. Directions are sampled uniformly.
 
-use super::{Emission, EmissionNumbers, Incident, Tint};
-use crate::math::distribution::Discrete;
+use super::lit_interval::LitInterval;
+use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoint};
+use crate::geometry::{Geometry, Ray};
+use crate::math::distribution::DiscreteDistribution;
 use crate::math::warp;
-use crate::scene::geometry::{Geometry, Ray};
 use crate::scene::medium::Medium;
-use crate::scene::motion::Motion;
+use crate::scene::motion::AnimatedTransform;
 use crate::spectrum::Spectrum;
 use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// The part of a medium that one body, or the box of a grid, holds.
+/// One part of an emitting medium: the part inside one body, or inside the box of a grid medium.
 #[derive(Debug, Clone)]
-pub struct Volume {
+pub struct VolumeLight {
     medium: Medium,
-    /// The body that holds it; `None` where the medium's own box does.
+    /// The surface of the body, or `None` if the medium's own box bounds it.
     body: Option<Arc<Geometry>>,
-    /// From the unit cube to a box around all of it.
+    /// The map from the unit cube to a box around the emitting part.
     from_unit: DAffine3,
-    /// How likely each of the box's cells is drawn, x fastest.
-    cells: Discrete,
+    /// The sampling distribution over the cells of the box, x fastest.
+    cells: DiscreteDistribution,
     power_w: f64,
     spectrum: Spectrum,
 }
 
-/// Cells along each side of the box, and probes along each side of a cell.
+/// Cells along each side of the box.
 const CELLS: usize = 32;
+
+/// Probes along each side of a cell.
 const PROBES: usize = 4;
 
-/// The share of the places that is drawn from all cells alike.
+/// The share of points sampled uniformly over all cells.
 const DEFENSIVE_SHARE: f64 = 0.05;
 
-impl Volume {
-    /// The light after a map of the scene's places; only boxes of their own move.
+/// A sampled point of a volume light.
+struct VolumeSample {
+    position: DVec3,
+    /// The flux in W over the band, divided by the density of the sample.
+    flux_w: f64,
+    spd: EmittedSpd,
+}
+
+impl VolumeLight {
+    /// The light after a map of the scene's positions. Only the box of a grid medium can move. A
+    /// body that contains an emitting medium cannot move.
     pub(super) fn moved(&self, map: &DAffine3) -> Self {
         Self { medium: self.medium.moved(map), from_unit: *map * self.from_unit, ..self.clone() }
     }
 
-    /// How its medium moves, if it does.
-    pub fn motion(&self) -> Option<&Motion> {
+    /// The motion of the medium while the shutter is open, if it moves.
+    pub fn motion(&self) -> Option<&AnimatedTransform> {
         self.medium.motion.as_ref()
     }
 
-    /// The name of its medium.
+    /// The name of the medium.
     pub fn medium_name(&self) -> &String {
         &self.medium.name
     }
 
-    /// The light of a medium that glows within the box onto which `from_unit` maps the unit cube (into the scene, m). `body` is what
-    /// holds it, with its volume in m³, if it is not the box itself. `None` where nothing of it shines in the band.
+    /// Creates the light of an emitting medium.
+    ///
+    /// `from_unit` maps the unit cube to a box around the emitting part, in m relative to the
+    /// scene's centre. `body` belongs to the body that contains the medium: its surface, and its
+    /// volume in m³. `body` is `None` if the box itself bounds the medium. Returns `None` if the
+    /// medium emits nothing in the band.
     pub fn new(medium: &Medium, from_unit: DAffine3, body: Option<(Arc<Geometry>, f64)>) -> Option<Self> {
-        let glow = medium.emission.as_ref()?;
+        let emission = medium.emission.as_ref()?;
         let (body, body_volume) = body.unzip();
         let mut light = Self {
             medium: medium.clone(),
             body,
             from_unit,
-            cells: Discrete::new([1.0])?,
+            cells: DiscreteDistribution::new([1.0])?,
             power_w: 0.0,
             spectrum: Spectrum::constant(0.0),
         };
@@ -75,97 +92,105 @@ impl Volume {
             let n = CELLS * PROBES;
             let probe = DVec3::new((number % n) as f64, (number / n % n) as f64, (number / (n * n)) as f64) + 0.5;
             let point = from_unit.transform_point3(probe / side);
-            let (density, (band, temperature)) = (medium.density_at(point), glow.band_at(point));
-            if density * band > 0.0 && light.holds(point) {
+            let (density, (band, temperature)) = (medium.density_at(point), emission.band_at(point));
+            if density * band > 0.0 && light.contains(point) {
                 emitted[cell_of(probe)] += density * band;
                 by_temperature.extend(temperature.map(|temperature| (temperature, density)));
             }
         }
         let sum: f64 = emitted.iter().sum();
         let mean = sum / emitted.len() as f64;
-        // Cells beside one that shines may be cut by the body's surface.
+        // The body's surface may cut cells in which no probe found emission.
         let shares = emitted.iter().map(|here| (1.0 - DEFENSIVE_SHARE) * here + DEFENSIVE_SHARE * mean);
-        light.cells = Discrete::new(shares)?;
+        light.cells = DiscreteDistribution::new(shares)?;
         let probed_m3 = light.box_m3() / side.powi(3);
         light.power_w = 4.0
             * PI
             * match (body_volume, medium.is_uniform()) {
-                (Some(volume), true) => volume * glow.band_at(DVec3::ZERO).0,
+                (Some(volume), true) => volume * emission.band_at(DVec3::ZERO).0,
                 (Some(_) | None, _) => sum * probed_m3,
             };
-        let spectrum = glow.mean_spectrum(by_temperature.into_iter());
+        let spectrum = emission.mean_spectrum(by_temperature.into_iter());
         let integral = spectrum.integral();
         light.spectrum = spectrum.scaled(1.0 / integral);
         (light.power_w > 0.0 && integral > 0.0).then_some(light)
     }
 
-    /// The shape of the spectrum of all of it: integral 1 over the band.
+    /// The mean spectrum of the emission, with integral 1 over the band.
     pub fn spectrum(&self) -> &Spectrum {
         &self.spectrum
     }
 
-    /// The power in W over the band, self-absorption left aside.
+    /// The emitted power in W over the band, before absorption inside the medium.
     pub fn power_w(&self) -> f64 {
         self.power_w
     }
 
-    /// A place in it that shines, to tell which bodies are around it.
-    pub fn typical_place(&self) -> DVec3 {
-        let places = (0..64).map(|i| self.draw([(f64::from(i) + 0.5) / 64.0, 0.37, 0.61]));
-        let brightest = places.max_by(|a, b| a.1.total_cmp(&b.1));
-        brightest.map_or(self.from_unit.translation, |(place, ..)| place)
+    /// A point of strong emission. The bodies around the light are found from this point.
+    pub(super) fn representative_point(&self) -> RepresentativePoint {
+        let samples = (0..64).map(|i| self.sample([(f64::from(i) + 0.5) / 64.0, 0.37, 0.61]));
+        let brightest = samples.max_by(|a, b| a.flux_w.total_cmp(&b.flux_w));
+        let position = brightest.map_or(self.from_unit.translation, |sample| sample.position);
+        RepresentativePoint { position, surface: None }
     }
 
-    /// The density per nm of the light from a place of this temperature.
-    pub(super) fn shape_at(&self, temperature: f64, nm: f64) -> f64 {
-        self.medium.emission.as_ref().map_or(0.0, |glow| glow.shape_at(temperature, nm))
+    /// The density per nm of the emission at a temperature in K.
+    pub(super) fn spd_at(&self, temperature: f64, nm: f64) -> f64 {
+        self.medium.emission.as_ref().map_or(0.0, |emission| emission.spd_at(temperature, nm))
     }
 
-    pub(super) fn emit(&self, u: EmissionNumbers) -> Emission {
-        let (origin, flux_w, tint) = self.draw(u.rest);
-        Emission { origin, direction: warp::sphere(u.aim), from: None, flux_w, tint }
+    pub(super) fn sample_le(&self, u: LeRandoms) -> LeSample {
+        let VolumeSample { position, flux_w, spd } = self.sample(u.rest);
+        LeSample { origin: position, direction: warp::sphere(u.aim), from: None, flux_w, spd }
     }
 
-    /// Towards a place in it, as if its whole power came from there.
-    pub(super) fn towards(&self, from: DVec3, u: [f64; 3]) -> Option<Incident> {
-        let (place, flux_w, tint) = self.draw(u);
-        let (direction, distance) = (place - from).normalize_and_length();
+    /// Samples a direction towards a point of the medium. The irradiance is the same as from a
+    /// point light that has the flux of the sample.
+    pub(super) fn sample_li(&self, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
+        let VolumeSample { position, flux_w, spd } = self.sample(u);
+        let (direction, distance) = (position - from).normalize_and_length();
         let irradiance = flux_w / (4.0 * PI * distance * distance);
-        (irradiance > 0.0 && irradiance.is_finite()).then_some(Incident {
+        (irradiance > 0.0 && irradiance.is_finite()).then_some(LiSample {
             direction,
             distance,
             target: None,
             irradiance,
             pdf_solid_angle: None,
-            tint,
+            spd,
         })
     }
 
-    /// Draws a place; with it the flux in W over the band, divided by the density of the draw, and the colour.
-    pub(super) fn draw(&self, [mut u, v, w]: [f64; 3]) -> (DVec3, f64, Tint) {
+    pub(super) fn lit_interval(&self, (from, to): (f64, f64), u: [f64; 3]) -> LitInterval {
+        LitInterval { from, to, pivot: Some(self.sample(u).position) }
+    }
+
+    /// Samples a point of the box.
+    fn sample(&self, [mut u, v, w]: [f64; 3]) -> VolumeSample {
         let cell = self.cells.sample(&mut u);
         let corner = DVec3::new((cell % CELLS) as f64, (cell / CELLS % CELLS) as f64, (cell / (CELLS * CELLS)) as f64);
-        let place = self.from_unit.transform_point3((corner + DVec3::new(u, v, w)) / CELLS as f64);
-        let density = self.medium.density_at(place);
-        let Some(glow) = self.medium.emission.as_ref().filter(|_| density > 0.0 && self.holds(place)) else {
-            return (place, 0.0, Tint::Own);
+        let position = self.from_unit.transform_point3((corner + DVec3::new(u, v, w)) / CELLS as f64);
+        let dark = VolumeSample { position, flux_w: 0.0, spd: EmittedSpd::Own };
+        let density = self.medium.density_at(position);
+        let Some(emission) = self.medium.emission.as_ref().filter(|_| density > 0.0 && self.contains(position)) else {
+            return dark;
         };
-        let (band, temperature) = glow.band_at(place);
-        // Where nothing shines there is no colour either.
+        let (band, temperature) = emission.band_at(position);
+        // The spectrum of cold matter is not defined.
         if band <= 0.0 {
-            return (place, 0.0, Tint::Own);
+            return dark;
         }
         let cell_m3 = self.box_m3() / (CELLS.pow(3)) as f64;
         let flux_w = 4.0 * PI * density * band * cell_m3 / self.cells.probability(cell);
-        (place, flux_w, temperature.map_or(Tint::Own, Tint::Thermal))
+        VolumeSample { position, flux_w, spd: temperature.map_or(EmittedSpd::Own, EmittedSpd::Thermal) }
     }
 
     fn box_m3(&self) -> f64 {
         self.from_unit.matrix3.determinant().abs()
     }
 
-    /// Whether a point lies in the body: a ray from there leaves it more often than it enters.
-    fn holds(&self, point: DVec3) -> bool {
+    /// Whether a point lies inside the body. A ray from an inside point leaves the body more often
+    /// than it enters.
+    fn contains(&self, point: DVec3) -> bool {
         let Some(body) = &self.body else { return true };
         let direction = DVec3::new(0.391_827, 0.803_153, 0.448_713).normalize();
         let mut leaves = 0;

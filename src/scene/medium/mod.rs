@@ -1,81 +1,88 @@
-//! Participating media: what fog, smoke, milk and flames do to light on its way.
+//! Participating media: absorption, scattering and emission of fog, smoke, milk and flames.
 //!
-//! A medium's coefficients are functions of wavelength times a density that may vary in space, so that everything that happens
-//! along a stretch of a ray hangs on one number, the column density D = ∫ρ ds: the transmittance at every wavelength is
-//! exp(−σ_t(λ)·D). Absorption and scattering are stated apart, none negative, so that no albedo exceeds 1.
+//! Each coefficient of a medium is a function of wavelength, multiplied by a density that may vary
+//! in space. Therefore one number describes a segment of a ray: the column density D = ∫ρ ds. The
+//! transmittance at every wavelength is exp(−σ_t(λ)·D). Absorption and scattering are given
+//! separately and are not negative. No albedo can thus exceed 1.
 
 pub mod field;
-pub mod volume_file;
 
-mod glow;
+mod emission;
 
-pub use glow::Glow;
+pub use emission::MediumEmission;
 
-use super::geometry::Ray;
-use super::motion::Motion;
-use crate::optics::phase::Phase;
-use crate::spectrum::Spectrum;
-use field::Field;
+use super::motion::AnimatedTransform;
+use crate::geometry::Ray;
+use crate::optics::phase::PhaseFunction;
+use crate::spectrum::{REFERENCE_NM, Spectrum};
+use field::ScalarField;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
-/// A medium, placed in the scene. Coefficients are in 1/m at density 1.
+/// A medium of the scene. All coefficients are in 1/m at density 1.
 #[derive(Debug, Clone)]
 pub struct Medium {
-    /// Its name for reports.
+    /// The name in reports.
     pub name: String,
-    /// Absorption σ_a.
+    /// The absorption coefficient σ_a.
     pub absorption: Spectrum,
-    /// Scattering σ_s.
+    /// The scattering coefficient σ_s.
     pub scattering: Spectrum,
-    /// Extinction σ_t = σ_a + σ_s.
+    /// The extinction coefficient σ_t = σ_a + σ_s.
     pub extinction: Spectrum,
-    /// The least and the largest extinction in the band.
+    /// The smallest and the largest extinction coefficient in the band.
     pub extinction_range: (f64, f64),
     /// The largest scattering coefficient in the band.
     pub scattering_max: f64,
-    /// Into which directions it scatters.
-    pub phase: Phase,
-    /// Where how much of it is.
+    /// The phase function.
+    pub phase: PhaseFunction,
+    /// The density as a function of position.
     pub density: Density,
-    /// Whether most light that enters it meets a particle more than a few times.
+    /// Whether the medium is optically thick in at least one of its bodies; see
+    /// [`is_dense_across`](Self::is_dense_across).
     pub dense: bool,
-    /// How the light that passes is worked out.
-    pub transmittance: Transmittance,
-    /// The light that it emits by itself.
-    pub emission: Option<Glow>,
-    /// How it moves while the shutter is open, if it does.
-    pub motion: Option<Motion>,
+    /// The method that computes the transmittance.
+    pub transmittance: TransmittanceEstimator,
+    /// The emission, if the medium emits light.
+    pub emission: Option<MediumEmission>,
+    /// The motion in m while the shutter is open, if the medium moves.
+    pub motion: Option<AnimatedTransform>,
 }
 
-/// Density (relative, without unit) as a function of place.
+/// The relative density, without unit, as a function of position.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Density {
-    /// 1 everywhere.
+    /// The density is 1 everywhere.
     Uniform,
-    /// Within a box.
-    Field(Arc<Field>),
+    /// The density is a scalar field in a box.
+    Field(Arc<ScalarField>),
 }
 
-/// How the transmittance of a medium that varies in space is worked out.
+/// The method of computing the transmittance if the density of a medium varies in space.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Transmittance {
-    /// From the exact column density.
+pub enum TransmittanceEstimator {
+    /// The exact column density.
     Exact,
-    /// By ratio tracking: unbiased, noisy.
+    /// Ratio tracking (Novák et al. 2014): unbiased, with noise.
     Ratio,
-    /// From the column density by midpoint steps: biased, without noise.
+    /// Ray marching computes the column density by the midpoint rule. It is biased but has no
+    /// noise.
     March {
-        /// Steps along a stretch.
+        /// The number of steps per segment.
         steps: u32,
     },
 }
 
 impl Medium {
-    /// A medium of these coefficients (1/m at density 1).
-    pub fn new(name: String, (absorption, scattering): (Spectrum, Spectrum), phase: Phase, density: Density) -> Self {
+    /// Creates a medium from its absorption and scattering coefficients in 1/m at density 1.
+    pub fn new(
+        name: String,
+        (absorption, scattering): (Spectrum, Spectrum),
+        phase: PhaseFunction,
+        density: Density,
+    ) -> Self {
         let extinction = Spectrum::mix(&[(1.0, &absorption), (1.0, &scattering)]);
-        let transmittance = Transmittance::Exact;
+        let transmittance = TransmittanceEstimator::Exact;
         let extinction_range = (extinction.min(), extinction.max());
         let scattering_max = scattering.max();
         Self {
@@ -94,29 +101,31 @@ impl Medium {
         }
     }
 
-    /// The medium after a map of the scene's places.
+    /// The medium after a map of the scene's positions.
     #[must_use]
     pub fn moved(&self, map: &DAffine3) -> Self {
         let density = match &self.density {
             Density::Uniform => Density::Uniform,
             Density::Field(field) => Density::Field(Arc::new(field.moved(map))),
         };
-        Self { density, emission: self.emission.as_ref().map(|glow| glow.moved(map)), ..self.clone() }
+        Self { density, emission: self.emission.as_ref().map(|emission| emission.moved(map)), ..self.clone() }
     }
 
-    /// Whether green light that crosses a body of it, `across_m` thin, meets more than a few particles; a medium of a box of its own is judged by that box.
+    /// Whether the optical depth at 550 nm across a body of the medium exceeds 4. The body is
+    /// `across_m` thick. A grid medium is as thick as its own box.
     pub fn is_dense_across(&self, across_m: f64) -> bool {
-        /// Mean free paths.
+        /// The optical depth in mean free paths.
         const DENSE: f64 = 4.0;
         let column_m = match &self.density {
             Density::Uniform => across_m,
-            Density::Field(field) => field.least_column_m(),
+            Density::Field(field) => field.min_column_m(),
         };
-        self.optical_depth(550.0, column_m) > DENSE
+        self.optical_depth(REFERENCE_NM, column_m) > DENSE
     }
 
-    /// A column density that no straight way through a body of it, `across_m` wide, exceeds, in m.
-    pub fn most_column_m(&self, across_m: f64) -> f64 {
+    /// An upper bound, in m, of the column density along straight lines through a body of the
+    /// medium. The body has the diameter `across_m`.
+    pub fn max_column_m(&self, across_m: f64) -> f64 {
         match &self.density {
             Density::Uniform => across_m,
             Density::Field(field) => {
@@ -127,12 +136,13 @@ impl Medium {
         }
     }
 
-    /// Whether it scatters at any wavelength.
+    /// Whether the medium scatters light at any wavelength.
     pub fn scatters(&self) -> bool {
         self.scattering_max > 0.0
     }
 
-    /// Whether a grid of so many cells along its longest side is fine enough for a light map.
+    /// Whether a light map can resolve the density. The map has this many cells along its longest
+    /// side.
     pub fn is_smooth_in_cells(&self, cells: u32) -> bool {
         match &self.density {
             Density::Uniform => true,
@@ -140,7 +150,7 @@ impl Medium {
         }
     }
 
-    /// The density at a point.
+    /// The density at a point (m, relative to the scene's centre).
     pub fn density_at(&self, point: DVec3) -> f64 {
         match &self.density {
             Density::Uniform => 1.0,
@@ -148,15 +158,16 @@ impl Medium {
         }
     }
 
-    /// The light that it emits at a point, in W/m³/sr/nm.
+    /// The emission at a point, in W/m³/sr/nm.
     pub fn emission_per_m(&self, point: DVec3, nm: f64) -> f64 {
-        self.emission.as_ref().map_or(0.0, |glow| {
+        self.emission.as_ref().map_or(0.0, |emission| {
             let density = self.density_at(point);
-            if density > 0.0 { density * glow.at(point, nm) } else { 0.0 }
+            if density > 0.0 { density * emission.at(point, nm) } else { 0.0 }
         })
     }
 
-    /// The largest density along the ray's first `length_m`: the bound of null-collision tracking.
+    /// An upper bound of the density along the first `length_m` of the ray. It is the majorant for
+    /// null-collision tracking.
     pub fn majorant(&self, ray: &Ray, length_m: f64) -> f64 {
         match &self.density {
             Density::Uniform => 1.0,
@@ -164,7 +175,8 @@ impl Medium {
         }
     }
 
-    /// The column density ∫ρ ds in m along the ray's first `length_m` (which may be infinite), exact.
+    /// The exact column density ∫ρ ds in m along the first `length_m` of the ray. The length may be
+    /// infinite.
     pub fn column_m(&self, ray: &Ray, length_m: f64) -> f64 {
         match &self.density {
             Density::Uniform => length_m,
@@ -172,8 +184,8 @@ impl Medium {
         }
     }
 
-    /// The column density by `steps` midpoint steps along the ray's way through the medium: biased, with an error that falls with
-    /// the square of the step.
+    /// The column density in m by the midpoint rule with `steps` steps. The error is proportional
+    /// to the square of the step.
     pub fn column_by_steps(&self, ray: &Ray, length_m: f64, steps: u32) -> f64 {
         match &self.density {
             Density::Uniform => length_m,
@@ -181,18 +193,20 @@ impl Medium {
         }
     }
 
-    /// The optical depth of a column density at a wavelength; a clear medium has none, however long.
+    /// The optical depth of a column density at a wavelength in nm. If σ_t is 0, the optical depth
+    /// is 0, even for an infinite column.
     pub fn optical_depth(&self, nm: f64, column_m: f64) -> f64 {
         let sigma_t = self.extinction.at(nm);
         if sigma_t > 0.0 { sigma_t * column_m } else { 0.0 }
     }
 
-    /// The largest extinction of all wavelengths, in 1/m at density 1.
+    /// The largest extinction coefficient in the band, in 1/m at density 1.
     pub fn largest_extinction(&self) -> f64 {
         self.extinction_range.1
     }
 
-    /// How far along the ray the column density reaches `column_m`; `None` where the ray's first `length_m` hold less.
+    /// The distance along the ray in m where the column density reaches `column_m`. `None` if the
+    /// column density of the first `length_m` is smaller.
     pub fn distance_at(&self, ray: &Ray, length_m: f64, column_m: f64) -> Option<f64> {
         match &self.density {
             Density::Uniform => (column_m < length_m).then_some(column_m),
@@ -200,7 +214,8 @@ impl Medium {
         }
     }
 
-    /// The part of the ray's first `length_m` in which the density may be above 0.
+    /// Two distances in m within the first `length_m` of the ray. The density is above 0 only
+    /// between these distances.
     pub fn window(&self, ray: &Ray, length_m: f64) -> Option<(f64, f64)> {
         match &self.density {
             Density::Uniform => Some((0.0, length_m)),
@@ -208,7 +223,8 @@ impl Medium {
         }
     }
 
-    /// The radius of a ball around the scene's centre outside of which there is nothing of the medium; 0 where only its bounds decide that.
+    /// The radius in m of a sphere around the scene's centre. The sphere contains the medium's own
+    /// box. The radius is 0 for a uniform medium, because it has no box.
     pub fn reach_m(&self) -> f64 {
         match &self.density {
             Density::Uniform => 0.0,

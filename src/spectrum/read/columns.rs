@@ -1,11 +1,11 @@
-//! Two columns of numbers, however they are separated.
+//! Text files with two columns of numbers and various separators.
 
-use super::Samples;
+use super::SpectrumSamples;
 use crate::error::{Error, Result};
 
-/// How numbers stand in a row.
+/// The notation of the numbers in a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Format {
+struct ColumnFormat {
     separator: Separator,
     decimal_comma: bool,
 }
@@ -13,32 +13,32 @@ struct Format {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Separator {
     Character(char),
-    /// Any number of blanks.
+    /// The separator is any number of blanks.
     Blank,
 }
 
-/// The formats tried, in this order, on the first row of numbers.
-const FORMATS: [Format; 8] = [
-    Format { separator: Separator::Character(';'), decimal_comma: false },
-    Format { separator: Separator::Character('\t'), decimal_comma: false },
-    Format { separator: Separator::Character('|'), decimal_comma: false },
-    Format { separator: Separator::Character(','), decimal_comma: false },
-    Format { separator: Separator::Blank, decimal_comma: false },
-    Format { separator: Separator::Character(';'), decimal_comma: true },
-    Format { separator: Separator::Character('\t'), decimal_comma: true },
-    Format { separator: Separator::Blank, decimal_comma: true },
+/// The formats to be tried on the first row of numbers, in this order.
+const FORMATS: [ColumnFormat; 8] = [
+    ColumnFormat { separator: Separator::Character(';'), decimal_comma: false },
+    ColumnFormat { separator: Separator::Character('\t'), decimal_comma: false },
+    ColumnFormat { separator: Separator::Character('|'), decimal_comma: false },
+    ColumnFormat { separator: Separator::Character(','), decimal_comma: false },
+    ColumnFormat { separator: Separator::Blank, decimal_comma: false },
+    ColumnFormat { separator: Separator::Character(';'), decimal_comma: true },
+    ColumnFormat { separator: Separator::Character('\t'), decimal_comma: true },
+    ColumnFormat { separator: Separator::Blank, decimal_comma: true },
 ];
 
-/// A cell and the column, from 1, where it begins.
-type Cell<'a> = (usize, &'a str);
+/// A cell and the column of its first character, counted from 1.
+type TextCell<'a> = (usize, &'a str);
 
-impl Format {
-    fn cells(self, row: &str) -> Vec<Cell<'_>> {
-        let mut cells: Vec<Cell<'_>> = match self.separator {
+impl ColumnFormat {
+    fn cells(self, row: &str) -> Vec<TextCell<'_>> {
+        let mut cells: Vec<TextCell<'_>> = match self.separator {
             Separator::Character(separator) => pieces(row, |c| c == separator).collect(),
             Separator::Blank => pieces(row, char::is_whitespace).filter(|(_, cell)| !cell.is_empty()).collect(),
         };
-        // A separator at the end of the row separates nothing.
+        // A separator at the end of a row does not begin another cell.
         if cells.len() > 1 && cells.last().is_some_and(|(_, cell)| cell.is_empty()) {
             cells.pop();
         }
@@ -47,19 +47,21 @@ impl Format {
 
     fn number(self, cell: &str) -> Option<f64> {
         let cell = cell.trim_matches('"').trim();
-        // What Rust calls a number beyond digits ("inf", "nan") is reported as a value, not as a word.
+        // Rust also parses words such as "inf" and "nan". They are reported later as invalid
+        // values.
         if self.decimal_comma { cell.replace(',', ".").parse().ok() } else { cell.parse().ok() }
     }
 
-    /// Whether the row is two or more numbers in this format.
+    /// Returns whether the row consists of two or more numbers in this format.
     fn fits(self, row: &str) -> bool {
         let cells = self.cells(row);
         cells.len() >= 2 && cells.iter().all(|(_, cell)| self.number(cell).is_some())
     }
 }
 
-/// The parts of a row with the column, counted in characters from 1, at which each begins, blanks left out.
-fn pieces(row: &str, is_separator: impl Fn(char) -> bool + Copy) -> impl Iterator<Item = Cell<'_>> {
+/// Splits a row into trimmed cells. Each cell is returned together with the column of its first
+/// character, counted from 1.
+fn pieces(row: &str, is_separator: impl Fn(char) -> bool + Copy) -> impl Iterator<Item = TextCell<'_>> {
     let mut start = 0;
     row.split(is_separator).map(move |cell| {
         let begins = start + (cell.len() - cell.trim_start().len());
@@ -68,14 +70,16 @@ fn pieces(row: &str, is_separator: impl Fn(char) -> bool + Copy) -> impl Iterato
     })
 }
 
-/// Reads rows of wavelength and value. Cells are separated by a semicolon, tab, bar, comma or blanks; with anything but
-/// a comma between them numbers may have a decimal comma. Empty rows and rows that begin with `#`, `%` or `//` are
-/// passed over. One header row may come first; where its first title says µm (or um) wavelengths are in µm, otherwise in
-/// nm.
+/// Parses rows of wavelength and value.
+///
+/// The separator of the cells is a semicolon, tab, bar, comma or blanks. Numbers may have a decimal
+/// comma, unless the separator is a comma. Empty rows and rows that begin with `#`, `%` or `//` are
+/// skipped. One header row may come first. If the first title of the header contains µm (or um),
+/// the wavelengths are in µm, otherwise in nm.
 ///
 /// # Errors
-/// A row that is not two numbers, and samples that cannot be a spectrum, with line and column.
-pub fn parse(text: &str) -> Result<Samples> {
+/// Returns an error with line and column if a row is not two numbers or the samples are invalid.
+pub fn parse(text: &str) -> Result<SpectrumSamples> {
     let rows = text
         .lines()
         .enumerate()
@@ -97,18 +101,19 @@ pub fn parse(text: &str) -> Result<Samples> {
         format = Some(known);
         let cells = known.cells(row);
         let [(nm_column, nm), (value_column, value)] = cells[..] else {
-            let what = format!("a row of {} cells", cells.len());
+            let what = format!("a row with {} cells", cells.len());
             return Err(Error::input(what).expected("two columns: wavelength and value").at(line, 1));
         };
         let number = |column: usize, cell: &str| {
             known.number(cell).ok_or_else(|| Error::input(format!("\"{cell}\"")).expected("a number").at(line, column))
         };
         let nm = number(nm_column, nm)?;
-        // Rounded far below any line's width, so that 0.5005 µm is 500.5 nm.
+        // The wavelength is rounded to far less than the width of any line, so that 0.5005 µm
+        // becomes 500.5 nm.
         let nm = nm_per_unit.filter(|unit| *unit != 1.0).map_or(nm, |unit| (nm * unit * 1e9).round() / 1e9);
         samples.push(((nm, (line, nm_column)), (number(value_column, value)?, (line, value_column))));
     }
-    Samples::checked(&samples, None)
+    SpectrumSamples::checked(&samples, None)
 }
 
 fn not_two_numbers(row: &str) -> Error {
@@ -116,10 +121,11 @@ fn not_two_numbers(row: &str) -> Error {
     Error::input(format!("the row \"{shown}\"")).expected("two numbers: wavelength and value")
 }
 
-/// How many nm the unit of the wavelengths has, by the words of the first title.
+/// Returns the unit of the wavelengths, expressed in nm. The unit is a word of the first title.
 fn unit_of_header(row: &str) -> f64 {
     let first = row.split([';', '\t', '|', ',']).next().unwrap_or(row).to_lowercase();
-    // µ is written with two different code points, and comes as the replacement character from other encodings.
+    // The letter µ has two code points. If the file has another encoding, µ is decoded as the
+    // replacement character.
     let is_micro =
         |word: &str| ["um", "µm", "μm", "\u{fffd}m", "micron", "microns", "micrometer", "micrometre"].contains(&word);
     let mut words = first.split(|c: char| !(c.is_alphabetic() || c == '\u{fffd}'));
@@ -136,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn every_way_to_write_two_columns_is_read() {
+    fn all_notations_of_two_columns_are_read() {
         let expected = (vec![400.0, 500.5], vec![0.25, 1.0]);
         for text in [
             "400,0.25\n500.5,1\n",
@@ -152,12 +158,12 @@ mod tests {
         ] {
             assert_eq!(of(text), expected, "{text}");
         }
-        // The word "spectrum" holds the letters of a unit but is none.
+        // The word "spectrum" contains "um", but it does not name a unit.
         assert_eq!(of("spectrum nm,value\n400,0.25\n500.5,1\n"), expected);
     }
 
     #[test]
-    fn faults_name_line_and_column() {
+    fn errors_name_line_and_column() {
         for (text, place, word) in [
             ("400,1\n390,1\n", (2, 1), "ascending"),
             ("nm,W\n400,1\n\n400,2\n", (4, 1), "twice"),
@@ -173,7 +179,7 @@ mod tests {
             ("1,1\n400,1\n", (1, 1), "wavelengths from 10"),
         ] {
             let error = parse(text).unwrap_err();
-            assert_eq!(error.place.line_column, Some(place), "{text}: {error}");
+            assert_eq!(error.location.line_column, Some(place), "{text}: {error}");
             assert!(error.to_string().contains(word), "{text}: {error}");
         }
         assert!(parse("").unwrap_err().to_string().contains("no samples"));

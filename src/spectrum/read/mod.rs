@@ -1,46 +1,47 @@
-//! Measured spectra from files: columns of text, and IES TM-27 (`.spdx`).
+//! Reading measured spectra from files: columns of text, and IES TM-27 (`.spdx`).
 
 mod columns;
 mod spdx;
 
 use std::path::Path;
 
-use super::library::Kind;
-use super::value::{Outside, Spectrum};
+use super::library::SpectrumKind;
+use super::table::Outside;
+use super::value::Spectrum;
 use super::{BAND_NM, table};
 use crate::error::{Error, Result};
 
 pub use columns::parse as parse_columns;
 pub use spdx::parse as parse_spdx;
 
-/// Wavelengths, in nm, that a file may hold; what lies beyond is a slip of unit.
+/// The range of wavelengths in nm that a file may contain. Other values indicate a wrong unit.
 const PLAUSIBLE_NM: (f64, f64) = (10.0, 1e6);
 
 /// The samples of a file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Samples {
+pub struct SpectrumSamples {
     /// Wavelengths in nm, ascending.
     pub nm: Vec<f64>,
     /// Values; finite and not negative.
     pub values: Vec<f64>,
-    /// What the file says they are, if it does.
-    pub kind: Option<Kind>,
+    /// The physical quantity, if the file contains it.
+    pub kind: Option<SpectrumKind>,
 }
 
-/// A number and where it stands in a file, line and column from 1.
-type Placed = (f64, (usize, usize));
+/// A number with its line and column in the file, both counted from 1.
+type PlacedNumber = (f64, (usize, usize));
 
-impl Samples {
-    /// The spectrum through the samples.
+impl SpectrumSamples {
+    /// Builds the spectrum by interpolation of the samples.
     ///
     /// # Errors
-    /// As [`Spectrum::table`].
+    /// Returns the errors of [`Spectrum::table`].
     pub fn spectrum(&self, outside: Outside) -> Result<Spectrum> {
         Spectrum::table(&self.nm, &self.values, outside)
     }
 
-    /// Checks samples whose places in the file are known.
-    fn checked(samples: &[(Placed, Placed)], kind: Option<Kind>) -> Result<Self> {
+    /// Validates the samples. Errors contain the known positions of the samples in the file.
+    fn checked(samples: &[(PlacedNumber, PlacedNumber)], kind: Option<SpectrumKind>) -> Result<Self> {
         let nm: Vec<f64> = samples.iter().map(|(nm, _)| nm.0).collect();
         let values: Vec<f64> = samples.iter().map(|(_, value)| value.0).collect();
         let (Some(first), Some(last)) = (samples.first(), samples.last()) else {
@@ -49,7 +50,7 @@ impl Samples {
         if nm.iter().all(|nm| *nm < PLAUSIBLE_NM.0) {
             let (line, column) = first.0.1;
             let what = format!("wavelengths from {} to {} nm", first.0.0, last.0.0);
-            let expected = "wavelengths in nm, or a header that says µm";
+            let expected = "wavelengths in nm, or a header with the unit µm";
             return Err(Error::input(what).expected(expected).at(line, column));
         }
         if let Some((i, fault)) = table::first_fault(&nm, &values) {
@@ -65,7 +66,7 @@ impl Samples {
         }
         if first.0.0 > BAND_NM.1 || last.0.0 < BAND_NM.0 {
             let (line, column) = first.0.1;
-            let what = format!("samples from {} to {} nm, none of them in the band", first.0.0, last.0.0);
+            let what = format!("samples from {} to {} nm, all of them outside the band", first.0.0, last.0.0);
             let expected = format!("wavelengths between {} and {} nm", BAND_NM.0, BAND_NM.1);
             return Err(Error::input(what).expected(expected).at(line, column));
         }
@@ -73,11 +74,12 @@ impl Samples {
     }
 }
 
-/// The samples of a file: IES TM-27 if it is called `.spdx` or `.xml`, otherwise columns of text.
+/// Reads the samples of a file. Files with the extension `.spdx` or `.xml` are read as IES TM-27,
+/// all others as columns of text.
 ///
 /// # Errors
-/// A file that cannot be read; anything in it that is no sample, with file, line and column.
-pub fn samples(path: &Path) -> Result<Samples> {
+/// Returns an error with file, line and column if the file cannot be read or a sample is invalid.
+pub fn samples(path: &Path) -> Result<SpectrumSamples> {
     let bytes = std::fs::read(path)
         .map_err(|error| Error::input(format!("cannot read the spectrum: {error}")).in_file(path))?;
     let text = String::from_utf8_lossy(&bytes);
@@ -89,10 +91,10 @@ pub fn samples(path: &Path) -> Result<Samples> {
     samples.map_err(|error| error.in_file(path))
 }
 
-/// The spectrum of a file; `outside` says what it means beyond its ends.
+/// Reads the spectrum of a file. `outside` determines the values beyond both ends of the table.
 ///
 /// # Errors
-/// As [`samples`] and [`Spectrum::table`].
+/// Returns the errors of [`samples`] and [`Spectrum::table`].
 pub fn spectrum_file(path: &Path, outside: Outside) -> Result<Spectrum> {
     samples(path)?.spectrum(outside).map_err(|error| error.in_file(path))
 }

@@ -1,23 +1,25 @@
 //! IES TM-27: spectral data as XML.
 //!
-//! ANSI/IES TM-27-14 and TM-27-20, *Standard Format for the Electronic Transfer of Spectral Data*: within
-//! `SpectralDistribution`, one `SpectralData` element a sample, its wavelength in nm as an attribute and its value as
-//! text; `SpectralQuantity` names what is measured.
+//! ANSI/IES TM-27-14 and TM-27-20, *Standard Format for the Electronic Transfer of Spectral Data*.
+//! The element `SpectralDistribution` contains one element `SpectralData` per sample. The attribute
+//! of this element is the wavelength in nm, and its text is the value. `SpectralQuantity` names the
+//! measured quantity.
 
 use roxmltree::{Document, Node};
 
-use super::{Placed, Samples};
+use super::{PlacedNumber, SpectrumSamples};
 use crate::error::{Error, Result};
-use crate::spectrum::library::Kind;
+use crate::spectrum::library::SpectrumKind;
 
-/// Reads the samples of a TM-27 document.
+/// Parses the samples of a TM-27 document.
 ///
 /// # Errors
-/// What is not well-formed XML, has no spectral data, or holds samples that cannot be a spectrum, with line and column.
-pub fn parse(text: &str) -> Result<Samples> {
+/// Returns an error with line and column if the text is not well-formed XML, contains no spectral
+/// data, or contains invalid samples.
+pub fn parse(text: &str) -> Result<SpectrumSamples> {
     let document = Document::parse(text).map_err(|error| {
         let place = error.pos();
-        Error::input(format!("XML that cannot be read: {error}")).at(place.row as usize, place.col as usize)
+        Error::input(format!("invalid XML: {error}")).at(place.row as usize, place.col as usize)
     })?;
     let distribution = child(document.root_element(), "SpectralDistribution").ok_or_else(|| {
         let root = document.root_element();
@@ -27,7 +29,7 @@ pub fn parse(text: &str) -> Result<Samples> {
     })?;
     let data = distribution.children().filter(|node| node.tag_name().name() == "SpectralData");
     let samples = data.map(sample).collect::<Result<Vec<_>>>()?;
-    Samples::checked(&samples, child(distribution, "SpectralQuantity").and_then(|node| kind_of(node.text()?)))
+    SpectrumSamples::checked(&samples, child(distribution, "SpectralQuantity").and_then(|node| kind_of(node.text()?)))
 }
 
 fn child<'a, 'b>(node: Node<'a, 'b>, name: &str) -> Option<Node<'a, 'b>> {
@@ -39,7 +41,7 @@ fn place(node: Node<'_, '_>) -> (usize, usize) {
     (place.row as usize, place.col as usize)
 }
 
-fn sample(node: Node<'_, '_>) -> Result<(Placed, Placed)> {
+fn sample(node: Node<'_, '_>) -> Result<(PlacedNumber, PlacedNumber)> {
     let (line, column) = place(node);
     let number = |text: &str| {
         text.trim()
@@ -47,19 +49,17 @@ fn sample(node: Node<'_, '_>) -> Result<(Placed, Placed)> {
             .map_err(|_| Error::input(format!("\"{text}\"")).expected("a number").at(line, column))
     };
     let Some(nm) = node.attribute("wavelength") else {
-        return Err(Error::input("a sample without its wavelength")
-            .expected("wavelength=\"…\" in nm")
-            .at(line, column));
+        return Err(Error::input("a sample without a wavelength").expected("wavelength=\"…\" in nm").at(line, column));
     };
     Ok(((number(nm)?, (line, column)), (number(node.text().unwrap_or(""))?, (line, column))))
 }
 
-/// The kind of a measured quantity; absorptance and unnamed quantities are none of the kinds.
-fn kind_of(quantity: &str) -> Option<Kind> {
+/// Returns the kind of a measured quantity. Absorptance and unknown quantities have no kind.
+fn kind_of(quantity: &str) -> Option<SpectrumKind> {
     match quantity.trim().to_ascii_lowercase().as_str() {
-        "flux" | "intensity" | "irradiance" | "radiance" | "exitance" | "relative" => Some(Kind::Light),
-        "reflectance" | "r-factor" => Some(Kind::Reflectance),
-        "transmittance" | "t-factor" => Some(Kind::Transmittance),
+        "flux" | "intensity" | "irradiance" | "radiance" | "exitance" | "relative" => Some(SpectrumKind::Light),
+        "reflectance" | "r-factor" => Some(SpectrumKind::Reflectance),
+        "transmittance" | "t-factor" => Some(SpectrumKind::Transmittance),
         _ => None,
     }
 }
@@ -84,11 +84,11 @@ mod tests {
         let samples = parse(LAMP).unwrap();
         assert_eq!(samples.nm, [400.0, 403.1, 405.5]);
         assert_eq!(samples.values, [0.034, 0.037, 0.1]);
-        assert_eq!(samples.kind, Some(Kind::Light));
+        assert_eq!(samples.kind, Some(SpectrumKind::Light));
     }
 
     #[test]
-    fn faults_name_line_and_column() {
+    fn errors_name_line_and_column() {
         for (from, to, place, word) in [
             ("403.1", "399", Some((7, 5)), "ascending"),
             ("403.1", "400.0", Some((7, 5)), "twice"),
@@ -97,7 +97,7 @@ mod tests {
             ("0.037", "NaN", Some((7, 5)), "NaN"),
             ("0.037", "-1", Some((7, 5)), "negative"),
             ("0.037", "bright", Some((7, 5)), "\"bright\""),
-            ("wavelength=\"403.1\"", "", Some((7, 5)), "without its wavelength"),
+            ("wavelength=\"403.1\"", "", Some((7, 5)), "without a wavelength"),
             ("</IESTM2714>", "", Some((9, 26)), "XML"),
             ("SpectralDistribution", "Distribution", Some((2, 1)), "TM-27"),
             ("SpectralData", "Data", None, "no samples"),
@@ -105,7 +105,7 @@ mod tests {
             let error = parse(&LAMP.replace(from, to)).unwrap_err();
             assert!(error.to_string().contains(word), "{word}: {error}");
             if word != "XML" {
-                assert_eq!(error.place.line_column, place, "{error}");
+                assert_eq!(error.location.line_column, place, "{error}");
             }
         }
     }

@@ -1,31 +1,31 @@
-//! Air that thins out exponentially with height, above a plain or around a planet.
+//! An atmosphere: exponential decrease with height, above a plain or around a planet.
 
-use super::Line;
+use super::FieldLine;
 use crate::math::quadrature::gauss16;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
-/// The value times exp(−height/scale height).
+/// A field that falls with height: the value times exp(−height/scale height).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Atmosphere {
     /// The value at height 0.
     pub value: f64,
-    /// Height over which it falls to 1/e.
+    /// The height over which the field falls to 1/e.
     pub scale_height: f64,
-    /// What the height is counted from.
+    /// The surface of height 0.
     pub above: Ground,
 }
 
-/// Where height is 0.
+/// The surface of height 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Ground {
-    /// At this y; heights below it are negative.
+    /// The plane of this y. Heights below the plane are negative.
     Plain(f64),
-    /// On a sphere; within it the value stays what it is on the ground.
+    /// A sphere. Inside the sphere, the height is 0.
     Planet(Planet),
 }
 
-/// A sphere that an atmosphere surrounds.
+/// The sphere of a planet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Planet {
     /// The centre.
@@ -34,10 +34,12 @@ pub struct Planet {
     pub radius: f64,
 }
 
-/// Scale heights in a piece: sixteen points then have a relative error below 10⁻¹⁴, even where the line touches a level.
+/// Scale heights per piece. Sixteen Gauss points then have a relative error below 10⁻¹⁴, even for a
+/// line that is tangent to a sphere of constant height.
 const HEIGHTS_PER_PIECE: f64 = 8.0;
 
-/// Pieces on one side of the lowest point: what is above holds less than e⁻⁴⁰ of what is below.
+/// The largest number of pieces on one side of the lowest point. Above these pieces, the field is
+/// less than e⁻⁴⁰ times the field at the lowest point.
 const MAX_PIECES: u32 = 5;
 
 impl Atmosphere {
@@ -52,8 +54,8 @@ impl Atmosphere {
         self.value * (-self.height(local) / self.scale_height).exp()
     }
 
-    /// The value at the lowest place.
-    pub(super) fn majorant(&self, line: &Line, window: (f64, f64)) -> f64 {
+    /// The largest value along the line. This is the value at the lowest point.
+    pub(super) fn majorant(&self, line: &FieldLine, window: (f64, f64)) -> f64 {
         match self.above {
             Ground::Plain(_) => self.at(line.at(window.0)).max(self.at(line.at(window.1))),
             Ground::Planet(planet) => self.at(line.at(line.nearest_to(planet.center).clamp(window.0, window.1))),
@@ -67,10 +69,11 @@ impl Atmosphere {
         }
     }
 
-    /// Above a plain the whole line is one piece; around a planet the pieces are shells of equal height.
+    /// Visits the pieces of a line. Above a plain the line is one piece; around a planet the pieces
+    /// are shells of equal height.
     pub(super) fn for_each_piece(
         &self,
-        line: &Line,
+        line: &FieldLine,
         window: (f64, f64),
         mut visit: impl FnMut((f64, f64)) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
@@ -78,7 +81,7 @@ impl Atmosphere {
         let nearest = line.nearest_to(planet.center);
         let ground = line.crossings(planet.center, planet.radius, nearest).unwrap_or((nearest, nearest));
         let shells = |from: f64| self.shells(line, &planet, from);
-        // Downwards the shells come in from above, in the middle is the planet, then they go out.
+        // The line goes down through the shells, through the planet, and up through the shells.
         if window.0 < ground.0 {
             let lowest = window.1.min(ground.0);
             let edges = shells(lowest);
@@ -96,9 +99,10 @@ impl Atmosphere {
         ControlFlow::Continue(())
     }
 
-    /// The edges, going away from the planet, of the shells above the place at `from`, which may be on either side of the lowest;
-    /// all are on the far side.
-    fn shells(&self, line: &Line, planet: &Planet, from: f64) -> [f64; MAX_PIECES as usize + 1] {
+    /// The parameters of the crossings between the rising line and the edges of the shells, above
+    /// the point at `from`. This point may be on either side of the lowest point. The crossings are
+    /// on the far side.
+    fn shells(&self, line: &FieldLine, planet: &Planet, from: f64) -> [f64; MAX_PIECES as usize + 1] {
         let nearest = line.nearest_to(planet.center);
         let closest = (line.at(nearest) - planet.center).length();
         let lowest = (line.at(from) - planet.center).length();
@@ -112,10 +116,10 @@ impl Atmosphere {
         })
     }
 
-    pub(super) fn integral(&self, line: &Line, piece: (f64, f64)) -> f64 {
+    pub(super) fn integral(&self, line: &FieldLine, piece: (f64, f64)) -> f64 {
         match self.above {
             Ground::Plain(_) => {
-                // From the lower end, (1 − e⁻ˣ)/x of what a level stretch would hold.
+                // The integral is (1 − e⁻ˣ)/x times the value at the lower end times the length.
                 let x = (line.direction.y * (piece.1 - piece.0) / self.scale_height).abs();
                 let share = if x == 0.0 { 1.0 } else { -(-x).exp_m1() / x };
                 self.majorant(line, piece) * (piece.1 - piece.0) * share
@@ -125,7 +129,7 @@ impl Atmosphere {
     }
 }
 
-/// Visits the part of a piece that lies in the window.
+/// Visits the part of a piece inside the window.
 fn visit_within(
     window: (f64, f64),
     piece: (f64, f64),

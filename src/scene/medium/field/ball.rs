@@ -1,26 +1,26 @@
-//! A ball of a value that fades towards its surface.
+//! A field in the shape of a ball. Its value decreases towards the surface of the ball.
 
-use super::Line;
+use super::FieldLine;
 use crate::math::quadrature::gauss4;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
-/// A ball. Over the outer share `falloff` of its radius it fades by a smoothstep in the square of the distance from the centre, which
-/// makes it a polynomial along every line.
+/// A ball that fades over the outer share `falloff` of its radius. The fade is a smoothstep in the
+/// square of the distance from the centre. Along every line, it is a polynomial.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ball {
-    /// The value inside.
+pub struct BallField {
+    /// The value at the centre.
     pub value: f64,
     /// The centre.
     pub center: DVec3,
     /// The radius.
     pub radius: f64,
-    /// The share of the radius over which it fades, from 0 to 1.
+    /// The share of the radius over which the field fades, from 0 to 1.
     pub falloff: f64,
 }
 
-impl Ball {
-    /// The radius up to which the value is whole.
+impl BallField {
+    /// The radius at which the fade begins.
     fn inner(&self) -> f64 {
         self.radius * (1.0 - self.falloff)
     }
@@ -29,15 +29,15 @@ impl Ball {
         self.value * fade((local - self.center).length_squared(), self.inner(), self.radius)
     }
 
-    /// The value where the line comes nearest to the centre.
-    pub(super) fn majorant(&self, line: &Line, window: (f64, f64)) -> f64 {
+    /// The largest value along the line. This is the value at the point nearest to the centre.
+    pub(super) fn majorant(&self, line: &FieldLine, window: (f64, f64)) -> f64 {
         self.at(line.at(line.nearest_to(self.center).clamp(window.0, window.1)))
     }
 
-    /// Up to three pieces: in through the fading shell, the whole part, out again.
+    /// Visits up to three pieces: the fading shell, the inner part, and the shell again.
     pub(super) fn for_each_piece(
         &self,
-        line: &Line,
+        line: &FieldLine,
         window: (f64, f64),
         mut visit: impl FnMut((f64, f64)) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
@@ -55,13 +55,14 @@ impl Ball {
         ControlFlow::Continue(())
     }
 
-    /// The square of the distance is quadratic along a line, the smoothstep of it of degree 6.
-    pub(super) fn integral(&self, line: &Line, piece: (f64, f64)) -> f64 {
+    /// Integrates exactly: the smoothstep of the squared distance has degree 6 along a line.
+    pub(super) fn integral(&self, line: &FieldLine, piece: (f64, f64)) -> f64 {
         gauss4(piece, |t| self.at(line.at(t)))
     }
 }
 
-/// 1 within the inner radius, 0 beyond the outer, a smoothstep in the square of the distance between.
+/// Returns 1 inside the inner radius, 0 outside the outer radius, and a smoothstep of the squared
+/// distance in between.
 pub(super) fn fade(distance_squared: f64, inner: f64, outer: f64) -> f64 {
     if distance_squared <= inner * inner {
         1.0

@@ -1,36 +1,38 @@
-//! Values at the centres of a box's cells, trilinear in between.
+//! A grid of values at the centres of cells, with trilinear interpolation.
 //!
-//! Between the outermost centres and the faces of the box a value is that of the nearest point on the box of centres, so that a grid
-//! of one cell is constant. Along a line a trilinear value is a cubic from one plane of centres to the next: two points integrate it
-//! exactly.
+//! Between the outermost centres and the faces of the box, the interpolation uses the values at the
+//! outermost centres. A grid of one cell is thus constant. Along a line, a trilinear function is a
+//! cubic between two planes of centres. Two Gauss points integrate this cubic exactly.
 
-use super::Line;
+use super::FieldLine;
 use crate::error::{Error, Result};
 use crate::math::quadrature::gauss2;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
-/// A grid of values, none negative.
+/// A grid of non-negative values.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Grid {
+pub struct FieldGrid {
     resolution: [usize; 3],
-    /// Values at the cells' centres, x fastest, then y, then z. Single precision: a grid may be large.
+    /// The values at the centres of the cells, x fastest, then y, then z. Single precision saves
+    /// memory.
     values: Vec<f32>,
-    /// How many blocks there are along each axis.
+    /// The number of blocks along each axis.
     blocks: [usize; 3],
     /// The largest value in each block.
     maxima: Vec<f32>,
 }
 
-/// Steps between centres along each side of a block of which the largest value is kept: empty blocks are passed over, and bounds
-/// along a line are taken from them.
+/// The side of a block in steps between centres. Each block stores its largest value. This value
+/// allows empty blocks to be skipped, and bounds the value along a line.
 const BLOCK: usize = 8;
 
-impl Grid {
-    /// A grid from values at the cells' centres, x fastest, then y, then z.
+impl FieldGrid {
+    /// Creates a grid from the values at the centres of its cells, x fastest, then y, then z.
     ///
     /// # Errors
-    /// Another number of values than cells, no cell at all, values that are negative or not finite.
+    /// The number of values is not the number of cells, there is no cell, or a value is negative or
+    /// not finite in single precision.
     pub fn new(resolution: [usize; 3], values: impl ExactSizeIterator<Item = f64>) -> Result<Self> {
         let [x, y, z] = resolution;
         let cells = x.checked_mul(y).and_then(|cells| cells.checked_mul(z)).filter(|&cells| cells > 0);
@@ -54,7 +56,7 @@ impl Grid {
         Ok(grid)
     }
 
-    /// The largest value at the centres that a block reaches, its far faces included.
+    /// The largest value at the centres in a block, including those on its far faces.
     fn max_in_block(&self, block: [usize; 3]) -> f32 {
         let range = |axis: usize| {
             let first = block[axis] * BLOCK;
@@ -78,7 +80,7 @@ impl Grid {
         self.value(self.cells_per_length(bounds) * (local - bounds.0) - DVec3::splat(0.5))
     }
 
-    /// The value at a place counted in centres.
+    /// The value at a point in units of cells, counted from the first centre.
     fn value(&self, place: DVec3) -> f64 {
         let mut corner = [0; 3];
         let mut share = [0.0; 3];
@@ -107,14 +109,14 @@ impl Grid {
         DVec3::new(x, y, z) / (bounds.1 - bounds.0)
     }
 
-    /// The line in units of cells, counted from the first centre.
-    fn in_centres(&self, line: &Line, bounds: (DVec3, DVec3)) -> Line {
+    /// Converts a line to units of cells, counted from the first centre.
+    fn in_centres(&self, line: &FieldLine, bounds: (DVec3, DVec3)) -> FieldLine {
         let scale = self.cells_per_length(bounds);
-        Line { origin: scale * (line.origin - bounds.0) - DVec3::splat(0.5), direction: scale * line.direction }
+        FieldLine { origin: scale * (line.origin - bounds.0) - DVec3::splat(0.5), direction: scale * line.direction }
     }
 
-    /// The largest of the blocks' bounds along the line.
-    pub(super) fn majorant(&self, line: &Line, window: (f64, f64), bounds: (DVec3, DVec3)) -> f64 {
+    /// The largest bound of the blocks along the line.
+    pub(super) fn majorant(&self, line: &FieldLine, window: (f64, f64), bounds: (DVec3, DVec3)) -> f64 {
         let mut max = 0.0_f32;
         let _ = self.for_each_block(&self.in_centres(line, bounds), window, |_, bound| {
             max = max.max(bound);
@@ -123,52 +125,54 @@ impl Grid {
         f64::from(max)
     }
 
-    /// From plane of centres to plane of centres, through the blocks that hold anything.
+    /// Visits the pieces between planes of centres, in the blocks that are not empty.
     pub(super) fn for_each_piece(
         &self,
-        line: &Line,
+        line: &FieldLine,
         window: (f64, f64),
         bounds: (DVec3, DVec3),
         mut visit: impl FnMut((f64, f64)) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let line = self.in_centres(line, bounds);
         let planes = self.resolution.map(|cells| cells as i64 - 1);
-        self.for_each_block(&line, window, |stretch, bound| {
-            if bound > 0.0 { for_each_step(&line, stretch, planes, &mut visit) } else { ControlFlow::Continue(()) }
+        self.for_each_block(&line, window, |piece, bound| {
+            if bound > 0.0 { for_each_step(&line, piece, planes, &mut visit) } else { ControlFlow::Continue(()) }
         })
     }
 
     fn for_each_block(
         &self,
-        line: &Line,
+        line: &FieldLine,
         window: (f64, f64),
         mut visit: impl FnMut((f64, f64), f32) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let per_block = 1.0 / BLOCK as f64;
-        let blocks = Line { origin: per_block * line.origin, direction: per_block * line.direction };
+        let blocks = FieldLine { origin: per_block * line.origin, direction: per_block * line.direction };
         let planes = self.blocks.map(|count| count as i64 - 1);
-        for_each_step(&blocks, window, planes, |stretch| {
-            let middle = blocks.at(0.5 * (stretch.0 + stretch.1));
+        for_each_step(&blocks, window, planes, |piece| {
+            let middle = blocks.at(0.5 * (piece.0 + piece.1));
             let index = |axis: usize| (middle[axis].max(0.0) as usize).min(self.blocks[axis] - 1);
             let block = index(0) + self.blocks[0] * (index(1) + self.blocks[1] * index(2));
-            visit(stretch, self.maxima[block])
+            visit(piece, self.maxima[block])
         })
     }
 
-    pub(super) fn integral(&self, line: &Line, piece: (f64, f64), bounds: (DVec3, DVec3)) -> f64 {
+    pub(super) fn integral(&self, line: &FieldLine, piece: (f64, f64), bounds: (DVec3, DVec3)) -> f64 {
         let line = self.in_centres(line, bounds);
         gauss2(piece, |t| self.value(line.at(t)))
     }
 }
 
-/// Steps along a line from one plane of whole coordinates, 0 to `last` on each axis, to the next (Amanatides & Woo 1987).
+/// Visits the pieces of a line between the planes of integer coordinates (Amanatides & Woo 1987).
+/// The coordinates go from 0 to `last` on each axis.
 fn for_each_step(
-    line: &Line,
+    line: &FieldLine,
     (from, to): (f64, f64),
     last: [i64; 3],
     mut visit: impl FnMut((f64, f64)) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    // The next plane on each axis, and where the line crosses it; counted in whole planes, so that no error adds up.
+    // The next plane on each axis and the parameter of its crossing. The parameter is computed from
+    // the integer, so that rounding errors do not accumulate.
     let start = line.at(from);
     let mut plane = [0_i64; 3];
     let crossing = |axis: usize, plane: i64| {
@@ -191,7 +195,7 @@ fn for_each_step(
                 next[axis] = crossing(axis, plane[axis]);
             }
         }
-        // Rounding may put the first plane behind the start.
+        // Rounding may place the first crossing before the start.
         if end > t {
             visit((t, end))?;
             t = end;

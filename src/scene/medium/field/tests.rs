@@ -1,25 +1,25 @@
-//! Fields against brute force, closed forms and each other.
+//! Compares fields with brute force, with closed forms and with each other.
 
 use super::*;
 use crate::math::random::{Purpose, Stream};
 use std::f64::consts::PI;
 
-/// A box of uneven sides, off the origin.
+/// A box with unequal sides, away from the origin.
 const BOUNDS: (DVec3, DVec3) = (DVec3::new(-1.0, 0.5, -2.0), DVec3::new(1.5, 2.0, 1.0));
 
 fn random(number: u64) -> Stream {
     Stream::new(3, Purpose::Pilot, 0, number)
 }
 
-/// A turned, unevenly scaled and moved placement, from the scene to the field.
+/// A map from the scene to the field with rotation, uneven scale and translation.
 fn placement() -> DAffine3 {
     let turned = DAffine3::from_axis_angle(DVec3::new(1.0, -2.0, 0.5).normalize(), 0.8);
     (DAffine3::from_translation(DVec3::new(0.3, -1.0, 2.0)) * DAffine3::from_scale(DVec3::new(2.0, 0.5, 1.3)) * turned)
         .inverse()
 }
 
-/// Values from 10⁻⁶ to 1, some cells empty, and single spikes.
-fn spiky_grid(resolution: [usize; 3]) -> Grid {
+/// A grid with values up to 10⁻⁶, empty cells, and single cells of value 1.
+fn spiky_grid(resolution: [usize; 3]) -> FieldGrid {
     let mut stream = random(1);
     let cells = resolution.iter().product::<usize>();
     let mut value = || match stream.uniform() {
@@ -28,24 +28,25 @@ fn spiky_grid(resolution: [usize; 3]) -> Grid {
         u => 1e-6 * u,
     };
     let values: Vec<f64> = (0..cells).map(|_| value()).collect();
-    Grid::new(resolution, values.into_iter()).unwrap()
+    FieldGrid::new(resolution, values.into_iter()).unwrap()
 }
 
-fn planet_shape() -> Shape {
+fn planet_shape() -> FieldShape {
     let planet = Planet { center: DVec3::new(0.2, -0.6, -0.4), radius: 1.4 };
-    Shape::Atmosphere(Atmosphere { value: 2.0, scale_height: 0.11, above: Ground::Planet(planet) })
+    FieldShape::Atmosphere(Atmosphere { value: 2.0, scale_height: 0.11, above: Ground::Planet(planet) })
 }
 
-fn shapes() -> Vec<(&'static str, Shape)> {
-    let ball = |falloff| Shape::Ball(Ball { value: 3.0, center: DVec3::new(0.4, 1.2, -0.5), radius: 0.7, falloff });
+fn shapes() -> Vec<(&'static str, FieldShape)> {
+    let ball =
+        |falloff| FieldShape::Ball(BallField { value: 3.0, center: DVec3::new(0.4, 1.2, -0.5), radius: 0.7, falloff });
     let noise = Noise { value: 2.0, scale: 0.5, octaves: 3, threshold: 0.45, falloff: 0.5, seed: 7 };
     vec![
-        ("constant", Shape::Constant(0.7)),
-        ("one cell", Shape::Grid(Grid::new([1, 1, 1], [0.25].into_iter()).unwrap())),
-        ("flat grid", Shape::Grid(spiky_grid([5, 1, 4]))),
-        ("grid", Shape::Grid(spiky_grid([19, 8, 33]))),
-        ("noise", Shape::Grid(noise.grid(BOUNDS).unwrap())),
-        ("plain", Shape::Atmosphere(Atmosphere { value: 2.0, scale_height: 0.3, above: Ground::Plain(0.5) })),
+        ("constant", FieldShape::Constant(0.7)),
+        ("one cell", FieldShape::Grid(FieldGrid::new([1, 1, 1], [0.25].into_iter()).unwrap())),
+        ("flat grid", FieldShape::Grid(spiky_grid([5, 1, 4]))),
+        ("grid", FieldShape::Grid(spiky_grid([19, 8, 33]))),
+        ("noise", FieldShape::Grid(noise.grid(BOUNDS).unwrap())),
+        ("plain", FieldShape::Atmosphere(Atmosphere { value: 2.0, scale_height: 0.3, above: Ground::Plain(0.5) })),
         ("planet", planet_shape()),
         ("hard ball", ball(0.0)),
         ("soft ball", ball(0.3)),
@@ -53,12 +54,13 @@ fn shapes() -> Vec<(&'static str, Shape)> {
     ]
 }
 
-fn fields() -> Vec<(&'static str, Field)> {
-    let place = |(name, shape)| (name, Field::new(shape, BOUNDS, placement()));
+fn fields() -> Vec<(&'static str, ScalarField)> {
+    let place = |(name, shape)| (name, ScalarField::new(shape, BOUNDS, placement()));
     shapes().into_iter().map(place).collect()
 }
 
-/// Rays from inside and outside the field's box, towards it and past it, with lengths that end before, in and behind it.
+/// Rays that start inside and outside the box of the field. Some cross the box and others miss it.
+/// The rays end before, inside and behind the box.
 fn rays(count: u64) -> impl Iterator<Item = (Ray, f64)> {
     let to_world = placement().inverse();
     let place = move |u: [f64; 3], spread: f64| {
@@ -74,8 +76,8 @@ fn rays(count: u64) -> impl Iterator<Item = (Ray, f64)> {
     })
 }
 
-/// The integral by very many midpoint steps between ends.
-fn by_force(field: &Field, ray: &Ray, (from, to): (f64, f64), steps: u32) -> f64 {
+/// The integral by the midpoint rule between two distances.
+fn by_force(field: &ScalarField, ray: &Ray, (from, to): (f64, f64), steps: u32) -> f64 {
     let step = (to - from) / f64::from(steps);
     (0..steps).map(|i| field.at(ray.at(from + (f64::from(i) + 0.5) * step))).sum::<f64>() * step
 }
@@ -91,7 +93,7 @@ fn the_column_is_the_integral_of_the_value_along_the_ray() {
             };
             assert!(window.0 >= 0.0 && window.1 <= length && window.0 < window.1);
             let brute = by_force(&field, &ray, window, 20_000);
-            // Midpoint steps across a jump are off by up to half a step on either side.
+            // The midpoint rule has an error of half a step at each jump.
             let jumps = if name == "hard ball" { 1.0 / 20_000.0 } else { 1e-7 };
             let bound = jumps * field.max() * (window.1 - window.0) + 1e-6 * column;
             assert!((column - brute).abs() < bound, "{name}: {column} against {brute} of {window:?}");
@@ -100,7 +102,7 @@ fn the_column_is_the_integral_of_the_value_along_the_ray() {
 }
 
 #[test]
-fn halves_of_a_ray_add_up_to_rounding() {
+fn columns_of_two_halves_add_up() {
     for (name, field) in fields() {
         for (ray, length) in rays(60) {
             let (middle, far) = (0.4 * length.min(3.0), length.min(50.0));
@@ -126,7 +128,7 @@ fn the_distance_at_a_column_holds_that_column() {
                 let t = field.distance_at(&ray, length, share * whole).expect("the ray holds that much");
                 assert!(t >= 0.0 && t <= length);
                 let column = field.column_m(&ray, t);
-                // Where the field is steep, t itself has no more digits.
+                // The rounding error of t itself.
                 let rounding = 4.0 * f64::EPSILON * t * field.max();
                 let off = (column - share * whole).abs();
                 assert!(
@@ -160,12 +162,12 @@ fn no_value_along_a_ray_exceeds_its_majorant() {
 }
 
 #[test]
-fn rays_along_faces_edges_and_planes_of_centres_are_whole() {
-    // Values 0, 1, 2, … along x, so that the integral along x is that of a line with held ends.
+fn rays_along_faces_and_planes_of_centres_are_exact() {
+    // Values 0, 1, 2, … along x: the field is linear in x and constant beyond the outer centres.
     let cells = 6;
     let values: Vec<f64> = (0..cells * 4).map(|i| (i % cells) as f64).collect();
-    let grid = Shape::Grid(Grid::new([cells, 2, 2], values.into_iter()).unwrap());
-    let field = Field::new(grid, (DVec3::ZERO, DVec3::new(6.0, 2.0, 2.0)), DAffine3::IDENTITY);
+    let grid = FieldShape::Grid(FieldGrid::new([cells, 2, 2], values.into_iter()).unwrap());
+    let field = ScalarField::new(grid, (DVec3::ZERO, DVec3::new(6.0, 2.0, 2.0)), DAffine3::IDENTITY);
     for y in [0.0, 0.5, 1.0, 1.5, 2.0] {
         for z in [0.0, 0.5, 1.7, 2.0] {
             for (x, direction) in [(-1.0, DVec3::X), (7.0, DVec3::NEG_X), (0.0, DVec3::X), (6.0, DVec3::NEG_X)] {
@@ -177,22 +179,24 @@ fn rays_along_faces_edges_and_planes_of_centres_are_whole() {
     let beside = Ray::new(DVec3::new(-1.0, 2.0 + 1e-12, 1.0), DVec3::X);
     assert_eq!(field.column_m(&beside, f64::INFINITY), 0.0);
     assert_eq!(field.window(&beside, f64::INFINITY), None);
-    // Up the first centres, where the value is 0, and down the last.
+    // Two lines: one in the first plane of cell centres, where the value is 0, and one in the last
+    // plane.
     assert_eq!(field.column_m(&Ray::new(DVec3::new(0.5, -1.0, 0.5), DVec3::Y), 10.0), 0.0);
     assert!((field.column_m(&Ray::new(DVec3::new(5.5, 3.0, 0.5), DVec3::NEG_Y), 10.0) - 10.0).abs() < 1e-12);
 }
 
 #[test]
-fn a_planet_s_air_has_its_exact_columns() {
+fn the_columns_of_a_planetary_atmosphere_are_exact() {
     let (radius, scale_height) = (6_371e3, 8e3);
     let center = DVec3::new(0.0, -radius, 0.0);
     let air = Atmosphere { value: 1.0, scale_height, above: Ground::Planet(Planet { center, radius }) };
     let far = DVec3::splat(7e6);
-    let field = Field::new(Shape::Atmosphere(air), (center - far, center + far), DAffine3::IDENTITY);
-    // Straight up the column is the scale height.
+    let field = ScalarField::new(FieldShape::Atmosphere(air), (center - far, center + far), DAffine3::IDENTITY);
+    // The column density of a vertical ray equals the scale height.
     let up = field.column_m(&Ray::new(DVec3::ZERO, DVec3::Y), f64::INFINITY);
     assert!((up / scale_height - 1.0).abs() < 1e-12, "{up}");
-    // Along the horizon: ∫ exp(−(√(R² + s²) − R)/H) ds = R e^{R/H} K₁(R/H), by K₁'s series for large arguments.
+    // Along the horizon: ∫ exp(−(√(R² + s²) − R)/H) ds = R e^{R/H} K₁(R/H), with the series of K₁
+    // for large arguments.
     let x = radius / scale_height;
     let bessel = (PI / (2.0 * x)).sqrt()
         * (1.0 + 3.0 / (8.0 * x) - 15.0 / (128.0 * x * x) + 315.0 / (3072.0 * x.powi(3))
@@ -201,7 +205,7 @@ fn a_planet_s_air_has_its_exact_columns() {
         let along = field.column_m(&Ray::new(DVec3::ZERO, direction), f64::INFINITY);
         assert!((along / (radius * bessel) - 1.0).abs() < 1e-11, "{along} against {}", radius * bessel);
     }
-    // A grazing ray from space: twice the half column at its height, whichever way it is cut.
+    // A grazing ray from space: twice the column from its lowest point outwards.
     let height = 3_000.0;
     let ray = Ray::new(DVec3::new(-6.9e6, height, 0.0), DVec3::X);
     let x = (radius + height) / scale_height;
@@ -214,7 +218,7 @@ fn a_planet_s_air_has_its_exact_columns() {
         let column = field.column_m(&ray, t);
         assert!((column / (share * whole) - 1.0).abs() < 1e-10, "{share}: {column}");
     }
-    // Through the planet the ground's value is held.
+    // The value inside the planet equals the value at the ground.
     let through = field.column_m(&Ray::new(DVec3::ZERO, DVec3::NEG_Y), 1000.0);
     assert!((through - 1000.0).abs() < 1e-6, "{through}");
 }
@@ -222,7 +226,7 @@ fn a_planet_s_air_has_its_exact_columns() {
 #[test]
 fn halving_the_step_quarters_the_error_of_a_march() {
     for (name, field) in fields().into_iter().filter(|(name, _)| ["plain", "planet", "flat grid"].contains(name)) {
-        // Over many rays, since where a step meets a kink is chance.
+        // Averaged over many rays, because the position of kinks between steps is random.
         let error = |steps: u32| {
             let error =
                 |ray: &Ray, length: f64| field.column_by_steps(ray, length, steps) - field.column_m(ray, length);
@@ -235,13 +239,13 @@ fn halving_the_step_quarters_the_error_of_a_march() {
 }
 
 #[test]
-fn a_seed_decides_the_noise_and_thresholds_leave_the_rest_empty() {
+fn the_seed_and_the_threshold_determine_the_noise() {
     let noise = Noise { value: 2.0, scale: 0.5, octaves: 4, threshold: 0.5, falloff: 0.0, seed: 1 };
     let grid = noise.grid(BOUNDS).unwrap();
     assert_eq!(grid, noise.grid(BOUNDS).unwrap());
     assert_ne!(grid, Noise { seed: 2, ..noise }.grid(BOUNDS).unwrap());
-    let share_empty = |grid: Grid| {
-        let field = Field::new(Shape::Grid(grid), BOUNDS, DAffine3::IDENTITY);
+    let share_empty = |grid: FieldGrid| {
+        let field = ScalarField::new(FieldShape::Grid(grid), BOUNDS, DAffine3::IDENTITY);
         let mut stream = random(9);
         let empty = |_| field.at(BOUNDS.0 + DVec3::from(stream.triple()) * (BOUNDS.1 - BOUNDS.0)) == 0.0;
         (0..4000).map(empty).filter(|&empty| empty).count()
@@ -255,9 +259,9 @@ fn a_seed_decides_the_noise_and_thresholds_leave_the_rest_empty() {
 }
 
 #[test]
-fn only_air_that_thins_out_within_a_cell_is_too_fine_for_a_grid() {
+fn only_thin_atmospheres_are_too_fine_for_a_grid() {
     for (name, field) in fields() {
-        // The longest side is 3: of 32 cells each has 0.094, of 4 cells 0.75.
+        // The longest side is 3: one of 32 cells is 0.094 long, one of 4 cells 0.75.
         assert!(field.is_smooth_in_cells(32), "{name}");
         assert_eq!(field.is_smooth_in_cells(4), !["plain", "planet"].contains(&name), "{name}");
     }

@@ -1,0 +1,16 @@
+//! The interface of the library for its users: scenes, options, images.
+//!
+//! The crate root re-exports the public items of this module. The command line also uses the
+//! helpers [`PlanReport`] and [`provenance`]. Therefore the library and the command line write the
+//! same files.
+
+mod options;
+mod plan_report;
+pub mod provenance;
+mod rendered_image;
+mod scene;
+
+pub use options::RenderOptions;
+pub use plan_report::PlanReport;
+pub use rendered_image::{Image, PixelSpectrum};
+pub use scene::Scene;

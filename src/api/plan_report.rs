@@ -1,0 +1,125 @@
+//! The plan of a render in a form for programs. `abbe explain --json` prints the plan, and the
+//! headers of pictures contain it.
+
+use crate::plan::explain;
+use crate::render::{DiffractionSetup, Job};
+use crate::scene::camera::{ApertureDiffraction, Camera, DepthOfField};
+use crate::scene::facts::Facts;
+use serde::Serialize;
+
+/// The plan of a render.
+#[derive(Debug, Serialize)]
+pub struct PlanReport<'a> {
+    effects: Vec<EffectReport<'a>>,
+    wavelengths: &'static str,
+    passes: u64,
+    photons: u64,
+    /// The number of photons within the first radius, or null if the scene fixes the radius.
+    nearest: Option<u32>,
+    /// The first radius in m, if the scene fixes it.
+    radius_m: Option<f64>,
+    memory_bytes: u64,
+    /// The largest movement of an object in pixels while the shutter is open, or null if nothing
+    /// moves.
+    motion_px: Option<f64>,
+    camera: CameraReport,
+    /// Spectra reconstructed from RGB, and lights with spectral lines. Null unless the scene has
+    /// both.
+    guessed_colours: Option<GuessedColours>,
+    notes: &'a [String],
+}
+
+#[derive(Debug, Serialize)]
+struct GuessedColours {
+    upsampled: Vec<String>,
+    line_lamps: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct EffectReport<'a> {
+    name: &'static str,
+    state: &'static str,
+    because: &'a str,
+    field: &'static str,
+    /// If the effect is on, its cost. If the effect is off, the meaning of its absence.
+    consequence: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct CameraReport {
+    /// Horizontal and vertical.
+    field_of_view_degrees: [f64; 2],
+    /// Null for a pinhole.
+    depth_of_field: Option<DepthReport>,
+    /// Null for a pinhole.
+    diffraction: Option<DiffractionReport>,
+}
+
+#[derive(Debug, Serialize)]
+struct DiffractionReport {
+    /// The diameter 2.44 λN of the Airy disk at 550 nm.
+    airy_diameter_px: f64,
+    /// Whether the Airy disk is wider than a pixel.
+    matters: bool,
+    simulated: bool,
+    /// The number of wavelength slices stored on the film. Each slice needs 48 bytes per pixel.
+    slices: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct DepthReport {
+    focus_m: f64,
+    near_m: f64,
+    /// Null if the far limit lies at infinity.
+    far_m: Option<f64>,
+    hyperfocal_m: f64,
+    blur_at_infinity_px: f64,
+}
+
+impl CameraReport {
+    fn of(camera: &Camera, slices: usize) -> Self {
+        let diffraction = ApertureDiffraction::of(camera).map(|diffraction| DiffractionReport {
+            airy_diameter_px: diffraction.airy_diameter_px(),
+            matters: diffraction.matters(),
+            simulated: slices > 0,
+            slices,
+        });
+        let depth = DepthOfField::of(camera).map(|depth| {
+            let DepthOfField { focus_m, near_m, far_m, hyperfocal_m, blur_at_infinity_px } = depth;
+            let far_m = far_m.is_finite().then_some(far_m);
+            DepthReport { focus_m, near_m, far_m, hyperfocal_m, blur_at_infinity_px }
+        });
+        let field_of_view_degrees = camera.field_of_view().map(f64::to_degrees);
+        Self { field_of_view_degrees, depth_of_field: depth, diffraction }
+    }
+}
+
+impl<'a> PlanReport<'a> {
+    /// Collects the plan of a job.
+    pub fn of(job: &'a Job) -> Self {
+        let effects = job.rows.iter().map(|row| EffectReport {
+            name: row.effect.name,
+            state: row.state.word(),
+            because: &row.because,
+            field: row.effect.field,
+            consequence: if row.state.is_on() { row.effect.cost } else { row.effect.absent },
+        });
+        let budget = &job.budget;
+        let Facts { upsampled, line_lights: line_lamps, .. } = Facts::of(&job.scene);
+        let slices = job.diffraction.as_ref().map_or(0, DiffractionSetup::slices);
+        let both = !upsampled.is_empty() && !line_lamps.is_empty();
+        Self {
+            effects: effects.collect(),
+            wavelengths: explain::wavelengths_word(&job.plan),
+            passes: budget.passes,
+            photons: budget.photons,
+            nearest: budget.radius_m.is_none().then_some(budget.nearest),
+            radius_m: budget.radius_m,
+            memory_bytes: budget.memory_bytes,
+            motion_px: job.scene.moves().then_some(budget.motion_px),
+            camera: CameraReport::of(&job.scene.camera, slices),
+            guessed_colours: both.then_some(GuessedColours { upsampled, line_lamps }),
+            notes: &job.scene.notes,
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! The provenance of a picture: the entries of its file's header, and a hash of its scene.
+
+use std::path::Path;
+
+use crate::format::JsonSource;
+use crate::format::resolve;
+use crate::output::exr::read_metadata;
+use crate::output::hash::IdentityHash;
+use crate::output::metadata::{Metadata, names};
+use crate::render::{Integrator, Job, Request, Stats};
+use serde_json::Value;
+
+use super::plan_report::PlanReport;
+
+/// Returns the header entries that describe a scene and its plan. `source` is the text of the
+/// scene. A scene built in Rust has no text.
+pub fn of_scene(source: Option<&JsonSource>, job: &Job, integrator: Integrator) -> Metadata {
+    let mut metadata = Metadata::new().with(names::VERSION, env!("CARGO_PKG_VERSION"));
+    if let Some(source) = source {
+        let scene: Value = serde_json::from_str(&source.text).unwrap_or(Value::Null);
+        metadata =
+            metadata.with(names::SCENE_HASH, &scene_hash(&scene, source.folder())).with_json(names::SCENE, &scene);
+    }
+    metadata
+        .with_json(names::PLAN, &PlanReport::of(job))
+        .with(names::INTEGRATOR, integrator.word())
+        .with(names::SEED, &job.budget.seed.to_string())
+        .with(names::PHOTONS, &job.budget.photons.to_string())
+        .with_json(names::NOTES, &job.scene.notes)
+}
+
+/// Adds the header entries that describe a finished render.
+pub fn of_render(of_scene: &Metadata, stats: &Stats) -> Metadata {
+    of_scene
+        .clone()
+        .with(names::PASSES, &stats.passes.to_string())
+        .with_json(names::LEDGER, &stats.ledger_w)
+        .with(names::SECONDS, &format!("{:.3}", stats.seconds.total))
+}
+
+/// Whether a file contains a finished picture of this scene. If the request limits the number of
+/// passes, the picture must have at least as many passes.
+pub fn is_finished(path: &Path, of_scene: &Metadata, request: Request, job: &Job) -> bool {
+    let Ok(found) = read_metadata(path) else { return false };
+    let same =
+        [names::VERSION, names::SCENE_HASH, names::INTEGRATOR].iter().all(|name| found.get(name) == of_scene.get(name));
+    let passes = found.get(names::PASSES).and_then(|passes| passes.parse::<u64>().ok()).unwrap_or(0);
+    same && passes >= request.stop.passes_wanted(&job.budget).unwrap_or(1)
+}
+
+/// The keys of a scene's `render` section that do not change the result of a pass.
+const KEYS_WITHOUT_EFFECT_ON_A_PASS: [&str; 3] = ["passes", "threads", "checkpoint_seconds"];
+
+/// Hashes a scene and its files. Scenes with the same hash have equal passes. The
+/// hash ignores the number of passes, the number of threads, and the paths of the files.
+fn scene_hash(scene: &Value, folder: &Path) -> String {
+    let mut scene = scene.clone();
+    if let Some(Value::Object(render)) = scene.get_mut("render") {
+        render.retain(|key, _| !KEYS_WITHOUT_EFFECT_ON_A_PASS.contains(&key.as_str()));
+    }
+    let mut hash = IdentityHash::default();
+    hash.add_part(scene.to_string().as_bytes());
+    add_files(&scene, folder, &mut hash);
+    hash.hex()
+}
+
+/// Adds to the hash all files named in the scene, in the order of the text.
+fn add_files(value: &Value, folder: &Path, hash: &mut IdentityHash) {
+    match value {
+        Value::Object(entries) => {
+            for (key, value) in entries {
+                match value {
+                    Value::String(name) if ["path", "file", "image", "prescription"].contains(&key.as_str()) => {
+                        add_file(&folder.join(name), hash);
+                    }
+                    Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
+                    Value::Array(_) | Value::Object(_) => add_files(value, folder, hash),
+                }
+            }
+        }
+        Value::Array(values) => values.iter().for_each(|value| add_files(value, folder, hash)),
+        Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
+    }
+}
+
+/// Adds to the hash a file and all files named in it: the materials of an OBJ file, the buffers and
+/// images of a glTF file, and the glass catalogues of a Zemax lens.
+fn add_file(path: &Path, hash: &mut IdentityHash) {
+    let Ok(bytes) = std::fs::read(path) else {
+        return;
+    };
+    hash.add_part(&bytes);
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+    match extension.as_deref() {
+        Some("obj") => {
+            let text = String::from_utf8_lossy(&bytes);
+            let named = text.lines().filter_map(|line| line.trim().strip_prefix("mtllib "));
+            named.for_each(|name| add_bytes(&folder.join(name.trim()), hash));
+        }
+        Some("gltf") => {
+            let gltf: Value = serde_json::from_slice(&bytes).unwrap_or(Value::Null);
+            let of = |list: &str| gltf.get(list).and_then(Value::as_array).cloned().unwrap_or_default();
+            let entries = [of("buffers"), of("images")].concat();
+            let named = entries.iter().filter_map(|entry| entry.get("uri")?.as_str());
+            named.filter(|uri| !uri.starts_with("data:")).for_each(|uri| add_bytes(&folder.join(uri), hash));
+        }
+        Some("zmx") => resolve::catalogues_beside(path, &bytes).iter().for_each(|path| add_bytes(path, hash)),
+        Some(_) | None => {}
+    }
+}
+
+fn add_bytes(path: &Path, hash: &mut IdentityHash) {
+    if let Ok(bytes) = std::fs::read(path) {
+        hash.add_part(&bytes);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn the_hash_covers_scene_and_files_but_not_passes() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("a.obj"), "mtllib a.mtl\n").unwrap();
+        std::fs::write(folder.path().join("a.mtl"), "newmtl red\n").unwrap();
+        let scene = |passes: u64, seed: u64| json!({"objects": [{"shape": {"mesh": {"path": "a.obj"}}}], "render": {"passes": passes, "seed": seed}});
+        let hash = |scene: &Value| scene_hash(scene, folder.path());
+        let first = hash(&scene(8, 0));
+        assert_eq!(first, hash(&scene(64, 0)));
+        assert_ne!(first, hash(&scene(8, 1)));
+        std::fs::write(folder.path().join("a.mtl"), "newmtl blue\n").unwrap();
+        let second = hash(&scene(8, 0));
+        assert_ne!(first, second);
+        std::fs::write(folder.path().join("a.obj"), "mtllib a.mtl\nv 0 0 0\n").unwrap();
+        assert_ne!(second, hash(&scene(8, 0)));
+        let lens = json!({"camera": {"lens": {"system": {"prescription": "a.lens"}}}});
+        let built_in = hash(&lens);
+        std::fs::write(folder.path().join("a.lens"), "{}").unwrap();
+        assert_ne!(built_in, hash(&lens));
+    }
+}

@@ -1,0 +1,177 @@
+//! Images with error bars.
+
+use std::path::Path;
+
+use super::provenance;
+use crate::colour::{RgbSpace, xyz_to_linear_srgb};
+use crate::error::Result;
+use crate::output::exr::{read, write};
+use crate::output::metadata::Metadata;
+use crate::output::png::write as write_png;
+use crate::render::{DisplaySettings, Job, Rendered, Stats};
+use crate::sensor::{Codes, Development, DisplayImage, Picture, develop, exposure};
+
+/// A picture in absolute units with an error estimate for every pixel.
+///
+/// Columns `x` count from the left and rows `y` from the top, both from 0. Methods that take a
+/// pixel panic if it lies outside the image.
+#[derive(Debug, Clone)]
+pub struct Image {
+    picture: Picture,
+    /// The conversion for a display, or `None` for a picture from a file.
+    showing: Option<DisplaySettings>,
+    stats: Option<Stats>,
+    metadata: Metadata,
+    interrupted: bool,
+}
+
+/// The spectral radiance of a pixel in bands of equal width.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct PixelSpectrum {
+    /// The centres of the bands in nm.
+    pub centres_nm: Vec<f64>,
+    /// The mean spectral radiance in each band, in W/m²/sr/nm.
+    pub values: Vec<f64>,
+}
+
+impl Image {
+    /// An image of a finished render; `metadata` describes its scene.
+    pub(super) fn of_render(rendered: Rendered, job: &Job, metadata: &Metadata) -> Self {
+        let metadata = provenance::of_render(metadata, &rendered.stats);
+        Self {
+            picture: rendered.picture,
+            showing: Some(DisplaySettings::of(job)),
+            stats: Some(rendered.stats),
+            metadata,
+            interrupted: rendered.interrupted,
+        }
+    }
+
+    /// Reads an image from an EXR file written by Abbe.
+    ///
+    /// # Errors
+    /// The file cannot be read or is not an EXR file with the layers of Abbe.
+    pub fn read_exr(path: impl AsRef<Path>) -> Result<Self> {
+        let file = read(path.as_ref())?;
+        Ok(Self { picture: file.picture, showing: None, stats: None, metadata: file.metadata, interrupted: false })
+    }
+
+    /// The number of pixels in a row.
+    pub fn width(&self) -> usize {
+        self.picture.width
+    }
+
+    /// The number of rows.
+    pub fn height(&self) -> usize {
+        self.picture.height
+    }
+
+    fn index(&self, x: usize, y: usize) -> usize {
+        let (width, height) = (self.width(), self.height());
+        assert!(x < width && y < height, "the pixel {x}, {y} lies outside of {width} × {height} pixels");
+        y * width + x
+    }
+
+    /// The CIE tristimulus values X, Y, Z of a pixel; Y is the luminance in cd/m².
+    pub fn xyz(&self, x: usize, y: usize) -> [f64; 3] {
+        self.picture.xyz[self.index(x, y)]
+    }
+
+    /// The linear sRGB components of a pixel. White of 1 cd/m² has the components 1, 1, 1; colours
+    /// outside the gamut have negative components.
+    pub fn linear_rgb(&self, x: usize, y: usize) -> [f64; 3] {
+        xyz_to_linear_srgb(self.xyz(x, y))
+    }
+
+    /// The whole picture in 8-bit sRGB, rows from the top. The scene sets exposure, white balance
+    /// and gamut mapping. A picture from a file has automatic exposure.
+    pub fn to_srgb(&self) -> Vec<[u8; 3]> {
+        let screen = match self.showing {
+            Some(showing) => showing.in_space(RgbSpace::Srgb).screen(&self.picture),
+            None => self.with_automatic_exposure(),
+        };
+        match screen.codes {
+            Codes::Eight(codes) => codes,
+            Codes::Sixteen(codes) => codes.into_iter().map(|rgb| rgb.map(|code| (code >> 8) as u8)).collect(),
+        }
+    }
+
+    /// The picture in sRGB with automatic exposure.
+    fn with_automatic_exposure(&self) -> DisplayImage {
+        let development = Development::default();
+        develop(&self.picture, exposure::automatic(&self.picture, &development), &development)
+    }
+
+    /// The spectrum of a pixel, or `None` if the render did not store spectral bands.
+    pub fn spectrum(&self, x: usize, y: usize) -> Option<PixelSpectrum> {
+        let pixel = self.index(x, y);
+        let bands = self.picture.bands.as_ref()?;
+        let count = bands.centres_nm.len();
+        let values = &bands.values[pixel * count..(pixel + 1) * count];
+        Some(PixelSpectrum {
+            centres_nm: bands.centres_nm.clone(),
+            values: values.iter().map(|&value| f64::from(value)).collect(),
+        })
+    }
+
+    /// The standard error of Y in cd/m², or `None` if it is unknown.
+    pub fn noise(&self, x: usize, y: usize) -> Option<f64> {
+        self.picture.noise[self.index(x, y)].map(f64::from)
+    }
+
+    /// The estimated magnitude of the bias of Y in cd/m², or `None` if it is unknown.
+    pub fn bias(&self, x: usize, y: usize) -> Option<f64> {
+        self.picture.bias[self.index(x, y)].map(f64::from)
+    }
+
+    /// Whether the pixel is near an edge of the illumination. Kernels blur such an edge, and the
+    /// bias may be larger there than the estimate of [`bias`](Self::bias). `None` means unknown.
+    pub fn is_near_edge(&self, x: usize, y: usize) -> Option<bool> {
+        self.picture.edge[self.index(x, y)]
+    }
+
+    /// Half the width of the 95 % confidence interval of Y in cd/m², from noise and bias, or `None`
+    /// if one of them is unknown.
+    pub fn half_interval_95(&self, x: usize, y: usize) -> Option<f64> {
+        self.picture.half_interval_95(self.index(x, y), 0.0)
+    }
+
+    /// The relative error of the whole picture, √mean(noise² + bias²) / mean Y, or `None` if it is
+    /// unknown.
+    pub fn relative_error(&self) -> Option<f64> {
+        self.picture.error_means().relative
+    }
+
+    /// The statistics of the render, or `None` for a picture from a file.
+    pub fn stats(&self) -> Option<&Stats> {
+        self.stats.as_ref()
+    }
+
+    /// Whether the progress callback stopped the render early.
+    pub fn is_interrupted(&self) -> bool {
+        self.interrupted
+    }
+
+    /// Writes an EXR file: XYZ, error layers, spectral bands, and a header with scene, plan and
+    /// statistics.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write_exr(&self, path: impl AsRef<Path>) -> Result<()> {
+        write(path.as_ref(), &self.picture, &self.metadata)
+    }
+
+    /// Writes a PNG file. The scene sets colour space, exposure, white balance and gamut mapping. A
+    /// picture from a file is written in sRGB with automatic exposure.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write_png(&self, path: impl AsRef<Path>) -> Result<()> {
+        let screen = match &self.showing {
+            Some(showing) => showing.screen(&self.picture),
+            None => self.with_automatic_exposure(),
+        };
+        write_png(path.as_ref(), &screen)
+    }
+}

@@ -1,0 +1,261 @@
+//! Scenes: load, change, check and render.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use super::options::RenderOptions;
+use super::{Image, provenance};
+use crate::error::{Error, Result};
+use crate::format::resolve::resolve;
+use crate::format::{self, FileAccess, JsonSource, SceneFile};
+use crate::plan::explain;
+use crate::render::{Job, Monitor, Progress, on_threads};
+use crate::scene as model;
+
+/// A scene that can be rendered.
+///
+/// A scene comes from a file ([`load`](Self::load)), from JSON text ([`parse`](Self::parse)), or
+/// from the structs of [`format`](crate::format) ([`TryFrom<SceneFile>`](SceneFile)).
+///
+/// ```
+/// use abbe::{RenderOptions, Scene};
+///
+/// let scene = Scene::parse(
+///     r#"{
+///       "camera": {"from": [0, 1, 5], "at": [0, 1, 0], "lens": {"pinhole": {"fov": 40}}},
+///       "film": {"width": 16, "height": 9},
+///       "materials": {"grey": {"diffuse": {"reflectance": 0.5}}},
+///       "objects": [{"shape": {"rectangle": {"width": 10, "height": 10}}, "material": "grey"}],
+///       "lights": [{"point": {"at": [0, 3, 0], "spectrum": "D65", "power": 10}}]
+///     }"#,
+/// )?;
+/// let image = scene.render(&RenderOptions::default().passes(2))?;
+/// assert_eq!((image.width(), image.height()), (16, 9));
+/// # Ok::<(), abbe::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Scene {
+    origin: SceneOrigin,
+}
+
+/// Where a scene comes from.
+#[derive(Debug, Clone)]
+enum SceneOrigin {
+    /// JSON text, and the changes of this text in their order.
+    Text { text: String, path: PathBuf, changes: Vec<String>, access: FileAccess },
+    /// A resolved scene.
+    Model(Box<model::Scene>),
+}
+
+impl Scene {
+    /// Reads and checks a scene file.
+    ///
+    /// # Errors
+    /// The file cannot be read, is not valid JSON, has unknown keys, or has values of a wrong type
+    /// or out of range. The error contains the file, the line, the column and the JSON path.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        Self::of_text(format::read_text(path)?, path)
+    }
+
+    /// Reads and checks a scene from JSON text. The paths of files in the scene are relative to the
+    /// working directory.
+    ///
+    /// # Errors
+    /// The same as [`load`](Self::load).
+    pub fn parse(text: &str) -> Result<Self> {
+        Self::of_text(text.to_string(), Path::new("scene"))
+    }
+
+    fn of_text(text: String, path: &Path) -> Result<Self> {
+        format::parse(&text, path, &[])?;
+        let path = path.to_path_buf();
+        Ok(Self { origin: SceneOrigin::Text { text, path, changes: Vec::new(), access: FileAccess::default() } })
+    }
+
+    /// Changes one value of the scene, such as `objects[0].material="crown"` or
+    /// `render.max_depth=8`. The form is `PATH=JSON`.
+    ///
+    /// # Errors
+    /// The change is malformed, its path does not exist, or the value is wrong there. Only scenes
+    /// made from text can be changed.
+    pub fn with_change(mut self, change: &str) -> Result<Self> {
+        match &mut self.origin {
+            SceneOrigin::Text { text, path, changes, .. } => {
+                changes.push(change.to_string());
+                format::parse(text, path, changes)?;
+                Ok(self)
+            }
+            SceneOrigin::Model(_) => Err(Error::input("the scene has no text that could be changed")),
+        }
+    }
+
+    /// Allows the scene to use files outside the folder of its own file. By default, such files are
+    /// an error.
+    #[must_use]
+    pub fn allow_outside_files(mut self) -> Self {
+        match &mut self.origin {
+            SceneOrigin::Text { access, .. } => *access = FileAccess::Anywhere,
+            SceneOrigin::Model(_) => {}
+        }
+        self
+    }
+
+    /// Checks that the scene can be rendered: names, files, and values that depend on each other.
+    /// Returns notes for the user, for example about approximated materials.
+    ///
+    /// # Errors
+    /// A name is unknown, a file cannot be read, values contradict each other, or no light of the
+    /// scene is visible.
+    pub fn check(&self) -> Result<Vec<String>> {
+        Ok(self.job(&RenderOptions::default())?.0.scene.notes)
+    }
+
+    /// Describes in words which effects the renderer simulates for this scene, and why.
+    ///
+    /// # Errors
+    /// The same as [`check`](Self::check).
+    pub fn explain(&self) -> Result<String> {
+        let (job, _) = self.job(&RenderOptions::default())?;
+        Ok(explain::text(&job.scene, &job.plan, &job.rows, &job.budget))
+    }
+
+    /// Renders the scene.
+    ///
+    /// # Errors
+    /// Returns the errors of [`check`](Self::check), and an error if an option is out of range.
+    pub fn render(&self, options: &RenderOptions) -> Result<Image> {
+        self.render_with(options, |_| ControlFlow::Continue(()))
+    }
+
+    /// Renders the scene, and calls `progress` after every pass. If `progress` returns
+    /// [`ControlFlow::Break`], the render stops, and the image contains the passes so far.
+    ///
+    /// ```no_run
+    /// use abbe::{RenderOptions, Scene};
+    /// use std::ops::ControlFlow;
+    ///
+    /// let scene = Scene::load("scenes/newton.json")?;
+    /// let image = scene.render_with(&RenderOptions::default(), |progress| {
+    ///     println!("{} passes in {:?}", progress.passes, progress.elapsed);
+    ///     if progress.passes >= 8 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    /// })?;
+    /// image.write_exr("newton.exr")?;
+    /// # Ok::<(), abbe::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The same as [`render`](Self::render).
+    pub fn render_with(
+        &self,
+        options: &RenderOptions,
+        progress: impl FnMut(&Progress) -> ControlFlow<()> + Send,
+    ) -> Result<Image> {
+        let (job, source) = self.job(options)?;
+        let mut monitor = CallbackMonitor { progress };
+        let threads = job.scene.settings.threads;
+        let rendered = on_threads(threads, || job.render(options.request, &mut monitor))??;
+        let metadata = provenance::of_scene(source.as_ref(), &job, options.request.integrator);
+        Ok(Image::of_render(rendered, &job, &metadata))
+    }
+
+    /// Resolves and plans the scene; also returns its text.
+    fn job(&self, options: &RenderOptions) -> Result<(Job, Option<JsonSource>)> {
+        match &self.origin {
+            SceneOrigin::Text { text, path, changes, access } => {
+                let changes = [changes.clone(), options.changes()].concat();
+                let (file, source) = format::parse(text, path, &changes)?;
+                let source = source.with_file_access(*access);
+                let job = Job::new(resolve(&file, &source)?).map_err(|error| error.in_file(path))?;
+                Ok((job, Some(source)))
+            }
+            SceneOrigin::Model(scene) => {
+                if options.size.is_some() {
+                    return Err(Error::input("the size of a scene without text cannot be changed"));
+                }
+                let mut scene = model::Scene::clone(scene);
+                let settings = &mut scene.settings;
+                settings.photons = options.photons.or(settings.photons);
+                settings.seed = options.seed.or(settings.seed);
+                settings.threads = options.threads.or(settings.threads);
+                scene.film.spectral_bands = options.spectral_bands.unwrap_or(scene.film.spectral_bands);
+                Ok((Job::new(scene)?, None))
+            }
+        }
+    }
+}
+
+impl TryFrom<&SceneFile> for Scene {
+    type Error = Error;
+
+    /// Checks a scene built from the structs of the scene file.
+    fn try_from(file: &SceneFile) -> Result<Self> {
+        let text = serde_json::to_string_pretty(file)
+            .map_err(|error| Error::input(format!("the scene cannot be written as JSON: {error}")))?;
+        Self::parse(&text)
+    }
+}
+
+impl From<model::Scene> for Scene {
+    /// Wraps a resolved scene.
+    fn from(scene: model::Scene) -> Self {
+        Self { origin: SceneOrigin::Model(Box::new(scene)) }
+    }
+}
+
+/// Passes the progress of a render to a closure.
+struct CallbackMonitor<F> {
+    progress: F,
+}
+
+impl<F: FnMut(&Progress) -> ControlFlow<()> + Send> Monitor for CallbackMonitor<F> {
+    fn after_pass(&mut self, progress: &Progress) -> bool {
+        (self.progress)(progress).is_continue()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = r#"{
+      "camera": {"from": [0, 1, 5], "at": [0, 1, 0], "lens": {"pinhole": {"fov": 40}}},
+      "film": {"width": 6, "height": 4},
+      "materials": {"grey": {"diffuse": {"reflectance": 0.5}}},
+      "objects": [{"shape": {"rectangle": {"width": 10, "height": 10}}, "material": "grey"}],
+      "lights": [{"point": {"at": [0, 3, 0], "spectrum": "D65", "power": 10}}]
+    }"#;
+
+    #[test]
+    fn changes_and_options_apply_to_the_text() {
+        let scene = Scene::parse(TEXT).unwrap().with_change("film.width=8").unwrap();
+        let options = RenderOptions::default().passes(1).photons(100).spectral_bands(4);
+        let image = scene.render(&options).unwrap();
+        assert_eq!((image.width(), image.height()), (8, 4));
+        assert_eq!(image.spectrum(7, 3).unwrap().values.len(), 4);
+        let image = scene.render(&options.size(3, 2)).unwrap();
+        assert_eq!((image.width(), image.height()), (3, 2));
+        assert!(Scene::parse(TEXT).unwrap().with_change("film.width=-1").is_err());
+    }
+
+    #[test]
+    fn a_callback_stops_the_render() {
+        let options = RenderOptions::default().passes(5).photons(100);
+        let image = Scene::parse(TEXT).unwrap().render_with(&options, |_| ControlFlow::Break(())).unwrap();
+        assert!(image.is_interrupted());
+        assert_eq!(image.stats().map(|stats| stats.passes), Some(1));
+    }
+
+    #[test]
+    fn text_structs_and_model_give_equal_pixels() {
+        let (file, source) = format::parse(TEXT, Path::new("scene"), &[]).unwrap();
+        let options = RenderOptions::default().passes(1).photons(100).seed(3);
+        let scenes = [
+            Scene::parse(TEXT).unwrap(),
+            Scene::try_from(&file).unwrap(),
+            Scene::from(resolve(&file, &source).unwrap()),
+        ];
+        let [a, b, c] = scenes.map(|scene| scene.render(&options).unwrap());
+        assert!(a.xyz(3, 2) == b.xyz(3, 2) && a.xyz(3, 2) == c.xyz(3, 2));
+    }
+}

@@ -1,0 +1,98 @@
+//! `abbe metal`: the complex refractive index of a metal.
+
+use super::{Outcome, print, values};
+use crate::error::{Error, Result};
+use crate::spectrum::{BAND_NM, library};
+use serde::Serialize;
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct MetalArgs {
+    /// The symbol or the English name of a metal, as in `"conductor": {"metal": "gold"}`
+    #[arg(value_name = "NAME", required_unless_present = "list")]
+    name: Option<String>,
+    /// Print the index at these wavelengths in nm
+    #[arg(long, value_name = "NM,...", value_delimiter = ',', value_parser = values::wavelength_nm)]
+    #[arg(default_values_t = [450.0, 550.0, 650.0])]
+    at: Vec<f64>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    /// List all metals
+    #[arg(long, conflicts_with_all = ["name", "at"])]
+    list: bool,
+}
+
+/// The complex index n + ik at a wavelength.
+#[derive(Debug, Serialize)]
+struct MetalIndex {
+    nm: f64,
+    n: f64,
+    k: f64,
+    /// Reflectance at normal incidence from air.
+    reflectance: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct MetalReport<'a> {
+    symbol: &'a str,
+    name: &'a str,
+    source: &'a str,
+    index: Vec<MetalIndex>,
+}
+
+#[derive(Debug, Serialize)]
+struct MetalListing<'a> {
+    symbol: &'a str,
+    name: &'a str,
+    /// Another accepted spelling; empty if there is none.
+    also: &'a str,
+    source: &'a str,
+}
+
+#[derive(Debug, Serialize)]
+struct MetalList<'a> {
+    metals: Vec<MetalListing<'a>>,
+}
+
+pub(crate) fn run(arguments: &MetalArgs) -> Result<Outcome> {
+    match &arguments.name {
+        Some(name) => one(name, arguments)?,
+        None => list(arguments.json)?,
+    }
+    Ok(Outcome::Done)
+}
+
+fn list(json: bool) -> Result<()> {
+    let listing = |[symbol, name, also, source]: [&'static str; 4]| MetalListing { symbol, name, also, source };
+    let metals: Vec<MetalListing<'_>> = library::metals().map(listing).collect();
+    if json {
+        return print::json(&MetalList { metals });
+    }
+    let line = |metal: &MetalListing<'_>| format!("{:<4} {:<12} {}\n", metal.symbol, metal.name, metal.source);
+    print::result(&metals.iter().map(line).collect::<String>())
+}
+
+fn one(name: &str, arguments: &MetalArgs) -> Result<()> {
+    let outside = |nm: &&f64| !(BAND_NM.0..=BAND_NM.1).contains(*nm);
+    if let Some(nm) = arguments.at.iter().find(outside) {
+        let expected = format!("wavelengths from {} to {} nm", BAND_NM.0, BAND_NM.1);
+        return Err(Error::input(format!("the index at {nm} nm")).expected(expected));
+    }
+    let (n, k) = library::metal(name)?;
+    let is_named = |known: &[&str; 4]| known[..3].iter().any(|known| known.eq_ignore_ascii_case(name));
+    let [symbol, full, _, source] = library::metals().find(is_named).unwrap_or([name, name, "", ""]);
+    let at = |&nm: &f64| {
+        let (n, k) = (n.at(nm), k.at(nm));
+        let reflectance = ((n - 1.0).powi(2) + k * k) / ((n + 1.0).powi(2) + k * k);
+        MetalIndex { nm, n, k, reflectance }
+    };
+    let report = MetalReport { symbol, name: full, source, index: arguments.at.iter().map(at).collect() };
+    if arguments.json {
+        return print::json(&report);
+    }
+    let mut text = format!("{} ({})\n      nm         n         k  reflectance\n", report.name, report.symbol);
+    for MetalIndex { nm, n, k, reflectance } in &report.index {
+        text += &format!("{nm:>8} {n:>9.5} {k:>9.5} {:>10.2} %\n", 100.0 * reflectance);
+    }
+    print::result(&(text + &format!("source {}\n", report.source)))
+}

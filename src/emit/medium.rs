@@ -1,0 +1,172 @@
+//! Photon tracing through media that absorb and scatter.
+//!
+//! All wavelengths of a photon share one path. The free-flight distance and the scattered direction
+//! are sampled for one wavelength, the hero. The hero is selected in proportion to its power. The
+//! balance heuristic weights each wavelength, because each wavelength could have been the hero
+//! (spectral multiple importance sampling: Wilkie, Nawaz, Droske, Weidlich & Hanika 2014, "Hero
+//! Wavelength Spectral Sampling"). No weight exceeds the inverse of the wavelength's fraction of
+//! the power, even if the extinction varies strongly over the band.
+
+use super::photon_path::PhotonPath;
+use super::visitor::{MediumCollision, MediumCrossing, PhotonVisitor};
+use crate::geometry::Ray;
+use crate::math::random::Stream;
+use crate::plan::partition::LightPath;
+use crate::scene::Scene;
+use crate::scene::medium::Medium;
+use crate::spectrum::{LANES, Spectrum};
+use crate::walk::ledger::Ledger;
+use crate::walk::{
+    MAX_COLLISIONS, MediumSegment, NumberedMedium, RayState, SurfaceInteraction, next_interaction_through_media,
+};
+use glam::DVec3;
+use std::ops::ControlFlow;
+
+/// Advances the photon through media to the next surface. Returns `None` if the photon path ends
+/// before a surface.
+pub(super) fn advance_through_media<'a, V: PhotonVisitor>(
+    scene: &'a Scene,
+    path: &mut PhotonPath,
+    stream: &mut Stream,
+    visitor: &mut V,
+    ledger: &mut Ledger,
+) -> Option<SurfaceInteraction<'a>> {
+    for _ in 0..MAX_COLLISIONS {
+        let component = stream.uniform();
+        let mut collision = None;
+        let end = next_interaction_through_media(scene, path.ray_state, component, |segment| {
+            let Some(distance) = path.sample_segment(segment, stream, visitor, ledger) else {
+                return ControlFlow::Continue(());
+            };
+            collision = Some((*segment, distance));
+            ControlFlow::Break(())
+        });
+        match end {
+            ControlFlow::Continue(Some(interaction)) => return Some(interaction),
+            ControlFlow::Continue(None) => {
+                ledger.escaped += path.total_w();
+                return None;
+            }
+            ControlFlow::Break(()) => {}
+        }
+        let (segment, distance) = collision?;
+        if !path.scatter_in_medium(&segment, distance, stream, visitor, ledger) {
+            return None;
+        }
+    }
+    ledger.depth_limit += path.total_w();
+    None
+}
+
+impl PhotonPath {
+    /// Advances the photon along a segment. Returns the free-flight distance in m if the photon
+    /// collides with the medium before the end of the segment. The photon's power is attenuated to
+    /// the collision or to the end.
+    fn sample_segment<V: PhotonVisitor>(
+        &mut self,
+        segment: &MediumSegment<'_>,
+        stream: &mut Stream,
+        visitor: &mut V,
+        ledger: &mut Ledger,
+    ) -> Option<f64> {
+        let mut collision = None;
+        if let Some(medium) = segment.medium {
+            visitor.on_medium_crossing(&MediumCrossing { segment, medium, photon: &self.photon }, stream);
+            collision = self.sample_free_flight(medium.medium, segment, stream, ledger);
+        }
+        if let Some(absorption) = segment.absorption {
+            self.absorb(absorption, collision.unwrap_or(segment.length_m), ledger);
+        }
+        collision
+    }
+
+    /// Attenuates the photon in a clear body by Beer's law.
+    fn absorb(&mut self, absorption: &Spectrum, distance: f64, ledger: &mut Ledger) {
+        for k in 0..self.photon.wavelengths.count {
+            let depth = absorption.at(self.photon.wavelengths.nm[k]) * distance;
+            ledger.absorbed_inside += self.photon.power[k] * self.watts[k] * -(-depth).exp_m1();
+            self.photon.power[k] *= (-depth).exp();
+        }
+    }
+
+    /// Samples the free-flight distance in m, or `None` if the photon passes the segment without a
+    /// collision. Both outcomes change the photon's power.
+    fn sample_free_flight(
+        &mut self,
+        medium: &Medium,
+        segment: &MediumSegment<'_>,
+        stream: &mut Stream,
+        ledger: &mut Ledger,
+    ) -> Option<f64> {
+        let before = self.total_w();
+        let fractions = self.power_fractions();
+        let sigma_t = self.photon.wavelengths.each(|nm| medium.extinction.at(nm));
+        let sigma_hero = sigma_t[self.sample_hero(&fractions, stream)];
+        let column = -(-stream.uniform()).ln_1p() / sigma_hero;
+        let collision =
+            if sigma_hero > 0.0 { medium.distance_at(&segment.ray, segment.length_m, column) } else { None };
+        // The density of the outcome per wavelength: σ_t e^−τ for a collision at this column
+        // density, e^−τ for passing the whole segment. A common factor keeps e^−τ representable.
+        let column = if collision.is_some() { column } else { medium.column_m(&segment.ray, segment.length_m) };
+        let depth = |sigma: f64| if sigma > 0.0 { sigma * column } else { 0.0 };
+        let least = (0..LANES).filter(|&k| fractions[k] > 0.0).map(|k| depth(sigma_t[k])).fold(f64::INFINITY, f64::min);
+        let density = sigma_t.map(|sigma| {
+            let transmittance = (least - depth(sigma)).exp();
+            if collision.is_some() { sigma * transmittance } else { transmittance }
+        });
+        self.weight_by_balance_heuristic(&fractions, &density);
+        ledger.sampling += self.total_w() - before;
+        collision
+    }
+
+    /// Scatters the photon at a collision; returns whether the photon survives Russian roulette.
+    fn scatter_in_medium<V: PhotonVisitor>(
+        &mut self,
+        segment: &MediumSegment<'_>,
+        distance: f64,
+        stream: &mut Stream,
+        visitor: &mut V,
+        ledger: &mut Ledger,
+    ) -> bool {
+        let Some(numbered @ NumberedMedium { medium, .. }) = segment.medium else { return false };
+        let before = self.total_w();
+        for k in 0..self.photon.wavelengths.count {
+            let nm = self.photon.wavelengths.nm[k];
+            let (sigma_a, sigma_s) = (medium.absorption.at(nm), medium.scattering.at(nm));
+            let albedo = if sigma_a > 0.0 { sigma_s / (sigma_a + sigma_s) } else { 1.0 };
+            ledger.absorbed_inside += self.photon.power[k] * self.watts[k] * (1.0 - albedo);
+            self.photon.power[k] *= albedo;
+        }
+        let scattered = self.total_w();
+        let (position, incoming) = (segment.ray.at(distance), segment.ray.direction);
+        let collision = MediumCollision { position, incoming, medium: numbered, photon: &self.photon };
+        visitor.on_medium_collision(&collision, stream);
+        // The survival probability is the mean albedo.
+        let survival = if before > 0.0 { scattered / before } else { 0.0 };
+        if survival <= 0.0 || stream.uniform() >= survival {
+            ledger.sampling -= scattered;
+            return false;
+        }
+        self.photon.power.iter_mut().for_each(|power| *power /= survival);
+        let direction = self.sample_phase_function(medium, incoming, stream);
+        ledger.sampling += self.total_w() - scattered;
+        let ray = Ray { origin: position, direction };
+        self.ray_state = RayState { ray, from: None, medium_stack: segment.medium_stack };
+        self.photon.light_path = LightPath::Indirect;
+        true
+    }
+
+    /// Samples a direction from the phase function of the hero, and weights all wavelengths by the
+    /// balance heuristic.
+    fn sample_phase_function(&mut self, medium: &Medium, incoming: DVec3, stream: &mut Stream) -> DVec3 {
+        let fractions = self.power_fractions();
+        let hero = self.sample_hero(&fractions, stream);
+        let direction = medium.phase.sample(incoming, self.photon.wavelengths.nm[hero], stream.pair());
+        if self.photon.wavelengths.count > 1 {
+            let cosine = incoming.dot(direction);
+            let density = self.photon.wavelengths.each(|nm| medium.phase.eval(cosine, nm));
+            self.weight_by_balance_heuristic(&fractions, &density);
+        }
+        direction
+    }
+}

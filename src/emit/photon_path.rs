@@ -1,0 +1,74 @@
+//! A photon path and its state.
+
+use crate::math::random::Stream;
+use crate::plan::partition::LightPath;
+use crate::spectrum::{LANES, Lanes, Wavelengths};
+use crate::walk::RayState;
+
+/// The light of a photon at one vertex of the photon's path.
+#[derive(Debug, Clone, Copy)]
+pub struct PhotonState {
+    /// The class of the path so far.
+    pub light_path: LightPath,
+    /// The wavelengths.
+    pub wavelengths: Wavelengths,
+    /// The power per wavelength: in W for free photons, in W/nm for shared photons.
+    pub power: Lanes,
+    /// The only remaining lane after a dispersive refraction, or `None` while the photon carries
+    /// all its wavelengths. For shared photons, the lane is the number of the shared wavelength.
+    pub lane: Option<usize>,
+}
+
+/// The state of a photon path during tracing.
+pub(super) struct PhotonPath {
+    pub(super) ray_state: RayState,
+    pub(super) photon: PhotonState,
+    /// The factors that convert `PhotonState::power` to W, per lane.
+    pub(super) watts: Lanes,
+}
+
+impl PhotonPath {
+    /// Returns the power of all wavelengths together, in W.
+    #[inline]
+    pub(super) fn total_w(&self) -> f64 {
+        // Lanes that are not in use hold no power.
+        (0..LANES).map(|k| self.photon.power[k] * self.watts[k]).sum()
+    }
+
+    /// Gives up all wavelengths except one.
+    pub(super) fn keep_lane(&mut self, lane: usize) {
+        self.photon.lane = Some(lane);
+        self.photon.wavelengths = Wavelengths::single(self.photon.wavelengths.nm[lane]);
+        let only = |lanes: Lanes| std::array::from_fn(|k| if k == 0 { lanes[lane] } else { 0.0 });
+        self.photon.power = only(self.photon.power);
+        self.watts = only(self.watts);
+    }
+
+    /// Returns each wavelength's fraction of the power in W.
+    pub(super) fn power_fractions(&self) -> Lanes {
+        let total = self.total_w();
+        std::array::from_fn(|k| if total > 0.0 { self.photon.power[k] * self.watts[k] / total } else { 0.0 })
+    }
+
+    /// Selects the hero: one of the wavelengths, in proportion to its fraction of the power.
+    pub(super) fn sample_hero(&self, fractions: &Lanes, stream: &mut Stream) -> usize {
+        let mut left = stream.uniform();
+        let last = self.photon.wavelengths.count - 1;
+        (0..last)
+            .find(|&k| {
+                left -= fractions[k];
+                left < 0.0
+            })
+            .unwrap_or_else(|| (0..=last).rev().find(|&k| fractions[k] > 0.0).unwrap_or(last))
+    }
+
+    /// Weights each wavelength by the balance heuristic. The weight of a wavelength is a ratio of
+    /// densities of the sampled event: the density at this wavelength over the mean density at all
+    /// wavelengths. The mean appears because each wavelength could have been the hero.
+    pub(super) fn weight_by_balance_heuristic(&mut self, fractions: &Lanes, density: &Lanes) {
+        let mean: f64 = fractions.iter().zip(density).map(|(fraction, density)| fraction * density).sum();
+        for k in 0..LANES {
+            self.photon.power[k] *= if fractions[k] > 0.0 && mean > 0.0 { density[k] / mean } else { 0.0 };
+        }
+    }
+}

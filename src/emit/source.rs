@@ -1,0 +1,127 @@
+//! The emission of a set of photons.
+
+use super::aim::Aim;
+use super::photon_path::{PhotonPath, PhotonState};
+use super::visitor::PhotonVisitor;
+use crate::geometry::Ray;
+use crate::math::distribution::DiscreteDistribution;
+use crate::math::random::{Purpose, Stream, hash64};
+use crate::math::sobol::Sobol;
+use crate::plan::MediumPlan;
+use crate::plan::partition::LightPath;
+use crate::scene::Scene;
+use crate::scene::light::{LeRandoms, LeSample, Light};
+use crate::spectrum::{LANES, Lanes, Wavelengths};
+use crate::walk::{BodyMode, RayState};
+
+/// The wavelengths of the photons of a set.
+#[derive(Debug, Clone, Copy)]
+pub enum WavelengthSampling {
+    /// Each photon samples its own wavelengths from its light's power and the observer's
+    /// sensitivity.
+    Free,
+    /// All photons carry the pass's shared wavelengths.
+    Shared {
+        /// The wavelengths in nm.
+        nm: Lanes,
+        /// The density of each wavelength, per nm.
+        pdf: Lanes,
+    },
+}
+
+/// The inputs common to all photons of one set.
+#[derive(Debug)]
+pub struct PhotonSource<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Selects the light of each photon.
+    pub light_distribution: &'a DiscreteDistribution,
+    /// The aim of each light.
+    pub aims: &'a [Aim],
+    /// The wavelengths of the photons.
+    pub wavelengths: WavelengthSampling,
+    /// The number of photon paths in the set.
+    pub count: u64,
+    /// The largest number of surface events in a path.
+    pub max_depth: u32,
+    /// The seed of the render.
+    pub seed: u64,
+    /// The purpose of the set's random streams.
+    pub purpose: Purpose,
+    /// The number of the pass.
+    pub pass: u64,
+    /// Whether the scene contains bodies or media, so that paths need a medium stack.
+    pub media_plan: MediumPlan,
+}
+
+impl PhotonSource<'_> {
+    /// Returns the set's low-discrepancy points. Each pass has its own scrambling.
+    pub fn points(&self) -> Sobol {
+        Sobol::new(hash64([self.seed, self.purpose as u64, self.pass]))
+    }
+
+    /// Returns the random stream of the photon with this index.
+    pub(super) fn stream(&self, index: u64) -> Stream {
+        Stream::new(self.seed, self.purpose, self.pass, index)
+    }
+
+    /// Emits the photon with this index and reports its emission to the visitor.
+    #[inline(always)]
+    pub(super) fn emit<M: BodyMode>(&self, points: &Sobol, index: u32, visitor: &mut impl PhotonVisitor) -> PhotonPath {
+        let u = points.point(index);
+        let mut u_light = u[1];
+        let number = self.light_distribution.sample(&mut u_light);
+        let light = &self.scene.lights[number];
+        let (aim, density) = self.aims[number].sample([u[2], u[3]]);
+        visitor.on_emission(number, aim);
+        let emission = light.sample_le(self.scene.extent(), LeRandoms { aim, rest: [u[4], u[5], u[6]] });
+        let (wavelengths, power_of_watt) = self.sample_wavelengths(light, &emission, u[0]);
+        let flux = emission.flux_w / (self.count as f64 * self.light_distribution.probability(number) * density);
+        PhotonPath {
+            ray_state: RayState {
+                ray: Ray { origin: emission.origin, direction: emission.direction },
+                from: emission.from,
+                medium_stack: M::initial_medium_stack(light.medium_stack),
+            },
+            photon: PhotonState {
+                light_path: LightPath::Direct,
+                wavelengths,
+                power: power_of_watt.map(|s| s * flux),
+                lane: None,
+            },
+            watts: self.watts(),
+        }
+    }
+
+    /// Samples the wavelengths of a photon from this light. Also returns S(λ)/p(λ) for each lane.
+    /// This ratio is the power of the lane if the light emits one watt.
+    #[inline(always)]
+    fn sample_wavelengths(&self, light: &Light, emission: &LeSample, u: f64) -> (Wavelengths, Lanes) {
+        match self.wavelengths {
+            WavelengthSampling::Free => {
+                let mut nm = [0.0; LANES];
+                let mut power = [0.0; LANES];
+                for k in 0..LANES {
+                    let (sampled, pdf) = light.wavelengths.sample((u + k as f64) / LANES as f64);
+                    nm[k] = sampled;
+                    power[k] = light.spd_at(emission.spd, sampled) / (pdf * LANES as f64);
+                }
+                (Wavelengths::new(nm), power)
+            }
+            WavelengthSampling::Shared { nm, .. } => {
+                (Wavelengths::new(nm), nm.map(|nm| light.spd_at(emission.spd, nm)))
+            }
+        }
+    }
+
+    /// Returns the factor that converts the power of a lane to W, for the ledger.
+    #[inline]
+    fn watts(&self) -> Lanes {
+        match self.wavelengths {
+            WavelengthSampling::Free => [1.0; LANES],
+            WavelengthSampling::Shared { pdf, .. } => {
+                pdf.map(|pdf| if pdf > 0.0 { 1.0 / (pdf * LANES as f64) } else { 0.0 })
+            }
+        }
+    }
+}

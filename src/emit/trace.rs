@@ -1,0 +1,140 @@
+//! Tracing of photon paths from emission to absorption.
+
+use super::medium::advance_through_media;
+use super::photon_path::PhotonPath;
+use super::source::PhotonSource;
+use super::visitor::{PhotonVisitor, SurfaceArrival};
+use crate::math::random::Stream;
+use crate::math::sobol::Sobol;
+use crate::optics::bsdf::{BsdfClass, TransportMode};
+use crate::plan::MediumPlan;
+use crate::plan::partition::LightPath;
+use crate::spectrum::LANES;
+use crate::walk::ledger::Ledger;
+use crate::walk::{BodyMode, ScatteredRay, SurfaceInteraction, WithBodies, WithoutBodies};
+use std::ops::Range;
+
+/// Emits the photons with these indices and traces each of them to its end. Only this function
+/// chooses the [`BodyMode`] of photon paths.
+pub fn trace<V: PhotonVisitor>(
+    source: &PhotonSource<'_>,
+    points: &Sobol,
+    indices: Range<u64>,
+    visitor: &mut V,
+    ledger: &mut Ledger,
+) {
+    match source.media_plan {
+        MediumPlan::Air => {
+            indices.for_each(|index| trace_one::<WithoutBodies, V>(source, points, index, visitor, ledger));
+        }
+        MediumPlan::Clear | MediumPlan::Absorbing | MediumPlan::Scattering(_) => {
+            indices.for_each(|index| trace_one::<WithBodies, V>(source, points, index, visitor, ledger));
+        }
+    }
+}
+
+/// Traces one photon.
+#[inline(always)]
+fn trace_one<M: BodyMode, V: PhotonVisitor>(
+    source: &PhotonSource<'_>,
+    points: &Sobol,
+    index: u64,
+    visitor: &mut V,
+    ledger: &mut Ledger,
+) {
+    let mut stream = source.stream(index);
+    let mut path = source.emit::<M>(points, index as u32, visitor);
+    ledger.emitted += path.total_w();
+    let scene = source.scene;
+    for _ in 0..source.max_depth {
+        let next = advance::<M, V>(source, &mut path, &mut stream, visitor, ledger);
+        let Some(interaction) = &next else {
+            return;
+        };
+        if M::HAS_BODIES && scene.body_of(interaction.hit.object).is_some() {
+            visitor.on_body_face();
+        }
+        if interaction.crossed_hidden_face && path.photon.light_path == LightPath::Direct {
+            path.photon.light_path = LightPath::Caustic;
+        }
+        // The selected component of a mixed material has no effect on stored photons, because
+        // camera paths select a component independently. Direct lighting counts the light of
+        // photons that come straight from a light.
+        if path.photon.light_path != LightPath::Direct
+            && scene.materials[interaction.material].surface.class() >= BsdfClass::Glossy
+        {
+            visitor.on_surface(&SurfaceArrival { interaction, photon: &path.photon }, &mut stream);
+        }
+        let scattered = M::scatter(interaction, &path.photon.wavelengths, TransportMode::Importance, &mut stream);
+        let Some(scattered) = scattered else {
+            ledger.absorbed[interaction.material] += path.total_w();
+            return;
+        };
+        if !apply_scattering::<M>(&mut path, interaction, &scattered, ledger, &mut stream) {
+            return;
+        }
+    }
+    ledger.depth_limit += path.total_w();
+}
+
+/// Advances the photon to the next surface. Returns `None` if the photon path ends before a
+/// surface.
+#[inline(always)]
+fn advance<'a, M: BodyMode, V: PhotonVisitor>(
+    source: &PhotonSource<'a>,
+    path: &mut PhotonPath,
+    stream: &mut Stream,
+    visitor: &mut V,
+    ledger: &mut Ledger,
+) -> Option<SurfaceInteraction<'a>> {
+    if M::HAS_BODIES && !source.media_plan.is_clear() {
+        return advance_through_media(source.scene, path, stream, visitor, ledger);
+    }
+    let component = stream.uniform();
+    let interaction = M::next_interaction(source.scene, path.ray_state, component);
+    if interaction.is_none() {
+        ledger.escaped += path.total_w();
+    }
+    interaction
+}
+
+/// Applies a scattering event and Russian roulette; returns whether the photon survives.
+#[inline(always)]
+fn apply_scattering<M: BodyMode>(
+    path: &mut PhotonPath,
+    interaction: &SurfaceInteraction<'_>,
+    scattered: &ScatteredRay,
+    ledger: &mut Ledger,
+    stream: &mut Stream,
+) -> bool {
+    let before = path.total_w();
+    let correction =
+        if scattered.delta { 1.0 } else { interaction.adjoint_correction(-interaction.incoming, scattered.direction) };
+    let mut absorbed = 0.0;
+    // Roulette keeps the power of all photons similar: a photon survives with the mean weight of
+    // its wavelengths.
+    let (mut weights, count) = (0.0, M::wavelength_count(&path.photon.wavelengths));
+    for k in 0..count {
+        absorbed += path.photon.power[k] * path.watts[k] * scattered.absorbed[k];
+        path.photon.power[k] *= scattered.weight[k] * correction;
+        weights += scattered.weight[k] * correction;
+    }
+    if let Some(kept) = scattered.kept {
+        path.keep_lane(kept);
+    }
+    ledger.absorbed[interaction.material] += absorbed;
+    let survival = (weights / count as f64).min(1.0);
+    let survives = survival > 0.0 && stream.uniform() < survival;
+    if survives {
+        path.photon.power.iter_mut().for_each(|power| *power /= survival);
+    } else {
+        path.photon.power = [0.0; LANES];
+    }
+    ledger.sampling += path.total_w() + absorbed - before;
+    path.ray_state = M::spawn_scattered(interaction, scattered);
+    path.photon.light_path = match (path.photon.light_path, scattered.delta) {
+        (LightPath::Indirect, _) | (_, false) => LightPath::Indirect,
+        (LightPath::Direct | LightPath::Caustic, true) => LightPath::Caustic,
+    };
+    survives
+}

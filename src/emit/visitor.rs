@@ -1,0 +1,68 @@
+//! The interface between photon tracing and the code that stores or connects photons.
+
+use super::photon_path::PhotonState;
+use crate::math::random::Stream;
+use crate::walk::{MediumSegment, NumberedMedium, SurfaceInteraction};
+use glam::DVec3;
+
+/// A photon that arrives at a surface.
+#[derive(Debug)]
+pub struct SurfaceArrival<'a> {
+    /// The surface.
+    pub interaction: &'a SurfaceInteraction<'a>,
+    /// The photon before the surface scatters it.
+    pub photon: &'a PhotonState,
+}
+
+/// A photon that enters a segment of a medium.
+#[derive(Debug)]
+pub struct MediumCrossing<'a> {
+    /// The segment up to the end of the medium or to the next surface. The photon may collide with
+    /// the medium before the end.
+    pub segment: &'a MediumSegment<'a>,
+    /// The medium that fills the segment.
+    pub medium: NumberedMedium<'a>,
+    /// The photon at the start of the segment.
+    pub photon: &'a PhotonState,
+}
+
+/// A photon that collides with a medium.
+#[derive(Debug)]
+pub struct MediumCollision<'a> {
+    /// The position of the collision.
+    pub position: DVec3,
+    /// The photon's direction before the collision, unit.
+    pub incoming: DVec3,
+    /// The medium.
+    pub medium: NumberedMedium<'a>,
+    /// The photon. Its power is the power scattered here by the medium, summed over all directions.
+    pub photon: &'a PhotonState,
+}
+
+/// Receives the events of photon paths.
+pub trait PhotonVisitor {
+    /// Called at the start of a photon path. `aim` is the path's point in the aiming grid of the
+    /// light.
+    fn on_emission(&mut self, light: usize, aim: [f64; 2]);
+
+    /// A photon arrives at a diffuse or glossy surface. Photons straight from a light are not
+    /// reported, because direct lighting counts the light of these photons.
+    fn on_surface(&mut self, arrival: &SurfaceArrival<'_>, stream: &mut Stream);
+
+    /// A photon arrives at the face of a body.
+    fn on_body_face(&mut self) {}
+
+    /// A photon enters a segment of a medium.
+    fn on_medium_crossing(&mut self, _crossing: &MediumCrossing<'_>, _stream: &mut Stream) {}
+
+    /// A photon collides with a medium.
+    fn on_medium_collision(&mut self, _collision: &MediumCollision<'_>, _stream: &mut Stream) {}
+}
+
+impl SurfaceArrival<'_> {
+    /// Returns the direction back towards the photon's previous vertex, unit.
+    #[inline]
+    pub fn to_light(&self) -> DVec3 {
+        -self.interaction.incoming
+    }
+}

@@ -1,0 +1,62 @@
+//! The emission of objects in the scene file.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use super::quantity::{QuantityFile, one_quantity, validate_quantity};
+use super::spectrum::{SpectrumFile, SpectrumUse};
+use crate::error::Result;
+use crate::json::JsonPath;
+
+/// The emission of an object, which makes the object an area light. State exactly one of `power`,
+/// `luminous_flux`, `radiance` and `luminance`.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "Emission", example = json!({"spectrum": "D65", "power": 20}))]
+#[schemars(example = json!({"spectrum": "A", "luminous_flux": 800}))]
+#[schemars(example = json!({"spectrum": {"blackbody": {"temperature": 2856}}, "radiance": 10}))]
+#[schemars(example = json!({"spectrum": "D65", "luminance": 5000}))]
+pub struct EmissionFile {
+    /// Relative distribution of the light over wavelength. The given quantity (power or radiance)
+    /// sets the scale.
+    #[schemars(extend("minimum" = 0))]
+    pub spectrum: SpectrumFile,
+    /// Power over 360–830 nm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "W"))]
+    pub power: Option<f64>,
+    /// Luminous flux.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "lm"))]
+    pub luminous_flux: Option<f64>,
+    /// Radiance over 360–830 nm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "W/m²/sr"))]
+    pub radiance: Option<f64>,
+    /// Luminance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "cd/m²"))]
+    pub luminance: Option<f64>,
+}
+
+impl EmissionFile {
+    /// Returns the quantity that the emitter states.
+    ///
+    /// # Errors
+    /// Returns an error unless exactly one quantity is stated and it is at least 0.
+    pub fn quantity(&self) -> Result<QuantityFile> {
+        one_quantity(&[
+            (self.power, QuantityFile::Power),
+            (self.luminous_flux, QuantityFile::LuminousFlux),
+            (self.radiance, QuantityFile::Radiance),
+            (self.luminance, QuantityFile::Luminance),
+        ])
+    }
+
+    /// Checks ranges and the quantity.
+    pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
+        self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative)?;
+        validate_quantity(at, self.quantity())
+    }
+}

@@ -1,0 +1,284 @@
+//! Values that may be written in several forms: a number, a name, or an object whose one key
+//! selects the variant.
+//!
+//! The types with several forms derive serde's traits with `remote = "Self"`. The derived functions
+//! read and write the object form, and [`deserialize`] adds the plain forms. serde's untagged enums
+//! would do the same, but they buffer the value and lose the position of errors.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use schemars::Schema;
+use serde::de::{
+    Deserialize, DeserializeSeed, Deserializer, EnumAccess, Error, IntoDeserializer, MapAccess, SeqAccess, Unexpected,
+    VariantAccess, Visitor,
+};
+use serde::forward_to_deserialize_any;
+
+/// A type with plain forms in addition to its object form. The functions return `None` for a plain
+/// form that the type does not have.
+pub(super) trait Forms: Sized {
+    /// Description of the allowed forms for errors.
+    const EXPECTED: &'static str;
+
+    /// Converts a plain number.
+    fn from_number(_number: f64) -> Option<Self> {
+        None
+    }
+
+    /// Converts a plain string.
+    fn from_name(_name: String) -> Option<Self> {
+        None
+    }
+
+    /// Converts three numbers.
+    fn from_triple(_triple: [f64; 3]) -> Option<Self> {
+        None
+    }
+
+    /// Whether an array of three numbers is a form of the type.
+    const HAS_TRIPLE: bool = false;
+
+    /// Reads an object. The first key was already read. `form` deserialises the whole object.
+    fn from_object<'de, A: MapAccess<'de>>(form: Form<A>) -> Result<Self, A::Error>;
+}
+
+/// Reads a value in any of its forms.
+pub(super) fn deserialize<'de, T: Forms, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+    deserializer.deserialize_any(FormsVisitor(PhantomData))
+}
+
+/// The visitor behind [`deserialize`].
+struct FormsVisitor<T>(PhantomData<T>);
+
+impl<'de, T: Forms> Visitor<'de> for FormsVisitor<T> {
+    type Value = T;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(T::EXPECTED)
+    }
+
+    fn visit_f64<E: Error>(self, number: f64) -> Result<T, E> {
+        T::from_number(number).ok_or_else(|| E::invalid_type(Unexpected::Float(number), &self))
+    }
+
+    fn visit_u64<E: Error>(self, number: u64) -> Result<T, E> {
+        self.visit_f64(number as f64)
+    }
+
+    fn visit_i64<E: Error>(self, number: i64) -> Result<T, E> {
+        self.visit_f64(number as f64)
+    }
+
+    fn visit_str<E: Error>(self, name: &str) -> Result<T, E> {
+        T::from_name(name.to_string()).ok_or_else(|| E::invalid_type(Unexpected::Str(name), &self))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut array: A) -> Result<T, A::Error> {
+        if !T::HAS_TRIPLE {
+            return Err(A::Error::invalid_type(Unexpected::Seq, &self));
+        }
+        let mut triple = [0.0; 3];
+        for (i, number) in triple.iter_mut().enumerate() {
+            *number = array.next_element()?.ok_or_else(|| A::Error::invalid_length(i, &self))?;
+        }
+        T::from_triple(triple).ok_or_else(|| A::Error::invalid_type(Unexpected::Seq, &self))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut object: A) -> Result<T, A::Error> {
+        match object.next_key()? {
+            Some(key) => T::from_object(Form { key, rest: object }),
+            None => Err(A::Error::invalid_type(Unexpected::Map, &self)),
+        }
+    }
+}
+
+/// A deserialiser of an object whose first key has been read.
+pub(super) struct Form<A> {
+    /// The first key.
+    pub(super) key: String,
+    /// The rest of the object, from the value of the first key on.
+    rest: A,
+}
+
+impl<'de, A: MapAccess<'de>> Deserializer<'de> for Form<A> {
+    type Error = A::Error;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, A::Error> {
+        visitor.visit_map(Entries { key: Some(self.key), rest: self.rest })
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, A::Error> {
+        visitor.visit_enum(self)
+    }
+
+    forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf option unit unit_struct
+        newtype_struct seq tuple tuple_struct map struct identifier ignored_any
+    }
+}
+
+/// The entries of a [`Form`] including the first key.
+struct Entries<A> {
+    key: Option<String>,
+    rest: A,
+}
+
+impl<'de, A: MapAccess<'de>> MapAccess<'de> for Entries<A> {
+    type Error = A::Error;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, A::Error> {
+        match self.key.take() {
+            Some(key) => seed.deserialize(key.into_deserializer()).map(Some),
+            None => self.rest.next_key_seed(seed),
+        }
+    }
+
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, A::Error> {
+        self.rest.next_value_seed(seed)
+    }
+}
+
+impl<'de, A: MapAccess<'de>> EnumAccess<'de> for Form<A> {
+    type Error = A::Error;
+    type Variant = Self;
+
+    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, Self), A::Error> {
+        let variant = seed.deserialize(self.key.as_str().into_deserializer())?;
+        Ok((variant, self))
+    }
+}
+
+impl<'de, A: MapAccess<'de>> VariantAccess<'de> for Form<A> {
+    type Error = A::Error;
+
+    fn unit_variant(mut self) -> Result<(), A::Error> {
+        self.rest.next_value()
+    }
+
+    fn newtype_variant_seed<T: DeserializeSeed<'de>>(mut self, seed: T) -> Result<T::Value, A::Error> {
+        self.rest.next_value_seed(seed)
+    }
+
+    fn tuple_variant<V: Visitor<'de>>(mut self, length: usize, visitor: V) -> Result<V::Value, A::Error> {
+        self.rest.next_value_seed(Contents { fields: None, length, visitor })
+    }
+
+    fn struct_variant<V: Visitor<'de>>(
+        mut self,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, A::Error> {
+        self.rest.next_value_seed(Contents { fields: Some(fields), length: 0, visitor })
+    }
+}
+
+/// The contents of a variant: a struct with these fields, or a tuple of this length.
+struct Contents<V> {
+    fields: Option<&'static [&'static str]>,
+    length: usize,
+    visitor: V,
+}
+
+impl<'de, V: Visitor<'de>> DeserializeSeed<'de> for Contents<V> {
+    type Value = V::Value;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<V::Value, D::Error> {
+        match self.fields {
+            Some(fields) => deserializer.deserialize_struct("", fields, self.visitor),
+            None => deserializer.deserialize_tuple(self.length, self.visitor),
+        }
+    }
+}
+
+/// Adds the schemas of plain forms to the schema of an object form.
+pub(super) fn allow_also(schema: &mut Schema, plain: &[serde_json::Value]) {
+    let object = schema.ensure_object();
+    // The examples of a struct stay with its object form.
+    let has_forms = object.contains_key("oneOf") || object.contains_key("anyOf");
+    let keys: &[&str] = if has_forms { &["title", "description", "examples"] } else { &["title", "description"] };
+    let kept: Vec<_> = keys.iter().filter_map(|key| object.remove_entry(*key)).collect();
+    let mut choices = plain.to_vec();
+    match object.remove("oneOf").or_else(|| object.remove("anyOf")) {
+        Some(serde_json::Value::Array(forms)) => choices.extend(forms),
+        Some(other) => choices.push(other),
+        None => choices.push(serde_json::Value::Object(std::mem::take(object))),
+    }
+    for (key, value) in kept {
+        object.insert(key, value);
+    }
+    object.insert("anyOf".into(), choices.into());
+}
+
+/// Adds a plain string to a schema.
+pub(super) fn or_name(schema: &mut Schema) {
+    allow_also(schema, &[serde_json::json!({"type": "string"})]);
+}
+
+/// Adds a plain number and a plain string to a schema.
+pub(super) fn or_number_or_name(schema: &mut Schema) {
+    allow_also(schema, &[serde_json::json!({"type": "number"}), serde_json::json!({"type": "string"})]);
+}
+
+/// Returns the schema of the radius of a lens surface. The key is required, and 0 or null is a
+/// plane.
+pub(super) fn radius_or_plane(_: &mut schemars::SchemaGenerator) -> Schema {
+    schemars::json_schema!({"type": ["number", "null"]})
+}
+
+/// Reads the radius of a lens surface. null becomes 0, which is a plane.
+pub(super) fn deserialize_radius<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(0.0))
+}
+
+/// Adds to the schema of an array that each element is above 0.
+pub(super) fn positive_items(schema: &mut Schema) {
+    if let Some(items) = schema.get_mut("items").and_then(serde_json::Value::as_object_mut) {
+        items.insert("exclusiveMinimum".into(), 0.into());
+    }
+}
+
+/// Returns false. Schemas with this `skip_serializing_if` state the default of the key, which the
+/// scene file itself leaves out.
+pub(super) fn never<T>(_: &T) -> bool {
+    false
+}
+
+/// Returns whether a value is the default of its type. Such values are not written.
+pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::index::IndexFile;
+    use super::super::lens::PrescriptionFile;
+    use super::super::spectrum::{REFLECTANCE_FORMS, ReflectanceFile, SpectrumFile};
+    use super::*;
+
+    /// Returns the keys of the object forms in the schema of a type.
+    fn object_forms<T: schemars::JsonSchema>() -> Vec<String> {
+        let schema = schemars::schema_for!(T);
+        let choices = schema.get("anyOf").and_then(serde_json::Value::as_array).unwrap();
+        let keys = choices.iter().filter_map(|choice| choice.get("required")?.get(0)?.as_str());
+        keys.map(str::to_string).collect()
+    }
+
+    #[test]
+    fn errors_list_the_forms_that_the_types_have() {
+        let ends_with = |expected: &str, forms: &[String]| expected.ends_with(&forms.join(", "));
+        let spectrum = object_forms::<SpectrumFile>();
+        assert_eq!(spectrum.len(), 9);
+        assert!(ends_with(SpectrumFile::EXPECTED, &spectrum));
+        let reflectance = [spectrum, object_forms::<ReflectanceFile>()].concat();
+        assert_eq!(reflectance, REFLECTANCE_FORMS);
+        assert!(ends_with(ReflectanceFile::EXPECTED, &reflectance));
+        assert!(ends_with(IndexFile::EXPECTED, &object_forms::<IndexFile>()));
+        assert!(ends_with(PrescriptionFile::EXPECTED, &object_forms::<PrescriptionFile>()));
+    }
+}

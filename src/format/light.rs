@@ -1,0 +1,456 @@
+//! Lights in the scene file.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use super::check;
+use super::forms;
+use super::quantity::{QuantityFile, one_quantity, validate_quantity};
+use super::spectrum::{ImageFile, SpectrumFile, SpectrumUse};
+use super::transform::{KeyframeFile, TransformFile, validate_motion};
+use crate::error::Result;
+use crate::json::JsonPath;
+
+/// A light that is not an object. Area lights are objects with `emission`.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(title = "Light")]
+pub enum LightFile {
+    /// A point light with equal intensity in all directions.
+    #[schemars(example = json!({"point": {
+        "at": [0, 2, 0], "spectrum": "D65", "power": 60, "transform": [{"translate": [0, 1, 0]}], "motion": []
+    }}))]
+    #[schemars(example = json!({"point": {"at": [0, 2, 0], "spectrum": "A", "luminous_flux": 800}}))]
+    #[schemars(example = json!({"point": {"at": [0, 2, 0], "spectrum": 1, "intensity": 5}}))]
+    #[schemars(example = json!({"point": {"at": [0, 2, 0], "spectrum": 1, "luminous_intensity": 100}}))]
+    Point(PointFile),
+    /// A point light that shines into a cone.
+    #[schemars(example = json!({"spot": {
+        "at": [0, 3, 0], "to": [0, 0, 0], "half_angle": 20, "penumbra": 5, "spectrum": "D65", "power": 10,
+        "transform": [], "motion": []
+    }}))]
+    #[schemars(example = json!({"spot": {"at": [0, 3, 0], "to": [0, 0, 0], "half_angle": 20, "spectrum": "A", "luminous_flux": 800}}))]
+    #[schemars(example = json!({"spot": {"at": [0, 3, 0], "to": [0, 0, 0], "half_angle": 20, "spectrum": 1, "intensity": 5}}))]
+    #[schemars(example = json!({"spot": {"at": [0, 3, 0], "to": [0, 0, 0], "half_angle": 20, "spectrum": 1, "luminous_intensity": 100}}))]
+    Spot(SpotFile),
+    /// A uniform disk of parallel or slightly divergent light, such as a laser beam.
+    #[schemars(example = json!({"beam": {
+        "from": [-2, 0.5, 0], "to": [0, 0.5, 0], "radius": 0.02, "divergence": 0.25, "spectrum": "D65", "power": 10,
+        "transform": [], "motion": []
+    }}))]
+    #[schemars(example = json!({"beam": {"from": [-2, 0.5, 0], "to": [0, 0.5, 0], "radius": 0.02, "spectrum": 1, "luminous_flux": 100}}))]
+    Beam(BeamFile),
+    /// Light from infinitely far away, such as sunlight.
+    #[schemars(example = json!({"directional": {
+        "toward": [1, -2, 0], "angular_diameter": 0.53, "spectrum": "D65", "irradiance": 1000,
+        "transform": [{"rotate": {"axis": [0, 1, 0], "degrees": 30}}], "motion": []
+    }}))]
+    #[schemars(example = json!({"directional": {"toward": [1, -2, 0], "spectrum": 1, "illuminance": 100_000}}))]
+    Directional(DirectionalFile),
+    /// Light from all directions, constant or from a picture.
+    #[schemars(example = json!({"environment": {"spectrum": "D65", "illuminance": 1000}}))]
+    #[schemars(example = json!({"environment": {
+        "image": "sky.exr", "irradiance": 100, "transform": [{"rotate": {"axis": [0, 1, 0], "degrees": 90}}], "motion": []
+    }}))]
+    Environment(EnvironmentFile),
+    /// A real lamp with a measured distribution of intensity (IES LM-63 file).
+    #[schemars(example = json!({"ies": {
+        "at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.ies", "spectrum": "D65", "luminous_flux": 800,
+        "transform": [], "motion": []
+    }}))]
+    #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.ies", "spectrum": 1, "power": 60}}))]
+    Ies(IesFile),
+}
+
+/// A point light. State exactly one of `power`, `luminous_flux`, `intensity` and
+/// `luminous_intensity`.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PointFile {
+    /// Position of the light.
+    #[schemars(extend("x-unit" = "scene unit"))]
+    pub at: [f64; 3],
+    /// Relative distribution of the light over wavelength. The given quantity sets the scale.
+    #[schemars(extend("minimum" = 0))]
+    pub spectrum: SpectrumFile,
+    /// Power over 360–830 nm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "W"))]
+    pub power: Option<f64>,
+    /// Luminous flux.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "lm"))]
+    pub luminous_flux: Option<f64>,
+    /// Intensity over 360–830 nm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "W/sr"))]
+    pub intensity: Option<f64>,
+    /// Luminous intensity.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "cd"))]
+    pub luminous_intensity: Option<f64>,
+    /// Placement of the light in the scene.
+    #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub transform: TransformFile,
+    /// Keyframes of the motion, in the order of their times.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub motion: Vec<KeyframeFile>,
+}
+
+/// A spotlight. State exactly one of `power`, `luminous_flux`, `intensity` and
+/// `luminous_intensity`.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SpotFile {
+    /// Position of the light.
+    #[schemars(extend("x-unit" = "scene unit"))]
+    pub at: [f64; 3],
+    /// A point on the axis of the light. It must differ from the position.
+    #[schemars(extend("x-unit" = "scene unit"))]
+    pub to: [f64; 3],
+    /// Half-angle of the cone.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180, "x-unit" = "°"))]
+    pub half_angle: f64,
+    /// Angle inside `half_angle` over which the intensity falls off, as a smoothstep in cos θ. At
+    /// most `half_angle`.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never", range(min = 0), extend("x-unit" = "°"))]
+    pub penumbra: f64,
+    /// Relative distribution of the light over wavelength. The given quantity sets the scale.
+    #[schemars(extend("minimum" = 0))]
+    pub spectrum: SpectrumFile,
+    /// Power over 360–830 nm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "W"))]
+    pub power: Option<f64>,
+    /// Luminous flux.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "lm"))]
+    pub luminous_flux: Option<f64>,
+    /// Intensity on the axis over 360–830 nm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "W/sr"))]
+    pub intensity: Option<f64>,
+    /// Luminous intensity on the axis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "cd"))]
+    pub luminous_intensity: Option<f64>,
+    /// Placement of the light in the scene.
+    #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub transform: TransformFile,
+    /// Keyframes of the motion, in the order of their times.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub motion: Vec<KeyframeFile>,
+}
+
+/// A beam. State exactly one of `power` and `luminous_flux`.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BeamFile {
+    /// Centre of the disk from which the light starts.
+    #[schemars(extend("x-unit" = "scene unit"))]
+    pub from: [f64; 3],
+    /// A point on the axis of the light. It must differ from the position.
+    #[schemars(extend("x-unit" = "scene unit"))]
+    pub to: [f64; 3],
+    /// Radius of the disk.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "scene unit"))]
+    pub radius: f64,
+    /// Half-angle of the cone of constant radiance at each point of the disk. 0 is parallel light.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never", range(min = 0))]
+    #[schemars(extend("exclusiveMaximum" = 90, "x-unit" = "°"))]
+    pub divergence: f64,
+    /// Relative distribution of the light over wavelength. The given quantity sets the scale.
+    #[schemars(extend("minimum" = 0))]
+    pub spectrum: SpectrumFile,
+    /// Power over 360–830 nm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "W"))]
+    pub power: Option<f64>,
+    /// Luminous flux.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "lm"))]
+    pub luminous_flux: Option<f64>,
+    /// Placement of the light in the scene.
+    #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub transform: TransformFile,
+    /// Keyframes of the motion, in the order of their times.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub motion: Vec<KeyframeFile>,
+}
+
+/// A directional light. State exactly one of `irradiance` and `illuminance`. The power is not a key
+/// of this light, because it depends on the size of the scene.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DirectionalFile {
+    /// Direction in which the light travels.
+    #[schemars(extend("x-range" = "not zero"))]
+    pub toward: [f64; 3],
+    /// Angular diameter of the source. The sun has 0.53°.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never", range(min = 0))]
+    #[schemars(extend("exclusiveMaximum" = 180, "x-unit" = "°"))]
+    pub angular_diameter: f64,
+    /// Relative distribution of the light over wavelength. The given quantity sets the scale.
+    #[schemars(extend("minimum" = 0))]
+    pub spectrum: SpectrumFile,
+    /// Irradiance over 360–830 nm on a surface that faces the light.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "W/m²"))]
+    pub irradiance: Option<f64>,
+    /// Illuminance on a surface that faces the light.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "lx"))]
+    pub illuminance: Option<f64>,
+    /// Rotation of the light. Translations have no effect.
+    #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub transform: TransformFile,
+    /// Keyframes of the motion, in the order of their times.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub motion: Vec<KeyframeFile>,
+}
+
+/// An environment. State exactly one of `spectrum` and `image`, and exactly one of `irradiance` and
+/// `illuminance`.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EnvironmentFile {
+    /// Relative distribution of the light over wavelength, the same from all directions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0))]
+    pub spectrum: Option<SpectrumFile>,
+    /// A picture of all directions in an equirectangular projection, +y up.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub image: Option<ImageFile>,
+    /// π × the mean radiance over 360–830 nm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "W/m²"))]
+    pub irradiance: Option<f64>,
+    /// π × the mean luminance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "lx"))]
+    pub illuminance: Option<f64>,
+    /// Rotation of the light. Translations have no effect.
+    #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub transform: TransformFile,
+    /// Keyframes of the motion, in the order of their times.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub motion: Vec<KeyframeFile>,
+}
+
+/// A measured lamp. State exactly one of `power` and `luminous_flux`.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct IesFile {
+    /// Position of the light.
+    #[schemars(extend("x-unit" = "scene unit"))]
+    pub at: [f64; 3],
+    /// Direction of the photometric axis (nadir).
+    #[schemars(extend("x-range" = "not zero"))]
+    pub toward: [f64; 3],
+    /// Path of the IES LM-63 file, relative to the scene's folder.
+    pub path: String,
+    /// Relative distribution of the light over wavelength. The given quantity sets the scale.
+    #[schemars(extend("minimum" = 0))]
+    pub spectrum: SpectrumFile,
+    /// Power over 360–830 nm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "W"))]
+    pub power: Option<f64>,
+    /// Luminous flux.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "lm"))]
+    pub luminous_flux: Option<f64>,
+    /// Placement of the light in the scene.
+    #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub transform: TransformFile,
+    /// Keyframes of the motion, in the order of their times.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub motion: Vec<KeyframeFile>,
+}
+
+impl PointFile {
+    /// Returns the quantity that the emitter states.
+    ///
+    /// # Errors
+    /// Returns an error unless exactly one quantity is stated and it is at least 0.
+    pub fn quantity(&self) -> Result<QuantityFile> {
+        one_quantity(&[
+            (self.power, QuantityFile::Power),
+            (self.luminous_flux, QuantityFile::LuminousFlux),
+            (self.intensity, QuantityFile::Intensity),
+            (self.luminous_intensity, QuantityFile::LuminousIntensity),
+        ])
+    }
+}
+
+impl SpotFile {
+    /// Returns the quantity that the emitter states.
+    ///
+    /// # Errors
+    /// Returns an error unless exactly one quantity is stated and it is at least 0.
+    pub fn quantity(&self) -> Result<QuantityFile> {
+        one_quantity(&[
+            (self.power, QuantityFile::Power),
+            (self.luminous_flux, QuantityFile::LuminousFlux),
+            (self.intensity, QuantityFile::Intensity),
+            (self.luminous_intensity, QuantityFile::LuminousIntensity),
+        ])
+    }
+}
+
+impl BeamFile {
+    /// Returns the quantity that the emitter states.
+    ///
+    /// # Errors
+    /// Returns an error unless exactly one quantity is stated and it is at least 0.
+    pub fn quantity(&self) -> Result<QuantityFile> {
+        one_quantity(&[(self.power, QuantityFile::Power), (self.luminous_flux, QuantityFile::LuminousFlux)])
+    }
+}
+
+impl DirectionalFile {
+    /// Returns the quantity that the emitter states.
+    ///
+    /// # Errors
+    /// Returns an error unless exactly one quantity is stated and it is at least 0.
+    pub fn quantity(&self) -> Result<QuantityFile> {
+        one_quantity(&[(self.irradiance, QuantityFile::Irradiance), (self.illuminance, QuantityFile::Illuminance)])
+    }
+}
+
+impl EnvironmentFile {
+    /// Returns the quantity that the emitter states.
+    ///
+    /// # Errors
+    /// Returns an error unless exactly one quantity is stated and it is at least 0.
+    pub fn quantity(&self) -> Result<QuantityFile> {
+        one_quantity(&[(self.irradiance, QuantityFile::Irradiance), (self.illuminance, QuantityFile::Illuminance)])
+    }
+}
+
+impl IesFile {
+    /// Returns the quantity that the emitter states.
+    ///
+    /// # Errors
+    /// Returns an error unless exactly one quantity is stated and it is at least 0.
+    pub fn quantity(&self) -> Result<QuantityFile> {
+        one_quantity(&[(self.power, QuantityFile::Power), (self.luminous_flux, QuantityFile::LuminousFlux)])
+    }
+}
+
+impl LightFile {
+    /// Returns the transform and the keyframes of the light.
+    pub fn transform_and_motion(&self) -> (&TransformFile, &[KeyframeFile]) {
+        match self {
+            Self::Point(light) => (&light.transform, &light.motion),
+            Self::Spot(light) => (&light.transform, &light.motion),
+            Self::Beam(light) => (&light.transform, &light.motion),
+            Self::Directional(light) => (&light.transform, &light.motion),
+            Self::Environment(light) => (&light.transform, &light.motion),
+            Self::Ies(light) => (&light.transform, &light.motion),
+        }
+    }
+
+    /// Checks ranges, directions and the quantity.
+    pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
+        match self {
+            Self::Point(light) => light.validate(&at.key("point")),
+            Self::Spot(light) => light.validate(&at.key("spot")),
+            Self::Beam(light) => light.validate(&at.key("beam")),
+            Self::Directional(light) => light.validate(&at.key("directional")),
+            Self::Environment(light) => light.validate(&at.key("environment")),
+            Self::Ies(light) => light.validate(&at.key("ies")),
+        }
+    }
+}
+
+/// Checks transform and keyframes of a light.
+fn validate_pose(at: &JsonPath, transform: &TransformFile, motion: &[KeyframeFile]) -> Result<()> {
+    transform.validate(&at.key("transform"))?;
+    validate_motion(&at.key("motion"), motion)
+}
+
+impl PointFile {
+    /// Checks ranges and the quantity.
+    fn validate(&self, at: &JsonPath) -> Result<()> {
+        self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative)?;
+        validate_quantity(at, self.quantity())?;
+        validate_pose(at, &self.transform, &self.motion)
+    }
+}
+
+impl SpotFile {
+    /// Checks ranges, the axis and the quantity.
+    fn validate(&self, at: &JsonPath) -> Result<()> {
+        check::apart(&at.key("to"), self.to, "at", self.at)?;
+        check::between(&at.key("half_angle"), self.half_angle, 0.0, 180.0)?;
+        let allowed = format!("a number from 0 to the half_angle, {}", check::number(self.half_angle));
+        let inside = (0.0..=self.half_angle).contains(&self.penumbra);
+        check::rule(&at.key("penumbra"), self.penumbra, inside, &allowed)?;
+        self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative)?;
+        validate_quantity(at, self.quantity())?;
+        validate_pose(at, &self.transform, &self.motion)
+    }
+}
+
+impl BeamFile {
+    /// Checks ranges, the axis and the quantity.
+    fn validate(&self, at: &JsonPath) -> Result<()> {
+        check::apart(&at.key("to"), self.to, "from", self.from)?;
+        check::positive(&at.key("radius"), self.radius)?;
+        let inside = (0.0..90.0).contains(&self.divergence);
+        check::rule(&at.key("divergence"), self.divergence, inside, "a number of at least 0 and below 90")?;
+        self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative)?;
+        validate_quantity(at, self.quantity())?;
+        validate_pose(at, &self.transform, &self.motion)
+    }
+}
+
+impl DirectionalFile {
+    /// Checks ranges, the direction and the quantity.
+    fn validate(&self, at: &JsonPath) -> Result<()> {
+        check::direction(&at.key("toward"), self.toward)?;
+        let inside = (0.0..180.0).contains(&self.angular_diameter);
+        let allowed = "a number of at least 0 and below 180";
+        check::rule(&at.key("angular_diameter"), self.angular_diameter, inside, allowed)?;
+        self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative)?;
+        validate_quantity(at, self.quantity())?;
+        validate_pose(at, &self.transform, &self.motion)
+    }
+}
+
+impl EnvironmentFile {
+    /// Checks the ranges, and that the light has exactly one source and one quantity.
+    fn validate(&self, at: &JsonPath) -> Result<()> {
+        check::exactly_one(at, &[("spectrum", self.spectrum.is_some()), ("image", self.image.is_some())])?;
+        self.spectrum.as_ref().map_or(Ok(()), |it| it.validate(&at.key("spectrum"), SpectrumUse::NotNegative))?;
+        validate_quantity(at, self.quantity())?;
+        validate_pose(at, &self.transform, &self.motion)
+    }
+}
+
+impl IesFile {
+    /// Checks ranges, the direction and the quantity.
+    fn validate(&self, at: &JsonPath) -> Result<()> {
+        check::direction(&at.key("toward"), self.toward)?;
+        self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative)?;
+        validate_quantity(at, self.quantity())?;
+        validate_pose(at, &self.transform, &self.motion)
+    }
+}

@@ -1,0 +1,216 @@
+//! Materials in the scene file.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use super::check;
+use super::forms;
+use super::index::IndexFile;
+use super::spectrum::{ReflectanceFile, SpectrumFile, SpectrumUse};
+use crate::error::Result;
+use crate::json::JsonPath;
+
+/// A surface material: the string "absorber", or an object with one key.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(title = "Material", example = &"absorber")]
+pub enum MaterialFile {
+    /// A Lambertian surface: equal radiance in all directions, on both sides.
+    #[schemars(example = json!({"diffuse": {"reflectance": 0.8}}))]
+    Diffuse {
+        /// Fraction of the light that is reflected.
+        #[schemars(extend("minimum" = 0, "maximum" = 1))]
+        reflectance: ReflectanceFile,
+    },
+    /// Glass, water or gems: refraction and reflection by Fresnel's equations.
+    #[schemars(example = json!({"dielectric": {
+        "ior": "N-BK7", "roughness": 0, "absorption": 0.1, "medium": "milk", "priority": 0
+    }}))]
+    Dielectric(DielectricFile),
+    /// A pane of negligible thickness: light passes straight through or is reflected.
+    #[schemars(example = json!({"thin_dielectric": {"ior": 1.5}}))]
+    ThinDielectric {
+        /// Index of refraction relative to air.
+        #[schemars(extend("minimum" = 1))]
+        ior: IndexFile,
+    },
+    /// A metal.
+    #[schemars(example = json!({"conductor": {"metal": "gold", "roughness": 0.2}}))]
+    #[schemars(example = json!({"conductor": {"eta": 0.2, "k": 3.4}}))]
+    Conductor(ConductorFile),
+    /// An ideal mirror with a given reflectance.
+    #[schemars(example = json!({"mirror": {"reflectance": 0.95}}))]
+    Mirror {
+        /// Fraction of the light that is reflected.
+        #[schemars(extend("minimum" = 0, "maximum" = 1))]
+        reflectance: ReflectanceFile,
+    },
+    /// A diffuse base under a clear dielectric coat, such as paint or plastic.
+    #[schemars(example = json!({"glossy": {"reflectance": 0.5, "ior": 1.5, "roughness": 0.05}}))]
+    Glossy {
+        /// Reflectance of the base.
+        #[schemars(extend("minimum" = 0, "maximum" = 1))]
+        reflectance: ReflectanceFile,
+        /// Index of refraction of the coat.
+        #[schemars(extend("minimum" = 1))]
+        ior: IndexFile,
+        /// Roughness of the coat: 0 is polished.
+        #[schemars(range(min = 0, max = 1))]
+        roughness: f64,
+    },
+    /// A thin sheet that reflects and transmits diffusely, such as paper.
+    #[schemars(example = json!({"translucent": {"reflectance": 0.5, "transmittance": 0.4}}))]
+    #[schemars(example = json!({"translucent": {"reflectance": 0, "transmittance": 0.8}}))]
+    Translucent {
+        /// Fraction of the light that is reflected.
+        #[schemars(extend("minimum" = 0, "maximum" = 1))]
+        reflectance: ReflectanceFile,
+        /// Fraction of the light that is transmitted. The sum with `reflectance` is at most 1.
+        #[schemars(extend("minimum" = 0, "maximum" = 1))]
+        transmittance: ReflectanceFile,
+    },
+    /// A random choice of one of several materials at each interaction.
+    #[schemars(example = json!({"mix": [{"material": "gold", "weight": 3}, {"material": "paint", "weight": 1}]}))]
+    Mix(#[schemars(length(min = 1))] Vec<WeightedMaterialFile>),
+    /// The boundary of a medium, without an optical surface.
+    #[schemars(example = json!({"boundary": {"medium": "milk"}}))]
+    Boundary {
+        /// Name of the medium inside, from the scene's `media`.
+        medium: String,
+    },
+    /// A surface that absorbs all light.
+    Absorber,
+}
+
+/// A dielectric body.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DielectricFile {
+    /// Index of refraction relative to air.
+    #[schemars(extend("minimum" = 1))]
+    pub ior: IndexFile,
+    /// Roughness of the surface: 0 is polished.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never", range(min = 0, max = 1))]
+    pub roughness: f64,
+    /// Absorption coefficient inside the body (Beer's law).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0, "x-unit" = "1/scene unit", "x-default" = "no absorption"))]
+    pub absorption: Option<SpectrumFile>,
+    /// Name of the medium inside, from the scene's `media`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "no medium"))]
+    pub medium: Option<String>,
+    /// Priority where dielectrics or media overlap: the highest one fills the space. Among equal
+    /// priorities, the innermost body fills the space.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub priority: i32,
+}
+
+/// A conductor. Either state `metal`, or state `eta` and `k`.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ConductorFile {
+    /// Name of the metal, such as "gold".
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub metal: Option<String>,
+    /// Real part of the index of refraction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0))]
+    pub eta: Option<SpectrumFile>,
+    /// Extinction coefficient: the imaginary part of the index of refraction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0))]
+    pub k: Option<SpectrumFile>,
+    /// Roughness of the surface: 0 is polished.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never", range(min = 0, max = 1))]
+    pub roughness: f64,
+}
+
+/// One part of a mix of materials.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "Part of a material mix", example = json!({"material": "gold", "weight": 3}))]
+pub struct WeightedMaterialFile {
+    /// Name of the material, from the scene's `materials`.
+    pub material: String,
+    /// Weight relative to the other parts. At least one weight must be above 0.
+    #[schemars(range(min = 0))]
+    pub weight: f64,
+}
+
+impl MaterialFile {
+    /// Checks ranges and lengths.
+    pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
+        match self {
+            Self::Diffuse { reflectance } => reflectance.validate(&at.key("diffuse").key("reflectance")),
+            Self::Dielectric(dielectric) => dielectric.validate(&at.key("dielectric")),
+            Self::ThinDielectric { ior } => ior.validate(&at.key("thin_dielectric").key("ior")),
+            Self::Conductor(conductor) => conductor.validate(&at.key("conductor")),
+            Self::Mirror { reflectance } => reflectance.validate(&at.key("mirror").key("reflectance")),
+            Self::Glossy { reflectance, ior, roughness } => {
+                let at = at.key("glossy");
+                reflectance.validate(&at.key("reflectance"))?;
+                ior.validate(&at.key("ior"))?;
+                check::fraction(&at.key("roughness"), *roughness)
+            }
+            Self::Translucent { reflectance, transmittance } => {
+                validate_translucent(&at.key("translucent"), reflectance, transmittance)
+            }
+            Self::Mix(parts) => {
+                let at = at.key("mix");
+                check::entries(&at, parts.len(), 1, "at least one material with its weight")?;
+                check::weights(&at, parts.iter().map(|part| part.weight))
+            }
+            Self::Boundary { medium: _ } | Self::Absorber => Ok(()),
+        }
+    }
+}
+
+/// Checks that reflectance and transmittance add up to at most 1, if both are plain numbers.
+fn validate_translucent(at: &JsonPath, reflectance: &ReflectanceFile, transmittance: &ReflectanceFile) -> Result<()> {
+    reflectance.validate(&at.key("reflectance"))?;
+    transmittance.validate(&at.key("transmittance"))?;
+    if let (
+        ReflectanceFile::Spectrum(SpectrumFile::Number(reflected)),
+        ReflectanceFile::Spectrum(SpectrumFile::Number(transmitted)),
+    ) = (reflectance, transmittance)
+        && reflected + transmitted > 1.0
+    {
+        let allowed = format!("at most 1 together with the reflectance of {}", check::number(*reflected));
+        return check::rule(&at.key("transmittance"), *transmitted, false, &allowed);
+    }
+    Ok(())
+}
+
+impl DielectricFile {
+    /// Checks ranges and lengths.
+    fn validate(&self, at: &JsonPath) -> Result<()> {
+        let Self { ior, roughness, absorption, medium: _, priority: _ } = self;
+        ior.validate(&at.key("ior"))?;
+        check::fraction(&at.key("roughness"), *roughness)?;
+        absorption.as_ref().map_or(Ok(()), |it| it.validate(&at.key("absorption"), SpectrumUse::NotNegative))
+    }
+}
+
+impl ConductorFile {
+    /// Checks the ranges, and that the conductor has exactly one form.
+    fn validate(&self, at: &JsonPath) -> Result<()> {
+        let Self { metal, eta, k, roughness } = self;
+        let allowed = "either `metal` or both `eta` and `k`";
+        match (metal, eta, k) {
+            (Some(_), None, None) | (None, Some(_), Some(_)) => {}
+            (Some(_), Some(_), _) => return Err(check::fault(&at.key("eta"), "found together with `metal`", allowed)),
+            (Some(_), None, Some(_)) => return Err(check::fault(&at.key("k"), "found together with `metal`", allowed)),
+            (None, Some(_), None) => return Err(check::fault(at, "found `eta` without `k`", allowed)),
+            (None, None, Some(_)) => return Err(check::fault(at, "found `k` without `eta`", allowed)),
+            (None, None, None) => return Err(check::fault(at, "found none of the keys it needs", allowed)),
+        }
+        eta.as_ref().map_or(Ok(()), |it| it.validate(&at.key("eta"), SpectrumUse::NotNegative))?;
+        k.as_ref().map_or(Ok(()), |it| it.validate(&at.key("k"), SpectrumUse::NotNegative))?;
+        check::fraction(&at.key("roughness"), *roughness)
+    }
+}

@@ -1,0 +1,257 @@
+//! Participating media in the scene file.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use super::check;
+use super::field::FieldFile;
+use super::forms;
+use super::phase::PhaseFile;
+use super::spectrum::{SpectrumFile, SpectrumUse};
+use super::transform::{KeyframeFile, TransformFile, validate_motion};
+use crate::error::Result;
+use crate::json::JsonPath;
+
+/// A participating medium: fog, smoke, milk or a flame.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(title = "Medium")]
+pub enum MediumFile {
+    /// A medium that is the same everywhere.
+    #[schemars(example = json!({"homogeneous": {
+        "absorption": 0, "scattering": 0.05, "phase": {"henyey_greenstein": {"g": 0.3}}
+    }}))]
+    #[schemars(example = json!({"homogeneous": {
+        "absorption": 1, "scattering": 0, "phase": "isotropic", "emission": {"spectrum": "neon-glow", "power": 5},
+        "priority": 2, "transform": [], "motion": []
+    }}))]
+    Homogeneous(Box<HomogeneousFile>),
+    /// A medium whose density varies over a box.
+    #[schemars(example = json!({"grid": {
+        "bounds": [[-1, 0, -1], [1, 2, 1]], "density": {"noise": {"value": 2, "scale": 0.5}}, "absorption": 0,
+        "scattering": 0.5, "phase": "isotropic", "transmittance": "exact", "transform": [{"translate": [0, 1, 0]}]
+    }}))]
+    #[schemars(example = json!({"grid": {
+        "bounds": [[-1, 0, -1], [1, 2, 1]], "density": {"path": "soot.npy"}, "absorption": 1, "scattering": 0,
+        "phase": "isotropic", "emission": {"blackbody": {}}, "temperature": {"constant": 1800}, "priority": 1, "motion": []
+    }}))]
+    Grid(Box<GridFile>),
+}
+
+/// A homogeneous medium.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HomogeneousFile {
+    /// Absorption coefficient.
+    #[schemars(extend("minimum" = 0, "x-unit" = "1/scene unit"))]
+    pub absorption: SpectrumFile,
+    /// Scattering coefficient.
+    #[schemars(extend("minimum" = 0, "x-unit" = "1/scene unit"))]
+    pub scattering: SpectrumFile,
+    /// The phase function.
+    pub phase: PhaseFile,
+    /// Light that the medium emits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "no emission"))]
+    pub emission: Option<MediumEmissionFile>,
+    /// Priority where dielectrics or media overlap: the highest one fills the space. Of equal
+    /// priorities, the innermost one fills it.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub priority: i32,
+    /// Placement of the medium in the scene.
+    #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub transform: TransformFile,
+    /// Keyframes of the motion, in the order of their times.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub motion: Vec<KeyframeFile>,
+}
+
+/// A medium whose density varies over a box. The coefficients hold at density 1.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GridFile {
+    /// The lowest and the highest corner of the box.
+    #[schemars(extend("x-unit" = "scene unit"))]
+    pub bounds: [[f64; 3]; 2],
+    /// Density, which multiplies both coefficients.
+    pub density: FieldFile,
+    /// Absorption coefficient at density 1.
+    #[schemars(extend("minimum" = 0, "x-unit" = "1/scene unit"))]
+    pub absorption: SpectrumFile,
+    /// Scattering coefficient at density 1.
+    #[schemars(extend("minimum" = 0, "x-unit" = "1/scene unit"))]
+    pub scattering: SpectrumFile,
+    /// The phase function.
+    pub phase: PhaseFile,
+    /// Light that the medium emits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "no emission"))]
+    pub emission: Option<MediumEmissionFile>,
+    /// Temperature, for emission as a black body.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "K"))]
+    pub temperature: Option<FieldFile>,
+    /// The estimator of transmittance.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub transmittance: TransmittanceFile,
+    /// Priority where dielectrics or media overlap: the highest one fills the space. Of equal
+    /// priorities, the innermost one fills it.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub priority: i32,
+    /// Placement of the medium in the scene.
+    #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub transform: TransformFile,
+    /// Keyframes of the motion, in the order of their times.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub motion: Vec<KeyframeFile>,
+}
+
+/// The estimator of transmittance through a grid.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(title = "Transmittance estimator")]
+pub enum TransmittanceFile {
+    /// The exact integral of the density, without bias and noise.
+    #[default]
+    Exact,
+    /// Ratio tracking: unbiased, but noisy.
+    Ratio,
+    /// Ray marching with `render.march_steps` steps: without noise, but biased.
+    March,
+}
+
+/// The emission of a medium. State either `blackbody`, or `spectrum` and exactly one of `radiance`
+/// and `power`.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "Medium emission", example = json!({"blackbody": {"temperature": 1800}}))]
+#[schemars(example = json!({"spectrum": "neon-glow", "power": 5}), example = json!({"spectrum": 1, "radiance": 1}))]
+pub struct MediumEmissionFile {
+    /// Emission as a black body.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub blackbody: Option<MediumBlackbodyFile>,
+    /// Relative distribution of the emission over wavelength.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0))]
+    pub spectrum: Option<SpectrumFile>,
+    /// Source radiance over 360–830 nm: the emission coefficient divided by the absorption
+    /// coefficient.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "W/m²/sr"))]
+    pub radiance: Option<f64>,
+    /// Power over 360–830 nm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "W"))]
+    pub power: Option<f64>,
+}
+
+/// The temperature of a medium that emits as a black body.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "Medium black body", example = json!({"temperature": 1800}))]
+pub struct MediumBlackbodyFile {
+    /// Temperature.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "K", "x-default" = "`temperature` of the grid"))]
+    pub temperature: Option<f64>,
+}
+
+impl MediumFile {
+    /// Returns the transform and the keyframes of the medium.
+    pub fn transform_and_motion(&self) -> (&TransformFile, &[KeyframeFile]) {
+        match self {
+            Self::Homogeneous(medium) => (&medium.transform, &medium.motion),
+            Self::Grid(medium) => (&medium.transform, &medium.motion),
+        }
+    }
+
+    /// Returns the priority where dielectrics or media overlap.
+    pub fn priority(&self) -> i32 {
+        match self {
+            Self::Homogeneous(medium) => medium.priority,
+            Self::Grid(medium) => medium.priority,
+        }
+    }
+
+    /// Checks ranges and lengths.
+    pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
+        match self {
+            Self::Homogeneous(medium) => medium.validate(&at.key("homogeneous")),
+            Self::Grid(medium) => medium.validate(&at.key("grid")),
+        }
+    }
+}
+
+impl HomogeneousFile {
+    /// Checks ranges.
+    fn validate(&self, at: &JsonPath) -> Result<()> {
+        let Self { absorption, scattering, phase, emission, priority: _, transform, motion } = self;
+        absorption.validate(&at.key("absorption"), SpectrumUse::NotNegative)?;
+        scattering.validate(&at.key("scattering"), SpectrumUse::NotNegative)?;
+        phase.validate(&at.key("phase"))?;
+        if let Some(emission) = emission {
+            emission.validate(&at.key("emission"), false)?;
+        }
+        transform.validate(&at.key("transform"))?;
+        validate_motion(&at.key("motion"), motion)
+    }
+}
+
+impl GridFile {
+    /// Checks ranges and lengths.
+    fn validate(&self, at: &JsonPath) -> Result<()> {
+        let Self { bounds: [min, max], density, absorption, scattering, phase, emission, temperature, .. } = self;
+        for axis in 0..3 {
+            let (bounds, allowed) = (at.key("bounds"), format!("a number above {}", check::number(min[axis])));
+            check::rule(&bounds.index(1).index(axis), max[axis], max[axis] > min[axis], &allowed)?;
+        }
+        density.validate(&at.key("density"))?;
+        absorption.validate(&at.key("absorption"), SpectrumUse::NotNegative)?;
+        scattering.validate(&at.key("scattering"), SpectrumUse::NotNegative)?;
+        phase.validate(&at.key("phase"))?;
+        if let Some(emission) = emission {
+            emission.validate(&at.key("emission"), temperature.is_some())?;
+        }
+        temperature.as_ref().map_or(Ok(()), |field| field.validate(&at.key("temperature")))?;
+        self.transform.validate(&at.key("transform"))?;
+        validate_motion(&at.key("motion"), &self.motion)
+    }
+}
+
+impl MediumEmissionFile {
+    /// Checks the ranges, and that the emission has exactly one form.
+    fn validate(&self, at: &JsonPath, has_temperature: bool) -> Result<()> {
+        let Self { blackbody, spectrum, radiance, power } = self;
+        check::exactly_one(at, &[("blackbody", blackbody.is_some()), ("spectrum", spectrum.is_some())])?;
+        if let Some(MediumBlackbodyFile { temperature }) = blackbody {
+            let place = at.key("blackbody");
+            match temperature {
+                Some(temperature) => check::positive(&place.key("temperature"), *temperature)?,
+                None if has_temperature => {}
+                None => {
+                    return Err(check::fault(&place, "found no temperature", "`temperature`, or a grid that has one"));
+                }
+            }
+            for (key, value) in [("radiance", radiance), ("power", power)] {
+                if value.is_some() {
+                    let allowed = "no quantity, because the temperature determines the radiance";
+                    return Err(check::fault(&at.key(key), "found together with `blackbody`", allowed));
+                }
+            }
+        }
+        if let Some(spectrum) = spectrum {
+            spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative)?;
+            check::exactly_one(at, &[("radiance", radiance.is_some()), ("power", power.is_some())])?;
+        }
+        radiance.map_or(Ok(()), |value| check::not_negative(&at.key("radiance"), value))?;
+        power.map_or(Ok(()), |value| check::not_negative(&at.key("power"), value))
+    }
+}

@@ -1,0 +1,130 @@
+//! Wavefront OBJ files with MTL materials.
+
+use std::cell::RefCell;
+use std::io::Cursor;
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::{MeshMaterial, MeshPart, TriangleMesh};
+use crate::error::{Error, Result};
+use crate::format::FileAccess;
+
+/// Reads the parts of an OBJ file.
+pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<Vec<MeshPart>> {
+    let bytes = super::read(path)?;
+    check_faces(&String::from_utf8_lossy(&bytes))?;
+    let options = tobj::LoadOptions { triangulate: true, single_index: true, ignore_points: true, ignore_lines: true };
+    let missing = RefCell::new(None);
+    let (models, materials) = tobj::load_obj_buf(&mut Cursor::new(bytes), &options, |library| {
+        let unusable = |why: &dyn std::fmt::Display| {
+            *missing.borrow_mut() = Some(format!("its materials \"{}\" cannot be used: {why}", library.display()));
+        };
+        let file = file_access.file(path.parent().unwrap_or(Path::new("")), library).map_err(|error| {
+            unusable(&error);
+            tobj::LoadError::OpenFileFailed
+        })?;
+        tobj::load_mtl(file).inspect_err(|error| unusable(error))
+    })
+    .map_err(|error| Error::input(format!("not a valid OBJ file: {error}")))?;
+    let materials = materials.unwrap_or_default();
+    let note = missing.into_inner();
+    models
+        .into_iter()
+        .filter(|model| !model.mesh.indices.is_empty())
+        .map(|model| {
+            let material = model.mesh.material_id.and_then(|index| materials.get(index)).map(material);
+            Ok(MeshPart { mesh: mesh(model.mesh)?, material, name: model.name, note: note.clone() })
+        })
+        .collect()
+}
+
+fn mesh(mesh: tobj::Mesh) -> Result<TriangleMesh> {
+    let count = mesh.positions.len() / 3;
+    let triples = |values: &[f64]| values.chunks_exact(3).map(DVec3::from_slice).collect::<Vec<_>>();
+    // If only some faces have normals, the mesh has none.
+    let normals = (mesh.normals.len() == 3 * count).then(|| triples(&mesh.normals));
+    let uvs = (mesh.texcoords.len() == 2 * count)
+        .then(|| mesh.texcoords.chunks_exact(2).map(|uv| [uv[0], uv[1]]).collect::<Vec<_>>());
+    let triangles = mesh.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+    TriangleMesh::new(triples(&mesh.positions), normals, uvs, triangles)
+}
+
+/// Checks the indices of every face against the vertices before the face. Errors can thus name the
+/// line.
+fn check_faces(text: &str) -> Result<()> {
+    // Numbers of v, vt and vn lines so far, in the order of the indices of a corner.
+    let mut counts = [0_i64; 3];
+    for (number, line) in text.lines().enumerate() {
+        let mut words = line.split_whitespace();
+        match words.next() {
+            Some("v") => counts[0] += 1,
+            Some("vt") => counts[1] += 1,
+            Some("vn") => counts[2] += 1,
+            Some("f") => {
+                let mut corners = 0;
+                for corner in words {
+                    corners += 1;
+                    check_corner(corner, counts).map_err(|error| error.at(number + 1, 1))?;
+                }
+                if corners < 3 {
+                    return Err(Error::input(format!("a face has {corners} corners"))
+                        .expected("at least three")
+                        .at(number + 1, 1));
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+fn check_corner(corner: &str, counts: [i64; 3]) -> Result<()> {
+    let wrong = || {
+        Error::input(format!("a face has the corner \"{corner}\"")).expected(format!(
+            "indices of {} positions, {} texture coordinates, {} normals",
+            counts[0], counts[1], counts[2]
+        ))
+    };
+    let mut parts = corner.split('/');
+    for (place, count) in counts.into_iter().enumerate() {
+        match parts.next() {
+            None | Some("") if place > 0 => {}
+            None => return Err(wrong()),
+            Some(part) => {
+                let index: i64 = part.parse().map_err(|_| wrong())?;
+                if !(1..=count).contains(&index) && !(-count..=-1).contains(&index) {
+                    return Err(wrong());
+                }
+            }
+        }
+    }
+    if parts.next().is_some() { Err(wrong()) } else { Ok(()) }
+}
+
+/// Converts an MTL material.
+///
+/// `Kd` is the base colour, `Ni` the index of refraction and `d` the opacity. `Tr` is 1 − `d`. The
+/// illumination models 4, 6, 7 and 9 become glass. The Phong exponent `Ns` corresponds to the
+/// microfacet parameter α = √(2/(Ns + 2)) (Walter et al. 2007). The extension keys `Pm` and `Pr`
+/// state metalness and roughness directly.
+fn material(file: &tobj::Material) -> MeshMaterial {
+    let extension = |name: &str| file.unknown_param.get(name).and_then(|value| value.trim().parse::<f64>().ok());
+    let glass = matches!(file.illumination_model, Some(4 | 6 | 7 | 9));
+    let opacity = file.dissolve.or_else(|| extension("Tr").map(|tr| 1.0 - tr));
+    let transmission = opacity.map_or(if glass { 1.0 } else { 0.0 }, |opacity| 1.0 - opacity).clamp(0.0, 1.0);
+    let shines = file.specular.is_some_and(|colour| colour.iter().any(|&c| c > 0.0));
+    let shininess = file.shininess.filter(|_| shines || transmission > 0.0);
+    let of_shininess = shininess.map(|ns| (2.0 / (ns.max(0.0) + 2.0)).sqrt().sqrt());
+    let roughness = extension("Pr").or(of_shininess).unwrap_or(if transmission > 0.0 { 0.0 } else { 1.0 });
+    MeshMaterial {
+        name: file.name.clone(),
+        base_colour: file.diffuse.unwrap_or(MeshMaterial::default().base_colour),
+        metallic: extension("Pm").unwrap_or(0.0).clamp(0.0, 1.0),
+        roughness: roughness.clamp(0.0, 1.0),
+        transmission,
+        ior: file.optical_density.filter(|&ni| ni >= 1.0).unwrap_or(MeshMaterial::default().ior),
+        emission: file.emissive.unwrap_or([0.0; 3]),
+        ..MeshMaterial::default()
+    }
+}

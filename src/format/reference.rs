@@ -1,0 +1,344 @@
+//! The scene reference: a Markdown page with every key of the scene file, generated from its JSON
+//! Schema.
+
+use std::fmt::Write as _;
+
+use serde_json::{Map, Value};
+
+/// The chapters of the page, each with the definitions of the schema that it describes. The empty
+/// name is the scene itself. A definition without a title has no section; its text appears at each
+/// use.
+pub(super) const CHAPTERS: [(&str, &[&str]); 14] = [
+    ("The scene", &["", "UnitFile"]),
+    ("The camera", &["CameraFile", "CameraKeyframeFile", "ShutterFile"]),
+    ("Camera lenses", &["LensFile", "PrescriptionFile", "LensSurfaceFile"]),
+    ("The film", &["FilmFile", "ObserverFile", "GamutFile", "WhiteBalanceFile", "OutputSpaceFile", "ExposureFile"]),
+    ("Spectra and reflectances", &["SpectrumFile", "LineFile", "WeightedSpectrumFile", "ReflectanceFile", "ImageFile"]),
+    ("Indices of refraction", &["IndexFile", "FormulaFile"]),
+    ("Materials", &["MaterialFile", "WeightedMaterialFile"]),
+    ("Media", &["MediumFile", "TransmittanceFile", "PhaseFile", "MediumEmissionFile", "MediumBlackbodyFile"]),
+    (
+        "Density and temperature fields",
+        &["FieldFile", "ExponentialFieldFile", "PlanetFile", "SphereFieldFile", "NoiseFieldFile"],
+    ),
+    ("Objects", &["ObjectFile", "EmissionFile"]),
+    ("Shapes", &["ShapeFile"]),
+    ("Transforms and motion", &["TransformFile", "TransformStepFile", "ScaleFile", "KeyframeFile"]),
+    ("Lights", &["LightFile"]),
+    ("Rendering", &["RenderFile", "LightMapFile"]),
+];
+
+const INTRODUCTION: &str = "\
+# Scene reference
+
+This page describes every key of the scene file. `abbe schema --markdown` generates it from the JSON
+Schema, which `abbe schema` prints.
+
+- A scene file is strict JSON: no comments, no trailing commas, no unknown keys, no duplicate keys.
+- A length without a unit in its key is in the scene's `unit`. In the tables, its unit is *scene unit*.
+- Powers, intensities and radiances without a photometric unit are integrals over 360–830 nm.
+- The default *required* marks a key that must be present. The default — means that the key has no
+  default value: without the key, the feature is absent, or another key of the section takes its place.
+- Paths of files are relative to the folder of the scene file.
+- A range such as 0 … 1 applies to every value of a spectrum, and to each element of an array.
+";
+
+/// Width to which examples are wrapped.
+const EXAMPLE_WIDTH: usize = 92;
+
+/// Returns the scene reference as Markdown.
+pub fn scene_reference() -> String {
+    let schema = super::schema();
+    let page = Page { schema: &schema };
+    let mut text = format!("{INTRODUCTION}\n## Contents\n\n");
+    for (chapter, names) in CHAPTERS {
+        let _ = write!(text, "- {}:", link(chapter, chapter));
+        let entries: Vec<String> = names.iter().flat_map(|name| page.contents(name)).collect();
+        let _ = writeln!(text, " {}", entries.join(", "));
+    }
+    for (chapter, names) in CHAPTERS {
+        let _ = write!(text, "\n## {chapter}\n");
+        names.iter().for_each(|name| page.section(name, &mut text));
+    }
+    text
+}
+
+/// One variant of a definition with several forms.
+enum SchemaVariant<'s> {
+    /// A fixed string.
+    Constant(&'s str),
+    /// An object with one key: the key and the schema of its value.
+    Keyed(&'s str, &'s Value),
+    /// Any other form.
+    Plain,
+}
+
+impl<'s> SchemaVariant<'s> {
+    /// Returns the variant that a schema describes.
+    fn of(schema: &'s Value) -> Self {
+        if let Some(constant) = schema["const"].as_str() {
+            return Self::Constant(constant);
+        }
+        let properties = schema["properties"].as_object();
+        match properties.and_then(|properties| properties.iter().next()) {
+            Some((key, value)) => Self::Keyed(key, value),
+            None => Self::Plain,
+        }
+    }
+}
+
+/// The generator of the page.
+struct Page<'s> {
+    schema: &'s Value,
+}
+
+impl<'s> Page<'s> {
+    /// Returns the definition with this name. The empty name is the scene.
+    fn definition(&self, name: &str) -> &'s Value {
+        if name.is_empty() { self.schema } else { &self.schema["$defs"][name] }
+    }
+
+    /// Returns the definition to which a schema refers.
+    fn referred(&self, schema: &Value) -> Option<&'s Value> {
+        schema["$ref"].as_str()?.strip_prefix("#/$defs/").map(|name| self.definition(name))
+    }
+
+    /// Returns links to a section and to the sections of its variants.
+    fn contents(&self, name: &str) -> Vec<String> {
+        let definition = self.definition(name);
+        let title = text_of(definition, "title");
+        let keyed = variants(definition).iter().filter_map(|schema| match SchemaVariant::of(schema) {
+            SchemaVariant::Keyed(key, _) => Some(link(&format!("`{key}`"), &format!("{title} {key}"))),
+            SchemaVariant::Constant(_) | SchemaVariant::Plain => None,
+        });
+        std::iter::once(link(title, title)).chain(keyed).collect()
+    }
+
+    /// Writes the section of a definition.
+    fn section(&self, name: &str, text: &mut String) {
+        let definition = self.definition(name);
+        let title = text_of(definition, "title");
+        let _ = write!(text, "\n### {title}\n\n{}\n", text_of(definition, "description"));
+        let variants = variants(definition);
+        if !variants.is_empty() {
+            self.forms(title, variants, text);
+        } else if let Some(properties) = definition["properties"].as_object() {
+            self.keys(properties, definition, text);
+        } else {
+            let _ = write!(text, "\nType: {}.\n", self.type_of(definition, 1));
+        }
+        examples(definition, text);
+        for schema in variants {
+            if let SchemaVariant::Keyed(key, value) = SchemaVariant::of(schema) {
+                self.variant(title, key, schema, value, text);
+            }
+        }
+    }
+
+    /// Writes the table of the forms of a definition.
+    fn forms(&self, title: &str, variants: &[Value], text: &mut String) {
+        let _ = write!(text, "\n| Form | Meaning |\n| --- | --- |\n");
+        for schema in variants {
+            let form = match SchemaVariant::of(schema) {
+                SchemaVariant::Constant(constant) => format!("`\"{constant}\"`"),
+                SchemaVariant::Keyed(key, _) => link(&format!("`{{\"{key}\": …}}`"), &format!("{title} {key}")),
+                SchemaVariant::Plain => self.type_of(schema, 1),
+            };
+            let _ = writeln!(text, "| {form} | {} |", text_of(schema, "description"));
+        }
+    }
+
+    /// Writes the section of a variant that is an object with one key.
+    fn variant(&self, title: &str, key: &str, schema: &Value, value: &'s Value, text: &mut String) {
+        let _ = write!(text, "\n#### {title} `{key}`\n\n{}", text_of(schema, "description"));
+        let contents = self.referred(value).filter(|definition| definition["title"].is_null());
+        let more = contents.and_then(|definition| text_of(definition, "description").split_once(". "));
+        let _ = writeln!(text, "{}", more.map(|(_, more)| format!(" {more}")).unwrap_or_default());
+        let contents = contents.unwrap_or(value);
+        match contents["properties"].as_object() {
+            Some(properties) => self.keys(properties, contents, text),
+            None => self.keys(schema["properties"].as_object().unwrap_or(&Map::new()), schema, text),
+        }
+        examples(schema, text);
+    }
+
+    /// Writes the table of the keys of an object.
+    fn keys(&self, properties: &Map<String, Value>, object: &Value, text: &mut String) {
+        let _ = write!(text, "\n| Key | Type | Unit | Default | Range | Meaning |\n");
+        let _ = writeln!(text, "| --- | --- | --- | --- | --- | --- |");
+        for (key, schema) in properties {
+            let required = object["required"].as_array().is_some_and(|keys| keys.iter().any(|it| it == key));
+            let default = match (&schema["default"], schema["x-default"].as_str()) {
+                _ if required => "*required*".to_string(),
+                (_, Some(words)) => words.to_string(),
+                (Value::Null, None) => "—".to_string(),
+                (value, None) => format!("`{}`", one_line(value)),
+            };
+            let nullable = if required { self.type_of(schema, 1) } else { self.type_of(&without_null(schema), 1) };
+            let unit = schema["x-unit"].as_str().unwrap_or("");
+            let meaning = match text_of(schema, "description") {
+                "" => text_of(object, "description"),
+                description => description,
+            };
+            let _ = writeln!(text, "| `{key}` | {nullable} | {unit} | {default} | {} | {meaning} |", range(schema));
+        }
+    }
+
+    /// Describes the type of a schema, in the plural if `count` is not 1.
+    fn type_of(&self, schema: &Value, count: u64) -> String {
+        let plural = |word: &str| if count == 1 { word.to_string() } else { format!("{word}s") };
+        if let Some(definition) = self.referred(schema) {
+            let title = text_of(definition, "title");
+            return link(title, title);
+        }
+        if let Some(choices) = schema["anyOf"].as_array() {
+            let choices: Vec<String> = choices.iter().map(|choice| self.type_of(choice, count)).collect();
+            return choices.join(" or ");
+        }
+        match &schema["type"] {
+            Value::Array(types) => {
+                let of = |name: &Value| self.type_of(&serde_json::json!({"type": name}), count);
+                types.iter().map(of).collect::<Vec<_>>().join(" or ")
+            }
+            Value::String(name) => match name.as_str() {
+                "integer" => plural("whole number"),
+                "boolean" => "true or false".into(),
+                "object" => format!("object of names and {}", self.type_of(&schema["additionalProperties"], 2)),
+                "array" => match (schema["minItems"].as_u64(), schema["maxItems"].as_u64()) {
+                    (Some(least), Some(most)) if least == most => {
+                        format!("{} of {least} {}", plural("array"), self.type_of(&schema["items"], least))
+                    }
+                    _ => format!("{} of {}", plural("array"), self.type_of(&schema["items"], 2)),
+                },
+                name => plural(name),
+            },
+            Value::Null | Value::Bool(_) | Value::Number(_) | Value::Object(_) => String::new(),
+        }
+    }
+}
+
+/// Returns a text of a schema, such as its title, or the empty text.
+fn text_of<'s>(schema: &'s Value, key: &str) -> &'s str {
+    schema[key].as_str().unwrap_or_default()
+}
+
+/// Returns the forms of a definition, or none if it has only one.
+fn variants(definition: &Value) -> &[Value] {
+    let forms = definition["oneOf"].as_array().or_else(|| definition["anyOf"].as_array());
+    forms.map_or(&[], Vec::as_slice)
+}
+
+/// Returns a link to a heading of the page.
+fn link(text: &str, heading: &str) -> String {
+    format!("[{text}](#{})", heading.to_lowercase().replace(' ', "-"))
+}
+
+/// Removes null from the types of a schema.
+fn without_null(schema: &Value) -> Value {
+    let mut schema = schema.clone();
+    if let Some(types) = schema["type"].as_array() {
+        let types: Vec<Value> = types.iter().filter(|name| *name != "null").cloned().collect();
+        schema["type"] = if let [only] = types.as_slice() { only.clone() } else { types.into() };
+    }
+    if let Some(choices) = schema.get_mut("anyOf").and_then(Value::as_array_mut) {
+        choices.retain(|choice| choice["type"] != "null");
+    }
+    schema
+}
+
+/// Describes the range of a number, or the length and the ranges of the elements of an array.
+fn range(schema: &Value) -> String {
+    let mut parts: Vec<String> = schema["x-range"].as_str().map(str::to_string).into_iter().collect();
+    let mut level = schema;
+    loop {
+        let bound = |key: &str| Some(&level[key]).filter(|bound| !bound.is_null());
+        let low = bound("exclusiveMinimum").map(|low| (low, "<")).or(bound("minimum").map(|low| (low, "≤")));
+        let high = bound("exclusiveMaximum").map(|high| (high, "<")).or(bound("maximum").map(|high| (high, "≤")));
+        parts.extend(match (low, high) {
+            (Some((low, "≤")), Some((high, "≤"))) => Some(format!("{low} … {high}")),
+            (Some((low, below)), Some((high, above))) => Some(format!("{low} {below} x {above} {high}")),
+            (Some((low, "<")), None) => Some(format!("> {low}")),
+            (Some((low, _)), None) => Some(format!("≥ {low}")),
+            (None, Some((high, above))) => Some(format!("{above} {high}")),
+            (None, None) => None,
+        });
+        let (least, most) = (level["minItems"].as_u64(), level["maxItems"].as_u64());
+        parts.extend(match (least, most) {
+            (Some(least), Some(most)) if least == most => None,
+            (Some(1), None) => Some("at least 1 entry".to_string()),
+            (Some(least), None) => Some(format!("at least {least} entries")),
+            (_, Some(most)) => Some(format!("at most {most} entries")),
+            (None, None) => None,
+        });
+        level = &level["items"];
+        if level.is_null() {
+            return parts.join(", ");
+        }
+    }
+}
+
+/// Writes the examples of a schema.
+fn examples(schema: &Value, text: &mut String) {
+    let examples: Vec<String> = schema["examples"].as_array().into_iter().flatten().map(wrapped).collect();
+    if !examples.is_empty() {
+        let _ = write!(text, "\n```json\n{}\n```\n", examples.join("\n"));
+    }
+}
+
+/// Prints JSON on one line, with blanks after commas and colons.
+fn one_line(value: &Value) -> String {
+    match value {
+        Value::Object(entries) => {
+            let entries = entries.iter().map(|(key, value)| format!("\"{key}\": {}", one_line(value)));
+            format!("{{{}}}", entries.collect::<Vec<_>>().join(", "))
+        }
+        Value::Array(elements) => format!("[{}]", elements.iter().map(one_line).collect::<Vec<_>>().join(", ")),
+        Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => value.to_string(),
+    }
+}
+
+/// Prints JSON on one line if it fits. Otherwise the first and last line hold the brackets, and the
+/// lines between hold the entries of the innermost object that contains everything.
+fn wrapped(value: &Value) -> String {
+    let line = one_line(value);
+    if line.chars().count() <= EXAMPLE_WIDTH {
+        return line;
+    }
+    let (mut open, mut close, mut inner) = (String::new(), String::new(), value);
+    let parts: Vec<String> = loop {
+        match inner {
+            Value::Object(entries) if entries.len() == 1 => {
+                let (key, only) = entries.iter().next().expect("there is one entry");
+                open += &format!("{{\"{key}\": ");
+                close.insert(0, '}');
+                inner = only;
+            }
+            Value::Object(entries) => {
+                open.push('{');
+                close.insert(0, '}');
+                break entries.iter().map(|(key, value)| format!("\"{key}\": {}", one_line(value))).collect();
+            }
+            Value::Array(elements) => {
+                open.push('[');
+                close.insert(0, ']');
+                break elements.iter().map(one_line).collect();
+            }
+            Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => return line,
+        }
+    };
+    let mut text = open;
+    let mut column = EXAMPLE_WIDTH;
+    for (i, part) in parts.iter().enumerate() {
+        let length = part.chars().count() + 2;
+        if column + length > EXAMPLE_WIDTH {
+            text.push_str("\n  ");
+            column = 2;
+        } else {
+            text.push(' ');
+        }
+        column += length;
+        text += part;
+        text += if i + 1 < parts.len() { "," } else { "" };
+    }
+    text + "\n" + &close
+}

@@ -1,0 +1,131 @@
+//! Translates the camera of the scene file to position, axes, field of view and aperture.
+
+use super::context::Resolver;
+use crate::error::{Error, Result};
+use crate::format::{CameraFile, JsonPath, LensFile, SystemLensFile, ThinLensForm};
+use crate::optics::aperture::Blades;
+use crate::scene::camera::{Aperture, ApertureDiffraction, ApertureStop, Camera, SystemLens, look_at_axes};
+use crate::scene::motion::{AnimatedLookAt, LookAt};
+use glam::DVec3;
+
+impl Resolver<'_> {
+    /// Resolves the motion of the camera, and the camera at the moment when the shutter opens.
+    /// `size` is the film's width and height in pixels.
+    pub(super) fn camera(
+        &self,
+        at: &JsonPath<'_>,
+        file: &CameraFile,
+        size: (u32, u32),
+        centre: DVec3,
+        notes: &mut Vec<String>,
+    ) -> Result<(Camera, Option<AnimatedLookAt>)> {
+        let CameraFile { from: _, at: _, up: _, lens, shutter: _, motion: _ } = file;
+        let lens_at = at.key("lens");
+        let (tan_half_height, aperture, diffracts) = match lens {
+            LensFile::Pinhole { fov } => ((0.5 * fov.to_radians()).tan(), Aperture::Pinhole, false),
+            LensFile::Thin(file) => {
+                let at = lens_at.key("thin");
+                let form = self.at(&at, file.form())?;
+                let thin = self.thin_lens(form, blades(file.blades, file.rotation));
+                let (tan_half_height, aperture) = self.at(&at, thin)?;
+                (tan_half_height, aperture, file.diffraction)
+            }
+            LensFile::System(file) => {
+                let at = lens_at.key("system");
+                let system = self.system_lens(&at, file, size)?;
+                let tan_half_height = 0.5 * file.sensor_height_mm / system.image_mm();
+                (tan_half_height, Aperture::System(Box::new(system)), file.diffraction)
+            }
+        };
+        notes.extend(implausible_size(lens));
+        let (LookAt { from, at: target, up }, motion) = self.camera_motion(file, centre);
+        let origin = self.point(from.to_array(), centre);
+        let mut camera = Camera::new(origin, look_at_axes(target - from, up), tan_half_height, size, aperture);
+        camera.diffracts = diffracts;
+        notes.extend(missed_diffraction(&camera));
+        Ok((camera, motion))
+    }
+
+    /// Resolves a lens system and its sensor.
+    fn system_lens(&self, at: &JsonPath<'_>, file: &SystemLensFile, size: (u32, u32)) -> Result<SystemLens> {
+        let SystemLensFile {
+            prescription,
+            focus_distance,
+            f_number,
+            sensor_height_mm,
+            blades: count,
+            rotation,
+            diffraction: _,
+        } = file;
+        let open = self.lens(&at.key("prescription"), prescription)?;
+        let lens = match f_number {
+            None => open,
+            Some(f_number) => self.at(&at.key("f_number"), open.stopped_down(*f_number))?,
+        };
+        let half = 0.5 * sensor_height_mm;
+        let sensor_radius_mm = half.hypot(half * f64::from(size.0) / f64::from(size.1));
+        let lens = lens.with_blades(blades(*count, *rotation));
+        self.at(&at.key("focus_distance"), SystemLens::new(lens, focus_distance * self.metres, sensor_radius_mm))
+    }
+
+    /// The tangent of half the vertical field of view, and the aperture.
+    fn thin_lens(&self, form: ThinLensForm, blades: Option<Blades>) -> Result<(f64, Aperture)> {
+        match form {
+            ThinLensForm::Photographic { focal_length_mm, f_number, focus_distance, sensor_height_mm } => {
+                let (focal_m, focus_m) = (focal_length_mm * 1e-3, focus_distance * self.metres);
+                if focus_m <= focal_m {
+                    return Err(Error::input(format!("found a focus distance of {focus_m} m"))
+                        .expected(format!("a distance above the focal length of {focal_m} m")));
+                }
+                // Thin lens: 1/f = 1/u + 1/v. The field of view follows from the image distance v,
+                // and not from the focal length f.
+                let image_m = focal_m * focus_m / (focus_m - focal_m);
+                let tan_half_height = 0.5 * sensor_height_mm * 1e-3 / image_m;
+                Ok((
+                    tan_half_height,
+                    Aperture::ThinLens { stop: ApertureStop { radius_m: 0.5 * focal_m / f_number, blades }, focus_m },
+                ))
+            }
+            ThinLensForm::Angular { fov, focus_distance, defocus_angle } => {
+                let focus_m = focus_distance * self.metres;
+                let radius_m = focus_m * (0.5 * defocus_angle.to_radians()).tan();
+                Ok((
+                    (0.5 * fov.to_radians()).tan(),
+                    Aperture::ThinLens { stop: ApertureStop { radius_m, blades }, focus_m },
+                ))
+            }
+        }
+    }
+}
+
+/// The blades of a polygonal aperture, or `None` for a round one.
+fn blades(count: Option<u32>, rotation_deg: f64) -> Option<Blades> {
+    count.map(|count| Blades { count, rotation: rotation_deg.to_radians() })
+}
+
+/// A remark if the scene does not enable diffraction but the picture would show it.
+fn missed_diffraction(camera: &Camera) -> Option<String> {
+    let diffraction =
+        ApertureDiffraction::of(camera).filter(|diffraction| diffraction.matters() && !camera.diffracts)?;
+    let pixels = diffraction.airy_diameter_px();
+    Some(format!(
+        "camera: diffraction at the opening would spread a point over {pixels:.1} pixels; \"diffraction\": true of the lens simulates it"
+    ))
+}
+
+/// A remark if a lens has an aperture or a sensor of unusual size. The cause is probably a wrong
+/// unit.
+fn implausible_size(lens: &LensFile) -> Option<String> {
+    const OPENING_MM: std::ops::RangeInclusive<f64> = 0.05..=300.0;
+    const SENSOR_MM: std::ops::RangeInclusive<f64> = 1.0..=300.0;
+    let LensFile::Thin(file) = lens else {
+        return None;
+    };
+    let opening_mm = file.focal_length_mm.zip(file.f_number).map(|(focal_mm, f_number)| focal_mm / f_number);
+    let odd = |what: &str, mm: Option<f64>, usual: std::ops::RangeInclusive<f64>| {
+        let mm = mm.filter(|mm| !usual.contains(mm))?;
+        Some(format!("camera: {what} of {mm} mm is unusual; most have {} to {} mm", usual.start(), usual.end()))
+    };
+    odd("an aperture diameter", opening_mm, OPENING_MM)
+        .or_else(|| odd("a sensor height", file.sensor_height_mm, SENSOR_MM))
+}

@@ -1,0 +1,80 @@
+//! Translates the film of the scene file to the film, its exposure and its white balance.
+
+use super::context::Resolver;
+use super::spectra::Role;
+use crate::colour::RgbSpace;
+use crate::colour::gamut::GamutMapping;
+use crate::error::{Error, Result};
+use crate::format::{
+    CameraFile, ExposureFile, FilmFile, GamutFile, JsonPath, LensFile, ObserverFile, OutputSpaceFile, SpectrumFile,
+    WhiteBalanceFile,
+};
+use crate::scene::builder::WhiteBalance;
+use crate::scene::{Exposure, FilmSpec};
+use crate::spectrum::Observer;
+
+impl Resolver<'_> {
+    /// Resolves the film. The scene builder determines its white.
+    pub(super) fn film(&self, at: &JsonPath<'_>, film: &FilmFile) -> Result<FilmSpec> {
+        let FilmFile { width, height, observer, spectral_bands, gamut, white_balance: _, output_space, exposure } =
+            film;
+        let exposure = match exposure {
+            ExposureFile::Auto => Exposure::Auto,
+            ExposureFile::None => Exposure::None,
+            ExposureFile::Ev(ev) => Exposure::Ev(*ev),
+            ExposureFile::Iso(iso) => Exposure::White(self.white_luminance(&at.key("exposure").key("iso"), *iso)?),
+        };
+        let observer = match observer {
+            ObserverFile::Cie1931 => Observer::cie1931(),
+            ObserverFile::Cie1964 => Observer::cie1964(),
+            ObserverFile::Cie2015Two => Observer::cie2015_2(),
+            ObserverFile::Cie2015Ten => Observer::cie2015_10(),
+        };
+        let gamut = match gamut {
+            GamutFile::Desaturate => GamutMapping::Desaturate,
+            GamutFile::Clip => GamutMapping::Clip,
+            GamutFile::Oklab => GamutMapping::Oklab,
+        };
+        let space = match output_space {
+            OutputSpaceFile::Srgb => RgbSpace::Srgb,
+            OutputSpaceFile::DisplayP3 => RgbSpace::DisplayP3,
+            OutputSpaceFile::Rec2020 => RgbSpace::Rec2020,
+            OutputSpaceFile::Acescg => RgbSpace::AcesCg,
+        };
+        let (width, height, spectral_bands) = (*width, *height, *spectral_bands);
+        Ok(FilmSpec { width, height, observer, spectral_bands, space, white: None, gamut, exposure })
+    }
+
+    /// The luminance in cd/m² that becomes white on a film of this ISO speed S. S is the
+    /// saturation-based speed of ISO 12232.
+    ///
+    /// The middle of the film receives q·L·t/N² lx·s, with q = 0.65 for the losses of the lens. It
+    /// is white at 78/S lx·s.
+    fn white_luminance(&self, at: &JsonPath<'_>, iso: f64) -> Result<f64> {
+        let CameraFile { lens, .. } = &self.scene.camera;
+        let f_number = match lens {
+            LensFile::Pinhole { fov: _ } => None,
+            LensFile::Thin(lens) => lens.f_number,
+            LensFile::System(lens) => lens.f_number,
+        };
+        let exposure_s = Some(self.shutter.exposure_s()).filter(|&seconds| seconds > 0.0);
+        let Some((f_number, exposure_s)) = f_number.zip(exposure_s) else {
+            let error = Error::input("found a film speed, but the camera has no f-number or no exposure time");
+            return self
+                .at(at, Err(error.expected("a lens with `f_number`, and a `shutter` that closes after it opens")));
+        };
+        Ok(78.0 / (0.65 * iso) * f_number * f_number / exposure_s)
+    }
+
+    /// Resolves the white balance.
+    pub(super) fn white_balance(&self, at: &JsonPath<'_>) -> Result<WhiteBalance> {
+        Ok(match &self.scene.film.white_balance {
+            WhiteBalanceFile::None => WhiteBalance::None,
+            WhiteBalanceFile::Scene => WhiteBalance::SceneLights,
+            WhiteBalanceFile::Illuminant(name) => {
+                let light = self.spectrum(at, &SpectrumFile::Name(name.clone()), Role::Light)?;
+                WhiteBalance::Illuminant(name.clone(), light)
+            }
+        })
+    }
+}

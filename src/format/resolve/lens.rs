@@ -1,0 +1,119 @@
+//! Translates lens prescriptions of the scene file to lenses.
+
+use super::context::Resolver;
+use super::index::{glass_file, index_of, read_bytes};
+use crate::error::Result;
+use crate::format::{self, IndexFile, JsonPath, JsonSource, LensSurfaceFile, PrescriptionFile};
+use crate::optics::glass::AgfCatalogue;
+use crate::optics::lens::{ApertureSpec, Lens, LensSurface, Prescription, SurfaceProfile, catalogue, medium, zemax};
+use std::path::{Path, PathBuf};
+
+/// Reads a lens from a file.
+///
+/// A file with the extension `.zmx` is a Zemax lens. Any other file is a prescription in JSON, as
+/// in a scene file. The search for the glasses of a Zemax lens begins in `catalogues`. It goes on
+/// in the catalogues named by the lens and found in its folder, and ends in the built-in glasses.
+///
+/// # Errors
+/// The file cannot be read or is wrong. The error states the place in the file.
+pub fn lens_file(path: &Path, catalogues: &[AgfCatalogue]) -> Result<Lens> {
+    if has_ending(path, "zmx") {
+        let bytes = read_bytes(path)?;
+        let mut catalogues = catalogues.to_vec();
+        for path in catalogues_beside(path, &bytes) {
+            catalogues.push(glass_file(&path)?);
+        }
+        return zemax::parse(&bytes, path, &catalogues);
+    }
+    let (prescription, source) = format::parse_prescription(&format::read_text(path)?, path)?;
+    lone_lens(&prescription, &source)
+}
+
+/// The paths of glass catalogues `NAME.agf` that are named by a Zemax lens and exist in its folder.
+/// Letter case is ignored. `lens` is the content of the lens file.
+pub fn catalogues_beside(path: &Path, lens: &[u8]) -> Vec<PathBuf> {
+    let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+    let names = zemax::catalogues(lens);
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let number = |path: &PathBuf| names.iter().position(|name| name.eq_ignore_ascii_case(&stem(path)));
+    let named = entries.filter(|path| has_ending(path, "agf")).filter_map(|path| Some((number(&path)?, path)));
+    let mut named: Vec<(usize, PathBuf)> = named.collect();
+    named.sort();
+    named.into_iter().map(|(_, path)| path).collect()
+}
+
+fn has_ending(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(ending))
+}
+
+/// Resolves a lens outside of any scene. The only names allowed are those of built-in lenses.
+///
+/// # Errors
+/// The name is unknown or the surfaces do not describe a lens. The error states the place in
+/// `source`.
+pub fn lone_lens(prescription: &PrescriptionFile, source: &JsonSource) -> Result<Lens> {
+    lens_at(&JsonPath::Root, prescription, source)
+}
+
+impl Resolver<'_> {
+    /// Resolves the lens of a camera: a built-in name, a file (`.zmx` or `.json`), or a list of
+    /// surfaces.
+    pub(super) fn lens(&self, at: &JsonPath<'_>, prescription: &PrescriptionFile) -> Result<Lens> {
+        if let PrescriptionFile::Name(name) = prescription {
+            let path = Path::new(name);
+            if has_ending(path, "zmx") || has_ending(path, "json") {
+                return lens_file(&self.at(at, self.source.file(name))?, &[]);
+            }
+        }
+        lens_at(at, prescription, self.source)
+    }
+}
+
+/// Resolves the lens at a place of a file.
+fn lens_at(at: &JsonPath<'_>, prescription: &PrescriptionFile, source: &JsonSource) -> Result<Lens> {
+    let files = match prescription {
+        PrescriptionFile::Name(name) => {
+            return catalogue::find(name).cloned().map_err(|error| source.error_at(&at.to_string(), error));
+        }
+        PrescriptionFile::Surfaces(files) => files,
+    };
+    let lens = Lens::new(Prescription {
+        name: source.path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        source: None,
+        surfaces: surfaces(&at.key("surfaces"), files, source)?,
+        stop: files.iter().position(|surface| surface.stop),
+        opening: ApertureSpec::Stop,
+        half_field_deg: None,
+    });
+    lens.map_err(|mut error| {
+        // The lens gives a path that starts at the prescription.
+        let steps = [at.to_string(), error.location.path.take().unwrap_or_default()];
+        let path: Vec<&str> = steps.iter().map(String::as_str).filter(|step| !step.is_empty()).collect();
+        source.error_at(&path.join("."), error)
+    })
+}
+
+fn surfaces(at: &JsonPath<'_>, files: &[LensSurfaceFile], source: &JsonSource) -> Result<Vec<LensSurface>> {
+    let mut surfaces = Vec::new();
+    for (i, file) in files.iter().enumerate() {
+        let LensSurfaceFile { radius_mm, conic, aspheric, thickness_mm, ior, semi_aperture_mm, stop: _ } = file;
+        let index = match ior {
+            IndexFile::Name(name) => medium(name),
+            IndexFile::Number(_)
+            | IndexFile::Cauchy { .. }
+            | IndexFile::Sellmeier { .. }
+            | IndexFile::Abbe { .. }
+            | IndexFile::Table { .. }
+            | IndexFile::Glass { .. } => index_of(ior, source),
+        };
+        let index = index.map_err(|error| source.error_at(&at.index(i).key("ior").to_string(), error))?;
+        // The terms of a prescription begin with h⁴. The terms of a profile begin with h².
+        let even_terms =
+            if aspheric.is_empty() { [].into() } else { std::iter::once(&0.0).chain(aspheric).copied().collect() };
+        let profile = SurfaceProfile { conic: *conic, even_terms, ..SurfaceProfile::sphere(*radius_mm) };
+        let (thickness_mm, semi_aperture_mm) = (*thickness_mm, *semi_aperture_mm);
+        surfaces.push(LensSurface { profile, thickness_mm, index, semi_aperture_mm });
+    }
+    Ok(surfaces)
+}

@@ -1,0 +1,251 @@
+//! Translates the lights of the scene file to emitters in watts.
+
+use super::context::{Resolver, unsupported};
+use super::environment_image;
+use super::motion::ResolvedMotion;
+use super::objects::{EmissionSource, EmittingObject};
+use super::spectra::Role;
+use crate::error::{Error, Result};
+use crate::format::{
+    BeamFile, DirectionalFile, EmissionFile, EnvironmentFile, JsonPath, LightFile, PointFile, QuantityFile,
+    SpectrumFile, SpotFile,
+};
+use crate::scene::builder::SceneBuilder;
+use crate::scene::light::{
+    AreaLight, BeamLight, DirectionalLight, Emitter, EnvironmentLight, Light, LightSpectrum, PointLight, SpotLight,
+    mean_scale,
+};
+use crate::spectrum::{Observer, Spectrum};
+use glam::{DAffine3, DVec3};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// The data needed to resolve each light.
+struct LightContext<'n> {
+    /// The transform from the light's frame to the world, in the scene's unit.
+    to_world: DAffine3,
+    /// The scene's centre in m.
+    centre: DVec3,
+    notes: &'n mut Vec<String>,
+}
+
+/// An emitter and its spectrum.
+type EmitterAndSpectrum = (Emitter, LightSpectrum);
+
+/// A radiometric quantity over the band.
+enum Radiometric {
+    /// A power in W.
+    Power(f64),
+    /// The quantity of the light's kind: W/sr, W/m²/sr or W/m².
+    Density(f64),
+}
+
+impl Radiometric {
+    /// Returns the value of a light that supports only one kind of quantity.
+    fn value(&self) -> f64 {
+        match *self {
+            Self::Power(value) | Self::Density(value) => value,
+        }
+    }
+}
+
+/// Converts a quantity of the file to a radiometric one.
+fn radiometric(quantity: QuantityFile, spectrum: &LightSpectrum) -> Result<Radiometric> {
+    Ok(match quantity {
+        QuantityFile::Power(value) => Radiometric::Power(value),
+        QuantityFile::LuminousFlux(value) => Radiometric::Power(spectrum.watts_from_lumens(value)?),
+        QuantityFile::Intensity(value) | QuantityFile::Radiance(value) | QuantityFile::Irradiance(value) => {
+            Radiometric::Density(value)
+        }
+        QuantityFile::LuminousIntensity(value) | QuantityFile::Luminance(value) | QuantityFile::Illuminance(value) => {
+            Radiometric::Density(spectrum.watts_from_lumens(value)?)
+        }
+    })
+}
+
+impl Resolver<'_> {
+    /// Resolves all lights: first the list `lights`, then the emitting objects.
+    pub(super) fn lights(
+        &self,
+        emitting: &[EmittingObject<'_>],
+        builder: &mut SceneBuilder,
+        observer: &'static Observer,
+    ) -> Result<()> {
+        let root = JsonPath::Root;
+        let at = root.key("lights");
+        for (number, file) in self.scene.lights.iter().enumerate() {
+            let at = at.index(number);
+            let light = self.light(&at, number, file, builder, observer)?;
+            self.at(&at, builder.add_light(light))?;
+        }
+        let at = root.key("objects");
+        for EmittingObject { file_index, objects, emission } in emitting {
+            let at = at.index(*file_index);
+            let area: f64 = objects.iter().map(|&object| builder.area_m2(object)).sum();
+            let (spectrum, radiance) = match emission {
+                EmissionSource::Scene(file) => self.emission(&at.key("emission"), file, area, &mut builder.notes)?,
+                EmissionSource::Mesh(rgb) => self.mesh_emission(&at, *rgb)?,
+            };
+            for &object in objects {
+                let name = builder.objects().name(object).to_owned();
+                let emitter = Emitter::Area(AreaLight { object, radiance, area_m2: builder.area_m2(object) });
+                let light = self.at(&at, Light::new(name, emitter, &spectrum, observer))?;
+                self.at(&at.key("emission"), builder.add_light(light))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn light(
+        &self,
+        at: &JsonPath<'_>,
+        number: usize,
+        file: &LightFile,
+        builder: &mut SceneBuilder,
+        observer: &'static Observer,
+    ) -> Result<Light> {
+        let (transform, keys) = file.transform_and_motion();
+        let ResolvedMotion { start, motion } = self.motion(transform, keys);
+        let mut context = LightContext { to_world: start, centre: builder.centre(), notes: &mut builder.notes };
+        let (kind, resolved) = match file {
+            LightFile::Point(file) => ("point", self.point_light(&at.key("point"), file, &mut context)),
+            LightFile::Spot(file) => ("spot", self.spot_light(&at.key("spot"), file, &mut context)),
+            LightFile::Beam(file) => ("beam", self.beam_light(&at.key("beam"), file, &mut context)),
+            LightFile::Directional(file) => {
+                ("directional", self.directional_light(&at.key("directional"), file, &mut context))
+            }
+            LightFile::Environment(file) => {
+                ("environment", self.environment_light(&at.key("environment"), file, &mut context))
+            }
+            LightFile::Ies(_) => ("ies", self.at(&at.key("ies"), Err(unsupported("IES lamps are")))),
+        };
+        let (emitter, spectrum) = resolved?;
+        let light = self.at(at, Light::new(format!("{kind} {number}"), emitter, &spectrum, observer))?;
+        Ok(Light { motion, ..light })
+    }
+
+    /// Resolves the spectrum of a light.
+    fn light_spectrum(&self, at: &JsonPath<'_>, file: &SpectrumFile, notes: &mut Vec<String>) -> Result<LightSpectrum> {
+        let at = at.key("spectrum");
+        let spectrum = self.spectrum(&at, file, Role::Light)?;
+        notes.extend(self.match_note(file, &at.to_string()));
+        Ok(LightSpectrum::new(&spectrum))
+    }
+
+    /// A point of the light's frame, in m relative to the scene's centre.
+    fn point_of_light(&self, context: &LightContext<'_>, point: [f64; 3]) -> DVec3 {
+        self.point(context.to_world.transform_point3(DVec3::from(point)).to_array(), context.centre)
+    }
+
+    fn point_light(
+        &self,
+        path: &JsonPath<'_>,
+        file: &PointFile,
+        context: &mut LightContext<'_>,
+    ) -> Result<EmitterAndSpectrum> {
+        let PointFile { at, spectrum, power: _, luminous_flux: _, .. } = file;
+        let spectrum = self.light_spectrum(path, spectrum, context.notes)?;
+        let intensity = match self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))? {
+            Radiometric::Power(power) => power / (4.0 * PI),
+            Radiometric::Density(intensity) => intensity,
+        };
+        let position = self.point_of_light(context, *at);
+        Ok((Emitter::Point(PointLight { position, intensity }), spectrum))
+    }
+
+    fn spot_light(
+        &self,
+        path: &JsonPath<'_>,
+        file: &SpotFile,
+        context: &mut LightContext<'_>,
+    ) -> Result<EmitterAndSpectrum> {
+        let SpotFile { at, to, half_angle, penumbra, spectrum, .. } = file;
+        let spectrum = self.light_spectrum(path, spectrum, context.notes)?;
+        let (half_angle, penumbra) = (half_angle.to_radians(), penumbra.to_radians());
+        let intensity = match self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))? {
+            Radiometric::Power(power) => power / SpotLight::power_per_intensity(half_angle, penumbra),
+            Radiometric::Density(intensity) => intensity,
+        };
+        let (at, to) = (self.point_of_light(context, *at), self.point_of_light(context, *to));
+        let spot = SpotLight::new(at, (to - at).normalize(), half_angle, penumbra, intensity);
+        Ok((Emitter::Spot(spot), spectrum))
+    }
+
+    fn beam_light(
+        &self,
+        path: &JsonPath<'_>,
+        file: &BeamFile,
+        context: &mut LightContext<'_>,
+    ) -> Result<EmitterAndSpectrum> {
+        let BeamFile { from, to, radius, divergence, spectrum, .. } = file;
+        let spectrum = self.light_spectrum(path, spectrum, context.notes)?;
+        let power = self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))?.value();
+        let (from, to) = (self.point_of_light(context, *from), self.point_of_light(context, *to));
+        // A transform with a scale also scales the disk.
+        let radius_m = radius * self.metres * mean_scale(&context.to_world);
+        let beam = BeamLight::new(from, (to - from).normalize(), radius_m, divergence.to_radians(), power);
+        Ok((Emitter::Beam(beam), spectrum))
+    }
+
+    fn directional_light(
+        &self,
+        path: &JsonPath<'_>,
+        file: &DirectionalFile,
+        context: &mut LightContext<'_>,
+    ) -> Result<EmitterAndSpectrum> {
+        let DirectionalFile { toward, angular_diameter, spectrum, .. } = file;
+        let spectrum = self.light_spectrum(path, spectrum, context.notes)?;
+        let irradiance = self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))?.value();
+        let toward = context.to_world.transform_vector3(DVec3::from(*toward)).normalize();
+        let angular_radius = 0.5 * angular_diameter.to_radians();
+        Ok((Emitter::Directional(DirectionalLight::new(toward, angular_radius, irradiance)), spectrum))
+    }
+
+    fn environment_light(
+        &self,
+        path: &JsonPath<'_>,
+        file: &EnvironmentFile,
+        context: &mut LightContext<'_>,
+    ) -> Result<EmitterAndSpectrum> {
+        let EnvironmentFile { spectrum, image, .. } = file;
+        let (spectrum, map) = match (spectrum, image) {
+            (_, Some(image)) => {
+                let at = path.key("image");
+                let map = self.source.file(&image.path);
+                let map = map.and_then(|path| environment_image::load(&path, context.to_world));
+                let map = self.at(&at.key("path"), map)?;
+                (LightSpectrum::new(&map.mean_spectrum()), Some(Arc::new(map)))
+            }
+            (Some(spectrum), None) => (self.light_spectrum(path, spectrum, context.notes)?, None),
+            (None, None) => {
+                return self.at(path, Err(Error::input("found neither").expected("one of `spectrum`, `image`")));
+            }
+        };
+        let irradiance = self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))?.value();
+        Ok((Emitter::Environment(EnvironmentLight::new(irradiance / PI, map)), spectrum))
+    }
+
+    /// Resolves the emission of an object: the spectrum, and the radiance in W/m²/sr over the band.
+    fn emission(
+        &self,
+        path: &JsonPath<'_>,
+        file: &EmissionFile,
+        area_m2: f64,
+        notes: &mut Vec<String>,
+    ) -> Result<(LightSpectrum, f64)> {
+        let spectrum = self.light_spectrum(path, &file.spectrum, notes)?;
+        let radiance = match self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))? {
+            Radiometric::Power(power) => power / (PI * area_m2),
+            Radiometric::Density(radiance) => radiance,
+        };
+        Ok((spectrum, radiance))
+    }
+
+    /// Resolves the emission of a mesh file, which is linear RGB. White is 1 cd/m².
+    fn mesh_emission(&self, path: &JsonPath<'_>, rgb: [f64; 3]) -> Result<(LightSpectrum, f64)> {
+        let spectrum = LightSpectrum::new(&self.at(path, Spectrum::rgb_light(rgb))?);
+        let luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+        let radiance = self.at(path, spectrum.watts_from_lumens(luminance))?;
+        Ok((spectrum, radiance))
+    }
+}

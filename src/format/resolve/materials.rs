@@ -1,0 +1,165 @@
+//! Translates the materials of the scene file to surfaces and bodies.
+
+use super::context::{Resolver, unsupported};
+use super::index::index_of;
+use super::spectra::Role;
+use crate::error::{Error, Result};
+use crate::format::{ConductorFile, DielectricFile, IndexFile, JsonPath, MaterialFile, ReflectanceFile};
+use crate::optics::bsdf::Bsdf;
+use crate::optics::glass::RefractiveIndex;
+use crate::scene::{Body, Material};
+use crate::spectrum::{Spectrum, library};
+
+/// The largest depth of references between mixed materials; a deeper one must be circular.
+const MAX_DEPTH: usize = 16;
+
+/// The microfacet parameter α of a roughness: its square, as in glTF. Equal steps of the roughness
+/// look equal.
+pub(super) fn alpha(roughness: f64) -> f64 {
+    roughness * roughness
+}
+
+impl Resolver<'_> {
+    /// Resolves the material of this name. `at` is the place of the name in the file.
+    pub(super) fn material(&self, at: &JsonPath<'_>, name: &str, notes: &mut Vec<String>) -> Result<Material> {
+        self.material_at_depth(at, name, notes, 0)
+    }
+
+    fn material_at_depth(
+        &self,
+        at: &JsonPath<'_>,
+        name: &str,
+        notes: &mut Vec<String>,
+        depth: usize,
+    ) -> Result<Material> {
+        let Some(file) = self.scene.materials.get(name) else {
+            let known = self.scene.materials.keys().map(String::as_str);
+            let names: Vec<&str> = known.clone().collect();
+            let allowed = if names.is_empty() {
+                "a name of the scene's `materials`, which is empty".into()
+            } else {
+                format!("one of {}", names.join(", "))
+            };
+            return self.at(at, Err(Error::unknown_name("material", name, known).expected(allowed)));
+        };
+        if depth > MAX_DEPTH {
+            return self
+                .at(at, Err(Error::input("this material contains itself, directly or through other materials")));
+        }
+        let root = JsonPath::Root;
+        let materials = root.key("materials");
+        let at = materials.key(name);
+        let (surface, body) = match file {
+            MaterialFile::Diffuse { reflectance } => {
+                let at = at.key("diffuse");
+                (Bsdf::diffuse(self.reflectance(&at.key("reflectance"), reflectance)?), None)
+            }
+            MaterialFile::Dielectric(file) => {
+                let at = at.key("dielectric");
+                let body = self.body(&at, file, name, notes)?;
+                (Bsdf::dielectric(alpha(file.roughness)), Some(body))
+            }
+            MaterialFile::ThinDielectric { ior } => {
+                let at = at.key("thin_dielectric");
+                (Ok(Bsdf::thin_dielectric(self.index(&at.key("ior"), ior, name, notes)?)), None)
+            }
+            MaterialFile::Conductor(file) => (self.conductor(&at.key("conductor"), file), None),
+            MaterialFile::Mirror { reflectance } => {
+                let at = at.key("mirror");
+                (Bsdf::mirror(self.reflectance(&at.key("reflectance"), reflectance)?), None)
+            }
+            MaterialFile::Glossy { reflectance, ior, roughness } => {
+                let at = at.key("glossy");
+                let reflectance = self.reflectance(&at.key("reflectance"), reflectance)?;
+                let index = self.index(&at.key("ior"), ior, name, notes)?;
+                (Bsdf::glossy(reflectance, index, alpha(*roughness)), None)
+            }
+            MaterialFile::Translucent { reflectance, transmittance } => {
+                let at = at.key("translucent");
+                let reflectance = self.reflectance(&at.key("reflectance"), reflectance)?;
+                let transmittance = self.reflectance(&at.key("transmittance"), transmittance)?;
+                (Bsdf::translucent(reflectance, transmittance), None)
+            }
+            MaterialFile::Mix(parts) => {
+                let at = at.key("mix");
+                let (mut surfaces, mut body) = (Vec::new(), None);
+                for (i, part) in parts.iter().enumerate() {
+                    let at = at.index(i);
+                    let part_material =
+                        self.material_at_depth(&at.key("material"), &part.material, notes, depth + 1)?;
+                    if part_material.is_boundary() {
+                        let error = Error::input("found a boundary, which has no surface")
+                            .expected("a material with a surface");
+                        return self.at(&at.key("material"), Err(error));
+                    }
+                    surfaces.push((part.weight, part_material.surface));
+                    body = body.or(part_material.body);
+                }
+                (Bsdf::mix(surfaces), body)
+            }
+            MaterialFile::Boundary { medium } => {
+                let number = self.medium_number(&at.key("boundary").key("medium"), medium)?;
+                return Ok(Material::boundary(name, number, self.scene.media[medium].priority()));
+            }
+            MaterialFile::Absorber => (Ok(Bsdf::Absorber), None),
+        };
+        Ok(Material { name: name.to_string(), surface: self.at(&at, surface)?, body })
+    }
+
+    fn body(&self, at: &JsonPath<'_>, file: &DielectricFile, name: &str, notes: &mut Vec<String>) -> Result<Body> {
+        let DielectricFile { ior, roughness: _, absorption, medium, priority } = file;
+        let medium = medium.as_ref().map(|name| self.medium_number(&at.key("medium"), name)).transpose()?;
+        let index = self.index(&at.key("ior"), ior, name, notes)?;
+        let absorption = match absorption {
+            None => None,
+            Some(file) => {
+                let per_unit = self.spectrum(&at.key("absorption"), file, Role::Coefficient)?;
+                (per_unit.max() > 0.0).then(|| per_unit.scaled(1.0 / self.metres))
+            }
+        };
+        Ok(Body { index: Some(index), absorption, medium, priority: *priority })
+    }
+
+    fn conductor(&self, at: &JsonPath<'_>, file: &ConductorFile) -> Result<Bsdf> {
+        let ConductorFile { metal, eta, k, roughness } = file;
+        let (n, k) = match (metal, eta, k) {
+            (Some(name), _, _) => self.at(&at.key("metal"), library::metal(name))?,
+            (None, Some(eta), Some(k)) => {
+                let eta = self.spectrum(&at.key("eta"), eta, Role::Coefficient)?;
+                (eta, self.spectrum(&at.key("k"), k, Role::Coefficient)?)
+            }
+            (None, _, _) => {
+                return self.at(at, Err(Error::input("found no metal").expected("`metal`, or `eta` and `k`")));
+            }
+        };
+        Bsdf::conductor(n, k, alpha(*roughness))
+    }
+
+    /// Resolves a reflectance.
+    pub(super) fn reflectance(&self, at: &JsonPath<'_>, file: &ReflectanceFile) -> Result<Spectrum> {
+        match file {
+            ReflectanceFile::Spectrum(spectrum) => self.spectrum(at, spectrum, Role::Reflectance),
+            ReflectanceFile::Image(_) | ReflectanceFile::Checker { .. } => {
+                self.at(at, Err(unsupported("textures are")))
+            }
+        }
+    }
+
+    /// Resolves a refractive index. A remark about clamped or fitted values goes to the notes.
+    fn index(
+        &self,
+        at: &JsonPath<'_>,
+        file: &IndexFile,
+        material: &str,
+        notes: &mut Vec<String>,
+    ) -> Result<RefractiveIndex> {
+        let index = self.at(at, index_of(file, self.source))?;
+        if let Some(warning) = index.warning() {
+            let note = format!("material \"{material}\": {warning}");
+            if !notes.contains(&note) {
+                notes.push(note);
+            }
+        }
+        Ok(index)
+    }
+}

@@ -1,0 +1,142 @@
+//! Translates the scene file to the scene model: names to numbers, units to SI, spectra to
+//! functions of wavelength, and file names to data.
+//!
+//! [`SceneBuilder`] builds and checks the model. This module adds the position in the file to its
+//! errors. Every key of the file is read here or refused with "not supported yet". No key can be
+//! forgotten: structs are destructured exhaustively, and a forgotten field does not compile.
+
+mod camera;
+mod context;
+mod emission;
+mod environment_image;
+mod film;
+mod index;
+mod lens;
+mod lights;
+mod materials;
+mod media;
+mod mesh_materials;
+mod motion;
+mod objects;
+mod spectra;
+
+pub use index::glass_file;
+pub use lens::{catalogues_beside, lens_file, lone_lens};
+pub use media::DEFAULT_MARCH_STEPS;
+pub use spectra::Role;
+
+use super::{MediumFile, RenderFile, SceneFile, SpectrumFile};
+use crate::error::{Error, Result};
+use crate::json::{JsonPath, JsonSource};
+use crate::scene::builder::{SceneBuilder, SceneError, ScenePart, SceneView};
+use crate::scene::{Scene, Settings};
+use crate::spectrum::Spectrum;
+use context::Resolver;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Reads and resolves a scene file. `sets` are patches of the form `PATH=JSON`.
+///
+/// # Errors
+/// The file is invalid, or it uses a feature that is not supported yet. The error states the
+/// place in the file.
+pub fn load(path: &Path, sets: &[String]) -> Result<Scene> {
+    let (scene, source) = super::read(path, sets)?;
+    resolve(&scene, &source)
+}
+
+/// Resolves a scene.
+///
+/// # Errors
+/// A name is unknown, a file cannot be read, quantities contradict each other, or a feature is not
+/// supported yet. The error states the place in `source`.
+pub fn resolve(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
+    let resolver = Resolver { scene, source, metres: scene.unit.metres(), shutter: motion::shutter(&scene.camera) };
+    resolver.run()
+}
+
+/// Resolves a spectrum outside of any scene. The only names allowed are those of spectra of the
+/// library.
+///
+/// # Errors
+/// A name is unknown, a file cannot be read, or a value does not fit the role. The error states the
+/// place in `source`.
+pub fn lone_spectrum(spectrum: &SpectrumFile, source: &JsonSource, role: Role) -> Result<Spectrum> {
+    spectra::Spectra { named: &BTreeMap::new(), source }.checked(&JsonPath::Root, spectrum, role)
+}
+
+impl Resolver<'_> {
+    fn run(&self) -> Result<Scene> {
+        let SceneFile { schema: _, title, unit: _, camera, film, spectra, media: _, materials: _, .. } = self.scene;
+        let SceneFile { objects: _, lights: _, atmosphere, render, .. } = self.scene;
+        let root = JsonPath::Root;
+        // Unused spectra are checked as well.
+        for name in spectra.keys() {
+            self.named_spectrum(name, spectra::Role::Coefficient)?;
+        }
+        let objects = self.objects()?;
+        let mut builder = self.at(&root.key("objects"), SceneBuilder::new(objects.set))?;
+        let centre = builder.centre();
+        self.media(&mut builder)?;
+        let film_at = root.key("film");
+        let film = self.film(&film_at, film)?;
+        let size = (film.width, film.height);
+        let (camera, camera_motion) = self.camera(&root.key("camera"), camera, size, centre, &mut builder.notes)?;
+        self.lights(&objects.emitting, &mut builder, film.observer)?;
+        if let Some(name) = atmosphere {
+            builder.set_atmosphere(self.medium_number(&root.key("atmosphere"), name)?);
+        }
+        builder.title = title.clone().unwrap_or_else(|| stem(&self.source.path));
+        builder.settings = self.settings(render);
+        builder.notes.extend(self.note_without_motion());
+        let white_balance = self.white_balance(&film_at.key("white_balance"))?;
+        let shutter = self.shutter.clone();
+        builder
+            .build(SceneView { camera, camera_motion, shutter, film, white_balance })
+            .map_err(|error| self.placed(error))
+    }
+
+    /// Adds the place in the file to an error of the scene model.
+    fn placed(&self, SceneError { part, error }: SceneError) -> Error {
+        let root = JsonPath::Root;
+        let path = match part {
+            ScenePart::Whole => String::new(),
+            ScenePart::Objects => root.key("objects").to_string(),
+            ScenePart::Film => root.key("film").to_string(),
+            ScenePart::WhiteBalance => root.key("film").key("white_balance").to_string(),
+            ScenePart::MediumEmission(number) => {
+                self.scene.media.iter().nth(number).map_or_else(String::new, |(name, file)| {
+                    let kind = match file {
+                        MediumFile::Homogeneous(_) => "homogeneous",
+                        MediumFile::Grid(_) => "grid",
+                    };
+                    root.key("media").key(name).key(kind).key("emission").to_string()
+                })
+            }
+        };
+        self.source.error_at(&path, error)
+    }
+
+    fn settings(&self, render: &RenderFile) -> Settings {
+        let RenderFile { passes, photons, max_depth, nearest, radius, seed, threads, .. } = render;
+        // The media read `march_steps`.
+        let RenderFile { checkpoint_seconds, march_steps: _, light_map, force, forbid, .. } = render;
+        Settings {
+            passes: *passes,
+            photons: *photons,
+            max_depth: *max_depth,
+            nearest: *nearest,
+            radius_m: radius.map(|radius| radius * self.metres),
+            seed: *seed,
+            threads: *threads,
+            checkpoint_seconds: *checkpoint_seconds,
+            light_map: light_map.map(|map| map.resolution),
+            force: force.clone(),
+            forbid: forbid.clone(),
+        }
+    }
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "scene".to_string(), |stem| stem.to_string_lossy().into_owned())
+}

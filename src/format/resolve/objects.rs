@@ -1,0 +1,154 @@
+//! Translates the objects of the scene file to placed shapes with materials.
+
+use super::context::{Resolver, UNSUPPORTED};
+use super::mesh_materials;
+use super::motion::ResolvedMotion;
+use crate::error::Result;
+use crate::format::mesh::{self, MeshPart};
+use crate::format::{EmissionFile, JsonPath, ObjectFile, ShapeFile};
+use crate::geometry::shape::Shape;
+use crate::scene::builder::{ObjectSet, Placement};
+use glam::{DAffine3, DVec3};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The resolved objects, and the emission of their surfaces.
+#[derive(Default)]
+pub(super) struct ResolvedObjects<'a> {
+    pub(super) set: ObjectSet,
+    pub(super) emitting: Vec<EmittingObject<'a>>,
+    /// The numbers of materials by name.
+    named: BTreeMap<&'a str, usize>,
+}
+
+/// An object with emission.
+pub(super) struct EmittingObject<'a> {
+    /// The position in the file's list of objects.
+    pub(super) file_index: usize,
+    /// The object numbers. A mesh of several parts has several numbers.
+    pub(super) objects: Vec<u32>,
+    pub(super) emission: EmissionSource<'a>,
+}
+
+/// The file that contains the emission of an object.
+pub(super) enum EmissionSource<'a> {
+    /// The emission in the scene file.
+    Scene(&'a EmissionFile),
+    /// The emission in a mesh file, as linear RGB. White is 1 cd/m².
+    Mesh([f64; 3]),
+}
+
+impl<'a> Resolver<'a> {
+    /// Resolves all objects.
+    pub(super) fn objects(&self) -> Result<ResolvedObjects<'a>> {
+        let mut resolved = ResolvedObjects::default();
+        let root = JsonPath::Root;
+        let at = root.key("objects");
+        for (number, file) in self.scene.objects.iter().enumerate() {
+            self.object(&at.index(number), number, file, &mut resolved)?;
+        }
+        // Unused materials are checked as well, but may use features that are not supported yet.
+        for name in self.scene.materials.keys().filter(|name| !resolved.named.contains_key(name.as_str())) {
+            let unused = self.material(&root.key("materials"), name, &mut Vec::new());
+            if let Err(error) = unused.map(|_| ())
+                && !error.what.ends_with(UNSUPPORTED)
+            {
+                return Err(error);
+            }
+        }
+        Ok(resolved)
+    }
+
+    fn object(
+        &self,
+        at: &JsonPath<'_>,
+        number: usize,
+        file: &'a ObjectFile,
+        resolved: &mut ResolvedObjects<'a>,
+    ) -> Result<()> {
+        let ObjectFile { name, shape, material, transform, motion, emission } = file;
+        let name = name.clone().unwrap_or_else(|| format!("object {number}"));
+        let material = match material {
+            Some(name) => Some(self.material_number(&at.key("material"), name, resolved)?),
+            None => None,
+        };
+        let ResolvedMotion { start, motion } = self.motion(transform, motion);
+        let frame = DAffine3 { matrix3: start.matrix3, translation: start.translation * self.metres };
+        let spd_at = at.key("shape");
+        let mut objects = Vec::new();
+        if let ShapeFile::Mesh { path } = shape {
+            let local = DAffine3::from_scale(DVec3::splat(self.metres));
+            let motion = motion.map(|motion| (motion, local));
+            let mesh_at = spd_at.key("mesh");
+            let parts = self.source.file(path).and_then(|path| mesh::load(&path, self.source.file_access()));
+            let parts = self.at(&mesh_at.key("path"), parts)?;
+            for part in parts {
+                let part_name = if part.name.is_empty() { name.clone() } else { format!("{name}/{}", part.name) };
+                let own_light = part.material.as_ref().map_or([0.0; 3], |own| own.emission);
+                let part_material = match material {
+                    Some(number) => number,
+                    None => self.own_material(&mesh_at, &part, resolved)?,
+                };
+                let placement = Placement { to_world: frame * local, motion: motion.clone() };
+                let mesh = Shape::Mesh(Arc::new(part.mesh));
+                let object = self.at(&spd_at, resolved.set.add_object(part_name, part_material, mesh, placement))?;
+                objects.push(object);
+                if material.is_none() && emission.is_none() && own_light.iter().any(|&c| c > 0.0) {
+                    let emission = EmissionSource::Mesh(own_light);
+                    resolved.emitting.push(EmittingObject { file_index: number, objects: vec![object], emission });
+                }
+            }
+        } else if let (Some(material), Some((shape, local))) = (material, self.analytic_shape(shape)) {
+            let placement = Placement { to_world: frame * local, motion: motion.map(|motion| (motion, local)) };
+            objects.push(self.at(&spd_at, resolved.set.add_object(name, material, shape, placement))?);
+        }
+        if let Some(emission) = emission {
+            let emission = EmissionSource::Scene(emission);
+            resolved.emitting.push(EmittingObject { file_index: number, objects, emission });
+        }
+        Ok(())
+    }
+
+    fn material_number(&self, at: &JsonPath<'_>, name: &'a str, resolved: &mut ResolvedObjects<'a>) -> Result<usize> {
+        if let Some(&number) = resolved.named.get(name) {
+            return Ok(number);
+        }
+        let material = self.material(at, name, &mut resolved.set.notes)?;
+        let number = resolved.set.add_material(material);
+        resolved.named.insert(name, number);
+        Ok(number)
+    }
+
+    /// Adds the material of a mesh part. If the part has no material, adds the default material.
+    fn own_material(&self, at: &JsonPath<'_>, part: &MeshPart, resolved: &mut ResolvedObjects<'_>) -> Result<usize> {
+        let material = mesh_materials::material(&part.material.clone().unwrap_or_default(), self.metres);
+        Ok(resolved.set.add_material(self.at(at, material)?))
+    }
+
+    /// A shape in m, and the transform from the shape's frame to the object's frame. `None` for a
+    /// mesh, because meshes are read from files.
+    fn analytic_shape(&self, file: &ShapeFile) -> Option<(Shape, DAffine3)> {
+        let m = self.metres;
+        let shape = match *file {
+            ShapeFile::Sphere { center, radius } => {
+                let local = DAffine3::from_translation(DVec3::from(center) * self.metres);
+                return Some((Shape::Sphere { radius: radius * m }, local));
+            }
+            ShapeFile::Rectangle { width, height } => Shape::Rectangle { width: width * m, height: height * m },
+            ShapeFile::Disk { radius } => Shape::Disk { radius: radius * m },
+            ShapeFile::Box { size } => Shape::Box { size: DVec3::from(size) * m },
+            ShapeFile::Cylinder { radius, height } => Shape::Cylinder { radius: radius * m, height: height * m },
+            ShapeFile::Prism { side, length, apex } => {
+                Shape::Prism { side: side * m, length: length * m, apex_deg: apex }
+            }
+            ShapeFile::Lens { radius1, radius2, thickness, diameter } => Shape::Lens {
+                radius1: radius1 * m,
+                radius2: radius2 * m,
+                thickness: thickness * m,
+                diameter: diameter * m,
+            },
+            ShapeFile::Mesh { path: _ } => return None,
+        };
+        Some((shape, DAffine3::IDENTITY))
+    }
+}

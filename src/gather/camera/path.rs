@@ -1,0 +1,110 @@
+//! The state of a camera path, and how a scattering event changes it.
+
+use super::throughput::{Factor, SpectralMode};
+use super::visible_point::{CameraSegment, VisiblePoint};
+use crate::gather::direct::lighting::HitWeighting;
+use crate::geometry::Ray;
+use crate::plan::partition::View;
+use crate::scene::medium_stack::MediumStack;
+use crate::spectrum::{Lanes, REFERENCE_NM};
+use crate::walk::{ConsistentBsdfSample, RayState, SurfaceInteraction};
+
+/// Buffers of one worker, reused from path to path.
+#[derive(Debug, Default)]
+pub struct PathBuffers<'a> {
+    /// The factors of the current path's throughput.
+    pub(in crate::gather) factors: Vec<Factor<'a>>,
+    /// The extinction coefficients of a light map's attenuators.
+    pub(in crate::gather) coefficients: Vec<Lanes>,
+    /// Whether the following two lists are recorded.
+    pub(in crate::gather) records: bool,
+    /// The visible points of the last sample.
+    pub visible_points: Vec<VisiblePoint>,
+    /// The segments in scattering media of the last sample.
+    pub camera_segments: Vec<CameraSegment>,
+}
+
+impl PathBuffers<'_> {
+    /// Creates buffers that record visible points and camera segments.
+    pub fn recording() -> Self {
+        Self { records: true, ..Self::default() }
+    }
+}
+
+/// The state of a camera path during the walk.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::gather) struct CameraPath {
+    pub(in crate::gather) ray_state: RayState,
+    pub(in crate::gather) spectral_mode: SpectralMode,
+    pub(in crate::gather) view: View,
+    pub(in crate::gather) hit_weighting: HitWeighting,
+    /// The throughput at the reference wavelength, for Russian roulette.
+    pub(in crate::gather) reference_throughput: f64,
+    /// The length of the path so far, in m.
+    pub(in crate::gather) distance_m: f64,
+    /// The number of surface events so far.
+    pub(in crate::gather) depth: u32,
+    /// The error of the path's optical depth, caused by ray marching.
+    pub(in crate::gather) excess_depth: f64,
+}
+
+impl CameraPath {
+    /// Creates a path at the camera. The path is still a function of wavelength.
+    pub(in crate::gather) fn new(ray: Ray, medium_stack: MediumStack) -> Self {
+        Self {
+            ray_state: RayState { ray, from: None, medium_stack },
+            spectral_mode: SpectralMode::Free,
+            view: View::Direct,
+            hit_weighting: HitWeighting::Full,
+            reference_throughput: 1.0,
+            distance_m: 0.0,
+            depth: 0,
+            excess_depth: 0.0,
+        }
+    }
+
+    /// Returns the wavelength (nm) at which the path samples directions. A free path samples at the
+    /// reference wavelength, and its factors correct for all other wavelengths.
+    pub(in crate::gather) fn reference_nm(&self) -> f64 {
+        match self.spectral_mode {
+            SpectralMode::Free => REFERENCE_NM,
+            SpectralMode::Shared { nm, .. } => nm,
+        }
+    }
+
+    /// Multiplies the throughput by a factor.
+    pub(in crate::gather) fn multiply<'a>(&mut self, factor: Factor<'a>, buffers: &mut PathBuffers<'a>) {
+        let at_reference = factor.at(self.reference_nm());
+        self.reference_throughput *= at_reference;
+        match &mut self.spectral_mode {
+            SpectralMode::Free => buffers.factors.push(factor),
+            SpectralMode::Shared { throughput, .. } => *throughput *= at_reference,
+        }
+    }
+
+    /// Continues the path along a sampled direction. Returns false if the direction is on the wrong
+    /// side of the geometric surface.
+    pub(in crate::gather) fn continue_along<'a>(
+        &mut self,
+        interaction: &SurfaceInteraction<'a>,
+        consistent: &ConsistentBsdfSample,
+        buffers: &mut PathBuffers<'a>,
+    ) -> bool {
+        let ConsistentBsdfSample { frame, wo, sample } = consistent;
+        let direction = frame.to_world(sample.wi);
+        if !interaction.is_consistent(direction, sample.event) {
+            return false;
+        }
+        let (bsdf, sides) = (interaction.bsdf, interaction.sides);
+        let factor = Factor::Scattering { bsdf, wo: *wo, sample: *sample, sides, probability: sample.probability };
+        self.multiply(factor, buffers);
+        self.view = View::Indirect;
+        self.hit_weighting = match (sample.delta, self.hit_weighting) {
+            (false, _) => HitWeighting::Mis { position: interaction.hit.position, pdf: sample.probability },
+            (true, HitWeighting::Full) => HitWeighting::Full,
+            (true, HitWeighting::Mis { .. } | HitWeighting::Ignored) => HitWeighting::Ignored,
+        };
+        self.ray_state = interaction.spawn_ray(direction, interaction.medium_stack_after(sample.event));
+        true
+    }
+}

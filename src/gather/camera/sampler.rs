@@ -1,0 +1,78 @@
+//! The random numbers of camera samples.
+
+use crate::geometry::Ray;
+use crate::math::kronecker::golden_ratio;
+use crate::math::random::{Purpose, REPLICATES, Stream, hash64};
+use crate::math::sobol::{DIMENSIONS, Sobol};
+use crate::scene::camera::{Aperture, Camera, SystemAt};
+use glam::DVec2;
+
+/// A constant in the hash that shifts a pixel's wavelength sequence. The constant makes the
+/// sequence independent of the pixel's Sobol points.
+const WAVELENGTH_SEQUENCE: u64 = 0x5eed;
+
+/// The random numbers of one camera sample. A pixel's samples over the passes of a replicate are
+/// low-discrepancy points. Each replicate has its own scrambling.
+#[derive(Debug)]
+pub struct PixelSampler {
+    point: [f64; DIMENSIONS],
+    /// Random numbers beyond the dimensions of the low-discrepancy point.
+    pub stream: Stream,
+    /// The number in [0, 1) that selects the sample's wavelengths. The number comes from a separate
+    /// sequence, so that colour does not correlate with any other dimension.
+    pub wavelength: f64,
+}
+
+impl PixelSampler {
+    /// Creates the sampler of `pixel` in `pass`.
+    pub fn new(seed: u64, pass: u64, pixel: u64) -> Self {
+        let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64);
+        let key = hash64([seed, Purpose::Camera as u64, replicate, pixel]);
+        Self {
+            point: Sobol::new(key).point(index as u32),
+            stream: Stream::new(seed, Purpose::Camera, pass, pixel),
+            wavelength: golden_ratio(index as u32, hash64([key, WAVELENGTH_SEQUENCE])),
+        }
+    }
+
+    /// Returns the position in the pixel, in [0, 1)².
+    fn film(&self) -> [f64; 2] {
+        [self.point[0], self.point[1]]
+    }
+
+    /// Returns the numbers in [0, 1)² that select a point of the aperture.
+    fn lens(&self) -> [f64; 2] {
+        [self.point[2], self.point[3]]
+    }
+
+    /// Returns the numbers in [0, 1)³ that select a light and a point of the light.
+    pub fn light(&self) -> [f64; 3] {
+        [self.point[4], self.point[5], self.point[6]]
+    }
+
+    /// Returns the camera ray through a pixel.
+    pub fn ray(&self, camera: &Camera, pixel: u64) -> Ray {
+        let lens = match camera.aperture() {
+            Aperture::Pinhole | Aperture::System(_) => [0.5; 2],
+            Aperture::ThinLens { .. } => self.lens(),
+        };
+        camera.ray(corner(camera, pixel) + DVec2::from(self.film()), lens)
+    }
+
+    /// Returns a camera ray and its weight. The ray passes through a pixel and a lens system at one
+    /// wavelength. Returns `None` if the lens stops the ray.
+    pub(in crate::gather) fn ray_through_lens(
+        &self,
+        system: &SystemAt<'_>,
+        camera: &Camera,
+        pixel: u64,
+    ) -> Option<(Ray, f64)> {
+        camera.ray_through(system, corner(camera, pixel) + DVec2::from(self.film()), self.lens())
+    }
+}
+
+/// Returns the top left corner of a pixel.
+fn corner(camera: &Camera, pixel: u64) -> DVec2 {
+    let width = camera.width() as u64;
+    DVec2::new((pixel % width) as f64, (pixel / width) as f64)
+}

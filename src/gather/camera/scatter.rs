@@ -1,0 +1,178 @@
+//! Continuation of camera paths at mirrors, glass and rough surfaces.
+
+use super::path::CameraPath;
+use super::throughput::{Factor, SpectralMode, relative_n2};
+use crate::gather::camera_pass::{CameraPass, PathContext};
+use crate::gather::direct::lighting::HitWeighting;
+use crate::math::random::ONE_MINUS_ULP;
+use crate::optics::bsdf::{Bsdf, BsdfClass, ScatterEvent};
+use crate::optics::fresnel;
+use crate::plan::WavelengthPlan;
+use crate::scene::Scene;
+use crate::spectrum::{LANES, REFERENCE_NM};
+use crate::walk::{Sink, SurfaceInteraction, sample_consistently};
+
+/// The number of surface events after which Russian roulette may end a camera path.
+const CAMERA_DEPTH_BEFORE_ROULETTE: u32 = 8;
+
+impl<'a> CameraPass<'a> {
+    /// Scatters a path at a mirror, at glass or at a rough surface. Returns `None` if the path
+    /// ends.
+    pub(super) fn scatter<S: Sink>(
+        &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        context: &mut PathContext<'_, 'a, S>,
+    ) -> Option<CameraPath> {
+        let mut path = *path;
+        let continues = if let (SpectralMode::Free, true) = (path.spectral_mode, self.disperses(interaction)) {
+            self.scatter_free_at_dispersive(&mut path, interaction, context)
+        } else {
+            let u = context.sampler.stream.triple();
+            self.scatter_by_bsdf(&mut path, interaction, u, context)
+        };
+        (continues && survives(self.scene, &mut path, context)).then_some(path)
+    }
+
+    /// Whether refraction at this surface depends on the wavelength.
+    fn disperses(&self, interaction: &SurfaceInteraction<'a>) -> bool {
+        self.plan.wavelengths != WavelengthPlan::Free
+            && matches!(interaction.bsdf, Bsdf::Dielectric(_))
+            && (interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive())
+    }
+
+    /// Scatters a free path at dispersive glass. The reflected path stays free. The refracted path
+    /// is followed once for each shared wavelength. Returns whether the free path continues.
+    fn scatter_free_at_dispersive<S: Sink>(
+        &self,
+        path: &mut CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        context: &mut PathContext<'_, 'a, S>,
+    ) -> bool {
+        let bsdf = interaction.bsdf;
+        if bsdf.class() == BsdfClass::Glossy {
+            // At rough dispersive glass each wavelength samples its own direction, also for
+            // reflection.
+            context.tally.dispersions += 1;
+            self.split(*path, interaction, None, context);
+            return false;
+        }
+        // The first surface follows both reflection and refraction; later surfaces select one.
+        let reflectance = self.reflectance(interaction);
+        let both = path.depth == 1;
+        let reflects = both || context.sampler.stream.uniform() < reflectance;
+        let refracts = both || !reflects;
+        if refracts && reflectance < 1.0 {
+            let probability = if both { 1.0 } else { 1.0 - reflectance };
+            context.tally.dispersions += 1;
+            self.split(*path, interaction, Some(probability), context);
+        }
+        if !reflects {
+            return false;
+        }
+        let probability = if both { 1.0 } else { reflectance };
+        self.scatter_forced(path, interaction, ScatterEvent::Reflection, probability, context)
+    }
+
+    /// Returns the reflectance of a smooth interface at the reference wavelength.
+    fn reflectance(&self, interaction: &SurfaceInteraction<'a>) -> f64 {
+        let sides = interaction.sides;
+        fresnel::dielectric(interaction.wo.z.abs(), sides.here.n(REFERENCE_NM), sides.there.n(REFERENCE_NM))
+    }
+
+    /// Follows the path once for each shared wavelength. `refraction` is the probability of the
+    /// selected refraction. If `refraction` is `None`, each wavelength samples the BSDF.
+    fn split<S: Sink>(
+        &self,
+        path: CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        refraction: Option<f64>,
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let u = context.sampler.stream.triple();
+        for lane in 0..LANES {
+            let Some(mut single) = self.to_shared_wavelength(path, lane, context) else {
+                continue;
+            };
+            let continues = match refraction {
+                Some(probability) => {
+                    self.scatter_forced(&mut single, interaction, ScatterEvent::Transmission, probability, context)
+                }
+                None => self.scatter_by_bsdf(&mut single, interaction, u, context),
+            };
+            if continues && survives(self.scene, &mut single, context) {
+                self.follow_shared(&single, context);
+            }
+        }
+    }
+
+    /// Reflects or refracts the path at a smooth interface. `event` selects one of the two. Returns
+    /// false if that event is impossible (total reflection).
+    fn scatter_forced<S: Sink>(
+        &self,
+        path: &mut CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        event: ScatterEvent,
+        probability: f64,
+        context: &mut PathContext<'_, 'a, S>,
+    ) -> bool {
+        let u = match event {
+            ScatterEvent::Reflection => [0.0; 3],
+            ScatterEvent::Transmission => [ONE_MINUS_ULP; 3],
+        };
+        let nm = path.reference_nm();
+        let draw = |wo| interaction.bsdf.sample(wo, interaction.sides, nm, u);
+        match sample_consistently(interaction, draw) {
+            Some(mut consistent) if consistent.sample.event == event => {
+                consistent.sample.probability = probability;
+                path.continue_along(interaction, &consistent, context.buffers)
+            }
+            Some(_) | None => false,
+        }
+    }
+
+    /// Scatters into a direction sampled from the BSDF. Returns whether the path continues.
+    fn scatter_by_bsdf<S: Sink>(
+        &self,
+        path: &mut CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        u: [f64; 3],
+        context: &mut PathContext<'_, 'a, S>,
+    ) -> bool {
+        let nm = path.reference_nm();
+        let draw = |wo| interaction.bsdf.sample(wo, interaction.sides, nm, u);
+        match sample_consistently(interaction, draw) {
+            Some(consistent) => {
+                let continues = path.continue_along(interaction, &consistent, context.buffers);
+                // If a path hits a light after a rough surface, this is direct light, which the
+                // plan switches off here.
+                if self.plan.direct.is_absent() && matches!(path.hit_weighting, HitWeighting::Mis { .. }) {
+                    path.hit_weighting = HitWeighting::Ignored;
+                }
+                continues
+            }
+            None => false,
+        }
+    }
+}
+
+/// Russian roulette for paths of low throughput. The comparison ignores the factor n², because this
+/// factor cancels when the path leaves the glass.
+fn survives<S: Sink>(scene: &Scene, path: &mut CameraPath, context: &mut PathContext<'_, '_, S>) -> bool {
+    if path.reference_throughput <= 0.0 && matches!(path.spectral_mode, SpectralMode::Shared { .. }) {
+        return false;
+    }
+    if path.depth < CAMERA_DEPTH_BEFORE_ROULETTE {
+        return true;
+    }
+    let throughput = path.reference_throughput * relative_n2(scene, &path.ray_state, path.reference_nm());
+    if throughput >= 0.5 {
+        return true;
+    }
+    let survival = throughput.max(0.05);
+    if context.sampler.stream.uniform() >= survival {
+        return false;
+    }
+    path.multiply(Factor::Grey(1.0 / survival), context.buffers);
+    true
+}

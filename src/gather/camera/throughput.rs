@@ -1,0 +1,102 @@
+//! The throughput of a camera path, as a function of wavelength.
+
+use crate::optics::bsdf::{Bsdf, BsdfSample, InterfaceIors, TransportMode};
+use crate::plan::partition::PhotonSet;
+use crate::scene::Scene;
+use crate::scene::light::Light;
+use crate::scene::medium_stack::MediumStack;
+use crate::spectrum::LANES;
+use crate::walk::{RayState, SegmentTransmittance};
+use glam::DVec3;
+
+/// The factor of one event on the radiance of a camera path.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::gather) enum Factor<'a> {
+    /// Scattering at a surface.
+    Scattering {
+        bsdf: &'a Bsdf,
+        wo: DVec3,
+        sample: BsdfSample,
+        sides: InterfaceIors<'a>,
+        /// The probability (or density) of the selected direction.
+        probability: f64,
+    },
+    /// Transmittance of glass, liquid or fog.
+    SegmentTransmittance(SegmentTransmittance<'a>),
+    /// The same factor for all wavelengths.
+    Grey(f64),
+}
+
+impl Factor<'_> {
+    /// Returns the factor at the wavelength `nm`.
+    pub(in crate::gather) fn at(&self, nm: f64) -> f64 {
+        match self {
+            Factor::Scattering { bsdf, wo, sample, sides, probability } => {
+                bsdf.eval_sample(*wo, sample, *sides, TransportMode::Radiance, nm) / probability
+            }
+            Factor::SegmentTransmittance(segment) => segment.at(nm),
+            Factor::Grey(value) => *value,
+        }
+    }
+}
+
+/// Returns the product of the factors at the wavelength `nm`.
+#[inline]
+pub(in crate::gather) fn product(factors: &[Factor<'_>], nm: f64) -> f64 {
+    factors.iter().map(|factor| factor.at(nm)).product()
+}
+
+/// Returns (n here / n at the camera)². Refraction multiplies radiance by this factor, so the ratio
+/// of radiance to n² stays constant.
+pub(in crate::gather) fn relative_n2(scene: &Scene, ray_state: &RayState, nm: f64) -> f64 {
+    let n = |medium_stack: &MediumStack| scene.index_in(medium_stack).n(nm);
+    (n(&ray_state.medium_stack) / n(&scene.camera.medium_stack)).powi(2)
+}
+
+/// The wavelengths of a camera path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::gather) enum SpectralMode {
+    /// The path is a function of wavelength: the product of its factors.
+    Free,
+    /// The path carries one of the pass's shared wavelengths.
+    Shared {
+        /// The number of the shared wavelength.
+        lane: usize,
+        /// The wavelength in nm.
+        nm: f64,
+        /// The throughput divided by the density of the wavelength.
+        throughput: f64,
+    },
+}
+
+impl SpectralMode {
+    /// Returns the photon set for the path.
+    pub(in crate::gather) fn photon_set(self) -> PhotonSet {
+        match self {
+            SpectralMode::Free => PhotonSet::Free,
+            SpectralMode::Shared { .. } => PhotonSet::Shared,
+        }
+    }
+}
+
+/// Calls `f` with wavelengths (nm) and with the throughput divided by the density of the
+/// wavelengths. A free path samples stratified wavelengths from the light's spectrum. `u` in [0, 1)
+/// shifts these wavelengths. A shared path has one wavelength.
+#[inline(always)]
+pub(in crate::gather) fn each_wavelength(
+    spectral_mode: SpectralMode,
+    factors: &[Factor<'_>],
+    light: &Light,
+    u: f64,
+    mut f: impl FnMut(f64, f64),
+) {
+    match spectral_mode {
+        SpectralMode::Free => {
+            for k in 0..LANES {
+                let (nm, pdf) = light.wavelengths.sample((u + k as f64) / LANES as f64);
+                f(nm, product(factors, nm) / (pdf * LANES as f64));
+            }
+        }
+        SpectralMode::Shared { nm, throughput, .. } => f(nm, throughput),
+    }
+}

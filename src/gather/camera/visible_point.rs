@@ -1,0 +1,53 @@
+//! The records for the pilot: visible points and camera segments.
+
+use crate::geometry::Ray;
+use crate::plan::partition::View;
+use glam::DVec3;
+
+/// A point where a camera path ended at a diffuse surface ("visible point": Hachisuka & Jensen
+/// 2009, "Stochastic Progressive Photon Mapping").
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VisiblePoint {
+    /// The position.
+    pub position: DVec3,
+    /// The surface's unit normal on the visible side.
+    pub facing: DVec3,
+    /// The side length of the pixel's footprint in m, computed for a straight path of the same
+    /// length.
+    pub footprint_m: f64,
+    /// Whether no mirror or glass is between the camera and the point.
+    pub view: View,
+    /// Whether the path carries a shared wavelength.
+    pub shared: bool,
+}
+
+/// A segment of a camera path in a scattering medium. The path gathered photons along this segment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CameraSegment {
+    /// The ray.
+    pub ray: Ray,
+    /// The length in m.
+    pub length_m: f64,
+    /// The length of the path from the camera to the ray's origin, in m.
+    pub behind_m: f64,
+    /// The number of the medium.
+    pub medium: usize,
+    /// Whether the path carries a shared wavelength.
+    pub shared: bool,
+}
+
+/// The least cosine between the normals of two points of one smooth surface.
+const LEAST_COSINE: f64 = 0.9;
+
+/// The largest height over the tangent plane for points of the same smooth surface, as a fraction
+/// of the distance to the point.
+const LARGEST_SLOPE: f64 = 0.25;
+
+impl VisiblePoint {
+    /// Whether the surface continues smoothly to another position. `facing` is the normal at that
+    /// position.
+    pub fn continues_to(&self, position: DVec3, facing: DVec3) -> bool {
+        let offset = position - self.position;
+        self.facing.dot(facing) > LEAST_COSINE && offset.dot(self.facing).abs() <= LARGEST_SLOPE * offset.length()
+    }
+}

@@ -1,0 +1,188 @@
+//! The camera walk: follows a camera path over mirrors and glass to the first diffuse surface, and
+//! gathers light along the path.
+//!
+//! The loop is compiled twice: for scenes with bodies, and for scenes without bodies (see
+//! [`BodyMode`]). The code for all paths is inlined, so that the path and the interaction stay in
+//! registers. Rare code (for mirrors and visible lights) is called with copies of both.
+
+use super::path::{CameraPath, PathBuffers};
+use super::sampler::PixelSampler;
+use super::throughput::{Factor, SpectralMode, product};
+use super::visible_point::VisiblePoint;
+use crate::gather::camera_pass::{CameraPass, PathContext};
+use crate::gather::direct::lighting::HitWeighting;
+use crate::map::PixelRadii;
+use crate::optics::bsdf::BsdfClass;
+use crate::plan::partition::View;
+use crate::plan::{MediumPlan, WavelengthPlan};
+use crate::spectrum::LANES;
+use crate::walk::{BodyMode, Sink, SurfaceInteraction, Tally, WithBodies, WithoutBodies};
+
+impl<'a> CameraPass<'a> {
+    /// Estimates the radiance of one sample of a pixel and adds it to the sink.
+    pub fn sample<S: Sink>(
+        &self,
+        pixel: u64,
+        mut sampler: PixelSampler,
+        radii: &PixelRadii,
+        buffers: &mut PathBuffers<'a>,
+        tally: &mut Tally,
+        sink: &mut S,
+    ) {
+        buffers.factors.clear();
+        buffers.visible_points.clear();
+        buffers.camera_segments.clear();
+        let camera = &self.scene.camera;
+        tally.lens_rays += u64::from(self.plan.aperture.is_finite());
+        let path = |ray| CameraPath::new(ray, camera.medium_stack);
+        let mut context = PathContext { pixel, sampler: &mut sampler, radii, buffers, sink, tally };
+        match (&self.lens_systems, self.plan.wavelengths) {
+            (Some(systems), _) => {
+                for (lane, system) in systems.iter().enumerate() {
+                    let ray = context.sampler.ray_through_lens(system, camera, pixel);
+                    let Some((ray, weight)) = ray else { continue };
+                    if let Some(mut single) = self.to_shared_wavelength(path(ray), lane, &mut context) {
+                        single.multiply(Factor::Grey(weight), context.buffers);
+                        self.follow_shared(&single, &mut context);
+                    }
+                }
+            }
+            (None, WavelengthPlan::Shared) => {
+                let path = path(context.sampler.ray(camera, pixel));
+                self.follow_each_shared(path, &mut context);
+            }
+            (None, WavelengthPlan::Free | WavelengthPlan::Both) => {
+                self.follow(&path(context.sampler.ray(camera, pixel)), &mut context);
+            }
+        }
+    }
+
+    /// Follows a path once for each shared wavelength.
+    fn follow_each_shared<S: Sink>(&self, path: CameraPath, context: &mut PathContext<'_, 'a, S>) {
+        for lane in 0..LANES {
+            if let Some(single) = self.to_shared_wavelength(path, lane, context) {
+                self.follow_shared(&single, context);
+            }
+        }
+    }
+
+    /// Restricts a free path to one of the shared wavelengths. Returns `None` if the lights have no
+    /// power at this wavelength.
+    pub(in crate::gather) fn to_shared_wavelength<S: Sink>(
+        &self,
+        path: CameraPath,
+        lane: usize,
+        context: &mut PathContext<'_, 'a, S>,
+    ) -> Option<CameraPath> {
+        let (nm, pdf) = (self.shared_nm[lane], self.shared_pdf[lane]);
+        if pdf <= 0.0 {
+            return None;
+        }
+        context.tally.shared_paths += 1;
+        let throughput = product(&context.buffers.factors, nm) / (pdf * LANES as f64);
+        Some(CameraPath { spectral_mode: SpectralMode::Shared { lane, nm, throughput }, ..path })
+    }
+
+    /// Follows a path at one shared wavelength to its end. This function is called from several
+    /// places and compiled once for all of them.
+    pub(in crate::gather) fn follow_shared<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
+        self.follow(path, context);
+    }
+
+    /// Follows a path to its end. Only this function chooses the [`BodyMode`] of camera paths.
+    #[inline(always)]
+    fn follow<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
+        let factors_before = context.buffers.factors.len();
+        match self.plan.media_plan {
+            MediumPlan::Air => self.follow_in_mode::<WithoutBodies, S>(path, context),
+            MediumPlan::Clear | MediumPlan::Absorbing | MediumPlan::Scattering(_) => {
+                self.follow_in_mode::<WithBodies, S>(path, context);
+            }
+        }
+        context.buffers.factors.truncate(factors_before);
+    }
+
+    /// Follows a path to its end with or without bodies.
+    #[inline(always)]
+    fn follow_in_mode<M: BodyMode, S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
+        let mut path = *path;
+        while path.depth < self.max_depth {
+            let next = if M::HAS_BODIES && !self.plan.media_plan.is_clear() {
+                self.advance_through_media(&mut path, context)
+            } else {
+                M::next_interaction(self.scene, path.ray_state, context.sampler.stream.uniform())
+            };
+            if M::HAS_BODIES {
+                let face = next.as_ref().is_some_and(|next| self.scene.body_of(next.hit.object).is_some());
+                context.tally.body_events += u64::from(face);
+            }
+            let Some(interaction) = next else {
+                return self.add_emitters_hit(&path, path.ray_state.ray.direction, None, context);
+            };
+            path.depth += 1;
+            path.distance_m += interaction.distance_m;
+            if interaction.crossed_hidden_face {
+                path.view = View::Indirect;
+                path.hit_weighting = match path.hit_weighting {
+                    HitWeighting::Full => HitWeighting::Full,
+                    HitWeighting::Mis { .. } | HitWeighting::Ignored => HitWeighting::Ignored,
+                };
+            }
+            self.add_emitters_hit(&path, interaction.incoming, Some(&interaction.hit), context);
+            let class = interaction.bsdf.class();
+            if class >= BsdfClass::Glossy {
+                self.gather_at_surface::<M, S>(&path, &interaction, class, context);
+            }
+            if matches!(class, BsdfClass::Absorbing | BsdfClass::Diffuse) {
+                return;
+            }
+            let (path_copy, interaction_copy) = (path, interaction);
+            match self.scatter(&path_copy, &interaction_copy, context) {
+                Some(scattered) => path = scattered,
+                None => return,
+            }
+        }
+    }
+
+    /// Gathers direct light and light from photons at a diffuse or glossy surface. The path ends at
+    /// diffuse surfaces.
+    #[inline(always)]
+    fn gather_at_surface<M: BodyMode, S: Sink>(
+        &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        class: BsdfClass,
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let ends = class == BsdfClass::Diffuse;
+        context.tally.rough_events += u64::from(!ends);
+        if ends && context.buffers.records {
+            context.buffers.visible_points.push(self.visible_point(path, interaction));
+        }
+        if !self.plan.direct.is_absent() {
+            self.gather_direct::<M, S>(path, interaction, context);
+        }
+        // At glossy surfaces, the continued path gathers this light.
+        if ends && self.plan.direct.traces_scattered_rays() {
+            self.gather_direct_by_bsdf::<M, S>(path, interaction, context);
+        }
+        self.gather_photons::<M, S>(path, interaction, class, context);
+    }
+
+    /// Returns the visible point of a path that ends at the interaction.
+    #[inline]
+    pub(in crate::gather) fn visible_point(
+        &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+    ) -> VisiblePoint {
+        let normal = interaction.hit.normal;
+        VisiblePoint {
+            position: interaction.hit.position,
+            facing: if interaction.leads_back(normal) { normal } else { -normal },
+            footprint_m: path.distance_m * self.scene.camera.pixel_angle(),
+            view: path.view,
+            shared: matches!(path.spectral_mode, SpectralMode::Shared { .. }),
+        }
+    }
+}

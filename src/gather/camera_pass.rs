@@ -1,0 +1,55 @@
+//! The inputs of the camera paths of one pass.
+
+use super::camera::path::PathBuffers;
+use super::camera::sampler::PixelSampler;
+use super::density::outline::Outlines;
+use super::direct::lighting::DirectLighting;
+use crate::map::radius::RadiusScales;
+use crate::map::{LightMaps, PixelRadii, SetMaps};
+use crate::plan::Plan;
+use crate::plan::partition::PerSet;
+use crate::scene::Scene;
+use crate::scene::camera::SystemAt;
+use crate::spectrum::{LANES, Lanes};
+use crate::walk::Tally;
+
+/// The inputs common to all camera paths of one pass.
+#[derive(Debug)]
+pub struct CameraPass<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The plan of the render.
+    pub plan: &'a Plan,
+    /// Next-event estimation.
+    pub direct: DirectLighting<'a>,
+    /// The photon maps of the free and of the shared set.
+    pub maps: PerSet<&'a SetMaps>,
+    /// The pass's shared wavelengths in nm.
+    pub shared_nm: Lanes,
+    /// The density of each shared wavelength, per nm. The density is 0 if the lights have no power
+    /// at this wavelength.
+    pub shared_pdf: Lanes,
+    /// The camera's lens system at each shared wavelength, if the camera has one.
+    pub lens_systems: Option<[SystemAt<'a>; LANES]>,
+    /// The maps of direct light in media; empty if direct light is sampled.
+    pub light_maps: &'a LightMaps<'a>,
+    /// The outlines of directly visible surfaces.
+    pub outlines: &'a Outlines,
+    /// The factors of the pass on the first kernel radii.
+    pub scales: RadiusScales,
+    /// The first kernel radius in m, if the scene fixes this radius. Otherwise, each pixel has its
+    /// own first radius.
+    pub stated_radius_m: Option<f64>,
+    /// The largest number of surface events in a path.
+    pub max_depth: u32,
+}
+
+/// The inputs and outputs of one camera sample, used from its first path to its last.
+pub(super) struct PathContext<'s, 'a, S> {
+    pub(super) pixel: u64,
+    pub(super) sampler: &'s mut PixelSampler,
+    pub(super) radii: &'s PixelRadii,
+    pub(super) buffers: &'s mut PathBuffers<'a>,
+    pub(super) sink: &'s mut S,
+    pub(super) tally: &'s mut Tally,
+}

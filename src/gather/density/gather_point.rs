@@ -1,0 +1,137 @@
+//! The gather point: the surface point of a camera path and the photons around it.
+
+use crate::gather::camera::path::CameraPath;
+use crate::gather::camera::throughput::{Factor, SpectralMode, product};
+use crate::map::kernel::{BoundaryCorrection, DiskKernel, KernelValues};
+use crate::map::{NearbyPhoton, PhotonPower};
+use crate::math::frame::Frame;
+use crate::optics::bsdf::{Bsdf, InterfaceIors, TransportMode};
+use crate::walk::{BodyMode, Sink, SurfaceInteraction, bias_of_excess};
+use glam::DVec3;
+
+/// The least cosine between the normals at the gather point and at a photon. Photons with a smaller
+/// cosine are on another surface and are ignored.
+pub const NORMAL_TOLERANCE: f64 = 0.7;
+
+/// The largest distance of a photon from the tangent plane, as a fraction of the kernel radius.
+/// Photons at a larger distance are ignored.
+pub const PLANE_TOLERANCE: f64 = 0.3;
+
+/// The data of a gather point, without the data of its photons.
+///
+/// The cosine of the incident direction comes from the surface where the photon arrived. A cosine
+/// from the tangent plane at the gather point would be wrong on a curved surface: some light at
+/// grazing angles would seem to come from below. An interpolated normal needs a correction. The
+/// flux of the photon came through the geometric surface, but the BSDF is defined for the shading
+/// normal. The weight of the photon is therefore |ω·n_s| / |ω·n_g| (Veach 1997, section 5.3).
+pub(in crate::gather) struct GatherPoint<'e> {
+    bsdf: &'e Bsdf,
+    sides: InterfaceIors<'e>,
+    frame: Frame,
+    wo: DVec3,
+    position: DVec3,
+    normal: DVec3,
+    /// The normal on the visible side.
+    facing: DVec3,
+    /// The largest distance of photons from the tangent plane, in m.
+    height_m: f64,
+    kernel: DiskKernel,
+    spectral_mode: SpectralMode,
+    factors: &'e [Factor<'e>],
+    /// The relative bias of the path's throughput.
+    bias: f64,
+    /// Whether photons on the other side of the surface contribute too.
+    transmits: bool,
+    /// Whether the shading normal differs from the geometric normal.
+    interpolated: bool,
+}
+
+impl<'e> GatherPoint<'e> {
+    /// Creates the gather point at the end of a path. `radius` is the kernel radius in m.
+    #[inline(always)]
+    pub(in crate::gather) fn new(
+        interaction: &SurfaceInteraction<'e>,
+        radius: f64,
+        correction: BoundaryCorrection,
+        path: &CameraPath,
+        factors: &'e [Factor<'e>],
+    ) -> Self {
+        let normal = interaction.hit.normal;
+        Self {
+            bsdf: interaction.bsdf,
+            sides: interaction.sides,
+            frame: interaction.frame,
+            wo: interaction.wo,
+            position: interaction.hit.position,
+            normal,
+            facing: if interaction.leads_back(normal) { normal } else { -normal },
+            height_m: PLANE_TOLERANCE * radius,
+            kernel: DiskKernel::new(radius * radius).corrected(correction),
+            spectral_mode: path.spectral_mode,
+            factors,
+            bias: bias_of_excess(path.excess_depth),
+            transmits: interaction.bsdf.is_transmissive(),
+            interpolated: interaction.frame.normal() != normal,
+        }
+    }
+
+    /// Adds the contribution of a nearby photon to the path.
+    #[inline(always)]
+    pub(in crate::gather) fn add<M: BodyMode, S: Sink>(&self, nearby: &NearbyPhoton, sink: &mut S) {
+        let photon = &nearby.photon;
+        let photon_normal = photon.normal();
+        let alignment = photon_normal.dot(self.facing);
+        let side = if self.transmits { alignment.signum() } else { 1.0 };
+        let offset = DVec3::from(nearby.position.map(f64::from)) - self.position;
+        if alignment * side < NORMAL_TOLERANCE || offset.dot(self.normal).abs() > self.height_m {
+            return;
+        }
+        let to_light = photon.to_light();
+        let kernels = self.kernel.at(f64::from(nearby.distance2));
+        // The cosine at the position of the photon. If the surface is curved, its normal there
+        // differs from the normal at the gather point.
+        let own_cosine = to_light.dot(photon_normal) * side;
+        let (wi, kernels) = if self.interpolated {
+            let shading_cosine = to_light.dot(self.frame.normal());
+            (to_light, kernels.times(if own_cosine == 0.0 { 0.0 } else { (shading_cosine / own_cosine).abs() }))
+        } else {
+            ((to_light + (own_cosine - to_light.dot(self.facing)) * self.facing).normalize(), kernels)
+        };
+        let wi = self.frame.to_local(wi);
+        let response = |nm: f64| self.bsdf.eval(self.wo, wi, self.sides, TransportMode::Radiance, nm);
+        add_photon::<M, S>(&photon.power, kernels, self.bias, self.spectral_mode, self.factors, sink, response);
+    }
+}
+
+/// Adds the contribution of a photon to the radiance of a camera path. `response` returns the
+/// fraction of the photon's power scattered into the path at a wavelength, per steradian.
+/// `path_bias` is the relative bias of all factors except the kernel.
+#[inline(always)]
+pub(in crate::gather) fn add_photon<M: BodyMode, S: Sink>(
+    photon: &PhotonPower,
+    kernels: KernelValues,
+    path_bias: f64,
+    spectral_mode: SpectralMode,
+    factors: &[Factor<'_>],
+    sink: &mut S,
+    response: impl Fn(f64) -> f64,
+) {
+    let (estimate, bias) = (kernels.estimate, kernels.bias() + kernels.estimate * path_bias);
+    let mut add = |nm: f64, radiance: f64| sink.biased(nm, radiance * estimate, radiance * bias);
+    match spectral_mode {
+        SpectralMode::Free => {
+            if !M::HAS_BODIES && factors.is_empty() {
+                photon.all_lanes().for_each(|(nm, power)| add(nm, response(nm) * power));
+            } else if factors.is_empty() {
+                photon.lanes().for_each(|(nm, power)| add(nm, response(nm) * power));
+            } else {
+                photon.lanes().for_each(|(nm, power)| add(nm, response(nm) * product(factors, nm) * power));
+            }
+        }
+        SpectralMode::Shared { lane, nm, throughput } => {
+            if let Some(power) = photon.at_lane(lane) {
+                add(nm, response(nm) * throughput * power);
+            }
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! Boundary correction of kernels beside edges.
+//!
+//! Near an edge, a part of the kernel is beyond the surface or behind a wall. No photon can arrive
+//! at this part. Without a correction, the estimate near the edge would be too dark. The estimate
+//! is therefore divided by the fraction of the kernel on the surface (Jensen 2001, "Realistic Image
+//! Synthesis Using Photon Mapping", section 7.2.4).
+
+use crate::gather::camera::visible_point::VisiblePoint;
+use crate::geometry::{Geometry, Ray};
+use crate::map::kernel::BoundaryCorrection;
+use glam::{DVec3, Vec3};
+use std::f64::consts::TAU;
+use std::num::NonZeroU32;
+
+/// The number of directions of an outline.
+const DIRECTIONS: usize = 16;
+
+/// The height of search rays above the surface, as a fraction of the reach. Search rays find the
+/// end of the surface.
+const LIFT: f64 = 0.25;
+
+/// The least cosine between the normals of a surface and of its continuation.
+const CONTINUATION_COSINE: f64 = 0.7;
+
+/// The smallest divisor of the correction: the least fraction of a kernel on the surface. A smaller
+/// divisor would amplify the noise of a small number of photons.
+const LEAST_FRACTION: f64 = 0.1;
+
+/// The extent of the surface around a visible point. Each pixel near an edge has an outline. To
+/// save memory, an outline is stored in single precision and in steps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outline {
+    position: Vec3,
+    facing: Vec3,
+    /// The largest distance of the search, in m.
+    reach: f32,
+    /// The extent in equally spaced directions, in 255ths of the reach.
+    steps: [u8; DIRECTIONS],
+}
+
+impl Outline {
+    /// Measures the surface around a visible point, up to the distance `reach` (m). Returns `None`
+    /// if the surface continues in all directions.
+    pub fn around(geometry: &Geometry, visible_point: &VisiblePoint, reach: f64) -> Option<Self> {
+        let (right, ahead) = visible_point.facing.any_orthonormal_pair();
+        let outline = Self::new(visible_point, reach, |angle| {
+            let direction = right * angle.cos() + ahead * angle.sin();
+            surface_extent(geometry, visible_point, direction, reach)
+        });
+        outline.steps.iter().any(|&step| step < u8::MAX).then_some(outline)
+    }
+
+    fn new(visible_point: &VisiblePoint, reach: f64, extent: impl Fn(f64) -> f64) -> Self {
+        let step = |i: usize| {
+            let extent = extent(i as f64 / DIRECTIONS as f64 * TAU);
+            (extent / reach * f64::from(u8::MAX)).round() as u8
+        };
+        let (position, facing) = (visible_point.position.as_vec3(), visible_point.facing.as_vec3());
+        Self { position, facing, reach: reach as f32, steps: std::array::from_fn(step) }
+    }
+
+    /// Returns the fractions of kernels on the surface. `radius` (m) must not exceed the reach.
+    pub fn correction(&self, radius: f64) -> BoundaryCorrection {
+        let per_step = f64::from(self.reach) / f64::from(u8::MAX) / radius;
+        let (mut estimate, mut uniform) = (0.0, 0.0);
+        for &step in &self.steps {
+            let within = BoundaryCorrection::within(f64::from(step) * per_step);
+            estimate += within.estimate;
+            uniform += within.uniform;
+        }
+        let fraction = |sum: f64| (sum / DIRECTIONS as f64).max(LEAST_FRACTION);
+        BoundaryCorrection { estimate: fraction(estimate), uniform: fraction(uniform) }
+    }
+}
+
+/// Returns the extent (m) of the surface from a visible point in one direction, at most `reach`.
+fn surface_extent(geometry: &Geometry, visible_point: &VisiblePoint, direction: DVec3, reach: f64) -> f64 {
+    const BISECTIONS: usize = 6;
+    let up = visible_point.facing;
+    let lift = LIFT * reach;
+    let start = visible_point.position + up * lift;
+    let wall = geometry.intersect(&Ray::new(start, direction), None, reach).map(|hit| hit.t);
+    let continues = |distance: f64| {
+        let down = Ray::new(start + direction * distance, -up);
+        let below = geometry.intersect(&down, None, 2.0 * lift);
+        below.is_some_and(|hit| hit.normal.dot(up).abs() > CONTINUATION_COSINE)
+    };
+    let farthest = wall.unwrap_or(reach);
+    if continues(farthest * (1.0 - 1e-6)) {
+        return farthest;
+    }
+    let (mut on, mut off) = (0.0, farthest);
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (on + off);
+        if continues(middle) { on = middle } else { off = middle }
+    }
+    0.5 * (on + off)
+}
+
+/// The outlines of directly visible surfaces, for each pixel whose kernel reaches over an edge.
+#[derive(Debug, Default)]
+pub struct Outlines {
+    width: usize,
+    /// The number of each pixel's outline in the list, counted from 1.
+    numbers: Vec<Option<NonZeroU32>>,
+    list: Vec<Outline>,
+}
+
+impl Outlines {
+    /// Whether no kernel reaches over an edge.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// Creates the outlines from each pixel's outline. Rows start at the top of the image.
+    pub fn new(width: usize, of_pixels: impl Iterator<Item = Option<Outline>>) -> Self {
+        let mut outlines = Self { width, ..Self::default() };
+        for outline in of_pixels {
+            let number = outline.and_then(|outline| {
+                outlines.list.push(outline);
+                NonZeroU32::new(outlines.list.len() as u32)
+            });
+            outlines.numbers.push(number);
+        }
+        outlines
+    }
+
+    /// Returns the fractions of kernels on the surface at a visible point of this pixel. The pixel
+    /// may see several surfaces. If the pixel's own outline belongs to a different surface, the
+    /// outline of a neighbouring pixel is used.
+    pub fn correction(&self, pixel: usize, visible_point: &VisiblePoint, radius: f64) -> BoundaryCorrection {
+        let (x, y) = ((pixel % self.width.max(1)) as isize, (pixel / self.width.max(1)) as isize);
+        let nearby = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1)];
+        let fits = nearby.iter().find_map(|(dx, dy)| {
+            let outline = self.at(x + dx, y + dy)?;
+            let fits = visible_point.continues_to(outline.position.as_dvec3(), outline.facing.as_dvec3());
+            fits.then_some(outline)
+        });
+        fits.map_or(BoundaryCorrection::WHOLE, |outline| outline.correction(radius))
+    }
+
+    fn at(&self, x: isize, y: isize) -> Option<&Outline> {
+        if x < 0 || y < 0 || x >= self.width as isize {
+            return None;
+        }
+        let number = (*self.numbers.get(y as usize * self.width + x as usize)?)?;
+        self.list.get(number.get() as usize - 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::partition::View;
+
+    fn visible_point() -> VisiblePoint {
+        VisiblePoint { position: DVec3::ZERO, facing: DVec3::Z, footprint_m: 0.01, view: View::Direct, shared: false }
+    }
+
+    /// Creates an outline from its extent (at most 1) as a function of direction.
+    fn outline(extent: impl Fn(f64) -> f64) -> Outline {
+        Outline::new(&visible_point(), 1.0, extent)
+    }
+
+    /// Compares two fractions at an edge and in a corner: the fraction of the kernel on the
+    /// surface, and the fraction of the directions in which the surface continues. Both must be
+    /// equal.
+    #[test]
+    fn edge_and_corner_corrections_count_directions() {
+        let half = outline(|angle| if angle.cos() > 1e-9 { 0.0 } else { 1.0 });
+        assert!((half.correction(1.0).estimate - 9.0 / 16.0).abs() < 1e-9);
+        let corner = outline(|angle| if angle.cos() > 1e-9 && angle.sin() > 1e-9 { 1.0 } else { 0.0 });
+        assert!((corner.correction(1.0).estimate - 3.0 / 16.0).abs() < 1e-9);
+    }
+
+    /// The mass of a kernel cut at half the radius equals the closed form.
+    #[test]
+    fn cut_kernel_has_the_mass_of_the_closed_form() {
+        let cut = outline(|angle| if angle.cos() > 0.5 { 0.5 / angle.cos() } else { 1.0 });
+        // The integral of (2/π)(1 − x² − y²) over y, with x fixed, is 8/(3π)·(1 − x²)^(3/2).
+        let strip = |x: f64| 8.0 / (3.0 * std::f64::consts::PI) * (1.0 - x * x).powf(1.5);
+        let n = 10_000;
+        let beyond: f64 =
+            (0..n).map(|i| strip(0.5 + 0.5 * (f64::from(i) + 0.5) / f64::from(n)) * 0.5 / f64::from(n)).sum();
+        assert!(
+            (cut.correction(1.0).estimate - (1.0 - beyond)).abs() < 0.01,
+            "{:?} and {}",
+            cut.correction(1.0),
+            1.0 - beyond
+        );
+    }
+
+    /// A kernel that does not reach the edge needs no correction.
+    #[test]
+    fn kernel_far_from_the_edge_is_not_corrected() {
+        assert_eq!(outline(|_| 0.51).correction(0.5), BoundaryCorrection::WHOLE);
+    }
+
+    /// A pixel that sees two surfaces uses the outline of the matching surface.
+    #[test]
+    fn pixel_with_two_surfaces_takes_the_fitting_outline() {
+        let edge = outline(|angle| if angle.cos() > 0.0 { 0.0 } else { 1.0 });
+        let outlines = Outlines::new(2, [None, Some(edge.clone())].into_iter());
+        assert_eq!(outlines.correction(0, &visible_point(), 1.0), edge.correction(1.0), "the neighbour's");
+        let wall = VisiblePoint { facing: DVec3::X, ..visible_point() };
+        assert_eq!(outlines.correction(1, &wall, 1.0), BoundaryCorrection::WHOLE, "another surface");
+    }
+}

@@ -1,0 +1,59 @@
+//! Light from photons at surfaces on a camera path.
+
+use super::gather_point::GatherPoint;
+use crate::gather::camera::path::CameraPath;
+use crate::gather::camera::throughput::SpectralMode;
+use crate::gather::camera_pass::{CameraPass, PathContext};
+use crate::map::kernel::BoundaryCorrection;
+use crate::map::radius;
+use crate::optics::bsdf::BsdfClass;
+use crate::plan::IndirectPlan;
+use crate::plan::partition::PhotonClass;
+use crate::plan::partition::{Estimator, View, estimator};
+use crate::walk::{BodyMode, Sink, SurfaceInteraction};
+
+impl<'a> CameraPass<'a> {
+    /// Gathers the photons around a surface point. Includes only the classes of light paths
+    /// assigned to the photon maps by the partition.
+    #[inline(always)]
+    pub(in crate::gather) fn gather_photons<M: BodyMode, S: Sink>(
+        &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        bsdf_class: BsdfClass,
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let set = path.spectral_mode.photon_set();
+        // Only free photons are connected to the camera. A shared camera path that sees the surface
+        // directly therefore uses the map.
+        let view = match path.spectral_mode {
+            SpectralMode::Free => path.view,
+            SpectralMode::Shared { .. } => View::Indirect,
+        };
+        for class in PhotonClass::ALL {
+            let planned = match class {
+                PhotonClass::Indirect => self.plan.indirect != IndirectPlan::Absent,
+                PhotonClass::Caustic => true,
+            };
+            let map = &self.maps[set][class].surface;
+            if map.is_empty() || !planned || estimator(class.light_path(), bsdf_class, view) != Estimator::PhotonMap {
+                continue;
+            }
+            context.tally.map_queries += 1;
+            let radius = f64::from(context.radii.surface[set][class]) * self.scales.surface;
+            let radius = radius.max(radius::least(interaction.hit.position));
+            let correction = match path.view {
+                _ if self.outlines.is_empty() => BoundaryCorrection::WHOLE,
+                View::Direct => {
+                    let visible_point = self.visible_point(path, interaction);
+                    self.outlines.correction(context.pixel as usize, &visible_point, radius)
+                }
+                View::Indirect => BoundaryCorrection::WHOLE,
+            };
+            let gather_point = GatherPoint::new(interaction, radius, correction, path, &context.buffers.factors);
+            map.within(interaction.hit.position.as_vec3().to_array(), radius as f32, |nearby| {
+                gather_point.add::<M, S>(&nearby, context.sink);
+            });
+        }
+    }
+}

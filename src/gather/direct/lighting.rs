@@ -1,0 +1,299 @@
+//! Next-event estimation combines two techniques: shadow rays to sampled points of lights, and
+//! scattered rays that happen to hit a light. The combination is multiple importance sampling by
+//! the power heuristic (Veach & Guibas 1995, "Optimally Combining Sampling Techniques for Monte
+//! Carlo Rendering").
+
+use crate::geometry::{Hit, Ray};
+use crate::math::distribution::DiscreteDistribution;
+use crate::math::random::hash64;
+use crate::optics::bsdf::TransportMode;
+use crate::plan::MediumPlan;
+use crate::scene::Scene;
+use crate::scene::light::{EmittedSpd, LiSample, Light};
+use crate::scene::medium::Medium;
+use crate::walk::{
+    BodyMode, PathTransmittance, RayState, SurfaceInteraction, Tally, path_transmittance, path_transmittance_tracked,
+};
+use glam::DVec3;
+use std::ops::Range;
+
+/// The largest number of lights for which every point samples all lights. In scenes with more
+/// lights, each point samples one light.
+const SAMPLE_ALL_LIGHTS: usize = 8;
+
+/// Next-event estimation in one scene.
+#[derive(Debug)]
+pub struct DirectLighting<'a> {
+    scene: &'a Scene,
+    light_distribution: &'a DiscreteDistribution,
+    attenuation: ShadowAttenuation,
+}
+
+/// The attenuation along shadow rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum ShadowAttenuation {
+    /// Nothing in the scene absorbs or scatters between surfaces.
+    Absent,
+    /// Each medium's own method.
+    AsStated,
+    /// Ratio tracking in all media.
+    Tracked,
+}
+
+/// A surface point where direct light is sampled.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::gather) struct LightSampleContext<'e, 'a> {
+    pub(in crate::gather) interaction: &'e SurfaceInteraction<'a>,
+    /// The wavelength (nm) at which the path samples directions. Multiple importance sampling uses
+    /// the BSDF's density at this wavelength.
+    pub(in crate::gather) nm: f64,
+    /// Selects the light and a point of the light.
+    pub(in crate::gather) u: [f64; 3],
+}
+
+/// A point in a medium where direct light is sampled.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::gather) struct VolumeLightSampleContext<'a> {
+    /// The path's ray. The origin of the ray is the point.
+    pub(in crate::gather) ray_state: RayState,
+    pub(in crate::gather) medium: &'a Medium,
+    /// The wavelength (nm) at which the path samples the phase function. `None` if lights hit by
+    /// scattered rays do not count.
+    pub(in crate::gather) phase_nm: Option<f64>,
+    pub(in crate::gather) u: [f64; 3],
+}
+
+/// Direct light at a surface, before the attenuation by media.
+pub(in crate::gather) struct LightSample<'a> {
+    pub(in crate::gather) light: &'a Light,
+    /// The direction towards the light, unit, in the interaction's frame.
+    pub(in crate::gather) wi: DVec3,
+    /// The reflected radiance at a wavelength is `strength` × S(λ) × f(λ). The strength includes
+    /// the cosine, the density and the weight of multiple importance sampling.
+    pub(in crate::gather) strength: f64,
+    pub(in crate::gather) spd: EmittedSpd,
+    /// The direction towards the light, unit, in world space.
+    pub(in crate::gather) direction: DVec3,
+    /// The distance to the light in m.
+    pub(in crate::gather) distance_m: f64,
+}
+
+/// Direct light at a point in a medium.
+pub(in crate::gather) struct VolumeLightSample<'a> {
+    pub(in crate::gather) light: &'a Light,
+    /// The direction in which the light travels, unit, in world space.
+    pub(in crate::gather) incoming: DVec3,
+    /// The scattered radiance at a wavelength, without attenuation, is `strength` × S(λ) × σ_s(λ) ×
+    /// p(cos θ, λ).
+    pub(in crate::gather) strength: f64,
+    pub(in crate::gather) spd: EmittedSpd,
+    /// The transmittance between the light and the point.
+    pub(in crate::gather) transmittance: PathTransmittance<'a>,
+}
+
+/// A light hit by a ray.
+pub(in crate::gather) struct EmitterHit<'a> {
+    pub(in crate::gather) light: &'a Light,
+    /// The radiance over the band (W/m²/sr) times the weight of multiple importance sampling.
+    pub(in crate::gather) radiance: f64,
+    pub(in crate::gather) spd: EmittedSpd,
+}
+
+/// The weight of the light from a light source that a ray happens to hit. The weight depends on the
+/// ray's previous vertex.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::gather) enum HitWeighting {
+    /// The weight is 1, because no shadow ray could have sampled this light.
+    Full,
+    /// The weight of multiple importance sampling. The ray was sampled at `position` with the
+    /// density `pdf` per steradian. The other technique is the shadow rays.
+    Mis { position: DVec3, pdf: f64 },
+    /// The weight is 0, because another estimator counts the light.
+    Ignored,
+}
+
+impl<'a> DirectLighting<'a> {
+    /// Creates the estimator. `light_distribution` selects one of many lights.
+    pub fn new(scene: &'a Scene, light_distribution: &'a DiscreteDistribution, media_plan: MediumPlan) -> Self {
+        Self::attenuated(scene, light_distribution, media_plan, ShadowAttenuation::AsStated)
+    }
+
+    /// Creates the estimator of the reference path tracer, which uses ratio tracking in all media.
+    pub fn tracked(scene: &'a Scene, light_distribution: &'a DiscreteDistribution, media_plan: MediumPlan) -> Self {
+        Self::attenuated(scene, light_distribution, media_plan, ShadowAttenuation::Tracked)
+    }
+
+    fn attenuated(
+        scene: &'a Scene,
+        light_distribution: &'a DiscreteDistribution,
+        media_plan: MediumPlan,
+        in_media: ShadowAttenuation,
+    ) -> Self {
+        let attenuation = if media_plan.is_clear() { ShadowAttenuation::Absent } else { in_media };
+        Self { scene, light_distribution, attenuation }
+    }
+
+    /// Returns the transmittance along an unoccluded ray of this length from a surface. The hash of
+    /// `u` is the seed of ratio tracking.
+    #[inline(always)]
+    pub(in crate::gather) fn transmittance_from<M: BodyMode>(
+        &self,
+        interaction: &SurfaceInteraction<'_>,
+        direction: DVec3,
+        length_m: f64,
+        u: [f64; 3],
+    ) -> PathTransmittance<'a> {
+        if !M::HAS_BODIES {
+            return PathTransmittance::new();
+        }
+        let ray_state = interaction.spawn_ray(direction, interaction.medium_stack_towards(direction));
+        self.path_transmittance(ray_state, length_m, u)
+    }
+
+    fn path_transmittance(&self, ray_state: RayState, length_m: f64, u: [f64; 3]) -> PathTransmittance<'a> {
+        let seed = || hash64(u.map(f64::to_bits));
+        match self.attenuation {
+            ShadowAttenuation::Absent => PathTransmittance::new(),
+            ShadowAttenuation::AsStated => path_transmittance(self.scene, ray_state, length_m, seed()),
+            ShadowAttenuation::Tracked => path_transmittance_tracked(self.scene, ray_state, length_m, seed()),
+        }
+    }
+
+    /// Selects the lights that a point samples: all lights, or one of many. The selection uses the
+    /// last number of `u`, and rescales this number for reuse.
+    #[inline]
+    pub(in crate::gather) fn select_lights(&self, u: &mut [f64; 3]) -> Range<usize> {
+        let count = self.scene.lights.len();
+        if count <= SAMPLE_ALL_LIGHTS {
+            return 0..count;
+        }
+        let number = self.light_distribution.sample(&mut u[2]);
+        number..number + 1
+    }
+
+    /// Returns the probability that a point samples this light.
+    pub(in crate::gather) fn selection_probability(&self, number: usize) -> f64 {
+        if self.scene.lights.len() <= SAMPLE_ALL_LIGHTS { 1.0 } else { self.light_distribution.probability(number) }
+    }
+
+    /// Samples the direct light of one light at a point in a medium. Returns `None` if the light
+    /// does not reach the point.
+    pub(in crate::gather) fn sample_direct_in_medium(
+        &self,
+        context: VolumeLightSampleContext<'a>,
+        number: usize,
+        tally: &mut Tally,
+    ) -> Option<VolumeLightSample<'a>> {
+        let VolumeLightSampleContext { ray_state, medium, phase_nm, u } = context;
+        let light = &self.scene.lights[number];
+        let incident = light.sample_li(self.scene.extent(), ray_state.ray.origin, u)?;
+        let (incoming, probability) = (-incident.direction, self.selection_probability(number));
+        let mis_weight = match (phase_nm, incident.pdf_solid_angle) {
+            (Some(nm), Some(pdf)) => {
+                // The phase function is symmetric, so this is the density with which the camera
+                // path would have continued towards the light.
+                let cosine = ray_state.ray.direction.dot(incident.direction);
+                power_heuristic(pdf * probability, medium.phase.eval(cosine, nm))
+            }
+            _ => 1.0,
+        };
+        let strength = incident.irradiance * mis_weight / probability;
+        tally.shadow_rays += 1;
+        let ray = Ray { origin: ray_state.ray.origin, direction: incident.direction };
+        let reaches = strength > 0.0 && !self.scene.geometry.occluded(&ray, None, incident.target, incident.distance);
+        reaches.then(|| {
+            let transmittance = self.path_transmittance(RayState { ray, ..ray_state }, incident.distance, u);
+            VolumeLightSample { light, incoming, strength, spd: incident.spd, transmittance }
+        })
+    }
+
+    /// Samples the direct light of one light at a surface, before the attenuation by media. Returns
+    /// `None` if the light does not reach the surface, or if the surface does not scatter the
+    /// light.
+    #[inline(always)]
+    pub(in crate::gather) fn sample_direct(
+        &self,
+        context: LightSampleContext<'_, '_>,
+        number: usize,
+        tally: &mut Tally,
+    ) -> Option<LightSample<'a>> {
+        let LightSampleContext { interaction, nm, u } = context;
+        let light = &self.scene.lights[number];
+        let incident = light.sample_li(self.scene.extent(), interaction.hit.position, u)?;
+        let wi = interaction.frame.to_local(incident.direction);
+        let (bsdf, wo, sides) = (interaction.bsdf, interaction.wo, interaction.sides);
+        let pdf_bsdf = bsdf.pdf(wo, wi, sides, nm);
+        // Without a response there is no need for a shadow ray.
+        if pdf_bsdf <= 0.0 && bsdf.eval(wo, wi, sides, TransportMode::Radiance, nm) <= 0.0 {
+            return None;
+        }
+        let probability = self.selection_probability(number);
+        let mis_weight = incident.pdf_solid_angle.map_or(1.0, |pdf| power_heuristic(pdf * probability, pdf_bsdf));
+        let strength = incident.irradiance * wi.z.abs() * mis_weight / probability;
+        tally.shadow_rays += 1;
+        if !(strength > 0.0
+            && interaction.is_unoccluded(self.scene, incident.direction, incident.distance, incident.target))
+        {
+            return None;
+        }
+        let LiSample { direction, distance, spd, .. } = incident;
+        Some(LightSample { light, wi, strength, spd, direction, distance_m: distance })
+    }
+
+    /// Returns the numbers of the lights at the end of a ray: the light of the surface there, or
+    /// the lights at infinity if the ray leaves the scene.
+    #[inline(always)]
+    pub(in crate::gather) fn emitters_hit(&self, hit: Option<&Hit>) -> &'a [usize] {
+        match hit {
+            Some(hit) => self.scene.objects[hit.object as usize].light.as_slice(),
+            None => &self.scene.distant_lights,
+        }
+    }
+
+    /// Evaluates one of the lights from [`Self::emitters_hit`]. Returns `None` if the light does
+    /// not emit towards the ray.
+    #[inline(never)]
+    pub(in crate::gather) fn emitted_by_hit(
+        &self,
+        number: usize,
+        direction: DVec3,
+        hit: Option<Hit>,
+        weighting: HitWeighting,
+        tally: &mut Tally,
+    ) -> Option<EmitterHit<'a>> {
+        if matches!(weighting, HitWeighting::Ignored) {
+            return None;
+        }
+        let light = &self.scene.lights[number];
+        let (radiance, spd) = match &hit {
+            Some(hit) => (light.le_surface(direction, hit), EmittedSpd::Own),
+            None => {
+                tally.environment_rays += 1;
+                light.le(direction)?
+            }
+        };
+        let weight = match weighting {
+            HitWeighting::Ignored => 0.0,
+            HitWeighting::Full => 1.0,
+            HitWeighting::Mis { position, pdf } => {
+                let pdf_light = match &hit {
+                    Some(hit) => light.pdf_li_surface(self.scene.extent(), position, hit),
+                    None => light.pdf_li_escaped(direction),
+                };
+                power_heuristic(pdf, pdf_light * self.selection_probability(number))
+            }
+        };
+        (radiance * weight > 0.0).then_some(EmitterHit { light, radiance: radiance * weight, spd })
+    }
+}
+
+/// Returns the weight of a sample by the power heuristic with exponent 2 (Veach & Guibas 1995).
+/// `pdf` is the density of the technique that drew the sample. `other_pdf` is the density of the
+/// other technique for the same sample. Both densities have the same measure.
+pub fn power_heuristic(pdf: f64, other_pdf: f64) -> f64 {
+    if pdf.is_infinite() {
+        return 1.0;
+    }
+    let ratio = other_pdf / pdf;
+    1.0 / (1.0 + ratio * ratio)
+}

@@ -1,0 +1,100 @@
+//! Direct light at surfaces on a camera path.
+
+use super::lighting::{EmitterHit, HitWeighting, LightSampleContext};
+use crate::gather::camera::path::CameraPath;
+use crate::gather::camera::throughput::each_wavelength;
+use crate::gather::camera_pass::{CameraPass, PathContext};
+use crate::geometry::{Hit, Ray};
+use crate::optics::bsdf::TransportMode;
+use crate::walk::{BodyMode, Sink, SurfaceInteraction, bias_of_excess, excess_optical_depth, transmittance};
+use glam::DVec3;
+
+impl<'a> CameraPass<'a> {
+    /// Adds the lights at the end of a path segment: on a surface, or at infinity.
+    #[inline(always)]
+    pub(in crate::gather) fn add_emitters_hit<S: Sink>(
+        &self,
+        path: &CameraPath,
+        direction: DVec3,
+        hit: Option<&Hit>,
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        for &number in self.direct.emitters_hit(hit) {
+            let emitted =
+                self.direct.emitted_by_hit(number, direction, hit.copied(), path.hit_weighting, context.tally);
+            if let Some(emitter) = emitted {
+                add_emitter(*path, &emitter, context);
+            }
+        }
+    }
+
+    /// Gathers direct light by shadow rays.
+    #[inline(always)]
+    pub(in crate::gather) fn gather_direct<M: BodyMode, S: Sink>(
+        &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let (wavelength, mut u, nm) = (context.sampler.wavelength, context.sampler.light(), path.reference_nm());
+        let (bsdf, wo, sides) = (interaction.bsdf, interaction.wo, interaction.sides);
+        for number in self.direct.select_lights(&mut u) {
+            let point = LightSampleContext { interaction, nm, u };
+            let Some(sample) = self.direct.sample_direct(point, number, context.tally) else { continue };
+            let along = self.direct.transmittance_from::<M>(interaction, sample.direction, sample.distance_m, u);
+            let bias = bias_of_excess(path.excess_depth + excess_optical_depth(&along, nm));
+            let factors = &context.buffers.factors;
+            each_wavelength(path.spectral_mode, factors, sample.light, wavelength, |nm, throughput| {
+                let f = bsdf.eval(wo, sample.wi, sides, TransportMode::Radiance, nm);
+                let weight =
+                    throughput * sample.light.spd_at(sample.spd, nm) * sample.strength * f * transmittance(&along, nm);
+                context.sink.biased(nm, weight, weight * bias);
+            });
+        }
+    }
+
+    /// Gathers direct light by a ray that is sampled from the BSDF and may hit a light.
+    #[inline(always)]
+    pub(in crate::gather) fn gather_direct_by_bsdf<M: BodyMode, S: Sink>(
+        &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let nm = path.reference_nm();
+        let u = context.sampler.stream.triple();
+        let (bsdf, wo, sides) = (interaction.bsdf, interaction.wo, interaction.sides);
+        let Some(sample) = bsdf.sample(wo, sides, nm, u) else {
+            return;
+        };
+        let direction = interaction.frame.to_world(sample.wi);
+        let ray = Ray { origin: interaction.hit.position, direction };
+        let hit = self.scene.geometry.intersect(&ray, Some(interaction.hit.surface), f64::INFINITY);
+        let weighting = HitWeighting::Mis { position: ray.origin, pdf: sample.probability };
+        for &number in self.direct.emitters_hit(hit.as_ref()) {
+            let emitted = self.direct.emitted_by_hit(number, direction, hit, weighting, context.tally);
+            let Some(emitter) = emitted else { continue };
+            let length_m = hit.map_or(f64::INFINITY, |hit| hit.t);
+            let along = self.direct.transmittance_from::<M>(interaction, direction, length_m, direction.to_array());
+            let bias = bias_of_excess(path.excess_depth + excess_optical_depth(&along, nm));
+            let (factors, wavelength) = (&context.buffers.factors, context.sampler.wavelength);
+            each_wavelength(path.spectral_mode, factors, emitter.light, wavelength, |nm, throughput| {
+                let response = bsdf.eval_sample(wo, &sample, sides, TransportMode::Radiance, nm) / sample.probability;
+                let arriving = emitter.light.spd_at(emitter.spd, nm) * emitter.radiance * transmittance(&along, nm);
+                let weight = throughput * arriving * response;
+                context.sink.biased(nm, weight, weight * bias);
+            });
+        }
+    }
+}
+
+/// Adds the radiance of a light hit by a path. The function takes a copy of the path, so that the
+/// path of the calling loop stays in registers.
+fn add_emitter<S: Sink>(path: CameraPath, emitter: &EmitterHit<'_>, context: &mut PathContext<'_, '_, S>) {
+    let bias = bias_of_excess(path.excess_depth);
+    let (factors, wavelength) = (&context.buffers.factors, context.sampler.wavelength);
+    each_wavelength(path.spectral_mode, factors, emitter.light, wavelength, |nm, throughput| {
+        let weight = throughput * emitter.light.spd_at(emitter.spd, nm) * emitter.radiance;
+        context.sink.biased(nm, weight, weight * bias);
+    });
+}

@@ -1,0 +1,57 @@
+//! Direct light scattered by a medium once, into a camera path.
+
+use super::distance;
+use super::segment::segment_seed;
+use crate::gather::camera::path::CameraPath;
+use crate::gather::camera::throughput::each_wavelength;
+use crate::gather::camera_pass::{CameraPass, PathContext};
+use crate::gather::direct::lighting::VolumeLightSampleContext;
+use crate::geometry::Ray;
+use crate::walk::{
+    MediumSegment, NumberedMedium, RayState, SegmentTransmittance, Sink, bias_of_excess, excess_optical_depth,
+    transmittance,
+};
+
+impl<'a> CameraPass<'a> {
+    /// Gathers direct light at one sampled distance per light, for all lights that have no light
+    /// map.
+    pub(super) fn gather_direct_in_medium<S: Sink>(
+        &self,
+        path: &CameraPath,
+        segment: &MediumSegment<'a>,
+        NumberedMedium { number: medium_number, medium }: NumberedMedium<'a>,
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let Some(window) = medium.window(&segment.ray, segment.length_m) else {
+            return;
+        };
+        let mut u = context.sampler.light();
+        for number in self.direct.select_lights(&mut u) {
+            if self.light_maps.of(number, medium_number).is_some() {
+                continue;
+            }
+            let u_distance = context.sampler.stream.pair();
+            let light = &self.scene.lights[number];
+            let reach = light.lit_interval(self.scene.extent(), &segment.ray, window, u);
+            let distance = reach.and_then(|reach| distance::sample(medium, &segment.ray, &reach, u_distance));
+            let Some(distance) = distance else { continue };
+            let density = medium.density_at(segment.ray.at(distance.t_m));
+            let to_point = segment.path_transmittance(distance.t_m, segment_seed(context, segment.ray.origin));
+            let ray = Ray { origin: segment.ray.at(distance.t_m), direction: segment.ray.direction };
+            let ray_state = RayState { ray, from: None, medium_stack: segment.medium_stack };
+            let point = VolumeLightSampleContext { ray_state, medium, phase_nm: None, u };
+            let Some(sample) = self.direct.sample_direct_in_medium(point, number, context.tally) else { continue };
+            let cosine = -sample.incoming.dot(segment.ray.direction);
+            let strength = sample.strength * density / distance.pdf_per_m;
+            let excess = |along: &[SegmentTransmittance<'_>]| excess_optical_depth(along, path.reference_nm());
+            let bias = bias_of_excess(path.excess_depth + excess(&to_point) + excess(&sample.transmittance));
+            let (factors, wavelength) = (&context.buffers.factors, context.sampler.wavelength);
+            each_wavelength(path.spectral_mode, factors, sample.light, wavelength, |nm, throughput| {
+                let scattered = medium.scattering.at(nm) * medium.phase.eval(cosine, nm);
+                let passed = transmittance(&to_point, nm) * transmittance(&sample.transmittance, nm);
+                let weight = throughput * sample.light.spd_at(sample.spd, nm) * strength * scattered * passed;
+                context.sink.biased(nm, weight, weight * bias);
+            });
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! Participating media along a camera path.
+//!
+//! A medium attenuates the light from behind the medium, emits light, and scatters light into the
+//! path. Scattered direct light comes from one sampled distance per light, or from a light map.
+//! Photons near the ray bring light that came through glass or from mirrors, and light scattered
+//! before.
+
+mod direct;
+mod distance;
+mod mapped_lights;
+mod photons;
+mod segment;

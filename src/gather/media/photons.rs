@@ -1,0 +1,103 @@
+//! Light from photons in media: the beam radiance estimate for points, and the beam-beam estimate.
+
+use super::segment::segment_seed;
+use crate::gather::camera::path::CameraPath;
+use crate::gather::camera::throughput::SpectralMode;
+use crate::gather::camera::visible_point::CameraSegment;
+use crate::gather::camera_pass::{CameraPass, PathContext};
+use crate::gather::density::gather_point::add_photon;
+use crate::geometry::Ray;
+use crate::map::{BeamPath, KernelWidth, PhotonNearRay, QueryCone, VolumeMap};
+use crate::math::random::hash64;
+use crate::plan::partition::PhotonClass;
+use crate::walk::{
+    MediumSegment, NumberedMedium, SegmentTransmittance, Sink, WithBodies, bias_of_excess, excess_optical_depth,
+    transmittance,
+};
+
+impl<'a> CameraPass<'a> {
+    /// Gathers the photons near a segment in a scattering medium. `behind_m` is the length of the
+    /// path up to the segment, in m.
+    pub(super) fn gather_volume_photons<S: Sink>(
+        &self,
+        path: &CameraPath,
+        segment: &MediumSegment<'a>,
+        filling: NumberedMedium<'a>,
+        behind_m: f64,
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let set = path.spectral_mode.photon_set();
+        if context.buffers.records {
+            context.buffers.camera_segments.push(CameraSegment {
+                ray: segment.ray,
+                length_m: segment.length_m,
+                behind_m,
+                medium: filling.number,
+                shared: matches!(path.spectral_mode, SpectralMode::Shared { .. }),
+            });
+        }
+        for class in PhotonClass::ALL {
+            let maps = &self.maps[set][class].volume;
+            let slope = f64::from(context.radii.volume[set][class]);
+            for (map, scale) in [(&maps.points, self.scales.points), (&maps.beams, self.scales.beams)] {
+                if map.is_empty() {
+                    continue;
+                }
+                let width = match self.stated_radius_m {
+                    Some(radius) => KernelWidth::Stated(radius * scale),
+                    None => KernelWidth::PerDistance(slope * scale),
+                };
+                let cone = QueryCone::of_camera(segment.ray, segment.length_m, behind_m, width);
+                self.gather_volume_map(map, &cone, path, segment, filling, context);
+            }
+        }
+    }
+
+    /// Adds the radiance scattered into the ray from the photons of one map.
+    fn gather_volume_map<S: Sink>(
+        &self,
+        map: &VolumeMap,
+        cone: &QueryCone,
+        path: &CameraPath,
+        segment: &MediumSegment<'a>,
+        NumberedMedium { number, medium }: NumberedMedium<'a>,
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let seed = segment_seed(context, segment.ray.origin);
+        let (factors, sink) = (&context.buffers.factors, &mut *context.sink);
+        map.along(cone, |photon: PhotonNearRay<'_>| {
+            if photon.medium != number {
+                return;
+            }
+            let to_photon = segment.path_transmittance(photon.t, seed);
+            let cosine = -photon.incoming.dot(segment.ray.direction);
+            // The light of a beam is attenuated up to the ray and scattered there. The power of a
+            // point includes both.
+            let along_beam = photon.beam.map(|BeamPath { start, distance_m }| {
+                let ray = Ray { origin: start, direction: photon.incoming };
+                (
+                    SegmentTransmittance::new(medium, ray, distance_m, hash64([seed, distance_m.to_bits()])),
+                    medium.density_at(ray.at(distance_m)),
+                )
+            });
+            let excess = |along: &[SegmentTransmittance<'_>]| excess_optical_depth(along, path.reference_nm());
+            let of_beam = along_beam.as_ref().map_or(0.0, |(along, _)| excess(&[*along]));
+            let bias = bias_of_excess(path.excess_depth + excess(&to_photon) + of_beam);
+            let response = |nm| {
+                let scattered = along_beam
+                    .as_ref()
+                    .map_or(1.0, |(along, density)| along.at(nm) * medium.scattering.at(nm) * density);
+                scattered * medium.phase.eval(cosine, nm) * transmittance(&to_photon, nm)
+            };
+            add_photon::<WithBodies, S>(
+                photon.power,
+                photon.kernels,
+                bias,
+                path.spectral_mode,
+                factors,
+                sink,
+                response,
+            );
+        });
+    }
+}

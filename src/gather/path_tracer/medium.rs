@@ -1,0 +1,186 @@
+//! The path tracer in media: null-collision tracking (Woodcock et al. 1965; Kutz, Habel, Li & Novák
+//! 2017; Miller, Georgiev & Jarosz 2019, "A Null-Scattering Path Integral Formulation of Light
+//! Transport"). Null-collision tracking evaluates densities and bounds of densities, but never
+//! column densities.
+
+use super::tracer::{PathTracer, TracedPath};
+use crate::gather::camera::sampler::PixelSampler;
+use crate::gather::direct::lighting::{HitWeighting, VolumeLightSampleContext};
+use crate::geometry::Ray;
+use crate::scene::medium::Medium;
+use crate::spectrum::LANES;
+use crate::walk::{
+    MAX_COLLISIONS, MediumSegment, NumberedMedium, RayState, SegmentEnd, Sink, Tally, next_interaction_through_media,
+    transmittance,
+};
+use std::ops::ControlFlow;
+
+/// Paths with a relative throughput below this value undergo Russian roulette in media. In white
+/// fog, paths keep their throughput, and roulette would only add noise.
+const ROULETTE_THROUGHPUT: f64 = 0.2;
+
+impl<'a> PathTracer<'a> {
+    /// Advances the path through media to the next surface.
+    pub(super) fn advance_through_media<S: Sink>(
+        &self,
+        path: &mut TracedPath,
+        sampler: &mut PixelSampler,
+        tally: &mut Tally,
+        sink: &mut S,
+    ) -> SegmentEnd<'a> {
+        for _ in 0..MAX_COLLISIONS {
+            let component = sampler.stream.uniform();
+            let mut collision = None;
+            let end = next_interaction_through_media(self.scene, path.ray_state, component, |segment| {
+                path.add_emission(segment, sampler, sink);
+                collision = path.sample_segment(segment, sampler, tally).map(|t| (*segment, t));
+                if collision.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            });
+            let Some((segment, t)) = collision else {
+                return end;
+            };
+            if !self.scatter_in_medium(path, &segment, t, sampler, tally, sink) {
+                return ControlFlow::Break(());
+            }
+        }
+        ControlFlow::Break(())
+    }
+
+    /// Adds direct light at a collision, and samples the new direction. Returns whether the path
+    /// continues.
+    fn scatter_in_medium<S: Sink>(
+        &self,
+        path: &mut TracedPath,
+        segment: &MediumSegment<'a>,
+        t: f64,
+        sampler: &mut PixelSampler,
+        tally: &mut Tally,
+        sink: &mut S,
+    ) -> bool {
+        let Some(NumberedMedium { medium, .. }) = segment.medium else { return false };
+        let incoming = segment.ray.direction;
+        let ray = Ray { origin: segment.ray.at(t), direction: incoming };
+        let ray_state = RayState { ray, from: None, medium_stack: segment.medium_stack };
+        let hero = path.wavelengths.hero();
+        let mut u = sampler.stream.triple();
+        for number in self.direct.select_lights(&mut u) {
+            let point = VolumeLightSampleContext { ray_state, medium, phase_nm: Some(hero), u };
+            let Some(sample) = self.direct.sample_direct_in_medium(point, number, tally) else { continue };
+            let cosine = -sample.incoming.dot(incoming);
+            for (k, &nm) in path.wavelengths.active().iter().enumerate() {
+                let arriving =
+                    sample.light.spd_at(sample.spd, nm) * sample.strength * transmittance(&sample.transmittance, nm);
+                sink.radiance(nm, path.throughput[k] * medium.phase.eval(cosine, nm) * arriving);
+            }
+        }
+        let direction = medium.phase.sample(incoming, hero, sampler.stream.pair());
+        let cosine = incoming.dot(direction);
+        let pdf = medium.phase.eval(cosine, hero);
+        for (k, &nm) in path.wavelengths.active().iter().enumerate() {
+            path.throughput[k] *= medium.phase.eval(cosine, nm) / pdf;
+        }
+        path.hit_weighting = HitWeighting::Mis { position: ray.origin, pdf };
+        path.ray_state = RayState { ray: Ray { origin: ray.origin, direction }, ..ray_state };
+        path.survives_collision(sampler)
+    }
+}
+
+impl TracedPath {
+    /// Adds the light emitted by a medium into the path, evaluated at one random position of the
+    /// segment. At scattering events, next-event estimation counts this light.
+    fn add_emission<S: Sink>(&self, segment: &MediumSegment<'_>, sampler: &mut PixelSampler, sink: &mut S) {
+        let Some(NumberedMedium { medium, .. }) = segment.medium.filter(|filling| filling.medium.emission.is_some())
+        else {
+            return;
+        };
+        let Some((from, to)) = medium.window(&segment.ray, segment.length_m) else { return };
+        if !matches!(self.hit_weighting, HitWeighting::Full) {
+            return;
+        }
+        let t = from + sampler.stream.uniform() * (to - from);
+        let position = segment.ray.at(t);
+        let along = segment.path_transmittance_tracked(t, position.x.to_bits());
+        for (k, &nm) in self.wavelengths.active().iter().enumerate() {
+            let emitted = medium.emission_per_m(position, nm) * transmittance(&along, nm) * (to - from);
+            sink.radiance(nm, self.throughput[k] * emitted);
+        }
+    }
+
+    /// Advances the path along a segment. If a scattering event happens, returns the distance of
+    /// the event in m. The throughput includes the absorption.
+    fn sample_segment(
+        &mut self,
+        segment: &MediumSegment<'_>,
+        sampler: &mut PixelSampler,
+        tally: &mut Tally,
+    ) -> Option<f64> {
+        let mut scattered = None;
+        if let Some(NumberedMedium { medium, .. }) = segment.medium {
+            tally.media_stretches += 1;
+            scattered = self.sample_free_flight(medium, segment, sampler);
+        }
+        if let Some(absorption) = segment.absorption {
+            let distance = scattered.unwrap_or(segment.length_m);
+            for k in 0..self.wavelengths.count {
+                self.throughput[k] *= (-absorption.at(self.wavelengths.nm[k]) * distance).exp();
+            }
+        }
+        scattered
+    }
+
+    /// Tracks tentative collisions of rate σ̄. The rate σ̄ is the largest extinction at the path's
+    /// wavelengths, times the bound of the density. The probability of a real scattering event is
+    /// the scattered fraction of the throughput of all wavelengths.
+    fn sample_free_flight(
+        &mut self,
+        medium: &Medium,
+        segment: &MediumSegment<'_>,
+        sampler: &mut PixelSampler,
+    ) -> Option<f64> {
+        let (mut t, end) = medium.window(&segment.ray, segment.length_m)?;
+        let sigma_s = self.wavelengths.each(|nm| medium.scattering.at(nm));
+        let sigma_t = self.wavelengths.each(|nm| medium.extinction.at(nm));
+        let rate = sigma_t.iter().copied().fold(0.0, f64::max) * medium.majorant(&segment.ray, segment.length_m);
+        if rate <= 0.0 {
+            return None;
+        }
+        loop {
+            t -= (-sampler.stream.uniform()).ln_1p() / rate;
+            if t >= end {
+                return None;
+            }
+            let density = medium.density_at(segment.ray.at(t));
+            let (mut scatters, mut either) = (0.0, 0.0);
+            for k in 0..LANES {
+                let (collision, null) = (sigma_s[k] * density, (rate - sigma_t[k] * density).max(0.0));
+                scatters += self.throughput[k] * collision;
+                either += self.throughput[k] * (collision + null);
+            }
+            if either <= 0.0 {
+                self.throughput = [0.0; LANES];
+                return None;
+            }
+            let probability = scatters / either;
+            if sampler.stream.uniform() < probability {
+                (0..LANES).for_each(|k| self.throughput[k] *= sigma_s[k] * density / (rate * probability));
+                return Some(t);
+            }
+            let null_rate = rate * (1.0 - probability);
+            (0..LANES).for_each(|k| self.throughput[k] *= (rate - sigma_t[k] * density).max(0.0) / null_rate);
+        }
+    }
+
+    /// Russian roulette after a collision, for paths of low relative throughput.
+    fn survives_collision(&mut self, sampler: &mut PixelSampler) -> bool {
+        let throughput = self.relative_throughput();
+        if throughput >= ROULETTE_THROUGHPUT {
+            return true;
+        }
+        let survival = throughput / ROULETTE_THROUGHPUT;
+        if sampler.stream.uniform() >= survival {
+            return false;
+        }
+        self.throughput.iter_mut().for_each(|t| *t /= survival);
+        true
+    }
+}

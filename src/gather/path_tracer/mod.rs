@@ -1,0 +1,4 @@
+//! The reference path tracer.
+
+mod medium;
+pub(super) mod tracer;

@@ -1,0 +1,224 @@
+//! A spectral path tracer with next-event estimation, as the reference for photon mapping.
+//!
+//! The path tracer and photon mapping use the same surfaces, lights and geometry. However, the path
+//! tracer uses no estimator of photon mapping: no photons, no kernels and no shared wavelengths. A
+//! path carries four stratified wavelengths until its first dispersive refraction. Photon mapping
+//! finds lights without extent behind glass, but the path tracer does not.
+
+use crate::gather::camera::sampler::PixelSampler;
+use crate::gather::camera::throughput::relative_n2;
+use crate::gather::direct::lighting::{DirectLighting, HitWeighting, LightSampleContext};
+use crate::geometry::Hit;
+use crate::optics::bsdf::{BsdfClass, TransportMode};
+use crate::plan::MediumPlan;
+use crate::scene::Scene;
+use crate::spectrum::{LANES, Lanes, WavelengthDistribution, Wavelengths};
+use crate::walk::{
+    RayState, ScatteredRay, SegmentEnd, Sink, SurfaceInteraction, Tally, WithBodies, next_interaction, scatter,
+    transmittance,
+};
+use glam::DVec3;
+use std::ops::ControlFlow;
+
+/// The number of surface events after which Russian roulette may end a path of the path tracer.
+const TRACER_DEPTH_BEFORE_ROULETTE: u32 = 3;
+
+/// The path tracer of one pass.
+#[derive(Debug)]
+pub struct PathTracer<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Next-event estimation.
+    pub direct: DirectLighting<'a>,
+    /// Samples a path's wavelengths.
+    pub wavelengths: &'a WavelengthDistribution,
+    /// The largest number of surface events in a path.
+    pub max_depth: u32,
+    /// Whether the scene contains bodies or media, so that paths need a medium stack.
+    pub media_plan: MediumPlan,
+}
+
+/// The state of a path of the path tracer.
+pub(super) struct TracedPath {
+    pub(super) ray_state: RayState,
+    pub(super) wavelengths: Wavelengths,
+    /// The throughput per wavelength, divided by all densities.
+    pub(super) throughput: Lanes,
+    /// The throughput at the start of the path, for Russian roulette.
+    initial_throughput: Lanes,
+    pub(super) hit_weighting: HitWeighting,
+}
+
+impl<'a> PathTracer<'a> {
+    /// Estimates the radiance of one sample of a pixel and adds it to the sink.
+    pub fn sample<S: Sink>(&self, pixel: u64, mut sampler: PixelSampler, tally: &mut Tally, sink: &mut S) {
+        let Some(mut path) = self.start_path(pixel, &sampler) else {
+            return;
+        };
+        for depth in 0..self.max_depth {
+            let interaction = match self.advance(&mut path, &mut sampler, tally, sink) {
+                ControlFlow::Continue(Some(interaction)) => interaction,
+                ControlFlow::Continue(None) => {
+                    self.add_emitters_hit(&path, path.ray_state.ray.direction, None, tally, sink);
+                    return;
+                }
+                ControlFlow::Break(()) => return,
+            };
+            if interaction.crossed_hidden_face && !matches!(path.hit_weighting, HitWeighting::Full) {
+                // Shadow rays stop at hidden faces, so only the path can count a light behind a
+                // hidden face.
+                path.hit_weighting = HitWeighting::Full;
+            }
+            self.add_emitters_hit(&path, interaction.incoming, Some(interaction.hit), tally, sink);
+            if matches!(interaction.bsdf.class(), BsdfClass::Diffuse | BsdfClass::Glossy) {
+                let u = if depth == 0 { sampler.light() } else { sampler.stream.triple() };
+                self.sample_lights(&path, &interaction, u, tally, sink);
+            }
+            let Some(scattered) =
+                scatter(&interaction, &path.wavelengths, TransportMode::Radiance, &mut sampler.stream)
+            else {
+                return;
+            };
+            path.apply_scattering(&interaction, &scattered);
+            if !path.survives(self.scene, depth, &mut sampler) {
+                return;
+            }
+        }
+    }
+
+    /// Advances the path to the next surface.
+    fn advance<S: Sink>(
+        &self,
+        path: &mut TracedPath,
+        sampler: &mut PixelSampler,
+        tally: &mut Tally,
+        sink: &mut S,
+    ) -> SegmentEnd<'a> {
+        match self.media_plan {
+            MediumPlan::Air | MediumPlan::Clear => {
+                let component = sampler.stream.uniform();
+                ControlFlow::Continue(next_interaction(self.scene, path.ray_state, component))
+            }
+            MediumPlan::Absorbing | MediumPlan::Scattering(_) => self.advance_through_media(path, sampler, tally, sink),
+        }
+    }
+
+    /// Starts a path at the camera. The path carries four stratified wavelengths, or one wavelength
+    /// if the camera has a lens system. Returns `None` if the lens system stops the ray.
+    fn start_path(&self, pixel: u64, sampler: &PixelSampler) -> Option<TracedPath> {
+        let camera = &self.scene.camera;
+        let (mut nm, mut throughput) = ([0.0; LANES], [0.0; LANES]);
+        let (ray, wavelengths) = match camera.system() {
+            Some(system) => {
+                let (sampled, pdf) = self.wavelengths.sample(sampler.wavelength);
+                let (ray, weight) = sampler.ray_through_lens(&system.at(sampled), camera, pixel)?;
+                throughput[0] = weight / pdf;
+                (ray, Wavelengths::single(sampled))
+            }
+            None => {
+                for k in 0..LANES {
+                    let (sampled, pdf) = self.wavelengths.sample((sampler.wavelength + k as f64) / LANES as f64);
+                    nm[k] = sampled;
+                    throughput[k] = 1.0 / (pdf * LANES as f64);
+                }
+                (sampler.ray(camera, pixel), Wavelengths::new(nm))
+            }
+        };
+        Some(TracedPath {
+            ray_state: RayState { ray, from: None, medium_stack: camera.medium_stack },
+            wavelengths,
+            throughput,
+            initial_throughput: throughput,
+            hit_weighting: HitWeighting::Full,
+        })
+    }
+
+    /// Adds the lights at the end of a path segment: on a surface, or at infinity.
+    fn add_emitters_hit<S: Sink>(
+        &self,
+        path: &TracedPath,
+        direction: DVec3,
+        hit: Option<Hit>,
+        tally: &mut Tally,
+        sink: &mut S,
+    ) {
+        for &number in self.direct.emitters_hit(hit.as_ref()) {
+            let emitted = self.direct.emitted_by_hit(number, direction, hit, path.hit_weighting, tally);
+            let Some(emitter) = emitted else { continue };
+            for (k, &nm) in path.wavelengths.active().iter().enumerate() {
+                let radiance = path.throughput[k] * emitter.light.spd_at(emitter.spd, nm) * emitter.radiance;
+                sink.radiance(nm, radiance);
+            }
+        }
+    }
+
+    /// Adds direct light at a surface by shadow rays.
+    fn sample_lights<S: Sink>(
+        &self,
+        path: &TracedPath,
+        interaction: &SurfaceInteraction<'a>,
+        mut u: [f64; 3],
+        tally: &mut Tally,
+        sink: &mut S,
+    ) {
+        let SurfaceInteraction { bsdf, wo, sides, .. } = *interaction;
+        for number in self.direct.select_lights(&mut u) {
+            let point = LightSampleContext { interaction, nm: path.wavelengths.hero(), u };
+            let Some(sample) = self.direct.sample_direct(point, number, tally) else { continue };
+            let along =
+                self.direct.transmittance_from::<WithBodies>(interaction, sample.direction, sample.distance_m, u);
+            for (k, &nm) in path.wavelengths.active().iter().enumerate() {
+                let f = bsdf.eval(wo, sample.wi, sides, TransportMode::Radiance, nm);
+                let scattered = path.throughput[k] * f * sample.light.spd_at(sample.spd, nm);
+                sink.radiance(nm, scattered * sample.strength * transmittance(&along, nm));
+            }
+        }
+    }
+}
+
+impl TracedPath {
+    /// Applies a scattering event to the path.
+    fn apply_scattering(&mut self, interaction: &SurfaceInteraction<'_>, scattered: &ScatteredRay) {
+        (0..LANES).for_each(|k| self.throughput[k] *= scattered.weight[k]);
+        if let Some(kept) = scattered.kept {
+            self.wavelengths = Wavelengths::single(self.wavelengths.nm[kept]);
+            let only = |lanes: Lanes| std::array::from_fn(|k| if k == 0 { lanes[kept] } else { 0.0 });
+            (self.throughput, self.initial_throughput) = (only(self.throughput), only(self.initial_throughput));
+        }
+        self.hit_weighting = if scattered.delta {
+            // Shadow rays cannot sample a light behind mirrors or glass.
+            HitWeighting::Full
+        } else {
+            HitWeighting::Mis { position: interaction.hit.position, pdf: scattered.pdf }
+        };
+        self.ray_state = interaction.spawn_scattered(scattered);
+    }
+
+    /// Returns the ratio of the throughput to the throughput at the start of the path. The ratio is
+    /// a mean over all wavelengths at the start.
+    pub(super) fn relative_throughput(&self) -> f64 {
+        let lanes = self.throughput.iter().zip(&self.initial_throughput).take(self.wavelengths.count);
+        lanes.filter(|(_, initial)| **initial > 0.0).map(|(t, initial)| t / initial).sum::<f64>() / LANES as f64
+    }
+
+    /// Russian roulette by the relative throughput.
+    ///
+    /// Radiance changes by n² where a path enters or leaves glass. The survival probability
+    /// excludes this factor. With this factor, paths would end inside glass, and the surviving
+    /// paths would leave the glass with too large a weight.
+    fn survives(&mut self, scene: &Scene, depth: u32, sampler: &mut PixelSampler) -> bool {
+        let throughput = self.relative_throughput();
+        if throughput <= 0.0 {
+            return false;
+        }
+        if depth < TRACER_DEPTH_BEFORE_ROULETTE {
+            return true;
+        }
+        let survival = (throughput * relative_n2(scene, &self.ray_state, self.wavelengths.hero())).clamp(0.05, 0.95);
+        if sampler.stream.uniform() >= survival {
+            return false;
+        }
+        self.throughput.iter_mut().for_each(|t| *t /= survival);
+        true
+    }
+}

@@ -1,0 +1,131 @@
+//! The order in which a ray crosses coincident surfaces.
+//!
+//! Examples are a prism on a floor, two cemented lenses, and a light that is flush with the
+//! ceiling. The computed distances to coincident surfaces are equal or differ by rounding. An order
+//! taken from these distances would occasionally reach the floor from inside the glass, or miss the
+//! floor. If the distances of two crossings agree to rounding, these rules order the crossings:
+//!
+//! - First the ray leaves bodies, then it crosses open surfaces (rectangles, disks, open meshes),
+//!   then it enters bodies. If an open surface touches a body, the surface is thus just outside.
+//! - Of two bodies with a common surface, the body with the lower number is outside.
+//! - If two open surfaces coincide, the smaller one is in front on its facing side. A light in a
+//!   ceiling is thus visible.
+//!
+//! The order is total, and a ray in the opposite direction crosses the surfaces in reverse order. A
+//! ray that starts on one surface of a stack therefore hits exactly the surfaces beyond it.
+
+use std::cmp::Ordering;
+
+use glam::DVec3;
+
+use super::hit::SurfaceId;
+use super::primitive::{Candidate, Primitives};
+use super::ray::Ray;
+use super::world::Geometry;
+
+/// Two surfaces coincide if their distance is below this multiple of the rounding error of their
+/// coordinates.
+const ROUNDINGS: f64 = 64.0;
+
+/// The crossing of a surface by a ray.
+#[derive(Debug, Clone, Copy)]
+struct SurfaceCrossing {
+    kind: CrossingKind,
+    object: u32,
+    primitive: u32,
+    /// Cosine between the ray and the surface normal.
+    cos: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum CrossingKind {
+    Exit,
+    OpenSurface,
+    Entry,
+}
+
+impl Primitives {
+    /// Returns a bound in m of the rounding error of positions before the scene's centre was
+    /// subtracted.
+    pub(super) fn centre_rounding(&self) -> f64 {
+        ROUNDINGS * f64::EPSILON * self.centre_reach
+    }
+
+    /// Returns the distance in m below which two surfaces coincide at a point. It follows from the
+    /// rounding of the coordinates there.
+    fn tolerance(&self, point: DVec3, surfaces: [SurfaceId; 2]) -> f64 {
+        let reach = surfaces
+            .into_iter()
+            .fold(point.abs().max_element(), |reach, surface| reach.max(self.largest_coordinate(surface.primitive)));
+        ROUNDINGS * f64::EPSILON * reach + self.centre_rounding()
+    }
+}
+
+impl Geometry {
+    fn crossing(&self, surface: SurfaceId, cos: f64) -> SurfaceCrossing {
+        let kind = match (self.primitives.is_closed(surface.primitive), cos > 0.0) {
+            (false, _) => CrossingKind::OpenSurface,
+            (true, true) => CrossingKind::Exit,
+            (true, false) => CrossingKind::Entry,
+        };
+        SurfaceCrossing { kind, object: self.primitives.object(surface.primitive), primitive: surface.primitive, cos }
+    }
+
+    /// Returns whether crossing `a` precedes crossing `b` if their surfaces coincide.
+    fn is_before(&self, a: SurfaceCrossing, b: SurfaceCrossing) -> bool {
+        let number = |crossing: SurfaceCrossing| (crossing.object, crossing.primitive);
+        match (a.kind, b.kind) {
+            (CrossingKind::Entry, CrossingKind::Entry) => number(a) < number(b),
+            (CrossingKind::Exit, CrossingKind::Exit) => number(a) > number(b),
+            (CrossingKind::OpenSurface, CrossingKind::OpenSurface) => {
+                let size = |crossing: SurfaceCrossing| (self.area(crossing.object), number(crossing));
+                match size(a).partial_cmp(&size(b)) {
+                    Some(Ordering::Less) => a.cos < 0.0,
+                    Some(Ordering::Greater) => b.cos >= 0.0,
+                    Some(Ordering::Equal) | None => false,
+                }
+            }
+            (CrossingKind::Exit | CrossingKind::OpenSurface | CrossingKind::Entry, _) => a.kind < b.kind,
+        }
+    }
+
+    /// For a ray that starts on the surface `from`: returns whether a crossing with |t| below
+    /// `coincidence_range_m` is valid.
+    #[cold]
+    pub(super) fn lies_beyond_start(&self, ray: &Ray, from: SurfaceId, candidate: &Candidate) -> bool {
+        let other = candidate.surface;
+        let primitives = &self.primitives;
+        let cos = ray.direction.dot(primitives.normal(other, ray.origin));
+        if (candidate.t * cos).abs() > primitives.tolerance(ray.origin, [from, other]) {
+            return candidate.t > 0.0;
+        }
+        let start_cos = ray.direction.dot(primitives.normal(from, ray.origin));
+        if primitives.mesh(from.primitive).is_some()
+            && primitives.mesh(from.primitive) == primitives.mesh(other.primitive)
+        {
+            // A neighbour in the same mesh: the ray has just crossed the surface in this direction.
+            return candidate.t > 0.0 && (cos > 0.0) != (start_cos > 0.0);
+        }
+        self.is_before(self.crossing(from, start_cos), self.crossing(other, cos))
+    }
+
+    /// Returns whether the ray crosses `first` before `second`. The distances of `a` and `b` must
+    /// differ by less than `coincidence_range_m`.
+    #[cold]
+    pub(super) fn precedes(&self, ray: &Ray, first: &Candidate, second: &Candidate) -> bool {
+        let primitives = &self.primitives;
+        let point = ray.at(second.t);
+        let cos = ray.direction.dot(primitives.normal(first.surface, point));
+        let other_cos = ray.direction.dot(primitives.normal(second.surface, point));
+        let apart = (first.t - second.t).abs() * cos.abs().min(other_cos.abs());
+        if apart > primitives.tolerance(point, [first.surface, second.surface]) {
+            return first.t < second.t;
+        }
+        let (first_crossing, second_crossing) =
+            (self.crossing(first.surface, cos), self.crossing(second.surface, other_cos));
+        if first_crossing.object == second_crossing.object && first.t != second.t {
+            return first.t < second.t;
+        }
+        self.is_before(first_crossing, second_crossing)
+    }
+}

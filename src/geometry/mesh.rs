@@ -1,0 +1,156 @@
+//! Triangle meshes with shared vertices. A mesh is validated only once, when it is created.
+
+use glam::DVec3;
+
+use crate::error::{Error, Result};
+
+/// Triangles over shared vertices. The vertices of a triangle are counter-clockwise seen from
+/// outside.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TriangleMesh {
+    positions: Vec<DVec3>,
+    normals: Option<Vec<DVec3>>,
+    uvs: Option<Vec<[f64; 2]>>,
+    triangles: Vec<[u32; 3]>,
+    dropped: usize,
+    closed: bool,
+}
+
+impl TriangleMesh {
+    /// Creates a mesh. Triangles of zero area, within rounding, are dropped and counted.
+    ///
+    /// `normals` (of any length except zero) and `uvs` have one value per vertex.
+    ///
+    /// # Errors
+    /// Returns an error if the mesh has no triangles or no area, an index exceeds the number of
+    /// vertices, a coordinate is not finite, or the number of normals or uvs differs from the
+    /// number of vertices.
+    pub fn new(
+        positions: Vec<DVec3>,
+        normals: Option<Vec<DVec3>>,
+        uvs: Option<Vec<[f64; 2]>>,
+        triangles: Vec<[u32; 3]>,
+    ) -> Result<Self> {
+        if triangles.is_empty() {
+            return Err(Error::input("the mesh has no triangles"));
+        }
+        if let Some(&index) = triangles.iter().flatten().find(|&&index| index as usize >= positions.len()) {
+            let count = positions.len();
+            return Err(Error::input(format!("a triangle refers to vertex {index} of {count} vertices"))
+                .expected("indices below the number of vertices"));
+        }
+        if let Some(position) = positions.iter().find(|position| !position.is_finite()) {
+            return Err(Error::input(format!("a vertex has the position {position}")).expected("finite coordinates"));
+        }
+        let one_a_vertex = |count: Option<usize>| count.is_none_or(|count| count == positions.len());
+        if !one_a_vertex(normals.as_ref().map(Vec::len)) || !one_a_vertex(uvs.as_ref().map(Vec::len)) {
+            return Err(Error::input("the mesh does not have one normal and one texture coordinate per vertex"));
+        }
+        let before = triangles.len();
+        let triangles: Vec<_> = triangles.into_iter().filter(|&t| has_area(t.map(|i| positions[i as usize]))).collect();
+        if triangles.is_empty() {
+            return Err(Error::input("the mesh has no area").expected("triangles whose corners do not lie on one line"));
+        }
+        let closed = bounds_a_volume(&positions, &triangles);
+        Ok(Self { dropped: before - triangles.len(), closed, positions, normals, uvs, triangles })
+    }
+
+    /// Returns the positions of the vertices.
+    pub fn positions(&self) -> &[DVec3] {
+        &self.positions
+    }
+
+    /// Returns the normals (one per vertex, of any length), if the mesh has normals.
+    pub fn normals(&self) -> Option<&[DVec3]> {
+        self.normals.as_deref()
+    }
+
+    /// Returns one texture coordinate per vertex, if the mesh has texture coordinates.
+    pub fn uvs(&self) -> Option<&[[f64; 2]]> {
+        self.uvs.as_deref()
+    }
+
+    /// Returns the vertex indices of each triangle.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// Returns the number of dropped triangles without area.
+    pub fn dropped(&self) -> usize {
+        self.dropped
+    }
+
+    /// Returns the corners of a triangle.
+    pub fn corners(&self, triangle: [u32; 3]) -> [DVec3; 3] {
+        triangle.map(|index| self.positions[index as usize])
+    }
+
+    /// Returns the total area in the squared unit of the mesh.
+    pub fn area(&self) -> f64 {
+        self.triangles.iter().map(|&t| triangle_normal(self.corners(t)).length() / 2.0).sum()
+    }
+
+    /// Returns the enclosed volume of a closed mesh by the divergence theorem. The volume is
+    /// negative if the triangles face inwards.
+    pub fn signed_volume(&self) -> f64 {
+        let origin = self.positions[self.triangles[0][0] as usize];
+        self.triangles
+            .iter()
+            .map(|&triangle| {
+                let [a, b, c] = self.corners(triangle).map(|corner| corner - origin);
+                a.dot(b.cross(c)) / 6.0
+            })
+            .sum()
+    }
+
+    /// Returns whether the triangles bound a volume. They do if every edge belongs to exactly two
+    /// triangles, in opposite directions. Vertices with equal positions count as one vertex.
+    pub fn is_closed(&self) -> bool {
+        self.closed
+    }
+}
+
+/// Computes [`TriangleMesh::is_closed`].
+fn bounds_a_volume(positions: &[DVec3], triangles: &[[u32; 3]]) -> bool {
+    let representatives = representatives(positions);
+    // Each use of an edge is (smaller vertex, larger vertex, whether the edge runs from the smaller
+    // to the larger).
+    let mut uses: Vec<(u32, u32, bool)> = triangles
+        .iter()
+        .flat_map(|triangle| {
+            let [a, b, c] = triangle.map(|index| representatives[index as usize]);
+            [(a, b), (b, c), (c, a)].map(|(from, to)| (from.min(to), from.max(to), from < to))
+        })
+        .collect();
+    uses.sort_unstable();
+    let same_edge = |a: &(u32, u32, bool), b: &(u32, u32, bool)| (a.0, a.1) == (b.0, b.1);
+    uses.chunk_by(same_edge).all(|edge| edge.len() == 2 && edge[0].2 != edge[1].2)
+}
+
+/// Maps each vertex to a representative. All vertices at the same position have the same
+/// representative.
+fn representatives(positions: &[DVec3]) -> Vec<u32> {
+    // The addition of 0 changes −0 to 0.
+    let place = |index: u32| (positions[index as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
+    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
+    order.sort_unstable_by_key(|&index| place(index));
+    let mut representatives = vec![0; positions.len()];
+    for same in order.chunk_by(|&a, &b| place(a) == place(b)) {
+        for &index in same {
+            representatives[index as usize] = same[0];
+        }
+    }
+    representatives
+}
+
+/// Returns (b − a) × (c − a): a normal with a length of twice the triangle's area.
+pub(crate) fn triangle_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a)
+}
+
+/// Returns whether the area of a triangle exceeds the rounding of its coordinates.
+fn has_area(corners: [DVec3; 3]) -> bool {
+    let [a, b, c] = corners;
+    let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+    triangle_normal(corners).length() > 4.0 * f64::EPSILON * longest
+}

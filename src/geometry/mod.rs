@@ -1,0 +1,31 @@
+//! Geometry of the scene in world coordinates: ray intersection, surface properties at a hit, and
+//! sampling of points on objects.
+//!
+//! All positions are in double precision. They are relative to a centre chosen by the caller,
+//! because coordinates near 0 are the most precise. No test uses a fixed epsilon. A ray carries its
+//! start face ([`SurfaceId`]). The crossing of this face at t = 0 is excluded by construction. A
+//! ray leaves a convex body by another face than it entered. Surfaces that touch, such as a prism
+//! on a floor or cemented lenses, are crossed in one fixed order; see `coincidence`. Results
+//! therefore do not depend on the scale of the scene.
+
+mod build;
+mod bvh;
+mod coincidence;
+mod enclosure;
+mod hit;
+pub mod mesh;
+mod object;
+mod primitive;
+mod ray;
+mod sample;
+pub mod shape;
+mod spherical_rectangle;
+mod trace;
+mod world;
+
+pub use hit::{Hit, SurfaceId, SurfaceSample};
+pub use ray::Ray;
+pub use world::Geometry;
+
+#[cfg(test)]
+mod tests;

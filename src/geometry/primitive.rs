@@ -1,0 +1,254 @@
+//! The list of primitives in world coordinates: analytic shapes and single triangles.
+
+use std::mem::size_of;
+
+use glam::{DMat3, DVec3};
+
+use super::hit::{Hit, SurfaceId};
+use super::mesh::triangle_normal;
+use super::ray::Ray;
+use super::shape::{Crossing, LocalLine, Solid};
+
+/// An analytic shape placed in the world.
+#[derive(Debug, Clone)]
+pub(super) struct PlacedSolid {
+    pub(super) solid: Solid,
+    /// Linear map from the local frame to the world, without the translation.
+    pub(super) to_world: DMat3,
+    pub(super) to_local: DMat3,
+    /// |det| of `to_world`.
+    pub(super) volume_scale: f64,
+    /// Origin of the local frame in world coordinates.
+    pub(super) position: DVec3,
+    pub(super) object: u32,
+    /// Areas of the faces in the world, in m².
+    pub(super) face_areas: Vec<f64>,
+}
+
+/// A point of an analytic surface in world coordinates.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct WorldSurfacePoint {
+    pub(super) position: DVec3,
+    pub(super) normal: DVec3,
+    /// Area in the world per area in the local frame.
+    pub(super) area_scale: f64,
+}
+
+impl PlacedSolid {
+    pub(super) fn line(&self, ray: &Ray) -> LocalLine {
+        LocalLine { origin: self.to_local * (ray.origin - self.position), direction: self.to_local * ray.direction }
+    }
+
+    pub(super) fn next_crossing(&self, ray: &Ray, start_face: Option<u32>, after: f64) -> Option<Crossing> {
+        self.solid.next_crossing(&self.line(ray), start_face, after)
+    }
+
+    /// Returns the surface point of a face at a world point on or near the face.
+    pub(super) fn surface(&self, point: DVec3, face: u32) -> WorldSurfacePoint {
+        self.placed_surface(self.to_local * (point - self.position), face)
+    }
+
+    /// Returns the surface point of a face at a local point on or near the face. Normals are
+    /// transformed by the inverse transpose. They therefore stay outward also for mirroring
+    /// transforms. On flat shapes, they stay on the side of the transformed +y axis.
+    pub(super) fn placed_surface(&self, local: DVec3, face: u32) -> WorldSurfacePoint {
+        let surface = self.solid.surface(local, face);
+        let normal = self.to_local.transpose() * surface.normal;
+        let length = normal.length();
+        WorldSurfacePoint {
+            position: self.to_world * surface.point + self.position,
+            normal: normal / length,
+            area_scale: length * self.volume_scale,
+        }
+    }
+
+    /// Returns the density of `Solid::sample` on a face, relative to a uniform density by world
+    /// area. The result is 1, except on curved faces with unequal scaling.
+    pub(super) fn density(&self, face: u32, area_scale: f64) -> f64 {
+        self.face_areas[face as usize] / (self.solid.area(face) * area_scale)
+    }
+}
+
+/// A triangle of a placed mesh.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Triangle {
+    /// Indices into `Primitives::vertices`.
+    pub(super) vertices: [u32; 3],
+    /// Index into `Primitives::meshes`.
+    pub(super) mesh: u32,
+}
+
+/// The data shared by all triangles of a placed mesh.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PlacedMesh {
+    pub(super) object: u32,
+    pub(super) closed: bool,
+    pub(super) first_vertex: u32,
+    /// Index of the first vertex normal, if the mesh has normals.
+    pub(super) first_normal: Option<u32>,
+    /// Index of the first texture coordinate, if the mesh has texture coordinates.
+    pub(super) first_uv: Option<u32>,
+}
+
+/// A primitive of the geometry.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Primitive {
+    /// Index into `Primitives::analytic`.
+    Analytic(u32),
+    Triangle(Triangle),
+}
+
+/// All primitives in the order of the hierarchy, with their data.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Primitives {
+    pub(super) list: Vec<Primitive>,
+    pub(super) analytic: Vec<PlacedSolid>,
+    pub(super) meshes: Vec<PlacedMesh>,
+    pub(super) vertices: Vec<DVec3>,
+    /// Unit vectors, in single precision. The rounding error is far below the error of
+    /// interpolation.
+    pub(super) normals: Vec<[f32; 3]>,
+    pub(super) uvs: Vec<[f32; 2]>,
+    pub(super) dropped: usize,
+    /// Largest coordinate of the centre that was subtracted.
+    pub(super) centre_reach: f64,
+}
+
+/// A candidate for the nearest crossing.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Candidate {
+    pub(super) t: f64,
+    pub(super) surface: SurfaceId,
+    /// Barycentric weights on a triangle.
+    pub(super) weights: [f64; 3],
+}
+
+impl Primitives {
+    #[inline]
+    pub(super) fn corners(&self, triangle: &Triangle) -> [DVec3; 3] {
+        let [a, b, c] = triangle.vertices;
+        [self.vertices[a as usize], self.vertices[b as usize], self.vertices[c as usize]]
+    }
+
+    pub(super) fn object(&self, primitive: u32) -> u32 {
+        match self.list[primitive as usize] {
+            Primitive::Analytic(index) => self.analytic[index as usize].object,
+            Primitive::Triangle(triangle) => self.meshes[triangle.mesh as usize].object,
+        }
+    }
+
+    pub(super) fn is_closed(&self, primitive: u32) -> bool {
+        match self.list[primitive as usize] {
+            Primitive::Analytic(index) => self.analytic[index as usize].solid.is_closed(),
+            Primitive::Triangle(triangle) => self.meshes[triangle.mesh as usize].closed,
+        }
+    }
+
+    /// Returns the largest coordinate used to place a primitive.
+    pub(super) fn largest_coordinate(&self, primitive: u32) -> f64 {
+        match &self.list[primitive as usize] {
+            Primitive::Analytic(index) => self.analytic[*index as usize].position.abs().max_element(),
+            Primitive::Triangle(triangle) => {
+                self.corners(triangle).into_iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max)
+            }
+        }
+    }
+
+    /// Returns the mesh of a primitive, or `None` if the primitive is an analytic shape.
+    pub(super) fn mesh(&self, primitive: u32) -> Option<u32> {
+        match self.list[primitive as usize] {
+            Primitive::Analytic(_) => None,
+            Primitive::Triangle(triangle) => Some(triangle.mesh),
+        }
+    }
+
+    /// Returns the geometric unit normal of a surface at a point on or near it.
+    pub(super) fn normal(&self, surface: SurfaceId, point: DVec3) -> DVec3 {
+        match self.list[surface.primitive as usize] {
+            Primitive::Analytic(index) => self.analytic[index as usize].surface(point, surface.face).normal,
+            Primitive::Triangle(triangle) => triangle_normal(self.corners(&triangle)).normalize(),
+        }
+    }
+
+    /// Computes the hit of a crossing.
+    pub(super) fn hit(&self, ray: &Ray, candidate: &Candidate) -> Hit {
+        let Candidate { t, surface, weights } = *candidate;
+        match self.list[surface.primitive as usize] {
+            Primitive::Analytic(index) => {
+                let analytic = &self.analytic[index as usize];
+                let found = analytic.surface(ray.at(t), surface.face);
+                Hit {
+                    t: t.max(0.0),
+                    position: found.position,
+                    normal: found.normal,
+                    shading_normal: found.normal,
+                    object: analytic.object,
+                    surface,
+                }
+            }
+            Primitive::Triangle(triangle) => self.triangle_hit(t, surface, &triangle, weights),
+        }
+    }
+
+    fn triangle_hit(&self, t: f64, surface: SurfaceId, triangle: &Triangle, weights: [f64; 3]) -> Hit {
+        let mesh = &self.meshes[triangle.mesh as usize];
+        let corners = self.corners(triangle);
+        let normal = triangle_normal(corners).normalize();
+        let [a, b, c] = corners;
+        // Interpolating from one corner keeps the point in the triangle's plane, even if the sum of
+        // the rounded weights is not 1.
+        let position = a + weights[1] * (b - a) + weights[2] * (c - a);
+        let attribute = |first: u32, corner: usize| (triangle.vertices[corner] - mesh.first_vertex + first) as usize;
+        let shading_normal = mesh.first_normal.map_or(normal, |first| {
+            let corner = |i: usize| weights[i] * DVec3::from_array(self.normals[attribute(first, i)].map(f64::from));
+            let mean = (corner(0) + corner(1) + corner(2)).normalize_or(normal);
+            if mean.dot(normal) < 0.0 { -mean } else { mean }
+        });
+        Hit { t: t.max(0.0), position, normal, shading_normal, object: mesh.object, surface }
+    }
+
+    /// Returns the texture coordinates of a point on a surface.
+    pub(super) fn uv(&self, surface: SurfaceId, point: DVec3) -> [f64; 2] {
+        match self.list[surface.primitive as usize] {
+            Primitive::Analytic(index) => {
+                let analytic = &self.analytic[index as usize];
+                analytic.solid.uv(analytic.to_local * (point - analytic.position), surface.face)
+            }
+            Primitive::Triangle(triangle) => self.triangle_uv(&triangle, point),
+        }
+    }
+
+    fn triangle_uv(&self, triangle: &Triangle, point: DVec3) -> [f64; 2] {
+        let mesh = &self.meshes[triangle.mesh as usize];
+        let [a, b, c] = self.corners(triangle);
+        let (to_b, to_c, to_point) = (b - a, c - a, point - a);
+        // The barycentric weights solve the normal equations of point = a + v (b − a) + w (c − a).
+        let (bb, bc, cc) = (to_b.length_squared(), to_b.dot(to_c), to_c.length_squared());
+        let (pb, pc) = (to_point.dot(to_b), to_point.dot(to_c));
+        let determinant = bb * cc - bc * bc;
+        let (v, w) = ((cc * pb - bc * pc) / determinant, (bb * pc - bc * pb) / determinant);
+        mesh.first_uv.map_or([v, w], |first| {
+            let corner =
+                |i: usize| self.uvs[(triangle.vertices[i] - mesh.first_vertex + first) as usize].map(f64::from);
+            let [p, q, r] = [corner(0), corner(1), corner(2)];
+            std::array::from_fn(|i| (1.0 - v - w) * p[i] + v * q[i] + w * r[i])
+        })
+    }
+
+    pub(super) fn shrink_to_fit(&mut self) {
+        self.list.shrink_to_fit();
+        self.analytic.shrink_to_fit();
+        self.vertices.shrink_to_fit();
+        self.normals.shrink_to_fit();
+        self.uvs.shrink_to_fit();
+    }
+
+    pub(super) fn memory_bytes(&self) -> usize {
+        self.list.capacity() * size_of::<Primitive>()
+            + self.analytic.capacity() * size_of::<PlacedSolid>()
+            + self.meshes.capacity() * size_of::<PlacedMesh>()
+            + self.vertices.capacity() * size_of::<DVec3>()
+            + self.normals.capacity() * size_of::<[f32; 3]>()
+            + self.uvs.capacity() * size_of::<[f32; 2]>()
+    }
+}

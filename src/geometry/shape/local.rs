@@ -1,0 +1,108 @@
+//! The local frame of a shape: lines, their crossings with faces, and surface points.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use crate::math::random::ONE_MINUS_ULP;
+
+/// The line `origin + t·direction`. The direction may have any length, so t is the same in every
+/// frame.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LocalLine {
+    pub(crate) origin: DVec3,
+    pub(crate) direction: DVec3,
+}
+
+impl LocalLine {
+    pub(crate) fn at(&self, t: f64) -> DVec3 {
+        self.origin + t * self.direction
+    }
+}
+
+/// The crossing of a face by a line, at the parameter `t`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Crossing {
+    pub(crate) t: f64,
+    pub(crate) face: u32,
+}
+
+/// The part of a line inside a convex set, from its entry to its exit. Either end may be infinite.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Span {
+    pub(crate) enter: Crossing,
+    pub(crate) exit: Crossing,
+}
+
+impl Span {
+    /// Creates the span between two roots of the same face.
+    pub(crate) fn of_face(roots: (f64, f64), face: u32) -> Self {
+        Self { enter: Crossing { t: roots.0, face }, exit: Crossing { t: roots.1, face } }
+    }
+
+    /// Returns the intersection of two spans, or `None` if it is empty.
+    pub(crate) fn intersection(self, other: Self) -> Option<Self> {
+        let enter = if other.enter.t > self.enter.t { other.enter } else { self.enter };
+        let exit = if other.exit.t < self.exit.t { other.exit } else { self.exit };
+        (enter.t <= exit.t).then_some(Self { enter, exit })
+    }
+
+    /// Returns the first finite end with t > `after`.
+    pub(crate) fn next_crossing(&self, after: f64) -> Option<Crossing> {
+        [self.enter, self.exit].into_iter().find(|end| end.t > after && end.t < f64::INFINITY)
+    }
+}
+
+/// A point of a surface in the local frame, projected onto the surface, with the outward unit
+/// normal.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LocalSurfacePoint {
+    pub(crate) point: DVec3,
+    pub(crate) normal: DVec3,
+}
+
+/// Returns the azimuth from x towards y as a fraction of a full turn, in [0, 1).
+pub(crate) fn azimuth_fraction(x: f64, y: f64) -> f64 {
+    // A tiny negative angle would round to 1.
+    (y.atan2(x) / TAU).rem_euclid(1.0).min(ONE_MINUS_ULP)
+}
+
+/// Returns the range of t where the distance of a line from the origin is at most `radius`.
+///
+/// For a cylinder, the axial components of origin and direction must be 0. The discriminant is
+/// computed from the point of closest approach, and the roots without cancellation. Small, distant
+/// and nearly grazed balls therefore keep full precision.
+#[inline]
+pub(crate) fn ball_roots(line: &LocalLine, radius: f64) -> Option<(f64, f64)> {
+    let a = line.direction.length_squared();
+    let c = line.origin.length_squared() - radius * radius;
+    if a == 0.0 {
+        return (c <= 0.0).then_some((f64::NEG_INFINITY, f64::INFINITY));
+    }
+    let b = line.origin.dot(line.direction);
+    let closest = line.origin - b / a * line.direction;
+    let discriminant = radius * radius - closest.length_squared();
+    if discriminant < 0.0 {
+        return None;
+    }
+    Some(ordered_roots(a, b, c, discriminant * a))
+}
+
+/// Returns the second root of a line that starts on a ball about the origin. Here c = 0 exactly, so
+/// one root is 0 and the other root is −2b/a. The result is negative if the line leaves the ball.
+pub(crate) fn chord_t(line: &LocalLine) -> f64 {
+    let a = line.direction.length_squared();
+    if a == 0.0 { f64::INFINITY } else { -2.0 * line.origin.dot(line.direction) / a }
+}
+
+/// Returns the roots of a t² + 2b t + c in ascending order, from the discriminant b² − ac ≥ 0,
+/// without cancellation.
+#[inline]
+pub(crate) fn ordered_roots(a: f64, b: f64, c: f64, discriminant: f64) -> (f64, f64) {
+    let q = -b - discriminant.sqrt().copysign(b);
+    if q == 0.0 {
+        return (0.0, 0.0);
+    }
+    let (first, second) = (q / a, c / q);
+    if first <= second { (first, second) } else { (second, first) }
+}

@@ -1,0 +1,64 @@
+//! The geometry of a whole scene.
+
+use glam::DVec3;
+
+use super::bvh::Bvh;
+use super::hit::Hit;
+use super::object::ObjectSurfaces;
+use super::primitive::Primitives;
+
+/// All objects of a scene at one time, in a bounding volume hierarchy.
+#[derive(Debug, Clone)]
+pub struct Geometry {
+    pub(super) bvh: Bvh,
+    pub(super) primitives: Primitives,
+    pub(super) objects: ObjectSurfaces,
+    /// If the distances of two crossings differ by more than this value, the crossings never
+    /// coincide. The same holds for a crossing and the origin of a ray.
+    pub(super) coincidence_range_m: f64,
+}
+
+impl Geometry {
+    /// Returns the smallest and largest coordinates relative to the centre, in m. An empty scene
+    /// has the smallest coordinates +∞ and the largest coordinates −∞.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        self.bvh.bounds()
+    }
+
+    /// Returns the radius in m of a ball about the origin that contains all surfaces, or 1 for an
+    /// empty scene.
+    pub fn radius_m(&self) -> f64 {
+        let (low, high) = self.bounds();
+        let reach = low.abs().max(high.abs()).length();
+        // The margin prevents any surface from touching the ball.
+        if reach.is_finite() { reach * (1.0 + 1e-6) } else { 1.0 }
+    }
+
+    /// Returns the texture coordinates at a hit. On analytic shapes, they lie in [0, 1]. On meshes,
+    /// they are the mesh's own coordinates or barycentric weights. [`Hit`] does not contain texture
+    /// coordinates because most surfaces have no texture.
+    pub fn uv(&self, hit: &Hit) -> [f64; 2] {
+        self.primitives.uv(hit.surface, hit.position)
+    }
+
+    /// Returns whether the scene has no primitives.
+    pub fn is_empty(&self) -> bool {
+        self.primitives.list.is_empty()
+    }
+
+    /// Returns the number of primitives: analytic shapes and triangles.
+    pub fn primitive_count(&self) -> usize {
+        self.primitives.list.len()
+    }
+
+    /// Returns the memory of the geometry in bytes.
+    pub fn memory_bytes(&self) -> usize {
+        self.bvh.memory_bytes() + self.primitives.memory_bytes() + self.objects.memory_bytes()
+    }
+
+    /// Returns the number of dropped triangles. Their area is zero within the rounding of their
+    /// placed corners.
+    pub fn dropped_triangles(&self) -> usize {
+        self.primitives.dropped
+    }
+}

@@ -1,0 +1,42 @@
+//! Short descriptions of JSON values and lists of names, for error messages.
+
+use super::positions::{SpannedValue, ValueKind};
+
+/// Number of names up to which a list of allowed names is written out in full.
+const MAX_LISTED_NAMES: usize = 12;
+
+/// Number of characters up to which a value is quoted in full.
+const MAX_QUOTED_CHARACTERS: usize = 40;
+
+/// Lists the allowed names: `one of a, b, c`. A long list is cut.
+pub(super) fn one_of(names: &[&str]) -> String {
+    match names {
+        [only] => (*only).to_string(),
+        _ if names.len() <= MAX_LISTED_NAMES => format!("one of {}", names.join(", ")),
+        _ => {
+            let (listed, others) = names.split_at(MAX_LISTED_NAMES);
+            format!("one of {} and {} others", listed.join(", "), others.len())
+        }
+    }
+}
+
+/// Describes a value in words: a plain value by its text, and an array or object by its size.
+pub(super) fn found(value: SpannedValue) -> String {
+    match value.kind() {
+        ValueKind::Null | ValueKind::Bool | ValueKind::Number | ValueKind::String => shorten(value.written()),
+        ValueKind::Object if value.children().next().is_none() => "an empty object".into(),
+        ValueKind::Object => "an object".into(),
+        ValueKind::Array => match value.children().count() {
+            0 => "an empty array".into(),
+            count => format!("an array of {count}"),
+        },
+    }
+}
+
+/// Cuts a text after its first 40 characters.
+pub(super) fn shorten(text: &str) -> String {
+    match text.char_indices().nth(MAX_QUOTED_CHARACTERS) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_string(),
+    }
+}

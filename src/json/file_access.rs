@@ -1,0 +1,76 @@
+//! The permission to read files named in a text.
+
+use std::path::{Component, Path, PathBuf};
+
+use crate::error::{Error, Result};
+
+/// The files that a text may name. If a named file itself names files, the same rule holds for
+/// these.
+///
+/// The default protects the user if the author of a file is unknown: the file cannot read other
+/// files of the user.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum FileAccess {
+    /// Files in the folder of the text and in folders below it.
+    #[default]
+    WithinFolder,
+    /// All files.
+    Anywhere,
+}
+
+impl FileAccess {
+    /// The expectation in the error of [`Self::file`]. A program may have an option to allow all
+    /// files. The program can recognise the error by this text and add the name of the option.
+    pub const EXPECTED_WITHIN_FOLDER: &str = "a path within the folder of the file that names it";
+
+    /// Returns the path of the file that is named relative to `folder`.
+    ///
+    /// Symbolic links in the folder are followed wherever they lead. The creator of the link could
+    /// have put the file itself there.
+    ///
+    /// # Errors
+    /// Returns an error if the access is [`Self::WithinFolder`] and the path is absolute or leads
+    /// above the folder.
+    pub fn file(self, folder: &Path, path: &Path) -> Result<PathBuf> {
+        if self == Self::WithinFolder && leaves_folder(path) {
+            return Err(Error::input(format!("the path \"{}\" leads out of the folder", path.display()))
+                .expected(Self::EXPECTED_WITHIN_FOLDER));
+        }
+        Ok(folder.join(path))
+    }
+}
+
+/// Returns whether a relative path leads out of its folder.
+fn leaves_folder(path: &Path) -> bool {
+    let mut depth = 0_usize;
+    path.components().any(|component| match component {
+        Component::CurDir => false,
+        Component::Normal(_) => {
+            depth += 1;
+            false
+        }
+        Component::ParentDir if depth > 0 => {
+            depth -= 1;
+            false
+        }
+        Component::ParentDir | Component::RootDir | Component::Prefix(_) => true,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_may_go_down_and_back_but_not_up() {
+        let within = |path: &str| FileAccess::WithinFolder.file(Path::new("scenes"), Path::new(path));
+        for inside in ["lamp.csv", "./lamp.csv", "lamps/hg.csv", "lamps/../lamp.csv", "a/b/../../c", "..lamp.csv", ""] {
+            assert_eq!(within(inside).unwrap(), Path::new("scenes").join(inside));
+        }
+        for outside in ["..", "../lamp.csv", "a/../../lamp.csv", "./../x", "/etc/passwd", "a/../.."] {
+            let error = within(outside).unwrap_err();
+            assert_eq!(error.expected.as_deref(), Some(FileAccess::EXPECTED_WITHIN_FOLDER), "{outside}");
+            assert!(FileAccess::Anywhere.file(Path::new("scenes"), Path::new(outside)).is_ok());
+        }
+    }
+}

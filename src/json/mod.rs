@@ -1,0 +1,26 @@
+//! JSON with positions: reads strict JSON text, applies `PATH=JSON` patches to it, and fills serde
+//! types from it. Every error names its file, line, column and JSON path.
+//!
+//! The steps: `patch` applies the patches and keeps track of the origin of each part of the text.
+//! `scan` checks the syntax and records where each value is in the text (`positions`).
+//! `deserialize` hands the values to serde. [`JsonSource`] holds the result. If an error is found
+//! later, [`JsonSource`] adds its position.
+
+mod describe;
+mod deserialize;
+mod deserialize_error;
+mod file_access;
+mod patch;
+mod path;
+mod positions;
+mod scan;
+mod source;
+#[cfg(test)]
+pub(crate) mod tests;
+mod text;
+
+pub use file_access::FileAccess;
+pub use patch::PATCH_LABEL;
+pub use path::JsonPath;
+pub use source::JsonSource;
+pub use text::{MAX_BYTES, read_text};

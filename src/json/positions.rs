@@ -1,0 +1,229 @@
+//! The positions of all values and keys of a JSON text.
+//!
+//! One list holds a node for each value and key, in the order of the text: a container precedes its
+//! contents and a key precedes its value. A node takes 12 bytes. The kind of the value follows from
+//! its first byte in the text.
+
+use std::borrow::Cow;
+
+use super::path::{PathStep, push_key};
+
+/// The span of a value or key in the text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Node {
+    /// Byte offset of its first byte.
+    pub(super) start: u32,
+    /// Byte offset after its last byte.
+    pub(super) end: u32,
+    /// Number of the first node after its contents.
+    pub(super) next: u32,
+}
+
+/// The spans of all values and keys of a text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Positions(Vec<Node>);
+
+impl Positions {
+    /// Wraps the nodes of a text in the order of the text.
+    pub(super) fn new(nodes: Vec<Node>) -> Self {
+        Self(nodes)
+    }
+
+    /// Returns the number of values and keys.
+    #[cfg(test)]
+    pub(super) fn len(&self) -> u32 {
+        self.0.len() as u32
+    }
+
+    /// Returns the outermost value.
+    pub(super) fn root<'t>(&'t self, text: &'t str) -> SpannedValue<'t> {
+        SpannedValue::in_list(text, &self.0, 0)
+    }
+}
+
+/// The kinds of JSON values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ValueKind {
+    /// `null`.
+    Null,
+    /// `true` or `false`.
+    Bool,
+    /// A number.
+    Number,
+    /// A string.
+    String,
+    /// An array.
+    Array,
+    /// An object.
+    Object,
+}
+
+/// A value or key of a scanned text.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SpannedValue<'t> {
+    text: &'t str,
+    nodes: &'t [Node],
+    id: u32,
+}
+
+impl<'t> SpannedValue<'t> {
+    /// Returns the value of node number `id` in the nodes of a text.
+    pub(super) fn in_list(text: &'t str, nodes: &'t [Node], id: u32) -> Self {
+        Self { text, nodes, id }
+    }
+
+    /// Returns the number of the value's node.
+    pub(super) fn id(self) -> u32 {
+        self.id
+    }
+
+    /// Returns the value of another node of the same text.
+    pub(super) fn with_id(self, id: u32) -> Self {
+        Self { id, ..self }
+    }
+
+    /// Returns the value's node.
+    fn node(self) -> Node {
+        self.nodes[self.id as usize]
+    }
+
+    /// Returns the byte offset of the first byte.
+    pub(super) fn start(self) -> usize {
+        self.node().start as usize
+    }
+
+    /// Returns the byte offset after the last byte.
+    pub(super) fn end(self) -> usize {
+        self.node().end as usize
+    }
+
+    /// Returns the text of the value.
+    pub(super) fn written(self) -> &'t str {
+        &self.text[self.start()..self.end()]
+    }
+
+    /// Returns the kind of the value.
+    pub(super) fn kind(self) -> ValueKind {
+        match self.text.as_bytes()[self.start()] {
+            b'n' => ValueKind::Null,
+            b't' | b'f' => ValueKind::Bool,
+            b'"' => ValueKind::String,
+            b'[' => ValueKind::Array,
+            b'{' => ValueKind::Object,
+            _ => ValueKind::Number,
+        }
+    }
+
+    /// Returns the content of a string. The result is borrowed unless the string has escapes.
+    pub(super) fn content(self) -> Cow<'t, str> {
+        decode(self.written())
+    }
+
+    /// Returns the elements of an array, or the keys and values of an object in turn.
+    pub(super) fn children(self) -> ChildValues<'t> {
+        let next = self.node().next;
+        ChildValues { end: next, at: self.with_id(self.id + 1) }
+    }
+
+    /// Returns the keys and values of an object.
+    pub(super) fn entries(self) -> impl Iterator<Item = (SpannedValue<'t>, SpannedValue<'t>)> {
+        let mut all = self.children();
+        std::iter::from_fn(move || Some((all.next()?, all.next()?)))
+    }
+
+    /// Returns the value of a key. Returns `None` if this value is not an object or lacks the key.
+    pub(super) fn get(self, key: &str) -> Option<SpannedValue<'t>> {
+        if self.kind() != ValueKind::Object {
+            return None;
+        }
+        self.entries().find(|(name, _)| name.content() == key).map(|(_, value)| value)
+    }
+
+    /// Follows one step of a path. Returns `None` if there is no such value.
+    pub(super) fn step(self, step: &PathStep) -> Option<SpannedValue<'t>> {
+        match (step, self.kind()) {
+            (PathStep::Key(key), ValueKind::Object) => self.get(key),
+            (PathStep::Index(index), ValueKind::Array) => self.children().nth(*index),
+            (PathStep::Named(name), ValueKind::Array) => self.children().find(|element| element.is_named(name)),
+            (PathStep::Key(_) | PathStep::Index(_) | PathStep::Named(_) | PathStep::Append, _) => None,
+        }
+    }
+
+    /// Returns whether this value is an object with this `name`.
+    fn is_named(self, name: &str) -> bool {
+        self.get("name").is_some_and(|value| value.kind() == ValueKind::String && value.content() == name)
+    }
+
+    /// Returns the value at a path, or the deepest existing value on the path.
+    pub(super) fn nearest(self, steps: &[PathStep]) -> SpannedValue<'t> {
+        let mut value = self;
+        for step in steps {
+            match value.step(step) {
+                Some(below) => value = below,
+                None => break,
+            }
+        }
+        value
+    }
+
+    /// Returns whether node number `id`, which must be inside this value, is a key.
+    pub(super) fn is_key(self, id: u32) -> bool {
+        let end = self.with_id(id).end();
+        let rest = self.text.as_bytes()[end..].iter();
+        rest.copied().find(|byte| !byte.is_ascii_whitespace()) == Some(b':')
+    }
+
+    /// Returns the JSON path from this value to node number `id`. A key has the path of its value.
+    pub(super) fn path_to(self, id: u32) -> String {
+        let mut path = String::new();
+        let mut value = self;
+        while value.id != id {
+            let below = match value.kind() {
+                ValueKind::Object => value.entries().find(|(_, below)| id < below.node().next),
+                ValueKind::Array => None,
+                ValueKind::Null | ValueKind::Bool | ValueKind::Number | ValueKind::String => break,
+            };
+            if let Some((key, below)) = below {
+                push_key(&mut path, &key.content());
+                if key.id == id {
+                    break;
+                }
+                value = below;
+            } else if let Some((i, below)) = value.children().enumerate().find(|(_, below)| id < below.node().next) {
+                path += &format!("[{i}]");
+                value = below;
+            } else {
+                break;
+            }
+        }
+        path
+    }
+}
+
+/// The values directly inside a container. In an object, keys and values alternate.
+#[derive(Debug, Clone)]
+pub(super) struct ChildValues<'t> {
+    at: SpannedValue<'t>,
+    end: u32,
+}
+
+impl<'t> Iterator for ChildValues<'t> {
+    type Item = SpannedValue<'t>;
+
+    fn next(&mut self) -> Option<SpannedValue<'t>> {
+        (self.at.id < self.end).then(|| {
+            let value = self.at;
+            self.at = value.with_id(value.node().next);
+            value
+        })
+    }
+}
+
+/// Returns the content of a JSON string. The scanner has checked the string.
+pub(super) fn decode(written: &str) -> Cow<'_, str> {
+    if written.contains('\\') {
+        Cow::Owned(serde_json::from_str(written).unwrap_or_default())
+    } else {
+        Cow::Borrowed(written.get(1..written.len().saturating_sub(1)).unwrap_or_default())
+    }
+}

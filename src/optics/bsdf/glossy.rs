@@ -1,0 +1,127 @@
+//! A diffuse base under a clear, smooth or rough dielectric coat, such as paint, plastic or glazed
+//! pottery.
+
+use std::f64::consts::FRAC_1_PI;
+
+use glam::DVec3;
+
+use super::albedo::CoatAlbedo;
+use super::check::{check_alpha, check_within, whole_nm};
+use super::hemisphere::{cosine_pdf, flip_z, same_side, sample_cosine, z_sign};
+use super::sample::{BsdfSample, ScatterEvent};
+use crate::error::Result;
+use crate::optics::fresnel;
+use crate::optics::glass::RefractiveIndex;
+use crate::optics::microfacet::Ggx;
+use crate::spectrum::Spectrum;
+
+/// Smallest probability of each lobe. Because of this minimum, a lobe is sampled for the other
+/// wavelengths of a path even if the hero wavelength has little power in it.
+const MIN_LOBE_PROBABILITY: f64 = 0.1;
+
+/// A rough dielectric coat over a Lambertian base, coupled by the albedo of the coat (Kelemen &
+/// Szirmay-Kalos 2001, after Ashikhmin & Shirley 2000):
+///
+/// f = F·D·G₂/(4·μ_o·μ_i) + ρ·(1−E(μ_o))·(1−E(μ_i))/(π·(1−Ē)).
+///
+/// E(μ) is the directional albedo of the coat and Ē is its cosine-weighted mean. The model is
+/// reciprocal and has the albedo E(μ) + ρ·(1−E(μ)). A part of the light enters the coat, and the
+/// fraction ρ(λ) of that part is returned. This fraction includes interreflection between base and
+/// coat. The refractive index is the index of the coat relative to the surrounding medium. Both
+/// sides of the surface behave alike.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Glossy {
+    pub(super) reflectance: Spectrum,
+    index: RefractiveIndex,
+    facets: Ggx,
+    coat: CoatAlbedo,
+    /// Whether ρ is positive at any wavelength.
+    has_base: bool,
+}
+
+impl Glossy {
+    /// Creates a base under a coat. The arguments are the reflectance of the base, and the
+    /// refractive index and the GGX roughness `alpha` of the coat. Roughness below
+    /// [`crate::optics::microfacet::MIN_ALPHA`] is raised to that value.
+    ///
+    /// # Errors
+    /// Returns an error if the reflectance or `alpha` lies outside \[0, 1\].
+    pub fn new(reflectance: Spectrum, index: RefractiveIndex, alpha: f64) -> Result<Self> {
+        check_within("reflectance", &reflectance, 1.0)?;
+        check_alpha(alpha)?;
+        let facets = Ggx::new(alpha);
+        let (lowest, highest) =
+            whole_nm().map(|nm| index.n(nm)).fold((f64::INFINITY, 0.0_f64), |(low, high), n| (low.min(n), high.max(n)));
+        let has_base = whole_nm().any(|nm| reflectance.at(nm) > 0.0);
+        Ok(Self { coat: CoatAlbedo::new(&facets, lowest, highest), reflectance, index, facets, has_base })
+    }
+
+    /// Returns two directional albedos at the cosine of `wo`: of coat and base together, and of the
+    /// coat alone.
+    fn albedo(&self, wo: DVec3, nm: f64) -> (f64, f64) {
+        let coat = self.coat.at(wo.z.abs(), self.index.n(nm));
+        (coat + self.reflectance.at(nm) * (1.0 - coat), coat)
+    }
+
+    /// Returns the probability of sampling the coat.
+    fn coat_probability(&self, wo: DVec3, nm: f64) -> f64 {
+        let (all, coat) = self.albedo(wo, nm);
+        if coat == 0.0 {
+            0.0
+        } else if self.has_base {
+            (coat / all).clamp(MIN_LOBE_PROBABILITY, 1.0 - MIN_LOBE_PROBABILITY)
+        } else {
+            1.0
+        }
+    }
+
+    pub(super) fn sample(&self, wo: DVec3, nm: f64, u: [f64; 3]) -> BsdfSample {
+        let sign = z_sign(wo);
+        let coat_probability = self.coat_probability(wo, nm);
+        let wi = if u[2] < coat_probability {
+            let up = flip_z(wo, sign);
+            let m = self.facets.sample_visible(up, u[0], u[1]);
+            flip_z(fresnel::reflect(up, m), sign)
+        } else {
+            sample_cosine(sign, u[0], u[1])
+        };
+        // A sampled facet normal may reflect the path below the surface. Its BSDF value is 0, so
+        // any positive density is valid.
+        let density = self.mixed_pdf(wo, wi, coat_probability);
+        BsdfSample::lobe(wi, ScatterEvent::Reflection, if density > 0.0 { density } else { 1.0 })
+    }
+
+    pub(super) fn absorbed_fraction(&self, wo: DVec3, nm: f64) -> f64 {
+        let (_, coat) = self.albedo(wo, nm);
+        (1.0 - coat) * (1.0 - self.reflectance.at(nm))
+    }
+
+    pub(super) fn eval(&self, wo: DVec3, wi: DVec3, nm: f64) -> f64 {
+        if !same_side(wo, wi) {
+            return 0.0;
+        }
+        let index = self.index.n(nm);
+        let m = (wo + wi).normalize_or_zero();
+        let lobe = self.facets.reflection_lobe(flip_z(m, z_sign(wo)), wo.z.abs(), wi.z.abs());
+        let (coat_o, coat_i) = (self.coat.at(wo.z.abs(), index), self.coat.at(wi.z.abs(), index));
+        // If the coat reflects all light, the numerator and 1 − Ē both vanish. The lower bound on
+        // the denominator prevents 0/0.
+        let through = (1.0 - coat_o) * (1.0 - coat_i) / (1.0 - self.coat.mean(index)).max(f64::MIN_POSITIVE);
+        fresnel::dielectric(wo.dot(m), 1.0, index) * lobe + self.reflectance.at(nm) * FRAC_1_PI * through
+    }
+
+    pub(super) fn pdf(&self, wo: DVec3, wi: DVec3, nm: f64) -> f64 {
+        self.mixed_pdf(wo, wi, self.coat_probability(wo, nm))
+    }
+
+    /// Returns the density of `wi` per solid angle if the coat is sampled with probability
+    /// `coat_probability`.
+    fn mixed_pdf(&self, wo: DVec3, wi: DVec3, coat_probability: f64) -> f64 {
+        if !same_side(wo, wi) {
+            return 0.0;
+        }
+        let m = flip_z((wo + wi).normalize_or_zero(), z_sign(wo));
+        let coat = 0.25 * self.facets.g1_per_cos(wo.z.abs()) * self.facets.eval(m);
+        coat_probability * coat + (1.0 - coat_probability) * cosine_pdf(wi)
+    }
+}

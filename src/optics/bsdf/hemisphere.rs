@@ -1,0 +1,37 @@
+//! The two hemispheres of a surface, and cosine-weighted sampling of one of them.
+
+use std::f64::consts::{FRAC_1_PI, PI};
+
+use glam::DVec3;
+
+/// Returns −1 if `w` points below the surface, otherwise +1.
+pub(super) fn z_sign(w: DVec3) -> f64 {
+    if w.z < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// Multiplies the z component of `w` by `sign`. With the sign of `wo`, the result for `wo` lies in
+/// the upper hemisphere.
+pub(super) fn flip_z(w: DVec3, sign: f64) -> DVec3 {
+    DVec3::new(w.x, w.y, w.z * sign)
+}
+
+/// Returns whether `wi` lies on the same side of the surface as `wo`.
+pub(super) fn same_side(wo: DVec3, wi: DVec3) -> bool {
+    wi.z * z_sign(wo) > 0.0
+}
+
+/// Samples a direction with the density |cosθ|/π on the side given by `sign`. A uniform point of
+/// the unit disk is projected onto the hemisphere (Malley's method).
+pub(super) fn sample_cosine(sign: f64, u: f64, v: f64) -> DVec3 {
+    let (sin, cos) = (2.0 * PI * v).sin_cos();
+    let radius = u.sqrt();
+    // The expression 1 − u gives a positive cosine for every u below 1. The lower bound also covers
+    // a u that was rounded up to 1.
+    let z = (1.0 - u).max(f64::EPSILON * f64::EPSILON).sqrt();
+    DVec3::new(radius * cos, radius * sin, z * sign)
+}
+
+/// Returns the density of [`sample_cosine`] per solid angle, on the side of `wi`.
+pub(super) fn cosine_pdf(wi: DVec3) -> f64 {
+    wi.z.abs() * FRAC_1_PI
+}

@@ -1,0 +1,117 @@
+//! The interface between BSDFs and the integrators: transport mode, refractive indices, classes and
+//! samples.
+
+use glam::DVec3;
+
+use super::hemisphere;
+use crate::optics::glass::RefractiveIndex;
+
+/// The quantity that a path transports.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TransportMode {
+    /// Radiance, transported by camera paths against the direction of the light. A transmitted path
+    /// gains the factor (n_here/n_there)², because radiance scales with the squared index (Veach
+    /// 1997, §5.2).
+    Radiance,
+    /// Power, transported by photons along the direction of the light. Photons have no factor for
+    /// the change of index.
+    Importance,
+}
+
+/// The refractive indices on the two sides of a surface. The sides are named by the direction `wo`.
+#[derive(Debug, Clone, Copy)]
+pub struct InterfaceIors<'a> {
+    /// Index of the medium on the side of `wo`.
+    pub here: &'a RefractiveIndex,
+    /// Index of the medium on the other side.
+    pub there: &'a RefractiveIndex,
+}
+
+/// The width of the lobes of a BSDF, in increasing order. The integrators choose their strategy by
+/// this class.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum BsdfClass {
+    /// All light is absorbed.
+    Absorbing,
+    /// Discrete directions only (delta distributions).
+    Specular,
+    /// A lobe that may be narrow. Camera paths sample it and continue.
+    Glossy,
+    /// A wide lobe. Photons are stored and gathered at such surfaces.
+    Diffuse,
+}
+
+/// The side of the surface on which a scattered path continues.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ScatterEvent {
+    /// The side of `wo`.
+    Reflection,
+    /// The side opposite to `wo`.
+    Transmission,
+}
+
+/// A sampled direction of scattering.
+///
+/// On a rough surface, the sampled `wi` may lie on the wrong side for the `event`.
+/// [`Bsdf::eval_sample`](super::Bsdf::eval_sample) is then 0 at all wavelengths,
+/// [`Bsdf::absorbed_fraction`](super::Bsdf::absorbed_fraction) returns the lost power, and the path
+/// ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BsdfSample {
+    /// The sampled direction, a unit vector.
+    pub wi: DVec3,
+    /// The sampled event, reflection or transmission.
+    pub event: ScatterEvent,
+    /// Whether `wi` comes from a delta distribution.
+    pub delta: bool,
+    /// The probability of the event if `delta` is set, otherwise the density of `wi` per solid
+    /// angle. Always positive.
+    pub probability: f64,
+    /// Whether `wi` depends on the wavelength. If so, the path can keep only one wavelength. The
+    /// value is true only for refraction, and only if at least one of the two media is dispersive.
+    pub disperses: bool,
+    /// The probability of the sampled event at the hero wavelength.
+    pub(super) event_probability: f64,
+    /// The cosine between `wo` and the sampled microfacet normal. If the cosine were recomputed
+    /// from the half vector, it would be inaccurate for facets seen edge-on.
+    pub(super) cos_microfacet: f64,
+    /// Index of the scattering component, if the BSDF is a [`MixBsdf`](super::MixBsdf).
+    pub(super) component: usize,
+}
+
+impl BsdfSample {
+    pub(super) fn delta(wi: DVec3, event: ScatterEvent, probability: f64) -> Self {
+        Self {
+            wi,
+            event,
+            delta: true,
+            probability,
+            disperses: false,
+            event_probability: probability,
+            cos_microfacet: wi.z.abs(),
+            component: 0,
+        }
+    }
+
+    pub(super) fn lobe(wi: DVec3, event: ScatterEvent, density: f64) -> Self {
+        Self {
+            wi,
+            event,
+            delta: false,
+            probability: density,
+            disperses: false,
+            event_probability: 1.0,
+            cos_microfacet: wi.z.abs(),
+            component: 0,
+        }
+    }
+
+    /// Returns whether `wi` lies on the correct side of the surface for `event`.
+    pub(super) fn on_event_side(&self, wo: DVec3) -> bool {
+        let same_side = hemisphere::same_side(wo, self.wi);
+        match self.event {
+            ScatterEvent::Reflection => same_side,
+            ScatterEvent::Transmission => !same_side && self.wi.z != 0.0,
+        }
+    }
+}

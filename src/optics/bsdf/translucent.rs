@@ -1,0 +1,124 @@
+//! A thin diffuse sheet that reflects and transmits light, such as paper or a leaf.
+
+use std::f64::consts::FRAC_1_PI;
+
+use glam::DVec3;
+
+use super::check::{check_within, whole_nm};
+use super::hemisphere::{cosine_pdf, same_side, sample_cosine, z_sign};
+use super::sample::{BsdfSample, ScatterEvent};
+use crate::error::{Error, Result};
+use crate::spectrum::Spectrum;
+
+/// Weight of the band average in the choice between reflection and transmission. The remaining
+/// weight follows the hero wavelength. The average gives an event a positive probability even if
+/// the hero wavelength gives it none. For example, a leaf that transmits only green must transmit
+/// green for a red hero too.
+const BAND_WEIGHT: f64 = 0.25;
+
+/// A thin diffuse sheet with reflectance ρ(λ) and transmittance τ(λ).
+///
+/// The BSDF is ρ/π on the side of `wo` and τ/π on the other side. Both sides behave alike. The
+/// sheet is thin, so radiance is not scaled by n².
+#[derive(Debug, Clone, PartialEq)]
+pub struct Translucent {
+    pub(super) reflectance: Spectrum,
+    pub(super) transmittance: Spectrum,
+    /// The average of ρ over the band, divided by the average of ρ + τ. `None` for a black sheet.
+    band_reflected: Option<f64>,
+}
+
+impl Translucent {
+    /// Creates a sheet.
+    ///
+    /// # Errors
+    /// Returns an error if a value is negative, or ρ + τ exceeds 1 at a wavelength.
+    pub fn new(reflectance: Spectrum, transmittance: Spectrum) -> Result<Self> {
+        check_within("reflectance", &reflectance, 1.0)?;
+        check_within("transmittance", &transmittance, 1.0)?;
+        let (mut reflected, mut transmitted) = (0.0, 0.0);
+        for nm in whole_nm() {
+            let (r, t) = (reflectance.at(nm), transmittance.at(nm));
+            // The tolerance admits tables whose sum exceeds 1 only by the rounding of their
+            // decimals.
+            if r + t > 1.0 + 1e-9 {
+                let what = format!("reflectance {r} and transmittance {t} at {nm} nm sum to {}", r + t);
+                return Err(Error::input(what).expected("a sum of at most 1"));
+            }
+            reflected += r;
+            transmitted += t;
+        }
+        let sum: f64 = reflected + transmitted;
+        let band_reflected = (sum > 0.0).then(|| reflected / sum);
+        Ok(Self { reflectance, transmittance, band_reflected })
+    }
+
+    /// Returns the reflectance ρ(λ).
+    pub fn reflectance(&self) -> &Spectrum {
+        &self.reflectance
+    }
+
+    /// Returns the transmittance τ(λ).
+    pub fn transmittance(&self) -> &Spectrum {
+        &self.transmittance
+    }
+
+    /// Returns the probability of reflection, or `None` for a black sheet.
+    fn reflection_probability(&self, nm: f64) -> Option<f64> {
+        let band = self.band_reflected?;
+        let (r, t) = (self.reflectance.at(nm), self.transmittance.at(nm));
+        Some(if r + t > 0.0 { BAND_WEIGHT * band + (1.0 - BAND_WEIGHT) * r / (r + t) } else { band })
+    }
+
+    pub(super) fn sample(&self, wo: DVec3, nm: f64, u: [f64; 3]) -> Option<BsdfSample> {
+        let reflect = self.reflection_probability(nm)?;
+        let (event, sign, choice) = if u[2] < reflect {
+            (ScatterEvent::Reflection, z_sign(wo), reflect)
+        } else {
+            (ScatterEvent::Transmission, -z_sign(wo), 1.0 - reflect)
+        };
+        let wi = sample_cosine(sign, u[0], u[1]);
+        (choice > 0.0).then(|| BsdfSample::lobe(wi, event, choice * cosine_pdf(wi)))
+    }
+
+    pub(super) fn absorbed_fraction(&self, nm: f64) -> f64 {
+        (1.0 - self.reflectance.at(nm) - self.transmittance.at(nm)).max(0.0)
+    }
+
+    pub(super) fn eval(&self, wo: DVec3, wi: DVec3, nm: f64) -> f64 {
+        let fraction = if same_side(wo, wi) { &self.reflectance } else { &self.transmittance };
+        if wi.z == 0.0 { 0.0 } else { fraction.at(nm) * FRAC_1_PI }
+    }
+
+    pub(super) fn pdf(&self, wo: DVec3, wi: DVec3, nm: f64) -> f64 {
+        let reflect = self.reflection_probability(nm).unwrap_or(0.0);
+        let black = self.band_reflected.is_none();
+        let choice = if same_side(wo, wi) { reflect } else { 1.0 - reflect };
+        if black { 0.0 } else { choice * cosine_pdf(wi) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectrum::Outside;
+
+    #[test]
+    fn reflectance_plus_transmittance_above_one_is_refused() {
+        let (low, high) = (Spectrum::constant(0.4), Spectrum::constant(0.7));
+        let message = Translucent::new(high, low).unwrap_err().to_string();
+        assert!(message.contains("sum to 1.1"), "{message}");
+        assert!(Translucent::new(Spectrum::constant(0.6), Spectrum::constant(0.4)).is_ok());
+    }
+
+    /// If the hero wavelength is not transmitted, the other wavelengths still have a positive
+    /// probability of transmission.
+    #[test]
+    fn other_wavelengths_keep_a_transmission_probability() {
+        let green = Spectrum::table(&[500.0, 510.0, 560.0, 570.0], &[0.0, 0.5, 0.5, 0.0], Outside::Zero).unwrap();
+        let sheet = Translucent::new(Spectrum::constant(0.2), green).unwrap();
+        let sample = sheet.sample(DVec3::Z, 700.0, [0.5, 0.5, 0.999]).unwrap();
+        assert_eq!(sample.event, ScatterEvent::Transmission);
+        assert!(sheet.eval(DVec3::Z, sample.wi, 530.0) > 0.0);
+    }
+}

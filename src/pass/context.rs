@@ -1,0 +1,107 @@
+//! The inputs of a pass.
+
+use super::sums::PassSums;
+use crate::emit::{Aim, LightSampler, PhotonSource, WavelengthSampling};
+use crate::error::Result;
+use crate::math::kronecker::{golden_ratio, sqrt3};
+use crate::math::random::{Purpose, REPLICATES, hash64};
+use crate::plan::{Budget, MotionPlan, Plan};
+use crate::scene::Scene;
+use crate::spectrum::{LANES, Lanes};
+use std::borrow::Cow;
+use std::time::Instant;
+
+/// The inputs common to all passes of a render.
+#[derive(Debug, Clone, Copy)]
+pub struct PassContext<'a> {
+    /// The scene at the time when the shutter opens.
+    pub scene: &'a Scene,
+    /// The plan of the scene.
+    pub plan: &'a Plan,
+    /// The numbers that fix the render.
+    pub budget: &'a Budget,
+    /// The lights of the scene, as one distribution.
+    pub lights: &'a LightSampler,
+}
+
+/// The shared wavelengths of a pass, and their densities.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SharedWavelengths {
+    /// In nm.
+    pub(super) nm: Lanes,
+    /// Per nm.
+    pub(super) pdf: Lanes,
+}
+
+/// The emission of a photon set: the number of photons, their wavelengths and their random streams.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EmissionRequest {
+    pub(super) wavelengths: WavelengthSampling,
+    /// The number of photon paths.
+    pub(super) count: u64,
+    pub(super) purpose: Purpose,
+    /// The pass number of the random streams.
+    pub(super) pass: u64,
+}
+
+impl<'a> PassContext<'a> {
+    /// Returns a source of photons in `scene`. `scene` is the scene of this context, or a posed
+    /// copy of this scene.
+    pub(super) fn photon_source<'s>(
+        &self,
+        scene: &'s Scene,
+        aims: &'s [Aim],
+        request: EmissionRequest,
+    ) -> PhotonSource<'s>
+    where
+        'a: 's,
+    {
+        let EmissionRequest { wavelengths, count, purpose, pass } = request;
+        PhotonSource {
+            scene,
+            light_distribution: &self.lights.lights,
+            aims,
+            wavelengths,
+            count,
+            max_depth: self.budget.max_depth,
+            seed: self.budget.seed,
+            purpose,
+            pass,
+            media_plan: self.plan.media_plan,
+        }
+    }
+
+    /// Samples the shared wavelengths of a pass.
+    ///
+    /// The lights' visible power is divided into four equal strata, and each stratum gives one
+    /// wavelength. The golden ratio shifts the samples from pass to pass. Each replicate has a
+    /// sequence of its own.
+    pub(super) fn shared_wavelengths(&self, pass: u64) -> SharedWavelengths {
+        let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64);
+        let shift = golden_ratio(index as u32, hash64([self.budget.seed, Purpose::Pass as u64, replicate]));
+        let samples: [(f64, f64); LANES] =
+            std::array::from_fn(|k| self.lights.wavelengths.sample((shift + k as f64) / LANES as f64));
+        SharedWavelengths { nm: samples.map(|(nm, _)| nm), pdf: samples.map(|(_, pdf)| pdf) }
+    }
+
+    /// Poses the scene at the shutter time of a pass. Adds the duration of this step to `sums`.
+    ///
+    /// A low-discrepancy sequence samples the shutter times in proportion to the shutter's
+    /// transmission. Each replicate has a sequence of its own. This sequence is independent of the
+    /// wavelengths.
+    ///
+    /// # Errors
+    /// Returns an error if the scene cannot be posed at this time.
+    pub(super) fn scene_of_pass(&self, pass: u64, sums: &mut PassSums) -> Result<Cow<'a, Scene>> {
+        if self.plan.motion == MotionPlan::Still {
+            return Ok(Cow::Borrowed(self.scene));
+        }
+        let start = Instant::now();
+        let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64);
+        let u = sqrt3(index as u32, hash64([self.budget.seed, Purpose::Moment as u64, replicate]));
+        let scene = self.scene.at(self.scene.shutter.time_s(u));
+        sums.tally.moments += 1;
+        sums.seconds.pose += start.elapsed().as_secs_f64();
+        scene
+    }
+}

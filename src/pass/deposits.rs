@@ -1,0 +1,54 @@
+//! The photons of a set, stored on surfaces and in media.
+
+use crate::map::{ClassMaps, Photon, PhotonBeam, PhotonMap, SetMaps, VolumeMap, VolumeMaps, VolumePhoton};
+use crate::plan::partition::PerClass;
+
+/// A photon and its position in m, relative to the scene's centre.
+pub(super) type PositionedPhoton = (Photon, [f32; 3]);
+
+/// The photons of one class stored in media.
+#[derive(Debug, Default)]
+pub(super) struct VolumeDeposits {
+    /// Scattering events.
+    pub(super) points: Vec<VolumePhoton>,
+    /// Path segments.
+    pub(super) beams: Vec<PhotonBeam>,
+}
+
+/// The stored photons of a set, or of a part of it.
+#[derive(Debug, Default)]
+pub(super) struct PhotonDeposits {
+    pub(super) surface: PerClass<Vec<PositionedPhoton>>,
+    pub(super) volume: PerClass<VolumeDeposits>,
+}
+
+impl VolumeDeposits {
+    fn append(&mut self, other: &Self) {
+        self.points.extend_from_slice(&other.points);
+        self.beams.extend_from_slice(&other.beams);
+    }
+
+    /// Moves the photons into maps.
+    fn into_maps(self) -> VolumeMaps {
+        VolumeMaps { points: VolumeMap::of_points(self.points), beams: VolumeMap::of_beams(self.beams) }
+    }
+}
+
+impl PhotonDeposits {
+    /// Appends photons. The order of the photons decides the layout of the maps, so callers append
+    /// the parts of a set in a fixed order.
+    pub(super) fn append(&mut self, other: &Self) {
+        self.surface.caustic.extend_from_slice(&other.surface.caustic);
+        self.surface.indirect.extend_from_slice(&other.surface.indirect);
+        self.volume.caustic.append(&other.volume.caustic);
+        self.volume.indirect.append(&other.volume.indirect);
+    }
+
+    /// Moves the photons into maps.
+    pub(super) fn into_maps(self) -> SetMaps {
+        self.surface.zip_with(self.volume, |surface, volume| ClassMaps {
+            surface: PhotonMap::build(&surface),
+            volume: volume.into_maps(),
+        })
+    }
+}

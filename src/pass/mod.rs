@@ -1,0 +1,27 @@
+//! The light transport of one pass: photons are traced and stored, and camera paths read them.
+//!
+//! The [`Pilot`] runs before pass 0. The pilot fixes all data that passes must not learn from each
+//! other: the emission distributions, the first kernel radii, the number of photons per set, and
+//! the probabilities of storing photons in media. Each pass then depends only on the scene, the
+//! seed and its own index. The sums of all passes are in [`PassSums`].
+
+mod aims;
+mod context;
+mod deposits;
+mod exposure;
+mod keep_probability;
+mod outlines;
+mod path_pass;
+mod photon_pass;
+mod pilot;
+mod recorder;
+mod sums;
+mod survey;
+mod trace;
+mod volume_radii;
+
+pub use context::PassContext;
+pub use path_pass::path_pass;
+pub use photon_pass::photon_pass;
+pub use pilot::Pilot;
+pub use sums::{PassSums, StageSeconds};

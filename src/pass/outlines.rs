@@ -1,0 +1,62 @@
+//! The outlines of surfaces around directly visible points.
+
+use super::context::PassContext;
+use super::survey::MAX_SURFACE_RADIUS_PX;
+use crate::gather::{Outline, Outlines, VisiblePoint};
+use crate::map::PixelRadii;
+use crate::plan::WavelengthPlan;
+use crate::plan::partition::PhotonSet;
+use crate::scene::Scene;
+use crate::scene::sweep::Bounds;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Returns the outlines around visible points. A visible point has an outline if its kernel for
+/// indirect light may extend over an edge of the surface.
+///
+/// `visible` and `radii` hold one entry per pixel. `swept` holds the bounding boxes of moving
+/// objects. A point near such a box gets no outline, because the edges near this point may move.
+pub(super) fn outlines(
+    context: &PassContext<'_>,
+    scene: &Scene,
+    visible: &[Option<VisiblePoint>],
+    swept: &[Bounds],
+    radii: &[PixelRadii],
+) -> Outlines {
+    let set = PhotonSet::of_path(context.plan.wavelengths == WavelengthPlan::Shared);
+    let width = scene.camera.width();
+    let outline = |pixel: usize| {
+        let radius_m = f64::from(radii[pixel].surface[set].indirect);
+        let point = visible[pixel].as_ref().filter(|_| may_cross_edge(visible, pixel, radius_m, width))?;
+        let moves = |bounds: &Bounds| distance_to_box(point.position, bounds) <= 2.0 * radius_m;
+        if swept.iter().any(moves) { None } else { Outline::around(&scene.geometry, point, radius_m) }
+    };
+    let of_pixels: Vec<Option<Outline>> = (0..visible.len()).into_par_iter().map(outline).collect();
+    Outlines::new(width, of_pixels.into_iter())
+}
+
+/// Returns the distance of a point from a box, or 0 inside the box.
+fn distance_to_box(point: DVec3, (low, high): &Bounds) -> f64 {
+    point.distance(point.clamp(*low, *high))
+}
+
+/// Returns true if the kernel of a pixel's visible point may cross an edge of its surface.
+///
+/// The kernel may cross an edge if a pixel at the kernel's distance is outside the picture, sees no
+/// surface, or sees a surface that does not continue the surface of this pixel.
+fn may_cross_edge(visible: &[Option<VisiblePoint>], pixel: usize, radius_m: f64, width: usize) -> bool {
+    let Some(here) = &visible[pixel] else { return false };
+    let height = visible.len() / width;
+    let distance_px = (radius_m / here.footprint_m).ceil().clamp(1.0, MAX_SURFACE_RADIUS_PX.indirect) as isize;
+    let (x, y) = ((pixel % width) as isize, (pixel / width) as isize);
+    let steps = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)];
+    steps.into_iter().any(|(dx, dy)| {
+        let (i, j) = (x + dx * distance_px, y + dy * distance_px);
+        if i < 0 || j < 0 || i >= width as isize || j >= height as isize {
+            return true;
+        }
+        visible[j as usize * width + i as usize]
+            .as_ref()
+            .is_none_or(|there| !here.continues_to(there.position, there.facing))
+    })
+}

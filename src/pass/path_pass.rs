@@ -1,0 +1,33 @@
+//! One pass of the reference path tracer.
+
+use super::context::PassContext;
+use super::exposure::expose_rows;
+use super::sums::PassSums;
+use crate::error::Result;
+use crate::gather::{DirectLighting, PathTracer, PixelSampler};
+use std::time::Instant;
+
+/// Traces one pass with the path tracer and adds it to `sums`.
+///
+/// # Errors
+/// Returns an error if the scene cannot be posed at the pass's time.
+pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Result<()> {
+    let PassContext { plan, budget, lights, .. } = context;
+    let scene = context.scene_of_pass(pass, sums)?;
+    let start = Instant::now();
+    let tracer = PathTracer {
+        scene: &scene,
+        direct: DirectLighting::tracked(&scene, &lights.lights, plan.media_plan),
+        media_plan: plan.media_plan,
+        wavelengths: &lights.wavelengths,
+        max_depth: budget.max_depth,
+    };
+    expose_rows(sums, |row, tally| {
+        row.expose(pass, |pixel, sink| {
+            tracer.sample(pixel as u64, PixelSampler::new(budget.seed, pass, pixel as u64), tally, sink);
+        })
+    });
+    sums.film.count_pass(pass);
+    sums.seconds.gather += start.elapsed().as_secs_f64();
+    Ok(())
+}

@@ -1,0 +1,115 @@
+//! One pass of photon mapping: trace photons, build maps, trace camera paths.
+
+use super::context::{EmissionRequest, PassContext, SharedWavelengths};
+use super::exposure::expose_rows;
+use super::pilot::Pilot;
+use super::sums::PassSums;
+use super::trace::trace_photons;
+use crate::emit::WavelengthSampling;
+use crate::error::Result;
+use crate::gather::{CameraPass, DirectLighting, PathBuffers, PixelSampler};
+use crate::map::LightMaps;
+use crate::map::radius::RadiusScales;
+use crate::math::random::Purpose;
+use crate::plan::partition::{PerSet, PhotonSet};
+use crate::scene::Scene;
+use std::borrow::Cow;
+use std::time::Instant;
+
+/// Traces one pass of photon mapping and adds it to `sums`.
+///
+/// `light_maps` holds the light maps of earlier passes. If the scene is still, the pass reuses or
+/// updates them.
+///
+/// # Errors
+/// Returns an error if the scene cannot be posed at the pass's time.
+pub fn photon_pass<'a>(
+    context: PassContext<'a>,
+    pilot: &Pilot,
+    light_maps: &mut LightMaps<'a>,
+    pass: u64,
+    sums: &mut PassSums,
+) -> Result<()> {
+    let PassContext { plan, budget, lights, .. } = context;
+    let scene = context.scene_of_pass(pass, sums)?;
+
+    let start = Instant::now();
+    let shared = context.shared_wavelengths(pass);
+    let film = &sums.film;
+    let traced = PerSet::from_fn(|set| {
+        let (purpose, wavelengths) = match set {
+            PhotonSet::Free => (Purpose::FreePhoton, WavelengthSampling::Free),
+            PhotonSet::Shared => {
+                let SharedWavelengths { nm, pdf } = shared;
+                (Purpose::SharedPhoton, WavelengthSampling::Shared { nm, pdf })
+            }
+        };
+        let request = EmissionRequest { wavelengths, count: pilot.photons[set], purpose, pass };
+        let source = context.photon_source(&scene, &pilot.aims, request);
+        trace_photons(&source, plan, set, pilot.keep, || film.splat_sink())
+    });
+    sums.seconds.emit += start.elapsed().as_secs_f64();
+
+    let start = Instant::now();
+    let PerSet { free, shared: on_shared } = traced;
+    let maps = PerSet { free: free.deposits.into_maps(), shared: on_shared.deposits.into_maps() };
+    let mut own_light_maps = LightMaps::default();
+    let light_maps = match &scene {
+        Cow::Borrowed(still) => updated(light_maps, &context, still, pass),
+        Cow::Owned(posed) => updated(&mut own_light_maps, &context, posed, pass),
+    };
+    sums.seconds.map += start.elapsed().as_secs_f64();
+
+    let start = Instant::now();
+    let camera_pass = CameraPass {
+        scene: &scene,
+        plan,
+        direct: DirectLighting::new(&scene, &lights.lights, plan.media_plan),
+        maps: PerSet { free: &maps.free, shared: &maps.shared },
+        light_maps,
+        shared_nm: shared.nm,
+        shared_pdf: shared.pdf,
+        scales: RadiusScales::of_pass(pass),
+        stated_radius_m: budget.radius_m,
+        lens_systems: scene.camera.system().map(|system| shared.nm.map(|nm| system.at(nm))),
+        outlines: &pilot.outlines,
+        max_depth: budget.max_depth,
+    };
+    expose_rows(sums, |row, tally| {
+        let mut buffers = PathBuffers::default();
+        row.expose(pass, |pixel, sink| {
+            let sampler = PixelSampler::new(budget.seed, pass, pixel as u64);
+            camera_pass.sample(pixel as u64, sampler, &pilot.radii[pixel], &mut buffers, tally, sink);
+        })
+    });
+    for (splats, tally) in [(&free.splats, &free.tally), (&on_shared.splats, &on_shared.tally)] {
+        for splats in splats {
+            sums.tally.rejected += sums.film.add_splats(pass, splats);
+        }
+        sums.tally.add(tally);
+    }
+    sums.film.count_pass(pass);
+    sums.seconds.gather += start.elapsed().as_secs_f64();
+
+    // Each photon set alone represents the whole emission. The ledger of the pass is the mean of
+    // both sets, weighted by their numbers of photons.
+    let total = (pilot.photons.free + pilot.photons.shared) as f64;
+    for (mut ledger, count) in [(free.ledger, pilot.photons.free), (on_shared.ledger, pilot.photons.shared)] {
+        ledger.scale(count as f64 / total);
+        sums.ledger.add(&ledger);
+    }
+    Ok(())
+}
+
+/// Updates the light maps for a pass, if the plan has any.
+fn updated<'m, 'a>(
+    maps: &'m mut LightMaps<'a>,
+    context: &PassContext<'_>,
+    scene: &'a Scene,
+    pass: u64,
+) -> &'m LightMaps<'a> {
+    if context.plan.media_plan.has_light_maps() {
+        maps.update(scene, context.budget.light_map_cells(pass), context.budget.seed, pass);
+    }
+    maps
+}

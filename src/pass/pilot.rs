@@ -1,0 +1,161 @@
+//! The pilot: a small render before pass 0 with random streams of its own.
+//!
+//! The pilot fixes all data that passes must not learn from each other: the emission distributions
+//! of the lights, the first kernel radii of each pixel, and the division of the photons between the
+//! two sets.
+//!
+//! If anything in the scene moves, the pilot surveys the scene at several times. The emission
+//! distributions include the useful photons of all times. Each pixel gets the smallest of its radii
+//! at all times. The time with the densest photons determines the sharpness of the picture, and the
+//! noise of other times has little weight. Outlines are stored only where nothing moves.
+
+use super::aims::learn_aims;
+use super::context::PassContext;
+use super::keep_probability::{KEEP_ALL, KeepProbability};
+use super::outlines::outlines;
+use super::sums::StageSeconds;
+use super::survey::PixelSurvey;
+use super::volume_radii::{VolumeKernelWidths, keep_probabilities};
+use crate::emit::Aim;
+use crate::error::Result;
+use crate::gather::Outlines;
+use crate::map::PixelRadii;
+use crate::plan::partition::{PerClass, PerSet};
+use crate::plan::{AimPlan, IndirectPlan, MotionPlan, WavelengthPlan};
+use crate::scene::Scene;
+use std::borrow::Cow;
+use std::time::Instant;
+
+/// The smallest share of the photons for a set, if both sets are in use.
+const MIN_SET_SHARE: f64 = 0.08;
+
+/// The number of shutter times in the pilot's survey of a moving scene.
+const MOMENTS: usize = 4;
+
+/// The results of the pilot.
+#[derive(Debug)]
+pub struct Pilot {
+    /// The emission distribution of each light.
+    pub(super) aims: Vec<Aim>,
+    /// The first radii of each pixel.
+    pub(super) radii: Vec<PixelRadii>,
+    /// The outlines of directly visible surfaces.
+    pub(super) outlines: Outlines,
+    /// The number of photon paths of each set.
+    pub(super) photons: PerSet<u64>,
+    /// The probabilities of storing photons in media.
+    pub(super) keep: PerClass<KeepProbability>,
+}
+
+/// Returns the scene at the pilot's times. These times are the centres of intervals with equal
+/// shares of the light through the shutter.
+fn posed_scenes<'a>(context: &PassContext<'a>) -> Result<Vec<Cow<'a, Scene>>> {
+    let scene = context.scene;
+    match context.plan.motion {
+        MotionPlan::PosedPerPass if scene.moves() => {
+            let share = |i: usize| (i as f64 + 0.5) / MOMENTS as f64;
+            (0..MOMENTS).map(|i| scene.at(scene.shutter.time_s(share(i)))).collect()
+        }
+        MotionPlan::PosedPerPass | MotionPlan::Still => Ok(vec![Cow::Borrowed(scene)]),
+    }
+}
+
+impl Pilot {
+    /// Runs the pilot. Adds the duration of the pilot to `seconds`.
+    ///
+    /// # Errors
+    /// Returns an error if the scene cannot be posed at one of the pilot's times.
+    pub fn run(context: &PassContext<'_>, seconds: &mut StageSeconds) -> Result<Self> {
+        let start = Instant::now();
+        let scenes = posed_scenes(context)?;
+        let aims = match context.plan.aim {
+            AimPlan::Plain => vec![Aim::plain(); context.scene.lights.len()],
+            AimPlan::Learned => learn_aims(context, &scenes),
+        };
+        let all = context.budget.photons;
+        let photons = match context.plan.wavelengths {
+            WavelengthPlan::Free => PerSet { free: all, shared: 0 },
+            WavelengthPlan::Shared => PerSet { free: 0, shared: all },
+            WavelengthPlan::Both => PerSet::from_fn(|_| (all / 2).max(1)),
+        };
+        let mut pilot = Self { aims, radii: Vec::new(), outlines: Outlines::default(), photons, keep: KEEP_ALL };
+        pilot.measure(context, &scenes);
+        seconds.pilot += start.elapsed().as_secs_f64();
+        Ok(pilot)
+    }
+
+    /// Measures the radii, the outlines, the probabilities of storing photons in media, and the
+    /// division of the photons between the sets.
+    fn measure(&mut self, context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) {
+        let mut survey = PixelSurvey::default();
+        for (moment, scene) in (0..).zip(scenes) {
+            survey.merge(PixelSurvey::of_moment(context, scene, moment, &self.aims, self.photons));
+        }
+        let PixelSurvey { mut radii, visible, volume, stored, readers } = survey;
+        let widths = VolumeKernelWidths::of(context);
+        self.keep = keep_probabilities(&volume, stored, &widths);
+        for (radii, counts) in radii.iter_mut().zip(&volume) {
+            counts.set_radii(radii, self.keep, &widths);
+        }
+        self.radii = with_medians(&radii);
+        // If the camera moves, a pixel sees each point only for a short time.
+        if context.plan.indirect != IndirectPlan::Absent && context.scene.motions.camera.is_none() {
+            let swept = context.scene.swept_boxes();
+            self.outlines = outlines(context, &scenes[0], &visible, &swept, &self.radii);
+        }
+        if context.plan.wavelengths == WavelengthPlan::Both {
+            self.photons = divided(context.budget.photons, readers);
+        }
+    }
+}
+
+/// Divides the photons between the sets in proportion to the number of pixels that read each set.
+fn divided(photons: u64, readers: PerSet<u64>) -> PerSet<u64> {
+    let total = (readers.free + readers.shared).max(1) as f64;
+    let share = (readers.shared as f64 / total).clamp(MIN_SET_SHARE, 1.0 - MIN_SET_SHARE);
+    let shared = ((photons as f64 * share) as u64).max(1);
+    PerSet { free: (photons - shared.min(photons)).max(1), shared }
+}
+
+/// Replaces each unknown radius by the median of the corresponding known radii of all pixels.
+fn with_medians(radii: &[PixelRadii<Option<f32>>]) -> Vec<PixelRadii> {
+    let mut known: [Vec<f32>; 8] = Default::default();
+    for radii in radii {
+        known.iter_mut().zip(radii.all()).for_each(|(known, radius)| known.extend(radius));
+    }
+    let mut medians = PixelRadii::splat(f32::MIN_POSITIVE);
+    for (median, known) in medians.all_mut().into_iter().zip(&mut known) {
+        known.sort_by(f32::total_cmp);
+        if let Some(&middle) = known.get(known.len() / 2) {
+            *median = middle;
+        }
+    }
+    radii.iter().map(|radii| radii.zip_with(medians, |radius, median| radius.unwrap_or(median))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unknown_radii_become_the_median_of_their_kind() {
+        let mut radii = [PixelRadii::splat(None); 4];
+        for (pixel, radius) in [(0, 3.0), (1, 1.0), (3, 2.0)] {
+            radii[pixel].surface.free.caustic = Some(radius);
+        }
+        let filled = with_medians(&radii);
+        let caustic: Vec<f32> = filled.iter().map(|radii| radii.surface.free.caustic).collect();
+        assert_eq!(caustic, [3.0, 1.0, 2.0, 2.0]);
+        assert!(
+            filled.iter().all(|radii| radii.surface.free.indirect == f32::MIN_POSITIVE),
+            "no radius of this kind is known"
+        );
+    }
+
+    #[test]
+    fn photons_are_divided_by_the_pixels_that_read_them() {
+        assert_eq!(divided(1000, PerSet { free: 75, shared: 25 }), PerSet { free: 750, shared: 250 });
+        assert_eq!(divided(1000, PerSet { free: 75, shared: 0 }), PerSet { free: 920, shared: 80 });
+        assert_eq!(divided(1, PerSet { free: 0, shared: 0 }), PerSet { free: 1, shared: 1 });
+    }
+}

@@ -1,0 +1,129 @@
+//! Records photons: connects some to the camera, and stores some for the maps.
+
+use super::deposits::PhotonDeposits;
+use super::keep_probability::KeepProbability;
+use crate::emit::{MediumCollision, MediumCrossing, PhotonState, PhotonVisitor, SurfaceArrival, connect::connect};
+use crate::map::{Photon, PhotonBeam, PhotonPower, VolumePhoton};
+use crate::math::random::Stream;
+use crate::plan::partition::{Estimator, PerClass, PhotonClass, PhotonSet, View, estimator, kept_in_map};
+use crate::plan::{AimPlan, AperturePlan, CausticPlan, IndirectPlan, Plan, Tally, WavelengthPlan};
+use crate::scene::Scene;
+use crate::sensor::SplatSink;
+use crate::walk::NumberedMedium;
+
+/// Records the photons of one worker.
+#[derive(Debug)]
+pub(super) struct PhotonRecorder<'a> {
+    scene: &'a Scene,
+    plan: &'a Plan,
+    set: PhotonSet,
+    /// The probabilities of storing photons in media.
+    keep: PerClass<KeepProbability>,
+    pub(super) deposits: PhotonDeposits,
+    pub(super) splats: SplatSink,
+    pub(super) tally: Tally,
+}
+
+impl<'a> PhotonRecorder<'a> {
+    pub(super) fn new(
+        scene: &'a Scene,
+        plan: &'a Plan,
+        set: PhotonSet,
+        keep: PerClass<KeepProbability>,
+        splats: SplatSink,
+    ) -> Self {
+        Self { scene, plan, set, keep, deposits: PhotonDeposits::default(), splats, tally: Tally::default() }
+    }
+
+    /// Connects an arrival to the camera, if the partition assigns it to connections.
+    fn connect(&mut self, arrival: &SurfaceArrival<'_>, stream: &mut Stream) {
+        let class = arrival.interaction.bsdf.class();
+        let connects = estimator(arrival.photon.light_path, class, View::Direct) == Estimator::Connection;
+        // If camera paths take shared wavelengths at the camera, no view is direct, and the photon
+        // map serves all of them.
+        let free = self.set == PhotonSet::Free && self.plan.wavelengths != WavelengthPlan::Shared;
+        if !(free && connects) {
+            return;
+        }
+        let lens = match self.plan.aperture {
+            AperturePlan::Pinhole | AperturePlan::LensSystem(_) => [0.5; 2],
+            AperturePlan::ThinLens(_) => stream.pair(),
+        };
+        if let Some(splat) = connect(self.scene, self.plan.media_plan, arrival, lens) {
+            self.tally.connections += 1;
+            let lanes = arrival.photon.wavelengths.active().iter().copied().zip(splat.radiance);
+            self.splats.splat(splat.pixel, lanes);
+        }
+    }
+}
+
+impl PhotonVisitor for PhotonRecorder<'_> {
+    fn on_surface(&mut self, arrival: &SurfaceArrival<'_>, stream: &mut Stream) {
+        let Some(class) = arrival.photon.light_path.photon_class() else { return };
+        let wanted = match class {
+            PhotonClass::Caustic => self.plan.caustics != CausticPlan::Absent,
+            PhotonClass::Indirect => self.plan.indirect != IndirectPlan::Absent,
+        };
+        if !wanted {
+            return;
+        }
+        // A photon starts with several wavelengths. After a dispersive refraction it keeps only
+        // one.
+        self.tally.dispersions += u64::from(arrival.photon.wavelengths.count == 1);
+        self.connect(arrival, stream);
+        let mut components = self.scene.materials[arrival.interaction.material].surface.components();
+        if components.any(|surface| kept_in_map(arrival.photon.light_path, surface.class())) {
+            self.tally.stored += 1;
+            let position = arrival.interaction.hit.position.as_vec3().to_array();
+            self.deposits.surface[class].push((surface_photon(arrival), position));
+        }
+    }
+
+    fn on_body_face(&mut self) {
+        self.tally.body_events += 1;
+    }
+
+    fn on_medium_crossing(&mut self, crossing: &MediumCrossing<'_>, stream: &mut Stream) {
+        let MediumCrossing { segment, medium: NumberedMedium { number, medium }, photon } = *crossing;
+        let Some(class) = photon.light_path.photon_class() else { return };
+        let wanted = self.plan.volume.keeps_beams(medium.dense) && medium.scatters() && segment.length_m.is_finite();
+        let probability = self.keep[class].beams;
+        if wanted && probability > 0.0 && stream.uniform() < probability {
+            self.tally.volume_beams += 1;
+            let ends = [segment.ray.origin, segment.ray.at(segment.length_m)];
+            self.deposits.volume[class].beams.push(PhotonBeam::new(ends, number, kept_power(photon, probability)));
+        }
+    }
+
+    fn on_medium_collision(&mut self, collision: &MediumCollision, stream: &mut Stream) {
+        let MediumCollision { position, incoming, medium: NumberedMedium { number, medium }, photon } = *collision;
+        let Some(class) = photon.light_path.photon_class() else { return };
+        let wanted = self.plan.volume.keeps_points(medium.dense) && medium.scatters();
+        let probability = self.keep[class].points;
+        if wanted && probability > 0.0 && stream.uniform() < probability {
+            self.tally.volume_points += 1;
+            let power = kept_power(photon, probability);
+            self.deposits.volume[class].points.push(VolumePhoton::new(position, incoming, number, power));
+        }
+    }
+
+    fn on_emission(&mut self, _light: usize, _aim: [f64; 2]) {
+        self.tally.photons += 1;
+        self.tally.shared_photons += u64::from(self.set == PhotonSet::Shared);
+        self.tally.aimed += u64::from(self.plan.aim == AimPlan::Learned);
+    }
+}
+
+/// Returns the power of a photon stored in a medium with this probability.
+fn kept_power(photon: &PhotonState, probability: f64) -> PhotonPower {
+    PhotonPower::new(&photon.wavelengths, photon.power.map(|power| power / probability), photon.lane)
+}
+
+/// Returns the photon to store in the map for an arrival at a surface.
+fn surface_photon(arrival: &SurfaceArrival<'_>) -> Photon {
+    let hit = &arrival.interaction.hit;
+    let to_light = arrival.to_light();
+    let facing = if to_light.dot(hit.normal) >= 0.0 { hit.normal } else { -hit.normal };
+    let PhotonState { wavelengths, power, lane, .. } = arrival.photon;
+    Photon::new(PhotonPower::new(wavelengths, *power, *lane), to_light, facing)
+}

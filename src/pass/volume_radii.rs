@@ -1,0 +1,269 @@
+//! First kernel radii in media, and probabilities of storing photons in media.
+//!
+//! Both follow from the number of pilot photons near each camera ray.
+
+use super::context::PassContext;
+use super::deposits::{PhotonDeposits, VolumeDeposits};
+use super::keep_probability::KeepProbability;
+use crate::gather::CameraSegment;
+use crate::map::{KernelWidth, PixelRadii, QueryCone, SetMaps, VolumeMaps};
+use crate::plan::partition::{PerClass, PerSet, PhotonClass, PhotonSet};
+use crate::scene::medium::Medium;
+use crate::spectrum::REFERENCE_NM;
+
+/// The desired number of photons of one class within the first radius around a camera ray. This
+/// number is smaller than on surfaces, because a ray collects photons along its whole length.
+const PHOTONS_PER_RAY: f64 = 10.0;
+
+/// The smallest first kernel radius in media, in pixels.
+const MIN_VOLUME_RADIUS_PX: f64 = 0.7;
+
+/// The largest first kernel radius in media, in pixels. Caustics have sharp edges. Indirect light
+/// has no such limit.
+const MAX_VOLUME_RADIUS_PX: PerClass<f64> = PerClass { caustic: 4.0, indirect: 24.0 };
+
+/// The largest first kernel radius for photon points, in mean free paths.
+///
+/// Most light that leaves a dense medium comes from points near its boundary. A kernel near the
+/// boundary finds no photons outside the medium, so the estimate loses light in proportion to the
+/// radius.
+const MAX_RADIUS_FREE_PATHS: f64 = 0.5;
+
+/// The largest number of photon points of one class in the maps of the pilot.
+const PILOT_POINTS: usize = 10_000;
+
+/// The largest number of photon beams of one class in the maps of the pilot.
+const PILOT_BEAMS: usize = 2_000;
+
+/// The largest number of photon points of one class in a set, per pass. A photon in a dense medium
+/// leaves hundreds of points. Most of these points add little information.
+const MAX_POINTS: f64 = 50_000.0;
+
+/// The largest number of photon beams of one class in a set, per pass.
+const MAX_BEAMS: f64 = 15_000.0;
+
+/// The first kernel widths of the pilot in media.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct VolumeKernelWidths {
+    /// The angle of a pixel in rad.
+    pixel_angle: f64,
+    /// The radius in m, if the scene fixes it.
+    radius_m: Option<f64>,
+}
+
+/// The photons of one set and class within the largest first radius around a camera ray. The counts
+/// are estimates for media that store all photons.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct NearbyPhotons {
+    /// The number of points. The weight of a point is the share of its light that leaves the medium
+    /// towards the camera.
+    points: f64,
+    /// The number of beams.
+    beams: f64,
+    /// The mean over the points of this optical depth: the optical depth over a length that appears
+    /// one radian wide to the camera.
+    free_paths: f64,
+}
+
+/// The photons near the camera rays of a pixel, per set. A set is `None` if no camera path of the
+/// pixel crosses a medium on the set's wavelengths.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct PixelVolumeCounts(PerSet<Option<PerClass<NearbyPhotons>>>);
+
+/// The photon maps of a set in the pilot.
+#[derive(Debug)]
+pub(super) struct PilotMaps {
+    pub(super) maps: SetMaps,
+    /// The share of the traced photons in the maps of media.
+    pub(super) kept: PerClass<KeepProbability>,
+}
+
+/// The number of photons of one class stored in media.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct DepositCounts {
+    points: usize,
+    beams: usize,
+}
+
+impl VolumeKernelWidths {
+    /// Returns the widths for the camera and budget of a render.
+    pub(super) fn of(context: &PassContext<'_>) -> Self {
+        Self { pixel_angle: context.scene.camera.pixel_angle(), radius_m: context.budget.radius_m }
+    }
+
+    /// Returns the largest first width of a class, unless the scene fixes the width.
+    fn largest(&self, class: PhotonClass) -> KernelWidth {
+        let per_distance = || KernelWidth::PerDistance(MAX_VOLUME_RADIUS_PX[class] * self.pixel_angle);
+        self.radius_m.map_or_else(per_distance, KernelWidth::Stated)
+    }
+
+    /// Returns the ratio of the largest to the smallest first width of caustics.
+    fn caustic_ratio(&self) -> f64 {
+        if self.radius_m.is_some() { 1.0 } else { MAX_VOLUME_RADIUS_PX.caustic / MIN_VOLUME_RADIUS_PX }
+    }
+}
+
+impl PixelVolumeCounts {
+    /// Counts the photons near the camera segments of a pixel. Returns the largest counts of all
+    /// segments.
+    pub(super) fn along(
+        camera_segments: &[CameraSegment],
+        media: &[Medium],
+        maps: &PerSet<PilotMaps>,
+        widths: &VolumeKernelWidths,
+    ) -> Self {
+        let mut counts = Self::default();
+        for segment in camera_segments {
+            let set = PhotonSet::of_path(segment.shared);
+            let PilotMaps { maps, kept } = &maps[set];
+            let here = PerClass::from_fn(|class| {
+                NearbyPhotons::count(segment, media, &maps[class].volume, kept[class], widths.largest(class))
+            });
+            let known = &mut counts.0[set];
+            *known = Some(known.map_or(here, |known| NearbyPhotons::max_per_class(known, here)));
+        }
+        counts
+    }
+
+    /// Returns the larger counts of two times of the pilot's survey.
+    pub(super) fn max(self, other: Self) -> Self {
+        Self(PerSet::from_fn(|set| match (self.0[set], other.0[set]) {
+            (Some(a), Some(b)) => Some(NearbyPhotons::max_per_class(a, b)),
+            (one, None) | (None, one) => one,
+        }))
+    }
+
+    /// Sets the pixel's first radii in media. `keep` holds the probabilities of storing photons in
+    /// a pass.
+    pub(super) fn set_radii(
+        &self,
+        radii: &mut PixelRadii<Option<f32>>,
+        keep: PerClass<KeepProbability>,
+        widths: &VolumeKernelWidths,
+    ) {
+        for set in [PhotonSet::Free, PhotonSet::Shared] {
+            let Some(nearby) = self.0[set] else { continue };
+            for class in PhotonClass::ALL {
+                let radius = nearby[class].first_radius(keep[class], MAX_VOLUME_RADIUS_PX[class] * widths.pixel_angle);
+                let radius = radius.max(MIN_VOLUME_RADIUS_PX * widths.pixel_angle) as f32;
+                radii.volume[set][class] = Some(radius);
+            }
+        }
+    }
+}
+
+impl NearbyPhotons {
+    /// Counts the photons near a camera segment, within a kernel width. `kept` is the share of all
+    /// photons in the maps.
+    fn count(
+        segment: &CameraSegment,
+        media: &[Medium],
+        maps: &VolumeMaps,
+        kept: KeepProbability,
+        width: KernelWidth,
+    ) -> Self {
+        let CameraSegment { ray, length_m, behind_m, medium: number, .. } = *segment;
+        let medium = &media[number];
+        let cone = QueryCone::of_camera(ray, length_m, behind_m, width);
+        let (mut points, mut beams, mut free_paths) = (0.0, 0.0, 0.0);
+        maps.points.along(&cone, |found| {
+            if found.medium == number {
+                let transmittance = (-medium.optical_depth(REFERENCE_NM, medium.column_m(&ray, found.t))).exp();
+                let across_m = (behind_m + found.t) * medium.density_at(ray.at(found.t));
+                points += transmittance;
+                free_paths += transmittance * medium.optical_depth(REFERENCE_NM, across_m);
+            }
+        });
+        maps.beams.along(&cone, |found| {
+            if found.medium == number {
+                beams += 1.0;
+            }
+        });
+        let free_paths = if points > 0.0 { free_paths / points } else { 0.0 };
+        Self { points: points / kept.points, beams: beams / kept.beams, free_paths }
+    }
+
+    fn max(self, other: Self) -> Self {
+        Self {
+            points: self.points.max(other.points),
+            beams: self.beams.max(other.beams),
+            free_paths: self.free_paths.max(other.free_paths),
+        }
+    }
+
+    fn max_per_class(a: PerClass<Self>, b: PerClass<Self>) -> PerClass<Self> {
+        PerClass::from_fn(|class| a[class].max(b[class]))
+    }
+
+    /// Returns the first radius per distance from the camera, at most `largest`. `keep` holds the
+    /// probabilities of storing photons in a pass.
+    fn first_radius(&self, keep: KeepProbability, largest: f64) -> f64 {
+        let within =
+            |found: f64, dimensions: f64| (PHOTONS_PER_RAY / found.max(PHOTONS_PER_RAY)).powf(1.0 / dimensions);
+        let narrow = within(self.points * keep.points, 2.0).min(within(self.beams * keep.beams, 1.0));
+        (largest * narrow).min(MAX_RADIUS_FREE_PATHS / self.free_paths)
+    }
+}
+
+impl DepositCounts {
+    /// Counts the stored photons of each class.
+    pub(super) fn of(deposits: &PhotonDeposits) -> PerClass<Self> {
+        PerClass::from_fn(|class| {
+            let VolumeDeposits { points, beams } = &deposits.volume[class];
+            Self { points: points.len(), beams: beams.len() }
+        })
+    }
+
+    /// Returns the larger counts of two sets or two times.
+    pub(super) fn max_per_class(a: PerClass<Self>, b: PerClass<Self>) -> PerClass<Self> {
+        let max = |a: Self, b: Self| Self { points: a.points.max(b.points), beams: a.beams.max(b.beams) };
+        PerClass::from_fn(|class| max(a[class], b[class]))
+    }
+}
+
+/// Keeps at most `most` items, evenly spaced. Returns the share of the items that remain.
+fn thin_out<T: Copy>(items: &mut Vec<T>, most: usize) -> f64 {
+    let step = items.len().div_ceil(most).max(1);
+    *items = items.iter().copied().step_by(step).collect();
+    1.0 / step as f64
+}
+
+/// Reduces the number of photons in media to the pilot's limits. Returns the share of the photons
+/// that remain.
+pub(super) fn thin_out_for_pilot(deposits: &mut PhotonDeposits) -> PerClass<KeepProbability> {
+    PerClass::from_fn(|class| {
+        let VolumeDeposits { points, beams } = &mut deposits.volume[class];
+        KeepProbability { points: thin_out(points, PILOT_POINTS), beams: thin_out(beams, PILOT_BEAMS) }
+    })
+}
+
+/// Returns probabilities of storing photons in media, chosen so that each pass stores enough
+/// photons.
+///
+/// The number of points and beams per set and class is limited. A second limit applies to beams: a
+/// camera ray that intersects beams finds [`PHOTONS_PER_RAY`] beams on average. Caustic beams count
+/// within the smallest first radius. Indirect light is smooth, so its beams count within the
+/// largest first radius. If the scene fixes the radius, beams count within that radius.
+pub(super) fn keep_probabilities(
+    pixels: &[PixelVolumeCounts],
+    stored: PerClass<DepositCounts>,
+    widths: &VolumeKernelWidths,
+) -> PerClass<KeepProbability> {
+    let beams_per_ray = |class: PhotonClass| {
+        let all = pixels.iter().flat_map(|counts| [counts.0.free, counts.0.shared]).flatten();
+        let counts = all.map(|nearby| nearby[class].beams).filter(|&beams| beams > 0.0);
+        let (rays, sum) = counts.fold((0.0, 0.0), |(rays, sum), beams| (rays + 1.0, sum + beams));
+        sum / f64::max(rays, 1.0)
+    };
+    let at_most = |count: usize, most: f64| most / (count as f64).max(most);
+    PerClass::from_fn(|class| {
+        let beams = match class {
+            PhotonClass::Caustic => beams_per_ray(class) / widths.caustic_ratio(),
+            PhotonClass::Indirect => beams_per_ray(class),
+        };
+        KeepProbability {
+            points: at_most(stored[class].points, MAX_POINTS),
+            beams: (PHOTONS_PER_RAY / beams.max(PHOTONS_PER_RAY)).min(at_most(stored[class].beams, MAX_BEAMS)),
+        }
+    })
+}

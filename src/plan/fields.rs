@@ -1,0 +1,222 @@
+//! The plan and the types of its fields.
+
+/// The choices that fix how a scene is simulated.
+///
+/// [`EFFECTS`](super::EFFECTS) lists the effects. Each entry names three things: the fact that
+/// calls for the effect; the switch of the effect (a field of this struct, or a part of the scene);
+/// and the consequence of a scene without the effect.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Plan {
+    /// The sharing of wavelengths between photons and camera paths.
+    pub wavelengths: WavelengthPlan,
+    /// Light arriving at a surface through glass or from mirrors.
+    pub caustics: CausticPlan,
+    /// Light scattered from surface to surface.
+    pub indirect: IndirectPlan,
+    /// Light straight from its source.
+    pub direct: DirectPlan,
+    /// The camera's aperture.
+    pub aperture: AperturePlan,
+    /// The media between surfaces.
+    pub media_plan: MediumPlan,
+    /// Caustic and indirect light scattered in a medium.
+    pub volume: VolumePlan,
+    /// The directions in which lights emit photons.
+    pub aim: AimPlan,
+    /// Objects, lights and cameras that move.
+    pub motion: MotionPlan,
+}
+
+impl Plan {
+    /// The plan without any effect.
+    pub(super) const EMPTY: Self = Self {
+        wavelengths: WavelengthPlan::Free,
+        caustics: CausticPlan::Absent,
+        indirect: IndirectPlan::Absent,
+        direct: DirectPlan::Absent,
+        aperture: AperturePlan::Pinhole,
+        media_plan: MediumPlan::Air,
+        volume: VolumePlan::Absent,
+        aim: AimPlan::Plain,
+        motion: MotionPlan::Still,
+    };
+}
+
+/// The sharing of wavelengths between photons and camera paths.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WavelengthPlan {
+    /// Every photon has its own wavelengths. No camera path reaches dispersive glass.
+    Free,
+    /// Every camera path takes one of the pass's shared wavelengths at the camera.
+    Shared,
+    /// Camera paths carry all wavelengths until they refract dispersively. From there on, they take
+    /// the pass's shared wavelengths.
+    Both,
+}
+
+/// The method of computing light that arrives through glass or from mirrors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CausticPlan {
+    /// This light is not computed.
+    Absent,
+    /// Photons are connected to the camera if it sees the surface directly. Other views read the
+    /// photon map.
+    Photons,
+}
+
+/// The method of computing light scattered from surface to surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum IndirectPlan {
+    /// This light is not computed.
+    Absent,
+    /// By density estimation in a photon map.
+    Photons,
+}
+
+/// The method of computing direct light (light straight from its source).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DirectPlan {
+    /// This light is not computed.
+    Absent,
+    /// By shadow rays alone: no scattered ray can hit a light.
+    ShadowRays,
+    /// By shadow rays and scattered rays, combined by multiple importance sampling.
+    ShadowAndScatteredRays,
+}
+
+impl DirectPlan {
+    /// Returns true if direct light is not computed.
+    pub fn is_absent(self) -> bool {
+        self == Self::Absent
+    }
+
+    /// Returns true if direct light includes scattered rays that hit a light.
+    pub fn traces_scattered_rays(self) -> bool {
+        self == Self::ShadowAndScatteredRays
+    }
+}
+
+/// The camera's aperture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AperturePlan {
+    /// A point.
+    Pinhole,
+    /// A thin lens with depth of field.
+    ThinLens(Rim),
+    /// A lens system of real glass. Each wavelength has its own camera ray, traced through the lens
+    /// elements.
+    LensSystem(Rim),
+}
+
+/// The effect of the aperture's rim on light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rim {
+    /// The rim only blocks rays.
+    Stops,
+    /// The rim blocks rays and diffracts light. The film stores slices of the spectrum, and each
+    /// slice is convolved with its diffraction pattern.
+    Diffracts,
+}
+
+impl AperturePlan {
+    /// Returns true if camera rays start at sampled points of a lens.
+    pub fn is_finite(self) -> bool {
+        self != Self::Pinhole
+    }
+
+    /// Returns true if the aperture's rim diffracts light.
+    pub fn diffracts(self) -> bool {
+        match self {
+            Self::Pinhole => false,
+            Self::ThinLens(rim) | Self::LensSystem(rim) => rim == Rim::Diffracts,
+        }
+    }
+}
+
+/// The media between surfaces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MediumPlan {
+    /// No object has an interior: all space is air.
+    Air,
+    /// Objects have interiors, and all interiors are clear.
+    Clear,
+    /// Bodies absorb light by the Beer–Lambert law.
+    Absorbing,
+    /// Media absorb, scatter or emit light.
+    Scattering(VolumeDirectLighting),
+}
+
+/// The method of computing direct light in a medium along a camera ray.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VolumeDirectLighting {
+    /// By a shadow ray that starts at a sampled distance along the camera ray.
+    ShadowRays,
+    /// By lookups in light maps. A light that has no map gets a shadow ray.
+    LightMaps,
+}
+
+impl MediumPlan {
+    /// Returns true if two points that see each other never have an attenuating medium between
+    /// them.
+    pub fn is_clear(self) -> bool {
+        matches!(self, Self::Air | Self::Clear)
+    }
+
+    /// Returns true if light maps are built.
+    pub fn has_light_maps(self) -> bool {
+        self == Self::Scattering(VolumeDirectLighting::LightMaps)
+    }
+}
+
+/// The storage of caustic and indirect light in media.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VolumePlan {
+    /// Caustic and indirect light in media is not stored.
+    Absent,
+    /// As photon points, in all media.
+    Points,
+    /// As photon beams, in all media.
+    Beams,
+    /// As photon points in dense media, and as photon beams in thin media.
+    ByDensity,
+}
+
+impl VolumePlan {
+    /// Returns the plan that stores points, beams, both or neither.
+    pub(super) fn of(points: bool, beams: bool) -> Self {
+        match (points, beams) {
+            (false, false) => Self::Absent,
+            (true, false) => Self::Points,
+            (false, true) => Self::Beams,
+            (true, true) => Self::ByDensity,
+        }
+    }
+
+    /// Returns whether a medium stores photon points. `dense` is true if the medium is dense.
+    pub fn keeps_points(self, dense: bool) -> bool {
+        self == Self::Points || (self == Self::ByDensity && dense)
+    }
+
+    /// Returns whether a medium stores photon beams. `dense` is true if the medium is dense.
+    pub fn keeps_beams(self, dense: bool) -> bool {
+        self == Self::Beams || (self == Self::ByDensity && !dense)
+    }
+}
+
+/// The directions in which lights emit photons.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AimPlan {
+    /// Photons follow the emission distribution of their light.
+    Plain,
+    /// Photons follow distributions learned by the pilot.
+    Learned,
+}
+
+/// The method of simulating motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MotionPlan {
+    /// All passes use the scene at the time when the shutter opens.
+    Still,
+    /// Each pass samples a time. All its rays and photons use the scene at that time.
+    PosedPerPass,
+}

@@ -1,0 +1,77 @@
+//! Event counters for the planned effects. Effects outside the plan count zero events.
+
+use serde::{Deserialize, Serialize};
+
+/// Counts of events. Integer sums do not depend on the order of the threads.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tally {
+    /// Photon paths emitted.
+    pub photons: u64,
+    /// Photon paths emitted at the pass's shared wavelengths. `photons` includes these paths.
+    pub shared_photons: u64,
+    /// Photons stored in maps.
+    pub stored: u64,
+    /// Photon arrivals connected to the camera.
+    pub connections: u64,
+    /// Queries of photon maps.
+    pub map_queries: u64,
+    /// Dispersive refractions that split a camera path, plus surface arrivals of photons with one
+    /// wavelength left after a dispersive refraction.
+    pub dispersions: u64,
+    /// Camera paths that continued at one of the pass's shared wavelengths.
+    pub shared_paths: u64,
+    /// Shadow rays.
+    pub shadow_rays: u64,
+    /// Rays that left the scene and evaluated the lights at infinity.
+    pub environment_rays: u64,
+    /// Rays through a lens of finite aperture.
+    pub lens_rays: u64,
+    /// Scattering events at rough or coated surfaces.
+    pub rough_events: u64,
+    /// Arrivals at the faces of bodies, and segments of camera paths inside bodies.
+    pub body_events: u64,
+    /// Segments of camera paths in absorbing glass or liquid.
+    pub absorptions: u64,
+    /// Path segments in participating media.
+    pub media_stretches: u64,
+    /// Photons stored in media as points.
+    pub volume_points: u64,
+    /// Photons stored in media as beams.
+    pub volume_beams: u64,
+    /// Lookups in light maps.
+    pub light_map_looks: u64,
+    /// Photons emitted with a learned aim.
+    pub aimed: u64,
+    /// Passes rendered at their own shutter time.
+    pub moments: u64,
+    /// Discarded contributions: NaN, infinite or negative values. The number is 0 unless the
+    /// program has an error.
+    pub rejected: u64,
+}
+
+impl Tally {
+    /// Adds the counts of another tally.
+    pub fn add(&mut self, other: &Self) {
+        self.photons += other.photons;
+        self.shared_photons += other.shared_photons;
+        self.stored += other.stored;
+        self.connections += other.connections;
+        self.map_queries += other.map_queries;
+        self.dispersions += other.dispersions;
+        self.shared_paths += other.shared_paths;
+        self.shadow_rays += other.shadow_rays;
+        self.environment_rays += other.environment_rays;
+        self.lens_rays += other.lens_rays;
+        self.rough_events += other.rough_events;
+        self.body_events += other.body_events;
+        self.absorptions += other.absorptions;
+        self.media_stretches += other.media_stretches;
+        self.volume_points += other.volume_points;
+        self.volume_beams += other.volume_beams;
+        self.light_map_looks += other.light_map_looks;
+        self.aimed += other.aimed;
+        self.moments += other.moments;
+        self.rejected += other.rejected;
+    }
+}

@@ -1,0 +1,57 @@
+//! A scene that is ready to render.
+
+use super::diffraction::DiffractionSetup;
+use crate::emit::LightSampler;
+use crate::error::{Error, Result};
+use crate::pass::PassContext;
+use crate::plan::{Budget, EffectRow, Plan};
+use crate::scene::Scene;
+use crate::sensor::Film;
+
+/// A scene with its plan and its budget.
+#[derive(Debug)]
+pub struct Job {
+    /// The scene without the omitted effects.
+    pub scene: Scene,
+    /// The plan of the scene.
+    pub plan: Plan,
+    /// The decision on each effect, with its reason.
+    pub rows: Vec<EffectRow>,
+    /// The numbers of photons, passes and other quantities of the render.
+    pub budget: Budget,
+    /// The diffraction at the camera's aperture, if the plan contains it.
+    pub diffraction: Option<DiffractionSetup>,
+    /// The lights of the scene, as one distribution.
+    lights: LightSampler,
+}
+
+impl Job {
+    /// Plans a scene.
+    ///
+    /// # Errors
+    /// Returns an input error if the scene forces or forbids an unknown effect, forbids a necessary
+    /// effect, or has no light between 360 nm and 830 nm.
+    pub fn new(mut scene: Scene) -> Result<Self> {
+        let (plan, rows) = crate::plan::prepare(&mut scene)?;
+        let lights = LightSampler::new(&scene)
+            .ok_or_else(|| Error::input("no light in the scene has power within 360–830 nm"))?;
+        let film = &scene.film;
+        let diffraction = DiffractionSetup::of(&scene.camera, &plan, &lights);
+        let slices = diffraction.as_ref().map_or(0, DiffractionSetup::slices);
+        let [width, height, bands] = [film.width, film.height, film.spectral_bands].map(|count| count as usize);
+        let film_bytes = Film::memory_bytes(width, height, bands, slices);
+        // Saving the film needs its memory two more times: for a copy in words, and for the file.
+        let budget = Budget::of(&scene, &plan, (film_bytes as u64).saturating_mul(3));
+        Ok(Self { scene, plan, rows, budget, diffraction, lights })
+    }
+
+    /// Returns the power of all lights between 360 nm and 830 nm in W. Closed forms give the power.
+    pub fn light_power_w(&self) -> f64 {
+        self.lights.power_w
+    }
+
+    /// Returns the inputs of the job's passes.
+    pub(super) fn pass_context(&self) -> PassContext<'_> {
+        PassContext { scene: &self.scene, plan: &self.plan, budget: &self.budget, lights: &self.lights }
+    }
+}

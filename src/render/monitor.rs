@@ -1,0 +1,46 @@
+//! Progress reports of a render.
+
+use super::forecast::Forecast;
+use super::run::Run;
+use std::time::Duration;
+
+/// The progress of a render after a pass.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct Progress {
+    /// The number of passes done.
+    pub passes: u64,
+    /// The number of passes at which the render stops, if it has such a stop rule.
+    pub passes_wanted: Option<u64>,
+    /// The time since the start. Breaks do not count.
+    pub elapsed: Duration,
+    /// The time at which the render stops, if it has such a stop rule.
+    pub time_wanted: Option<Duration>,
+    /// The mean number of photons per second so far.
+    pub photons_per_second: f64,
+    /// The relative error at the last measurement.
+    pub relative_error: Option<f64>,
+    /// The relative error at which the render stops, if it has such a stop rule.
+    pub error_wanted: Option<f64>,
+    /// The forecast of the error at the last measurement.
+    pub forecast: Option<Forecast>,
+}
+
+/// Observes a render, and may end it.
+pub trait Monitor {
+    /// Receives the progress after each pass. Returns false to end the render.
+    fn after_pass(&mut self, progress: &Progress) -> bool;
+
+    /// Receives the run after each pass except the last one, and may save the run.
+    fn checkpoint(&mut self, _run: &Run) {}
+}
+
+/// A monitor that ignores all progress.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct NoMonitor;
+
+impl Monitor for NoMonitor {
+    fn after_pass(&mut self, _: &Progress) -> bool {
+        true
+    }
+}

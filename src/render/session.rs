@@ -1,0 +1,88 @@
+//! The loop over passes.
+
+use super::job::Job;
+use super::monitor::Monitor;
+use super::part::PassPart;
+use super::request::{Integrator, Request};
+use super::run::Run;
+use super::stats::Stats;
+use super::stop::{RunClock, StopConditions};
+use crate::error::{Error, Result};
+use crate::map::LightMaps;
+use crate::pass::{Pilot, path_pass, photon_pass};
+use crate::sensor::Picture;
+use crate::walk::ledger::Ledger;
+use std::time::Instant;
+
+/// The result of a render.
+#[derive(Debug)]
+pub struct Rendered {
+    /// The picture with its error layers.
+    pub picture: Picture,
+    /// The energy balance in W, as the mean over passes.
+    pub ledger: Ledger,
+    /// The statistics of the render.
+    pub stats: Stats,
+    /// Whether the monitor ended the render before a stop rule held.
+    pub interrupted: bool,
+    /// The sums of all passes, from which the render can continue.
+    pub run: Run,
+}
+
+impl Job {
+    /// Renders all passes on the current thread pool until a stop rule holds.
+    ///
+    /// # Errors
+    /// See [`Self::continue_run`].
+    pub fn render(&self, request: Request, monitor: &mut dyn Monitor) -> Result<Rendered> {
+        self.continue_run(request, Run::new(self, PassPart::WHOLE), monitor)
+    }
+
+    /// Continues a run until a stop rule holds. The run is either new or a saved run.
+    ///
+    /// The stop rules count from the beginning of the run. A resumed run stops at the same pass as
+    /// an uninterrupted run.
+    ///
+    /// # Errors
+    /// Returns an input error in these cases: the run has no passes, the run already has more
+    /// passes than wanted, the scene cannot be posed, or the radiance of a pixel is too large.
+    pub fn continue_run(&self, request: Request, mut run: Run, monitor: &mut dyn Monitor) -> Result<Rendered> {
+        let clock = RunClock::start(&run);
+        let mut conditions = StopConditions::new(self, request.stop, &mut run);
+        conditions.check(&run)?;
+        let mut stopped = run.done > 0 && conditions.hold(&run);
+        let context = self.pass_context();
+        // The pilot depends only on the scene and the seed. The pilot of a resumed run therefore
+        // gives the same results.
+        let pilot = match request.integrator {
+            Integrator::Photon if !stopped => Some(Pilot::run(&context, &mut run.sums.seconds)?),
+            Integrator::Photon | Integrator::Path => None,
+        };
+        let (mut interrupted, mut light_maps) = (false, LightMaps::default());
+        while !(stopped || interrupted) {
+            let pass = run.part.pass(run.done);
+            match &pilot {
+                Some(pilot) => photon_pass(context, pilot, &mut light_maps, pass, &mut run.sums)?,
+                None => path_pass(context, pass, &mut run.sums)?,
+            }
+            run.done += 1;
+            clock.update(&mut run);
+            stopped = conditions.hold(&run);
+            interrupted = !monitor.after_pass(&conditions.progress(&run)) && !stopped;
+            if !(stopped || interrupted) {
+                monitor.checkpoint(&run);
+            }
+        }
+        if run.sums.film.overflowed() {
+            return Err(Error::input("the radiance in a pixel exceeds 9e18 W/m²/sr").expected("lights of lower power"));
+        }
+        let develop_start = Instant::now();
+        let (picture, squares) = run.sums.film.picture_and_error();
+        run.sums.seconds.develop += develop_start.elapsed().as_secs_f64();
+        clock.update(&mut run);
+        let stats = Stats::new(self, &run, &picture, conditions.forecast_at_end(&run, squares));
+        let mut ledger = run.sums.ledger.clone();
+        ledger.scale(1.0 / run.done.max(1) as f64);
+        Ok(Rendered { picture, ledger, stats, interrupted, run })
+    }
+}

@@ -1,0 +1,158 @@
+//! The emission of a medium, such as hot soot or excited atoms.
+
+use super::field::ScalarField;
+use crate::spectrum::{Spectrum, planck};
+use glam::{DAffine3, DVec3};
+use std::sync::Arc;
+
+/// The emission coefficient of a medium at density 1.
+#[derive(Debug, Clone)]
+pub enum MediumEmission {
+    /// The same spectrum everywhere.
+    Uniform {
+        /// The coefficient in W/m³/sr/nm.
+        spectrum: Spectrum,
+        /// The integral of the spectrum over the band in W/m³/sr.
+        band: f64,
+    },
+    /// Thermal emission by Kirchhoff's law, j = σ_a(λ) B_λ(T). The temperature varies in space.
+    Thermal(Box<ThermalEmission>),
+}
+
+/// Thermal emission of matter whose temperature varies in space.
+#[derive(Debug, Clone)]
+pub struct ThermalEmission {
+    temperature: Arc<ScalarField>,
+    absorption: Spectrum,
+    /// The logarithm of the emission over the band (W/m³/sr) at equal steps of the inverse
+    /// temperature, from the highest temperature on. By Wien's law, the logarithm is nearly linear.
+    log_band: Vec<f64>,
+    /// The inverse temperature of the first entry and the step between entries, in 1/K.
+    inverse: (f64, f64),
+}
+
+/// Below this temperature in K, thermal emission counts as 0. The emission is then below 10⁻¹⁶ of
+/// dimly visible emission.
+const COLDEST_K: f64 = 350.0;
+
+/// The number of steps of the inverse temperature. The relative interpolation error is below 10⁻⁴.
+/// It cancels, because the same interpolated value also normalises the spectrum.
+const STEPS: usize = 256;
+
+/// The number of bins per step in the histogram of temperatures for the mean spectrum.
+const BINS_PER_STEP: f64 = 8.0;
+
+impl MediumEmission {
+    /// Creates an emission with the same spectrum (W/m³/sr/nm at density 1) everywhere.
+    pub fn uniform(spectrum: Spectrum) -> Self {
+        let band = spectrum.integral();
+        Self::Uniform { spectrum, band }
+    }
+
+    /// Creates the thermal emission for an absorption coefficient (1/m at density 1) and a field of
+    /// temperatures in K.
+    pub fn thermal(absorption: Spectrum, temperature: Arc<ScalarField>) -> Self {
+        let hottest = temperature.max().max(1.01 * COLDEST_K);
+        let first = 1.0 / hottest;
+        let step = (1.0 / COLDEST_K - first) / STEPS as f64;
+        let band = |i: usize| {
+            let body = Spectrum::blackbodies(&[(1.0 / (first + i as f64 * step), 1.0)]);
+            absorption.product_integral(&body).max(f64::MIN_POSITIVE).ln()
+        };
+        let log_band = (0..=STEPS).map(band).collect();
+        Self::Thermal(Box::new(ThermalEmission { temperature, absorption, log_band, inverse: (first, step) }))
+    }
+
+    /// The emission after a map of the scene's positions.
+    #[must_use]
+    pub fn moved(&self, map: &DAffine3) -> Self {
+        match self {
+            Self::Uniform { .. } => self.clone(),
+            Self::Thermal(thermal) => {
+                let temperature = Arc::new(thermal.temperature.moved(map));
+                Self::Thermal(Box::new(ThermalEmission { temperature, ..(**thermal).clone() }))
+            }
+        }
+    }
+
+    /// The emission coefficient at a point, in W/m³/sr/nm at density 1.
+    pub fn at(&self, point: DVec3, nm: f64) -> f64 {
+        match self {
+            Self::Uniform { spectrum, .. } => spectrum.at(nm),
+            Self::Thermal(thermal) => {
+                let temperature = thermal.temperature.at(point);
+                if temperature > COLDEST_K { thermal.spectral(temperature, nm) } else { 0.0 }
+            }
+        }
+    }
+
+    /// The emission over the band at a point, in W/m³/sr at density 1. For thermal emission, also
+    /// the temperature in K.
+    pub fn band_at(&self, point: DVec3) -> (f64, Option<f64>) {
+        match self {
+            Self::Uniform { band, .. } => (*band, None),
+            Self::Thermal(thermal) => {
+                let temperature = thermal.temperature.at(point);
+                (thermal.band(temperature), Some(temperature))
+            }
+        }
+    }
+
+    /// The relative spectrum of the emission at a temperature in K: a density per nm with integral
+    /// 1 over the band.
+    pub fn spd_at(&self, temperature: f64, nm: f64) -> f64 {
+        match self {
+            Self::Uniform { spectrum, band } => spectrum.at(nm) / band,
+            Self::Thermal(thermal) => thermal.spectral(temperature, nm) / thermal.band(temperature),
+        }
+    }
+
+    /// The spectrum of the total emission, at any scale. `weights` are pairs of a temperature in K
+    /// and the amount of matter at this temperature.
+    pub fn mean_spectrum(&self, weights: impl Iterator<Item = (f64, f64)>) -> Spectrum {
+        match self {
+            Self::Uniform { spectrum, .. } => spectrum.clone(),
+            Self::Thermal(thermal) => {
+                let temperature_at =
+                    |i: usize| 1.0 / (thermal.inverse.0 + i as f64 / BINS_PER_STEP * thermal.inverse.1);
+                let mut bodies: Vec<(f64, f64)> =
+                    (0..=STEPS * BINS_PER_STEP as usize).map(|i| (temperature_at(i), 0.0)).collect();
+                for (temperature, weight) in weights.filter(|(temperature, _)| *temperature > COLDEST_K) {
+                    bodies[(BINS_PER_STEP * thermal.entry(temperature)).round() as usize].1 += weight;
+                }
+                bodies.retain(|(_, weight)| *weight > 0.0);
+                thermal.absorption.product(&Spectrum::blackbodies(&bodies))
+            }
+        }
+    }
+
+    /// Multiplies the emission by a factor. Thermal emission stays unchanged.
+    pub fn scale(&mut self, factor: f64) {
+        match self {
+            Self::Uniform { spectrum, .. } => *self = Self::uniform(spectrum.scaled(factor)),
+            Self::Thermal(_) => {}
+        }
+    }
+}
+
+impl ThermalEmission {
+    fn spectral(&self, temperature: f64, nm: f64) -> f64 {
+        self.absorption.at(nm) * planck(nm, temperature) * 1e-9
+    }
+
+    /// The position of a temperature among the entries, in steps.
+    fn entry(&self, temperature: f64) -> f64 {
+        ((1.0 / temperature - self.inverse.0) / self.inverse.1).clamp(0.0, STEPS as f64)
+    }
+
+    /// The emission over the band at a temperature in K, in W/m³/sr at density 1.
+    fn band(&self, temperature: f64) -> f64 {
+        if temperature <= COLDEST_K {
+            return 0.0;
+        }
+        let entry = self.entry(temperature);
+        let first = (entry as usize).min(STEPS - 1);
+        let share = entry - first as f64;
+        ((1.0 - share) * self.log_band[first] + share * self.log_band[first + 1]).exp()
+    }
+}

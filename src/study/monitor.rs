@@ -1,0 +1,25 @@
+//! The observer of a study, and the reasons for an early stop of a study.
+
+use crate::error::Error;
+use crate::render::Monitor;
+
+/// Receives the progress of a study: its steps, and the passes of each render.
+pub trait StudyMonitor: Monitor {
+    /// A step begins. If its result is cached, the step ends at once.
+    fn begin(&mut self, step: &str, cached: bool);
+}
+
+/// The reason for the early stop of a study.
+#[derive(Debug)]
+pub(super) enum StudyError {
+    /// The monitor stopped it.
+    Interrupted,
+    /// A step failed.
+    Failed(Error),
+}
+
+impl From<Error> for StudyError {
+    fn from(error: Error) -> Self {
+        Self::Failed(error)
+    }
+}

@@ -1,0 +1,127 @@
+//! Recommends settings for wanted errors, and predicts the time on this machine.
+
+use super::convergence::ConvergencePoint;
+use super::curves::ConvergenceCurve;
+use super::film::StudyFilm;
+use super::fit::PowerLawFit;
+use super::reference_choice::ReferenceProvenance;
+use super::study_scene::{RenderSettings, StudyScene};
+use super::sweep::{RenderTime, SettingSweep};
+use crate::render::Integrator;
+use serde::Serialize;
+
+/// The settings and the time for a wanted error.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Recommendation {
+    /// The relative mean square error.
+    pub relative_mse: f64,
+    /// The settings as text.
+    pub settings: String,
+    /// The number of passes for this error.
+    pub passes: u64,
+    /// The shell command that renders with these settings at the scene's own film size.
+    pub command: String,
+    /// Seconds at the study's film size.
+    pub seconds: f64,
+    /// Seconds at the scene's own film size, extrapolated from the number of pixels.
+    pub seconds_own_film: f64,
+    /// Whether the error is outside the measured range. If so, the numbers are extrapolated with
+    /// the theoretical slope.
+    pub extrapolated: bool,
+}
+
+/// The relative mean square errors of the table.
+pub const ERRORS: [f64; 6] = [0.1, 0.03, 0.01, 0.003, 0.001, 0.0003];
+
+/// The limit of extrapolation, as a multiple of the number of passes of the longest render.
+const MAX_EXTRAPOLATION: f64 = 1000.0;
+
+/// Settings with their measured errors.
+struct TriedSettings<'a> {
+    settings: RenderSettings,
+    points: Vec<&'a ConvergencePoint>,
+    render_time: RenderTime,
+    /// The expected slope of the error beyond the measurements, or `None` if the error hardly
+    /// falls.
+    slope: Option<f64>,
+}
+
+/// Returns the theoretical slope. If the errors of the last points fall more slowly, returns the
+/// slope of these points. If these errors hardly fall at all, returns `None`.
+fn slope_at_the_end(points: &[&ConvergencePoint], curve: &ConvergenceCurve) -> Option<f64> {
+    const LAST_POINTS: usize = 4;
+    const SHALLOWEST: f64 = -0.3;
+    let last = points[points.len().saturating_sub(LAST_POINTS)..].iter();
+    let fit = PowerLawFit::of(last.map(|point| (point.passes as f64, point.error.whole.value)))?;
+    (fit.slope < SHALLOWEST).then(|| curve.slopes_in_theory().into_iter().fold(fit.slope, f64::max))
+}
+
+/// Recommends settings for all predictable errors of the table.
+pub(super) fn table(
+    study_scene: &StudyScene,
+    film: &StudyFilm,
+    reference: &ReferenceProvenance,
+    curves: &[ConvergenceCurve; 2],
+    sweep: &SettingSweep,
+) -> Vec<Recommendation> {
+    let photons = sweep.runs.iter().map(|run| (run.settings(), &run.points, run.render_time, &curves[0]));
+    let path = RenderSettings { integrator: Integrator::Path, change: None };
+    // The path tracer is not recommended if it can never find some of the light.
+    let finds_all = reference.out_of_reach.is_none();
+    let path = finds_all.then(|| (path, &curves[1].points, RenderTime::of(&curves[1].stats), &curves[1]));
+    let tried: Vec<TriedSettings<'_>> = photons
+        .chain(path)
+        .map(|(settings, points, render_time, curve)| {
+            let points: Vec<&ConvergencePoint> =
+                points.iter().filter(|point| point.error.whole.is_significant()).collect();
+            let slope = slope_at_the_end(&points, curve);
+            TriedSettings { settings, points, render_time, slope }
+        })
+        .collect();
+    let row = |&error: &f64| {
+        let reached = tried.iter().filter_map(|tried| Some((tried.passes_to(error)?, tried, false)));
+        let reached = reached.min_by(|a, b| a.1.seconds(a.0).total_cmp(&b.1.seconds(b.0)));
+        let beyond = || {
+            let all = tried.iter().filter_map(|tried| Some((tried.passes_beyond(error)?, tried, true)));
+            all.min_by(|a, b| a.1.seconds(a.0).total_cmp(&b.1.seconds(b.0)))
+        };
+        let (passes, tried, extrapolated) = reached.or_else(beyond)?;
+        let passes = passes.ceil();
+        Some(Recommendation {
+            relative_mse: error,
+            settings: tried.settings.words(),
+            passes: passes as u64,
+            command: tried.settings.command(study_scene, passes as u64),
+            seconds: tried.seconds(passes),
+            seconds_own_film: tried.render_time.seconds(passes, film.pixel_ratio()),
+            extrapolated,
+        })
+    };
+    ERRORS.iter().filter_map(row).collect()
+}
+
+impl TriedSettings<'_> {
+    fn seconds(&self, passes: f64) -> f64 {
+        self.render_time.seconds(passes, 1.0)
+    }
+
+    /// Returns the number of passes at which the error was reached for the first time. The number
+    /// comes from logarithmic interpolation between two points.
+    fn passes_to(&self, error: f64) -> Option<f64> {
+        let value = |i: usize| self.points[i].error.whole.value;
+        let passes = |i: usize| self.points[i].passes as f64;
+        let i = (0..self.points.len()).find(|&i| value(i) <= error)?;
+        if i == 0 {
+            return Some(passes(0));
+        }
+        let share = (value(i - 1) / error).ln() / (value(i - 1) / value(i)).ln();
+        Some((passes(i - 1).ln() + share * (passes(i) / passes(i - 1)).ln()).exp())
+    }
+
+    /// Returns the number of passes needed for this error with the expected slope.
+    fn passes_beyond(&self, error: f64) -> Option<f64> {
+        let last = self.points.last()?;
+        let more = (error / last.error.whole.value).powf(1.0 / self.slope?);
+        (more < MAX_EXTRAPOLATION).then_some(more * last.passes as f64)
+    }
+}

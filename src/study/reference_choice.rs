@@ -1,0 +1,214 @@
+//! Chooses the integrator of the reference, and renders the reference.
+//!
+//! The noise of a reference can be measured and subtracted, but its bias cannot. The path tracer
+//! has no bias. The path tracer renders the reference if it can find all light in time. Otherwise
+//! photon mapping renders the reference. Its kernels have a tenth of the usual area, and therefore
+//! a tenth of the bias and more noise.
+
+use super::monitor::StudyError;
+use super::reference::ReferencePicture;
+use super::runner::{FinishedStep, RenderStep, Runner};
+use super::study_scene::integrator_title;
+use super::time_shares::TIME_SHARES;
+use crate::format::SceneFile;
+use crate::render::{Integrator, Job};
+use crate::scene::facts::Facts;
+use crate::sensor::Picture;
+use serde::Serialize;
+
+/// A reference picture and its provenance.
+#[derive(Debug, Clone)]
+pub struct ChosenReference {
+    /// The reference picture.
+    pub reference: ReferencePicture,
+    /// The provenance of the picture.
+    pub provenance: ReferenceProvenance,
+    /// Identifies the picture in the step cache.
+    pub(super) identity: String,
+}
+
+/// The method and the accuracy of a reference.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReferenceProvenance {
+    /// `path`, `photon` or `given`.
+    pub origin: &'static str,
+    /// The reason for this choice.
+    pub because: String,
+    /// The number of passes of both halves together, or 0 for a given picture.
+    pub passes: u64,
+    /// The total time of both halves in seconds, or 0 for a given picture.
+    pub seconds: f64,
+    /// The relative variance of the reference, which is subtracted from every error.
+    pub relative_variance: f64,
+    /// The relative variance in smooth regions, or null if there are too few.
+    pub smooth_relative_variance: Option<f64>,
+    /// The mean square of the reference's own bias estimate, relative in the same way as errors.
+    /// Errors near this value cannot be measured. The value is 0 for the path tracer.
+    pub relative_bias_square: f64,
+    /// The share of pixels in smooth regions.
+    pub smooth_share: Option<f64>,
+    /// The light out of reach of the path tracer, if there is any.
+    pub out_of_reach: Option<String>,
+}
+
+/// The kernel area of a photon-mapped reference, relative to the kernel area of the scene's
+/// settings.
+const KERNEL_SHARE: f64 = 0.1;
+
+/// Seed offsets of the two halves of the reference.
+const HALVES: [u64; 2] = [101, 102];
+
+/// Seed offsets of the two trial renders of each integrator.
+const TRIALS: [u64; 2] = [201, 202];
+
+/// The method of the reference.
+struct ReferenceOrigin {
+    /// `path`, `photon` or `given`.
+    integrator: &'static str,
+    because: String,
+    passes: u64,
+    seconds: f64,
+    out_of_reach: Option<String>,
+}
+
+/// The number of renders for the choice and for the reference itself.
+pub(super) fn steps(job: &Job, given: Option<&(String, Picture)>) -> usize {
+    match (given, out_of_reach(&Facts::of(&job.scene))) {
+        (Some(_), _) => 0,
+        (None, Some(_)) => 2,
+        (None, None) => 6,
+    }
+}
+
+/// A change that adds `offset` to the seed.
+pub(super) fn seed(job: &Job, offset: u64) -> String {
+    format!("render.seed={}", job.budget.seed.wrapping_add(offset) % (1 << 53))
+}
+
+impl ChosenReference {
+    /// Uses the given reference, or renders one.
+    pub(super) fn find(
+        runner: &mut Runner<'_>,
+        scene_file: &SceneFile,
+        job: &Job,
+        given: Option<&(String, Picture)>,
+        budget_seconds: f64,
+    ) -> Result<Self, StudyError> {
+        let out_of_reach = out_of_reach(&Facts::of(&job.scene));
+        if let Some((name, picture)) = given {
+            let because = format!("{name}, as requested; its noise is that of its error layer");
+            let identity = format!("{name} {:?}", picture.mean_y());
+            let origin = ReferenceOrigin { integrator: "given", because, passes: 0, seconds: 0.0, out_of_reach };
+            return Ok(Self::new(ReferencePicture::given(picture.clone()), origin, identity));
+        }
+        let (integrator, because) = match &out_of_reach {
+            Some(reason) => (Integrator::Photon, reason.clone()),
+            None => try_both(runner, job, budget_seconds)?,
+        };
+        let narrow = (integrator == Integrator::Photon).then(|| narrow_kernels(scene_file, job));
+        let halves = HALVES.iter().zip(["one", "two"]).map(|(&offset, half)| {
+            let words = format!("reference by {}, half {half}", integrator_title(integrator.word()));
+            let seconds = 0.5 * TIME_SHARES.reference * budget_seconds;
+            let step = RenderStep::new(&format!("reference-{half}"), &words, seconds).with_integrator(integrator);
+            let step = step.with_changes([seed(job, offset)]).with_changes(narrow.clone());
+            let identity = runner.identity(&step, &[], None);
+            runner.render(&step, None).map(|half| (half, identity))
+        });
+        let halves: Vec<(FinishedStep, String)> = halves.collect::<Result<_, StudyError>>()?;
+        let reference = ReferencePicture::of_halves([&halves[0].0.picture, &halves[1].0.picture]);
+        let passes = halves.iter().map(|(half, _)| half.result.stats.passes).sum();
+        let seconds = halves.iter().map(|(half, _)| half.result.stats.seconds.total).sum();
+        // Halves with equal settings may have different numbers of passes, because time limits
+        // them.
+        let identity = format!("{} {passes} {seconds:?}", halves[0].1);
+        let origin = ReferenceOrigin { integrator: integrator.word(), because, passes, seconds, out_of_reach };
+        Ok(Self::new(reference, origin, identity))
+    }
+
+    fn new(reference: ReferencePicture, origin: ReferenceOrigin, identity: String) -> Self {
+        let own = reference.own_variance();
+        let provenance = ReferenceProvenance {
+            origin: origin.integrator,
+            because: origin.because,
+            passes: origin.passes,
+            seconds: origin.seconds,
+            relative_variance: own.whole.value,
+            smooth_relative_variance: own.smooth.map(|smooth| smooth.value),
+            relative_bias_square: reference.estimated_bias_square(),
+            smooth_share: reference.smooth_share(),
+            out_of_reach: origin.out_of_reach,
+        };
+        Self { reference, provenance, identity }
+    }
+
+    /// The reference picture with its identity.
+    pub(super) fn identified(&self) -> Option<(&ReferencePicture, &str)> {
+        Some((&self.reference, &self.identity))
+    }
+}
+
+/// Returns a change that shrinks the kernels to a tenth of their area. The change applies to the
+/// number of photons within the first radius. If the scene fixes the radius, the change applies to
+/// the radius itself.
+fn narrow_kernels(scene_file: &SceneFile, job: &Job) -> String {
+    match scene_file.render.radius {
+        Some(radius) => format!("render.radius={}", KERNEL_SHARE.sqrt() * radius),
+        None => format!("render.nearest={}", ((f64::from(job.budget.nearest) * KERNEL_SHARE).round() as u32).max(4)),
+    }
+}
+
+/// Returns the reason why the path tracer cannot find some of the light, or `None` if it can find
+/// all light. The path tracer finds light through glass or from mirrors only if a path hits the
+/// light by chance.
+fn out_of_reach(facts: &Facts) -> Option<String> {
+    let cannot_be_hit = |name: &&String| !facts.hittable_lights.contains(name);
+    let (lamp, glass) = (facts.lights.iter().find(cannot_be_hit)?, facts.specular.first()?);
+    Some(format!(
+        "no path from the camera can hit {lamp} by chance, so the path tracer never finds its light through {glass}"
+    ))
+}
+
+/// Renders trials with both integrators, and predicts their errors after the time of the reference.
+/// Returns the integrator with the smaller error, and the reason.
+fn try_both(runner: &mut Runner<'_>, job: &Job, budget_seconds: f64) -> Result<(Integrator, String), StudyError> {
+    let seconds = TIME_SHARES.trial * budget_seconds / 4.0;
+    let mut pair = |integrator: Integrator| -> Result<ReferencePicture, StudyError> {
+        let mut one = |offset: u64, half: &str| {
+            let name = format!("trial-{}-{half}", integrator.word());
+            let words = format!("trial of {}, {half}", integrator_title(integrator.word()));
+            let step =
+                RenderStep::new(&name, &words, seconds).with_integrator(integrator).with_changes([seed(job, offset)]);
+            runner.render(&step, None)
+        };
+        let halves = [one(TRIALS[0], "one")?, one(TRIALS[1], "two")?];
+        Ok(ReferencePicture::of_halves([&halves[0].picture, &halves[1].picture]))
+    };
+    let (photon, path) = (pair(Integrator::Photon)?, pair(Integrator::Path)?);
+    // The time of the reference relative to the time of a trial. Variance falls in inverse
+    // proportion.
+    let longer = TIME_SHARES.reference * budget_seconds / (2.0 * seconds);
+    let (variance, photon_error) =
+        (path.own_variance().whole.value, photon.own_variance().whole.value + photon.estimated_bias_square());
+    // The difference between the two pictures, minus the path tracer's noise, has two causes: light
+    // that the path tracer has not found yet, and the bias of photon mapping.
+    let apart = photon.error_of(&path.picture).whole;
+    let missing = apart.value - variance;
+    let has_glass = !Facts::of(&job.scene).specular.is_empty();
+    let misses = has_glass && missing > 4.0 * photon_error.max(variance) && missing > 3.0 * apart.standard_error;
+    let (path_then, photon_then) = (variance / longer, photon_error / longer.powf(2.0 / 3.0));
+    Ok(if misses {
+        let because = format!(
+            "in a trial, the path tracer did not find all light through glass: its relative mean square difference from photon mapping was {:.3}, {:.1} times its noise",
+            apart.value,
+            apart.value / variance
+        );
+        (Integrator::Photon, because)
+    } else if path_then > 4.0 * photon_then {
+        let because = format!(
+            "after the time of the reference, the relative variance of the path tracer would be {path_then:.1e}, much more than the error {photon_then:.1e} of photon mapping"
+        );
+        (Integrator::Photon, because)
+    } else {
+        (Integrator::Path, format!("it has no bias, and would reach a relative variance of {path_then:.1e}"))
+    })
+}

@@ -1,0 +1,136 @@
+//! A point on a surface where a path scatters.
+
+use super::ray_state::RayState;
+use crate::geometry::{Hit, Ray, SurfaceId};
+use crate::math::frame::Frame;
+use crate::optics::bsdf::{Bsdf, InterfaceIors, ScatterEvent};
+use crate::scene::Scene;
+use crate::scene::medium_stack::MediumStack;
+use glam::DVec3;
+
+/// A path vertex on a surface, and all data for scattering (`SurfaceInteraction` in pbrt-v4).
+#[derive(Debug, Clone, Copy)]
+pub struct SurfaceInteraction<'a> {
+    /// The intersection.
+    pub hit: Hit,
+    /// The distance from the previous path vertex, in m.
+    pub distance_m: f64,
+    /// The direction in which the path arrived, unit.
+    pub incoming: DVec3,
+    /// The material's number.
+    pub material: usize,
+    /// The BSDF of the surface, or of the selected component of a mixed material.
+    pub bsdf: &'a Bsdf,
+    /// The shading frame ([`Hit::frame`]).
+    pub frame: Frame,
+    /// The direction back along the path, in the shading frame.
+    pub wo: DVec3,
+    /// The bodies on the side of arrival.
+    pub here: MediumStack,
+    /// The bodies on the other side.
+    pub there: MediumStack,
+    /// The refractive indices on both sides.
+    pub sides: InterfaceIors<'a>,
+    /// Whether the path crossed hidden faces since its previous vertex. A face is hidden if it is
+    /// inside a body of higher priority. Shadow rays stop at hidden faces, so next-event estimation
+    /// does not count such a path.
+    pub crossed_hidden_face: bool,
+}
+
+impl<'a> SurfaceInteraction<'a> {
+    /// Creates the interaction at a hit. `medium_stacks` holds the bodies on the side of the path
+    /// and on the other side; `component` in [0, 1) selects the component of a mixed material.
+    #[inline(always)]
+    pub(super) fn new(
+        scene: &'a Scene,
+        incoming: DVec3,
+        hit: Hit,
+        [here, there]: [MediumStack; 2],
+        component: f64,
+    ) -> Self {
+        let material = scene.objects[hit.object as usize].material;
+        let bsdf = scene.materials[material].surface.sample_component(component);
+        let frame = hit.frame(incoming);
+        Self {
+            distance_m: hit.t,
+            crossed_hidden_face: false,
+            incoming,
+            material,
+            bsdf,
+            wo: frame.to_local(-incoming),
+            frame,
+            here,
+            there,
+            sides: InterfaceIors { here: scene.index_in(&here), there: scene.index_in(&there) },
+            hit,
+        }
+    }
+
+    /// Returns the frame of the geometric normal, and the direction back along the path in that
+    /// frame. This frame replaces the shading frame if an interpolated normal sends a scattered
+    /// direction to the wrong side of the surface.
+    #[inline(always)]
+    pub(super) fn geometric_frame(&self) -> (Frame, DVec3) {
+        let frame = Frame::new(self.hit.normal);
+        (frame, frame.to_local(-self.incoming))
+    }
+
+    /// Returns a ray from the surface in a world direction; `medium_stack` holds the bodies around
+    /// that ray.
+    #[inline]
+    pub fn spawn_ray(&self, direction: DVec3, medium_stack: MediumStack) -> RayState {
+        RayState { ray: Ray { origin: self.hit.position, direction }, from: Some(self.hit.surface), medium_stack }
+    }
+
+    /// Whether `direction` leads back to the side of arrival.
+    #[inline]
+    pub fn leads_back(&self, direction: DVec3) -> bool {
+        self.hit.leads_back(self.incoming, direction)
+    }
+
+    /// Whether a scattered direction is on the correct side of the geometric surface: the side of
+    /// reflection or of transmission.
+    #[inline]
+    pub fn is_consistent(&self, direction: DVec3, event: ScatterEvent) -> bool {
+        self.leads_back(direction) == (event == ScatterEvent::Reflection)
+    }
+
+    /// Returns the bodies around the ray after a scattering event.
+    #[inline]
+    pub fn medium_stack_after(&self, event: ScatterEvent) -> MediumStack {
+        match event {
+            ScatterEvent::Reflection => self.here,
+            ScatterEvent::Transmission => self.there,
+        }
+    }
+
+    /// Returns the refractive indices as seen from the side of `direction`.
+    pub fn sides_towards(&self, direction: DVec3) -> InterfaceIors<'a> {
+        if self.leads_back(direction) {
+            self.sides
+        } else {
+            InterfaceIors { here: self.sides.there, there: self.sides.here }
+        }
+    }
+
+    /// Returns the bodies on the side of `direction`.
+    pub fn medium_stack_towards(&self, direction: DVec3) -> MediumStack {
+        if self.leads_back(direction) { self.here } else { self.there }
+    }
+
+    /// Casts a shadow ray. Returns true if no surface lies between this point and a light at
+    /// `distance` (m) along `direction`. `target` is the surface of the light, and does not occlude
+    /// the light.
+    #[inline(always)]
+    pub fn is_unoccluded(&self, scene: &Scene, direction: DVec3, distance: f64, target: Option<SurfaceId>) -> bool {
+        let ray = Ray { origin: self.hit.position, direction };
+        !scene.geometry.occluded(&ray, Some(self.hit.surface), target, distance)
+    }
+
+    /// Returns the correction for shading normals in particle tracing; see
+    /// [`Hit::adjoint_correction`].
+    #[inline]
+    pub fn adjoint_correction(&self, to_light: DVec3, to_camera: DVec3) -> f64 {
+        self.hit.adjoint_correction(&self.frame, to_light, to_camera)
+    }
+}

@@ -1,0 +1,196 @@
+//! Transmittance of media, as a function of wavelength.
+
+use super::medium_segment::{MediumSegment, for_each_segment};
+use super::ray_state::RayState;
+use crate::geometry::Ray;
+use crate::math::random::{Purpose, Stream};
+use crate::scene::Scene;
+use crate::scene::medium::{Medium, TransmittanceEstimator};
+use crate::spectrum::Spectrum;
+use smallvec::SmallVec;
+use std::ops::ControlFlow;
+
+/// The purpose of the random streams of ratio tracking. These streams share the purpose of camera
+/// paths. Their seed is a hash of the sample, so that they differ from the streams of paths.
+const RATIO_TRACKING: Purpose = Purpose::Camera;
+
+/// The transmittance of one segment as a function of wavelength.
+#[derive(Debug, Clone, Copy)]
+pub enum SegmentTransmittance<'a> {
+    /// Beer's law in clear glass or liquid.
+    Clear {
+        /// The absorption coefficient in 1/m.
+        absorption: &'a Spectrum,
+        /// The length in m.
+        length_m: f64,
+    },
+    /// Beer's law from the column density of a medium.
+    Column {
+        /// The medium.
+        medium: &'a Medium,
+        /// The column density: the integral of the relative density, in m.
+        column_m: f64,
+        /// The error of a column density computed by ray marching (estimate − exact), in m.
+        excess_m: f64,
+    },
+    /// Ratio tracking (Novák, Selle & Jarosz 2014, "Residual Ratio Tracking for Estimating
+    /// Attenuation in Participating Media"). It is unbiased at every wavelength, and all
+    /// wavelengths use the same random positions.
+    Tracked {
+        /// The medium.
+        medium: &'a Medium,
+        /// The ray.
+        ray: Ray,
+        /// The length in m.
+        length_m: f64,
+        /// The seed of the random positions.
+        seed: u64,
+    },
+}
+
+/// The transmittances of the segments along a path. More than three segments are rare.
+pub type PathTransmittance<'a> = SmallVec<[SegmentTransmittance<'a>; 3]>;
+
+impl<'a> SegmentTransmittance<'a> {
+    /// Creates the transmittance of `medium` along the first `length_m` of the ray. The medium
+    /// selects the method. Only tracking uses `seed`.
+    pub fn new(medium: &'a Medium, ray: Ray, length_m: f64, seed: u64) -> Self {
+        match medium.transmittance {
+            TransmittanceEstimator::Exact => {
+                Self::Column { medium, column_m: medium.column_m(&ray, length_m), excess_m: 0.0 }
+            }
+            TransmittanceEstimator::March { steps } => {
+                let column_m = medium.column_by_steps(&ray, length_m, steps);
+                Self::Column { medium, column_m, excess_m: column_m - medium.column_m(&ray, length_m) }
+            }
+            TransmittanceEstimator::Ratio => Self::Tracked { medium, ray, length_m, seed },
+        }
+    }
+
+    /// Returns the transmittance at the wavelength `nm`.
+    pub fn at(&self, nm: f64) -> f64 {
+        match *self {
+            Self::Clear { absorption, length_m } => {
+                let coefficient = absorption.at(nm);
+                if coefficient > 0.0 { (-coefficient * length_m).exp() } else { 1.0 }
+            }
+            Self::Column { medium, column_m, .. } => (-medium.optical_depth(nm, column_m)).exp(),
+            Self::Tracked { medium, ray, length_m, seed } => {
+                ratio_tracked(medium, &ray, length_m, medium.extinction.at(nm), seed)
+            }
+        }
+    }
+}
+
+/// Returns the error of the path's optical depth (estimate − exact) at the wavelength `nm`. The
+/// error comes from ray marching.
+#[inline]
+pub fn excess_optical_depth(path_transmittance: &[SegmentTransmittance<'_>], nm: f64) -> f64 {
+    let of_segment = |segment: &SegmentTransmittance<'_>| match *segment {
+        SegmentTransmittance::Column { medium, excess_m, .. } => {
+            excess_m.signum() * medium.optical_depth(nm, excess_m.abs())
+        }
+        SegmentTransmittance::Clear { .. } | SegmentTransmittance::Tracked { .. } => 0.0,
+    };
+    path_transmittance.iter().map(of_segment).sum()
+}
+
+/// Returns the relative bias of a transmittance if the optical depth has the error `excess` (δ).
+/// The estimate e^−(τ + δ) replaces e^−τ, so the bias relative to the estimate is 1 − e^δ.
+#[inline]
+pub fn bias_of_excess(excess: f64) -> f64 {
+    if excess == 0.0 { 0.0 } else { -excess.exp_m1() }
+}
+
+/// Returns the transmittance of the whole path at the wavelength `nm`.
+#[inline]
+pub fn transmittance(path_transmittance: &[SegmentTransmittance<'_>], nm: f64) -> f64 {
+    path_transmittance.iter().map(|segment| segment.at(nm)).product()
+}
+
+impl<'a> MediumSegment<'a> {
+    /// Returns the transmittances along the first `length_m` of the segment. Only tracking uses
+    /// `seed`.
+    pub fn path_transmittance(&self, length_m: f64, seed: u64) -> PathTransmittance<'a> {
+        self.transmittance_by(length_m, |medium| SegmentTransmittance::new(medium, self.ray, length_m, seed))
+    }
+
+    /// Returns the transmittances along the first `length_m` by ratio tracking. The reference path
+    /// tracer uses this function, because it must not depend on column densities.
+    pub fn path_transmittance_tracked(&self, length_m: f64, seed: u64) -> PathTransmittance<'a> {
+        self.transmittance_by(length_m, |medium| SegmentTransmittance::Tracked {
+            medium,
+            ray: self.ray,
+            length_m,
+            seed,
+        })
+    }
+
+    fn transmittance_by(
+        &self,
+        length_m: f64,
+        of_medium: impl FnOnce(&'a Medium) -> SegmentTransmittance<'a>,
+    ) -> PathTransmittance<'a> {
+        let clear = self.absorption.map(|absorption| SegmentTransmittance::Clear { absorption, length_m });
+        let filled = self.medium.map(|filling| of_medium(filling.medium));
+        clear.into_iter().chain(filled).collect()
+    }
+}
+
+/// Returns the transmittances along the first `length_m` of a ray. No surface may interrupt this
+/// part of the ray. Only tracking uses `seed`.
+pub fn path_transmittance<'a>(
+    scene: &'a Scene,
+    ray_state: RayState,
+    length_m: f64,
+    seed: u64,
+) -> PathTransmittance<'a> {
+    collect_segments(scene, ray_state, length_m, |segment| segment.path_transmittance(segment.length_m, seed))
+}
+
+/// Does the same as [`path_transmittance`], but uses ratio tracking in all media.
+pub fn path_transmittance_tracked<'a>(
+    scene: &'a Scene,
+    ray_state: RayState,
+    length_m: f64,
+    seed: u64,
+) -> PathTransmittance<'a> {
+    collect_segments(scene, ray_state, length_m, |segment| segment.path_transmittance_tracked(segment.length_m, seed))
+}
+
+fn collect_segments<'a>(
+    scene: &'a Scene,
+    ray_state: RayState,
+    length_m: f64,
+    of_segment: impl Fn(&MediumSegment<'a>) -> PathTransmittance<'a>,
+) -> PathTransmittance<'a> {
+    let mut path_transmittance = PathTransmittance::new();
+    let mut add = |segment: &MediumSegment<'a>| {
+        path_transmittance.extend(of_segment(segment));
+        ControlFlow::Continue(())
+    };
+    let _end = for_each_segment(scene, ray_state, length_m, &mut add);
+    path_transmittance
+}
+
+/// Estimates the transmittance as Π (1 − σ_t ρ(x_j)/σ̄) over the positions x_j of a Poisson process
+/// of rate σ̄. The rate σ̄ is the largest extinction over the band, times the bound of the density.
+fn ratio_tracked(medium: &Medium, ray: &Ray, length_m: f64, sigma_t: f64, seed: u64) -> f64 {
+    let Some((begin, end)) = medium.window(ray, length_m) else {
+        return 1.0;
+    };
+    let bound = medium.majorant(ray, length_m);
+    let rate = medium.largest_extinction() * bound;
+    if rate <= 0.0 {
+        return 1.0;
+    }
+    let mut stream = Stream::new(seed, RATIO_TRACKING, 0, 0);
+    let (mut t, mut transmittance) = (begin, 1.0);
+    loop {
+        t -= (-stream.uniform()).ln_1p() / rate;
+        if t >= end || transmittance <= 0.0 {
+            return transmittance;
+        }
+        transmittance *= 1.0 - sigma_t * medium.density_at(ray.at(t)) / rate;
+    }
+}

@@ -1,0 +1,170 @@
+//! `abbe lamps`: figures against independently computed values, text output, errors and the page.
+
+use crate::abbe_command::abbe;
+use crate::common::near::assert_near;
+use crate::golden::golden;
+
+const RED: &str = r#"{"lines": [{"nm": 620, "power": 1}]}"#;
+const GREEN: &str = r#"{"lines": [{"nm": 550, "power": 1}]}"#;
+/// Low-pressure sodium and its match from a red and a green line.
+const SODIUM: [&str; 5] = ["lamps", "sodium-low-pressure", "--match", RED, GREEN];
+
+#[test]
+fn lamps_and_their_matches_split_the_chart_as_far_as_computed() {
+    let folder = tempfile::tempdir().unwrap();
+    let golden = golden("metamers.json");
+    for (name, known) in golden["by_lamp"].as_object().unwrap() {
+        let lamp = name.replace("lamp HPS", "sodium-high-pressure");
+        let arguments = ["lamps", &lamp, "--match", "led/red", "led/green", "led/blue", "--json"];
+        let said = abbe(folder.path(), &arguments);
+        assert!(said.err.is_empty(), "{}", said.err);
+        let found = said.json();
+        for (i, known) in known["weights"].as_array().unwrap().iter().enumerate() {
+            assert_near(name, &found["match"]["weights"][i], known, 1e-6 * known.as_f64().unwrap());
+        }
+        assert!(found["match"]["reached"] == true && found["warning"].is_null());
+        assert!(found["match"]["delta_xy"].as_f64().unwrap() < 1e-9, "{found}");
+        let patches = known["patches"].as_object().unwrap();
+        assert_eq!(found["patches"].as_array().unwrap().len(), patches.len());
+        for (i, (title, known)) in patches.iter().enumerate() {
+            let patch = &found["patches"][i];
+            assert!(patch["name"].as_str().unwrap().starts_with("colorchecker/"), "{patch}");
+            assert_near(title, &patch["delta_e_2000"], &known["deltaE2000"], 1e-4);
+        }
+        assert_near(name, &found["delta_e_2000"]["mean"], &known["mean_deltaE2000"], 1e-4);
+        assert_near(name, &found["delta_e_2000"]["max"], &known["max_deltaE2000"], 1e-4);
+    }
+}
+
+#[test]
+fn sodium_against_red_and_green_has_the_golden_values() {
+    let folder = tempfile::tempdir().unwrap();
+    let known = golden("sodium_match.json");
+    let found = abbe(folder.path(), &[&SODIUM[..], &["--json"]].concat()).json();
+    for i in 0..2 {
+        assert_near("weight", &found["match"]["weights"][i], &known["weights"][i], 1e-6);
+    }
+    for key in ["delta_xy", "delta_y"] {
+        assert_near(key, &found["match"][key], &known[key], 1e-9);
+    }
+    assert_near("ΔE2000", &found["match"]["delta_e_2000"], &known["delta_e_2000"], 1e-5);
+    for (patch, (title, known)) in
+        found["patches"].as_array().unwrap().iter().zip(known["patches"].as_object().unwrap())
+    {
+        assert_near(title, &patch["delta_e_2000"], known, 1e-4);
+    }
+    let split = found["metameric_pairs"]["split"].as_array().unwrap();
+    assert_eq!(
+        (split.len() as u64, &found["metameric_pairs"]["of"]),
+        (known["pair_count"].as_u64().unwrap(), &780.into())
+    );
+    assert_eq!(split[0]["names"], serde_json::json!(["colorchecker/red", "TCS11"]));
+    for i in 0..2 {
+        assert_near("pair", &split[0]["delta_e_2000"][i], &known["largest_split"]["delta_e_2000"][i], 1e-4);
+    }
+}
+
+#[test]
+fn what_cannot_be_matched_is_said_in_words_and_in_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = abbe(folder.path(), &SODIUM);
+    assert_eq!(said.status, 0);
+    assert!(
+        said.err.starts_with("warning: sodium-low-pressure cannot be matched with a line at 620 nm"),
+        "{}",
+        said.err
+    );
+    assert!(said.err.contains("Δxy 0.00098") && said.err.lines().count() == 1, "{}", said.err);
+    assert!(said.out.contains("inexact: Δxy 0.00098, ΔE2000 0.77"), "{}", said.out);
+    let json = abbe(folder.path(), &[&SODIUM[..], &["--json"]].concat()).json();
+    assert!(
+        json["match"]["reached"] == false && json["warning"].as_str().unwrap().contains("cannot be matched"),
+        "{json}"
+    );
+}
+
+#[test]
+fn two_lamps_are_described_as_spectrum_describes_each() {
+    let folder = tempfile::tempdir().unwrap();
+    let both = abbe(folder.path(), &["lamps", "d65", "FL2", "--observer", "cie1964", "--json"]).json();
+    for (key, name) in [("a", "D65"), ("b", "FL2")] {
+        assert_eq!(both[key], abbe(folder.path(), &["spectrum", name, "--observer", "cie1964", "--json"]).json());
+    }
+    assert!(both["match"].is_null() && both["warning"].is_null());
+    let with_match =
+        ["lamps", "d65", "FL2", "--observer", "cie1964", "--json", "--match", "led/red", "led/green", "led/blue"];
+    let with_match = abbe(folder.path(), &with_match).json();
+    assert_eq!(with_match["patches"], both["patches"], "a match beside B leaves the comparison with B as it is");
+    assert_eq!(with_match["match"]["weights"].as_array().unwrap().len(), 3);
+    assert!(both["lights"]["delta_xy"].as_f64().unwrap() > 0.05 && both["lights"]["delta_e_2000"].is_f64());
+    let same = abbe(folder.path(), &["lamps", "D65", "D65", "--json"]).json();
+    assert_eq!((&same["delta_e_2000"]["max"], &same["lights"]["delta_xy"]), (&0.0.into(), &0.0.into()));
+    assert_eq!(same["metameric_pairs"]["split"], serde_json::json!([]));
+}
+
+#[test]
+fn the_words_form_a_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = abbe(folder.path(), &["lamps", "A", "D65"]);
+    assert!(said.status == 0 && said.err.is_empty(), "{}", said.err);
+    for words in ["CIE 15", "CCT           2855", "6502.6 K", "orange-yellow ", "mean ", "largest ", "\n  none\n"] {
+        assert!(said.out.contains(words), "{words}: {}", said.out);
+    }
+    assert!(said.out.lines().all(|line| line.trim_end() == line), "{}", said.out);
+    let split = abbe(folder.path(), &["lamps", "D65", "sodium-low-pressure"]).out;
+    assert!(split.contains("red and TCS11 ") && split.contains("… and 37 more (--json)"), "{split}");
+}
+
+#[test]
+fn wrong_lamps_are_answered_with_a_hint() {
+    let folder = tempfile::tempdir().unwrap();
+    let lamps = |arguments: &[&str]| abbe(folder.path(), &[&["lamps"], arguments].concat());
+    lamps(&["sodium-low-presure", "D65"]).is_error(2, &["did you mean \"sodium-low-pressure\""]);
+    lamps(&["D65", "D66"]).is_error(2, &["D66", "did you mean \"D65\""]);
+    lamps(&["D65", "--match", "led/red", "led/gren"]).is_error(2, &["led/gren", "did you mean \"led/green\""]);
+    lamps(&["D65", r#"{"blackbody": {"temperature": -3}}"#]).is_error(2, &["blackbody.temperature", "-3"]);
+    lamps(&["D65"]).is_error(2, &["required", "B", "--match"]);
+    lamps(&["D65", "--match"]).is_error(2, &["--match"]);
+    lamps(&["D65", "no/such.csv"]).is_error(2, &["no/such.csv"]);
+    std::fs::write(folder.path().join("dark.csv"), "nm,value\n360,0\n830,0\n").unwrap();
+    lamps(&["D65", "dark.csv"]).is_error(2, &["lights[1]", "without luminance"]);
+    lamps(&["D65", "--match", "led/red", "dark.csv"]).is_error(2, &["primaries[1]", "without colour"]);
+    lamps(&["D65", "A", "--observer", "cat"]).is_error(2, &["cat", "cie1931"]);
+    lamps(&["D65", "A", "--html", "no/folder.html"]).is_error(1, &["no/folder.html"]);
+}
+
+#[test]
+fn the_lamp_page_is_complete_and_self_contained() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = [&SODIUM[..], &["--html", "page.html"]].concat();
+    assert_eq!(abbe(folder.path(), &arguments).status, 0);
+    let names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(names, ["page.html"]);
+    let page = std::fs::read_to_string(folder.path().join("page.html")).unwrap();
+    assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>"));
+    for words in [
+        "<title>sodium-low-pressure against its match from a line at 620 nm and a line at 550 nm</title>",
+        "NIST Atomic Spectra Database",
+        "wavelength in nm",
+        "line power; 1 is 1.273 mW/lm",
+        "cannot be matched",
+        "prefers-color-scheme: dark",
+        "orange-yellow",
+        "Metameric pairs that split",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    // Two spectra and the chromaticity diagram; 24 patches with and without adaptation, 12 pairs
+    // under two lamps, 24 in the table.
+    assert_eq!(page.matches("<svg ").count(), 3);
+    assert_eq!(page.matches("class=\"pair\"").count(), 2 * 24 + 2 * 12);
+    assert_eq!(page.matches("class=\"swatch\"").count(), 24);
+    let elsewhere = page.replace("http://www.w3.org/2000/svg", "");
+    assert!(!elsewhere.contains("http") && !page.contains("<script") && !page.contains("NaN"));
+    // Text from the user is escaped and never becomes markup.
+    let odd = r#"{"file": "<b>&.csv"}"#;
+    std::fs::write(folder.path().join("<b>&.csv"), "nm,value\n360,1\n830,1\n").unwrap();
+    assert_eq!(abbe(folder.path(), &["lamps", odd, "D65", "--html", "page.html"]).status, 0);
+    let page = std::fs::read_to_string(folder.path().join("page.html")).unwrap();
+    assert!(page.contains("&lt;b&gt;&amp;.csv") && !page.contains("<b>&.csv"));
+}

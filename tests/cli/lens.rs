@@ -1,0 +1,132 @@
+//! The command `abbe lens`.
+
+use crate::abbe_command::abbe;
+
+const LENS: &str = r#"{"surfaces": [
+  {"radius_mm": 100, "thickness_mm": 5, "ior": "N-BK7", "semi_aperture_mm": 10, "stop": true},
+  {"radius_mm": -100, "thickness_mm": 0, "ior": 1, "semi_aperture_mm": 10.2}
+]}"#;
+
+#[test]
+fn a_lens_has_its_stated_figures() {
+    let folder = tempfile::tempdir().unwrap();
+    let lens = abbe(folder.path(), &["lens", "double-gauss", "--json"]).json();
+    // The values come from tests/golden/lenses.json.
+    for (key, value) in
+        [("efl_mm", 100.0037297), ("bfd_mm", 61.4874933), ("fc_shift_mm", -0.1459071452), ("f_number", 2.000074593)]
+    {
+        let found = lens[key].as_f64().unwrap();
+        assert!((found / value - 1.0).abs() < 1e-6, "{key}: {found}");
+    }
+    for key in ["name", "source", "length_mm", "entrance_pupil", "exit_pupil", "lines", "half_field_deg", "surfaces"] {
+        assert!(!lens[key].is_null(), "{key}");
+    }
+    let fields = lens["fields"].as_array().unwrap();
+    assert_eq!(fields.len(), 3);
+    assert!(fields.iter().all(|field| field["spots"][1]["rms_mm"].as_f64().unwrap() > 0.01));
+    assert!(fields[0]["distortion"].is_null() && fields[2]["lateral_colour_mm"].is_f64());
+    let text = abbe(folder.path(), &["lens", "double-gauss"]);
+    for words in ["double Gauss f/2 f100", "focal length    100.0037 mm", "entrance pupil", "14.00°", "µm", "source"]
+    {
+        assert!(text.out.contains(words), "{}", text.out);
+    }
+}
+
+#[test]
+fn files_are_read_as_built_in_lenses_are() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("own.json"), LENS).unwrap();
+    let own = abbe(folder.path(), &["lens", "own.json", "--field", "5", "--json"]).json();
+    let known = abbe(folder.path(), &["lens", "singlet", "--json"]).json();
+    assert_eq!(own["name"], "own");
+    for key in ["efl_mm", "bfd_mm", "fc_shift_mm", "f_number"] {
+        assert_eq!(own[key], known[key], "{key}");
+    }
+    let spot = |lens: &serde_json::Value| lens["fields"][0]["spots"][1]["rms_mm"].as_f64().unwrap();
+    assert!((spot(&own) / spot(&known) - 1.0).abs() < 1e-9);
+    assert_eq!(own["fields"][2]["angle_deg"], 5.0);
+}
+
+const AGF: &str = "CC own glasses\nNM OWN-7 2 517642 1.5168 64.17 0 1\nCD 1.03961212 6.00069867E-3 0.231792344 2.00179144E-2 1.01046945 1.03560653E+2 0 0 0 0\n\
+    LD 0.31 2.325\nNM ODD 13 0 1.5 60\nCD 1\nLD 0.3 2\n";
+
+const ZMX: &str = "MODE SEQ\nUNIT MM\nGCAT SHOP\nENPD 20\nSURF 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  CURV 0.01\n  DISZ 5\n  GLAS OWN-7\n  DIAM 10\n\
+    SURF 2\n  CURV -0.01\n  DISZ 95\n  DIAM 10.2\nSURF 3\n  DISZ 0\n";
+
+#[test]
+fn glasses_come_from_catalogues_named_or_lying_beside() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("own.zmx"), ZMX).unwrap();
+    std::fs::write(folder.path().join("mine.agf"), AGF).unwrap();
+    abbe(folder.path(), &["lens", "own.zmx"]).is_error(2, &["own.zmx:11:1", "unknown glass \"OWN-7\"", ".agf"]);
+    let efl = |arguments: &[&str]| abbe(folder.path(), arguments).json()["efl_mm"].as_f64().unwrap();
+    let known = efl(&["lens", "singlet", "--json"]);
+    assert!((efl(&["lens", "own.zmx", "--glasses", "mine.agf", "--json"]) / known - 1.0).abs() < 1e-9);
+    std::fs::rename(folder.path().join("mine.agf"), folder.path().join("shop.AGF")).unwrap();
+    assert!((efl(&["lens", "own.zmx", "--json"]) / known - 1.0).abs() < 1e-9);
+    std::fs::write(
+        folder.path().join("own.json"),
+        LENS.replace("\"N-BK7\"", r#"{"glass": {"path": "shop.AGF", "name": "OWN-7"}}"#),
+    )
+    .unwrap();
+    assert!((efl(&["lens", "own.json", "--json"]) / known - 1.0).abs() < 1e-9);
+
+    let glass = |arguments: &[&str]| abbe(folder.path(), &[&["glass", "--catalogue", "shop.AGF"], arguments].concat());
+    let json = glass(&["own-7", "--at", "550", "--json"]).json();
+    assert!((json["nd"].as_f64().unwrap() - 1.5168).abs() < 1e-5 && json["sellmeier"]["b"][0] == 1.03961212);
+    assert!(json["cauchy"]["max_error"].as_f64().unwrap() < 1e-3 && json["n"][0]["nm"] == 550.0);
+    glass(&["ODD"]).is_error(2, &["shop.AGF:5:1", "formula 13 of ODD is not supported", "1 to 12"]);
+    glass(&["OWN-8"]).is_error(2, &["unknown glass \"OWN-8\"", "OWN-7"]);
+    let list = glass(&["--list"]);
+    assert!(list.out.starts_with("OWN-7") && list.err.contains("formula 13 of ODD"), "{} {}", list.out, list.err);
+}
+
+#[test]
+fn the_section_is_drawn_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    // At 85°, the bundle of the fisheye is so narrow that its outer rays do not pass in all lines.
+    for (name, elements, rays) in
+        [("double-gauss", 6, 60), ("singlet", 1, 60), ("cemented achromat", 2, 60), ("fisheye", 9, 56)]
+    {
+        assert_eq!(abbe(folder.path(), &["lens", name, "--svg", "lens.svg"]).status, 0);
+        let svg = std::fs::read_to_string(folder.path().join("lens.svg")).unwrap();
+        assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n") && !svg.contains("NaN"));
+        assert_eq!(svg.matches("class=\"glass\"").count(), elements, "{name}");
+        // Two bundles of five rays in three lines, drawn once in the lens and once in the
+        // enlargement.
+        assert_eq!(svg.matches("class=\"ray\"").count(), rays, "{name}");
+    }
+}
+
+#[test]
+fn the_list_names_every_lens() {
+    let folder = tempfile::tempdir().unwrap();
+    let list = abbe(folder.path(), &["lens", "--list"]);
+    assert!(list.out.lines().any(|line| line.starts_with("Tessar f/4.5 ")) && list.err.is_empty());
+    let json = abbe(folder.path(), &["lens", "--list", "--json"]).json();
+    assert_eq!(json["lenses"].as_array().unwrap().len(), list.out.lines().count());
+}
+
+#[test]
+fn what_is_no_lens_is_answered_with_a_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let lens = |arguments: &[&str]| abbe(folder.path(), &[&["lens"], arguments].concat());
+    lens(&["tesar"]).is_error(2, &["unknown lens \"tesar\"", "abbe lens --list", "did you mean \"Tessar\""]);
+    lens(&[]).is_error(2, &["NAME|FILE"]);
+    lens(&["no/such.json"]).is_error(2, &["no/such.json: cannot be read"]);
+    lens(&["no/such.zmx"]).is_error(2, &["no/such.zmx: cannot be read"]);
+    lens(&["tessar", "--field", "90"]).is_error(2, &["--field", "below 90"]);
+    lens(&["double-gauss", "--field", "60"]).is_error(2, &["no ray at 60 degrees", "a field below 44.3"]);
+    lens(&["tessar", "--svg", "no/folder.svg"]).is_error(1, &["no/folder.svg: cannot be written"]);
+    for (from, to, words) in [
+        ("N-BK7", "N-BK8", &["bad.json:2:", "surfaces[0].ior", "did you mean"][..]),
+        (", \"stop\": true", "", &["bad.json:1:", "found no stop"]),
+        ("-100", "-9", &["bad.json:3:", "surfaces[1].radius_mm"]),
+        ("\"radius_mm\": 100", "\"radius_mm\": -50", &["forms no image"]),
+    ] {
+        std::fs::write(folder.path().join("bad.json"), LENS.replace(from, to)).unwrap();
+        lens(&["bad.json"]).is_error(2, words);
+    }
+    std::fs::write(folder.path().join("bad.zmx"), "MODE NSC\n").unwrap();
+    lens(&["bad.zmx"]).is_error(2, &["bad.zmx:1:1: the mode NSC is not supported"]);
+}

@@ -1,0 +1,26 @@
+//! The command line: what `abbe` prints, writes and returns, run as a user runs it.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod abbe_command;
+mod browser;
+#[path = "../common/mod.rs"]
+#[expect(dead_code, reason = "other tests use the rest")]
+mod common;
+#[path = "../golden/mod.rs"]
+mod golden;
+mod study_scene;
+
+mod checkpoints;
+mod diffraction;
+mod explain;
+mod film;
+mod frames;
+mod lamps;
+mod lens;
+mod library;
+mod pages;
+mod pictures;
+mod render;
+mod spectral_exr;
+mod study;

@@ -1,0 +1,24 @@
+//! Tests without renders: data and formulas against independently computed values, laws that hold
+//! for all arguments, the scene language, and the structure of the source.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+#[path = "../common/mod.rs"]
+#[expect(dead_code, reason = "other tests use the rest")]
+mod common;
+#[path = "../golden/mod.rs"]
+mod golden;
+
+mod architecture;
+mod bad_scenes;
+mod colour_golden;
+mod colour_properties;
+mod diamond_mesh;
+mod lens_golden;
+mod lens_properties;
+mod media_golden;
+mod media_scene;
+mod optics_golden;
+mod pure_properties;
+mod scene_file;
+mod spectrum_contract;
