@@ -36,6 +36,16 @@ const CELLS: usize = 32;
 /// Probes along each side of a cell.
 const PROBES: usize = 4;
 
+/// Probes along each side of the box.
+const PROBED: usize = CELLS * PROBES;
+
+/// The ray along a row of probes passes the probes at this distance, as a share of the distance
+/// between probes. The ray then does not run along an edge of a mesh.
+const BESIDE: f64 = 1e-6;
+
+/// A direction that is unlikely to be parallel to an edge or a face.
+const OBLIQUE: DVec3 = DVec3::new(0.391_827, 0.803_153, 0.448_713);
+
 /// The share of points sampled uniformly over all cells.
 const DEFENSIVE_SHARE: f64 = 0.05;
 
@@ -83,19 +93,18 @@ impl VolumeLight {
         };
         let mut by_temperature = Vec::new();
         let mut emitted = vec![0.0; CELLS.pow(3)];
-        let side = (CELLS * PROBES) as f64;
-        let cell_of = |probe: DVec3| {
-            let [x, y, z] = (probe / PROBES as f64).to_array().map(|place| place as usize);
-            x + CELLS * (y + CELLS * z)
-        };
-        for number in 0..(CELLS * PROBES).pow(3) {
-            let n = CELLS * PROBES;
-            let probe = DVec3::new((number % n) as f64, (number / n % n) as f64, (number / (n * n)) as f64) + 0.5;
-            let point = from_unit.transform_point3(probe / side);
-            let (density, (band, temperature)) = (medium.density_at(point), emission.band_at(point));
-            if density * band > 0.0 && light.contains(point) {
-                emitted[cell_of(probe)] += density * band;
-                by_temperature.extend(temperature.map(|temperature| (temperature, density)));
+        let cell_of = |[x, y, z]: [usize; 3]| x / PROBES + CELLS * (y / PROBES + CELLS * (z / PROBES));
+        for row in 0..PROBED.pow(2) {
+            let (y, z) = (row % PROBED, row / PROBED);
+            let points = [0, 1].map(|x| light.probe([x, y, z]));
+            let inside = light.inside_along(points[0], points[1] - points[0]);
+            for x in (0..PROBED).filter(|&x| inside[x]) {
+                let point = light.probe([x, y, z]);
+                let (density, (band, temperature)) = (medium.density_at(point), emission.band_at(point));
+                if density * band > 0.0 {
+                    emitted[cell_of([x, y, z])] += density * band;
+                    by_temperature.extend(temperature.map(|temperature| (temperature, density)));
+                }
             }
         }
         let sum: f64 = emitted.iter().sum();
@@ -103,7 +112,7 @@ impl VolumeLight {
         // The body's surface may cut cells in which no probe found emission.
         let shares = emitted.iter().map(|here| (1.0 - DEFENSIVE_SHARE) * here + DEFENSIVE_SHARE * mean);
         light.cells = DiscreteDistribution::new(shares)?;
-        let probed_m3 = light.box_m3() / side.powi(3);
+        let probed_m3 = light.box_m3() / (PROBED as f64).powi(3);
         light.power_w = 4.0
             * PI
             * match (body_volume, medium.is_uniform()) {
@@ -188,15 +197,40 @@ impl VolumeLight {
         self.from_unit.matrix3.determinant().abs()
     }
 
-    /// Whether a point lies inside the body. A ray from an inside point leaves the body more often
-    /// than it enters.
+    /// The centre of a probe.
+    fn probe(&self, place: [usize; 3]) -> DVec3 {
+        let [x, y, z] = place.map(|place| place as f64 + 0.5);
+        self.from_unit.transform_point3(DVec3::new(x, y, z) / PROBED as f64)
+    }
+
+    /// Returns which probes of a row lie inside the body. One ray along the row finds all crossings
+    /// of the surface.
+    fn inside_along(&self, first: DVec3, step: DVec3) -> [bool; PROBED] {
+        let Some(body) = &self.body else { return [true; PROBED] };
+        let (direction, spacing) = step.normalize_and_length();
+        let beside = BESIDE * spacing * OBLIQUE;
+        let mut crossings = Vec::new();
+        body.for_each_hit(&Ray::new(first + beside, direction), None, |hit| {
+            crossings.push((hit.t, leaves(hit.normal, direction)));
+        });
+        std::array::from_fn(|x| {
+            let ahead = crossings.iter().filter(|(t, _)| *t > x as f64 * spacing);
+            ahead.map(|(_, leaves)| leaves).sum::<i32>() > 0
+        })
+    }
+
+    /// Returns true if a point lies inside the body. A ray from an inside point leaves the body more
+    /// often than it enters.
     fn contains(&self, point: DVec3) -> bool {
         let Some(body) = &self.body else { return true };
-        let direction = DVec3::new(0.391_827, 0.803_153, 0.448_713).normalize();
-        let mut leaves = 0;
-        body.for_each_hit(&Ray::new(point, direction), None, |hit| {
-            leaves += if hit.normal.dot(direction) > 0.0 { 1 } else { -1 };
-        });
-        leaves > 0
+        let direction = OBLIQUE.normalize();
+        let mut balance = 0;
+        body.for_each_hit(&Ray::new(point, direction), None, |hit| balance += leaves(hit.normal, direction));
+        balance > 0
     }
+}
+
+/// 1 if a ray leaves the body at a surface with this normal, −1 if it enters.
+fn leaves(normal: DVec3, direction: DVec3) -> i32 {
+    if normal.dot(direction) > 0.0 { 1 } else { -1 }
 }

@@ -69,6 +69,22 @@ impl Noise {
     }
 }
 
+/// The directions from the centre of a cube to the midpoints of its edges.
+const GRADIENTS: [DVec3; 12] = [
+    DVec3::new(1.0, 1.0, 0.0),
+    DVec3::new(1.0, -1.0, 0.0),
+    DVec3::new(-1.0, 1.0, 0.0),
+    DVec3::new(-1.0, -1.0, 0.0),
+    DVec3::new(1.0, 0.0, 1.0),
+    DVec3::new(1.0, 0.0, -1.0),
+    DVec3::new(-1.0, 0.0, 1.0),
+    DVec3::new(-1.0, 0.0, -1.0),
+    DVec3::new(0.0, 1.0, 1.0),
+    DVec3::new(0.0, 1.0, -1.0),
+    DVec3::new(0.0, -1.0, 1.0),
+    DVec3::new(0.0, -1.0, -1.0),
+];
+
 /// Gradient noise with pseudorandom gradients at the points of the unit lattice; 0 on these points.
 fn gradient_noise(place: DVec3, seed: u64) -> f64 {
     let corner = place.floor();
@@ -77,22 +93,8 @@ fn gradient_noise(place: DVec3, seed: u64) -> f64 {
     let slope = |x: f64, y: f64, z: f64| {
         let offset = DVec3::new(x, y, z);
         let [x, y, z] = (corner + offset).to_array().map(|c| c as i64 as u64 & 0x1f_ffff);
-        let [a, b, c] = (within - offset).to_array();
-        // One of the twelve directions to the midpoints of a cube's edges.
-        match mix64(seed ^ mix64(x | y << 21 | z << 42)) % 12 {
-            0 => a + b,
-            1 => a - b,
-            2 => b - a,
-            3 => -a - b,
-            4 => a + c,
-            5 => a - c,
-            6 => c - a,
-            7 => -a - c,
-            8 => b + c,
-            9 => b - c,
-            10 => c - b,
-            _ => -b - c,
-        }
+        let hash = mix64(seed ^ mix64(x | y << 21 | z << 42));
+        GRADIENTS[(hash % GRADIENTS.len() as u64) as usize].dot(within - offset)
     };
     let mix = |a: f64, b: f64, share: f64| a + share * (b - a);
     let along_x = |y: f64, z: f64| mix(slope(0.0, y, z), slope(1.0, y, z), share.x);
