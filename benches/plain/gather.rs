@@ -7,9 +7,10 @@ use abbe::map::kernel::DiskKernel;
 use abbe::map::radius::least;
 use abbe::map::{LightMaps, PixelRadii, SetMaps};
 use abbe::optics::bsdf::{BsdfClass, InterfaceIors, TransportMode};
+use abbe::plan::Tally;
 use abbe::scene::light::{EmittedSpd, Light};
 use abbe::spectrum::{LANES, REFERENCE_NM};
-use abbe::walk::{Sink, Tally};
+use abbe::walk::Sink;
 use glam::DVec3;
 
 /// The kernel radius; kernels contain about 50 photons.
@@ -33,8 +34,8 @@ fn pixels(prepared: &Prepared, count: u64) -> impl Iterator<Item = u64> {
     (0..count).map(move |number| number * 7919 % all)
 }
 
-/// Gathers by hand: a pinhole camera, one area light, opaque walls that scatter or absorb, clear air,
-/// and indirect photons.
+/// Gathers by hand: a pinhole camera, one area light, opaque walls that scatter or absorb, clear
+/// air, and indirect photons.
 pub(crate) fn plain(prepared: &Prepared, maps: &SetMaps, count: u64) -> f64 {
     let (scene, mut total) = (&prepared.scene, Total(0.0));
     let (world, light) = (scene.extent(), &scene.lights[0]);

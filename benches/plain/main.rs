@@ -1,11 +1,11 @@
 //! The cost of generality in the two inner loops.
 //!
 //! The scene is a box of diffuse walls. Each inner loop runs twice: as the renderer runs it, and
-//! written by hand for such a box, without any branch for features that the box lacks. Both versions
-//! use the same random numbers and must compute the same light.
+//! written by hand for such a box, without any branch for features that the box lacks. Both
+//! versions use the same random numbers and must compute the same light.
 //!
-//! `cargo bench --bench plain` checks that both versions agree. To count instructions, run the built
-//! executable under valgrind: `valgrind --tool=callgrind --callgrind-out-file=/dev/null
+//! `cargo bench --bench plain` checks that both versions agree. To count instructions, run the
+//! built executable under valgrind: `valgrind --tool=callgrind --callgrind-out-file=/dev/null
 //! target/release/deps/plain-… walk general 20000`, then the same with `plain`. Run both with 0
 //! photons too, which gives the cost of preparing the scene. The measured counts are in
 //! `benches/README.md`.

@@ -3,7 +3,7 @@
 use super::scenes::{Prepared, Total, camera_pass, load};
 use abbe::gather::{DirectLighting, Outlines, PathBuffers, PathTracer, PixelSampler};
 use abbe::map::{LightMaps, PixelRadii};
-use abbe::walk::Tally;
+use abbe::plan::Tally;
 use criterion::{Criterion, Throughput};
 
 /// Every this many pixels one is sampled.

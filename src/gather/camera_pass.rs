@@ -6,12 +6,11 @@ use super::density::outline::Outlines;
 use super::direct::lighting::DirectLighting;
 use crate::map::radius::RadiusScales;
 use crate::map::{LightMaps, PixelRadii, SetMaps};
-use crate::plan::Plan;
 use crate::plan::partition::PerSet;
+use crate::plan::{Plan, Tally};
 use crate::scene::Scene;
 use crate::scene::camera::SystemAt;
 use crate::spectrum::{LANES, Lanes};
-use crate::walk::Tally;
 
 /// The inputs common to all camera paths of one pass.
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! The photons of a set, stored on surfaces and in media.
 
 use crate::map::{ClassMaps, Photon, PhotonBeam, PhotonMap, SetMaps, VolumeMap, VolumeMaps, VolumePhoton};
-use crate::plan::partition::PerClass;
+use crate::plan::partition::{PerClass, PhotonClass};
 
 /// A photon and its position in m, relative to the scene's centre.
 pub(super) type PositionedPhoton = (Photon, [f32; 3]);
@@ -38,10 +38,10 @@ impl PhotonDeposits {
     /// Appends photons. The order of the photons decides the layout of the maps, so callers append
     /// the parts of a set in a fixed order.
     pub(super) fn append(&mut self, other: &Self) {
-        self.surface.caustic.extend_from_slice(&other.surface.caustic);
-        self.surface.indirect.extend_from_slice(&other.surface.indirect);
-        self.volume.caustic.append(&other.volume.caustic);
-        self.volume.indirect.append(&other.volume.indirect);
+        for class in PhotonClass::ALL {
+            self.surface[class].extend_from_slice(&other.surface[class]);
+            self.volume[class].append(&other.volume[class]);
+        }
     }
 
     /// Moves the photons into maps.

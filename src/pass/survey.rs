@@ -68,7 +68,7 @@ impl PixelSurvey {
             let request = EmissionRequest { wavelengths, count: photons[set], purpose: Purpose::Pilot, pass };
             let source = context.photon_source(scene, aims, request);
             let mut deposits = trace_photons(&source, plan, set, KEEP_ALL, || blank.splat_sink()).deposits;
-            stored = DepositCounts::max_per_class(stored, DepositCounts::of(&deposits));
+            stored = stored.zip_with(DepositCounts::of(&deposits), DepositCounts::max);
             let kept = thin_out_for_pilot(&mut deposits);
             PilotMaps { maps: deposits.into_maps(), kept }
         });
@@ -165,7 +165,7 @@ impl PixelSurvey {
     }
 
     fn add_counts(&mut self, stored: PerClass<DepositCounts>, readers: PerSet<u64>) {
-        self.stored = DepositCounts::max_per_class(self.stored, stored);
+        self.stored = self.stored.zip_with(stored, DepositCounts::max);
         self.readers.free += readers.free;
         self.readers.shared += readers.shared;
     }

@@ -4,7 +4,7 @@ use super::deposits::PhotonDeposits;
 use super::keep_probability::KeepProbability;
 use super::recorder::PhotonRecorder;
 use crate::emit::{PhotonSource, trace};
-use crate::plan::partition::{PerClass, PhotonSet};
+use crate::plan::partition::{PerClass, PhotonClass, PhotonSet};
 use crate::plan::{Plan, Tally};
 use crate::sensor::SplatSink;
 use crate::walk::ledger::Ledger;
@@ -51,9 +51,10 @@ pub(super) fn trace_photons(
         })
         .collect();
     let mut traced = TracedPhotons::default();
-    let surface = &mut traced.deposits.surface;
-    surface.caustic.reserve_exact(tasks.iter().map(|(recorder, _)| recorder.deposits.surface.caustic.len()).sum());
-    surface.indirect.reserve_exact(tasks.iter().map(|(recorder, _)| recorder.deposits.surface.indirect.len()).sum());
+    for class in PhotonClass::ALL {
+        let count = tasks.iter().map(|(recorder, _)| recorder.deposits.surface[class].len()).sum();
+        traced.deposits.surface[class].reserve_exact(count);
+    }
     for (recorder, ledger) in tasks {
         traced.deposits.append(&recorder.deposits);
         traced.splats.push(recorder.splats);

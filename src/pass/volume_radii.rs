@@ -120,15 +120,15 @@ impl PixelVolumeCounts {
                 NearbyPhotons::count(segment, media, &maps[class].volume, kept[class], widths.largest(class))
             });
             let known = &mut counts.0[set];
-            *known = Some(known.map_or(here, |known| NearbyPhotons::max_per_class(known, here)));
+            *known = Some(known.map_or(here, |known| known.zip_with(here, NearbyPhotons::max)));
         }
         counts
     }
 
     /// Returns the larger counts of two times of the pilot's survey.
     pub(super) fn max(self, other: Self) -> Self {
-        Self(PerSet::from_fn(|set| match (self.0[set], other.0[set]) {
-            (Some(a), Some(b)) => Some(NearbyPhotons::max_per_class(a, b)),
+        Self(self.0.zip_with(other.0, |one, other| match (one, other) {
+            (Some(one), Some(other)) => Some(one.zip_with(other, NearbyPhotons::max)),
             (one, None) | (None, one) => one,
         }))
     }
@@ -191,10 +191,6 @@ impl NearbyPhotons {
         }
     }
 
-    fn max_per_class(a: PerClass<Self>, b: PerClass<Self>) -> PerClass<Self> {
-        PerClass::from_fn(|class| a[class].max(b[class]))
-    }
-
     /// Returns the first radius per distance from the camera, at most `largest`. `keep` holds the
     /// probabilities of storing photons in a pass.
     fn first_radius(&self, keep: KeepProbability, largest: f64) -> f64 {
@@ -215,9 +211,8 @@ impl DepositCounts {
     }
 
     /// Returns the larger counts of two sets or two times.
-    pub(super) fn max_per_class(a: PerClass<Self>, b: PerClass<Self>) -> PerClass<Self> {
-        let max = |a: Self, b: Self| Self { points: a.points.max(b.points), beams: a.beams.max(b.beams) };
-        PerClass::from_fn(|class| max(a[class], b[class]))
+    pub(super) fn max(self, other: Self) -> Self {
+        Self { points: self.points.max(other.points), beams: self.beams.max(other.beams) }
     }
 }
 

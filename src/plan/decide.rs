@@ -74,7 +74,7 @@ pub(super) fn decide(
     let mut plan = Plan::EMPTY;
     let mut rows = Vec::with_capacity(EFFECTS.len());
     for effect in &EFFECTS {
-        let callers = effect.callers(facts);
+        let callers = (effect.calls)(facts);
         let negligible = negligible.iter().find(|negligible| negligible.effect == effect.id);
         let uncalled = negligible.map_or(effect.uncalled, |negligible| &negligible.because);
         let named = |list: &[String]| list.iter().any(|name| name == effect.name);

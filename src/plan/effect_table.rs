@@ -13,13 +13,12 @@ use crate::scene::{Body, Scene};
 impl EffectId {
     /// Returns the row of the effect in [`EFFECTS`].
     pub fn effect(self) -> &'static Effect {
-        const TABLE: &[Effect; EffectId::ALL.len()] = &EFFECTS;
-        &TABLE[self as usize]
+        &EFFECTS[self as usize]
     }
 }
 
 /// All effects, in the order of decision.
-pub const EFFECTS: [Effect; EffectId::ALL.len()] = {
+pub static EFFECTS: [Effect; EffectId::ALL.len()] = {
     let mut rows = [row(EffectId::ALL[0]); EffectId::ALL.len()];
     let mut i = 0;
     while i < rows.len() {

@@ -115,13 +115,6 @@ impl EffectId {
     ];
 }
 
-impl Effect {
-    /// Returns the names of the objects, lights, media or settings that call for the effect.
-    pub(super) fn callers(&self, facts: &Facts) -> Vec<String> {
-        (self.calls)(facts)
-    }
-}
-
 /// Lists the first three names and the number of the others.
 pub(super) fn listed(names: &[String]) -> String {
     const SHOWN: usize = 3;

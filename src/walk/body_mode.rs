@@ -20,7 +20,7 @@ use crate::spectrum::{LANES, Wavelengths};
 
 /// Whether the scene has bodies, decided once for each loop over photons or camera paths.
 pub trait BodyMode {
-    /// Whether the scene has bodies.
+    /// True if the scene has bodies.
     const HAS_BODIES: bool;
 
     /// Returns the medium stack at the start of a path.

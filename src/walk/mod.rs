@@ -11,7 +11,6 @@ mod sink;
 mod surface_interaction;
 mod transmittance;
 
-pub use crate::plan::Tally;
 pub use body_mode::{BodyMode, WithBodies, WithoutBodies};
 pub use medium_segment::{MAX_COLLISIONS, MediumSegment, NumberedMedium, for_each_segment};
 pub use next_interaction::{SegmentEnd, next_interaction, next_interaction_in_air, next_interaction_through_media};

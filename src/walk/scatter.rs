@@ -24,7 +24,7 @@ pub struct ScatteredRay {
     pub absorbed: Lanes,
     /// The lane of the only remaining wavelength, if the event was dispersive.
     pub kept: Option<usize>,
-    /// Whether the BSDF is a delta distribution in this direction.
+    /// True if the BSDF is a delta distribution in this direction.
     pub delta: bool,
     /// The density of the direction per steradian at the hero wavelength, or 0 for a delta
     /// distribution.

@@ -31,7 +31,7 @@ pub struct SurfaceInteraction<'a> {
     pub there: MediumStack,
     /// The refractive indices on both sides.
     pub sides: InterfaceIors<'a>,
-    /// Whether the path crossed hidden faces since its previous vertex. A face is hidden if it is
+    /// True if the path crossed hidden faces since its previous vertex. A face is hidden if it is
     /// inside a body of higher priority. Shadow rays stop at hidden faces, so next-event estimation
     /// does not count such a path.
     pub crossed_hidden_face: bool,
@@ -82,14 +82,14 @@ impl<'a> SurfaceInteraction<'a> {
         RayState { ray: Ray { origin: self.hit.position, direction }, from: Some(self.hit.surface), medium_stack }
     }
 
-    /// Whether `direction` leads back to the side of arrival.
+    /// Returns true if `direction` leads back to the side of arrival.
     #[inline]
     pub fn leads_back(&self, direction: DVec3) -> bool {
         self.hit.leads_back(self.incoming, direction)
     }
 
-    /// Whether a scattered direction is on the correct side of the geometric surface: the side of
-    /// reflection or of transmission.
+    /// Returns true if a scattered direction is on the correct side of the geometric surface: the
+    /// side of reflection or of transmission.
     #[inline]
     pub fn is_consistent(&self, direction: DVec3, event: ScatterEvent) -> bool {
         self.leads_back(direction) == (event == ScatterEvent::Reflection)

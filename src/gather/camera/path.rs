@@ -16,7 +16,7 @@ pub struct PathBuffers<'a> {
     pub(in crate::gather) factors: Vec<Factor<'a>>,
     /// The extinction coefficients of a light map's attenuators.
     pub(in crate::gather) coefficients: Vec<Lanes>,
-    /// Whether the following two lists are recorded.
+    /// True if the following two lists are recorded.
     pub(in crate::gather) records: bool,
     /// The visible points of the last sample.
     pub visible_points: Vec<VisiblePoint>,

@@ -34,7 +34,7 @@ impl<'a> CameraPass<'a> {
         (continues && survives(self.scene, &mut path, context)).then_some(path)
     }
 
-    /// Whether refraction at this surface depends on the wavelength.
+    /// Returns true if refraction at this surface depends on the wavelength.
     fn disperses(&self, interaction: &SurfaceInteraction<'a>) -> bool {
         self.plan.wavelengths != WavelengthPlan::Free
             && matches!(interaction.bsdf, Bsdf::Dielectric(_))

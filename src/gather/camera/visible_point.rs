@@ -17,7 +17,7 @@ pub struct VisiblePoint {
     pub footprint_m: f64,
     /// Whether no mirror or glass is between the camera and the point.
     pub view: View,
-    /// Whether the path carries a shared wavelength.
+    /// True if the path carries a shared wavelength.
     pub shared: bool,
 }
 
@@ -32,7 +32,7 @@ pub struct CameraSegment {
     pub behind_m: f64,
     /// The number of the medium.
     pub medium: usize,
-    /// Whether the path carries a shared wavelength.
+    /// True if the path carries a shared wavelength.
     pub shared: bool,
 }
 
@@ -44,8 +44,8 @@ const LEAST_COSINE: f64 = 0.9;
 const LARGEST_SLOPE: f64 = 0.25;
 
 impl VisiblePoint {
-    /// Whether the surface continues smoothly to another position. `facing` is the normal at that
-    /// position.
+    /// Returns true if the surface continues smoothly to another position. `facing` is the normal
+    /// at that position.
     pub fn continues_to(&self, position: DVec3, facing: DVec3) -> bool {
         let offset = position - self.position;
         self.facing.dot(facing) > LEAST_COSINE && offset.dot(self.facing).abs() <= LARGEST_SLOPE * offset.length()

@@ -14,9 +14,9 @@ use crate::gather::direct::lighting::HitWeighting;
 use crate::map::PixelRadii;
 use crate::optics::bsdf::BsdfClass;
 use crate::plan::partition::View;
-use crate::plan::{MediumPlan, WavelengthPlan};
+use crate::plan::{MediumPlan, Tally, WavelengthPlan};
 use crate::spectrum::LANES;
-use crate::walk::{BodyMode, Sink, SurfaceInteraction, Tally, WithBodies, WithoutBodies};
+use crate::walk::{BodyMode, Sink, SurfaceInteraction, WithBodies, WithoutBodies};
 
 impl<'a> CameraPass<'a> {
     /// Estimates the radiance of one sample of a pixel and adds it to the sink.

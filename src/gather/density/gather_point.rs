@@ -40,9 +40,9 @@ pub(in crate::gather) struct GatherPoint<'e> {
     factors: &'e [Factor<'e>],
     /// The relative bias of the path's throughput.
     bias: f64,
-    /// Whether photons on the other side of the surface contribute too.
+    /// True if photons on the other side of the surface contribute too.
     transmits: bool,
-    /// Whether the shading normal differs from the geometric normal.
+    /// True if the shading normal differs from the geometric normal.
     interpolated: bool,
 }
 

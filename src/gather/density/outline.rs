@@ -107,7 +107,7 @@ pub struct Outlines {
 }
 
 impl Outlines {
-    /// Whether no kernel reaches over an edge.
+    /// Returns true if no kernel reaches over an edge.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()

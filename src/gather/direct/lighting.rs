@@ -7,12 +7,12 @@ use crate::geometry::{Hit, Ray};
 use crate::math::distribution::DiscreteDistribution;
 use crate::math::random::hash64;
 use crate::optics::bsdf::TransportMode;
-use crate::plan::MediumPlan;
+use crate::plan::{MediumPlan, Tally};
 use crate::scene::Scene;
 use crate::scene::light::{EmittedSpd, LiSample, Light};
 use crate::scene::medium::Medium;
 use crate::walk::{
-    BodyMode, PathTransmittance, RayState, SurfaceInteraction, Tally, path_transmittance, path_transmittance_tracked,
+    BodyMode, PathTransmittance, RayState, SurfaceInteraction, path_transmittance, path_transmittance_tracked,
 };
 use glam::DVec3;
 use std::ops::Range;

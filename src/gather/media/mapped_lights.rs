@@ -13,11 +13,12 @@ use crate::gather::camera::throughput::each_wavelength;
 use crate::gather::camera_pass::{CameraPass, PathContext};
 use crate::geometry::Ray;
 use crate::map::LightMap;
+use crate::plan::Tally;
 use crate::scene::Scene;
 use crate::scene::light::{EmittedSpd, LiSample};
 use crate::scene::medium::Medium;
 use crate::spectrum::{LANES, Lanes, Wavelengths};
-use crate::walk::{MediumSegment, NumberedMedium, Sink, Tally};
+use crate::walk::{MediumSegment, NumberedMedium, Sink};
 
 /// The light scattered into the camera along a segment of a camera ray, at each wavelength.
 struct InScattering<'s, 'a> {

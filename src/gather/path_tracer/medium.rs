@@ -7,10 +7,11 @@ use super::tracer::{PathTracer, TracedPath};
 use crate::gather::camera::sampler::PixelSampler;
 use crate::gather::direct::lighting::{HitWeighting, VolumeLightSampleContext};
 use crate::geometry::Ray;
+use crate::plan::Tally;
 use crate::scene::medium::Medium;
 use crate::spectrum::LANES;
 use crate::walk::{
-    MAX_COLLISIONS, MediumSegment, NumberedMedium, RayState, SegmentEnd, Sink, Tally, next_interaction_through_media,
+    MAX_COLLISIONS, MediumSegment, NumberedMedium, RayState, SegmentEnd, Sink, next_interaction_through_media,
     transmittance,
 };
 use std::ops::ControlFlow;

@@ -10,12 +10,11 @@ use crate::gather::camera::throughput::relative_n2;
 use crate::gather::direct::lighting::{DirectLighting, HitWeighting, LightSampleContext};
 use crate::geometry::Hit;
 use crate::optics::bsdf::{BsdfClass, TransportMode};
-use crate::plan::MediumPlan;
+use crate::plan::{MediumPlan, Tally};
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Lanes, WavelengthDistribution, Wavelengths};
 use crate::walk::{
-    RayState, ScatteredRay, SegmentEnd, Sink, SurfaceInteraction, Tally, WithBodies, next_interaction, scatter,
-    transmittance,
+    RayState, ScatteredRay, SegmentEnd, Sink, SurfaceInteraction, WithBodies, next_interaction, scatter, transmittance,
 };
 use glam::DVec3;
 use std::ops::ControlFlow;
