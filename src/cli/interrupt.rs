@@ -24,7 +24,7 @@ pub(crate) fn watch() -> Result<()> {
     }
 }
 
-/// Whether the user has interrupted the program.
+/// Returns true if the user has interrupted the program.
 pub(crate) fn is_requested() -> bool {
     SIGNALS.load(Ordering::SeqCst) > 0
 }

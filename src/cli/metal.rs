@@ -2,6 +2,8 @@
 
 use super::{Outcome, print, values};
 use crate::error::{Error, Result};
+use crate::optics::fresnel;
+use crate::spectrum::library::LibraryMetal;
 use crate::spectrum::{BAND_NM, library};
 use serde::Serialize;
 
@@ -41,17 +43,8 @@ struct MetalReport<'a> {
 }
 
 #[derive(Debug, Serialize)]
-struct MetalListing<'a> {
-    symbol: &'a str,
-    name: &'a str,
-    /// Another accepted spelling; empty if there is none.
-    also: &'a str,
-    source: &'a str,
-}
-
-#[derive(Debug, Serialize)]
-struct MetalList<'a> {
-    metals: Vec<MetalListing<'a>>,
+struct MetalList {
+    metals: Vec<LibraryMetal>,
 }
 
 pub(crate) fn run(arguments: &MetalArgs) -> Result<Outcome> {
@@ -63,12 +56,11 @@ pub(crate) fn run(arguments: &MetalArgs) -> Result<Outcome> {
 }
 
 fn list(json: bool) -> Result<()> {
-    let listing = |[symbol, name, also, source]: [&'static str; 4]| MetalListing { symbol, name, also, source };
-    let metals: Vec<MetalListing<'_>> = library::metals().map(listing).collect();
+    let metals: Vec<LibraryMetal> = library::metals().collect();
     if json {
         return print::json(&MetalList { metals });
     }
-    let line = |metal: &MetalListing<'_>| format!("{:<4} {:<12} {}\n", metal.symbol, metal.name, metal.source);
+    let line = |metal: &LibraryMetal| format!("{:<4} {:<12} {}\n", metal.symbol, metal.name, metal.source);
     print::result(&metals.iter().map(line).collect::<String>())
 }
 
@@ -78,15 +70,14 @@ fn one(name: &str, arguments: &MetalArgs) -> Result<()> {
         let expected = format!("wavelengths from {} to {} nm", BAND_NM.0, BAND_NM.1);
         return Err(Error::input(format!("the index at {nm} nm")).expected(expected));
     }
-    let (n, k) = library::metal(name)?;
-    let is_named = |known: &[&str; 4]| known[..3].iter().any(|known| known.eq_ignore_ascii_case(name));
-    let [symbol, full, _, source] = library::metals().find(is_named).unwrap_or([name, name, "", ""]);
+    let metal = library::metal(name)?;
+    let (n, k) = metal.index();
     let at = |&nm: &f64| {
         let (n, k) = (n.at(nm), k.at(nm));
-        let reflectance = ((n - 1.0).powi(2) + k * k) / ((n + 1.0).powi(2) + k * k);
-        MetalIndex { nm, n, k, reflectance }
+        MetalIndex { nm, n, k, reflectance: fresnel::conductor(1.0, n, k, 1.0) }
     };
-    let report = MetalReport { symbol, name: full, source, index: arguments.at.iter().map(at).collect() };
+    let LibraryMetal { symbol, name, source, .. } = metal;
+    let report = MetalReport { symbol, name, source, index: arguments.at.iter().map(at).collect() };
     if arguments.json {
         return print::json(&report);
     }

@@ -5,6 +5,8 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::format::{FileAccess, PATCH_LABEL};
+use crate::optics::glass::catalogue;
+use crate::spectrum::library;
 use serde::Serialize;
 
 /// Prints a result. A closed pipe, as in `abbe ... | head`, is not an error.
@@ -32,8 +34,8 @@ pub(crate) fn remark(text: &str) {
 /// added after this fragment.
 const HINTS: [(&str, &str); 3] = [
     (FileAccess::EXPECTED_WITHIN_FOLDER, ", or the option --allow-outside"),
-    ("the name of a built-in spectrum", " (`abbe spectrum --list` prints all)"),
-    ("a glass of the built-in catalogue", " (`abbe glass --list` prints all)"),
+    (library::EXPECTED_NAME, " (`abbe spectrum --list` prints all)"),
+    (catalogue::EXPECTED_NAME, " (`abbe glass --list` prints all)"),
 ];
 
 /// Two labels of a scene patch: the label in the errors of the library, and the label on the

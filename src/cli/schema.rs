@@ -6,7 +6,8 @@ use crate::format;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct SchemaArgs {
-    /// Print the scene reference in Markdown instead: every key with its type, unit, default and range
+    /// Print the scene reference in Markdown instead: every key with its type, unit, default and
+    /// range
     #[arg(long)]
     markdown: bool,
 }

@@ -11,6 +11,7 @@ use super::line::SpectralLine;
 use super::table::Outside;
 use super::value::Spectrum;
 use crate::error::{Error, Result};
+use serde::Serialize;
 
 /// The physical quantity of a library spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -195,6 +196,9 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     list().iter().map(|listing| listing.name)
 }
 
+/// The expectation in the error for a name that is not in the catalogue.
+pub const EXPECTED_NAME: &str = "the name of a built-in spectrum";
+
 /// Returns a spectrum by its name, without regard to case.
 ///
 /// # Errors
@@ -203,46 +207,63 @@ pub fn find(name: &str) -> Result<LibrarySpectrum> {
     let listing = list()
         .iter()
         .find(|listing| listing.name.eq_ignore_ascii_case(name))
-        .ok_or_else(|| Error::unknown_name("spectrum", name, names()).expected("the name of a built-in spectrum"))?;
+        .ok_or_else(|| Error::unknown_name("spectrum", name, names()).expected(EXPECTED_NAME))?;
     let LibraryListing { name, kind, description, source, file, column } = *listing;
     let spectrum =
         if file.path == LINES_FILE { lines(file.text, column) } else { table(file.text, column, kind.outside()) };
     Ok(LibrarySpectrum { name, kind, description, source, spectrum })
 }
 
-/// Returns the symbols of the metals.
-pub fn metal_names() -> impl Iterator<Item = &'static str> {
-    metals().map(|[symbol, ..]| symbol)
+/// A metal of the library.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct LibraryMetal {
+    /// The chemical symbol, or a short name of an alloy.
+    pub symbol: &'static str,
+    /// The English name.
+    pub name: &'static str,
+    /// Another accepted spelling of the name; empty if there is none.
+    pub also: &'static str,
+    /// The reference of the measurement.
+    pub source: &'static str,
 }
 
-/// Returns n and k of a metal, whose complex index is n + ik. The name is the symbol or the English
-/// name of the metal, without regard to case.
+impl LibraryMetal {
+    /// Returns n and k, where n + ik is the complex refractive index.
+    pub fn index(&self) -> (Spectrum, Spectrum) {
+        let mut columns = [Vec::new(), Vec::new(), Vec::new()];
+        for row in METALS_NK.lines().filter(|row| row.split(',').next() == Some(self.symbol)) {
+            columns.iter_mut().zip(row.split(',').skip(1)).for_each(|(column, cell)| column.push(number(cell)));
+        }
+        let [nm, n, k] = columns;
+        let spectrum =
+            |values: &[f64]| Spectrum::table(&nm, values, Outside::Hold).expect("a built-in table of a metal is valid");
+        (spectrum(&n), spectrum(&k))
+    }
+
+    fn is_called(&self, name: &str) -> bool {
+        let known = [self.symbol, self.name, self.also];
+        known.iter().any(|known| !known.is_empty() && known.eq_ignore_ascii_case(name))
+    }
+}
+
+/// Returns a metal by its symbol or its English name, without regard to case.
 ///
 /// # Errors
 /// Returns an error if the name is unknown. The error suggests a similar name.
-pub fn metal(name: &str) -> Result<(Spectrum, Spectrum)> {
-    let known = |[symbol, full, also, _]: &[&'static str; 4]| {
-        [symbol, full, also].iter().any(|known| !known.is_empty() && known.eq_ignore_ascii_case(name))
-    };
-    let Some([symbol, ..]) = metals().find(known) else {
-        let candidates = metals().flat_map(|[symbol, full, ..]| [symbol, full]);
-        let symbols: Vec<&str> = metal_names().collect();
-        return Err(Error::unknown_name("metal", name, candidates).expected(symbols.join(", ")));
-    };
-    let mut columns = [Vec::new(), Vec::new(), Vec::new()];
-    for row in METALS_NK.lines().filter(|row| row.split(',').next() == Some(symbol)) {
-        columns.iter_mut().zip(row.split(',').skip(1)).for_each(|(column, cell)| column.push(number(cell)));
-    }
-    let [nm, n, k] = columns;
-    let spectrum =
-        |values: &[f64]| Spectrum::table(&nm, values, Outside::Hold).expect("a built-in table of a metal is valid");
-    Ok((spectrum(&n), spectrum(&k)))
+pub fn metal(name: &str) -> Result<LibraryMetal> {
+    metals().find(|metal| metal.is_called(name)).ok_or_else(|| {
+        let candidates = metals().flat_map(|metal| [metal.symbol, metal.name]);
+        let symbols: Vec<&str> = metals().map(|metal| metal.symbol).collect();
+        Error::unknown_name("metal", name, candidates).expected(symbols.join(", "))
+    })
 }
 
-/// Lists all metals. Each entry contains the symbol, the name, an alternative spelling (or an empty
-/// string) and the reference.
-pub fn metals() -> impl Iterator<Item = [&'static str; 4]> {
-    METALS.lines().skip(1).map(cells)
+/// Lists all metals.
+pub fn metals() -> impl Iterator<Item = LibraryMetal> {
+    METALS.lines().skip(1).map(|row| {
+        let [symbol, name, also, source] = cells(row);
+        LibraryMetal { symbol, name, also, source }
+    })
 }
 
 fn cells<const N: usize>(row: &'static str) -> [&'static str; N] {
@@ -343,10 +364,10 @@ mod tests {
 
     #[test]
     fn metals_are_found_by_symbol_and_name() {
-        assert_eq!(metal("gold").unwrap(), metal("Au").unwrap());
-        assert_eq!(metal("Aluminum").unwrap(), metal("aluminium").unwrap());
-        assert_eq!(metal_names().count(), 11);
-        let (n, k) = metal("Ag").unwrap();
+        assert_eq!(metal("gold").unwrap().symbol, metal("Au").unwrap().symbol);
+        assert_eq!(metal("Aluminum").unwrap().symbol, metal("aluminium").unwrap().symbol);
+        assert_eq!(metals().count(), 11);
+        let (n, k) = metal("Ag").unwrap().index();
         assert!((n.at(400.0) - 0.05).abs() < 0.01 && (k.at(400.0) - 2.103_522_013).abs() < 1e-8);
     }
 }

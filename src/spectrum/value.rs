@@ -23,7 +23,7 @@ pub struct Spectrum {
     lines: Lines,
     /// The part of the continuum whose features are too narrow for sums over samples every nm.
     narrow: Option<Box<Continuum>>,
-    /// Whether a part of the spectrum was made from an RGB colour.
+    /// True if a part of the spectrum was made from an RGB colour.
     upsampled: bool,
 }
 

@@ -249,7 +249,7 @@ fn metals_have_their_reflectance_and_colour() {
     for known in golden["normal_reflectance"].as_array().unwrap() {
         let name = known["metal"].as_str().unwrap();
         let nm = known["wavelength_nm"].as_f64().unwrap();
-        let (n, k) = library::metal(name).unwrap();
+        let (n, k) = library::metal(name).unwrap().index();
         assert_near_relative(name, [n.at(nm)], [known["n"].as_f64().unwrap()], 1e-9);
         assert_near_relative(name, [k.at(nm)], [known["k"].as_f64().unwrap()], 1e-9);
         assert_near(name, [normal(n.at(nm), k.at(nm))], [known["R_normal"].as_f64().unwrap()], 1e-9);
@@ -257,7 +257,7 @@ fn metals_have_their_reflectance_and_colour() {
     let d65 = lamp("D65");
     let white = report::xyz(&d65, Observer::cie1931())[1];
     for (name, known) in golden["colour_under_D65"].as_object().unwrap() {
-        let (n, k) = library::metal(name).unwrap();
+        let (n, k) = library::metal(name).unwrap().index();
         let nm: Vec<f64> = (360..=830).map(f64::from).collect();
         let values: Vec<f64> = nm.iter().map(|&nm| normal(n.at(nm), k.at(nm))).collect();
         let surface = Spectrum::table(&nm, &values, abbe::spectrum::Outside::Hold).unwrap();

@@ -140,7 +140,7 @@ fn metals_reflect_as_their_tables_say() {
     for row in rows {
         let name = row["metal"].as_str().unwrap();
         let nm = number(&row["wavelength_nm"]);
-        let (n, k) = library::metal(name).unwrap();
+        let (n, k) = library::metal(name).unwrap().index();
         assert_near(&format!("n of {name} at {nm} nm"), n.at(nm), number(&row["n"]), 1e-9);
         assert_near(&format!("k of {name} at {nm} nm"), k.at(nm), number(&row["k"]), 1e-9);
         let reflectance = fresnel::conductor(1.0, n.at(nm), k.at(nm), 1.0);

@@ -57,7 +57,7 @@ fn spectra() -> Vec<(String, Spectrum)> {
         ("red".into(), good(Spectrum::rgb_reflectance([1.0, 0.0, 0.0]))),
         ("blue light".into(), good(Spectrum::rgb_light([0.2, 0.3, 4.0]))),
         ("daylight and sodium".into(), Spectrum::mix(&[(0.01, &named("D65")), (3.0, &sodium), (0.5, &sodium)])),
-        ("n of gold".into(), good(library::metal("gold")).0),
+        ("n of gold".into(), good(library::metal("gold")).index().0),
     ];
     for temperature in [50.0, 1000.0, 2856.0, 6500.0, 1e7] {
         spectra.push((format!("black body of {temperature} K"), good(Spectrum::blackbody(temperature))));

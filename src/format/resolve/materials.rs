@@ -123,7 +123,7 @@ impl Resolver<'_> {
     fn conductor(&self, at: &JsonPath<'_>, file: &ConductorFile) -> Result<Bsdf> {
         let ConductorFile { metal, eta, k, roughness } = file;
         let (n, k) = match (metal, eta, k) {
-            (Some(name), _, _) => self.at(&at.key("metal"), library::metal(name))?,
+            (Some(name), _, _) => self.at(&at.key("metal"), library::metal(name))?.index(),
             (None, Some(eta), Some(k)) => {
                 let eta = self.spectrum(&at.key("eta"), eta, Role::Coefficient)?;
                 (eta, self.spectrum(&at.key("k"), k, Role::Coefficient)?)

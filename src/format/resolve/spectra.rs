@@ -152,7 +152,7 @@ impl Spectra<'_> {
                 let own: Vec<&str> = self.named.keys().map(String::as_str).collect();
                 let known = own.into_iter().chain(library::names().map(|name| -> &str { name }));
                 let error = Error::unknown_name("spectrum", name, known)
-                    .expected("a name of the scene's `spectra` or of `abbe spectrum --list`");
+                    .expected(format!("a name of the scene's `spectra`, or {}", library::EXPECTED_NAME));
                 self.at(at, Err(error))
             }
         }

@@ -139,6 +139,9 @@ impl RefractiveIndex {
     }
 }
 
+/// The expectation in the error for a name that is not in the catalogue.
+pub const EXPECTED_NAME: &str = "a glass of the built-in catalogue";
+
 /// Returns the names of all materials in the order of the file.
 pub fn names() -> impl Iterator<Item = &'static str> {
     GLASSES.iter().map(|glass| glass.name.as_str())
@@ -156,7 +159,7 @@ pub fn find(name: &str) -> Result<&'static Glass> {
     let found = GLASSES.iter().find(|glass| glass.name.to_lowercase() == wanted);
     let found =
         found.or_else(|| GLASSES.iter().find(|glass| glass.name.to_lowercase().starts_with(&format!("{wanted} "))));
-    found.ok_or_else(|| Error::unknown_name("glass", name, names()).expected("a glass of the built-in catalogue"))
+    found.ok_or_else(|| Error::unknown_name("glass", name, names()).expected(EXPECTED_NAME))
 }
 
 static GLASSES: LazyLock<Vec<Glass>> = LazyLock::new(|| {
