@@ -2,6 +2,7 @@
 
 use super::data_uri::data_uri;
 use super::png::encode as encode_png;
+use super::svg::head;
 use crate::colour::gamut::brightest;
 use crate::colour::{RgbSpace, encode_srgb_u8, from_xy, report, xy, xyz_to_linear_srgb};
 use crate::error::Result;
@@ -52,12 +53,8 @@ impl ChromaticityDiagram<'_> {
     /// # Errors
     /// Returns a machine error if the background cannot be encoded as PNG.
     pub fn svg(&self) -> Result<String> {
-        let (width, height) = DIAGRAM_SIZE;
-        let size = format!("viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\"");
-        let font = "font-family=\"system-ui, sans-serif\" font-size=\"13\" fill=\"#222\"";
         let parts = [
-            format!("<svg class=\"plot\" xmlns=\"http://www.w3.org/2000/svg\" {size} {font}>\n"),
-            format!("<rect class=\"paper\" width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>\n"),
+            head("plot", DIAGRAM_SIZE, 13.0),
             axes(),
             self.background()?,
             self.wavelengths(),

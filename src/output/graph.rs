@@ -1,7 +1,7 @@
 //! Plots with two logarithmic axes as SVG.
 
 use super::axis::Axis;
-use super::svg::{CURVE_COLOURS, append, escape_xml};
+use super::svg::{CURVE_COLOURS, append, escape_xml, head};
 
 /// The style of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,13 +60,9 @@ impl LogLogPlot {
         let (width, height) = GRAPH_SIZE;
         let across = Axis::logarithmic(points().map(|point| point.0), (GRAPH_LEFT, width - GRAPH_RIGHT));
         let up = Axis::logarithmic(points().map(|point| point.1), (height - GRAPH_BOTTOM, GRAPH_TOP));
-        let mut svg = format!(
-            "<svg class=\"plot graph\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
-             height=\"{height}\" font-family=\"system-ui, sans-serif\" font-size=\"{GRAPH_FONT}\" fill=\"#222\">\n\
-             <rect class=\"paper\" width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>\n\
-             <text x=\"{GRAPH_LEFT}\" y=\"28\" font-size=\"18\">{}</text>\n",
-            escape_xml(&self.title)
-        );
+        let mut svg = head("plot graph", (width, height), GRAPH_FONT);
+        let title = escape_xml(&self.title);
+        append(&mut svg, format_args!("<text x=\"{GRAPH_LEFT}\" y=\"28\" font-size=\"18\">{title}</text>\n"));
         svg += &self.axes(&across, &up);
         for series in &self.series {
             svg += &series.drawn(&across, &up);

@@ -1,7 +1,7 @@
 //! Plots of functions of wavelength as SVG.
 
 use super::axis::Axis;
-use super::svg::{CURVE_COLOURS, append, escape_xml};
+use super::svg::{CURVE_COLOURS, append, escape_xml, head};
 use crate::colour::{srgb_hex, xyz_to_linear_srgb};
 use crate::spectrum::{BAND_NM, Observer, Spectrum};
 
@@ -26,7 +26,7 @@ pub struct SpectralPlot {
     pub curves: Vec<SpectralCurve>,
     /// Spectral lines: wavelength in nm, and height as a fraction of the height of the plot.
     pub lines: Vec<(f64, f64)>,
-    /// Whether the vertical axis always includes 0, even if all values are larger.
+    /// True if the vertical axis always includes 0, even if all values are larger.
     pub from_zero: bool,
 }
 
@@ -73,21 +73,16 @@ impl SpectralPlot {
     pub fn svg(&self) -> String {
         let values = self.curves.iter().flat_map(|curve| &curve.points).map(|point| point.1);
         let up = Axis::linear(values, self.from_zero, (PLOT_SIZE.1 - PLOT_BOTTOM, PLOT_TOP));
-        let (width, height) = PLOT_SIZE;
-        let mut svg = format!(
-            "<svg class=\"plot\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
-             font-family=\"system-ui, sans-serif\" font-size=\"14\" fill=\"#222\">\n\
-             <rect class=\"paper\" width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>\n\
-             <text x=\"{PLOT_LEFT}\" y=\"30\" font-size=\"18\">{}</text>\n",
-            escape_xml(&self.title)
-        );
+        let mut svg = head("plot", PLOT_SIZE, 14.0);
+        let title = escape_xml(&self.title);
+        append(&mut svg, format_args!("<text x=\"{PLOT_LEFT}\" y=\"30\" font-size=\"18\">{title}</text>\n"));
         svg += &strip();
         svg += &axes(&up, &self.values);
         if let Some(curve) = self.curves.first().filter(|_| self.from_zero) {
             svg += &area(&up, &curve.points);
         }
         for &(nm, share) in &self.lines {
-            let (x, foot) = (x(nm), height - PLOT_BOTTOM);
+            let (x, foot) = (x(nm), PLOT_SIZE.1 - PLOT_BOTTOM);
             let top = foot - share * (foot - PLOT_TOP);
             let colour = spectral_colour(nm);
             append(

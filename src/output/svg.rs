@@ -11,6 +11,16 @@ pub(super) fn append(text: &mut String, arguments: std::fmt::Arguments<'_>) {
     text.write_fmt(arguments).expect("writing to a string cannot fail");
 }
 
+/// Returns the start of a document: the opening tag with the classes, the size and the font size,
+/// and the background.
+pub(super) fn head(classes: &str, (width, height): (f64, f64), font_size: f64) -> String {
+    format!(
+        "<svg class=\"{classes}\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
+         width=\"{width}\" height=\"{height}\" font-family=\"system-ui, sans-serif\" font-size=\"{font_size}\" \
+         fill=\"#222\">\n<rect class=\"paper\" width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>\n"
+    )
+}
+
 /// Escapes text for XML.
 pub(super) fn escape_xml(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
