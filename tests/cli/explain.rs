@@ -1,6 +1,7 @@
 //! What `abbe explain` reports about effects, the camera and motion.
 
 use crate::abbe_command::abbe;
+use crate::common::near::assert_near_relative;
 use serde_json::Value;
 
 /// Returns the explanation, as JSON and as text, of a floor seen through a lens.
@@ -20,10 +21,6 @@ fn explain(lens: &str) -> (Value, String) {
     (json, abbe(folder.path(), &["explain", "floor.json"]).out)
 }
 
-fn near(value: &Value, expected: f64) -> bool {
-    (value.as_f64().unwrap() / expected - 1.0).abs() < 1e-9
-}
-
 #[test]
 fn a_lens_is_explained_by_what_it_keeps_sharp() {
     let (json, words) =
@@ -33,11 +30,16 @@ fn a_lens_is_explained_by_what_it_keeps_sharp() {
     // 25 mm wide.
     let image_mm = 50.0 * 5000.0 / 4950.0;
     let pixel_at_focus_m = 0.12 / image_mm * 5.0;
-    assert!(near(&depth["near_m"], 5.0 * 0.025 / (0.025 + pixel_at_focus_m)), "{depth}");
-    assert!(near(&depth["far_m"], 5.0 * 0.025 / (0.025 - pixel_at_focus_m)), "{depth}");
-    assert!(near(&depth["blur_at_infinity_px"], 0.025 / pixel_at_focus_m), "{depth}");
-    assert!(near(&depth["hyperfocal_m"], 0.025 / (0.12 / image_mm)), "{depth}");
-    assert!(near(&json["camera"]["field_of_view_degrees"][1], 2.0 * (12.0 / image_mm).atan().to_degrees()));
+    assert_near_relative("near limit", &depth["near_m"], 5.0 * 0.025 / (0.025 + pixel_at_focus_m), 1e-9);
+    assert_near_relative("far limit", &depth["far_m"], 5.0 * 0.025 / (0.025 - pixel_at_focus_m), 1e-9);
+    assert_near_relative("blur at infinity", &depth["blur_at_infinity_px"], 0.025 / pixel_at_focus_m, 1e-9);
+    assert_near_relative("hyperfocal distance", &depth["hyperfocal_m"], 0.025 / (0.12 / image_mm), 1e-9);
+    assert_near_relative(
+        "vertical field of view",
+        &json["camera"]["field_of_view_degrees"][1],
+        2.0 * (12.0 / image_mm).atan().to_degrees(),
+        1e-9,
+    );
     assert!(words.contains("focused at 5.0000 m") && words.contains("hyperfocal distance"), "{words}");
     assert!(!words.contains("Note:"), "{words}");
 }
@@ -76,7 +78,7 @@ fn diffraction_is_measured_and_named_where_it_would_show() {
     let (json, words) = lens(false);
     let report = &json["camera"]["diffraction"];
     let expected = 2.44 * 550e-6 * 32.0 * (5000.0 / 4950.0) / 0.006;
-    assert!(near(&report["airy_diameter_px"], expected), "{report} {expected}");
+    assert_near_relative("Airy disk", &report["airy_diameter_px"], expected, 1e-9);
     assert!(report["matters"] == true && report["simulated"] == false && report["slices"] == 0);
     assert!(words.contains("Note: camera: diffraction at the opening would spread a point over 7.2 pixels"), "{words}");
     let plain_bytes = json["memory_bytes"].as_u64().unwrap();
@@ -125,12 +127,13 @@ fn motion_is_explained_by_how_far_it_goes_over_the_picture() {
     // Half the picture's height is 5 m on the floor, so a metre is 20 pixels. The card moves by 2
     // m.
     let (json, words) = explain(r#"{"open": 0, "close": 1}"#, "{}");
-    assert!(near(&json["motion_px"], 40.0), "{}", json["motion_px"]);
+    assert_near_relative("motion in pixels", &json["motion_px"], 40.0, 1e-9);
     assert_eq!((effect(&json)["state"].as_str(), json["passes"].as_u64()), (Some("on"), Some(80)));
     assert_eq!(json["photons"].as_u64(), Some(200_000 * 64 / 80), "as many in all");
     assert!(words.contains("up to 40.0 pixels from 0 s to 1 s; at least two passes per pixel"), "{words}");
     let (json, words) = explain(r#"{"open": 0.25, "close": 0.5}"#, r#"{"passes": 4}"#);
-    assert!(near(&json["motion_px"], 10.0) && json["passes"] == 4, "{}", json["motion_px"]);
+    assert_near_relative("motion in pixels", &json["motion_px"], 10.0, 1e-9);
+    assert_eq!(json["passes"], 4);
     assert!(words.contains("fewer than two passes per pixel"), "{words}");
     let (json, words) = explain(r#"{"open": 2, "close": 3}"#, "{}");
     assert_eq!((effect(&json)["state"].as_str(), &json["motion_px"]), (Some("off"), &Value::Null));

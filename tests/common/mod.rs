@@ -8,19 +8,56 @@ pub(crate) mod near;
 use abbe::format::{self, resolve};
 use abbe::render::{Integrator, Job, NoMonitor, Rendered, Request, StopRules};
 use serde_json::Value;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Resolves and plans a scene from JSON.
 pub(crate) fn job(scene: &Value) -> Job {
-    let (file, source) =
-        format::parse(&scene.to_string(), Path::new("tests/inline.json"), &[]).expect("the scene parses");
+    job_with(&scene.to_string(), &[])
+}
+
+/// Resolves and plans a scene from text, with some values changed.
+pub(crate) fn job_with(text: &str, sets: &[&str]) -> Job {
+    let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+    let (file, source) = format::parse(text, Path::new("tests/inline.json"), &sets).expect("the scene parses");
     Job::new(resolve::resolve(&file, &source).expect("the scene resolves")).expect("the scene can be planned")
+}
+
+/// Returns the names of all example scenes in order.
+pub(crate) fn example_names() -> Vec<String> {
+    let files = std::fs::read_dir(examples()).expect("the folder of the example scenes");
+    let names = files.map(|entry| entry.expect("a file").file_name().into_string().expect("a name in UTF-8"));
+    let scenes = names.filter(|name| !name.ends_with(".schema.json"));
+    let mut names: Vec<String> = scenes.filter_map(|name| Some(name.strip_suffix(".json")?.to_owned())).collect();
+    names.sort();
+    names
+}
+
+/// Returns the JSON of an example scene.
+pub(crate) fn example(name: &str) -> Value {
+    let text = std::fs::read_to_string(examples().join(format!("{name}.json"))).expect("an example scene");
+    serde_json::from_str(&text).expect("a scene is JSON")
+}
+
+/// Resolves and plans an example scene, with some values changed.
+pub(crate) fn example_job(name: &str, sets: &[&str]) -> Job {
+    let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+    let scene = resolve::load(&examples().join(format!("{name}.json")), &sets).expect("an example scene");
+    Job::new(scene).expect("the scene can be planned")
+}
+
+fn examples() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")
 }
 
 /// Renders a scene with a fixed number of passes.
 pub(crate) fn render(scene: &Value, integrator: Integrator, passes: u64) -> Rendered {
+    render_job(&job(scene), integrator, passes)
+}
+
+/// Renders a planned scene with a fixed number of passes.
+pub(crate) fn render_job(job: &Job, integrator: Integrator, passes: u64) -> Rendered {
     let request = Request { integrator, stop: StopRules { passes: Some(passes), ..StopRules::default() } };
-    let rendered = job(scene).render(request, &mut NoMonitor).expect("the scene renders");
+    let rendered = job.render(request, &mut NoMonitor).expect("the scene renders");
     assert_eq!(rendered.stats.rejected_samples, 0, "contributions that are not finite");
     rendered
 }

@@ -34,8 +34,7 @@ const PASSES: u64 = 16;
 
 /// Returns an example scene on a small film.
 fn scene(&Measure { name, film: [width, height], .. }: &Measure, photons: u64) -> Value {
-    let text = std::fs::read_to_string(format!("scenes/{name}.json")).expect("an example scene");
-    let mut scene: Value = serde_json::from_str(&text).expect("a scene is JSON");
+    let mut scene = common::example(name);
     scene["film"]["width"] = width.into();
     scene["film"]["height"] = height.into();
     common::with_setting(&scene, "photons", photons)

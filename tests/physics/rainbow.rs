@@ -2,7 +2,7 @@
 //! the drops' phase function, their order is right, the band between them is dark, and their
 //! brightness equals the integral along the ray.
 
-use crate::common::render;
+use crate::common::{example, render};
 use abbe::render::Integrator;
 use serde_json::{Value, json};
 
@@ -42,8 +42,7 @@ struct Rain {
 }
 
 fn rain() -> Rain {
-    let text = std::fs::read_to_string("scenes/rainbow.json").expect("the example scene");
-    let mut scene: Value = serde_json::from_str(&text).expect("JSON");
+    let mut scene = example("rainbow");
     let number = |value: &Value| value.as_f64().expect("a number");
     let sun = &mut scene["lights"][0]["directional"];
     let toward: [f64; 3] = std::array::from_fn(|axis| number(&sun["toward"][axis]));

@@ -1,7 +1,7 @@
 //! The sky of the example scene: clear air and a layer of ozone around a planet at true scale,
 //! against integrals along rays that this test computes.
 
-use crate::common::render;
+use crate::common::{example, render};
 use abbe::colour;
 use abbe::render::{Integrator, Rendered};
 use serde_json::{Value, json};
@@ -26,8 +26,7 @@ const BANDS: usize = 10;
 /// The example scene with a sun of this spectrum and 1 W/m² at `sun_deg` above the horizon. A
 /// narrow camera looks up by `look_deg` towards it.
 fn sky(spectrum: Value, [sun_deg, look_deg]: [f64; 2], side: usize) -> Value {
-    let text = std::fs::read_to_string("scenes/blue_sky_red_sunset.json").expect("the example scene");
-    let mut scene: Value = serde_json::from_str(&text).expect("JSON");
+    let mut scene = example("blue_sky_red_sunset");
     for medium in ["air", "air with ozone"] {
         let exponential = &scene["media"][medium]["grid"]["density"]["exponential"];
         assert_eq!(exponential["scale_height"], SCALE_HEIGHT as u64);
@@ -74,8 +73,7 @@ struct Air<S, A> {
 }
 
 fn air() -> Air<impl Fn(f64) -> f64, impl Fn(f64) -> f64> {
-    let text = std::fs::read_to_string("scenes/blue_sky_red_sunset.json").expect("the example scene");
-    let scene: Value = serde_json::from_str(&text).expect("JSON");
+    let scene = example("blue_sky_red_sunset");
     let table = &scene["media"]["air with ozone"]["grid"]["absorption"]["table"];
     let [nm, values] = ["nm", "values"].map(|key| {
         let list = table[key].as_array().expect("a list");

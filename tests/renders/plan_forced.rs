@@ -1,10 +1,10 @@
 //! Forcing an effect that a scene does not call for costs time and has no visible influence.
 
-use super::common::colour_blocks;
 use super::common::compare::{Measured, compare};
-use super::example_scenes::{SMALL, job, names, render};
+use super::common::{colour_blocks, example_job, example_names, render_job};
+use super::example_scenes::SMALL;
 use abbe::plan::EffectState;
-use abbe::render::Rendered;
+use abbe::render::{Integrator, Rendered};
 use std::cell::LazyCell;
 
 /// The number of renders, each with its own seed, and their passes.
@@ -16,7 +16,7 @@ fn rendered(name: &str, force: &str, photons: u64, seed: u64) -> Rendered {
     let sets = [("force", force.to_owned()), ("photons", photons.to_string()), ("seed", seed.to_string())];
     let sets = sets.map(|(key, value)| format!("render.{key}={value}"));
     let sets: Vec<&str> = SMALL[..2].iter().copied().chain(sets.iter().map(String::as_str)).collect();
-    render(&job(name, &sets), PASSES)
+    render_job(&example_job(name, &sets), Integrator::Photon, PASSES)
 }
 
 /// Returns X, Y and Z in a few blocks of the picture. A compressive curve keeps visible lights,
@@ -33,7 +33,7 @@ fn measured(name: &str, force: &str, first_seed: u64, typical: f64) -> Measured 
 /// Returns the absent effects that change the picture when forced. The comparison is bit for bit,
 /// or statistical if the effect consumes other random numbers.
 fn what_forcing_changes(name: &str) -> Vec<String> {
-    let plain_job = job(name, &[]);
+    let plain_job = example_job(name, &[]);
     let forbids = |effect: &str| plain_job.scene.settings.forbid.iter().any(|forbidden| forbidden == effect);
     // Diffraction is requested by the scene and not decided by the plan. Forcing it is visible.
     let is_absent =
@@ -68,6 +68,6 @@ fn forced_effects_leave_a_diffuse_box_unchanged() {
 #[test]
 #[ignore = "slow: ten minutes of CPU time for all scenes and effects"]
 fn forcing_an_absent_effect_leaves_all_scenes_unchanged() {
-    let changed: Vec<String> = names().iter().flat_map(|name| what_forcing_changes(name)).collect();
+    let changed: Vec<String> = example_names().iter().flat_map(|name| what_forcing_changes(name)).collect();
     assert!(changed.is_empty(), "{changed:#?}");
 }
