@@ -15,7 +15,8 @@ use crate::render::{Integrator, Request, StopRules};
 /// use std::time::Duration;
 ///
 /// let quick = RenderOptions::default().size(320, 180).passes(16);
-/// let overnight = RenderOptions::default().time(Duration::from_secs(8 * 3600)).target_error(0.005);
+/// let eight_hours = Duration::from_secs(8 * 3600);
+/// let overnight = RenderOptions::default().time(eight_hours).target_error(0.005);
 /// let reference = RenderOptions::default().integrator(Integrator::Path).seed(1);
 /// # let _ = (quick, overnight, reference);
 /// ```

@@ -59,7 +59,7 @@ struct CameraReport {
 struct DiffractionReport {
     /// The diameter 2.44 λN of the Airy disk at 550 nm.
     airy_diameter_px: f64,
-    /// Whether the Airy disk is wider than a pixel.
+    /// True if the Airy disk is wider than a pixel.
     matters: bool,
     simulated: bool,
     /// The number of wavelength slices stored on the film. Each slice needs 48 bytes per pixel.

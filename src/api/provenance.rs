@@ -38,8 +38,8 @@ pub fn of_render(of_scene: &Metadata, stats: &Stats) -> Metadata {
         .with(names::SECONDS, &format!("{:.3}", stats.seconds.total))
 }
 
-/// Whether a file contains a finished picture of this scene. If the request limits the number of
-/// passes, the picture must have at least as many passes.
+/// Returns true if a file contains a finished picture of this scene. If the request limits the
+/// number of passes, the picture must have at least as many passes.
 pub fn is_finished(path: &Path, of_scene: &Metadata, request: Request, job: &Job) -> bool {
     let Ok(found) = read_metadata(path) else { return false };
     let same =

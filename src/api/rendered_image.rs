@@ -125,8 +125,9 @@ impl Image {
         self.picture.bias[self.index(x, y)].map(f64::from)
     }
 
-    /// Whether the pixel is near an edge of the illumination. Kernels blur such an edge, and the
-    /// bias may be larger there than the estimate of [`bias`](Self::bias). `None` means unknown.
+    /// Returns whether the pixel is near an edge of the illumination. Kernels blur such an edge,
+    /// and the bias may be larger there than the estimate of [`bias`](Self::bias). `None` means
+    /// unknown.
     pub fn is_near_edge(&self, x: usize, y: usize) -> Option<bool> {
         self.picture.edge[self.index(x, y)]
     }
@@ -148,7 +149,7 @@ impl Image {
         self.stats.as_ref()
     }
 
-    /// Whether the progress callback stopped the render early.
+    /// Returns true if the progress callback stopped the render early.
     pub fn is_interrupted(&self) -> bool {
         self.interrupted
     }

@@ -38,7 +38,7 @@ pub struct Scene {
     origin: SceneOrigin,
 }
 
-/// Where a scene comes from.
+/// The origin of a scene.
 #[derive(Debug, Clone)]
 enum SceneOrigin {
     /// JSON text, and the changes of this text in their order.
@@ -135,7 +135,7 @@ impl Scene {
     /// use abbe::{RenderOptions, Scene};
     /// use std::ops::ControlFlow;
     ///
-    /// let scene = Scene::load("scenes/newton.json")?;
+    /// let scene = Scene::load("scenes/prism.json")?;
     /// let image = scene.render_with(&RenderOptions::default(), |progress| {
     ///     println!("{} passes in {:?}", progress.passes, progress.elapsed);
     ///     if progress.passes >= 8 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

@@ -12,7 +12,7 @@ const NEUTRAL: f64 = 1e-4;
 pub struct DominantWavelength {
     /// The wavelength in nm. For purples it is the wavelength of the complementary colour.
     pub nm: f64,
-    /// Whether `nm` is the complementary wavelength, because the colour is a purple.
+    /// True if `nm` is the complementary wavelength, because the colour is a purple.
     pub complementary: bool,
     /// Excitation purity from 0 to 1: the distance of the colour from white, divided by the
     /// distance of the diagram's boundary from white.

@@ -31,7 +31,7 @@ impl Aim {
         Self(PiecewiseConstant2d::new(CELLS, scores))
     }
 
-    /// Whether the aim changes nothing.
+    /// Returns true if the aim changes nothing.
     pub fn is_plain(&self) -> bool {
         self.0.is_none()
     }

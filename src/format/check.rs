@@ -1,6 +1,7 @@
 //! Checks of single values: ranges, lengths, directions.
 //!
-//! Every check takes the JSON path of its value. The caller adds file, line and column to the error.
+//! Every check takes the JSON path of its value. The caller adds file, line and column to the
+//! error.
 
 use crate::error::{Error, Result};
 use crate::json::JsonPath;

@@ -36,7 +36,7 @@ pub(super) trait Forms: Sized {
         None
     }
 
-    /// Whether an array of three numbers is a form of the type.
+    /// True if an array of three numbers is a form of the type.
     const HAS_TRIPLE: bool = false;
 
     /// Reads an object. The first key was already read. `form` deserialises the whole object.

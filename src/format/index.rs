@@ -138,7 +138,8 @@ fn index_number(at: &JsonPath, value: f64) -> Result<()> {
 }
 
 impl IndexFile {
-    /// Checks ranges and lengths. The resolver checks whether a formula stays above 1 over the band.
+    /// Checks ranges and lengths. The resolver checks whether a formula stays above 1 over the
+    /// band.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Number(value) => index_number(at, *value),

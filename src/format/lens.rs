@@ -74,7 +74,7 @@ pub struct ThinLensFile {
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "forms::never", extend("x-unit" = "°"))]
     pub rotation: f64,
-    /// Whether light is diffracted at the aperture stop.
+    /// True if light is diffracted at the aperture stop.
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "forms::never")]
     pub diffraction: bool,
@@ -129,7 +129,7 @@ pub struct SystemLensFile {
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "forms::never", extend("x-unit" = "°"))]
     pub rotation: f64,
-    /// Whether light is diffracted at the aperture stop.
+    /// True if light is diffracted at the aperture stop.
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "forms::never")]
     pub diffraction: bool,
@@ -208,7 +208,7 @@ pub struct LensSurfaceFile {
     /// Half the clear diameter.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "mm"))]
     pub semi_aperture_mm: f64,
-    /// Whether this surface is the aperture stop.
+    /// True if this surface is the aperture stop.
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "forms::never")]
     pub stop: bool,

@@ -23,8 +23,8 @@ pub enum PhaseFile {
     /// The function of Henyey and Greenstein.
     #[schemars(example = json!({"henyey_greenstein": {"g": 0.3}}))]
     HenyeyGreenstein {
-        /// Mean cosine of the scattering angle: negative for backward scattering, positive for forward
-        /// scattering.
+        /// Mean cosine of the scattering angle: negative for backward scattering, positive for
+        /// forward scattering.
         #[schemars(extend("minimum" = -MAX_MEAN_COSINE, "maximum" = MAX_MEAN_COSINE))]
         g: SpectrumFile,
     },
@@ -40,7 +40,8 @@ pub enum PhaseFile {
         /// Median radius.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "µm"))]
         radius_um: f64,
-        /// Geometric standard deviation of the lognormal distribution of radii. 1 means equal radii.
+        /// Geometric standard deviation of the lognormal distribution of radii. 1 means equal
+        /// radii.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(range(min = 1), extend("x-default" = "equal radii"))]
         spread: Option<f64>,

@@ -59,8 +59,8 @@ pub(super) fn one_quantity(choices: &[(Option<f64>, QuantityVariant)]) -> Result
     Ok(quantity)
 }
 
-/// Returns the error of a quantity with its path in the scene. The path of the given error starts at
-/// the emitter.
+/// Returns the error of a quantity with its path in the scene. The path of the given error starts
+/// at the emitter.
 pub(super) fn validate_quantity(at: &JsonPath, quantity: Result<QuantityFile>) -> Result<()> {
     quantity.map(|_| ()).map_err(|mut error| {
         let below = error.location.path.take().unwrap_or_default();

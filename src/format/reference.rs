@@ -35,13 +35,18 @@ This page describes every key of the scene file. `abbe schema --markdown` genera
 Schema, which `abbe schema` prints.
 
 - A scene file is strict JSON: no comments, no trailing commas, no unknown keys, no duplicate keys.
-- A length without a unit in its key is in the scene's `unit`. In the tables, its unit is *scene unit*.
+- A length without a unit in its key is in the scene's `unit`. In the tables, its unit is *scene
+  unit*.
 - Powers, intensities and radiances without a photometric unit are integrals over 360–830 nm.
 - The default *required* marks a key that must be present. The default — means that the key has no
-  default value: without the key, the feature is absent, or another key of the section takes its place.
+  default value: without the key, the feature is absent, or another key of the section takes its
+  place.
 - Paths of files are relative to the folder of the scene file.
 - A range such as 0 … 1 applies to every value of a spectrum, and to each element of an array.
 ";
+
+/// Width to which text is wrapped.
+const TEXT_WIDTH: usize = 100;
 
 /// Width to which examples are wrapped.
 const EXAMPLE_WIDTH: usize = 92;
@@ -60,7 +65,39 @@ pub fn scene_reference() -> String {
         let _ = write!(text, "\n## {chapter}\n");
         names.iter().for_each(|name| page.section(name, &mut text));
     }
-    text
+    filled(&text)
+}
+
+/// Wraps the paragraphs and list entries of a page. Headings, tables and code stay unchanged.
+fn filled(page: &str) -> String {
+    let (mut text, mut column, mut indent, mut in_code) = (String::new(), 0, "", false);
+    for line in page.lines() {
+        let is_fence = line.starts_with("```");
+        let is_prose = !in_code && !is_fence && !line.is_empty() && !line.starts_with(['|', '#']);
+        in_code ^= is_fence;
+        let continues = is_prose && column > 0 && !line.starts_with("- ");
+        if !continues && !text.is_empty() {
+            text.push('\n');
+            column = 0;
+        }
+        if !is_prose {
+            text.push_str(line);
+            continue;
+        }
+        if !continues {
+            indent = if line.starts_with("- ") { "\n  " } else { "\n" };
+        }
+        for word in line.split_whitespace() {
+            let width = word.chars().count();
+            let gap = if column + 1 + width > TEXT_WIDTH { indent } else { " " };
+            if column > 0 {
+                text.push_str(gap);
+            }
+            column = if gap == indent { gap.len() - 1 + width } else { column + usize::from(column > 0) + width };
+            text.push_str(word);
+        }
+    }
+    text + "\n"
 }
 
 /// One variant of a definition with several forms.
@@ -111,7 +148,7 @@ impl<'s> Page<'s> {
             SchemaVariant::Keyed(key, _) => Some(link(&format!("`{key}`"), &format!("{title} {key}"))),
             SchemaVariant::Constant(_) | SchemaVariant::Plain => None,
         });
-        std::iter::once(link(title, title)).chain(keyed).collect()
+        std::iter::once(link(&title, &title)).chain(keyed).collect()
     }
 
     /// Writes the section of a definition.
@@ -121,7 +158,7 @@ impl<'s> Page<'s> {
         let _ = write!(text, "\n### {title}\n\n{}\n", text_of(definition, "description"));
         let variants = variants(definition);
         if !variants.is_empty() {
-            self.forms(title, variants, text);
+            self.forms(&title, variants, text);
         } else if let Some(properties) = definition["properties"].as_object() {
             self.keys(properties, definition, text);
         } else {
@@ -130,7 +167,7 @@ impl<'s> Page<'s> {
         examples(definition, text);
         for schema in variants {
             if let SchemaVariant::Keyed(key, value) = SchemaVariant::of(schema) {
-                self.variant(title, key, schema, value, text);
+                self.variant(&title, key, schema, value, text);
             }
         }
     }
@@ -152,8 +189,8 @@ impl<'s> Page<'s> {
     fn variant(&self, title: &str, key: &str, schema: &Value, value: &'s Value, text: &mut String) {
         let _ = write!(text, "\n#### {title} `{key}`\n\n{}", text_of(schema, "description"));
         let contents = self.referred(value).filter(|definition| definition["title"].is_null());
-        let more = contents.and_then(|definition| text_of(definition, "description").split_once(". "));
-        let _ = writeln!(text, "{}", more.map(|(_, more)| format!(" {more}")).unwrap_or_default());
+        let more = contents.map(|definition| text_of(definition, "description")).unwrap_or_default();
+        let _ = writeln!(text, "{}", more.split_once(". ").map(|(_, more)| format!(" {more}")).unwrap_or_default());
         let contents = contents.unwrap_or(value);
         match contents["properties"].as_object() {
             Some(properties) => self.keys(properties, contents, text),
@@ -176,10 +213,8 @@ impl<'s> Page<'s> {
             };
             let nullable = if required { self.type_of(schema, 1) } else { self.type_of(&without_null(schema), 1) };
             let unit = schema["x-unit"].as_str().unwrap_or("");
-            let meaning = match text_of(schema, "description") {
-                "" => text_of(object, "description"),
-                description => description,
-            };
+            let described = if schema["description"].is_null() { object } else { schema };
+            let meaning = text_of(described, "description");
             let _ = writeln!(text, "| `{key}` | {nullable} | {unit} | {default} | {} | {meaning} |", range(schema));
         }
     }
@@ -189,7 +224,7 @@ impl<'s> Page<'s> {
         let plural = |word: &str| if count == 1 { word.to_string() } else { format!("{word}s") };
         if let Some(definition) = self.referred(schema) {
             let title = text_of(definition, "title");
-            return link(title, title);
+            return link(&title, &title);
         }
         if let Some(choices) = schema["anyOf"].as_array() {
             let choices: Vec<String> = choices.iter().map(|choice| self.type_of(choice, count)).collect();
@@ -217,9 +252,9 @@ impl<'s> Page<'s> {
     }
 }
 
-/// Returns a text of a schema, such as its title, or the empty text.
-fn text_of<'s>(schema: &'s Value, key: &str) -> &'s str {
-    schema[key].as_str().unwrap_or_default()
+/// Returns a text of a schema, such as its title, on one line. The text may be empty.
+fn text_of(schema: &Value, key: &str) -> String {
+    schema[key].as_str().unwrap_or_default().replace('\n', " ")
 }
 
 /// Returns the forms of a definition, or none if it has only one.

@@ -152,6 +152,18 @@ fn the_reference_has_all_definitions_and_sound_links() {
     }
 }
 
+/// A row of a table ends where its line ends, and no line of prose is longer than 100 columns.
+#[test]
+fn the_reference_has_whole_table_rows_and_short_lines() {
+    let page = scene_reference();
+    let lines: Vec<&str> = page.lines().collect();
+    for pair in lines.windows(2) {
+        assert!(!pair[0].starts_with('|') || pair[0].ends_with('|'), "{}", pair[0]);
+        assert!(!pair[0].starts_with('|') || pair[1].is_empty() || pair[1].starts_with('|'), "{}", pair[1]);
+        assert!(pair[0].starts_with('|') || pair[0].chars().count() <= 100, "{}", pair[0]);
+    }
+}
+
 /// A number in a scene whose schema has bounds.
 struct BoundedNumber {
     scene: String,
@@ -218,7 +230,8 @@ fn count_bounded(schema: &Value) -> usize {
     here + below.into_iter().map(count_bounded).sum::<usize>()
 }
 
-/// Whether a scene with another number at a path is accepted. Errors at other paths do not count.
+/// Returns true if a scene with another number at a path is accepted. Errors at other paths do not
+/// count.
 fn accepts(number: &BoundedNumber, value: f64) -> bool {
     let patch = format!("{}={value}", number.path);
     match parse(&number.scene, Path::new("scene"), &[patch]) {

@@ -46,8 +46,8 @@ fn paths_of_values(value: &serde_json::Value, path: &JsonPath<'_>, paths: &mut V
     value.as_array().into_iter().flatten().enumerate().for_each(|(i, value)| below(value, &path.index(i)));
 }
 
-/// Each value of each scene is replaced by values of all kinds. The result is a scene or an error with
-/// a position.
+/// Each value of each scene is replaced by values of all kinds. The result is a scene or an error
+/// with a position.
 #[test]
 fn any_value_in_any_place_gives_a_scene_or_an_error() {
     let anything = ["null", "true", "0", "-1", "1e300", "3.5", "\"x\"", "[]", "[1, 2, 3]", "{}", "{\"x\": 1}"];

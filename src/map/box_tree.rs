@@ -119,7 +119,7 @@ impl Slabs {
         }
     }
 
-    /// Whether the cone may touch the box. Rounding may add boxes but never omits one.
+    /// Returns true if the cone may touch the box. Rounding may add boxes but never omits one.
     #[inline]
     fn touch(&self, aabb: &Aabb) -> bool {
         let (centre, half) = (0.5 * (aabb.min + aabb.max), 0.5 * (aabb.max - aabb.min));

@@ -46,7 +46,7 @@ impl PhotonMap {
         self.tree.as_ref().map_or(0, KdTree::size)
     }
 
-    /// Whether the map has no photons.
+    /// Returns true if the map has no photons.
     pub fn is_empty(&self) -> bool {
         self.tree.is_none()
     }

@@ -23,7 +23,7 @@ pub struct Rendered {
     pub ledger: Ledger,
     /// The statistics of the render.
     pub stats: Stats,
-    /// Whether the monitor ended the render before a stop rule held.
+    /// True if the monitor ended the render before a stop rule held.
     pub interrupted: bool,
     /// The sums of all passes, from which the render can continue.
     pub run: Run,

@@ -11,7 +11,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 impl Scene {
-    /// Whether anything moves while the shutter is open.
+    /// Returns true if anything moves while the shutter is open.
     pub fn moves(&self) -> bool {
         !self.motions.shapes.is_empty()
             || self.motions.camera.is_some()

@@ -21,10 +21,12 @@
 //! let mut objects = ObjectSet::default();
 //! let grey = Bsdf::diffuse(Spectrum::constant(0.5))?;
 //! let grey = objects.add_material(Material { name: "grey".into(), surface: grey, body: None });
-//! let crown = Body { index: Some(RefractiveIndex::catalogue("N-BK7")?), absorption: None, medium: None, priority: 0 };
-//! let glass = Bsdf::dielectric(0.0)?;
-//! let glass = objects.add_material(Material { name: "glass".into(), surface: glass, body: Some(crown) });
-//! objects.add_object("floor", grey, Shape::Rectangle { width: 4.0, height: 4.0 }, DAffine3::IDENTITY)?;
+//! let crown = Some(RefractiveIndex::catalogue("N-BK7")?);
+//! let body = Some(Body { index: crown, absorption: None, medium: None, priority: 0 });
+//! let surface = Bsdf::dielectric(0.0)?;
+//! let glass = objects.add_material(Material { name: "glass".into(), surface, body });
+//! let floor = Shape::Rectangle { width: 4.0, height: 4.0 };
+//! objects.add_object("floor", grey, floor, DAffine3::IDENTITY)?;
 //! let above = DAffine3::from_translation(DVec3::new(0.0, 1.0, 0.0));
 //! objects.add_object("ball", glass, Shape::Sphere { radius: 0.5 }, above)?;
 //!
@@ -46,9 +48,12 @@
 //!
 //! let origin = DVec3::new(0.0, 1.5, 4.0) - centre;
 //! let axes = look_at_axes(-origin, DVec3::Y);
-//! let camera = Camera::new(origin, axes, f64::tan(0.4), (film.width, film.height), Aperture::Pinhole);
+//! let size = (film.width, film.height);
+//! let camera = Camera::new(origin, axes, f64::tan(0.4), size, Aperture::Pinhole);
 //! let shutter = Shutter::new(0.0, 0.0, None);
-//! let scene = builder.build(SceneView { camera, camera_motion: None, shutter, film, white_balance: WhiteBalance::None })?;
+//! let white_balance = WhiteBalance::None;
+//! let view = SceneView { camera, camera_motion: None, shutter, film, white_balance };
+//! let scene = builder.build(view)?;
 //! assert_eq!(scene.objects[1].name, "ball");
 //! assert_eq!(scene.lights.len(), 1);
 //! # Ok::<(), abbe::error::Error>(())

@@ -85,7 +85,7 @@ fn object_with_light_maps(scene: &Scene) -> Option<&str> {
 }
 
 impl Facts {
-    /// Whether any surface has a diffuse or glossy component.
+    /// Returns true if any surface has a diffuse or glossy component.
     pub fn scatters(&self) -> bool {
         !(self.diffuse.is_empty() && self.glossy.is_empty())
     }

@@ -22,7 +22,7 @@ pub struct MediumStack([u32; MAX_NESTING]);
 pub struct BodyPriority {
     /// The body of the higher priority dominates.
     pub priority: i32,
-    /// Whether the body has its own refractive index.
+    /// True if the body has its own refractive index.
     pub refracts: bool,
 }
 
@@ -79,12 +79,12 @@ impl MediumStack {
         self
     }
 
-    /// Whether the stack contains `object`.
+    /// Returns true if the stack contains `object`.
     pub fn contains(&self, object: u32) -> bool {
         self.bodies().any(|body| body == object)
     }
 
-    /// Whether the stack is empty.
+    /// Returns true if the stack is empty.
     #[inline]
     pub fn is_air(&self) -> bool {
         self.0[0] == 0

@@ -183,7 +183,7 @@ impl Material {
         Self { name: name.to_owned(), surface: Bsdf::Absorber, body: Some(body) }
     }
 
-    /// Whether the material only bounds a medium.
+    /// Returns true if the material only bounds a medium.
     pub fn is_boundary(&self) -> bool {
         self.body.as_ref().is_some_and(|body| body.index.is_none())
     }
@@ -264,9 +264,9 @@ impl Scene {
         }
     }
 
-    /// Whether a face is hidden. A hidden face lies inside a body of higher priority, and this body
-    /// dominates on both sides of the face. `here` and `there` are the medium stacks on the two
-    /// sides.
+    /// Returns true if a face is hidden. A hidden face lies inside a body of higher priority, and
+    /// this body dominates on both sides of the face. `here` and `there` are the medium stacks on
+    /// the two sides.
     #[inline]
     pub fn is_hidden(&self, hit: &Hit, here: &MediumStack, there: &MediumStack) -> bool {
         self.body_of(hit.object).is_some() && self.dominant_dielectric(there) == self.dominant_dielectric(here)

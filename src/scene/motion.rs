@@ -28,7 +28,8 @@ impl DecomposedTransform {
         Self { translation, rotation, scale }
     }
 
-    /// Whether a transform has a shear, which translation, rotation and scale cannot represent.
+    /// Returns true if a transform has a shear, which translation, rotation and scale cannot
+    /// represent.
     pub fn is_sheared(transform: &DAffine3) -> bool {
         let [x, y, z] = [transform.matrix3.x_axis, transform.matrix3.y_axis, transform.matrix3.z_axis];
         [(x, y), (y, z), (z, x)].iter().any(|(a, b)| a.dot(*b).abs() > 1e-9 * a.length() * b.length())
@@ -64,7 +65,8 @@ impl<T: Clone + PartialEq> Keyframes<T> {
         between(&before.1, &after.1, (time_s - before.0) / (after.0 - before.0))
     }
 
-    /// Whether the state changes within an interval of time; `at` gives the state at a time.
+    /// Returns true if the state changes within an interval of time; `at` gives the state at a
+    /// time.
     fn changes(&self, (from_s, to_s): (f64, f64), at: impl Fn(f64) -> T) -> bool {
         let inside = self.0.iter().filter(|key| from_s < key.0 && key.0 < to_s).map(|key| key.1.clone());
         let first = at(from_s);
@@ -110,7 +112,7 @@ impl AnimatedTransform {
         self.key_at(time_s).to_world
     }
 
-    /// Whether the transform changes between two times in s.
+    /// Returns true if the transform changes between two times in s.
     pub fn moves(&self, from_s: f64, to_s: f64) -> bool {
         self.keys.changes((from_s, to_s), |time_s| self.key_at(time_s))
     }
@@ -170,7 +172,7 @@ impl AnimatedLookAt {
         })
     }
 
-    /// Whether the pose changes between two times in s.
+    /// Returns true if the pose changes between two times in s.
     pub fn moves(&self, from_s: f64, to_s: f64) -> bool {
         self.0.changes((from_s, to_s), |time_s| self.at(time_s))
     }

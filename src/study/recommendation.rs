@@ -25,7 +25,7 @@ pub struct Recommendation {
     pub seconds: f64,
     /// Seconds at the scene's own film size, extrapolated from the number of pixels.
     pub seconds_own_film: f64,
-    /// Whether the error is outside the measured range. If so, the numbers are extrapolated with
+    /// True if the error is outside the measured range. If so, the numbers are extrapolated with
     /// the theoretical slope.
     pub extrapolated: bool,
 }

@@ -23,7 +23,7 @@ impl MeanEstimate {
         (values.len() > 1).then(|| Self { value: mean, standard_error: (square / count).sqrt() })
     }
 
-    /// Whether the mean exceeds three times its standard error.
+    /// Returns true if the mean exceeds three times its standard error.
     pub fn is_significant(&self) -> bool {
         self.value > 3.0 * self.standard_error
     }

@@ -9,7 +9,8 @@ use crate::error::{Error, Result};
 /// Converts a glTF material. Textures are ignored.
 ///
 /// # Errors
-/// Returns an error if the dispersion or the index of refraction is not a number or is out of range.
+/// Returns an error if the dispersion or the index of refraction is not a number or is out of
+/// range.
 pub(super) fn material(file: &Material<'_>) -> Result<MeshMaterial> {
     let surface = file.pbr_metallic_roughness();
     let [r, g, b, _alpha] = surface.base_color_factor();

@@ -9,10 +9,11 @@ pub struct MeshMaterial {
     pub base_colour: [f64; 3],
     /// 0 for a dielectric, 1 for a metal.
     pub metallic: f64,
-    /// Perceptual roughness of glTF, from 0 (smooth) to 1 (rough): the square root of the microfacet
-    /// parameter α.
+    /// Perceptual roughness of glTF, from 0 (smooth) to 1 (rough): the square root of the
+    /// microfacet parameter α.
     pub roughness: f64,
-    /// Fraction of the light entering the surface that is transmitted, from 0 (opaque) to 1 (clear).
+    /// Fraction of the light entering the surface that is transmitted, from 0 (opaque) to 1
+    /// (clear).
     pub transmission: f64,
     /// Index of refraction.
     pub ior: f64,
@@ -20,7 +21,8 @@ pub struct MeshMaterial {
     pub abbe_number: Option<f64>,
     /// Absorption inside, or `None` without absorption.
     pub attenuation: Option<MeshAttenuation>,
-    /// Emitted colour times its strength (in cd/m² for glTF). Zero for a surface that does not emit.
+    /// Emitted colour times its strength (in cd/m² for glTF). Zero for a surface that does not
+    /// emit.
     pub emission: [f64; 3],
 }
 

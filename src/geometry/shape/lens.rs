@@ -30,7 +30,7 @@ struct Cap {
     radius: Option<f64>,
     /// Sign of the z direction that points out of the set at the vertex, ±1.
     outward: f64,
-    /// Whether the lens lies inside the set (convex or plane surface) or outside it (concave
+    /// True if the lens lies inside the set (convex or plane surface) or outside it (concave
     /// surface).
     kept: bool,
 }

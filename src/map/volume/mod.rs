@@ -89,7 +89,7 @@ impl VolumeMap {
         Self { tree: BoxTree::build(&boxes), photons: VolumePhotons::Beams { beams, pieces } }
     }
 
-    /// Whether the map has no photons.
+    /// Returns true if the map has no photons.
     pub fn is_empty(&self) -> bool {
         match &self.photons {
             VolumePhotons::Points(points) => points.is_empty(),

@@ -35,7 +35,7 @@ pub struct Glossy {
     index: RefractiveIndex,
     facets: Ggx,
     coat: CoatAlbedo,
-    /// Whether ρ is positive at any wavelength.
+    /// True if ρ is positive at any wavelength.
     has_base: bool,
 }
 

@@ -62,12 +62,12 @@ pub struct BsdfSample {
     pub wi: DVec3,
     /// The sampled event, reflection or transmission.
     pub event: ScatterEvent,
-    /// Whether `wi` comes from a delta distribution.
+    /// True if `wi` comes from a delta distribution.
     pub delta: bool,
     /// The probability of the event if `delta` is set, otherwise the density of `wi` per solid
     /// angle. Always positive.
     pub probability: f64,
-    /// Whether `wi` depends on the wavelength. If so, the path can keep only one wavelength. The
+    /// True if `wi` depends on the wavelength. If so, the path can keep only one wavelength. The
     /// value is true only for refraction, and only if at least one of the two media is dispersive.
     pub disperses: bool,
     /// The probability of the sampled event at the hero wavelength.

@@ -35,7 +35,7 @@ impl ApertureDiffraction {
         2.44 * REFERENCE_NM * self.spread_px_per_nm
     }
 
-    /// Whether the Airy disk at 550 nm is larger than a pixel.
+    /// Returns true if the Airy disk at 550 nm is larger than a pixel.
     pub fn matters(&self) -> bool {
         self.airy_diameter_px() > 1.0
     }

@@ -51,7 +51,7 @@ pub struct Camera {
     pixel: f64,
     /// The bodies that contain the camera.
     pub medium_stack: MediumStack,
-    /// Whether the scene enables diffraction at the aperture. A pinhole ignores this value.
+    /// True if the scene enables diffraction at the aperture. A pinhole ignores this value.
     pub diffracts: bool,
 }
 

@@ -69,7 +69,7 @@ impl BeamLight {
         (!self.is_parallel()).then(|| (self.centre - behind * self.axis, self.one_minus_cos_divergence))
     }
 
-    /// Whether the divergence is 0.
+    /// Returns true if the divergence is 0.
     pub fn is_parallel(&self) -> bool {
         self.sin_divergence == 0.0
     }

@@ -70,7 +70,7 @@ impl LightCase {
         self.light.sample_le(self.extent(), LeRandoms { aim: stream.pair(), rest: stream.triple() })
     }
 
-    /// Whether a sampled direction is not blocked.
+    /// Returns true if a sampled direction is not blocked.
     fn sees(&self, from: DVec3, incident: &LiSample) -> bool {
         let ray = Ray::new(from, incident.direction);
         !self.geometry.occluded(&ray, None, incident.target, incident.distance)

@@ -32,7 +32,7 @@ impl DirectionalLight {
         Self { toward, frame: Frame::new(toward), ..*self }
     }
 
-    /// Whether the light has an angular radius above 0.
+    /// Returns true if the light has an angular radius above 0.
     pub(super) fn has_extent(&self) -> bool {
         self.one_minus_cos > 0.0
     }

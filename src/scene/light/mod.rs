@@ -248,8 +248,8 @@ impl Light {
         }
     }
 
-    /// Whether virtual lights can represent the light. For an environment, a volume light or a
-    /// divergent beam, a single virtual light is too inaccurate.
+    /// Returns true if virtual lights can represent the light. For an environment, a volume light
+    /// or a divergent beam, a single virtual light is too inaccurate.
     pub fn has_virtual_lights(&self) -> bool {
         match &self.emitter {
             Emitter::Point(_) | Emitter::Spot(_) | Emitter::Directional(_) | Emitter::Area(_) => true,
@@ -276,7 +276,7 @@ impl Light {
         })
     }
 
-    /// Whether the light is at infinity, so that a ray leaving the scene may see the light.
+    /// Returns true if the light is at infinity, so that a ray leaving the scene may see the light.
     pub fn is_distant(&self) -> bool {
         match &self.emitter {
             Emitter::Directional(_) | Emitter::Environment(_) => true,
@@ -284,10 +284,10 @@ impl Light {
         }
     }
 
-    /// Whether no scattered ray can hit the light. In this case, only [`Light::sample_li`] finds
-    /// the light. Beams count as delta lights because their disk is invisible. Volume lights count
-    /// as delta lights because a ray never sees the light itself, but only the emission of the
-    /// medium.
+    /// Returns true if no scattered ray can hit the light. In this case, only [`Light::sample_li`]
+    /// finds the light. Beams count as delta lights because their disk is invisible. Volume lights
+    /// count as delta lights because a ray never sees the light itself, but only the emission of
+    /// the medium.
     pub fn is_delta(&self) -> bool {
         match &self.emitter {
             Emitter::Area(_) | Emitter::Environment(_) => false,
@@ -296,7 +296,7 @@ impl Light {
         }
     }
 
-    /// Whether a rotation leaves the light unchanged: a uniform environment.
+    /// Returns true if a rotation leaves the light unchanged: a uniform environment.
     pub fn is_rotation_invariant(&self) -> bool {
         match &self.emitter {
             Emitter::Environment(light) => light.map.is_none(),

@@ -219,8 +219,8 @@ impl VolumeLight {
         })
     }
 
-    /// Returns true if a point lies inside the body. A ray from an inside point leaves the body more
-    /// often than it enters.
+    /// Returns true if a point lies inside the body. A ray from an inside point leaves the body
+    /// more often than it enters.
     fn contains(&self, point: DVec3) -> bool {
         let Some(body) = &self.body else { return true };
         let direction = OBLIQUE.normalize();

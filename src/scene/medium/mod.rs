@@ -38,7 +38,7 @@ pub struct Medium {
     pub phase: PhaseFunction,
     /// The density as a function of position.
     pub density: Density,
-    /// Whether the medium is optically thick in at least one of its bodies; see
+    /// True if the medium is optically thick in at least one of its bodies; see
     /// [`is_dense_across`](Self::is_dense_across).
     pub dense: bool,
     /// The method that computes the transmittance.
@@ -111,8 +111,8 @@ impl Medium {
         Self { density, emission: self.emission.as_ref().map(|emission| emission.moved(map)), ..self.clone() }
     }
 
-    /// Whether the optical depth at 550 nm across a body of the medium exceeds 4. The body is
-    /// `across_m` thick. A grid medium is as thick as its own box.
+    /// Returns true if the optical depth at 550 nm across a body of the medium exceeds 4. The body
+    /// is `across_m` thick. A grid medium is as thick as its own box.
     pub fn is_dense_across(&self, across_m: f64) -> bool {
         /// The optical depth in mean free paths.
         const DENSE: f64 = 4.0;
@@ -136,13 +136,13 @@ impl Medium {
         }
     }
 
-    /// Whether the medium scatters light at any wavelength.
+    /// Returns true if the medium scatters light at any wavelength.
     pub fn scatters(&self) -> bool {
         self.scattering_max > 0.0
     }
 
-    /// Whether a light map can resolve the density. The map has this many cells along its longest
-    /// side.
+    /// Returns true if a light map can resolve the density. The map has this many cells along its
+    /// longest side.
     pub fn is_smooth_in_cells(&self, cells: u32) -> bool {
         match &self.density {
             Density::Uniform => true,
@@ -232,7 +232,7 @@ impl Medium {
         }
     }
 
-    /// Whether the density is the same everywhere.
+    /// Returns true if the density is the same everywhere.
     pub fn is_uniform(&self) -> bool {
         match self.density {
             Density::Uniform => true,

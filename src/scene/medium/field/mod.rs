@@ -87,9 +87,9 @@ impl ScalarField {
         Self { shape, to_local, bounds }
     }
 
-    /// Whether a grid can interpolate column densities of the field. The grid has this many cells
-    /// along the longest side of the box. The scale height of an atmosphere must be at least one
-    /// cell.
+    /// Returns true if a grid can interpolate column densities of the field. The grid has this many
+    /// cells along the longest side of the box. The scale height of an atmosphere must be at least
+    /// one cell.
     pub fn is_smooth_in_cells(&self, cells: u32) -> bool {
         let longest = (self.bounds.1 - self.bounds.0).max_element();
         match &self.shape {
