@@ -8,10 +8,11 @@
 
 use std::collections::BTreeMap;
 
+use abbe::format::light::PointFile;
 use abbe::format::{
     CameraFile, DielectricFile, ExposureFile, FilmFile, GamutFile, IndexFile, LensFile, LightFile, MaterialFile,
-    ObjectFile, ObserverFile, OutputSpaceFile, PointFile, ReflectanceFile, RenderFile, SceneFile, ShapeFile,
-    SpectrumFile, TransformFile, UnitFile, WhiteBalanceFile,
+    ObjectFile, ObserverFile, OutputSpaceFile, ReflectanceFile, RenderFile, SceneFile, ShapeFile, SpectrumFile,
+    TransformFile, UnitFile, WhiteBalanceFile,
 };
 use abbe::{RenderOptions, Scene};
 

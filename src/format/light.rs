@@ -1,5 +1,9 @@
 //! Lights in the scene file.
 
+mod distant;
+
+pub use distant::{DirectionalFile, EnvironmentFile};
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -7,7 +11,7 @@ use serde_json::json;
 use super::check;
 use super::forms;
 use super::quantity::{QuantityFile, one_quantity, validate_quantity};
-use super::spectrum::{ImageFile, SpectrumFile, SpectrumUse};
+use super::spectrum::{SpectrumFile, SpectrumUse};
 use super::transform::{KeyframeFile, TransformFile, validate_motion};
 use crate::error::Result;
 use crate::json::JsonPath;
@@ -187,70 +191,6 @@ pub struct BeamFile {
     pub motion: Vec<KeyframeFile>,
 }
 
-/// A directional light. State exactly one of `irradiance` and `illuminance`. The power is not a key
-/// of this light, because it depends on the size of the scene.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct DirectionalFile {
-    /// Direction in which the light travels.
-    #[schemars(extend("x-range" = "not zero"))]
-    pub toward: [f64; 3],
-    /// Angular diameter of the source. The sun has 0.53°.
-    #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never", range(min = 0))]
-    #[schemars(extend("exclusiveMaximum" = 180, "x-unit" = "°"))]
-    pub angular_diameter: f64,
-    /// Relative distribution of the light over wavelength. The given quantity sets the scale.
-    #[schemars(extend("minimum" = 0))]
-    pub spectrum: SpectrumFile,
-    /// Irradiance over 360–830 nm on a surface that faces the light.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0), extend("x-unit" = "W/m²"))]
-    pub irradiance: Option<f64>,
-    /// Illuminance on a surface that faces the light.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0), extend("x-unit" = "lx"))]
-    pub illuminance: Option<f64>,
-    /// Rotation of the light. Translations have no effect.
-    #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
-    pub transform: TransformFile,
-    /// Keyframes of the motion, in the order of their times.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
-    pub motion: Vec<KeyframeFile>,
-}
-
-/// An environment. State exactly one of `spectrum` and `image`, and exactly one of `irradiance` and
-/// `illuminance`.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct EnvironmentFile {
-    /// Relative distribution of the light over wavelength, the same from all directions.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("minimum" = 0))]
-    pub spectrum: Option<SpectrumFile>,
-    /// A picture of all directions in an equirectangular projection, +y up.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub image: Option<ImageFile>,
-    /// π × the mean radiance over 360–830 nm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0), extend("x-unit" = "W/m²"))]
-    pub irradiance: Option<f64>,
-    /// π × the mean luminance.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0), extend("x-unit" = "lx"))]
-    pub illuminance: Option<f64>,
-    /// Rotation of the light. Translations have no effect.
-    #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
-    pub transform: TransformFile,
-    /// Keyframes of the motion, in the order of their times.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
-    pub motion: Vec<KeyframeFile>,
-}
-
 /// A measured lamp. State exactly one of `power` and `luminous_flux`.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -321,26 +261,6 @@ impl BeamFile {
     /// Returns an error unless exactly one quantity is stated and it is at least 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[(self.power, QuantityFile::Power), (self.luminous_flux, QuantityFile::LuminousFlux)])
-    }
-}
-
-impl DirectionalFile {
-    /// Returns the quantity that the emitter states.
-    ///
-    /// # Errors
-    /// Returns an error unless exactly one quantity is stated and it is at least 0.
-    pub fn quantity(&self) -> Result<QuantityFile> {
-        one_quantity(&[(self.irradiance, QuantityFile::Irradiance), (self.illuminance, QuantityFile::Illuminance)])
-    }
-}
-
-impl EnvironmentFile {
-    /// Returns the quantity that the emitter states.
-    ///
-    /// # Errors
-    /// Returns an error unless exactly one quantity is stated and it is at least 0.
-    pub fn quantity(&self) -> Result<QuantityFile> {
-        one_quantity(&[(self.irradiance, QuantityFile::Irradiance), (self.illuminance, QuantityFile::Illuminance)])
     }
 }
 
@@ -417,29 +337,6 @@ impl BeamFile {
         let inside = (0.0..90.0).contains(&self.divergence);
         check::rule(&at.key("divergence"), self.divergence, inside, "a number of at least 0 and below 90")?;
         self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative)?;
-        validate_quantity(at, self.quantity())?;
-        validate_pose(at, &self.transform, &self.motion)
-    }
-}
-
-impl DirectionalFile {
-    /// Checks ranges, the direction and the quantity.
-    fn validate(&self, at: &JsonPath) -> Result<()> {
-        check::direction(&at.key("toward"), self.toward)?;
-        let inside = (0.0..180.0).contains(&self.angular_diameter);
-        let allowed = "a number of at least 0 and below 180";
-        check::rule(&at.key("angular_diameter"), self.angular_diameter, inside, allowed)?;
-        self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative)?;
-        validate_quantity(at, self.quantity())?;
-        validate_pose(at, &self.transform, &self.motion)
-    }
-}
-
-impl EnvironmentFile {
-    /// Checks the ranges, and that the light has exactly one source and one quantity.
-    fn validate(&self, at: &JsonPath) -> Result<()> {
-        check::exactly_one(at, &[("spectrum", self.spectrum.is_some()), ("image", self.image.is_some())])?;
-        self.spectrum.as_ref().map_or(Ok(()), |it| it.validate(&at.key("spectrum"), SpectrumUse::NotNegative))?;
         validate_quantity(at, self.quantity())?;
         validate_pose(at, &self.transform, &self.motion)
     }

@@ -13,7 +13,7 @@ mod film;
 mod forms;
 mod index;
 mod lens;
-mod light;
+pub mod light;
 mod material;
 mod medium;
 pub mod mesh;
@@ -45,7 +45,7 @@ pub use field::{ExponentialFieldFile, FieldFile, NoiseFieldFile, PlanetFile, Sph
 pub use film::{ExposureFile, FilmFile, GamutFile, ObserverFile, OutputSpaceFile, WhiteBalanceFile};
 pub use index::{FormulaFile, IndexFile};
 pub use lens::{LensFile, LensSurfaceFile, PrescriptionFile, SystemLensFile, ThinLensFile, ThinLensForm};
-pub use light::{BeamFile, DirectionalFile, EnvironmentFile, IesFile, LightFile, PointFile, SpotFile};
+pub use light::LightFile;
 pub use material::{ConductorFile, DielectricFile, MaterialFile, WeightedMaterialFile};
 pub use medium::{GridFile, HomogeneousFile, MediumBlackbodyFile, MediumEmissionFile, MediumFile, TransmittanceFile};
 pub use object::ObjectFile;

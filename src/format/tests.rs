@@ -33,7 +33,7 @@ fn damaged_texts_give_errors_with_a_position() {
             Ok(_) => read += 1,
         }
     }
-    assert!(refused > 10_000 && read > 1_000, "the damage is too light or too heavy: {refused}, {read}");
+    assert!(refused > 10_000 && read > 500, "the damage is too light or too heavy: {refused}, {read}");
 }
 
 /// Returns the paths of all values inside a value.

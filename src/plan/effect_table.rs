@@ -180,12 +180,7 @@ const fn row(id: EffectId) -> Effect {
             set: |_, _, _| {},
             events: |tally, _| tally.environment_rays,
             removal: Removal::FromScene(|scene, _| {
-                scene.lights.retain(|light| match light.emitter {
-                    Emitter::Environment(_) | Emitter::Directional(_) => false,
-                    Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Area(_) | Emitter::Volume(_) => {
-                        true
-                    }
-                });
+                scene.lights.retain(|light| !light.is_distant());
                 scene.renumber_lights();
                 Ok(())
             }),

@@ -6,10 +6,8 @@ use super::motion::ResolvedMotion;
 use super::objects::{EmissionSource, EmittingObject};
 use super::spectra::Role;
 use crate::error::{Error, Result};
-use crate::format::{
-    BeamFile, DirectionalFile, EmissionFile, EnvironmentFile, JsonPath, LightFile, PointFile, QuantityFile,
-    SpectrumFile, SpotFile,
-};
+use crate::format::light::{BeamFile, DirectionalFile, EnvironmentFile, LightFile, PointFile, SpotFile};
+use crate::format::{EmissionFile, JsonPath, QuantityFile, SpectrumFile};
 use crate::scene::builder::SceneBuilder;
 use crate::scene::light::{
     AreaLight, BeamLight, DirectionalLight, Emitter, EnvironmentLight, Light, LightSpectrum, PointLight, SpotLight,

@@ -4,6 +4,8 @@
 use super::lit_interval::{LitInterval, inside_cone, inside_cylinder};
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample};
 use super::virtual_light::VirtualLight;
+#[cfg(test)]
+use super::{Emitter, contract_tests::TestLight};
 use crate::geometry::Ray;
 use crate::math::frame::Frame;
 use crate::math::warp;
@@ -143,4 +145,22 @@ impl BeamLight {
     fn incident(&self, direction: DVec3, distance: f64, irradiance: f64) -> LiSample {
         LiSample { direction, distance, target: None, irradiance, pdf_solid_angle: None, spd: EmittedSpd::Own }
     }
+}
+
+/// The lights of this file for the contract tests.
+#[cfg(test)]
+pub(super) fn test_lights(at: DVec3, axis: DVec3) -> Vec<TestLight> {
+    let light = |name, disk_m: f64, cone_rad, irradiance_at_2_m| TestLight {
+        name,
+        emitter: Emitter::Beam(BeamLight::new(at, axis, disk_m, cone_rad, 7.0)),
+        cone_rad,
+        disk_m,
+        irradiance_at_2_m,
+    };
+    // The first divergent beam samples its disk, and the second samples its cone.
+    vec![
+        light("parallel beam", 0.3, 0.0, Some(7.0 / (PI * 0.09))),
+        light("divergent beam", 0.1, 0.3, None),
+        light("nearly parallel beam", 0.3, 0.05, None),
+    ]
 }

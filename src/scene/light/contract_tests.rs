@@ -4,7 +4,10 @@
 //! Estimates must agree within four standard errors. Each test limits the standard error, so that
 //! the test detects an error of two per cent. Random numbers come from fixed streams.
 
+mod local;
 mod volume;
+
+pub(super) use local::TestLight;
 
 use super::*;
 use crate::geometry::Ray;
@@ -14,6 +17,7 @@ use crate::math::frame::Frame;
 use crate::math::random::{ONE_MINUS_ULP, Purpose, Stream};
 use crate::math::warp;
 use glam::{DAffine3, DMat3, DQuat};
+use local::{local_case, local_cases, local_place};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
@@ -144,29 +148,6 @@ fn tetrahedron() -> TriangleMesh {
     TriangleMesh::new(corners.to_vec(), None, None, vec![[0, 1, 2], [1, 0, 3], [2, 1, 3], [0, 2, 3]]).unwrap()
 }
 
-fn local_cases() -> Vec<LightCase> {
-    let at = DVec3::new(0.3, -0.2, 0.4);
-    let axis = DVec3::new(0.5, 1.0, -0.3).normalize();
-    let ahead =
-        ReceiverSquare::new(at + 1.2 * axis + DVec3::new(0.1, 0.0, 0.05), -axis + DVec3::new(0.2, 0.1, 0.0), 0.8);
-    let case = |name, emitter| LightCase {
-        name,
-        light: light(emitter, flat_spectrum()),
-        geometry: Geometry::build(Vec::new(), DVec3::ZERO).unwrap(),
-        receiver: ahead,
-    };
-    vec![
-        case("point", Emitter::Point(PointLight { position: at, intensity: 2.0 })),
-        case("spot", Emitter::Spot(SpotLight::new(at, axis, 0.35, 0.0, 5.0))),
-        case("soft spot", Emitter::Spot(SpotLight::new(at, axis, 0.4, 0.25, 5.0))),
-        case("wide spot", Emitter::Spot(SpotLight::new(at, axis, 2.0, 2.0, 5.0))),
-        case("parallel beam", Emitter::Beam(BeamLight::new(at, axis, 0.3, 0.0, 7.0))),
-        // The first samples the disk, the second the cone.
-        case("divergent beam", Emitter::Beam(BeamLight::new(at, axis, 0.1, 0.3, 7.0))),
-        case("nearly parallel beam", Emitter::Beam(BeamLight::new(at, axis, 0.3, 0.05, 7.0))),
-    ]
-}
-
 fn distant_cases() -> Vec<LightCase> {
     let toward = DVec3::new(0.3, -0.9, 0.5).normalize();
     let receiver = ReceiverSquare::new(DVec3::new(0.2, -0.3, 0.1), -toward + DVec3::new(0.3, 0.0, 0.4), 1.0);
@@ -273,33 +254,58 @@ fn emitted_rays_and_shadow_rays_give_the_same_irradiance() {
 
 #[test]
 fn shadow_rays_find_the_closed_form_irradiance() {
-    let (at, axis, distance) = (DVec3::new(0.3, -0.2, 0.4), DVec3::new(0.6, 0.0, 0.8), 2.0_f64);
+    let ((at, axis), distance) = (local_place(), 2.0_f64);
     let placed = |shape| PlacedShape {
         shape,
         to_world: DAffine3::from_rotation_translation(DQuat::from_rotation_arc(DVec3::Y, axis), at),
         object: 0,
     };
     let area = |shape| area_case("", placed(shape));
-    let bare = |emitter| LightCase { light: light(emitter, flat_spectrum()), ..local_cases().swap_remove(0) };
+    let local = super::local_test_lights(at, axis)
+        .into_iter()
+        .filter_map(|test| Some((local_case(test.name, test.emitter), test.irradiance_at_2_m?)));
     let (radius, radiance) = (0.7_f64, 3.0);
-    let cases = [
-        (bare(Emitter::Point(PointLight { position: at, intensity: 2.0 })), 2.0 / (distance * distance)),
-        (bare(Emitter::Spot(SpotLight::new(at, axis, 0.3, 0.1, 2.0))), 2.0 / (distance * distance)),
-        (bare(Emitter::Beam(BeamLight::new(at, axis, 0.3, 0.0, 2.0))), 2.0 / (PI * 0.09)),
-        (bare(Emitter::Directional(DirectionalLight::new(axis, 0.0, 4.0))), 4.0),
-        (bare(Emitter::Directional(DirectionalLight::new(axis, 0.5, 4.0))), 4.0),
-        (bare(Emitter::Environment(EnvironmentLight::new(2.0, None))), 2.0 * PI),
+    let others = [
+        (local_case("directional", Emitter::Directional(DirectionalLight::new(axis, 0.0, 4.0))), 4.0),
+        (local_case("sun", Emitter::Directional(DirectionalLight::new(axis, 0.5, 4.0))), 4.0),
+        (local_case("sky", Emitter::Environment(EnvironmentLight::new(2.0, None))), 2.0 * PI),
         (area(Shape::Sphere { radius }), PI * radiance * (radius / distance).powi(2)),
         (area(Shape::Disk { radius }), PI * radiance * radius * radius / (radius * radius + distance * distance)),
     ];
-    for (number, (case, expected)) in cases.into_iter().enumerate() {
+    for (number, (case, expected)) in local.chain(others).enumerate() {
         let from = at + distance * axis;
         let mut stream = stream(3);
         let mean = SampleMean::of(200_000, || {
             let incident = case.light.sample_li(case.extent(), from, stream.triple());
             incident.map_or(0.0, |i| i.irradiance * i.direction.dot(-axis).max(0.0))
         });
-        mean.agrees(exactly(expected), 0.004, &format!("closed form {number}"));
+        mean.agrees(exactly(expected), 0.004, &format!("closed form {number} {}", case.name));
+    }
+}
+
+/// A light map keeps one virtual light of a light without extent for all passes.
+#[test]
+fn virtual_lights_add_up_to_the_light() {
+    for case in all_cases() {
+        let (world, from) = (case.extent(), case.receiver.centre);
+        let mut random = stream(13);
+        let first = case.light.virtual_light(world, random.triple());
+        assert_eq!(first.is_some(), case.light.has_virtual_lights(), "{}", case.name);
+        let Some(first) = first else { continue };
+        let toward = |incident: Option<LiSample>| incident.map_or(0.0, |incident| incident.irradiance);
+        let by_virtual_lights = SampleMean::of(200_000, || {
+            let one = case.light.virtual_light(world, random.triple()).unwrap();
+            if case.light.is_delta() {
+                assert_eq!(one.connection_from(from), first.connection_from(from), "{}", case.name);
+            }
+            toward(case.light.li_from(world, &one, from).filter(|incident| case.sees(from, incident)))
+        });
+        let mut drawn = stream(14);
+        let found = SampleMean::of(200_000, || {
+            let incident = case.light.sample_li(world, from, drawn.triple());
+            toward(incident.filter(|incident| case.sees(from, incident)))
+        });
+        by_virtual_lights.agrees(found, 0.01, case.name);
     }
 }
 
@@ -395,24 +401,21 @@ fn area_lights_emit_from_their_surface_to_its_outer_side() {
 #[test]
 fn emitted_rays_stay_within_the_cone_and_disk_of_the_light() {
     let axis_angle = |axis: DVec3, direction: DVec3| axis.cross(direction).length().atan2(axis.dot(direction));
-    let at = DVec3::new(0.3, -0.2, 0.4);
-    let axis = DVec3::new(0.5, 1.0, -0.3).normalize();
+    let (at, axis) = local_place();
     let toward = DVec3::new(0.3, -0.9, 0.5).normalize();
-    let angle_and_disk = |name: &str| match name {
-        "point" => (PI, 0.0),
-        "spot" => (0.35, 0.0),
-        "soft spot" => (0.4, 0.0),
-        "wide spot" => (2.0, 0.0),
-        "parallel beam" => (0.0, 0.3),
-        "divergent beam" => (0.3, 0.1),
-        "nearly parallel beam" => (0.05, 0.3),
-        "directional" => (0.0, WORLD_RADIUS_M),
-        "sun" => (0.3, WORLD_RADIUS_M),
-        _ => (PI, WORLD_RADIUS_M),
-    };
-    for case in local_cases().into_iter().chain(distant_cases()) {
+    let local = local_test_lights(at, axis)
+        .into_iter()
+        .map(|test| (local_case(test.name, test.emitter), test.cone_rad, test.disk_m));
+    let distant = distant_cases().into_iter().map(|case| {
+        let angle = match case.name {
+            "directional" => 0.0,
+            "sun" => 0.3,
+            _ => PI,
+        };
+        (case, angle, WORLD_RADIUS_M)
+    });
+    for (case, angle, disk) in local.chain(distant) {
         let mut stream = stream(10);
-        let (angle, disk) = angle_and_disk(case.name);
         let (mut widest, mut outermost) = (0.0_f64, 0.0_f64);
         for _ in 0..20_000 {
             let emission = case.emit(&mut stream);

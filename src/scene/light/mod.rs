@@ -98,6 +98,13 @@ impl Emitter {
     }
 }
 
+/// The local lights of the contract tests, from the files that define the lights. Each light is at
+/// `at` and shines along `axis`.
+#[cfg(test)]
+fn local_test_lights(at: DVec3, axis: DVec3) -> Vec<contract_tests::TestLight> {
+    [point::test_lights(at, axis), beam::test_lights(at, axis)].concat()
+}
+
 impl Light {
     /// Creates a light at rest.
     ///

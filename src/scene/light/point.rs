@@ -2,6 +2,8 @@
 
 use super::lit_interval::{LitInterval, inside_cone};
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample};
+#[cfg(test)]
+use super::{Emitter, contract_tests::TestLight};
 use crate::geometry::Ray;
 use crate::math::frame::Frame;
 use crate::math::warp;
@@ -140,4 +142,23 @@ fn sample_li_from_point(position: DVec3, from: DVec3, intensity: impl Fn(DVec3) 
         pdf_solid_angle: None,
         spd: EmittedSpd::Own,
     })
+}
+
+/// The lights of this file for the contract tests.
+#[cfg(test)]
+pub(super) fn test_lights(at: DVec3, axis: DVec3) -> Vec<TestLight> {
+    let spot = |half_angle, penumbra| Emitter::Spot(SpotLight::new(at, axis, half_angle, penumbra, 5.0));
+    let light = |name, emitter, cone_rad, irradiance| TestLight {
+        name,
+        emitter,
+        cone_rad,
+        disk_m: 0.0,
+        irradiance_at_2_m: Some(irradiance),
+    };
+    vec![
+        light("point", Emitter::Point(PointLight { position: at, intensity: 2.0 }), PI, 0.5),
+        light("spot", spot(0.35, 0.0), 0.35, 1.25),
+        light("soft spot", spot(0.4, 0.25), 0.4, 1.25),
+        light("wide spot", spot(2.0, 2.0), 2.0, 1.25),
+    ]
 }
