@@ -56,8 +56,8 @@ pub(crate) fn run(arguments: &MergeArgs) -> Result<Outcome> {
     on_threads(None, || outputs.save(write_exr, &merged.picture, &merged.display, &merged.stats))??;
     if !arguments.quiet {
         let error = merged.stats.error.relative.map_or(String::new(), |error| format!(", error {}", percent(error)));
-        let (parts, passes) = (arguments.parts.len(), merged.stats.passes);
-        print::remark(&format!("wrote {}: {passes} passes from {parts} parts{error}", outputs.named()));
+        let (parts, passes) = (arguments.parts.len(), print::passes(merged.stats.passes));
+        print::remark(&format!("wrote {}: {passes} from {parts} parts{error}", outputs.named()));
     }
     Ok(Outcome::Done)
 }

@@ -30,6 +30,11 @@ pub(crate) fn remark(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{}", with_command_line_hints(text));
 }
 
+/// Returns a number of passes in words.
+pub(crate) fn passes(count: u64) -> String {
+    if count == 1 { "1 pass".to_string() } else { format!("{count} passes") }
+}
+
 /// Hints for messages of the library. Each pair contains a fragment of a message, and the words
 /// added after this fragment.
 const HINTS: [(&str, &str); 3] = [

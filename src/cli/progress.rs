@@ -135,8 +135,8 @@ fn about(seconds: f64) -> String {
 /// Writes passes, photons per second, the error with its predictions, and the time left.
 fn line(progress: &Progress) -> String {
     let mut parts = vec![match progress.passes_wanted {
-        Some(wanted) => format!("{}/{wanted} passes", progress.passes),
-        None => format!("{} passes", progress.passes),
+        Some(wanted) => format!("{}/{}", progress.passes, print::passes(wanted)),
+        None => print::passes(progress.passes),
     }];
     if progress.photons_per_second > 0.0 {
         parts.push(format!("{} photons/s", count(progress.photons_per_second)));

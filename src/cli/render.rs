@@ -147,7 +147,7 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>) -> Result<Outc
         job.scene.notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
         let path = checkpoint.path.display();
         if resume {
-            print::remark(&format!("resuming after {} passes, from {path}", begin.passes()));
+            print::remark(&format!("resuming after {}, from {path}", print::passes(begin.passes())));
         } else if checkpoint.path.exists() {
             print::remark(&format!(
                 "note: starting from the beginning and replacing {path}; --resume would continue from it"
@@ -171,9 +171,9 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>) -> Result<Outc
         ));
     }
     if rendered.interrupted {
-        let (passes, path) = (rendered.stats.passes, checkpoint.path.display());
+        let (passes, path) = (print::passes(rendered.stats.passes), checkpoint.path.display());
         let named = outputs.named();
-        print::remark(&format!("interrupted after {passes} passes; saved {named}; --resume continues from {path}"));
+        print::remark(&format!("interrupted after {passes}; saved {named}; --resume continues from {path}"));
         return Ok(Outcome::Interrupted);
     }
     if !arguments.quiet {
@@ -290,7 +290,7 @@ fn summary(rendered: &Rendered, outputs: &OutputFiles) -> String {
     let stats = &rendered.stats;
     let spent = time(Duration::try_from_secs_f64(stats.seconds.total).unwrap_or_default());
     let error = stats.error.relative.map_or(String::new(), |error| format!(", error {}", percent(error)));
-    format!("wrote {}: {} passes in {spent}{error}", outputs.named(), stats.passes)
+    format!("wrote {}: {} in {spent}{error}", outputs.named(), print::passes(stats.passes))
 }
 
 #[cfg(test)]

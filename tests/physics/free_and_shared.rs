@@ -27,6 +27,7 @@ fn floor_only() -> Value {
 }
 
 #[test]
+#[ignore = "slow: 20 seconds of CPU time"]
 fn forced_shared_wavelengths_leave_a_floor_unchanged() {
     let take = colour_blocks(8);
     let scene = floor_only();
@@ -143,6 +144,7 @@ fn spread_of_colour(job: &Job) -> [f64; 3] {
 }
 
 #[test]
+#[ignore = "slow: 20 seconds of CPU time"]
 fn dispersion_adds_only_colour_noise_to_a_caustic() {
     let cauchy = json!({ "cauchy": { "a": 1.5046, "b": 0.0042 } });
     let n_550 = 1.5046 + 0.0042 / 0.55_f64.powi(2);

@@ -101,6 +101,7 @@ fn four_blades_blur_a_point_to_a_square() {
 }
 
 #[test]
+#[ignore = "slow: 25 seconds of CPU time"]
 fn photon_and_path_renders_agree_through_a_lens_system() {
     let scene = json!({
         "camera": { "from": [0, 0.5, 3], "at": [0, 0, 0], "lens": system("double-gauss", 2.0) },

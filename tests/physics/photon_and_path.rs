@@ -140,12 +140,7 @@ fn a_ball_of_glass_with_a_core_in_small_blocks() {
 }
 
 #[test]
-fn a_ball_of_dispersive_glass_with_a_core() {
-    compare_balls("ball, SF10", &ball(json!("SF10")), [96, 160], 16);
-}
-
-#[test]
-#[ignore = "slow: three minutes of CPU time; finer blocks than the version above"]
+#[ignore = "slow: three minutes of CPU time"]
 fn a_ball_of_dispersive_glass_with_a_core_in_small_blocks() {
     compare_balls("ball in small blocks, SF10", &ball(json!("SF10")), [768, 2048], 8);
 }
