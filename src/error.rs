@@ -1,8 +1,8 @@
 //! The error type of the library.
 //!
-//! An [`Error`] is created where the fault is detected. Callers add its location: a spectrum
-//! detects a negative value, and the reader of the scene file adds the line, the column and the
-//! JSON path.
+//! An [`Error`] is created where the fault is detected. Callers add the location of the fault. For
+//! example, a spectrum detects a negative value, and the reader of the scene file adds the line,
+//! the column and the JSON path.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -63,8 +63,9 @@ impl Error {
         Self { kind: ErrorKind::Machine, ..Self::input(what) }
     }
 
-    /// Creates an error for an unknown name. `kind` describes what is named. `known` contains the
-    /// existing names, from which the error suggests one.
+    /// Creates an error for an unknown name. `kind` says what the name stands for, such as "glass".
+    /// `known` contains the existing names. If one of these names is similar to `name`, the error
+    /// suggests it.
     pub fn unknown_name<'a>(kind: &str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
         let suggestion = nearest_name(name, known);
         Self { suggestion, ..Self::input(format!("unknown {kind} \"{name}\"")) }

@@ -94,11 +94,11 @@
 //!
 //! # Scope and simplifications
 //!
-//! Abbe computes geometrical optics of unpolarised light, and diffraction only at the camera's
-//! aperture. It simulates no interference, fluorescence or polarisation, and no image textures on
-//! surfaces. Surfaces, homogeneous and heterogeneous scattering media, and glowing media are
-//! simulated. The scene is frozen during a pass: all rays and photons of a pass share one shutter
-//! time, and the mean over the passes is the motion blur.
+//! Abbe simulates the geometrical optics of unpolarised light. Diffraction is simulated only at the
+//! camera's aperture. Abbe does not simulate interference, fluorescence or polarisation, and it has
+//! no image textures on surfaces. Surfaces, homogeneous and heterogeneous scattering media, and
+//! glowing media are simulated. All rays and photons of a pass share one shutter time, so nothing
+//! moves during a pass. The mean over the passes contains the motion blur.
 //!
 //! # Features
 //!
@@ -108,7 +108,8 @@
 //! | `pages` | | HTML pages that compare pictures or lamps, and studies of accuracy |
 //! | `meshes` | yes | OBJ, PLY, STL and glTF files |
 //!
-//! A renderer without the command line is `abbe = { version = "…", default-features = false }`.
+//! To use the renderer without the command line, depend on it as
+//! `abbe = { version = "…", default-features = false }`.
 
 #[doc(hidden)]
 pub mod api;

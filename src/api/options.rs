@@ -43,7 +43,7 @@ impl RenderOptions {
         self.stop(|stop| stop.passes = Some(passes.max(1)))
     }
 
-    /// Stops at the end of a pass, when this wall-clock time has passed.
+    /// Stops after the first pass that ends later than this wall-clock time.
     pub fn time(self, time: Duration) -> Self {
         self.stop(|stop| stop.time = Some(time))
     }
@@ -84,7 +84,7 @@ impl RenderOptions {
         Self { spectral_bands: Some(bands), ..self }
     }
 
-    /// The options as changes of the scene's text.
+    /// Returns the options as changes of the scene's text, in the form `PATH=JSON`.
     pub(super) fn changes(&self) -> Vec<String> {
         let change = |key: &str, value: Option<u64>| value.map(|value| format!("{key}={value}"));
         let (width, height) = self.size.unzip();

@@ -1,4 +1,4 @@
-//! The plan of a render in a form for programs. `abbe explain --json` prints the plan, and the
+//! The plan of a render in machine-readable form. `abbe explain --json` prints the plan, and the
 //! headers of pictures contain it.
 
 use crate::plan::explain;
@@ -23,8 +23,8 @@ pub struct PlanReport<'a> {
     /// moves.
     motion_px: Option<f64>,
     camera: CameraReport,
-    /// Spectra reconstructed from RGB, and lights with spectral lines. Null unless the scene has
-    /// both.
+    /// The objects and lights with spectra reconstructed from RGB, and the lights with strong
+    /// spectral lines. Null unless the scene has both.
     guessed_colours: Option<GuessedColours>,
     notes: &'a [String],
 }
@@ -41,7 +41,8 @@ struct EffectReport<'a> {
     state: &'static str,
     because: &'a str,
     field: &'static str,
-    /// If the effect is on, its cost. If the effect is off, the meaning of its absence.
+    /// If the effect is on, its cost. If the effect is off, a description of the render without the
+    /// effect.
     consequence: &'static str,
 }
 

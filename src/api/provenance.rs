@@ -13,7 +13,7 @@ use serde_json::Value;
 use super::plan_report::PlanReport;
 
 /// Returns the header entries that describe a scene and its plan. `source` is the text of the
-/// scene. A scene built in Rust has no text.
+/// scene, or `None` for a resolved scene, which has no text.
 pub fn of_scene(source: Option<&JsonSource>, job: &Job, integrator: Integrator) -> Metadata {
     let mut metadata = Metadata::new().with(names::VERSION, env!("CARGO_PKG_VERSION"));
     if let Some(source) = source {
@@ -38,8 +38,9 @@ pub fn of_render(of_scene: &Metadata, stats: &Stats) -> Metadata {
         .with(names::SECONDS, &format!("{:.3}", stats.seconds.total))
 }
 
-/// Returns true if a file contains a finished picture of this scene. If the request limits the
-/// number of passes, the picture must have at least as many passes.
+/// Returns true if a file contains a finished picture of this scene. The picture must come from the
+/// same version and the same integrator. If the request limits the number of passes, the picture
+/// must contain at least this number of passes.
 pub fn is_finished(path: &Path, of_scene: &Metadata, request: Request, job: &Job) -> bool {
     let Ok(found) = read_metadata(path) else { return false };
     let same =
@@ -51,8 +52,9 @@ pub fn is_finished(path: &Path, of_scene: &Metadata, request: Request, job: &Job
 /// The keys of a scene's `render` section that do not change the result of a pass.
 const KEYS_WITHOUT_EFFECT_ON_A_PASS: [&str; 3] = ["passes", "threads", "checkpoint_seconds"];
 
-/// Hashes a scene and its files. Scenes with the same hash have equal passes. The
-/// hash ignores the number of passes, the number of threads, and the paths of the files.
+/// Hashes a scene and the files that it names. If two scenes have the same hash, their passes are
+/// equal. The hash ignores the number of passes, the number of threads, the checkpoint interval,
+/// and the folder of the scene.
 fn scene_hash(scene: &Value, folder: &Path) -> String {
     let mut scene = scene.clone();
     if let Some(Value::Object(render)) = scene.get_mut("render") {
@@ -64,7 +66,7 @@ fn scene_hash(scene: &Value, folder: &Path) -> String {
     hash.hex()
 }
 
-/// Adds to the hash all files named in the scene, in the order of the text.
+/// Adds all files named in the scene to the hash, in the order of the text.
 fn add_files(value: &Value, folder: &Path, hash: &mut IdentityHash) {
     match value {
         Value::Object(entries) => {
@@ -83,8 +85,8 @@ fn add_files(value: &Value, folder: &Path, hash: &mut IdentityHash) {
     }
 }
 
-/// Adds to the hash a file and all files named in it: the materials of an OBJ file, the buffers and
-/// images of a glTF file, and the glass catalogues of a Zemax lens.
+/// Adds a file to the hash, and then the files that it names: the materials of an OBJ file, the
+/// buffers and images of a glTF file, and the glass catalogues of a Zemax lens.
 fn add_file(path: &Path, hash: &mut IdentityHash) {
     let Ok(bytes) = std::fs::read(path) else {
         return;

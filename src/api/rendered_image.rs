@@ -36,7 +36,8 @@ pub struct PixelSpectrum {
 }
 
 impl Image {
-    /// An image of a finished render; `metadata` describes its scene.
+    /// Creates the image of a finished render. `metadata` contains the header entries that describe
+    /// the scene.
     pub(super) fn of_render(rendered: Rendered, job: &Job, metadata: &Metadata) -> Self {
         let metadata = provenance::of_render(metadata, &rendered.stats);
         Self {
@@ -132,8 +133,8 @@ impl Image {
         self.picture.edge[self.index(x, y)]
     }
 
-    /// Half the width of the 95 % confidence interval of Y in cd/m², from noise and bias, or `None`
-    /// if one of them is unknown.
+    /// Returns half the width of the 95 % confidence interval of Y in cd/m². The interval includes
+    /// noise and bias. `None` means that the noise or the bias is unknown.
     pub fn half_interval_95(&self, x: usize, y: usize) -> Option<f64> {
         self.picture.half_interval_95(self.index(x, y), 0.0)
     }

@@ -41,7 +41,7 @@ pub struct Scene {
 /// The origin of a scene.
 #[derive(Debug, Clone)]
 enum SceneOrigin {
-    /// JSON text, and the changes of this text in their order.
+    /// JSON text, and the changes that are applied to this text in order.
     Text { text: String, path: PathBuf, changes: Vec<String>, access: FileAccess },
     /// A resolved scene.
     Model(Box<model::Scene>),
@@ -77,8 +77,8 @@ impl Scene {
     /// `render.max_depth=8`. The form is `PATH=JSON`.
     ///
     /// # Errors
-    /// The change is malformed, its path does not exist, or the value is wrong there. Only scenes
-    /// made from text can be changed.
+    /// The change is malformed, its path does not exist, the value is invalid at this path, or the
+    /// scene was not made from text.
     pub fn with_change(mut self, change: &str) -> Result<Self> {
         match &mut self.origin {
             SceneOrigin::Text { text, path, changes, .. } => {
@@ -106,7 +106,7 @@ impl Scene {
     ///
     /// # Errors
     /// A name is unknown, a file cannot be read, values contradict each other, or no light of the
-    /// scene is visible.
+    /// scene has power within 360–830 nm.
     pub fn check(&self) -> Result<Vec<String>> {
         Ok(self.job(&RenderOptions::default())?.0.scene.notes)
     }
@@ -159,7 +159,7 @@ impl Scene {
         Ok(Image::of_render(rendered, &job, &metadata))
     }
 
-    /// Resolves and plans the scene; also returns its text.
+    /// Resolves and plans the scene. Also returns the text of the scene, if it has one.
     fn job(&self, options: &RenderOptions) -> Result<(Job, Option<JsonSource>)> {
         match &self.origin {
             SceneOrigin::Text { text, path, changes, access } => {

@@ -57,15 +57,15 @@ impl CheckpointFile<'_> {
 /// The time between two checkpoints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum CheckpointInterval {
-    /// After this time.
+    /// The next checkpoint is written after this time.
     Fixed(Duration),
     /// The next checkpoint is written after a minute, or later if saving is slow.
     Automatic,
 }
 
 impl CheckpointInterval {
-    /// Returns the time until the next checkpoint. `duration` is the time of writing the last
-    /// checkpoint.
+    /// Returns the time until the next checkpoint. `duration` is the time that the last checkpoint
+    /// took to write.
     fn pause(self, duration: Duration) -> Duration {
         /// The least ratio of the pause to the time of writing.
         const LEAST_RATIO: u32 = 20;

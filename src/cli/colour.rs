@@ -10,7 +10,7 @@ use serde::Serialize;
 pub(crate) struct ColourJson<'a> {
     name: &'a str,
     observer: &'static str,
-    /// The lamp of a reflectance, or null for a light.
+    /// The lamp that illuminates the reflectance, or null for a light.
     under: Option<&'a str>,
     /// Tristimulus values. A light has Y = 100. For a reflectance, the perfect diffuser has Y =
     /// 100.
@@ -30,7 +30,8 @@ pub(crate) struct ColourJson<'a> {
 }
 
 impl<'a> ColourJson<'a> {
-    /// Returns the JSON form of a report. `under` is the name of the lamp of a reflectance.
+    /// Returns the JSON form of a report. `under` is the name of the lamp that illuminates a
+    /// reflectance, or `None` for a light.
     pub(crate) fn new(
         name: &'a str,
         report: &'a ColourReport,

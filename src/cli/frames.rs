@@ -47,8 +47,8 @@ impl SequenceArgs {
 }
 
 impl SequenceFrame {
-    /// The changes of the scene for this frame, in the form `PATH=JSON`. The transmission curve of
-    /// the shutter stays the same.
+    /// Returns the changes of the scene for this frame, in the form `PATH=JSON`. The transmission
+    /// curve of the shutter stays the same.
     pub(crate) fn patches(&self) -> [String; 2] {
         let Self { open_s, close_s, .. } = self;
         [format!("camera.shutter.open={open_s:?}"), format!("camera.shutter.close={close_s:?}")]

@@ -47,14 +47,14 @@ struct GlassReport<'a> {
     /// Null for materials with a different formula.
     sellmeier: Option<SellmeierJson>,
     cauchy: CauchyJson,
-    /// Only with `--at`.
+    /// The index at the wavelengths of `--at`. Omitted without `--at`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     n: Vec<IndexSample>,
     source: &'a str,
     warning: Option<&'a str>,
 }
 
-/// n² = 1 + c0 + Σ b λ²/(λ² − c), λ in µm.
+/// The Sellmeier formula n² = 1 + c0 + Σ b λ²/(λ² − c), with λ in µm.
 #[derive(Debug, Serialize)]
 struct SellmeierJson {
     c0: f64,
@@ -62,7 +62,7 @@ struct SellmeierJson {
     c: Vec<f64>,
 }
 
-/// n = a + b/λ² + c/λ⁴, λ in µm, fitted within a range.
+/// The Cauchy formula n = a + b/λ² + c/λ⁴, with λ in µm. It was fitted within `range_nm`.
 #[derive(Debug, Serialize)]
 struct CauchyJson {
     a: f64,

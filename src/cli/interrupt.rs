@@ -18,7 +18,7 @@ pub(crate) fn watch() -> Result<()> {
         }
     });
     match installed {
-        // A process may run several commands one after the other.
+        // A process may run several commands, so the handler may be installed already.
         Ok(()) | Err(ctrlc::Error::MultipleHandlers) => Ok(()),
         Err(error) => Err(Error::machine(format!("the handler of Ctrl-C cannot be installed: {error}"))),
     }

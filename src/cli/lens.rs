@@ -130,8 +130,8 @@ fn named(name: &str, catalogues: &[AgfCatalogue]) -> Result<Lens> {
         Err(unknown) => unknown,
     };
     let path = Path::new(name);
-    // Names of lenses contain blanks and slashes ("Tessar f/4.5"). An argument is a file only if it
-    // exists or has the extension of a lens file.
+    // Names of lenses contain blanks and slashes ("Tessar f/4.5"). An argument is a path only if
+    // the file exists, or if it has the extension of a lens file.
     if path.exists() || path.extension().is_some_and(|extension| extension == "json" || extension == "zmx") {
         return resolve::lens_file(path, catalogues);
     }

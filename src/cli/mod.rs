@@ -83,7 +83,7 @@ enum Command {
     Man(man::ManArgs),
 }
 
-/// The end of a command that did not fail.
+/// The result of a command that returned no error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Outcome {
     /// The command did all its work.

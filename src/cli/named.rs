@@ -45,8 +45,8 @@ pub(crate) fn spectrum(text: &str, role: Role) -> Result<NamedSpectrum> {
     };
     let path = Path::new(text);
     if path.exists() || path.extension().is_some() || text.contains(std::path::is_separator) {
-        // Some names of the library contain a slash, such as led/red. A misspelt name looks like a
-        // missing file, so the error also suggests a name.
+        // Some names of the library contain a slash, such as led/red. If such a name is misspelt,
+        // it looks like the path of a missing file. Therefore the error also suggests a name.
         let near = unknown.suggestion.filter(|_| !path.exists());
         let spectrum =
             read::spectrum_file(path, role.outside()).map_err(|error| Error { suggestion: near, ..error })?;
@@ -55,8 +55,8 @@ pub(crate) fn spectrum(text: &str, role: Role) -> Result<NamedSpectrum> {
     Err(unknown.expected("a name of `abbe spectrum --list`, a file, or a spectrum as JSON"))
 }
 
-/// Describes a spectrum without a name. The description of a simple spectrum is in words, and that
-/// of any other spectrum is its JSON text.
+/// Describes a spectrum that was given as JSON. A simple spectrum is described in words. The
+/// description of any other spectrum is its JSON text.
 fn described(file: &SpectrumFile, text: &str) -> String {
     match file {
         SpectrumFile::Name(name) => name.clone(),
@@ -76,7 +76,7 @@ fn described(file: &SpectrumFile, text: &str) -> String {
     }
 }
 
-/// Returns the light given by an argument. If the library does not list the spectrum as a light,
+/// Returns the light given by an argument. If the library lists the spectrum, but not as a light,
 /// prints a note and uses the spectrum as a light.
 pub(crate) fn light(text: &str) -> Result<NamedSpectrum> {
     let light = spectrum(text, Role::Light)?;

@@ -30,7 +30,7 @@ pub(crate) fn remark(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{}", with_command_line_hints(text));
 }
 
-/// Returns a number of passes in words.
+/// Returns a number of passes as text, such as "3 passes".
 pub(crate) fn passes(count: u64) -> String {
     if count == 1 { "1 pass".to_string() } else { format!("{count} passes") }
 }
@@ -58,7 +58,8 @@ fn with_command_line_hints(text: &str) -> String {
     text
 }
 
-/// Prints an error on one line. The label of a patch becomes the name of its option.
+/// Prints an error on one line. If the error is in a scene patch, the label `--set` replaces the
+/// label of the library.
 pub(crate) fn error(error: &Error) {
     let mut error = error.clone();
     let label =

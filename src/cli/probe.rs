@@ -49,7 +49,7 @@ struct PixelReport {
     xy: Option<[f64; 2]>,
     /// White of 1 cd/m² has the components 1, 1, 1.
     linear_srgb: [f64; 3],
-    /// At automatic exposure.
+    /// The sRGB colour at automatic exposure.
     srgb_hex: String,
     /// Standard error of Y in cd/m², or null if unknown.
     noise: Option<f64>,
@@ -101,8 +101,8 @@ pub(crate) fn run(arguments: &ProbeArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Returns a step curve. Each band is a step at the mean of the band. The steps meet at the
-/// midpoints between the centres of neighbouring bands.
+/// Returns a step curve. Each band is a step whose height is the mean over the band. The steps meet
+/// at the midpoints between the centres of neighbouring bands.
 fn steps(nm: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
     let last = nm.len() - 1;
     let middle = |i: usize| 0.5 * (nm[i] + nm[i + 1]);

@@ -106,7 +106,7 @@ fn share_done(progress: &Progress) -> Option<f64> {
 }
 
 /// Predicts the time at which the target error will be reached. If there is no target, predicts the
-/// times of the next round errors.
+/// times at which the error will reach the next round values.
 fn predicted_milestones(progress: &Progress) -> Vec<String> {
     let Some(forecast) = progress.forecast else { return Vec::new() };
     let milestones: Vec<ErrorMilestone> = match progress.error_wanted {
@@ -117,7 +117,8 @@ fn predicted_milestones(progress: &Progress) -> Vec<String> {
     milestones.iter().map(|at| format!("{} % in about {}", round(100.0 * at.error), about(left(at)))).collect()
 }
 
-/// Writes a number with at most three digits, without trailing zeros.
+/// Writes a number with three significant digits, without trailing zeros after the decimal point.
+/// Larger numbers are rounded to integers.
 fn round(number: f64) -> String {
     let digits = (2.0 - number.log10().floor()).clamp(0.0, 12.0) as usize;
     let text = format!("{number:.digits$}");
@@ -220,7 +221,7 @@ mod tests {
         assert_eq!(left(&progress), Some(30.0));
         progress.error_wanted = Some(0.032);
         progress.forecast = Some(forecast());
-        // (4/3.2)⁴ = 2.44140625 times the time.
+        // The error falls from 4 % to 3.2 % in (4/3.2)⁴ = 2.44140625 times the time.
         assert!((left(&progress).unwrap() - 19.296_875).abs() < 1e-6);
         progress.time_wanted = Some(Duration::from_secs(15));
         assert_eq!(left(&progress), Some(5.0));

@@ -120,7 +120,7 @@ pub(crate) fn run(arguments: &RenderArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Renders one picture. `frame` is the frame of the picture in an image sequence.
+/// Renders one picture. `frame` is its frame in an image sequence, or `None` for a single picture.
 fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>) -> Result<Outcome> {
     let outputs = arguments.outputs()?;
     let (source, job) = plan(arguments)?;
@@ -133,7 +133,8 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>) -> Result<Outc
     files::remove_temporary_files(&checkpoint.path);
     files::check_writable(&checkpoint.path)?;
     let label = frame.map(SequenceFrame::label);
-    // Some frames of an image sequence may be finished, and others may have no checkpoint yet.
+    // With `--resume`, some frames of an image sequence may be finished, and others may have no
+    // checkpoint yet.
     let resume = arguments.resume && (frame.is_none() || checkpoint.path.exists());
     if frame.is_some() && arguments.resume && !resume && provenance::is_finished(&outputs.exr, &of_scene, request, &job)
     {
@@ -183,7 +184,7 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>) -> Result<Outc
 }
 
 /// Saves the picture. If the picture is a part, its exact sums are saved too. Keeps the checkpoint
-/// if the render is not complete, or if saving failed.
+/// if the render was interrupted, if `--keep-checkpoint` is given, or if saving failed.
 fn save(
     arguments: &RenderArgs,
     outputs: &OutputFiles,
@@ -250,8 +251,8 @@ impl RenderArgs {
         self.checkpoint_every.or_else(of_scene).map_or(CheckpointInterval::Automatic, CheckpointInterval::Fixed)
     }
 
-    /// The options as changes of the scene in the form `PATH=JSON`. The patches apply after the
-    /// changes of `--set`.
+    /// Returns the changes of the scene in the form `PATH=JSON`: first the changes of `--set`, and
+    /// then the changes of the other options.
     fn patches(&self) -> Vec<String> {
         let mut patches = self.set.clone();
         let mut add = |path: &str, value: Option<String>| patches.extend(value.map(|value| format!("{path}={value}")));

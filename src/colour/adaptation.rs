@@ -3,13 +3,13 @@
 use super::Xyz;
 use super::matrix::{Matrix3, apply, diagonal, inverse, product};
 
-/// A chromatic adaptation transform: a linear cone-like space in which the three components are
-/// scaled (von Kries).
+/// A von Kries chromatic adaptation transform. It converts XYZ to a linear space similar to cone
+/// responses, and scales each of the three components.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AdaptationTransform {
     /// Bradford (Lam 1985), which ICC profiles use.
     Bradford,
-    /// CAT16 (Li et al. 2017), the transform of CIECAM16, for complete adaptation.
+    /// CAT16 (Li et al. 2017), the transform of CIECAM16. Adaptation is assumed to be complete.
     Cat16,
 }
 
@@ -26,8 +26,8 @@ impl AdaptationTransform {
     }
 
     /// Returns whether `white` can be used as a white point. Each of the three responses must be at
-    /// least a hundredth of the strongest one. For light of a single line, a response may be near 0
-    /// or negative. Adaptation to such a light would amplify noise or invert colours.
+    /// least a hundredth of the strongest one. For the light of a single spectral line, a response
+    /// may be near 0 or negative. Adaptation to such a light would amplify noise or invert colours.
     pub fn can_adapt_from(self, white: Xyz) -> bool {
         const LEAST_RESPONSE: f64 = 0.01;
         let seen = apply(self.matrix(), white);

@@ -42,7 +42,7 @@ fn lightness_curve_inverse(f: f64) -> f64 {
 }
 
 /// Returns CIE 1976 L*, a*, b* relative to a white (CIE 15). If a component of the white is 0 (for
-/// example Z of deep red), the same component of the colour is treated as neutral.
+/// example Z of deep red light), the ratio of the Y values replaces the ratio of this component.
 pub fn lab(xyz: Xyz, white: Xyz) -> [f64; 3] {
     let [x, y, z] = [0, 1, 2].map(|i| {
         let i = if white[i] == 0.0 { 1 } else { i };

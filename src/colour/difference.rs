@@ -9,9 +9,9 @@ pub fn delta_e_76(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Returns ΔE00 (CIEDE2000) with kL = kC = kH = 1 (CIE 142-2001). The formulation is that of G.
-/// Sharma, W. Wu and E. N. Dalal, "The CIEDE2000 color-difference formula", Color Research and
-/// Application 30 (2005).
+/// Returns ΔE00 (CIEDE2000) with kL = kC = kH = 1 (CIE 142-2001). The formulas are from G. Sharma,
+/// W. Wu and E. N. Dalal, "The CIEDE2000 color-difference formula", Color Research and Application
+/// 30 (2005).
 pub fn delta_e_2000(a: [f64; 3], b: [f64; 3]) -> f64 {
     let mean_chroma = 0.5 * (a[1].hypot(a[2]) + b[1].hypot(b[2]));
     let stretch = 1.5 - 0.5 * seventh_share(mean_chroma);
@@ -47,14 +47,14 @@ pub fn delta_e_2000(a: [f64; 3], b: [f64; 3]) -> f64 {
 pub struct LightDifference {
     /// The distance in x, y.
     pub delta_xy: f64,
-    /// ΔE2000 with the white D65, for an observer adapted to daylight. The light itself is not used
-    /// as white: for a light with almost no Z, such as sodium light, b* would exaggerate
-    /// differences.
+    /// ΔE2000 with the white D65, for an observer adapted to daylight. The light itself is not the
+    /// white point. If it were, b* would exaggerate differences for lights with almost no Z, such
+    /// as sodium light.
     pub delta_e_2000: f64,
 }
 
-/// Returns the colour difference between two lights on the same scale. The luminance of the first
-/// light must not be 0.
+/// Returns the colour difference between two lights. The XYZ of both lights must have the same
+/// scale. The luminance of the first light must not be 0.
 pub fn light_difference(light: Xyz, other: Xyz) -> LightDifference {
     let seen = |xyz: Xyz| lab(xyz.map(|value| value / light[1]), RgbSpace::Srgb.white());
     let (from, to) = (xy(light), xy(other));

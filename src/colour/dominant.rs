@@ -3,7 +3,7 @@
 use super::coordinates::xy;
 use crate::spectrum::{BAND_NM, Observer};
 
-/// Colours closer than this to white, in x, y, have no dominant wavelength.
+/// The smallest distance from white, in x, y, at which a colour has a dominant wavelength.
 const NEUTRAL: f64 = 1e-4;
 
 /// The dominant wavelength of a colour (CIE 15). A mix of white and the spectral colour of this
@@ -52,15 +52,16 @@ struct LocusPoint {
 
 /// Intersects a ray from white with the spectral locus. Returns the distance in units of
 /// `direction`, and the wavelength. If there are several intersections, the farthest is returned.
-/// Several intersections are possible, because rounding makes the locus turn back at both ends.
+/// Several intersections are possible: the tables of the colour-matching functions are rounded, so
+/// the locus turns back at both ends.
 fn crossing(locus: &[LocusPoint], white: [f64; 2], direction: [f64; 2]) -> Option<(f64, f64)> {
     let mut farthest: Option<(f64, f64)> = None;
     for pair in locus.windows(2) {
         if let Some((distance, share)) = intersection([&pair[0], &pair[1]], white, direction)
             && farthest.is_none_or(|(so_far, _)| distance > so_far * (1.0 + 1e-9))
         {
-            // The position of a mixed colour on a chord depends on the weights of the two colours,
-            // and not linearly on the wavelength.
+            // The wavelength is not linear in the position `share` on the chord. The position of a
+            // mixture depends on the weights of the two spectral colours.
             let (from, to) = (pair[0].weight * share, pair[1].weight * (1.0 - share));
             farthest = Some((distance, pair[0].nm + (pair[1].nm - pair[0].nm) * from / (from + to)));
         }

@@ -1,5 +1,5 @@
-//! Gamut mapping. Some colours cannot be shown on a display. They are replaced by colours in the
-//! cube [0, 1]³ of linear components.
+//! Gamut mapping. It replaces colours that a display cannot show by colours in the cube [0, 1]³ of
+//! linear components.
 
 use super::coordinates;
 use super::space::RgbSpace;
@@ -11,12 +11,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GamutMapping {
-    /// Moves the colour towards the neutral of equal luminance, as far as needed.
+    /// Moves the colour towards the grey of equal luminance, until the colour is inside the gamut.
     #[default]
     Desaturate,
     /// Clips each component.
     Clip,
-    /// Moves the colour towards the neutral of equal Oklab lightness, at constant hue.
+    /// Moves the colour towards the grey of equal Oklab lightness, at constant hue, until the
+    /// colour is inside the gamut.
     Oklab,
 }
 
@@ -56,8 +57,8 @@ impl GamutMapping {
     }
 }
 
-/// Returns the brightest sRGB colour with the chromaticity of the given colour. If the given colour
-/// is outside sRGB, it is desaturated first. Returns black if no component is positive.
+/// Returns the brightest sRGB colour with the chromaticity of the given colour. If this colour is
+/// outside sRGB, it is desaturated. Returns black if no component is positive.
 pub fn brightest(linear_srgb: Rgb) -> Rgb {
     let most = linear_srgb.into_iter().fold(0.0, f64::max);
     if most > 0.0 { desaturate(linear_srgb.map(|component| component / most), RgbSpace::Srgb) } else { [0.0; 3] }
@@ -81,8 +82,9 @@ pub fn clip(rgb: Rgb) -> Rgb {
     rgb.map(unit)
 }
 
-/// Moves the colour towards the neutral of equal luminance until it is inside the gamut. A
-/// luminance in [0, 1] is preserved. Brighter colours become white, darker ones black.
+/// Moves the colour towards the grey of equal luminance until it is inside the gamut. A luminance
+/// in [0, 1] is preserved. If the luminance is above 1, the result is white. If the luminance is
+/// below 0, the result is black.
 #[inline]
 pub fn desaturate(rgb: Rgb, space: RgbSpace) -> Rgb {
     if contains(rgb) {
@@ -94,7 +96,8 @@ pub fn desaturate(rgb: Rgb, space: RgbSpace) -> Rgb {
     if grey != luminance {
         return [grey; 3];
     }
-    // The largest fraction of the way from grey to the colour at which every component is inside.
+    // The largest fraction of the way from grey to the colour at which all components are inside
+    // [0, 1].
     let mut share: f64 = 1.0;
     for component in rgb {
         if component < 0.0 {

@@ -2,8 +2,8 @@
 //! both lights.
 //!
 //! The observer or camera is assumed to be adapted to each light. Therefore the XYZ of a light is
-//! the white point of the CIELAB values L*a*b* of all surfaces under that light, and the perfect
-//! diffuser has Y = 100. A difference between the colours of the lights therefore does not count as
+//! the white point for the CIELAB values of all surfaces under this light. The perfect diffuser has
+//! Y = 100. With this white point, a difference between the colours of the lights does not count as
 //! a difference of the surfaces. The difference of the lights is reported separately as a
 //! [`LightDifference`] at equal luminance.
 
@@ -39,8 +39,8 @@ pub struct LampComparison {
     /// Further surfaces: the CIE test colours and leaves.
     pub further: Vec<PatchDifference>,
     /// The pairs of surfaces that are [`ALIKE`] under one light and [`DIFFERENT`] under the other,
-    /// sorted by decreasing split. Surfaces are numbered: first the patches, then the further
-    /// surfaces.
+    /// sorted by decreasing split. The split is the difference between the two ΔE2000 values of a
+    /// pair. Surfaces are numbered: first the patches, then the further surfaces.
     pub pairs: Vec<SplitPair>,
 }
 
@@ -98,8 +98,7 @@ fn surfaces(beginnings: &[&str]) -> Vec<(&'static str, Spectrum)> {
     library::list().iter().filter(wanted).map(had).collect()
 }
 
-/// A surface under two lights. The colour values under each light are relative to that light as
-/// white.
+/// A surface under two lights. For each light, the white point is the light itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PatchDifference {
     /// The name of the surface.
@@ -119,8 +118,8 @@ impl PatchDifference {
     }
 }
 
-/// Computes the colours of each surface under two lights. The colour values under each light are
-/// relative to that light as white.
+/// Computes the colours of each surface under two lights. For each light, the white point is the
+/// light itself.
 pub fn compare_lights(
     lights: [&Spectrum; 2],
     surfaces: &[(&str, Spectrum)],
@@ -146,8 +145,9 @@ pub struct SplitPair {
     pub delta_e_2000: [f64; 2],
 }
 
-/// Returns pairs of surfaces. Under one light their difference is at most `alike`, and under the
-/// other light at least `different`. Pairs with the largest split come first.
+/// Returns all pairs of surfaces whose ΔE2000 is at most `alike` under one light and at least
+/// `different` under the other light. The pairs are sorted by decreasing difference between their
+/// two ΔE2000 values.
 pub fn split_pairs(patches: &[PatchDifference], alike: f64, different: f64) -> Vec<SplitPair> {
     let mut pairs = Vec::new();
     for i in 0..patches.len() {

@@ -6,7 +6,8 @@ use super::matrix::{Matrix3, dot};
 use crate::error::{Error, Result};
 use crate::spectrum::Spectrum;
 
-/// If the distance in x, y is larger than this value, the mix does not match the target.
+/// The mix matches the target if the distance in x, y and the relative error of Y are both below
+/// this value.
 const MATCH_TOLERANCE: f64 = 1e-4;
 
 /// A mix of primaries with non-negative weights, and its distance from the target.
@@ -35,10 +36,10 @@ impl PrimaryMatch {
     }
 }
 
-/// Finds non-negative weights of the primaries, so that their mix is as close as possible to a
-/// target in XYZ (least squares).
+/// Finds non-negative weights of the primaries. With these weights, the squared distance in XYZ
+/// between the mix and a target is as small as possible.
 ///
-/// A least-squares optimum with non-negative weights needs at most as many primaries as there are
+/// An optimal mix needs at most three primaries with positive weights, because there are three
 /// equations (Carathéodory's theorem). Therefore the problem is solved for every set of at most
 /// three primaries, and the best solution is returned.
 ///
@@ -83,7 +84,7 @@ fn best_mix(target: Xyz, units: &[Xyz]) -> Vec<(usize, f64)> {
         for (&i, weight) in set.iter().zip(&weights) {
             left.iter_mut().zip(units[i]).for_each(|(left, value)| *left -= weight * value);
         }
-        // A larger set must reduce the error by more than rounding.
+        // A larger set is accepted only if it reduces the error by more than the rounding error.
         if dot(left, left) < best.0 - 1e-20 {
             best = (dot(left, left), set.iter().copied().zip(weights).collect());
         }

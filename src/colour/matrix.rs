@@ -1,4 +1,4 @@
-//! 3 × 3 matrices, also in constant expressions.
+//! 3 × 3 matrices. Their functions can be called in constant expressions.
 
 /// Three rows of three components.
 pub(crate) type Matrix3 = [[f64; 3]; 3];
@@ -22,7 +22,7 @@ pub(crate) const fn diagonal(v: [f64; 3]) -> Matrix3 {
     [[v[0], 0.0, 0.0], [0.0, v[1], 0.0], [0.0, 0.0, v[2]]]
 }
 
-/// Returns the inverse of a regular matrix.
+/// Returns the inverse of an invertible matrix.
 pub(crate) const fn inverse(m: &Matrix3) -> Matrix3 {
     let rows = [cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])];
     let determinant = dot(m[0], rows[0]);

@@ -8,7 +8,7 @@ use crate::spectrum::{Observer, Spectrum, daylight_extended, library};
 /// The number of test colours. The first eight determine Ra.
 const TEST_COLOURS: usize = 14;
 
-/// The index is computed in this range of colour temperatures in K.
+/// The range of colour temperatures in K for which the index is computed.
 const RANGE_K: (f64, f64) = (1000.0, 50_000.0);
 
 /// The reference illuminant is daylight at this temperature in K and above. Below this temperature,

@@ -1,9 +1,9 @@
 //! The colour values of a spectrum, computed in the same way as in published tables.
 //!
-//! Smooth spectra and tables are summed over samples every nm from 360 to 830 nm. This is the
-//! convention of published reference values. Each line is multiplied by the colour-matching
-//! functions at the wavelength of the line. Peaks narrower than 5 nm are integrated. Rendering uses
-//! exact integrals instead of sums. The two methods agree to 3·10⁻⁴.
+//! Smooth spectra and tables are sampled every nm from 360 to 830 nm, and the samples are summed.
+//! This is the convention of published reference values. Each line is multiplied by the
+//! colour-matching functions at the wavelength of the line. Peaks narrower than 5 nm are
+//! integrated. Rendering uses exact integrals instead of sums. The two methods agree to 3·10⁻⁴.
 
 use super::adaptation::{AdaptationTransform, adapt};
 use super::dominant::{DominantWavelength, dominant};
@@ -36,8 +36,8 @@ pub fn xyz_under(reflectance: &Spectrum, light: &Spectrum, observer: &Observer) 
         let smooth_reflectance = reflectance.continuum_at(nm) - fine(&fine_reflectance, nm);
         add(&mut sum, smooth_light * smooth_reflectance, observer.xyz_bar(nm));
     }
-    // The sum above covers (light − fine)(reflectance − fine). The remaining terms of light ·
-    // reflectance are integrated.
+    // The sum above contains only the smooth part of the light times the smooth part of the
+    // reflectance. All other terms of the product are integrated.
     if let Some(fine_light) = &fine_light {
         add(&mut sum, 1.0, observer.xyz_under(reflectance, fine_light));
     }
@@ -68,7 +68,7 @@ fn xyz_of_line(line: &LineSegment, reflectance: &Spectrum, observer: &Observer) 
 /// The colour of a light, or of a reflectance under a light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColourReport {
-    /// XYZ. A light has Y = 100. Under a light, the perfect diffuser has Y = 100.
+    /// XYZ. A light has Y = 100. For a reflectance under a light, the perfect diffuser has Y = 100.
     pub xyz: Xyz,
     /// Chromaticity x, y.
     pub xy: [f64; 2],

@@ -171,8 +171,8 @@ impl RgbSpace {
     }
 }
 
-/// The constants α and β of ITU-R BT.2020. They have enough digits to make value and slope
-/// continuous.
+/// The constants α and β of ITU-R BT.2020. With this number of digits, the curve and its slope are
+/// continuous where the two branches meet.
 const BT2020_ALPHA: f64 = 1.099_296_826_809_442_4;
 const BT2020_BETA: f64 = 0.018_053_968_510_807_807;
 
@@ -207,13 +207,13 @@ pub fn decode_srgb(signal: f64) -> f64 {
     component.copysign(signal)
 }
 
-/// The number of entries of the table for the first estimate of a code. With this size the estimate
-/// is at most one code too low. The reason is that the curve is steepest at 0, where one entry
-/// covers 12.92 · 255 / 4096 codes.
+/// The number of entries of the table for the first estimate of a code. With this size, the
+/// estimate is at most one code too low. The curve is steepest at 0, and even there one entry
+/// covers less than one code: 12.92 · 255 / 4096 = 0.80.
 const CODE_TABLE_SIZE: usize = 4096;
 
 /// Returns the nearest 8-bit sRGB code of a linear component, clipped to [0, 1]. The result is
-/// equal to 255 · [`encode_srgb`], rounded. However, the function computes no power.
+/// equal to 255 · [`encode_srgb`], rounded. The function uses a table instead of a power.
 #[inline]
 pub fn encode_srgb_u8(component: f64) -> u8 {
     struct Table {

@@ -43,8 +43,8 @@ pub fn cct_duv(xyz: Xyz) -> Option<CorrelatedTemperature> {
     let (foot, before, after) = (locus(mired), locus(mired - 0.01), locus(mired + 0.01));
     let tangent = [after[0] - before[0], after[1] - before[1]];
     let offset = [target[0] - foot[0], target[1] - foot[1]];
-    // The locus runs towards larger u with growing reciprocal temperature, so "above" is to its
-    // left.
+    // With growing reciprocal temperature, the locus runs towards larger u. Therefore a point above
+    // the locus is on its left.
     let side = (tangent[0] * offset[1] - tangent[1] * offset[0]).signum();
     let duv = side * offset[0].hypot(offset[1]);
     (duv.abs() <= MAX_DUV).then_some(CorrelatedTemperature { cct_k: 1e6 / mired, duv })

@@ -1,11 +1,11 @@
 //! Importance-driven photon emission.
 //!
-//! Two random numbers select the direction of a light's ray. A grid covers these two numbers. The
-//! pilot fills the grid once, before pass 0. The weight of a cell is the root mean square of the
-//! contributions of the cell's photons. This weight minimises the variance. A fraction of the
-//! photons ignores the grid, so that every direction keeps a positive density and the estimate
-//! stays unbiased. Sources: Jensen 1995 (projection maps); Peter & Pietrek 1998, "Importance Driven
-//! Construction of Photon Maps".
+//! Two random numbers select the direction of a light's ray. A grid divides the unit square of
+//! these two numbers into cells. The pilot fills the grid once, before pass 0. The weight of a cell
+//! is the root mean square of its photons' contributions to the picture. This weight minimises the
+//! variance. A fraction of the photons ignores the grid, so that every direction keeps a positive
+//! density and the estimate stays unbiased. Sources: Jensen 1995 (projection maps); Peter & Pietrek
+//! 1998, "Importance Driven Construction of Photon Maps".
 
 use crate::math::distribution::PiecewiseConstant2d;
 
@@ -15,7 +15,7 @@ pub const CELLS: usize = 64;
 /// The fraction of photons that ignores the grid (defensive sampling).
 const DEFENSIVE: f64 = 0.25;
 
-/// The emission guide of one light.
+/// The learned emission distribution of one light.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Aim(Option<PiecewiseConstant2d>);
 

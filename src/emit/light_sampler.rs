@@ -7,7 +7,8 @@ use crate::spectrum::{Spectrum, WavelengthDistribution};
 /// The distributions that select a light and wavelengths.
 #[derive(Debug, Clone)]
 pub struct LightSampler {
-    /// Selects a light in proportion to a mix of its luminous and its radiant power.
+    /// Selects a light. The probability mixes two shares: the light's share of the visual
+    /// importance (X + Y + Z), and its share of the radiant power.
     pub lights: DiscreteDistribution,
     /// Samples wavelengths for all lights together: the pass's shared wavelengths, and the
     /// wavelengths of the path tracer.
@@ -16,8 +17,8 @@ pub struct LightSampler {
     pub power_w: f64,
 }
 
-/// The fraction of the photons distributed by radiant power. With this fraction, lights at the ends
-/// of the band receive photons too.
+/// The fraction of the photons that lights receive in proportion to their radiant power. Without
+/// this fraction, lights at the ends of the band would receive almost no photons.
 const RADIANT_FRACTION: f64 = 0.15;
 
 impl LightSampler {

@@ -5,7 +5,7 @@ use crate::plan::partition::LightPath;
 use crate::spectrum::{LANES, Lanes, Wavelengths};
 use crate::walk::RayState;
 
-/// The light of a photon at one vertex of the photon's path.
+/// The state of a photon at one vertex of its path.
 #[derive(Debug, Clone, Copy)]
 pub struct PhotonState {
     /// The class of the path so far.
@@ -15,7 +15,7 @@ pub struct PhotonState {
     /// The power per wavelength: in W for free photons, in W/nm for shared photons.
     pub power: Lanes,
     /// The only remaining lane after a dispersive refraction, or `None` while the photon carries
-    /// all its wavelengths. For shared photons, the lane is the number of the shared wavelength.
+    /// all its wavelengths. For shared photons, the lane is the index of the shared wavelength.
     pub lane: Option<usize>,
 }
 
@@ -35,7 +35,7 @@ impl PhotonPath {
         (0..LANES).map(|k| self.photon.power[k] * self.watts[k]).sum()
     }
 
-    /// Gives up all wavelengths except one.
+    /// Discards all wavelengths except the wavelength of one lane.
     pub(super) fn keep_lane(&mut self, lane: usize) {
         self.photon.lane = Some(lane);
         self.photon.wavelengths = Wavelengths::single(self.photon.wavelengths.nm[lane]);
@@ -62,9 +62,9 @@ impl PhotonPath {
             .unwrap_or_else(|| (0..=last).rev().find(|&k| fractions[k] > 0.0).unwrap_or(last))
     }
 
-    /// Weights each wavelength by the balance heuristic. The weight of a wavelength is a ratio of
-    /// densities of the sampled event: the density at this wavelength over the mean density at all
-    /// wavelengths. The mean appears because each wavelength could have been the hero.
+    /// Weights each wavelength by the balance heuristic. The sampled event has one density per
+    /// wavelength. The weight of a wavelength is its density divided by the mean density.
+    /// `fractions` weights the mean, because each wavelength is the hero with this probability.
     pub(super) fn weight_by_balance_heuristic(&mut self, fractions: &Lanes, density: &Lanes) {
         let mean: f64 = fractions.iter().zip(density).map(|(fraction, density)| fraction * density).sum();
         for k in 0..LANES {

@@ -93,8 +93,9 @@ impl PhotonSource<'_> {
         }
     }
 
-    /// Samples the wavelengths of a photon from this light. Also returns S(λ)/p(λ) for each lane.
-    /// This ratio is the power of the lane if the light emits one watt.
+    /// Samples the wavelengths of a photon from this light. Also returns the power of each lane of
+    /// a photon of one watt. For free photons, this power is S(λ)/(n p(λ)) in W, where n is the
+    /// number of lanes. For shared photons, it is S(λ) in W/nm.
     #[inline(always)]
     fn sample_wavelengths(&self, light: &Light, emission: &LeSample, u: f64) -> (Wavelengths, Lanes) {
         match self.wavelengths {

@@ -57,9 +57,9 @@ fn trace_one<M: BodyMode, V: PhotonVisitor>(
         if interaction.crossed_hidden_face && path.photon.light_path == LightPath::Direct {
             path.photon.light_path = LightPath::Caustic;
         }
-        // The selected component of a mixed material has no effect on stored photons, because
-        // camera paths select a component independently. Direct lighting counts the light of
-        // photons that come straight from a light.
+        // A photon at a mixed material is reported for any selected component, because camera paths
+        // select a component independently. Photons straight from a light are not reported, because
+        // direct lighting already includes their light.
         if path.photon.light_path != LightPath::Direct
             && scene.materials[interaction.material].surface.class() >= BsdfClass::Glossy
         {
@@ -111,8 +111,8 @@ fn apply_scattering<M: BodyMode>(
     let correction =
         if scattered.delta { 1.0 } else { interaction.adjoint_correction(-interaction.incoming, scattered.direction) };
     let mut absorbed = 0.0;
-    // Roulette keeps the power of all photons similar: a photon survives with the mean weight of
-    // its wavelengths.
+    // Russian roulette keeps the power of all photons similar. The survival probability is the mean
+    // weight of the photon's wavelengths, at most 1.
     let (mut weights, count) = (0.0, M::wavelength_count(&path.photon.wavelengths));
     for k in 0..count {
         absorbed += path.photon.power[k] * path.watts[k] * scattered.absorbed[k];

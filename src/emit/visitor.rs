@@ -14,7 +14,7 @@ pub struct SurfaceArrival<'a> {
     pub photon: &'a PhotonState,
 }
 
-/// A photon that enters a segment of a medium.
+/// A photon that enters a path segment in a medium.
 #[derive(Debug)]
 pub struct MediumCrossing<'a> {
     /// The segment up to the end of the medium or to the next surface. The photon may collide with
@@ -35,7 +35,8 @@ pub struct MediumCollision<'a> {
     pub incoming: DVec3,
     /// The medium.
     pub medium: NumberedMedium<'a>,
-    /// The photon. Its power is the power scattered here by the medium, summed over all directions.
+    /// The photon. Its power is the total power that the medium scatters at this point into all
+    /// directions.
     pub photon: &'a PhotonState,
 }
 
@@ -46,7 +47,7 @@ pub trait PhotonVisitor {
     fn on_emission(&mut self, light: usize, aim: [f64; 2]);
 
     /// A photon arrives at a diffuse or glossy surface. Photons straight from a light are not
-    /// reported, because direct lighting counts the light of these photons.
+    /// reported, because direct lighting already includes their light.
     fn on_surface(&mut self, arrival: &SurfaceArrival<'_>, stream: &mut Stream);
 
     /// A photon arrives at the face of a body.

@@ -6,7 +6,7 @@
 use crate::error::{Error, Result};
 use crate::json::JsonPath;
 
-/// Returns an error at a path: what was found and what is expected.
+/// Returns an error at a path. `what` says what was found.
 pub(super) fn fault(at: &JsonPath, what: impl Into<String>, expected: impl Into<String>) -> Error {
     Error::input(what).expected(expected).on_path(at.to_string())
 }
@@ -87,8 +87,8 @@ pub(super) fn entries(at: &JsonPath, found: usize, least: usize, allowed: &str) 
     Err(fault(at, format!("found {found}"), allowed))
 }
 
-/// Checks that each number is above the one before it. `key` is the key of the number in each
-/// element, if the elements are objects.
+/// Checks that each number is above the one before it. If the elements of the array are objects,
+/// `key` is the key of the number in each element.
 pub(super) fn rising(at: &JsonPath, values: impl IntoIterator<Item = f64>, key: Option<&str>) -> Result<()> {
     let mut last = f64::NEG_INFINITY;
     for (i, value) in values.into_iter().enumerate() {
@@ -103,7 +103,8 @@ pub(super) fn rising(at: &JsonPath, values: impl IntoIterator<Item = f64>, key: 
     Ok(())
 }
 
-/// Checks the weights of a mix, which have the key `weight`: none is negative and not all are 0.
+/// Checks that no weight of a mix is negative, and that at least one is above 0. Each weight has
+/// the key `weight`.
 pub(super) fn weights(at: &JsonPath, values: impl IntoIterator<Item = f64>) -> Result<()> {
     let mut sum = 0.0;
     for (i, value) in values.into_iter().enumerate() {

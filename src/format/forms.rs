@@ -18,7 +18,7 @@ use serde::forward_to_deserialize_any;
 /// A type with plain forms in addition to its object form. The functions return `None` for a plain
 /// form that the type does not have.
 pub(super) trait Forms: Sized {
-    /// Description of the allowed forms for errors.
+    /// Description of the allowed forms, for error messages.
     const EXPECTED: &'static str;
 
     /// Converts a plain number.
@@ -39,7 +39,8 @@ pub(super) trait Forms: Sized {
     /// True if an array of three numbers is a form of the type.
     const HAS_TRIPLE: bool = false;
 
-    /// Reads an object. The first key was already read. `form` deserialises the whole object.
+    /// Reads an object. The visitor has already read the first key. `form` deserialises the whole
+    /// object, including the first key.
     fn from_object<'de, A: MapAccess<'de>>(form: Form<A>) -> Result<Self, A::Error>;
 }
 
@@ -48,7 +49,7 @@ pub(super) fn deserialize<'de, T: Forms, D: Deserializer<'de>>(deserializer: D) 
     deserializer.deserialize_any(FormsVisitor(PhantomData))
 }
 
-/// The visitor behind [`deserialize`].
+/// The visitor that [`deserialize`] uses.
 struct FormsVisitor<T>(PhantomData<T>);
 
 impl<'de, T: Forms> Visitor<'de> for FormsVisitor<T> {
@@ -236,20 +237,21 @@ pub(super) fn deserialize_radius<'de, D: Deserializer<'de>>(deserializer: D) -> 
     Ok(Option::deserialize(deserializer)?.unwrap_or(0.0))
 }
 
-/// Adds to the schema of an array that each element is above 0.
+/// Adds a rule to the schema of an array: each element must be above 0.
 pub(super) fn positive_items(schema: &mut Schema) {
     if let Some(items) = schema.get_mut("items").and_then(serde_json::Value::as_object_mut) {
         items.insert("exclusiveMinimum".into(), 0.into());
     }
 }
 
-/// Returns false. Schemas with this `skip_serializing_if` state the default of the key, which the
-/// scene file itself leaves out.
+/// Returns false. With this function as `skip_serializing_if` of schemars, the schema states the
+/// default of a key. When a scene is written, a key with the default value is still left out.
 pub(super) fn never<T>(_: &T) -> bool {
     false
 }
 
-/// Returns whether a value is the default of its type. Such values are not written.
+/// Returns whether a value is the default of its type. When a scene is written, such values are
+/// left out.
 pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }

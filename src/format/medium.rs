@@ -173,7 +173,7 @@ impl MediumFile {
         }
     }
 
-    /// Returns the priority where dielectrics or media overlap.
+    /// Returns the priority, which decides what fills a region where dielectrics or media overlap.
     pub fn priority(&self) -> i32 {
         match self {
             Self::Homogeneous(medium) => medium.priority,

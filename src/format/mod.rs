@@ -3,7 +3,8 @@
 //! [`read`] reads a file into a [`SceneFile`]. The module `json` parses the text and fills the
 //! types of this module, and `validate` checks the ranges of single values. The module [`resolve`]
 //! then looks up names, reads the other files that the scene names, and converts everything to SI
-//! units. Its errors gain their position through [`JsonSource::error_at`].
+//! units. [`JsonSource::error_at`] adds the position in the scene file to the errors of
+//! [`resolve`].
 
 mod camera;
 mod check;
@@ -212,7 +213,8 @@ impl SceneFile {
         self.check().map_err(|error| source.with_position(error))
     }
 
-    /// Checks the same rules. The error has only a JSON path.
+    /// Checks the same rules as [`Self::validate`]. The error has a JSON path, but no line and
+    /// column.
     fn check(&self) -> Result<()> {
         let Self { schema: _, title: _, unit: _, camera, film, spectra, media, materials, .. } = self;
         let root = JsonPath::Root;

@@ -4,24 +4,25 @@ use super::check;
 use crate::error::{Error, Result};
 use crate::json::JsonPath;
 
-/// The strength of an emitter. Its `spectrum` gives only the relative distribution over wavelength.
+/// The strength of an emitter. The emitter's `spectrum` gives only the relative distribution over
+/// wavelength.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum QuantityFile {
     /// Power in W over 360–830 nm.
     Power(f64),
     /// Luminous flux in lm.
     LuminousFlux(f64),
-    /// Intensity in W/sr over 360–830 nm, for a spotlight on its axis.
+    /// Intensity in W/sr over 360–830 nm. For a spotlight, the intensity on the axis.
     Intensity(f64),
-    /// Luminous intensity in cd, for a spotlight on its axis.
+    /// Luminous intensity in cd. For a spotlight, the luminous intensity on the axis.
     LuminousIntensity(f64),
     /// Radiance in W/m²/sr over 360–830 nm.
     Radiance(f64),
     /// Luminance in cd/m².
     Luminance(f64),
-    /// Irradiance in W/m² over 360–830 nm, for an environment π × its mean radiance.
+    /// Irradiance in W/m² over 360–830 nm. For an environment, π × the mean radiance.
     Irradiance(f64),
-    /// Illuminance in lx, for an environment π × its mean luminance.
+    /// Illuminance in lx. For an environment, π × the mean luminance.
     Illuminance(f64),
 }
 
@@ -59,8 +60,8 @@ pub(super) fn one_quantity(choices: &[(Option<f64>, QuantityVariant)]) -> Result
     Ok(quantity)
 }
 
-/// Returns the error of a quantity with its path in the scene. The path of the given error starts
-/// at the emitter.
+/// If `quantity` is an error, returns the error with its path in the scene. In `quantity`, the path
+/// of the error starts at the emitter, whose path is `at`.
 pub(super) fn validate_quantity(at: &JsonPath, quantity: Result<QuantityFile>) -> Result<()> {
     quantity.map(|_| ()).map_err(|mut error| {
         let below = error.location.path.take().unwrap_or_default();

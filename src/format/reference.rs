@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 
 use serde_json::{Map, Value};
 
-/// The chapters of the page, each with the definitions of the schema that it describes. The empty
-/// name is the scene itself. A definition without a title has no section; its text appears at each
-/// use.
+/// The chapters of the page. Each entry has the title of the chapter and the names of the schema's
+/// definitions that the chapter describes. The empty name is the scene itself. A definition without
+/// a title has no section. Its text appears at each use of the definition.
 pub(super) const CHAPTERS: [(&str, &[&str]); 14] = [
     ("The scene", &["", "UnitFile"]),
     ("The camera", &["CameraFile", "CameraKeyframeFile", "ShutterFile"]),
@@ -281,7 +281,8 @@ fn without_null(schema: &Value) -> Value {
     schema
 }
 
-/// Describes the range of a number, or the length and the ranges of the elements of an array.
+/// Describes the range of a number. For an array, describes the length of the array and the range
+/// of its elements.
 fn range(schema: &Value) -> String {
     let mut parts: Vec<String> = schema["x-range"].as_str().map(str::to_string).into_iter().collect();
     let mut level = schema;
@@ -332,8 +333,9 @@ fn one_line(value: &Value) -> String {
     }
 }
 
-/// Prints JSON on one line if it fits. Otherwise the first and last line hold the brackets, and the
-/// lines between hold the entries of the innermost object that contains everything.
+/// Prints JSON on one line if it fits. Otherwise, the first line opens the outer objects that have
+/// only one key, and the last line closes them. The lines between hold the entries of the next
+/// object or array inside.
 fn wrapped(value: &Value) -> String {
     let line = one_line(value);
     if line.chars().count() <= EXAMPLE_WIDTH {

@@ -13,8 +13,7 @@ const MINIMAL_SCENE: &str = r#"{
     "film": {"width": 64, "height": 64}, "materials": {"white": {"diffuse": {"reflectance": 0.5}}}, "objects": []
 }"#;
 
-/// The patches that put examples (`%`) into the minimal scene: one for each definition with
-/// examples.
+/// For each definition with examples, the patch that puts an example (`%`) into the minimal scene.
 const PLACES: [(&str, &str); 34] = [
     ("CameraFile", "camera=%"),
     ("CameraKeyframeFile", "camera.motion=[%]"),
@@ -61,8 +60,9 @@ const PLACES: [(&str, &str); 34] = [
     ("LightFile", "lights=[%]"),
 ];
 
-/// The places of the render settings, and the rest of the grid in [`PLACES`].
+/// The patches for the render settings, in the form of [`PLACES`].
 const RENDER_PLACES: [(&str, &str); 2] = [("RenderFile", "render=%"), ("LightMapFile", "render.light_map=%")];
+/// The end of a patch in [`PLACES`] that adds a grid medium.
 const GRID_END: &str = r#""bounds": [[0, 0, 0], [1, 1, 1]], "absorption": 0, "scattering": 1, "phase": "isotropic"}"#;
 
 /// Returns all examples of a definition and of its variants.
@@ -108,7 +108,7 @@ fn every_example_of_the_schema_is_valid() {
     }
 }
 
-/// Each key is described, and an example of its section shows it.
+/// Each key has a description, and an example in the section of the key contains the key.
 #[test]
 fn every_key_has_a_description_and_an_example() {
     let page = scene_reference();
@@ -152,7 +152,7 @@ fn the_reference_has_all_definitions_and_sound_links() {
     }
 }
 
-/// A row of a table ends where its line ends, and no line of prose is longer than 100 columns.
+/// Each row of a table is on one line, and no line of prose is longer than 100 columns.
 #[test]
 fn the_reference_has_whole_table_rows_and_short_lines() {
     let page = scene_reference();
@@ -164,14 +164,14 @@ fn the_reference_has_whole_table_rows_and_short_lines() {
     }
 }
 
-/// A number in a scene whose schema has bounds.
+/// A number in a scene. The schema of the number has bounds.
 struct BoundedNumber {
     scene: String,
     path: String,
 }
 
-/// Walks through a value and its schema. Records each number whose schema has bounds under the
-/// location of this schema.
+/// Walks through a value and its schema, and collects the numbers whose schema has bounds. The keys
+/// of `found` are the locations of these schemas.
 struct BoundsWalk<'s> {
     schema: &'s Value,
     scene: String,
@@ -230,8 +230,8 @@ fn count_bounded(schema: &Value) -> usize {
     here + below.into_iter().map(count_bounded).sum::<usize>()
 }
 
-/// Returns true if a scene with another number at a path is accepted. Errors at other paths do not
-/// count.
+/// Returns whether the scene is accepted with `value` in place of the number. Errors at other paths
+/// do not count.
 fn accepts(number: &BoundedNumber, value: f64) -> bool {
     let patch = format!("{}={value}", number.path);
     match parse(&number.scene, Path::new("scene"), &[patch]) {

@@ -143,9 +143,10 @@ fn positive(at: &JsonPath, sizes: &[(&str, f64)]) -> Result<()> {
     sizes.iter().try_for_each(|(key, size)| check::positive(&at.key(key), *size))
 }
 
-/// Checks that both surfaces of a lens reach the edge and that the edge is not thinner than 0.
+/// Checks that both surfaces of a lens reach the edge and that the edge thickness is not negative.
 ///
-/// An edge of 0 is sharp, as in a ball lens. The tolerance of 1e-12 allows for rounding.
+/// An edge with a thickness of 0 is sharp, as in a ball lens. The tolerance of 1e-12 allows for
+/// rounding.
 fn validate_lens(at: &JsonPath, radii: [f64; 2], thickness: f64, diameter: f64) -> Result<()> {
     let half = diameter / 2.0;
     for (key, radius) in ["radius1", "radius2"].into_iter().zip(radii) {
@@ -161,13 +162,13 @@ fn validate_lens(at: &JsonPath, radii: [f64; 2], thickness: f64, diameter: f64) 
     Err(check::fault(&at.key("thickness"), found, format!("at least {least}, or a smaller diameter")))
 }
 
-/// Returns the sagitta of a spherical surface: the distance towards +z from the plane through its
-/// vertex, at a distance from the axis.
+/// Returns the sagitta of a spherical surface at the distance `from_axis` from the axis. The
+/// sagitta is the distance of the surface from the plane through its vertex, positive towards +z.
 fn sagitta(radius: f64, from_axis: f64) -> f64 {
     if radius == 0.0 {
         return 0.0;
     }
-    // r − √(r² − h²), in a form without cancellation for a large radius.
+    // This form of r − √(r² − h²) has no cancellation for a large radius.
     let root = (1.0 - (from_axis / radius).powi(2)).max(0.0).sqrt();
     from_axis * from_axis / (radius * (1.0 + root))
 }

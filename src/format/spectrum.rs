@@ -266,7 +266,7 @@ impl Serialize for ImageFile {
     }
 }
 
-/// The use of a spectrum, which bounds its values.
+/// The use of a spectrum. The use determines the allowed values of the spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SpectrumUse {
     /// The use is unknown, because the spectrum is an entry of the scene's `spectra`. Any value is
@@ -296,7 +296,7 @@ impl SpectrumUse {
 }
 
 impl SpectrumFile {
-    /// Checks ranges and lengths. `used` bounds the values.
+    /// Checks ranges and lengths. `used` determines the allowed values.
     pub(super) fn validate(&self, at: &JsonPath, used: SpectrumUse) -> Result<()> {
         match self {
             Self::Number(value) => used.check(at, *value),
@@ -339,7 +339,8 @@ impl SpectrumFile {
     }
 }
 
-/// Checks a table: at least two wavelengths above 0 in rising order, and as many values.
+/// Checks that a table has at least two wavelengths, that the wavelengths are above 0 and rise, and
+/// that there is one value for each wavelength. `value_rule` checks each value.
 pub(super) fn validate_table(
     at: &JsonPath,
     nm: &[f64],

@@ -113,8 +113,8 @@ impl TransformFile {
         self.after(DAffine3::IDENTITY)
     }
 
-    /// Returns the affine map of all steps after another map. The result has the same bits as the
-    /// map of one list with the steps of both.
+    /// Returns the affine map that applies `before` first, and then all steps. If `before` is the
+    /// map of another list, the result is bit for bit the map of the two lists joined into one.
     pub fn after(&self, before: DAffine3) -> DAffine3 {
         self.0.iter().fold(before, |before, step| step.to_affine() * before)
     }
@@ -168,8 +168,8 @@ fn not_zero(at: &JsonPath, scale: f64) -> Result<()> {
 
 /// Checks that the last row is [0, 0, 0, 1] and that the linear part is not singular.
 ///
-/// The determinant is compared with the product of the lengths of the columns (Hadamard's bound),
-/// so that the check does not depend on the unit.
+/// The check divides the determinant by the product of the lengths of the columns (Hadamard's
+/// bound), so that the result does not depend on the unit.
 fn validate_matrix(at: &JsonPath, rows: &[[f64; 4]; 4], linear: DMat3) -> Result<()> {
     if rows[3] != [0.0, 0.0, 0.0, 1.0] {
         let found = rows[3].map(check::number).join(", ");
@@ -219,9 +219,10 @@ pub(super) fn validate_motion(at: &JsonPath, motion: &[KeyframeFile]) -> Result<
     Ok(())
 }
 
-/// Returns the largest difference in degrees between the rotations of two lists of steps about the
-/// same axes, or 0 if the axes differ. The affine maps do not contain full turns, so the check
-/// reads the angles as they are written.
+/// Compares the rotation steps of two lists pair by pair. Returns the largest difference of their
+/// angles in degrees, or 0 if the axes of a pair differ. A missing step counts as an angle of 0.
+/// The affine maps do not contain full turns, so the function compares the angles as they are
+/// written in the file.
 fn written_rotation_deg(before: &TransformFile, after: &TransformFile) -> f64 {
     let turns = |transform: &TransformFile| -> Vec<(DVec3, f64)> {
         let turn = |step: &TransformStepFile| match step {

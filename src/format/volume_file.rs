@@ -6,7 +6,7 @@
 //!
 //! The header is parsed here, because the crate `npyz` multiplies the sizes of the axes without an
 //! overflow check and does not compare the result with the length of the data. `ndarray-npy` needs
-//! the number type at compile time and brings the whole of `ndarray`.
+//! the number type at compile time and depends on the large crate `ndarray`.
 
 use crate::error::{Error, Result};
 use crate::scene::medium::field::FieldGrid;
@@ -37,7 +37,7 @@ pub fn read(path: &Path) -> Result<FieldGrid> {
 
 /// Unpacks the only array of an archive.
 fn only_array(bytes: Vec<u8>) -> Result<Vec<u8>> {
-    /// Size in bytes up to which an array is unpacked from an archive of any size.
+    /// An array of at most this size in bytes is unpacked, whatever the size of the archive.
     const ALWAYS_ALLOWED: u64 = 1 << 28;
     /// The highest compression ratio of deflate.
     const MOST_PER_BYTE: u64 = 1032;
@@ -51,7 +51,8 @@ fn only_array(bytes: Vec<u8>) -> Result<Vec<u8>> {
         return Err(Error::input(what).expected("an archive of one array"));
     };
     let file = archive.by_name(name).map_err(broken)?;
-    // The size that the archive states may be wrong. No more than this size is unpacked.
+    // The size that the archive states may be wrong, so at most one byte more than this size is
+    // unpacked.
     let announced = file.size();
     if announced > ALWAYS_ALLOWED.max(whole_mib.saturating_mul(MOST_PER_BYTE)) {
         let what = format!("an array of {announced} bytes in a small archive");

@@ -30,11 +30,11 @@ pub struct CameraPass<'a> {
     pub shared_pdf: Lanes,
     /// The camera's lens system at each shared wavelength, if the camera has one.
     pub lens_systems: Option<[SystemAt<'a>; LANES]>,
-    /// The maps of direct light in media; empty if direct light is sampled.
+    /// The light maps for direct light in media. Empty if the plan uses no light maps.
     pub light_maps: &'a LightMaps<'a>,
     /// The outlines of directly visible surfaces.
     pub outlines: &'a Outlines,
-    /// The factors of the pass on the first kernel radii.
+    /// The factors by which this pass scales the first kernel radii.
     pub scales: RadiusScales,
     /// The first kernel radius in m, if the scene fixes this radius. Otherwise, each pixel has its
     /// own first radius.
@@ -43,7 +43,7 @@ pub struct CameraPass<'a> {
     pub max_depth: u32,
 }
 
-/// The inputs and outputs of one camera sample, used from its first path to its last.
+/// The inputs and outputs of one camera sample. All paths of the sample share them.
 pub(super) struct PathContext<'s, 'a, S> {
     pub(super) pixel: u64,
     pub(super) sampler: &'s mut PixelSampler,

@@ -1,6 +1,7 @@
 //! From camera paths to spectral radiance.
 //!
-//! - `camera`: the camera walk through mirrors and glass to the first rough surface.
+//! - `camera`: the camera walk over mirrors, glass and glossy surfaces to the first diffuse
+//!   surface.
 //! - `direct`: light straight from the lights, by next-event estimation.
 //! - `density`: light that photons brought to surfaces, by density estimation.
 //! - `media`: emission, scattering and attenuation along the path.

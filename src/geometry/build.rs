@@ -15,7 +15,8 @@ use super::shape::{PlacedShape, Solid, ValidShape, bounds_of};
 use super::world::Geometry;
 use crate::error::{Error, Result};
 
-/// `Geometry::coincidence_range_m` as a fraction of the largest coordinate of the scene (2⁻²³).
+/// Ratio of `Geometry::coincidence_range_m` to the largest coordinate of the scene, without the
+/// margin for the centre. The value is 2⁻²³.
 const COINCIDENCE_RANGE_SHARE: f64 = 1.2e-7;
 
 impl Geometry {

@@ -4,10 +4,10 @@
 //! separate frame, in which the scene's box is centred on the origin and scaled by a power of two
 //! to a half-extent of 2⁹ to 2¹⁰. The ray's origin is first moved forward, in double precision, to
 //! the entry point of that box. The rounding errors in this frame (ray in single precision, slab
-//! tests, compressed boxes) move a plane by less than 2.3e-3. `PADDING` of the boxes is larger, so
-//! no primitive is missed. `obvhs` ignores boxes that the ray leaves at a distance below 1e-4. For
-//! a box around the ray's origin, the padding keeps this distance larger, for any scale of the
-//! scene.
+//! tests, compressed boxes) move a plane of a box by less than 2.3e-3. The padding of the boxes
+//! (`PADDING`) is larger than this error, so no primitive is missed. `obvhs` ignores boxes that the
+//! ray leaves at a distance below 1e-4. For a box that contains the ray's origin, the padding keeps
+//! this distance above 1e-4. This holds for any scale of the scene.
 
 use std::mem::size_of;
 
@@ -28,11 +28,11 @@ use crate::error::{Error, Result};
 /// Padding of a box on every side, in the frame of the hierarchy (2⁻⁸).
 const PADDING: f64 = 0.003_906_25;
 
-/// Scenes with at most this number of primitives test all of them. This is cheaper than one node of
-/// the hierarchy.
+/// If a scene has at most this number of primitives, every ray is tested against all of them. This
+/// is cheaper than the test of one node of the hierarchy.
 const MAX_LISTED_PRIMITIVES: usize = 4;
 
-/// Largest depth of a hierarchy for the fixed size of the traversal stack.
+/// Largest depth of a hierarchy that fits the traversal stack, which has a fixed size.
 const MAX_DEPTH: u32 = 31;
 
 /// A bounding volume hierarchy over all primitives.
@@ -47,7 +47,7 @@ pub(crate) struct Bvh {
 
 #[derive(Debug, Clone)]
 enum BvhNodes {
-    /// All primitives 0..count are tested.
+    /// Every ray is tested against all primitives 0..count.
     List(u32),
     Wide(CwBvh),
 }
@@ -140,8 +140,8 @@ impl Bvh {
         });
     }
 
-    /// Returns the t at which the ray enters the scene's box: 0 inside the box, `None` if the ray
-    /// misses it.
+    /// Returns the t at which the ray enters the scene's box. Returns 0 if the origin lies inside
+    /// the box, and `None` if the ray misses the box.
     fn entry_t(&self, ray: &Ray) -> Option<f64> {
         let inside = ray.origin.cmpge(self.low) & ray.origin.cmple(self.high);
         if inside.all() {
@@ -172,9 +172,9 @@ impl Bvh {
 /// Builds a binary hierarchy by the surface area heuristic: parallel locally-ordered clustering
 /// (PLOC), then reinsertion.
 ///
-/// `build_cwbvh` of the crate `obvhs` asserts in debug builds that boxes nest to an absolute
-/// tolerance of 1e-5. The coordinates of this frame are too large for this tolerance, so the steps
-/// are called one by one.
+/// `build_cwbvh` of the crate `obvhs` asserts in debug builds that each box lies inside its parent
+/// box, with an absolute tolerance of 1e-5. The coordinates of this frame are too large for this
+/// tolerance, so the steps are called one by one.
 fn build_by_surface_area(boxes: &[Aabb]) -> Bvh2 {
     let indices = (0..boxes.len() as u32).collect();
     let search = PlocSearchDistance::Medium;
@@ -184,8 +184,8 @@ fn build_by_surface_area(boxes: &[Aabb]) -> Bvh2 {
 }
 
 /// Builds a binary hierarchy by median splits. Each split is along the axis with the largest spread
-/// of box centres. Its depth is at most the number of binary digits of the number of boxes. This
-/// method is for scenes such as hundreds of nested shells, where clustering gives a very deep tree.
+/// of box centres. For n boxes, the depth of the hierarchy is at most ⌈log₂ n⌉. This method is for
+/// scenes such as hundreds of nested shells, where clustering gives a very deep tree.
 fn build_by_median_splits(boxes: &[Aabb]) -> Bvh2 {
     let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
     let mut nodes = vec![Bvh2Node::default()];

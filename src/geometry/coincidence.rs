@@ -1,18 +1,21 @@
 //! The order in which a ray crosses coincident surfaces.
 //!
 //! Examples are a prism on a floor, two cemented lenses, and a light that is flush with the
-//! ceiling. The computed distances to coincident surfaces are equal or differ by rounding. An order
-//! taken from these distances would occasionally reach the floor from inside the glass, or miss the
-//! floor. If the distances of two crossings agree to rounding, these rules order the crossings:
+//! ceiling. The computed distances to coincident surfaces are equal or differ by rounding. If these
+//! distances determined the order, a ray would occasionally reach the floor from inside the glass,
+//! or miss the floor. If the distances of two crossings agree to rounding, these rules order the
+//! crossings:
 //!
 //! - First the ray leaves bodies, then it crosses open surfaces (rectangles, disks, open meshes),
-//!   then it enters bodies. If an open surface touches a body, the surface is thus just outside.
-//! - Of two bodies with a common surface, the body with the lower number is outside.
-//! - If two open surfaces coincide, the smaller one is in front on its facing side. A light in a
-//!   ceiling is thus visible.
+//!   then it enters bodies. An open surface that touches a body thus lies just outside the body.
+//! - If a ray enters two bodies at a common surface, it first enters the body with the lower
+//!   number. If it leaves two bodies there, it first leaves the body with the higher number.
+//! - If two open surfaces coincide, the smaller one lies in front of the larger one, seen from the
+//!   side that the smaller one faces. A light that is flush with a ceiling is thus visible.
 //!
 //! The order is total, and a ray in the opposite direction crosses the surfaces in reverse order. A
-//! ray that starts on one surface of a stack therefore hits exactly the surfaces beyond it.
+//! ray that starts on one of several coincident surfaces therefore hits exactly the surfaces beyond
+//! its start surface.
 
 use std::cmp::Ordering;
 
@@ -45,14 +48,14 @@ enum CrossingKind {
 }
 
 impl Primitives {
-    /// Returns a bound in m of the rounding error of positions before the scene's centre was
-    /// subtracted.
+    /// Returns an upper bound, in m, of the rounding error that positions have before the scene's
+    /// centre is subtracted from them.
     pub(super) fn centre_rounding(&self) -> f64 {
         ROUNDINGS * f64::EPSILON * self.centre_reach
     }
 
-    /// Returns the distance in m below which two surfaces coincide at a point. It follows from the
-    /// rounding of the coordinates there.
+    /// Returns the distance in m below which two surfaces coincide at a point. The distance is a
+    /// multiple of the rounding error of the coordinates at this point.
     fn tolerance(&self, point: DVec3, surfaces: [SurfaceId; 2]) -> f64 {
         let reach = surfaces
             .into_iter()
@@ -89,8 +92,8 @@ impl Geometry {
         }
     }
 
-    /// For a ray that starts on the surface `from`: returns whether a crossing with |t| below
-    /// `coincidence_range_m` is valid.
+    /// Returns whether a crossing near the start of a ray is valid. The ray starts on the surface
+    /// `from`, and |t| of the crossing is below `coincidence_range_m`.
     #[cold]
     pub(super) fn lies_beyond_start(&self, ray: &Ray, from: SurfaceId, candidate: &Candidate) -> bool {
         let other = candidate.surface;
@@ -103,14 +106,16 @@ impl Geometry {
         if primitives.mesh(from.primitive).is_some()
             && primitives.mesh(from.primitive) == primitives.mesh(other.primitive)
         {
-            // A neighbour in the same mesh: the ray has just crossed the surface in this direction.
+            // Both triangles belong to the same mesh. If the ray crosses both in the same sense
+            // (into the mesh or out of it), the second crossing repeats the first one and is not
+            // valid.
             return candidate.t > 0.0 && (cos > 0.0) != (start_cos > 0.0);
         }
         self.is_before(self.crossing(from, start_cos), self.crossing(other, cos))
     }
 
-    /// Returns whether the ray crosses `first` before `second`. The distances of `a` and `b` must
-    /// differ by less than `coincidence_range_m`.
+    /// Returns whether the ray crosses `first` before `second`. The distances of the two crossings
+    /// must differ by less than `coincidence_range_m`.
     #[cold]
     pub(super) fn precedes(&self, ray: &Ray, first: &Candidate, second: &Candidate) -> bool {
         let primitives = &self.primitives;

@@ -1,4 +1,4 @@
-//! Bounding boxes of objects, flat objects, and boxes enclosed by convex bodies.
+//! Queries for bounding boxes of objects, distances to surfaces, flat objects and convex bodies.
 
 use super::primitive::{PlacedSolid, Primitive};
 use super::shape::Solid;
@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 
 impl Geometry {
     /// Returns the axis-aligned bounding boxes by object number, for all objects that have surfaces
-    /// in this geometry. A box is its smallest and largest coordinates in m, relative to the
-    /// centre.
+    /// in this geometry. Each box is given by its smallest and largest coordinates in m, relative
+    /// to the centre.
     pub fn object_bounds(&self) -> BTreeMap<u32, (DVec3, DVec3)> {
         let mut boxes = BTreeMap::new();
         for primitive in &self.primitives.list {

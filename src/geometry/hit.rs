@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use crate::math::frame::Frame;
 
-/// A face of a primitive: one smooth piece of surface. A ray that starts on a surface carries its
-/// identifier, so that rounding cannot make the ray hit that surface again.
+/// A face of a primitive: one smooth piece of surface. A ray that starts on a surface carries the
+/// identifier of this surface, so that rounding cannot make the ray hit the surface again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct SurfaceId {
     /// Index of the primitive: an analytic shape or a single triangle.
@@ -26,10 +26,11 @@ pub struct Hit {
     /// coordinates, independent of `t`.
     pub position: DVec3,
     /// Geometric unit normal. On closed shapes, the normal points outwards. On rectangles and
-    /// disks, it points to the facing side. On meshes, it follows the winding.
+    /// disks, it points to the side that the shape faces. On meshes, it points to the side from
+    /// which the vertices are counter-clockwise.
     pub normal: DVec3,
-    /// Unit normal for shading, on the same side as `normal`. If a mesh has normals, they are
-    /// interpolated.
+    /// Unit normal for shading, on the same side as `normal`. If a mesh has normals, this normal is
+    /// interpolated from them. Otherwise it equals `normal`.
     pub shading_normal: DVec3,
     /// Number of the object.
     pub object: u32,
@@ -39,8 +40,8 @@ pub struct Hit {
 
 impl Hit {
     /// Returns the local frame in which light arriving along `incoming` is scattered. The frame
-    /// uses the shading normal. If `incoming` sees the shading normal from the wrong side, the
-    /// frame uses the geometric normal, so that no light leaks through.
+    /// uses the shading normal. If `incoming` reaches the two normals from opposite sides, the
+    /// frame uses the geometric normal, so that no light leaks through the surface.
     #[inline]
     pub fn frame(&self, incoming: DVec3) -> Frame {
         let agree = incoming.dot(self.shading_normal) * incoming.dot(self.normal) > 0.0;
@@ -55,8 +56,8 @@ impl Hit {
     }
 
     /// Returns the factor that corrects a photon's power for shading normals (Veach 1997, equation
-    /// 5.19):
-    /// |ω_i·n_s||ω_o·n_g| / (|ω_i·n_g||ω_o·n_s|), where ω_i points towards the light and ω_o towards the camera.
+    /// 5.19). The factor is |ω_i·n_s||ω_o·n_g| / (|ω_i·n_g||ω_o·n_s|). The vector ω_i points
+    /// towards the light, and ω_o points towards the camera.
     #[inline]
     pub fn adjoint_correction(&self, frame: &Frame, to_light: DVec3, to_camera: DVec3) -> f64 {
         let (n_s, n_g) = (frame.normal(), self.normal);

@@ -17,9 +17,10 @@ pub struct TriangleMesh {
 }
 
 impl TriangleMesh {
-    /// Creates a mesh. Triangles of zero area, within rounding, are dropped and counted.
+    /// Creates a mesh. Drops and counts the triangles whose area is zero within rounding.
     ///
-    /// `normals` (of any length except zero) and `uvs` have one value per vertex.
+    /// `normals` and `uvs` have one value per vertex. The normals are vectors of any length except
+    /// zero.
     ///
     /// # Errors
     /// Returns an error if the mesh has no triangles or no area, an index exceeds the number of

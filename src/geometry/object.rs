@@ -52,8 +52,8 @@ pub(super) struct ObjectSurfaces {
 }
 
 impl ObjectSurface {
-    /// Returns the face at a fraction of the cumulative area in [0, 1), or `None` if the object has
-    /// no face.
+    /// Returns the first face whose cumulative area exceeds `share` times the area of the object.
+    /// `share` lies in [0, 1). Returns `None` if the object has no face.
     pub(super) fn face_at(&self, share: f64) -> Option<SurfaceId> {
         let area = share * self.area;
         let index = self.faces.partition_point(|face| face.area_so_far <= area);

@@ -43,14 +43,15 @@ impl PlacedSolid {
         self.solid.next_crossing(&self.line(ray), start_face, after)
     }
 
-    /// Returns the surface point of a face at a world point on or near the face.
+    /// Projects a world point on or near a face onto the face.
     pub(super) fn surface(&self, point: DVec3, face: u32) -> WorldSurfacePoint {
         self.placed_surface(self.to_local * (point - self.position), face)
     }
 
-    /// Returns the surface point of a face at a local point on or near the face. Normals are
-    /// transformed by the inverse transpose. They therefore stay outward also for mirroring
-    /// transforms. On flat shapes, they stay on the side of the transformed +y axis.
+    /// Projects a local point on or near a face onto the face. Returns the surface point in the
+    /// world. Normals are transformed by the inverse transpose. Outward normals therefore stay
+    /// outward, even if the transform mirrors the shape. The normals of flat shapes stay on the
+    /// side of the transformed +y axis.
     pub(super) fn placed_surface(&self, local: DVec3, face: u32) -> WorldSurfacePoint {
         let surface = self.solid.surface(local, face);
         let normal = self.to_local.transpose() * surface.normal;
@@ -110,7 +111,8 @@ pub(super) struct Primitives {
     pub(super) normals: Vec<[f32; 3]>,
     pub(super) uvs: Vec<[f32; 2]>,
     pub(super) dropped: usize,
-    /// Largest coordinate of the centre that was subtracted.
+    /// Largest absolute coordinate of the centre. `Geometry::build` subtracts the centre from all
+    /// positions.
     pub(super) centre_reach: f64,
 }
 
@@ -144,7 +146,8 @@ impl Primitives {
         }
     }
 
-    /// Returns the largest coordinate used to place a primitive.
+    /// Returns the largest absolute coordinate of the position of an analytic shape, or of the
+    /// corners of a triangle.
     pub(super) fn largest_coordinate(&self, primitive: u32) -> f64 {
         match &self.list[primitive as usize] {
             Primitive::Analytic(index) => self.analytic[*index as usize].position.abs().max_element(),
@@ -170,7 +173,7 @@ impl Primitives {
         }
     }
 
-    /// Computes the hit of a crossing.
+    /// Computes the hit that belongs to a crossing.
     pub(super) fn hit(&self, ray: &Ray, candidate: &Candidate) -> Hit {
         let Candidate { t, surface, weights } = *candidate;
         match self.list[surface.primitive as usize] {

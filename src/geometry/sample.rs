@@ -11,8 +11,8 @@ use super::shape::TriangleRay;
 use super::world::Geometry;
 
 impl Geometry {
-    /// Returns the surface area of an object in m², or 0 for an unknown object. Rectangles, disks
-    /// and open meshes count one side.
+    /// Returns the surface area of an object in m², or 0 for an unknown object. For rectangles,
+    /// disks and open meshes, this is the area of one side.
     pub fn area(&self, object: u32) -> f64 {
         self.objects.get(object).map_or(0.0, |object| object.area)
     }
@@ -160,10 +160,11 @@ impl SubtendedCone {
     /// Samples a direction uniformly in the cone. Returns the point of the sphere in this
     /// direction.
     ///
-    /// θ is the angle between direction and axis, and s = (sin θ / sin θ_max)². Seen from the
-    /// centre, the point lies at the angle α from the axis, with cos α = sin θ √s + cos θ √(1−s)
-    /// and sin α = cos θ √s − sin θ √(1−s). The calculation of s from u has no cancellation.
-    /// Distant and tiny spheres are therefore sampled as accurately as near ones.
+    /// At `from`, θ is the angle between the direction and the line to the sphere's centre. At the
+    /// centre, α is the angle between the sampled point and `axis`. If s = (sin θ / sin θ_max)²,
+    /// these angles satisfy cos α = sin θ √s + cos θ √(1−s) and sin α = cos θ √s − sin θ √(1−s).
+    /// The calculation of s from u has no cancellation. Distant and tiny spheres are therefore
+    /// sampled as accurately as near ones.
     fn sample(&self, u: f64, turn: f64) -> DVec3 {
         let one_minus_cos = u * self.one_minus_cos_max;
         let s = (u * (2.0 - one_minus_cos) / (1.0 + self.cos_max)).min(1.0);

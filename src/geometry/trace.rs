@@ -13,8 +13,8 @@ pub(super) struct RayQuery<'a> {
     /// `None` if the scene has no triangles.
     triangle_ray: Option<TriangleRay>,
     from: Option<SurfaceId>,
-    /// Up to this t, a crossing may coincide with the surface on which the ray starts, so it needs
-    /// a coincidence test.
+    /// A crossing with |t| up to this value may coincide with the surface on which the ray starts.
+    /// Such a crossing needs a coincidence test.
     coincidence_range_m: f64,
 }
 
@@ -70,8 +70,8 @@ impl<'a> RayQuery<'a> {
 impl Geometry {
     /// Returns the nearest hit with t < `t_max`.
     ///
-    /// `from` is the surface on which the ray starts. If it is `None` (a camera, or a light in free
-    /// space), only crossings at t > 0 count.
+    /// `from` is the surface on which the ray starts. If `from` is `None` (for a camera, or a light
+    /// in free space), only crossings at t > 0 count.
     pub fn intersect(&self, ray: &Ray, from: Option<SurfaceId>, t_max: f64) -> Option<Hit> {
         let query = RayQuery::new(self, ray, from);
         let mut best: Option<Candidate> = None;
@@ -129,9 +129,9 @@ impl Geometry {
     pub fn for_each_hit(&self, ray: &Ray, from: Option<SurfaceId>, mut f: impl FnMut(&Hit)) {
         let (mut start, mut travelled) = (*ray, 0.0);
         let mut surface = from;
-        // Each hit starts the search for the next one, as on a light path, so touching surfaces
-        // keep their order. A line crosses a primitive at most six times, which bounds the number
-        // of iterations.
+        // The search for the next hit starts at the previous hit, as on a light path. Touching
+        // surfaces therefore keep their order. A line crosses a primitive at most six times. This
+        // bounds the number of iterations.
         for _ in 0..6 * self.primitives.list.len() {
             let Some(mut hit) = self.intersect(&start, surface, f64::INFINITY) else { return };
             travelled += hit.t;

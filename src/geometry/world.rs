@@ -14,7 +14,8 @@ pub struct Geometry {
     pub(super) primitives: Primitives,
     pub(super) objects: ObjectSurfaces,
     /// If the distances of two crossings differ by more than this value, the crossings never
-    /// coincide. The same holds for a crossing and the origin of a ray.
+    /// coincide. A crossing with |t| above this value never coincides with the surface on which the
+    /// ray starts.
     pub(super) coincidence_range_m: f64,
 }
 
@@ -30,7 +31,7 @@ impl Geometry {
     pub fn radius_m(&self) -> f64 {
         let (low, high) = self.bounds();
         let reach = low.abs().max(high.abs()).length();
-        // The margin prevents any surface from touching the ball.
+        // With the margin, all surfaces lie strictly inside the ball.
         if reach.is_finite() { reach * (1.0 + 1e-6) } else { 1.0 }
     }
 
@@ -56,8 +57,8 @@ impl Geometry {
         self.bvh.memory_bytes() + self.primitives.memory_bytes() + self.objects.memory_bytes()
     }
 
-    /// Returns the number of dropped triangles. Their area is zero within the rounding of their
-    /// placed corners.
+    /// Returns the number of dropped triangles. A triangle is dropped if the area computed from its
+    /// placed corners is zero.
     pub fn dropped_triangles(&self) -> usize {
         self.primitives.dropped
     }

@@ -2,10 +2,10 @@
 
 use super::positions::{SpannedValue, ValueKind};
 
-/// Number of names up to which a list of allowed names is written out in full.
+/// An error message lists at most this many allowed names.
 const MAX_LISTED_NAMES: usize = 12;
 
-/// Number of characters up to which a value is quoted in full.
+/// An error message quotes at most this many characters of a value.
 const MAX_QUOTED_CHARACTERS: usize = 40;
 
 /// Lists the allowed names: `one of a, b, c`. A long list is cut.
@@ -20,7 +20,8 @@ pub(super) fn one_of(names: &[&str]) -> String {
     }
 }
 
-/// Describes a value in words: a plain value by its text, and an array or object by its size.
+/// Describes a value for an error message: a plain value by its text, and an array by its length.
+/// For an object, the description says only whether the object is empty.
 pub(super) fn found(value: SpannedValue) -> String {
     match value.kind() {
         ValueKind::Null | ValueKind::Bool | ValueKind::Number | ValueKind::String => shorten(value.written()),

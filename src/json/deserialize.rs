@@ -48,14 +48,15 @@ impl<'de> ValueDeserializer<'de> {
     fn visit_object<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
         let mut entries = self.0.children();
         let value = visitor.visit_map(ObjectEntries { entries: &mut entries, value: None })?;
-        // Structs read all keys. Only an enum with one key leaves unread keys.
+        // The visitor of a struct reads all keys. The visitor of an enum reads only the first key.
         match entries.next() {
             None => Ok(value),
             Some(key) => Err(DeserializeError::new(DeserializeErrorKind::SecondKey(&[])).at(key)),
         }
     }
 
-    /// Visits a number: as an integer if it is one and fits 64 bits, otherwise as a float.
+    /// Visits a number. If the text is an integer that fits 64 bits, the visitor gets an integer,
+    /// otherwise a float.
     fn visit_number<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
         let written = self.0.written();
         if let Ok(number) = written.parse::<u64>() {

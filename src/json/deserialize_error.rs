@@ -9,7 +9,8 @@ use super::path::quoted;
 use super::positions::{SpannedValue, ValueKind};
 use crate::error::{Error, nearest_name};
 
-/// An error in a value. The innermost deserialiser that returns the error adds its position.
+/// An error in a value. The innermost deserialiser that returns the error sets the position of the
+/// error.
 #[derive(Debug)]
 pub(super) struct DeserializeError {
     /// Node number of the wrong value or key; `None` until the number is known.
@@ -20,7 +21,7 @@ pub(super) struct DeserializeError {
 /// The kinds of errors in a value.
 #[derive(Debug)]
 pub(super) enum DeserializeErrorKind {
-    /// The value has another type, length or range than allowed.
+    /// The value has a wrong type or a wrong length, or the value is out of range.
     Mismatch {
         /// Description of the allowed values.
         expected: String,
@@ -58,7 +59,8 @@ impl DeserializeError {
         self
     }
 
-    /// Returns the byte offset of the error and the error for the user with its JSON path.
+    /// Converts this error to an error for the user. Returns the byte offset of the error, and the
+    /// error with its JSON path.
     ///
     /// `root` is the outermost value of the text.
     pub(super) fn explain(self, root: SpannedValue) -> (usize, Error) {
@@ -67,8 +69,9 @@ impl DeserializeError {
             && value.kind() == ValueKind::Object
             && let Some((key, _)) = value.entries().next()
         {
-            // `forms` reads the key that selects the variant before the variant is known. The error
-            // has the position of the object, although the key is wrong.
+            // The module `forms` itself reads the key that selects the variant. If this key is
+            // unknown, the error therefore has the position of the object, although the key is
+            // wrong.
             value = key;
         }
         let path = root.path_to(value.id());
@@ -102,7 +105,8 @@ impl DeserializeErrorKind {
     }
 }
 
-/// Translates serde's description of the expected value into JSON's words.
+/// Translates serde's description of the expected value into the terms of JSON, such as "a map"
+/// into "an object".
 fn expected_in_json_terms(found: de::Unexpected<'_>, expected: &dyn de::Expected) -> String {
     let expected = expected.to_string();
     match expected.as_str() {

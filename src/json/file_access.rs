@@ -1,4 +1,4 @@
-//! The permission to read files named in a text.
+//! Decides which files a text may name.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -7,8 +7,8 @@ use crate::error::{Error, Result};
 /// The files that a text may name. If a named file itself names files, the same rule holds for
 /// these.
 ///
-/// The default protects the user if the author of a file is unknown: the file cannot read other
-/// files of the user.
+/// The default protects a user who opens a file by an unknown author: the file cannot make the
+/// program read other files of the user.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum FileAccess {
     /// Files in the folder of the text and in folders below it.
@@ -19,14 +19,15 @@ pub enum FileAccess {
 }
 
 impl FileAccess {
-    /// The expectation in the error of [`Self::file`]. A program may have an option to allow all
-    /// files. The program can recognise the error by this text and add the name of the option.
+    /// The error of [`Self::file`] states this text as what was expected. A program may have an
+    /// option that allows all files. Such a program can recognise the error by this text and add
+    /// the name of the option to the message.
     pub const EXPECTED_WITHIN_FOLDER: &str = "a path within the folder of the file that names it";
 
     /// Returns the path of the file that is named relative to `folder`.
     ///
-    /// Symbolic links in the folder are followed wherever they lead. The creator of the link could
-    /// have put the file itself there.
+    /// Symbolic links in the folder are followed, even if they lead out of the folder. This is
+    /// acceptable, because whoever created the link could have copied the file into the folder.
     ///
     /// # Errors
     /// Returns an error if the access is [`Self::WithinFolder`] and the path is absolute or leads

@@ -1,7 +1,8 @@
 //! Patches of the form `PATH=JSON`, which change a JSON text before it is read.
 //!
-//! A patch replaces the value at its path. If the last key is missing, the patch adds it to its
-//! object and creates missing objects on the way. The step `[-]` appends an element to an array.
+//! A patch replaces the value at its path. If the last key of the path is missing, the patch adds
+//! the key. The patch also creates missing objects on the path. The step `[-]` appends an element
+//! to an array.
 
 use std::path::Path;
 
@@ -12,9 +13,9 @@ use super::scan::{SyntaxError, scan};
 use super::text::{MAX_BYTES, line_column, too_large};
 use crate::error::{Error, Result, nearest_name};
 
-/// The beginning of the file name in errors about a patch. After it comes the path of the patch:
-/// `patch render.passes`. A program that takes patches from an option can put the option's name
-/// here.
+/// In an error about a patch, the file name consists of this text and the path of the patch, such
+/// as `patch render.passes`. A program that takes patches from a command-line option can replace
+/// this text with the name of the option.
 pub const PATCH_LABEL: &str = "patch ";
 
 /// A text after all patches.
@@ -73,7 +74,7 @@ pub(super) enum PieceOrigin {
 }
 
 impl PieceOrigin {
-    /// Returns the origin of the text that is `bytes` further on in the same piece.
+    /// Returns the origin of the text that starts `bytes` bytes later in the same piece.
     fn skip(&self, bytes: usize) -> Self {
         match self {
             Self::File(offset) => Self::File(offset + bytes),
@@ -89,7 +90,7 @@ impl TextPieces {
         self.0.get(index).map(|piece| piece.origin.skip(offset - piece.start))
     }
 
-    /// Returns the pieces after an edit of a text of `length` bytes.
+    /// Returns the pieces of the text after an edit. Before the edit, the text has `length` bytes.
     fn after(&self, edit: &TextEdit, label: &str, length: usize) -> Self {
         let ends = self.0.iter().skip(1).map(|piece| piece.start).chain([length]);
         let (mut before, mut after) = (Vec::new(), Vec::new());
@@ -180,8 +181,8 @@ fn split_at_equals(set: &str) -> Option<(&str, &str)> {
     None
 }
 
-/// Returns whether a text looks like a string without its quotes, which the shell removed. The
-/// result is `false` for words that have a better message in the scanner.
+/// Returns whether a text looks like a string whose quotes were removed by the shell. The result is
+/// `false` for words, such as `None`, for which the scanner has a better error message.
 fn is_bare_word(json: &str) -> bool {
     let starts = json.starts_with(|c: char| c.is_alphabetic() || matches!(c, '_' | '/' | '.' | '~'));
     let explained = ["true", "false", "null", "none", "nan", "inf", "infinity"];
@@ -202,8 +203,8 @@ impl PathPatch<'_> {
         Ok(TextEdit { from: value.start(), to: value.end(), text: self.json.to_string() })
     }
 
-    /// Returns an edit of the existing value `value`: the edit adds the missing steps, which are
-    /// the steps from number `i` on.
+    /// Returns the edit that adds the missing part of the path to `value`, which is the last
+    /// existing value on the path. The steps from number `i` on are missing.
     fn addition(&self, value: SpannedValue, i: usize) -> Result<TextEdit> {
         let (before, step, rest) = (&self.steps[..i], &self.steps[i], &self.steps[i + 1..]);
         let mut text = self.json.to_string();
@@ -221,7 +222,8 @@ impl PathPatch<'_> {
                 return Err(wrong_kind(before, value, "an array"));
             }
         }
-        // After the last element, or directly after the opening bracket of an empty container.
+        // The new text follows the last element. In an empty container, the new text follows the
+        // opening bracket.
         let last = value.children().last();
         let at = last.map_or(value.start() + 1, SpannedValue::end);
         let text = if last.is_some() { format!(", {text}") } else { text };
@@ -229,7 +231,8 @@ impl PathPatch<'_> {
     }
 }
 
-/// Returns the error for a path through a missing value. A patch cannot add this value.
+/// Returns the error for a path through a missing array. A patch creates missing objects, but no
+/// arrays.
 fn no_such_value(steps: &[PathStep]) -> Error {
     Error::input(format!("found nothing at {}", path::display(steps))).expected("a path through existing values")
 }
@@ -245,7 +248,7 @@ fn out_of_range(array: &[PathStep], index: usize, value: SpannedValue) -> Error 
     }
 }
 
-/// Returns the error for a name if no element of an array has it.
+/// Returns the error for a name that no element of the array has.
 fn no_such_name(array: &[PathStep], name: &str, value: SpannedValue) -> Error {
     let names: Vec<_> = value.children().filter_map(|element| element.get("name")).collect();
     let names: Vec<_> =

@@ -102,8 +102,8 @@ pub(super) fn display(steps: &[PathStep]) -> String {
     text
 }
 
-/// Parses a path of keys joined by dots, `[3]`, `["any key"]`, `[-]` and `[name=…]`. The empty path
-/// is the outermost value.
+/// Parses a path. A dot separates a key from the step before it. The steps in brackets are `[3]`,
+/// `["any key"]`, `[-]` and `[name=…]`. The empty path is the outermost value.
 pub(super) fn parse(path: &str) -> Result<Vec<PathStep>> {
     let mut steps = Vec::new();
     let mut rest = path;
@@ -132,7 +132,8 @@ pub(super) fn parse(path: &str) -> Result<Vec<PathStep>> {
     Ok(steps)
 }
 
-/// Parses a step after its opening bracket. Also returns the text after the closing bracket.
+/// Parses the step that follows an opening bracket. Returns the step and the text after the closing
+/// bracket.
 fn bracket(inner: &str) -> Option<(PathStep, &str)> {
     if inner.starts_with('"') {
         let mut strings = serde_json::Deserializer::from_str(inner).into_iter::<String>();

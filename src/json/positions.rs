@@ -15,7 +15,7 @@ pub(super) struct Node {
     pub(super) start: u32,
     /// Byte offset after its last byte.
     pub(super) end: u32,
-    /// Number of the first node after its contents.
+    /// Number of the first node after the contents of the value.
     pub(super) next: u32,
 }
 
@@ -119,7 +119,7 @@ impl<'t> SpannedValue<'t> {
         decode(self.written())
     }
 
-    /// Returns the elements of an array, or the keys and values of an object in turn.
+    /// Returns the elements of an array. For an object, keys and values alternate.
     pub(super) fn children(self) -> ChildValues<'t> {
         let next = self.node().next;
         ChildValues { end: next, at: self.with_id(self.id + 1) }

@@ -1,9 +1,9 @@
 //! A scanner of strict JSON (RFC 8259). It records the position of each value and explains syntax
 //! errors.
 //!
-//! The scanner accepts the same texts as `serde_json`, with three exceptions: it refuses duplicate
-//! keys, nesting deeper than [`MAX_NESTING`], and numbers beyond the range of `f64`. The nesting
-//! limit also bounds the recursion.
+//! The scanner accepts the same texts as `serde_json`, with two exceptions. The scanner refuses
+//! duplicate keys. It accepts [`MAX_NESTING`] levels of nesting, which is one level more than
+//! `serde_json` accepts. The nesting limit also bounds the recursion of the scanner.
 
 use super::describe::shorten;
 use super::path::{push_key, quoted};

@@ -19,7 +19,7 @@ pub struct JsonSource {
     pub path: PathBuf,
     /// The text after all patches.
     pub text: String,
-    /// The text of the file, if patches changed it.
+    /// The text before the patches, or `None` if there are no patches.
     unpatched: Option<String>,
     pieces: TextPieces,
     positions: Positions,
@@ -98,7 +98,8 @@ impl JsonSource {
         self.error_at(&path, error)
     }
 
-    /// Adds file, line and column of a byte offset in the patched text to an error.
+    /// Adds file, line and column to an error. `offset` is the position of the error as a byte
+    /// offset in the patched text.
     fn error_at_offset(&self, offset: usize, error: Error) -> Error {
         if error.location.file.is_some() {
             return error;

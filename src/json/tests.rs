@@ -66,7 +66,8 @@ impl TextDamage {
     }
 }
 
-/// The scanner accepts the same texts as `serde_json`, except for duplicate keys, which it refuses.
+/// The scanner accepts the same texts as `serde_json`, except that the scanner refuses duplicate
+/// keys.
 #[test]
 fn the_scanner_refuses_what_serde_json_refuses() {
     let whole =

@@ -13,9 +13,9 @@ use std::num::NonZeroU32;
 
 /// A bounding volume hierarchy over boxes.
 ///
-/// Queries need no stack. Each node stores a *skip link*: the next node if the query skips the
-/// node's subtree (Smits 1998, "Efficiency Issues for Ray Tracing"). Therefore the depth of the
-/// tree has no limit, and a query allocates nothing.
+/// Queries need no stack. Each node stores a *skip link*: the number of the node at which the query
+/// continues after the node's subtree (Smits 1998, "Efficiency Issues for Ray Tracing"). Therefore
+/// the depth of the tree has no limit, and a query allocates nothing.
 #[derive(Default)]
 pub(super) struct BoxTree {
     /// The nodes, with their skip links in `meta1`.
@@ -31,8 +31,8 @@ impl std::fmt::Debug for BoxTree {
 }
 
 impl BoxTree {
-    /// Builds the index. A box is a pair of its least and largest coordinates in m, relative to the
-    /// scene's centre; box number i is `boxes[i]`.
+    /// Builds the index. A box is a pair of corners: the least and the largest coordinates in m,
+    /// relative to the scene's centre. Box number i is `boxes[i]`.
     pub(super) fn build(boxes: &[(Vec3, Vec3)]) -> Self {
         if boxes.is_empty() {
             return Self::default();
@@ -61,7 +61,7 @@ impl BoxTree {
         Self { nodes, boxes }
     }
 
-    /// Calls `visit` with the number of each box possibly touched by the cone.
+    /// Calls `visit` with the number of each box that the cone may touch.
     #[inline]
     pub(super) fn visit(&self, cone: &QueryCone, mut visit: impl FnMut(u32)) {
         if self.nodes.is_empty() {
@@ -141,7 +141,7 @@ mod tests {
     use crate::math::random::{Purpose, Stream};
     use crate::math::warp;
 
-    /// Compares queries with a test of every point.
+    /// Compares the result of a query with a brute-force search.
     #[test]
     fn cone_query_finds_every_touched_box() {
         let mut stream = Stream::new(3, Purpose::Pilot, 0, 0);
@@ -178,7 +178,8 @@ mod tests {
         DVec3::new(stream.uniform(), stream.uniform(), stream.uniform()) - 0.5
     }
 
-    /// A query finds all boxes, even if the tree is as deep as a list.
+    /// A query finds all boxes, even in a tree where every inner node has a leaf as one of its
+    /// children.
     #[test]
     fn a_very_deep_tree_loses_no_box() {
         const INNER: u32 = 1000;

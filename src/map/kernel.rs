@@ -2,20 +2,22 @@
 
 use std::f64::consts::FRAC_1_PI;
 
-/// The values of the Epanechnikov kernel (the estimate) and of the uniform kernel of the same
-/// radius (for the bias) at one distance. Both kernels integrate to 1 over the disk or over the
-/// line.
+/// The values of two kernels of the same radius at one distance. The Epanechnikov kernel gives the
+/// estimate. The uniform kernel is needed only to estimate the bias. Both kernels integrate to 1
+/// over the disk or over the line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KernelValues {
     /// The Epanechnikov kernel: 2/(πr²)·(1 − d²/r²) on the disk, 3/(4r)·(1 − d²/r²) on the line.
     pub estimate: f64,
     /// The uniform kernel: 1/(πr²) on the disk, 1/(2r) on the line.
     pub uniform: f64,
-    /// μ_e/(μ_u − μ_e), from the second moments of the two kernels.
+    /// The ratio μ_e/(μ_u − μ_e). Here μ_e and μ_u are the second moments of the Epanechnikov
+    /// kernel and of the uniform kernel.
     moment_ratio: f64,
 }
 
-/// The factors of the kernels on a disk that do not depend on the photon's distance.
+/// The two kernels on a disk. The fields hold the factors that do not depend on the photon's
+/// distance.
 #[derive(Debug, Clone, Copy)]
 pub struct DiskKernel {
     per_r2: f64,
@@ -32,8 +34,8 @@ impl DiskKernel {
         Self { per_r2, peak: 2.0 * FRAC_1_PI * per_r2, uniform: FRAC_1_PI * per_r2 }
     }
 
-    /// Divides each kernel by the fraction of the kernel on the surface. The kernels then integrate
-    /// to 1 over the part of the disk on the surface.
+    /// Divides each kernel by its fraction on the surface. Each kernel then integrates to 1 over
+    /// the part of the disk that lies on the surface.
     #[inline]
     pub fn corrected(self, correction: BoundaryCorrection) -> Self {
         Self { peak: self.peak / correction.estimate, uniform: self.uniform / correction.uniform, ..self }
@@ -51,14 +53,14 @@ impl DiskKernel {
     }
 }
 
-/// Returns the kernel values (1/m) on a line at the distance `d` within the radius `r`, both in m.
-/// The second moments are μ_u = r²/3 and μ_e = r²/5.
+/// Returns the kernel values (1/m) on a line at the distance `d`. The kernel radius is `r`. Both
+/// are in m, and `d` must not exceed `r`. The second moments are μ_u = r²/3 and μ_e = r²/5.
 pub fn on_line(d: f64, r: f64) -> KernelValues {
     let (uniform, relative) = (0.5 / r, d / r);
     KernelValues { estimate: 1.5 * uniform * (1.0 - relative * relative), uniform, moment_ratio: 1.5 }
 }
 
-/// The fractions of the two kernels on the surface.
+/// The fraction of each kernel that lies on the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoundaryCorrection {
     /// The fraction of the Epanechnikov kernel.
@@ -68,10 +70,11 @@ pub struct BoundaryCorrection {
 }
 
 impl BoundaryCorrection {
-    /// Both kernels lie on the surface completely.
+    /// Both kernels lie completely on the surface.
     pub const WHOLE: Self = Self { estimate: 1.0, uniform: 1.0 };
 
-    /// Returns the fractions of the kernels within `t` radii of their centre.
+    /// Returns the fraction of each kernel within the distance `t` of its centre. `t` is in units
+    /// of the kernel radius.
     pub fn within(t: f64) -> Self {
         let t2 = (t * t).min(1.0);
         Self { estimate: t2 * (2.0 - t2), uniform: t2 }
@@ -113,8 +116,8 @@ mod tests {
             .sum()
     }
 
-    /// Checks that the kernels on the disk integrate to 1, and that `bias` uses their second
-    /// moments.
+    /// Checks that the kernels on the disk integrate to 1. Also checks the second moments from
+    /// which `bias` is derived.
     #[test]
     fn disk_kernels_have_unit_mass_and_stated_moments() {
         let r = 0.3_f64;
@@ -137,7 +140,8 @@ mod tests {
         );
     }
 
-    /// The kernels on the line integrate to 1 and measure the bias for a parabolic density.
+    /// The kernels on the line integrate to 1. Their bias estimate is exact for a parabolic
+    /// density.
     #[test]
     fn line_kernels_have_unit_mass_and_measure_bias() {
         let (r, c, n) = (0.4_f64, 0.7, 100_000);

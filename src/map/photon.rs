@@ -43,8 +43,8 @@ impl PhotonPower {
         (0..LANES).map(|k| (f64::from(self.nm[k]), f64::from(self.power[k])))
     }
 
-    /// Returns the power at the pass's shared wavelength number `lane`, or `None` if the photon
-    /// gave up that wavelength.
+    /// Returns the power at the pass's shared wavelength number `lane`, or `None` if the photon no
+    /// longer carries that wavelength.
     pub fn at_lane(&self, lane: usize) -> Option<f64> {
         if usize::from(self.count) == LANES {
             Some(f64::from(self.power[lane]))
@@ -114,7 +114,7 @@ mod tests {
     use super::*;
     use crate::math::{sobol::Sobol, warp};
 
-    /// The encoding changes a direction by less than the error given above.
+    /// The encoding changes a direction by less than 7·10⁻⁵ rad.
     #[test]
     fn octahedral_encoding_is_accurate() {
         let sobol = Sobol::new(2);

@@ -91,7 +91,7 @@ mod tests {
         hits
     }
 
-    /// Queries among 100,000 coplanar photons find the same photons as brute force.
+    /// Queries among 100,000 coplanar photons find the same photons as a brute-force search.
     #[test]
     fn coplanar_photons_are_found_like_by_brute_force() {
         let mut stream = Stream::new(1, Purpose::Pilot, 0, 0);

@@ -2,7 +2,7 @@
 
 use crate::geometry::Ray;
 
-/// A part of a ray with a radius that may grow linearly along it.
+/// A part of a ray with a radius that may grow linearly along the ray.
 #[derive(Debug, Clone, Copy)]
 pub struct QueryCone {
     /// The ray.
@@ -11,7 +11,7 @@ pub struct QueryCone {
     pub length_m: f64,
     /// The radius at the ray's origin, in m.
     pub radius_m: f64,
-    /// The growth of the radius per distance.
+    /// The growth of the radius per distance along the ray.
     pub slope: f64,
 }
 

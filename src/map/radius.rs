@@ -14,7 +14,7 @@ pub struct PixelRadii<T = f32> {
     pub volume: PerSet<PerClass<T>>,
 }
 
-/// The factors of a pass on the first radii.
+/// The factors by which a pass scales the first radii.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RadiusScales {
     /// The factor on surfaces.
@@ -69,8 +69,8 @@ impl RadiusScales {
     }
 }
 
-/// Returns the factor on the first radius of a kernel in pass `pass` (counted from 0). The kernel
-/// has d dimensions.
+/// Returns the ratio of the kernel radius in pass `pass` (counted from 0) to the first radius. The
+/// kernel has d = `dimensions` dimensions.
 ///
 /// The radii follow rᵈ_{i+1} = rᵈ_i (i + α)/(i + 1), with i counted from 1 and α = 4/(d + 4) (Knaus
 /// & Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach", eq. 15). Kernels on
@@ -79,8 +79,9 @@ impl RadiusScales {
 /// factor depends only on the number of the pass, so that passes can run in any order.
 fn scale(pass: u64, dimensions: u32) -> f64 {
     let alpha = 4.0 / (f64::from(dimensions) + 4.0);
-    // The product of (i + α)/(i + 1) for i = 1…pass is exact up to `EXACT`. For larger i, it
-    // follows the asymptotic ratio Γ(n + α)/Γ(n + 1) ~ n^(α−1)(1 + (α−1)α/2n).
+    // The product of (i + α)/(i + 1) for i = 1…pass is computed factor by factor up to i = `EXACT`.
+    // For larger i, the product uses the asymptotic series Γ(n + α)/Γ(n + 1) ~ n^(α−1)(1 +
+    // (α−1)α/2n).
     const EXACT: u64 = 4096;
     let product: f64 = (1..=pass.min(EXACT)).map(|i| (i as f64 + alpha) / (i as f64 + 1.0)).product();
     let tail = if pass > EXACT {
@@ -101,8 +102,8 @@ pub fn first(kth_distance_m: Option<f64>, footprint_m: f64, largest_m: f64) -> f
 }
 
 /// Returns the smallest useful radius (m) of a kernel at `position` (m, relative to the scene's
-/// centre): 16 times the spacing of single-precision numbers there. A smaller kernel would resolve
-/// the rounding of the photons' positions.
+/// centre): about 16 times the spacing of single-precision numbers at that position. With a smaller
+/// kernel, the rounding of the photons' positions would be visible.
 pub fn least(position: DVec3) -> f64 {
     const SIXTEEN_STEPS: f64 = 16.0 * (f32::EPSILON as f64);
     SIXTEEN_STEPS * position.abs().max_element()

@@ -2,9 +2,10 @@
 //!
 //! Every prefix of a sequence is evenly spread, so the number of points need not be known in
 //! advance. The two sequences use the golden ratio φ and √3. Together they fill the unit square
-//! evenly, because 1, φ and √3 are linearly independent over the rational numbers (Weyl 1916). A
-//! few pairs of points are no more correlated than independent numbers, and many pairs are far less
-//! correlated. The pair φ and √2 would be worse: 1/φ + √2 ≈ 2.03 puts a dozen consecutive points
+//! evenly, because 1, φ and √3 are linearly independent over the rational numbers (Weyl 1916). If
+//! the number of points is small, the two coordinates are no more correlated than independent
+//! random numbers. If the number is large, they are far less correlated. The pair φ and √2 would be
+//! worse. Because 1/φ + √2 ≈ 2.03 is close to an integer, a dozen consecutive points would lie
 //! close to one line.
 
 /// Returns point `index` of the golden-ratio sequence, shifted by the hash `shift`.
@@ -53,7 +54,8 @@ mod tests {
         assert!(seen.iter().all(|count| (56..=72).contains(count)), "{seen:?}");
     }
 
-    /// A few pairs of points must be no more correlated than independent numbers.
+    /// The two coordinates of a small number of points must be no more correlated than independent
+    /// random numbers.
     #[test]
     fn few_pairs_of_points_are_uncorrelated() {
         for count in [8_u32, 11, 16, 32] {

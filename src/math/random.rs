@@ -8,11 +8,11 @@
 use rand::Rng;
 use rand_pcg::Pcg32;
 
-/// The largest `f64` below 1. It is the upper end of the range of the sampler argument `u`.
+/// The largest `f64` below 1. It is the largest value of a sampling argument `u` in [0, 1).
 pub const ONE_MINUS_ULP: f64 = 1.0 - f64::EPSILON / 2.0;
 
-/// The number of replicates of the picture. The noise is measured from the replicates. Pass i
-/// belongs to replicate i mod 8.
+/// The number of replicates. A replicate is one of eight independent subsets of the passes: pass i
+/// belongs to replicate i mod 8. The noise is measured from the differences between the replicates.
 pub const REPLICATES: usize = 8;
 
 /// The purpose of a stream. Streams of different purposes are independent.
@@ -27,11 +27,11 @@ pub enum Purpose {
     Camera,
     /// Numbers drawn once in a pass, such as the shared wavelengths.
     Pass,
-    /// The pilot, which determines radii and guides before pass 0.
+    /// The pilot, which fixes the aims, the first radii and the photon counts before pass 0.
     Pilot,
     /// The shutter time of a pass.
     Moment,
-    /// The points in the light maps of a pass. These points represent the lights.
+    /// The virtual lights of the light maps of a pass.
     LightMap,
 }
 

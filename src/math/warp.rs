@@ -51,14 +51,14 @@ pub fn cone_solid_angle(half_angle: f64) -> f64 {
     TAU * one_minus_cos(half_angle)
 }
 
-/// Samples a direction uniformly over the solid angle of a cone around +z. The cone is given as 1 −
-/// cos of its half-angle. The density is 1/(2π·`one_minus_cos`). Very narrow cones are exact too.
+/// Samples a direction uniformly over the solid angle of a cone around +z. `one_minus_cos` is 1 −
+/// cos of the half-angle. The density is 1/(2π·`one_minus_cos`). Very narrow cones are exact too.
 pub fn cone(one_minus_cos: f64, u: [f64; 2]) -> DVec3 {
     spherical_direction(u[0] * one_minus_cos, u[1])
 }
 
-/// Returns the direction at an angle from +z and at the azimuth 2π·`u`. The angle is given as 1 −
-/// cos of the angle. Very small angles are exact too.
+/// Returns the direction at an angle from +z and at the azimuth 2π·`u`. `one_minus_cos` is 1 − cos
+/// of the angle from +z. Very small angles are exact too.
 pub fn spherical_direction(one_minus_cos: f64, u: f64) -> DVec3 {
     let (sin, cos) = (TAU * u).sin_cos();
     let r = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt();

@@ -11,8 +11,8 @@ use std::f64::consts::{PI, TAU};
 pub struct Blades {
     /// Number of blades, at least 3.
     pub count: u32,
-    /// Rotation of the first corner in radians. It is counted anticlockwise from the right of the
-    /// image, as seen along the view direction of the camera.
+    /// Rotation of the first corner in radians. The angle is measured anticlockwise from the right
+    /// of the image, as seen along the view direction of the camera.
     pub rotation: f64,
 }
 
@@ -39,8 +39,8 @@ impl Blades {
     }
 }
 
-/// Returns the irradiance of the Fraunhofer pattern of an aperture, relative to the centre of the
-/// pattern.
+/// Returns the irradiance in the Fraunhofer pattern of an aperture, relative to the irradiance at
+/// the centre of the pattern.
 ///
 /// `place` is the position in the image in units of λN. N is always the f-number of the full
 /// circle, even if the aperture is a polygon. Sources: Born & Wolf, *Principles of Optics*, §8.5

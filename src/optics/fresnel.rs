@@ -1,9 +1,10 @@
 //! Reflectance and refraction at a smooth interface between two media.
 //!
-//! The usual form of Fresnel's equations, (n₁cosθ₁ − n₂cosθ₂)/(n₁cosθ₁ + n₂cosθ₂), suffers from
-//! cancellation if n₁ ≈ n₂. Multiplying numerator and denominator by the denominator turns the
-//! numerator into n₁² − n₂² = (n₁ − n₂)(n₁ + n₂), which is exact. All functions of this module use
-//! that form.
+//! For s polarisation, the usual form of Fresnel's equations is
+//! (n₁cosθ₁ − n₂cosθ₂)/(n₁cosθ₁ + n₂cosθ₂). The numerator suffers from cancellation if n₁ ≈ n₂. The
+//! functions for dielectrics therefore multiply numerator and denominator by the denominator. The
+//! numerator becomes (n₁ − n₂)(n₁ + n₂), which has no cancellation. The equation for p polarisation
+//! is treated in the same way.
 
 use glam::DVec3;
 
@@ -37,8 +38,8 @@ pub fn dielectric_sp(cos_i: f64, n_i: f64, n_t: f64) -> (f64, f64) {
     ((s * s).min(1.0), (p * p).min(1.0))
 }
 
-/// Returns the reflectance for unpolarised light. It is the mean of [`dielectric_sp`] and lies in
-/// \[0, 1\]. The transmittance is 1 − R.
+/// Returns the reflectance for unpolarised light. The result is the mean of the two values of
+/// [`dielectric_sp`]. It lies in \[0, 1\]. The transmittance is 1 − R.
 pub fn dielectric(cos_i: f64, n_i: f64, n_t: f64) -> f64 {
     let (s, p) = dielectric_sp(cos_i, n_i, n_t);
     0.5 * (s + p)
@@ -59,8 +60,8 @@ pub fn conductor_sp(cos_i: f64, n: f64, k: f64, n_outside: f64) -> (f64, f64) {
     if c == 0.0 {
         return (1.0, 1.0);
     }
-    // (a + ib)² = (η + iκ)² − sin²θ. The square root gives the larger of a and b; the other follows
-    // from a·b = ηκ. This order avoids cancellation.
+    // (a + ib)² = (η + iκ)² − sin²θ. A square root gives the larger of |a| and |b|. The other one
+    // follows from a·b = ηκ. This order avoids cancellation.
     let real = (eta - 1.0) * (eta + 1.0) + c * c - kappa * kappa;
     let imaginary = eta * kappa;
     let modulus = real.hypot(2.0 * imaginary);
@@ -73,8 +74,8 @@ pub fn conductor_sp(cos_i: f64, n: f64, k: f64, n_outside: f64) -> (f64, f64) {
     (s, (s * ratio).clamp(0.0, 1.0))
 }
 
-/// Returns the reflectance of a smooth metal for unpolarised light. It is the mean of
-/// [`conductor_sp`] and lies in \[0, 1\].
+/// Returns the reflectance of a smooth metal for unpolarised light. The result is the mean of the
+/// two values of [`conductor_sp`]. It lies in \[0, 1\].
 pub fn conductor(cos_i: f64, n: f64, k: f64, n_outside: f64) -> f64 {
     let (s, p) = conductor_sp(cos_i, n, k, n_outside);
     0.5 * (s + p)
@@ -83,9 +84,9 @@ pub fn conductor(cos_i: f64, n: f64, k: f64, n_outside: f64) -> f64 {
 /// Returns the refracted direction by Snell's law, or `None` under total reflection.
 ///
 /// `w` is a unit vector that points away from the surface into the medium of index `n_i`. The
-/// result points away from the surface into the medium of index `n_t`, and its length is 1 to a few
-/// 1e-16. `normal` is a unit vector of either sign. If the indices are equal, the result is exactly
-/// −`w`.
+/// result points away from the surface into the medium of index `n_t`. Its length differs from 1 by
+/// at most a few 1e-16. `normal` is a unit vector, which may point to either side of the surface.
+/// If the indices are equal, the result is exactly −`w`.
 pub fn refract(w: DVec3, normal: DVec3, n_i: f64, n_t: f64) -> Option<DVec3> {
     if n_i == n_t {
         return Some(-w);
@@ -96,8 +97,8 @@ pub fn refract(w: DVec3, normal: DVec3, n_i: f64, n_t: f64) -> Option<DVec3> {
     if squared < 0.0 {
         return None;
     }
-    // t = −(n_i/n_t)·w + ((n_i·c − n_t·cosθ_t)/n_t)·normal. The difference is written as a quotient
-    // to avoid cancellation.
+    // t = −(n_i/n_t)·w + ((n_i·c − n_t·cosθ_t)/n_t)·normal. The code replaces the difference
+    // n_i·c − n_t·cosθ_t by a quotient to avoid cancellation.
     let q = squared.sqrt();
     let along = (n_i - n_t) * (n_i + n_t) / (n_i * c + q);
     Some((normal * along - w * n_i).normalize())

@@ -6,8 +6,9 @@
 //! in microfacet-based BRDFs", 2014.
 //!
 //! Directions are unit vectors in the local frame of the surface. The z axis is the normal on the
-//! side of the viewer, so all cosines are ≥ 0. The functions return the masking divided by the
-//! cosines in the denominator of the BSDF, because these quotients stay finite at grazing angles.
+//! side of the viewer, so all cosines are ≥ 0. The denominator of the BSDF contains these cosines.
+//! The functions return the masking function divided by the cosines, because the quotients stay
+//! finite at grazing angles.
 
 use std::f64::consts::PI;
 
@@ -69,8 +70,8 @@ impl Ggx {
         0.25 * self.eval(m) * self.g2_per_cos(cos_o, cos_i)
     }
 
-    /// Returns G₂(o, i)/G₁(o). Visible facets reflect light, and this fraction of it leaves the
-    /// surface without hitting another facet.
+    /// Returns G₂(o, i)/G₁(o). Of the light reflected by the visible facets, this fraction leaves
+    /// the surface without hitting another facet.
     pub fn g2_over_g1(&self, cos_o: f64, cos_i: f64) -> f64 {
         let (o, i) = (self.smith_root(cos_o), self.smith_root(cos_i));
         cos_i * (cos_o + o) / (cos_o * i + cos_i * o)
@@ -92,7 +93,8 @@ impl Ggx {
 
     /// Samples a visible microfacet normal. The view direction is `w`, and w.z must be ≥ 0.
     ///
-    /// The method stretches the facets into a hemisphere and samples its projection (Heitz,
+    /// The method stretches the GGX ellipsoid into a hemisphere and samples the projection of the
+    /// hemisphere along the view direction. It then transforms the sampled normal back (Heitz,
     /// "Sampling the GGX distribution of visible normals", 2018). `u` and `v` lie in \[0, 1).
     pub fn sample_visible(&self, w: DVec3, u: f64, v: f64) -> DVec3 {
         let stretched = DVec3::new(self.alpha * w.x, self.alpha * w.y, w.z).normalize();
@@ -116,8 +118,9 @@ mod tests {
 
     const ALPHAS: [f64; 4] = [0.02, 0.1, 0.5, 1.0];
 
-    /// Integrates f(m) dω over the upper hemisphere by the midpoint rule in φ and y. The variable x
-    /// = 1 − y² = tan²θ/(α² + tan²θ) follows the distribution; y resolves its tail.
+    /// Integrates f(m) dω over the upper hemisphere by the midpoint rule in φ and y. The
+    /// substitution is tan²θ/(α² + tan²θ) = x with x = 1 − y². The distribution is uniform in x.
+    /// Equal steps in y resolve its tail.
     fn over_facets(alpha: f64, f: impl Fn(DVec3) -> f64) -> f64 {
         const QUADRATURE_STEPS: usize = 400;
         let mut sum = 0.0;
@@ -147,10 +150,9 @@ mod tests {
         }
     }
 
-    /// ∫ G₁·max(0, w·m)·D dω_m = cosθ_w, the definition of G₁.
+    /// Checks the definition of G₁: ∫ G₁·max(0, w·m)·D dω_m = cosθ_w.
     #[test]
     fn visible_normals_integrate_to_the_projected_area() {
-        // The definition of G₁ is ∫ G₁·max(0, w·m)·D dω_m = cosθ_w.
         for alpha in ALPHAS {
             let ggx = Ggx::new(alpha);
             for cos in [1.0, 0.7, 0.3, 0.1_f64] {

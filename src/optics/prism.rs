@@ -7,7 +7,8 @@
 /// Returns the deviation δ = i₁ + i₂ − α of a ray, or `None` if the second face reflects the ray
 /// totally.
 ///
-/// Source: Born & Wolf, *Principles of Optics*, §4.7.2.
+/// Here i₁ is the angle of incidence, i₂ is the angle at which the ray leaves, and α is the apex
+/// angle. Source: Born & Wolf, *Principles of Optics*, §4.7.2.
 pub fn deviation_deg(n: f64, apex_deg: f64, incidence_deg: f64) -> Option<f64> {
     let apex = apex_deg.to_radians();
     let refracted = (incidence_deg.to_radians().sin() / n).asin();
@@ -15,8 +16,8 @@ pub fn deviation_deg(n: f64, apex_deg: f64, incidence_deg: f64) -> Option<f64> {
     (sin_out.abs() <= 1.0).then(|| incidence_deg + sin_out.asin().to_degrees() - apex_deg)
 }
 
-/// Returns the angle of incidence at which the deviation is least, asin(n·sin(α/2)). At this angle
-/// the path of the ray is symmetric. Returns `None` if no ray passes the prism.
+/// Returns the angle of incidence of minimum deviation: asin(n·sin(α/2)). At this angle the path of
+/// the ray is symmetric. Returns `None` if no ray passes the prism.
 pub fn minimum_deviation_incidence_deg(n: f64, apex_deg: f64) -> Option<f64> {
     let sin_in = n * (0.5 * apex_deg.to_radians()).sin();
     (sin_in <= 1.0).then(|| sin_in.asin().to_degrees())

@@ -100,8 +100,8 @@ fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(value), most.max(value)))
 }
 
-/// Returns the round numbers of these decades in ascending order. Each entry also contains the
-/// first digit.
+/// Returns the round numbers of these decades in ascending order. Each entry contains the first
+/// digit and the number.
 fn round_numbers(decades: std::ops::RangeInclusive<i32>) -> impl Iterator<Item = (f64, f64)> {
     decades.flat_map(|decade| ROUND_DIGITS.map(|digit| (digit, digit * 10.0_f64.powi(decade))))
 }

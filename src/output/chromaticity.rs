@@ -98,7 +98,7 @@ impl ChromaticityDiagram<'_> {
             let ((x, y), before, after) = (place(nm), place(nm - 1), place(nm + 1));
             let (along_x, along_y) = (after.0 - before.0, after.1 - before.1);
             let length = along_x.hypot(along_y);
-            // The locus is traversed with the colours on its right.
+            // In the direction of growing wavelength, the colours are on the right of the locus.
             let (out_x, out_y) = (along_y / length, -along_x / length);
             let anchor = if out_x < -0.4 {
                 "end"
@@ -117,13 +117,14 @@ impl ChromaticityDiagram<'_> {
         [450, 470, 480, 490, 500, 510, 520, 530, 540, 550, 560, 570, 580, 590, 600, 620, 650].map(tick).concat()
     }
 
-    /// Draws the Planckian locus with some temperatures.
+    /// Draws the Planckian locus, and labels some temperatures on it.
     fn black_bodies(&self) -> String {
         let body = |temperature_k: f64| {
             let body = Spectrum::blackbody(temperature_k).expect("a positive temperature");
             xy(report::xyz(&body, self.observer))
         };
-        // Equal steps of the reciprocal temperature, from 1000 K to 25,000 K, look equal.
+        // The points are at equal steps of the reciprocal temperature, because such steps look
+        // equal. They go from 25,000 K to 1000 K.
         let line: Vec<[f64; 2]> = (2..=50).map(|step| body(1e6 / (20.0 * f64::from(step)))).collect();
         let named = |kelvin: u32| {
             let place = body(f64::from(kelvin));

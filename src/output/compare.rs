@@ -41,17 +41,19 @@ pub struct DeltaE {
 /// A test of the differences against their standard errors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ZTest {
-    /// The fraction of pixels with |z| < 1.96. It is 0.95 for pictures of the same scene with
-    /// normal errors, and slightly less if the standard errors come from few replicates.
+    /// The fraction of pixels with |z| < 1.96. z is the difference in Y divided by its standard
+    /// error. If two pictures show the same scene and their errors are normally distributed, the
+    /// expected fraction is 0.95. It is slightly less if the standard errors come from few
+    /// replicates.
     pub share: f64,
-    /// The number of pixels whose error is known in both pictures.
+    /// The number of pixels whose standard error is known in both pictures.
     pub pixels: usize,
 }
 
-/// A test of the error reported in A: noise and bias.
+/// A test of the error that picture A reports. The error consists of noise and bias.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct IntervalCoverage {
-    /// The fraction of pixels where B is in A's 95 % interval. If the noise of B is known, the
+    /// The fraction of pixels where B is in A's 95 % interval. If the noise of B is known, this
     /// noise widens the interval.
     pub share: f64,
     /// The number of pixels whose error is known in A.
@@ -61,8 +63,9 @@ pub struct IntervalCoverage {
 /// The difference between a picture A and a reference B over the selected pixels.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
-    /// The mean over X, Y, Z and pixels of (a − b)² / (b² + 0.01 m²), where m is the mean of the
-    /// channel over the whole reference.
+    /// The relative mean square error: the mean of (a − b)² / (b² + 0.01 m²) over X, Y, Z and all
+    /// selected pixels. Here, a and b are the values of A and B, and m is the mean of the channel
+    /// over the whole reference.
     pub relative_mse: f64,
     /// The same mean without the 2 % of the pixels with the largest errors.
     pub relative_mse_trimmed: f64,
@@ -74,7 +77,7 @@ pub struct Comparison {
     pub delta_e_2000: DeltaE,
     /// The z test, if both pictures contain standard errors.
     pub z: Option<ZTest>,
-    /// The test of A's intervals, if A contains its error.
+    /// The test of A's intervals, if A contains error layers.
     pub covered: Option<IntervalCoverage>,
     /// The number of pixels whose error is unknown in A, because no light reached them or the file
     /// contains no error layers.
@@ -222,7 +225,7 @@ fn z_test(picture: &Picture, reference: &Picture, selected: &[usize]) -> Option<
         pixels += 1;
         let difference = (picture.xyz[i][1] - reference.xyz[i][1]).abs();
         let sigma = f64::from(a).hypot(f64::from(b));
-        // Equal values without any error agree.
+        // Two equal values agree even if both standard errors are 0.
         within += usize::from(difference == 0.0 || difference < 1.96 * sigma);
     }
     (pixels > 0).then(|| ZTest { share: within as f64 / pixels as f64, pixels })
@@ -269,9 +272,9 @@ mod tests {
         assert!((brighter.relative_mse_trimmed - 0.01 / 1.01).abs() < 1e-12);
         assert!((brighter.rmse - 0.2).abs() < 1e-12);
         assert!((brighter.mean_ratio - 1.1).abs() < 1e-12);
-        // The automatic exposure shows the grey at Y = 0.5, that is L* = 76.069, and at L* = 79.071
-        // if it is 10 % brighter (CIE 15). ΔE2000 is their difference divided by S_L at the mean
-        // lightness (Sharma et al. 2005).
+        // The automatic exposure maps the grey of the reference to Y = 0.5. Its L* is 76.069 (CIE
+        // 15). The grey that is 10 % brighter has L* = 79.041. ΔE2000 is the difference of the two
+        // L* divided by S_L at the mean lightness (Sharma et al. 2005).
         let (low, high) = (116.0 * 0.5_f64.cbrt() - 16.0, 116.0 * 0.55_f64.cbrt() - 16.0);
         let offset = (0.5 * (low + high) - 50.0).powi(2);
         let known = (high - low) / (1.0 + 0.015 * offset / (20.0 + offset).sqrt());

@@ -100,7 +100,8 @@ fn figure(screen: &DisplayImage, caption: &str) -> Result<Markup> {
 /// The colour of a pixel that is not selected.
 const UNSELECTED_COLOUR: [u8; 3] = [128, 128, 128];
 
-/// Builds a map from the colour of every pixel. Pixels that are not selected are grey.
+/// Builds a map. `colour` returns the colour of a selected pixel. Pixels that are not selected are
+/// grey.
 fn pixel_map(of: &Picture, selection: &Selection, colour: impl Fn(usize) -> [u8; 3]) -> DisplayImage {
     let width = of.width;
     let pixel = |i: usize| if selection.selects(i % width, i / width, width) { colour(i) } else { UNSELECTED_COLOUR };

@@ -12,7 +12,7 @@ pub struct RayStroke {
     pub colour: usize,
     /// The index in [`LensDrawing::windows`] of the window that magnifies the polyline.
     pub window: usize,
-    /// The points. Each is a position along the axis and a height above the axis.
+    /// The points. Their coordinates are the position along the axis and the height above the axis.
     pub points: Vec<DVec2>,
 }
 
@@ -114,7 +114,7 @@ impl LensDrawing {
         svg
     }
 
-    /// Returns the lower and the upper corner of all points.
+    /// Returns the lower and the upper corner of the bounding box of all points.
     fn bounds(&self) -> (DVec2, DVec2) {
         let rays = self.strokes.iter().flat_map(|stroke| &stroke.points);
         let points = self.glass.iter().flatten().chain(rays).chain(self.stop.iter().flatten()).chain(&self.sensor);
@@ -259,8 +259,8 @@ mod tests {
         assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
         assert!(svg.contains("a &lt;lens&gt; &amp; more") && !svg.contains("NaN") && !svg.contains("inf"));
         let count = |class: &str| svg.matches(&format!("class=\"{class}\"")).count();
-        // Each ray is drawn once in the lens and once in its window. The sensor is drawn in all
-        // three.
+        // Each ray is drawn once in the lens and once in its window. The sensor is drawn in the
+        // lens and in both windows.
         assert_eq!([count("glass"), count("stop"), count("ray"), count("sensor")], [1, 2, 4, 3]);
     }
 

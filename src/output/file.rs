@@ -68,17 +68,19 @@ pub fn remove_if_present(path: &Path) -> Result<()> {
     }
 }
 
-/// Returns the target of a symbolic link, or the path itself if the file does not exist.
+/// Returns the absolute path with all symbolic links followed, or the path itself if the file does
+/// not exist.
 fn followed(path: &Path) -> PathBuf {
     fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf())
 }
 
-/// Returns true if the path belongs to something other than a file or a folder.
+/// Returns true if the path exists but is neither a regular file nor a folder, such as a pipe or a
+/// device.
 fn is_special(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
 }
 
-/// In the name of a temporary file, this text is between the final name and the process number.
+/// The name of a temporary file consists of the final name, this text and the process id.
 const TEMPORARY_MARK: &str = ".unfinished-";
 
 /// Removes the temporary files of `path` left behind by killed processes. The function works only
@@ -101,7 +103,8 @@ pub fn remove_temporary_files(path: &Path) {
     }
 }
 
-/// Returns a path in the same folder. No other process uses this path.
+/// Returns the path of a temporary file in the same folder. The path contains the process id, so no
+/// other running process uses it.
 fn temporary_path(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(format!("{TEMPORARY_MARK}{}", std::process::id()));

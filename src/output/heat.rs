@@ -19,9 +19,10 @@ pub fn heat(share: f64) -> [u8; 3] {
     [0, 1, 2].map(|c| (HEAT_COLOURS[stop][c] + t * (HEAT_COLOURS[stop + 1][c] - HEAT_COLOURS[stop][c])).round() as u8)
 }
 
-/// Returns a map of the relative error of a picture: √(noise² + bias²) / √(Y² + 0.01 m²), where m
-/// is the mean Y of the picture. Error 0 is black. Errors of [`WHITE_ERROR`] and more are white.
-/// Pixels with unknown errors have the colour [`UNKNOWN_COLOUR`].
+/// Returns a map of the relative error of a picture. If m is the mean Y of the picture, the
+/// relative error is √(noise² + bias²) / √(Y² + 0.01 m²). Error 0 is black. Errors of
+/// [`WHITE_ERROR`] and more are white. Pixels with unknown errors have the colour
+/// [`UNKNOWN_COLOUR`].
 pub fn error_map(picture: &Picture) -> DisplayImage {
     let colours = relative_errors(picture).map(|error| error.map_or(UNKNOWN_COLOUR, |error| heat(error / WHITE_ERROR)));
     DisplayImage::of_srgb(picture.width, picture.height, colours.collect())

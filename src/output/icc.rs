@@ -1,4 +1,5 @@
-//! ICC profiles of RGB spaces, for programs that cannot read code points.
+//! ICC profiles of RGB spaces, for programs that cannot read the code points in the `cICP` chunk of
+//! a PNG.
 
 use moxcms::{ColorProfile, LocalizableString, Matrix3d, ProfileText, ToneReprCurve, Xyzd};
 
@@ -26,7 +27,7 @@ pub fn profile(space: RgbSpace) -> Result<Vec<u8>> {
         let localized = LocalizableString::new("en".to_string(), "US".to_string(), text.to_string());
         Some(ProfileText::Localizable(vec![localized]))
     };
-    // Only the header of this profile is kept.
+    // This profile provides only the header. The other entries are replaced below.
     let mut profile = ColorProfile::new_srgb();
     (profile.red_colorant, profile.green_colorant, profile.blue_colorant) = (red, green, blue);
     let curve = Some(curve(space));
@@ -54,8 +55,9 @@ fn title(space: RgbSpace) -> &'static str {
     }
 }
 
-/// Returns the decoding curve: the signal X becomes (aX + b)^g for X ≥ d and cX below. The numbers
-/// are g, a, b, c, d (ICC.1:2022, 10.18, type 3). A linear space has an empty table.
+/// Returns the decoding curve. It maps a signal X to (aX + b)^g if X ≥ d, and to cX otherwise. The
+/// parameters are stored in the order g, a, b, c, d (ICC.1:2022, 10.18, type 3). A linear space has
+/// an empty table.
 fn curve(space: RgbSpace) -> ToneReprCurve {
     match space {
         RgbSpace::Srgb | RgbSpace::DisplayP3 => {
@@ -79,7 +81,8 @@ mod tests {
             let bytes = profile(space).unwrap();
             assert_eq!(bytes, profile(space).unwrap());
             let read = ColorProfile::new_from_slice(&bytes).unwrap();
-            // The colorants add up to D50, as s15Fixed16 numbers.
+            // The sum of the colorants is D50. The file stores them as s15Fixed16 numbers, so they
+            // are rounded.
             let sum = [
                 read.red_colorant.x + read.green_colorant.x + read.blue_colorant.x,
                 read.red_colorant.y + read.green_colorant.y + read.blue_colorant.y,

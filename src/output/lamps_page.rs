@@ -33,7 +33,7 @@ pub struct LampsPage<'a> {
     pub comparison: &'a LampComparison,
     /// The observer.
     pub observer: &'a Observer,
-    /// The primaries if B is a match of A, or else an empty list.
+    /// The primaries from which A is matched, or an empty list if A is not matched.
     pub primaries: Vec<NamedLamp<'a>>,
     /// A warning at the top of the page.
     pub warning: Option<&'a str>,
@@ -241,8 +241,8 @@ fn notes(observer: &Observer) -> Markup {
     }
 }
 
-/// Returns the factor that scales XYZ for the display. With this factor, the brightest component of
-/// both lamps' whites is 1. Before scaling, white has Y = 100.
+/// Returns the factor that scales XYZ for the display. Before scaling, both whites have Y = 100.
+/// After scaling, the largest RGB component of the two whites is 1.
 fn exposure(comparison: &LampComparison) -> f64 {
     let components = comparison.reports.iter().flat_map(|report| report.linear_srgb);
     0.01 / components.fold(1.0, f64::max)

@@ -1,5 +1,5 @@
-//! Learns the emission distributions of the lights. The distributions send photons where the
-//! photons are useful.
+//! Learns the emission distributions of the lights. These distributions send more photons in
+//! directions that contribute to the picture.
 
 use super::context::{EmissionRequest, PassContext};
 use crate::emit::{Aim, CELLS, MediumCrossing, PhotonVisitor, SurfaceArrival, WavelengthSampling, trace};
@@ -13,14 +13,14 @@ use std::borrow::Cow;
 /// The number of pilot paths per round and light: several for each cell.
 const PATHS_PER_LIGHT: u64 = 16 * (CELLS * CELLS) as u64;
 
-/// The largest number of lights for which the number of paths grows.
+/// The number of paths per round grows with the number of lights, up to this many lights.
 const MAX_LIGHTS: u64 = 4;
 
 /// The number of rounds. Each round emits photons by the distributions of the previous round.
 const ROUNDS: u64 = 2;
 
 /// The pass number of the first round's random streams. This number is larger than the pass numbers
-/// of the pilot's other photons. Those pass numbers begin at 0.
+/// of the pilot's other photons, which begin at 0. The streams therefore differ.
 const FIRST_STREAM_PASS: u64 = 100;
 
 /// The number of photon paths in one parallel task. The number fixes the order of the additions.
@@ -43,7 +43,7 @@ pub(super) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -
         let parts: Vec<ImportanceGrid<'_>> = (0..tasks)
             .into_par_iter()
             .map(|task| {
-                // Each time gets an equal share of the tasks.
+                // Each shutter time gets an equal share of the tasks.
                 let scene = &scenes[(task * scenes.len() as u64 / tasks) as usize];
                 let source = context.photon_source(scene, &aims, request);
                 let points = source.points();
@@ -99,8 +99,9 @@ impl<'a> ImportanceGrid<'a> {
         self.squares.iter_mut().zip(&other.squares).for_each(|(a, b)| *a += b);
     }
 
-    /// Returns the emission distribution of a light: proportional to the root-mean-square scores of
-    /// the cells. Neighbouring cells share their scores, so that a small feature is not missed.
+    /// Returns the emission distribution of a light. The density of a cell is proportional to its
+    /// root-mean-square score. The scores are smoothed over neighbouring cells, so that a small
+    /// feature is not missed.
     fn aim(&self, light: usize) -> Aim {
         /// A distribution is used only if the ratio of the highest to the mean score is at least
         /// this value.
@@ -149,7 +150,7 @@ impl PhotonVisitor for ImportanceGrid<'_> {
         if !medium.medium.scatters() || !segment.length_m.is_finite() {
             return;
         }
-        // Five points estimate the visible share of the segment.
+        // Estimates the visible share of the segment from five points.
         let points = [0.1, 0.3, 0.5, 0.7, 0.9].map(|share| segment.ray.at(share * segment.length_m));
         let in_view = points.iter().filter(|&&point| self.scene.camera.connect(point, [0.5; 2]).is_some()).count();
         let weight = match class {

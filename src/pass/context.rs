@@ -27,9 +27,9 @@ pub struct PassContext<'a> {
 /// The shared wavelengths of a pass, and their densities.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SharedWavelengths {
-    /// In nm.
+    /// The wavelengths in nm.
     pub(super) nm: Lanes,
-    /// Per nm.
+    /// The probability densities of the wavelengths, per nm.
     pub(super) pdf: Lanes,
 }
 
@@ -73,9 +73,9 @@ impl<'a> PassContext<'a> {
 
     /// Samples the shared wavelengths of a pass.
     ///
-    /// The lights' visible power is divided into four equal strata, and each stratum gives one
-    /// wavelength. The golden ratio shifts the samples from pass to pass. Each replicate has a
-    /// sequence of its own.
+    /// The wavelength distribution of the lights is divided into four strata of equal probability.
+    /// Each stratum gives one wavelength. A golden-ratio sequence shifts the samples from pass to
+    /// pass. Each replicate has a sequence of its own.
     pub(super) fn shared_wavelengths(&self, pass: u64) -> SharedWavelengths {
         let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64);
         let shift = golden_ratio(index as u32, hash64([self.budget.seed, Purpose::Pass as u64, replicate]));

@@ -9,9 +9,9 @@ pub(super) type PositionedPhoton = (Photon, [f32; 3]);
 /// The photons of one class stored in media.
 #[derive(Debug, Default)]
 pub(super) struct VolumeDeposits {
-    /// Scattering events.
+    /// Photon points: one for each stored scattering event.
     pub(super) points: Vec<VolumePhoton>,
-    /// Path segments.
+    /// Photon beams: one for each stored path segment.
     pub(super) beams: Vec<PhotonBeam>,
 }
 

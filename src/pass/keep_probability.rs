@@ -1,7 +1,7 @@
 //! The probabilities of storing photons in media.
 //!
-//! A few photons near each camera ray are enough. More photons would cost time in every pass, and
-//! would reduce the noise less than additional passes.
+//! A few photons near each camera ray are enough. More photons would make every pass slower.
+//! Additional passes reduce the noise more in the same time.
 
 use crate::plan::partition::PerClass;
 

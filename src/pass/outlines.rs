@@ -40,10 +40,11 @@ fn distance_to_box(point: DVec3, (low, high): &Bounds) -> f64 {
     point.distance(point.clamp(*low, *high))
 }
 
-/// Returns true if the kernel of a pixel's visible point may cross an edge of its surface.
+/// Returns true if the kernel of a pixel's visible point may cross an edge of the visible surface.
 ///
-/// The kernel may cross an edge if a pixel at the kernel's distance is outside the picture, sees no
-/// surface, or sees a surface that does not continue the surface of this pixel.
+/// The function tests eight pixels around this pixel, at the distance of the kernel radius. The
+/// kernel may cross an edge if one of these pixels is outside the picture, sees no surface, or sees
+/// a surface that does not continue the surface of this pixel.
 fn may_cross_edge(visible: &[Option<VisiblePoint>], pixel: usize, radius_m: f64, width: usize) -> bool {
     let Some(here) = &visible[pixel] else { return false };
     let height = visible.len() / width;

@@ -4,10 +4,11 @@
 //! of the lights, the first kernel radii of each pixel, and the division of the photons between the
 //! two sets.
 //!
-//! If anything in the scene moves, the pilot surveys the scene at several times. The emission
-//! distributions include the useful photons of all times. Each pixel gets the smallest of its radii
-//! at all times. The time with the densest photons determines the sharpness of the picture, and the
-//! noise of other times has little weight. Outlines are stored only where nothing moves.
+//! If anything in the scene moves, the pilot surveys the scene at several times. The pilot learns
+//! the emission distributions from the photons of all these times. Each pixel gets the smallest of
+//! its radii at these times. This radius suits the time with the highest photon density, which
+//! needs the sharpest kernel. At the other times, the radius adds noise, but these times contribute
+//! less light. Outlines are stored only where nothing moves.
 
 use super::aims::learn_aims;
 use super::context::PassContext;
@@ -47,8 +48,9 @@ pub struct Pilot {
     pub(super) keep: PerClass<KeepProbability>,
 }
 
-/// Returns the scene at the pilot's times. These times are the centres of intervals with equal
-/// shares of the light through the shutter.
+/// Returns the scene at the pilot's times. The open time of the shutter is divided into intervals
+/// that transmit equal amounts of light. Each interval gives one time: half of the interval's light
+/// passes before this time.
 fn posed_scenes<'a>(context: &PassContext<'a>) -> Result<Vec<Cow<'a, Scene>>> {
     let scene = context.scene;
     match context.plan.motion {
@@ -98,7 +100,8 @@ impl Pilot {
             counts.set_radii(radii, self.keep, &widths);
         }
         self.radii = with_medians(&radii);
-        // If the camera moves, a pixel sees each point only for a short time.
+        // If the camera moves, the visible point of a pixel changes from pass to pass, so no
+        // outlines are stored.
         if context.plan.indirect != IndirectPlan::Absent && context.scene.motions.camera.is_none() {
             let swept = context.scene.swept_boxes();
             self.outlines = outlines(context, &scenes[0], &visible, &swept, &self.radii);

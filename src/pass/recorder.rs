@@ -11,7 +11,7 @@ use crate::scene::Scene;
 use crate::sensor::SplatSink;
 use crate::walk::NumberedMedium;
 
-/// Records the photons of one worker.
+/// Records the photons of one parallel task.
 #[derive(Debug)]
 pub(super) struct PhotonRecorder<'a> {
     scene: &'a Scene,
@@ -35,12 +35,12 @@ impl<'a> PhotonRecorder<'a> {
         Self { scene, plan, set, keep, deposits: PhotonDeposits::default(), splats, tally: Tally::default() }
     }
 
-    /// Connects an arrival to the camera, if the partition assigns it to connections.
+    /// Connects the photon to the camera, if the plan counts its path class by connections.
     fn connect(&mut self, arrival: &SurfaceArrival<'_>, stream: &mut Stream) {
         let class = arrival.interaction.bsdf.class();
         let connects = estimator(arrival.photon.light_path, class, View::Direct) == Estimator::Connection;
-        // If camera paths take shared wavelengths at the camera, no view is direct, and the photon
-        // map serves all of them.
+        // If camera paths take shared wavelengths at the camera, all views count as indirect and
+        // read the photon map.
         let free = self.set == PhotonSet::Free && self.plan.wavelengths != WavelengthPlan::Shared;
         if !(free && connects) {
             return;

@@ -21,8 +21,8 @@ use std::ops::Range;
 /// The largest first kernel radius on surfaces, in pixels.
 ///
 /// Caustics have sharp edges. Near a caustic, a wide kernel would spread the light of the caustic
-/// into the dark region for many passes. The bias of a wider kernel for indirect light would remain
-/// visible longer than its noise.
+/// into the dark region for many passes. For indirect light, the noise of a wider kernel would
+/// vanish after a few passes, but its bias would remain visible.
 pub(super) const MAX_SURFACE_RADIUS_PX: PerClass<f64> = PerClass { caustic: 3.0, indirect: 24.0 };
 
 /// Separates the camera samples of the pilot from the camera samples of the passes. The samples are
@@ -33,8 +33,8 @@ const CAMERA_SEED_MASK: u64 = 0x0070_696c_6f74;
 /// The measurements of the pilot in all pixels, or in some of them.
 #[derive(Default)]
 pub(super) struct PixelSurvey {
-    /// The first radii per pixel on surfaces. A radius is `None` if the pixel's camera path found
-    /// no photons of the corresponding set and class.
+    /// The first radii per pixel on surfaces. A radius is `None` if the pixel's camera path did not
+    /// read the corresponding photon set on a surface.
     pub(super) radii: Vec<PixelRadii<Option<f32>>>,
     /// The directly visible surface point of each pixel.
     pub(super) visible: Vec<Option<VisiblePoint>>,
@@ -42,7 +42,7 @@ pub(super) struct PixelSurvey {
     pub(super) volume: Vec<PixelVolumeCounts>,
     /// The number of photons stored in media.
     pub(super) stored: PerClass<DepositCounts>,
-    /// The number of pixels per photon set whose camera paths read this set.
+    /// For each photon set, the number of pixels whose camera paths read this set.
     pub(super) readers: PerSet<u64>,
 }
 
@@ -171,8 +171,9 @@ impl PixelSurvey {
     }
 }
 
-/// Returns the first kernel radius in m at a visible point. The kernel contains the budget's number
-/// of photons, unless the scene fixes the radius.
+/// Returns the first kernel radius in m at a visible point. If the scene does not fix the radius,
+/// the kernel contains the number of photons in the budget. Its radius is then at least the pixel's
+/// footprint and at most `largest_px` pixels.
 fn first_radius_m(context: &PassContext<'_>, point: &VisiblePoint, map: &PhotonMap, largest_px: f64) -> f64 {
     if let Some(fixed) = context.budget.radius_m {
         return fixed;

@@ -52,16 +52,16 @@ pub(super) struct VolumeKernelWidths {
 }
 
 /// The photons of one set and class within the largest first radius around a camera ray. The counts
-/// are estimates for media that store all photons.
+/// are scaled to media that store all photons.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct NearbyPhotons {
-    /// The number of points. The weight of a point is the share of its light that leaves the medium
-    /// towards the camera.
+    /// The number of points. The weight of a point is the transmittance of the medium between the
+    /// point and the start of the camera segment.
     points: f64,
     /// The number of beams.
     beams: f64,
-    /// The mean over the points of this optical depth: the optical depth over a length that appears
-    /// one radian wide to the camera.
+    /// The weighted mean over the points of an optical depth. At each point, this is the optical
+    /// depth over a length that spans one radian, as seen from the camera.
     free_paths: f64,
 }
 
@@ -74,7 +74,7 @@ pub(super) struct PixelVolumeCounts(PerSet<Option<PerClass<NearbyPhotons>>>);
 #[derive(Debug)]
 pub(super) struct PilotMaps {
     pub(super) maps: SetMaps,
-    /// The share of the traced photons in the maps of media.
+    /// The share of the traced photons that the maps of media contain.
     pub(super) kept: PerClass<KeepProbability>,
 }
 
@@ -91,7 +91,8 @@ impl VolumeKernelWidths {
         Self { pixel_angle: context.scene.camera.pixel_angle(), radius_m: context.budget.radius_m }
     }
 
-    /// Returns the largest first width of a class, unless the scene fixes the width.
+    /// Returns the largest first width of a class. If the scene fixes the radius, returns this
+    /// radius.
     fn largest(&self, class: PhotonClass) -> KernelWidth {
         let per_distance = || KernelWidth::PerDistance(MAX_VOLUME_RADIUS_PX[class] * self.pixel_angle);
         self.radius_m.map_or_else(per_distance, KernelWidth::Stated)
@@ -125,7 +126,7 @@ impl PixelVolumeCounts {
         counts
     }
 
-    /// Returns the larger counts of two times of the pilot's survey.
+    /// Compares the counts at two shutter times. Returns the larger value of each count.
     pub(super) fn max(self, other: Self) -> Self {
         Self(self.0.zip_with(other.0, |one, other| match (one, other) {
             (Some(one), Some(other)) => Some(one.zip_with(other, NearbyPhotons::max)),
@@ -153,8 +154,8 @@ impl PixelVolumeCounts {
 }
 
 impl NearbyPhotons {
-    /// Counts the photons near a camera segment, within a kernel width. `kept` is the share of all
-    /// photons in the maps.
+    /// Counts the photons within a kernel width around a camera segment. `kept` is the share of the
+    /// traced photons that the maps contain.
     fn count(
         segment: &CameraSegment,
         media: &[Medium],
@@ -191,8 +192,8 @@ impl NearbyPhotons {
         }
     }
 
-    /// Returns the first radius per distance from the camera, at most `largest`. `keep` holds the
-    /// probabilities of storing photons in a pass.
+    /// Returns the ratio of the first radius to the distance from the camera. The ratio is at most
+    /// `largest`. `keep` holds the probabilities of storing photons in a pass.
     fn first_radius(&self, keep: KeepProbability, largest: f64) -> f64 {
         let within =
             |found: f64, dimensions: f64| (PHOTONS_PER_RAY / found.max(PHOTONS_PER_RAY)).powf(1.0 / dimensions);
@@ -210,7 +211,8 @@ impl DepositCounts {
         })
     }
 
-    /// Returns the larger counts of two sets or two times.
+    /// Compares the counts of two sets or two shutter times. Returns the larger value of each
+    /// count.
     pub(super) fn max(self, other: Self) -> Self {
         Self { points: self.points.max(other.points), beams: self.beams.max(other.beams) }
     }
@@ -236,9 +238,10 @@ pub(super) fn thin_out_for_pilot(deposits: &mut PhotonDeposits) -> PerClass<Keep
 /// photons.
 ///
 /// The number of points and beams per set and class is limited. A second limit applies to beams: a
-/// camera ray that intersects beams finds [`PHOTONS_PER_RAY`] beams on average. Caustic beams count
-/// within the smallest first radius. Indirect light is smooth, so its beams count within the
-/// largest first radius. If the scene fixes the radius, beams count within that radius.
+/// camera ray with beams around it has at most [`PHOTONS_PER_RAY`] beams on average. For caustics,
+/// the beams are counted within the smallest first radius. For indirect light, which is smooth,
+/// they are counted within the largest first radius. If the scene fixes the radius, all beams are
+/// counted within that radius.
 pub(super) fn keep_probabilities(
     pixels: &[PixelVolumeCounts],
     stored: PerClass<DepositCounts>,

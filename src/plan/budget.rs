@@ -4,11 +4,11 @@ use super::fields::Plan;
 use crate::math::random::REPLICATES;
 use crate::scene::Scene;
 
-/// The number of passes without any stop rule.
+/// The number of passes if the request contains no stop rule.
 pub const DEFAULT_PASSES: u64 = 64;
 
-/// The number of photon paths per pass. The number is large enough for the first kernel radii. The
-/// number is also small, so that a render has many short passes and therefore many wavelengths.
+/// The number of photon paths per pass. The number is large enough for small first kernel radii. It
+/// is small enough for many short passes, and many passes sample many wavelengths.
 pub const DEFAULT_PHOTONS: u64 = 200_000;
 
 /// The largest number of surface events on a path.
@@ -24,7 +24,7 @@ pub const DEFAULT_LIGHT_MAP_CELLS: u32 = 32;
 const LIGHT_MAP_NODE_BYTES: u64 = 1;
 
 /// Bytes per light map node and absorbing medium for the mean density. The map needs this memory
-/// twice during the removal of media that are in front of no node.
+/// twice while it removes the media that are on no path from the light to a node.
 const LIGHT_MAP_MEDIUM_BYTES: u64 = 2 * 4;
 
 /// Bytes per stored photon: its data and its position. The map needs this memory twice during the
@@ -41,7 +41,7 @@ const PILOT_PIXEL_BYTES: u64 = 8 * 4 + 4 + 44 / 3;
 /// The numbers that fix a render. Each number comes from the scene's settings or has a default.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Budget {
-    /// The number of passes without any stop rule.
+    /// The number of passes if the request contains no stop rule.
     pub passes: u64,
     /// The number of photon paths per pass.
     pub photons: u64,
@@ -134,7 +134,7 @@ impl Budget {
         }
     }
 
-    /// Returns the memory in bytes of a pass with this number of photons.
+    /// Returns the memory in bytes of a pass that stores this number of photons.
     pub fn memory_keeping(&self, photons: u64) -> u64 {
         self.memory_without_photons().saturating_add(photons.saturating_mul(PHOTON_BYTES))
     }

@@ -80,10 +80,11 @@ pub struct Effect {
 /// How an effect is removed from a scene and its plan.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Removal {
-    /// The plan's field is enough.
+    /// The plan's field switches the effect off. The scene does not change.
     FromPlan,
-    /// The scene changes too. Indices of refraction become constants: their values at the given
-    /// wavelength in nm.
+    /// The function removes the effect from the scene too. The function's second argument is a
+    /// wavelength in nm. If dispersion is removed, each index of refraction becomes its value at
+    /// this wavelength.
     FromScene(fn(&mut Scene, f64) -> Result<()>),
     /// The effect is a property of the scene and cannot be forbidden.
     Refused {

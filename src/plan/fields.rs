@@ -59,8 +59,8 @@ pub enum WavelengthPlan {
 pub enum CausticPlan {
     /// This light is not computed.
     Absent,
-    /// Photons are connected to the camera if it sees the surface directly. Other views read the
-    /// photon map.
+    /// If the camera sees the surface directly, photons are connected to the camera. Otherwise,
+    /// camera paths read the photon map.
     Photons,
 }
 
@@ -156,8 +156,7 @@ pub enum VolumeDirectLighting {
 }
 
 impl MediumPlan {
-    /// Returns true if two points that see each other never have an attenuating medium between
-    /// them.
+    /// Returns true if no medium attenuates the light between two mutually visible points.
     pub fn is_clear(self) -> bool {
         matches!(self, Self::Air | Self::Clear)
     }
@@ -173,11 +172,11 @@ impl MediumPlan {
 pub enum VolumePlan {
     /// Caustic and indirect light in media is not stored.
     Absent,
-    /// As photon points, in all media.
+    /// All media store photon points.
     Points,
-    /// As photon beams, in all media.
+    /// All media store photon beams.
     Beams,
-    /// As photon points in dense media, and as photon beams in thin media.
+    /// Dense media store photon points, and thin media store photon beams.
     ByDensity,
 }
 

@@ -24,21 +24,21 @@ pub(super) struct NegligibleEffect {
     pub(super) because: String,
 }
 
-/// The tolerance for dispersion: the largest distance in pixels between two wavelengths of the
-/// light after one refraction. The bound covers angles of incidence up to 80°.
+/// The tolerance for dispersion. One refraction may separate the images at two wavelengths of the
+/// light by this distance in pixels. The bound covers angles of incidence up to 80°.
 const MAX_SEPARATION_PX: f64 = 0.01;
 
 /// The tangent of 80°, the largest angle of incidence in that bound.
 ///
-/// A refraction into a medium denser than air turns a ray by dθ = tan θ dn/n, which is at most
-/// tan 80° × dn.
+/// If the index n of a medium denser than air changes by dn, the refracted ray turns by an angle
+/// dθ. This angle is tan θ dn/n, which is at most tan 80° × dn.
 const TAN_MAX_INCIDENCE: f64 = 5.671;
 
 /// The tolerance for depth of field: the largest width in pixels of a point's image.
 const MAX_BLUR_PX: f64 = 0.5;
 
-/// The largest optical depth that may be ignored on a straight path through media: a thousandth of
-/// a relative error of 1 %.
+/// The largest optical depth that may be ignored on a straight path through media. Such a path
+/// loses at most 0.001 % of its light, which is a thousandth of an error of 1 %.
 const MAX_OPTICAL_DEPTH: f64 = 1e-5;
 
 /// Returns the centre of the wavelength range of the scene's lights, in nm.
@@ -147,7 +147,8 @@ fn depth_of_field(scene: &Scene, facts: &Facts) -> Option<String> {
     }
     let depth = DepthOfField::of(&scene.camera)?;
     let [across, down] = scene.camera.field_of_view().map(|angle| (0.5 * angle).tan());
-    // Depth along the optical axis, if the nearest object is in a corner of the picture.
+    // A lower bound of all depths along the optical axis: the depth of the nearest point, if this
+    // point is in a corner of the picture.
     let near_m = scene.geometry.clearance_m(scene.camera.origin()) / (1.0 + across * across + down * down).sqrt();
     let blur_px = depth.blur_at_infinity_px * (depth.focus_m / near_m - 1.0).abs().max(1.0);
     (blur_px < MAX_BLUR_PX).then(|| {
@@ -157,8 +158,8 @@ fn depth_of_field(scene: &Scene, facts: &Facts) -> Option<String> {
     })
 }
 
-/// Returns the reason if absorption is negligible: no straight path through absorbing bodies is
-/// long enough.
+/// Returns the reason if absorption is negligible: all straight paths through absorbing bodies have
+/// a negligible optical depth.
 fn absorption(scene: &Scene, facts: &Facts) -> Option<String> {
     if facts.absorbing_bodies.is_empty() || scene.moves() {
         return None;
@@ -171,8 +172,8 @@ fn absorption(scene: &Scene, facts: &Facts) -> Option<String> {
     if_thin(bodies.sum())
 }
 
-/// Returns the reason if media are negligible: none emits light, and no straight path through them
-/// is long enough.
+/// Returns the reason if media are negligible: no medium emits light, and all straight paths
+/// through media have a negligible optical depth.
 fn media(scene: &Scene, facts: &Facts) -> Option<String> {
     if facts.media.is_empty() || scene.moves() || scene.media.iter().any(|medium| medium.emission.is_some()) {
         return None;

@@ -1,10 +1,10 @@
 //! The partition of light paths: which estimator computes which class of paths.
 //!
 //! Each path from a light to the camera belongs to exactly one class, so no light is counted twice.
-//! The camera path is cut at its first diffuse or rough surface. Two facts select the estimator:
-//! the events between the light and that surface ([`LightPath`]), and the events between that
-//! surface and the camera ([`View`]). The photon recorder (`pass`) and the camera paths (`gather`)
-//! read this table.
+//! The path is divided at the first diffuse or rough surface on the way from the camera. Three
+//! facts select the estimator: the class of that surface ([`BsdfClass`]), the events between the
+//! light and that surface ([`LightPath`]), and the events between that surface and the camera
+//! ([`View`]). The photon recorder (`pass`) and the camera paths (`gather`) read this table.
 //!
 //! Caustics have sharp edges. A connection to the camera needs no kernel, so it keeps these edges.
 //! Indirect light is smooth, so a kernel estimate has little bias.
@@ -25,7 +25,7 @@ pub enum LightPath {
 }
 
 impl LightPath {
-    /// Returns the class of the photons stored by such paths. Returns `None` for direct light,
+    /// Returns the class of the photons that such paths store. Returns `None` for direct light,
     /// because direct light is never stored.
     pub fn photon_class(self) -> Option<PhotonClass> {
         match self {
@@ -176,7 +176,8 @@ pub enum Estimator {
     /// Shadow rays from the surface to the light, and scattered rays that hit the light. Multiple
     /// importance sampling combines both.
     ShadowRays,
-    /// A connection from the photon's arrival to the camera. A connection needs no kernel.
+    /// A connection from the photon's position on the surface to the camera. A connection needs no
+    /// kernel.
     Connection,
     /// Density estimation in the photon map.
     PhotonMap,

@@ -11,11 +11,11 @@ use crate::error::{Error, Result};
 use crate::scene::Scene;
 use crate::scene::facts::Facts;
 
-/// The wavelength of Fraunhofer's d line. Glass without dispersion keeps its index at this
-/// wavelength.
+/// The wavelength of Fraunhofer's d line. If dispersion is forbidden, glass keeps its index at this
+/// wavelength for all wavelengths.
 const D_LINE_NM: f64 = 587.5618;
 
-/// Plans the scene by the scene's settings. Removes negligible and forbidden effects from the
+/// Plans the scene according to its settings. Removes negligible and forbidden effects from the
 /// scene.
 ///
 /// Returns the plan and one row per effect. Adds notes to the scene.

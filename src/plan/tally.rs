@@ -33,7 +33,7 @@ pub struct Tally {
     pub body_events: u64,
     /// Segments of camera paths in absorbing glass or liquid.
     pub absorptions: u64,
-    /// Path segments in participating media.
+    /// Segments of camera paths in participating media.
     pub media_stretches: u64,
     /// Photons stored in media as points.
     pub volume_points: u64,

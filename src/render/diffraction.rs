@@ -1,4 +1,4 @@
-//! The diffraction at the camera's aperture, as the film needs it.
+//! The diffraction at the camera's aperture, in the form that the film needs.
 
 use crate::emit::LightSampler;
 use crate::optics::aperture::{Blades, fraunhofer};

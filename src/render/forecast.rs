@@ -25,12 +25,14 @@ use serde::{Deserialize, Serialize};
 /// replicate).
 const PRIOR_SLOPE: f64 = 1.36;
 
-/// The weight of the prior in the fit, as a sum of squares of ln(passes of the replicates). Between
-/// 8 and 10 passes, the history has the weight 0.015, and over two doublings about 2. The slope
-/// from these first passes is accurate only to ±0.3 for a small film.
+/// The weight of the prior in the fit. The weight of the history is the sum of the squared
+/// deviations of ln(passes of a replicate) from their mean. From 8 to 10 passes, the history has
+/// the weight 0.015. After two doublings, its weight is about 2. For a small film, the slope from 8
+/// to 10 passes is accurate only to ±0.3.
 const PRIOR_WEIGHT: f64 = 0.03;
 
-/// The fit ignores the errors before this share of the passes. Only later errors affect the slope.
+/// The fit ignores the errors measured before this share of the passes, so only later errors affect
+/// the slope.
 const FIT_START: f64 = 0.25;
 
 /// The measured errors of a picture, with their numbers of passes.
@@ -87,8 +89,8 @@ pub struct ErrorMilestone {
 }
 
 impl ErrorHistory {
-    /// Adds the error after this many passes. A measurement at the same number of passes is
-    /// replaced.
+    /// Adds the error after this many passes. The new error replaces an earlier error at the same
+    /// number of passes.
     pub(super) fn add(&mut self, passes: u64, squares: ErrorSquares) {
         self.points.retain(|&(before, _)| before != passes);
         self.points.push((passes, squares));
@@ -119,7 +121,8 @@ impl ErrorHistory {
     /// line, fitted to the logarithms of the history. The slope of the line has a prior.
     fn sampling_at(&self, passes: f64) -> (f64, f64) {
         let recent = |&&(n, squares): &&(u64, ErrorSquares)| n as f64 >= FIT_START * passes && squares.sampling > 0.0;
-        // The variance of a single pass, against the number of strata per replicate.
+        // x is the logarithm of the number of strata per replicate. y is the logarithm of the
+        // variance of a single pass.
         let logarithms =
             |&(n, squares): &(u64, ErrorSquares)| (ln_strata(n as f64), (squares.sampling * n as f64).ln());
         let points = || self.points.iter().filter(recent).map(logarithms);
@@ -169,7 +172,8 @@ impl Forecast {
     }
 
     /// Returns the passes and the time after which the relative error falls to `error`. The result
-    /// is at least one pass after the last measurement. Returns `None` if it exceeds 10¹⁵ passes.
+    /// is at least one pass after the last measurement. Returns `None` if more than 10¹⁵ passes are
+    /// needed.
     pub fn milestone(&self, error: f64) -> Option<ErrorMilestone> {
         const FARTHEST: f64 = 1e15;
         const HALVINGS: usize = 60;
@@ -207,7 +211,8 @@ fn round_errors_below(error: f64) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// Returns a history of errors. The squared error has these three terms after n passes.
+    /// Returns a history of errors. `parts` returns the three terms of the squared error after n
+    /// passes.
     fn history(passes: &[u64], parts: impl Fn(f64) -> [f64; 3]) -> ErrorHistory {
         let mut history = ErrorHistory::default();
         for &n in passes {
@@ -223,8 +228,8 @@ mod tests {
 
     const DENSE: [u64; 8] = [8, 9, 10, 12, 14, 16, 18, 20];
 
-    /// Returns the variance of the mean of eight replicates. The replicates get n passes in turn.
-    /// The variance of a replicate with m passes is m^(−slope).
+    /// Returns the variance of the mean of eight replicates. The n passes go to the replicates in
+    /// turn. The variance of a replicate with m passes is m^(−slope).
     fn variance_of_mean(n: f64, slope: f64) -> f64 {
         let of_one = |r: u64| ((n as u64 + r) / 8).max(1) as f64;
         (0..8).map(|r| of_one(r).powf(1.0 - slope)).sum::<f64>() / 8.0 / n
@@ -249,7 +254,7 @@ mod tests {
 
     #[test]
     fn the_second_passes_of_replicates_reveal_the_slope() {
-        // The prior is far from the steepest slope, which is rare, so the tolerance is larger.
+        // The steepest slope is rare and far from the prior, so its tolerance is larger.
         for (slope, within) in [(1.0, 0.25), (1.6, 0.25), (1.8, 0.35)] {
             let forecast =
                 history(&[8, 9, 10], |n| [0.0, 0.0, variance_of_mean(n, slope)]).forecast(times(10, 1.0, 0.0)).unwrap();

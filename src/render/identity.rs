@@ -43,8 +43,8 @@ impl RenderIdentity {
         ([width as usize, height as usize], self.spectral_bands as usize)
     }
 
-    /// Describes the first difference from the expected identity: the value here, and the expected
-    /// value.
+    /// Finds the first difference from the expected identity. Returns the value here and the
+    /// expected value as text.
     fn difference(&self, expected: &Self) -> Option<(String, String)> {
         let Self { integrator, seed, photons, size, spectral_bands, effects, scene_hash } = self;
         let effects = effects.iter().find(|effect| !expected.effects.contains(effect));

@@ -45,7 +45,8 @@ impl Job {
         Ok(Self { scene, plan, rows, budget, diffraction, lights })
     }
 
-    /// Returns the power of all lights between 360 nm and 830 nm in W. Closed forms give the power.
+    /// Returns the power of all lights between 360 nm and 830 nm in W. The power is computed in
+    /// closed form.
     pub fn light_power_w(&self) -> f64 {
         self.lights.power_w
     }

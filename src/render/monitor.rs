@@ -12,7 +12,8 @@ pub struct Progress {
     pub passes: u64,
     /// The number of passes at which the render stops, if it has such a stop rule.
     pub passes_wanted: Option<u64>,
-    /// The time since the start. Breaks do not count.
+    /// The time of the run so far. The time between an interruption and the continuation does not
+    /// count.
     pub elapsed: Duration,
     /// The time at which the render stops, if it has such a stop rule.
     pub time_wanted: Option<Duration>,

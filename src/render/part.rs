@@ -4,8 +4,8 @@ use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// The passes of a part: their pass index equals `index` modulo `of`. Part 0/1 contains all
-/// passes.
+/// The passes of a part: all passes whose index is congruent to `index` modulo `of`. Part 0/1
+/// contains all passes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PassPart {
@@ -37,7 +37,7 @@ impl PassPart {
         u64::from(self.index).saturating_add(nth.saturating_mul(u64::from(self.of)))
     }
 
-    /// Returns the position, counted from 0, of a pass within this part, or `None` if the pass
+    /// Returns the position of a pass within this part, counted from 0. Returns `None` if the pass
     /// belongs to another part. `pass` is the index of the pass in the picture.
     pub fn nth(self, pass: u64) -> Option<u64> {
         let of = u64::from(self.of);
@@ -47,7 +47,8 @@ impl PassPart {
     /// Returns the first pass contained in both parts, or `None` if the parts share no pass.
     pub fn shared_with(self, other: Self) -> Option<u64> {
         let [(i, n), (j, m)] = [self, other].map(|part| (i64::from(part.index), i64::from(part.of)));
-        // i + kn = j + lm: k is the inverse of n/g modulo m/g, times (j − i)/g (Bézout).
+        // The first shared pass is i + kn = j + lm. With g = gcd(n, m), k is (j − i)/g times the
+        // inverse of n/g, modulo m/g (Bézout).
         let (g, inverse) = bezout(n, m)?;
         if (j - i) % g != 0 {
             return None;

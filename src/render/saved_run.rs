@@ -152,7 +152,8 @@ impl SavedRun {
     /// Reads the film with its sums.
     pub(super) fn film(&self, path: &Path, observer: &'static Observer) -> Result<Film> {
         let ([width, height], bands) = self.identity.film_size();
-        // The size comes from an unchecked record. It must fit the file before memory is allocated.
+        // The size comes from a record that is not verified yet. The film is allocated only if this
+        // size matches the file.
         if !holds_sums_of(path, (width, height), bands)? {
             return Err(Error::input("is damaged: its size differs from the size in its record").in_file(path));
         }

@@ -44,8 +44,9 @@ impl Job {
     /// an uninterrupted run.
     ///
     /// # Errors
-    /// Returns an input error in these cases: the run has no passes, the run already has more
-    /// passes than wanted, the scene cannot be posed, or the radiance of a pixel is too large.
+    /// Returns an input error in these cases: the part of the run contains no passes, the run
+    /// already has more passes than wanted, the scene cannot be posed, or the radiance of a pixel
+    /// is too large.
     pub fn continue_run(&self, request: Request, mut run: Run, monitor: &mut dyn Monitor) -> Result<Rendered> {
         let clock = RunClock::start(&run);
         let mut conditions = StopConditions::new(self, request.stop, &mut run);

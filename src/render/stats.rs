@@ -42,7 +42,7 @@ pub struct ErrorStats {
     pub bias: f64,
     /// The relative error: √mean(noise² + bias²) / mean Y, or `None` if it is unknown.
     pub relative: Option<f64>,
-    /// The number of pixels without any light.
+    /// The number of pixels with unknown noise, such as pixels that no light has reached.
     pub unknown_pixels: usize,
     /// The number of pixels near an edge of the illumination. The bias of these pixels is probably
     /// larger than reported.
@@ -54,7 +54,8 @@ pub struct ErrorStats {
 pub struct ForecastStats {
     /// The relative error after four times the time of the run.
     pub error_after_four_times: f64,
-    /// The passes and the time of the next two round errors, from the beginning.
+    /// The next two round errors below the present error, with the passes and the time after which
+    /// the render reaches them.
     pub milestones: Vec<ErrorMilestone>,
 }
 
@@ -196,7 +197,8 @@ impl LedgerStats {
             absorbed: mean(&|ledger| ledger.absorbed),
             escaped: mean(&|ledger| ledger.escaped),
             depth_limit: mean(&|ledger| ledger.depth_limit),
-            // All runs emit the same power, apart from noise.
+            // The balance is relative to the emitted power, which is the same in all runs apart
+            // from noise.
             balance: mean(&|ledger| ledger.balance),
             lights: mean(&|ledger| ledger.lights),
             by_material: by_material.collect(),

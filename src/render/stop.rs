@@ -9,7 +9,8 @@ use crate::error::{Error, Result};
 use crate::sensor::ErrorSquares;
 use std::time::{Duration, Instant};
 
-/// Measures the time of a run. Breaks do not count.
+/// Measures the time of a run. The time between an interruption and the continuation does not
+/// count.
 #[derive(Debug)]
 pub(super) struct RunClock {
     start: Instant,
@@ -104,8 +105,9 @@ fn elapsed(run: &Run) -> Duration {
 
 /// Measures the error of the picture from time to time.
 ///
-/// A measurement takes time, because it develops the picture. The tracker limits the share of this
-/// time. The limit is higher for the first measurements, so that a forecast exists soon.
+/// A measurement takes time, because it develops the picture. The tracker limits the share of the
+/// run's time that measurements take. The limit is higher for the first measurements, so that a
+/// forecast exists soon.
 #[derive(Debug, Default)]
 struct ErrorTracker {
     history: ErrorHistory,
@@ -126,8 +128,8 @@ impl ErrorTracker {
 
     /// Measures the error if a stop rule needs the error, or if a measurement is due.
     fn update(&mut self, run: &Run, elapsed: Duration, needed: bool) {
-        /// One pass per replicate. If there are fewer passes, the noise of stratified samples is
-        /// underestimated.
+        /// The first measurement is due after one pass per replicate. With fewer passes, the noise
+        /// of stratified samples would be underestimated.
         const FIRST: u64 = 8;
         let due = run.done >= self.next_pass.max(FIRST) && elapsed >= self.next_time;
         if needed || due {

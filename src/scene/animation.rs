@@ -62,8 +62,7 @@ impl Scene {
         Ok(Cow::Owned(posed))
     }
 
-    /// Removes all motion. Every object, light and camera keeps its position from the moment when
-    /// the shutter opens.
+    /// Removes all motion. Everything keeps the position that it has when the shutter opens.
     pub fn stop(&mut self) {
         self.motions = SceneMotion::default();
         self.lights.iter_mut().for_each(|light| light.motion = None);

@@ -171,8 +171,8 @@ impl ObjectSet {
         &self.materials[self.objects[object as usize].material]
     }
 
-    /// Builds one of two sets of faces: the faces of surfaces, or the faces that only bound a
-    /// medium.
+    /// Builds the faces that only bound a medium if `boundaries` is true. Otherwise, builds the
+    /// faces of all surfaces.
     fn build(&self, boundaries: bool, centre: DVec3) -> Result<Geometry> {
         let placed = self.shapes.iter().map(|shape| &shape.placed);
         let of_kind = placed.filter(|placed| self.material_of(placed.object).is_boundary() == boundaries);
@@ -243,7 +243,7 @@ impl ScenePart {
     }
 }
 
-/// A scene under construction, after its objects.
+/// A scene under construction. All of its objects have already been added.
 #[derive(Debug)]
 pub struct SceneBuilder {
     /// The title.
@@ -260,7 +260,8 @@ pub struct SceneBuilder {
     pub(super) atmosphere: Option<usize>,
 }
 
-/// A medium, and its required power of emission in W over the band.
+/// A medium, and the power in W (over the band) that it must emit. `None` if the scene does not
+/// give the power.
 #[derive(Debug)]
 pub(super) struct EmittingMedium {
     pub(super) medium: Medium,
@@ -271,7 +272,8 @@ impl SceneBuilder {
     /// Fixes the scene's centre and builds the surfaces of the objects.
     ///
     /// # Errors
-    /// A placed shape is flat or not finite, or there are more than 2³² primitives.
+    /// A transform is singular or not finite, a mesh has no area, or there are more than 2³²
+    /// primitives or vertices.
     pub fn new(mut objects: ObjectSet) -> Result<Self> {
         let centre = objects.centre();
         let geometry = objects.build(false, centre)?;
@@ -307,8 +309,9 @@ impl SceneBuilder {
 
     /// Adds a medium and returns its number. Bodies refer to media by these numbers.
     ///
-    /// If `power_w` is given, an emission that is uniform in space is scaled to this power in W
-    /// over the band.
+    /// If `power_w` is given and the emission is uniform, [`build`](Self::build) scales the
+    /// emission so that the medium emits this power in W over the band. Thermal emission is not
+    /// scaled.
     pub fn add_medium(&mut self, medium: Medium, power_w: Option<f64>) -> usize {
         self.media.push(EmittingMedium { medium, power_w });
         self.media.len() - 1
@@ -344,7 +347,7 @@ impl SceneBuilder {
 
     /// Builds the scene.
     ///
-    /// Creates the lights of emitting media, the atmosphere and the boundaries of media. Finds the
+    /// Creates the atmosphere, the boundaries of media, and the lights of emitting media. Finds the
     /// bounding sphere, the dense media, the distant lights and the white of the film, and the
     /// medium stacks of the camera and the lights.
     ///
@@ -425,17 +428,19 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// The radius in m of a sphere around the centre that contains all surfaces, the camera and the
-    /// local lights.
+    /// The radius in m of a sphere around the scene's centre. The sphere contains all surfaces, the
+    /// camera, and the positions of point, spot and beam lights.
     fn inner_radius_m(&self, camera: &Camera) -> f64 {
         let positions = self.lights.iter().filter_map(Light::position);
         positions.chain([camera.origin()]).map(DVec3::length).fold(self.geometry.radius_m(), f64::max)
     }
 
-    /// Adds a sphere of the atmosphere's medium around the scene, which has the radius `inner_m`.
-    /// The sphere has the lowest priority. Returns the radius of the bounding sphere in m.
+    /// Adds a sphere around the scene and fills it with the atmosphere's medium. The radius of the
+    /// scene itself is `inner_m`. The sphere has the lowest priority. Returns the radius of the
+    /// bounding sphere in m.
     fn add_atmosphere(&mut self, name: &str, medium: usize, inner_m: f64) -> f64 {
-        /// Keeps the camera and the lights off the boundary.
+        /// The radius of the sphere divided by `inner_m`. It is above 1, so that the camera and the
+        /// lights are inside the sphere and not on its surface.
         const MARGIN: f64 = 1.05;
         let radius = MARGIN * inner_m;
         let shape = Shape::Sphere { radius };

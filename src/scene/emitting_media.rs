@@ -25,8 +25,8 @@ struct MediumContainer {
 type NamedVolume = (String, VolumeLight);
 
 impl SceneBuilder {
-    /// Adds the lights of all emitting media in bodies or in the atmosphere. If the power of an
-    /// emission is given, the emission is scaled to this power.
+    /// Adds the lights of all emitting media in bodies or in the atmosphere. If the scene gives the
+    /// power of a medium, its emission is scaled so that the medium emits this power.
     pub(super) fn add_volume_lights(&mut self, observer: &'static Observer) -> std::result::Result<(), SceneError> {
         let containers = self.containers();
         for (number, EmittingMedium { medium, power_w }) in self.media.iter_mut().enumerate() {
@@ -67,7 +67,7 @@ fn check(medium: &Medium, containers: &[&MediumContainer], in_atmosphere: bool) 
     Ok(())
 }
 
-/// The lights of a medium, scaled to a power if one is given.
+/// The lights of a medium. If `power_w` is given, the lights together emit this power.
 fn lights(
     medium: &mut Medium,
     power_w: Option<f64>,

@@ -7,12 +7,12 @@ use crate::optics::bsdf::{Bsdf, BsdfClass};
 use crate::optics::glass::RefractiveIndex;
 use crate::spectrum::Spectrum;
 
-/// A light counts as a line light if at least this share of its power is in spectral lines. Such a
-/// light samples a reflectance mostly at a few wavelengths.
+/// A light counts as a line light if at least this share of its power is in spectral lines. With
+/// such a light, the reflected light depends strongly on the reflectance at a few wavelengths.
 const LINE_SHARE: f64 = 0.1;
 
-/// The facts that decide which effects a scene needs. Each fact is a list of names: the parts of
-/// the scene that prove the fact. If the list is empty, the fact is false.
+/// The facts that decide which effects a scene needs. Most facts are lists with the names of the
+/// parts of the scene for which the fact is true. If the list is empty, the fact is false.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Facts {
     /// Objects whose refractive index depends on wavelength.
@@ -23,17 +23,18 @@ pub struct Facts {
     pub glossy: Vec<String>,
     /// Objects with a diffuse component.
     pub diffuse: Vec<String>,
-    /// Objects with a body: of glass or liquid, or filled with a medium.
+    /// Objects with a body. The body consists of glass or liquid, or it is filled with a medium.
     pub bodies: Vec<String>,
     /// Objects with a body that has an absorption coefficient.
     pub absorbing_bodies: Vec<String>,
-    /// Objects filled with a medium, the atmosphere included.
+    /// Objects filled with a medium, including the atmosphere.
     pub media: Vec<String>,
-    /// Objects filled with a dense scattering medium: light scatters there more than a few times.
+    /// Objects filled with a dense scattering medium, in which light scatters more than a few
+    /// times.
     pub dense_media: Vec<String>,
     /// Objects filled with a scattering medium that is not dense.
     pub thin_media: Vec<String>,
-    /// The object or the setting that calls for light maps of media.
+    /// The object or the setting that requires light maps of media.
     pub light_map: Vec<String>,
     /// All lights.
     pub lights: Vec<String>,
@@ -45,23 +46,23 @@ pub struct Facts {
     pub upsampled: Vec<String>,
     /// Lights that have a considerable share of their power in spectral lines.
     pub line_lights: Vec<String>,
-    /// The radius of the camera's aperture in nm (an integer, so that facts compare), or `None` for
-    /// a pinhole.
+    /// The radius of the camera's aperture in nm, or `None` for a pinhole. The radius is an integer
+    /// because `Facts` implements `Eq`.
     pub aperture_nm: Option<u64>,
     /// The name of the camera's lens system, if it has one.
     pub lens_system: Option<String>,
     /// The size of the diffraction pattern, if the scene enables diffraction at the aperture.
     pub diffracting: Option<String>,
-    /// Objects, lights and media that move while the shutter is open, and the camera.
+    /// Everything that moves while the shutter is open: objects, lights, media and the camera.
     pub moving: Vec<String>,
 }
 
-/// Returns the object whose medium needs light maps instead of shadow rays from sampled points. In
-/// this medium, light maps have less error, and their cells have no interpolation error.
+/// Returns the object in whose medium light maps are better than shadow rays from sampled points.
+/// In this medium, light maps have less noise, and their interpolation error is 0.
 ///
-/// The conditions were found by measurements. The object is a convex body of thin, uniform fog,
-/// which is the only medium. The object contains all lights. The lights are few and have no extent,
-/// so one map serves many passes. In denser fog, or beside specular surfaces, photon noise
+/// The conditions were found by measurements. The object is a convex body of thin, uniform fog. The
+/// scene contains no other medium. The object contains all lights. The lights are few and have no
+/// extent, so one map serves many passes. In denser fog, or beside specular surfaces, photon noise
 /// dominates.
 fn object_with_light_maps(scene: &Scene) -> Option<&str> {
     /// The largest number of lights.
@@ -90,7 +91,7 @@ impl Facts {
         !(self.diffuse.is_empty() && self.glossy.is_empty())
     }
 
-    /// Collects the facts about a scene. Objects without any light are left out.
+    /// Collects the facts about a scene. Objects that no light can reach are left out.
     pub fn of(scene: &Scene) -> Self {
         let enclosures = scene.enclosures();
         Self::without(scene, |object| enclosures.contains_key(&object))

@@ -52,8 +52,8 @@ impl MediumStack {
         self.0.iter().take_while(|&&entry| entry > 0).map(|entry| entry - 1)
     }
 
-    /// The stack after a path enters `object`. If the path enters an object twice, this counts
-    /// once, because a mesh may have coincident faces.
+    /// The stack after a path enters `object`. If the stack already contains `object`, the stack is
+    /// unchanged. This happens because a mesh may have coincident faces.
     #[must_use]
     pub fn entered(mut self, object: u32) -> Self {
         if self.contains(object) {

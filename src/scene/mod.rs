@@ -39,8 +39,8 @@ pub struct Scene {
     pub title: String,
     /// The origin of all positions, in the coordinates of the world, in m.
     pub centre: DVec3,
-    /// The radius in m of a sphere around the origin. At all times, the sphere contains all
-    /// surfaces and all local lights.
+    /// The radius in m of the bounding sphere around the origin. At all times, the sphere contains
+    /// all surfaces. Local lights and the camera may be outside.
     pub radius_m: f64,
     /// The camera.
     pub camera: Camera,
@@ -137,9 +137,11 @@ pub struct FilmSpec {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Exposure {
-    /// Chosen from the picture, so that it is neither too dark nor overexposed.
+    /// The exposure is chosen from the picture, so that the PNG is neither too dark nor
+    /// overexposed.
     Auto,
-    /// The luminance factor 2^ev; at 0 a luminance of 1 cd/m² is white.
+    /// The luminance is multiplied by 2^ev. If ev is 0, the PNG shows a luminance of 1 cd/m² as
+    /// white.
     Ev(f64),
     /// The PNG shows this luminance in cd/m² as white.
     White(f64),
@@ -166,8 +168,8 @@ pub struct Settings {
     pub threads: Option<u32>,
     /// The time between checkpoints in s.
     pub checkpoint_seconds: Option<f64>,
-    /// The resolution of the first pass's light maps: cells along the longest side of a medium's
-    /// box.
+    /// The resolution of the light maps in the first pass: the number of cells along the longest
+    /// side of a medium's box.
     pub light_map: Option<u32>,
     /// Effects that are simulated even if no fact requires them.
     pub force: Vec<String>,
@@ -239,9 +241,9 @@ impl Scene {
         self.medium_lights[number].map(|light| &self.lights[light])
     }
 
-    /// The map from the unit cube to a box around a whole medium. The box is the box of a grid
-    /// medium, or an axis-aligned box around the objects that contain the medium. `None` if no
-    /// object contains the medium, or if the box is flat.
+    /// The map from the unit cube to a box around a whole medium. A grid medium has its own box.
+    /// For other media, the box is axis-aligned and contains all objects that are filled with the
+    /// medium. `None` if no object contains the medium, or if the box is flat.
     pub fn box_of_medium(&self, number: usize) -> Option<DAffine3> {
         if let Density::Field(field) = &self.media[number].density {
             return Some(field.from_unit());
@@ -272,13 +274,14 @@ impl Scene {
         self.body_of(hit.object).is_some() && self.dominant_dielectric(there) == self.dominant_dielectric(here)
     }
 
-    /// The object that determines the refractive index inside these bodies, or `None` for air.
+    /// The object that determines the refractive index at a point with this medium stack, or `None`
+    /// for air.
     pub fn dominant_dielectric(&self, medium_stack: &MediumStack) -> Option<u32> {
         medium_stack.dominant_dielectric(|object| self.body_priority(object))
     }
 
-    /// The body that determines the medium inside these bodies. It need not have a surface. `None`
-    /// for air.
+    /// The body that determines the medium at a point with this medium stack. The body need not
+    /// have a surface. `None` for air.
     fn dominant_body(&self, medium_stack: &MediumStack) -> Option<&Body> {
         medium_stack.dominant_body(|object| self.body_priority(object)).and_then(|object| self.body_of(object))
     }
@@ -287,7 +290,7 @@ impl Scene {
         self.body_of(object).map(Body::body_priority).unwrap_or_default()
     }
 
-    /// The refractive index inside these bodies.
+    /// The refractive index at a point with this medium stack.
     #[inline]
     pub fn index_in(&self, medium_stack: &MediumStack) -> &RefractiveIndex {
         if medium_stack.is_air() {
@@ -297,12 +300,13 @@ impl Scene {
         body.and_then(|body| body.index.as_ref()).unwrap_or(&self.air)
     }
 
-    /// The absorption coefficient inside these bodies, or `None` if they are clear.
+    /// The absorption coefficient at a point with this medium stack, or `None` if the body there is
+    /// clear.
     pub fn absorption_in(&self, medium_stack: &MediumStack) -> Option<&Spectrum> {
         self.dominant_body(medium_stack).and_then(|body| body.absorption.as_ref())
     }
 
-    /// The number of the medium inside these bodies.
+    /// The number of the medium at a point with this medium stack.
     pub fn medium_in(&self, medium_stack: &MediumStack) -> Option<usize> {
         self.dominant_body(medium_stack).and_then(|body| body.medium)
     }

@@ -45,7 +45,7 @@ impl DecomposedTransform {
     }
 }
 
-/// States at increasing times in s; at least one.
+/// Pairs of a time in s and a state, in order of increasing time. There is at least one pair.
 #[derive(Debug, Clone, PartialEq)]
 struct Keyframes<T>(Vec<(f64, T)>);
 
@@ -78,7 +78,7 @@ impl<T: Clone + PartialEq> Keyframes<T> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnimatedTransform {
     keys: Keyframes<TransformKey>,
-    /// The transform applied before the interpolated transform.
+    /// The object's own transform, which is applied before the interpolated transform.
     own: DAffine3,
 }
 
@@ -133,7 +133,8 @@ impl AnimatedTransform {
         if from == to { DAffine3::IDENTITY } else { to * from.inverse() }
     }
 
-    /// The same map for positions relative to `centre`.
+    /// Like [`displacement`](Self::displacement), but the map applies to positions relative to
+    /// `centre`.
     pub(super) fn displacement_about(&self, centre: DVec3, from_s: f64, to_s: f64) -> DAffine3 {
         let map = self.displacement(from_s, to_s);
         DAffine3 { translation: map.transform_point3(centre) - centre, ..map }
@@ -188,8 +189,8 @@ impl AnimatedLookAt {
     pub fn degenerate_time_s(&self) -> Option<f64> {
         const STEPS: usize = 1024;
         /// If the relative length or the sine is below this tolerance, the pose is degenerate. The
-        /// tolerance is below the largest step of a half turn, so that no degenerate pose is
-        /// missed.
+        /// relative length changes by at most 2/`STEPS` per step. The tolerance is larger than this
+        /// change, so the steps cannot miss a view that passes through length 0.
         const LEAST: f64 = 2e-3;
         self.0.0.windows(2).find_map(|pair| {
             let view = |pose: LookAt| pose.at - pose.from;

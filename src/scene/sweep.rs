@@ -8,7 +8,8 @@ use super::motion::{AnimatedShape, DecomposedTransform};
 use crate::optics::bsdf::{Bsdf, BsdfClass};
 use glam::{DAffine3, DVec2, DVec3};
 
-/// The number of times at which motion is evaluated, spaced by equal shares of the exposure.
+/// The number of times at which motion is evaluated. The same amount of light passes through the
+/// shutter between each time and the next.
 const TIMES: usize = 33;
 
 /// Visible points are sampled on a square grid over the film. This is the number of grid points
@@ -40,10 +41,11 @@ impl Scene {
 
     /// The largest length in pixels of any motion in the picture while the shutter is open.
     ///
-    /// It is the largest of four lengths: the trajectories of points in the boxes of moving shapes,
-    /// the trajectories of the corners of moving media, the apparent motion of visible points under
-    /// a moving camera, and the motion of light on visible points under a moving light or a
-    /// rotating specular object.
+    /// The function measures four kinds of trajectories in the picture and returns the largest
+    /// length. These are the trajectories of points in the boxes of moving shapes, and of the
+    /// corners of moving media. If the camera moves, visible points at rest also have trajectories.
+    /// If a light or a specular object moves, the illumination at each visible point has a
+    /// trajectory too.
     pub fn image_motion_px(&self) -> f64 {
         if !self.moves() {
             return 0.0;
@@ -77,7 +79,8 @@ impl Scene {
         (0..TIMES).map(|i| self.shutter.time_s(i as f64 / (TIMES - 1) as f64)).collect()
     }
 
-    /// The position, at each time, of a point in a shape's own frame.
+    /// The positions of a point at the given times, relative to the scene's centre, in m. `point`
+    /// is in the shape's own frame.
     fn trajectory(&self, shape: &AnimatedShape, point: DVec3, times: &[f64]) -> Vec<DVec3> {
         times.iter().map(|&time_s| shape.to_world(time_s).transform_point3(point) - self.centre).collect()
     }
@@ -105,10 +108,10 @@ impl Scene {
         (0..VISIBLE_GRID * VISIBLE_GRID).filter_map(visible).collect()
     }
 
-    /// For each moving light and each moving specular object: the transforms that move the
-    /// illuminated points, at each time. A light moves its illumination by its own motion. A
-    /// specular object translates the illumination by its own translation, and rotates it by twice
-    /// its own angle.
+    /// The transforms that move the illuminated points. There is one list per moving light and per
+    /// moving specular object, with one transform per time. A light moves its illumination by its
+    /// own motion. A specular object translates the illumination by its own translation, and
+    /// rotates it by twice its own angle.
     fn motions_of_light(&self, times: &[f64]) -> Vec<Vec<DAffine3>> {
         let of_light = |light: &Light| {
             let motion = light.motion.as_ref()?;

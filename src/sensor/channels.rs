@@ -26,7 +26,7 @@ impl Channels {
         self.diffraction.as_ref().map_or(0, |diffraction| diffraction.slices())
     }
 
-    /// Returns the channel of a component of a slice.
+    /// Returns the index of the channel that stores one component of a slice.
     pub(super) fn of_slice(&self, slice: usize, component: usize) -> usize {
         self.bands + COMPONENTS_OF_SLICE * slice + component
     }

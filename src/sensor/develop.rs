@@ -15,10 +15,10 @@ use crate::colour::{Rgb, RgbSpace, Xyz};
 pub struct Development {
     /// The colour space of the display.
     pub space: RgbSpace,
-    /// The XYZ of the light shown as white, at any scale. If this is `None`, colours are not
-    /// balanced.
+    /// The XYZ of the light that is shown as white. The scale of this colour has no effect. `None`
+    /// means that colours are not balanced.
     pub white: Option<Xyz>,
-    /// The method that moves outside colours into the colour space.
+    /// The method that maps colours outside the colour space into it.
     pub gamut: GamutMapping,
 }
 
@@ -65,8 +65,8 @@ impl DisplayImage {
 /// The number of pixels that one task converts.
 const PIXELS_PER_TASK: usize = 1 << 14;
 
-/// Converts a picture to display codes. `exposure` is in 1/(cd/m²): white has luminance ×
-/// `exposure` = 1. NaN becomes black. The work is divided among the threads of the current pool.
+/// Converts a picture to display codes. `exposure` is in 1/(cd/m²). The luminance 1/`exposure` is
+/// shown as white. NaN becomes black. The work is divided among the threads of the current pool.
 pub fn develop(picture: &Picture, exposure: f64, development: &Development) -> DisplayImage {
     let &Development { space, white: _, gamut } = development;
     let matrix = development.matrix().map(|row| row.map(|entry| entry * exposure));

@@ -2,9 +2,9 @@
 //! the point spread function of its wavelengths.
 //!
 //! The point spread function is the Fraunhofer pattern of the stop, integrated over the pixel
-//! squares. All light of a pixel is assumed to be at the pixel's centre. Beyond its edges the film
-//! is continued by reflection, so no light is lost there and a uniform picture stays uniform.
-//! Kernels are normalised to 1, so energy is conserved.
+//! squares. All light of a pixel is assumed to be at the pixel's centre. Reflection extends the
+//! picture beyond the edges of the film. Therefore, no light is lost at the edges, and a uniform
+//! picture stays uniform. Kernels are normalised to 1, so energy is conserved.
 
 use crate::spectrum::BAND_NM;
 use glam::DVec2;
@@ -13,23 +13,25 @@ use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftDirection, FftPlanner};
 use std::sync::Arc;
 
-/// The number of slices of the whole band. The upper wavelength of every slice is about 5 % longer
-/// than its lower one, so the size of the pattern hardly changes within a slice.
+/// The number of slices of the whole band. The upper wavelength of a slice is about 5 % longer than
+/// its lower wavelength. The size of the pattern therefore hardly changes within a slice.
 const SLICES_OF_BAND: usize = 16;
 
-/// The largest number of wavelengths in the kernel of a slice. Each contributes a pattern.
+/// The largest number of wavelengths in the kernel of a slice. Each wavelength contributes a
+/// pattern.
 const WAVELENGTHS_PER_KERNEL: usize = 8;
 
-/// The radius of the pattern in units of λN, if the pattern is smaller than the film. If the stop
+/// The radius of the pattern in units of λN, if this radius is smaller than the film. If the stop
 /// is round, 1/600 of the light is outside this radius. This light is spread in proportion to the
 /// light inside.
 const PATTERN_RADIUS: f64 = 128.0;
 
-/// The number of samples of the pattern per λN, if the radius is small.
+/// The largest number of samples of the pattern per λN. Patterns with a small radius have this
+/// number.
 const MAX_SAMPLES_PER_UNIT: f64 = 24.0;
 
-/// The largest number of samples from the centre to an edge of the pattern. The largest radius has
-/// 8 samples per λN.
+/// The largest number of samples from the centre to an edge of the pattern. A pattern with the
+/// largest radius has 8 samples per λN.
 const MAX_SAMPLES_PER_RADIUS: f64 = 1024.0;
 
 /// The point spread function of the film as a function of wavelength.
@@ -110,8 +112,8 @@ impl DiffractionPsf {
     }
 }
 
-/// Returns the lower ends of the slices that contain light. Light between two slices belongs to the
-/// lower slice, and light below all slices belongs to the first slice.
+/// Returns the lower ends of the slices that contain light. If there is a gap between two slices,
+/// light in the gap belongs to the lower slice. Light below all slices belongs to the first slice.
 fn edges_nm(light_nm: &[f64]) -> Vec<f64> {
     let ratio = (BAND_NM.1 / BAND_NM.0).ln() / SLICES_OF_BAND as f64;
     let mut cells: Vec<i64> = light_nm.iter().map(|nm| ((nm / BAND_NM.0).ln() / ratio) as i64).collect();
@@ -141,8 +143,8 @@ impl<'a> Convolution<'a> {
         Self { diffraction, width, height, rows, columns }
     }
 
-    /// Returns the transform of two real planes, one as the real part and one as the imaginary
-    /// part.
+    /// Transforms two real planes together. One plane is the real part, and the other plane is the
+    /// imaginary part.
     pub(super) fn transform(&self, plane: impl Fn(usize) -> [f64; 2] + Sync) -> PlaneTransform {
         let mirrored = |i: usize, length: usize| if i < length { i } else { 2 * length - 1 - i };
         let value = |place: usize| {
@@ -229,9 +231,10 @@ fn transposed(lines: &PlaneTransform, length: usize) -> PlaneTransform {
 type SampleOverlaps = Vec<(usize, f64)>;
 
 /// Returns the overlaps of each sample along a line of the pattern. `step_px` is the distance
-/// between samples in pixels; the pattern is linear between samples. Pixels are counted from the
-/// centre modulo `period`. Overlaps farther than half a period are dropped, so no light comes from
-/// farther away than the width of the film.
+/// between samples in pixels. It is negative if the order of the samples is opposite to the order
+/// of the pixels. The pattern is linear between samples. Pixels are counted from the centre modulo
+/// `period`. Overlaps farther than half a period are dropped. Half a period is the width or height
+/// of the film, so no light moves farther than that.
 fn overlaps(step_px: f64, samples: usize, period: usize) -> Vec<SampleOverlaps> {
     let half = step_px.abs();
     // The integral below x of a triangle with half-width 1 and area 1.

@@ -4,16 +4,17 @@
 //! *Noise* is the standard error of Y, computed from the means of the replicates. Eight replicates
 //! give an uncertain estimate for pixels with rare bright samples. Therefore the seven degrees of
 //! freedom of a pixel are combined with two degrees of freedom of its neighbours (empirical Bayes:
-//! Smyth, "Linear models and empirical Bayes methods", 2004). This preserves the mean over the
-//! picture.
+//! Smyth, "Linear models and empirical Bayes methods", 2004). This combination preserves the mean
+//! variance over the picture.
 //!
 //! *Bias* is the bias of the kernel density estimates, measured with two kernels in the same query.
 //! A single estimate of the bias is as noisy as the pixel value. The even and the odd replicates
 //! give two estimates with independent noise. Their product is averaged over the neighbourhood of a
 //! pixel. This mean estimates the mean square bias, without a contribution of the noise. Where a
-//! kernel crosses an edge of the illumination, the bias changes its sign from pixel to pixel. The
-//! mean square of the bias is above zero at an edge, but too low: two kernels of one radius measure
-//! curvature, and the bias at an edge is larger. Such pixels are marked.
+//! kernel crosses an edge of the illumination, the bias changes its sign from pixel to pixel. At an
+//! edge, the mean square bias is above zero but too low. The two kernels have the same radius, so
+//! they measure only the curvature of the illumination. The true bias at an edge is larger. Such
+//! pixels are marked.
 
 use crate::math::random::REPLICATES;
 
@@ -22,8 +23,8 @@ use crate::math::random::REPLICATES;
 pub(super) struct PixelMeans {
     /// Y of each replicate. The value is meaningless for replicates without passes.
     pub(super) y: [f64; REPLICATES],
-    /// The bias of Y over the even and over the odd replicates. The value is meaningless for a half
-    /// without passes.
+    /// The bias of Y: the mean over the even replicates, and the mean over the odd replicates. The
+    /// value is meaningless for a half without passes.
     pub(super) bias: [f64; 2],
 }
 
@@ -44,16 +45,17 @@ pub(super) struct ErrorBars {
 /// The squared relative error of a picture. Its parts depend differently on the number of passes n.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorSquares {
-    /// The squared bias. It falls as n^(−2/3) where light is smooth, and slower at edges.
+    /// The squared bias. It falls as n^(−2/3) in smooth illumination, and more slowly at edges.
     pub bias: f64,
     /// The variance of the kernel estimates. It falls as n^(−2/3), because the kernels shrink.
     pub kernel_noise: f64,
-    /// The variance of all other contributions. It falls as n⁻¹, and up to n⁻² where sampling is
-    /// stratified.
+    /// The variance of all other contributions. It falls as n⁻¹ for independent samples, and as
+    /// fast as n⁻² for stratified samples.
     pub sampling: f64,
 }
 
-/// The number of degrees of freedom contributed by the neighbours of a pixel to its noise.
+/// The number of degrees of freedom that the neighbours of a pixel contribute to its noise
+/// estimate.
 const NEIGHBOUR_DEGREES: f64 = 2.0;
 
 /// The distance in pixels up to which neighbours contribute to the noise.
@@ -128,7 +130,8 @@ impl ErrorBars {
         let noise = mean_square(&self.noise);
         let kernel_noise = (self.kernel_noise / (mean_y * mean_y)).min(noise);
         let squares = ErrorSquares { bias: mean_square(&self.bias), kernel_noise, sampling: noise - kernel_noise };
-        // Pixels with error 0 do not represent the pixels that no light has reached yet.
+        // If all lit pixels have the error 0, they do not represent the pixels that no light has
+        // reached yet.
         (squares.relative() > 0.0 || known == self.noise.len()).then_some(squares)
     }
 }
@@ -150,13 +153,15 @@ impl PixelMeans {
         let total: f64 = means().map(|(n, _)| n).sum();
         let mean = means().map(|(n, m)| n * m).sum::<f64>() / total;
         let spread: f64 = means().map(|(n, m)| n * (m - mean) * (m - mean)).sum();
-        // Each replicate mean has variance σ²/n; Σ n (m − mean)² estimates (R − 1) σ², and the
-        // variance of the mean is σ²/Σn.
+        // σ² is the variance of one pass. The mean m of a replicate with n passes has the variance
+        // σ²/n. For R replicates, the sum Σ n (m − mean)² estimates (R − 1) σ². The mean of all
+        // passes has the variance σ²/Σn.
         Some(spread / degrees as f64 / total)
     }
 
-    /// Returns an estimate of the squared bias. It is unbiased if both halves have passes. If only
-    /// one half has passes (as in some parts of a picture), the estimate includes its noise.
+    /// Returns an estimate of the squared bias. The estimate is unbiased if both halves have
+    /// passes. If only one half has passes (as in some parts of a picture), the estimate also
+    /// contains the variance of the measured bias.
     fn squared_bias(&self, halves: [bool; 2]) -> Option<f64> {
         let [even, odd] = self.bias;
         match halves {
@@ -167,9 +172,11 @@ impl PixelMeans {
         }
     }
 
-    /// Returns the variance of the kernel estimates of the pixel. On the disk, the bias from two
-    /// kernels has the same variance as Epanechnikov's estimate: ∫k² = 4/(3πr²) for both. (On the
-    /// line, the bias has 3/8 of that variance.)
+    /// Returns the variance of the kernel estimates of the pixel. The result is the variance of the
+    /// measured bias. In two dimensions, both variances are equal, because the Epanechnikov kernel
+    /// kₑ and the bias kernel 2(kᵤ − kₑ) have the same ∫k² = 4/(3πr²). Here, kᵤ is the uniform
+    /// kernel. In one dimension, the variance of the bias is 3/8 of the variance of the kernel
+    /// estimate.
     fn kernel_variance(&self, halves: [bool; 2]) -> f64 {
         let [even, odd] = self.bias;
         if halves == [true; 2] { (0.5 * (even - odd)).powi(2) } else { 0.0 }
@@ -219,7 +226,8 @@ mod tests {
         assert!(flat.noise.iter().flatten().all(|&noise| (f64::from(noise) - own(0.2).sqrt()).abs() < 1e-7));
     }
 
-    /// Checks that a bias counts if both halves agree. Otherwise the bias is treated as noise.
+    /// Checks that a bias counts if both halves agree. If the halves do not agree, the bias is
+    /// treated as noise.
     #[test]
     fn only_a_bias_whose_halves_agree_counts() {
         let agree = ErrorBars::new((5, 25), |_| Some(steady(1.0, [0.03, 0.03])), EVEN);
@@ -254,8 +262,8 @@ mod tests {
         assert_eq!(ErrorBars::new((3, 9), |_| None, EVEN).squares(1.0), None);
     }
 
-    /// Checks that the noise is unknown for a single replicate, and that the bias from a single
-    /// half includes its noise.
+    /// Checks that the noise is unknown for a single replicate, and that a single half still gives
+    /// a bias.
     #[test]
     fn one_replicate_gives_no_noise_and_one_half_gives_bias() {
         let first = |n: [usize; 2]| std::array::from_fn(|r| u64::from(n.contains(&r)));

@@ -9,14 +9,14 @@ const MIDDLE_GREY: f64 = 0.18;
 /// The fraction of the pixels that may be overexposed.
 const OVEREXPOSED_SHARE: f64 = 0.005;
 
-/// Returns the exposure of a picture: the factor on luminance, in 1/(cd/m²), for a suitable
-/// brightness under this development.
+/// Returns the exposure of a picture: a factor on luminance, in 1/(cd/m²). With this factor, the
+/// developed picture has a suitable brightness.
 ///
 /// The log-average of the lit pixels becomes middle grey (0.18; after Reinhard et al. 2002). Two
 /// limits apply: at most 0.5 % of the pixels may exceed the range of the display, and the
-/// highlights must reach at least one half. Saturated colours reach the limit long before white
-/// does: sodium light with a relative luminance above 0.36 is no longer orange on a display. Light
-/// sources in view are not metered, because they are white at any exposure.
+/// highlights must reach at least half of this range. Saturated colours reach the limit long before
+/// white does: sodium light with a relative luminance above 0.36 is no longer orange on a display.
+/// Light sources in view are not metered, because any suitable exposure shows them as white.
 pub fn automatic(picture: &Picture, development: &Development) -> f64 {
     let matrix = development.matrix();
     let component = |xyz: &[f64; 3], row: [f64; 3]| row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2];
@@ -38,15 +38,16 @@ pub fn automatic(picture: &Picture, development: &Development) -> f64 {
     grey.clamp(0.5 / highlight, 1.0 / highlight)
 }
 
-/// Removes the pixels of light sources from sorted brightnesses. Light sources are bright pixels,
-/// at most a tenth of all. A gap in brightness separates them from the other pixels: a factor of
-/// eight, with few pixels in between. Illuminated surfaces, caustics included, fade into their
-/// surroundings and leave no such gap.
+/// Removes the pixels of light sources from sorted brightnesses. Light sources are the brightest
+/// pixels, and at most a tenth of all pixels. A gap in brightness separates light sources from the
+/// other pixels. The ends of the gap differ by a factor of eight, and few pixels are inside the
+/// gap. Illuminated surfaces, caustics included, fade into their surroundings and leave no such
+/// gap.
 fn without_light_sources(sorted: &[f64]) -> &[f64] {
     const GAP: f64 = 8.0;
     const LARGEST_SHARE: f64 = 0.1;
-    /// The largest number of pixels in the gap, per pixel of the light source. Pixels on the edge
-    /// of the light source are in the gap.
+    /// The largest ratio of the number of pixels in the gap to the number of pixels of light
+    /// sources. The pixels in the gap are at the edges of light sources.
     const EDGES: f64 = 0.25;
     let below = |y: f64| sorted.partition_point(|&other| other < y);
     let mut top = sorted[sorted.len() - 1];
@@ -120,8 +121,8 @@ mod tests {
 
     #[test]
     fn a_wider_gamut_allows_a_brighter_exposure() {
-        // Sodium light is outside sRGB but well inside Rec. 2020. Balanced to a candle, its red
-        // component is weaker.
+        // Sodium light is outside sRGB but well inside Rec. 2020. If white is balanced for candle
+        // light, the red component of sodium light is weaker.
         let mut picture = picture((1..=1000).map(f64::from));
         picture.xyz.iter_mut().for_each(|xyz| *xyz = [1.3299 * xyz[1], xyz[1], 0.0016 * xyz[1]]);
         let exposure =

@@ -16,13 +16,13 @@ struct PixelSums {
     z: ExactSum,
     /// Y of each replicate. The sum of the replicates is Y.
     y: [ExactSum; REPLICATES],
-    /// The bias of Y, once over the even and once over the odd replicates. The two estimates have
-    /// independent noise.
+    /// The sums of the bias of Y: over the even replicates, and over the odd replicates. The two
+    /// estimates have independent noise.
     bias: [ExactSum; 2],
 }
 
-/// The light of a pixel summed over all passes, in W/m²/sr. The unit applies to radiance times
-/// colour-matching functions. Y is also given for each replicate.
+/// The light of a pixel summed over all passes, in W/m²/sr. Each value is radiance times a
+/// colour-matching function. Y is also given for each replicate.
 #[derive(Debug, Clone, Copy)]
 struct PixelLight {
     xyz: [f64; 3],
@@ -54,13 +54,13 @@ pub struct Film {
     passes: [u64; REPLICATES],
 }
 
-/// The first plane of the bias, after X and Z.
+/// The index of the first plane of the bias, after X and Z.
 const FIRST_BIAS: usize = 2;
 
-/// The first plane of Y.
+/// The index of the first plane of Y.
 const FIRST_Y: usize = FIRST_BIAS + 2;
 
-/// The first plane of a channel.
+/// The index of the first plane of a channel.
 const FIRST_CHANNEL: usize = FIRST_Y + REPLICATES;
 
 /// Collects the light of one pixel in one pass.
@@ -74,7 +74,7 @@ pub struct PixelSink<'f> {
     rejected: u64,
 }
 
-/// Collects splats: photons contribute this light to pixels all over the film.
+/// Collects splats: the contributions of photons to pixels anywhere on the film.
 #[derive(Debug)]
 pub struct SplatSink {
     observer: &'static Observer,
@@ -148,7 +148,7 @@ impl Film {
         })
     }
 
-    /// Returns a sink for light. The light can contribute to any pixel of the film.
+    /// Returns a sink for splats. A splat can contribute to any pixel of the film.
     pub fn splat_sink(&self) -> SplatSink {
         SplatSink::new(self.observer, self.channels.clone())
     }
@@ -182,7 +182,8 @@ impl Film {
             .collect()
     }
 
-    /// Returns the sums of one plane, pixel by pixel. `plane` is the index of its name.
+    /// Returns the sums of one plane, pixel by pixel. `plane` is an index into
+    /// [`Self::plane_names`].
     pub fn plane(&self, plane: usize) -> impl Iterator<Item = ExactSum> {
         let count = self.channels.count();
         (0..self.pixels.len()).map(move |pixel| match plane {
@@ -194,7 +195,7 @@ impl Film {
         })
     }
 
-    /// Adds sums to one plane, pixel by pixel. `plane` is the index of its name.
+    /// Adds sums to one plane, pixel by pixel. `plane` is an index into [`Self::plane_names`].
     pub fn add_plane(&mut self, plane: usize, sums: impl Iterator<Item = ExactSum>) {
         let count = self.channels.count();
         for ((pixel, own), sum) in self.pixels.iter_mut().enumerate().zip(sums) {
@@ -219,8 +220,8 @@ impl Film {
         self.picture_and_error().0
     }
 
-    /// Returns the picture so far, and the parts of the squared relative error of the picture. An
-    /// unknown error is `None`.
+    /// Returns the picture so far, and the parts of the squared relative error of the picture. The
+    /// parts are `None` if the error is unknown.
     pub fn picture_and_error(&self) -> (Picture, Option<ErrorSquares>) {
         let passes = self.passes() as f64;
         let mut picture = Picture::black(self.width, self.height);
@@ -262,8 +263,9 @@ impl Film {
     }
 
     /// Returns the light of all pixels and their spectral bands after diffraction. Each slice and
-    /// each band has its own kernel. The replicates and the bias are stored only as Y over all
-    /// wavelengths. They are convolved with the mean of the slices' kernels, weighted by Y.
+    /// each band has its own kernel. The film stores the replicates and the bias only as sums of Y
+    /// over all wavelengths. The function convolves these sums with a mean kernel: the mean of the
+    /// kernels of all slices, weighted by the Y of each slice.
     fn diffracted_light(&self, diffraction: &DiffractionPsf) -> (Vec<PixelLight>, Vec<f64>) {
         let convolution = Convolution::new(diffraction, (self.width, self.height));
         let count = self.channels.count();
@@ -320,8 +322,8 @@ impl Film {
     }
 }
 
-/// Returns whether a sample is finite and not negative. Other values indicate a bug. They are
-/// counted and discarded.
+/// Returns whether a sample is finite and not negative. Other values indicate a bug. The caller
+/// counts and discards them.
 #[inline]
 fn is_valid_radiance(weight: f64) -> bool {
     let is_valid_radiance = (0.0..f64::INFINITY).contains(&weight);

@@ -13,7 +13,7 @@ pub struct Picture {
     pub noise: Vec<Option<f32>>,
     /// The magnitude of the estimated bias of Y in cd/m², if it is known.
     pub bias: Vec<Option<f32>>,
-    /// Whether kernels blur an edge of the illumination at the pixel. There, the bias is probably
+    /// Whether kernels blur an edge of the illumination at the pixel. If so, the bias is probably
     /// larger than the estimate. `None` means that the edges are unknown.
     pub edge: Vec<Option<bool>>,
     /// Spectral radiance, if it was recorded.
@@ -36,8 +36,8 @@ pub struct ErrorMeans {
     pub noise: f64,
     /// The mean bias of Y in cd/m².
     pub bias: f64,
-    /// √mean(noise² + bias²) / mean Y. It is `None` while the noise is unknown everywhere. While
-    /// some pixels have received no light, it is `None` instead of 0.
+    /// √mean(noise² + bias²) / mean Y. The value is `None` if the noise is unknown in all pixels.
+    /// If some pixels have received no light, the value is `None` instead of 0.
     pub relative: Option<f64>,
     /// The number of pixels with unknown noise.
     pub unknown_pixels: usize,
@@ -78,7 +78,8 @@ impl Picture {
         self.xyz.iter().map(|xyz| xyz[1]).sum::<f64>() / self.xyz.len() as f64
     }
 
-    /// Returns the error of a pixel in cd/m², √(noise² + bias²), or `None` if it is unknown.
+    /// Returns the error of a pixel in cd/m²: √(noise² + bias²). Returns `None` if the noise or the
+    /// bias is unknown.
     pub fn error(&self, pixel: usize) -> Option<f64> {
         self.bars(pixel).map(|(noise, bias)| noise.hypot(bias))
     }
@@ -109,7 +110,8 @@ impl Picture {
         }
         let count = known.max(1) as f64;
         let mean_y = self.mean_y();
-        // Pixels with error 0 do not represent the pixels that no light has reached yet.
+        // If all lit pixels have the error 0, they do not represent the pixels that no light has
+        // reached yet.
         let is_known = known > 0 && mean_y > 0.0 && (square > 0.0 || known == self.xyz.len());
         let relative = is_known.then(|| (square / count).sqrt() / mean_y);
         ErrorMeans {

@@ -81,7 +81,7 @@ impl Continuum {
     }
 
     /// Returns the value at a wavelength of the band. The value at a discontinuity is the limit
-    /// from longer wavelengths.
+    /// from the side of longer wavelengths.
     #[inline]
     pub(crate) fn at(&self, nm: f64) -> f64 {
         if let [only] = self.cells.as_slice()
@@ -90,8 +90,8 @@ impl Continuum {
             return only.value;
         }
         let cell = &self.cells[self.index.find(nm, |i| self.cells[i].lower)];
-        // The minimum keeps rounding from overshooting the upper end, so values never leave the
-        // range of their piece.
+        // Rounding may give a fraction above 1. The minimum limits the fraction, so values never
+        // leave the range of their piece.
         cell.value + ((nm - cell.lower) * cell.per_width).min(1.0) * cell.rise
     }
 
@@ -150,8 +150,9 @@ impl ContinuumCursor<'_> {
         self.piece.nm.1
     }
 
-    /// Returns the one-sided values at both ends of an interval. The interval must contain no knot,
-    /// and must begin at the argument of the last call of `knot_after`.
+    /// Returns the values at both ends of an interval, as limits from inside the interval. The
+    /// interval must contain no knot, and must begin at the argument of the last call of
+    /// `knot_after`.
     pub(crate) fn values_on(&self, lower: f64, upper: f64) -> (f64, f64) {
         (self.piece.at(lower), self.piece.at(upper))
     }

@@ -26,8 +26,8 @@ fn components() -> &'static Components {
 
 impl Spectrum {
     /// Returns daylight of a correlated colour temperature in K by CIE 15. The power is relative,
-    /// with 100 at 560 nm. M₁ and M₂ are not rounded. The published tables of D50, D55, D65 and D75
-    /// use rounded values.
+    /// with 100 at 560 nm. The factors M₁ and M₂ are not rounded here. The published tables of D50,
+    /// D55, D65 and D75 use rounded factors and therefore differ slightly.
     ///
     /// # Errors
     /// Returns an error if the temperature is outside 4000–25,000 K.
@@ -40,8 +40,8 @@ impl Spectrum {
     }
 }
 
-/// Computes [`Spectrum::daylight`], but without the upper limit of 25,000 K. The formula for high
-/// temperatures is applied there too.
+/// Computes [`Spectrum::daylight`] without the check of the temperature. Above 25,000 K, the
+/// function uses the formula for temperatures above 7000 K.
 pub(crate) fn daylight_extended(temperature_k: f64) -> Spectrum {
     let t = 1000.0 / temperature_k;
     let x = if temperature_k <= 7000.0 {

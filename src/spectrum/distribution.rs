@@ -10,16 +10,16 @@ use super::{BAND_NM, Spectrum};
 /// [`WavelengthDistribution::visually_weighted`]. The other part of the density follows the power.
 const VISUAL_WEIGHT: f64 = 0.85;
 
-/// If the density is 0 at an end of a segment, sampled wavelengths keep at least this relative
-/// distance from that end.
+/// If the density is almost 0 at one end of a segment, sampled wavelengths keep at least this
+/// distance from both ends. The unit is the width of the segment.
 const END_GUARD: f64 = 1e-6;
 
 /// The step in nm of the visual response. It is fine enough for importance sampling, and the table
 /// stays in the first-level cache.
 const VISUAL_STEP_NM: u32 = 5;
 
-/// The mean number of guide steps per segment. With four steps, most samples find their segment
-/// without a search.
+/// The least mean number of steps of the guide table per segment. With four steps, most samples
+/// find their segment without a search.
 const GUIDE_STEPS_PER_SEGMENT: usize = 4;
 
 /// A segment of linear density. Reciprocals are stored, so sampling needs no divisions.
@@ -74,7 +74,7 @@ impl DensitySegment {
     #[inline]
     fn quantile(&self, v: f64) -> f64 {
         let (from, to) = (self.density, self.density + self.rise);
-        // The root of the quadratic equation in the form without cancellation.
+        // This form of the root of the quadratic equation has no cancellation.
         let root = (from * from + v * (self.rise * (from + to))).max(0.0).sqrt();
         let mut t = v * (from + to) / (from + root);
         if from.min(to) < 1e-9 * from.max(to) {
@@ -96,10 +96,11 @@ pub struct WavelengthDistribution {
     /// Segments of positive probability in ascending order. The density is 0 between them.
     segments: Vec<DensitySegment>,
     by_wavelength: BandIndex,
-    /// The total probability below each segment, and infinity at the end.
+    /// The total probability below each segment. The last entry is infinity.
     before: Vec<f64>,
-    /// The guide table. The total probability is divided into equal steps. The number of steps is a
-    /// power of two. The table lists the segment that contains the lower end of each step.
+    /// The guide table. The interval [0, 1] of total probability is divided into equal steps. The
+    /// number of steps is a power of two. The table lists the segment that contains the lower end
+    /// of each step.
     guide: Vec<u32>,
 }
 
@@ -125,8 +126,8 @@ impl WavelengthDistribution {
         Self::weighted(spectrum, None)
     }
 
-    /// Returns a density proportional to Φ. If `weight` is `(w, a, b)`, the density at the knots of
-    /// Φ and w is proportional to Φ·(a·w + b).
+    /// Returns a density proportional to the spectrum Φ if `weight` is `None`. Otherwise `weight`
+    /// is `(w, a, b)`, and the density at the knots of Φ and w is proportional to Φ·(a·w + b).
     fn weighted(spectrum: &Spectrum, weight: Option<(&Spectrum, f64, f64)>) -> Option<Self> {
         let peak = spectrum.max();
         if !(peak.is_finite() && peak > 0.0) {
@@ -164,8 +165,8 @@ impl WavelengthDistribution {
         Self { segments, by_wavelength, before, guide }
     }
 
-    /// Samples a wavelength by the number `u` in [0, 1). Returns the wavelength in nm and its
-    /// density in 1/nm. The wavelength increases with `u`, so stratified values of `u` give
+    /// Samples a wavelength from the random number `u` in [0, 1). Returns the wavelength in nm and
+    /// its density in 1/nm. The wavelength increases with `u`, so stratified values of `u` give
     /// stratified wavelengths. The density is positive and equals [`pdf`](Self::pdf) at the
     /// wavelength.
     #[inline(always)]

@@ -32,8 +32,8 @@ impl BandIndex {
         let mut rest = lower.skip(1).peekable();
         let mut segment = 0_u32;
         for bucket in 0..=buckets {
-            // Rounding may put a wavelength into the next bucket. The margin ensures that the
-            // search does not start beyond its segment.
+            // Rounding may put a wavelength into the next bucket. Because of the margin, the search
+            // never starts beyond the segment that contains the wavelength.
             let edge = BAND_NM.0 + bucket as f64 / buckets_per_nm - 1e-9;
             while rest.next_if(|&lower| lower <= edge).is_some() {
                 segment += 1;
@@ -53,7 +53,8 @@ impl BandIndex {
         let buckets = self.first.len() - 1;
         let bucket = (((nm - BAND_NM.0) * self.buckets_per_nm) as usize).min(buckets - 1);
         let mut segment = self.first[bucket] as usize;
-        // The search ends two buckets later, because of the same rounding.
+        // Because of the same rounding and the margin, the segment may begin after the upper end of
+        // this bucket. The search therefore extends to the end of the next bucket.
         let mut last = self.first[(bucket + 2).min(buckets)] as usize;
         if last - segment <= MAX_LINEAR_SEARCH {
             while segment < last && lower(segment + 1) <= nm {

@@ -1,5 +1,5 @@
-//! The built-in library: spectra of illuminants, lamps, reflectances and coefficients, and indices
-//! of metals, by name.
+//! The built-in library of named spectra and of refractive indices of metals. The spectra are light
+//! sources (illuminants and lamps), reflectances, transmittances and coefficients.
 //!
 //! The catalogue `data/library.csv` names the file and the column of every entry. The files are
 //! part of the program. An entry is parsed when it is requested. Only the column of the entry is
@@ -18,8 +18,8 @@ use serde::Serialize;
 pub enum SpectrumKind {
     /// Power per nm. Each entry has its own scale. The power is 0 outside the table.
     Light,
-    /// A reflectance from 0 to 1. Outside the table, the value at the nearest end is used. The same
-    /// is true for all kinds below.
+    /// A reflectance from 0 to 1. Outside the table, the value at the nearest end is used. All
+    /// kinds below follow the same rule.
     Reflectance,
     /// A transmittance from 0 to 1.
     Transmittance,
@@ -196,7 +196,7 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     list().iter().map(|listing| listing.name)
 }
 
-/// The expectation in the error for a name that is not in the catalogue.
+/// The expected input, as stated in the error for an unknown spectrum name.
 pub const EXPECTED_NAME: &str = "the name of a built-in spectrum";
 
 /// Returns a spectrum by its name, without regard to case.

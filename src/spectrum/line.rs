@@ -90,8 +90,8 @@ impl Lines {
     /// Converts lines to segments.
     ///
     /// # Errors
-    /// Returns an error with the number of the line if a wavelength, power or width is out of
-    /// range.
+    /// Returns an error if a wavelength, power or width is out of range. The error contains the
+    /// index of the line.
     pub(crate) fn new(lines: &[SpectralLine]) -> Result<Self> {
         lines.iter().enumerate().try_for_each(|(i, line)| line.check(i))?;
         Ok(Self::from_segments(lines.iter().filter_map(SpectralLine::segment).collect()))

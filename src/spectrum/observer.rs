@@ -17,8 +17,8 @@ pub const OBSERVER_NAMES: [&str; 4] = ["cie1931", "cie1964", "cie2015_2", "cie20
 #[derive(Debug)]
 pub struct Observer {
     name: &'static str,
-    /// One entry per nm. The last entry is stored twice. Therefore the end of the band needs no
-    /// special case.
+    /// One entry per nm. The last entry is stored twice, so that interpolation at the end of the
+    /// band needs no special case.
     every_nm: Vec<[f64; 3]>,
     bars: [Spectrum; 3],
     sum: Spectrum,

@@ -47,7 +47,8 @@ fn mean_product(a: (f64, f64), b: (f64, f64)) -> f64 {
 /// number of pieces.
 fn add_pieces(nm: (f64, f64), [a, b]: [(f64, f64); 2], tolerance: f64, pieces: &mut Vec<LinearPiece>) {
     // The error of a straight line through the end points is at most a quarter of the product of
-    // the two rises. It is proportional to the square of the width of a part.
+    // the two rises. If the interval is divided into equal parts, the error is proportional to the
+    // square of the width of a part.
     let off = 0.25 * ((a.1 - a.0) * (b.1 - b.0)).abs();
     let parts = if off > tolerance { (off / tolerance).sqrt().ceil() } else { 1.0 };
     let value = |t: f64| (a.0 + t * (a.1 - a.0)) * (b.0 + t * (b.1 - b.0));

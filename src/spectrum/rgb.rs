@@ -22,7 +22,8 @@ const XYZ_TO_LINEAR_SRGB: [[f64; 3]; 3] = [
 /// The number of samples of a fit: one per nm of the band.
 const FIT_SAMPLES: usize = (BAND_NM.1 - BAND_NM.0) as usize + 1;
 
-/// The fit stops when the error in linear RGB is below this value. One display step is much larger.
+/// The fit stops when the error in linear RGB is below this value. One step of an 8-bit display
+/// value is much larger.
 const FIT_TOLERANCE: f64 = 1e-9;
 
 type Vec3 = [f64; 3];
@@ -31,8 +32,8 @@ type Vec3 = [f64; 3];
 struct FitBasis {
     /// D65, scaled so that its Y is 1.
     d65: Spectrum,
-    /// The contribution of reflectance 1 at one sample to linear sRGB. The sum over all samples is
-    /// (1, 1, 1).
+    /// For each sample, the linear sRGB colour of this sample at a reflectance of 1. The sum over
+    /// all samples is (1, 1, 1).
     to_rgb: Vec<Vec3>,
 }
 
@@ -49,8 +50,8 @@ fn basis() -> &'static FitBasis {
                 XYZ_TO_LINEAR_SRGB.map(|row| dot(row, xyz))
             })
             .collect();
-        // The integral of D65 differs from the white of sRGB by up to 3·10⁻⁴. Using the integral as
-        // white makes the reflectances of greys constant.
+        // The linear sRGB colour of D65 differs from (1, 1, 1) by up to 3·10⁻⁴. Each channel is
+        // normalised to a sum of 1, so that a constant reflectance is exactly grey.
         for channel in 0..3 {
             let sum: f64 = to_rgb.iter().map(|rgb| rgb[channel]).sum();
             to_rgb.iter_mut().for_each(|rgb| rgb[channel] /= sum);
@@ -91,7 +92,8 @@ impl Spectrum {
                 Error::input(format!("the colour {rgb:?} for a light")).expected("finite components of 0 or more")
             );
         }
-        // The filter is fitted to at most half the brightest component, so that it can stay smooth.
+        // The filter is fitted to a scaled colour whose brightest component is 0.5. A filter with
+        // values near 1 would be less smooth.
         let scale = 2.0 * rgb.iter().copied().fold(0.0, f64::max);
         let d65 = &basis().d65;
         if scale == 0.0 || rgb == [rgb[0]; 3] {
@@ -118,14 +120,14 @@ fn reflectance(c: Vec3, nm: f64) -> f64 {
 }
 
 fn sigmoid(y: f64) -> f64 {
-    // This form has no cancellation where y is far below 0.
+    // For y far below 0, the form in the first branch has no cancellation.
     let root = (1.0 + y * y).sqrt();
     if y < 0.0 { 0.5 / (root * (root - y)) } else { 0.5 + 0.5 * y / root }
 }
 
-/// Fits the coefficients to a colour whose components lie in [0, 1]. The method is damped
-/// Gauss–Newton steps (Levenberg–Marquardt). In eight steps the target moves from a grey with the
-/// same mean to the colour.
+/// Fits the coefficients to a colour whose components lie in [0, 1]. The method is
+/// Levenberg–Marquardt (damped Gauss–Newton). The target of the fit moves in eight stages from a
+/// grey with the same mean to the given colour.
 fn fit(rgb: Vec3) -> Vec3 {
     let grey = (rgb.iter().sum::<f64>() / 3.0).clamp(0.01, 0.99);
     let level = 2.0 * grey - 1.0;

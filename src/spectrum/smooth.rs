@@ -7,14 +7,15 @@ use super::continuum::Continuum;
 /// less than half of the promised 10⁻⁶, because a peak may afterwards be scaled to its exact area.
 const SAMPLING_TOLERANCE: f64 = 4e-7;
 
-/// The largest number of successive divisions of an interval between two given knots.
+/// The largest depth of the recursive division of an interval between two initial knots.
 const MAX_DIVISIONS: u32 = 12;
 
-/// The largest number of parts of one division.
+/// The largest number of parts into which one step of the recursion divides an interval.
 const MAX_PARTS: f64 = 8.0;
 
-/// Converts a smooth function to pieces. The knots are the whole nm of the band and the wavelengths
-/// `extra`. More knots are added until the error is within one part in 10⁶ of the maximum.
+/// Converts a smooth function to pieces. The initial knots are the integer wavelengths of the band
+/// in nm and the wavelengths `extra`. More knots are added until the error is within one part in
+/// 10⁶ of the maximum.
 pub(crate) fn sampled(function: impl Fn(f64) -> f64, extra: &[f64]) -> Continuum {
     let mut knots: Vec<f64> = (BAND_NM.0 as u32..=BAND_NM.1 as u32).map(f64::from).collect();
     knots.extend(extra.iter().filter(|nm| (BAND_NM.0..=BAND_NM.1).contains(*nm)));

@@ -1,5 +1,5 @@
-//! Simultaneous traversal of several spectra, interval by interval. All integrals, sums and
-//! products of spectra use this traversal.
+//! Simultaneous traversal of several spectra, interval by interval. Sums and products of spectra,
+//! and the integrals of products, use this traversal.
 
 use super::BAND_NM;
 use super::continuum::{Continuum, ContinuumCursor};

@@ -14,7 +14,8 @@ pub enum Outside {
     Hold,
 }
 
-/// If a table has steps below this width in nm, samples every nm would miss some of its features.
+/// If a table has steps below this width in nm, a sum with one sample per nm would miss some
+/// features of the table.
 const FINE_STEP_NM: f64 = 0.49;
 
 /// Returns the first error in a list of samples, and the index of the wrong sample.
@@ -38,7 +39,8 @@ pub(crate) fn first_fault(nm: &[f64], values: &[f64]) -> Option<(usize, Error)> 
     None
 }
 
-/// Returns whether a step within the band is too fine for sums over samples every nm.
+/// Returns whether a table has a step within the band that is too fine for a sum with one sample
+/// per nm.
 pub(crate) fn is_fine(nm: &[f64]) -> bool {
     nm.windows(2).any(|pair| pair[1] - pair[0] < FINE_STEP_NM && pair[1] > BAND_NM.0 && pair[0] < BAND_NM.1)
 }

@@ -7,7 +7,7 @@ use super::table::{self, Outside};
 use super::{BAND_NM, planck, smooth};
 use crate::error::{Error, Result};
 
-/// Samples every nm do not represent peaks well that are narrower than this width in nm.
+/// Peaks narrower than this width in nm are not represented well by one sample per nm.
 const NARROW_NM: f64 = 5.0;
 
 /// A function of wavelength over the band 360–830 nm, such as power per nm, reflectance or
@@ -21,7 +21,7 @@ pub struct Spectrum {
     /// The spectrum without its lines.
     continuum: Continuum,
     lines: Lines,
-    /// The part of the continuum whose features are too narrow for sums over samples every nm.
+    /// The part of the continuum whose features are too narrow for a sum with one sample per nm.
     narrow: Option<Box<Continuum>>,
     /// True if a part of the spectrum was made from an RGB colour.
     upsampled: bool,
@@ -149,8 +149,8 @@ impl Spectrum {
 
     /// Returns the value at a wavelength in nm. Within a line, the value is the sum of the
     /// continuum and the line's power per nm. Outside the band, the value is 0. At a discontinuity,
-    /// the value is the limit from longer wavelengths. The end of a table is an exception: there
-    /// the value is the last sample of the table.
+    /// the value is the limit from the side of longer wavelengths. The end of a table is an
+    /// exception: the value there is the last sample of the table.
     #[inline]
     pub fn at(&self, nm: f64) -> f64 {
         if !(nm >= BAND_NM.0 && nm <= BAND_NM.1) {
@@ -192,7 +192,7 @@ impl Spectrum {
         extreme
     }
 
-    /// Returns the value if it is the same everywhere in the band.
+    /// Returns the value of a constant spectrum, or `None` if the value varies over the band.
     pub fn is_constant(&self) -> Option<f64> {
         self.continuum.is_constant().filter(|_| self.lines.segments().is_empty())
     }
@@ -208,8 +208,8 @@ impl Spectrum {
     }
 
     /// Returns the part of the continuum whose peaks are narrower than 5 nm or whose samples are
-    /// closer than half a nm. Sums over samples every nm must exclude this part. It must be
-    /// integrated exactly instead.
+    /// closer than half a nm. A sum with one sample per nm must exclude this part. The caller must
+    /// integrate this part exactly instead.
     pub fn narrow_part(&self) -> Option<Self> {
         self.narrow
             .as_ref()
@@ -220,8 +220,8 @@ impl Spectrum {
     /// than 5 nm.
     pub fn line_share(&self) -> f64 {
         let narrow_lines = self.lines.segments().iter().filter(|line| line.nm.1 - line.nm.0 < NARROW_NM);
-        // The narrow part contains finely sampled tables too. It counts only if most of its power
-        // lies in a peak.
+        // The narrow part also contains finely sampled tables. The narrow part counts only if most
+        // of its power lies in a peak.
         let peaks = self.narrow.iter().map(|narrow| {
             let highest = narrow.pieces().map(|piece| piece.values.0.max(piece.values.1)).fold(0.0, f64::max);
             let area = narrow.integral();
@@ -231,13 +231,13 @@ impl Spectrum {
         if all > 0.0 { (narrow_lines.map(|line| line.power).sum::<f64>() + peaks.sum::<f64>()) / all } else { 0.0 }
     }
 
-    /// Returns whether a part of the spectrum was made from an RGB colour. Such a spectrum is a
-    /// smooth estimate that is determined by three numbers only.
+    /// Returns whether a part of the spectrum was made from an RGB colour. Such a spectrum is only
+    /// a smooth estimate from three numbers.
     pub fn is_upsampled(&self) -> bool {
         self.upsampled
     }
 
-    /// Marks the spectrum as made from an RGB colour if `origin` is marked.
+    /// Copies the mark "made from an RGB colour" from `origin`.
     #[must_use]
     pub fn with_origin_of(self, origin: &Self) -> Self {
         Self { upsampled: origin.upsampled, ..self }

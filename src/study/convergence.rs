@@ -20,8 +20,8 @@ pub struct ConvergencePoint {
     pub error: PictureError,
 }
 
-/// Measures the error of a render each time the number of passes has doubled. Measures the error
-/// also after the number of passes in the settings.
+/// Measures the error of a render after 1, 2, 4, 8 … passes, and after the number of passes in the
+/// scene's settings.
 pub(super) struct ConvergenceMonitor<'a> {
     monitor: &'a mut (dyn StudyMonitor + Send),
     reference: Option<&'a ReferencePicture>,

@@ -23,7 +23,7 @@ pub struct ConvergenceCurve {
     /// The fitted slope of the error against passes, in smooth regions. If the picture has too few
     /// smooth regions, the slope is fitted over the whole picture.
     pub fit: Option<PowerLawFit>,
-    /// The fitted slope against seconds of work, including the pilot.
+    /// The fitted slope of the error against seconds of work. The work includes the pilot.
     pub fit_seconds: Option<PowerLawFit>,
     /// The theoretical slopes of the estimators in use, in smooth regions.
     pub theory: Vec<TheoreticalSlope>,
@@ -89,8 +89,8 @@ impl ConvergenceCurve {
         }
     }
 
-    /// The different slopes of the estimators, the least steep slope first. This slope dominates
-    /// after many passes.
+    /// Returns the different slopes of the estimators. The least steep slope is the first, because
+    /// it dominates after many passes.
     pub fn slopes_in_theory(&self) -> Vec<f64> {
         let mut slopes: Vec<f64> = self.theory.iter().map(|theory| theory.slope).collect();
         slopes.sort_by(|a, b| b.total_cmp(a));
@@ -105,8 +105,8 @@ pub fn error_to_fit(point: &ConvergencePoint) -> MeanEstimate {
     point.error.smooth.unwrap_or(point.error.whole)
 }
 
-/// The estimators of a plan, and their slopes. The slopes for kernels of two dimensions and of one
-/// dimension follow Knaus & Zwicker 2011.
+/// Returns the estimators of a plan, and their slopes. The slopes for kernels of two dimensions and
+/// of one dimension follow Knaus & Zwicker 2011.
 fn theory(plan: &Plan) -> Vec<TheoreticalSlope> {
     // Caustics also need kernels if they are seen through glass or in mirrors.
     let on_surfaces = plan.indirect == IndirectPlan::Photons || plan.caustics == CausticPlan::Photons;

@@ -101,10 +101,11 @@ pub struct EffectStudy {
     pub picture: Picture,
 }
 
-/// The seed offset of the render for the measurement of noise.
+/// The seed offset of the second render with all effects. The difference between both renders
+/// measures the noise.
 const OTHER_SEED: u64 = 301;
 
-/// The largest number of renders for the measurements.
+/// Returns the largest number of renders that the measurements need.
 pub(super) fn steps(job: &Job) -> usize {
     2 + job.rows.iter().filter(|row| row.state.is_on()).count()
 }
@@ -148,7 +149,7 @@ impl EffectStudy {
                 off.push(InactiveEffect { name, state, because, events });
                 continue;
             }
-            // Leaving an effect out can also make passes slower.
+            // Without an effect, passes can also be slower, so the time can run out.
             let (left_out, picture) = if runner.seconds_spent - before > 2.0 * share {
                 runner.steps_done += 1;
                 (AblationResult::NoTime, None)

@@ -35,7 +35,7 @@ const PHOTON_PASSES: f64 = 200.0;
 /// The target number of passes of each half of a path-traced reference.
 const PATH_PASSES: f64 = 64.0;
 
-/// The largest share of pilots in the time of the sweep.
+/// The largest share of the sweep's time that pilots may take.
 const PILOT_SHARE: f64 = 0.3;
 
 /// The number of passes of a rehearsal.
@@ -111,8 +111,8 @@ impl StudyFilm {
         Self { width: side(self.own_width), height: side(self.own_height), ..*self }
     }
 
-    /// The film as changes of the scene. The changes also switch spectral bands off, because
-    /// spectral bands cost time and their error is not measured.
+    /// Returns the film as changes of the scene. The changes also switch spectral bands off,
+    /// because spectral bands cost time and their error is not measured.
     pub(super) fn changes(&self) -> Vec<String> {
         let Self { width, height, .. } = self;
         vec![format!("film.width={width}"), format!("film.height={height}"), "film.spectral_bands=0".to_string()]

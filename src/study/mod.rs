@@ -1,10 +1,10 @@
-//! Measures the time needed for accuracy. A study renders a scene many times, and compares every
-//! picture with a reference.
+//! Measures how much time a render needs for a given accuracy. A study renders a scene many times,
+//! and compares every picture with a reference.
 //!
 //! A study answers four questions. How fast does the error of each integrator fall ([`curves`])?
 //! Which settings reach a given error first ([`sweep`])? How much time does every effect of the
-//! plan take, and how much does the effect change the picture ([`effects`])? Which settings reach a
-//! wanted error ([`recommendation`])?
+//! plan take, and how much does the effect change the picture ([`effects`])? Which settings should
+//! a user choose for a wanted error, and how long will the render take ([`recommendation`])?
 //!
 //! A study has a time budget, and its film is as large as the budget allows ([`film`]). The noise
 //! of the reference is measured and subtracted from all errors ([`reference_choice`],

@@ -76,7 +76,7 @@ fn image(screen: &DisplayImage, words: &str) -> Result<Markup> {
 /// Writes the page.
 ///
 /// # Errors
-/// A picture is too large for PNG.
+/// Returns an error if a picture is too large for PNG.
 pub(super) fn page(report: &StudyReport, pictures: &StudyPictures<'_>) -> Result<String> {
     let title = format!("What accuracy costs: {}", report.title);
     let body = html! {
@@ -220,7 +220,7 @@ fn curves(report: &StudyReport) -> Markup {
     }
 }
 
-/// Warns if some of the light cannot be found by the path tracer.
+/// Warns if the path tracer cannot find some of the light.
 fn lost_light(report: &StudyReport) -> Markup {
     html! { @if let Some(reason) = &report.reference.out_of_reach {
         p.warning { "The path tracer's error cannot fall to zero here: " (reason) "." }

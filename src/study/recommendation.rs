@@ -25,15 +25,15 @@ pub struct Recommendation {
     pub seconds: f64,
     /// Seconds at the scene's own film size, extrapolated from the number of pixels.
     pub seconds_own_film: f64,
-    /// True if the error is outside the measured range. If so, the numbers are extrapolated with
-    /// the theoretical slope.
+    /// True if no measured render reached the error. If so, the numbers are extrapolated with the
+    /// expected slope.
     pub extrapolated: bool,
 }
 
 /// The relative mean square errors of the table.
 pub const ERRORS: [f64; 6] = [0.1, 0.03, 0.01, 0.003, 0.001, 0.0003];
 
-/// The limit of extrapolation, as a multiple of the number of passes of the longest render.
+/// The limit of extrapolation, as a multiple of the number of passes at the last measured point.
 const MAX_EXTRAPOLATION: f64 = 1000.0;
 
 /// Settings with their measured errors.
@@ -56,7 +56,7 @@ fn slope_at_the_end(points: &[&ConvergencePoint], curve: &ConvergenceCurve) -> O
     (fit.slope < SHALLOWEST).then(|| curve.slopes_in_theory().into_iter().fold(fit.slope, f64::max))
 }
 
-/// Recommends settings for all predictable errors of the table.
+/// Recommends settings for each error of [`ERRORS`] that can be predicted.
 pub(super) fn table(
     study_scene: &StudyScene,
     film: &StudyFilm,
@@ -105,8 +105,8 @@ impl TriedSettings<'_> {
         self.render_time.seconds(passes, 1.0)
     }
 
-    /// Returns the number of passes at which the error was reached for the first time. The number
-    /// comes from logarithmic interpolation between two points.
+    /// Returns the number of passes after which the render first reached the error. The number is
+    /// interpolated logarithmically between two points.
     fn passes_to(&self, error: f64) -> Option<f64> {
         let value = |i: usize| self.points[i].error.whole.value;
         let passes = |i: usize| self.points[i].passes as f64;

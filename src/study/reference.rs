@@ -32,9 +32,9 @@ impl MeanEstimate {
 /// The relative mean square error of a picture, after subtraction of the reference's noise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PictureError {
-    /// Over all pixels.
+    /// The error over all pixels.
     pub whole: MeanEstimate,
-    /// Over the pixels of smooth regions, if there are enough of them.
+    /// The error over the pixels of smooth regions, if there are enough such pixels.
     pub smooth: Option<MeanEstimate>,
 }
 
@@ -51,8 +51,8 @@ pub struct ReferencePicture {
 }
 
 impl ReferencePicture {
-    /// The mean of two pictures with independent noise and the same bias. Half of their difference
-    /// estimates the noise of the mean in every channel.
+    /// Creates a reference: the mean of two pictures with independent noise and the same bias. Half
+    /// of their difference estimates the noise of the mean in every channel.
     pub fn of_halves([a, b]: [&Picture; 2]) -> Self {
         let mut mean = a.clone();
         for (mean, other) in mean.xyz.iter_mut().zip(&b.xyz) {
@@ -98,7 +98,8 @@ impl ReferencePicture {
         self.estimate(|i| self.variance[i])
     }
 
-    /// The mean square of the picture's own bias estimate, relative in the same way as errors.
+    /// Returns the mean square of the reference's bias estimate. The bias is divided by the same
+    /// unit as errors.
     pub fn estimated_bias_square(&self) -> f64 {
         let bias = |i: usize| {
             let bias = self.picture.bias[i].filter(|bias| *bias > 0.0);
@@ -124,7 +125,7 @@ impl ReferencePicture {
     }
 }
 
-/// Slopes are measured in smooth regions only if the share of smooth pixels is at least this.
+/// Slopes are measured in smooth regions only if the share of smooth pixels is at least this value.
 const LEAST_SMOOTH: f64 = 0.02;
 
 #[cfg(test)]
@@ -144,8 +145,9 @@ mod tests {
 
     #[test]
     fn the_noise_of_the_reference_is_subtracted() {
-        // Errors are relative to the noisy reference, which adds 4 × error × variance. This is
-        // negligible if the reference is better than the picture.
+        // Errors are divided by a unit that contains the noise of the reference. This noise adds 4
+        // × error × variance to an error. The addition is negligible if the reference has less
+        // noise than the picture.
         let reference = ReferencePicture::of_halves([&noisy(1.0, 0.02, 1), &noisy(1.0, 0.02, 2)]);
         let own = reference.own_variance();
         assert!((own.whole.value / (0.0002 / 1.01) - 1.0).abs() < 0.1, "{own:?}");

@@ -42,12 +42,13 @@ pub struct ReferenceProvenance {
     pub relative_variance: f64,
     /// The relative variance in smooth regions, or null if there are too few.
     pub smooth_relative_variance: Option<f64>,
-    /// The mean square of the reference's own bias estimate, relative in the same way as errors.
-    /// Errors near this value cannot be measured. The value is 0 for the path tracer.
+    /// The mean square of the reference's own bias estimate. The bias is divided by the same unit
+    /// as errors. Errors near this value cannot be measured. The value is 0 for the path tracer.
     pub relative_bias_square: f64,
     /// The share of pixels in smooth regions.
     pub smooth_share: Option<f64>,
-    /// The light out of reach of the path tracer, if there is any.
+    /// The reason why the path tracer cannot find some of the light, or null if it can find all
+    /// light.
     pub out_of_reach: Option<String>,
 }
 
@@ -80,7 +81,7 @@ pub(super) fn steps(job: &Job, given: Option<&(String, Picture)>) -> usize {
     }
 }
 
-/// A change that adds `offset` to the seed.
+/// Returns a change of the scene that adds `offset` to the seed.
 pub(super) fn seed(job: &Job, offset: u64) -> String {
     format!("render.seed={}", job.budget.seed.wrapping_add(offset) % (1 << 53))
 }
@@ -118,8 +119,8 @@ impl ChosenReference {
         let reference = ReferencePicture::of_halves([&halves[0].0.picture, &halves[1].0.picture]);
         let passes = halves.iter().map(|(half, _)| half.result.stats.passes).sum();
         let seconds = halves.iter().map(|(half, _)| half.result.stats.seconds.total).sum();
-        // Halves with equal settings may have different numbers of passes, because time limits
-        // them.
+        // A time limit ends each half. Two halves with equal settings may therefore have different
+        // numbers of passes, so the identity contains the passes and the time.
         let identity = format!("{} {passes} {seconds:?}", halves[0].1);
         let origin = ReferenceOrigin { integrator: integrator.word(), because, passes, seconds, out_of_reach };
         Ok(Self::new(reference, origin, identity))
@@ -159,7 +160,7 @@ fn narrow_kernels(scene_file: &SceneFile, job: &Job) -> String {
 
 /// Returns the reason why the path tracer cannot find some of the light, or `None` if it can find
 /// all light. The path tracer finds light through glass or from mirrors only if a path hits the
-/// light by chance.
+/// light source by chance.
 fn out_of_reach(facts: &Facts) -> Option<String> {
     let cannot_be_hit = |name: &&String| !facts.hittable_lights.contains(name);
     let (lamp, glass) = (facts.lights.iter().find(cannot_be_hit)?, facts.specular.first()?);
@@ -169,7 +170,9 @@ fn out_of_reach(facts: &Facts) -> Option<String> {
 }
 
 /// Renders trials with both integrators, and predicts their errors after the time of the reference.
-/// Returns the integrator with the smaller error, and the reason.
+/// Returns the integrator for the reference, and the reason. The integrator is the path tracer,
+/// with two exceptions: it misses light in its trial, or its predicted error is more than four
+/// times the predicted error of photon mapping.
 fn try_both(runner: &mut Runner<'_>, job: &Job, budget_seconds: f64) -> Result<(Integrator, String), StudyError> {
     let seconds = TIME_SHARES.trial * budget_seconds / 4.0;
     let mut pair = |integrator: Integrator| -> Result<ReferencePicture, StudyError> {
@@ -184,8 +187,8 @@ fn try_both(runner: &mut Runner<'_>, job: &Job, budget_seconds: f64) -> Result<(
         Ok(ReferencePicture::of_halves([&halves[0].picture, &halves[1].picture]))
     };
     let (photon, path) = (pair(Integrator::Photon)?, pair(Integrator::Path)?);
-    // The time of the reference relative to the time of a trial. Variance falls in inverse
-    // proportion.
+    // The ratio of two times: the time of the reference, and the time of both trials of an
+    // integrator. The variance falls in inverse proportion to this ratio.
     let longer = TIME_SHARES.reference * budget_seconds / (2.0 * seconds);
     let (variance, photon_error) =
         (path.own_variance().whole.value, photon.own_variance().whole.value + photon.estimated_bias_square());

@@ -259,7 +259,7 @@ pub fn theory(curve: &ConvergenceCurve) -> String {
     curve.slopes_in_theory().into_iter().rev().map(signed).collect::<Vec<String>>().join(" to ")
 }
 
-/// Writes two decimals, with a Unicode minus sign.
+/// Writes a number with two decimals and a Unicode minus sign.
 pub(super) fn signed(value: f64) -> String {
     format!("{value:.2}").replace('-', "−")
 }

@@ -31,7 +31,7 @@ pub struct StudyOptions {
     pub reference: Option<(String, Picture)>,
 }
 
-/// The end of a study that did not fail.
+/// The outcome of a study that did not fail.
 #[derive(Debug)]
 pub enum StudyOutcome {
     /// All results are written.
@@ -46,8 +46,8 @@ pub const PAGE: &str = "study.html";
 /// Studies a scene on the current thread pool, and writes the results.
 ///
 /// # Errors
-/// The scene is wrong, the given reference has another aspect ratio than the scene's film, or the
-/// folder cannot be written.
+/// Returns an error if the scene is invalid, if the given reference and the scene's film have
+/// different aspect ratios, or if the folder cannot be written.
 pub fn run(
     study_scene: &StudyScene,
     options: &StudyOptions,

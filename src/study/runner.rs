@@ -65,7 +65,8 @@ pub(super) struct Runner<'a> {
     pub(super) study_scene: &'a StudyScene,
     pub(super) step_cache: StepCache,
     pub(super) monitor: &'a mut (dyn StudyMonitor + Send),
-    /// The changes of the film size. All renders of the study have these changes.
+    /// The changes of the scene that set the film size. All renders after the choice of the film
+    /// size have these changes.
     pub(super) film_changes: Vec<String>,
     pub(super) steps_done: usize,
     pub(super) steps_total: usize,
@@ -74,8 +75,8 @@ pub(super) struct Runner<'a> {
 }
 
 impl Runner<'_> {
-    /// Renders a step, or loads its cached result. If `reference` is given, the error is measured
-    /// against this picture. The text identifies the picture.
+    /// Renders a step, or loads its cached result. `reference` is a picture and its identity as
+    /// text. If it is given, the error is measured against this picture.
     pub(super) fn render(
         &mut self,
         step: &RenderStep,

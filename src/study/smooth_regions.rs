@@ -7,7 +7,7 @@ use crate::sensor::Picture;
 const REACH: usize = 3;
 
 /// The largest standard deviation of Y in a smooth window, relative to the mean of the window. The
-/// deviation does not include noise.
+/// variance of the noise is subtracted first.
 const LEVEL: f64 = 0.1;
 
 /// The smallest mean of a smooth window, relative to the mean of the picture.

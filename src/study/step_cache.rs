@@ -42,14 +42,15 @@ struct CachedStep {
 /// The subfolder of the steps.
 const STEPS: &str = "steps";
 
-/// The header attribute with the identity of the step, in the picture of the step.
+/// The name of a header attribute in the picture file of a step. The attribute stores the identity
+/// of the step.
 const STEP: &str = "abbe.step";
 
 impl StepCache {
     /// Opens the folder, and creates it if it does not exist.
     ///
     /// # Errors
-    /// The folder cannot be created or written.
+    /// Returns an error if the folder cannot be created or written.
     pub(super) fn open(folder: &Path) -> Result<Self> {
         let steps = folder.join(STEPS);
         fs::create_dir_all(&steps)

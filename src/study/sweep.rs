@@ -22,7 +22,7 @@ pub struct SweepRun {
     pub change: Option<SettingChange>,
     /// The error after some passes.
     pub points: Vec<ConvergencePoint>,
-    /// The duration of passes.
+    /// The time of the render as a function of its passes.
     #[serde(skip)]
     pub render_time: RenderTime,
 }
@@ -32,7 +32,7 @@ pub struct SweepRun {
 pub struct RenderTime {
     /// Seconds of the pilot.
     pub pilot: f64,
-    /// The part of a pass that does not depend on the film size, in seconds.
+    /// The time of a pass that does not depend on the film size, in seconds.
     pub fixed: f64,
     /// The time of the camera paths in a pass at the film size of the study, in seconds.
     pub gather: f64,
@@ -54,14 +54,14 @@ pub struct SettingSweep {
     pub runs: Vec<SweepRun>,
     /// The Pareto front in order of time.
     pub front: Vec<ParetoPoint>,
-    /// The result of the scene's own settings and its own number of passes, or null if the study
-    /// had no time for these passes.
+    /// The error and the time at the scene's own settings and number of passes, or null if the
+    /// study had no time for these passes.
     pub default: Option<ConvergencePoint>,
     /// Changes that were skipped for lack of time.
     pub left_out: Vec<SettingChange>,
 }
 
-/// Values of the settings, relative to the scene's own.
+/// Values of the settings, relative to the scene's own values.
 const PHOTONS: [f64; 3] = [1.0 / 16.0, 0.25, 4.0];
 const NEAREST: [f64; 3] = [0.25, 0.5, 4.0];
 const RADII: [f64; 2] = [0.5, 2.0];

@@ -8,9 +8,9 @@ pub struct TimeShares {
     pub trial: f64,
     /// The reference.
     pub reference: f64,
-    /// Error against time of photon mapping.
+    /// The measurement of error against time for photon mapping.
     pub photon_curve: f64,
-    /// Error against time of the path tracer.
+    /// The measurement of error against time for the path tracer.
     pub path_curve: f64,
     /// The sweep of settings.
     pub sweep: f64,

@@ -5,8 +5,8 @@
 //! bodies has air on both sides of every surface. Its paths need no medium stack, and they keep all
 //! their wavelengths because no glass disperses the light. The loops of photons and of camera paths
 //! take a [`BodyMode`] as a type parameter, so that the compiler removes the unused half of the
-//! code. All functions called by one loop carry the same type parameter. Therefore they cannot mix
-//! the modes.
+//! code. All functions called by one loop carry the same type parameter. Therefore a loop cannot
+//! mix the two modes.
 
 use super::next_interaction::{next_interaction, next_interaction_in_air};
 use super::ray_state::RayState;

@@ -6,14 +6,15 @@ use serde::{Deserialize, Serialize};
 /// absorbed + escaped + depth limit.
 ///
 /// The absorbed power is computed from the albedo and from Beer's law, never as a difference.
-/// Therefore an error in a path weight causes an imbalance, or a mean *sampling* that is not zero.
+/// Therefore an error in a path weight has one of two effects: the ledger is not balanced, or the
+/// mean of `sampling` over many passes is not zero.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ledger {
     /// Power emitted by the lights.
     pub emitted: f64,
-    /// Power gained (positive) or lost by Russian roulette, by the choice of one wavelength and by
-    /// importance sampling.
+    /// Power that was added (positive) or removed (negative) by Russian roulette, by the choice of
+    /// one wavelength and by importance sampling.
     pub sampling: f64,
     /// Power absorbed by surfaces, per material number.
     pub absorbed: Vec<f64>,
@@ -21,7 +22,7 @@ pub struct Ledger {
     pub absorbed_inside: f64,
     /// Power that left the scene.
     pub escaped: f64,
-    /// Power of the photons ended by the depth limit.
+    /// Power of the photons that ended at the depth limit.
     pub depth_limit: f64,
 }
 

@@ -35,8 +35,8 @@ pub struct NumberedMedium<'a> {
     pub medium: &'a Medium,
 }
 
-/// The largest distance between a surface and a boundary face that coincides with the surface, as a
-/// fraction of the scene's radius.
+/// A boundary face coincides with a surface if their distance is at most this fraction of the
+/// scene's radius.
 const COINCIDENT: f64 = 1e-9;
 
 /// Calls `visit` for each segment of the ray's first `length_m`. No surface may interrupt this part
@@ -46,7 +46,7 @@ const COINCIDENT: f64 = 1e-9;
 /// A boundary may coincide with a surface, for example a box of fog on a floor. Rounding must not
 /// decide whether the ray crosses such a boundary. Therefore faces that coincide with the surface
 /// at the end of the ray do not count. If faces coincide with the surface at the start of the ray,
-/// the direction of the ray decides on which side the ray is.
+/// the direction of the ray decides on which side of these faces the ray continues.
 pub fn for_each_segment<'a>(
     scene: &'a Scene,
     ray_state: RayState,

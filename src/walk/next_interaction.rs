@@ -12,8 +12,9 @@ use std::ops::ControlFlow;
 /// `Continue(Some)`: a visible surface. `Continue(None)`: the ray left the scene.
 pub type SegmentEnd<'a> = ControlFlow<(), Option<SurfaceInteraction<'a>>>;
 
-/// Finds the next visible surface along the ray, or `None` if the ray leaves the scene. `component`
-/// in [0, 1) selects the component of a mixed material. Media between surfaces are ignored.
+/// Finds the next visible surface along the ray. Returns `None` if the ray leaves the scene.
+/// `component` in [0, 1) selects the component of a mixed material. Media between surfaces are
+/// ignored.
 #[inline]
 pub fn next_interaction<'a>(scene: &'a Scene, ray_state: RayState, component: f64) -> Option<SurfaceInteraction<'a>> {
     let mut search = InteractionSearch { ray_state, distance_m: 0.0, crossed_hidden_face: false };
@@ -60,7 +61,7 @@ pub fn next_interaction_through_media<'a>(
     }
 }
 
-/// The progress of a search that passes through hidden faces.
+/// The state of a search for the next visible surface. The search passes through hidden faces.
 struct InteractionSearch {
     ray_state: RayState,
     distance_m: f64,

@@ -17,8 +17,8 @@ use glam::DVec3;
 pub struct ScatteredRay {
     /// The new direction, unit, in world space.
     pub direction: DVec3,
-    /// The factor on the power or radiance of each wavelength. The factor is 0 if the path gave up
-    /// the wavelength.
+    /// The factor by which the event changes the power or radiance of each wavelength. The factor
+    /// is 0 if the path no longer carries the wavelength.
     pub weight: Lanes,
     /// The fraction of the power absorbed by the surface, per wavelength.
     pub absorbed: Lanes,
@@ -118,8 +118,10 @@ fn split_at_dispersive_facets(
 ///
 /// Reflection keeps all wavelengths. The probability of reflection is the mean reflectance F̄ of
 /// the wavelengths. The weights F/F̄ are therefore at most the number of wavelengths, even if only
-/// some wavelengths are totally reflected. Refraction keeps one wavelength, selected in proportion
-/// to its transmittance, so that its weight is exactly the number of wavelengths.
+/// some wavelengths are totally reflected. Refraction keeps one wavelength, which is selected in
+/// proportion to its transmittance. The weight of this wavelength is therefore exactly the number
+/// of wavelengths. If the path transports radiance, refraction also multiplies the weight by
+/// (n_here/n_there)².
 fn split_at_dispersive_interface(
     interaction: &SurfaceInteraction<'_>,
     wavelengths: &Wavelengths,
@@ -165,8 +167,8 @@ fn split_at_dispersive_interface(
     })
 }
 
-/// Selects a lane in proportion to its transmittance 1 − F. `rest` is uniform between 0 and the sum
-/// of the transmittances.
+/// Selects a lane in proportion to its transmittance 1 − F. `rest` is a random number, uniform
+/// between 0 and the sum of the transmittances.
 fn sample_transmitted_lane(reflectance: &[f64], mut rest: f64) -> Option<usize> {
     let lane = reflectance.iter().position(|f| {
         rest -= 1.0 - f;

@@ -7,7 +7,8 @@ pub trait Sink {
     /// densities, including the density of the wavelength.
     fn radiance(&mut self, nm: f64, weight: f64);
 
-    /// Adds radiance with an estimate of its bias, from a density-estimation kernel or from ray
-    /// marching through a medium. `weight` and `bias` have the unit of [`Sink::radiance`].
+    /// Adds radiance and an estimate of its bias. The bias comes from the kernels of density
+    /// estimation or from ray marching through a medium. `weight` and `bias` have the unit of
+    /// [`Sink::radiance`].
     fn biased(&mut self, nm: f64, weight: f64, bias: f64);
 }

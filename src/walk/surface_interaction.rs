@@ -38,8 +38,9 @@ pub struct SurfaceInteraction<'a> {
 }
 
 impl<'a> SurfaceInteraction<'a> {
-    /// Creates the interaction at a hit. `medium_stacks` holds the bodies on the side of the path
-    /// and on the other side; `component` in [0, 1) selects the component of a mixed material.
+    /// Creates the interaction at a hit. The two medium stacks contain the bodies on the side of
+    /// arrival and on the other side. `component` in [0, 1) selects the component of a mixed
+    /// material.
     #[inline(always)]
     pub(super) fn new(
         scene: &'a Scene,
@@ -88,8 +89,8 @@ impl<'a> SurfaceInteraction<'a> {
         self.hit.leads_back(self.incoming, direction)
     }
 
-    /// Returns true if a scattered direction is on the correct side of the geometric surface: the
-    /// side of reflection or of transmission.
+    /// Returns true if a scattered direction is on the correct side of the geometric surface. This
+    /// is the side of arrival for reflection, and the other side for transmission.
     #[inline]
     pub fn is_consistent(&self, direction: DVec3, event: ScatterEvent) -> bool {
         self.leads_back(direction) == (event == ScatterEvent::Reflection)

@@ -34,7 +34,7 @@ pub enum SegmentTransmittance<'a> {
         excess_m: f64,
     },
     /// Ratio tracking (Novák, Selle & Jarosz 2014, "Residual Ratio Tracking for Estimating
-    /// Attenuation in Participating Media"). It is unbiased at every wavelength, and all
+    /// Attenuation in Participating Media"). The estimate is unbiased at every wavelength. All
     /// wavelengths use the same random positions.
     Tracked {
         /// The medium.
@@ -96,7 +96,8 @@ pub fn excess_optical_depth(path_transmittance: &[SegmentTransmittance<'_>], nm:
 }
 
 /// Returns the relative bias of a transmittance if the optical depth has the error `excess` (δ).
-/// The estimate e^−(τ + δ) replaces e^−τ, so the bias relative to the estimate is 1 − e^δ.
+/// The estimate is e^−(τ + δ), and the exact value is e^−τ. The bias relative to the estimate is
+/// therefore 1 − e^δ.
 #[inline]
 pub fn bias_of_excess(excess: f64) -> f64 {
     if excess == 0.0 { 0.0 } else { -excess.exp_m1() }
@@ -173,8 +174,9 @@ fn collect_segments<'a>(
     path_transmittance
 }
 
-/// Estimates the transmittance as Π (1 − σ_t ρ(x_j)/σ̄) over the positions x_j of a Poisson process
-/// of rate σ̄. The rate σ̄ is the largest extinction over the band, times the bound of the density.
+/// Estimates the transmittance as the product of the factors 1 − σ_t ρ(x_j)/σ̄. The positions x_j
+/// are those of a Poisson process of rate σ̄ along the ray. The rate σ̄ is the largest extinction
+/// over the band, times the bound of the density.
 fn ratio_tracked(medium: &Medium, ray: &Ray, length_m: f64, sigma_t: f64, seed: u64) -> f64 {
     let Some((begin, end)) = medium.window(ray, length_m) else {
         return 1.0;

@@ -210,7 +210,7 @@ fn an_interrupted_render_saves_what_it_has() {
         // At the first line of progress, the signal handler is installed and one pass is complete.
         let mut line = String::new();
         err.read_line(&mut line).unwrap();
-        assert!(line.contains("passes"), "{line}");
+        assert!(line.contains(" pass"), "{line}");
         crate::abbe_command::signal::signal(&child, name);
         let mut rest = String::new();
         err.read_to_string(&mut rest).unwrap();

@@ -1,5 +1,5 @@
-//! glTF 2.0 files, text (`.gltf`) or binary (`.glb`): the triangles of the default scene after all
-//! node transforms.
+//! Reads glTF 2.0 files, text (`.gltf`) or binary (`.glb`). The result has the triangles of the
+//! default scene after all node transforms.
 
 use std::path::Path;
 
@@ -22,7 +22,7 @@ pub(super) fn load(bytes: &[u8], folder: Option<&Path>, file_access: FileAccess)
     }
     let unchecked = Gltf::from_slice_without_validation(bytes).map_err(|error| invalid(&error))?;
     let mut root = unchecked.document.into_json();
-    // `gltf_material` reads this extension, which the crate does not know.
+    // The crate refuses a required extension that it does not know. `gltf_material` reads this one.
     root.extensions_required.retain(|name| name != "KHR_materials_dispersion");
     check_attributes(&root)?;
     let document = Document::from_json(root).map_err(|error| invalid(&error))?;
@@ -113,7 +113,7 @@ struct SceneReader {
     buffers: Vec<::gltf::buffer::Data>,
     parts: Vec<MeshPart>,
     /// Whether each node has been read. Reading a node twice is an error, so a cycle of nodes
-    /// cannot repeat forever.
+    /// cannot cause an endless loop.
     visited: Vec<bool>,
 }
 
@@ -155,8 +155,8 @@ impl SceneReader {
     fn mesh(&self, primitive: &Primitive<'_>, placed: DAffine3) -> Result<TriangleMesh> {
         let accessor = primitive.get(&Semantic::Positions).ok_or_else(|| Error::input("it has no positions"))?;
         let positions: Vec<DVec3> = self.vectors(&accessor)?.map(|p| placed.transform_point3(p)).collect();
-        // The cofactor matrix is the inverse transpose up to a factor. The cofactor matrix also
-        // exists for singular matrices.
+        // The cofactor matrix transforms the normals. Up to a factor, it equals the inverse
+        // transpose, but it also exists for singular matrices.
         let [x, y, z] = [placed.matrix3.x_axis, placed.matrix3.y_axis, placed.matrix3.z_axis];
         let cofactors = glam::DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
         let mirrored = placed.matrix3.determinant() < 0.0;

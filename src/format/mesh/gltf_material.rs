@@ -1,5 +1,5 @@
-//! Materials of glTF files: metallic-roughness with the KHR extensions transmission, ior, volume,
-//! dispersion and emissive_strength.
+//! Materials of glTF files: the metallic-roughness model with the KHR extensions transmission, ior,
+//! volume, dispersion and emissive_strength.
 
 use ::gltf::Material;
 

@@ -21,12 +21,13 @@ pub struct MeshMaterial {
     pub abbe_number: Option<f64>,
     /// Absorption inside, or `None` without absorption.
     pub attenuation: Option<MeshAttenuation>,
-    /// Emitted colour times its strength (in cd/m² for glTF). Zero for a surface that does not
-    /// emit.
+    /// Emitted colour multiplied by the emissive strength. In glTF files, the unit is cd/m². Zero
+    /// for a surface that does not emit.
     pub emission: [f64; 3],
 }
 
-/// The absorption inside a mesh: the colour of white light after a distance.
+/// The absorption inside a mesh, given by the colour of white light that has travelled a distance
+/// through the mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeshAttenuation {
     /// Colour in linear sRGB, from 0 to 1.

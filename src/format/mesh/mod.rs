@@ -1,7 +1,7 @@
 //! Reads triangle meshes from OBJ, PLY, STL and glTF files.
 //!
 //! Every reader checks its input. If a file is missing, truncated or malformed, the error names the
-//! file. There is never a panic.
+//! file. The reader never panics.
 
 #[cfg(feature = "meshes")]
 mod gltf;

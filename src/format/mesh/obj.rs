@@ -50,8 +50,8 @@ fn mesh(mesh: tobj::Mesh) -> Result<TriangleMesh> {
     TriangleMesh::new(triples(&mesh.positions), normals, uvs, triangles)
 }
 
-/// Checks the indices of every face against the vertices before the face. Errors can thus name the
-/// line.
+/// Checks that the indices of every face refer to vertices that precede the face in the file. The
+/// error names the line of the face.
 fn check_faces(text: &str) -> Result<()> {
     // Numbers of v, vt and vn lines so far, in the order of the indices of a corner.
     let mut counts = [0_i64; 3];
@@ -104,10 +104,10 @@ fn check_corner(corner: &str, counts: [i64; 3]) -> Result<()> {
 
 /// Converts an MTL material.
 ///
-/// `Kd` is the base colour, `Ni` the index of refraction and `d` the opacity. `Tr` is 1 − `d`. The
-/// illumination models 4, 6, 7 and 9 become glass. The Phong exponent `Ns` corresponds to the
-/// microfacet parameter α = √(2/(Ns + 2)) (Walter et al. 2007). The extension keys `Pm` and `Pr`
-/// state metalness and roughness directly.
+/// `Kd` is the base colour, `Ni` the index of refraction and `d` the opacity. `Tr` is 1 − `d`. If
+/// the file states neither `d` nor `Tr`, the illumination models 4, 6, 7 and 9 become glass. The
+/// Phong exponent `Ns` corresponds to the microfacet parameter α = √(2/(Ns + 2)) (Walter et al.
+/// 2007). The extension keys `Pm` and `Pr` state metalness and roughness directly.
 fn material(file: &tobj::Material) -> MeshMaterial {
     let extension = |name: &str| file.unknown_param.get(name).and_then(|value| value.trim().parse::<f64>().ok());
     let glass = matches!(file.illumination_model, Some(4 | 6 | 7 | 9));

@@ -1,4 +1,5 @@
-//! PLY files, text or binary: the elements `vertex` and `face`. Polygons are split into triangles.
+//! Reads the elements `vertex` and `face` of PLY files, text or binary. Polygons are split into
+//! triangles.
 
 use std::io::{Cursor, ErrorKind};
 
@@ -117,7 +118,7 @@ fn number(property: &Property) -> Option<f64> {
     }
 }
 
-/// Reads the only part of a PLY file.
+/// Reads a PLY file. The result has exactly one part.
 pub(super) fn load(bytes: &[u8]) -> Result<Vec<MeshPart>> {
     let mut reader = Reader::new(Cursor::new(bytes));
     let header = Parser::<SkippedElement>::new().read_header(&mut reader).map_err(|error| explain(&error))?;
@@ -167,7 +168,8 @@ fn explain(error: &ParseError) -> Error {
     if error.kind() == ErrorKind::UnexpectedEof {
         return Error::input("the PLY file is truncated");
     }
-    // The first line of the message names the problem. The other lines repeat the file.
+    // The first line of the message names the problem. The other lines repeat the contents of the
+    // file.
     let message = error.to_string();
     Error::input(format!("not a valid PLY file: {}", message.lines().next().unwrap_or_default()))
 }

@@ -13,10 +13,11 @@ const HEADER: usize = 84;
 /// Number of bytes of each triangle in a binary file.
 const TRIANGLE: usize = 50;
 
-/// Reads the only part of an STL file.
+/// Reads an STL file. The result has exactly one part.
 pub(super) fn load(mut bytes: Vec<u8>) -> Result<Vec<MeshPart>> {
     if is_binary(&bytes) {
         // The header of some binary files begins with `solid`, the word that marks text files.
+        // Without this word, the crate reads the file as binary.
         bytes[0] = 0;
     }
     let read = stl_io::read_stl(&mut Cursor::new(bytes)).map_err(|error| {
@@ -36,8 +37,8 @@ pub(super) fn load(mut bytes: Vec<u8>) -> Result<Vec<MeshPart>> {
     Ok(vec![MeshPart { mesh, material: None, name: String::new(), note: None }])
 }
 
-/// Returns whether the file has the length of a binary file with the number of triangles in its
-/// header.
+/// Returns whether the file is binary. The header of a binary file states the number of triangles,
+/// and the length of the file must match this number.
 fn is_binary(bytes: &[u8]) -> bool {
     let count = bytes.get(80..HEADER).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
     count.is_some_and(|count| bytes.len() == HEADER + TRIANGLE * count as usize)

@@ -182,7 +182,8 @@ fn the_cube_is_the_same_from_every_format() {
         let low = mesh.positions().iter().copied().reduce(DVec3::min).unwrap();
         let high = mesh.positions().iter().copied().reduce(DVec3::max).unwrap();
         assert_eq!((low, high), (DVec3::new(8.0, 0.0, 0.0), DVec3::new(10.0, 2.0, 2.0)));
-        // The normals point from the origin of the cube to its corners, and are mirrored with it.
+        // The normals point from the origin of the cube to its corners. The node transform mirrors
+        // the cube and the normals.
         let normals = mesh.normals().unwrap();
         assert!(normals[7].normalize().distance(DVec3::new(-1.0, 1.0, 1.0).normalize()) < 1e-12);
     }
@@ -222,7 +223,7 @@ fn an_obj_has_its_materials_or_a_note_that_they_are_missing() {
     let material = part.material.as_ref().unwrap();
     assert_eq!((material.base_colour, material.ior, material.transmission), ([0.5, 0.5, 1.0], 1.5168, 0.75));
     assert_eq!((material.emission, part.name.as_str(), &part.note), ([1.0, 2.0, 3.0], "cube", &None));
-    // α = √(2/2048) = 1/32, whose square root is the roughness.
+    // The roughness is the square root of α, and α = √(2/2048) = 1/32.
     assert!((material.roughness - 32.0_f64.sqrt().recip()).abs() < 1e-15);
 }
 

@@ -103,7 +103,8 @@ fn blades(count: Option<u32>, rotation_deg: f64) -> Option<Blades> {
     count.map(|count| Blades { count, rotation: rotation_deg.to_radians() })
 }
 
-/// A remark if the scene does not enable diffraction but the picture would show it.
+/// Returns a remark if diffraction would be visible in the picture, but the scene does not enable
+/// diffraction.
 fn missed_diffraction(camera: &Camera) -> Option<String> {
     let diffraction =
         ApertureDiffraction::of(camera).filter(|diffraction| diffraction.matters() && !camera.diffracts)?;
@@ -113,8 +114,8 @@ fn missed_diffraction(camera: &Camera) -> Option<String> {
     ))
 }
 
-/// A remark if a lens has an aperture or a sensor of unusual size. The cause is probably a wrong
-/// unit.
+/// Returns a remark if a lens has an aperture or a sensor of unusual size. The cause of such a size
+/// is probably a wrong unit.
 fn implausible_size(lens: &LensFile) -> Option<String> {
     const OPENING_MM: std::ops::RangeInclusive<f64> = 0.05..=300.0;
     const SENSOR_MM: std::ops::RangeInclusive<f64> = 1.0..=300.0;

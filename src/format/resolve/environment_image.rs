@@ -67,8 +67,8 @@ fn read_other(path: &Path) -> Result<Pixels> {
     Ok((pixels.width() as usize, pixels.height() as usize, rgb))
 }
 
-/// Returns the image of the rotated environment. The inverse rotation of a pixel's direction gives
-/// the place of its value in the old image.
+/// Returns the image of the rotated environment. For each pixel of the new image, the inverse
+/// rotation of the pixel's direction points to the pixel of the old image with the same value.
 fn rotated(width: usize, height: usize, rgb: &[[f32; 3]], to_world: DAffine3) -> Vec<[f32; 3]> {
     let back = to_world.matrix3.inverse();
     (0..width * height)

@@ -1,4 +1,5 @@
-//! Translates the film of the scene file to the film, its exposure and its white balance.
+//! Translates the film of the scene file to the film of the scene, with its exposure and white
+//! balance.
 
 use super::context::Resolver;
 use super::spectra::Role;
@@ -14,7 +15,8 @@ use crate::scene::{Exposure, FilmSpec};
 use crate::spectrum::Observer;
 
 impl Resolver<'_> {
-    /// Resolves the film. The scene builder determines its white.
+    /// Resolves the film. The scene builder determines the white of the film from the white
+    /// balance.
     pub(super) fn film(&self, at: &JsonPath<'_>, film: &FilmFile) -> Result<FilmSpec> {
         let FilmFile { width, height, observer, spectral_bands, gamut, white_balance: _, output_space, exposure } =
             film;
@@ -45,11 +47,11 @@ impl Resolver<'_> {
         Ok(FilmSpec { width, height, observer, spectral_bands, space, white: None, gamut, exposure })
     }
 
-    /// The luminance in cd/m² that becomes white on a film of this ISO speed S. S is the
+    /// Returns the luminance L in cd/m² that is white on a film of the ISO speed S. S is the
     /// saturation-based speed of ISO 12232.
     ///
-    /// The middle of the film receives q·L·t/N² lx·s, with q = 0.65 for the losses of the lens. It
-    /// is white at 78/S lx·s.
+    /// At a shutter time t and an f-number N, the middle of the film receives q·L·t/N² lx·s. The
+    /// factor q = 0.65 accounts for the losses of the lens. The film is white at 78/S lx·s.
     fn white_luminance(&self, at: &JsonPath<'_>, iso: f64) -> Result<f64> {
         let CameraFile { lens, .. } = &self.scene.camera;
         let f_number = match lens {

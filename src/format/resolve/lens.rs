@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 /// Reads a lens from a file.
 ///
 /// A file with the extension `.zmx` is a Zemax lens. Any other file is a prescription in JSON, as
-/// in a scene file. The search for the glasses of a Zemax lens begins in `catalogues`. It goes on
-/// in the catalogues named by the lens and found in its folder, and ends in the built-in glasses.
+/// in a scene file. The glasses of a Zemax lens are looked up first in `catalogues`, then in the
+/// catalogues that the lens names and that are in its folder, and last among the built-in glasses.
 ///
 /// # Errors
 /// The file cannot be read or is wrong. The error states the place in the file.
@@ -47,7 +47,7 @@ fn has_ending(path: &Path, ending: &str) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(ending))
 }
 
-/// Resolves a lens outside of any scene. The only names allowed are those of built-in lenses.
+/// Resolves a lens that is not part of a scene. A name must be the name of a built-in lens.
 ///
 /// # Errors
 /// The name is unknown or the surfaces do not describe a lens. The error states the place in
@@ -87,7 +87,7 @@ fn lens_at(at: &JsonPath<'_>, prescription: &PrescriptionFile, source: &JsonSour
         half_field_deg: None,
     });
     lens.map_err(|mut error| {
-        // The lens gives a path that starts at the prescription.
+        // The path in the error of the lens starts at the prescription.
         let steps = [at.to_string(), error.location.path.take().unwrap_or_default()];
         let path: Vec<&str> = steps.iter().map(String::as_str).filter(|step| !step.is_empty()).collect();
         source.error_at(&path.join("."), error)
@@ -108,7 +108,8 @@ fn surfaces(at: &JsonPath<'_>, files: &[LensSurfaceFile], source: &JsonSource) -
             | IndexFile::Glass { .. } => index_of(ior, source),
         };
         let index = index.map_err(|error| source.error_at(&at.index(i).key("ior").to_string(), error))?;
-        // The terms of a prescription begin with h⁴. The terms of a profile begin with h².
+        // The coefficients in the file begin with h⁴. The coefficients of a profile begin with h²,
+        // so a 0 comes first.
         let even_terms =
             if aspheric.is_empty() { [].into() } else { std::iter::once(&0.0).chain(aspheric).copied().collect() };
         let profile = SurfaceProfile { conic: *conic, even_terms, ..SurfaceProfile::sphere(*radius_mm) };

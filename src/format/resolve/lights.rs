@@ -34,12 +34,14 @@ type EmitterAndSpectrum = (Emitter, LightSpectrum);
 enum Radiometric {
     /// A power in W.
     Power(f64),
-    /// The quantity of the light's kind: W/sr, W/m²/sr or W/m².
+    /// An intensity in W/sr, a radiance in W/m²/sr or an irradiance in W/m². The kind of light
+    /// decides which.
     Density(f64),
 }
 
 impl Radiometric {
-    /// Returns the value of a light that supports only one kind of quantity.
+    /// Returns the value of either variant. This suits a light that supports only one of the
+    /// variants.
     fn value(&self) -> f64 {
         match *self {
             Self::Power(value) | Self::Density(value) => value,
@@ -130,7 +132,8 @@ impl Resolver<'_> {
         Ok(LightSpectrum::new(&spectrum))
     }
 
-    /// A point of the light's frame, in m relative to the scene's centre.
+    /// Transforms a point from the light's frame to the world. The result is in m, relative to the
+    /// scene's centre.
     fn point_of_light(&self, context: &LightContext<'_>, point: [f64; 3]) -> DVec3 {
         self.point(context.to_world.transform_point3(DVec3::from(point)).to_array(), context.centre)
     }
@@ -179,7 +182,7 @@ impl Resolver<'_> {
         let spectrum = self.light_spectrum(path, spectrum, context.notes)?;
         let power = self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))?.value();
         let (from, to) = (self.point_of_light(context, *from), self.point_of_light(context, *to));
-        // A transform with a scale also scales the disk.
+        // A transform with a scale also scales the radius of the beam.
         let radius_m = radius * self.metres * mean_scale(&context.to_world);
         let beam = BeamLight::new(from, (to - from).normalize(), radius_m, divergence.to_radians(), power);
         Ok((Emitter::Beam(beam), spectrum))
@@ -239,7 +242,8 @@ impl Resolver<'_> {
         Ok((spectrum, radiance))
     }
 
-    /// Resolves the emission of a mesh file, which is linear RGB. White is 1 cd/m².
+    /// Resolves the emission of a mesh file, which is linear RGB. White, (1, 1, 1), has a luminance
+    /// of 1 cd/m².
     fn mesh_emission(&self, path: &JsonPath<'_>, rgb: [f64; 3]) -> Result<(LightSpectrum, f64)> {
         let spectrum = LightSpectrum::new(&self.at(path, Spectrum::rgb_light(rgb))?);
         let luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];

@@ -10,11 +10,12 @@ use crate::optics::glass::RefractiveIndex;
 use crate::scene::{Body, Material};
 use crate::spectrum::{Spectrum, library};
 
-/// The largest depth of references between mixed materials; a deeper one must be circular.
+/// The largest depth of references between mixed materials. Deeper references are reported as
+/// circular.
 const MAX_DEPTH: usize = 16;
 
-/// The microfacet parameter α of a roughness: its square, as in glTF. Equal steps of the roughness
-/// look equal.
+/// Returns the microfacet parameter α of a roughness. As in glTF, α is the square of the roughness,
+/// so that equal steps of the roughness look equally large.
 pub(super) fn alpha(roughness: f64) -> f64 {
     roughness * roughness
 }
@@ -145,7 +146,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Resolves a refractive index. A remark about clamped or fitted values goes to the notes.
+    /// Resolves a refractive index. If values were clamped or fitted, a remark is added to `notes`.
     fn index(
         &self,
         at: &JsonPath<'_>,

@@ -52,7 +52,8 @@ impl Resolver<'_> {
         )
     }
 
-    /// Resolves all media, unused ones as well, and adds them in the order of their numbers.
+    /// Resolves all media, including unused ones. Adds the media to the builder in the order of
+    /// their numbers.
     pub(super) fn media(&self, builder: &mut SceneBuilder) -> Result<()> {
         let (root, centre) = (JsonPath::Root, builder.centre());
         let media = root.key("media");

@@ -8,11 +8,12 @@ use crate::optics::glass::RefractiveIndex;
 use crate::scene::{Body, Material};
 use crate::spectrum::{BAND_NM, Outside, Spectrum};
 
-/// At this roughness and above, the coat of a surface is left out.
+/// A surface with this roughness or a larger one has no coat.
 const MATT: f64 = 0.95;
 
-/// Resolves the material of a mesh file: metal, glass, or a coated diffuse surface, whichever has
-/// the largest share. `metres` is the length of the mesh's unit in m.
+/// Resolves a material of a mesh file. If `metallic` is at least 0.5, the material is a metal.
+/// Otherwise, if `transmission` is at least 0.5, the material is glass. Any other material is a
+/// coated diffuse surface. `metres` is the length of the mesh's unit in m.
 pub(super) fn material(file: &MeshMaterial, metres: f64) -> Result<Material> {
     let base = Spectrum::rgb_reflectance(file.base_colour.map(|c| c.clamp(0.0, 1.0)))?;
     let roughness = alpha(file.roughness.clamp(0.0, 1.0));
@@ -46,13 +47,14 @@ fn metal(reflectance: &Spectrum, roughness: f64) -> Result<Bsdf> {
     Bsdf::conductor(mapped(reflectance, index_of)?, Spectrum::constant(0.0), roughness)
 }
 
-/// The absorption coefficient in 1/m from a colour: white light has this colour after `distance_m`.
+/// Returns the absorption coefficient in 1/m with which white light has the given colour after
+/// `distance_m`.
 fn absorption(colour: [f64; 3], distance_m: f64) -> Result<Spectrum> {
     let transmittance = Spectrum::rgb_reflectance(colour.map(|c| c.clamp(0.0, 1.0)))?;
     mapped(&transmittance, |t| -t.max(1e-6).ln() / distance_m)
 }
 
-/// Applies a function to the values of a spectrum, sampled every nanometre.
+/// Samples a spectrum every nanometre and applies a function to each sample.
 fn mapped(spectrum: &Spectrum, f: impl Fn(f64) -> f64) -> Result<Spectrum> {
     let nm: Vec<f64> = (BAND_NM.0 as u32..=BAND_NM.1 as u32).map(f64::from).collect();
     let values: Vec<f64> = nm.iter().map(|&nm| f(spectrum.at(nm)).max(0.0)).collect();

@@ -1,9 +1,9 @@
 //! Translates the scene file to the scene model: names to numbers, units to SI, spectra to
 //! functions of wavelength, and file names to data.
 //!
-//! [`SceneBuilder`] builds and checks the model. This module adds the position in the file to its
-//! errors. Every key of the file is read here or refused with "not supported yet". No key can be
-//! forgotten: structs are destructured exhaustively, and a forgotten field does not compile.
+//! [`SceneBuilder`] builds and checks the model. This module adds the position in the file to the
+//! builder's errors. Every key of the file is read here or refused with "not supported yet". If a
+//! struct is destructured without `..`, the compiler reports a forgotten field.
 
 mod camera;
 mod context;
@@ -55,7 +55,7 @@ pub fn resolve(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
     resolver.run()
 }
 
-/// Resolves a spectrum outside of any scene. The only names allowed are those of spectra of the
+/// Resolves a spectrum that is not part of a scene. A name must be the name of a spectrum of the
 /// library.
 ///
 /// # Errors
@@ -119,7 +119,7 @@ impl Resolver<'_> {
 
     fn settings(&self, render: &RenderFile) -> Settings {
         let RenderFile { passes, photons, max_depth, nearest, radius, seed, threads, .. } = render;
-        // The media read `march_steps`.
+        // `march_steps` is used where the media are resolved.
         let RenderFile { checkpoint_seconds, march_steps: _, light_map, force, forbid, .. } = render;
         Settings {
             passes: *passes,

@@ -16,7 +16,8 @@ pub(super) struct ResolvedMotion {
     pub(super) motion: Option<AnimatedTransform>,
 }
 
-/// The shutter of a camera. Without a shutter, the picture shows the scene at the time 0.
+/// Returns the shutter of a camera. If the file has no shutter, the picture shows the scene at the
+/// time 0.
 pub(super) fn shutter(camera: &CameraFile) -> Shutter {
     match &camera.shutter {
         None => Shutter::new(0.0, 0.0, None),
@@ -57,7 +58,7 @@ impl Resolver<'_> {
         (motion.at(open_s), motion.moves(open_s, close_s).then(|| motion.map(in_m)))
     }
 
-    /// A remark if nothing moves while the shutter is open although there are keyframes.
+    /// Returns a remark if the scene has keyframes, but nothing moves while the shutter is open.
     pub(super) fn note_without_motion(&self) -> Option<String> {
         let Shutter { open_s, close_s, .. } = self.shutter;
         let objects = self.scene.objects.iter().map(|object| (&object.transform, object.motion.as_slice()));

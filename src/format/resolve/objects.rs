@@ -30,11 +30,11 @@ pub(super) struct EmittingObject<'a> {
     pub(super) emission: EmissionSource<'a>,
 }
 
-/// The file that contains the emission of an object.
+/// The emission of an object, from the scene file or from a mesh file.
 pub(super) enum EmissionSource<'a> {
     /// The emission in the scene file.
     Scene(&'a EmissionFile),
-    /// The emission in a mesh file, as linear RGB. White is 1 cd/m².
+    /// The emission in a mesh file, as linear RGB. White, (1, 1, 1), has a luminance of 1 cd/m².
     Mesh([f64; 3]),
 }
 
@@ -125,8 +125,8 @@ impl<'a> Resolver<'a> {
         Ok(resolved.set.add_material(self.at(at, material)?))
     }
 
-    /// A shape in m, and the transform from the shape's frame to the object's frame. `None` for a
-    /// mesh, because meshes are read from files.
+    /// Returns the shape in m, and the transform from the shape's frame to the object's frame.
+    /// Returns `None` for a mesh, because meshes are read from files.
     fn analytic_shape(&self, file: &ShapeFile) -> Option<(Shape, DAffine3)> {
         let m = self.metres;
         let shape = match *file {

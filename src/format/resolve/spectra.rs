@@ -13,8 +13,8 @@ use crate::spectrum::{Observer, Outside, SpectralLine, Spectrum, library, read};
 /// extrapolated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// The spectral power of a light, at any scale. Beyond the ends of a table, the power is 0. In
-    /// the band, it must not be 0 everywhere.
+    /// The spectral power of a light, at any scale. Beyond the ends of a table, the power is 0. The
+    /// power must be above 0 somewhere in the band.
     Light,
     /// A reflectance or transmittance within [0, 1]; constant beyond the ends of a table.
     Reflectance,
@@ -35,7 +35,7 @@ impl Role {
     }
 }
 
-/// The largest depth of references between named spectra; a deeper one must be circular.
+/// The largest depth of references between spectra. Deeper references are reported as circular.
 const MAX_DEPTH: usize = 64;
 
 /// The context in which a spectrum is resolved.
@@ -56,15 +56,15 @@ impl Resolver<'_> {
         self.spectra().checked(at, file, role)
     }
 
-    /// Resolves a named spectrum of the scene only to check the spectrum.
+    /// Resolves a named spectrum of the scene. The caller needs only the errors.
     pub(super) fn named_spectrum(&self, name: &str, role: Role) -> Result<Spectrum> {
         let root = JsonPath::Root;
         let at = root.key("spectra");
         self.spectra().spectrum_at_depth(&at.key(name), &self.scene.spectra[name], role, 0)
     }
 
-    /// A remark about the colour difference between a matched spectrum and its target, or `None`
-    /// for other spectra.
+    /// Returns a remark about the colour difference between a spectrum of the form `match` and its
+    /// target. Returns `None` for a spectrum of another form.
     pub(super) fn match_note(&self, file: &SpectrumFile, what: &str) -> Option<String> {
         let file = if let SpectrumFile::Name(name) = file { self.scene.spectra.get(name)? } else { file };
         let SpectrumFile::Match { target, primaries } = file else {
@@ -159,8 +159,8 @@ impl Spectra<'_> {
     }
 }
 
-/// A table of mean cosines. `Spectrum::table` refuses negative values, so 1 is added to every value
-/// of the table.
+/// Returns a table of mean cosines. `Spectrum::table` refuses negative values, so the function adds
+/// 1 to every value and subtracts 1 from the spectrum of the table.
 fn signed_table(nm: &[f64], values: &[f64]) -> Result<Spectrum> {
     let raised: Vec<f64> = values.iter().map(|value| value + 1.0).collect();
     let raised = Spectrum::table(nm, &raised, Outside::Hold)?;
@@ -172,14 +172,15 @@ fn line(file: &LineFile) -> SpectralLine {
     SpectralLine { nm, power, fwhm_nm }
 }
 
-/// The weights of the primaries that minimise the colour difference to the target (CIE 1931).
+/// Returns the non-negative weights of the primaries whose mix is nearest to the target in CIE 1931
+/// XYZ.
 fn nearest_mix(target: &Spectrum, primaries: &[Spectrum]) -> Result<PrimaryMatch> {
     let observer = Observer::cie1931();
     let colours: Vec<[f64; 3]> = primaries.iter().map(|primary| observer.xyz(primary)).collect();
     match_primaries(observer.xyz(target), &colours)
 }
 
-/// The mixture of the primaries with the smallest colour difference to the target.
+/// Returns the mixture of the primaries that is nearest to the target in CIE 1931 XYZ.
 fn matched(target: &Spectrum, primaries: &[Spectrum]) -> Result<Spectrum> {
     Ok(nearest_mix(target, primaries)?.mix(primaries))
 }

@@ -1,4 +1,5 @@
-//! The camera walk: follows camera paths through mirrors and glass to the first other surface.
+//! The camera walk: follows camera paths over mirrors, glass and glossy surfaces to the first
+//! diffuse surface.
 
 pub(super) mod path;
 pub(super) mod sampler;

@@ -16,7 +16,7 @@ pub struct PathBuffers<'a> {
     pub(in crate::gather) factors: Vec<Factor<'a>>,
     /// The extinction coefficients of a light map's attenuators.
     pub(in crate::gather) coefficients: Vec<Lanes>,
-    /// True if the following two lists are recorded.
+    /// True if the camera walk fills the next two lists.
     pub(in crate::gather) records: bool,
     /// The visible points of the last sample.
     pub visible_points: Vec<VisiblePoint>,
@@ -49,7 +49,7 @@ pub(in crate::gather) struct CameraPath {
 }
 
 impl CameraPath {
-    /// Creates a path at the camera. The path is still a function of wavelength.
+    /// Creates a path at the camera. The path is free: its throughput is a function of wavelength.
     pub(in crate::gather) fn new(ray: Ray, medium_stack: MediumStack) -> Self {
         Self {
             ray_state: RayState { ray, from: None, medium_stack },

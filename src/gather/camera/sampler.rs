@@ -11,8 +11,8 @@ use glam::DVec2;
 /// sequence independent of the pixel's Sobol points.
 const WAVELENGTH_SEQUENCE: u64 = 0x5eed;
 
-/// The random numbers of one camera sample. A pixel's samples over the passes of a replicate are
-/// low-discrepancy points. Each replicate has its own scrambling.
+/// The random numbers of one camera sample. The samples of a pixel in all passes of one replicate
+/// form a low-discrepancy sequence. Each replicate has its own scrambling.
 #[derive(Debug)]
 pub struct PixelSampler {
     point: [f64; DIMENSIONS],

@@ -57,7 +57,8 @@ impl<'a> CameraPass<'a> {
             self.split(*path, interaction, None, context);
             return false;
         }
-        // The first surface follows both reflection and refraction; later surfaces select one.
+        // At the first surface, the walk follows both reflection and refraction. At later surfaces,
+        // it selects one of them.
         let reflectance = self.reflectance(interaction);
         let both = path.depth == 1;
         let reflects = both || context.sampler.stream.uniform() < reflectance;
@@ -80,8 +81,9 @@ impl<'a> CameraPass<'a> {
         fresnel::dielectric(interaction.wo.z.abs(), sides.here.n(REFERENCE_NM), sides.there.n(REFERENCE_NM))
     }
 
-    /// Follows the path once for each shared wavelength. `refraction` is the probability of the
-    /// selected refraction. If `refraction` is `None`, each wavelength samples the BSDF.
+    /// Follows the path once for each shared wavelength. If refraction is already selected,
+    /// `refraction` is its probability. If `refraction` is `None`, each wavelength samples the
+    /// BSDF.
     fn split<S: Sink>(
         &self,
         path: CameraPath,
@@ -144,8 +146,9 @@ impl<'a> CameraPass<'a> {
         match sample_consistently(interaction, draw) {
             Some(consistent) => {
                 let continues = path.continue_along(interaction, &consistent, context.buffers);
-                // If a path hits a light after a rough surface, this is direct light, which the
-                // plan switches off here.
+                // If the path hits a light after this rough surface, the light is direct light at
+                // the surface. If the plan contains no direct light, the path ignores the light
+                // that it hits.
                 if self.plan.direct.is_absent() && matches!(path.hit_weighting, HitWeighting::Mis { .. }) {
                     path.hit_weighting = HitWeighting::Ignored;
                 }
@@ -156,8 +159,9 @@ impl<'a> CameraPass<'a> {
     }
 }
 
-/// Russian roulette for paths of low throughput. The comparison ignores the factor n², because this
-/// factor cancels when the path leaves the glass.
+/// Applies Russian roulette to paths of low throughput. Returns false if the path ends. Inside
+/// glass, the throughput contains a factor 1/n², which cancels when the path leaves the glass. The
+/// survival probability therefore excludes this factor.
 fn survives<S: Sink>(scene: &Scene, path: &mut CameraPath, context: &mut PathContext<'_, '_, S>) -> bool {
     if path.reference_throughput <= 0.0 && matches!(path.spectral_mode, SpectralMode::Shared { .. }) {
         return false;

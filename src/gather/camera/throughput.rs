@@ -9,7 +9,7 @@ use crate::spectrum::LANES;
 use crate::walk::{RayState, SegmentTransmittance};
 use glam::DVec3;
 
-/// The factor of one event on the radiance of a camera path.
+/// The factor by which one event changes the radiance of a camera path.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) enum Factor<'a> {
     /// Scattering at a surface.
@@ -56,7 +56,8 @@ pub(in crate::gather) fn relative_n2(scene: &Scene, ray_state: &RayState, nm: f6
 /// The wavelengths of a camera path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::gather) enum SpectralMode {
-    /// The path is a function of wavelength: the product of its factors.
+    /// The path has no fixed wavelength. Its throughput is a function of wavelength: the product of
+    /// its factors.
     Free,
     /// The path carries one of the pass's shared wavelengths.
     Shared {
@@ -70,7 +71,7 @@ pub(in crate::gather) enum SpectralMode {
 }
 
 impl SpectralMode {
-    /// Returns the photon set for the path.
+    /// Returns the photon set that the path gathers.
     pub(in crate::gather) fn photon_set(self) -> PhotonSet {
         match self {
             SpectralMode::Free => PhotonSet::Free,
@@ -79,9 +80,10 @@ impl SpectralMode {
     }
 }
 
-/// Calls `f` with wavelengths (nm) and with the throughput divided by the density of the
-/// wavelengths. A free path samples stratified wavelengths from the light's spectrum. `u` in [0, 1)
-/// shifts these wavelengths. A shared path has one wavelength.
+/// Calls `f` for each wavelength. The first argument is the wavelength in nm. The second argument
+/// is the throughput, divided by the density of the wavelength. A free path samples stratified
+/// wavelengths from the light's spectrum. `u` in [0, 1) shifts these wavelengths. A shared path has
+/// one wavelength.
 #[inline(always)]
 pub(in crate::gather) fn each_wavelength(
     spectral_mode: SpectralMode,

@@ -15,7 +15,7 @@ pub struct VisiblePoint {
     /// The side length of the pixel's footprint in m, computed for a straight path of the same
     /// length.
     pub footprint_m: f64,
-    /// Whether no mirror or glass is between the camera and the point.
+    /// Whether the camera sees the point along a straight line.
     pub view: View,
     /// True if the path carries a shared wavelength.
     pub shared: bool,
@@ -39,8 +39,8 @@ pub struct CameraSegment {
 /// The least cosine between the normals of two points of one smooth surface.
 const LEAST_COSINE: f64 = 0.9;
 
-/// The largest height over the tangent plane for points of the same smooth surface, as a fraction
-/// of the distance to the point.
+/// The largest ratio of two lengths: the height of a point over the tangent plane, and the distance
+/// to that point. A point with a larger ratio does not belong to the same smooth surface.
 const LARGEST_SLOPE: f64 = 0.25;
 
 impl VisiblePoint {

@@ -1,9 +1,10 @@
-//! The camera walk: follows a camera path over mirrors and glass to the first diffuse surface, and
-//! gathers light along the path.
+//! The camera walk: follows a camera path over mirrors, glass and glossy surfaces to the first
+//! diffuse surface, and gathers light along the path.
 //!
 //! The loop is compiled twice: for scenes with bodies, and for scenes without bodies (see
-//! [`BodyMode`]). The code for all paths is inlined, so that the path and the interaction stay in
-//! registers. Rare code (for mirrors and visible lights) is called with copies of both.
+//! [`BodyMode`]). The code that every path runs is inlined, so that the path and the interaction
+//! stay in registers. Rare code (for mirrors and visible lights) receives copies of the path and of
+//! the interaction.
 
 use super::path::{CameraPath, PathBuffers};
 use super::sampler::PixelSampler;
@@ -102,7 +103,7 @@ impl<'a> CameraPass<'a> {
         context.buffers.factors.truncate(factors_before);
     }
 
-    /// Follows a path to its end with or without bodies.
+    /// Follows a path to its end. `M` tells whether the scene has bodies.
     #[inline(always)]
     fn follow_in_mode<M: BodyMode, S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
         let mut path = *path;
@@ -162,7 +163,8 @@ impl<'a> CameraPass<'a> {
         if !self.plan.direct.is_absent() {
             self.gather_direct::<M, S>(path, interaction, context);
         }
-        // At glossy surfaces, the continued path gathers this light.
+        // At a glossy surface, no extra ray is needed, because the continued path itself can hit a
+        // light.
         if ends && self.plan.direct.traces_scattered_rays() {
             self.gather_direct_by_bsdf::<M, S>(path, interaction, context);
         }

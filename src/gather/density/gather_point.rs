@@ -19,11 +19,12 @@ pub const PLANE_TOLERANCE: f64 = 0.3;
 
 /// The data of a gather point, without the data of its photons.
 ///
-/// The cosine of the incident direction comes from the surface where the photon arrived. A cosine
-/// from the tangent plane at the gather point would be wrong on a curved surface: some light at
-/// grazing angles would seem to come from below. An interpolated normal needs a correction. The
-/// flux of the photon came through the geometric surface, but the BSDF is defined for the shading
-/// normal. The weight of the photon is therefore |ω·n_s| / |ω·n_g| (Veach 1997, section 5.3).
+/// The cosine of the incident direction uses the surface normal at the position of the photon. On a
+/// curved surface, the normal at the gather point would give a wrong cosine. Some light at grazing
+/// angles would then seem to come from below the surface. If the shading normal n_s is
+/// interpolated, it differs from the geometric normal n_g. The flux of the photon arrived through
+/// the geometric surface, but the BSDF is defined for the shading normal. The photon is therefore
+/// multiplied by |ω·n_s| / |ω·n_g| (Veach 1997, section 5.3).
 pub(in crate::gather) struct GatherPoint<'e> {
     bsdf: &'e Bsdf,
     sides: InterfaceIors<'e>,
@@ -103,9 +104,9 @@ impl<'e> GatherPoint<'e> {
     }
 }
 
-/// Adds the contribution of a photon to the radiance of a camera path. `response` returns the
-/// fraction of the photon's power scattered into the path at a wavelength, per steradian.
-/// `path_bias` is the relative bias of all factors except the kernel.
+/// Adds the contribution of a photon to the radiance of a camera path. `response` takes a
+/// wavelength (nm). It returns the fraction of the photon's power that is scattered into the path,
+/// per steradian. `path_bias` is the relative bias of all factors except the kernel.
 #[inline(always)]
 pub(in crate::gather) fn add_photon<M: BodyMode, S: Sink>(
     photon: &PhotonPower,

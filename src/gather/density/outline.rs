@@ -15,19 +15,19 @@ use std::num::NonZeroU32;
 /// The number of directions of an outline.
 const DIRECTIONS: usize = 16;
 
-/// The height of search rays above the surface, as a fraction of the reach. Search rays find the
-/// end of the surface.
+/// The search rays find the end of the surface. This constant is their height above the surface, as
+/// a fraction of the search distance.
 const LIFT: f64 = 0.25;
 
 /// The least cosine between the normals of a surface and of its continuation.
 const CONTINUATION_COSINE: f64 = 0.7;
 
-/// The smallest divisor of the correction: the least fraction of a kernel on the surface. A smaller
-/// divisor would amplify the noise of a small number of photons.
+/// The lower limit of the fraction of a kernel on the surface. The estimate is divided by this
+/// fraction. A smaller divisor would amplify the noise of a small number of photons.
 const LEAST_FRACTION: f64 = 0.1;
 
 /// The extent of the surface around a visible point. Each pixel near an edge has an outline. To
-/// save memory, an outline is stored in single precision and in steps.
+/// save memory, an outline stores positions in single precision and extents in steps of 8 bits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
     position: Vec3,
@@ -59,7 +59,8 @@ impl Outline {
         Self { position, facing, reach: reach as f32, steps: std::array::from_fn(step) }
     }
 
-    /// Returns the fractions of kernels on the surface. `radius` (m) must not exceed the reach.
+    /// Returns the fraction of each kernel that lies on the surface. The kernel radius `radius` (m)
+    /// must not exceed the largest distance of the search.
     pub fn correction(&self, radius: f64) -> BoundaryCorrection {
         let per_step = f64::from(self.reach) / f64::from(u8::MAX) / radius;
         let (mut estimate, mut uniform) = (0.0, 0.0);
@@ -126,9 +127,10 @@ impl Outlines {
         outlines
     }
 
-    /// Returns the fractions of kernels on the surface at a visible point of this pixel. The pixel
-    /// may see several surfaces. If the pixel's own outline belongs to a different surface, the
-    /// outline of a neighbouring pixel is used.
+    /// Returns the fraction of each kernel that lies on the surface, at a visible point of this
+    /// pixel. The pixel may see several surfaces. If the pixel's own outline belongs to a different
+    /// surface, a neighbouring pixel may have an outline of the right surface. The correction then
+    /// uses that outline.
     pub fn correction(&self, pixel: usize, visible_point: &VisiblePoint, radius: f64) -> BoundaryCorrection {
         let (x, y) = ((pixel % self.width.max(1)) as isize, (pixel / self.width.max(1)) as isize);
         let nearby = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1)];
@@ -174,7 +176,8 @@ mod tests {
         assert!((corner.correction(1.0).estimate - 3.0 / 16.0).abs() < 1e-9);
     }
 
-    /// The mass of a kernel cut at half the radius equals the closed form.
+    /// A straight edge cuts the kernel at half the radius. The mass of the remaining kernel equals
+    /// the closed form.
     #[test]
     fn cut_kernel_has_the_mass_of_the_closed_form() {
         let cut = outline(|angle| if angle.cos() > 0.5 { 0.5 / angle.cos() } else { 1.0 });

@@ -13,8 +13,8 @@ use crate::plan::partition::{Estimator, View, estimator};
 use crate::walk::{BodyMode, Sink, SurfaceInteraction};
 
 impl<'a> CameraPass<'a> {
-    /// Gathers the photons around a surface point. Includes only the classes of light paths
-    /// assigned to the photon maps by the partition.
+    /// Gathers the photons around a surface point. Gathers only the path classes that the partition
+    /// assigns to the photon map.
     #[inline(always)]
     pub(in crate::gather) fn gather_photons<M: BodyMode, S: Sink>(
         &self,
@@ -24,8 +24,8 @@ impl<'a> CameraPass<'a> {
         context: &mut PathContext<'_, 'a, S>,
     ) {
         let set = path.spectral_mode.photon_set();
-        // Only free photons are connected to the camera. A shared camera path that sees the surface
-        // directly therefore uses the map.
+        // Only free photons are connected to the camera. Therefore, even if a shared camera path
+        // sees the surface directly, it uses the photon map.
         let view = match path.spectral_mode {
             SpectralMode::Free => path.view,
             SpectralMode::Shared { .. } => View::Indirect,

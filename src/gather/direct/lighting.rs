@@ -17,7 +17,7 @@ use crate::walk::{
 use glam::DVec3;
 use std::ops::Range;
 
-/// The largest number of lights for which every point samples all lights. In scenes with more
+/// If a scene has at most this number of lights, each point samples all lights. In scenes with more
 /// lights, each point samples one light.
 const SAMPLE_ALL_LIGHTS: usize = 8;
 
@@ -34,7 +34,7 @@ pub struct DirectLighting<'a> {
 enum ShadowAttenuation {
     /// Nothing in the scene absorbs or scatters between surfaces.
     Absent,
-    /// Each medium's own method.
+    /// Each medium uses its own transmittance estimator.
     AsStated,
     /// Ratio tracking in all media.
     Tracked,
@@ -47,7 +47,7 @@ pub(in crate::gather) struct LightSampleContext<'e, 'a> {
     /// The wavelength (nm) at which the path samples directions. Multiple importance sampling uses
     /// the BSDF's density at this wavelength.
     pub(in crate::gather) nm: f64,
-    /// Selects the light and a point of the light.
+    /// The random numbers that select the light and a point of the light.
     pub(in crate::gather) u: [f64; 3],
 }
 
@@ -57,8 +57,8 @@ pub(in crate::gather) struct VolumeLightSampleContext<'a> {
     /// The path's ray. The origin of the ray is the point.
     pub(in crate::gather) ray_state: RayState,
     pub(in crate::gather) medium: &'a Medium,
-    /// The wavelength (nm) at which the path samples the phase function. `None` if lights hit by
-    /// scattered rays do not count.
+    /// The wavelength (nm) at which the path samples the phase function. `None` if the estimator
+    /// ignores lights that scattered rays hit. The shadow ray then has the weight 1.
     pub(in crate::gather) phase_nm: Option<f64>,
     pub(in crate::gather) u: [f64; 3],
 }
@@ -91,7 +91,7 @@ pub(in crate::gather) struct VolumeLightSample<'a> {
     pub(in crate::gather) transmittance: PathTransmittance<'a>,
 }
 
-/// A light hit by a ray.
+/// A light that a ray hit.
 pub(in crate::gather) struct EmitterHit<'a> {
     pub(in crate::gather) light: &'a Light,
     /// The radiance over the band (W/m²/sr) times the weight of multiple importance sampling.
@@ -99,14 +99,14 @@ pub(in crate::gather) struct EmitterHit<'a> {
     pub(in crate::gather) spd: EmittedSpd,
 }
 
-/// The weight of the light from a light source that a ray happens to hit. The weight depends on the
+/// The weight of the emitted radiance if a ray happens to hit a light. The weight depends on the
 /// ray's previous vertex.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) enum HitWeighting {
     /// The weight is 1, because no shadow ray could have sampled this light.
     Full,
     /// The weight of multiple importance sampling. The ray was sampled at `position` with the
-    /// density `pdf` per steradian. The other technique is the shadow rays.
+    /// density `pdf` per steradian. Shadow rays are the other technique.
     Mis { position: DVec3, pdf: f64 },
     /// The weight is 0, because another estimator counts the light.
     Ignored,
@@ -190,8 +190,8 @@ impl<'a> DirectLighting<'a> {
         let (incoming, probability) = (-incident.direction, self.selection_probability(number));
         let mis_weight = match (phase_nm, incident.pdf_solid_angle) {
             (Some(nm), Some(pdf)) => {
-                // The phase function is symmetric, so this is the density with which the camera
-                // path would have continued towards the light.
+                // The phase function is symmetric. Its value is therefore the density with which
+                // the camera path would have continued towards the light.
                 let cosine = ray_state.ray.direction.dot(incident.direction);
                 power_heuristic(pdf * probability, medium.phase.eval(cosine, nm))
             }
@@ -223,7 +223,7 @@ impl<'a> DirectLighting<'a> {
         let wi = interaction.frame.to_local(incident.direction);
         let (bsdf, wo, sides) = (interaction.bsdf, interaction.wo, interaction.sides);
         let pdf_bsdf = bsdf.pdf(wo, wi, sides, nm);
-        // Without a response there is no need for a shadow ray.
+        // If the BSDF is 0 in this direction, no shadow ray is needed.
         if pdf_bsdf <= 0.0 && bsdf.eval(wo, wi, sides, TransportMode::Radiance, nm) <= 0.0 {
             return None;
         }

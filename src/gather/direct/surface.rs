@@ -88,7 +88,7 @@ impl<'a> CameraPass<'a> {
     }
 }
 
-/// Adds the radiance of a light hit by a path. The function takes a copy of the path, so that the
+/// Adds the radiance of a light that a path hit. The function takes a copy of the path, so that the
 /// path of the calling loop stays in registers.
 fn add_emitter<S: Sink>(path: CameraPath, emitter: &EmitterHit<'_>, context: &mut PathContext<'_, '_, S>) {
     let bias = bias_of_excess(path.excess_depth);

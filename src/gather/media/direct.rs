@@ -1,4 +1,4 @@
-//! Direct light scattered by a medium once, into a camera path.
+//! Direct light that a medium scatters once, into a camera path.
 
 use super::distance;
 use super::segment::segment_seed;

@@ -16,11 +16,12 @@ pub(super) struct DistanceSample {
 
 /// Samples a distance within the light's reach. Returns `None` if the medium is empty there.
 ///
-/// If the light has a pivot, half of the samples are equiangular as seen from it (Kulla & Fajardo
-/// 2012, "Importance Sampling Techniques for Path Tracing in Participating Media"). The others
-/// follow the transmittance at the wavelengths of the least and of the largest extinction. The
-/// weight uses the density of the mixture (balance heuristic). Therefore, at least one of the
-/// techniques is good at every wavelength and every distance.
+/// If the light has a pivot, half of the samples are equiangular as seen from the pivot (Kulla &
+/// Fajardo 2012, "Importance Sampling Techniques for Path Tracing in Participating Media"). The
+/// other samples are distributed like the transmittance. One half of them uses the least extinction
+/// coefficient over the band, and the other half uses the largest. At every wavelength and every
+/// distance, at least one of these techniques is good. The returned density is that of the mixture
+/// of all techniques (balance heuristic).
 pub(super) fn sample(medium: &Medium, ray: &Ray, reach: &LitInterval, u: [f64; 2]) -> Option<DistanceSample> {
     let techniques = Techniques::new(medium, ray, reach)?;
     let by_angle = if techniques.equiangular.is_some() { 0.5 } else { 0.0 };
@@ -69,8 +70,8 @@ pub(super) fn for_each_stratified(
         let equiangular = techniques.equiangular.as_ref().filter(|_| i < by_angle)?;
         Some((equiangular.at(stratum(i, by_angle, shift[0])) - techniques.start).clamp(0.0, techniques.length))
     };
-    // The distances of the two techniques are half a stratum apart, so that they differ even if
-    // both extinctions are equal.
+    // The distances of the two transmittance techniques are half a stratum apart. Therefore they
+    // differ even if both extinction coefficients are equal.
     let column = |technique: usize, i: usize| {
         let u = stratum(i, by_column, shift[1] + 0.5 * technique as f64);
         (i < by_column).then(|| (technique, techniques.sample_column(techniques.sigma[technique], u)))
@@ -147,13 +148,15 @@ impl<'a> Techniques<'a> {
         (column > 0.0).then_some(Self { medium, ray: part, start, length, column, sigma, equiangular })
     }
 
-    /// Returns the distance at which the attenuation reaches the fraction `u` of its total.
+    /// Returns the distance at which the attenuation 1 − T reaches the fraction `u` of its final
+    /// value. T is the transmittance from the start of this part of the ray.
     fn sample_transmittance(&self, sigma: f64, u: f64) -> Option<f64> {
         let column = self.sample_column(sigma, u);
         self.medium.distance_at(&self.ray, self.length, column).map(|t| self.start + t)
     }
 
-    /// Returns the column density at which the attenuation reaches the fraction `u` of its total.
+    /// Returns the column density at which the attenuation 1 − T reaches the fraction `u` of its
+    /// final value.
     fn sample_column(&self, sigma: f64, u: f64) -> f64 {
         let depth = sigma * self.column;
         if depth < 1e-6 {

@@ -1,11 +1,11 @@
-//! Direct light scattered by a medium once, into a camera ray. The light comes from light maps.
+//! Direct light that a medium scatters once, into a camera ray, computed with light maps.
 //!
-//! The transmittance is interpolated in the light's map at several random distances along the ray.
-//! The random distances add noise but no bias. The only bias is the interpolation error of the map.
-//! Visibility is not interpolated. A distance casts a shadow ray if any node around this distance
-//! sees the light. The other distances are probably in shadow. Only one in eight of these casts a
-//! shadow ray, with eight times the weight. Therefore, even thin shadows and thin beams of light
-//! are found.
+//! The estimator looks up the light map at several random points of the ray, and interpolates the
+//! transmittance there. The random points add noise but no bias. The only bias is the interpolation
+//! error of the map. Visibility is not interpolated. If any map node around a point sees the light,
+//! the point casts a shadow ray. All other points are probably in shadow. Such a point casts a
+//! shadow ray only with the probability 1/8, and its contribution is then multiplied by 8.
+//! Therefore the estimator finds even thin shadows and thin beams of light.
 
 use super::distance::{self, MOST_DISTANCES, StratifiedDistance};
 use crate::gather::camera::path::CameraPath;
@@ -38,7 +38,7 @@ struct InScattering<'s, 'a> {
     sum: Lanes,
     /// The estimated bias at each wavelength.
     bias: Lanes,
-    /// The number of the lookup that casts a shadow ray even if it is probably in shadow.
+    /// The number of the lookup that casts a shadow ray even if its point is probably in shadow.
     dark_lookup: usize,
     /// The number of lookups so far.
     lookups: usize,
@@ -99,8 +99,8 @@ impl<'a> CameraPass<'a> {
 }
 
 impl InScattering<'_, '_> {
-    /// Adds the light scattered by the medium at one distance. The shadow ray starts at that
-    /// distance.
+    /// Adds the light that the medium scatters at one distance. `ray` is the camera ray with its
+    /// origin moved to that distance. The shadow ray has the same origin.
     fn add(&mut self, distance: &StratifiedDistance, ray: &Ray, incident: &LiSample, tally: &mut Tally) {
         let lookup = self.map.lookup(ray.origin);
         let selected = self.lookups == self.dark_lookup;
@@ -115,7 +115,7 @@ impl InScattering<'_, '_> {
         if self.scene.geometry.occluded(&shadow_ray, None, incident.target, incident.distance) {
             return;
         }
-        // Both directions are reversed, which leaves the cosine unchanged.
+        // Both vectors point against the direction of the light. This does not change the cosine.
         let cosine = incident.direction.dot(ray.direction);
         let phase = self.wavelengths.each(|nm| self.medium.phase.eval(cosine, nm));
         let [fine, coarse] = self.map.optical_depths(&lookup, incident.distance, self.coefficients);

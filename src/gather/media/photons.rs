@@ -1,4 +1,5 @@
-//! Light from photons in media: the beam radiance estimate for points, and the beam-beam estimate.
+//! Light from photons in media: the beam radiance estimate for photon points, and the beam-beam
+//! estimate for photon beams.
 
 use super::segment::segment_seed;
 use crate::gather::camera::path::CameraPath;
@@ -71,8 +72,9 @@ impl<'a> CameraPass<'a> {
             }
             let to_photon = segment.path_transmittance(photon.t, seed);
             let cosine = -photon.incoming.dot(segment.ray.direction);
-            // The light of a beam is attenuated up to the ray and scattered there. The power of a
-            // point includes both.
+            // A beam stores the power at its start. Therefore the response of a beam includes the
+            // attenuation up to the camera ray and the scattering coefficient there. The stored
+            // power of a point already includes both.
             let along_beam = photon.beam.map(|BeamPath { start, distance_m }| {
                 let ray = Ray { origin: start, direction: photon.incoming };
                 (

@@ -88,7 +88,7 @@ impl<'a> PathTracer<'a> {
 
 impl TracedPath {
     /// Adds the light emitted by a medium into the path, evaluated at one random position of the
-    /// segment. At scattering events, next-event estimation counts this light.
+    /// segment. After a scattering event, next-event estimation counts this light instead.
     fn add_emission<S: Sink>(&self, segment: &MediumSegment<'_>, sampler: &mut PixelSampler, sink: &mut S) {
         let Some(NumberedMedium { medium, .. }) = segment.medium.filter(|filling| filling.medium.emission.is_some())
         else {
@@ -131,7 +131,8 @@ impl TracedPath {
 
     /// Tracks tentative collisions of rate σ̄. The rate σ̄ is the largest extinction at the path's
     /// wavelengths, times the bound of the density. The probability of a real scattering event is
-    /// the scattered fraction of the throughput of all wavelengths.
+    /// S/(S + N). S is the sum of the scattering coefficients of all wavelengths, weighted by the
+    /// throughput. N is the same sum for the coefficients of null collisions.
     fn sample_free_flight(
         &mut self,
         medium: &Medium,
@@ -171,7 +172,8 @@ impl TracedPath {
         }
     }
 
-    /// Russian roulette after a collision, for paths of low relative throughput.
+    /// Applies Russian roulette after a collision to paths of low relative throughput. Returns
+    /// false if the path ends.
     fn survives_collision(&mut self, sampler: &mut PixelSampler) -> bool {
         let throughput = self.relative_throughput();
         if throughput >= ROULETTE_THROUGHPUT {

@@ -194,17 +194,18 @@ impl TracedPath {
     }
 
     /// Returns the ratio of the throughput to the throughput at the start of the path. The ratio is
-    /// a mean over all wavelengths at the start.
+    /// the sum over the current wavelengths, divided by the number of lanes.
     pub(super) fn relative_throughput(&self) -> f64 {
         let lanes = self.throughput.iter().zip(&self.initial_throughput).take(self.wavelengths.count);
         lanes.filter(|(_, initial)| **initial > 0.0).map(|(t, initial)| t / initial).sum::<f64>() / LANES as f64
     }
 
-    /// Russian roulette by the relative throughput.
+    /// Applies Russian roulette by the relative throughput. Returns false if the path ends.
     ///
-    /// Radiance changes by n² where a path enters or leaves glass. The survival probability
-    /// excludes this factor. With this factor, paths would end inside glass, and the surviving
-    /// paths would leave the glass with too large a weight.
+    /// The throughput is divided by n² where a path enters glass, and multiplied by n² where the
+    /// path leaves the glass. The survival probability excludes this factor. Otherwise, too many
+    /// paths would end inside glass, and the surviving paths would leave the glass with too large a
+    /// weight.
     fn survives(&mut self, scene: &Scene, depth: u32, sampler: &mut PixelSampler) -> bool {
         let throughput = self.relative_throughput();
         if throughput <= 0.0 {

@@ -41,8 +41,8 @@ impl Cylinder {
         Some(if speed > 0.0 { Span { enter: bottom, exit: top } } else { Span { enter: top, exit: bottom } })
     }
 
-    /// Returns the exit of a line from a start on a face, or `None` if the line points out of the
-    /// body. The body is convex, so the line never re-enters it.
+    /// Returns the exit of a line that starts on a face, or `None` if the line points out of the
+    /// body. The body is convex, so a line that leaves it never re-enters it.
     fn exit_from(&self, line: &LocalLine, start: u32) -> Option<Crossing> {
         let speed = line.direction.y;
         let side = match start {

@@ -2,9 +2,10 @@
 //! 2 edge.
 //!
 //! The lens is built from convex sets: the cylinder of the edge, and one ball or half-space per
-//! surface. A convex surface intersects the lens with its set; a concave surface subtracts its set.
-//! A line intersects each convex set in one span. The spans are combined on the line, so entries
-//! and exits alternate, and faces meet at their rims without gaps.
+//! surface. A convex or plane surface restricts the lens to the set of this surface. A concave
+//! surface removes its set from the lens. A line intersects each convex set in one span. The lens
+//! combines these spans on the line. Entries and exits therefore alternate, and faces meet at their
+//! rims without gaps.
 
 use std::f64::consts::{PI, TAU};
 
@@ -24,14 +25,14 @@ const EDGE: u32 = 2;
 #[derive(Debug, Clone, Copy)]
 struct Cap {
     face: u32,
-    /// z of the intersection of surface and axis.
+    /// z of the vertex, where the surface crosses the axis.
     vertex_z: f64,
     /// Radius of the ball, or `None` for a plane.
     radius: Option<f64>,
-    /// Sign of the z direction that points out of the set at the vertex, ±1.
+    /// +1 if the +z direction points out of the set at the vertex, −1 if the −z direction does.
     outward: f64,
-    /// True if the lens lies inside the set (convex or plane surface) or outside it (concave
-    /// surface).
+    /// True if the lens lies inside the set (convex or plane surface). False if the lens lies
+    /// outside the set (concave surface).
     kept: bool,
 }
 
@@ -65,13 +66,13 @@ impl LensSolid {
         Self { front, back, edge_radius: 0.5 * diameter }
     }
 
-    /// Returns z of the rims of the front and the back surface.
+    /// Returns the z coordinates of the rims of the front and the back surface.
     pub(crate) fn rims(&self) -> (f64, f64) {
         (self.front.rim_z(self.edge_radius), self.back.rim_z(self.edge_radius))
     }
 
-    /// Returns the support function of the lens: the largest p·direction over its points p.
-    /// `direction` may have any length.
+    /// Returns the support function of the lens: the largest dot product of `direction` with a
+    /// point of the lens. `direction` may have any length.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         let across = self.edge_radius * direction.x.hypot(direction.y);
         let (front, back) = self.rims();
@@ -109,8 +110,8 @@ impl LensSolid {
     }
 
     fn next_from(&self, line: &LocalLine, start: u32) -> Option<Crossing> {
-        // The t at which the line leaves the set of its start face. It is negative if the line
-        // points out of that set.
+        // The t at which the line leaves the set of its start face. This t is negative if the line
+        // points out of the set.
         let (kept, set_exit_t) = match start {
             EDGE => (true, chord_t(&project_xy(line))),
             FRONT => (self.front.kept, self.front.set_exit_t(line)),
@@ -121,8 +122,8 @@ impl LensSolid {
             return self.exit_from(line, start, set_exit_t);
         }
         if kept {
-            // The lens lies inside each kept set, and the set is convex, so the line never
-            // re-enters it.
+            // The line leaves this set. The set is convex and contains the lens, so the line never
+            // re-enters the lens.
             return None;
         }
         self.entry_from(line, start, set_exit_t)
@@ -211,13 +212,13 @@ impl LensSolid {
 }
 
 impl Cap {
-    /// Returns z of the ball's centre, or of the plane.
+    /// Returns the z coordinate of the ball's centre, or of the plane.
     fn centre_z(&self) -> f64 {
         self.vertex_z - self.outward * self.radius.unwrap_or(0.0)
     }
 
     /// Returns the sagitta of the cap over a disk of the given radius. This form is accurate for
-    /// flat caps.
+    /// nearly flat caps.
     fn sagitta(&self, disk_radius: f64) -> f64 {
         self.radius.map_or(0.0, |radius| {
             let root = ((radius - disk_radius) * (radius + disk_radius)).max(0.0).sqrt();
@@ -229,14 +230,15 @@ impl Cap {
         self.vertex_z - self.outward * self.sagitta(edge_radius)
     }
 
-    /// Returns the support function of the ball, or `None` if its extreme point lies outside the
-    /// cap.
+    /// Returns the support function of the ball. Returns `None` for a plane, or if the extreme
+    /// point of the ball lies outside the cap.
     fn support(&self, direction: DVec3, edge_radius: f64) -> Option<f64> {
         let radius = self.radius?;
         let sin = edge_radius / radius;
         let in_cap = self.outward * direction.z >= direction.length() * ((1.0 - sin) * (1.0 + sin)).max(0.0).sqrt();
-        // The support is computed from the vertex, which is accurate for flat caps: r(|d| − d·axis)
-        // = r|d across|²/(|d| + d·axis).
+        // The support is computed relative to the vertex, because this is accurate for nearly flat
+        // caps. If d⊥ is the component of d perpendicular to the axis, r(|d| − d·axis) equals
+        // r|d⊥|²/(|d| + d·axis).
         let along = self.outward * direction.z;
         let bulge = radius * direction.with_z(0.0).length_squared() / (direction.length() + along);
         in_cap.then_some(self.vertex_z * direction.z + bulge)
@@ -258,8 +260,8 @@ impl Cap {
     }
 
     /// Returns the roots of the line with the ball. The quadratic equation is relative to the
-    /// vertex and to the line's nearest point. No term is thus as large as the radius of curvature,
-    /// and the roots are accurate for nearly flat surfaces.
+    /// vertex and to the line's nearest point. The constant term therefore does not contain the
+    /// square of the radius of curvature, and the roots are accurate for nearly flat surfaces.
     fn roots(&self, line: &LocalLine, radius: f64) -> Option<(f64, f64)> {
         let direction = line.direction;
         let a = direction.length_squared();
@@ -289,8 +291,8 @@ impl Cap {
         Some(Span::of_face(roots, self.face))
     }
 
-    /// Returns the exit t of a line that starts on this surface, or ∞ if the line never leaves the
-    /// set. The result is negative if the line points out of the set.
+    /// Returns the t at which a line that starts on this surface leaves the set, or ∞ if the line
+    /// never leaves the set. The result is negative if the line points out of the set.
     fn set_exit_t(&self, line: &LocalLine) -> f64 {
         let Some(radius) = self.radius else {
             return if self.outward * line.direction.z < 0.0 { f64::INFINITY } else { -1.0 };
@@ -310,8 +312,9 @@ impl Cap {
         let centre = DVec3::new(0.0, 0.0, self.centre_z());
         let radial = (point - centre).normalize_or(DVec3::new(0.0, 0.0, self.outward));
         let across = point.with_z(0.0).length();
-        // z is computed from the sagitta, because the sum of radius and centre z would be
-        // inaccurate for a flat surface. Steep surfaces use the radius.
+        // Near the axis, z is computed from the sagitta. The sum of the centre's z and the radius
+        // would be inaccurate on a nearly flat surface. Far from the axis, where the surface is
+        // steep, the point is computed from the centre and the radius.
         let snapped = if across < 0.7 * radius {
             point.with_z(self.vertex_z - self.outward * self.sagitta(across))
         } else {
@@ -324,8 +327,8 @@ impl Cap {
         self.radius.map_or(PI * edge_radius * edge_radius, |radius| TAU * radius * self.sagitta(edge_radius))
     }
 
-    /// Samples a point uniformly on the cap. By Archimedes' theorem, equal heights have equal
-    /// areas.
+    /// Samples a point uniformly on the cap. By Archimedes' theorem, zones of equal height have
+    /// equal areas.
     fn sample(&self, edge_radius: f64, u: f64, sin: f64, cos: f64) -> DVec3 {
         let height = u * self.sagitta(edge_radius);
         let ring =
@@ -334,7 +337,7 @@ impl Cap {
     }
 }
 
-/// Removes from the spans their part inside a convex hollow.
+/// Removes the parts of the spans that lie inside a convex hollow.
 fn subtract(pieces: [Option<Span>; 3], hollow: Span) -> [Option<Span>; 3] {
     let mut left = [None; 3];
     let mut count = 0;

@@ -6,8 +6,8 @@ use glam::DVec3;
 
 use crate::math::random::ONE_MINUS_ULP;
 
-/// The line `origin + t·direction`. The direction may have any length, so t is the same in every
-/// frame.
+/// The line `origin + t·direction`. The direction is not normalised, so a transform of the line to
+/// another frame does not change t.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LocalLine {
     pub(crate) origin: DVec3,
@@ -70,8 +70,9 @@ pub(crate) fn azimuth_fraction(x: f64, y: f64) -> f64 {
 /// Returns the range of t where the distance of a line from the origin is at most `radius`.
 ///
 /// For a cylinder, the axial components of origin and direction must be 0. The discriminant is
-/// computed from the point of closest approach, and the roots without cancellation. Small, distant
-/// and nearly grazed balls therefore keep full precision.
+/// computed from the point of closest approach. The roots are computed without cancellation. They
+/// are therefore accurate also for small balls, distant balls, and lines that almost graze the
+/// ball.
 #[inline]
 pub(crate) fn ball_roots(line: &LocalLine, radius: f64) -> Option<(f64, f64)> {
     let a = line.direction.length_squared();
@@ -88,15 +89,16 @@ pub(crate) fn ball_roots(line: &LocalLine, radius: f64) -> Option<(f64, f64)> {
     Some(ordered_roots(a, b, c, discriminant * a))
 }
 
-/// Returns the second root of a line that starts on a ball about the origin. Here c = 0 exactly, so
-/// one root is 0 and the other root is −2b/a. The result is negative if the line leaves the ball.
+/// Returns the second root of a line that starts on a ball about the origin. The constant term of
+/// the quadratic equation is taken as exactly 0, so one root is 0 and the other root is −2b/a. The
+/// result is negative if the line points out of the ball.
 pub(crate) fn chord_t(line: &LocalLine) -> f64 {
     let a = line.direction.length_squared();
     if a == 0.0 { f64::INFINITY } else { -2.0 * line.origin.dot(line.direction) / a }
 }
 
-/// Returns the roots of a t² + 2b t + c in ascending order, from the discriminant b² − ac ≥ 0,
-/// without cancellation.
+/// Returns the roots of a t² + 2b t + c in ascending order. `discriminant` is b² − ac and must not
+/// be negative. The roots are computed without cancellation.
 #[inline]
 pub(crate) fn ordered_roots(a: f64, b: f64, c: f64, discriminant: f64) -> (f64, f64) {
     let q = -b - discriminant.sqrt().copysign(b);

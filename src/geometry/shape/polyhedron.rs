@@ -1,7 +1,8 @@
 //! Box and prism: intersections of half-spaces, with one face per half-space.
 //!
-//! A line enters the body at its last entry into a half-space and leaves it at its first exit.
-//! Entries and exits therefore alternate by construction, also at edges and corners.
+//! On a line, the last entry into a half-space is the entry into the body. The first exit from a
+//! half-space is the exit from the body. Entries and exits therefore alternate by construction,
+//! also at edges and corners.
 
 use glam::DVec3;
 
@@ -14,8 +15,8 @@ struct HalfSpace {
     offset: f64,
 }
 
-/// The part of the plane that belongs to the face. The part is a parallelogram spanned by two edges
-/// at a corner, or half of it: a triangle.
+/// The part of the plane that belongs to the face. The part is the parallelogram that two edges
+/// span at a corner, or the triangle that is half of this parallelogram.
 #[derive(Debug, Clone, Copy)]
 struct FaceOutline {
     corner: DVec3,
@@ -68,8 +69,8 @@ impl Polyhedron {
         let left = DVec3::new(-half_base, -height / 3.0, z);
         let along = DVec3::new(0.0, 0.0, length);
         let mut body = Self { half_spaces: Vec::with_capacity(5), facets: Vec::with_capacity(5) };
-        // The normals of the legs follow from the angle, and their common offset from the apex.
-        // Both planes therefore contain the same line at the apex.
+        // The apex angle determines the normals of the two legs. The apex determines their common
+        // offset. Both planes therefore contain the same line at the apex.
         let (leg_right, leg_left) = (DVec3::new(cos, sin, 0.0), DVec3::new(-cos, sin, 0.0));
         let parallelogram = |corner, edge_u| FaceOutline { corner, edge_u, edge_v: along, triangle: false };
         body.push(leg_right, leg_right.dot(top), parallelogram(top, right - top));
@@ -119,7 +120,7 @@ impl Polyhedron {
         if enter.t > after { Some(enter) } else { Some(exit).filter(|exit| exit.t > after) }
     }
 
-    /// Returns the exit of a line from a start on a face, or `None` if the line points out of the
+    /// Returns the exit of a line that starts on a face, or `None` if the line points out of the
     /// body. If the start is beyond another face because of rounding, the exit is at t = 0.
     fn exit_from(&self, line: &LocalLine, start: u32) -> Option<Crossing> {
         if self.half_spaces[start as usize].normal.dot(line.direction) >= 0.0 {

@@ -35,12 +35,12 @@ pub(crate) enum ValidShape<'a> {
 }
 
 impl Shape {
-    /// Checks that the numbers form a valid body.
+    /// Checks that the parameters describe a valid body.
     ///
     /// # Errors
     /// Returns an error if a number is not finite or not positive, the surfaces of a lens cannot
-    /// span its diameter, or its edge has negative thickness. The JSON path in the error names this
-    /// number.
+    /// span the lens's diameter, or the edge of a lens has negative thickness. The JSON path in the
+    /// error names the wrong parameter.
     pub fn validate(&self) -> Result<()> {
         self.validated().map(|_| ())
     }
@@ -93,9 +93,9 @@ impl Shape {
 }
 
 impl Solid {
-    /// Returns the first crossing with t > `after`. If the line starts on face `start_face`, its
-    /// origin counts as exactly on that face, regardless of rounding. The search for the next
-    /// crossing begins on the side towards which the line points.
+    /// Returns the first crossing with t > `after`. If the line starts on the face `start_face`,
+    /// the origin of the line counts as exactly on this face, regardless of rounding. The search
+    /// for the next crossing begins on the side towards which the line points.
     pub(crate) fn next_crossing(&self, line: &LocalLine, start_face: Option<u32>, after: f64) -> Option<Crossing> {
         match self {
             Self::Sphere(sphere) => sphere.next_crossing(line, start_face, after),
@@ -106,7 +106,7 @@ impl Solid {
         }
     }
 
-    /// Returns the surface point of a face at a point on or near the face.
+    /// Projects a point on or near a face onto the face. Returns the surface point.
     pub(crate) fn surface(&self, point: DVec3, face: u32) -> LocalSurfacePoint {
         match self {
             Self::Sphere(sphere) => sphere.surface(point),
@@ -149,7 +149,7 @@ impl Solid {
         }
     }
 
-    /// Samples a point uniformly by area of a face in the local frame.
+    /// Samples a point of a face. The distribution is uniform by area in the local frame.
     pub(crate) fn sample(&self, face: u32, u: [f64; 2]) -> DVec3 {
         match self {
             Self::Sphere(sphere) => sphere.sample(u),
@@ -181,8 +181,8 @@ impl Solid {
         }
     }
 
-    /// Returns whether all faces are flat, so that a linear map scales the area of each face
-    /// uniformly.
+    /// Returns whether all faces are flat. A linear map scales the area of a flat face by a
+    /// constant factor.
     pub(crate) fn has_flat_faces(&self) -> bool {
         match self {
             Self::Flat(_) | Self::Polyhedron(_) => true,

@@ -53,7 +53,8 @@ mod tests {
         // The bulge of one surface equals the hollow of the other surface, which has the same
         // radius.
         assert!((lens(3.0, 3.0, 0.3) - 0.3 * PI).abs() < 1e-12);
-        // A biconcave lens is a cylinder of 2.5 m minus two caps of 1 m sagitta, which form a ball.
+        // This biconcave lens is a cylinder of 2.5 m height minus two caps of 1 m sagitta. The two
+        // caps together have the volume of a ball.
         assert!((lens(-1.0, 1.0, 0.5) - (2.5 * PI - 4.0 / 3.0 * PI)).abs() < 1e-12);
         let prism = Shape::Prism { side: 2.0, length: 3.0, apex_deg: 60.0 };
         assert!((prism.volume_m3() - 3.0 * 3.0_f64.sqrt()).abs() < 1e-12);

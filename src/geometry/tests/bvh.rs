@@ -65,7 +65,7 @@ fn bvh_finds_the_same_hits_as_brute_force() {
 
 #[test]
 fn a_scene_of_very_different_sizes_loses_nothing() {
-    // One centimetre of detail in a plain of ten kilometres.
+    // A mesh of one centimetre near a rectangle of ten kilometres.
     let mut rng = random(8);
     let small = DAffine3::from_translation(DVec3::new(3.0, 1.0, -2.0)) * DAffine3::from_scale(DVec3::splat(0.01));
     let triangles = mesh(soup(500, 0.1, &mut rng));
@@ -100,7 +100,7 @@ fn rays_along_the_axes_and_flat_scenes_are_no_exception() {
                 let hit = geometry.intersect(&Ray::new(at - back * direction, direction), None, f64::INFINITY).unwrap();
                 assert_eq!(hit.position, at);
             }
-            // A ray within the plane hits nothing and causes no error.
+            // A ray that lies in the plane hits nothing.
             assert!(geometry.intersect(&Ray::new(at - 50.0 * DVec3::X, DVec3::X), None, f64::INFINITY).is_none());
         }
     }

@@ -25,8 +25,8 @@ fn inside(shape: &Shape, p: DVec3) -> bool {
     }
 }
 
-/// Returns all t where a ray crosses the boundary of a shape. They are found by small steps and
-/// bisection.
+/// Returns all t where a ray crosses the boundary of a shape. The function walks along the ray in
+/// small steps and refines each crossing by bisection.
 fn transitions(shape: &Shape, to_local: DAffine3, ray: &Ray, length: f64, steps: u32) -> Vec<f64> {
     let is_inside = |t: f64| inside(shape, to_local.transform_point3(ray.at(t)));
     let step = length / f64::from(steps);
@@ -70,7 +70,8 @@ fn agrees_with_its_definition(shape: &Shape, to_world: DAffine3) {
             assert!(hit.position.distance(ray.at(hit.t)) < 1e-9 * reach, "{shape:?}: {hit:?}");
             assert!((hit.normal.length() - 1.0).abs() < 1e-14 && local.is_finite());
         }
-        // The steps may miss thin regions, whose two crossings are close together.
+        // `left` contains the hits without a counterpart in `expected`. They must come in pairs
+        // that are close together, because the small steps may miss thin regions.
         let too_thin =
             left.chunks(2).all(|pair| pair.len() == 2 && pair[1].t - pair[0].t < 2.0 * length / f64::from(steps));
         assert!(too_thin, "{shape:?}: hits too many: {left:?}");
@@ -176,7 +177,8 @@ fn far_and_tiny_balls_are_hit_to_the_last_digits() {
     // The ray starts 10⁶ radii away, half a radius off the axis: t = d − √(1 − ¼).
     let geometry = alone(Shape::Sphere { radius: 1.0 }, DAffine3::IDENTITY);
     let hit = geometry.intersect(&Ray::new(DVec3::new(0.5, 0.0, -1e6), DVec3::Z), None, f64::INFINITY).unwrap();
-    // The distance has 16 digits. The position on the ball is accurate to full precision.
+    // The distance of 10⁶ radii has 16 correct digits. The projection onto the ball makes the
+    // distance of the position from the centre accurate to full precision.
     assert!((hit.t - (1e6 - 0.75_f64.sqrt())).abs() < 2e-10);
     assert!((hit.position - DVec3::new(0.5, 0.0, -0.75_f64.sqrt())).length() < 2e-10);
     assert!((hit.position.length() - 1.0).abs() < 3e-16);

@@ -45,7 +45,8 @@ fn alone(shape: Shape, to_world: DAffine3) -> Geometry {
     Geometry::build(vec![placed(shape, to_world, 0)], DVec3::ZERO).unwrap()
 }
 
-/// Returns a transform of rotation, translation and uniform scale. Its numbers are not round.
+/// Returns a transform that rotates, translates and scales uniformly. The entries of its matrix are
+/// not round numbers.
 fn turned(scale: f64) -> DAffine3 {
     let rotation = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
     DAffine3::from_scale_rotation_translation(DVec3::splat(scale), rotation, scale * DVec3::new(0.3, -0.2, 0.5))

@@ -62,7 +62,8 @@ fn points_lie_on_the_surface_and_densities_integrate_to_one() {
         for to_world in [turned(1e-3), stretched()] {
             let geometry = alone(shape.clone(), to_world);
             let reach = (geometry.bounds().1 - geometry.bounds().0).length();
-            // The mean of 1/pdf is the area. The values are all equal if the density is uniform.
+            // The mean of 1/pdf is the area. If the density is uniform, all values of 1/pdf are
+            // equal.
             let (count, mut sum, mut squares) = (4000, 0.0, 0.0);
             for _ in 0..count {
                 let sample = geometry.sample_area(0, numbers(&mut rng));
@@ -85,8 +86,8 @@ fn points_lie_on_the_surface_and_densities_integrate_to_one() {
     }
 }
 
-/// χ² test of samples on a grid of equal areas. The grid comes from an independent rule: equal
-/// slices along the axis of curved faces.
+/// χ² test of samples on a sphere and on spherical caps. The bins are slices of equal height along
+/// an axis. They have equal areas, independently of the sampling method.
 #[test]
 fn points_are_uniform_over_the_area() {
     let mut rng = random(13);
@@ -120,7 +121,7 @@ fn points_are_uniform_over_the_area() {
 }
 
 /// Returns the solid angle of a rectangle. The corners a, b, c, d are relative to the point of
-/// view. The solid angle is the sum of two triangles (Van Oosterom & Strackee 1983).
+/// view. The result is the sum of the solid angles of two triangles (Van Oosterom & Strackee 1983).
 fn solid_angle(corners: [DVec3; 4]) -> f64 {
     let triangle = |a: DVec3, b: DVec3, c: DVec3| {
         let (x, y, z) = (a.length(), b.length(), c.length());
@@ -155,8 +156,8 @@ fn a_rectangles_density_is_its_solid_angle() {
     }
 }
 
-/// The density of a sphere is the inverse solid angle of its cone, for near, distant and tiny
-/// spheres.
+/// The density of points sampled on a sphere is one over the solid angle of the cone that the
+/// sphere subtends. This holds for near, distant and tiny spheres.
 #[test]
 fn sphere_density_is_one_over_its_cone_solid_angle() {
     let mut rng = random(15);
@@ -175,8 +176,8 @@ fn sphere_density_is_one_over_its_cone_solid_angle() {
             assert!((sample.position.length() / radius - 1.0).abs() < 1e-14);
             let facing = sample.normal.dot((from - sample.position).normalize());
             assert!(facing > -1e-6, "the point drawn faces away: {facing}");
-            // 1 − cos of the angle from the axis is uniform. It equals (|across| / |to|)² / (1 +
-            // cos).
+            // For uniform directions in the cone, 1 − cos θ is uniform, where θ is the angle from
+            // the axis. This value equals sin² θ / (1 + cos θ).
             let to = sample.position - from;
             let across2 = (sample.position - sample.position.dot(axis) * axis).length_squared() / to.length_squared();
             let share = across2 / (1.0 + (1.0 - across2).sqrt()) * TAU / expected;
@@ -188,8 +189,8 @@ fn sphere_density_is_one_over_its_cone_solid_angle() {
     }
 }
 
-/// For every shape, the mean of 1/pdf over the visible sampled points equals the solid angle.
-/// Random rays measure the solid angle.
+/// For every shape, the mean of 1/pdf over the visible sampled points equals the solid angle. The
+/// solid angle is estimated with random rays.
 #[test]
 fn directional_densities_integrate_to_the_visible_solid_angle() {
     let mut rng = random(16);

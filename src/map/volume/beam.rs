@@ -1,6 +1,7 @@
 //! Photon beams (Jarosz, Nowrouzezahrai, Sadeghi & Jensen 2011, "A Comprehensive Theory of
 //! Volumetric Radiance Estimation Using Photon Points and Beams"). A beam is a whole segment of a
-//! photon path. The kernel is a line perpendicular to the beam and to the camera ray.
+//! photon path. The kernel is one-dimensional: it lies on the line perpendicular to the beam and to
+//! the camera ray.
 
 use super::{BeamPath, PhotonNearRay};
 use crate::map::kernel;
@@ -28,8 +29,8 @@ pub(super) struct BeamPiece {
     count: u16,
 }
 
-/// The least sine of the angle between a beam and a ray. The estimate divides by the sine. For a
-/// ray along a beam, the estimate would be infinite.
+/// The estimate is divided by the sine of the angle between a beam and a ray. This constant is the
+/// lower limit of the sine. Without a limit, the estimate would be infinite for a parallel ray.
 const LEAST_SINE: f64 = 1e-3;
 
 /// The number of pieces of the longest beam. Pieces of all beams have about the same length.
@@ -79,8 +80,8 @@ impl BeamPiece {
         (a.min(b), a.max(b))
     }
 
-    /// Returns the beam if the closest approach of beam and ray lies on this piece, on the ray and
-    /// within the kernel radius.
+    /// Returns the beam if two conditions hold. The closest approach of the beam and the ray must
+    /// lie on this piece and on the ray. The distance there must be less than the kernel radius.
     pub(super) fn near_ray<'m>(&self, beams: &'m [PhotonBeam], cone: &QueryCone) -> Option<PhotonNearRay<'m>> {
         let beam = &beams[self.beam as usize];
         let (start, end) = beam.ends();

@@ -1,17 +1,20 @@
-//! Volumetric light maps: precomputed shadow transmittance of direct light in media, one map for
-//! each light and medium.
+//! Volumetric light maps: the precomputed transmittance between a light and the points of a medium.
+//! Each pair of a light and a medium has its own map.
 //!
 //! A map is a grid around a medium. Radiance is not interpolated, because it falls off with the
 //! square of the distance and depends on the light's spectrum. Instead, each node stores the mean
-//! density of each medium along the straight line from the light. Homogeneous fog is then
-//! represented without error. A lookup recomputes the distance and the irradiance, and obtains the
-//! transmittance exp(−σ_t(λ)·D) at any wavelength from the column density D. Each node also stores
-//! whether the node sees the light. If none of the eight nodes around a position sees the light,
-//! the position is very likely in shadow, and most of its shadow rays can be saved.
+//! density of each medium along the straight line from the light. If homogeneous fog fills the
+//! whole space between the light and the grid, the map represents the fog without error. For each
+//! lookup, the caller computes the distance to the light and the irradiance without interpolation.
+//! The mean density times the distance is the column density D. The transmittance is then
+//! exp(−σ_t(λ)·D) at any wavelength. Each node also stores whether the node sees the light. If none
+//! of the eight nodes around a position sees the light, the position is very likely in shadow. Most
+//! shadow rays from such positions can be omitted.
 //!
-//! Every second node belongs to a coarse lattice of half the resolution. The error of trilinear
-//! interpolation of a smooth function is of second order in the cell size. Therefore a third of the
-//! difference between the two lattices estimates the error of the fine one (Richardson
+//! Every second node belongs to a coarse lattice of half the resolution. If a function is smooth,
+//! the error of trilinear interpolation is of second order in the cell size. The error of the
+//! coarse lattice is then four times the error of the fine lattice. Therefore a third of the
+//! difference between the two lattices estimates the error of the fine lattice (Richardson
 //! extrapolation).
 
 use crate::geometry::Ray;
@@ -26,8 +29,8 @@ use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 
-/// The maps of a pass: one for each pair of a light and a scattering medium. Only lights
-/// represented by a single position have maps.
+/// The maps of a pass: one for each pair of a light and a scattering medium. A light has maps only
+/// if one position or one direction can represent the light in a pass.
 #[derive(Debug, Default)]
 pub struct LightMaps<'a> {
     maps: Vec<LightMap<'a>>,
@@ -51,7 +54,8 @@ pub struct LightMap<'a> {
     /// The attenuators between the light and the nodes.
     attenuators: Vec<Attenuator<'a>>,
     /// The mean density along the line from the light to each node, or the column density in m if
-    /// the light is at infinity. The index runs over nodes (x fastest) and attenuators.
+    /// the light is at infinity. The values of all attenuators at one node are adjacent. Among the
+    /// nodes, x varies fastest.
     means: Vec<f32>,
     /// Whether the light is visible from each node.
     visible: Vec<bool>,
@@ -84,7 +88,7 @@ struct PickedLight {
     virtual_light: VirtualLight,
 }
 
-/// The number of a medium, and the box of the medium as a transform of the unit cube.
+/// The number of a medium, and the transform from the unit cube to the box of the medium.
 #[derive(Debug, Clone, Copy)]
 struct MediumBox {
     medium: usize,
@@ -94,8 +98,9 @@ struct MediumBox {
 impl<'a> LightMaps<'a> {
     /// Updates the maps for a pass. `seed` is the seed of the render. The longest side of each
     /// medium's box gets `cells` cells, rounded up to an even number. In each pass, a different
-    /// position represents an extended light. Maps of the same resolution stay valid and are kept
-    /// if no light has an extent: all lights are points, or parallel light from infinity.
+    /// position represents an extended light. If `cells` is unchanged and no light with a map has
+    /// an extent, the maps stay valid and are kept. Lights without extent are points and sources of
+    /// parallel light.
     pub fn update(&mut self, scene: &'a Scene, cells: u32, seed: u64, pass: u64) {
         if self.cells == cells && !self.maps.iter().any(|map| !scene.lights[map.light].is_delta()) {
             return;
@@ -184,8 +189,8 @@ impl<'a> LightMap<'a> {
         LightMapLookup([1, 2].map(|step| self.trilinear_weights(in_cells, step)))
     }
 
-    /// Returns the interpolation of a position between every `step`-th node. The position is in
-    /// cells of the fine lattice.
+    /// Returns the nodes and weights that interpolate at a position. The lattice consists of every
+    /// `step`-th node. The position is in cells of the fine lattice.
     fn trilinear_weights(&self, in_cells: DVec3, step: usize) -> TrilinearWeights {
         let (mut nodes, mut weights) = ([0; 8], [1.0; 8]);
         let mut stride = 1;
@@ -215,8 +220,9 @@ impl<'a> LightMap<'a> {
         self.attenuators.iter().map(|attenuator| wavelengths.each(|nm| attenuator.coefficient(nm)))
     }
 
-    /// Returns the optical depths between the light and the position, by the fine and by the coarse
-    /// lattice. `distance` is the distance to the light in m, infinite for a light at infinity.
+    /// Returns the optical depths between the light and the position. The first result comes from
+    /// the fine lattice, and the second comes from the coarse lattice. `distance` is the distance
+    /// to the light in m, infinite for a light at infinity.
     pub fn optical_depths(&self, lookup: &LightMapLookup, distance: f64, coefficients: &[Lanes]) -> [Lanes; 2] {
         lookup.0.map(|weights| {
             let mut depths = [0.0; LANES];
@@ -280,11 +286,12 @@ fn attenuators(scene: &Scene) -> Vec<Attenuator<'_>> {
     media.chain(bodies().filter_map(|body| body.absorption.as_ref().map(Attenuator::Clear))).collect()
 }
 
-/// Computes the mean density of each attenuator between the light and a node. Returns whether the
-/// light is visible from the node.
+/// Computes the mean density of each attenuator between the light and a node, or the column density
+/// for a light at infinity. Returns whether the light is visible from the node.
 ///
-/// The line is followed from the light, because the medium stack is known there. The line continues
-/// behind surfaces, so that the stored densities are smooth there.
+/// The function follows the line from the light to the node, because the medium stack at the light
+/// is known. Surfaces do not end the line. Therefore the stored densities vary smoothly even behind
+/// surfaces.
 fn trace_to_node(
     scene: &Scene,
     light: &PickedLight,
@@ -364,7 +371,8 @@ mod tests {
         [error / count, estimated / count]
     }
 
-    /// The error is of second order in the cell size, and the coarse lattice estimates it.
+    /// The interpolation error is of second order in the cell size. The difference between the two
+    /// lattices estimates this error.
     #[test]
     fn map_error_is_second_order_and_estimated() {
         for (name, light) in [("point", POINT), ("sun", SUN)] {

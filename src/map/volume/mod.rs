@@ -1,5 +1,6 @@
 //! Photons in media, gathered along camera rays. Points are the collisions of photons, and beams
-//! are whole segments of photon paths. The module also contains maps of direct light on a grid.
+//! are whole segments of photon paths. The module also contains the light maps for direct light in
+//! media.
 
 mod beam;
 mod light_map;
@@ -58,11 +59,11 @@ pub struct PhotonNearRay<'m> {
     pub medium: usize,
     /// The distance along the ray to the closest approach, in m.
     pub t: f64,
-    /// The kernel values, in 1/m². The values of beams include the inverse sine of the crossing
-    /// angle.
+    /// The kernel values, in 1/m². The values of a beam are divided by the sine of the angle
+    /// between the beam and the ray.
     pub kernels: KernelValues,
-    /// The beam from its start to the ray. `None` for a point, because the stored power of a point
-    /// needs no correction.
+    /// The part of the beam from its start to the ray. `None` for a point, because the stored power
+    /// of a point needs no correction.
     pub beam: Option<BeamPath>,
 }
 

@@ -46,7 +46,7 @@ impl CoatAlbedo {
         self.over_index(index, |column| stencil.apply(&column.by_angle)).clamp(0.0, 1.0)
     }
 
-    /// Returns the cosine-weighted mean of E(μ): the albedo under uniform irradiance.
+    /// Returns the cosine-weighted mean of E(μ): the albedo under uniform incident radiance.
     pub(super) fn mean(&self, index: f64) -> f64 {
         self.over_index(index, |column| column.mean).clamp(0.0, 1.0)
     }
@@ -111,12 +111,13 @@ impl Stencil {
     }
 }
 
-/// Computes E(μ) = ∫∫ F·G₂/G₁ du dv. The integral extends over the visible normals at which light
-/// is reflected upwards.
+/// Computes E(μ) = ∫∫ F·G₂/G₁ du dv, where u and v are the random numbers of
+/// [`Ggx::sample_visible`]. The integral extends over the visible normals that reflect light
+/// upwards.
 ///
 /// On the disk sampled by `sample_visible`, these normals surround the centre. Along each radius
-/// the substitution u = sin²φ makes the integrand smooth up to the boundary. The integrand is even
-/// in v about the plane of incidence, so half of the circle suffices.
+/// the substitution u = sin²φ makes the integrand smooth up to the boundary. The integrand is
+/// symmetric about the plane of incidence, so the integral over half of the disk suffices.
 fn directional_albedo(facets: &Ggx, index: f64, cos: f64, rule: &[(f64, f64)]) -> f64 {
     let wo = DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
     let radii = rule.len();
@@ -210,9 +211,9 @@ mod tests {
                 let index = 1.5 + 0.05 * f64::from(i) / 39.0;
                 let fine = directional_albedo(&facets, index, cos, &fine_rule);
                 let error = (albedo.at(cos, index) - fine).abs();
-                // For a nearly smooth coat, E changes within a cosine of α near grazing, which the
-                // table does not resolve. Little power arrives at these angles, so the test bounds
-                // the error times the cosine.
+                // For a nearly smooth coat, E changes fast where the cosine is of the order of α or
+                // smaller. The table does not resolve this change. Little power arrives at these
+                // angles, so the test bounds the error times the cosine.
                 assert!(error * cos < 1e-5, "alpha {alpha}, cosine {cos}: error {error}");
                 assert!(error < 1e-5 || alpha < 0.1, "alpha {alpha}, cosine {cos}: error {error}");
             }

@@ -13,8 +13,8 @@ pub(super) fn whole_nm() -> impl Iterator<Item = f64> {
 /// `what`.
 pub(super) fn check_within(what: &str, spectrum: &Spectrum, most: f64) -> Result<()> {
     let possible = |value: f64| value.is_finite() && (0.0..=most).contains(&value);
-    // The whole nanometres locate the fault. The extremes also detect faults between whole
-    // nanometres.
+    // The search over whole nanometres finds the wavelength of a fault. The check of the minimum
+    // and the maximum also detects faults between whole nanometres.
     let at_nm = whole_nm().find(|nm| !possible(spectrum.at(*nm)));
     let at_nm = at_nm.map(|nm| (spectrum.at(nm), format!(" at {nm} nm")));
     let extreme = || [spectrum.min(), spectrum.max()].into_iter().find(|value| !possible(*value));

@@ -297,8 +297,8 @@ fn balance_test_rejects_absorption_without_shadowing() {
 #[test]
 fn non_hero_wavelengths_balance_too() {
     for case in cases() {
-        // Refraction at rough dispersive glass leaves a path with one wavelength, so the other
-        // wavelengths are not defined.
+        // After refraction at rough dispersive glass, the path keeps only one wavelength. Its
+        // weight at the other wavelengths is not defined.
         if matches!(case.name, "rough glass" | "rough glass to water") {
             continue;
         }
@@ -309,7 +309,8 @@ fn non_hero_wavelengths_balance_too() {
     }
 }
 
-/// f(wo, wi)/n² is symmetric, and radiance and importance are adjoint.
+/// f(wo, wi)/n² is symmetric, where n is the index on the side of `wo`. The BSDF for importance is
+/// the adjoint of the BSDF for radiance.
 #[test]
 fn eval_is_reciprocal() {
     for case in cases() {
@@ -321,8 +322,8 @@ fn eval_is_reciprocal() {
                 let forth = case.eval(wo, wi, TransportMode::Radiance, nm);
                 let back = case.eval(wi, wo, TransportMode::Radiance, nm);
                 let (a, b) = (forth / (here * here), back / (there * there));
-                // Near the critical angle the transmittance is the square root of a small
-                // difference, so the comparison has fewer digits.
+                // Near the critical angle, the transmittance depends on the square root of a small
+                // difference. The two values therefore agree to fewer digits.
                 assert!(
                     (a - b).abs() <= 1e-9 * a.max(b) + 1e-13,
                     "{}: f({wo}, {wi})/n² is {a} but {b} back",
@@ -367,8 +368,9 @@ fn delta_coefficients_are_reciprocal() {
                 let back =
                     case.bsdf.eval_sample(sample.wi, &back, case.iors(sample.wi), TransportMode::Radiance, 500.0);
                 let (here, there) = (case.iors(wo).here.n(500.0), case.iors(sample.wi).here.n(500.0));
-                // A transmitted delta contains the n² scale of radiance. The solid angle of a lobe
-                // changes by the same factor, so a lobe needs no correction here.
+                // The coefficient of transmission contains the factor (n_here/n_there)² of
+                // radiance. The test divides the coefficient by this factor. The values of a lobe
+                // need no such division, because the solid angle changes by the same factor.
                 let (a, b) = (forth * (there * there) / (here * here), back * (here * here) / (there * there));
                 assert!((a - b).abs() <= 1e-12 * a.max(b), "{} from {wo}: {a} but {b} back", case.name);
             }

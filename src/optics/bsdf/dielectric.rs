@@ -62,8 +62,9 @@ impl Dielectric {
             return 0.0;
         };
         let lost = if sample.on_event_side(wo) { facets.shadowed_fraction(wo.z.abs(), sample.wi.z.abs()) } else { 1.0 };
-        // The Fresnel factor of the hero wavelength chose the event. The reflected power at another
-        // wavelength is its own Fresnel factor divided by the probability of that choice.
+        // The event was sampled with the Fresnel factor at the hero wavelength. At another
+        // wavelength, the reflected power is the Fresnel factor at that wavelength divided by the
+        // probability of the event.
         match sample.event {
             ScatterEvent::Reflection => {
                 lost * fresnel::dielectric(sample.cos_microfacet, iors.here.n(nm), iors.there.n(nm))
@@ -119,9 +120,9 @@ impl Dielectric {
                 event: ScatterEvent::Reflection,
             });
         }
-        // The generalised half vector of refraction is n_i·o + n_t·i. Its length is also the term
-        // |n_i(o·m) + n_t(i·m)| of the Jacobian n_t²·|i·m|/(…)² (Walter et al. 2007, equations 16
-        // and 17).
+        // The generalised half vector of refraction is h = n_i·o + n_t·i (Walter et al. 2007,
+        // equation 16). The Jacobian is n_t²·|i·m|/(n_i(o·m) + n_t(i·m))² (equation 17). Its
+        // denominator equals |h|².
         let along = up * n_i + wi_up * n_t;
         let m = along.normalize_or_zero() * along.z.signum();
         let (cos_o, cos_i) = (up.dot(m), -wi_up.dot(m));
@@ -164,8 +165,8 @@ pub(super) fn coefficient(
     }
 }
 
-/// Returns the factor of transmitted light: (n_i/n_t)² for radiance and 1 for power (Veach 1997,
-/// §5.2).
+/// Returns the factor by which the change of index scales transmitted light: (n_i/n_t)² for
+/// radiance and 1 for power (Veach 1997, §5.2).
 fn radiance_scale(iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
     match mode {
         TransportMode::Radiance => {

@@ -15,8 +15,8 @@ use crate::optics::glass::RefractiveIndex;
 use crate::optics::microfacet::Ggx;
 use crate::spectrum::Spectrum;
 
-/// Smallest probability of each lobe. Because of this minimum, a lobe is sampled for the other
-/// wavelengths of a path even if the hero wavelength has little power in it.
+/// Smallest probability of each lobe. Without this minimum, a lobe with little power at the hero
+/// wavelength would be sampled too rarely for the other wavelengths of the path.
 const MIN_LOBE_PROBABILITY: f64 = 0.1;
 
 /// A rough dielectric coat over a Lambertian base, coupled by the albedo of the coat (Kelemen &
@@ -25,10 +25,10 @@ const MIN_LOBE_PROBABILITY: f64 = 0.1;
 /// f = F·D·G₂/(4·μ_o·μ_i) + ρ·(1−E(μ_o))·(1−E(μ_i))/(π·(1−Ē)).
 ///
 /// E(μ) is the directional albedo of the coat and Ē is its cosine-weighted mean. The model is
-/// reciprocal and has the albedo E(μ) + ρ·(1−E(μ)). A part of the light enters the coat, and the
-/// fraction ρ(λ) of that part is returned. This fraction includes interreflection between base and
-/// coat. The refractive index is the index of the coat relative to the surrounding medium. Both
-/// sides of the surface behave alike.
+/// reciprocal and has the albedo E(μ) + ρ·(1−E(μ)). Of the light that enters the coat, the fraction
+/// ρ(λ) leaves the coat again. This fraction includes interreflection between base and coat. The
+/// refractive index is the index of the coat relative to the surrounding medium. Both sides of the
+/// surface behave alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Glossy {
     pub(super) reflectance: Spectrum,
@@ -85,8 +85,8 @@ impl Glossy {
         } else {
             sample_cosine(sign, u[0], u[1])
         };
-        // A sampled facet normal may reflect the path below the surface. Its BSDF value is 0, so
-        // any positive density is valid.
+        // A sampled facet normal may reflect the path below the surface. The BSDF is 0 for such a
+        // direction, so any positive density is valid.
         let density = self.mixed_pdf(wo, wi, coat_probability);
         BsdfSample::lobe(wi, ScatterEvent::Reflection, if density > 0.0 { density } else { 1.0 })
     }

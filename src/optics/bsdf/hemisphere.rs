@@ -9,8 +9,8 @@ pub(super) fn z_sign(w: DVec3) -> f64 {
     if w.z < 0.0 { -1.0 } else { 1.0 }
 }
 
-/// Multiplies the z component of `w` by `sign`. With the sign of `wo`, the result for `wo` lies in
-/// the upper hemisphere.
+/// Multiplies the z component of `w` by `sign`. If `sign` is `z_sign(wo)`, the function maps `wo`
+/// to the upper hemisphere.
 pub(super) fn flip_z(w: DVec3, sign: f64) -> DVec3 {
     DVec3::new(w.x, w.y, w.z * sign)
 }

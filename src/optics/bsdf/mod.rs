@@ -6,14 +6,15 @@
 //! surface.
 //!
 //! A path scatters in three steps. [`Bsdf::sample_component`] selects one component of a mixture.
-//! [`Bsdf::sample`] samples `wi` at the hero wavelength of the path. The third step is done for
-//! each wavelength of the path. The weight of the path is [`Bsdf::eval_sample`] divided by
-//! [`BsdfSample::probability`]. The absorbed power is [`Bsdf::absorbed_fraction`]. For photons, the
-//! expected weight and the expected absorbed power sum to 1. The energy ledger relies on this
-//! balance, and the contract tests check it for every BSDF.
+//! [`Bsdf::sample`] samples `wi` at the hero wavelength of the path. The third step computes a
+//! weight and an absorbed fraction for each wavelength of the path. The weight is
+//! [`Bsdf::eval_sample`] divided by [`BsdfSample::probability`]. The absorbed fraction of the
+//! arriving power is [`Bsdf::absorbed_fraction`]. For photons, the expected weight and the expected
+//! absorbed fraction sum to 1. The energy ledger relies on this balance, and the contract tests
+//! check it for every BSDF.
 //!
-//! Each variant has its own file. Its type contains the documentation. Every variant must pass the
-//! tests in `contract`.
+//! Each variant has its own file. The type of a variant contains its documentation. Every variant
+//! must pass the tests in `contract`.
 
 mod albedo;
 mod check;
@@ -188,8 +189,9 @@ impl Bsdf {
     /// `u[0]` and `u[1]` choose the direction; `u[2]` chooses between reflection and transmission
     /// or between lobes. All three lie in \[0, 1). A mixture first selects a component by `u[2]`.
     /// The probability in the sample is then the probability within that component, without the
-    /// weight of the component. Returns `None` if the surface absorbs all light at every
-    /// wavelength. The distribution does not depend on the [`TransportMode`].
+    /// weight of the component. Returns `None` if the event absorbs the light of all wavelengths.
+    /// An example is a facet of a rough metal that reflects the path below the surface. The
+    /// distribution does not depend on the [`TransportMode`].
     #[inline]
     pub fn sample(&self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64, u: [f64; 3]) -> Option<BsdfSample> {
         match self {
@@ -213,9 +215,10 @@ impl Bsdf {
     /// Evaluates a sample at the wavelength `nm`. The weight of the path is the result divided by
     /// `sample.probability`.
     ///
-    /// If the sample is a delta sample, the result is the reflectance or the transmittance. It
-    /// includes the n² factor of [`TransportMode::Radiance`], but not the probability of the event.
-    /// Otherwise the result is f·|cosθ_i| in 1/sr.
+    /// If the sample is a delta sample, the result is the reflectance or the transmittance. The
+    /// transmittance includes the n² factor of [`TransportMode::Radiance`]. The result does not
+    /// include the probability of the event. If the sample is not a delta sample, the result is
+    /// f·|cosθ_i| in 1/sr.
     pub fn eval_sample(
         &self,
         wo: DVec3,
@@ -273,9 +276,9 @@ impl Bsdf {
         }
     }
 
-    /// Returns the density per solid angle of `wi`, as sampled by [`Bsdf::sample`] at the
-    /// wavelength `nm`. Delta distributions are not included. A mixture returns the weighted sum of
-    /// its components.
+    /// Returns the density per solid angle with which [`Bsdf::sample`] samples `wi` if the hero
+    /// wavelength is `nm`. Delta distributions are not included. A mixture returns the weighted sum
+    /// of its components.
     pub fn pdf(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
         match self {
             Self::Absorber | Self::Mirror(_) | Self::ThinDielectric(_) => 0.0,

@@ -18,7 +18,8 @@ pub enum TransportMode {
     Importance,
 }
 
-/// The refractive indices on the two sides of a surface. The sides are named by the direction `wo`.
+/// The refractive indices on the two sides of a surface. The sides are named relative to the
+/// direction `wo`.
 #[derive(Debug, Clone, Copy)]
 pub struct InterfaceIors<'a> {
     /// Index of the medium on the side of `wo`.
@@ -70,7 +71,8 @@ pub struct BsdfSample {
     /// True if `wi` depends on the wavelength. If so, the path can keep only one wavelength. The
     /// value is true only for refraction, and only if at least one of the two media is dispersive.
     pub disperses: bool,
-    /// The probability of the sampled event at the hero wavelength.
+    /// The probability of the sampled event at the hero wavelength, for a dielectric interface.
+    /// Other BSDFs do not use this field.
     pub(super) event_probability: f64,
     /// The cosine between `wo` and the sampled microfacet normal. If the cosine were recomputed
     /// from the half vector, it would be inaccurate for facets seen edge-on.

@@ -8,10 +8,10 @@ use crate::optics::glass::RefractiveIndex;
 
 /// A dielectric slab of index n(λ) whose thickness is negligible.
 ///
-/// Light that enters the slab is reflected between the two faces and leaves in two directions. The
-/// incoherent sums without absorption are R′ = R + (1−R)²R/(1−R²) = 2R/(1+R) and T′ = 1 − R′
-/// (Stokes 1862). Transmitted light continues straight on. The medium on the side of `wo` is
-/// assumed to be on both sides.
+/// Light that enters the slab is reflected between the two faces and leaves in two directions. R is
+/// the reflectance of one face. Without absorption and interference, the sums over all internal
+/// reflections are R′ = R + (1−R)²R/(1−R²) = 2R/(1+R) and T′ = 1 − R′ (Stokes 1862). Transmitted
+/// light continues straight on. The medium on the side of `wo` is assumed to be on both sides.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThinDielectric {
     index: RefractiveIndex,

@@ -10,10 +10,11 @@ use super::sample::{BsdfSample, ScatterEvent};
 use crate::error::{Error, Result};
 use crate::spectrum::Spectrum;
 
-/// Weight of the band average in the choice between reflection and transmission. The remaining
-/// weight follows the hero wavelength. The average gives an event a positive probability even if
-/// the hero wavelength gives it none. For example, a leaf that transmits only green must transmit
-/// green for a red hero too.
+/// Weight of the band average in the probability of reflection. The probability is a weighted mean
+/// of ρ/(ρ + τ) for the band averages and ρ/(ρ + τ) at the hero wavelength. The band average gives
+/// an event a positive probability even if the event has no power at the hero wavelength. For
+/// example, a leaf that transmits only green light must also transmit on a path whose hero
+/// wavelength is red.
 const BAND_WEIGHT: f64 = 0.25;
 
 /// A thin diffuse sheet with reflectance ρ(λ) and transmittance τ(λ).
@@ -39,8 +40,7 @@ impl Translucent {
         let (mut reflected, mut transmitted) = (0.0, 0.0);
         for nm in whole_nm() {
             let (r, t) = (reflectance.at(nm), transmittance.at(nm));
-            // The tolerance admits tables whose sum exceeds 1 only by the rounding of their
-            // decimals.
+            // The tolerance accepts tables whose rounded values sum to slightly more than 1.
             if r + t > 1.0 + 1e-9 {
                 let what = format!("reflectance {r} and transmittance {t} at {nm} nm sum to {}", r + t);
                 return Err(Error::input(what).expected("a sum of at most 1"));

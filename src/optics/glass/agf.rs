@@ -119,8 +119,8 @@ fn numbers(words: &[&str]) -> Result<Vec<f64>> {
     words.iter().map(number).collect()
 }
 
-/// Converts the coefficients of a glass by its formula number in the Zemax manual. Missing
-/// coefficients are 0.
+/// Converts the coefficients of a glass to a dispersion formula. The formula numbers are those of
+/// the Zemax manual. Missing coefficients are 0.
 fn dispersion(row: &AgfRow) -> Result<Dispersion> {
     let c: [f64; 10] = std::array::from_fn(|i| row.coefficients.get(i).copied().unwrap_or(0.0));
     let poles = |count: usize| (0..count).map(|i| SellmeierTerm { b: c[2 * i], c: c[2 * i + 1] }).collect();
@@ -128,7 +128,7 @@ fn dispersion(row: &AgfRow) -> Result<Dispersion> {
         let power = |(i, &p): (usize, &i32)| PowerTerm { c: c[i + 1], p };
         Dispersion::SquaredPowers { c0: c[0], powers: powers.iter().enumerate().map(power).collect() }
     };
-    // n² = c₁ + c₂ λ^c₃/(λ² − c₄^c₅) + c₆ λ^c₇/(λ² − c₈^c₉)
+    // The terms are c₁ to c₉ of n² = c₁ + c₂ λ^c₃/(λ² − c₄^c₅) + c₆ λ^c₇/(λ² − c₈^c₉).
     let rational = |terms: [f64; 9]| Dispersion::Rational(Box::new(terms));
     Ok(match row.formula {
         // Schott.

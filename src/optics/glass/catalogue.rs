@@ -139,7 +139,7 @@ impl RefractiveIndex {
     }
 }
 
-/// The expectation in the error for a name that is not in the catalogue.
+/// The text after "expected" in the error for a name that is not in the catalogue.
 pub const EXPECTED_NAME: &str = "a glass of the built-in catalogue";
 
 /// Returns the names of all materials in the order of the file.

@@ -1,4 +1,4 @@
-//! Absorption of glass by its measured extinction coefficient.
+//! Absorption of a glass, computed from its measured extinction coefficient.
 
 use std::f64::consts::PI;
 

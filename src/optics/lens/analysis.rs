@@ -75,8 +75,8 @@ impl LensAnalysis {
             foci.push(LineFocus { line: line.0, wavelength_nm: line.1, efl_mm, bfd_mm });
         }
         let half_field_deg = half_field_deg.or(lens.half_field_deg()).unwrap_or_else(|| widest_field_deg(d));
-        // The edge of the field is analysed first, so that an error for a too wide field names the
-        // requested angle.
+        // The edge of the field is analysed first. If the field is too wide, the error then names
+        // the requested angle.
         let angles = FIELD_SHARES.iter().rev().map(|share| share * half_field_deg);
         let field = |angle_deg| field_point(&at, angle_deg, sensor_z_mm, paraxial.efl_mm);
         let lines = [foci[0], foci[1], foci[2]];
@@ -93,7 +93,7 @@ impl LensAnalysis {
 }
 
 /// Returns the largest whole number of degrees at which the chief ray passes the lens. The result
-/// is at most [`DEFAULT_HALF_FIELD_DEG`].
+/// lies between 1 and [`DEFAULT_HALF_FIELD_DEG`].
 fn widest_field_deg(at: &MonochromaticLens<'_>) -> f64 {
     let passes = |degrees: f64| {
         at.chief_ray(degrees)

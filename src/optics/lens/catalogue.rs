@@ -28,8 +28,8 @@ fn normalised_name(name: &str) -> String {
     name.to_lowercase().replace(['-', '_'], " ")
 }
 
-/// Returns all names under which the lens is found: the full name, the first word, and the first
-/// two words.
+/// Returns the names that the error for an unknown name may suggest: the first word, the first two
+/// words, and the full name of the lens.
 fn searchable_names(name: &str) -> impl Iterator<Item = &str> {
     let ends = name.match_indices(' ').map(|(at, _)| at).take(2).chain([name.len()]);
     ends.map(|end| &name[..end])

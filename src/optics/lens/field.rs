@@ -19,14 +19,15 @@ pub struct LensSpot {
     pub rays: usize,
 }
 
-/// Step of the field angle in degrees. Steps are needed because the position of the pupil varies
-/// with the field. If the pupil moves fast, the step is halved, down to the smallest step.
+/// First and smallest step of the field angle in degrees. The position of the pupil varies with the
+/// field, so the search for a chief ray starts on the axis and follows the pupil in steps. If no
+/// chief ray is found after a step, the step is halved.
 const FIELD_STEP_DEG: f64 = 2.0;
 const LEAST_STEP_DEG: f64 = 0.02;
 /// Maximum number of Newton steps for a chief ray. About four steps are usual.
 const MAX_CHIEF_RAY_STEPS: usize = 40;
-/// Number of rays across a bundle, and width of the bundle relative to the entrance pupil. Rays
-/// outside the apertures are then blocked.
+/// Number of rays across a bundle, and width of the bundle relative to the entrance pupil. The
+/// bundle is wider than the pupil. The apertures block the rays that do not pass.
 const RAYS_ACROSS_BUNDLE: u32 = 96;
 const BUNDLE_WIDTH: f64 = 2.0;
 
@@ -59,8 +60,8 @@ impl MonochromaticLens<'_> {
         Ok(ray_at(end, z_mm))
     }
 
-    /// Finds the point where the chief ray crosses the axis in front of the lens. Returns z in mm.
-    /// Newton's method starts at `start_mm`.
+    /// Finds the point where the line of the incoming chief ray crosses the axis. Returns z of this
+    /// point in mm. Newton's method starts at `start_mm`.
     fn pupil_z_mm(&self, field: f64, start_mm: f64, diameter_mm: f64) -> Option<f64> {
         let height = |z_mm: f64| self.stop_height_mm(ray_at(field, z_mm));
         let tolerance_mm = 1e-12 * self.lens().surfaces()[self.lens().stop()].semi_aperture_mm;
@@ -71,8 +72,7 @@ impl MonochromaticLens<'_> {
             }
             let shift_mm = 1e-5 * diameter_mm;
             let mut step_mm = y_mm * shift_mm / (height(z_mm + shift_mm)? - y_mm);
-            // A step that increases the height, or leads to a ray that does not reach the stop, is
-            // halved.
+            // The step is halved until it leads to a ray that reaches the stop at a smaller height.
             let better = |step_mm: f64| height(z_mm - step_mm).filter(|next| next.abs() < y_mm.abs());
             let found = (0..20).find_map(|_| {
                 better(step_mm).or_else(|| {
@@ -121,8 +121,8 @@ impl MonochromaticLens<'_> {
     }
 
     /// Finds the lowest and the highest meridional ray that pass the lens. Returns the offsets of
-    /// both rays from the chief ray in mm, measured across the chief ray, or `None` if all rays are
-    /// vignetted.
+    /// both rays from the chief ray in mm, measured perpendicular to the chief ray. Returns `None`
+    /// if all rays are vignetted.
     pub(super) fn passing_range_mm(&self, chief: LensRay) -> Result<Option<(f64, f64)>> {
         const MERIDIONAL_STEPS: u32 = 800;
         let radius_mm = self.bundle_radius_mm()?;

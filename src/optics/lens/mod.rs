@@ -4,8 +4,9 @@
 //! towards +z. Lengths are in mm. The surrounding medium is air, n = 1.
 //!
 //! A [`Prescription`] comes from the built-in [`catalogue`] or from a Zemax file ([`zemax`]).
-//! [`Lens::new`] checks it. [`Lens::at`] evaluates the lens at one wavelength. The result traces
-//! rays without allocation ([`MonochromaticLens::trace`]) and gives the cardinal points
+//! [`Lens::new`] validates the prescription. [`Lens::at`] evaluates the lens at one wavelength and
+//! returns a [`MonochromaticLens`]. [`MonochromaticLens::trace`] traces rays without allocation.
+//! [`MonochromaticLens::paraxial`] computes the focal length, the foci and the pupils
 //! ([`Paraxial`]). [`LensAnalysis`] computes the usual figures of a lens design. [`section`]
 //! computes a drawing of the cross-section.
 

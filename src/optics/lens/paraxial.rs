@@ -32,7 +32,8 @@ pub struct Paraxial {
     pub f_number: Option<f64>,
 }
 
-/// A ray transfer matrix: y′ = a·y + b·ω and ω′ = c·y + d·ω with ω = n·u, where a·d − b·c = 1.
+/// A ray transfer matrix with the determinant a·d − b·c = 1. With ω = n·u, it maps the ray (y, ω)
+/// to (a·y + b·ω, c·y + d·ω).
 #[derive(Debug, Clone, Copy)]
 struct RayTransferMatrix {
     a: f64,
@@ -53,13 +54,14 @@ impl RayTransferMatrix {
     }
 }
 
-/// A lens has a focus only if its power, relative to its size, reaches this value.
+/// A lens has a focus only if the product of its power and its size exceeds this value.
 const AFOCAL: f64 = 1e-9;
 
 impl MonochromaticLens<'_> {
-    /// Returns the matrix from the vertex of surface `from` to the vertex of surface `to`. Both
-    /// ends are taken before refraction. If `to` is the number of surfaces, the matrix ends at the
-    /// last vertex after refraction.
+    /// Returns the matrix from the vertex of surface `from` to the vertex of surface `to`. The
+    /// matrix includes the refraction at surface `from`, but not the refraction at surface `to`. If
+    /// `to` is the number of surfaces, the matrix ends at the last vertex and includes the
+    /// refraction there.
     fn matrix(&self, from: usize, to: usize) -> RayTransferMatrix {
         let (mut matrix, surfaces) = (RayTransferMatrix::IDENTITY, self.lens().surfaces());
         for (i, surface) in surfaces.iter().enumerate().take(to).skip(from) {

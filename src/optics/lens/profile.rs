@@ -21,8 +21,12 @@ impl TraceDirection {
     }
 }
 
-/// A surface of revolution about the z axis. The vertex lies at the origin: z(h) = c·h²/(1 + √(1 −
-/// (1 + k)c²h²)) + Σ aᵢ h²ⁱ with i from 1 (Welford, *Aberrations of Optical Systems*, §2.3).
+/// A surface of revolution about the z axis, with the vertex at the origin. The sag at the height h
+/// is
+///
+/// z(h) = c·h²/(1 + √(1 − (1 + k)c²h²)) + Σ aᵢ h²ⁱ, summed over i ≥ 1
+///
+/// (Welford, *Aberrations of Optical Systems*, §2.3).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SurfaceProfile {
     /// Curvature c in 1/mm. It is positive if the centre lies towards +z, and 0 for a plane.
@@ -56,7 +60,8 @@ impl SurfaceProfile {
     }
 
     /// Returns √(1 − (1 + k)c²h²). If the value under the root differs from 0 by less than 1e-14,
-    /// it counts as 0. Otherwise rounding could exclude the equator of a ball.
+    /// the result is 0. Without this rule, rounding errors could make the root undefined at the
+    /// equator of a ball.
     fn root(&self, height2_mm2: f64) -> f64 {
         let square = 1.0 - (1.0 + self.conic) * self.curvature_per_mm * self.curvature_per_mm * height2_mm2;
         if square.abs() < 1e-14 { 0.0 } else { square.sqrt() }
@@ -74,8 +79,8 @@ impl SurfaceProfile {
         self.gradient(point).normalize()
     }
 
-    /// Returns a vector along the gradient of z − z(h). For a conic, the vector is the gradient of
-    /// the quadratic equation, which is finite at the equator too.
+    /// Returns a vector parallel to the gradient of z − z(h). For a conic, the function uses the
+    /// gradient of the quadratic equation, because this gradient is also finite at the equator.
     fn gradient(&self, point: DVec3) -> DVec3 {
         if self.even_terms.is_empty() {
             let c = self.curvature_per_mm;
@@ -86,10 +91,12 @@ impl SurfaceProfile {
     }
 
     /// Intersects a line with the surface. The line passes through `origin` along the unit vector
-    /// `direction`. Only the sheet of the surface around the vertex is considered.
+    /// `direction`. Only the sheet of the surface that contains the vertex is considered.
     ///
-    /// `travel` selects the intersection in the direction of propagation. The point may lie on
-    /// either side of `origin`. Returns `None` if there is no such intersection.
+    /// The function returns the point where the light crosses the surface in the direction
+    /// `travel`: from the scene side to the sensor side, or from the sensor side to the scene side.
+    /// The point may lie in front of `origin` or behind it. Returns `None` if there is no such
+    /// intersection.
     pub fn intersect(&self, origin: DVec3, direction: DVec3, travel: TraceDirection) -> Option<DVec3> {
         let conic = self.intersect_conic(origin, direction, travel);
         if self.even_terms.is_empty() {
@@ -106,8 +113,8 @@ impl SurfaceProfile {
     /// the gradient along the ray has the same sign as `travel`.
     fn intersect_conic(&self, origin: DVec3, direction: DVec3, travel: TraceDirection) -> Option<DVec3> {
         let (c, k) = (self.curvature_per_mm, self.conic);
-        // The quadratic is set up at the point of the line nearest to the vertex, which avoids
-        // cancellation for distant origins.
+        // Distances along the line are measured from the point of the line that is nearest to the
+        // vertex. This choice avoids cancellation if the origin is far away.
         let near = origin - direction * origin.dot(direction);
         let a = c * (1.0 + k * direction.z * direction.z);
         let b = direction.z - c * k * near.z * direction.z;

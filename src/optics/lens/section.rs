@@ -28,8 +28,8 @@ pub struct FocusWindow {
     pub angle_deg: f64,
     /// Centre of the window, on the sensor.
     pub centre: DVec2,
-    /// Half of the size of the window, along the axis and across it. The window shows the
-    /// separation of the spectral lines.
+    /// Half of the length of the window along the axis, and half of its height. The window is large
+    /// enough to show the separate foci of the spectral lines.
     pub half_size: DVec2,
     /// Slope dy/dz of the middle of the bundle at the sensor.
     pub slope: f64,
@@ -40,7 +40,7 @@ pub struct FocusWindow {
 pub struct LensSection {
     /// Closed outlines of the elements.
     pub elements: Vec<Vec<DVec2>>,
-    /// The stop, as its upper and lower edge.
+    /// The stop: one line segment above the opening and one below it.
     pub stop: [[DVec2; 2]; 2],
     /// The sensor, seen edge-on.
     pub sensor: [DVec2; 2],
@@ -54,8 +54,9 @@ pub struct LensSection {
 const CURVE_POINTS: u32 = 48;
 /// Number of rays per bundle.
 const RAYS_PER_BUNDLE: u32 = 5;
-/// Width of the bundle of drawn rays, as a fraction of the passing bundle. The fraction is less
-/// than 1, because spectral lines other than d may be vignetted at the very edge.
+/// Width of the bundle of drawn rays, as a fraction of the width of the bundle that passes the lens
+/// at the d line. The fraction is less than 1, because rays of the other spectral lines may be
+/// vignetted at the edge of this bundle.
 const BUNDLE_SHARE: f64 = 0.97;
 
 /// Computes the cross-section of a lens. Returns an error if no light passes.
@@ -144,8 +145,9 @@ fn bundle(lens: &Lens, field: usize, angle_deg: f64, sensor_z_mm: f64, lead_mm: 
     Ok(rays)
 }
 
-/// Inserts a first point into each ray. All first points lie on a common plane, `lead_mm` in front
-/// of the place where the first ray reaches the lens.
+/// Inserts a first point into each ray. All first points lie on one plane perpendicular to the
+/// bundle. Along the chief ray, the plane lies `lead_mm` in front of the first point at which any
+/// ray reaches the lens.
 fn start_on_one_plane(rays: &mut [DrawnRay], chief: LensRay, lead_mm: f64) {
     let along = DVec2::new(chief.direction.z, chief.direction.y);
     let first = rays.iter().map(|ray| ray.points[0].dot(along)).fold(f64::INFINITY, f64::min) - lead_mm;
@@ -155,7 +157,8 @@ fn start_on_one_plane(rays: &mut [DrawnRay], chief: LensRay, lead_mm: f64) {
     }
 }
 
-/// Returns the window around the foci of all spectral lines and around all rays on the sensor.
+/// Returns the window of an image point. Along the axis, the window contains the foci of all
+/// spectral lines. Across the axis, it contains all points where the rays reach the sensor.
 fn focus(analysis: &LensAnalysis, angle_deg: f64, bundle: &[DrawnRay]) -> FocusWindow {
     let ends = || bundle.iter().filter_map(|ray| ray.points.last());
     let (low, high) =

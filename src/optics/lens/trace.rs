@@ -56,8 +56,8 @@ pub struct MonochromaticLens<'a> {
 }
 
 impl Lens {
-    /// Evaluates the lens at a wavelength in nm. The indices are computed only once, so no memory
-    /// is allocated while rays are traced.
+    /// Evaluates the lens at a wavelength in nm. The indices are computed here once and stored in
+    /// an array of fixed size, so that ray tracing allocates no memory.
     pub fn at(&self, wavelength_nm: f64) -> MonochromaticLens<'_> {
         let mut n = [1.0; MAX_SURFACES + 1];
         for (n, surface) in n[1..].iter_mut().zip(self.surfaces()) {
@@ -78,13 +78,14 @@ impl<'a> MonochromaticLens<'a> {
         self.wavelength_nm
     }
 
-    /// Returns the refractive index in front of surface `i`. If `i` is the number of surfaces, it
-    /// returns the index behind the last surface.
+    /// Returns the refractive index in front of surface `i`. If `i` is the number of surfaces, the
+    /// function returns the index behind the last surface.
     pub(super) fn index_before(&self, i: usize) -> f64 {
         self.n[i]
     }
 
-    /// Traces a ray through the lens. The returned ray starts on the last surface along its way.
+    /// Traces a ray through the lens. The origin of the returned ray lies on the last surface that
+    /// the ray crosses.
     ///
     /// # Errors
     /// Returns the surface at which the ray is lost, and the reason.

@@ -3,9 +3,9 @@
 //!
 //! The file is a list of operands, one per line. The operands of a surface are indented under its
 //! `SURF` line. The reader uses `MODE`, `NAME`, `UNIT`, `ENPD`, `FNUM`, `FLOA`, `FTYP` and `YFLN`,
-//! and for surfaces `STOP`, `TYPE`, `CURV`, `CONI`, `PARM`, `DISZ`, `GLAS`, `DIAM` and `CLAP`. An
-//! operand that is known to change the rays, but is not supported, is an error. All other operands
-//! are ignored. The first surface is the object and the last one the sensor.
+//! and for surfaces `STOP`, `TYPE`, `CURV`, `CONI`, `PARM`, `DISZ`, `GLAS`, `DIAM` and `CLAP`. The
+//! reader returns an error for operands that are known to change the rays but are not supported.
+//! All other operands are ignored. The first surface is the object and the last one the sensor.
 
 use std::path::Path;
 
@@ -151,8 +151,8 @@ const GLASSES: &str = "a glass of the built-in catalogue, or of an .agf catalogu
 
 const APERTURES: &str = "an entrance pupil diameter (ENPD), an f-number (FNUM), or the stop's size (FLOA)";
 
-/// Adds a line number to an error that contains the path of a surface. The line is the line of that
-/// surface in the file.
+/// Adds a line number to an error that contains the path of a surface. The number is the line of
+/// the surface in the file.
 fn placed(error: Error, lines: &[usize]) -> Error {
     let path = error.location.path.as_deref().unwrap_or_default();
     let surface = path.strip_prefix("surfaces[").and_then(|rest| rest.split(']').next()?.parse::<usize>().ok());

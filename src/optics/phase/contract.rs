@@ -52,8 +52,8 @@ fn cases() -> Vec<PhaseCase> {
     cases
 }
 
-/// Integrates f(cos θ)·p dω between the kinks. The steps shrink towards both poles, and each step
-/// uses five-point Gauss quadrature.
+/// Integrates f(cos θ)·p dω over the sphere. Every kink is the end of a step. The steps shrink
+/// towards both poles. Each step uses five-point Gauss quadrature.
 fn integral(case: &PhaseCase, nm: f64, f: impl Fn(f64) -> f64) -> f64 {
     const GAUSS_5: [(f64, f64); 5] = [
         (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
@@ -134,8 +134,9 @@ fn drawn(phase: &PhaseFunction, expected_of: &PhaseFunction, nm: f64, number: u6
     for _ in 0..60_000 {
         let out = phase.sample(incoming, nm, stream.pair());
         assert!((out.length() - 1.0).abs() < 1e-12);
-        // Computes 1 − cos θ from the difference of the unit vectors, which is accurate near both
-        // poles.
+        // Near the forward pole, 1 − cos θ is computed from the difference of the unit vectors.
+        // Near the backward pole, it is computed from their sum. Both forms are accurate near the
+        // pole.
         let height = if out.dot(incoming) > 0.0 {
             0.5 * (out - incoming).length_squared()
         } else {
@@ -188,8 +189,8 @@ fn narrowest_peaks_and_extreme_random_numbers_stay_finite() {
             }
         }
     }
-    // The peak of the density is (1 + g)/(4π(1 − g)²). Half of the light lies within 1 − cos θ = (1
-    // − g)²(1 + g/2)/(1 + g − g²), the median.
+    // The peak of the density is (1 + g)/(4π(1 − g)²). The median of 1 − cos θ is
+    // (1 − g)²(1 + g/2).
     let g = MAX_MEAN_COSINE;
     let peak = (1.0 + g) / (4.0 * PI * (1.0 - g) * (1.0 - g));
     assert!((of_mean_cosine(g).eval(1.0, 500.0) / peak - 1.0).abs() < 1e-9);

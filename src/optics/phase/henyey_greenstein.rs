@@ -10,18 +10,18 @@ use std::f64::consts::PI;
 /// Largest |g|. Beyond this limit, a cosine in double precision does not resolve the peak.
 pub const MAX_MEAN_COSINE: f64 = 0.999_999;
 
-/// Returns the density per steradian for |g| ≤ [`MAX_MEAN_COSINE`]: (1 − g²) / (4π((1 − g)² + 2g(1
-/// − cos θ))^(3/2)).
+/// Returns the density per steradian for |g| ≤ [`MAX_MEAN_COSINE`]:
+/// (1 − g²) / (4π((1 − g)² + 2g(1 − cos θ))^(3/2)).
 pub(super) fn eval(g: f64, cos_theta: f64) -> f64 {
     let (g, cos) = if g < 0.0 { (-g, -cos_theta) } else { (g, cos_theta) };
     let apart = (1.0 - g) * (1.0 - g) + 2.0 * g * (1.0 - cos);
     (1.0 - g) * (1.0 + g) / (4.0 * PI * apart * apart.sqrt())
 }
 
-/// Returns the quantile of 1 − cos θ for a probability `u` in [0, 1) and g ≥ 0. This is the usual
-/// formula for the inverse, but the difference of squares is expanded.
+/// Returns the quantile of 1 − cos θ for a probability `u` in [0, 1) and g ≥ 0. The function uses
+/// the usual formula for the inverse, but factors its difference of squares to avoid cancellation.
 pub(super) fn quantile(g: f64, u: f64) -> f64 {
-    // Small `u` correspond to angles near the peak, where the result keeps full precision.
+    // A small `u` corresponds to an angle near the peak. The result keeps full precision there.
     let v = (1.0 - g) / (1.0 + g - 2.0 * g * u);
     2.0 * u * v * v * (1.0 + g - g * u)
 }

@@ -2,9 +2,9 @@
 //!
 //! The series follows Bohren & Huffman 1983, chapter 4 and appendix A. The logarithmic derivative
 //! D_n(mx) is computed by downward recurrence, and the Riccati–Bessel functions ψ_n(x) and χ_n(x)
-//! by upward recurrence. The number of terms follows from the largest sphere. The spheres are
-//! assumed not to absorb, because a drop of water absorbs less than one part in 10⁴ of visible
-//! light.
+//! by upward recurrence. The number of terms follows from the size parameter of each sphere. The
+//! spheres are assumed not to absorb, because a drop of water absorbs less than one part in 10⁴ of
+//! visible light.
 
 use super::table::PhaseTable;
 use crate::error::{Error, Result};
@@ -38,15 +38,17 @@ pub struct MieScattering {
 /// take minutes to compute.
 const MAX_SIZE_PARAMETER: f64 = 1000.0;
 
-/// Number of radius steps of a distribution, and its half-width in standard deviations of ln r.
+/// Number of radius steps of a distribution, and half-width of the distribution in standard
+/// deviations of ln r.
 const RADIUS_STEPS: i32 = 100;
 const RADIUS_RANGE_SIGMAS: f64 = 3.5;
 
 /// Number of wavelength steps of a table over the band.
 const TABLE_STEPS: u32 = 16;
 
-/// The terms of the series at one size parameter: a_n + b_n and a_n − b_n times (2n + 1)/(n(n +
-/// 1)), each as real and imaginary part.
+/// The coefficients of the series at one size parameter. With w_n = (2n + 1)/(n(n + 1)), `sums`
+/// contains w_n·(a_n + b_n), and `differences` contains w_n·(a_n − b_n). Each coefficient is stored
+/// as its real and imaginary part.
 struct MieSeries {
     sums: Vec<[f64; 2]>,
     differences: Vec<[f64; 2]>,
@@ -104,9 +106,10 @@ impl MieSpheres {
         Ok(table)
     }
 
-    /// Returns angles in degrees. Their steps are small enough for the forward peak and the
-    /// ripples. The peak width is proportional to 1/x, and the ripples are π/x apart. x is the size
-    /// parameter of the mean radius at the shortest wavelength.
+    /// Returns the angles of the table in degrees. The steps are small enough to resolve the
+    /// forward peak and the ripples of the phase function. Let x be the size parameter of the mean
+    /// radius at the shortest wavelength. The width of the peak is proportional to 1/x, and the
+    /// period of the ripples is π/x.
     fn angles_deg(&self) -> Vec<f64> {
         let mean_um: f64 = self.radii_um.iter().map(|(radius, share)| radius * share).sum();
         let x = size_parameter(mean_um, BAND_NM.0);
@@ -114,8 +117,8 @@ impl MieSpheres {
         let mut angles = vec![0.0];
         let mut angle: f64 = 0.0;
         while angle < 180.0 {
-            // The step grows from a tenth of a ripple in the peak to a whole ripple beyond the
-            // first ten ripples.
+            // The variable `ripple` is at most one ninth of the period of the ripples. The step
+            // grows from a tenth of `ripple` in the peak to `ripple` at angles above 10·`ripple`.
             let step = ripple * (angle / (10.0 * ripple)).clamp(0.1, 1.0);
             angle = if angle + 1.5 * step >= 180.0 { 180.0 } else { angle + step };
             angles.push(angle);
@@ -139,7 +142,8 @@ impl MieSpheres {
                 intensity.iter_mut().zip(found).for_each(|(sum, here)| *sum += share * here);
             }
         }
-        // (|S₁|² + |S₂|²)/2k² divided by the cross-section C = 2π/k² · `scattering_sum`.
+        // The density is (|S₁|² + |S₂|²)/(2k²) divided by the cross-section, which is
+        // `scattering_sum`·2π/k².
         let density = intensity.iter().map(|intensity| intensity / (4.0 * PI * scattering_sum)).collect();
         let wavelength_um = nm * 1e-3;
         let cross_section_um2 = wavelength_um * wavelength_um / TAU * scattering_sum;
@@ -151,8 +155,9 @@ fn size_parameter(radius_um: f64, nm: f64) -> f64 {
     TAU * radius_um / (nm * 1e-3)
 }
 
-/// Returns radii and their fractions, which sum to 1. The radii have `steps` equal steps of ln r
-/// within ± [`RADIUS_RANGE_SIGMAS`] · `sigma`.
+/// Returns radii and their fractions, which sum to 1. The values of ln r are evenly spaced in
+/// `steps` steps. They extend from −[`RADIUS_RANGE_SIGMAS`]·`sigma` to
+/// +[`RADIUS_RANGE_SIGMAS`]·`sigma` about the logarithm of the median.
 pub(super) fn lognormal(median_um: f64, sigma: f64, steps: i32) -> Vec<(f64, f64)> {
     if sigma == 0.0 {
         return vec![(median_um, 1.0)];
@@ -170,7 +175,8 @@ impl MieSeries {
     fn new(x: f64, m: f64) -> Self {
         let terms = (x + 4.05 * x.cbrt() + 2.0).ceil() as usize;
         let derivative = log_derivatives(m * x, terms);
-        // ψ₀ and ψ₋₁, χ₀ and χ₋₁, with the signs of Bohren & Huffman.
+        // The recurrences start with ψ₀ and ψ₋₁, and with χ₀ and χ₋₁. The signs are those of Bohren
+        // & Huffman.
         let (mut psi, mut psi_before) = (x.sin(), x.cos());
         let (mut chi, mut chi_before) = (x.cos(), -x.sin());
         let (mut sums, mut differences) = (Vec::with_capacity(terms), Vec::with_capacity(terms));
@@ -180,8 +186,8 @@ impl MieSeries {
             let n = order as f64;
             (psi, psi_before) = ((2.0 * n - 1.0) / x * psi - psi_before, psi);
             (chi, chi_before) = ((2.0 * n - 1.0) / x * chi - chi_before, chi);
-            // (f ψ_n − ψ_{n−1}) / (f ξ_n − ξ_{n−1}) with ξ = ψ − iχ. f = D/m + n/x gives a_n; f =
-            // mD + n/x gives b_n.
+            // Returns (f ψ_n − ψ_{n−1}) / (f ξ_n − ξ_{n−1}) with ξ = ψ − iχ. The result is a_n if f
+            // = D/m + n/x, and b_n if f = mD + n/x.
             let coefficient = |f: f64| {
                 let (real, imaginary) = (f * psi - psi_before, f * chi - chi_before);
                 let norm = real * real + imaginary * imaginary;
@@ -203,8 +209,12 @@ impl MieSeries {
         Self { sums, differences, scattering_sum, asymmetry_sum }
     }
 
-    /// Returns |S₁|² + |S₂|² at the cosines: half of |S₁ + S₂|² + |S₁ − S₂|². These are sums over
-    /// (a + b)(π + τ) and (a − b)(π − τ).
+    /// Returns |S₁|² + |S₂|² at the cosines, computed as half of |S₁ + S₂|² + |S₁ − S₂|². With
+    /// w_n = (2n + 1)/(n(n + 1)), the two amplitudes are sums over n:
+    ///
+    /// S₁ + S₂ = Σ w_n·(a_n + b_n)(π_n + τ_n),
+    ///
+    /// S₁ − S₂ = Σ w_n·(a_n − b_n)(π_n − τ_n).
     fn intensity(&self, cosines: &[f64; ANGLE_LANES]) -> [f64; ANGLE_LANES] {
         let (mut pi, mut pi_before) = ([1.0; ANGLE_LANES], [0.0; ANGLE_LANES]);
         let mut parts = [[0.0; ANGLE_LANES]; 4];
@@ -248,7 +258,7 @@ fn square(z: [f64; 2]) -> f64 {
     dot(z, z)
 }
 
-/// Returns the real part of z times the conjugate of w.
+/// Returns the real part of the product of z and the conjugate of w.
 fn dot(z: [f64; 2], w: [f64; 2]) -> f64 {
     z[0] * w[0] + z[1] * w[1]
 }

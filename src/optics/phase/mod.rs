@@ -51,9 +51,9 @@ impl PhaseFunction {
         }
     }
 
-    /// Samples the direction of scattered light. `incoming`, the direction before scattering, and
-    /// the result are unit vectors. The density of the samples is exactly [`eval`](Self::eval). The
-    /// two values of `u` lie in \[0, 1).
+    /// Samples the direction of scattered light. `incoming` is the direction before scattering, a
+    /// unit vector. The result is a unit vector too. The density of the samples is exactly
+    /// [`eval`](Self::eval). The two values of `u` lie in \[0, 1).
     pub fn sample(&self, incoming: DVec3, nm: f64, u: [f64; 2]) -> DVec3 {
         let (axis, one_minus_cos) = match self {
             Self::Isotropic => return warp::sphere(u),

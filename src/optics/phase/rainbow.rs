@@ -1,11 +1,11 @@
 //! The phase function of rain, read from `data/media/rainbow.csv`. The table was computed by the
 //! series of [`mie`](super::mie).
 //!
-//! The radii of the drops lie between 0.16 and 1 mm. The number of drops follows a lognormal
-//! distribution about 0.4 mm. The standard deviation of ln r is 0.26, and the distribution is cut
-//! off at 3.5 standard deviations. The drops are water at 20 °C in air. The table assumes light
-//! from a point. If the light has the angular size of the sun, the bows become blurred as in the
-//! sky.
+//! The radii of the drops lie between 0.16 and 1 mm. The radii follow a lognormal distribution with
+//! a median of 0.4 mm. The standard deviation of ln r is 0.26, and the distribution is cut off at
+//! 3.5 standard deviations. The drops are water at 20 °C in air. The table is computed for parallel
+//! light. If a light source has the angular size of the sun, the rendered bows are blurred as in
+//! the sky.
 
 use super::table::{self, PhaseTable};
 use std::sync::{Arc, OnceLock};
@@ -30,8 +30,8 @@ mod tests {
         MieSpheres { radii_um: lognormal(400.0, 0.26, 100), index: RefractiveIndex::catalogue("water 20C").unwrap() }
     }
 
-    /// Returns angles as multiples of 0.001°. The steps are smallest in the forward peak, and small
-    /// in the bows and in the glory.
+    /// Returns the angles of the table in degrees. Each angle is a multiple of 0.001°. The steps
+    /// are smallest in the forward peak, and small in the bows and in the glory.
     fn angles() -> Vec<f64> {
         let forward = [(0, 40, 1), (40, 200, 4), (200, 2000, 30), (2000, 10_000, 200)];
         let bows = [(10_000, 120_000, 1000), (120_000, 150_000, 50), (150_000, 178_000, 500), (178_000, 180_000, 100)];
@@ -41,8 +41,8 @@ mod tests {
     }
 
     /// Returns one column of the table. Between 5° and 179° each value is the mean over five angles
-    /// within 0.1°. The mean removes the remaining ripples of the drops, which are narrower than
-    /// 0.1°.
+    /// within 0.1°. The mean removes the ripples that remain after the average over the drop sizes.
+    /// These ripples are narrower than 0.1°.
     fn column(nm: f64) -> Vec<f64> {
         let angles = angles();
         let places = angles.iter().flat_map(|&angle| {
@@ -68,8 +68,8 @@ mod tests {
             for (nm, column) in nm.iter().zip(&columns) {
                 let table = PhaseFunction::Table(rainbow());
                 for (angle, density) in angles().into_iter().zip(column).step_by(7) {
-                    // Each side is normalised by its own sum, and the table is rounded to five
-                    // digits.
+                    // The table and the series are normalised separately, and the table is rounded
+                    // to five digits.
                     let found = table.eval(angle.to_radians().cos(), *nm);
                     assert!((found / density - 1.0).abs() < 0.02, "{angle}° {nm} nm: {found}, {density}");
                 }

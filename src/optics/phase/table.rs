@@ -23,8 +23,8 @@ pub struct PhaseTable {
     versines: Vec<f64>,
     /// One column per wavelength.
     columns: Vec<PhaseColumn>,
-    /// The range of sin(θ/2) is divided into equal steps. Each entry is the first cell that
-    /// overlaps the step. The list ends with one extra entry.
+    /// The range of sin(θ/2) is divided into equal steps. Entry i is the index of the first cell
+    /// that overlaps step i. One extra entry at the end is the index of the last cell.
     guide: Vec<u32>,
 }
 
@@ -207,7 +207,7 @@ fn check_wavelengths(nm: &[f64], columns: usize) -> Result<()> {
 ///
 /// # Errors
 /// Returns an error if a cell is not a number, a row has the wrong number of cells, or
-/// [`PhaseTable::new`] rejects the values. If the text is wrong, the error contains the line.
+/// [`PhaseTable::new`] rejects the values. An error in the text of a line contains the line number.
 pub fn parse(text: &str) -> Result<PhaseTable> {
     let mut rows = text
         .trim_start_matches('\u{feff}')

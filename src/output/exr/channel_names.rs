@@ -9,7 +9,7 @@ pub(super) const NOISE: &str = "error.noise";
 /// The channel of the bias.
 pub(super) const BIAS: &str = "error.bias";
 
-/// The channel of the edges of the illumination.
+/// The channel that marks pixels near an edge of the illumination.
 pub(super) const EDGE: &str = "error.edge";
 
 /// The prefix of the channels of exact sums.

@@ -29,7 +29,7 @@ mod tests {
     use crate::output::Metadata;
     use crate::sensor::{Picture, SpectralBands};
 
-    /// Returns a picture. All its values are different, and exact in single precision.
+    /// Returns a picture. Its values differ from pixel to pixel, and are exact in single precision.
     pub(super) fn sample() -> Picture {
         let (width, height) = (5, 3);
         let mut picture = Picture::black(width, height);

@@ -27,10 +27,11 @@ fn unreadable(error: ::exr::error::Error) -> Error {
     }
 }
 
-/// Reads the headers. Returns an error if they require far more memory than the file can contain.
+/// Reads the headers. Returns an error if the pixels that they describe need far more memory than a
+/// file of this size can contain.
 pub(super) fn read_headers(path: &Path) -> Result<MetaData> {
-    /// The largest number of bytes of memory per byte of the file. No compression of the format
-    /// exceeds deflate's limit of 1032, and the data is copied once.
+    /// The largest ratio of the memory to the size of the file. No compression of the format
+    /// exceeds deflate's ratio of 1032, and the data is copied once.
     const MAX_EXPANSION: u64 = 4000;
     /// The memory in bytes allowed for every file, whatever its size.
     const SMALL_FILE_LIMIT: u64 = 3 << 28;

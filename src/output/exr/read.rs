@@ -23,7 +23,7 @@ pub struct ExrFile {
     pub metadata: Metadata,
 }
 
-/// The colour channels, in the order of the search.
+/// The expected colour channels, for error messages.
 const COLOUR_CHANNELS: &str = "channels `xyz.X xyz.Y xyz.Z`, `R G B`, `X Y Z` or `Y`";
 
 /// Reads a picture. The XYZ values come from the first channel set of this list that is present:
@@ -70,7 +70,8 @@ fn known(sample: f32) -> Option<f32> {
     (sample >= 0.0).then_some(sample)
 }
 
-/// Adds the channels of a layer by their full names. Exact sums are skipped.
+/// Adds the channels of a layer under their full names. Exact sums and subsampled channels are
+/// skipped.
 fn collect(
     layer: &Layer<AnyChannels<FlatSamples>>,
     size: Vec2<usize>,
@@ -91,7 +92,8 @@ fn collect(
         }
         let full = prefix.as_ref().map_or(name.clone(), |prefix| format!("{prefix}.{name}"));
         let samples: Vec<f32> = channel.sample_data.values_as_f32().collect();
-        // The channels of the first layer are also available without the layer's name.
+        // A channel is also available without the layer's name. If several layers have a channel of
+        // this name, the first layer is used.
         if prefix.is_some() {
             channels.entry(name).or_insert_with(|| samples.clone());
         }

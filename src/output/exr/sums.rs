@@ -1,5 +1,5 @@
-//! The exact sums of a film as channels of an EXR: four channels of 32-bit words for each 128-bit
-//! sum, lowest word first.
+//! The exact sums of a film as channels of an EXR. A 128-bit sum is split into four 32-bit words,
+//! lowest word first. Each word has its own channel.
 //!
 //! The channels are named `sums.<plane>.<word>`. The upper words are almost always 0, and the lower
 //! words of splats are often 0. Therefore ZIP compresses the channels well.
@@ -51,7 +51,7 @@ pub fn read_metadata(path: &Path) -> Result<Metadata> {
 }
 
 /// Returns true if the header can belong to a film of this width, height and number of spectral
-/// bands. Call this function before the allocation of the film.
+/// bands. Call this function before you allocate the film.
 ///
 /// # Errors
 /// Returns an input error if the file is missing or not an EXR.

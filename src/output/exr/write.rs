@@ -98,8 +98,8 @@ fn error_samples(errors: impl Iterator<Item = Option<f32>>) -> FlatSamples {
     FlatSamples::F32(errors.map(|error| error.unwrap_or(UNKNOWN_ERROR)).collect())
 }
 
-/// Returns the attributes required by the spectral layout. The layout defines the radiance per nm.
-/// `abbe.bandUnits` repeats this unit explicitly.
+/// Returns the attributes required by the spectral layout. In the layout, the values are radiance
+/// per nm, although `emissiveUnits` does not contain nm. `abbe.bandUnits` states the full unit.
 fn spectral_attributes<'a>(picture: &Picture) -> impl Iterator<Item = (&'a str, &'a str)> + use<'a> {
     let attributes =
         [("spectralLayoutVersion", "1.0"), ("emissiveUnits", "W.m^-2.sr^-1"), ("abbe.bandUnits", "W.m^-2.sr^-1.nm^-1")];
@@ -113,8 +113,8 @@ fn chromaticities() -> Chromaticities {
     Chromaticities { red, green, blue, white: vector(RgbSpace::Srgb.white_xy()) }
 }
 
-/// Converts a text for the header. Metadata is ASCII already. Other characters that are not Latin-1
-/// become question marks.
+/// Converts a text for the header. Metadata is already ASCII. In other texts, characters outside
+/// Latin-1 become question marks.
 fn text(text: &str) -> Text {
     Text::from_slice_unchecked(text.chars().map(|c| u8::try_from(c).unwrap_or(b'?')).collect::<Vec<u8>>().as_slice())
 }

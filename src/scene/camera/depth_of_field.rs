@@ -1,8 +1,8 @@
 //! The depth of field of a lens, by geometrical optics.
 //!
-//! A point at distance u is blurred to a disk. On the plane in focus at distance u_f, the diameter
-//! of the disk is 2R·|u − u_f|/u, where R is the radius of the aperture. A point is sharp if the
-//! diameter is less than a pixel.
+//! A point at distance u is blurred to a disk. Let R be the radius of the aperture, and u_f the
+//! distance of the plane in focus. On this plane, the diameter of the disk is 2R·|u − u_f|/u. A
+//! point is sharp if the diameter is less than a pixel.
 
 use super::{Aperture, Camera};
 

@@ -9,8 +9,8 @@ use crate::spectrum::REFERENCE_NM;
 pub struct ApertureDiffraction {
     /// The blades of a polygonal aperture, or `None` for a round one.
     pub blades: Option<Blades>,
-    /// λN in pixels per nm of wavelength. N is the working f-number: the image distance divided by
-    /// the diameter of the circle around the aperture.
+    /// The product λN in pixels, for each nm of the wavelength λ. N is the working f-number: the
+    /// image distance divided by the diameter of the circle around the aperture.
     pub spread_px_per_nm: f64,
 }
 

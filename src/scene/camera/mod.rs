@@ -64,8 +64,9 @@ pub struct CameraConnection {
     pub direction: DVec3,
     /// The distance from the point to the lens in m.
     pub distance: f64,
-    /// The mean radiance of the pixel in 1/m², per W/sr of intensity of the point along
-    /// `direction`. The value is |dA_film/dω| divided by the area of the pixel.
+    /// The mean radiance of the pixel divided by the intensity of the point along `direction`, in
+    /// 1/m². The value is 1/(d² Ω), where d is `distance` and Ω is the solid angle that the pixel
+    /// subtends at the lens.
     pub importance: f64,
 }
 
@@ -150,7 +151,8 @@ impl Camera {
             Aperture::ThinLens { stop, focus_m } => {
                 let opening = stop.sample(lens);
                 let shift = self.right * opening.x + self.up * opening.y;
-                // Dividing by the distance avoids overflow of the square of a very large distance.
+                // If `through` were multiplied by `focus_m` instead, the squared length of the
+                // vector could overflow.
                 Ray { origin: self.origin + shift, direction: (through - shift / focus_m).normalize() }
             }
         }
@@ -197,8 +199,8 @@ impl Camera {
             return None;
         }
         let sideways = DVec2::new(-offset.dot(self.right), -offset.dot(self.up));
-        // The intersection of the line with the plane in focus, projected to the plane at distance
-        // 1.
+        // The line from the lens to the point intersects the plane in focus. This is the
+        // intersection, projected to the plane at distance 1.
         let on_plane = sideways / depth + shift / focus_m;
         let film = self.on_film(on_plane);
         if !(film.x >= 0.0 && film.y >= 0.0 && film.x < self.size.x && film.y < self.size.y) {
@@ -262,7 +264,7 @@ mod tests {
 
     #[test]
     fn importance_is_the_film_area_per_solid_angle() {
-        // A small square on the plane at distance 1 subtends cos³ times its area.
+        // The solid angle of a small square on the plane at distance 1 is cos³ θ times its area.
         for camera in cameras() {
             for film in [DVec2::new(3.0, 4.0), DVec2::new(20.0, 15.0)] {
                 let lens = [0.5, 0.5];

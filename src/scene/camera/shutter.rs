@@ -53,7 +53,8 @@ impl ShutterCurve {
         let piece = self.passed.partition_point(|&passed| passed <= wanted).saturating_sub(1).min(last);
         let [[from, a], [to, b]] = [self.points[piece], self.points[piece + 1]];
         let rest = wanted - self.passed[piece];
-        // Solves a·x + slope·x²/2 = rest in the form that is accurate for a near b and a near 0.
+        // Solves a·x + slope·x²/2 = rest. This form of the solution is accurate even if a is near b
+        // or near 0.
         let slope = (b - a) / (to - from);
         let root = (a * a + 2.0 * slope * rest).max(0.0).sqrt();
         let x = if a + root > 0.0 { 2.0 * rest / (a + root) } else { 0.0 };

@@ -23,8 +23,8 @@ const BOUNDS_GRID: usize = 48;
 /// Rays along a side of the grid that measures the exit pupil on the axis.
 const AXIS_GRID: usize = 512;
 
-/// Half the side of both grids in semi-apertures of the last surface. The value exceeds 1 because
-/// oblique rays cross the plane of the last vertex outside the semi-aperture.
+/// Half the side of both grids, divided by the semi-aperture of the last surface. The value exceeds
+/// 1 because oblique rays cross the plane of the last vertex outside the semi-aperture.
 const GRID_EXTENT: f64 = 1.5;
 
 /// The wavelengths in nm of the rays that determine the bounds. Several wavelengths are needed
@@ -45,14 +45,15 @@ pub struct SystemLens {
     pupil_mm: f64,
     /// The largest distance of a sensor position from the axis, in mm.
     sensor_radius_mm: f64,
-    /// The bounds of the exit pupil on the plane of the last vertex. The sensor positions are on +x
-    /// at equal steps of the radius. `None` for a position without light.
+    /// The bounds of the exit pupil on the plane of the last vertex. Each entry holds the bounds
+    /// for one interval of sensor positions on +x. All intervals have the same length. `None` for
+    /// an interval without light.
     pupils: Vec<Option<[DVec2; 2]>>,
-    /// ∫ cos⁴θ/z² dA over the exit pupil for the middle of the sensor at the d line. After division
-    /// by this integral, a pixel in the middle of the sensor has the value of the radiance that
-    /// arrives there.
+    /// ∫ cos⁴θ/z² dA over the exit pupil for the middle of the sensor at the d line. The weights of
+    /// all rays are divided by this integral. Therefore, a scene of uniform radiance has exactly
+    /// this radiance in the middle of the picture.
     on_axis: f64,
-    /// The same integral for the lens without blades.
+    /// The integral `on_axis` for the lens without blades.
     on_axis_round: f64,
 }
 
@@ -113,8 +114,9 @@ impl SystemLens {
         self.lens.blades()
     }
 
-    /// The working f-number at this focus for the middle of the sensor at the d line: 1/(2 sin θ)
-    /// of the cone through the circle around the stop.
+    /// The working f-number at this focus, for the middle of the sensor at the d line. Let θ be the
+    /// half-angle of the cone of light from the circle around the stop. The f-number is
+    /// 1/(2 sin θ).
     pub fn working_f_number(&self) -> f64 {
         0.5 * (PI / self.on_axis_round).sqrt()
     }
@@ -124,8 +126,9 @@ impl SystemLens {
         self.lens.name()
     }
 
-    /// The distance from the rear principal plane to the sensor in mm. The height of the sensor
-    /// divided by this distance is twice the tangent of half the field of view.
+    /// The image distance in mm, from the thin-lens equation for the focal length and the focus
+    /// distance. The height of the sensor divided by this distance is twice the tangent of half the
+    /// field of view.
     pub fn image_mm(&self) -> f64 {
         let focus_mm = 1e3 * self.focus_m;
         if focus_mm.is_finite() { self.focal_mm * focus_mm / (focus_mm - self.focal_mm) } else { self.focal_mm }

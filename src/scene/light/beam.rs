@@ -107,8 +107,9 @@ impl BeamLight {
             let irradiance = self.power_w / self.area();
             return inside.then(|| self.incident(-self.axis, local.z, irradiance));
         }
-        // Samples the disk or the cone of directions. The one with the smaller solid angle is
-        // sampled, because fewer of its samples miss the other one.
+        // A sample carries light only if it is both on the disk and in the cone of directions. Of
+        // these two, the code samples the one with the smaller solid angle, because more samples
+        // then also meet the other condition.
         let disk_solid_angle = self.area() / (local.z * local.z);
         let cone_solid_angle = 2.0 * PI * self.one_minus_cos_divergence;
         if disk_solid_angle < cone_solid_angle {
@@ -136,8 +137,8 @@ impl BeamLight {
         Some(LitInterval { from, to, pivot: None })
     }
 
-    /// A virtual light of parallel rays. `None` for divergent light, because many points receive it
-    /// from two directions.
+    /// A virtual light of parallel rays. `None` for divergent light, because a point receives it
+    /// from many directions.
     pub(super) fn virtual_light(&self, u: [f64; 3]) -> Option<VirtualLight> {
         self.is_parallel().then(|| VirtualLight::parallel(-self.axis, Some(self.centre), u))
     }

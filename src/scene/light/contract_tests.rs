@@ -113,7 +113,7 @@ fn area_case(name: &'static str, placed: PlacedShape) -> LightCase {
     let geometry = Geometry::build(vec![placed], DVec3::ZERO).unwrap();
     let emitter = Emitter::Area(AreaLight { object: 0, radiance: 3.0, area_m2: geometry.area(0) });
     let light = light(emitter, flat_spectrum());
-    // The receiver is above the shape's front and to one side of it, tilted.
+    // The receiver is above the shape's front, to one side of it, and tilted.
     let way = (up + 0.4 * up.any_orthonormal_vector()).normalize();
     let tilt = way.cross(up).normalize();
     LightCase { name, light, geometry, receiver: ReceiverSquare::new(middle + 1.3 * way, -way + 0.3 * tilt, 0.9) }
@@ -283,7 +283,8 @@ fn shadow_rays_find_the_closed_form_irradiance() {
     }
 }
 
-/// A light map keeps one virtual light of a light without extent for all passes.
+/// If a light has no extent, a light map uses one virtual light for all passes. Therefore, all
+/// virtual lights of such a light must be equal.
 #[test]
 fn virtual_lights_add_up_to_the_light() {
     for case in all_cases() {
@@ -430,7 +431,8 @@ fn emitted_rays_stay_within_the_cone_and_disk_of_the_light() {
             };
             outermost = outermost.max(offset.length());
         }
-        // No ray is outside the cone and the disk, and some are near their edges.
+        // All rays start on the disk and stay within the cone. Some rays are near the edges of the
+        // disk and of the cone.
         assert!(widest <= angle + 1e-7 && widest >= 0.95 * angle, "{}: {widest} rad", case.name);
         assert!(outermost <= disk * (1.0 + 1e-12) && outermost >= 0.99 * disk, "{}: {outermost} m", case.name);
     }

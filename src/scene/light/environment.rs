@@ -97,15 +97,16 @@ impl EnvironmentMap {
         row * self.width + column
     }
 
-    /// The radiance relative to the mean and the spectrum at a point of the image.
+    /// Two properties of a point of the image: its radiance divided by the mean radiance, and its
+    /// spectrum.
     fn le(&self, point: [f64; 2]) -> (f64, EmittedSpd) {
         let weights = self.weights[self.pixel(point)];
         let sum: f64 = weights.iter().sum();
         (sum, if sum > 0.0 { EmittedSpd::Mixed(weights.map(|w| w / sum)) } else { EmittedSpd::Own })
     }
 
-    /// The sampling density of a point of the image, per steradian. Near a point, the solid angle
-    /// per area of the unit square is 2π² sin θ.
+    /// The sampling density of a point of the image, per steradian. A small area dA of the unit
+    /// square covers the solid angle 2π² sin θ dA.
     fn pdf_solid_angle(&self, point: [f64; 2]) -> f64 {
         let sin_theta = (PI * point[1]).sin();
         if sin_theta > 0.0 { self.pixels.pdf(point) / (2.0 * PI * PI * sin_theta) } else { 0.0 }
@@ -140,8 +141,8 @@ impl EnvironmentLight {
         self.mean_radiance * 4.0 * PI * PI * world_radius_m * world_radius_m
     }
 
-    /// For a ray that leaves the scene along `direction`: the radiance (W/m²/sr over the band) and
-    /// the spectrum seen by the ray.
+    /// The radiance (W/m²/sr over the band) and the spectrum that a ray sees if it leaves the scene
+    /// along `direction`.
     pub(super) fn le(&self, direction: DVec3) -> (f64, EmittedSpd) {
         match &self.map {
             None => (self.mean_radiance, EmittedSpd::Own),
@@ -157,7 +158,8 @@ impl EnvironmentLight {
         self.map.as_ref().map_or(0.25 * FRAC_1_PI, |map| map.pdf_solid_angle(self.point(direction)))
     }
 
-    /// Samples a direction towards the environment, or `None` for a black row of the image.
+    /// Samples a direction towards the environment. Returns `None` if the density of the sampled
+    /// direction is 0.
     fn sample(&self, u: [f64; 2]) -> Option<EnvironmentSample> {
         let Some(map) = &self.map else {
             return Some(EnvironmentSample {

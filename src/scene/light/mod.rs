@@ -1,7 +1,7 @@
 //! Light sources: the light that they emit, and the light that reaches a point from them.
 //!
 //! All lights obey one contract. Tests check the contract for each kind of light. The mean flux of
-//! [`Light::sample_le`] is [`Light::power_w`], which is a closed form. At each point, the
+//! [`Light::sample_le`] equals [`Light::power_w`], which uses no random numbers. At each point, the
 //! irradiance from [`Light::sample_li`] equals the irradiance from the emitted rays.
 //!
 //! Only this file matches over the variants of [`Emitter`]. All other code calls the methods of
@@ -108,8 +108,8 @@ fn local_test_lights(at: DVec3, axis: DVec3) -> Vec<contract_tests::TestLight> {
 impl Light {
     /// Creates a light at rest.
     ///
-    /// `observer` is the observer of the film. Photon wavelengths are sampled by the visual
-    /// importance for this observer.
+    /// `observer` is the observer of the film. Photon wavelengths are sampled in proportion to the
+    /// spectrum times the visual importance for this observer.
     ///
     /// # Errors
     /// The spectrum has no power within the band.
@@ -170,8 +170,9 @@ impl Light {
         }
     }
 
-    /// For a ray that leaves the scene along `direction`: the radiance (W/m²/sr over the band) and
-    /// the spectrum seen by the ray. `None` for local lights.
+    /// The radiance (W/m²/sr over the band) and the spectrum that a ray sees if it leaves the scene
+    /// along `direction`. `None` for local lights, and if a directional light is not in this
+    /// direction.
     pub fn le(&self, direction: DVec3) -> Option<(f64, EmittedSpd)> {
         match &self.emitter {
             Emitter::Directional(light) => light.le(direction).map(|radiance| (radiance, EmittedSpd::Own)),
@@ -180,8 +181,8 @@ impl Light {
         }
     }
 
-    /// The sampling density of [`Light::sample_li`], per steradian, for a direction that leaves the
-    /// scene. 0 for lights that are not distant.
+    /// The sampling density of [`Light::sample_li`], per steradian, for the direction of a ray that
+    /// leaves the scene. 0 for local lights.
     pub fn pdf_li_escaped(&self, direction: DVec3) -> f64 {
         match &self.emitter {
             Emitter::Directional(light) => light.pdf_li(direction),
@@ -190,8 +191,8 @@ impl Light {
         }
     }
 
-    /// The radiance (W/m²/sr over the band) of the light's surface at the hit of a ray along
-    /// `direction`. 0 for lights that are not area lights.
+    /// The radiance (W/m²/sr over the band) that a ray along `direction` sees where it hits the
+    /// light's surface. 0 for lights that are not area lights.
     pub fn le_surface(&self, direction: DVec3, hit: &Hit) -> f64 {
         match &self.emitter {
             Emitter::Area(light) => light.le(direction, hit.normal),
@@ -213,7 +214,8 @@ impl Light {
         }
     }
 
-    /// A part of the light's spectrum as a density per nm, with integral 1 over the band.
+    /// The relative spectral power distribution `spd` of this light at a wavelength in nm. It is a
+    /// density per nm, with integral 1 over the band.
     pub fn spd_at(&self, spd: EmittedSpd, nm: f64) -> f64 {
         match (spd, &self.emitter) {
             (EmittedSpd::Mixed(weights), Emitter::Environment(light)) => light.mixture_at(weights, nm),
@@ -265,8 +267,8 @@ impl Light {
         }
     }
 
-    /// The light from a virtual light at the point `from`. `None` if no light arrives there. The
-    /// caller tests visibility.
+    /// The light that the point `from` receives from a virtual light. `None` if the point receives
+    /// no light. The caller tests visibility.
     pub fn li_from(&self, extent: SceneExtent<'_>, virtual_light: &VirtualLight, from: DVec3) -> Option<LiSample> {
         let connection = virtual_light.connection_from(from);
         let Some(irradiance) = virtual_light.surface_irradiance(&connection) else {
@@ -303,7 +305,7 @@ impl Light {
         }
     }
 
-    /// Returns true if a rotation leaves the light unchanged: a uniform environment.
+    /// Returns true if the light is a uniform environment, which a rotation does not change.
     pub fn is_rotation_invariant(&self) -> bool {
         match &self.emitter {
             Emitter::Environment(light) => light.map.is_none(),
@@ -353,7 +355,7 @@ impl Light {
         }
     }
 
-    /// A point of the light. The bodies around the light are found from this point. `None` for
+    /// A point of the light. The bodies that contain this point also contain the light. `None` for
     /// distant lights, which are in air.
     pub fn representative_point(&self, geometry: &Geometry) -> Option<RepresentativePoint> {
         match &self.emitter {

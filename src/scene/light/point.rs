@@ -85,7 +85,8 @@ impl SpotLight {
         self.intensity * TAU * 0.5 * (self.inner + self.outer)
     }
 
-    /// The intensity in W/sr in a direction; `one_minus_cos` is 1 − cos of its angle to the axis.
+    /// The intensity in W/sr in a direction; `one_minus_cos` is 1 − cos of the angle between this
+    /// direction and the axis.
     fn intensity_at(&self, one_minus_cos: f64) -> f64 {
         if one_minus_cos <= self.inner {
             self.intensity
@@ -112,7 +113,8 @@ impl SpotLight {
     }
 
     pub(super) fn sample_li(&self, from: DVec3) -> Option<LiSample> {
-        // 1 − cos of the angle between unit vectors a and b is |a − b|²/2, exact for narrow cones.
+        // For unit vectors a and b, 1 − cos of the angle between them is |a − b|²/2. This form is
+        // accurate even for narrow cones.
         sample_li_from_point(self.position, from, |outward| {
             self.intensity_at(0.5 * (outward - self.axis).length_squared())
         })

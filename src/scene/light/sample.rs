@@ -38,8 +38,8 @@ pub struct LiSample {
     pub direction: DVec3,
     /// The distance to the light in m; infinite for distant lights.
     pub distance: f64,
-    /// The surface of the light at the end of the shadow ray. The light's own surface does not
-    /// block the shadow ray.
+    /// The light's surface at the end of the shadow ray. This surface does not block the shadow
+    /// ray.
     pub target: Option<SurfaceId>,
     /// The radiance divided by the density of the sample, in W/m². For a light without extent, this
     /// is the irradiance on a plane perpendicular to `direction`.
@@ -53,8 +53,9 @@ pub struct LiSample {
 /// The uniform random numbers in [0, 1) for one emitted ray.
 #[derive(Debug, Clone, Copy)]
 pub struct LeRandoms {
-    /// The pair of numbers stratified by photon aiming. For a local light, the pair selects the
-    /// direction of the ray. For a distant light, it selects the position of the ray.
+    /// The pair of numbers that photon aiming may sample with a learned density. For a beam or a
+    /// distant light, the pair selects the position of the ray. For all other lights, it selects
+    /// the direction of the ray.
     pub aim: [f64; 2],
     /// The remaining numbers.
     pub rest: [f64; 3],
@@ -70,7 +71,7 @@ pub struct SceneExtent<'a> {
     pub radius_m: f64,
 }
 
-/// A point for finding the bodies around a light.
+/// A point of a light. The bodies that contain this point also contain the light.
 #[derive(Debug, Clone, Copy)]
 pub struct RepresentativePoint {
     /// The point, relative to the scene's centre, in m.

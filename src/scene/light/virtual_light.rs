@@ -2,9 +2,9 @@
 //! points are known.
 //!
 //! If a light has no extent, its virtual light is the whole light. If a light has extent, the mean
-//! of its random virtual lights equals the light (compare the virtual point lights of Keller 1997).
-//! There is exactly one straight connection from a virtual light to each point, so a light map can
-//! store the transmittance of that connection.
+//! irradiance from its random virtual lights equals the irradiance from the light (compare the
+//! virtual point lights of Keller 1997). There is exactly one straight connection from a virtual
+//! light to each point, so a light map can store the transmittance of that connection.
 
 use crate::geometry::{Ray, SurfaceId, SurfaceSample};
 use glam::DVec3;
@@ -35,8 +35,8 @@ enum VirtualLightKind {
 pub struct LightConnection {
     /// The unit vector from the point towards the light.
     pub direction: DVec3,
-    /// The length in m. The length is infinite for a distant light, 0 at the light itself, and not
-    /// positive behind the source of a parallel beam.
+    /// The length in m. The length is infinite for a distant light. It is 0 if the point is on the
+    /// light, and 0 or negative if the point is behind the source of a parallel beam.
     pub distance: f64,
     /// The surface on which the connection ends.
     pub target: Option<SurfaceId>,
@@ -88,8 +88,8 @@ impl VirtualLight {
         (Ray::new(to + length * direction, -direction), length)
     }
 
-    /// The irradiance in W/m² (over the band) from the surface point at the end of a connection.
-    /// The irradiance is on a plane perpendicular to the connection. `None` if the light has no
+    /// The irradiance in W/m² (over the band) on a plane perpendicular to a connection. The light
+    /// comes from the surface point at the end of the connection. `None` if the light has no
     /// surface.
     pub(super) fn surface_irradiance(&self, connection: &LightConnection) -> Option<f64> {
         let VirtualLightKind::Surface { normal, flux, .. } = self.kind else { return None };

@@ -1,8 +1,9 @@
 //! A volume light: a medium that emits light, such as hot soot or the gas of a neon tube.
 //!
-//! A box around the medium is divided into cells. Most points are sampled in proportion to the
-//! emission of each cell. The other points, a small share, are sampled uniformly over all cells,
-//! because the probes may miss the emission of a cell. Directions are sampled uniformly.
+//! A box around the medium is divided into cells. Probes (the points of a finer grid) measure the
+//! emission of each cell. For most samples, the probability of a cell is proportional to its
+//! emission. For a small share of the samples, all cells have the same probability, because the
+//! probes may miss the emission of a cell. Directions are sampled uniformly.
 
 use super::lit_interval::LitInterval;
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoint};
@@ -39,8 +40,8 @@ const PROBES: usize = 4;
 /// Probes along each side of the box.
 const PROBED: usize = CELLS * PROBES;
 
-/// The ray along a row of probes passes the probes at this distance, as a share of the distance
-/// between probes. The ray then does not run along an edge of a mesh.
+/// The distance between a row of probes and the ray along this row, divided by the distance between
+/// probes. Because of this offset, the ray does not run along an edge of a mesh.
 const BESIDE: f64 = 1e-6;
 
 /// A direction that is unlikely to be parallel to an edge or a face.
@@ -58,8 +59,8 @@ struct VolumeSample {
 }
 
 impl VolumeLight {
-    /// The light after a map of the scene's positions. Only the box of a grid medium can move. A
-    /// body that contains an emitting medium cannot move.
+    /// The light transformed by a map of the scene's positions. Only the box of a grid medium can
+    /// move. A body that contains an emitting medium cannot move.
     pub(super) fn moved(&self, map: &DAffine3) -> Self {
         Self { medium: self.medium.moved(map), from_unit: *map * self.from_unit, ..self.clone() }
     }
@@ -77,9 +78,9 @@ impl VolumeLight {
     /// Creates the light of an emitting medium.
     ///
     /// `from_unit` maps the unit cube to a box around the emitting part, in m relative to the
-    /// scene's centre. `body` belongs to the body that contains the medium: its surface, and its
-    /// volume in m³. `body` is `None` if the box itself bounds the medium. Returns `None` if the
-    /// medium emits nothing in the band.
+    /// scene's centre. If the medium is inside a body, `body` holds the surface of this body and
+    /// its volume in m³. `body` is `None` if the box itself bounds the medium. Returns `None` if
+    /// the medium emits nothing in the band.
     pub fn new(medium: &Medium, from_unit: DAffine3, body: Option<(Arc<Geometry>, f64)>) -> Option<Self> {
         let emission = medium.emission.as_ref()?;
         let (body, body_volume) = body.unzip();
@@ -109,7 +110,8 @@ impl VolumeLight {
         }
         let sum: f64 = emitted.iter().sum();
         let mean = sum / emitted.len() as f64;
-        // The body's surface may cut cells in which no probe found emission.
+        // A cell may contain a part of the body even if no probe found emission in the cell.
+        // Therefore, no cell has the probability 0.
         let shares = emitted.iter().map(|here| (1.0 - DEFENSIVE_SHARE) * here + DEFENSIVE_SHARE * mean);
         light.cells = DiscreteDistribution::new(shares)?;
         let probed_m3 = light.box_m3() / (PROBED as f64).powi(3);
@@ -135,7 +137,7 @@ impl VolumeLight {
         self.power_w
     }
 
-    /// A point of strong emission. The bodies around the light are found from this point.
+    /// A point of strong emission. The bodies that contain this point also contain the light.
     pub(super) fn representative_point(&self) -> RepresentativePoint {
         let samples = (0..64).map(|i| self.sample([(f64::from(i) + 0.5) / 64.0, 0.37, 0.61]));
         let brightest = samples.max_by(|a, b| a.flux_w.total_cmp(&b.flux_w));

@@ -31,12 +31,13 @@ pub struct ThermalEmission {
     inverse: (f64, f64),
 }
 
-/// Below this temperature in K, thermal emission counts as 0. The emission is then below 10⁻¹⁶ of
-/// dimly visible emission.
+/// Below this temperature in K, thermal emission counts as 0. Matter at this temperature emits less
+/// than 10⁻¹⁶ of the light of matter that glows dimly.
 const COLDEST_K: f64 = 350.0;
 
 /// The number of steps of the inverse temperature. The relative interpolation error is below 10⁻⁴.
-/// It cancels, because the same interpolated value also normalises the spectrum.
+/// The error cancels in the product of the emission and its normalised spectrum, because the same
+/// interpolated value normalises the spectrum.
 const STEPS: usize = 256;
 
 /// The number of bins per step in the histogram of temperatures for the mean spectrum.
@@ -63,7 +64,7 @@ impl MediumEmission {
         Self::Thermal(Box::new(ThermalEmission { temperature, absorption, log_band, inverse: (first, step) }))
     }
 
-    /// The emission after a map of the scene's positions.
+    /// The emission transformed by a map of the scene's positions.
     #[must_use]
     pub fn moved(&self, map: &DAffine3) -> Self {
         match self {
@@ -86,8 +87,8 @@ impl MediumEmission {
         }
     }
 
-    /// The emission over the band at a point, in W/m³/sr at density 1. For thermal emission, also
-    /// the temperature in K.
+    /// The emission over the band at a point, in W/m³/sr at density 1. For thermal emission, the
+    /// function also returns the temperature in K.
     pub fn band_at(&self, point: DVec3) -> (f64, Option<f64>) {
         match self {
             Self::Uniform { band, .. } => (*band, None),
@@ -107,8 +108,8 @@ impl MediumEmission {
         }
     }
 
-    /// The spectrum of the total emission, at any scale. `weights` are pairs of a temperature in K
-    /// and the amount of matter at this temperature.
+    /// The spectrum of the total emission, up to a constant factor. `weights` are pairs of a
+    /// temperature in K and the amount of matter at this temperature.
     pub fn mean_spectrum(&self, weights: impl Iterator<Item = (f64, f64)>) -> Spectrum {
         match self {
             Self::Uniform { spectrum, .. } => spectrum.clone(),
@@ -140,7 +141,7 @@ impl ThermalEmission {
         self.absorption.at(nm) * planck(nm, temperature) * 1e-9
     }
 
-    /// The position of a temperature among the entries, in steps.
+    /// The position of a temperature in `log_band`: a fractional index.
     fn entry(&self, temperature: f64) -> f64 {
         ((1.0 / temperature - self.inverse.0) / self.inverse.1).clamp(0.0, STEPS as f64)
     }

@@ -3,7 +3,7 @@
 //! Each coefficient of a medium is a function of wavelength, multiplied by a density that may vary
 //! in space. Therefore one number describes a segment of a ray: the column density D = ∫ρ ds. The
 //! transmittance at every wavelength is exp(−σ_t(λ)·D). Absorption and scattering are given
-//! separately and are not negative. No albedo can thus exceed 1.
+//! separately, and neither is negative. Therefore, the albedo cannot exceed 1.
 
 pub mod field;
 
@@ -101,7 +101,7 @@ impl Medium {
         }
     }
 
-    /// The medium after a map of the scene's positions.
+    /// The medium transformed by a map of the scene's positions.
     #[must_use]
     pub fn moved(&self, map: &DAffine3) -> Self {
         let density = match &self.density {
@@ -112,9 +112,10 @@ impl Medium {
     }
 
     /// Returns true if the optical depth at 550 nm across a body of the medium exceeds 4. The body
-    /// is `across_m` thick. A grid medium is as thick as its own box.
+    /// is `across_m` thick. For a grid medium, the smallest column density across its own box is
+    /// used instead of the thickness.
     pub fn is_dense_across(&self, across_m: f64) -> bool {
-        /// The optical depth in mean free paths.
+        /// The optical depth above which a medium is dense.
         const DENSE: f64 = 4.0;
         let column_m = match &self.density {
             Density::Uniform => across_m,
@@ -141,8 +142,8 @@ impl Medium {
         self.scattering_max > 0.0
     }
 
-    /// Returns true if a light map can resolve the density. The map has this many cells along its
-    /// longest side.
+    /// Returns true if a light map can resolve the density. `cells` is the number of cells along
+    /// the longest side of the map.
     pub fn is_smooth_in_cells(&self, cells: u32) -> bool {
         match &self.density {
             Density::Uniform => true,

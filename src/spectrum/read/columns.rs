@@ -3,7 +3,7 @@
 use super::SpectrumSamples;
 use crate::error::{Error, Result};
 
-/// The notation of the numbers in a row.
+/// The separator of the cells of a row, and the decimal sign of the numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct ColumnFormat {
     separator: Separator,
@@ -17,7 +17,7 @@ enum Separator {
     Blank,
 }
 
-/// The formats to be tried on the first row of numbers, in this order.
+/// The formats of a row. The parser tries them in this order until one fits the row.
 const FORMATS: [ColumnFormat; 8] = [
     ColumnFormat { separator: Separator::Character(';'), decimal_comma: false },
     ColumnFormat { separator: Separator::Character('\t'), decimal_comma: false },
@@ -78,7 +78,8 @@ fn pieces(row: &str, is_separator: impl Fn(char) -> bool + Copy) -> impl Iterato
 /// the wavelengths are in µm, otherwise in nm.
 ///
 /// # Errors
-/// Returns an error with line and column if a row is not two numbers or the samples are invalid.
+/// Returns an error with line and column if a row does not consist of two numbers or a sample is
+/// invalid.
 pub fn parse(text: &str) -> Result<SpectrumSamples> {
     let rows = text
         .lines()
@@ -108,8 +109,8 @@ pub fn parse(text: &str) -> Result<SpectrumSamples> {
             known.number(cell).ok_or_else(|| Error::input(format!("\"{cell}\"")).expected("a number").at(line, column))
         };
         let nm = number(nm_column, nm)?;
-        // The wavelength is rounded to far less than the width of any line, so that 0.5005 µm
-        // becomes 500.5 nm.
+        // The wavelength is rounded to 10⁻⁹ nm, so that 0.5005 µm becomes exactly 500.5 nm. This
+        // step is far below the width of any line.
         let nm = nm_per_unit.filter(|unit| *unit != 1.0).map_or(nm, |unit| (nm * unit * 1e9).round() / 1e9);
         samples.push(((nm, (line, nm_column)), (number(value_column, value)?, (line, value_column))));
     }
@@ -121,7 +122,8 @@ fn not_two_numbers(row: &str) -> Error {
     Error::input(format!("the row \"{shown}\"")).expected("two numbers: wavelength and value")
 }
 
-/// Returns the unit of the wavelengths, expressed in nm. The unit is a word of the first title.
+/// Returns the unit of the wavelengths, expressed in nm. A word in the title of the first column
+/// names the unit.
 fn unit_of_header(row: &str) -> f64 {
     let first = row.split([';', '\t', '|', ',']).next().unwrap_or(row).to_lowercase();
     // The letter µ has two code points. If the file has another encoding, µ is decoded as the

@@ -40,7 +40,8 @@ impl SpectrumSamples {
         Spectrum::table(&self.nm, &self.values, outside)
     }
 
-    /// Validates the samples. Errors contain the known positions of the samples in the file.
+    /// Validates the samples. The error for an invalid sample contains the position of this sample
+    /// in the file.
     fn checked(samples: &[(PlacedNumber, PlacedNumber)], kind: Option<SpectrumKind>) -> Result<Self> {
         let nm: Vec<f64> = samples.iter().map(|(nm, _)| nm.0).collect();
         let values: Vec<f64> = samples.iter().map(|(_, value)| value.0).collect();

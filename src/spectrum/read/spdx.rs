@@ -2,8 +2,8 @@
 //!
 //! ANSI/IES TM-27-14 and TM-27-20, *Standard Format for the Electronic Transfer of Spectral Data*.
 //! The element `SpectralDistribution` contains one element `SpectralData` per sample. The attribute
-//! of this element is the wavelength in nm, and its text is the value. `SpectralQuantity` names the
-//! measured quantity.
+//! `wavelength` of this element gives the wavelength in nm. The text of the element gives the
+//! value. `SpectralQuantity` names the measured quantity.
 
 use roxmltree::{Document, Node};
 

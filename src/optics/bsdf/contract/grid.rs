@@ -1,5 +1,5 @@
-//! A grid on the sphere, whose cells have equal solid angles. The module computes integrals and
-//! histograms over the cells, and compares the two by the χ² test.
+//! A grid on the sphere, whose cells have equal solid angles. The module integrates densities over
+//! the cells and compares the integrals with a histogram of samples by the χ² test.
 
 use std::f64::consts::TAU;
 

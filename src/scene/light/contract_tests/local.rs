@@ -9,8 +9,8 @@ pub(in crate::scene::light) struct TestLight {
     pub(in crate::scene::light) emitter: Emitter,
     /// The largest angle between an emitted ray and the axis.
     pub(in crate::scene::light) cone_rad: f64,
-    /// The largest distance of the origin of an emitted ray from the position. All rays start in
-    /// the plane through the position across the axis.
+    /// The largest distance between the origin of an emitted ray and the light's position. All rays
+    /// start in the plane that contains this position and is perpendicular to the axis.
     pub(in crate::scene::light) disk_m: f64,
     /// The irradiance at a distance of 2 m on the axis, if it has a closed form.
     pub(in crate::scene::light) irradiance_at_2_m: Option<f64>,

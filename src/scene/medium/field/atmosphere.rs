@@ -19,7 +19,7 @@ pub struct Atmosphere {
 /// The surface of height 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Ground {
-    /// The plane of this y. Heights below the plane are negative.
+    /// The plane at this y coordinate. Heights below the plane are negative.
     Plain(f64),
     /// A sphere. Inside the sphere, the height is 0.
     Planet(Planet),
@@ -69,8 +69,9 @@ impl Atmosphere {
         }
     }
 
-    /// Visits the pieces of a line. Above a plain the line is one piece; around a planet the pieces
-    /// are shells of equal height.
+    /// Visits the pieces of a line. Above a plain, the line is one piece. Around a planet, each
+    /// piece is the part of the line inside the planet or inside one of several spherical shells.
+    /// All shells have the same thickness.
     pub(super) fn for_each_piece(
         &self,
         line: &FieldLine,
@@ -99,9 +100,9 @@ impl Atmosphere {
         ControlFlow::Continue(())
     }
 
-    /// The parameters of the crossings between the rising line and the edges of the shells, above
-    /// the point at `from`. This point may be on either side of the lowest point. The crossings are
-    /// on the far side.
+    /// The parameters at which the rising half of the line crosses the edges of the shells. The
+    /// lowest shell begins at the height of the point at `from`. This point may be on the falling
+    /// half of the line.
     fn shells(&self, line: &FieldLine, planet: &Planet, from: f64) -> [f64; MAX_PIECES as usize + 1] {
         let nearest = line.nearest_to(planet.center);
         let closest = (line.at(nearest) - planet.center).length();

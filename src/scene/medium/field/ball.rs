@@ -6,7 +6,8 @@ use glam::DVec3;
 use std::ops::ControlFlow;
 
 /// A ball that fades over the outer share `falloff` of its radius. The fade is a smoothstep in the
-/// square of the distance from the centre. Along every line, it is a polynomial.
+/// square of the distance from the centre. Along every line, the fade is a polynomial of the
+/// distance along the line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallField {
     /// The value at the centre.

@@ -80,7 +80,8 @@ impl FieldGrid {
         self.value(self.cells_per_length(bounds) * (local - bounds.0) - DVec3::splat(0.5))
     }
 
-    /// The value at a point in units of cells, counted from the first centre.
+    /// The value at a point. The coordinates of `place` are in units of cells, and the first centre
+    /// is their origin.
     fn value(&self, place: DVec3) -> f64 {
         let mut corner = [0; 3];
         let mut share = [0.0; 3];
@@ -109,13 +110,13 @@ impl FieldGrid {
         DVec3::new(x, y, z) / (bounds.1 - bounds.0)
     }
 
-    /// Converts a line to units of cells, counted from the first centre.
+    /// Converts a line to coordinates in units of cells. The first centre is their origin.
     fn in_centres(&self, line: &FieldLine, bounds: (DVec3, DVec3)) -> FieldLine {
         let scale = self.cells_per_length(bounds);
         FieldLine { origin: scale * (line.origin - bounds.0) - DVec3::splat(0.5), direction: scale * line.direction }
     }
 
-    /// The largest bound of the blocks along the line.
+    /// The largest of the bounds that are stored for the blocks along the line.
     pub(super) fn majorant(&self, line: &FieldLine, window: (f64, f64), bounds: (DVec3, DVec3)) -> f64 {
         let mut max = 0.0_f32;
         let _ = self.for_each_block(&self.in_centres(line, bounds), window, |_, bound| {
@@ -125,7 +126,8 @@ impl FieldGrid {
         f64::from(max)
     }
 
-    /// Visits the pieces between planes of centres, in the blocks that are not empty.
+    /// Divides the line at the planes of centres and visits the pieces. Pieces in empty blocks are
+    /// skipped.
     pub(super) fn for_each_piece(
         &self,
         line: &FieldLine,

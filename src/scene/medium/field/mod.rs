@@ -64,8 +64,8 @@ impl FieldLine {
         (point - self.origin).dot(self.direction) / self.direction.length_squared()
     }
 
-    /// The parameters of the line's entry into a sphere and exit from it. `nearest` is the
-    /// parameter of the point nearest to the centre.
+    /// The parameters at which the line enters and leaves a sphere, or `None` if the line misses
+    /// the sphere. `nearest` is the parameter of the point nearest to the sphere's centre.
     fn crossings(&self, centre: DVec3, radius: f64, nearest: f64) -> Option<(f64, f64)> {
         let closest = (self.at(nearest) - centre).length();
         (closest < radius).then(|| {
@@ -87,9 +87,9 @@ impl ScalarField {
         Self { shape, to_local, bounds }
     }
 
-    /// Returns true if a grid can interpolate column densities of the field. The grid has this many
-    /// cells along the longest side of the box. The scale height of an atmosphere must be at least
-    /// one cell.
+    /// Returns true if a grid can interpolate column densities of the field. `cells` is the number
+    /// of cells of the grid along the longest side of the box. The scale height of an atmosphere
+    /// must be at least one cell.
     pub fn is_smooth_in_cells(&self, cells: u32) -> bool {
         let longest = (self.bounds.1 - self.bounds.0).max_element();
         match &self.shape {
@@ -104,7 +104,7 @@ impl ScalarField {
         self.to_local.inverse() * DAffine3::from_translation(low) * DAffine3::from_scale(high - low)
     }
 
-    /// The field after a map of the scene's positions.
+    /// The field transformed by a map of the scene's positions.
     #[must_use]
     pub fn moved(&self, map: &DAffine3) -> Self {
         Self { to_local: self.to_local * map.inverse(), ..self.clone() }
@@ -117,8 +117,8 @@ impl ScalarField {
         std::array::from_fn(|i| from_unit.transform_point3(corner(i)))
     }
 
-    /// The smallest of three integrals (in m). They are along the lines between the middles of
-    /// opposite faces of the box.
+    /// The smallest of three integrals, in m times the unit of the field. Each integral is along
+    /// the line between the centres of two opposite faces of the box.
     pub fn min_column_m(&self) -> f64 {
         let corners = self.corners();
         let middle = 0.5 * (corners[0] + corners[7]);
@@ -142,7 +142,8 @@ impl ScalarField {
         if inside { self.local_at(local) } else { 0.0 }
     }
 
-    /// The distances at which the ray enters and leaves the box within its first `length_m`.
+    /// The distances between which the first `length_m` of the ray is inside the box. `None` if
+    /// this part of the ray misses the box.
     pub fn window(&self, ray: &Ray, length_m: f64) -> Option<(f64, f64)> {
         self.clipped(&self.line(ray), length_m)
     }
@@ -221,7 +222,7 @@ impl ScalarField {
             let (origin, along) = (line.origin[axis], line.direction[axis]);
             let (low, high) = (self.bounds.0[axis], self.bounds.1[axis]);
             if along == 0.0 {
-                // A ray inside a face counts as inside the box.
+                // A ray that lies in a face of the box counts as inside the box.
                 if origin < low || origin > high {
                     return None;
                 }
@@ -266,8 +267,9 @@ impl ScalarField {
         }
     }
 
-    /// The parameter in a piece where its integral reaches `wanted`. `whole` is the integral over
-    /// the piece. A Newton step that leaves the bracket is replaced by a bisection step.
+    /// The parameter at which the integral from the start of the piece reaches `wanted`. `whole` is
+    /// the integral over the piece. A Newton step that leaves the bracket is replaced by a
+    /// bisection step.
     fn invert(&self, line: &FieldLine, piece: (f64, f64), whole: f64, wanted: f64) -> f64 {
         let (mut low, mut high) = piece;
         let mut t = low + (high - low) * (wanted / whole);

@@ -7,7 +7,7 @@ use crate::math::random::mix64;
 use glam::DVec3;
 
 /// Fractal gradient noise (Perlin 2002), from 0 to 1. Noise below a threshold becomes 0. Each
-/// octave has half the size and half the weight of the octave before.
+/// octave has half the wavelength and half the weight of the octave before.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
     /// The largest value.
@@ -18,8 +18,8 @@ pub struct Noise {
     pub octaves: u32,
     /// The threshold, from 0 to 1.
     pub threshold: f64,
-    /// The extent of the fade to 0 at the surface of the ellipsoid inscribed in the box. It is a
-    /// share of the half-axes from 0 to 1; 0 means no fade.
+    /// The share of the half-axes, from 0 to 1, over which the noise fades to 0. The fade ends at
+    /// the surface of the ellipsoid inscribed in the box. 0 means no fade.
     pub falloff: f64,
     /// The seed.
     pub seed: u32,
@@ -36,7 +36,8 @@ const MAX_CELLS: f64 = 128.0;
 const GAIN: f64 = 0.75;
 
 impl Noise {
-    /// The noise in a box, given by its lowest and its highest corner.
+    /// Computes the noise on a grid in a box. The arguments are the lowest and the highest corner
+    /// of the box.
     ///
     /// # Errors
     /// A value is not finite in single precision.
@@ -85,7 +86,8 @@ const GRADIENTS: [DVec3; 12] = [
     DVec3::new(0.0, -1.0, -1.0),
 ];
 
-/// Gradient noise with pseudorandom gradients at the points of the unit lattice; 0 on these points.
+/// Gradient noise with pseudorandom gradients at the points of the unit lattice. The noise is 0 at
+/// these points.
 fn gradient_noise(place: DVec3, seed: u64) -> f64 {
     let corner = place.floor();
     let within = place - corner;

@@ -1,4 +1,4 @@
-//! Compares fields with brute force, with closed forms and with each other.
+//! Compares fields with numerical integration, with closed forms and with each other.
 
 use super::*;
 use crate::math::random::{Purpose, Stream};
@@ -205,7 +205,8 @@ fn the_columns_of_a_planetary_atmosphere_are_exact() {
         let along = field.column_m(&Ray::new(DVec3::ZERO, direction), f64::INFINITY);
         assert!((along / (radius * bessel) - 1.0).abs() < 1e-11, "{along} against {}", radius * bessel);
     }
-    // A grazing ray from space: twice the column from its lowest point outwards.
+    // The column density of a grazing ray from space is twice the column density of its half beyond
+    // the lowest point.
     let height = 3_000.0;
     let ray = Ray::new(DVec3::new(-6.9e6, height, 0.0), DVec3::X);
     let x = (radius + height) / scale_height;
@@ -226,7 +227,8 @@ fn the_columns_of_a_planetary_atmosphere_are_exact() {
 #[test]
 fn halving_the_step_quarters_the_error_of_a_march() {
     for (name, field) in fields().into_iter().filter(|(name, _)| ["plain", "planet", "flat grid"].contains(name)) {
-        // Averaged over many rays, because the position of kinks between steps is random.
+        // The error is averaged over many rays, because the position of a kink within a step is
+        // random.
         let error = |steps: u32| {
             let error =
                 |ray: &Ray, length: f64| field.column_by_steps(ray, length, steps) - field.column_m(ray, length);
@@ -261,7 +263,8 @@ fn the_seed_and_the_threshold_determine_the_noise() {
 #[test]
 fn only_thin_atmospheres_are_too_fine_for_a_grid() {
     for (name, field) in fields() {
-        // The longest side is 3: one of 32 cells is 0.094 long, one of 4 cells 0.75.
+        // The longest side of the box is 3. With 32 cells, a cell is 0.094 long. With 4 cells, a
+        // cell is 0.75 long.
         assert!(field.is_smooth_in_cells(32), "{name}");
         assert_eq!(field.is_smooth_in_cells(4), !["plain", "planet"].contains(&name), "{name}");
     }
