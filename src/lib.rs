@@ -51,7 +51,8 @@
 //!
 //! Photon mapping computes caustics and indirect light, and camera rays compute direct light
 //! (Jensen 1996). Passes are independent of each other, and their kernels shrink from pass to pass
-//! (Knaus & Zwicker 2011). Passes can therefore run on any machine in any order, and be merged.
+//! (Knaus & Zwicker 2011). Passes can therefore run on different machines in any order, and their
+//! results can be merged.
 //!
 //! # Modules
 //!
@@ -86,11 +87,12 @@
 //!
 //! # Units and conventions
 //!
-//! Lengths in a scene file are in the file's `unit`, metres by default. Inside the program, lengths
-//! are in metres relative to the centre of the scene, wavelengths in nm, power in W over the band
-//! 360–830 nm, and radiance in W/m²/sr. The Y of a picture is in cd/m². Stored directions point
-//! along the propagation of light. At a scattering event, `wo` and `wi` point away from the
-//! surface. Geometry is computed in `f64`, and photons are stored in `f32`.
+//! Lengths in a scene file are in the file's `unit`. The default unit is the metre. Inside the
+//! program, positions are relative to the centre of the scene. Lengths are in m, wavelengths in nm,
+//! power in W and radiance in W/m²/sr. Power covers the band 360–830 nm. The Y of a picture is in
+//! cd/m². Stored directions point along the propagation of light. At a scattering event, `wo` and
+//! `wi` point away from the surface. Geometry is computed in `f64`, and photons are stored in
+//! `f32`.
 //!
 //! # Scope and simplifications
 //!
@@ -161,7 +163,7 @@ pub use render::{ErrorMilestone, Forecast, Integrator, Progress, Stats};
 pub use spectrum::{Observer, Spectrum};
 
 /// Returns a spectrum of the built-in library, such as `D65`. `abbe spectrum --list` prints all
-/// names; letter case does not matter.
+/// names. Letter case does not matter.
 ///
 /// # Errors
 /// The name is unknown. The error suggests a similar name.

@@ -38,7 +38,7 @@ impl RenderOptions {
         Self { request, ..self }
     }
 
-    /// Stops after this many passes, at least 1.
+    /// Stops after this many passes. The value 0 counts as 1.
     pub fn passes(self, passes: u64) -> Self {
         self.stop(|stop| stop.passes = Some(passes.max(1)))
     }
@@ -48,7 +48,7 @@ impl RenderOptions {
         self.stop(|stop| stop.time = Some(time))
     }
 
-    /// Stops when the relative error of the picture falls to this value; 0.02 is 2 %.
+    /// Stops when the relative error of the picture falls to this value. 0.02 means 2 %.
     pub fn target_error(self, relative: f64) -> Self {
         self.stop(|stop| stop.target_error = Some(relative))
     }
@@ -63,7 +63,7 @@ impl RenderOptions {
         Self { size: Some((width, height)), ..self }
     }
 
-    /// Sets the number of photon paths in a pass.
+    /// Sets the number of photon paths in each pass.
     pub fn photons(self, photons: u64) -> Self {
         Self { photons: Some(photons), ..self }
     }
@@ -79,7 +79,8 @@ impl RenderOptions {
         Self { threads: Some(threads), ..self }
     }
 
-    /// Stores the spectrum of every pixel in this many bands of equal width over 360–830 nm.
+    /// Divides the range 360–830 nm into this many bands of equal width, and stores the spectrum of
+    /// every pixel in these bands.
     pub fn spectral_bands(self, bands: u32) -> Self {
         Self { spectral_bands: Some(bands), ..self }
     }

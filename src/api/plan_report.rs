@@ -14,9 +14,10 @@ pub struct PlanReport<'a> {
     wavelengths: &'static str,
     passes: u64,
     photons: u64,
-    /// The number of photons within the first radius, or null if the scene fixes the radius.
+    /// The number of photons that the gather radius of the first pass encloses, or null if the
+    /// scene fixes this radius.
     nearest: Option<u32>,
-    /// The first radius in m, if the scene fixes it.
+    /// The gather radius of the first pass in m, or null if the scene does not fix this radius.
     radius_m: Option<f64>,
     memory_bytes: u64,
     /// The largest movement of an object in pixels while the shutter is open, or null if nothing
@@ -24,7 +25,7 @@ pub struct PlanReport<'a> {
     motion_px: Option<f64>,
     camera: CameraReport,
     /// The objects and lights with spectra reconstructed from RGB, and the lights with strong
-    /// spectral lines. Null unless the scene has both.
+    /// spectral lines. Null if one of these two groups is empty.
     guessed_colours: Option<GuessedColours>,
     notes: &'a [String],
 }
@@ -58,7 +59,7 @@ struct CameraReport {
 
 #[derive(Debug, Serialize)]
 struct DiffractionReport {
-    /// The diameter 2.44 λN of the Airy disk at 550 nm.
+    /// The diameter of the Airy disk, 2.44 λN, in pixels. λ is 550 nm, and N is the f-number.
     airy_diameter_px: f64,
     /// True if the Airy disk is wider than a pixel.
     matters: bool,

@@ -39,8 +39,8 @@ pub fn of_render(of_scene: &Metadata, stats: &Stats) -> Metadata {
 }
 
 /// Returns true if a file contains a finished picture of this scene. The picture must come from the
-/// same version and the same integrator. If the request limits the number of passes, the picture
-/// must contain at least this number of passes.
+/// same version of Abbe and from the same integrator. If the request limits the number of passes,
+/// the picture must contain at least this number of passes.
 pub fn is_finished(path: &Path, of_scene: &Metadata, request: Request, job: &Job) -> bool {
     let Ok(found) = read_metadata(path) else { return false };
     let same =

@@ -13,8 +13,8 @@ use crate::sensor::{Codes, Development, DisplayImage, Picture, develop, exposure
 
 /// A picture in absolute units with an error estimate for every pixel.
 ///
-/// Columns `x` count from the left and rows `y` from the top, both from 0. Methods that take a
-/// pixel panic if it lies outside the image.
+/// Columns `x` are counted from the left, and rows `y` from the top. Both start at 0. A method with
+/// the arguments `x` and `y` panics if this pixel lies outside the image.
 #[derive(Debug, Clone)]
 pub struct Image {
     picture: Picture,
@@ -74,19 +74,19 @@ impl Image {
         y * width + x
     }
 
-    /// The CIE tristimulus values X, Y, Z of a pixel; Y is the luminance in cd/m².
+    /// The CIE tristimulus values X, Y, Z of a pixel. Y is the luminance in cd/m².
     pub fn xyz(&self, x: usize, y: usize) -> [f64; 3] {
         self.picture.xyz[self.index(x, y)]
     }
 
-    /// The linear sRGB components of a pixel. White of 1 cd/m² has the components 1, 1, 1; colours
+    /// The linear sRGB components of a pixel. White of 1 cd/m² has the components 1, 1, 1. Colours
     /// outside the gamut have negative components.
     pub fn linear_rgb(&self, x: usize, y: usize) -> [f64; 3] {
         xyz_to_linear_srgb(self.xyz(x, y))
     }
 
-    /// The whole picture in 8-bit sRGB, rows from the top. The scene sets exposure, white balance
-    /// and gamut mapping. A picture from a file has automatic exposure.
+    /// The whole picture in 8-bit sRGB, row by row. The first row is the top row. The scene sets
+    /// exposure, white balance and gamut mapping. A picture from a file has automatic exposure.
     pub fn to_srgb(&self) -> Vec<[u8; 3]> {
         let screen = match self.showing {
             Some(showing) => showing.in_space(RgbSpace::Srgb).screen(&self.picture),
@@ -116,12 +116,12 @@ impl Image {
         })
     }
 
-    /// The standard error of Y in cd/m², or `None` if it is unknown.
+    /// The standard error of the luminance Y in cd/m², or `None` if the error is unknown.
     pub fn noise(&self, x: usize, y: usize) -> Option<f64> {
         self.picture.noise[self.index(x, y)].map(f64::from)
     }
 
-    /// The estimated magnitude of the bias of Y in cd/m², or `None` if it is unknown.
+    /// The estimated bias of the luminance Y in cd/m², without its sign. `None` means unknown.
     pub fn bias(&self, x: usize, y: usize) -> Option<f64> {
         self.picture.bias[self.index(x, y)].map(f64::from)
     }
@@ -133,8 +133,9 @@ impl Image {
         self.picture.edge[self.index(x, y)]
     }
 
-    /// Returns half the width of the 95 % confidence interval of Y in cd/m². The interval includes
-    /// noise and bias. `None` means that the noise or the bias is unknown.
+    /// Returns half the width of the 95 % confidence interval of the luminance Y. The unit is
+    /// cd/m². The interval includes noise and bias. `None` means that the noise or the bias is
+    /// unknown.
     pub fn half_interval_95(&self, x: usize, y: usize) -> Option<f64> {
         self.picture.half_interval_95(self.index(x, y), 0.0)
     }

@@ -51,8 +51,9 @@ impl Scene {
     /// Reads and checks a scene file.
     ///
     /// # Errors
-    /// The file cannot be read, is not valid JSON, has unknown keys, or has values of a wrong type
-    /// or out of range. The error contains the file, the line, the column and the JSON path.
+    /// The file cannot be read, is not valid JSON, or contains an unknown key, a value of a wrong
+    /// type or a value out of range. The error contains the file, the line, the column and the JSON
+    /// path.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         Self::of_text(format::read_text(path)?, path)
@@ -73,8 +74,8 @@ impl Scene {
         Ok(Self { origin: SceneOrigin::Text { text, path, changes: Vec::new(), access: FileAccess::default() } })
     }
 
-    /// Changes one value of the scene, such as `objects[0].material="crown"` or
-    /// `render.max_depth=8`. The form is `PATH=JSON`.
+    /// Changes one value of the scene. `change` has the form `PATH=JSON`, such as
+    /// `objects[0].material="crown"` or `render.max_depth=8`.
     ///
     /// # Errors
     /// The change is malformed, its path does not exist, the value is invalid at this path, or the
@@ -90,8 +91,8 @@ impl Scene {
         }
     }
 
-    /// Allows the scene to use files outside the folder of its own file. By default, such files are
-    /// an error.
+    /// Allows the scene to use files outside the folder of its own file. By default, the use of
+    /// such a file is an error.
     #[must_use]
     pub fn allow_outside_files(mut self) -> Self {
         match &mut self.origin {

@@ -64,10 +64,10 @@ pub(crate) enum CheckpointInterval {
 }
 
 impl CheckpointInterval {
-    /// Returns the time until the next checkpoint. `duration` is the time that the last checkpoint
-    /// took to write.
+    /// Returns the time until the next checkpoint. `duration` is the time that was needed to write
+    /// the last checkpoint.
     fn pause(self, duration: Duration) -> Duration {
-        /// The least ratio of the pause to the time of writing.
+        /// The pause is at least this many times as long as `duration`.
         const LEAST_RATIO: u32 = 20;
         match self {
             Self::Fixed(interval) => interval,

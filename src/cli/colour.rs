@@ -12,11 +12,10 @@ pub(crate) struct ColourJson<'a> {
     observer: &'static str,
     /// The lamp that illuminates the reflectance, or null for a light.
     under: Option<&'a str>,
-    /// Tristimulus values. A light has Y = 100. For a reflectance, the perfect diffuser has Y =
-    /// 100.
+    /// Tristimulus values. A light has Y = 100. For a reflectance, Y = 100 is the perfect diffuser.
     xyz: [f64; 3],
     xy: [f64; 2],
-    /// Linear sRGB, scaled so that Y = 1 corresponds to Y = 100 in `xyz`.
+    /// Linear sRGB. Y = 100 in `xyz` corresponds to a luminance of 1 in these components.
     linear_srgb: [f64; 3],
     srgb_hex: &'a str,
     dominant_nm: Option<f64>,

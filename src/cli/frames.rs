@@ -59,8 +59,8 @@ impl SequenceFrame {
         format!("frame {} of {}", self.number, self.last)
     }
 
-    /// Returns the file name for this frame. The number of the frame replaces the signs `#` in the
-    /// file name of the pattern.
+    /// Returns the file name for this frame. The number of the frame replaces the group of `#`
+    /// signs in the file name of `pattern`.
     ///
     /// # Errors
     /// The pattern has no sign `#`, or several groups of these signs.

@@ -218,7 +218,7 @@ fn text(report: &GlassReport<'_>) -> String {
     text
 }
 
-/// Plots the index within its range, with the Cauchy fit.
+/// Plots the refractive index over its range of wavelengths, together with the Cauchy fit.
 fn plot(glass: &Glass) -> SpectralPlot {
     let (from, to) = glass.index.range_nm();
     let CauchyFit { a, b, c, range_nm, .. } = glass.cauchy;

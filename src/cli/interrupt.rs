@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 
 static SIGNALS: AtomicUsize = AtomicUsize::new(0);
 
-/// Installs the handler of Ctrl-C (SIGINT) and termination (SIGTERM, SIGHUP) for this process.
+/// Installs a handler for Ctrl-C (SIGINT) and for termination (SIGTERM, SIGHUP) in this process.
 pub(crate) fn watch() -> Result<()> {
     let installed = ctrlc::set_handler(|| {
         if SIGNALS.fetch_add(1, Ordering::SeqCst) == 0 {

@@ -146,7 +146,7 @@ fn html(compared: &LampsCompared, warning: Option<&str>) -> Result<String> {
     page(&LampsPage { lamps: [lamp(&lamps[0]), lamp(&lamps[1])], comparison, observer, primaries, warning })
 }
 
-/// The largest number of pairs in the printed text.
+/// The largest number of surface pairs that the printed text lists.
 const SHOWN_PAIRS: usize = 12;
 
 fn text(compared: &LampsCompared) -> String {
@@ -247,7 +247,7 @@ struct MatchJson<'a> {
 struct PatchJson<'a> {
     name: &'a str,
     delta_e_2000: f64,
-    /// Tristimulus values; the perfect diffuser has Y = 100.
+    /// Tristimulus values. The perfect diffuser has Y = 100.
     xyz: [[f64; 3]; 2],
     lab: [[f64; 3]; 2],
 }

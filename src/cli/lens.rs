@@ -38,7 +38,7 @@ pub(crate) struct LensArgs {
     list: bool,
 }
 
-/// The analysis of a lens. [`LensAnalysis`] defines the fields and the units of length.
+/// The analysis of a lens. The documentation of [`LensAnalysis`] defines the quantities.
 #[derive(Debug, Serialize)]
 struct LensReport<'a> {
     name: &'a str,

@@ -1,7 +1,9 @@
 //! The command line: argument parsing and output of the `abbe` program.
 //!
-//! Results go to standard output, everything else to standard error. Exit status: 0 done, 1 machine
-//! failure, 2 wrong input or wrong command, 3 `compare --fail-above` was exceeded, 130 interrupted.
+//! Results go to standard output. All other output goes to standard error. The exit status is 0 if
+//! the command is done, and 1 if the machine failed. It is 2 if the input or the command line is
+//! wrong, 3 if the limit of `compare --fail-above` was exceeded, and 130 if the user interrupted
+//! the command.
 
 mod check;
 mod checkpoint;
@@ -109,8 +111,8 @@ impl Outcome {
 
 /// Runs the `abbe` program with the arguments of this process, and returns its exit status.
 ///
-/// This function contains the whole program. It replaces the process's panic hook and its handlers
-/// of Ctrl-C and termination.
+/// This function contains the whole program. It replaces the panic hook of the process, and the
+/// handlers for Ctrl-C and for termination.
 pub fn main() -> ExitCode {
     ExitCode::from(run_from(std::env::args_os()))
 }
@@ -181,8 +183,9 @@ fn run(command: &Command) -> Result<Outcome> {
     }
 }
 
-/// Prints the help and the version as results. Every other message of clap becomes an error of one
-/// line.
+/// Prints clap's message. The help and the version go to standard output. If the help is shown
+/// because an argument is missing, the help goes to standard error. Any other message becomes a
+/// one-line error.
 fn report_usage(error: &clap::Error) -> Result<Outcome> {
     let text = error.to_string();
     let kind = error.kind();

@@ -35,8 +35,8 @@ impl OutputFiles {
         [&self.exr, &self.png].into_iter().chain(&self.stats).map(PathBuf::as_path)
     }
 
-    /// Checks that all files can be written, and removes unfinished files of killed runs. Call this
-    /// function before a long render.
+    /// Checks that all files can be written, and removes the unfinished files that killed runs left
+    /// behind. Call this function before a long render.
     pub(crate) fn check(&self) -> Result<()> {
         self.all().for_each(files::remove_temporary_files);
         self.all().try_for_each(files::check_writable)

@@ -1,4 +1,4 @@
-//! Output: results go to standard output, everything else to standard error.
+//! Output of the commands. Results go to standard output. All other output goes to standard error.
 
 use std::io::{ErrorKind, Write};
 use std::path::Path;
@@ -25,7 +25,8 @@ pub(crate) fn json<T: Serialize>(value: &T) -> Result<()> {
     result(&(text + "\n"))
 }
 
-/// Prints a line on standard error. Failures are ignored, because no other channel is left.
+/// Prints a line on standard error. If this fails, the failure is ignored, because no other channel
+/// is left.
 pub(crate) fn remark(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{}", with_command_line_hints(text));
 }

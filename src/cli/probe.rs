@@ -58,7 +58,7 @@ struct PixelReport {
     /// Whether the pixel is near an edge of the illumination, or null if unknown. Near an edge, the
     /// bias may be larger than the estimate.
     edge: Option<bool>,
-    /// √(noise² + bias²) relative to Y.
+    /// The ratio √(noise² + bias²) / Y.
     relative_error: Option<f64>,
     /// The 95 % confidence interval of Y in cd/m².
     interval_95: Option<[f64; 2]>,
@@ -68,7 +68,7 @@ struct PixelReport {
 #[derive(Debug, Serialize)]
 struct PixelBands {
     nm: Vec<f64>,
-    /// W/m²/sr/nm.
+    /// The spectral radiance in each band, in W/m²/sr/nm.
     values: Vec<f64>,
 }
 

@@ -1,4 +1,5 @@
-//! Shows the progress of a render: a bar on a terminal, or a line every few seconds elsewhere.
+//! Shows the progress of a render. If standard error is a terminal, a bar is shown. Otherwise, a
+//! line is printed every few seconds.
 
 use std::io::IsTerminal;
 use std::time::Duration;
@@ -118,7 +119,7 @@ fn predicted_milestones(progress: &Progress) -> Vec<String> {
 }
 
 /// Writes a number with three significant digits, without trailing zeros after the decimal point.
-/// Larger numbers are rounded to integers.
+/// Numbers of 100 or more are rounded to integers, and all their digits are written.
 fn round(number: f64) -> String {
     let digits = (2.0 - number.log10().floor()).clamp(0.0, 12.0) as usize;
     let text = format!("{number:.digits$}");

@@ -183,8 +183,9 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>) -> Result<Outc
     Ok(Outcome::Done)
 }
 
-/// Saves the picture. If the picture is a part, its exact sums are saved too. Keeps the checkpoint
-/// if the render was interrupted, if `--keep-checkpoint` is given, or if saving failed.
+/// Saves the picture. If the picture contains only a part of the passes, the exact film sums are
+/// saved too. Keeps the checkpoint if the render was interrupted, if `--keep-checkpoint` is given,
+/// or if saving failed.
 fn save(
     arguments: &RenderArgs,
     outputs: &OutputFiles,

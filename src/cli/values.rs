@@ -6,7 +6,8 @@ use std::time::Duration;
 use crate::output::compare::Region;
 use crate::render::PassPart;
 
-/// Parses a duration such as `90s`, `5m`, `1h30m` or `500ms`; a number without unit means seconds.
+/// Parses a duration such as `90s`, `5m`, `1h30m` or `500ms`. A number without a unit is in
+/// seconds.
 pub(crate) fn duration(text: &str) -> Result<Duration, String> {
     let wrong = || "expected a time such as 90s, 5m or 1h30m".to_string();
     let mut seconds = 0.0;
@@ -35,7 +36,7 @@ pub(crate) fn duration(text: &str) -> Result<Duration, String> {
     }
 }
 
-/// Parses a ratio above 0 such as `2%` or `0.02`.
+/// Parses a ratio such as `2%` or `0.02`. The ratio must be above 0.
 pub(crate) fn share(text: &str) -> Result<f64, String> {
     let (number, unit) = match text.trim().strip_suffix('%') {
         Some(percent) => (percent.trim_end(), 0.01),
@@ -47,7 +48,7 @@ pub(crate) fn share(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Parses half a field of view in degrees, above 0 and below 90.
+/// Parses half a field of view in degrees. The value must be above 0 and below 90.
 pub(crate) fn half_field_deg(text: &str) -> Result<f64, String> {
     let inside = |degrees: &f64| 0.0 < *degrees && *degrees < 90.0;
     text.trim().parse().ok().filter(inside).ok_or_else(|| "expected degrees above 0 and below 90".to_string())
@@ -78,7 +79,7 @@ pub(crate) fn region(text: &str) -> Result<Region, String> {
     }
 }
 
-/// Parses a wavelength in nm, above 0.
+/// Parses a wavelength in nm. The wavelength must be above 0.
 pub(crate) fn wavelength_nm(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(nm) if nm > 0.0 && nm.is_finite() => Ok(nm),
@@ -86,7 +87,7 @@ pub(crate) fn wavelength_nm(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Parses a limit of 0 or more.
+/// Parses a limit. The limit must be at least 0.
 pub(crate) fn limit(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(value) if value >= 0.0 && value.is_finite() => Ok(value),
@@ -104,13 +105,13 @@ pub(crate) fn frames(text: &str) -> Result<RangeInclusive<u32>, String> {
     }
 }
 
-/// Parses a frame rate per second, above 0.
+/// Parses a number of frames per second. The number must be above 0.
 pub(crate) fn rate(text: &str) -> Result<f64, String> {
     let rate = text.trim().parse().ok().filter(|fps: &f64| *fps > 0.0 && fps.is_finite());
     rate.ok_or_else(|| "expected a number above 0".to_string())
 }
 
-/// Parses a shutter angle in degrees, from 0 to 360.
+/// Parses a shutter angle in degrees. The angle must be from 0 to 360.
 pub(crate) fn shutter_angle(text: &str) -> Result<f64, String> {
     let angle = text.trim().parse().ok().filter(|degrees| (0.0..=360.0).contains(degrees));
     angle.ok_or_else(|| "expected degrees from 0 to 360".to_string())

@@ -3,8 +3,8 @@
 use super::Xyz;
 use super::matrix::{Matrix3, apply, diagonal, inverse, product};
 
-/// A von Kries chromatic adaptation transform. It converts XYZ to a linear space similar to cone
-/// responses, and scales each of the three components.
+/// A von Kries chromatic adaptation transform. It converts XYZ to a linear space whose components
+/// are similar to cone responses. It then scales each of the three components.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AdaptationTransform {
     /// Bradford (Lam 1985), which ICC profiles use.
@@ -27,7 +27,8 @@ impl AdaptationTransform {
 
     /// Returns whether `white` can be used as a white point. Each of the three responses must be at
     /// least a hundredth of the strongest one. For the light of a single spectral line, a response
-    /// may be near 0 or negative. Adaptation to such a light would amplify noise or invert colours.
+    /// may be near 0 or negative. Adaptation to such a light would amplify noise, or it would
+    /// invert colours.
     pub fn can_adapt_from(self, white: Xyz) -> bool {
         const LEAST_RESPONSE: f64 = 0.01;
         let seen = apply(self.matrix(), white);

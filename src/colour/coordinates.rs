@@ -30,7 +30,8 @@ pub fn uv1960(xyz: Xyz) -> [f64; 2] {
     [u, v * 2.0 / 3.0]
 }
 
-/// The constant δ of CIE 15. Below δ³ the cube root is replaced by a line.
+/// The constant δ of CIE 15. If the argument of the cube root is below δ³, a linear function
+/// replaces the root.
 const DELTA: f64 = 6.0 / 29.0;
 
 fn lightness_curve(t: f64) -> f64 {

@@ -47,9 +47,9 @@ pub fn delta_e_2000(a: [f64; 3], b: [f64; 3]) -> f64 {
 pub struct LightDifference {
     /// The distance in x, y.
     pub delta_xy: f64,
-    /// ΔE2000 with the white D65, for an observer adapted to daylight. The light itself is not the
-    /// white point. If it were, b* would exaggerate differences for lights with almost no Z, such
-    /// as sodium light.
+    /// ΔE2000 for an observer who is adapted to daylight. The white point is D65. The light itself
+    /// is not the white point. If it were, b* would exaggerate differences for lights with almost
+    /// no Z, such as sodium light.
     pub delta_e_2000: f64,
 }
 

@@ -60,8 +60,8 @@ fn crossing(locus: &[LocusPoint], white: [f64; 2], direction: [f64; 2]) -> Optio
         if let Some((distance, share)) = intersection([&pair[0], &pair[1]], white, direction)
             && farthest.is_none_or(|(so_far, _)| distance > so_far * (1.0 + 1e-9))
         {
-            // The wavelength is not linear in the position `share` on the chord. The position of a
-            // mixture depends on the weights of the two spectral colours.
+            // The wavelength is not a linear function of the position `share` on the chord. This
+            // position depends on the weights of the two spectral colours in a mixture.
             let (from, to) = (pair[0].weight * share, pair[1].weight * (1.0 - share));
             farthest = Some((distance, pair[0].nm + (pair[1].nm - pair[0].nm) * from / (from + to)));
         }

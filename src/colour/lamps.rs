@@ -40,7 +40,8 @@ pub struct LampComparison {
     pub further: Vec<PatchDifference>,
     /// The pairs of surfaces that are [`ALIKE`] under one light and [`DIFFERENT`] under the other,
     /// sorted by decreasing split. The split is the difference between the two ΔE2000 values of a
-    /// pair. Surfaces are numbered: first the patches, then the further surfaces.
+    /// pair. A pair contains the numbers of its surfaces. The patches have the first numbers, and
+    /// the further surfaces have the next ones.
     pub pairs: Vec<SplitPair>,
 }
 

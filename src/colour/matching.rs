@@ -6,8 +6,8 @@ use super::matrix::{Matrix3, dot};
 use crate::error::{Error, Result};
 use crate::spectrum::Spectrum;
 
-/// The mix matches the target if the distance in x, y and the relative error of Y are both below
-/// this value.
+/// The mix matches the target if two numbers are below this value: the distance in the x, y plane,
+/// and the relative error of Y.
 const MATCH_TOLERANCE: f64 = 1e-4;
 
 /// A mix of primaries with non-negative weights, and its distance from the target.

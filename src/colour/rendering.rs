@@ -26,8 +26,9 @@ pub struct ColourRendering {
 }
 
 /// Computes the colour rendering indices of a light with a known correlated colour temperature.
-/// Returns `None` below 1000 K and above 50,000 K. The continuum is summed every 5 nm from 380 to
-/// 780 nm, as in CIE 13.3. Each line is evaluated at the wavelength of the line.
+/// Returns `None` if the temperature is below 1000 K or above 50,000 K. The continuum is sampled
+/// every 5 nm from 380 to 780 nm, and the samples are summed, as in CIE 13.3. Each line is
+/// evaluated at the wavelength of the line.
 pub fn cri(lamp: &Spectrum, temperature: CorrelatedTemperature) -> Option<ColourRendering> {
     let cct_k = temperature.cct_k;
     if !(RANGE_K.0..=RANGE_K.1).contains(&cct_k) {
@@ -49,7 +50,8 @@ pub fn cri(lamp: &Spectrum, temperature: CorrelatedTemperature) -> Option<Colour
     Some(ColourRendering { ra: special[..8].iter().sum::<f64>() / 8.0, special })
 }
 
-/// Returns the XYZ of a reflectance under a light, by sums over samples every 5 nm.
+/// Returns the XYZ of a reflectance under a light. The XYZ are sums over samples that are 5 nm
+/// apart.
 fn xyz(reflectance: &Spectrum, light: &Spectrum) -> Xyz {
     let observer = Observer::cie1931();
     let narrow = light.narrow_part();
@@ -92,7 +94,8 @@ fn c_d([u, v]: [f64; 2]) -> [f64; 2] {
     [(4.0 - u - 10.0 * v) / v, (1.708 * v + 0.404 - 1.481 * u) / v]
 }
 
-/// Returns CIE 1964 W*, U*, V* of Y (100 for white) and u, v.
+/// Returns CIE 1964 W*, U*, V* of a colour with the luminance Y and the chromaticity u, v. White
+/// has Y = 100.
 fn uniform(y: f64, [u, v]: [f64; 2], [white_u, white_v]: [f64; 2]) -> [f64; 3] {
     let w = 25.0 * y.cbrt() - 17.0;
     [w, 13.0 * w * (u - white_u), 13.0 * w * (v - white_v)]

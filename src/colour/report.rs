@@ -36,8 +36,8 @@ pub fn xyz_under(reflectance: &Spectrum, light: &Spectrum, observer: &Observer) 
         let smooth_reflectance = reflectance.continuum_at(nm) - fine(&fine_reflectance, nm);
         add(&mut sum, smooth_light * smooth_reflectance, observer.xyz_bar(nm));
     }
-    // The sum above contains only the smooth part of the light times the smooth part of the
-    // reflectance. All other terms of the product are integrated.
+    // The sum above contains only the product of the two smooth parts: one of the light, and one of
+    // the reflectance. All other terms of the product are integrated.
     if let Some(fine_light) = &fine_light {
         add(&mut sum, 1.0, observer.xyz_under(reflectance, fine_light));
     }
@@ -85,7 +85,8 @@ pub struct ColourReport {
     pub temperature: Option<CorrelatedTemperature>,
     /// Colour rendering indices of a light, if these indices are defined.
     pub rendering: Option<ColourRendering>,
-    /// Lumens per watt of radiation within the band; only for lights.
+    /// The luminous efficacy in lumens per watt of the radiation within the band. `None` for a
+    /// reflectance.
     pub efficacy_lm_per_w: Option<f64>,
 }
 

@@ -138,9 +138,9 @@ impl RgbSpace {
         self.matrices().to_xyz[1]
     }
 
-    /// Encodes a linear component as a non-linear signal. sRGB and Display P3 use the sRGB curve,
-    /// Rec. 2020 its own, and ACEScg is linear. The function is odd, so negative components are
-    /// preserved.
+    /// Encodes a linear component as a non-linear signal. sRGB and Display P3 use the sRGB curve.
+    /// Rec. 2020 has its own curve. ACEScg is linear. The function is odd, so negative components
+    /// are preserved.
     pub fn encode(self, component: f64) -> f64 {
         match self {
             Self::Srgb | Self::DisplayP3 => encode_srgb(component),
@@ -207,13 +207,13 @@ pub fn decode_srgb(signal: f64) -> f64 {
     component.copysign(signal)
 }
 
-/// The number of entries of the table for the first estimate of a code. With this size, the
-/// estimate is at most one code too low. The curve is steepest at 0, and even there one entry
-/// covers less than one code: 12.92 · 255 / 4096 = 0.80.
+/// The number of entries of the table that gives a first estimate of a code. With this size, an
+/// estimate is never more than one code too low. The curve is steepest at 0, and even there one
+/// entry covers less than one code: 12.92 · 255 / 4096 = 0.80.
 const CODE_TABLE_SIZE: usize = 4096;
 
-/// Returns the nearest 8-bit sRGB code of a linear component, clipped to [0, 1]. The result is
-/// equal to 255 · [`encode_srgb`], rounded. The function uses a table instead of a power.
+/// Clips a linear component to [0, 1] and returns its nearest 8-bit sRGB code. The code is 255 ·
+/// [`encode_srgb`], rounded. To avoid computing a power, the function uses a table.
 #[inline]
 pub fn encode_srgb_u8(component: f64) -> u8 {
     struct Table {
@@ -235,7 +235,7 @@ pub fn encode_srgb_u8(component: f64) -> u8 {
     code + u8::from(component >= table.least[usize::from(code) + 1])
 }
 
-/// Formats a colour as `#rrggbb`, clipped to sRGB.
+/// Clips a colour to sRGB and formats it as `#rrggbb`.
 pub fn srgb_hex(rgb: Rgb) -> String {
     let [r, g, b] = rgb.map(encode_srgb_u8);
     format!("#{r:02x}{g:02x}{b:02x}")

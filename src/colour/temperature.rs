@@ -13,7 +13,7 @@ const MAX_DUV: f64 = 0.05;
 /// The search range of reciprocal temperatures in 1/MK: from 10⁶ K down to 500 K.
 const MIRED_RANGE: (f64, f64) = (1.0, 2001.0);
 
-/// The number of steps of the first search over the reciprocal temperatures.
+/// The first search divides the range of reciprocal temperatures into this number of steps.
 const LOCUS_STEPS: usize = 200;
 
 /// The black body whose colour is nearest to a colour.
@@ -26,9 +26,10 @@ pub struct CorrelatedTemperature {
     pub duv: f64,
 }
 
-/// Computes the correlated colour temperature of a colour for the CIE 1931 observer. This is the
-/// temperature at the nearest point of the Planckian locus in the CIE 1960 u, v plane. Returns
-/// `None` if the distance is above 0.05 or the temperature is outside 500–10⁶ K.
+/// Computes the correlated colour temperature of a colour. `xyz` are the tristimulus values for the
+/// CIE 1931 observer. The result is the temperature at the nearest point of the Planckian locus in
+/// the CIE 1960 u, v plane. Returns `None` if the distance to this point is above 0.05, or if the
+/// temperature is outside 500–10⁶ K.
 pub fn cct_duv(xyz: Xyz) -> Option<CorrelatedTemperature> {
     let target = uv1960(xyz);
     let square = |uv: [f64; 2]| (uv[0] - target[0]).powi(2) + (uv[1] - target[1]).powi(2);

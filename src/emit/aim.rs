@@ -1,11 +1,12 @@
 //! Importance-driven photon emission.
 //!
-//! Two random numbers select the direction of a light's ray. A grid divides the unit square of
-//! these two numbers into cells. The pilot fills the grid once, before pass 0. The weight of a cell
-//! is the root mean square of its photons' contributions to the picture. This weight minimises the
-//! variance. A fraction of the photons ignores the grid, so that every direction keeps a positive
-//! density and the estimate stays unbiased. Sources: Jensen 1995 (projection maps); Peter & Pietrek
-//! 1998, "Importance Driven Construction of Photon Maps".
+//! Two random numbers select the direction of a ray that a light emits. For a beam or a distant
+//! light, they select the position of the ray. A grid divides the unit square of these two numbers
+//! into cells. The pilot fills the grid once, before pass 0. The weight of a cell is the root mean
+//! square of its photons' contributions to the picture. This weight minimises the variance. A
+//! fraction of the photons ignores the grid, so that every direction keeps a positive density and
+//! the estimate stays unbiased. Sources: Jensen 1995 (projection maps); Peter & Pietrek 1998,
+//! "Importance Driven Construction of Photon Maps".
 
 use crate::math::distribution::PiecewiseConstant2d;
 
@@ -25,8 +26,8 @@ impl Aim {
         Self(None)
     }
 
-    /// Creates an aim from the cells' weights: root-mean-square contributions, in rows of
-    /// [`CELLS`].
+    /// Creates an aim from the weights of the cells. The weights are root-mean-square
+    /// contributions. They are ordered row by row, with [`CELLS`] weights per row.
     pub fn learned(scores: &[f64]) -> Self {
         Self(PiecewiseConstant2d::new(CELLS, scores))
     }

@@ -14,7 +14,8 @@ use crate::walk::{path_transmittance, transmittance};
 pub struct Splat {
     /// The pixel.
     pub pixel: u32,
-    /// The radiance (W/m²/sr) per wavelength of the photon, already divided by all densities.
+    /// For each wavelength of the photon: the radiance in W/m²/sr, already divided by all
+    /// densities.
     pub radiance: Lanes,
 }
 

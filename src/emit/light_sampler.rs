@@ -18,7 +18,7 @@ pub struct LightSampler {
 }
 
 /// The fraction of the photons that lights receive in proportion to their radiant power. Without
-/// this fraction, lights at the ends of the band would receive almost no photons.
+/// this fraction, lights that emit only at the ends of the band would receive almost no photons.
 const RADIANT_FRACTION: f64 = 0.15;
 
 impl LightSampler {

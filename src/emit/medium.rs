@@ -105,9 +105,9 @@ impl PhotonPath {
         let column = -(-stream.uniform()).ln_1p() / sigma_hero;
         let collision =
             if sigma_hero > 0.0 { medium.distance_at(&segment.ray, segment.length_m, column) } else { None };
-        // The density of the outcome per wavelength. For a collision at this column density, it is
-        // σ_t e^−τ. If the photon passes the whole segment, it is e^−τ. All densities get the same
-        // factor, so that e^−τ does not underflow.
+        // The density of the outcome for each wavelength. For a collision at this column density,
+        // it is σ_t e^−τ. If the photon passes the whole segment, it is e^−τ. All densities get the
+        // same factor, so that e^−τ does not underflow.
         let column = if collision.is_some() { column } else { medium.column_m(&segment.ray, segment.length_m) };
         let depth = |sigma: f64| if sigma > 0.0 { sigma * column } else { 0.0 };
         let least = (0..LANES).filter(|&k| fractions[k] > 0.0).map(|k| depth(sigma_t[k])).fold(f64::INFINITY, f64::min);

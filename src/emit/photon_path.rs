@@ -23,7 +23,7 @@ pub struct PhotonState {
 pub(super) struct PhotonPath {
     pub(super) ray_state: RayState,
     pub(super) photon: PhotonState,
-    /// The factors that convert `PhotonState::power` to W, per lane.
+    /// For each lane: the factor that converts `PhotonState::power` to W.
     pub(super) watts: Lanes,
 }
 

@@ -17,8 +17,8 @@ use crate::walk::{BodyMode, RayState};
 /// The wavelengths of the photons of a set.
 #[derive(Debug, Clone, Copy)]
 pub enum WavelengthSampling {
-    /// Each photon samples its own wavelengths from its light's power and the observer's
-    /// sensitivity.
+    /// Each photon samples its own wavelengths. Their distribution depends on the spectrum of the
+    /// photon's light and on the sensitivity of the observer.
     Free,
     /// All photons carry the pass's shared wavelengths.
     Shared {
@@ -93,9 +93,9 @@ impl PhotonSource<'_> {
         }
     }
 
-    /// Samples the wavelengths of a photon from this light. Also returns the power of each lane of
-    /// a photon of one watt. For free photons, this power is S(λ)/(n p(λ)) in W, where n is the
-    /// number of lanes. For shared photons, it is S(λ) in W/nm.
+    /// Samples the wavelengths of a photon from this light. Also returns the power of each lane for
+    /// a photon with a total power of 1 W. For free photons, this power is S(λ)/(n p(λ)) in W,
+    /// where n is the number of lanes. For shared photons, it is S(λ) in W/nm.
     #[inline(always)]
     fn sample_wavelengths(&self, light: &Light, emission: &LeSample, u: f64) -> (Wavelengths, Lanes) {
         match self.wavelengths {

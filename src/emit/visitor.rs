@@ -17,8 +17,8 @@ pub struct SurfaceArrival<'a> {
 /// A photon that enters a path segment in a medium.
 #[derive(Debug)]
 pub struct MediumCrossing<'a> {
-    /// The segment up to the end of the medium or to the next surface. The photon may collide with
-    /// the medium before the end.
+    /// The segment. It ends at the end of the medium or at the next surface. The photon may collide
+    /// with the medium before the end.
     pub segment: &'a MediumSegment<'a>,
     /// The medium that fills the segment.
     pub medium: NumberedMedium<'a>,
@@ -31,7 +31,7 @@ pub struct MediumCrossing<'a> {
 pub struct MediumCollision<'a> {
     /// The position of the collision.
     pub position: DVec3,
-    /// The photon's direction before the collision, unit.
+    /// The photon's direction before the collision, as a unit vector.
     pub incoming: DVec3,
     /// The medium.
     pub medium: NumberedMedium<'a>,
@@ -61,7 +61,7 @@ pub trait PhotonVisitor {
 }
 
 impl SurfaceArrival<'_> {
-    /// Returns the direction back towards the photon's previous vertex, unit.
+    /// Returns the unit vector back towards the photon's previous vertex.
     #[inline]
     pub fn to_light(&self) -> DVec3 {
         -self.interaction.incoming

@@ -93,8 +93,8 @@ pub struct ShutterFile {
 }
 
 impl CameraFile {
-    /// Returns the motion of the camera through its keyframes, in the scene's unit, or `None` if
-    /// there are no keyframes.
+    /// Returns the motion of the camera through its keyframes. Positions are in the scene's unit.
+    /// If there are no keyframes, returns `None`.
     pub fn camera_motion(&self) -> Option<AnimatedLookAt> {
         AnimatedLookAt::new(self.motion.iter().map(|key| {
             let vector = |own: Option<[f64; 3]>, static_value: [f64; 3]| DVec3::from(own.unwrap_or(static_value));

@@ -22,7 +22,7 @@ pub(super) fn triple(value: [f64; 3]) -> String {
     format!("[{}, {}, {}]", number(value[0]), number(value[1]), number(value[2]))
 }
 
-/// Returns an error with the number and the expectation unless `holds` is true.
+/// If `holds` is false, returns an error. The error states the number and `expected`.
 pub(super) fn rule(at: &JsonPath, value: f64, holds: bool, expected: &str) -> Result<()> {
     if holds { Ok(()) } else { Err(fault(at, format!("found {}", number(value)), expected)) }
 }
@@ -69,8 +69,8 @@ pub(super) fn direction(at: &JsonPath, value: [f64; 3]) -> Result<()> {
     Err(fault(at, format!("found {}", triple(value)), "a direction that is not zero"))
 }
 
-/// Checks that the point `value` at the path `at` differs from the point `other` with the key
-/// `other_key`.
+/// Checks that two points differ. `at` is the path of the point `value`, and `other_key` is the key
+/// of the point `other`.
 pub(super) fn apart(at: &JsonPath, value: [f64; 3], other_key: &str, other: [f64; 3]) -> Result<()> {
     if glam::DVec3::from_array(value) != glam::DVec3::from_array(other) {
         return Ok(());
@@ -78,7 +78,8 @@ pub(super) fn apart(at: &JsonPath, value: [f64; 3], other_key: &str, other: [f64
     Err(fault(at, format!("found {}, the same point as `{other_key}`", triple(value)), "another point"))
 }
 
-/// Checks that a list has at least `least` entries. `allowed` is the expectation in the error.
+/// Checks that a list has at least `least` entries. `allowed` is the part of the error message that
+/// says what is allowed.
 pub(super) fn entries(at: &JsonPath, found: usize, least: usize, allowed: &str) -> Result<()> {
     if found >= least {
         return Ok(());

@@ -44,7 +44,7 @@ impl EmissionFile {
     /// Returns the quantity that the emitter states.
     ///
     /// # Errors
-    /// Returns an error unless exactly one quantity is stated and it is at least 0.
+    /// Returns an error if not exactly one quantity is stated, or if the quantity is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[
             (self.power, QuantityFile::Power),
@@ -54,7 +54,7 @@ impl EmissionFile {
         ])
     }
 
-    /// Checks ranges and the quantity.
+    /// Checks the spectrum and the quantity.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative)?;
         validate_quantity(at, self.quantity())

@@ -120,8 +120,8 @@ pub struct NoiseFieldFile {
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "forms::never", range(min = 0, max = 1))]
     pub threshold: f64,
-    /// Fraction of the half-axes of the box over which the value decreases to 0 at the ellipsoid
-    /// that touches the box from inside. If the value is 0, the noise fills the whole box.
+    /// Width of the fade to 0 near the ellipsoid that touches the faces of the box from inside. It
+    /// is a fraction of the ellipsoid's half-axes. If it is 0, the noise fills the whole box.
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "forms::never", range(min = 0, max = 1))]
     pub falloff: f64,

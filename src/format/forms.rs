@@ -226,13 +226,13 @@ pub(super) fn or_number_or_name(schema: &mut Schema) {
     allow_also(schema, &[serde_json::json!({"type": "number"}), serde_json::json!({"type": "string"})]);
 }
 
-/// Returns the schema of the radius of a lens surface. The key is required, and 0 or null is a
-/// plane.
+/// Returns the schema for the radius of a lens surface. The key is required. The values 0 and null
+/// mean a plane.
 pub(super) fn radius_or_plane(_: &mut schemars::SchemaGenerator) -> Schema {
     schemars::json_schema!({"type": ["number", "null"]})
 }
 
-/// Reads the radius of a lens surface. null becomes 0, which is a plane.
+/// Reads the radius of a lens surface. The value null becomes 0, which means a plane.
 pub(super) fn deserialize_radius<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(deserializer)?.unwrap_or(0.0))
 }

@@ -132,14 +132,14 @@ impl Serialize for IndexFile {
     }
 }
 
-/// Checks an index relative to air: at least 1.
+/// Checks that an index of refraction relative to air is at least 1.
 fn index_number(at: &JsonPath, value: f64) -> Result<()> {
     check::rule(at, value, value >= 1.0, "an index of refraction of at least 1")
 }
 
 impl IndexFile {
-    /// Checks ranges and lengths. The resolver checks whether a formula stays above 1 over the
-    /// band.
+    /// Checks the ranges of numbers and the lengths of lists. Later, the resolver checks that the
+    /// index of a formula is at least 1 everywhere within 360–830 nm.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Number(value) => index_number(at, *value),

@@ -100,7 +100,7 @@ pub enum ThinLensForm {
         fov: f64,
         /// Distance of the plane in focus, in the scene's unit.
         focus_distance: f64,
-        /// Apex angle in degrees of the cone from a point in focus to the pupil.
+        /// The cone from a point in focus to the pupil has this apex angle in degrees.
         defocus_angle: f64,
     },
 }
@@ -295,7 +295,7 @@ impl ThinLensFile {
 }
 
 impl SystemLensFile {
-    /// Checks ranges and surfaces.
+    /// Checks the ranges of values, and the surfaces of the lens.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { prescription, focus_distance, f_number, sensor_height_mm, blades, rotation: _, diffraction: _ } =
             self;
@@ -317,8 +317,8 @@ impl PrescriptionFile {
     }
 }
 
-/// Checks that a prescription has at least one surface and at most one stop, and that the radius of
-/// each surface is large enough for its aperture.
+/// Checks that a prescription has at least one surface and at most one stop. Also checks that the
+/// radius of each surface is large enough for the aperture of the surface.
 fn validate_surfaces(at: &JsonPath, surfaces: &[LensSurfaceFile]) -> Result<()> {
     check::entries(at, surfaces.len(), 1, "at least one surface")?;
     let mut stop = None;

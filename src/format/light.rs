@@ -118,8 +118,8 @@ pub struct SpotFile {
     /// Half-angle of the cone.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180, "x-unit" = "°"))]
     pub half_angle: f64,
-    /// Angle inside `half_angle` over which the intensity falls off, as a smoothstep in cos θ. At
-    /// most `half_angle`.
+    /// Angle over which the intensity falls to 0 at the edge of the cone, as a smoothstep in cos θ.
+    /// It is at most `half_angle`.
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "forms::never", range(min = 0), extend("x-unit" = "°"))]
     pub penumbra: f64,
@@ -228,7 +228,7 @@ impl PointFile {
     /// Returns the quantity that the emitter states.
     ///
     /// # Errors
-    /// Returns an error unless exactly one quantity is stated and it is at least 0.
+    /// Returns an error if not exactly one quantity is stated, or if the quantity is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[
             (self.power, QuantityFile::Power),
@@ -243,7 +243,7 @@ impl SpotFile {
     /// Returns the quantity that the emitter states.
     ///
     /// # Errors
-    /// Returns an error unless exactly one quantity is stated and it is at least 0.
+    /// Returns an error if not exactly one quantity is stated, or if the quantity is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[
             (self.power, QuantityFile::Power),
@@ -258,7 +258,7 @@ impl BeamFile {
     /// Returns the quantity that the emitter states.
     ///
     /// # Errors
-    /// Returns an error unless exactly one quantity is stated and it is at least 0.
+    /// Returns an error if not exactly one quantity is stated, or if the quantity is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[(self.power, QuantityFile::Power), (self.luminous_flux, QuantityFile::LuminousFlux)])
     }
@@ -268,7 +268,7 @@ impl IesFile {
     /// Returns the quantity that the emitter states.
     ///
     /// # Errors
-    /// Returns an error unless exactly one quantity is stated and it is at least 0.
+    /// Returns an error if not exactly one quantity is stated, or if the quantity is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[(self.power, QuantityFile::Power), (self.luminous_flux, QuantityFile::LuminousFlux)])
     }
@@ -287,7 +287,7 @@ impl LightFile {
         }
     }
 
-    /// Checks ranges, directions and the quantity.
+    /// Checks the keys of the light.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Point(light) => light.validate(&at.key("point")),
@@ -300,14 +300,14 @@ impl LightFile {
     }
 }
 
-/// Checks transform and keyframes of a light.
+/// Checks the transform and the keyframes of a light.
 fn validate_pose(at: &JsonPath, transform: &TransformFile, motion: &[KeyframeFile]) -> Result<()> {
     transform.validate(&at.key("transform"))?;
     validate_motion(&at.key("motion"), motion)
 }
 
 impl PointFile {
-    /// Checks ranges and the quantity.
+    /// Checks the spectrum, the quantity, the transform and the keyframes.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative)?;
         validate_quantity(at, self.quantity())?;
@@ -316,7 +316,7 @@ impl PointFile {
 }
 
 impl SpotFile {
-    /// Checks ranges, the axis and the quantity.
+    /// Checks the ranges of values, the axis, the quantity, the transform and the keyframes.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         check::apart(&at.key("to"), self.to, "at", self.at)?;
         check::between(&at.key("half_angle"), self.half_angle, 0.0, 180.0)?;
@@ -330,7 +330,7 @@ impl SpotFile {
 }
 
 impl BeamFile {
-    /// Checks ranges, the axis and the quantity.
+    /// Checks the ranges of values, the axis, the quantity, the transform and the keyframes.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         check::apart(&at.key("to"), self.to, "from", self.from)?;
         check::positive(&at.key("radius"), self.radius)?;
@@ -343,7 +343,7 @@ impl BeamFile {
 }
 
 impl IesFile {
-    /// Checks ranges, the direction and the quantity.
+    /// Checks the direction, the spectrum, the quantity, the transform and the keyframes.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         check::direction(&at.key("toward"), self.toward)?;
         self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative)?;

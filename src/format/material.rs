@@ -143,7 +143,7 @@ pub struct WeightedMaterialFile {
 }
 
 impl MaterialFile {
-    /// Checks ranges and lengths.
+    /// Checks the ranges of numbers and the lengths of lists.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Diffuse { reflectance } => reflectance.validate(&at.key("diffuse").key("reflectance")),
@@ -170,7 +170,7 @@ impl MaterialFile {
     }
 }
 
-/// Checks that reflectance and transmittance add up to at most 1, if both are plain numbers.
+/// If the reflectance and the transmittance are plain numbers, checks that their sum is at most 1.
 fn validate_translucent(at: &JsonPath, reflectance: &ReflectanceFile, transmittance: &ReflectanceFile) -> Result<()> {
     reflectance.validate(&at.key("reflectance"))?;
     transmittance.validate(&at.key("transmittance"))?;
@@ -187,7 +187,7 @@ fn validate_translucent(at: &JsonPath, reflectance: &ReflectanceFile, transmitta
 }
 
 impl DielectricFile {
-    /// Checks ranges and lengths.
+    /// Checks the ranges of numbers and the lengths of lists.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { ior, roughness, absorption, medium: _, priority: _ } = self;
         ior.validate(&at.key("ior"))?;

@@ -173,7 +173,8 @@ impl MediumFile {
         }
     }
 
-    /// Returns the priority, which decides what fills a region where dielectrics or media overlap.
+    /// Returns the priority of the medium. Where dielectrics or media overlap, the one with the
+    /// highest priority fills the space.
     pub fn priority(&self) -> i32 {
         match self {
             Self::Homogeneous(medium) => medium.priority,
@@ -181,7 +182,7 @@ impl MediumFile {
         }
     }
 
-    /// Checks ranges and lengths.
+    /// Checks the ranges of numbers and the lengths of lists.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Homogeneous(medium) => medium.validate(&at.key("homogeneous")),
@@ -206,7 +207,7 @@ impl HomogeneousFile {
 }
 
 impl GridFile {
-    /// Checks ranges and lengths.
+    /// Checks the ranges of numbers and the lengths of lists.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { bounds: [min, max], density, absorption, scattering, phase, emission, temperature, .. } = self;
         for axis in 0..3 {

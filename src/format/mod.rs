@@ -1,10 +1,10 @@
-//! The scene file: its types, its JSON Schema, and reading it.
+//! The types of the scene file, its JSON Schema, and the functions that read the scene file.
 //!
-//! [`read`] reads a file into a [`SceneFile`]. The module `json` parses the text and fills the
-//! types of this module, and `validate` checks the ranges of single values. The module [`resolve`]
-//! then looks up names, reads the other files that the scene names, and converts everything to SI
-//! units. [`JsonSource::error_at`] adds the position in the scene file to the errors of
-//! [`resolve`].
+//! [`read`] reads a file into a [`SceneFile`]. The module `json` parses the text and deserialises
+//! it into the types of this module. Then `validate` checks the ranges of single values. Finally,
+//! the module [`resolve`] looks up names, reads the other files that the scene names, and converts
+//! everything to SI units. [`JsonSource::error_at`] adds the position in the scene file to the
+//! errors of [`resolve`].
 
 mod camera;
 mod check;
@@ -149,12 +149,14 @@ impl UnitFile {
     }
 }
 
-/// Reads a scene file. `sets` are patches of the form `PATH=JSON`, which apply in this order.
+/// Reads a scene file. `sets` are patches of the form `PATH=JSON`. They are applied in the order of
+/// the list.
 ///
 /// # Errors
-/// Returns an error with file, line, column and JSON path if the file cannot be read, is larger
-/// than [`MAX_BYTES`] or is not JSON, if a patch cannot be applied, or if a value has a wrong type,
-/// an unknown key or a number out of range.
+/// Returns an error if the file cannot be read, is larger than [`MAX_BYTES`] or is not JSON. Also
+/// returns an error if a patch cannot be applied, if a key is unknown, or if a value has a wrong
+/// type or is out of range. If the fault has a position in the file, the error states the line, the
+/// column and the JSON path.
 pub fn read(path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
     parse(&read_text(path)?, path, sets)
 }
@@ -176,7 +178,7 @@ pub fn parse(text: &str, path: &Path, sets: &[String]) -> Result<(SceneFile, Jso
 /// from a scene file.
 ///
 /// # Errors
-/// Returns an error with its position if the text is not a spectrum.
+/// If the text is not a spectrum, returns an error with its position in the text.
 pub fn parse_spectrum(text: &str, name: &Path) -> Result<(SpectrumFile, JsonSource)> {
     let source = JsonSource::patched(text, name, &[])?.with_file_access(FileAccess::Anywhere);
     let spectrum: SpectrumFile = source.deserialize()?;
@@ -188,7 +190,7 @@ pub fn parse_spectrum(text: &str, name: &Path) -> Result<(SpectrumFile, JsonSour
 /// as the name of the text.
 ///
 /// # Errors
-/// Returns an error with its position if the text is not a prescription.
+/// If the text is not a prescription, returns an error with its position in the text.
 pub fn parse_prescription(text: &str, name: &Path) -> Result<(PrescriptionFile, JsonSource)> {
     let source = JsonSource::patched(text, name, &[])?;
     let prescription: PrescriptionFile = source.deserialize()?;
@@ -208,7 +210,8 @@ impl SceneFile {
     /// Checks all rules that concern a single value or object.
     ///
     /// # Errors
-    /// Returns the first error, in the order of the keys, with its position in `source`.
+    /// Returns the first error in the order of the keys. The error contains its position in
+    /// `source`.
     pub fn validate(&self, source: &JsonSource) -> Result<()> {
         self.check().map_err(|error| source.with_position(error))
     }

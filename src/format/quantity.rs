@@ -27,7 +27,7 @@ pub enum QuantityFile {
 }
 
 impl QuantityFile {
-    /// Returns the key of the quantity in the scene file and its value.
+    /// Returns the key that the quantity has in the scene file, and the value of the quantity.
     pub fn key_and_value(self) -> (&'static str, f64) {
         match self {
             Self::Power(value) => ("power", value),
@@ -48,8 +48,9 @@ pub(super) type QuantityVariant = fn(f64) -> QuantityFile;
 /// Returns the one quantity that an emitter states.
 ///
 /// # Errors
-/// Returns an error unless exactly one quantity is stated and it is at least 0. `validate` checks
-/// this when a scene is read, but a program may change the scene afterwards.
+/// Returns an error if not exactly one quantity is stated, or if the quantity is below 0. When a
+/// scene is read, `validate` already makes this check. The check is repeated here, because a
+/// program may change the scene afterwards.
 pub(super) fn one_quantity(choices: &[(Option<f64>, QuantityVariant)]) -> Result<QuantityFile> {
     let given = choices.iter().map(|(value, kind)| (kind(0.0).key_and_value().0, value.is_some()));
     check::exactly_one(&JsonPath::Root, &given.collect::<Vec<_>>())?;

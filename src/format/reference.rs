@@ -1,13 +1,13 @@
-//! The scene reference: a Markdown page with every key of the scene file, generated from its JSON
-//! Schema.
+//! The scene reference: a Markdown page that describes every key of the scene file. The page is
+//! generated from the JSON Schema of the scene file.
 
 use std::fmt::Write as _;
 
 use serde_json::{Map, Value};
 
-/// The chapters of the page. Each entry has the title of the chapter and the names of the schema's
-/// definitions that the chapter describes. The empty name is the scene itself. A definition without
-/// a title has no section. Its text appears at each use of the definition.
+/// The chapters of the page. Each entry has the title of a chapter, and the names of the
+/// definitions in the schema that this chapter describes. The empty name is the scene itself. A
+/// definition without a title has no section. Its text appears at each use of the definition.
 pub(super) const CHAPTERS: [(&str, &[&str]); 14] = [
     ("The scene", &["", "UnitFile"]),
     ("The camera", &["CameraFile", "CameraKeyframeFile", "ShutterFile"]),
@@ -257,7 +257,7 @@ fn text_of(schema: &Value, key: &str) -> String {
     schema[key].as_str().unwrap_or_default().replace('\n', " ")
 }
 
-/// Returns the forms of a definition, or none if it has only one.
+/// Returns the forms of a definition. If the definition has only one form, the result is empty.
 fn variants(definition: &Value) -> &[Value] {
     let forms = definition["oneOf"].as_array().or_else(|| definition["anyOf"].as_array());
     forms.map_or(&[], Vec::as_slice)

@@ -13,7 +13,8 @@ const MINIMAL_SCENE: &str = r#"{
     "film": {"width": 64, "height": 64}, "materials": {"white": {"diffuse": {"reflectance": 0.5}}}, "objects": []
 }"#;
 
-/// For each definition with examples, the patch that puts an example (`%`) into the minimal scene.
+/// For each definition with examples, the patch that puts an example into the minimal scene. In the
+/// patch, `%` stands for the example.
 const PLACES: [(&str, &str); 34] = [
     ("CameraFile", "camera=%"),
     ("CameraKeyframeFile", "camera.motion=[%]"),
@@ -62,7 +63,7 @@ const PLACES: [(&str, &str); 34] = [
 
 /// The patches for the render settings, in the form of [`PLACES`].
 const RENDER_PLACES: [(&str, &str); 2] = [("RenderFile", "render=%"), ("LightMapFile", "render.light_map=%")];
-/// The end of a patch in [`PLACES`] that adds a grid medium.
+/// The end of those patches in [`PLACES`] that add a grid medium.
 const GRID_END: &str = r#""bounds": [[0, 0, 0], [1, 1, 1]], "absorption": 0, "scattering": 1, "phase": "isotropic"}"#;
 
 /// Returns all examples of a definition and of its variants.

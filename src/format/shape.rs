@@ -101,13 +101,14 @@ pub enum ShapeFile {
     },
 }
 
-/// Returns the apex angle of an equilateral prism in degrees.
+/// Returns the default apex angle in degrees. With this angle, the prism is equilateral.
 fn default_apex() -> f64 {
     60.0
 }
 
 impl ShapeFile {
-    /// Checks ranges, and that a lens has an edge.
+    /// Checks the sizes and the angles of the shape. Also checks that the surfaces of a lens fit
+    /// together.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Sphere { center: _, radius } => positive(&at.key("sphere"), &[("radius", *radius)]),

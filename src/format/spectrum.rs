@@ -272,11 +272,11 @@ pub(super) enum SpectrumUse {
     /// The use is unknown, because the spectrum is an entry of the scene's `spectra`. Any value is
     /// allowed.
     Any,
-    /// Light, or an absorption or scattering coefficient: at least 0.
+    /// A light, an absorption coefficient or a scattering coefficient. Values are at least 0.
     NotNegative,
-    /// A reflectance or transmittance: from 0 to 1.
+    /// A reflectance or a transmittance. Values are from 0 to 1.
     Fraction,
-    /// The mean cosine of a phase function: from −0.999999 to 0.999999.
+    /// The mean cosine of a phase function. Values are from −0.999999 to 0.999999.
     MeanCosine,
 }
 
@@ -296,7 +296,7 @@ impl SpectrumUse {
 }
 
 impl SpectrumFile {
-    /// Checks ranges and lengths. `used` determines the allowed values.
+    /// Checks the ranges of numbers and the lengths of lists. `used` determines the allowed values.
     pub(super) fn validate(&self, at: &JsonPath, used: SpectrumUse) -> Result<()> {
         match self {
             Self::Number(value) => used.check(at, *value),
@@ -358,8 +358,8 @@ pub(super) fn validate_table(
     values.iter().enumerate().try_for_each(|(i, &value)| value_rule(&values_at.index(i), value))
 }
 
-/// Checks that there is at least one line, that wavelengths and widths are above 0, and that some
-/// line has power.
+/// Checks that there is at least one line, and that wavelengths and widths are above 0. Also checks
+/// that at least one line has a power above 0.
 fn validate_lines(at: &JsonPath, lines: &[LineFile]) -> Result<()> {
     check::entries(at, lines.len(), 1, "at least one line")?;
     for (i, LineFile { nm, power, fwhm_nm }) in lines.iter().enumerate() {
@@ -375,7 +375,7 @@ fn validate_lines(at: &JsonPath, lines: &[LineFile]) -> Result<()> {
 }
 
 impl ReflectanceFile {
-    /// Checks ranges and lengths.
+    /// Checks the ranges of numbers and the lengths of lists.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Spectrum(spectrum) => spectrum.validate(at, SpectrumUse::Fraction),

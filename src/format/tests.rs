@@ -79,7 +79,7 @@ fn any_value_in_any_place_gives_a_scene_or_an_error() {
 /// The good scenes contain every key and every name of the schema.
 #[test]
 fn the_good_scenes_cover_the_schema() {
-    /// Collects the keys of properties and the constants.
+    /// Collects the names of the properties and the string constants of a schema.
     fn collect(schema: &serde_json::Value, names: &mut Vec<String>) {
         if let Some(object) = schema.as_object() {
             for (key, value) in object {
@@ -143,7 +143,7 @@ fn a_spectrum_can_be_read_without_a_scene() {
     );
 }
 
-/// Whole numbers may be written as floats, such as 1e6, up to 2⁵³.
+/// Whole numbers up to 2⁵³ may be written as floats, such as 1e6.
 #[test]
 fn whole_numbers_may_be_written_as_exact_floats() {
     let text = good_scenes().remove(0).1;

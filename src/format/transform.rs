@@ -126,8 +126,8 @@ impl TransformFile {
 }
 
 impl TransformStepFile {
-    /// Returns the affine map of this step, in the scene's unit. A rotation about a zero axis,
-    /// which `validate` refuses, is the identity.
+    /// Returns the affine map of this step, in the scene's unit. A rotation about a zero axis is
+    /// the identity, but `validate` refuses such a rotation.
     pub fn to_affine(&self) -> DAffine3 {
         match self {
             Self::Translate(by) => DAffine3::from_translation(DVec3::from_array(*by)),
@@ -168,8 +168,8 @@ fn not_zero(at: &JsonPath, scale: f64) -> Result<()> {
 
 /// Checks that the last row is [0, 0, 0, 1] and that the linear part is not singular.
 ///
-/// The check divides the determinant by the product of the lengths of the columns (Hadamard's
-/// bound), so that the result does not depend on the unit.
+/// The check divides the determinant by Hadamard's bound, which is the product of the column
+/// lengths. Therefore the result does not depend on the unit.
 fn validate_matrix(at: &JsonPath, rows: &[[f64; 4]; 4], linear: DMat3) -> Result<()> {
     if rows[3] != [0.0, 0.0, 0.0, 1.0] {
         let found = rows[3].map(check::number).join(", ");
@@ -219,10 +219,10 @@ pub(super) fn validate_motion(at: &JsonPath, motion: &[KeyframeFile]) -> Result<
     Ok(())
 }
 
-/// Compares the rotation steps of two lists pair by pair. Returns the largest difference of their
-/// angles in degrees, or 0 if the axes of a pair differ. A missing step counts as an angle of 0.
-/// The affine maps do not contain full turns, so the function compares the angles as they are
-/// written in the file.
+/// Compares the rotation steps of two lists pair by pair. Returns the largest difference, in
+/// degrees, between the angles of a pair. If the axes of a pair differ, returns 0. A missing step
+/// counts as an angle of 0. The affine maps do not contain full turns, so the function compares the
+/// angles as they are written in the file.
 fn written_rotation_deg(before: &TransformFile, after: &TransformFile) -> f64 {
     let turns = |transform: &TransformFile| -> Vec<(DVec3, f64)> {
         let turn = |step: &TransformStepFile| match step {

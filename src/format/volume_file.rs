@@ -1,12 +1,13 @@
 //! Reads grids from NumPy's `.npy` arrays, and from `.npz` archives with one array.
 //!
 //! The array has three axes and is indexed [z, y, x]. In NumPy's default order, x varies fastest,
-//! as in the `values` of a scene. The module `numpy.lib.format` defines the format, in versions 1
-//! to 3.
+//! as in the `values` of a scene. NumPy's module `numpy.lib.format` defines versions 1 to 3 of the
+//! format.
 //!
-//! The header is parsed here, because the crate `npyz` multiplies the sizes of the axes without an
-//! overflow check and does not compare the result with the length of the data. `ndarray-npy` needs
-//! the number type at compile time and depends on the large crate `ndarray`.
+//! This module parses the header itself instead of using a crate. The crate `npyz` multiplies the
+//! sizes of the axes without an overflow check, and does not compare the product with the length of
+//! the data. The crate `ndarray-npy` needs the number type at compile time, and depends on the
+//! large crate `ndarray`.
 
 use crate::error::{Error, Result};
 use crate::scene::medium::field::FieldGrid;
@@ -16,10 +17,10 @@ use std::path::Path;
 /// Reads a grid from a `.npy` or `.npz` file.
 ///
 /// # Errors
-/// Returns an error with the file's name if the file cannot be read or has another format, if the
-/// header is malformed or does not match the length of the data, if the array does not have three
-/// axes, or if a value is not a number, is negative or is not finite. OpenVDB and NanoVDB files are
-/// not supported, because there is no maintained reader for them.
+/// Returns an error with the file's name in these cases. The file cannot be read or has another
+/// format. The header is malformed or does not match the length of the data. The array does not
+/// have three axes. A value is negative or not finite. OpenVDB and NanoVDB files are not supported,
+/// because there is no maintained reader for them.
 pub fn read(path: &Path) -> Result<FieldGrid> {
     let kind = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
     let bytes = || std::fs::read(path).map_err(|error| Error::input(format!("cannot read the volume: {error}")));
@@ -37,7 +38,8 @@ pub fn read(path: &Path) -> Result<FieldGrid> {
 
 /// Unpacks the only array of an archive.
 fn only_array(bytes: Vec<u8>) -> Result<Vec<u8>> {
-    /// An array of at most this size in bytes is unpacked, whatever the size of the archive.
+    /// If an array has at most this size in bytes, it is unpacked, even if the archive is very
+    /// small.
     const ALWAYS_ALLOWED: u64 = 1 << 28;
     /// The highest compression ratio of deflate.
     const MOST_PER_BYTE: u64 = 1032;
@@ -109,7 +111,7 @@ impl NpyFormat {
         Ok(Self { big_endian, number })
     }
 
-    /// Decodes a number from its bytes. The length must be the size of the number type.
+    /// Decodes a number from its bytes. The length of `bytes` must be the size of the number type.
     fn value(self, bytes: &[u8]) -> f64 {
         let last = bytes.len() - 1;
         let byte = |i: usize| bytes[if self.big_endian { last - i } else { i }];
@@ -174,7 +176,7 @@ fn split(bytes: &[u8]) -> Option<(&str, &[u8])> {
     Some((std::str::from_utf8(header).ok()?, data))
 }
 
-/// Returns the text after a key of the header, which is a Python dictionary.
+/// Returns the text after a key of the header. The header is a Python dictionary.
 fn entry<'a>(header: &'a str, key: &str) -> Option<&'a str> {
     let (_, rest) = header.split_once(&format!("'{key}'"))?;
     Some(rest.trim_start().strip_prefix(':')?.trim_start())

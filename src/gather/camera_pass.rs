@@ -21,7 +21,7 @@ pub struct CameraPass<'a> {
     pub plan: &'a Plan,
     /// Next-event estimation.
     pub direct: DirectLighting<'a>,
-    /// The photon maps of the free and of the shared set.
+    /// The photon maps of both photon sets, free and shared.
     pub maps: PerSet<&'a SetMaps>,
     /// The pass's shared wavelengths in nm.
     pub shared_nm: Lanes,

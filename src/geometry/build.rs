@@ -1,5 +1,5 @@
-//! Construction of the geometry: primitives, bounding volume hierarchy and face areas from placed
-//! shapes.
+//! Construction of the geometry from placed shapes: the primitives, the bounding volume hierarchy
+//! and the areas of the faces.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -15,8 +15,8 @@ use super::shape::{PlacedShape, Solid, ValidShape, bounds_of};
 use super::world::Geometry;
 use crate::error::{Error, Result};
 
-/// Ratio of `Geometry::coincidence_range_m` to the largest coordinate of the scene, without the
-/// margin for the centre. The value is 2⁻²³.
+/// Ratio of `Geometry::coincidence_range_m` to the largest coordinate of the scene. The margin for
+/// the centre is not included. The value is 2⁻²³.
 const COINCIDENCE_RANGE_SHARE: f64 = 1.2e-7;
 
 impl Geometry {
@@ -93,7 +93,8 @@ impl Primitives {
         self.vertices.extend(mesh.positions().iter().map(|&vertex| linear * vertex + position));
         let first_normal = mesh.normals().map(|normals| {
             let first = self.normals.len() as u32;
-            // The inverse transpose keeps normals outward, also for mirroring transforms.
+            // With the inverse transpose, outward normals stay outward, even if the transform
+            // mirrors the shape.
             let to_normal = linear.inverse().transpose();
             let placed = |&normal: &DVec3| (to_normal * normal).normalize_or_zero().as_vec3().to_array();
             self.normals.extend(normals.iter().map(placed));

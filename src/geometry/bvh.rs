@@ -32,7 +32,8 @@ const PADDING: f64 = 0.003_906_25;
 /// is cheaper than the test of one node of the hierarchy.
 const MAX_LISTED_PRIMITIVES: usize = 4;
 
-/// Largest depth of a hierarchy that fits the traversal stack, which has a fixed size.
+/// Largest depth of a hierarchy. The traversal stack has a fixed size, which suffices for this
+/// depth.
 const MAX_DEPTH: u32 = 31;
 
 /// A bounding volume hierarchy over all primitives.

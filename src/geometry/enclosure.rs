@@ -7,9 +7,9 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 
 impl Geometry {
-    /// Returns the axis-aligned bounding boxes by object number, for all objects that have surfaces
-    /// in this geometry. Each box is given by its smallest and largest coordinates in m, relative
-    /// to the centre.
+    /// Returns the axis-aligned bounding boxes of all objects that have surfaces in this geometry.
+    /// The key of a box is the object number. Each box is given by its smallest and largest
+    /// coordinates in m, relative to the centre.
     pub fn object_bounds(&self) -> BTreeMap<u32, (DVec3, DVec3)> {
         let mut boxes = BTreeMap::new();
         for primitive in &self.primitives.list {

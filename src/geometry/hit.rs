@@ -27,7 +27,7 @@ pub struct Hit {
     pub position: DVec3,
     /// Geometric unit normal. On closed shapes, the normal points outwards. On rectangles and
     /// disks, it points to the side that the shape faces. On meshes, it points to the side from
-    /// which the vertices are counter-clockwise.
+    /// which the vertices appear counter-clockwise.
     pub normal: DVec3,
     /// Unit normal for shading, on the same side as `normal`. If a mesh has normals, this normal is
     /// interpolated from them. Otherwise it equals `normal`.

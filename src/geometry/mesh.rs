@@ -23,9 +23,9 @@ impl TriangleMesh {
     /// zero.
     ///
     /// # Errors
-    /// Returns an error if the mesh has no triangles or no area, an index exceeds the number of
-    /// vertices, a coordinate is not finite, or the number of normals or uvs differs from the
-    /// number of vertices.
+    /// Returns an error if the mesh has no triangles or no area, if an index does not refer to a
+    /// vertex, or if a coordinate is not finite. Also returns an error if the number of normals or
+    /// uvs differs from the number of vertices.
     pub fn new(
         positions: Vec<DVec3>,
         normals: Option<Vec<DVec3>>,
@@ -86,7 +86,7 @@ impl TriangleMesh {
         triangle.map(|index| self.positions[index as usize])
     }
 
-    /// Returns the total area in the squared unit of the mesh.
+    /// Returns the total area. The unit is the square of the unit of length of the mesh.
     pub fn area(&self) -> f64 {
         self.triangles.iter().map(|&t| triangle_normal(self.corners(t)).length() / 2.0).sum()
     }
@@ -105,7 +105,8 @@ impl TriangleMesh {
     }
 
     /// Returns whether the triangles bound a volume. They do if every edge belongs to exactly two
-    /// triangles, in opposite directions. Vertices with equal positions count as one vertex.
+    /// triangles that traverse the edge in opposite directions. Vertices with equal positions count
+    /// as one vertex.
     pub fn is_closed(&self) -> bool {
         self.closed
     }

@@ -10,7 +10,7 @@ use super::hit::SurfaceId;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ObjectFace {
     pub(super) surface: SurfaceId,
-    /// Cumulative area in m² of the object's faces up to and including this one.
+    /// Cumulative area of the object's faces up to and including this face, in m².
     pub(super) area_so_far: f64,
 }
 

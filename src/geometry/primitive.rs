@@ -30,7 +30,7 @@ pub(super) struct PlacedSolid {
 pub(super) struct WorldSurfacePoint {
     pub(super) position: DVec3,
     pub(super) normal: DVec3,
-    /// Area in the world per area in the local frame.
+    /// Ratio of the area of a small piece of surface in the world to its area in the local frame.
     pub(super) area_scale: f64,
 }
 
@@ -43,15 +43,16 @@ impl PlacedSolid {
         self.solid.next_crossing(&self.line(ray), start_face, after)
     }
 
-    /// Projects a world point on or near a face onto the face.
+    /// Projects a point in world coordinates onto a face. The point must lie on the face or near
+    /// it.
     pub(super) fn surface(&self, point: DVec3, face: u32) -> WorldSurfacePoint {
         self.placed_surface(self.to_local * (point - self.position), face)
     }
 
-    /// Projects a local point on or near a face onto the face. Returns the surface point in the
-    /// world. Normals are transformed by the inverse transpose. Outward normals therefore stay
-    /// outward, even if the transform mirrors the shape. The normals of flat shapes stay on the
-    /// side of the transformed +y axis.
+    /// Projects a point in local coordinates onto a face. The point must lie on the face or near
+    /// it. Returns the surface point in the world. Normals are transformed by the inverse
+    /// transpose. Outward normals therefore stay outward, even if the transform mirrors the shape.
+    /// The normals of flat shapes stay on the side of the transformed +y axis.
     pub(super) fn placed_surface(&self, local: DVec3, face: u32) -> WorldSurfacePoint {
         let surface = self.solid.surface(local, face);
         let normal = self.to_local.transpose() * surface.normal;
@@ -63,8 +64,9 @@ impl PlacedSolid {
         }
     }
 
-    /// Returns the density of `Solid::sample` on a face, relative to a uniform density by world
-    /// area. The result is 1, except on curved faces with unequal scaling.
+    /// Returns the ratio of two densities on a face: the density of `Solid::sample`, and a density
+    /// that is uniform by area in the world. The result is 1, except on curved faces with unequal
+    /// scaling.
     pub(super) fn density(&self, face: u32, area_scale: f64) -> f64 {
         self.face_areas[face as usize] / (self.solid.area(face) * area_scale)
     }

@@ -23,7 +23,7 @@ impl Geometry {
     /// `pdf_area` is the actual density.
     ///
     /// # Panics
-    /// If the object does not exist. The lights of a scene refer to placed objects only.
+    /// Panics if the object does not exist. The lights of a scene refer to placed objects only.
     pub fn sample_area(&self, object: u32, u: [f64; 3]) -> SurfaceSample {
         let known = self.objects.get(object).and_then(|object| Some((object, object.face_at(u[0])?)));
         let (object, surface) = known.expect("the objects of lights are placed");

@@ -6,7 +6,7 @@ use super::ray::Ray;
 use super::shape::TriangleRay;
 use super::world::Geometry;
 
-/// A ray, and data shared by all its primitive tests.
+/// A ray, and the data that all primitive tests of this ray share.
 pub(super) struct RayQuery<'a> {
     geometry: &'a Geometry,
     ray: &'a Ray,

@@ -8,7 +8,7 @@ const MAX_LISTED_NAMES: usize = 12;
 /// An error message quotes at most this many characters of a value.
 const MAX_QUOTED_CHARACTERS: usize = 40;
 
-/// Lists the allowed names: `one of a, b, c`. A long list is cut.
+/// Lists the allowed names: `one of a, b, c`. A long list is shortened.
 pub(super) fn one_of(names: &[&str]) -> String {
     match names {
         [only] => (*only).to_string(),
@@ -20,8 +20,9 @@ pub(super) fn one_of(names: &[&str]) -> String {
     }
 }
 
-/// Describes a value for an error message: a plain value by its text, and an array by its length.
-/// For an object, the description says only whether the object is empty.
+/// Describes a value for an error message. The description of a plain value is its text. The
+/// description of an array states its length. The description of an object says only whether the
+/// object is empty.
 pub(super) fn found(value: SpannedValue) -> String {
     match value.kind() {
         ValueKind::Null | ValueKind::Bool | ValueKind::Number | ValueKind::String => shorten(value.written()),

@@ -55,8 +55,8 @@ impl<'de> ValueDeserializer<'de> {
         }
     }
 
-    /// Visits a number. If the text is an integer that fits 64 bits, the visitor gets an integer,
-    /// otherwise a float.
+    /// Visits a number. If the text is an integer that fits 64 bits, the visitor gets an integer.
+    /// Otherwise, the visitor gets a float.
     fn visit_number<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
         let written = self.0.written();
         if let Ok(number) = written.parse::<u64>() {
@@ -73,8 +73,8 @@ impl<'de> ValueDeserializer<'de> {
         self.0.written().parse().unwrap_or(f64::NAN)
     }
 
-    /// Visits a whole number. Forms such as 1e6 or 4.0 are accepted up to 2⁵³, because larger
-    /// floats are not exact.
+    /// Visits a whole number. Forms such as 1e6 or 4.0 are accepted for numbers up to 2⁵³, because
+    /// floats above 2⁵³ cannot represent every whole number.
     fn visit_whole<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
         let number = if self.0.kind() == ValueKind::Number { self.float() } else { f64::NAN };
         let exact = number.fract() == 0.0 && number.abs() <= 9_007_199_254_740_992.0;
@@ -125,7 +125,8 @@ impl<'de> Deserializer<'de> for ValueDeserializer<'de> {
     }
 
     fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        // Floats above 2⁵³ are not exact, so integers are read from the digits of the text.
+        // Floats above 2⁵³ cannot represent every integer, so integers are read from the digits of
+        // the text.
         if self.0.written().parse::<u64>().is_ok() { self.deserialize_any(visitor) } else { self.visit_whole(visitor) }
     }
 
@@ -280,7 +281,8 @@ impl<'de> VariantAccess<'de> for PlainVariant<'de> {
     }
 }
 
-/// An enum variant with fields, written as the one key of an object.
+/// An enum variant with fields. In JSON, the variant is an object with one key, and this key is the
+/// name of the variant.
 struct KeyedVariant<'de> {
     key: SpannedValue<'de>,
     value: SpannedValue<'de>,

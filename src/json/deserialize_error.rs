@@ -1,4 +1,4 @@
-//! Errors reported by serde while it fills a type, and their messages for the user.
+//! Errors that serde reports when it deserialises a value, and their messages for the user.
 
 use std::fmt;
 
@@ -48,7 +48,8 @@ impl DeserializeError {
         Self { node: None, kind }
     }
 
-    /// Returns an error for a value of a wrong type, length or range.
+    /// Returns an error for a value that has a wrong type or a wrong length, or that is out of
+    /// range.
     pub(super) fn mismatch(expected: impl Into<String>) -> Self {
         Self::new(DeserializeErrorKind::Mismatch { expected: expected.into() })
     }
@@ -105,8 +106,8 @@ impl DeserializeErrorKind {
     }
 }
 
-/// Translates serde's description of the expected value into the terms of JSON, such as "a map"
-/// into "an object".
+/// Translates serde's description of the expected value into the terms of JSON. For example, "a
+/// map" becomes "an object".
 fn expected_in_json_terms(found: de::Unexpected<'_>, expected: &dyn de::Expected) -> String {
     let expected = expected.to_string();
     match expected.as_str() {

@@ -1,11 +1,11 @@
-//! Decides which files a text may name.
+//! Decides which files a JSON text may name.
 
 use std::path::{Component, Path, PathBuf};
 
 use crate::error::{Error, Result};
 
-/// The files that a text may name. If a named file itself names files, the same rule holds for
-/// these.
+/// The files that a JSON text may name. If a named file itself names further files, the same rule
+/// holds for the further files.
 ///
 /// The default protects a user who opens a file by an unknown author: the file cannot make the
 /// program read other files of the user.
@@ -19,8 +19,8 @@ pub enum FileAccess {
 }
 
 impl FileAccess {
-    /// The error of [`Self::file`] states this text as what was expected. A program may have an
-    /// option that allows all files. Such a program can recognise the error by this text and add
+    /// The errors of [`Self::file`] contain this text in the field `expected`. A program may have
+    /// an option that allows all files. Such a program can recognise the error by this text and add
     /// the name of the option to the message.
     pub const EXPECTED_WITHIN_FOLDER: &str = "a path within the folder of the file that names it";
 

@@ -1,5 +1,5 @@
-//! JSON with positions: reads strict JSON text, applies `PATH=JSON` patches to it, and fills serde
-//! types from it. Every error names its file, line, column and JSON path.
+//! JSON with positions: reads strict JSON text, applies `PATH=JSON` patches to it, and deserialises
+//! it with serde. Every error names its file, line, column and JSON path.
 //!
 //! The steps: `patch` applies the patches and keeps track of the origin of each part of the text.
 //! `scan` checks the syntax and records where each value is in the text (`positions`).

@@ -13,9 +13,9 @@ use super::scan::{SyntaxError, scan};
 use super::text::{MAX_BYTES, line_column, too_large};
 use crate::error::{Error, Result, nearest_name};
 
-/// In an error about a patch, the file name consists of this text and the path of the patch, such
-/// as `patch render.passes`. A program that takes patches from a command-line option can replace
-/// this text with the name of the option.
+/// An error about a patch contains a label instead of a file name. The label is this text followed
+/// by the path of the patch, for example `patch render.passes`. A program that takes patches from a
+/// command-line option can replace this text with the name of the option.
 pub const PATCH_LABEL: &str = "patch ";
 
 /// A text after all patches.
@@ -269,7 +269,7 @@ mod tests {
     use super::super::JsonSource;
     use super::*;
 
-    /// Returns the text after patches, or the error.
+    /// Applies patches to a text. Returns the patched text, or the error message.
     fn after(text: &str, sets: &[&str]) -> String {
         let sets: Vec<_> = sets.iter().map(|set| set.to_string()).collect();
         PatchedText::new(text, Path::new("scene.json"), &sets)

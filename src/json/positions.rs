@@ -1,8 +1,8 @@
 //! The positions of all values and keys of a JSON text.
 //!
-//! One list holds a node for each value and key, in the order of the text: a container precedes its
-//! contents and a key precedes its value. A node takes 12 bytes. The kind of the value follows from
-//! its first byte in the text.
+//! One list holds a node for each value and each key, in the order of the text. A container
+//! precedes its contents, and a key precedes its value. A node takes 12 bytes. The kind of the
+//! value follows from its first byte in the text.
 
 use std::borrow::Cow;
 
@@ -67,7 +67,7 @@ pub(super) struct SpannedValue<'t> {
 }
 
 impl<'t> SpannedValue<'t> {
-    /// Returns the value of node number `id` in the nodes of a text.
+    /// Returns the value whose node is `nodes[id]`.
     pub(super) fn in_list(text: &'t str, nodes: &'t [Node], id: u32) -> Self {
         Self { text, nodes, id }
     }
@@ -119,7 +119,7 @@ impl<'t> SpannedValue<'t> {
         decode(self.written())
     }
 
-    /// Returns the elements of an array. For an object, keys and values alternate.
+    /// Returns the elements of an array. For an object, returns each key followed by its value.
     pub(super) fn children(self) -> ChildValues<'t> {
         let next = self.node().next;
         ChildValues { end: next, at: self.with_id(self.id + 1) }

@@ -402,7 +402,7 @@ fn is_number(word: &str) -> bool {
 mod tests {
     use super::*;
 
-    /// Returns offset and message of a text's syntax error.
+    /// Returns the offset and the message of the syntax error in a text.
     fn message(text: &str) -> String {
         let SyntaxError { offset, error } = scan(text).unwrap_err();
         format!("{offset}: {error}")

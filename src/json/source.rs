@@ -1,4 +1,4 @@
-//! A JSON text with its patches: fills serde types and adds positions to errors.
+//! A JSON text with its patches. Deserialises the text, and adds positions to errors.
 
 use std::path::{Path, PathBuf};
 
@@ -29,11 +29,11 @@ pub struct JsonSource {
 impl JsonSource {
     /// Reads strict JSON and applies patches.
     ///
-    /// `sets` are patches of the form `PATH=JSON`, applied in this order. `file` is the name of the
-    /// text in errors.
+    /// `sets` are patches of the form `PATH=JSON`. They are applied in the order of the list.
+    /// `file` is the name of the text in errors.
     ///
     /// # Errors
-    /// Returns an error if the text is not JSON or a patch cannot be applied.
+    /// Returns an error if the text is not JSON, or if a patch cannot be applied.
     pub fn patched(text: &str, file: &Path, sets: &[String]) -> Result<Self> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let unpatched = (!sets.is_empty()).then(|| text.to_string());
@@ -42,10 +42,11 @@ impl JsonSource {
         Ok(Self { path: file.to_path_buf(), text, unpatched, pieces, positions, file_access })
     }
 
-    /// Fills a type from the text.
+    /// Deserialises a value of type `T` from the text.
     ///
     /// # Errors
-    /// Returns an error with file, line, column and path if a value does not fit the type.
+    /// If a value does not fit the type, returns an error with its file, line, column and JSON
+    /// path.
     pub fn deserialize<T: DeserializeOwned>(&self) -> Result<T> {
         let root = self.positions.root(&self.text);
         T::deserialize(ValueDeserializer::new(root)).map_err(|error| {
@@ -83,7 +84,8 @@ impl JsonSource {
     ///
     /// The value at `json_path` gives the position of the error. If there is no such value, the
     /// deepest existing value on the path gives the position. An error may already name another
-    /// file, such as a malformed lamp.csv. Such an error keeps that file and only gains the path.
+    /// file, such as a malformed lamp.csv. Such an error keeps its file, and this function adds
+    /// only the JSON path.
     #[must_use]
     pub fn error_at(&self, json_path: &str, error: Error) -> Error {
         let steps = path::parse(json_path).unwrap_or_default();

@@ -8,7 +8,8 @@ use crate::error::{Error, Result};
 /// Size in bytes of the largest JSON text that is read (256 MiB).
 pub const MAX_BYTES: u64 = 256 << 20;
 
-/// Returns line and column of a byte offset, both counted from 1. The column counts characters.
+/// Returns the line and the column of a byte offset. Both numbers start at 1, and the column is
+/// counted in characters.
 pub(super) fn line_column(text: &str, offset: usize) -> (usize, usize) {
     let mut offset = offset.min(text.len());
     while !text.is_char_boundary(offset) {
@@ -27,8 +28,8 @@ pub fn read_text(path: &Path) -> Result<String> {
     let unreadable = |error: std::io::Error| Error::input(format!("cannot be read: {error}")).in_file(path);
     let file = std::fs::File::open(path).map_err(unreadable)?;
     let mut bytes = Vec::new();
-    // Reading one byte more than allowed detects a file that is too large, even if its size is not
-    // known in advance (a pipe).
+    // One byte more than allowed is read. A file that is too large is therefore detected even if
+    // its size is not known in advance, as for a pipe.
     file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes.len() as u64 > MAX_BYTES {
         return Err(too_large().in_file(path));

@@ -2,9 +2,9 @@
 
 use std::f64::consts::FRAC_1_PI;
 
-/// The values of two kernels of the same radius at one distance. The Epanechnikov kernel gives the
-/// estimate. The uniform kernel is needed only to estimate the bias. Both kernels integrate to 1
-/// over the disk or over the line.
+/// The values of two kernels at one distance. Both kernels have the same radius. The Epanechnikov
+/// kernel gives the estimate. The uniform kernel is needed only to estimate the bias. Both kernels
+/// integrate to 1 over the disk or over the line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KernelValues {
     /// The Epanechnikov kernel: 2/(πr²)·(1 − d²/r²) on the disk, 3/(4r)·(1 − d²/r²) on the line.
@@ -34,8 +34,8 @@ impl DiskKernel {
         Self { per_r2, peak: 2.0 * FRAC_1_PI * per_r2, uniform: FRAC_1_PI * per_r2 }
     }
 
-    /// Divides each kernel by its fraction on the surface. Each kernel then integrates to 1 over
-    /// the part of the disk that lies on the surface.
+    /// Divides each kernel by the fraction of the kernel that lies on the surface. Each kernel then
+    /// integrates to 1 over the part of the disk that lies on the surface.
     #[inline]
     pub fn corrected(self, correction: BoundaryCorrection) -> Self {
         Self { peak: self.peak / correction.estimate, uniform: self.uniform / correction.uniform, ..self }
@@ -54,7 +54,7 @@ impl DiskKernel {
 }
 
 /// Returns the kernel values (1/m) on a line at the distance `d`. The kernel radius is `r`. Both
-/// are in m, and `d` must not exceed `r`. The second moments are μ_u = r²/3 and μ_e = r²/5.
+/// lengths are in m, and `d` must not exceed `r`. The second moments are μ_u = r²/3 and μ_e = r²/5.
 pub fn on_line(d: f64, r: f64) -> KernelValues {
     let (uniform, relative) = (0.5 / r, d / r);
     KernelValues { estimate: 1.5 * uniform * (1.0 - relative * relative), uniform, moment_ratio: 1.5 }

@@ -16,9 +16,9 @@ pub struct PhotonPower {
 }
 
 impl PhotonPower {
-    /// Stores wavelengths with their power: in W for free photons, in W/nm for shared photons. If
-    /// the photon keeps a single wavelength, `lane` is the lane of this wavelength. If the photon
-    /// carries all its wavelengths, `lane` is `None`.
+    /// Stores wavelengths and their powers. The powers of free photons are in W. The powers of
+    /// shared photons are in W/nm. If the photon keeps a single wavelength, `lane` is the lane of
+    /// this wavelength. If the photon carries all its wavelengths, `lane` is `None`.
     #[inline]
     pub fn new(wavelengths: &Wavelengths, power: Lanes, lane: Option<usize>) -> Self {
         Self {
@@ -43,8 +43,8 @@ impl PhotonPower {
         (0..LANES).map(|k| (f64::from(self.nm[k]), f64::from(self.power[k])))
     }
 
-    /// Returns the power at the pass's shared wavelength number `lane`, or `None` if the photon no
-    /// longer carries that wavelength.
+    /// Returns the power at the shared wavelength with the number `lane`. Returns `None` if the
+    /// photon no longer carries that wavelength.
     pub fn at_lane(&self, lane: usize) -> Option<f64> {
         if usize::from(self.count) == LANES {
             Some(f64::from(self.power[lane]))
@@ -65,7 +65,8 @@ pub struct Photon {
 
 impl Photon {
     /// Creates a photon at a surface. The unit direction `to_light` points back along the photon's
-    /// path. `normal` is the surface's unit normal on the side of arrival.
+    /// path. `normal` is the unit normal of the surface. It points to the side from which the
+    /// photon arrived.
     pub fn new(power: PhotonPower, to_light: DVec3, normal: DVec3) -> Self {
         Self { power, to_light: Octahedral::encode(to_light), normal: Octahedral::encode(normal) }
     }
@@ -76,7 +77,7 @@ impl Photon {
         self.to_light.decode()
     }
 
-    /// Returns the surface's unit normal on the side of arrival.
+    /// Returns the unit normal of the surface. It points to the side from which the photon arrived.
     #[inline]
     pub fn normal(&self) -> DVec3 {
         self.normal.decode()

@@ -30,8 +30,8 @@ pub struct NearbyPhoton {
 }
 
 impl PhotonMap {
-    /// Builds the map from photons with their positions, on all threads of the current pool. The
-    /// result does not depend on the number of threads.
+    /// Builds the map from photons and their positions. The work is divided among the threads of
+    /// the current pool. The result does not depend on the number of threads.
     pub fn build(photons: &[(Photon, [f32; 3])]) -> Self {
         if photons.is_empty() {
             return Self::default();
@@ -63,8 +63,9 @@ impl PhotonMap {
         }
     }
 
-    /// Returns the distance (m) from `centre` to the `k`-th nearest photon, or to the farthest
-    /// photon if the map has fewer than `k`. Returns `None` if the map has no photons.
+    /// Returns the distance (m) from `centre` to the `k`-th nearest photon. If the map has fewer
+    /// than `k` photons, returns the distance to the farthest photon. Returns `None` if the map has
+    /// no photons.
     pub fn kth_distance(&self, centre: [f32; 3], k: NonZero<usize>) -> Option<f32> {
         let found = self.tree.as_ref()?.query(&centre).nearest_n::<SquaredEuclidean<f32>>(k).execute();
         found.last().map(|last| last.distance.sqrt())

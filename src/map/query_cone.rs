@@ -11,16 +11,17 @@ pub struct QueryCone {
     pub length_m: f64,
     /// The radius at the ray's origin, in m.
     pub radius_m: f64,
-    /// The growth of the radius per distance along the ray.
+    /// The increase of the radius per unit of distance along the ray.
     pub slope: f64,
 }
 
 /// The width of the kernels along a camera path.
 #[derive(Debug, Clone, Copy)]
 pub enum KernelWidth {
-    /// A radius that is constant along the path, in m.
+    /// The radius is constant along the path. This number is the radius in m.
     Stated(f64),
-    /// A radius proportional to the distance from the camera, with this factor.
+    /// The radius is proportional to the distance from the camera. This number is the ratio of the
+    /// radius to the distance.
     PerDistance(f64),
 }
 

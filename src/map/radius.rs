@@ -3,14 +3,14 @@
 use crate::plan::partition::{PerClass, PerSet};
 use glam::DVec3;
 
-/// The first radii of a pixel, by photon set and class.
+/// The first radii of a pixel: one radius for each photon set and each photon class.
 ///
 /// `T` is `f32`, or `Option<f32>` while the pilot does not know all radii.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PixelRadii<T = f32> {
     /// Radii on surfaces, in m.
     pub surface: PerSet<PerClass<T>>,
-    /// Radii in media, relative to the distance from the camera.
+    /// Radii in media, divided by the distance from the camera.
     pub volume: PerSet<PerClass<T>>,
 }
 
@@ -19,9 +19,9 @@ pub struct PixelRadii<T = f32> {
 pub struct RadiusScales {
     /// The factor on surfaces.
     pub surface: f64,
-    /// The factor for points in media, gathered along a ray.
+    /// The factor for photon points in media.
     pub points: f64,
-    /// The factor for beams in media, gathered along a ray.
+    /// The factor for photon beams in media.
     pub beams: f64,
 }
 
@@ -74,9 +74,9 @@ impl RadiusScales {
 ///
 /// The radii follow rᵈ_{i+1} = rᵈ_i (i + α)/(i + 1), with i counted from 1 and α = 4/(d + 4) (Knaus
 /// & Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach", eq. 15). Kernels on
-/// surfaces and for points along a ray have d = 2, and their mean square error falls as N^(−2/3).
-/// Kernels for beams along a ray have d = 1, and their mean square error falls as N^(−4/5). The
-/// factor depends only on the number of the pass, so that passes can run in any order.
+/// surfaces and kernels for photon points have d = 2. Their mean square error falls as N^(−2/3).
+/// Kernels for photon beams have d = 1. Their mean square error falls as N^(−4/5). The factor
+/// depends only on the number of the pass, so that passes can run in any order.
 fn scale(pass: u64, dimensions: u32) -> f64 {
     let alpha = 4.0 / (f64::from(dimensions) + 4.0);
     // The product of (i + α)/(i + 1) for i = 1…pass is computed factor by factor up to i = `EXACT`.

@@ -1,4 +1,4 @@
-//! Orthonormal frames: from world coordinates to the local axes of a surface and back.
+//! Orthonormal frames, which convert between world coordinates and the local axes of a surface.
 
 use glam::DVec3;
 

@@ -1,10 +1,10 @@
 //! Owen-scrambled Sobol points: each prefix of the sequence is evenly spread in every dimension and
 //! in every pair of dimensions.
 //!
-//! The primitive polynomials and initial direction numbers are those of the first dimensions of Joe
-//! & Kuo 2008. Nested uniform scrambling hashes the higher bits of the points. The method is that
-//! of Laine & Karras 2011 in the form of Burley 2020. The hash is that of Vegdahl 2021. Numbers
-//! have 32 bits, so the sequence repeats after 2³² points.
+//! The primitive polynomials and the initial direction numbers come from the tables of Joe & Kuo
+//! 2008. Nested uniform scrambling hashes the higher bits of the points. Laine & Karras 2011
+//! introduced this method, and Burley 2020 gives its present form. The hash function comes from
+//! Vegdahl 2021. Numbers have 32 bits, so the sequence repeats after 2³² points.
 
 /// The number of dimensions.
 pub const DIMENSIONS: usize = 8;
@@ -102,8 +102,8 @@ impl Sobol {
     }
 }
 
-/// Applies nested uniform scrambling to digits. The most significant digit is in bit 0. Each bit is
-/// flipped or not, depending on a hash of the bits below it.
+/// Applies nested uniform scrambling to digits. The most significant digit is in bit 0. For each
+/// bit, a hash of the lower bits decides whether the bit is flipped.
 #[inline]
 fn owen(digits: u32, seed: u32) -> u32 {
     let mut x = digits;

@@ -3,8 +3,8 @@
 use std::ops::AddAssign;
 
 /// An exact sum in 128-bit fixed point with a quantum of 2⁻⁶⁴. It holds magnitudes up to 9·10¹⁸ and
-/// gives the same bits in any order of addition. Each term is rounded once to the quantum. Outside
-/// this range the sum saturates, and [`overflowed`](Self::overflowed) returns true.
+/// gives the same bits in any order of addition. Each term is rounded once to the quantum. A sum of
+/// larger magnitude saturates, and [`overflowed`](Self::overflowed) returns true.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ExactSum(i128);
 

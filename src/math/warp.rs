@@ -40,7 +40,7 @@ pub fn sphere(u: [f64; 2]) -> DVec3 {
     DVec3::new(r * cos, r * sin, z)
 }
 
-/// Returns 1 − cos of a half-angle in radians, without cancellation for narrow cones.
+/// Returns 1 − cos of a half-angle in radians. The result is accurate even for narrow cones.
 pub fn one_minus_cos(half_angle: f64) -> f64 {
     let s = (0.5 * half_angle).sin();
     2.0 * s * s

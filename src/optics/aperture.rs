@@ -43,8 +43,9 @@ impl Blades {
 /// the centre of the pattern.
 ///
 /// `place` is the position in the image in units of λN. N is always the f-number of the full
-/// circle, even if the aperture is a polygon. Sources: Born & Wolf, *Principles of Optics*, §8.5
-/// for the circle (Airy pattern); Lee & Mittra 1983 for the polygon, by the divergence theorem.
+/// circle, even if the aperture is a polygon. The source for the circle (Airy pattern) is Born &
+/// Wolf, *Principles of Optics*, §8.5. The source for the polygon is Lee & Mittra 1983, who use the
+/// divergence theorem.
 pub fn fraunhofer(blades: Option<Blades>, place: DVec2) -> f64 {
     let q = PI * place;
     let square = q.length_squared();

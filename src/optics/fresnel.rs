@@ -163,8 +163,8 @@ mod tests {
         assert!((dielectric(1.0, 1.0, 1.0 + step) / exact - 1.0).abs() < 1e-15);
     }
 
-    /// Within 20 ulp of the critical angle, all results are finite. Wherever `refract` returns
-    /// `None`, the reflectance is 1.
+    /// If the cosine is within 20 ulp of the critical cosine, all results are finite. Wherever
+    /// `refract` returns `None`, the reflectance is 1.
     #[test]
     fn reflection_and_refraction_agree_at_the_critical_angle() {
         for (n_i, n_t) in [(1.5, 1.0), (2.4175, 1.333), (1.0 + 1e-9, 1.0)] {

@@ -15,8 +15,9 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 /// Smallest roughness α of a rough interface. If the roughness of a material is lower, the material
-/// is treated as smooth. Materials without a smooth form are clamped to this value. At this
-/// roughness the lobe is only 0.06° wide. Lights and pixels do not resolve such a narrow lobe.
+/// is treated as smooth. If a material has no smooth form, a lower roughness is raised to this
+/// value. At this roughness the lobe is only 0.06° wide. Lights and pixels do not resolve such a
+/// narrow lobe.
 pub const MIN_ALPHA: f64 = 1e-3;
 
 /// The GGX distribution for one roughness.
@@ -36,8 +37,8 @@ impl Ggx {
         self.alpha
     }
 
-    /// Returns the density D(m) of microfacet normals in 1/sr, normalised by ∫ D(m)·cosθ_m dω_m =
-    /// 1.
+    /// Returns the density D(m) of microfacet normals in 1/sr. Its normalisation is ∫ D(m)·cosθ_m
+    /// dω_m = 1.
     pub fn eval(&self, m: DVec3) -> f64 {
         if m.z <= 0.0 {
             return 0.0;
@@ -70,8 +71,8 @@ impl Ggx {
         0.25 * self.eval(m) * self.g2_per_cos(cos_o, cos_i)
     }
 
-    /// Returns G₂(o, i)/G₁(o). Of the light reflected by the visible facets, this fraction leaves
-    /// the surface without hitting another facet.
+    /// Returns G₂(o, i)/G₁(o). The visible facets reflect light. This fraction of the reflected
+    /// light leaves the surface without hitting another facet.
     pub fn g2_over_g1(&self, cos_o: f64, cos_i: f64) -> f64 {
         let (o, i) = (self.smith_root(cos_o), self.smith_root(cos_i));
         cos_i * (cos_o + o) / (cos_o * i + cos_i * o)
@@ -118,9 +119,9 @@ mod tests {
 
     const ALPHAS: [f64; 4] = [0.02, 0.1, 0.5, 1.0];
 
-    /// Integrates f(m) dω over the upper hemisphere by the midpoint rule in φ and y. The
-    /// substitution is tan²θ/(α² + tan²θ) = x with x = 1 − y². The distribution is uniform in x.
-    /// Equal steps in y resolve its tail.
+    /// Integrates f(m) dω over the upper hemisphere by the midpoint rule in φ and y. The variable y
+    /// is defined by tan²θ/(α² + tan²θ) = x and x = 1 − y². The GGX distribution is uniform in x.
+    /// With equal steps in y, the midpoint rule resolves the tail of the distribution.
     fn over_facets(alpha: f64, f: impl Fn(DVec3) -> f64) -> f64 {
         const QUADRATURE_STEPS: usize = 400;
         let mut sum = 0.0;

@@ -28,8 +28,8 @@ pub fn minimum_deviation_deg(n: f64, apex_deg: f64) -> Option<f64> {
     minimum_deviation_incidence_deg(n, apex_deg).map(|incidence_deg| 2.0 * incidence_deg - apex_deg)
 }
 
-/// Returns the smallest angle of incidence, with its sign, at which the ray still leaves through
-/// the second face. Returns `None` if no ray passes or if every ray passes.
+/// Returns the smallest signed angle of incidence at which the ray still leaves through the second
+/// face. Returns `None` if no ray passes or if every ray passes.
 pub fn least_passing_incidence_deg(n: f64, apex_deg: f64) -> Option<f64> {
     let sin_in = n * (apex_deg.to_radians() - (1.0 / n).asin()).sin();
     (sin_in.abs() <= 1.0).then(|| sin_in.asin().to_degrees())

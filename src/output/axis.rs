@@ -3,7 +3,8 @@
 /// The digits of round numbers.
 const ROUND_DIGITS: [f64; 3] = [1.0, 2.0, 5.0];
 
-/// The number of intervals of a linear axis before its step is rounded up.
+/// A linear axis is divided into this number of intervals. The length of an interval is then
+/// rounded up to a round number.
 const LINEAR_INTERVALS: f64 = 6.0;
 
 /// A logarithmic axis has a label at every tick if it covers fewer decades than this.
@@ -13,7 +14,8 @@ const FEW_DECADES: f64 = 2.5;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Axis {
     scale: AxisScale,
-    /// The ends of the axis: values of a linear axis, decimal logarithms of a logarithmic one.
+    /// The ends of the axis. For a linear axis, they are values. For a logarithmic axis, they are
+    /// decimal logarithms of values.
     range: (f64, f64),
     /// The positions of both ends on the page.
     page: (f64, f64),
@@ -100,8 +102,8 @@ fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(value), most.max(value)))
 }
 
-/// Returns the round numbers of these decades in ascending order. Each entry contains the first
-/// digit and the number.
+/// Returns the round numbers in the given decades, in ascending order. Each entry is a pair of the
+/// first digit and the number.
 fn round_numbers(decades: std::ops::RangeInclusive<i32>) -> impl Iterator<Item = (f64, f64)> {
     decades.flat_map(|decade| ROUND_DIGITS.map(|digit| (digit, digit * 10.0_f64.powi(decade))))
 }
@@ -113,7 +115,7 @@ fn round_step(step: f64) -> f64 {
     steps.find(|round| *round >= step * (1.0 - 1e-9)).unwrap_or(step)
 }
 
-/// Returns true if a number of this magnitude is printed without a power of ten.
+/// Returns true if numbers of this magnitude are printed as plain decimals.
 fn is_plain(magnitude: f64) -> bool {
     (1e-2..1e5).contains(&magnitude)
 }

@@ -43,7 +43,7 @@ const DIAGRAM_RULE: &str = "class=\"rule\" stroke=\"#ddd\" fill=\"none\"";
 /// mode.
 const DIAGRAM_MARK: &str = "stroke=\"#000\" fill=\"none\"";
 
-/// The style of the names of the lights, with a white outline.
+/// The style of the labels with the names of the lights. The text has a white outline.
 const DIAGRAM_LABEL: &str =
     "fill=\"#000\" stroke=\"#fff\" stroke-width=\"4\" paint-order=\"stroke\" font-weight=\"700\" font-size=\"16\"";
 
@@ -98,7 +98,8 @@ impl ChromaticityDiagram<'_> {
             let ((x, y), before, after) = (place(nm), place(nm - 1), place(nm + 1));
             let (along_x, along_y) = (after.0 - before.0, after.1 - before.1);
             let length = along_x.hypot(along_y);
-            // In the direction of growing wavelength, the colours are on the right of the locus.
+            // Seen along the locus in the direction of growing wavelength, the colours are on the
+            // right.
             let (out_x, out_y) = (along_y / length, -along_x / length);
             let anchor = if out_x < -0.4 {
                 "end"

@@ -38,7 +38,7 @@ pub struct DeltaE {
     pub p95: f64,
 }
 
-/// A test of the differences against their standard errors.
+/// A test whether the differences agree with their standard errors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ZTest {
     /// The fraction of pixels with |z| < 1.96. z is the difference in Y divided by its standard
@@ -53,8 +53,8 @@ pub struct ZTest {
 /// A test of the error that picture A reports. The error consists of noise and bias.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct IntervalCoverage {
-    /// The fraction of pixels where B is in A's 95 % interval. If the noise of B is known, this
-    /// noise widens the interval.
+    /// The fraction of pixels where the value of B lies in the 95 % interval of A. If the noise of
+    /// B is known, this noise widens the interval.
     pub share: f64,
     /// The number of pixels whose error is known in A.
     pub pixels: usize,
@@ -63,17 +63,17 @@ pub struct IntervalCoverage {
 /// The difference between a picture A and a reference B over the selected pixels.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
-    /// The relative mean square error: the mean of (a − b)² / (b² + 0.01 m²) over X, Y, Z and all
-    /// selected pixels. Here, a and b are the values of A and B, and m is the mean of the channel
-    /// over the whole reference.
+    /// The relative mean square error: the mean of (a − b)² / (b² + 0.01 m²) over the channels X,
+    /// Y, Z and over all selected pixels. Here, a and b are the values of A and B, and m is the
+    /// mean of the channel over the whole reference.
     pub relative_mse: f64,
-    /// The same mean without the 2 % of the pixels with the largest errors.
+    /// The relative mean square error without the 2 % of the pixels that have the largest errors.
     pub relative_mse_trimmed: f64,
     /// The root mean square difference of Y in cd/m².
     pub rmse: f64,
     /// The mean Y of A divided by the mean Y of B.
     pub mean_ratio: f64,
-    /// CIEDE2000 at the automatic exposure of B, with the white D65.
+    /// CIEDE2000 at the automatic exposure of B. The white point is D65.
     pub delta_e_2000: DeltaE,
     /// The z test, if both pictures contain standard errors.
     pub z: Option<ZTest>,
@@ -203,7 +203,7 @@ fn trimmed_mean(mut values: Vec<f64>) -> f64 {
 }
 
 /// Returns the CIEDE2000 of every pixel at the automatic exposure of the reference. The white point
-/// is D65, at the luminance displayed as white.
+/// has the chromaticity of D65 and the luminance that is displayed as white.
 pub(super) fn delta_e_map(picture: &Picture, reference: &Picture) -> Vec<f64> {
     let exposure = exposure::automatic(reference, &Development::default());
     let white = RgbSpace::Srgb.white();

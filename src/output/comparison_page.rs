@@ -1,5 +1,5 @@
-//! The HTML page of a comparison of two pictures: both pictures, maps of their differences and the
-//! numbers. The page needs no other file.
+//! The HTML page that compares two pictures. It contains both pictures, maps of their differences,
+//! and the results of the comparison. The page needs no other file.
 
 use maud::{Markup, html};
 
@@ -20,10 +20,11 @@ pub struct PicturePair<'a> {
     pub reference: (&'a str, &'a Picture),
 }
 
-/// Relative differences in Y of this size and above have full saturation in the map.
+/// If the relative difference in Y is at least this value, its colour in the map has full
+/// saturation.
 const SATURATED_DIFFERENCE: f64 = 0.5;
 
-/// Colour differences of this size and above are white in the map.
+/// If ΔE2000 is at least this value, its colour in the map is white.
 const WHITE_DELTA_E: f64 = 10.0;
 
 /// The legend of the error maps.
@@ -125,7 +126,8 @@ fn relative_error_map(of: &Picture, selection: &Selection) -> DisplayImage {
 }
 
 /// Builds a map of ΔE2000 of every selected pixel. Both pictures have the exposure of the
-/// reference. The colours go from black at 0 over violet and orange to white at 10 and above.
+/// reference. A difference of 0 is black. With increasing difference, the colours change through
+/// violet and orange to white. A difference of 10 or more is white.
 pub fn colour_differences(a: &Picture, b: &Picture, selection: &Selection) -> DisplayImage {
     let differences = delta_e_map(a, b);
     pixel_map(b, selection, |i| heat(differences[i] / WHITE_DELTA_E))

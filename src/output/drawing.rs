@@ -10,7 +10,8 @@ use super::svg::{append, escape_xml};
 pub struct RayStroke {
     /// The index of the polyline's colour in [`LensDrawing::colours`].
     pub colour: usize,
-    /// The index in [`LensDrawing::windows`] of the window that magnifies the polyline.
+    /// The index of the window that magnifies the polyline. The index refers to
+    /// [`LensDrawing::windows`].
     pub window: usize,
     /// The points. Their coordinates are the position along the axis and the height above the axis.
     pub points: Vec<DVec2>,

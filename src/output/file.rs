@@ -68,14 +68,14 @@ pub fn remove_if_present(path: &Path) -> Result<()> {
     }
 }
 
-/// Returns the absolute path with all symbolic links followed, or the path itself if the file does
-/// not exist.
+/// Follows all symbolic links and returns the absolute path. Returns the path itself if the file
+/// does not exist.
 fn followed(path: &Path) -> PathBuf {
     fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf())
 }
 
-/// Returns true if the path exists but is neither a regular file nor a folder, such as a pipe or a
-/// device.
+/// Returns true if the path exists but is neither a regular file nor a folder. Examples are pipes
+/// and devices.
 fn is_special(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
 }

@@ -8,8 +8,8 @@ pub const UNKNOWN_COLOUR: [u8; 3] = [0, 96, 128];
 /// The smallest relative error shown as white in the map.
 pub const WHITE_ERROR: f64 = 0.5;
 
-/// Returns the colour of a fraction from 0 to 1. The colours go from black over violet and orange
-/// to white, with increasing brightness. NaN is white.
+/// Returns the colour of a fraction from 0 to 1. With an increasing fraction, the colours change
+/// from black through violet and orange to white. The brightness increases too. NaN is white.
 pub fn heat(share: f64) -> [u8; 3] {
     const HEAT_COLOURS: [[f64; 3]; 4] =
         [[0.0, 0.0, 0.0], [90.0, 20.0, 130.0], [240.0, 120.0, 30.0], [255.0, 255.0, 255.0]];

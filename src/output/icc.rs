@@ -81,8 +81,8 @@ mod tests {
             let bytes = profile(space).unwrap();
             assert_eq!(bytes, profile(space).unwrap());
             let read = ColorProfile::new_from_slice(&bytes).unwrap();
-            // The sum of the colorants is D50. The file stores them as s15Fixed16 numbers, so they
-            // are rounded.
+            // The sum of the colorants is D50. The file stores the colorants as s15Fixed16 numbers,
+            // so they are rounded.
             let sum = [
                 read.red_colorant.x + read.green_colorant.x + read.blue_colorant.x,
                 read.red_colorant.y + read.green_colorant.y + read.blue_colorant.y,

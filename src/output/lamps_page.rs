@@ -1,5 +1,5 @@
-//! The HTML page of a comparison of two lamps: their spectra, their colours, and the colours of
-//! surfaces under both lamps. The page needs no other file.
+//! The HTML page that compares two lamps. It contains their spectra, their colours, and the colours
+//! of surfaces under both lamps. The page needs no other file.
 
 use maud::{Markup, PreEscaped, html};
 
@@ -42,7 +42,7 @@ pub struct LampsPage<'a> {
 /// The number of split pairs on the page.
 pub const SHOWN_PAIRS: usize = 12;
 
-/// The longest name in the title of a plot, in characters.
+/// The maximum number of characters of a name in the title of a plot.
 const LONGEST_TITLE: usize = 70;
 
 /// Returns the page.

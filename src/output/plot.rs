@@ -24,7 +24,8 @@ pub struct SpectralPlot {
     pub values: String,
     /// The curves. If the axis begins at 0, the area under the first curve is coloured.
     pub curves: Vec<SpectralCurve>,
-    /// Spectral lines: wavelength in nm, and height as a fraction of the height of the plot.
+    /// Spectral lines, as pairs of the wavelength in nm and the height of the stroke. The height is
+    /// a fraction of the height of the plot.
     pub lines: Vec<(f64, f64)>,
     /// True if the vertical axis always includes 0, even if all values are larger.
     pub from_zero: bool,
@@ -40,8 +41,8 @@ const PLOT_STRIP: f64 = 14.0;
 
 impl SpectralPlot {
     /// Plots a spectrum over the band. The continuum is a curve. Spectral lines are vertical
-    /// strokes. The height of a stroke is the power relative to the strongest line. `density` is
-    /// the quantity and unit of the continuum, and `power` is the unit of a line's power.
+    /// strokes. The height of a stroke is proportional to the power of the line. `density` is the
+    /// quantity and unit of the continuum, and `power` is the unit of a line's power.
     pub fn of_spectrum(title: &str, spectrum: &Spectrum, density: &str, power: Option<&str>) -> Self {
         let lines = spectrum.line_segments();
         let strongest = lines.iter().map(|line| line.power).fold(0.0, f64::max);

@@ -7,10 +7,11 @@
 //! | Rec. 2020 | 16 | `iCCP`, `gAMA`, `cHRM` |
 //! | ACEScg | 16 | `iCCP`, `gAMA`, `cHRM` (linear) |
 //!
-//! A reader uses the first chunk in a row that it supports (PNG, third edition, 4.3). The chunk
-//! `cICP` contains code points. They are not written for Rec. 2020: browsers assume a display gamma
-//! of 2.4 for its code points, and the picture would become too dark. The profile of Rec. 2020
-//! contains the standard's own curve. No code points exist for the primaries of ACEScg.
+//! Of the chunks in a row of the table, a reader uses the first one that it supports (PNG, third
+//! edition, 4.3). The chunk `cICP` contains code points. For Rec. 2020, no code points are written.
+//! Browsers assume a display gamma of 2.4 for the code points of Rec. 2020, so the picture would
+//! become too dark. The profile of Rec. 2020 contains the standard's own curve. No code points
+//! exist for the primaries of ACEScg.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -91,13 +92,13 @@ fn code_points(space: RgbSpace) -> Option<[u8; 4]> {
     }
 }
 
-/// Returns the exponent of the power function closest to the encoding of the space, in units of
-/// 1/100,000.
+/// Returns the exponent of the power function that is closest to the encoding of the space. The
+/// unit of the result is 1/100,000.
 fn gamma(space: RgbSpace) -> u32 {
     match space {
         RgbSpace::Srgb | RgbSpace::DisplayP3 => 45_455,
         // This power function approximates the whole curve of ITU-R BT.2020. The curve itself is
-        // linear near 0, and a power with the exponent 0.45 above.
+        // linear near 0. For larger values, it contains a power with the exponent 0.45.
         RgbSpace::Rec2020 => 51_000,
         RgbSpace::AcesCg => 100_000,
     }

@@ -10,7 +10,7 @@ use crate::walk::ledger::Ledger;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// The number of pilot paths per round and light: several for each cell.
+/// The number of pilot paths per light in each round. Each cell receives several of these paths.
 const PATHS_PER_LIGHT: u64 = 16 * (CELLS * CELLS) as u64;
 
 /// The number of paths per round grows with the number of lights, up to this many lights.

@@ -1,4 +1,4 @@
-//! The pilot: a small render before pass 0 with random streams of its own.
+//! The pilot: a small render before pass 0. It has its own random streams.
 //!
 //! The pilot fixes all data that passes must not learn from each other: the emission distributions
 //! of the lights, the first kernel radii of each pixel, and the division of the photons between the
@@ -27,7 +27,7 @@ use crate::scene::Scene;
 use std::borrow::Cow;
 use std::time::Instant;
 
-/// The smallest share of the photons for a set, if both sets are in use.
+/// If both sets are in use, each set receives at least this share of the photons.
 const MIN_SET_SHARE: f64 = 0.08;
 
 /// The number of shutter times in the pilot's survey of a moving scene.
@@ -38,7 +38,7 @@ const MOMENTS: usize = 4;
 pub struct Pilot {
     /// The emission distribution of each light.
     pub(super) aims: Vec<Aim>,
-    /// The first radii of each pixel.
+    /// The first kernel radii of each pixel.
     pub(super) radii: Vec<PixelRadii>,
     /// The outlines of directly visible surfaces.
     pub(super) outlines: Outlines,

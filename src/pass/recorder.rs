@@ -35,12 +35,13 @@ impl<'a> PhotonRecorder<'a> {
         Self { scene, plan, set, keep, deposits: PhotonDeposits::default(), splats, tally: Tally::default() }
     }
 
-    /// Connects the photon to the camera, if the plan counts its path class by connections.
+    /// Connects the photon to the camera if the plan uses connections for the class of the photon's
+    /// path.
     fn connect(&mut self, arrival: &SurfaceArrival<'_>, stream: &mut Stream) {
         let class = arrival.interaction.bsdf.class();
         let connects = estimator(arrival.photon.light_path, class, View::Direct) == Estimator::Connection;
-        // If camera paths take shared wavelengths at the camera, all views count as indirect and
-        // read the photon map.
+        // If camera paths carry shared wavelengths from the camera on, all views count as indirect.
+        // Camera paths then read the photon map, and no photon is connected.
         let free = self.set == PhotonSet::Free && self.plan.wavelengths != WavelengthPlan::Shared;
         if !(free && connects) {
             return;
@@ -114,7 +115,8 @@ impl PhotonVisitor for PhotonRecorder<'_> {
     }
 }
 
-/// Returns the power of a photon stored in a medium with this probability.
+/// Returns the power of a photon that is stored in a medium. `probability` is the probability of
+/// storing it.
 fn kept_power(photon: &PhotonState, probability: f64) -> PhotonPower {
     PhotonPower::new(&photon.wavelengths, photon.power.map(|power| power / probability), photon.lane)
 }

@@ -21,8 +21,8 @@ use std::ops::Range;
 /// The largest first kernel radius on surfaces, in pixels.
 ///
 /// Caustics have sharp edges. Near a caustic, a wide kernel would spread the light of the caustic
-/// into the dark region for many passes. For indirect light, the noise of a wider kernel would
-/// vanish after a few passes, but its bias would remain visible.
+/// into the dark region for many passes. For indirect light, a narrow kernel is noisier, but this
+/// noise vanishes after a few passes. The bias of a wider kernel would remain visible.
 pub(super) const MAX_SURFACE_RADIUS_PX: PerClass<f64> = PerClass { caustic: 3.0, indirect: 24.0 };
 
 /// Separates the camera samples of the pilot from the camera samples of the passes. The samples are
@@ -33,8 +33,8 @@ const CAMERA_SEED_MASK: u64 = 0x0070_696c_6f74;
 /// The measurements of the pilot in all pixels, or in some of them.
 #[derive(Default)]
 pub(super) struct PixelSurvey {
-    /// The first radii per pixel on surfaces. A radius is `None` if the pixel's camera path did not
-    /// read the corresponding photon set on a surface.
+    /// The first kernel radii of each pixel on surfaces. A radius is `None` if the pixel's camera
+    /// path did not read the corresponding photon set on a surface.
     pub(super) radii: Vec<PixelRadii<Option<f32>>>,
     /// The directly visible surface point of each pixel.
     pub(super) visible: Vec<Option<VisiblePoint>>,
@@ -47,8 +47,8 @@ pub(super) struct PixelSurvey {
 }
 
 impl PixelSurvey {
-    /// Surveys all pixels at one time. `moment` is the index of the time, and `scene` is the scene
-    /// at that time.
+    /// Surveys all pixels at one shutter time. `moment` is the index of the time, and `scene` is
+    /// the scene at that time.
     pub(super) fn of_moment(
         context: &PassContext<'_>,
         scene: &Scene,
@@ -139,7 +139,7 @@ impl PixelSurvey {
         survey
     }
 
-    /// Appends the measurements in other pixels.
+    /// Appends the measurements of other pixels.
     fn append(&mut self, other: Self) {
         self.radii.extend(other.radii);
         self.visible.extend(other.visible);
@@ -147,7 +147,7 @@ impl PixelSurvey {
         self.add_counts(other.stored, other.readers);
     }
 
-    /// Merges the measurements in the same pixels at another time. A pixel keeps the smaller radii.
+    /// Merges the measurements of the same pixels at another time. A pixel keeps the smaller radii.
     pub(super) fn merge(&mut self, other: Self) {
         if self.radii.is_empty() {
             self.append(other);
@@ -172,8 +172,8 @@ impl PixelSurvey {
 }
 
 /// Returns the first kernel radius in m at a visible point. If the scene does not fix the radius,
-/// the kernel contains the number of photons in the budget. Its radius is then at least the pixel's
-/// footprint and at most `largest_px` pixels.
+/// the kernel contains as many photons as the budget specifies. Its radius is then at least the
+/// pixel's footprint and at most `largest_px` pixels.
 fn first_radius_m(context: &PassContext<'_>, point: &VisiblePoint, map: &PhotonMap, largest_px: f64) -> f64 {
     if let Some(fixed) = context.budget.radius_m {
         return fixed;

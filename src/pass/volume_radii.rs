@@ -18,8 +18,8 @@ const PHOTONS_PER_RAY: f64 = 10.0;
 /// The smallest first kernel radius in media, in pixels.
 const MIN_VOLUME_RADIUS_PX: f64 = 0.7;
 
-/// The largest first kernel radius in media, in pixels. Caustics have sharp edges. Indirect light
-/// has no such limit.
+/// The largest first kernel radius in media, in pixels. The limit for caustics is smaller because
+/// caustics have sharp edges.
 const MAX_VOLUME_RADIUS_PX: PerClass<f64> = PerClass { caustic: 4.0, indirect: 24.0 };
 
 /// The largest first kernel radius for photon points, in mean free paths.
@@ -35,38 +35,38 @@ const PILOT_POINTS: usize = 10_000;
 /// The largest number of photon beams of one class in the maps of the pilot.
 const PILOT_BEAMS: usize = 2_000;
 
-/// The largest number of photon points of one class in a set, per pass. A photon in a dense medium
-/// leaves hundreds of points. Most of these points add little information.
+/// The limit for the photon points of one class that a set stores in a pass. A photon in a dense
+/// medium leaves hundreds of points. Most of these points add little information.
 const MAX_POINTS: f64 = 50_000.0;
 
-/// The largest number of photon beams of one class in a set, per pass.
+/// The limit for the photon beams of one class that a set stores in a pass.
 const MAX_BEAMS: f64 = 15_000.0;
 
-/// The first kernel widths of the pilot in media.
+/// The pilot's first kernel widths in media.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct VolumeKernelWidths {
-    /// The angle of a pixel in rad.
+    /// The angle that a pixel subtends, in rad.
     pixel_angle: f64,
     /// The radius in m, if the scene fixes it.
     radius_m: Option<f64>,
 }
 
 /// The photons of one set and class within the largest first radius around a camera ray. The counts
-/// are scaled to media that store all photons.
+/// are scaled as if the media stored all photons.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct NearbyPhotons {
-    /// The number of points. The weight of a point is the transmittance of the medium between the
-    /// point and the start of the camera segment.
+    /// The weighted number of points. The weight of a point is the transmittance of the medium
+    /// between the point and the start of the camera segment.
     points: f64,
     /// The number of beams.
     beams: f64,
-    /// The weighted mean over the points of an optical depth. At each point, this is the optical
-    /// depth over a length that spans one radian, as seen from the camera.
+    /// An optical depth: the weighted mean of one value per point. The value of a point is the
+    /// optical depth over a length that spans one radian, as seen from the camera.
     free_paths: f64,
 }
 
 /// The photons near the camera rays of a pixel, per set. A set is `None` if no camera path of the
-/// pixel crosses a medium on the set's wavelengths.
+/// pixel crosses a medium with the wavelengths of the set.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct PixelVolumeCounts(PerSet<Option<PerClass<NearbyPhotons>>>);
 
@@ -237,11 +237,11 @@ pub(super) fn thin_out_for_pilot(deposits: &mut PhotonDeposits) -> PerClass<Keep
 /// Returns probabilities of storing photons in media, chosen so that each pass stores enough
 /// photons.
 ///
-/// The number of points and beams per set and class is limited. A second limit applies to beams: a
-/// camera ray with beams around it has at most [`PHOTONS_PER_RAY`] beams on average. For caustics,
-/// the beams are counted within the smallest first radius. For indirect light, which is smooth,
-/// they are counted within the largest first radius. If the scene fixes the radius, all beams are
-/// counted within that radius.
+/// For each set and class, the number of points and the number of beams are limited. A second limit
+/// applies to beams. Among the camera rays with beams around them, the mean number of beams per ray
+/// is at most [`PHOTONS_PER_RAY`]. For caustics, the beams are counted within the smallest first
+/// radius. For indirect light, which is smooth, they are counted within the largest first radius.
+/// If the scene fixes the radius, all beams are counted within that radius.
 pub(super) fn keep_probabilities(
     pixels: &[PixelVolumeCounts],
     stored: PerClass<DepositCounts>,

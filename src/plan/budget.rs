@@ -8,7 +8,8 @@ use crate::scene::Scene;
 pub const DEFAULT_PASSES: u64 = 64;
 
 /// The number of photon paths per pass. The number is large enough for small first kernel radii. It
-/// is small enough for many short passes, and many passes sample many wavelengths.
+/// is small enough that a render consists of many short passes. Many passes sample many
+/// wavelengths.
 pub const DEFAULT_PHOTONS: u64 = 200_000;
 
 /// The largest number of surface events on a path.
@@ -23,8 +24,8 @@ pub const DEFAULT_LIGHT_MAP_CELLS: u32 = 32;
 /// Bytes per light map node for its visibility flag.
 const LIGHT_MAP_NODE_BYTES: u64 = 1;
 
-/// Bytes per light map node and absorbing medium for the mean density. The map needs this memory
-/// twice while it removes the media that are on no path from the light to a node.
+/// Bytes for the mean density of one absorbing medium at one light map node. The map needs this
+/// memory twice while it removes the media that are on no path from the light to a node.
 const LIGHT_MAP_MEDIUM_BYTES: u64 = 2 * 4;
 
 /// Bytes per stored photon: its data and its position. The map needs this memory twice during the
@@ -57,12 +58,14 @@ pub struct Budget {
     pub seed: u64,
     /// The estimated memory of the film, the photons, the geometry and the light maps, in bytes.
     pub memory_bytes: u64,
-    /// The largest motion of an object over the picture while the shutter is open, in pixels.
+    /// The largest distance (pixels) that an object moves over the picture while the shutter is
+    /// open.
     pub motion_px: f64,
 }
 
-/// Returns the smallest number of passes at which an object moving over `motion_px` pixels shows no
-/// separate images. The number is two passes per pixel, rounded up to a multiple of the replicates.
+/// Returns the smallest number of passes that shows no separate images of a moving object. The
+/// object moves over `motion_px` pixels. The number is two passes per pixel, rounded up to a
+/// multiple of the replicates.
 fn passes_without_strobing(motion_px: f64) -> u64 {
     ((2.0 * motion_px).ceil() as u64).next_multiple_of(REPLICATES as u64)
 }
@@ -94,8 +97,7 @@ fn cells_in_pass(cells: u32, pass: u64) -> u32 {
 }
 
 impl Budget {
-    /// Returns true if a moving object may appear as separate images, because there are too few
-    /// passes.
+    /// Returns true if there are so few passes that a moving object may appear as separate images.
     pub fn strobes(&self) -> bool {
         (self.passes as f64) < 2.0 * self.motion_px
     }
@@ -148,9 +150,9 @@ impl Budget {
         cells_in_pass(self.light_map_cells, pass)
     }
 
-    /// Returns the largest number of photon paths per pass that fits into `bytes` of memory,
-    /// rounded down to two digits. Returns 0 if the memory is too small even for a pass without
-    /// photons.
+    /// Returns the largest number of photon paths per pass that fits into `bytes` of memory. The
+    /// number is rounded down to two digits. Returns 0 if the memory is too small even for a pass
+    /// without photons.
     pub fn photons_within(&self, bytes: u64) -> u64 {
         let photons = bytes.saturating_sub(self.memory_without_photons()) / PATH_BYTES;
         let digit = 10_u64.pow(photons.checked_ilog10().unwrap_or(0).saturating_sub(1));

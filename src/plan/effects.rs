@@ -15,7 +15,7 @@ use crate::scene::facts::Facts;
 pub enum EffectId {
     /// Glass refracts each wavelength in its own direction.
     Dispersion,
-    /// Camera paths take the pass's shared wavelengths at the camera.
+    /// Each camera path starts with one of the pass's shared wavelengths.
     Shared,
     /// Light reaches surfaces through glass and from mirrors.
     Caustics,
@@ -43,7 +43,7 @@ pub enum EffectId {
     VolumePhotons,
     /// Media store photon beams.
     PhotonBeams,
-    /// Lights emit photons by learned distributions.
+    /// The directions of emitted photons follow learned distributions.
     Aim,
     /// Objects, lights or the camera move.
     Motion,

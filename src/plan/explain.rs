@@ -15,8 +15,9 @@ pub fn wavelengths_word(plan: &Plan) -> &'static str {
     }
 }
 
-/// Returns the plan as text: two lines per effect (state with reason, and consequence), then the
-/// wavelengths, film, camera, budget and notes.
+/// Returns the plan as text. Each effect has two lines. The first line gives the state and its
+/// reason, and the second line gives the consequence. Then follow the wavelengths, film, camera,
+/// budget and notes.
 pub fn text(scene: &Scene, plan: &Plan, rows: &[EffectRow], budget: &Budget) -> String {
     let mut lines = vec![format!("{}", scene.title), String::new(), "Effects:".to_string()];
     for row in rows {

@@ -4,7 +4,7 @@
 ///
 /// [`EFFECTS`](super::EFFECTS) lists the effects. Each entry names three things: the fact that
 /// calls for the effect; the switch of the effect (a field of this struct, or a part of the scene);
-/// and the consequence of a scene without the effect.
+/// and the consequence if the effect is off.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Plan {
     /// The sharing of wavelengths between photons and camera paths.
@@ -47,10 +47,10 @@ impl Plan {
 pub enum WavelengthPlan {
     /// Every photon has its own wavelengths. No camera path reaches dispersive glass.
     Free,
-    /// Every camera path takes one of the pass's shared wavelengths at the camera.
+    /// Every camera path starts with one of the pass's shared wavelengths.
     Shared,
-    /// Camera paths carry all wavelengths until they refract dispersively. From there on, they take
-    /// the pass's shared wavelengths.
+    /// Camera paths carry all wavelengths until they refract dispersively. After this refraction,
+    /// each path carries one of the pass's shared wavelengths.
     Both,
 }
 
@@ -146,7 +146,7 @@ pub enum MediumPlan {
     Scattering(VolumeDirectLighting),
 }
 
-/// The method of computing direct light in a medium along a camera ray.
+/// The method of computing the direct light that a medium scatters into a camera ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VolumeDirectLighting {
     /// By a shadow ray that starts at a sampled distance along the camera ray.

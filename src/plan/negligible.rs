@@ -24,8 +24,9 @@ pub(super) struct NegligibleEffect {
     pub(super) because: String,
 }
 
-/// The tolerance for dispersion. One refraction may separate the images at two wavelengths of the
-/// light by this distance in pixels. The bound covers angles of incidence up to 80°.
+/// The tolerance for dispersion, in pixels. It is the largest distance between the images of one
+/// point at two wavelengths of the light, after one refraction. The bound covers angles of
+/// incidence up to 80°.
 const MAX_SEPARATION_PX: f64 = 0.01;
 
 /// The tangent of 80°, the largest angle of incidence in that bound.
@@ -110,11 +111,11 @@ fn indirect(scene: &Scene, facts: &Facts) -> Option<String> {
     })
 }
 
-/// Returns the reason if dispersion is negligible: the lights have nearly one wavelength, or the
-/// glass has nearly the same index at all their wavelengths.
+/// Returns the reason if dispersion is negligible: the lights emit at nearly one wavelength, or the
+/// glass has nearly the same refractive index at all wavelengths of the lights.
 fn dispersion(scene: &Scene, facts: &Facts) -> Option<String> {
-    /// The number of wavelength intervals. Indices are compared at the ends of the intervals.
-    /// Within an interval, indices are assumed to be monotonic.
+    /// The number of wavelength intervals. Refractive indices are compared at the ends of the
+    /// intervals. Within an interval, a refractive index is assumed to be monotonic.
     const INTERVALS: u32 = 64;
     let (from, to) = light_range_nm(scene);
     if facts.dispersive.is_empty() || facts.lens_system.is_some() || from > to {

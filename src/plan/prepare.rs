@@ -20,9 +20,9 @@ const D_LINE_NM: f64 = 587.5618;
 ///
 /// Returns the plan and one row per effect. Adds notes to the scene.
 ///
-/// # Errors
-/// Returns an input error if an effect has an unknown name or cannot be forbidden, or if the plan
-/// contains diffraction without an aperture.
+/// # Errors Returns an input error in three cases: the name of an effect is unknown, the scene
+/// forbids an effect that cannot be forbidden, or the plan contains diffraction without an
+/// aperture.
 pub fn prepare(scene: &mut Scene) -> Result<(Plan, Vec<EffectRow>)> {
     let negligible = negligible(scene);
     let light_nm = light_centre_nm(scene);
@@ -57,7 +57,8 @@ pub fn prepare(scene: &mut Scene) -> Result<(Plan, Vec<EffectRow>)> {
     Ok((plan, rows))
 }
 
-/// Warns if lights with spectral lines shine on colours made from RGB.
+/// Returns a warning if the scene contains both lights with spectral lines and spectra that come
+/// from RGB colours.
 ///
 /// A spectrum from RGB is a smooth estimate. The estimate predicts little about the few wavelengths
 /// of spectral lines.

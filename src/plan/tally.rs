@@ -16,8 +16,9 @@ pub struct Tally {
     pub connections: u64,
     /// Queries of photon maps.
     pub map_queries: u64,
-    /// Dispersive refractions that split a camera path, plus surface arrivals of photons with one
-    /// wavelength left after a dispersive refraction.
+    /// The sum of two counts. The first counts dispersive refractions that split a camera path. The
+    /// second counts surface arrivals of photons that carry only one wavelength after a dispersive
+    /// refraction.
     pub dispersions: u64,
     /// Camera paths that continued at one of the pass's shared wavelengths.
     pub shared_paths: u64,

@@ -8,9 +8,10 @@
 //! - The squared bias of kernel estimates falls as n^(−2/3) in smooth illumination. Near an edge,
 //!   only the width of the blurred strip shrinks, and the squared bias falls as n^(−1/6). Pictures
 //!   contain both, and n^(−1/2) fits them.
-//! - The variance of all other samples falls as 1/n if samples are independent (photons connected
-//!   to the camera), and up to 1/n² if they are stratified (the outline of a light within a pixel).
-//!   The error history of the picture decides between the two rates.
+//! - The variance of all other samples falls as 1/n if the samples are independent (for example,
+//!   photons connected to the camera). It falls as fast as 1/n² if the samples are stratified (for
+//!   example, at the outline of a light within a pixel). The error history of the picture decides
+//!   between the two rates.
 //!
 //! Samples are stratified within a replicate, and the passes go to the eight replicates in turn.
 //! The ninth pass is the second pass of a replicate. The ninth pass therefore gives the first
@@ -21,8 +22,8 @@ use crate::pass::StageSeconds;
 use crate::sensor::ErrorSquares;
 use serde::{Deserialize, Serialize};
 
-/// The prior for the slope of a replicate's variance: −d ln(variance)/d ln(passes of the
-/// replicate).
+/// The prior for the slope of a replicate's variance. The slope is −d ln(variance)/d ln(passes of
+/// the replicate).
 const PRIOR_SLOPE: f64 = 1.36;
 
 /// The weight of the prior in the fit. The weight of the history is the sum of the squared
@@ -31,8 +32,8 @@ const PRIOR_SLOPE: f64 = 1.36;
 /// to 10 passes is accurate only to ±0.3.
 const PRIOR_WEIGHT: f64 = 0.03;
 
-/// The fit ignores the errors measured before this share of the passes, so only later errors affect
-/// the slope.
+/// The fit ignores the errors of the first passes. This constant is the ignored share of all
+/// passes.
 const FIT_START: f64 = 0.25;
 
 /// The measured errors of a picture, with their numbers of passes.
@@ -41,7 +42,7 @@ pub(super) struct ErrorHistory {
     points: Vec<(u64, ErrorSquares)>,
 }
 
-/// The number of passes of a run, and its time.
+/// The number of passes of a run, and the time of the run.
 #[derive(Debug, Clone, Copy)]
 pub struct RunTimes {
     /// The number of passes done.
@@ -118,7 +119,7 @@ impl ErrorHistory {
     }
 
     /// Returns the sampling term after this many passes, and its slope. Both come from a straight
-    /// line, fitted to the logarithms of the history. The slope of the line has a prior.
+    /// line that is fitted to the logarithms of the history. The slope of the line has a prior.
     fn sampling_at(&self, passes: f64) -> (f64, f64) {
         let recent = |&&(n, squares): &&(u64, ErrorSquares)| n as f64 >= FIT_START * passes && squares.sampling > 0.0;
         // x is the logarithm of the number of strata per replicate. y is the logarithm of the
@@ -166,7 +167,8 @@ impl Forecast {
         (kernels + sampling / ratio * (-gain).exp()).sqrt()
     }
 
-    /// Returns the relative error after this time in s from the beginning.
+    /// Returns the relative error at the time `seconds`. The time is in s and starts at the
+    /// beginning of the run.
     pub fn error_after_seconds(&self, seconds: f64) -> f64 {
         self.error_after_passes((seconds - self.seconds_before) / self.seconds_per_pass)
     }

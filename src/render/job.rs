@@ -40,7 +40,8 @@ impl Job {
         let slices = diffraction.as_ref().map_or(0, DiffractionSetup::slices);
         let [width, height, bands] = [film.width, film.height, film.spectral_bands].map(|count| count as usize);
         let film_bytes = Film::memory_bytes(width, height, bands, slices);
-        // Saving the film needs its memory two more times: for a copy in words, and for the file.
+        // To save the film, the program needs two more blocks of the film's size: one for a copy in
+        // words, and one for the file.
         let budget = Budget::of(&scene, &plan, (film_bytes as u64).saturating_mul(3));
         Ok(Self { scene, plan, rows, budget, diffraction, lights })
     }

@@ -122,7 +122,8 @@ fn is_same(a: &Path, b: &Path) -> bool {
     }
 }
 
-/// Compares the identity of a part with the identity of the first part, whose file is `path`.
+/// Compares the identity of a part with the identity of the first part. `path` is the file of the
+/// first part.
 fn check(identity: &RenderIdentity, first: &RenderIdentity, path: &Path) -> Result<()> {
     identity.check(first).map_err(|error| {
         let expected = error.expected.clone().unwrap_or_default();

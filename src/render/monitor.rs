@@ -10,18 +10,19 @@ use std::time::Duration;
 pub struct Progress {
     /// The number of passes done.
     pub passes: u64,
-    /// The number of passes at which the render stops, if it has such a stop rule.
+    /// The number of passes at which the render stops, or `None` if the number of passes is not
+    /// limited.
     pub passes_wanted: Option<u64>,
     /// The time of the run so far. The time between an interruption and the continuation does not
     /// count.
     pub elapsed: Duration,
-    /// The time at which the render stops, if it has such a stop rule.
+    /// The time at which the render stops, or `None` if the time is not limited.
     pub time_wanted: Option<Duration>,
     /// The mean number of photons per second so far.
     pub photons_per_second: f64,
     /// The relative error at the last measurement.
     pub relative_error: Option<f64>,
-    /// The relative error at which the render stops, if it has such a stop rule.
+    /// The relative error at which the render stops, or `None` if no stop rule sets a target error.
     pub error_wanted: Option<f64>,
     /// The forecast of the error at the last measurement.
     pub forecast: Option<Forecast>,

@@ -37,8 +37,8 @@ pub struct StopRules {
 }
 
 impl StopRules {
-    /// Returns the number of passes of the whole picture at which the render stops, if it has such
-    /// a stop rule.
+    /// Returns the number of passes at which the render of the whole picture stops. Returns `None`
+    /// if the number of passes is not limited.
     pub fn passes_wanted(&self, budget: &Budget) -> Option<u64> {
         let by_default = self.time.is_none() && self.target_error.is_none();
         self.passes.or(by_default.then_some(budget.passes))

@@ -17,8 +17,8 @@ pub struct Run {
     pub(super) part: PassPart,
     /// The number of completed passes of the part. These are the first passes of the part.
     pub(super) done: u64,
-    /// The number of passes at which the render of the whole picture stops, if it has such a stop
-    /// rule.
+    /// The number of passes at which the render of the whole picture stops, or `None` if the number
+    /// of passes is not limited.
     pub(super) wanted: Option<u64>,
 }
 

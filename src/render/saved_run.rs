@@ -61,7 +61,8 @@ impl DisplaySettings {
     }
 }
 
-/// The record of a saved run: everything but the sums of the film, which may be large.
+/// The record of a saved run. The record contains everything except the sums of the film, because
+/// these sums may be large.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedRun {
@@ -75,8 +76,8 @@ pub struct SavedRun {
     #[serde(rename = "showing")]
     pub(super) display: DisplaySettings,
     diffraction: Option<DiffractionSetup>,
-    /// The hash of the sums and of the record, computed while this field is empty. The hash reveals
-    /// damage to the file.
+    /// The hash of the sums and of the record. While the hash is computed, this field is empty. The
+    /// hash reveals damage to the file.
     hash: String,
 }
 

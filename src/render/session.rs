@@ -19,7 +19,7 @@ use std::time::Instant;
 pub struct Rendered {
     /// The picture with its error layers.
     pub picture: Picture,
-    /// The energy balance in W, as the mean over passes.
+    /// The mean energy balance of a pass, in W.
     pub ledger: Ledger,
     /// The statistics of the render.
     pub stats: Stats,

@@ -11,7 +11,7 @@ use crate::walk::ledger::Ledger;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The energy balance in W, as the mean over passes.
+/// The mean energy balance of a pass, in W.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LedgerStats {
     /// The emitted power.
@@ -40,7 +40,7 @@ pub struct ErrorStats {
     pub noise: f64,
     /// The mean bias of Y in cd/m².
     pub bias: f64,
-    /// The relative error: √mean(noise² + bias²) / mean Y, or `None` if it is unknown.
+    /// The relative error: √mean(noise² + bias²) / mean Y. `None` means that the error is unknown.
     pub relative: Option<f64>,
     /// The number of pixels with unknown noise, such as pixels that no light has reached.
     pub unknown_pixels: usize,
@@ -76,7 +76,7 @@ pub struct Stats {
     pub passes: u64,
     /// The number of photon paths.
     pub photons_emitted: u64,
-    /// The number of photon paths on the wavelengths shared by passes.
+    /// The number of photon paths that carry the shared wavelengths of their pass.
     pub photons_shared: u64,
     /// The number of photons stored on surfaces.
     pub photons_stored: u64,
@@ -243,8 +243,8 @@ fn effect_stats(job: &Job, tally: &Tally) -> BTreeMap<String, EffectStats> {
     stats.collect()
 }
 
-/// Returns the largest resident memory of this process so far, as Linux reports it; 0 on other
-/// systems.
+/// Returns the largest resident memory of this process so far. Only Linux reports this number.
+/// Returns 0 on other systems.
 fn peak_memory_bytes() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));

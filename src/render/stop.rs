@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 #[derive(Debug)]
 pub(super) struct RunClock {
     start: Instant,
-    /// The time of the run in s before the present start.
+    /// The time (s) that the run took before the present start.
     before_s: f64,
 }
 
@@ -34,8 +34,8 @@ impl RunClock {
 #[derive(Debug)]
 pub(super) struct StopConditions {
     rules: StopRules,
-    /// The number of passes of this run's part at which the render stops, if it has such a stop
-    /// rule.
+    /// The number of passes of this run's part at which the render stops, or `None` if the number
+    /// of passes is not limited.
     wanted: Option<u64>,
     error: ErrorTracker,
 }

@@ -1,4 +1,4 @@
-//! The scene at a given time: moves the shapes, the camera, the lights and the media.
+//! Computes the scene at a given time. Moves the shapes, the camera, the lights and the media.
 
 use super::Scene;
 use super::camera::Camera;
@@ -24,7 +24,7 @@ impl Scene {
         self.lights.iter().filter(|light| light.motion.is_some())
     }
 
-    /// The scene at a time in s while the shutter is open. A scene without motion is borrowed.
+    /// The scene at a time (in s) while the shutter is open. A scene without motion is borrowed.
     /// Otherwise, the moving parts are rebuilt and the other parts are shared.
     ///
     /// # Errors

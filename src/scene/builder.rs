@@ -1,8 +1,8 @@
 //! Builds a scene from its parts, without a file, and checks it.
 //!
-//! Objects come first: an [`ObjectSet`] collects materials and shapes in the coordinates of the
-//! world. [`SceneBuilder::new`] then fixes the scene's centre. The positions of lights, media and
-//! the camera are relative to this centre. [`SceneBuilder::build`] returns the scene.
+//! Objects come first: an [`ObjectSet`] collects materials and shapes. The shapes are placed in
+//! world coordinates. [`SceneBuilder::new`] then fixes the scene's centre. The positions of lights,
+//! media and the camera are relative to this centre. [`SceneBuilder::build`] returns the scene.
 //!
 //! # Example
 //!
@@ -76,7 +76,7 @@ use std::sync::Arc;
 /// The objects of a scene under construction, with their materials.
 #[derive(Debug, Default)]
 pub struct ObjectSet {
-    /// Remarks for the user about the objects.
+    /// Remarks about the objects, for the user.
     pub notes: Vec<String>,
     pub(super) shapes: Vec<AnimatedShape>,
     pub(super) objects: Vec<Object>,
@@ -86,10 +86,10 @@ pub struct ObjectSet {
 /// The position and the motion of an object.
 #[derive(Debug, Clone)]
 pub struct Placement {
-    /// The transform from the shape's frame to the world, in m, when the shutter opens.
+    /// The transform from the shape's frame to the world when the shutter opens. Lengths are in m.
     pub to_world: DAffine3,
-    /// The motion in m while the shutter is open, and the transform from the shape's frame to the
-    /// moving frame.
+    /// The motion while the shutter is open, with lengths in m. The second entry is the transform
+    /// from the shape's frame to the moving frame.
     pub motion: Option<(AnimatedTransform, DAffine3)>,
 }
 
@@ -109,8 +109,8 @@ impl ObjectSet {
     /// Adds an object and returns its number. `material` is the number of its material.
     ///
     /// # Errors
-    /// The shape is not a valid body, the material does not exist, or the shape is flat but its
-    /// material contains a medium.
+    /// Returns an error if the shape is not a valid body, the material does not exist, or the shape
+    /// is flat but its material contains a medium.
     pub fn add_object(
         &mut self,
         name: impl Into<String>,
@@ -150,8 +150,8 @@ impl ObjectSet {
     }
 
     /// The middle of the bounding box of all shapes, in m. Positions relative to this point are
-    /// precise even if the scene is far from the world's origin. Without any shape, the middle is
-    /// the origin.
+    /// precise even if the scene is far from the world's origin. If there is no shape, the result
+    /// is the origin.
     fn centre(&self) -> DVec3 {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let placed = self.shapes.iter().map(|shape| &shape.placed);
@@ -171,7 +171,7 @@ impl ObjectSet {
         &self.materials[self.objects[object as usize].material]
     }
 
-    /// Builds the faces that only bound a medium if `boundaries` is true. Otherwise, builds the
+    /// If `boundaries` is true, builds the faces that only bound a medium. Otherwise, builds the
     /// faces of all surfaces.
     fn build(&self, boundaries: bool, centre: DVec3) -> Result<Geometry> {
         let placed = self.shapes.iter().map(|shape| &shape.placed);
@@ -185,8 +185,8 @@ impl ObjectSet {
 pub struct SceneView {
     /// The camera when the shutter opens, relative to the scene's centre.
     pub camera: Camera,
-    /// The motion of the camera in m, relative to the scene's centre. `None` if the camera does not
-    /// move while the shutter is open.
+    /// The motion of the camera. Positions are in m, relative to the scene's centre. `None` if the
+    /// camera does not move while the shutter is open.
     pub camera_motion: Option<AnimatedLookAt>,
     /// The shutter.
     pub shutter: Shutter,
@@ -201,7 +201,7 @@ pub struct SceneView {
 pub enum WhiteBalance {
     /// The white of the film stays as it is.
     None,
-    /// All lights of the scene together, weighted by power.
+    /// All lights of the scene. Each light is weighted by its power.
     SceneLights,
     /// A light of this spectrum. The name is used in error messages.
     Illuminant(String, Spectrum),
@@ -260,8 +260,8 @@ pub struct SceneBuilder {
     pub(super) atmosphere: Option<usize>,
 }
 
-/// A medium, and the power in W (over the band) that it must emit. `None` if the scene does not
-/// give the power.
+/// A medium and the power that it must emit. The power is in W over the band. It is `None` if the
+/// scene does not give a power.
 #[derive(Debug)]
 pub(super) struct EmittingMedium {
     pub(super) medium: Medium,
@@ -272,8 +272,8 @@ impl SceneBuilder {
     /// Fixes the scene's centre and builds the surfaces of the objects.
     ///
     /// # Errors
-    /// A transform is singular or not finite, a mesh has no area, or there are more than 2³²
-    /// primitives or vertices.
+    /// Returns an error if a transform is singular or not finite, a mesh has no area, or there are
+    /// more than 2³² primitives or vertices.
     pub fn new(mut objects: ObjectSet) -> Result<Self> {
         let centre = objects.centre();
         let geometry = objects.build(false, centre)?;
@@ -310,14 +310,14 @@ impl SceneBuilder {
     /// Adds a medium and returns its number. Bodies refer to media by these numbers.
     ///
     /// If `power_w` is given and the emission is uniform, [`build`](Self::build) scales the
-    /// emission so that the medium emits this power in W over the band. Thermal emission is not
-    /// scaled.
+    /// emission so that the medium emits this power. The power is in W over the band. Thermal
+    /// emission is not scaled.
     pub fn add_medium(&mut self, medium: Medium, power_w: Option<f64>) -> usize {
         self.media.push(EmittingMedium { medium, power_w });
         self.media.len() - 1
     }
 
-    /// Fills all space outside of bodies with the medium of this number.
+    /// Fills all space outside of bodies with a medium. `medium` is the number of the medium.
     pub fn set_atmosphere(&mut self, medium: usize) {
         self.atmosphere = Some(medium);
     }
@@ -325,7 +325,7 @@ impl SceneBuilder {
     /// Adds a light. Emitting media become lights automatically.
     ///
     /// # Errors
-    /// The object of an area light does not exist or has no surface.
+    /// Returns an error if the object of an area light does not exist or has no surface.
     pub fn add_light(&mut self, mut light: Light) -> Result<()> {
         if let Some(object) = light.object() {
             if object as usize >= self.objects.objects.len() {
@@ -348,13 +348,14 @@ impl SceneBuilder {
     /// Builds the scene.
     ///
     /// Creates the atmosphere, the boundaries of media, and the lights of emitting media. Finds the
-    /// bounding sphere, the dense media, the distant lights and the white of the film, and the
-    /// medium stacks of the camera and the lights.
+    /// bounding sphere, the dense media, the distant lights and the white of the film. Also finds
+    /// the medium stacks of the camera and the lights.
     ///
     /// # Errors
-    /// The scene has no light, or a body refers to a medium that does not exist. An emitting medium
-    /// has no bounds, emits nothing in the band, or is inside a moving body. The camera and the
-    /// film have different sizes, or the light of the white balance is too saturated.
+    /// Returns an error if the scene has no light, or if a body refers to a medium that does not
+    /// exist. Also returns an error if an emitting medium has no bounds, emits nothing in the band,
+    /// or is inside a moving body. Also returns an error if the camera and the film have different
+    /// sizes, or if the light of the white balance is too saturated.
     pub fn build(mut self, view: SceneView) -> std::result::Result<Scene, SceneError> {
         let SceneView { camera, camera_motion, shutter, film, white_balance } = view;
         self.check_numbers(&camera, &film)?;
@@ -466,7 +467,8 @@ impl SceneBuilder {
     }
 }
 
-/// XYZ of the light that the picture shows as white, for the film's observer. `None` for no change.
+/// XYZ of the light that the picture shows as white. The values are for the film's observer. `None`
+/// if the white of the film stays as it is.
 fn white(scene: &Scene, white_balance: &WhiteBalance) -> std::result::Result<Option<Xyz>, SceneError> {
     let (white, what) = match white_balance {
         WhiteBalance::None => return Ok(None),
@@ -480,7 +482,7 @@ fn white(scene: &Scene, white_balance: &WhiteBalance) -> std::result::Result<Opt
     Ok(Some(white))
 }
 
-/// XYZ of all lights together, weighted by power.
+/// The sum of the XYZ values of all lights. Each light is weighted by its power.
 fn xyz_of_lights(scene: &Scene) -> Xyz {
     let mut sum = [0.0; 3];
     for light in &scene.lights {

@@ -90,7 +90,8 @@ fn lights(
     volumes.into_iter().map(light).collect()
 }
 
-/// The volumes of a medium: the box of a grid medium, or each body that contains the medium.
+/// The volumes that a medium fills. A grid medium fills its own box. Any other medium fills each
+/// body that contains it.
 fn volumes(medium: &Medium, containers: &[&MediumContainer], centre: DVec3) -> Result<Vec<NamedVolume>> {
     let dark =
         || Error::input("found no light within 360–830 nm").expected("a medium that is hot enough and absorbs light");

@@ -35,7 +35,8 @@ impl Scene {
         enclosures
     }
 
-    /// Boxes around the camera and all local lights, or `None` if a local light has no box.
+    /// One box around the camera and one box around each local light. `None` if a local light has
+    /// no box.
     fn boxes_of_camera_and_lights(&self, object_bounds: &BTreeMap<u32, (DVec3, DVec3)>) -> Option<Vec<(DVec3, DVec3)>> {
         let camera = self.camera.origin();
         let local = self.lights.iter().filter(|light| !light.is_distant());

@@ -11,8 +11,8 @@ use crate::spectrum::Spectrum;
 /// such a light, the reflected light depends strongly on the reflectance at a few wavelengths.
 const LINE_SHARE: f64 = 0.1;
 
-/// The facts that decide which effects a scene needs. Most facts are lists with the names of the
-/// parts of the scene for which the fact is true. If the list is empty, the fact is false.
+/// The facts that decide which effects a scene needs. Most facts are lists of names. Each name is a
+/// part of the scene for which the fact is true. If the list is empty, the fact is false.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Facts {
     /// Objects whose refractive index depends on wavelength.
@@ -57,8 +57,9 @@ pub struct Facts {
     pub moving: Vec<String>,
 }
 
-/// Returns the object in whose medium light maps are better than shadow rays from sampled points.
-/// In this medium, light maps have less noise, and their interpolation error is 0.
+/// Returns the object in whose medium light maps are better. The alternative is to trace shadow
+/// rays from sampled points. In the medium of this object, light maps have less noise, and their
+/// interpolation error is 0.
 ///
 /// The conditions were found by measurements. The object is a convex body of thin, uniform fog. The
 /// scene contains no other medium. The object contains all lights. The lights are few and have no
@@ -97,7 +98,7 @@ impl Facts {
         Self::without(scene, |object| enclosures.contains_key(&object))
     }
 
-    /// Collects the facts about a scene, with all objects.
+    /// Collects the facts about a scene. Includes the objects that no light can reach.
     pub fn of_all(scene: &Scene) -> Self {
         Self::without(scene, |_| false)
     }

@@ -1,9 +1,9 @@
 //! The medium stack: the bodies that contain a point of a path. One of these bodies dominates.
 //!
 //! Bodies may overlap (ice in water in a glass). At every point, the body of the highest priority
-//! dominates. If priorities are equal, the body entered last dominates (nested dielectrics, Schmidt
-//! & Budge 2002). A body without a surface (a cloud of smoke) determines the medium at a point, but
-//! not the refractive index.
+//! dominates. If priorities are equal, the body that the path entered last dominates (nested
+//! dielectrics, Schmidt & Budge 2002). A body without a surface (a cloud of smoke) determines the
+//! medium at a point, but not the refractive index.
 
 /// The largest number of bodies that may overlap at a point. If more bodies overlap, the stack
 /// drops the outermost body.
@@ -11,9 +11,9 @@ pub const MAX_NESTING: usize = 8;
 
 /// The bodies that contain a point, outermost first.
 ///
-/// The entries are object numbers plus 1, followed by zeros. Every segment of every path carries a
-/// stack, so the stack must be small. It does not contain the priorities, because the bodies store
-/// them.
+/// Each entry is an object number plus 1. Unused entries at the end are 0. Every segment of every
+/// path carries a stack, so the stack must be small. It does not contain the priorities, because
+/// the bodies store them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct MediumStack([u32; MAX_NESTING]);
 
@@ -53,7 +53,7 @@ impl MediumStack {
     }
 
     /// The stack after a path enters `object`. If the stack already contains `object`, the stack is
-    /// unchanged. This happens because a mesh may have coincident faces.
+    /// unchanged. This case occurs if a mesh has coincident faces.
     #[must_use]
     pub fn entered(mut self, object: u32) -> Self {
         if self.contains(object) {
@@ -95,7 +95,8 @@ impl MediumStack {
 mod tests {
     use super::*;
 
-    /// Refracting bodies with these priorities, by object number.
+    /// Returns a function that maps each object number to a refracting body. `priorities` holds the
+    /// priorities by object number.
     fn glass(priorities: &[i32]) -> impl Fn(u32) -> BodyPriority {
         |object| BodyPriority { priority: priorities[object as usize], refracts: true }
     }

@@ -37,7 +37,7 @@ use std::sync::Arc;
 pub struct Scene {
     /// The title.
     pub title: String,
-    /// The origin of all positions, in the coordinates of the world, in m.
+    /// The origin of all positions. It is given in world coordinates, in m.
     pub centre: DVec3,
     /// The radius in m of the bounding sphere around the origin. At all times, the sphere contains
     /// all surfaces. Local lights and the camera may be outside.
@@ -100,8 +100,8 @@ pub struct Material {
 /// The inside of a transparent object.
 #[derive(Debug, Clone)]
 pub struct Body {
-    /// The refractive index. `None` means that the body only bounds a medium. The index is then the
-    /// index of the surroundings.
+    /// The refractive index. `None` means that the body only bounds a medium. In this case, the
+    /// refractive index of the surroundings applies inside the body.
     pub index: Option<RefractiveIndex>,
     /// The absorption coefficient in 1/m, or `None` for a clear body.
     pub absorption: Option<Spectrum>,
@@ -114,9 +114,9 @@ pub struct Body {
 /// The film specified by the scene.
 #[derive(Debug, Clone)]
 pub struct FilmSpec {
-    /// Pixels per row.
+    /// The number of pixels per row.
     pub width: u32,
-    /// Rows.
+    /// The number of rows.
     pub height: u32,
     /// The standard observer of the picture's XYZ values.
     pub observer: &'static Observer,
@@ -124,8 +124,8 @@ pub struct FilmSpec {
     pub spectral_bands: u32,
     /// The colour space of the PNG.
     pub space: RgbSpace,
-    /// XYZ of the light that the PNG shows as white, for `observer` and at any scale. `None` for no
-    /// white balance.
+    /// XYZ of the light that the PNG shows as white. The values are for `observer`, and their scale
+    /// has no effect. `None` if there is no white balance.
     pub white: Option<Xyz>,
     /// The treatment of colours outside the colour space.
     pub gamut: GamutMapping,
@@ -133,7 +133,7 @@ pub struct FilmSpec {
     pub exposure: Exposure,
 }
 
-/// The mapping from luminance to brightness of the PNG.
+/// The mapping from luminance to the brightness of the PNG.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Exposure {
@@ -154,13 +154,13 @@ pub enum Exposure {
 pub struct Settings {
     /// The number of passes.
     pub passes: Option<u64>,
-    /// Photon paths per pass.
+    /// The number of photon paths per pass.
     pub photons: Option<u64>,
     /// The largest number of surface interactions of a path.
     pub max_depth: Option<u32>,
     /// The number of photons within the radius of the first pass.
     pub nearest: Option<u32>,
-    /// The radius of the first pass in m, instead of `nearest`.
+    /// The radius of the first pass in m. If it is given, `nearest` is not used.
     pub radius_m: Option<f64>,
     /// The seed of all random streams.
     pub seed: Option<u64>,
@@ -178,7 +178,7 @@ pub struct Settings {
 }
 
 impl Material {
-    /// A material without a surface, which only bounds a medium.
+    /// A material without a surface. An object of this material only bounds a medium.
     pub fn boundary(name: &str, medium: usize, priority: i32) -> Self {
         let body = Body { index: None, absorption: None, medium: Some(medium), priority };
         // Rays cross such faces without an interaction, so the surface is never evaluated.
@@ -204,8 +204,8 @@ impl Scene {
         SceneExtent { geometry: &self.geometry, radius_m: self.radius_m }
     }
 
-    /// Recomputes the numbers of lights after lights were added or removed: the numbers of the
-    /// distant lights, and the numbers in objects and media.
+    /// Recomputes the numbers that refer to lights, after lights were added or removed. These are
+    /// the numbers of the distant lights, and the light numbers of objects and media.
     pub fn renumber_lights(&mut self) {
         self.objects.iter_mut().for_each(|object| object.light = None);
         self.distant_lights.clear();

@@ -1,10 +1,10 @@
 //! Keyframe animation: transforms, camera poses and shapes as functions of time.
 //!
-//! Between keyframes, translation and scale are interpolated linearly and rotation by slerp
-//! (Shoemake 1985). Before the first keyframe and after the last one, the transform is constant. At
-//! a keyframe, and between equal keyframes, the transform is exactly the given one. If all
-//! keyframes of an object are the same, the picture is therefore the same as for the object at
-//! rest.
+//! Between keyframes, translation and scale are interpolated linearly. Rotation is interpolated by
+//! slerp (Shoemake 1985). Before the first keyframe and after the last one, the transform is
+//! constant. At a keyframe, and between equal keyframes, the transform is exactly the transform of
+//! the keyframe. If all keyframes of an object are the same, the picture is therefore the same as
+//! for the object at rest.
 
 use crate::geometry::shape::PlacedShape;
 use glam::{DAffine3, DQuat, DVec3};
@@ -65,7 +65,7 @@ impl<T: Clone + PartialEq> Keyframes<T> {
         between(&before.1, &after.1, (time_s - before.0) / (after.0 - before.0))
     }
 
-    /// Returns true if the state changes within an interval of time; `at` gives the state at a
+    /// Returns true if the state changes within an interval of time. `at` gives the state at a
     /// time.
     fn changes(&self, (from_s, to_s): (f64, f64), at: impl Fn(f64) -> T) -> bool {
         let inside = self.0.iter().filter(|key| from_s < key.0 && key.0 < to_s).map(|key| key.1.clone());
@@ -92,8 +92,9 @@ struct TransformKey {
 impl AnimatedTransform {
     /// Creates the motion of an object. `own` is the object's own transform.
     ///
-    /// Each keyframe has a time in s (increasing), a transform applied after the object's own
-    /// transform, and the composition of both. Returns `None` without keyframes.
+    /// Each keyframe has a time in s and two transforms. The times increase. The first transform is
+    /// applied after the object's own transform. The second transform is the composition of both.
+    /// Returns `None` if there are no keyframes.
     pub fn new(own: DAffine3, keys: impl Iterator<Item = (f64, DAffine3, DAffine3)>) -> Option<Self> {
         let keys: Vec<_> = keys.map(|(time_s, pose, to_world)| (time_s, TransformKey { pose, to_world })).collect();
         (!keys.is_empty()).then_some(Self { keys: Keyframes(keys), own })
@@ -158,7 +159,8 @@ pub struct LookAt {
 pub struct AnimatedLookAt(Keyframes<LookAt>);
 
 impl AnimatedLookAt {
-    /// Creates the motion from keyframes at increasing times in s; `None` without keyframes.
+    /// Creates the motion from keyframes. The times of the keyframes are in s and increase. Returns
+    /// `None` if there are no keyframes.
     pub fn new(keys: impl Iterator<Item = (f64, LookAt)>) -> Option<Self> {
         let keys: Vec<_> = keys.collect();
         (!keys.is_empty()).then_some(Self(Keyframes(keys)))
@@ -184,8 +186,9 @@ impl AnimatedLookAt {
         Self(Keyframes(self.0.0.iter().map(|(time_s, pose)| (*time_s, change(*pose))).collect()))
     }
 
-    /// The first time in s, between two keyframes, with a degenerate pose: the camera would look at
-    /// its own position or along its `up` vector. `None` if there is no such time.
+    /// The first time (in s) between two keyframes at which the pose is degenerate. In a degenerate
+    /// pose, the camera would look at its own position or along its `up` vector. `None` if there is
+    /// no such time.
     pub fn degenerate_time_s(&self) -> Option<f64> {
         const STEPS: usize = 1024;
         /// If the relative length or the sine is below this tolerance, the pose is degenerate. The
@@ -211,7 +214,8 @@ impl AnimatedLookAt {
 pub struct AnimatedShape {
     /// The shape at its place when the shutter opens.
     pub placed: PlacedShape,
-    /// The motion in m, and the transform from the shape's frame to the moving frame.
+    /// The motion, with lengths in m. The second entry is the transform from the shape's frame to
+    /// the moving frame.
     pub motion: Option<(AnimatedTransform, DAffine3)>,
 }
 
@@ -228,7 +232,7 @@ impl AnimatedShape {
 pub struct SceneMotion {
     /// All shapes if at least one of them moves. Otherwise the list is empty.
     pub shapes: Arc<[AnimatedShape]>,
-    /// The motion of the camera in m, relative to the scene's centre.
+    /// The motion of the camera. Positions are in m, relative to the scene's centre.
     pub camera: Option<AnimatedLookAt>,
 }
 

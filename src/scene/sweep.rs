@@ -39,7 +39,7 @@ impl Scene {
             .collect()
     }
 
-    /// The largest length in pixels of any motion in the picture while the shutter is open.
+    /// The largest length of any motion in the picture while the shutter is open, in pixels.
     ///
     /// The function measures four kinds of trajectories in the picture and returns the largest
     /// length. These are the trajectories of points in the boxes of moving shapes, and of the
@@ -108,10 +108,10 @@ impl Scene {
         (0..VISIBLE_GRID * VISIBLE_GRID).filter_map(visible).collect()
     }
 
-    /// The transforms that move the illuminated points. There is one list per moving light and per
-    /// moving specular object, with one transform per time. A light moves its illumination by its
-    /// own motion. A specular object translates the illumination by its own translation, and
-    /// rotates it by twice its own angle.
+    /// The transforms that move the illuminated points. There is one list for each moving light and
+    /// one for each moving specular object. Each list has one transform per time. A light moves its
+    /// illumination by its own motion. A specular object translates the illumination by its own
+    /// translation, and rotates it by twice its own angle.
     fn motions_of_light(&self, times: &[f64]) -> Vec<Vec<DAffine3>> {
         let of_light = |light: &Light| {
             let motion = light.motion.as_ref()?;

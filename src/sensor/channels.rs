@@ -57,7 +57,8 @@ fn band_of(nm: f64, count: usize) -> usize {
     ((share * count as f64) as usize).min(count - 1)
 }
 
-/// Returns the lower and upper wavelength of a band in nm, for `count` equal bands.
+/// Returns the lower and the upper wavelength of a band, in nm. The simulated range is divided into
+/// `count` equal bands.
 pub(super) fn band_nm(band: usize, count: usize) -> (f64, f64) {
     let width_nm = (BAND_NM.1 - BAND_NM.0) / count as f64;
     (BAND_NM.0 + band as f64 * width_nm, BAND_NM.0 + (band + 1) as f64 * width_nm)

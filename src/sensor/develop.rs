@@ -18,7 +18,8 @@ pub struct Development {
     /// The XYZ of the light that is shown as white. The scale of this colour has no effect. `None`
     /// means that colours are not balanced.
     pub white: Option<Xyz>,
-    /// The method that maps colours outside the colour space into it.
+    /// The method of gamut mapping. It moves colours that are outside the colour space into the
+    /// colour space.
     pub gamut: GamutMapping,
 }
 

@@ -21,13 +21,13 @@ const SLICES_OF_BAND: usize = 16;
 /// pattern.
 const WAVELENGTHS_PER_KERNEL: usize = 8;
 
-/// The radius of the pattern in units of λN, if this radius is smaller than the film. If the stop
-/// is round, 1/600 of the light is outside this radius. This light is spread in proportion to the
-/// light inside.
+/// The largest radius of the pattern, in units of λN. The radius is smaller than this constant if
+/// the film is smaller. If the stop is round, 1/600 of the light is outside this radius. This light
+/// is spread in proportion to the light inside.
 const PATTERN_RADIUS: f64 = 128.0;
 
-/// The largest number of samples of the pattern per λN. Patterns with a small radius have this
-/// number.
+/// The largest number of samples of the pattern per λN. Patterns with a small radius have exactly
+/// this number of samples per λN.
 const MAX_SAMPLES_PER_UNIT: f64 = 24.0;
 
 /// The largest number of samples from the centre to an edge of the pattern. A pattern with the
@@ -57,8 +57,8 @@ impl DiffractionPsf {
     ///
     /// `light_nm` contains at least one wavelength in nm, in ascending order. Each wavelength
     /// represents an equal share of the light. The arguments of `pattern` are the positions to the
-    /// right and upwards in units of λN. λN has `spread_px_per_nm` pixels per nm of wavelength. The
-    /// longer side of the film has `longest_px` pixels.
+    /// right and upwards in units of λN. The length λN is `spread_px_per_nm` pixels per nm of
+    /// wavelength. The longer side of the film has `longest_px` pixels.
     pub fn new(
         spread_px_per_nm: f64,
         longest_px: usize,
@@ -82,7 +82,8 @@ impl DiffractionPsf {
         Self { spread_px_per_nm, light_nm, edges_nm, steps, across, pattern }
     }
 
-    /// Returns the number of slices that contain light of these wavelengths (nm, ascending).
+    /// Returns the number of slices that contain light of these wavelengths. `light_nm` is in nm
+    /// and in ascending order.
     pub fn slices_of(light_nm: &[f64]) -> usize {
         edges_nm(light_nm).len()
     }
@@ -102,8 +103,8 @@ impl DiffractionPsf {
         (self.edges_nm[slice], self.edges_nm.get(slice + 1).copied().unwrap_or(f64::INFINITY))
     }
 
-    /// Returns wavelengths that represent the light between two wavelengths. The list is empty if
-    /// the light has no power in the slice.
+    /// Returns wavelengths that represent the light in a wavelength interval. The list is empty if
+    /// the light has no power in the interval.
     fn between(&self, (from_nm, to_nm): (f64, f64)) -> Vec<f64> {
         let [first, end] = [from_nm, to_nm].map(|nm| self.light_nm.partition_point(|&light| light < nm));
         let light = &self.light_nm[first..end];
@@ -155,7 +156,7 @@ impl<'a> Convolution<'a> {
         self.forward((0..4 * self.width * self.height).into_par_iter().map(value).collect())
     }
 
-    /// Returns the planes of a transform, the inverse of `transform`.
+    /// Returns the planes of a transform. This function is the inverse of `transform`.
     pub(super) fn planes(&self, mut spectrum: PlaneTransform) -> Vec<[f64; 2]> {
         let (width, height) = (2 * self.width, 2 * self.height);
         process(&self.columns[1], &mut spectrum);
@@ -237,7 +238,7 @@ type SampleOverlaps = Vec<(usize, f64)>;
 /// of the film, so no light moves farther than that.
 fn overlaps(step_px: f64, samples: usize, period: usize) -> Vec<SampleOverlaps> {
     let half = step_px.abs();
-    // The integral below x of a triangle with half-width 1 and area 1.
+    // The integral of a triangle function from −∞ to x. The triangle has half-width 1 and area 1.
     let below = |x: f64| {
         let x = x.clamp(-1.0, 1.0);
         if x < 0.0 { 0.5 * (1.0 + x) * (1.0 + x) } else { 1.0 - 0.5 * (1.0 - x) * (1.0 - x) }

@@ -28,7 +28,8 @@ pub(super) struct PixelMeans {
     pub(super) bias: [f64; 2],
 }
 
-/// The error bars of a picture, pixel by pixel in cd/m². Pixels without light have no error bars.
+/// The error bars of a picture, pixel by pixel. The unit is cd/m². Pixels without light have no
+/// error bars.
 #[derive(Debug)]
 pub(super) struct ErrorBars {
     /// The standard error of Y, if it is known.
@@ -42,7 +43,8 @@ pub(super) struct ErrorBars {
     kernel_noise: f64,
 }
 
-/// The squared relative error of a picture. Its parts depend differently on the number of passes n.
+/// The squared relative error of a picture. Each part depends in its own way on the number of
+/// passes n.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorSquares {
     /// The squared bias. It falls as n^(−2/3) in smooth illumination, and more slowly at edges.
@@ -58,10 +60,10 @@ pub struct ErrorSquares {
 /// estimate.
 const NEIGHBOUR_DEGREES: f64 = 2.0;
 
-/// The distance in pixels up to which neighbours contribute to the noise.
+/// The largest distance (pixels) at which a neighbour contributes to a pixel's noise estimate.
 const NOISE_REACH: usize = 1;
 
-/// The distance in pixels up to which neighbours contribute to the bias.
+/// The largest distance (pixels) at which a neighbour contributes to a pixel's bias estimate.
 const BIAS_REACH: usize = 2;
 
 /// A pixel can be marked as an edge if its squared bias exceeds this multiple of the variance of
@@ -74,7 +76,7 @@ const EDGE_MEAN_SHARE: f64 = 0.5;
 
 impl ErrorBars {
     /// Computes the error bars of a picture with a given width and number of pixels. `measured`
-    /// returns the means of a lit pixel; `passes` is the number of passes of each replicate.
+    /// returns the means of a lit pixel. `passes` contains the number of passes of each replicate.
     pub(super) fn new(
         (width, count): (usize, usize),
         measured: impl Fn(usize) -> Option<PixelMeans>,
@@ -117,8 +119,8 @@ impl ErrorBars {
         Self { noise: bars(&noise), bias: bars(&bias), edge, kernel_noise: kernel_noise / lit.max(1) as f64 }
     }
 
-    /// Returns the parts of the squared relative error of a picture with this mean Y. Returns
-    /// `None` if the error is unknown.
+    /// Returns the parts of the picture's squared relative error. `mean_y` is the mean of Y over
+    /// the picture. Returns `None` if the error is unknown.
     pub(super) fn squares(&self, mean_y: f64) -> Option<ErrorSquares> {
         let known = self.noise.iter().flatten().count();
         if known == 0 || mean_y <= 0.0 {
@@ -144,9 +146,9 @@ impl ErrorSquares {
 }
 
 impl PixelMeans {
-    /// Returns the variance of the mean of Y, computed from the means of all replicates with at
-    /// least one pass. Returns `None` if there are fewer than two such replicates. Means are
-    /// weighted by their numbers of passes.
+    /// Returns the variance of the mean of Y. The variance is computed from the means of all
+    /// replicates that have at least one pass. Returns `None` if there are fewer than two such
+    /// replicates. The weight of a mean is its number of passes.
     fn variance(&self, passes: [u64; REPLICATES]) -> Option<f64> {
         let means = || passes.into_iter().zip(self.y).filter(|(n, _)| *n > 0).map(|(n, mean)| (n as f64, mean));
         let degrees = means().count().checked_sub(1).filter(|&degrees| degrees > 0)?;
@@ -208,8 +210,8 @@ mod tests {
         PixelMeans { y: [y; REPLICATES], bias }
     }
 
-    /// Returns means of replicates that alternate between `y` ± `spread`. The standard error is
-    /// `spread`/√7.
+    /// Returns replicate means that alternate between `y` + `spread` and `y` − `spread`. The
+    /// standard error is `spread`/√7.
     fn noisy(y: f64, spread: f64) -> PixelMeans {
         let sign = |r: usize| if r.is_multiple_of(2) { 1.0 } else { -1.0 };
         PixelMeans { y: std::array::from_fn(|r| y + sign(r) * spread), bias: [0.0; 2] }

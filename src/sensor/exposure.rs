@@ -39,8 +39,8 @@ pub fn automatic(picture: &Picture, development: &Development) -> f64 {
 }
 
 /// Removes the pixels of light sources from sorted brightnesses. Light sources are the brightest
-/// pixels, and at most a tenth of all pixels. A gap in brightness separates light sources from the
-/// other pixels. The ends of the gap differ by a factor of eight, and few pixels are inside the
+/// pixels. They are at most a tenth of all pixels. A gap in brightness separates light sources from
+/// the other pixels. The ends of the gap differ by a factor of eight, and few pixels are inside the
 /// gap. Illuminated surfaces, caustics included, fade into their surroundings and leave no such
 /// gap.
 fn without_light_sources(sorted: &[f64]) -> &[f64] {

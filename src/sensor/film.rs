@@ -9,14 +9,14 @@ use crate::sensor::picture::{Picture, SpectralBands};
 use crate::spectrum::{LUMENS_PER_WATT, Observer};
 use std::sync::Arc;
 
-/// The sums of one pixel over all passes: 192 bytes, and 16 bytes for each channel.
+/// The sums of one pixel over all passes. They take 192 bytes. Each channel takes 16 more bytes.
 #[derive(Debug, Clone, Copy, Default)]
 struct PixelSums {
     x: ExactSum,
     z: ExactSum,
     /// Y of each replicate. The sum of the replicates is Y.
     y: [ExactSum; REPLICATES],
-    /// The sums of the bias of Y: over the even replicates, and over the odd replicates. The two
+    /// The bias of Y as two sums: over the even replicates, and over the odd replicates. The two
     /// estimates have independent noise.
     bias: [ExactSum; 2],
 }
@@ -398,8 +398,8 @@ impl PixelSink<'_> {
         self.add(nm, weight);
     }
 
-    /// Adds a biased estimate of radiance (W/m²/sr) at a wavelength in nm, with the estimate of its
-    /// bias.
+    /// Adds a biased estimate of radiance at a wavelength (nm), and an estimate of the bias. Both
+    /// estimates are in W/m²/sr.
     pub fn biased(&mut self, nm: f64, weight: f64, bias: f64) {
         let bar = self.add(nm, weight);
         if bias.is_finite() {
@@ -413,8 +413,8 @@ impl SplatSink {
         Self { observer, channels, splats: Vec::new(), channel_splats: Vec::new(), rejected: 0 }
     }
 
-    /// Adds radiance (W/m²/sr) at several wavelengths to a pixel. The iterator yields pairs of
-    /// wavelength in nm and radiance.
+    /// Adds radiance (W/m²/sr) at several wavelengths to a pixel. The iterator yields pairs of a
+    /// wavelength (nm) and the radiance at that wavelength.
     pub fn splat(&mut self, pixel: u32, light: impl Iterator<Item = (f64, f64)>) {
         let mut xyz = [0.0; 3];
         for (nm, weight) in light {

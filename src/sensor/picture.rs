@@ -7,7 +7,7 @@ pub struct Picture {
     pub width: usize,
     /// Number of rows.
     pub height: usize,
-    /// X, Y and Z of each pixel; Y in cd/m².
+    /// X, Y and Z of each pixel. Y is in cd/m².
     pub xyz: Vec<[f64; 3]>,
     /// The standard error of Y in cd/m², if it is known.
     pub noise: Vec<Option<f32>>,
@@ -36,8 +36,8 @@ pub struct ErrorMeans {
     pub noise: f64,
     /// The mean bias of Y in cd/m².
     pub bias: f64,
-    /// √mean(noise² + bias²) / mean Y. The value is `None` if the noise is unknown in all pixels.
-    /// If some pixels have received no light, the value is `None` instead of 0.
+    /// √mean(noise² + bias²) / mean Y. The value is `None` if the noise is unknown in all pixels. A
+    /// value of 0 is replaced by `None` if some pixels have received no light.
     pub relative: Option<f64>,
     /// The number of pixels with unknown noise.
     pub unknown_pixels: usize,
@@ -46,8 +46,8 @@ pub struct ErrorMeans {
     pub edge_pixels: usize,
 }
 
-/// Returns half the width of the 95 % interval around a value with this standard error and a bias
-/// of this magnitude.
+/// Returns half the width of the 95 % interval around a value. `noise` is the standard error of the
+/// value. `bias` is the magnitude of its bias.
 ///
 /// The interval is two-sided if the bias is negligible and one-sided otherwise. The factors are
 /// quantiles of Student's t with 9 degrees of freedom: 7 from the eight replicates of a pixel and 2
@@ -73,7 +73,7 @@ impl Picture {
         }
     }
 
-    /// Returns the mean of Y over all pixels in cd/m².
+    /// Returns the mean of Y (cd/m²) over all pixels.
     pub fn mean_y(&self) -> f64 {
         self.xyz.iter().map(|xyz| xyz[1]).sum::<f64>() / self.xyz.len() as f64
     }

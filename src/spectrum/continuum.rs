@@ -14,7 +14,7 @@ pub struct LinearPiece {
 }
 
 impl LinearPiece {
-    /// Returns the integral over the piece, in the unit of the value times nm.
+    /// Returns the integral over the piece. Its unit is the unit of the value, multiplied by nm.
     pub fn integral(&self) -> f64 {
         (self.nm.1 - self.nm.0) * (0.5 * self.values.0 + 0.5 * self.values.1)
     }
@@ -150,9 +150,9 @@ impl ContinuumCursor<'_> {
         self.piece.nm.1
     }
 
-    /// Returns the values at both ends of an interval, as limits from inside the interval. The
-    /// interval must contain no knot, and must begin at the argument of the last call of
-    /// `knot_after`.
+    /// Returns the values at both ends of an interval. The values are limits from inside the
+    /// interval. The interval must contain no knot. It must begin at the wavelength that was last
+    /// passed to `knot_after`.
     pub(crate) fn values_on(&self, lower: f64, upper: f64) -> (f64, f64) {
         (self.piece.at(lower), self.piece.at(upper))
     }
@@ -164,7 +164,7 @@ mod tests {
 
     #[test]
     fn values_are_found_between_crowded_knots() {
-        // 20,000 knots are within one nanometre and few are elsewhere.
+        // One nanometre contains 20,000 knots. The rest of the band contains few.
         let mut knots = vec![(360.0, 1.0), (500.0, 2.0)];
         knots.extend((1..20_000).map(|i| (500.0 + f64::from(i) / 20_000.0, f64::from(i % 7))));
         knots.extend([(501.0, 3.0), (830.0, 0.0)]);

@@ -14,12 +14,12 @@ const VISUAL_WEIGHT: f64 = 0.85;
 /// distance from both ends. The unit is the width of the segment.
 const END_GUARD: f64 = 1e-6;
 
-/// The step in nm of the visual response. It is fine enough for importance sampling, and the table
-/// stays in the first-level cache.
+/// The step, in nm, of the table of the visual response. It is fine enough for importance sampling,
+/// and the table stays in the first-level cache.
 const VISUAL_STEP_NM: u32 = 5;
 
-/// The least mean number of steps of the guide table per segment. With four steps, most samples
-/// find their segment without a search.
+/// The smallest ratio of the number of steps of the guide table to the number of segments. With
+/// four steps per segment, most samples find their segment without a search.
 const GUIDE_STEPS_PER_SEGMENT: usize = 4;
 
 /// A segment of linear density. Reciprocals are stored, so sampling needs no divisions.
@@ -38,8 +38,8 @@ struct DensitySegment {
     per_mass: f64,
 }
 
-/// A segment before normalisation: its ends in nm, the weights per nm at both ends, the mass below
-/// the segment and the mass of the segment.
+/// A segment before normalisation. It has its ends in nm, the weights per nm at both ends, the mass
+/// of all lower segments, and its own mass.
 struct UnscaledSegment {
     ends: (f64, f64),
     weights: (f64, f64),
@@ -59,7 +59,8 @@ impl DensitySegment {
             density: part.weights.0 / total,
             rise: (part.weights.1 - part.weights.0) / total,
             before: part.before / total,
-            // The quotient is infinite for the smallest masses, and 0 times infinity would be NaN.
+            // For the smallest masses, the quotient is infinite. The limit prevents a later product
+            // of 0 and infinity, which would be NaN.
             per_mass: (total / part.mass).min(f64::MAX),
         }
     }
@@ -84,9 +85,10 @@ impl DensitySegment {
     }
 }
 
-/// A piecewise-linear density over wavelength, in 1/nm. The density has a knot at each knot of the
-/// spectrum (and of the observer). A spectral line becomes a narrow segment, which has exactly the
-/// probability of the line.
+/// A piecewise-linear density over wavelength. Its unit is 1/nm. The density has a knot at each
+/// knot of the spectrum. A visually weighted density also has a knot at each sample of the
+/// tabulated visual response, every 5 nm. A spectral line becomes a narrow segment, which has
+/// exactly the probability of the line.
 ///
 /// The density is linear between knots, so it is not exactly the product of the spectrum and the
 /// observer. Nevertheless, an estimator that divides by the density is unbiased, because the
@@ -111,9 +113,9 @@ impl WavelengthDistribution {
     }
 
     /// Returns a mixed density, or `None` if the spectrum has no power. A share of 85 % is
-    /// proportional to spectrum × (x̄ + ȳ + z̄), with the response tabulated every 5 nm. A share of
-    /// 15 % is proportional to the spectrum alone, so that every wavelength with power has a
-    /// positive density.
+    /// proportional to spectrum × (x̄ + ȳ + z̄). The response x̄ + ȳ + z̄ is tabulated every 5 nm.
+    /// A share of 15 % is proportional to the spectrum alone, so that every wavelength with power
+    /// has a positive density.
     pub fn visually_weighted(spectrum: &Spectrum, observer: &Observer) -> Option<Self> {
         let nm = (BAND_NM.0 as u32..=BAND_NM.1 as u32).step_by(VISUAL_STEP_NM as usize).map(f64::from);
         let knots: Vec<(f64, f64)> = nm.map(|nm| (nm, observer.sum_bar().at(nm))).collect();
@@ -182,7 +184,8 @@ impl WavelengthDistribution {
         (nm, segment.at(nm))
     }
 
-    /// Returns the density in 1/nm at a wavelength in nm. The density is 0 outside the band.
+    /// Returns the density in 1/nm. The argument is the wavelength in nm. The density is 0 outside
+    /// the band.
     #[inline]
     pub fn pdf(&self, nm: f64) -> f64 {
         let first = self.segments[0].lower;

@@ -53,8 +53,9 @@ impl BandIndex {
         let buckets = self.first.len() - 1;
         let bucket = (((nm - BAND_NM.0) * self.buckets_per_nm) as usize).min(buckets - 1);
         let mut segment = self.first[bucket] as usize;
-        // Because of the same rounding and the margin, the segment may begin after the upper end of
-        // this bucket. The search therefore extends to the end of the next bucket.
+        // The stored ends of the buckets are shifted by the margin, and the number of the bucket is
+        // rounded. Therefore the segment may begin after the stored upper end of this bucket. To
+        // include such a segment, the search extends to the end of the next bucket.
         let mut last = self.first[(bucket + 2).min(buckets)] as usize;
         if last - segment <= MAX_LINEAR_SEARCH {
             while segment < last && lower(segment + 1) <= nm {

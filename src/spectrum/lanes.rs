@@ -1,8 +1,8 @@
 //! The wavelengths of one light path, and the values at these wavelengths.
 
-/// The number of wavelengths of a new path. Four stratified wavelengths cost little more than one,
-/// and they remove most colour noise if no glass disperses the light. Eight wavelengths would
-/// hardly be better.
+/// The number of wavelengths of a new path. Four stratified wavelengths cost little more than one.
+/// If no glass disperses the light, they remove most colour noise. Eight wavelengths would hardly
+/// be better.
 pub const LANES: usize = 4;
 
 /// One value for each wavelength of a path. Unused lanes are 0.

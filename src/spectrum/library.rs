@@ -199,7 +199,7 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 /// The expected input, as stated in the error for an unknown spectrum name.
 pub const EXPECTED_NAME: &str = "the name of a built-in spectrum";
 
-/// Returns a spectrum by its name, without regard to case.
+/// Returns the spectrum with this name. Case is ignored.
 ///
 /// # Errors
 /// Returns an error if the name is not in the catalogue. The error suggests a similar name.
@@ -246,7 +246,7 @@ impl LibraryMetal {
     }
 }
 
-/// Returns a metal by its symbol or its English name, without regard to case.
+/// Returns the metal with this symbol or this English name. Case is ignored.
 ///
 /// # Errors
 /// Returns an error if the name is unknown. The error suggests a similar name.

@@ -15,7 +15,8 @@ pub const MIN_WIDTH_NM: f64 = 1e-6;
 pub struct SpectralLine {
     /// The centre wavelength in nm (in air).
     pub nm: f64,
-    /// The power in W, or the integral in the unit of the spectrum times nm.
+    /// The power in W. If the spectrum has another unit than W/nm, this number is the integral over
+    /// the line. Its unit is then the unit of the spectrum, multiplied by nm.
     pub power: f64,
     /// The full width in nm; [`DEFAULT_LINE_WIDTH_NM`] if absent.
     pub fwhm_nm: Option<f64>,
@@ -168,7 +169,7 @@ impl LineCursor<'_> {
     }
 
     /// Returns the power per nm on an interval that begins at `lower` and contains no knot. `lower`
-    /// must be the argument of the last call of `knot_after`.
+    /// must be the wavelength that was last passed to `knot_after`.
     pub(crate) fn values_on(&self, lower: f64) -> f64 {
         self.rest.first().filter(|segment| segment.nm.0 <= lower).map_or(0.0, LineSegment::density)
     }

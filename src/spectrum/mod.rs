@@ -38,7 +38,7 @@ pub use value::Spectrum;
 /// The simulated band of wavelengths in nm. All powers and integrals refer to this band.
 pub const BAND_NM: (f64, f64) = (360.0, 830.0);
 
-/// The green wavelength, in nm, that represents the whole band. It is used for the sampling
-/// decisions of paths without wavelengths, for the optical depths by which media are classified,
-/// and for the size of the Airy disk.
+/// The green wavelength, in nm, that represents the whole band. If a path has no wavelengths yet,
+/// sampling decisions use this wavelength. The optical depths that classify media and the size of
+/// the Airy disk are computed for it.
 pub const REFERENCE_NM: f64 = 550.0;

@@ -12,8 +12,8 @@ pub const LUMENS_PER_WATT: f64 = 683.0;
 /// The names of the observers.
 pub const OBSERVER_NAMES: [&str; 4] = ["cie1931", "cie1964", "cie2015_2", "cie2015_10"];
 
-/// A standard observer: colour-matching functions x̄, ȳ and z̄, tabulated every nm from 360 to 830
-/// nm. The functions are linear between the samples and 0 outside the table.
+/// A standard observer: the colour-matching functions x̄, ȳ and z̄. They are tabulated from 360 to
+/// 830 nm, in steps of 1 nm. The functions are linear between the samples and 0 outside the table.
 #[derive(Debug)]
 pub struct Observer {
     name: &'static str,
@@ -83,8 +83,8 @@ impl Observer {
         [from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1]), from[2] + t * (to[2] - from[2])]
     }
 
-    /// Returns the exact integrals of spectrum · (x̄, ȳ, z̄) over the band. The second integral,
-    /// multiplied by [`LUMENS_PER_WATT`], is the luminous quantity.
+    /// Returns the exact integrals of spectrum · (x̄, ȳ, z̄) over the band. To obtain the luminous
+    /// quantity, multiply the second integral by [`LUMENS_PER_WATT`].
     pub fn xyz(&self, spectrum: &Spectrum) -> [f64; 3] {
         self.bars.each_ref().map(|bar| sweep::product_integral([spectrum, bar].map(Spectrum::parts)))
     }

@@ -10,8 +10,8 @@ pub(crate) const C2_M_K: f64 = 0.014_387_768_775_039_337;
 /// positive `f64` at every wavelength of the band.
 const LAST_EXPONENT: f64 = 1600.0;
 
-/// Returns the spectral radiance of a black body by Planck's law, in W m⁻² sr⁻¹ m⁻¹. The wavelength
-/// in nm and the temperature in K must be positive.
+/// Returns the spectral radiance of a black body by Planck's law. The unit is W m⁻² sr⁻¹ m⁻¹. The
+/// wavelength in nm and the temperature in K must be positive.
 ///
 /// The exponential is split into two equal factors, so that very small radiances keep their
 /// precision.
@@ -31,7 +31,7 @@ mod tests {
 
     #[test]
     fn long_waves_follow_the_rayleigh_jeans_law() {
-        // For hc ≪ λkT the law tends to 2ckT/λ⁴ (1 − x/2 + x²/12).
+        // For x = hc/(λkT) ≪ 1, the law tends to 2ckT/λ⁴ (1 − x/2 + x²/12).
         let (nm, temperature) = (830.0, 1e12);
         let x = C2_M_K / (830e-9 * 1e12);
         let classical = C1_RADIANCE / 830e-9_f64.powi(5) / x * (1.0 - 0.5 * x + x * x / 12.0);

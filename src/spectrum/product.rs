@@ -1,11 +1,12 @@
-//! Products of spectra, and sums of black-body spectra, as new spectra.
+//! Products of spectra, and sums of black-body spectra. Each result is a new spectrum.
 
 use super::continuum::{Continuum, LinearPiece};
 use super::line::LineSegment;
 use super::sweep::sweep;
 use super::{Spectrum, planck, smooth};
 
-/// The largest error of the linear pieces of a product, relative to the product of the two maxima.
+/// The largest relative error of the linear pieces of a product. The error is relative to the
+/// product of the two maxima.
 const PRODUCT_TOLERANCE: f64 = 1e-7;
 
 impl Spectrum {
@@ -46,9 +47,9 @@ fn mean_product(a: (f64, f64), b: (f64, f64)) -> f64 {
 /// Appends the product of two linear functions as linear pieces. The tolerance determines the
 /// number of pieces.
 fn add_pieces(nm: (f64, f64), [a, b]: [(f64, f64); 2], tolerance: f64, pieces: &mut Vec<LinearPiece>) {
-    // The error of a straight line through the end points is at most a quarter of the product of
-    // the two rises. If the interval is divided into equal parts, the error is proportional to the
-    // square of the width of a part.
+    // The product of two linear functions is replaced by a straight line through its end points.
+    // The error is at most a quarter of the product of the two rises. If the interval is divided
+    // into equal parts, the error is proportional to the square of the width of a part.
     let off = 0.25 * ((a.1 - a.0) * (b.1 - b.0)).abs();
     let parts = if off > tolerance { (off / tolerance).sqrt().ceil() } else { 1.0 };
     let value = |t: f64| (a.0 + t * (a.1 - a.0)) * (b.0 + t * (b.1 - b.0));

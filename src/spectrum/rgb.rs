@@ -32,8 +32,8 @@ type Vec3 = [f64; 3];
 struct FitBasis {
     /// D65, scaled so that its Y is 1.
     d65: Spectrum,
-    /// For each sample, the linear sRGB colour of this sample at a reflectance of 1. The sum over
-    /// all samples is (1, 1, 1).
+    /// For each sample, its contribution to the linear sRGB colour if the reflectance is 1. The sum
+    /// over all samples is (1, 1, 1).
     to_rgb: Vec<Vec3>,
 }
 
@@ -81,7 +81,7 @@ impl Spectrum {
     }
 
     /// Returns a light of the given linear sRGB colour: D65 times a smooth filter. Its XYZ values
-    /// (without the factor 683) match the colour, with an error of at most 10⁻³ of the brightest
+    /// (without the factor 683) match the colour. The error is at most 10⁻³ of the brightest
     /// component.
     ///
     /// # Errors
@@ -160,8 +160,8 @@ fn solve_from(mut c: Vec3, target: Vec3, steps: usize) -> Vec3 {
     c
 }
 
-/// Returns the error of a fit in linear sRGB, and the derivatives of the error as
-/// `[channel][coefficient]`.
+/// Returns the error of a fit in linear sRGB, and the derivatives of the error with respect to the
+/// coefficients. The indices of a derivative are `[channel][coefficient]`.
 fn residual(c: Vec3, target: Vec3) -> (Vec3, [Vec3; 3]) {
     let mut error = target.map(|component| -component);
     let mut jacobian = [[0.0; 3]; 3];
@@ -221,8 +221,8 @@ mod tests {
         XYZ_TO_LINEAR_SRGB.map(|row| dot(row, xyz))
     }
 
-    /// Returns the largest error of a component on a grid of 9³ colours of the cube, and the colour
-    /// with this error.
+    /// Tests a grid of 9³ colours of the cube. Returns the largest error of any component, and the
+    /// colour with this error.
     fn worst(back: impl Fn(Vec3) -> Vec3) -> (f64, Vec3) {
         let colours = (0..729).map(|code| [code / 81, code / 9 % 9, code % 9].map(|level| f64::from(level) / 8.0));
         let error = |rgb: Vec3| {

@@ -3,8 +3,9 @@
 use super::BAND_NM;
 use super::continuum::Continuum;
 
-/// The largest error of the linear pieces, relative to the maximum of the function. This error is
-/// less than half of the promised 10⁻⁶, because a peak may afterwards be scaled to its exact area.
+/// The largest relative error of the linear pieces. The error is relative to the maximum of the
+/// function. This error is less than half of the promised 10⁻⁶, because a peak may afterwards be
+/// scaled to its exact area.
 const SAMPLING_TOLERANCE: f64 = 4e-7;
 
 /// The largest depth of the recursive division of an interval between two initial knots.
@@ -13,9 +14,9 @@ const MAX_DIVISIONS: u32 = 12;
 /// The largest number of parts into which one step of the recursion divides an interval.
 const MAX_PARTS: f64 = 8.0;
 
-/// Converts a smooth function to pieces. The initial knots are the integer wavelengths of the band
-/// in nm and the wavelengths `extra`. More knots are added until the error is within one part in
-/// 10⁶ of the maximum.
+/// Converts a smooth function to pieces. The initial knots are the whole nanometres of the band and
+/// the wavelengths `extra`. More knots are added until the error is within one part in 10⁶ of the
+/// maximum.
 pub(crate) fn sampled(function: impl Fn(f64) -> f64, extra: &[f64]) -> Continuum {
     let mut knots: Vec<f64> = (BAND_NM.0 as u32..=BAND_NM.1 as u32).map(f64::from).collect();
     knots.extend(extra.iter().filter(|nm| (BAND_NM.0..=BAND_NM.1).contains(*nm)));

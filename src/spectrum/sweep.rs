@@ -18,8 +18,8 @@ struct SpectrumCursor<'a> {
 }
 
 /// Divides the band at every knot of every spectrum. Calls `visit` for each interval. The arguments
-/// are the ends of the interval in nm, and the values of every spectrum at both ends. All spectra
-/// are linear within the interval. Lines contribute their power per nm.
+/// of `visit` are the ends of the interval in nm, and the values of every spectrum at both ends.
+/// All spectra are linear within the interval. Lines contribute their power per nm.
 pub(crate) fn sweep<const N: usize>(
     spectra: [SpectrumParts<'_>; N],
     mut visit: impl FnMut((f64, f64), [(f64, f64); N]),

@@ -7,7 +7,7 @@ use super::table::{self, Outside};
 use super::{BAND_NM, planck, smooth};
 use crate::error::{Error, Result};
 
-/// Peaks narrower than this width in nm are not represented well by one sample per nm.
+/// A width in nm. One sample per nm does not represent narrower peaks well.
 const NARROW_NM: f64 = 5.0;
 
 /// A function of wavelength over the band 360–830 nm, such as power per nm, reflectance or
@@ -33,8 +33,8 @@ impl Spectrum {
         Self::from_continuum(Continuum::constant(value))
     }
 
-    /// Builds a spectrum from values at wavelengths in nm, with linear interpolation. Samples
-    /// beyond the band are used to interpolate at its ends.
+    /// Builds a spectrum by linear interpolation of samples. `nm` lists the wavelengths, and
+    /// `values` lists the values. Samples beyond the band are used to interpolate at its ends.
     ///
     /// # Errors
     /// Returns an error if the lists have different lengths or are empty; if wavelengths do not
@@ -46,9 +46,9 @@ impl Spectrum {
         Ok(Self { narrow: fine.then(|| Box::new(continuum.clone())), ..Self::from_continuum(continuum) })
     }
 
-    /// Builds a spectrum from lines of exact power. Each line is a box of constant density, 0.001
-    /// nm wide unless its width is given. The densities of overlapping boxes are added. Parts of a
-    /// box outside the band are cut off, and their power is lost.
+    /// Builds a spectrum from lines of exact power. Each line is a box of constant density. If the
+    /// width of a line is not given, it is 0.001 nm. The densities of overlapping boxes are added.
+    /// Parts of a box outside the band are cut off, and their power is lost.
     ///
     /// # Errors
     /// Returns an error if a wavelength is not positive, a power is negative or not finite, or a
@@ -57,7 +57,7 @@ impl Spectrum {
         Ok(Self { lines: Lines::new(lines)?, ..Self::constant(0.0) })
     }
 
-    /// Returns the spectral radiance of a black body in W m⁻² sr⁻¹ nm⁻¹.
+    /// Returns the spectral radiance of a black body. The unit is W m⁻² sr⁻¹ nm⁻¹.
     ///
     /// # Errors
     /// Returns an error if the temperature (in K) is not positive and finite.
@@ -69,8 +69,8 @@ impl Spectrum {
         Ok(Self::from_continuum(smooth::sampled(|nm| planck::planck(nm, temperature_k) * 1e-9, &[])))
     }
 
-    /// Returns a Gaussian peak of height 1 with the given centre and full width at half maximum, in
-    /// nm.
+    /// Returns a Gaussian peak of height 1. `peak_nm` is its centre. `fwhm_nm` is its full width at
+    /// half maximum.
     ///
     /// # Errors
     /// Returns an error if the centre is not positive and finite, or the width is below 10⁻⁶ nm.
@@ -159,7 +159,7 @@ impl Spectrum {
         self.continuum.at(nm) + self.lines.at(nm)
     }
 
-    /// Returns the integral over the band, in the unit of the value times nm.
+    /// Returns the integral over the band. Its unit is the unit of the value, multiplied by nm.
     pub fn integral(&self) -> f64 {
         self.continuum.integral() + self.lines.segments().iter().map(|line| line.power).sum::<f64>()
     }
@@ -207,9 +207,9 @@ impl Spectrum {
         self.lines.segments()
     }
 
-    /// Returns the part of the continuum whose peaks are narrower than 5 nm or whose samples are
-    /// closer than half a nm. A sum with one sample per nm must exclude this part. The caller must
-    /// integrate this part exactly instead.
+    /// Returns the narrow part of the continuum. It consists of peaks narrower than 5 nm, and of
+    /// tables whose samples are closer than half a nm. A sum with one sample per nm must exclude
+    /// this part. The caller must integrate this part exactly instead.
     pub fn narrow_part(&self) -> Option<Self> {
         self.narrow
             .as_ref()

@@ -20,12 +20,13 @@ pub struct ConvergenceCurve {
     pub integrator: &'static str,
     /// The error after some passes.
     pub points: Vec<ConvergencePoint>,
-    /// The fitted slope of the error against passes, in smooth regions. If the picture has too few
-    /// smooth regions, the slope is fitted over the whole picture.
+    /// The fitted slope of the error as a function of passes, measured in smooth regions. If the
+    /// picture has too few smooth regions, the slope is fitted over the whole picture.
     pub fit: Option<PowerLawFit>,
-    /// The fitted slope of the error against seconds of work. The work includes the pilot.
+    /// The fitted slope of the error as a function of the seconds of work. The work includes the
+    /// pilot.
     pub fit_seconds: Option<PowerLawFit>,
-    /// The theoretical slopes of the estimators in use, in smooth regions.
+    /// The theoretical slopes of the estimators in use. They hold in smooth regions.
     pub theory: Vec<TheoreticalSlope>,
     /// The number of passes in the scene's settings.
     pub passes_wanted: u64,
@@ -36,7 +37,7 @@ pub struct ConvergenceCurve {
     pub picture: Picture,
 }
 
-/// The theoretical slope of an estimator's mean square error over passes.
+/// The theoretical slope of an estimator's mean square error as a function of passes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TheoreticalSlope {
     /// The name of the estimator.
@@ -105,8 +106,8 @@ pub fn error_to_fit(point: &ConvergencePoint) -> MeanEstimate {
     point.error.smooth.unwrap_or(point.error.whole)
 }
 
-/// Returns the estimators of a plan, and their slopes. The slopes for kernels of two dimensions and
-/// of one dimension follow Knaus & Zwicker 2011.
+/// Returns the estimators of a plan, and their slopes. The slopes for two-dimensional and for
+/// one-dimensional kernels follow Knaus & Zwicker 2011.
 fn theory(plan: &Plan) -> Vec<TheoreticalSlope> {
     // Caustics also need kernels if they are seen through glass or in mirrors.
     let on_surfaces = plan.indirect == IndirectPlan::Photons || plan.caustics == CausticPlan::Photons;

@@ -60,7 +60,8 @@ pub struct RenderCost {
     pub seconds: f64,
     /// Seconds per pass.
     pub seconds_per_pass: f64,
-    /// The memory of film, scene and photons in bytes, computed from the number of stored photons.
+    /// The memory of film, scene and photons, in bytes. The photons' memory is computed from their
+    /// number.
     pub memory_bytes: u64,
 }
 
@@ -73,7 +74,7 @@ pub struct InactiveEffect {
     pub state: &'static str,
     /// The reason why the effect is off.
     pub because: String,
-    /// The number of events of the effect, 0.
+    /// The number of events of the effect. It is always 0.
     pub events: u64,
 }
 
@@ -87,8 +88,8 @@ pub struct EffectStudy {
     /// The error of the picture with all effects.
     #[serde(rename = "wrong")]
     pub error: MeanEstimate,
-    /// The relative mean square difference caused by noise alone: the difference between two
-    /// pictures with all effects and with different seeds.
+    /// The relative mean square difference caused by noise alone. The difference is measured
+    /// between two pictures that have all effects but different seeds.
     pub noise_relative_mse: f64,
     /// The colour difference caused by noise alone.
     pub noise_delta_e_2000: DeltaE,

@@ -98,7 +98,7 @@ impl StudyFilm {
         f64::from(self.width) * f64::from(self.height)
     }
 
-    /// The number of pixels of the scene's own film relative to the study's film.
+    /// The ratio of the pixel count of the scene's own film to the pixel count of the study's film.
     pub fn pixel_ratio(&self) -> f64 {
         f64::from(self.own_width) * f64::from(self.own_height) / self.pixels()
     }
@@ -119,8 +119,8 @@ impl StudyFilm {
     }
 }
 
-/// Returns two times of a pass in seconds: the time that does not depend on the film size, and the
-/// time of the camera paths.
+/// Returns two parts of a pass's time, in seconds. The first part does not depend on the film size.
+/// The second part is the time of the camera paths.
 pub(super) fn pass_seconds(stats: &Stats) -> (f64, f64) {
     let (seconds, passes) = (stats.seconds, stats.passes.max(1) as f64);
     ((seconds.pose + seconds.emit + seconds.map) / passes, seconds.gather / passes)

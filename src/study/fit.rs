@@ -60,8 +60,8 @@ mod tests {
 
     #[test]
     fn the_standard_error_matches_the_textbook_formula() {
-        // log y = 0, 1, 0 at log x = 0, 1, 2: the line is y = 1/3, the sum of squared residuals is
-        // 2/3, and the sum of squared deviations of x is 2.
+        // log y = 0, 1, 0 at log x = 0, 1, 2. The fitted line is log y = 1/3. The sum of the
+        // squared residuals is 2/3. The sum of the squared deviations of log x is 2.
         let fit = PowerLawFit::of([(1.0, 1.0), (10.0, 10.0), (100.0, 1.0)].into_iter()).unwrap();
         assert!(fit.slope.abs() < 1e-12 && (fit.intercept - 1.0 / 3.0).abs() < 1e-12);
         assert!((fit.standard_error - (1.0_f64 / 3.0).sqrt()).abs() < 1e-12, "{fit:?}");

@@ -391,7 +391,7 @@ fn method(report: &StudyReport) -> Markup {
 }
 
 /// Makes a picture smaller by averaging square blocks of pixels. The result is at most
-/// [`THUMBNAIL`] wide.
+/// [`THUMBNAIL`] pixels wide.
 fn shrunk(picture: &Picture) -> Picture {
     let step = picture.width.div_ceil(THUMBNAIL);
     let (width, height) = ((picture.width / step).max(1), (picture.height / step).max(1));

@@ -23,7 +23,7 @@ pub struct Recommendation {
     pub command: String,
     /// Seconds at the study's film size.
     pub seconds: f64,
-    /// Seconds at the scene's own film size, extrapolated from the number of pixels.
+    /// The seconds at the scene's own film size. They are extrapolated from the number of pixels.
     pub seconds_own_film: f64,
     /// True if no measured render reached the error. If so, the numbers are extrapolated with the
     /// expected slope.
@@ -118,7 +118,8 @@ impl TriedSettings<'_> {
         Some((passes(i - 1).ln() + share * (passes(i) / passes(i - 1)).ln()).exp())
     }
 
-    /// Returns the number of passes needed for this error with the expected slope.
+    /// Returns the number of passes needed for this error if the error falls with the expected
+    /// slope.
     fn passes_beyond(&self, error: f64) -> Option<f64> {
         let last = self.points.last()?;
         let more = (error / last.error.whole.value).powf(1.0 / self.slope?);

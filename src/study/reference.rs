@@ -6,7 +6,7 @@ use crate::output::compare::ErrorScale;
 use crate::sensor::Picture;
 use serde::{Deserialize, Serialize};
 
-/// A mean over pixels with its standard error.
+/// A mean over pixels, and the standard error of this mean.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MeanEstimate {
     /// The mean.
@@ -108,7 +108,7 @@ impl ReferencePicture {
         self.estimate(|i| bias(i).map_or(0.0, |bias| bias.powi(2))).whole.value
     }
 
-    /// The share of pixels in smooth regions, or `None` if there are too few.
+    /// The share of pixels in smooth regions, or `None` if there are too few such pixels.
     pub fn smooth_share(&self) -> Option<f64> {
         let count = self.smooth.iter().filter(|&&smooth| smooth).count();
         (!self.smooth.is_empty()).then(|| count as f64 / self.smooth.len() as f64)

@@ -40,7 +40,7 @@ pub struct ReferenceProvenance {
     pub seconds: f64,
     /// The relative variance of the reference, which is subtracted from every error.
     pub relative_variance: f64,
-    /// The relative variance in smooth regions, or null if there are too few.
+    /// The relative variance in smooth regions, or null if too few pixels are in smooth regions.
     pub smooth_relative_variance: Option<f64>,
     /// The mean square of the reference's own bias estimate. The bias is divided by the same unit
     /// as errors. Errors near this value cannot be measured. The value is 0 for the path tracer.
@@ -72,7 +72,7 @@ struct ReferenceOrigin {
     out_of_reach: Option<String>,
 }
 
-/// The number of renders for the choice and for the reference itself.
+/// Returns the number of renders that choose the integrator and render the reference.
 pub(super) fn steps(job: &Job, given: Option<&(String, Picture)>) -> usize {
     match (given, out_of_reach(&Facts::of(&job.scene))) {
         (Some(_), _) => 0,
@@ -170,9 +170,9 @@ fn out_of_reach(facts: &Facts) -> Option<String> {
 }
 
 /// Renders trials with both integrators, and predicts their errors after the time of the reference.
-/// Returns the integrator for the reference, and the reason. The integrator is the path tracer,
-/// with two exceptions: it misses light in its trial, or its predicted error is more than four
-/// times the predicted error of photon mapping.
+/// Returns the integrator for the reference, and the reason. The integrator is photon mapping in
+/// two cases: the path tracer misses light in its trial, or its predicted error is more than four
+/// times the predicted error of photon mapping. Otherwise, the integrator is the path tracer.
 fn try_both(runner: &mut Runner<'_>, job: &Job, budget_seconds: f64) -> Result<(Integrator, String), StudyError> {
     let seconds = TIME_SHARES.trial * budget_seconds / 4.0;
     let mut pair = |integrator: Integrator| -> Result<ReferencePicture, StudyError> {
@@ -187,8 +187,8 @@ fn try_both(runner: &mut Runner<'_>, job: &Job, budget_seconds: f64) -> Result<(
         Ok(ReferencePicture::of_halves([&halves[0].picture, &halves[1].picture]))
     };
     let (photon, path) = (pair(Integrator::Photon)?, pair(Integrator::Path)?);
-    // The ratio of two times: the time of the reference, and the time of both trials of an
-    // integrator. The variance falls in inverse proportion to this ratio.
+    // The ratio of the reference's time to the time of both trials of one integrator. The variance
+    // falls in inverse proportion to this ratio.
     let longer = TIME_SHARES.reference * budget_seconds / (2.0 * seconds);
     let (variance, photon_error) =
         (path.own_variance().whole.value, photon.own_variance().whole.value + photon.estimated_bias_square());

@@ -175,7 +175,7 @@ impl StudyReport {
         csv(&head, rows)
     }
 
-    /// Plots error against time of both integrators.
+    /// Plots error against time for both integrators.
     pub(super) fn curves_graph(&self) -> LogLogPlot {
         let mut series = Vec::new();
         for (curve, colour) in self.curves.iter().zip([2, 1]) {
@@ -216,7 +216,7 @@ impl StudyReport {
         }
     }
 
-    /// Plots error against time of all runs of the sweep.
+    /// Plots error against time for all runs of the sweep.
     pub(super) fn sweep_graph(&self) -> LogLogPlot {
         let of_setting = |setting: Option<Setting>, colour: usize, name: &str| {
             let runs = self.sweep.runs.iter().filter(move |run| run.change.map(|change| change.setting) == setting);

@@ -53,7 +53,7 @@ impl RenderStep {
     }
 }
 
-/// The result of a step with its picture.
+/// The result of a step, and the picture of the step.
 #[derive(Debug, Clone)]
 pub(super) struct FinishedStep {
     pub(super) result: StepResult,

@@ -19,7 +19,8 @@ pub(super) struct StepResult {
     pub(super) points: Vec<ConvergencePoint>,
     /// The statistics of the render.
     pub(super) stats: Stats,
-    /// The memory of film, scene and photons in bytes, computed from the number of stored photons.
+    /// The memory of film, scene and photons, in bytes. The photons' memory is computed from their
+    /// number.
     pub(super) memory_bytes: u64,
     /// The number of passes in the settings.
     pub(super) passes_wanted: u64,

@@ -27,7 +27,7 @@ impl StudyScene {
         Ok(format::parse(&self.text, &self.path, &[])?.0)
     }
 
-    /// Resolves and plans the scene after changes in the form `PATH=JSON`.
+    /// Applies changes in the form `PATH=JSON`, and then resolves and plans the scene.
     pub(super) fn job(&self, changes: &[String]) -> Result<Job> {
         let (scene, source) = format::parse(&self.text, &self.path, changes)?;
         let scene = resolve(&scene, &source.with_file_access(self.reach))?;

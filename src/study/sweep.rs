@@ -32,7 +32,7 @@ pub struct SweepRun {
 pub struct RenderTime {
     /// Seconds of the pilot.
     pub pilot: f64,
-    /// The time of a pass that does not depend on the film size, in seconds.
+    /// The part of a pass's time that does not depend on the film size, in seconds.
     pub fixed: f64,
     /// The time of the camera paths in a pass at the film size of the study, in seconds.
     pub gather: f64,
@@ -54,8 +54,8 @@ pub struct SettingSweep {
     pub runs: Vec<SweepRun>,
     /// The Pareto front in order of time.
     pub front: Vec<ParetoPoint>,
-    /// The error and the time at the scene's own settings and number of passes, or null if the
-    /// study had no time for these passes.
+    /// The error and the time with the scene's own settings and number of passes. The value is null
+    /// if the study had no time for these passes.
     pub default: Option<ConvergencePoint>,
     /// Changes that were skipped for lack of time.
     pub left_out: Vec<SettingChange>,
@@ -110,8 +110,8 @@ impl RenderTime {
         Self { pilot: stats.seconds.pilot, fixed, gather }
     }
 
-    /// Predicts the time of a number of passes in seconds. The film has `pixel_ratio` times as many
-    /// pixels as the film of the study.
+    /// Predicts the time (s) of a number of passes. The film has `pixel_ratio` times as many pixels
+    /// as the film of the study.
     pub fn seconds(&self, passes: f64, pixel_ratio: f64) -> f64 {
         self.pilot + passes * (self.fixed + self.gather * pixel_ratio)
     }

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The power of the photons of one pass, in W over the band. The balance is: emitted + sampling =
-/// absorbed + escaped + depth limit.
+/// The power (W) of the photons of one pass, summed over the band. The balance is: emitted +
+/// sampling = absorbed + escaped + depth limit.
 ///
 /// The absorbed power is computed from the albedo and from Beer's law, never as a difference.
 /// Therefore an error in a path weight has one of two effects: the ledger is not balanced, or the
@@ -37,7 +37,8 @@ impl Ledger {
         self.absorbed.iter().sum::<f64>() + self.absorbed_inside
     }
 
-    /// Returns emitted + sampling − absorbed − escaped − depth limit, relative to emitted.
+    /// Returns emitted + sampling − absorbed − escaped − depth limit. The result is divided by the
+    /// emitted power.
     pub fn balance(&self) -> f64 {
         let left = self.emitted + self.sampling - self.absorbed_total() - self.escaped - self.depth_limit;
         if self.emitted > 0.0 { left / self.emitted } else { left }

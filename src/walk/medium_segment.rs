@@ -16,7 +16,7 @@ pub const MAX_COLLISIONS: u32 = 10_000;
 pub struct MediumSegment<'a> {
     /// The ray, with its origin at the start of the segment.
     pub ray: Ray,
-    /// The length in m; infinite if the ray leaves the scene.
+    /// The length in m. It is infinite if the ray leaves the scene.
     pub length_m: f64,
     /// The bodies that contain the segment.
     pub medium_stack: MediumStack,

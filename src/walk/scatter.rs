@@ -15,7 +15,7 @@ use glam::DVec3;
 /// The result of scattering a path at a surface.
 #[derive(Debug, Clone, Copy)]
 pub struct ScatteredRay {
-    /// The new direction, unit, in world space.
+    /// The new unit direction in world space.
     pub direction: DVec3,
     /// The factor by which the event changes the power or radiance of each wavelength. The factor
     /// is 0 if the path no longer carries the wavelength.
@@ -26,7 +26,7 @@ pub struct ScatteredRay {
     pub kept: Option<usize>,
     /// True if the BSDF is a delta distribution in this direction.
     pub delta: bool,
-    /// The density of the direction per steradian at the hero wavelength, or 0 for a delta
+    /// The probability density (1/sr) of the direction at the hero wavelength. It is 0 for a delta
     /// distribution.
     pub pdf: f64,
     /// Reflection or transmission.
@@ -184,7 +184,7 @@ pub struct ConsistentBsdfSample {
     pub frame: Frame,
     /// The direction back along the path, in the frame.
     pub wo: DVec3,
-    /// The sample; its direction is in the frame.
+    /// The sample. Its direction has coordinates in the frame.
     pub sample: BsdfSample,
 }
 

@@ -15,7 +15,7 @@ pub struct SurfaceInteraction<'a> {
     pub hit: Hit,
     /// The distance from the previous path vertex, in m.
     pub distance_m: f64,
-    /// The direction in which the path arrived, unit.
+    /// The unit direction in which the path arrived.
     pub incoming: DVec3,
     /// The material's number.
     pub material: usize,
@@ -25,7 +25,7 @@ pub struct SurfaceInteraction<'a> {
     pub frame: Frame,
     /// The direction back along the path, in the shading frame.
     pub wo: DVec3,
-    /// The bodies on the side of arrival.
+    /// The bodies on the side from which the path arrived.
     pub here: MediumStack,
     /// The bodies on the other side.
     pub there: MediumStack,
@@ -76,8 +76,8 @@ impl<'a> SurfaceInteraction<'a> {
         (frame, frame.to_local(-self.incoming))
     }
 
-    /// Returns a ray from the surface in a world direction; `medium_stack` holds the bodies around
-    /// that ray.
+    /// Returns a ray that starts on the surface in a world direction. `medium_stack` holds the
+    /// bodies around that ray.
     #[inline]
     pub fn spawn_ray(&self, direction: DVec3, medium_stack: MediumStack) -> RayState {
         RayState { ray: Ray { origin: self.hit.position, direction }, from: Some(self.hit.surface), medium_stack }

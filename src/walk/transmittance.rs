@@ -30,7 +30,7 @@ pub enum SegmentTransmittance<'a> {
         medium: &'a Medium,
         /// The column density: the integral of the relative density, in m.
         column_m: f64,
-        /// The error of a column density computed by ray marching (estimate − exact), in m.
+        /// The error (estimate − exact) in m that ray marching causes in the column density.
         excess_m: f64,
     },
     /// Ratio tracking (Novák, Selle & Jarosz 2014, "Residual Ratio Tracking for Estimating
@@ -48,7 +48,7 @@ pub enum SegmentTransmittance<'a> {
     },
 }
 
-/// The transmittances of the segments along a path. More than three segments are rare.
+/// The transmittances of the segments along a path. Paths with more than three segments are rare.
 pub type PathTransmittance<'a> = SmallVec<[SegmentTransmittance<'a>; 3]>;
 
 impl<'a> SegmentTransmittance<'a> {
@@ -174,9 +174,10 @@ fn collect_segments<'a>(
     path_transmittance
 }
 
-/// Estimates the transmittance as the product of the factors 1 − σ_t ρ(x_j)/σ̄. The positions x_j
-/// are those of a Poisson process of rate σ̄ along the ray. The rate σ̄ is the largest extinction
-/// over the band, times the bound of the density.
+/// Estimates the transmittance as the product of the factors 1 − σ_t ρ(x_j)/σ̄. A Poisson process
+/// along the ray gives the positions x_j. The rate of the process is σ̄. This rate is the product
+/// of two numbers: the largest extinction coefficient over the band, and the upper bound of the
+/// density.
 fn ratio_tracked(medium: &Medium, ray: &Ray, length_m: f64, sigma_t: f64, seed: u64) -> f64 {
     let Some((begin, end)) = medium.window(ray, length_m) else {
         return 1.0;

@@ -80,7 +80,7 @@ impl DirectionalFile {
     /// Returns the quantity that the emitter states.
     ///
     /// # Errors
-    /// Returns an error unless exactly one quantity is stated and it is at least 0.
+    /// Returns an error if not exactly one quantity is stated, or if the quantity is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[(self.irradiance, QuantityFile::Irradiance), (self.illuminance, QuantityFile::Illuminance)])
     }
@@ -90,14 +90,14 @@ impl EnvironmentFile {
     /// Returns the quantity that the emitter states.
     ///
     /// # Errors
-    /// Returns an error unless exactly one quantity is stated and it is at least 0.
+    /// Returns an error if not exactly one quantity is stated, or if the quantity is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[(self.irradiance, QuantityFile::Irradiance), (self.illuminance, QuantityFile::Illuminance)])
     }
 }
 
 impl DirectionalFile {
-    /// Checks ranges, the direction and the quantity.
+    /// Checks the ranges of values, the direction, the quantity, the transform and the keyframes.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         check::direction(&at.key("toward"), self.toward)?;
         let inside = (0.0..180.0).contains(&self.angular_diameter);

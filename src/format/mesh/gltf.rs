@@ -1,5 +1,5 @@
-//! Reads glTF 2.0 files, text (`.gltf`) or binary (`.glb`). The result has the triangles of the
-//! default scene after all node transforms.
+//! Reads glTF 2.0 files in text form (`.gltf`) or in binary form (`.glb`). The result contains the
+//! triangles of the default scene after all node transforms.
 
 use std::path::Path;
 
@@ -22,7 +22,8 @@ pub(super) fn load(bytes: &[u8], folder: Option<&Path>, file_access: FileAccess)
     }
     let unchecked = Gltf::from_slice_without_validation(bytes).map_err(|error| invalid(&error))?;
     let mut root = unchecked.document.into_json();
-    // The crate refuses a required extension that it does not know. `gltf_material` reads this one.
+    // The crate refuses a file that requires an extension unknown to the crate. The module
+    // `gltf_material` reads the extension below.
     root.extensions_required.retain(|name| name != "KHR_materials_dispersion");
     check_attributes(&root)?;
     let document = Document::from_json(root).map_err(|error| invalid(&error))?;
@@ -59,7 +60,8 @@ fn check_length(bytes: &[u8]) -> Result<()> {
     }
 }
 
-/// Checks the accessor numbers of attributes. A wrong number would cause a panic in the crate.
+/// Checks that every accessor that an attribute names exists. A missing accessor would cause a
+/// panic in the crate.
 fn check_attributes(root: &::gltf::json::Root) -> Result<()> {
     let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
     let largest = primitives.flat_map(|primitive| primitive.attributes.values()).map(|index| index.value()).max();
@@ -70,7 +72,7 @@ fn check_attributes(root: &::gltf::json::Root) -> Result<()> {
 }
 
 /// Checks the addresses of buffers: the percent-decoded text must be UTF-8, and the file access
-/// must allow the path. The crate does not check the text or the access.
+/// must allow the path. The crate makes neither of these checks.
 fn check_uris(document: &Document, file_access: FileAccess) -> Result<()> {
     for buffer in document.buffers() {
         if let Source::Uri(uri) = buffer.source()
@@ -112,8 +114,8 @@ fn invalid(error: &::gltf::Error) -> Error {
 struct SceneReader {
     buffers: Vec<::gltf::buffer::Data>,
     parts: Vec<MeshPart>,
-    /// Whether each node has been read. Reading a node twice is an error, so a cycle of nodes
-    /// cannot cause an endless loop.
+    /// For each node: whether the node has been read. A second read of a node is an error, so a
+    /// cycle of nodes cannot cause an endless loop.
     visited: Vec<bool>,
 }
 

@@ -5,19 +5,18 @@
 pub struct MeshMaterial {
     /// Name in the file, or the empty string.
     pub name: String,
-    /// Colour of the diffuse reflection or of the metal, from 0 to 1.
+    /// Colour of the diffuse reflection, or colour of the metal. Each component is from 0 to 1.
     pub base_colour: [f64; 3],
     /// 0 for a dielectric, 1 for a metal.
     pub metallic: f64,
-    /// Perceptual roughness of glTF, from 0 (smooth) to 1 (rough): the square root of the
-    /// microfacet parameter α.
+    /// Perceptual roughness as in glTF: the square root of the microfacet parameter α. 0 is smooth,
+    /// and 1 is rough.
     pub roughness: f64,
-    /// Fraction of the light entering the surface that is transmitted, from 0 (opaque) to 1
-    /// (clear).
+    /// The transmitted fraction of the light that enters the surface. 0 is opaque, and 1 is clear.
     pub transmission: f64,
     /// Index of refraction.
     pub ior: f64,
-    /// Abbe number of the glass; `None` without dispersion.
+    /// Abbe number of the glass, or `None` if there is no dispersion.
     pub abbe_number: Option<f64>,
     /// Absorption inside, or `None` without absorption.
     pub attenuation: Option<MeshAttenuation>,
@@ -26,11 +25,11 @@ pub struct MeshMaterial {
     pub emission: [f64; 3],
 }
 
-/// The absorption inside a mesh, given by the colour of white light that has travelled a distance
-/// through the mesh.
+/// The absorption inside a mesh. After white light has travelled `distance` through the mesh, the
+/// light has the colour `colour`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeshAttenuation {
-    /// Colour in linear sRGB, from 0 to 1.
+    /// Colour in linear sRGB. Each component is from 0 to 1.
     pub colour: [f64; 3],
     /// Distance in the unit of the mesh file.
     pub distance: f64,

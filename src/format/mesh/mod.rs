@@ -32,8 +32,8 @@ pub struct MeshPart {
     pub material: Option<MeshMaterial>,
     /// Name of the part in the file, or the empty string.
     pub name: String,
-    /// A note for the user about an ignored feature of the file, such as textures or a missing
-    /// material library.
+    /// A note for the user. For example, the note says that textures are not read, or that a
+    /// material library is missing.
     pub note: Option<String>,
 }
 

@@ -42,7 +42,7 @@ pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<Vec<MeshPart>
 fn mesh(mesh: tobj::Mesh) -> Result<TriangleMesh> {
     let count = mesh.positions.len() / 3;
     let triples = |values: &[f64]| values.chunks_exact(3).map(DVec3::from_slice).collect::<Vec<_>>();
-    // If only some faces have normals, the mesh has none.
+    // If only some faces have normals, the whole mesh has no normals.
     let normals = (mesh.normals.len() == 3 * count).then(|| triples(&mesh.normals));
     let uvs = (mesh.texcoords.len() == 2 * count)
         .then(|| mesh.texcoords.chunks_exact(2).map(|uv| [uv[0], uv[1]]).collect::<Vec<_>>());
@@ -53,7 +53,8 @@ fn mesh(mesh: tobj::Mesh) -> Result<TriangleMesh> {
 /// Checks that the indices of every face refer to vertices that precede the face in the file. The
 /// error names the line of the face.
 fn check_faces(text: &str) -> Result<()> {
-    // Numbers of v, vt and vn lines so far, in the order of the indices of a corner.
+    // The numbers of v, vt and vn lines so far. A corner of a face lists its indices in the same
+    // order.
     let mut counts = [0_i64; 3];
     for (number, line) in text.lines().enumerate() {
         let mut words = line.split_whitespace();
@@ -105,9 +106,10 @@ fn check_corner(corner: &str, counts: [i64; 3]) -> Result<()> {
 /// Converts an MTL material.
 ///
 /// `Kd` is the base colour, `Ni` the index of refraction and `d` the opacity. `Tr` is 1 − `d`. If
-/// the file states neither `d` nor `Tr`, the illumination models 4, 6, 7 and 9 become glass. The
-/// Phong exponent `Ns` corresponds to the microfacet parameter α = √(2/(Ns + 2)) (Walter et al.
-/// 2007). The extension keys `Pm` and `Pr` state metalness and roughness directly.
+/// the file states neither `d` nor `Tr`, a material with the illumination model 4, 6, 7 or 9
+/// becomes glass. The Phong exponent `Ns` corresponds to the microfacet parameter α = √(2/(Ns + 2))
+/// (Walter et al. 2007). The extension key `Pm` states the metalness directly, and `Pr` states the
+/// roughness.
 fn material(file: &tobj::Material) -> MeshMaterial {
     let extension = |name: &str| file.unknown_param.get(name).and_then(|value| value.trim().parse::<f64>().ok());
     let glass = matches!(file.illumination_model, Some(4 | 6 | 7 | 9));

@@ -1,5 +1,5 @@
-//! Reads the elements `vertex` and `face` of PLY files, text or binary. Polygons are split into
-//! triangles.
+//! Reads the elements `vertex` and `face` of PLY files in text form or in binary form. Polygons are
+//! split into triangles.
 
 use std::io::{Cursor, ErrorKind};
 

@@ -11,7 +11,7 @@ fn load(path: &Path) -> Result<Vec<MeshPart>> {
     super::load(path, FileAccess::WithinFolder)
 }
 
-/// Corners and faces of a unit cube about (0.5, 0.5, 0.5), facing outwards.
+/// The corners of a unit cube with the centre (0.5, 0.5, 0.5). The faces in `QUADS` face outwards.
 const CORNERS: [[f32; 3]; 8] = [
     [0.0, 0.0, 0.0],
     [1.0, 0.0, 0.0],
@@ -110,7 +110,7 @@ fn stl_text() -> String {
     text + "endsolid\n"
 }
 
-/// Positions, then indices as 16-bit words.
+/// Returns the positions, followed by the indices as 16-bit integers.
 fn gltf_buffer() -> Vec<u8> {
     let positions = CORNERS.iter().flatten().flat_map(|x| x.to_le_bytes());
     let indices = cube_triangles().into_iter().flatten().flat_map(|index| (index as u16).to_le_bytes());

@@ -1,4 +1,4 @@
-//! The data shared by all parts of the resolution: the file, its source, and its unit of length.
+//! The data that all parts of `Resolver` share: the scene file, its source, and its unit of length.
 
 use crate::error::{Error, Result};
 use crate::format::SceneFile;
@@ -6,7 +6,8 @@ use crate::json::{JsonPath, JsonSource};
 use crate::scene::camera::Shutter;
 use glam::DVec3;
 
-/// The parsed scene file, and the data needed by every step of its resolution.
+/// Translates the scene file to the scene. Contains the parsed file and the data that every step of
+/// the translation needs.
 pub(super) struct Resolver<'a> {
     pub(super) scene: &'a SceneFile,
     pub(super) source: &'a JsonSource,
@@ -22,7 +23,7 @@ impl Resolver<'_> {
         result.map_err(|error| self.source.error_at(&path.to_string(), error))
     }
 
-    /// A point of the file in m, relative to the scene's centre.
+    /// Converts a point of the file to m. The result is relative to the scene's centre.
     pub(super) fn point(&self, point: [f64; 3], centre: DVec3) -> DVec3 {
         DVec3::from(point) * self.metres - centre
     }

@@ -11,8 +11,8 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 impl Resolver<'_> {
-    /// Resolves the emission of a medium. `absorption` is in 1/m at density 1. If the medium has a
-    /// temperature field, `temperature` is this field in K.
+    /// Resolves the emission of a medium. `absorption` is the absorption coefficient at density 1,
+    /// in 1/m. If the medium has a temperature field, `temperature` is this field in K.
     ///
     /// If the emission has a `power`, the scale of the result is arbitrary. The scene builder
     /// scales the emission when the volume is known.

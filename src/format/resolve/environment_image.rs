@@ -20,7 +20,8 @@ pub(super) fn load(path: &Path, to_world: DAffine3) -> Result<EnvironmentMap> {
         .ok_or_else(|| Error::input("the image is black").expected("at least one pixel above 0").in_file(path))
 }
 
-/// Width, height, and linear RGB row by row from the top.
+/// The width, the height and the linear RGB values of an image. The values are listed row by row,
+/// and the top row is the first.
 type Pixels = (usize, usize, Vec<[f32; 3]>);
 
 fn read(path: &Path) -> Result<Pixels> {
@@ -67,8 +68,8 @@ fn read_other(path: &Path) -> Result<Pixels> {
     Ok((pixels.width() as usize, pixels.height() as usize, rgb))
 }
 
-/// Returns the image of the rotated environment. For each pixel of the new image, the inverse
-/// rotation of the pixel's direction points to the pixel of the old image with the same value.
+/// Returns the image of the rotated environment. To find the value of a pixel, the function rotates
+/// the direction of the pixel back, and looks up the value of the original image in this direction.
 fn rotated(width: usize, height: usize, rgb: &[[f32; 3]], to_world: DAffine3) -> Vec<[f32; 3]> {
     let back = to_world.matrix3.inverse();
     (0..width * height)

@@ -50,8 +50,9 @@ impl Resolver<'_> {
     /// Returns the luminance L in cd/m² that is white on a film of the ISO speed S. S is the
     /// saturation-based speed of ISO 12232.
     ///
-    /// At a shutter time t and an f-number N, the middle of the film receives q·L·t/N² lx·s. The
-    /// factor q = 0.65 accounts for the losses of the lens. The film is white at 78/S lx·s.
+    /// If the shutter time is t in s and the f-number is N, the exposure in the middle of the film
+    /// is q·L·t/N² in lx·s. The factor q = 0.65 accounts for the losses of the lens. An exposure of
+    /// 78/S lx·s gives white.
     fn white_luminance(&self, at: &JsonPath<'_>, iso: f64) -> Result<f64> {
         let CameraFile { lens, .. } = &self.scene.camera;
         let f_number = match lens {

@@ -11,8 +11,9 @@ use std::path::{Path, PathBuf};
 /// Reads a lens from a file.
 ///
 /// A file with the extension `.zmx` is a Zemax lens. Any other file is a prescription in JSON, as
-/// in a scene file. The glasses of a Zemax lens are looked up first in `catalogues`, then in the
-/// catalogues that the lens names and that are in its folder, and last among the built-in glasses.
+/// in a scene file. The glasses of a Zemax lens are looked up in `catalogues` first. Next come
+/// those catalogues named in the lens file that are in the same folder. The built-in glasses come
+/// last.
 ///
 /// # Errors
 /// The file cannot be read or is wrong. The error states the place in the file.
@@ -70,7 +71,7 @@ impl Resolver<'_> {
     }
 }
 
-/// Resolves the lens at a place of a file.
+/// Resolves the lens prescription at the path `at` of a file.
 fn lens_at(at: &JsonPath<'_>, prescription: &PrescriptionFile, source: &JsonSource) -> Result<Lens> {
     let files = match prescription {
         PrescriptionFile::Name(name) => {
@@ -87,7 +88,7 @@ fn lens_at(at: &JsonPath<'_>, prescription: &PrescriptionFile, source: &JsonSour
         half_field_deg: None,
     });
     lens.map_err(|mut error| {
-        // The path in the error of the lens starts at the prescription.
+        // The JSON path in an error of `Lens::new` starts at the prescription.
         let steps = [at.to_string(), error.location.path.take().unwrap_or_default()];
         let path: Vec<&str> = steps.iter().map(String::as_str).filter(|step| !step.is_empty()).collect();
         source.error_at(&path.join("."), error)

@@ -30,7 +30,7 @@ struct LightContext<'n> {
 /// An emitter and its spectrum.
 type EmitterAndSpectrum = (Emitter, LightSpectrum);
 
-/// A radiometric quantity over the band.
+/// A radiometric quantity, integrated over the band 360–830 nm.
 enum Radiometric {
     /// A power in W.
     Power(f64),
@@ -226,7 +226,8 @@ impl Resolver<'_> {
         Ok((Emitter::Environment(EnvironmentLight::new(irradiance / PI, map)), spectrum))
     }
 
-    /// Resolves the emission of an object: the spectrum, and the radiance in W/m²/sr over the band.
+    /// Resolves the emission of an object. Returns the spectrum, and the radiance over the band in
+    /// W/m²/sr.
     fn emission(
         &self,
         path: &JsonPath<'_>,

@@ -1,4 +1,5 @@
-//! Translates the media of the scene file to media with coefficients in 1/m and fields in m.
+//! Translates the media of the scene file to the media of the scene. In the result, coefficients
+//! are in 1/m, and the boxes of fields are in m.
 
 use super::context::Resolver;
 use super::index::index_of;

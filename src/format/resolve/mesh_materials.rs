@@ -8,7 +8,7 @@ use crate::optics::glass::RefractiveIndex;
 use crate::scene::{Body, Material};
 use crate::spectrum::{BAND_NM, Outside, Spectrum};
 
-/// A surface with this roughness or a larger one has no coat.
+/// A surface has no coat if its roughness is at least this value.
 const MATT: f64 = 0.95;
 
 /// Resolves a material of a mesh file. If `metallic` is at least 0.5, the material is a metal.
@@ -38,7 +38,8 @@ pub(super) fn material(file: &MeshMaterial, metres: f64) -> Result<Material> {
     Ok(Material { name, surface, body })
 }
 
-/// A metal of reflectance R at normal incidence, with the real index n = (1 + √R)/(1 − √R).
+/// Returns a metal with the reflectance R at normal incidence. The index of refraction is the real
+/// number n = (1 + √R)/(1 − √R).
 fn metal(reflectance: &Spectrum, roughness: f64) -> Result<Bsdf> {
     let index_of = |r: f64| {
         let root = r.clamp(0.0, 0.999).sqrt();
@@ -47,8 +48,8 @@ fn metal(reflectance: &Spectrum, roughness: f64) -> Result<Bsdf> {
     Bsdf::conductor(mapped(reflectance, index_of)?, Spectrum::constant(0.0), roughness)
 }
 
-/// Returns the absorption coefficient in 1/m with which white light has the given colour after
-/// `distance_m`.
+/// Returns the absorption coefficient, in 1/m, of a material in which white light has the given
+/// colour after the distance `distance_m`.
 fn absorption(colour: [f64; 3], distance_m: f64) -> Result<Spectrum> {
     let transmittance = Spectrum::rgb_reflectance(colour.map(|c| c.clamp(0.0, 1.0)))?;
     mapped(&transmittance, |t| -t.max(1e-6).ln() / distance_m)

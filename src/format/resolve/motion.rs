@@ -9,10 +9,10 @@ use glam::{DAffine3, DVec3};
 
 /// The transform of an object, a light or a medium when the shutter opens, and its motion.
 pub(super) struct ResolvedMotion {
-    /// The transform from the object's frame to the world when the shutter opens, in the scene's
-    /// unit.
+    /// The transform from the object's frame to the world when the shutter opens. Lengths are in
+    /// the scene's unit.
     pub(super) start: DAffine3,
-    /// The motion in m, or `None` if the object does not move while the shutter is open.
+    /// The motion, with lengths in m. `None` if the object does not move while the shutter is open.
     pub(super) motion: Option<AnimatedTransform>,
 }
 
@@ -25,7 +25,8 @@ pub(super) fn shutter(camera: &CameraFile) -> Shutter {
     }
 }
 
-/// The motion through all keyframes, in the scene's unit; `None` without keyframes.
+/// The motion through all keyframes, or `None` if there are no keyframes. Lengths are in the
+/// scene's unit.
 fn motion(transform: &TransformFile, keys: &[KeyframeFile]) -> Option<AnimatedTransform> {
     let own = transform.to_affine();
     AnimatedTransform::new(own, keys.iter().map(|key| (key.time, key.transform.to_affine(), key.transform.after(own))))

@@ -17,7 +17,7 @@ use std::sync::Arc;
 pub(super) struct ResolvedObjects<'a> {
     pub(super) set: ObjectSet,
     pub(super) emitting: Vec<EmittingObject<'a>>,
-    /// The numbers of materials by name.
+    /// The material number for each material name.
     named: BTreeMap<&'a str, usize>,
 }
 

@@ -16,9 +16,10 @@ pub enum Role {
     /// The spectral power of a light, at any scale. Beyond the ends of a table, the power is 0. The
     /// power must be above 0 somewhere in the band.
     Light,
-    /// A reflectance or transmittance within [0, 1]; constant beyond the ends of a table.
+    /// A reflectance or a transmittance, with values from 0 to 1. It is constant beyond the ends of
+    /// a table.
     Reflectance,
-    /// Any other non-negative quantity; constant beyond the ends of a table.
+    /// Any other non-negative quantity. It is constant beyond the ends of a table.
     Coefficient,
     /// The mean cosine of a phase function, negative for backward scattering. It is constant beyond
     /// the ends of a table.
@@ -159,8 +160,8 @@ impl Spectra<'_> {
     }
 }
 
-/// Returns a table of mean cosines. `Spectrum::table` refuses negative values, so the function adds
-/// 1 to every value and subtracts 1 from the spectrum of the table.
+/// Returns a table of mean cosines. `Spectrum::table` refuses negative values. Therefore this
+/// function adds 1 to every value, and then subtracts 1 from the resulting spectrum.
 fn signed_table(nm: &[f64], values: &[f64]) -> Result<Spectrum> {
     let raised: Vec<f64> = values.iter().map(|value| value + 1.0).collect();
     let raised = Spectrum::table(nm, &raised, Outside::Hold)?;
@@ -172,8 +173,8 @@ fn line(file: &LineFile) -> SpectralLine {
     SpectralLine { nm, power, fwhm_nm }
 }
 
-/// Returns the non-negative weights of the primaries whose mix is nearest to the target in CIE 1931
-/// XYZ.
+/// Finds the mix of the primaries that is nearest to the target in CIE 1931 XYZ, and returns its
+/// weights. No weight is negative.
 fn nearest_mix(target: &Spectrum, primaries: &[Spectrum]) -> Result<PrimaryMatch> {
     let observer = Observer::cie1931();
     let colours: Vec<[f64; 3]> = primaries.iter().map(|primary| observer.xyz(primary)).collect();

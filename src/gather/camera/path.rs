@@ -20,7 +20,7 @@ pub struct PathBuffers<'a> {
     pub(in crate::gather) records: bool,
     /// The visible points of the last sample.
     pub visible_points: Vec<VisiblePoint>,
-    /// The segments in scattering media of the last sample.
+    /// The path segments of the last sample that lie in scattering media.
     pub camera_segments: Vec<CameraSegment>,
 }
 
@@ -38,13 +38,13 @@ pub(in crate::gather) struct CameraPath {
     pub(in crate::gather) spectral_mode: SpectralMode,
     pub(in crate::gather) view: View,
     pub(in crate::gather) hit_weighting: HitWeighting,
-    /// The throughput at the reference wavelength, for Russian roulette.
+    /// The throughput at the reference wavelength. Russian roulette uses this value.
     pub(in crate::gather) reference_throughput: f64,
     /// The length of the path so far, in m.
     pub(in crate::gather) distance_m: f64,
     /// The number of surface events so far.
     pub(in crate::gather) depth: u32,
-    /// The error of the path's optical depth, caused by ray marching.
+    /// The error that ray marching causes in the path's optical depth.
     pub(in crate::gather) excess_depth: f64,
 }
 
@@ -63,8 +63,9 @@ impl CameraPath {
         }
     }
 
-    /// Returns the wavelength (nm) at which the path samples directions. A free path samples at the
-    /// reference wavelength, and its factors correct for all other wavelengths.
+    /// Returns the wavelength (nm) at which the path samples directions. A free path samples
+    /// directions at the reference wavelength. Its factors correct the throughput at all other
+    /// wavelengths.
     pub(in crate::gather) fn reference_nm(&self) -> f64 {
         match self.spectral_mode {
             SpectralMode::Free => REFERENCE_NM,

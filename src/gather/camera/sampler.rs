@@ -7,19 +7,19 @@ use crate::math::sobol::{DIMENSIONS, Sobol};
 use crate::scene::camera::{Aperture, Camera, SystemAt};
 use glam::DVec2;
 
-/// A constant in the hash that shifts a pixel's wavelength sequence. The constant makes the
-/// sequence independent of the pixel's Sobol points.
+/// The shift of a pixel's wavelength sequence is a hash. The hash contains this constant, so that
+/// the sequence is independent of the pixel's Sobol points.
 const WAVELENGTH_SEQUENCE: u64 = 0x5eed;
 
-/// The random numbers of one camera sample. The samples of a pixel in all passes of one replicate
-/// form a low-discrepancy sequence. Each replicate has its own scrambling.
+/// The random numbers of one camera sample. Within one replicate, the samples of a pixel form a
+/// low-discrepancy sequence over all passes. Each replicate has its own scrambling.
 #[derive(Debug)]
 pub struct PixelSampler {
     point: [f64; DIMENSIONS],
-    /// Random numbers beyond the dimensions of the low-discrepancy point.
+    /// The random numbers for all dimensions that the low-discrepancy point does not have.
     pub stream: Stream,
     /// The number in [0, 1) that selects the sample's wavelengths. The number comes from a separate
-    /// sequence, so that colour does not correlate with any other dimension.
+    /// sequence, so that the wavelength does not correlate with any other random number.
     pub wavelength: f64,
 }
 

@@ -12,8 +12,7 @@ pub struct VisiblePoint {
     pub position: DVec3,
     /// The surface's unit normal on the visible side.
     pub facing: DVec3,
-    /// The side length of the pixel's footprint in m, computed for a straight path of the same
-    /// length.
+    /// The side length (m) of the pixel's footprint. It is computed as if the path were straight.
     pub footprint_m: f64,
     /// Whether the camera sees the point along a straight line.
     pub view: View,
@@ -36,11 +35,11 @@ pub struct CameraSegment {
     pub shared: bool,
 }
 
-/// The least cosine between the normals of two points of one smooth surface.
+/// The least cosine of the angle between the normals at two points of one smooth surface.
 const LEAST_COSINE: f64 = 0.9;
 
-/// The largest ratio of two lengths: the height of a point over the tangent plane, and the distance
-/// to that point. A point with a larger ratio does not belong to the same smooth surface.
+/// The largest ratio of a point's height above the tangent plane to the distance of that point. A
+/// point with a larger ratio does not belong to the same smooth surface.
 const LARGEST_SLOPE: f64 = 0.25;
 
 impl VisiblePoint {

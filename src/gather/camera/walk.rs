@@ -84,7 +84,7 @@ impl<'a> CameraPass<'a> {
         Some(CameraPath { spectral_mode: SpectralMode::Shared { lane, nm, throughput }, ..path })
     }
 
-    /// Follows a path at one shared wavelength to its end. This function is called from several
+    /// Follows a path to its end, at one shared wavelength. This function is called from several
     /// places and compiled once for all of them.
     pub(in crate::gather) fn follow_shared<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
         self.follow(path, context);

@@ -9,8 +9,8 @@ use crate::optics::bsdf::{Bsdf, InterfaceIors, TransportMode};
 use crate::walk::{BodyMode, Sink, SurfaceInteraction, bias_of_excess};
 use glam::DVec3;
 
-/// The least cosine between the normals at the gather point and at a photon. Photons with a smaller
-/// cosine are on another surface and are ignored.
+/// The least cosine of the angle between the normal at the gather point and the normal at a photon.
+/// Photons with a smaller cosine are on another surface and are ignored.
 pub const NORMAL_TOLERANCE: f64 = 0.7;
 
 /// The largest distance of a photon from the tangent plane, as a fraction of the kernel radius.
@@ -34,7 +34,7 @@ pub(in crate::gather) struct GatherPoint<'e> {
     normal: DVec3,
     /// The normal on the visible side.
     facing: DVec3,
-    /// The largest distance of photons from the tangent plane, in m.
+    /// The largest distance (m) from the tangent plane at which photons count.
     height_m: f64,
     kernel: DiskKernel,
     spectral_mode: SpectralMode,

@@ -12,14 +12,15 @@ use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
 use std::num::NonZeroU32;
 
-/// The number of directions of an outline.
+/// The number of directions in which an outline stores the extent of the surface.
 const DIRECTIONS: usize = 16;
 
 /// The search rays find the end of the surface. This constant is their height above the surface, as
 /// a fraction of the search distance.
 const LIFT: f64 = 0.25;
 
-/// The least cosine between the normals of a surface and of its continuation.
+/// The least cosine of the angle between the normal of a surface and the normal of its
+/// continuation.
 const CONTINUATION_COSINE: f64 = 0.7;
 
 /// The lower limit of the fraction of a kernel on the surface. The estimate is divided by this
@@ -27,7 +28,7 @@ const CONTINUATION_COSINE: f64 = 0.7;
 const LEAST_FRACTION: f64 = 0.1;
 
 /// The extent of the surface around a visible point. Each pixel near an edge has an outline. To
-/// save memory, an outline stores positions in single precision and extents in steps of 8 bits.
+/// save memory, an outline stores positions in single precision and extents as 8-bit integers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
     position: Vec3,
@@ -98,7 +99,8 @@ fn surface_extent(geometry: &Geometry, visible_point: &VisiblePoint, direction: 
     0.5 * (on + off)
 }
 
-/// The outlines of directly visible surfaces, for each pixel whose kernel reaches over an edge.
+/// The outlines of directly visible surfaces. A pixel has an outline if its kernel reaches over an
+/// edge.
 #[derive(Debug, Default)]
 pub struct Outlines {
     width: usize,
@@ -127,10 +129,10 @@ impl Outlines {
         outlines
     }
 
-    /// Returns the fraction of each kernel that lies on the surface, at a visible point of this
-    /// pixel. The pixel may see several surfaces. If the pixel's own outline belongs to a different
-    /// surface, a neighbouring pixel may have an outline of the right surface. The correction then
-    /// uses that outline.
+    /// Returns the fraction of each kernel that lies on the surface. The kernels are centred on a
+    /// visible point of this pixel. The pixel may see several surfaces. If the pixel's own outline
+    /// belongs to a different surface, a neighbouring pixel may have an outline of the right
+    /// surface. The correction then uses that outline.
     pub fn correction(&self, pixel: usize, visible_point: &VisiblePoint, radius: f64) -> BoundaryCorrection {
         let (x, y) = ((pixel % self.width.max(1)) as isize, (pixel / self.width.max(1)) as isize);
         let nearby = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1)];

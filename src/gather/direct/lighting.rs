@@ -63,16 +63,16 @@ pub(in crate::gather) struct VolumeLightSampleContext<'a> {
     pub(in crate::gather) u: [f64; 3],
 }
 
-/// Direct light at a surface, before the attenuation by media.
+/// A sample of direct light at a surface. The sample does not include the attenuation by media.
 pub(in crate::gather) struct LightSample<'a> {
     pub(in crate::gather) light: &'a Light,
-    /// The direction towards the light, unit, in the interaction's frame.
+    /// The unit direction towards the light, in the interaction's frame.
     pub(in crate::gather) wi: DVec3,
     /// The reflected radiance at a wavelength is `strength` × S(λ) × f(λ). The strength includes
     /// the cosine, the density and the weight of multiple importance sampling.
     pub(in crate::gather) strength: f64,
     pub(in crate::gather) spd: EmittedSpd,
-    /// The direction towards the light, unit, in world space.
+    /// The unit direction towards the light, in world space.
     pub(in crate::gather) direction: DVec3,
     /// The distance to the light in m.
     pub(in crate::gather) distance_m: f64,
@@ -81,7 +81,7 @@ pub(in crate::gather) struct LightSample<'a> {
 /// Direct light at a point in a medium.
 pub(in crate::gather) struct VolumeLightSample<'a> {
     pub(in crate::gather) light: &'a Light,
-    /// The direction in which the light travels, unit, in world space.
+    /// The unit direction in which the light travels, in world space.
     pub(in crate::gather) incoming: DVec3,
     /// The scattered radiance at a wavelength, without attenuation, is `strength` × S(λ) × σ_s(λ) ×
     /// p(cos θ, λ).
@@ -207,9 +207,9 @@ impl<'a> DirectLighting<'a> {
         })
     }
 
-    /// Samples the direct light of one light at a surface, before the attenuation by media. Returns
-    /// `None` if the light does not reach the surface, or if the surface does not scatter the
-    /// light.
+    /// Samples the direct light of one light at a surface. The sample does not include the
+    /// attenuation by media. Returns `None` if the light does not reach the surface, or if the
+    /// surface does not scatter the light.
     #[inline(always)]
     pub(in crate::gather) fn sample_direct(
         &self,

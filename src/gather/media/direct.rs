@@ -1,4 +1,4 @@
-//! Direct light that a medium scatters once, into a camera path.
+//! Single scattering: direct light that a medium scatters into a camera path.
 
 use super::distance;
 use super::segment::segment_seed;
@@ -13,8 +13,8 @@ use crate::walk::{
 };
 
 impl<'a> CameraPass<'a> {
-    /// Gathers direct light at one sampled distance per light, for all lights that have no light
-    /// map.
+    /// Gathers direct light from all lights that have no light map. Each light is sampled at one
+    /// distance along the ray.
     pub(super) fn gather_direct_in_medium<S: Sink>(
         &self,
         path: &CameraPath,

@@ -1,4 +1,4 @@
-//! Sampling of distances along a segment of a medium. At these distances, the medium scatters
+//! Sampling of distances along a segment in a medium. At these distances, the medium scatters
 //! direct light.
 
 use crate::geometry::Ray;
@@ -19,9 +19,9 @@ pub(super) struct DistanceSample {
 /// If the light has a pivot, half of the samples are equiangular as seen from the pivot (Kulla &
 /// Fajardo 2012, "Importance Sampling Techniques for Path Tracing in Participating Media"). The
 /// other samples are distributed like the transmittance. One half of them uses the least extinction
-/// coefficient over the band, and the other half uses the largest. At every wavelength and every
-/// distance, at least one of these techniques is good. The returned density is that of the mixture
-/// of all techniques (balance heuristic).
+/// coefficient over the band, and the other half uses the largest extinction coefficient. At every
+/// wavelength and every distance, at least one of these techniques is good. The returned density is
+/// that of the mixture of all techniques (balance heuristic).
 pub(super) fn sample(medium: &Medium, ray: &Ray, reach: &LitInterval, u: [f64; 2]) -> Option<DistanceSample> {
     let techniques = Techniques::new(medium, ray, reach)?;
     let by_angle = if techniques.equiangular.is_some() { 0.5 } else { 0.0 };
@@ -42,7 +42,7 @@ pub(super) fn sample(medium: &Medium, ray: &Ray, reach: &LitInterval, u: [f64; 2
 pub(super) struct StratifiedDistance {
     /// The distance in m.
     pub(super) t_m: f64,
-    /// The column density from the ray's origin to the distance, in m.
+    /// The column density (m) between the ray's origin and this distance.
     pub(super) column_m: f64,
     /// The ratio of the medium's relative density ρ to the sampling density of the distances, in m.
     /// The sum of `strength_m` × f over the distances estimates ∫ρ f dt.
@@ -168,7 +168,8 @@ impl<'a> Techniques<'a> {
         }
     }
 
-    /// Returns the density per m of the two transmittance techniques, mixed in equal parts.
+    /// Returns the probability density (1/m) of the equal mixture of the two transmittance
+    /// techniques.
     fn transmittance_pdf(&self, t: f64) -> f64 {
         let along = t - self.start;
         let density = self.medium.density_at(self.ray.at(along));
@@ -176,7 +177,8 @@ impl<'a> Techniques<'a> {
         0.5 * density * (self.column_pdf(self.sigma[0], column) + self.column_pdf(self.sigma[1], column))
     }
 
-    /// Returns the density of one transmittance technique, per m of column density.
+    /// Returns the probability density of one transmittance technique over the column density. The
+    /// unit is 1/m.
     fn column_pdf(&self, sigma: f64, column: f64) -> f64 {
         let depth = sigma * self.column;
         if depth < 1e-6 { 1.0 / self.column } else { sigma * (-sigma * column).exp() / -(-depth).exp_m1() }

@@ -1,4 +1,5 @@
-//! Direct light that a medium scatters once, into a camera ray, computed with light maps.
+//! Single scattering, computed with light maps: direct light that a medium scatters into a camera
+//! ray.
 //!
 //! The estimator looks up the light map at several random points of the ray, and interpolates the
 //! transmittance there. The random points add noise but no bias. The only bias is the interpolation

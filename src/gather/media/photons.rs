@@ -54,7 +54,8 @@ impl<'a> CameraPass<'a> {
         }
     }
 
-    /// Adds the radiance scattered into the ray from the photons of one map.
+    /// Adds the radiance that is scattered into the ray. The light comes from the photons of one
+    /// map.
     fn gather_volume_map<S: Sink>(
         &self,
         map: &VolumeMap,

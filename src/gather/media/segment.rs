@@ -12,7 +12,7 @@ use crate::walk::{
 use glam::DVec3;
 use std::ops::ControlFlow;
 
-/// The number of positions along a segment where emission is evaluated.
+/// The number of positions on a segment at which emission is evaluated.
 const EMISSION_POSITIONS: u32 = 16;
 
 impl<'a> CameraPass<'a> {

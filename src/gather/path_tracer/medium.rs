@@ -87,8 +87,9 @@ impl<'a> PathTracer<'a> {
 }
 
 impl TracedPath {
-    /// Adds the light emitted by a medium into the path, evaluated at one random position of the
-    /// segment. After a scattering event, next-event estimation counts this light instead.
+    /// Adds the light that a medium emits into the path. The emission is evaluated at one random
+    /// position of the segment. After a scattering event, next-event estimation counts this light
+    /// instead.
     fn add_emission<S: Sink>(&self, segment: &MediumSegment<'_>, sampler: &mut PixelSampler, sink: &mut S) {
         let Some(NumberedMedium { medium, .. }) = segment.medium.filter(|filling| filling.medium.emission.is_some())
         else {
@@ -129,10 +130,11 @@ impl TracedPath {
         scattered
     }
 
-    /// Tracks tentative collisions of rate σ̄. The rate σ̄ is the largest extinction at the path's
-    /// wavelengths, times the bound of the density. The probability of a real scattering event is
-    /// S/(S + N). S is the sum of the scattering coefficients of all wavelengths, weighted by the
-    /// throughput. N is the same sum for the coefficients of null collisions.
+    /// Samples tentative collisions at the rate σ̄. This rate is the product of two numbers: the
+    /// largest extinction coefficient at the path's wavelengths, and the upper bound of the
+    /// density. The probability of a real scattering event is S/(S + N). S is the sum of the
+    /// scattering coefficients of all wavelengths, weighted by the throughput. N is the same sum
+    /// for the coefficients of null collisions.
     fn sample_free_flight(
         &mut self,
         medium: &Medium,
@@ -172,7 +174,7 @@ impl TracedPath {
         }
     }
 
-    /// Applies Russian roulette after a collision to paths of low relative throughput. Returns
+    /// After a collision, applies Russian roulette to paths of low relative throughput. Returns
     /// false if the path ends.
     fn survives_collision(&mut self, sampler: &mut PixelSampler) -> bool {
         let throughput = self.relative_throughput();

@@ -2,8 +2,8 @@
 //!
 //! The path tracer and photon mapping use the same surfaces, lights and geometry. However, the path
 //! tracer uses no estimator of photon mapping: no photons, no kernels and no shared wavelengths. A
-//! path carries four stratified wavelengths until its first dispersive refraction. Photon mapping
-//! finds lights without extent behind glass, but the path tracer does not.
+//! path carries four stratified wavelengths until its first dispersive refraction. If a light
+//! without extent is behind glass, photon mapping finds its light, but the path tracer does not.
 
 use crate::gather::camera::sampler::PixelSampler;
 use crate::gather::camera::throughput::relative_n2;
@@ -33,7 +33,7 @@ pub struct PathTracer<'a> {
     pub wavelengths: &'a WavelengthDistribution,
     /// The largest number of surface events in a path.
     pub max_depth: u32,
-    /// Whether the scene contains bodies or media, so that paths need a medium stack.
+    /// The media of the scene. Paths need a medium stack if the scene contains bodies or media.
     pub media_plan: MediumPlan,
 }
 
@@ -193,14 +193,15 @@ impl TracedPath {
         self.ray_state = interaction.spawn_scattered(scattered);
     }
 
-    /// Returns the ratio of the throughput to the throughput at the start of the path. The ratio is
-    /// the sum over the current wavelengths, divided by the number of lanes.
+    /// Returns the ratio of the throughput to the throughput at the start of the path. The ratios
+    /// at the current wavelengths are summed. The sum is divided by the number of lanes.
     pub(super) fn relative_throughput(&self) -> f64 {
         let lanes = self.throughput.iter().zip(&self.initial_throughput).take(self.wavelengths.count);
         lanes.filter(|(_, initial)| **initial > 0.0).map(|(t, initial)| t / initial).sum::<f64>() / LANES as f64
     }
 
-    /// Applies Russian roulette by the relative throughput. Returns false if the path ends.
+    /// Applies Russian roulette. The survival probability depends on the relative throughput.
+    /// Returns false if the path ends.
     ///
     /// The throughput is divided by n² where a path enters glass, and multiplied by n² where the
     /// path leaves the glass. The survival probability excludes this factor. Otherwise, too many

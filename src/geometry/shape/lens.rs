@@ -47,7 +47,8 @@ pub(crate) struct LensSolid {
 impl LensSolid {
     pub(crate) const FACES: u32 = 3;
 
-    /// Creates a lens. The radii are positive if the centre lies towards +z, and 0 for a plane.
+    /// Creates a lens. A radius is positive if the centre of curvature lies towards +z. A radius of
+    /// 0 means a plane.
     pub(crate) fn new(radius1: f64, radius2: f64, thickness: f64, diameter: f64) -> Self {
         let front = Cap {
             face: FRONT,
@@ -259,9 +260,10 @@ impl Cap {
         }
     }
 
-    /// Returns the roots of the line with the ball. The quadratic equation is relative to the
-    /// vertex and to the line's nearest point. The constant term therefore does not contain the
-    /// square of the radius of curvature, and the roots are accurate for nearly flat surfaces.
+    /// Returns the two t at which the line crosses the surface of the ball. In the quadratic
+    /// equation, positions are relative to the vertex, and t is relative to the point of the line
+    /// nearest to the vertex. The constant term therefore does not contain the square of the radius
+    /// of curvature, and the roots are accurate for nearly flat surfaces.
     fn roots(&self, line: &LocalLine, radius: f64) -> Option<(f64, f64)> {
         let direction = line.direction;
         let a = direction.length_squared();
@@ -278,8 +280,8 @@ impl Cap {
         Some((first + shift, second + shift))
     }
 
-    /// Returns the span of the line inside the half-space behind the plane, or behind the ball's
-    /// centre.
+    /// Returns the span of the line inside a half-space. The half-space lies behind the plane or,
+    /// for a ball, behind the ball's centre.
     fn half_space(&self, line: &LocalLine) -> Option<Span> {
         let height = self.outward * (line.origin.z - self.centre_z());
         let speed = self.outward * line.direction.z;

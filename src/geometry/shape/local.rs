@@ -47,14 +47,14 @@ impl Span {
         (enter.t <= exit.t).then_some(Self { enter, exit })
     }
 
-    /// Returns the first finite end with t > `after`.
+    /// Returns the first end of the span whose t is finite and larger than `after`.
     pub(crate) fn next_crossing(&self, after: f64) -> Option<Crossing> {
         [self.enter, self.exit].into_iter().find(|end| end.t > after && end.t < f64::INFINITY)
     }
 }
 
-/// A point of a surface in the local frame, projected onto the surface, with the outward unit
-/// normal.
+/// A point of a surface in the local frame, and the outward unit normal. The position is projected
+/// onto the surface.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LocalSurfacePoint {
     pub(crate) point: DVec3,

@@ -1,10 +1,10 @@
 //! The shapes of a scene in their local frames.
 //!
-//! Every analytic shape implements the same operations: the next crossing of a line
-//! (`LocalLine`), the surface point of a face (position projected onto the face, normal, texture
-//! coordinates), the area of a face, and a uniform point on a face. The origin and the axes of a
-//! local frame are the same as in the scene file. [`geometry`](super) places shapes in the world,
-//! traces rays and samples points there.
+//! Every analytic shape implements the same operations: the next crossing of a line (`LocalLine`),
+//! the surface point of a face (position projected onto the face, normal, texture coordinates), the
+//! area of a face, and a uniform point on a face. The origin and the axes of a local frame are the
+//! same as in the scene file. [`geometry`](super) places the shapes in the world, traces rays and
+//! samples points on the shapes.
 
 mod cylinder;
 mod flat;
@@ -26,7 +26,7 @@ pub(crate) use local::{Crossing, LocalLine};
 pub(crate) use solid::{Solid, ValidShape, bounds_of};
 pub(crate) use triangle::TriangleRay;
 
-/// A shape in its local frame, with lengths in m and angles in degrees.
+/// A shape in its local frame. Lengths are in m and angles are in degrees.
 #[derive(Debug, Clone)]
 pub enum Shape {
     /// A sphere about the origin.
@@ -61,7 +61,7 @@ pub enum Shape {
     /// A closed triangular prism with its axis along z and its apex towards +y. The centroid of its
     /// triangle is the origin.
     Prism {
-        /// Length of the two legs that meet at the apex, in m.
+        /// Length of each of the two legs that meet at the apex, in m.
         side: f64,
         /// Extent along z in m.
         length: f64,
@@ -71,11 +71,11 @@ pub enum Shape {
     /// A lens: two spherical surfaces about the z axis and a cylindrical edge. The front vertex is
     /// the origin.
     Lens {
-        /// Radius of curvature of the front surface in m, positive if its centre lies towards +z. 0
-        /// is a plane.
+        /// Radius of curvature of the front surface in m. It is positive if the centre of curvature
+        /// lies towards +z. A radius of 0 means a plane.
         radius1: f64,
-        /// Radius of curvature of the back surface in m, with the same sign convention. A biconvex
-        /// lens has the signs (+, −).
+        /// Radius of curvature of the back surface in m. The sign convention is the same as for
+        /// `radius1`. A biconvex lens has the signs (+, −).
         radius2: f64,
         /// Distance between the vertices in m.
         thickness: f64,

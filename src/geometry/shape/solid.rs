@@ -24,8 +24,8 @@ pub(crate) enum Solid {
     Lens(LensSolid),
 }
 
-/// Scale of a body for the inside test. A point inside the scaled body is also inside the body,
-/// whatever the rounding.
+/// Scale factor of a body for the inside test. A point inside the scaled body is also inside the
+/// original body, regardless of rounding.
 const INSIDE_SHARE: f64 = 1.0 - 1e-9;
 
 /// A validated shape: either an analytic solid or a mesh.
@@ -106,7 +106,8 @@ impl Solid {
         }
     }
 
-    /// Projects a point on or near a face onto the face. Returns the surface point.
+    /// Projects a point onto a face. The point must lie on the face or near it. Returns the surface
+    /// point.
     pub(crate) fn surface(&self, point: DVec3, face: u32) -> LocalSurfacePoint {
         match self {
             Self::Sphere(sphere) => sphere.surface(point),

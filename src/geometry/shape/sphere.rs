@@ -44,7 +44,7 @@ impl Sphere {
 }
 
 /// Returns the unit vector at height `y` above the equator. `turn` (0 to 1) is the azimuth as a
-/// fraction of a full turn about y.
+/// fraction of a full turn about the y axis.
 fn on_unit_sphere(y: f64, turn: f64) -> DVec3 {
     let ring = ((1.0 - y) * (1.0 + y)).max(0.0).sqrt();
     let (sin, cos) = (TAU * turn).sin_cos();

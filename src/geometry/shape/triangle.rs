@@ -1,5 +1,5 @@
-//! Watertight ray–triangle intersection: a line between two adjacent triangles intersects exactly
-//! one of them.
+//! Watertight ray–triangle intersection: a line through the common edge of two adjacent triangles
+//! intersects exactly one of them.
 //!
 //! As in Woop, Benthin & Wald, "Watertight ray/triangle intersection" (JCGT 2, 2013), vertices are
 //! transformed to a frame whose third axis is the ray. Every triangle uses the same arithmetic for
@@ -10,7 +10,7 @@
 
 use glam::DVec3;
 
-/// The data of a ray, shared by all its triangle tests.
+/// The data of a ray that all triangle tests of this ray share.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TriangleRay {
     origin: DVec3,
@@ -45,7 +45,8 @@ impl TriangleRay {
         (self.across_x, self.across_y)
     }
 
-    /// Returns the intersection of the line with the triangle, on either side of the origin.
+    /// Returns the intersection of the line with the triangle. The intersection may lie on either
+    /// side of the ray's origin.
     #[inline(always)]
     pub(crate) fn intersect(&self, [a, b, c]: [DVec3; 3]) -> Option<TriangleHit> {
         let (a, b, c) = (a - self.origin, b - self.origin, c - self.origin);

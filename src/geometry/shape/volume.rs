@@ -4,7 +4,8 @@ use super::{PlacedShape, Shape};
 use std::f64::consts::PI;
 
 impl Shape {
-    /// Returns the enclosed volume in m³ in the local frame, or 0 for flat shapes.
+    /// Returns the volume that the shape encloses in its local frame, in m³. Returns 0 for flat
+    /// shapes.
     pub fn volume_m3(&self) -> f64 {
         match self {
             Self::Sphere { radius } => 4.0 / 3.0 * PI * radius.powi(3),
@@ -33,7 +34,7 @@ impl Shape {
 }
 
 impl PlacedShape {
-    /// Returns the enclosed volume in the world in m³.
+    /// Returns the volume that the shape encloses in the world, in m³.
     pub fn volume_m3(&self) -> f64 {
         self.shape.volume_m3() * self.to_world.matrix3.determinant().abs()
     }

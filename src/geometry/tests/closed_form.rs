@@ -70,8 +70,9 @@ fn agrees_with_its_definition(shape: &Shape, to_world: DAffine3) {
             assert!(hit.position.distance(ray.at(hit.t)) < 1e-9 * reach, "{shape:?}: {hit:?}");
             assert!((hit.normal.length() - 1.0).abs() < 1e-14 && local.is_finite());
         }
-        // `left` contains the hits without a counterpart in `expected`. They must come in pairs
-        // that are close together, because the small steps may miss thin regions.
+        // `left` contains the hits without a counterpart in `expected`. The small steps may miss
+        // thin regions. Therefore, these hits are allowed, but only as pairs that are close
+        // together.
         let too_thin =
             left.chunks(2).all(|pair| pair.len() == 2 && pair[1].t - pair[0].t < 2.0 * length / f64::from(steps));
         assert!(too_thin, "{shape:?}: hits too many: {left:?}");

@@ -2,8 +2,9 @@
 
 use super::*;
 
-/// Returns a floor (object 0), a glass block on it (object 1) and a mesh on the block (object 2),
-/// relative to `centre`. Because of the rotation, no coordinate is exactly representable.
+/// Returns a floor (object 0), a glass block on it (object 1) and a mesh on the block (object 2).
+/// All positions are relative to `centre`. Because of the rotation, no coordinate is exactly
+/// representable.
 fn block_on_floor(to_world: DAffine3, order: [usize; 3], floor_faces_up: bool, centre: DVec3) -> Geometry {
     let up = |height: f64| DAffine3::from_translation(DVec3::new(0.0, height, 0.0));
     let flip = if floor_faces_up { DAffine3::IDENTITY } else { DAffine3::from_rotation_x(std::f64::consts::PI) };

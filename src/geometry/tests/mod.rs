@@ -89,7 +89,7 @@ fn closed_shapes() -> Vec<Shape> {
     all
 }
 
-/// Returns a closed mesh of 20·4ⁿ triangles on the unit sphere with shared vertices.
+/// Returns a closed mesh with shared vertices. It has 20·4ⁿ triangles on the unit sphere.
 fn icosphere(levels: u32) -> TriangleMesh {
     let g = 0.5 * (1.0 + 5.0_f64.sqrt());
     let mut positions: Vec<DVec3> = Vec::new();

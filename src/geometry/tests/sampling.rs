@@ -1,4 +1,4 @@
-//! Compares sampled points with areas and solid angles in closed form.
+//! Compares sampled points with areas and solid angles that have closed forms.
 
 use std::f64::consts::PI;
 

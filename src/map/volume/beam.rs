@@ -38,7 +38,7 @@ const MOST_PIECES: f64 = 48.0;
 
 impl PhotonBeam {
     /// Creates a beam in the medium number `medium`. The two positions are the start and the end of
-    /// the beam, in m, relative to the scene's centre. `power` is the power at the start.
+    /// the beam. They are in m, relative to the scene's centre. `power` is the power at the start.
     pub fn new([start, end]: [DVec3; 2], medium: usize, power: PhotonPower) -> Self {
         let point = |p: DVec3| p.as_vec3().to_array();
         Self { start: point(start), end: point(end), medium: medium as u16, power }

@@ -49,13 +49,13 @@ pub struct LightMap<'a> {
     pub virtual_light: VirtualLight,
     /// Transforms scene coordinates to cells of the fine lattice.
     to_cells: DAffine3,
-    /// The number of cells along each axis; even.
+    /// The number of cells along each axis. It is an even number.
     cells: [usize; 3],
     /// The attenuators between the light and the nodes.
     attenuators: Vec<Attenuator<'a>>,
-    /// The mean density along the line from the light to each node, or the column density in m if
-    /// the light is at infinity. The values of all attenuators at one node are adjacent. Among the
-    /// nodes, x varies fastest.
+    /// The mean density along the line from the light to each node. If the light is at infinity,
+    /// the column density (m) is stored instead. The values of all attenuators at one node are
+    /// adjacent. Among the nodes, x varies fastest.
     means: Vec<f32>,
     /// Whether the light is visible from each node.
     visible: Vec<bool>,
@@ -222,7 +222,7 @@ impl<'a> LightMap<'a> {
 
     /// Returns the optical depths between the light and the position. The first result comes from
     /// the fine lattice, and the second comes from the coarse lattice. `distance` is the distance
-    /// to the light in m, infinite for a light at infinity.
+    /// to the light in m. It is infinite for a light at infinity.
     pub fn optical_depths(&self, lookup: &LightMapLookup, distance: f64, coefficients: &[Lanes]) -> [Lanes; 2] {
         lookup.0.map(|weights| {
             let mut depths = [0.0; LANES];
@@ -234,7 +234,7 @@ impl<'a> LightMap<'a> {
         })
     }
 
-    /// Returns the column density of an attenuator in m.
+    /// Returns the column density (m) of an attenuator.
     fn column_m(&self, interpolation: &TrilinearWeights, attenuator: usize, distance: f64) -> f64 {
         let TrilinearWeights { nodes, weights } = interpolation;
         let count = self.attenuators.len();
@@ -252,8 +252,8 @@ impl Attenuator<'_> {
         }
     }
 
-    /// Returns the attenuator's column density along a segment in m, or 0 if the attenuator does
-    /// not fill the segment.
+    /// Returns the column density (m) of the attenuator along a segment. Returns 0 if the
+    /// attenuator does not fill the segment.
     fn column_m(&self, segment: &MediumSegment<'_>) -> f64 {
         match self {
             Attenuator::Medium(filling) if segment.medium.is_some_and(|other| other.number == filling.number) => {
@@ -286,8 +286,9 @@ fn attenuators(scene: &Scene) -> Vec<Attenuator<'_>> {
     media.chain(bodies().filter_map(|body| body.absorption.as_ref().map(Attenuator::Clear))).collect()
 }
 
-/// Computes the mean density of each attenuator between the light and a node, or the column density
-/// for a light at infinity. Returns whether the light is visible from the node.
+/// Computes the mean density of each attenuator between the light and a node. For a light at
+/// infinity, computes the column density instead. Returns whether the light is visible from the
+/// node.
 ///
 /// The function follows the line from the light to the node, because the medium stack at the light
 /// is known. Surfaces do not end the line. Therefore the stored densities vary smoothly even behind

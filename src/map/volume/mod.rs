@@ -53,11 +53,11 @@ impl Default for VolumePhotons {
 pub struct PhotonNearRay<'m> {
     /// The wavelengths and powers.
     pub power: &'m PhotonPower,
-    /// The photon's direction, unit.
+    /// The unit direction in which the photon travels.
     pub incoming: DVec3,
     /// The medium's number.
     pub medium: usize,
-    /// The distance along the ray to the closest approach, in m.
+    /// The distance (m) along the ray to the point of closest approach.
     pub t: f64,
     /// The kernel values, in 1/m². The values of a beam are divided by the sine of the angle
     /// between the beam and the ray.

@@ -1,4 +1,5 @@
-//! Tabulated directional albedo of a rough dielectric coat, by angle and refractive index.
+//! A table of the directional albedo of a rough dielectric coat. The table is indexed by angle and
+//! by refractive index.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -115,9 +116,10 @@ impl Stencil {
 /// [`Ggx::sample_visible`]. The integral extends over the visible normals that reflect light
 /// upwards.
 ///
-/// On the disk sampled by `sample_visible`, these normals surround the centre. Along each radius
-/// the substitution u = sin²φ makes the integrand smooth up to the boundary. The integrand is
-/// symmetric about the plane of incidence, so the integral over half of the disk suffices.
+/// `sample_visible` samples points of a disk. On this disk, the normals that reflect light upwards
+/// form a region around the centre. Along each radius, the substitution u = sin²φ makes the
+/// integrand smooth up to the boundary of the region. The integrand is symmetric about the plane of
+/// incidence, so the integral over half of the disk suffices.
 fn directional_albedo(facets: &Ggx, index: f64, cos: f64, rule: &[(f64, f64)]) -> f64 {
     let wo = DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
     let radii = rule.len();
@@ -137,7 +139,7 @@ fn directional_albedo(facets: &Ggx, index: f64, cos: f64, rule: &[(f64, f64)]) -
     sum / radii as f64
 }
 
-/// Returns the largest φ ≤ π/2 for which `upwards` is true on the whole interval \[0, φ\]. The
+/// Returns the largest φ ≤ π/2 such that `upwards` is true on the whole interval \[0, φ\]. The
 /// integrand vanishes at this φ, so 16 bisection steps are accurate enough.
 fn largest_upward_phi(upwards: impl Fn(f64) -> bool) -> f64 {
     if upwards(FRAC_PI_2) {

@@ -24,8 +24,8 @@ pub struct Conductor {
 }
 
 impl Conductor {
-    /// Creates a metal of index `n` + i`k` and GGX roughness `alpha`. Below [`MIN_ALPHA`] the
-    /// surface is smooth.
+    /// Creates a metal of index `n` + i`k` and GGX roughness `alpha`. If `alpha` is below
+    /// [`MIN_ALPHA`], the surface is smooth.
     ///
     /// # Errors
     /// Returns an error if `n` or `k` is negative, or `alpha` lies outside \[0, 1\].

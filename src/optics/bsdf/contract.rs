@@ -105,8 +105,8 @@ fn cases() -> Vec<BsdfCase> {
     ]
 }
 
-/// Returns view directions along the normal, at mid angles and near grazing, in front of and behind
-/// the surface.
+/// Returns view directions on both sides of the surface. Their angles to the normal lie between 0
+/// and 82 degrees.
 fn views() -> Vec<DVec3> {
     let at = |degrees: f64, azimuth: f64, side: f64| {
         let (sin, cos) = degrees.to_radians().sin_cos();
@@ -143,7 +143,8 @@ fn histogram(case: &BsdfCase, wo: DVec3, nm: f64, samples: usize, seed: u64) -> 
     seen
 }
 
-/// Calls `check` for every combination of case, view direction and wavelength, with its own seed.
+/// Calls `check` for every combination of case, view direction and wavelength. Each combination has
+/// its own seed.
 fn each_view(mut check: impl FnMut(&BsdfCase, DVec3, f64, u64)) {
     let mut seed = 0;
     for case in cases() {
@@ -242,8 +243,8 @@ fn balance(case: &BsdfCase, wo: DVec3, hero_nm: f64, nm: f64, seed: u64) -> Vec<
         .collect()
 }
 
-/// The mean weight plus the mean absorbed fraction is 1. Some BSDFs conserve energy in each single
-/// event, not only in the mean.
+/// The mean weight plus the mean absorbed fraction is 1. For some BSDFs, the weight and the
+/// absorbed fraction of each single event also sum to 1.
 #[test]
 fn scattered_and_absorbed_power_sum_to_one() {
     each_view(|case, wo, nm, seed| {
@@ -354,7 +355,7 @@ fn reciprocity_fails_without_the_squared_index() {
     assert!(through > 300 && broken == through, "{broken} of {through}");
 }
 
-/// The coefficients of delta distributions are reciprocal up to the n² scale.
+/// The coefficients of delta distributions are reciprocal after division by the n² factor.
 #[test]
 fn delta_coefficients_are_reciprocal() {
     for case in cases() {
@@ -404,8 +405,8 @@ fn extreme_random_numbers_and_angles_stay_finite() {
     }
 }
 
-/// Only refraction can restrict a path to one wavelength, and only if at least one of the two media
-/// is dispersive.
+/// Only refraction can restrict a path to one wavelength. At least one of the two media must be
+/// dispersive.
 #[test]
 fn only_dispersive_refraction_sets_disperses() {
     each_view(|case, wo, nm, seed| {

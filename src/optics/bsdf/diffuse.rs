@@ -20,7 +20,8 @@ pub struct Diffuse {
 }
 
 impl Diffuse {
-    /// Creates a Lambertian reflector. Returns an error if the reflectance leaves \[0, 1\].
+    /// Creates a Lambertian reflector. Returns an error if the reflectance is outside \[0, 1\] at
+    /// any wavelength.
     pub fn new(reflectance: Spectrum) -> Result<Self> {
         check_within("reflectance", &reflectance, 1.0)?;
         Ok(Self { reflectance })

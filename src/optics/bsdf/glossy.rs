@@ -40,9 +40,9 @@ pub struct Glossy {
 }
 
 impl Glossy {
-    /// Creates a base under a coat. The arguments are the reflectance of the base, and the
-    /// refractive index and the GGX roughness `alpha` of the coat. Roughness below
-    /// [`crate::optics::microfacet::MIN_ALPHA`] is raised to that value.
+    /// Creates a base under a coat. `reflectance` belongs to the base. The refractive index and the
+    /// GGX roughness `alpha` belong to the coat. If `alpha` is below
+    /// [`crate::optics::microfacet::MIN_ALPHA`], it is raised to that value.
     ///
     /// # Errors
     /// Returns an error if the reflectance or `alpha` lies outside \[0, 1\].
@@ -56,8 +56,8 @@ impl Glossy {
         Ok(Self { coat: CoatAlbedo::new(&facets, lowest, highest), reflectance, index, facets, has_base })
     }
 
-    /// Returns two directional albedos at the cosine of `wo`: of coat and base together, and of the
-    /// coat alone.
+    /// Returns two directional albedos at the cosine of `wo`. The first is the albedo of coat and
+    /// base together. The second is the albedo of the coat alone.
     fn albedo(&self, wo: DVec3, nm: f64) -> (f64, f64) {
         let coat = self.coat.at(wo.z.abs(), self.index.n(nm));
         (coat + self.reflectance.at(nm) * (1.0 - coat), coat)

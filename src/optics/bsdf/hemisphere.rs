@@ -20,8 +20,8 @@ pub(super) fn same_side(wo: DVec3, wi: DVec3) -> bool {
     wi.z * z_sign(wo) > 0.0
 }
 
-/// Samples a direction with the density |cosθ|/π on the side given by `sign`. A uniform point of
-/// the unit disk is projected onto the hemisphere (Malley's method).
+/// Samples a direction on the side given by `sign`. The density is |cosθ|/π. A uniform point of the
+/// unit disk is projected onto the hemisphere (Malley's method).
 pub(super) fn sample_cosine(sign: f64, u: f64, v: f64) -> DVec3 {
     let (sin, cos) = (2.0 * PI * v).sin_cos();
     let radius = u.sqrt();
@@ -31,7 +31,8 @@ pub(super) fn sample_cosine(sign: f64, u: f64, v: f64) -> DVec3 {
     DVec3::new(radius * cos, radius * sin, z * sign)
 }
 
-/// Returns the density of [`sample_cosine`] per solid angle, on the side of `wi`.
+/// Returns the density per solid angle with which [`sample_cosine`] samples `wi`. The argument
+/// `sign` of that function is assumed to be the sign of `wi.z`.
 pub(super) fn cosine_pdf(wi: DVec3) -> f64 {
     wi.z.abs() * FRAC_1_PI
 }

@@ -1,9 +1,8 @@
 //! Scattering functions of surfaces (BSDFs): reflection, transmission and absorption.
 //!
 //! Directions are unit vectors in the local frame of the surface, with z along the outward normal.
-//! `wo` and `wi` both point away from the surface. The path arrives along −`wo` and continues along
-//! `wi`, for photons and for camera paths. If `wo.z` is negative, the path arrives from behind the
-//! surface.
+//! `wo` and `wi` both point away from the surface. Both photon paths and camera paths arrive along
+//! −`wo` and continue along `wi`. If `wo.z` is negative, the path arrives from behind the surface.
 //!
 //! A path scatters in three steps. [`Bsdf::sample_component`] selects one component of a mixture.
 //! [`Bsdf::sample`] samples `wi` at the hero wavelength of the path. The third step computes a

@@ -1,4 +1,4 @@
-//! The interface between BSDFs and the integrators: transport mode, refractive indices, classes and
+//! The types that BSDFs and integrators exchange: transport mode, refractive indices, classes and
 //! samples.
 
 use glam::DVec3;
@@ -13,8 +13,8 @@ pub enum TransportMode {
     /// gains the factor (n_here/n_there)², because radiance scales with the squared index (Veach
     /// 1997, §5.2).
     Radiance,
-    /// Power, transported by photons along the direction of the light. Photons have no factor for
-    /// the change of index.
+    /// Power, transported by photons along the direction of the light. When a photon is refracted,
+    /// its power is not multiplied by a factor for the change of index.
     Importance,
 }
 
@@ -69,10 +69,11 @@ pub struct BsdfSample {
     /// angle. Always positive.
     pub probability: f64,
     /// True if `wi` depends on the wavelength. If so, the path can keep only one wavelength. The
-    /// value is true only for refraction, and only if at least one of the two media is dispersive.
+    /// value is true only if the event is refraction and at least one of the two media is
+    /// dispersive.
     pub disperses: bool,
-    /// The probability of the sampled event at the hero wavelength, for a dielectric interface.
-    /// Other BSDFs do not use this field.
+    /// The probability of the sampled event at the hero wavelength. Only dielectric interfaces use
+    /// this field.
     pub(super) event_probability: f64,
     /// The cosine between `wo` and the sampled microfacet normal. If the cosine were recomputed
     /// from the half vector, it would be inaccurate for facets seen edge-on.

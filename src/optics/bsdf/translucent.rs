@@ -10,11 +10,12 @@ use super::sample::{BsdfSample, ScatterEvent};
 use crate::error::{Error, Result};
 use crate::spectrum::Spectrum;
 
-/// Weight of the band average in the probability of reflection. The probability is a weighted mean
-/// of ρ/(ρ + τ) for the band averages and ρ/(ρ + τ) at the hero wavelength. The band average gives
-/// an event a positive probability even if the event has no power at the hero wavelength. For
-/// example, a leaf that transmits only green light must also transmit on a path whose hero
-/// wavelength is red.
+/// Weight of the band average in the probability of reflection. The probability is the weighted
+/// mean of two values of ρ/(ρ + τ). One value is computed from the averages of ρ and τ over the
+/// band. The other value is computed from ρ and τ at the hero wavelength. The band average gives an
+/// event a positive probability even if the event has no power at the hero wavelength. For example,
+/// a leaf that transmits only green light must also transmit on a path whose hero wavelength is
+/// red.
 const BAND_WEIGHT: f64 = 0.25;
 
 /// A thin diffuse sheet with reflectance ρ(λ) and transmittance τ(λ).

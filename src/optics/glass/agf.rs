@@ -1,5 +1,5 @@
-//! Zemax glass catalogues (`.agf`): a list of operands, one per line. The operands of a glass
-//! follow its `NM` line.
+//! Zemax glass catalogues (`.agf`). A catalogue is a list of operands. Each operand has its own
+//! line. The operands of a glass follow its `NM` line.
 //!
 //! The reader uses `NM` (name and formula number), `CD` (coefficients for λ in µm) and `LD`
 //! (wavelength range in µm). The indices are relative to air. All other operands are ignored,
@@ -165,8 +165,8 @@ mod tests {
     use super::*;
     use crate::optics::glass::catalogue;
 
-    /// N-BK7 and BK7 with Schott's published coefficients in the new and the old form, and
-    /// synthetic glasses for the other formulas.
+    /// N-BK7 with Schott's published coefficients in the new form, BK7 with Schott's published
+    /// coefficients in the old form, and synthetic glasses for the other formulas.
     const FILE: &str = "CC a few glasses\r\n\
         NM N-BK7 2 517642.251 1.5168 64.17 0 1 -1\r\nGC \r\nED 7.1 8.3 2.51 -0.0009 0\r\n\
         CD 1.03961212E+0 6.00069867E-3 2.31792344E-1 2.00179144E-2 1.01046945E+0 1.03560653E+2 0 0 0 0\r\n\

@@ -30,7 +30,7 @@ pub enum GlassKind {
     Gas,
 }
 
-/// A least-squares fit of n = a + b/λ² + c/λ⁴ with λ in µm.
+/// A least-squares fit of n = a + b/λ² + c/λ⁴, where λ is in µm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CauchyFit {
     /// Coefficient a, dimensionless.
@@ -111,13 +111,13 @@ impl Glass {
         Ok(index)
     }
 
-    /// Returns the absorption coefficient in 1/m at a wavelength in nm. Returns `None` if the
-    /// source contains no extinction coefficient.
+    /// Returns the absorption coefficient in 1/m. Returns `None` if the source contains no
+    /// extinction coefficient.
     pub fn absorption_per_m(&self, wavelength_nm: f64) -> Option<f64> {
         self.extinction.as_ref().map(|extinction| extinction.absorption_per_m(wavelength_nm))
     }
 
-    /// Returns the internal transmittance of `length_m` metres at a wavelength in nm. Reflection
+    /// Returns the internal transmittance of a piece of the length `length_m` metres. Reflection
     /// losses at the faces are not included. Returns `None` if the source contains no extinction
     /// coefficient.
     pub fn internal_transmittance(&self, wavelength_nm: f64, length_m: f64) -> Option<f64> {

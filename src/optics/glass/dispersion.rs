@@ -3,10 +3,11 @@
 /// One term b·λ²/(λ² − c) of Sellmeier's formula.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SellmeierTerm {
-    /// Strength, dimensionless. In [`Dispersion::Gas`] it is in 1/µm².
+    /// Strength of the resonance. It is dimensionless, except in [`Dispersion::Gas`], where its
+    /// unit is 1/µm².
     pub b: f64,
-    /// Squared resonance wavelength in µm². In [`Dispersion::Gas`] it is the squared wavenumber in
-    /// 1/µm².
+    /// Squared resonance wavelength in µm². In [`Dispersion::Gas`], this field is the squared
+    /// resonance wavenumber in 1/µm².
     pub c: f64,
 }
 
@@ -19,8 +20,8 @@ pub struct PowerTerm {
     pub p: i32,
 }
 
-/// A dispersion formula. Its coefficients are for λ in µm; the argument of [`Dispersion::n`] is in
-/// nm.
+/// A dispersion formula. In the formulas, λ is in µm. In contrast, the argument of
+/// [`Dispersion::n`] is in nm.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Dispersion {
     /// The same index at every wavelength.

@@ -20,13 +20,13 @@ impl Extinction {
         interpolate(&self.nm, &self.k, wavelength_nm)
     }
 
-    /// Returns the absorption coefficient 4πk/λ in 1/m at a wavelength in nm.
+    /// Returns the absorption coefficient 4πk/λ in 1/m. The argument is the wavelength in nm.
     pub fn absorption_per_m(&self, wavelength_nm: f64) -> f64 {
         4.0 * PI * self.k(wavelength_nm) / (wavelength_nm * 1e-9)
     }
 
-    /// Returns the internal transmittance of `length_m` metres of the material: the transmitted
-    /// fraction without reflection losses at the faces.
+    /// Returns the internal transmittance of a piece of the length `length_m` metres. Reflection
+    /// losses at the faces are not included.
     pub fn internal_transmittance(&self, wavelength_nm: f64, length_m: f64) -> f64 {
         (-self.absorption_per_m(wavelength_nm) * length_m).exp()
     }

@@ -19,7 +19,8 @@ pub enum ReferenceMedium {
     Unstated,
 }
 
-/// A refractive index n(λ) ≥ 1 over the whole band, relative to the surrounding air.
+/// A refractive index n(λ) relative to the surrounding air. It is defined over the whole band and
+/// is at least 1.
 ///
 /// Outside the range of validity of its formula, n is the value at the nearest end of the range,
 /// because dispersion formulas extrapolate badly.
@@ -38,8 +39,8 @@ impl RefractiveIndex {
         Self::new(Dispersion::Constant(n), BAND_NM)
     }
 
-    /// Creates an index by Cauchy's formula n = a + b/λ² + c/λ⁴ with λ in µm. Returns an error if n
-    /// is below 1 in the band or NaN.
+    /// Creates an index by Cauchy's formula n = a + b/λ² + c/λ⁴, where λ is in µm. Returns an error
+    /// if n is NaN or below 1 at a wavelength of the band.
     pub fn cauchy(a: f64, b: f64, c: f64) -> Result<Self> {
         Self::new(Dispersion::Cauchy { a, b, c }, BAND_NM)
     }
@@ -47,8 +48,8 @@ impl RefractiveIndex {
     /// Creates an index by Sellmeier's formula n² = 1 + Σ b λ²/(λ² − c), with λ in µm and c in µm².
     ///
     /// # Errors
-    /// Returns an error if the lists have different lengths, a resonance lies within the band, or n
-    /// is below 1 or NaN.
+    /// Returns an error if the lists have different lengths, if a resonance lies within the band,
+    /// or if n is below 1 or NaN.
     pub fn sellmeier(b: &[f64], c_um2: &[f64]) -> Result<Self> {
         if b.len() != c_um2.len() {
             let what = format!("{} Sellmeier coefficients b but {} c", b.len(), c_um2.len());
@@ -59,7 +60,8 @@ impl RefractiveIndex {
     }
 
     /// Creates a two-term Cauchy index from n_d and from the Abbe number `vd` = (n_d − 1)/(n_F −
-    /// n_C) > 0. Returns an error if `vd` is not positive, or if n is below 1 in the band or NaN.
+    /// n_C) > 0. Returns an error if `vd` is not positive, or if n is NaN or below 1 at a
+    /// wavelength of the band.
     pub fn abbe(nd: f64, vd: f64) -> Result<Self> {
         if !(vd > 0.0 && vd.is_finite()) {
             return Err(Error::input(format!("an Abbe number of {vd}")).expected("a positive number"));
@@ -97,7 +99,8 @@ impl RefractiveIndex {
     /// two increasing wavelengths in nm. Outside the range, the value at the nearest end is used.
     ///
     /// # Errors
-    /// Returns an error if n is below 1 in the band or NaN, or a resonance lies within the range.
+    /// Returns an error if n is NaN or below 1 at a wavelength of the band, or if a resonance lies
+    /// within the range.
     pub fn new(dispersion: Dispersion, range_nm: (f64, f64)) -> Result<Self> {
         let in_order = range_nm.0 <= range_nm.1;
         if !in_order {
@@ -120,8 +123,8 @@ impl RefractiveIndex {
         Ok(index)
     }
 
-    /// Sets a warning if the range of the material does not cover the band, or if the index is
-    /// relative to vacuum.
+    /// Sets a warning if the range of validity does not cover the band, or if the index is relative
+    /// to vacuum.
     pub(super) fn set_warning(&mut self, name: &str, relative_to: ReferenceMedium) {
         let (from, to) = self.range_nm;
         let mut warnings = Vec::new();

@@ -1,5 +1,5 @@
-//! Spectral lines for which refractive indices are published. The values are wavelengths in air in
-//! nm (ISO 7944; Schott, technical information 29).
+//! Spectral lines for which refractive indices are published. The values are wavelengths in nm,
+//! measured in air (ISO 7944; Schott, technical information 29).
 
 /// The h line: mercury, violet.
 pub const H_NM: f64 = 404.6561;

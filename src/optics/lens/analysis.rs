@@ -35,11 +35,12 @@ pub struct LineFocus {
 pub struct FieldPoint {
     /// Field angle in degrees.
     pub angle_deg: f64,
-    /// Height of the d line's chief ray on the sensor, in mm above the axis.
+    /// Height above the axis, in mm, at which the chief ray of the d line reaches the sensor.
     pub image_height_mm: f64,
     /// Relative difference between the image height and f·tan(angle), or `None` on the axis.
     pub distortion: Option<f64>,
-    /// Lateral colour: the height of the chief ray at F minus its height at C, in mm.
+    /// Lateral colour in mm: the height of the chief ray of the F line minus the height of the
+    /// chief ray of the C line.
     pub lateral_colour_mm: f64,
     /// The spots at [`LINES`].
     pub spots: [LensSpot; 3],
@@ -85,8 +86,8 @@ impl LensAnalysis {
         Ok(Self { paraxial, lines, half_field_deg, fields })
     }
 
-    /// Returns the longitudinal colour in mm: the back focal distance at F minus the back focal
-    /// distance at C.
+    /// Returns the longitudinal colour in mm: the back focal distance of the F line minus the back
+    /// focal distance of the C line.
     pub fn fc_shift_mm(&self) -> f64 {
         self.lines[0].bfd_mm - self.lines[2].bfd_mm
     }

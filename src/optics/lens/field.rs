@@ -1,6 +1,6 @@
-//! Bundles of parallel rays at an angle to the axis: the chief ray through the centre of the stop,
-//! and the spot of the bundle on the sensor. All rays are traced exactly. The chief ray lies in the
-//! meridional plane x = 0.
+//! Bundles of parallel rays at an angle to the axis. The module computes the chief ray, which
+//! passes through the centre of the stop, and the spot of the bundle on the sensor. All rays are
+//! traced exactly. The chief ray lies in the meridional plane x = 0.
 
 use glam::{DVec2, DVec3};
 
@@ -11,17 +11,17 @@ use crate::error::{Error, Result};
 /// The spot of a bundle on the sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LensSpot {
-    /// Height of the centroid in mm above the axis.
+    /// Height of the centroid above the axis in mm.
     pub centroid_mm: f64,
-    /// Root mean square distance from the centroid in mm.
+    /// Root mean square distance, in mm, of the rays from the centroid.
     pub rms_mm: f64,
     /// Number of rays of the bundle that reached the sensor.
     pub rays: usize,
 }
 
-/// First and smallest step of the field angle in degrees. The position of the pupil varies with the
-/// field, so the search for a chief ray starts on the axis and follows the pupil in steps. If no
-/// chief ray is found after a step, the step is halved.
+/// First step and smallest step of the field angle, both in degrees. The position of the pupil
+/// varies with the field, so the search for a chief ray starts on the axis and follows the pupil in
+/// steps. If no chief ray is found after a step, the step is halved.
 const FIELD_STEP_DEG: f64 = 2.0;
 const LEAST_STEP_DEG: f64 = 0.02;
 /// Maximum number of Newton steps for a chief ray. About four steps are usual.
@@ -86,7 +86,8 @@ impl MonochromaticLens<'_> {
         (y_mm.abs() <= 1e6 * tolerance_mm).then_some(z_mm)
     }
 
-    /// Returns the height of a ray at the stop in mm, if the ray reaches the stop.
+    /// Returns the height, in mm, at which a ray crosses the stop. Returns `None` if the ray does
+    /// not reach the stop.
     fn stop_height_mm(&self, ray: LensRay) -> Option<f64> {
         let mut height_mm = None;
         let stop = self.lens().stop();
@@ -120,9 +121,9 @@ impl MonochromaticLens<'_> {
         Ok(Some(LensSpot { centroid_mm: centroid.y, rms_mm: variance.sqrt(), rays: landed.len() }))
     }
 
-    /// Finds the lowest and the highest meridional ray that pass the lens. Returns the offsets of
-    /// both rays from the chief ray in mm, measured perpendicular to the chief ray. Returns `None`
-    /// if all rays are vignetted.
+    /// Finds the lowest and the highest meridional ray that pass the lens. Returns the
+    /// perpendicular distances, in mm and with sign, of both rays from the chief ray. Returns
+    /// `None` if all rays are vignetted.
     pub(super) fn passing_range_mm(&self, chief: LensRay) -> Result<Option<(f64, f64)>> {
         const MERIDIONAL_STEPS: u32 = 800;
         let radius_mm = self.bundle_radius_mm()?;

@@ -1,4 +1,5 @@
-//! Lenses of several elements: prescriptions, exact ray tracing, and paraxial and real properties.
+//! Lenses of several elements: prescriptions, exact ray tracing, paraxial properties, and
+//! properties computed from traced rays.
 //!
 //! The optical axis is z. The first vertex lies at z = 0. The scene lies towards −z and the sensor
 //! towards +z. Lengths are in mm. The surrounding medium is air, n = 1.

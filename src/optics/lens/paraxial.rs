@@ -20,8 +20,8 @@ pub struct Paraxial {
     pub efl_mm: f64,
     /// Back focal distance in mm, from the last vertex to the rear focus.
     pub bfd_mm: f64,
-    /// Position of the front focus on the axis in mm, measured from the first vertex. The value is
-    /// negative if this focus lies in front of the lens.
+    /// Position of the front focus on the axis. It is measured in mm from the first vertex. The
+    /// value is negative if this focus lies in front of the lens.
     pub front_focus_z_mm: f64,
     /// Image of the stop seen from the scene, or `None` if the image lies at infinity.
     pub entrance_pupil: Option<Pupil>,
@@ -112,8 +112,9 @@ impl MonochromaticLens<'_> {
         })
     }
 
-    /// Returns the distance of the image behind the last vertex in mm. A sensor at this distance is
-    /// in focus. The object lies `object_mm` in front of the first vertex, or at infinity.
+    /// Returns the distance in mm from the last vertex to the image behind it. A sensor at this
+    /// distance is in focus. `object_mm` is the distance of the object in front of the first
+    /// vertex. It may be infinite.
     ///
     /// # Errors
     /// Returns an error if there is no real image behind the lens, because the object is too near

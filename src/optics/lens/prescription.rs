@@ -54,8 +54,8 @@ pub struct Prescription {
     pub half_field_deg: Option<f64>,
 }
 
-/// A validated lens. Every surface is defined up to its semi-aperture, surfaces do not cross, and
-/// one surface is the stop.
+/// A validated lens. Every surface is defined up to its semi-aperture. The surfaces do not cross.
+/// One surface is the stop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lens {
     name: String,
@@ -78,9 +78,9 @@ impl Lens {
     /// Validates a prescription.
     ///
     /// # Errors
-    /// Returns an error if a number is out of range, a surface is not defined up to its
-    /// semi-aperture or crosses the next one, or the stop is missing. The error contains the path
-    /// of the surface, `surfaces[i]`, where i counts from 0.
+    /// Returns an error if a number is out of range, if a surface is not defined up to its
+    /// semi-aperture, if a surface crosses the next one, or if the stop is missing. The error
+    /// contains the path of the surface, `surfaces[i]`, where i counts from 0.
     pub fn new(prescription: Prescription) -> Result<Self> {
         let Prescription { name, source, surfaces, stop, opening, half_field_deg } = prescription;
         if !(1..=MAX_SURFACES).contains(&surfaces.len()) {
@@ -143,8 +143,8 @@ impl Lens {
         self.blades
     }
 
-    /// Returns whether a point lies inside the aperture of a surface. The point is given in mm from
-    /// the axis (right, up).
+    /// Returns whether a point lies inside the aperture of a surface. The coordinates of the point
+    /// are its distances from the axis in mm, to the right and upwards.
     pub(super) fn aperture_contains(&self, surface: usize, place: DVec2) -> bool {
         let semi_aperture_mm = self.surfaces[surface].semi_aperture_mm;
         if place.length_squared() > semi_aperture_mm * semi_aperture_mm {
@@ -162,7 +162,7 @@ impl Lens {
         self.half_field_deg
     }
 
-    /// Returns z of the vertex of a surface in mm.
+    /// Returns the z coordinate, in mm, of the vertex of a surface.
     pub fn vertex_z_mm(&self, surface: usize) -> f64 {
         self.vertices_mm[surface]
     }
@@ -175,8 +175,8 @@ impl Lens {
     /// Returns the lens stopped down to the given f-number. Returns an error if even the open stop
     /// does not reach this f-number.
     pub fn stopped_down(&self, f_number: f64) -> Result<Self> {
-        /// Tolerance of the size of the stop. The true f-number of an open lens may exceed its
-        /// nominal f-number by this fraction.
+        /// Relative tolerance of the semi-aperture of the stop. The true f-number of an open lens
+        /// may exceed its nominal f-number by this fraction.
         const NOMINAL_TOLERANCE: f64 = 1e-2;
         let stopped = self.clone().with_aperture(ApertureSpec::FNumber(f_number))?;
         let semi_aperture_mm = |lens: &Self| lens.surfaces[lens.stop].semi_aperture_mm;

@@ -33,7 +33,8 @@ pub struct SurfaceProfile {
     pub curvature_per_mm: f64,
     /// Conic constant k. 0 is a sphere, −1 a paraboloid.
     pub conic: f64,
-    /// Coefficients a₁, a₂, … of h², h⁴, … in mm^(1 − 2i). Empty for a conic.
+    /// Coefficients a₁, a₂, … of h², h⁴, …. The unit of aᵢ is mm^(1 − 2i). The list is empty for a
+    /// conic.
     pub even_terms: Box<[f64]>,
 }
 
@@ -48,7 +49,8 @@ impl SurfaceProfile {
         Self { curvature_per_mm, ..Self::default() }
     }
 
-    /// Returns the sag z in mm at a squared height in mm², or NaN beyond the extent of the conic.
+    /// Returns the sag z in mm. The argument is the squared height in mm². Returns NaN if the conic
+    /// does not extend to this height.
     pub fn sag_mm(&self, height2_mm2: f64) -> f64 {
         let conic = self.curvature_per_mm * height2_mm2 / (1.0 + self.root(height2_mm2));
         conic + height2_mm2 * self.even_terms.iter().rev().fold(0.0, |sum, term| sum * height2_mm2 + term)
@@ -94,9 +96,9 @@ impl SurfaceProfile {
     /// `direction`. Only the sheet of the surface that contains the vertex is considered.
     ///
     /// The function returns the point where the light crosses the surface in the direction
-    /// `travel`: from the scene side to the sensor side, or from the sensor side to the scene side.
-    /// The point may lie in front of `origin` or behind it. Returns `None` if there is no such
-    /// intersection.
+    /// `travel`. `ToSensor` means a crossing from the scene side to the sensor side. `ToScene`
+    /// means a crossing in the opposite direction. The point may lie in front of `origin` or behind
+    /// it. Returns `None` if there is no such intersection.
     pub fn intersect(&self, origin: DVec3, direction: DVec3, travel: TraceDirection) -> Option<DVec3> {
         let conic = self.intersect_conic(origin, direction, travel);
         if self.even_terms.is_empty() {
@@ -108,9 +110,9 @@ impl SurfaceProfile {
 
     /// Intersects the line with the conic c(x² + y² + (1 + k)z²) = 2z.
     ///
-    /// The quadratic formula is used in a form that is accurate for nearly flat surfaces. The line
-    /// crosses the conic at up to two points. The function returns the point where the component of
-    /// the gradient along the ray has the same sign as `travel`.
+    /// The function uses a form of the quadratic formula that is accurate for nearly flat surfaces.
+    /// The line crosses the conic at up to two points. The function returns the point where the
+    /// component of the gradient along the ray has the same sign as `travel`.
     fn intersect_conic(&self, origin: DVec3, direction: DVec3, travel: TraceDirection) -> Option<DVec3> {
         let (c, k) = (self.curvature_per_mm, self.conic);
         // Distances along the line are measured from the point of the line that is nearest to the

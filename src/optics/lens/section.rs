@@ -28,8 +28,8 @@ pub struct FocusWindow {
     pub angle_deg: f64,
     /// Centre of the window, on the sensor.
     pub centre: DVec2,
-    /// Half of the length of the window along the axis, and half of its height. The window is large
-    /// enough to show the separate foci of the spectral lines.
+    /// Half of the window's length along the axis, and half of the window's height. The window is
+    /// large enough to show the separate foci of the spectral lines.
     pub half_size: DVec2,
     /// Slope dy/dz of the middle of the bundle at the sensor.
     pub slope: f64,
@@ -54,9 +54,9 @@ pub struct LensSection {
 const CURVE_POINTS: u32 = 48;
 /// Number of rays per bundle.
 const RAYS_PER_BUNDLE: u32 = 5;
-/// Width of the bundle of drawn rays, as a fraction of the width of the bundle that passes the lens
-/// at the d line. The fraction is less than 1, because rays of the other spectral lines may be
-/// vignetted at the edge of this bundle.
+/// Ratio of two widths. The first is the width of the bundle of drawn rays. The second is the width
+/// of the bundle that passes the lens at the wavelength of the d line. The ratio is less than 1,
+/// because rays of the other spectral lines may be vignetted at the edge of the second bundle.
 const BUNDLE_SHARE: f64 = 0.97;
 
 /// Computes the cross-section of a lens. Returns an error if no light passes.
@@ -119,9 +119,9 @@ fn stop(lens: &Lens, blade_mm: f64) -> [[DVec2; 2]; 2] {
     [[rim, end], [DVec2::new(rim.x, -rim.y), DVec2::new(end.x, -end.y)]]
 }
 
-/// Returns evenly spaced rays across the bundle that passes the lens at the d line. Each ray is
-/// traced at all three spectral lines. The rays start in front of the lens, on a plane
-/// perpendicular to the bundle.
+/// Returns rays that pass the lens. The rays are evenly spaced across the bundle that passes at the
+/// wavelength of the d line. Each ray is traced at the wavelengths of all three spectral lines. The
+/// rays start in front of the lens, on a plane perpendicular to the bundle.
 fn bundle(lens: &Lens, field: usize, angle_deg: f64, sensor_z_mm: f64, lead_mm: f64) -> Result<Vec<DrawnRay>> {
     let [_, d, _] = LINES.map(|(_, nm)| lens.at(nm));
     let chief = d.chief_ray(angle_deg)?;
@@ -146,8 +146,8 @@ fn bundle(lens: &Lens, field: usize, angle_deg: f64, sensor_z_mm: f64, lead_mm: 
 }
 
 /// Inserts a first point into each ray. All first points lie on one plane perpendicular to the
-/// bundle. Along the chief ray, the plane lies `lead_mm` in front of the first point at which any
-/// ray reaches the lens.
+/// bundle. The rays reach the lens at different points. The plane lies `lead_mm` in front of the
+/// foremost of these points, measured along the chief ray.
 fn start_on_one_plane(rays: &mut [DrawnRay], chief: LensRay, lead_mm: f64) {
     let along = DVec2::new(chief.direction.z, chief.direction.y);
     let first = rays.iter().map(|ray| ray.points[0].dot(along)).fold(f64::INFINITY, f64::min) - lead_mm;

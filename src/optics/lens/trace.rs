@@ -16,8 +16,8 @@ pub struct LensRay {
 }
 
 impl LensRay {
-    /// Returns the point on the line of the ray at the given z, in mm. If the ray is perpendicular
-    /// to the axis, the result is not finite.
+    /// Returns the point in mm at which the line of the ray crosses the plane z = `z_mm`. If the
+    /// ray is perpendicular to the axis, the result is not finite.
     pub fn at_z(&self, z_mm: f64) -> DVec3 {
         let mut point = self.origin + self.direction * ((z_mm - self.origin.z) / self.direction.z);
         point.z = z_mm;
@@ -35,7 +35,8 @@ pub enum ApertureCheck {
     Ignored,
 }
 
-/// The reason why a ray does not pass the lens, with the index of the surface from 0.
+/// The reason why a ray does not pass the lens. Each variant contains the index of the surface,
+/// which counts from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RayLoss {
     /// The ray does not intersect the surface.
@@ -51,13 +52,14 @@ pub enum RayLoss {
 pub struct MonochromaticLens<'a> {
     lens: &'a Lens,
     wavelength_nm: f64,
-    /// Refractive index in front of each surface, and finally behind the last surface.
+    /// Refractive indices. Entry i is the index in front of surface i. One further entry is the
+    /// index behind the last surface.
     n: [f64; MAX_SURFACES + 1],
 }
 
 impl Lens {
-    /// Evaluates the lens at a wavelength in nm. The indices are computed here once and stored in
-    /// an array of fixed size, so that ray tracing allocates no memory.
+    /// Evaluates the lens at a wavelength in nm. The indices are computed once, in this function.
+    /// They are stored in an array of fixed size, so that ray tracing allocates no memory.
     pub fn at(&self, wavelength_nm: f64) -> MonochromaticLens<'_> {
         let mut n = [1.0; MAX_SURFACES + 1];
         for (n, surface) in n[1..].iter_mut().zip(self.surfaces()) {
@@ -93,8 +95,8 @@ impl<'a> MonochromaticLens<'a> {
         self.trace_through(ray, travel, limits, |_, _| ())
     }
 
-    /// Traces a ray like [`Self::trace`]. Calls `visit` for each surface. The arguments are the
-    /// index of the surface, and the intersection point in mm.
+    /// Traces a ray like [`Self::trace`]. Calls `visit` for each surface. The arguments of `visit`
+    /// are the index of the surface and the intersection point in mm.
     pub fn trace_through(
         &self,
         mut ray: LensRay,

@@ -1,11 +1,12 @@
 //! Zemax lens files (`.zmx`): sequential systems of spheres, conics and even aspheres. The media
 //! come from the built-in catalogue or from `.agf` files.
 //!
-//! The file is a list of operands, one per line. The operands of a surface are indented under its
-//! `SURF` line. The reader uses `MODE`, `NAME`, `UNIT`, `ENPD`, `FNUM`, `FLOA`, `FTYP` and `YFLN`,
-//! and for surfaces `STOP`, `TYPE`, `CURV`, `CONI`, `PARM`, `DISZ`, `GLAS`, `DIAM` and `CLAP`. The
-//! reader returns an error for operands that are known to change the rays but are not supported.
-//! All other operands are ignored. The first surface is the object and the last one the sensor.
+//! The file is a list of operands. Each operand has its own line. The operands of a surface are
+//! indented under its `SURF` line. The reader uses `MODE`, `NAME`, `UNIT`, `ENPD`, `FNUM`, `FLOA`,
+//! `FTYP` and `YFLN`, and for surfaces `STOP`, `TYPE`, `CURV`, `CONI`, `PARM`, `DISZ`, `GLAS`,
+//! `DIAM` and `CLAP`. The reader returns an error for operands that are known to change the rays
+//! but are not supported. All other operands are ignored. The first surface is the object and the
+//! last one the sensor.
 
 use std::path::Path;
 
@@ -15,8 +16,9 @@ use crate::error::{Error, Result};
 use crate::optics::glass::{AgfCatalogue, RefractiveIndex};
 use crate::optics::zemax_text::decoded;
 
-/// Parses a lens from the bytes of a file in UTF-8 or UTF-16. Errors name `path` and the line. Each
-/// glass is searched first in `catalogues`, in their order, and then in the built-in catalogue.
+/// Parses a lens from the bytes of a file. The encoding is UTF-8, UTF-16 or Latin-1. Errors name
+/// `path` and the line. Each glass is searched first in `catalogues`, in their order, and then in
+/// the built-in catalogue.
 ///
 /// # Errors
 /// Returns an error if an operand is not supported, a glass is unknown, or the surfaces form no
@@ -34,8 +36,8 @@ pub fn parse(bytes: &[u8], path: &Path, catalogues: &[AgfCatalogue]) -> Result<L
     reader.finish().map_err(|error| error.in_file(path))
 }
 
-/// Returns the names of the glass catalogues (`GCAT`) in a file, or no names if the file is not
-/// text.
+/// Returns the names of the glass catalogues (`GCAT`) that a file lists. If the file is not text,
+/// the result is empty.
 pub fn catalogues(bytes: &[u8]) -> Vec<String> {
     let text = text(bytes).unwrap_or_default();
     let lines = text.lines().filter_map(|line| line.trim().strip_prefix("GCAT "));
@@ -54,7 +56,7 @@ struct ZmxSurface {
     thickness: f64,
     index: Option<RefractiveIndex>,
     semi_aperture: f64,
-    /// Radius of a circular aperture, which takes precedence over the semi-diameter.
+    /// Radius of a circular aperture. If it is given, it replaces the semi-diameter.
     clear: Option<f64>,
     stop: bool,
     aspheric: bool,

@@ -6,7 +6,7 @@ use crate::math::random::{ONE_MINUS_ULP, Purpose, Stream};
 use crate::spectrum::Outside;
 use std::f64::consts::TAU;
 
-/// Test wavelengths in nm: the ends of the band and two between them.
+/// Test wavelengths in nm: the two ends of the band, and two wavelengths between them.
 const PHASE_TEST_NM: [f64; 4] = [360.0, 475.0, 550.0, 830.0];
 
 /// A phase function, the tolerance of its integral, and the kinks of its density. The kinks are
@@ -52,8 +52,9 @@ fn cases() -> Vec<PhaseCase> {
     cases
 }
 
-/// Integrates f(cos θ)·p dω over the sphere. Every kink is the end of a step. The steps shrink
-/// towards both poles. Each step uses five-point Gauss quadrature.
+/// Integrates f(cos θ)·p dω over the sphere. Integration steps never extend across a kink, because
+/// every kink is the end of a step. The steps become smaller towards both poles. Each step uses
+/// five-point Gauss quadrature.
 fn integral(case: &PhaseCase, nm: f64, f: impl Fn(f64) -> f64) -> f64 {
     const GAUSS_5: [(f64, f64); 5] = [
         (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
@@ -122,8 +123,8 @@ fn equal_shares(phase: &PhaseFunction, nm: f64, shares: usize) -> Vec<f64> {
     edges
 }
 
-/// Counts the samples in a grid of cells. There are 24 angle intervals of equal probability and
-/// four quarters of the azimuth.
+/// Counts the samples in a grid of cells. The grid divides the scattering angle into 24 intervals
+/// of equal probability, and the azimuth into four quarters.
 fn drawn(phase: &PhaseFunction, expected_of: &PhaseFunction, nm: f64, number: u64) -> Vec<u32> {
     let shares = 24;
     let edges = equal_shares(expected_of, nm, shares);

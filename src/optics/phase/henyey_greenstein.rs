@@ -1,9 +1,9 @@
 //! The Henyey–Greenstein phase function (Henyey & Greenstein 1941). Its parameter g is the mean
 //! cosine.
 //!
-//! Backward scattering (g < 0) is mirrored forward scattering. For g ≥ 0 the density and its
-//! quantile are written in terms of 1 − cos θ without cancellation. Therefore g = 0 and very narrow
-//! peaks need no special case.
+//! Backward scattering (g < 0) is the mirror image of forward scattering. For g ≥ 0 the density and
+//! its quantile are written in terms of 1 − cos θ without cancellation. Therefore neither g = 0 nor
+//! a very narrow peak needs a special case.
 
 use std::f64::consts::PI;
 
@@ -18,8 +18,9 @@ pub(super) fn eval(g: f64, cos_theta: f64) -> f64 {
     (1.0 - g) * (1.0 + g) / (4.0 * PI * apart * apart.sqrt())
 }
 
-/// Returns the quantile of 1 − cos θ for a probability `u` in [0, 1) and g ≥ 0. The function uses
-/// the usual formula for the inverse, but factors its difference of squares to avoid cancellation.
+/// Returns the quantile of 1 − cos θ for a probability `u` in [0, 1) and g ≥ 0. The usual formula
+/// for the quantile contains a difference of squares. The function factors this difference to avoid
+/// cancellation.
 pub(super) fn quantile(g: f64, u: f64) -> f64 {
     // A small `u` corresponds to an angle near the peak. The result keeps full precision there.
     let v = (1.0 - g) / (1.0 + g - 2.0 * g * u);

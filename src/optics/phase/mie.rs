@@ -1,4 +1,4 @@
-//! Lorenz–Mie scattering by spheres, tabulated over angles and wavelengths.
+//! Lorenz–Mie scattering by spheres. The phase function is tabulated over angles and wavelengths.
 //!
 //! The series follows Bohren & Huffman 1983, chapter 4 and appendix A. The logarithmic derivative
 //! D_n(mx) is computed by downward recurrence, and the Riccati–Bessel functions ψ_n(x) and χ_n(x)
@@ -17,7 +17,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 /// Spheres with a distribution of radii.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MieSpheres {
-    /// Radii in µm, each with its fraction of the number of spheres.
+    /// Pairs of a radius in µm and the fraction of the spheres that have this radius.
     pub radii_um: Vec<(f64, f64)>,
     /// Refractive index of the spheres relative to the surrounding medium.
     pub index: RefractiveIndex,
@@ -38,12 +38,12 @@ pub struct MieScattering {
 /// take minutes to compute.
 const MAX_SIZE_PARAMETER: f64 = 1000.0;
 
-/// Number of radius steps of a distribution, and half-width of the distribution in standard
-/// deviations of ln r.
+/// Number of radius steps of a distribution, and half-width of the distribution. The unit of the
+/// half-width is the standard deviation of ln r.
 const RADIUS_STEPS: i32 = 100;
 const RADIUS_RANGE_SIGMAS: f64 = 3.5;
 
-/// Number of wavelength steps of a table over the band.
+/// A table divides the band into this number of wavelength steps.
 const TABLE_STEPS: u32 = 16;
 
 /// The coefficients of the series at one size parameter. With w_n = (2n + 1)/(n(n + 1)), `sums`
@@ -60,12 +60,11 @@ struct MieSeries {
 
 impl MieSpheres {
     /// Creates spheres from their median radius in µm and their relative refractive index. The
-    /// radii follow a lognormal distribution of geometric standard deviation `spread`. `None` and 1
-    /// give a single radius.
+    /// radii follow a lognormal distribution whose geometric standard deviation is `spread`. If
+    /// `spread` is `None` or 1, all spheres have the same radius.
     ///
     /// # Errors
-    /// Returns an error if the spread is below 1, or the largest size parameter exceeds the limit
-    /// of 1000.
+    /// Returns an error if the spread is below 1, or if the largest size parameter exceeds 1000.
     pub fn new(radius_um: f64, spread: Option<f64>, index: RefractiveIndex) -> Result<Self> {
         let spread = spread.unwrap_or(1.0);
         if !(spread >= 1.0 && spread.is_finite()) {
@@ -126,7 +125,8 @@ impl MieSpheres {
         angles
     }
 
-    /// Computes the scattering at a wavelength in nm for angles in degrees.
+    /// Computes the scattering at one wavelength and at a list of angles. `nm` is in nm, and
+    /// `angles_deg` is in degrees.
     pub fn scattering(&self, nm: f64, angles_deg: &[f64]) -> MieScattering {
         let cosines: Vec<f64> = angles_deg.iter().map(|degrees| degrees.to_radians().cos()).collect();
         let mut intensity = vec![0.0; cosines.len()];
@@ -155,9 +155,9 @@ fn size_parameter(radius_um: f64, nm: f64) -> f64 {
     TAU * radius_um / (nm * 1e-3)
 }
 
-/// Returns radii and their fractions, which sum to 1. The values of ln r are evenly spaced in
-/// `steps` steps. They extend from −[`RADIUS_RANGE_SIGMAS`]·`sigma` to
-/// +[`RADIUS_RANGE_SIGMAS`]·`sigma` about the logarithm of the median.
+/// Returns radii and their fractions, which sum to 1. The values of ln r are evenly spaced and
+/// divide a range into `steps` steps. The range extends by [`RADIUS_RANGE_SIGMAS`]·`sigma` to both
+/// sides of the logarithm of the median.
 pub(super) fn lognormal(median_um: f64, sigma: f64, steps: i32) -> Vec<(f64, f64)> {
     if sigma == 0.0 {
         return vec![(median_um, 1.0)];

@@ -41,7 +41,8 @@ pub enum PhaseFunction {
 }
 
 impl PhaseFunction {
-    /// Returns the density per steradian for a scattering cosine and a wavelength in nm.
+    /// Returns the density per steradian. The arguments are the cosine of the scattering angle, and
+    /// the wavelength in nm.
     pub fn eval(&self, cos_theta: f64, nm: f64) -> f64 {
         match self {
             Self::Isotropic => 0.25 / PI,

@@ -1,4 +1,5 @@
-//! Tabulated phase functions over angles and wavelengths, measured or computed from particle sizes.
+//! Phase functions that are tabulated over angles and wavelengths. A table may be measured, or it
+//! may be computed from particle sizes.
 //!
 //! The table is linear in cos θ between angles and linear in λ between wavelengths. Beyond the
 //! first and last wavelength, the first or last column is used. The phase function is therefore a
@@ -11,7 +12,8 @@ use crate::error::{Error, Result};
 use crate::math::distribution::DiscreteDistribution;
 use std::f64::consts::TAU;
 
-/// Guide steps per cell. The guide finds the cell of an angle.
+/// Number of guide steps per cell. The guide table speeds up the search for the cell that contains
+/// an angle.
 const GUIDE_STEPS: usize = 2;
 
 /// A phase function over angles and wavelengths.
@@ -44,9 +46,9 @@ impl PhaseTable {
     /// may have any scale. Each list is normalised, so that its integral over the sphere is 1.
     ///
     /// # Errors
-    /// Returns an error if angles or wavelengths do not ascend, the angles do not cover 0 to 180,
-    /// lists have different lengths, a value is negative or not finite, or all values of a
-    /// wavelength are 0.
+    /// Returns an error in these cases: angles or wavelengths do not ascend; the angles do not
+    /// cover 0 to 180; lists have different lengths; a value is negative or not finite; all values
+    /// of a wavelength are 0.
     pub fn new(angles_deg: &[f64], nm: &[f64], values: &[Vec<f64>]) -> Result<Self> {
         check_angles(angles_deg)?;
         check_wavelengths(nm, values.len())?;
@@ -76,8 +78,9 @@ impl PhaseTable {
         self.interpolated(nm, |column| (1.0 - t) * column.density[cell] + t * column.density[cell + 1])
     }
 
-    /// Samples the versine by `u` in [0, 1): `u` first selects one of the two neighbouring columns.
-    /// Then `u` is rescaled, and the quantile of the selected column is evaluated.
+    /// Samples the versine from the random number `u` in [0, 1). The number first selects one of
+    /// the two columns next to the wavelength. Then `u` is rescaled, and the quantile of the
+    /// selected column is evaluated.
     pub(super) fn quantile(&self, nm: f64, mut u: f64) -> f64 {
         let (first, weight) = self.column(nm);
         let column = if u < weight {
@@ -271,8 +274,8 @@ mod tests {
 
     const FORM: &str = "angle_deg,p_400nm_per_sr,p_700nm_per_sr\n0,3,1\n90,1,1\n180,0,1\n";
 
-    /// A table is interpolated between its wavelengths; beyond them, the first or last column is
-    /// used.
+    /// A table is interpolated between its wavelengths. Below the first wavelength, the first
+    /// column is used. Above the last wavelength, the last column is used.
     #[test]
     fn table_interpolates_wavelengths_and_holds_its_ends() {
         let table = parse(FORM).unwrap();

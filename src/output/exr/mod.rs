@@ -1,5 +1,5 @@
-//! The measured picture as OpenEXR: absolute XYZ, linear RGB for viewers, error bars, spectrum and
-//! metadata.
+//! The measured picture as an OpenEXR file. The file contains absolute XYZ, linear RGB for viewers,
+//! error bars, the spectrum and metadata.
 //!
 //! | channel | content |
 //! | --- | --- |

@@ -33,9 +33,10 @@ pub(super) fn read_headers(path: &Path) -> Result<MetaData> {
     /// The largest ratio of the memory to the size of the file. No compression of the format
     /// exceeds deflate's ratio of 1032, and the data is copied once.
     const MAX_EXPANSION: u64 = 4000;
-    /// The memory in bytes allowed for every file, whatever its size.
+    /// The memory limit in bytes for small files. A file of any size may need this amount of
+    /// memory.
     const SMALL_FILE_LIMIT: u64 = 3 << 28;
-    /// The number of bytes of a pixel: XYZ and the error layers.
+    /// The number of bytes of XYZ and the error layers of one pixel.
     const PIXEL_BYTES: u64 = 41;
     let meta = MetaData::read_from_file(path, false).map_err(unreadable)?;
     let bytes = std::fs::metadata(path).map_err(|error| unreadable(error.into()))?.len();

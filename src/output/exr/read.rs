@@ -28,8 +28,8 @@ const COLOUR_CHANNELS: &str = "channels `xyz.X xyz.Y xyz.Z`, `R G B`, `X Y Z` or
 
 /// Reads a picture. The XYZ values come from the first channel set of this list that is present:
 /// - `xyz.X xyz.Y xyz.Z`
-/// - `R G B`, with the chromaticities and the white luminance of the header (without them, Rec. 709
-///   and 1 cd/m²)
+/// - `R G B`; the header gives the chromaticities (default: Rec. 709) and the white luminance
+///   (default: 1 cd/m²)
 /// - `X Y Z`
 /// - `NAME.R NAME.G NAME.B` for the first such NAME in alphabetical order
 /// - `Y`, as grey
@@ -175,7 +175,7 @@ mod tests {
     use super::*;
     use ::exr::prelude::{AnyChannel, Encoding, Image, LayerAttributes, WritableImage};
 
-    /// Writes the channels of a single pixel, in the way of another program.
+    /// Writes a file with a single pixel and the given channels, as another program would write it.
     fn foreign(path: &Path, channels: &[(&str, f32)], chromaticities: Option<Chromaticities>, white: Option<f32>) {
         let list = channels.iter().map(|(name, value)| AnyChannel::new(*name, FlatSamples::F32(vec![*value])));
         let attributes = LayerAttributes { white_luminance: white, ..LayerAttributes::default() };

@@ -1,5 +1,5 @@
-//! The exact sums of a film as channels of an EXR. A 128-bit sum is split into four 32-bit words,
-//! lowest word first. Each word has its own channel.
+//! The exact sums of a film as channels of an EXR. A 128-bit sum is split into four 32-bit words.
+//! The lowest word comes first. Each word has its own channel.
 //!
 //! The channels are named `sums.<plane>.<word>`. The upper words are almost always 0, and the lower
 //! words of splats are often 0. Therefore ZIP compresses the channels well.

@@ -14,7 +14,8 @@ pub struct ApertureStop {
 }
 
 impl ApertureStop {
-    /// Samples a point of the opening uniformly. The coordinates are in m to the right and up.
+    /// Samples a point of the opening uniformly. The coordinates are in m. They point to the right
+    /// and up.
     pub fn sample(&self, u: [f64; 2]) -> DVec2 {
         let unit = match self.blades {
             None => warp::disk(u),
@@ -39,7 +40,8 @@ mod tests {
     fn the_rotation_turns_the_corners_of_a_square() {
         let square = ApertureStop { radius_m: 2.0, blades: Some(Blades { count: 4, rotation: PI / 4.0 }) };
         let places = places(square);
-        // A square of half diagonal 2, turned by 45°, is the box |x|, |y| ≤ √2.
+        // A square with a half-diagonal of 2 becomes the box |x|, |y| ≤ √2 when it is turned by
+        // 45°.
         let largest = places.iter().map(|p| p.x.abs().max(p.y.abs())).fold(0.0, f64::max);
         assert!(largest <= 2.0_f64.sqrt() + 1e-12 && largest > 1.39, "{largest}");
         let right = places.iter().filter(|p| p.x > 0.0 && p.y > 0.0).count() as f64 / places.len() as f64;

@@ -13,11 +13,11 @@ pub struct DepthOfField {
     pub focus_m: f64,
     /// The distance at which the sharp range begins.
     pub near_m: f64,
-    /// The distance at which the sharp range ends; infinite if the lens is focused at or beyond the
-    /// hyperfocal distance.
+    /// The distance at which the sharp range ends. It is infinite if the lens is focused at or
+    /// beyond the hyperfocal distance.
     pub far_m: f64,
-    /// The hyperfocal distance. A lens focused at this distance is sharp from half of this distance
-    /// to infinity.
+    /// The hyperfocal distance. If the lens is focused at this distance, everything from half of
+    /// this distance to infinity is sharp.
     pub hyperfocal_m: f64,
     /// The diameter of the blur disk of a point at infinity, in pixels.
     pub blur_at_infinity_px: f64,

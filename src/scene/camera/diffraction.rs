@@ -9,18 +9,18 @@ use crate::spectrum::REFERENCE_NM;
 pub struct ApertureDiffraction {
     /// The blades of a polygonal aperture, or `None` for a round one.
     pub blades: Option<Blades>,
-    /// The product λN in pixels, for each nm of the wavelength λ. N is the working f-number: the
+    /// The product λN in pixels, divided by the wavelength λ in nm. N is the working f-number: the
     /// image distance divided by the diameter of the circle around the aperture.
     pub spread_px_per_nm: f64,
 }
 
 impl ApertureDiffraction {
-    /// The pattern of a camera's aperture, even if the scene does not enable diffraction. `None`
-    /// for a pinhole, which is a mathematical point.
+    /// The diffraction pattern of a camera's aperture. The result does not depend on whether the
+    /// scene enables diffraction. `None` for a pinhole, which is a mathematical point.
     pub fn of(camera: &Camera) -> Option<Self> {
         let (blades, per_metre) = match camera.aperture() {
             Aperture::Pinhole => return None,
-            // λ divided by the diameter is an angle, as is the pixel.
+            // λ divided by the diameter is an angle. The size of a pixel is also an angle.
             Aperture::ThinLens { stop, .. } => (stop.blades, 0.5 / (stop.radius_m * camera.pixel_angle())),
             Aperture::System(system) => {
                 let pixel_m = 1e-3 * system.image_mm() * camera.pixel_angle();
@@ -30,7 +30,7 @@ impl ApertureDiffraction {
         per_metre.is_finite().then_some(Self { blades, spread_px_per_nm: 1e-9 * per_metre })
     }
 
-    /// The diameter of the Airy disk in pixels at 550 nm, for a round aperture: 2.44 λN.
+    /// The diameter of the Airy disk of a round aperture at 550 nm, in pixels. It is 2.44 λN.
     pub fn airy_diameter_px(&self) -> f64 {
         2.44 * REFERENCE_NM * self.spread_px_per_nm
     }
@@ -49,7 +49,7 @@ mod tests {
 
     #[test]
     fn the_airy_disk_follows_from_the_working_f_number() {
-        // f = 50 mm at f/8, focused at 5 m; pixels of 4 µm.
+        // A lens with f = 50 mm at f/8 is focused at 5 m. The side of a pixel is 4 µm.
         let (focal_m, focus_m, pixel_m) = (0.05, 5.0, 4e-6);
         let image_m = focal_m * focus_m / (focus_m - focal_m);
         let aperture = Aperture::ThinLens { stop: ApertureStop { radius_m: focal_m / 16.0, blades: None }, focus_m };

@@ -64,9 +64,9 @@ pub struct CameraConnection {
     pub direction: DVec3,
     /// The distance from the point to the lens in m.
     pub distance: f64,
-    /// The mean radiance of the pixel divided by the intensity of the point along `direction`, in
-    /// 1/m². The value is 1/(d² Ω), where d is `distance` and Ω is the solid angle that the pixel
-    /// subtends at the lens.
+    /// The ratio of the mean radiance of the pixel to the intensity of the point along `direction`.
+    /// The unit is 1/m². The value is 1/(d² Ω), where d is `distance` and Ω is the solid angle that
+    /// the pixel subtends at the lens.
     pub importance: f64,
 }
 
@@ -93,7 +93,7 @@ impl Camera {
         self.origin
     }
 
-    /// Moves the camera to a pose (m, relative to the scene's centre).
+    /// Moves the camera to a pose. Positions are in m, relative to the scene's centre.
     pub fn look_at(&mut self, LookAt { from, at, up }: LookAt) {
         (self.forward, self.up) = look_at_axes(at - from, up);
         (self.origin, self.right) = (from, self.forward.cross(self.up));
@@ -158,9 +158,9 @@ impl Camera {
         }
     }
 
-    /// The ray at one wavelength from a film position (in pixels) through the lens system, and the
-    /// ray's weight. `None` if the lens blocks the ray. The random numbers `lens` sample the exit
-    /// pupil.
+    /// Traces a ray of one wavelength from a film position (in pixels) through the lens system.
+    /// Returns the ray that leaves the lens, and the ray's weight. `None` if the lens blocks the
+    /// ray. The random numbers `lens` sample the exit pupil.
     pub fn ray_through(&self, glass: &SystemAt<'_>, film: DVec2, lens: [f64; 2]) -> Option<(Ray, f64)> {
         let offset = (film - 0.5 * self.size) * (self.pixel * glass.system().image_mm());
         let (ray, weight) = glass.ray(DVec2::new(offset.x, -offset.y), lens)?;
@@ -176,8 +176,8 @@ impl Camera {
         (depth > 0.0).then(|| self.on_film(DVec2::new(offset.dot(self.right), offset.dot(self.up)) / depth))
     }
 
-    /// The position in pixels of a point on the plane at distance 1. `on_plane` is the point's
-    /// offset from the optical axis, to the right and up.
+    /// The film position (in pixels) of a point on the plane at distance 1. `on_plane` is the
+    /// point's offset from the optical axis, to the right and up.
     fn on_film(&self, on_plane: DVec2) -> DVec2 {
         DVec2::new(on_plane.x, -on_plane.y) / self.pixel + 0.5 * self.size
     }
@@ -185,7 +185,7 @@ impl Camera {
     /// Connects a point of the scene to the film. Returns `None` if the image of the point is
     /// outside the film.
     ///
-    /// The random numbers `lens` sample the opening of a thin lens. A lens system counts as an
+    /// The random numbers `lens` sample the opening of a thin lens. A lens system is treated as an
     /// ideal lens, as in [`ray`](Self::ray).
     pub fn connect(&self, point: DVec3, lens: [f64; 2]) -> Option<CameraConnection> {
         let (shift, focus_m) = match self.aperture {
@@ -199,7 +199,7 @@ impl Camera {
             return None;
         }
         let sideways = DVec2::new(-offset.dot(self.right), -offset.dot(self.up));
-        // The line from the lens to the point intersects the plane in focus. This is the
+        // The line from the lens to the point intersects the plane in focus. `on_plane` is this
         // intersection, projected to the plane at distance 1.
         let on_plane = sideways / depth + shift / focus_m;
         let film = self.on_film(on_plane);

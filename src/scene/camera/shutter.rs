@@ -16,7 +16,8 @@ pub struct Shutter {
 /// The transmission as a piecewise linear function of time.
 #[derive(Debug, Clone, PartialEq)]
 struct ShutterCurve {
-    /// The time as a share of the open time, and the transmission; both from 0 to 1.
+    /// Pairs of a time and the transmission at this time. The time is a share of the open time.
+    /// Both values are from 0 to 1.
     points: Vec<[f64; 2]>,
     /// The integral of the transmission up to each point.
     passed: Vec<f64>,
@@ -25,7 +26,7 @@ struct ShutterCurve {
 impl ShutterCurve {
     fn new(written: &[[f64; 2]]) -> Self {
         let mut points = written.to_vec();
-        // The transmission is constant before the first point and after the last.
+        // The transmission is constant before the first point and after the last point.
         if let Some(&[_, held]) = written.first().filter(|point| point[0] > 0.0) {
             points.insert(0, [0.0, held]);
         }
@@ -63,10 +64,11 @@ impl ShutterCurve {
 }
 
 impl Shutter {
-    /// Creates a shutter that is open from `open_s` to `close_s` in s, with `open_s` ≤ `close_s`.
+    /// Creates a shutter that opens at `open_s` and closes at `close_s`. Both times are in s, and
+    /// `open_s` ≤ `close_s`.
     ///
-    /// `curve` has points of time and transmission, both from 0 to 1. The time is a share of the
-    /// open time and increases; the transmission must not be 0 everywhere.
+    /// Each point of `curve` has a time and a transmission, both from 0 to 1. The time is a share
+    /// of the open time. The times must increase, and the transmission must not be 0 everywhere.
     pub fn new(open_s: f64, close_s: f64, curve: Option<&[[f64; 2]]>) -> Self {
         Self { open_s, close_s, curve: curve.map(ShutterCurve::new) }
     }
@@ -76,8 +78,8 @@ impl Shutter {
         (self.close_s - self.open_s) * self.curve.as_ref().map_or(1.0, ShutterCurve::mean)
     }
 
-    /// The time in s at which the share `u` in [0, 1] of all light has passed. If `u` is uniform,
-    /// the density of the times is proportional to the transmission.
+    /// The time (in s) at which the share `u` of all light has passed. `u` lies in [0, 1]. If `u`
+    /// is uniformly distributed, the density of the times is proportional to the transmission.
     pub fn time_s(&self, u: f64) -> f64 {
         let share = self.curve.as_ref().map_or(u, |curve| curve.inverse(u));
         (1.0 - share) * self.open_s + share * self.close_s

@@ -1,5 +1,5 @@
-//! A lens system: a camera lens of real glass. Rays are traced through the lens at their
-//! wavelength.
+//! A lens system: a camera lens of real glass. Each ray is traced through the lens with the
+//! refractive indices at the wavelength of the ray.
 //!
 //! Lens coordinates follow [`crate::optics::lens`] and are in mm. The origin is the vertex of the
 //! first surface, which is at the position of the camera. z points towards the sensor, x to the
@@ -17,18 +17,18 @@ use std::f64::consts::PI;
 /// The exit-pupil bounds are computed at this number of sensor positions along a radius.
 const RADII: usize = 48;
 
-/// Rays along a side of the grid that finds the exit-pupil bounds.
+/// The number of rays along each side of the grid that finds the exit-pupil bounds.
 const BOUNDS_GRID: usize = 48;
 
-/// Rays along a side of the grid that measures the exit pupil on the axis.
+/// The number of rays along each side of the grid that measures the exit pupil on the axis.
 const AXIS_GRID: usize = 512;
 
 /// Half the side of both grids, divided by the semi-aperture of the last surface. The value exceeds
 /// 1 because oblique rays cross the plane of the last vertex outside the semi-aperture.
 const GRID_EXTENT: f64 = 1.5;
 
-/// The wavelengths in nm of the rays that determine the bounds. Several wavelengths are needed
-/// because dispersion moves the exit pupil.
+/// The wavelengths (in nm) of the rays that determine the exit-pupil bounds. Several wavelengths
+/// are needed because dispersion moves the exit pupil.
 const BOUNDING_NM: [f64; 3] = [400.0, lines::D_NM, 760.0];
 
 /// A lens and the sensor behind it.
@@ -37,7 +37,7 @@ pub struct SystemLens {
     lens: Lens,
     /// The distance of the sensor from the last vertex in mm.
     sensor_mm: f64,
-    /// The distance of the plane in focus at the d line from the first vertex, in m.
+    /// The distance in m from the first vertex to the plane in focus. It applies to the d line.
     focus_m: f64,
     /// The focal length at the d line in mm.
     focal_mm: f64,
@@ -49,9 +49,9 @@ pub struct SystemLens {
     /// for one interval of sensor positions on +x. All intervals have the same length. `None` for
     /// an interval without light.
     pupils: Vec<Option<[DVec2; 2]>>,
-    /// ∫ cos⁴θ/z² dA over the exit pupil for the middle of the sensor at the d line. The weights of
-    /// all rays are divided by this integral. Therefore, a scene of uniform radiance has exactly
-    /// this radiance in the middle of the picture.
+    /// The integral ∫ cos⁴θ/z² dA over the exit pupil. It applies to the middle of the sensor and
+    /// to the d line. The weights of all rays are divided by this integral. Therefore, if the
+    /// radiance of the scene is uniform, the middle of the picture has exactly this radiance.
     on_axis: f64,
     /// The integral `on_axis` for the lens without blades.
     on_axis_round: f64,
@@ -65,12 +65,12 @@ pub struct SystemAt<'a> {
 }
 
 impl SystemLens {
-    /// Creates a lens system that is focused at a distance (m, from the first vertex). The corners
-    /// of the sensor are `sensor_radius_mm` from the axis.
+    /// Creates a lens system that is focused at the distance `focus_m` (in m) from the first
+    /// vertex. The corners of the sensor are `sensor_radius_mm` from the axis.
     ///
     /// # Errors
-    /// The lens cannot focus at the distance, the sensor would be inside the lens, or no light
-    /// passes through the lens.
+    /// Returns an error if the lens cannot focus at the distance, the sensor would be inside the
+    /// lens, or no light passes through the lens.
     pub fn new(lens: Lens, focus_m: f64, sensor_radius_mm: f64) -> Result<Self> {
         let at_d = lens.at(lines::D_NM);
         let sensor_mm = at_d.image_distance_mm(1e3 * focus_m)?;
@@ -90,8 +90,8 @@ impl SystemLens {
             return Err(Error::input("no light passes through the lens").expected("apertures with a common opening"));
         }
         let radius = |i: usize| sensor_radius_mm * i as f64 / (RADII - 1) as f64;
-        // A polygon depends on the direction of the sensor position, so the bounds use its
-        // circumcircle.
+        // For a polygonal stop, the exit pupil depends on the direction of the sensor position.
+        // Therefore, the bounds are computed for the circumcircle of the polygon.
         let round = Self { lens: system.lens.clone().with_blades(None), ..system.clone() };
         let bounds: Vec<_> = (0..RADII).map(|i| round.bounds(radius(i))).collect();
         system.pupils = bounds.windows(2).map(|pair| union(pair[0], pair[1])).collect();
@@ -99,7 +99,7 @@ impl SystemLens {
         Ok(system)
     }
 
-    /// The distance of the plane in focus at the d line from the first vertex, in m.
+    /// The distance in m from the first vertex to the plane in focus. It applies to the d line.
     pub fn focus_m(&self) -> f64 {
         self.focus_m
     }
@@ -114,9 +114,9 @@ impl SystemLens {
         self.lens.blades()
     }
 
-    /// The working f-number at this focus, for the middle of the sensor at the d line. Let θ be the
-    /// half-angle of the cone of light from the circle around the stop. The f-number is
-    /// 1/(2 sin θ).
+    /// The working f-number at this focus. It applies to the middle of the sensor and to the d
+    /// line. The light that passes the circle around the stop forms a cone at the middle of the
+    /// sensor. If θ is the half-angle of this cone, the f-number is 1/(2 sin θ).
     pub fn working_f_number(&self) -> f64 {
         0.5 * (PI / self.on_axis_round).sqrt()
     }
@@ -126,9 +126,9 @@ impl SystemLens {
         self.lens.name()
     }
 
-    /// The image distance in mm, from the thin-lens equation for the focal length and the focus
-    /// distance. The height of the sensor divided by this distance is twice the tangent of half the
-    /// field of view.
+    /// The image distance in mm. The thin-lens equation gives it from the focal length and the
+    /// focus distance. The height of the sensor divided by this distance is twice the tangent of
+    /// half the vertical field of view.
     pub fn image_mm(&self) -> f64 {
         let focus_mm = 1e3 * self.focus_m;
         if focus_mm.is_finite() { self.focal_mm * focus_mm / (focus_mm - self.focal_mm) } else { self.focal_mm }
@@ -139,8 +139,8 @@ impl SystemLens {
         SystemAt { system: self, glass: self.lens.at(nm) }
     }
 
-    /// The ray from a sensor position towards a point on the plane of the last vertex, and the
-    /// ray's factor cos⁴θ/z².
+    /// Returns the ray from a sensor position towards a point on the plane of the last vertex. Also
+    /// returns the factor cos⁴θ/z² of this ray.
     fn ray_to_pupil(&self, place: DVec2, pupil: DVec2) -> (LensRay, f64) {
         let behind = self.lens.length_mm();
         let origin = place.extend(behind + self.sensor_mm);
@@ -148,12 +148,13 @@ impl SystemLens {
         (LensRay { origin, direction }, direction.z.powi(4) / (self.sensor_mm * self.sensor_mm))
     }
 
-    /// Half the side of the grids on the plane of the last vertex in mm.
+    /// Half the side of both grids, in mm. The grids lie on the plane of the last vertex.
     fn grid_extent_mm(&self) -> f64 {
         GRID_EXTENT * self.lens.surfaces()[self.lens.surfaces().len() - 1].semi_aperture_mm
     }
 
-    /// Measures ∫ cos⁴θ/z² dA over the exit pupil for the middle of the sensor at the d line.
+    /// Measures the integral ∫ cos⁴θ/z² dA over the exit pupil. It applies to the middle of the
+    /// sensor and to the d line.
     fn measure_axis(&self) -> f64 {
         let (at_d, reach) = (self.lens.at(lines::D_NM), self.grid_extent_mm());
         let cell = 2.0 * reach / AXIS_GRID as f64;
@@ -165,8 +166,9 @@ impl SystemLens {
         grid(AXIS_GRID, reach).map(share).sum()
     }
 
-    /// The bounds of the exit pupil on the plane of the last vertex, for a sensor position on +x. A
-    /// margin of one grid cell is added on every side.
+    /// The bounds of the exit pupil on the plane of the last vertex. They apply to a sensor
+    /// position on +x, at the distance `radius_mm` from the axis. A margin of one grid cell is
+    /// added on every side.
     fn bounds(&self, radius_mm: f64) -> Option<[DVec2; 2]> {
         let reach = self.grid_extent_mm();
         let margin = DVec2::splat(2.0 * reach / BOUNDS_GRID as f64);
@@ -189,8 +191,9 @@ impl SystemAt<'_> {
     /// The ray from a position of the picture into the scene, and the ray's weight. `None` if the
     /// lens blocks the ray.
     ///
-    /// The position is in mm on the sensor, to the right and up in the picture. The random numbers
-    /// `u` sample the exit pupil. The value of a pixel is the mean over `u` of weight × radiance.
+    /// The position is in mm on the sensor. Its components point to the right and up in the
+    /// picture. The random numbers `u` sample the exit pupil. The value of a pixel is the mean of
+    /// weight × radiance over all `u`.
     pub fn ray(&self, picture_mm: DVec2, u: [f64; 2]) -> Option<(LensRay, f64)> {
         let system = self.system;
         // The image on the sensor is upside down.
@@ -207,7 +210,8 @@ impl SystemAt<'_> {
     }
 }
 
-/// The centres of the cells of a square grid of `side` × `side` cells from −`extent` to +`extent`.
+/// The cell centres of a square grid. The grid has `side` × `side` cells and extends from −`extent`
+/// to +`extent` on both axes.
 fn grid(side: usize, extent: f64) -> impl Iterator<Item = DVec2> {
     let place = move |i: usize| extent * (2.0 * (i as f64 + 0.5) / side as f64 - 1.0);
     (0..side).flat_map(move |j| (0..side).map(move |i| DVec2::new(place(i), place(j))))

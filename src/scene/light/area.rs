@@ -1,5 +1,5 @@
-//! The surface of an object as a light. The radiance is constant in all directions of the outer
-//! side.
+//! An area light: the surface of an object that emits light. The radiance is the same in all
+//! directions on the outer side of the surface.
 
 use super::lit_interval::LitInterval;
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoint};
@@ -29,7 +29,7 @@ impl AreaLight {
     pub(super) fn sample_le(&self, geometry: &Geometry, u: LeRandoms) -> LeSample {
         let point = geometry.sample_area(self.object, u.rest);
         let direction = Frame::new(point.normal).to_world(warp::cosine_hemisphere(u.aim));
-        // L cos θ divided by the densities cos θ/π and pdf_area.
+        // The flux is L cos θ divided by the two densities cos θ/π and pdf_area.
         let flux_w = self.radiance * PI / point.pdf_area;
         LeSample { origin: point.position, direction, from: Some(point.surface), flux_w, spd: EmittedSpd::Own }
     }
@@ -50,8 +50,8 @@ impl AreaLight {
         })
     }
 
-    /// The radiance of a point, seen along the ray direction `direction`. `normal` is the normal at
-    /// this point.
+    /// The radiance that a ray along `direction` sees at a point of the surface. `normal` is the
+    /// normal at this point.
     pub(super) fn le(&self, direction: DVec3, normal: DVec3) -> f64 {
         if direction.dot(normal) < 0.0 { self.radiance } else { 0.0 }
     }
@@ -65,7 +65,7 @@ impl AreaLight {
     }
 
     pub(super) fn representative_point(&self, geometry: &Geometry) -> RepresentativePoint {
-        /// Arbitrary numbers, because all points of the surface are in the same bodies.
+        /// The numbers are arbitrary, because the same bodies contain all points of the surface.
         const U: [f64; 3] = [0.37, 0.61, 0.53];
         let point = geometry.sample_area(self.object, U);
         RepresentativePoint { position: point.position, surface: Some((point.surface, point.normal)) }

@@ -1,5 +1,5 @@
-//! A beam: light from a uniform disk. The disk emits parallel light, or each of its points emits a
-//! cone of constant radiance. The disk itself is invisible.
+//! A beam: light from a uniform disk. The disk emits parallel light, or each of its points emits
+//! into a cone with constant radiance. The disk itself is invisible.
 
 use super::lit_interval::{LitInterval, inside_cone, inside_cylinder};
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample};
@@ -12,7 +12,8 @@ use crate::math::warp;
 use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// The mean scale factor of a map for lengths: the cube root of its scale factor for volumes.
+/// The mean factor by which a map scales lengths. It is the cube root of the factor by which the
+/// map scales volumes.
 pub fn mean_scale(map: &DAffine3) -> f64 {
     map.matrix3.determinant().abs().cbrt()
 }
@@ -33,8 +34,8 @@ pub struct BeamLight {
 
 impl BeamLight {
     /// Creates a beam from a disk around `centre` (m, relative to the scene's centre). The disk
-    /// emits along the unit vector `axis`, into cones of half-angle `divergence` (radians, below
-    /// π/2).
+    /// emits along the unit vector `axis`. Each point of the disk emits into a cone. `divergence`
+    /// is the half-angle of these cones in radians, and is below π/2.
     pub fn new(centre: DVec3, axis: DVec3, radius_m: f64, divergence: f64, power_w: f64) -> Self {
         Self {
             power_w,
@@ -63,8 +64,8 @@ impl BeamLight {
         self.radius_m
     }
 
-    /// The cone that bounds the light: its apex behind the disk, and 1 − cos of its half-angle.
-    /// `None` for parallel light.
+    /// The cone that bounds the light. Returns its apex, which lies behind the disk, and 1 − cos of
+    /// its half-angle. `None` for parallel light.
     fn cone(&self) -> Option<(DVec3, f64)> {
         let tangent = self.sin_divergence / (1.0 - self.one_minus_cos_divergence);
         let behind = self.radius_m / tangent;
@@ -80,7 +81,7 @@ impl BeamLight {
         PI * self.radius_m * self.radius_m
     }
 
-    /// The radiance inside the cones, from Φ = L A π sin² θ.
+    /// The radiance inside the cones. It follows from Φ = L A π sin² θ.
     fn radiance(&self) -> f64 {
         self.power_w / (self.area() * PI * self.sin_divergence * self.sin_divergence)
     }
@@ -107,9 +108,9 @@ impl BeamLight {
             let irradiance = self.power_w / self.area();
             return inside.then(|| self.incident(-self.axis, local.z, irradiance));
         }
-        // A sample carries light only if it is both on the disk and in the cone of directions. Of
-        // these two, the code samples the one with the smaller solid angle, because more samples
-        // then also meet the other condition.
+        // A sample carries light only if it is both on the disk and in the cone of directions. The
+        // code samples either the disk or the cone, whichever has the smaller solid angle. More
+        // samples then also meet the other condition.
         let disk_solid_angle = self.area() / (local.z * local.z);
         let cone_solid_angle = 2.0 * PI * self.one_minus_cos_divergence;
         if disk_solid_angle < cone_solid_angle {
@@ -137,8 +138,8 @@ impl BeamLight {
         Some(LitInterval { from, to, pivot: None })
     }
 
-    /// A virtual light of parallel rays. `None` for divergent light, because a point receives it
-    /// from many directions.
+    /// A virtual light of parallel rays. `None` for divergent light, because a point receives such
+    /// light from many directions.
     pub(super) fn virtual_light(&self, u: [f64; 3]) -> Option<VirtualLight> {
         self.is_parallel().then(|| VirtualLight::parallel(-self.axis, Some(self.centre), u))
     }
@@ -148,7 +149,7 @@ impl BeamLight {
     }
 }
 
-/// The lights of this file for the contract tests.
+/// Lights of the kinds in this file, for the contract tests.
 #[cfg(test)]
 pub(super) fn test_lights(at: DVec3, axis: DVec3) -> Vec<TestLight> {
     let light = |name, disk_m: f64, cone_rad, irradiance_at_2_m| TestLight {

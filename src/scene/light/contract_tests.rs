@@ -1,9 +1,10 @@
-//! The contract of all lights: the mean emitted flux is the power, and the irradiance from shadow
-//! rays equals the irradiance from emitted rays.
+//! The contract of all lights: the mean emitted flux equals the power of the light, and the
+//! irradiance from shadow rays equals the irradiance from emitted rays.
 //!
 //! Estimates must agree within four standard errors. Each test limits the standard error, so that
 //! the test detects an error of two per cent. Random numbers come from fixed streams.
 
+mod distant;
 mod local;
 mod volume;
 
@@ -16,12 +17,13 @@ use crate::geometry::shape::{PlacedShape, Shape};
 use crate::math::frame::Frame;
 use crate::math::random::{ONE_MINUS_ULP, Purpose, Stream};
 use crate::math::warp;
+use distant::distant_cases;
 use glam::{DAffine3, DMat3, DQuat};
 use local::{local_case, local_cases, local_place};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// The radius of the bounding sphere for distant lights.
+/// The radius of the bounding sphere that distant lights illuminate.
 const WORLD_RADIUS_M: f64 = 1.5;
 
 /// A light with its surfaces, and a square. The irradiance is measured on the square.
@@ -146,33 +148,6 @@ fn area_cases() -> Vec<LightCase> {
 fn tetrahedron() -> TriangleMesh {
     let corners = [[0.5, -0.2, 0.0], [-0.4, -0.3, 0.4], [-0.3, -0.2, -0.5], [0.0, 0.5, 0.1]].map(DVec3::from);
     TriangleMesh::new(corners.to_vec(), None, None, vec![[0, 1, 2], [1, 0, 3], [2, 1, 3], [0, 2, 3]]).unwrap()
-}
-
-fn distant_cases() -> Vec<LightCase> {
-    let toward = DVec3::new(0.3, -0.9, 0.5).normalize();
-    let receiver = ReceiverSquare::new(DVec3::new(0.2, -0.3, 0.1), -toward + DVec3::new(0.3, 0.0, 0.4), 1.0);
-    let case = |name, emitter, spectrum| LightCase {
-        name,
-        light: light(emitter, spectrum),
-        geometry: Geometry::build(Vec::new(), DVec3::ZERO).unwrap(),
-        receiver,
-    };
-    let map = Arc::new(image());
-    let mean = map.mean_spectrum();
-    vec![
-        case("directional", Emitter::Directional(DirectionalLight::new(toward, 0.0, 4.0)), flat_spectrum()),
-        case("sun", Emitter::Directional(DirectionalLight::new(toward, 0.3, 4.0)), flat_spectrum()),
-        case("sky", Emitter::Environment(EnvironmentLight::new(2.0, None)), flat_spectrum()),
-        case("image", Emitter::Environment(EnvironmentLight::new(2.0, Some(map))), mean),
-    ]
-}
-
-/// An image with unequal pixels, black pixels and a black row.
-fn image() -> EnvironmentMap {
-    let basis = [620.0, 540.0, 450.0].map(|nm| Spectrum::gaussian(nm, 60.0).unwrap());
-    let pixel = |i: u32| [i % 5, (i * 7) % 3, i % 4].map(|c| if (16..24).contains(&i) { 0.0 } else { c as f32 });
-    let pixels: Vec<[f32; 3]> = (0..48).map(pixel).collect();
-    EnvironmentMap::new(8, 6, &pixels, [&basis[0], &basis[1], &basis[2]]).unwrap()
 }
 
 fn all_cases() -> Vec<LightCase> {
@@ -337,8 +312,8 @@ fn sampled_directions_hit_the_light_with_the_stated_density() {
 
 #[test]
 fn the_density_of_surfaces_integrates_to_the_lit_share() {
-    // Both sides are weighted by the cosine at the light, because the density of area sampling has
-    // no bound near cosine 0.
+    // Both sides of the comparison are weighted by the cosine at the light. Without this weight,
+    // the density of area sampling would have no bound near cosine 0.
     for case in area_cases() {
         let (world, from) = (case.extent(), case.receiver.centre);
         // Uniform directions in a cone around the whole object.

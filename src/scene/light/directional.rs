@@ -1,5 +1,5 @@
-//! A distant light: parallel light from one direction, or light from a round disk in the sky such
-//! as the sun.
+//! A distant light: parallel light from one direction, or light from a round disk in the sky, for
+//! example the sun.
 
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample};
 use super::virtual_light::VirtualLight;
@@ -14,15 +14,16 @@ pub struct DirectionalLight {
     /// The direction in which the light travels, as a unit vector.
     toward: DVec3,
     frame: Frame,
-    /// The irradiance in W/m² over the band on a plane perpendicular to `toward`.
+    /// The irradiance on a plane perpendicular to `toward`, in W/m² over the band.
     irradiance: f64,
     /// 1 − cos of the angular radius of the disk, or 0 for parallel light.
     one_minus_cos: f64,
 }
 
 impl DirectionalLight {
-    /// Creates a distant light from a disk of angular radius `angular_radius` in radians. The light
-    /// travels along the unit vector `toward`. `irradiance` is in W/m² over the band.
+    /// Creates a distant light from a disk in the sky. `angular_radius` is the angular radius of
+    /// the disk in radians. The light travels along the unit vector `toward`. `irradiance` is in
+    /// W/m² over the band.
     pub fn new(toward: DVec3, angular_radius: f64, irradiance: f64) -> Self {
         Self { toward, frame: Frame::new(toward), irradiance, one_minus_cos: warp::one_minus_cos(angular_radius) }
     }
@@ -37,8 +38,8 @@ impl DirectionalLight {
         self.one_minus_cos > 0.0
     }
 
-    /// The power in W through the bounding sphere. The light of each direction crosses a full disk
-    /// of the sphere, of area π R².
+    /// The power in W that enters the bounding sphere. The light of each direction crosses the
+    /// whole cross-section of the sphere, whose area is π R².
     pub(super) fn power_w(&self, world_radius_m: f64) -> f64 {
         self.fluence() * PI * world_radius_m * world_radius_m
     }
@@ -85,8 +86,8 @@ impl DirectionalLight {
         VirtualLight::parallel(self.sample_li(u).direction, None, u)
     }
 
-    /// The radiance in W/m²/sr seen by a ray that leaves the scene along `direction`. `None`
-    /// outside the disk.
+    /// The radiance in W/m²/sr that a ray sees if it leaves the scene along `direction`. `None` if
+    /// the ray misses the disk.
     pub(super) fn le(&self, direction: DVec3) -> Option<f64> {
         (self.pdf_li(direction) > 0.0).then(|| self.disk_radiance())
     }

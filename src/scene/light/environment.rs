@@ -1,4 +1,5 @@
-//! The environment: distant light from all directions, uniform or from an image.
+//! The environment: distant light from all directions. The light is uniform, or an image gives its
+//! radiance.
 
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample};
 use crate::math::distribution::PiecewiseConstant2d;
@@ -12,7 +13,7 @@ use std::sync::Arc;
 /// Distant light from all directions.
 #[derive(Debug, Clone)]
 pub struct EnvironmentLight {
-    /// The mean radiance over all directions, in W/m²/sr over the band.
+    /// The mean radiance of all directions, in W/m²/sr over the band.
     pub mean_radiance: f64,
     /// The image, or `None` for a uniform environment.
     pub map: Option<Arc<EnvironmentMap>>,
@@ -65,7 +66,7 @@ impl EnvironmentMap {
         Some(Self { width, height, weights, pixels: PiecewiseConstant2d::new(width, &masses)?, basis })
     }
 
-    /// The mean spectrum over all directions, with integral 1 over the band.
+    /// The mean spectrum of all directions. Its integral over the band is 1.
     pub fn mean_spectrum(&self) -> Spectrum {
         let mut sums = [0.0; 3];
         for (pixel, weight) in self.weights.iter().enumerate() {
@@ -113,15 +114,15 @@ impl EnvironmentMap {
     }
 }
 
-/// The solid angle of a row of pixels divided by 2π.
+/// The solid angle of a row of pixels, divided by 2π.
 fn row_solid_angle(row: usize, height: usize) -> f64 {
     let edge = |r: usize| (PI * r as f64 / height as f64).cos();
     edge(row) - edge(row + 1)
 }
 
 impl EnvironmentLight {
-    /// Creates an environment of this mean radiance (W/m²/sr over the band). Without an image, the
-    /// environment is uniform.
+    /// Creates an environment with this mean radiance (W/m²/sr over the band). Without an image,
+    /// the environment is uniform.
     pub fn new(mean_radiance: f64, map: Option<Arc<EnvironmentMap>>) -> Self {
         Self { mean_radiance, map, rotation: DMat3::IDENTITY }
     }
@@ -202,7 +203,8 @@ impl EnvironmentLight {
         })
     }
 
-    /// The density per nm of a mixture of the basis spectra.
+    /// The value of a mixture of the basis spectra at a wavelength in nm. The value is a density
+    /// per nm.
     pub(super) fn mixture_at(&self, weights: [f64; 3], nm: f64) -> f64 {
         self.map.as_ref().map_or(0.0, |map| (0..3).map(|c| weights[c] * map.basis[c].at(nm)).sum())
     }

@@ -7,17 +7,17 @@ use glam::DVec3;
 /// The part of a ray that a light can illuminate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LitInterval {
-    /// The distance along the ray in m at which the part begins.
+    /// The distance along the ray at which the part begins, in m.
     pub from: f64,
-    /// The distance along the ray in m at which the part ends.
+    /// The distance along the ray at which the part ends, in m.
     pub to: f64,
     /// The centre of equiangular sampling (Kulla & Fajardo 2012), if there is one. The irradiance
-    /// falls with the square of the distance from this point.
+    /// is inversely proportional to the square of the distance from this point.
     pub pivot: Option<DVec3>,
 }
 
-/// The part of a ray inside a cone around the unit vector `axis`; `one_minus_cos` is 1 − cos of the
-/// half-angle.
+/// The part of a ray inside a cone around the unit vector `axis`. `one_minus_cos` is 1 − cos of the
+/// half-angle of the cone.
 pub(super) fn inside_cone(
     ray: &Ray,
     span: (f64, f64),
@@ -68,8 +68,8 @@ pub(super) fn inside_cylinder(
     (from < to).then_some((from, to))
 }
 
-/// The part of an interval of t where `inside` holds. The value of `inside` changes only at the
-/// roots of a t² + 2 b t + c.
+/// The part of an interval of t in which `inside` is true. The value of `inside` changes only at
+/// the roots of a t² + 2 b t + c.
 fn between_roots([a, b, c]: [f64; 3], (from, to): (f64, f64), inside: impl Fn(f64) -> bool) -> Option<(f64, f64)> {
     let discriminant = b * b - a * c;
     let mut ends = [from, from, from, to];

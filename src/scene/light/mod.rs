@@ -1,8 +1,9 @@
 //! Light sources: the light that they emit, and the light that reaches a point from them.
 //!
 //! All lights obey one contract. Tests check the contract for each kind of light. The mean flux of
-//! [`Light::sample_le`] equals [`Light::power_w`], which uses no random numbers. At each point, the
-//! irradiance from [`Light::sample_li`] equals the irradiance from the emitted rays.
+//! [`Light::sample_le`] equals [`Light::power_w`]. The function `power_w` uses no random numbers.
+//! At each point, the irradiance from [`Light::sample_li`] equals the irradiance from the emitted
+//! rays.
 //!
 //! Only this file matches over the variants of [`Emitter`]. All other code calls the methods of
 //! [`Light`].
@@ -47,9 +48,10 @@ pub struct Light {
     pub name: String,
     /// The kind of light, with its position and radiometric quantity.
     pub emitter: Emitter,
-    /// The relative spectral power distribution: density per nm, with integral 1 over the band.
+    /// The relative spectral power distribution: a density per nm with integral 1 over the band.
     pub spectrum: Spectrum,
-    /// The sampling distribution of photon wavelengths: the spectrum times visual importance.
+    /// The sampling distribution of photon wavelengths. It is proportional to the product of the
+    /// spectrum and the visual importance.
     pub wavelengths: WavelengthDistribution,
     /// The visual importance of one watt: ∫ S(λ)(x̄+ȳ+z̄)(λ) dλ.
     pub importance_per_watt: f64,
@@ -109,10 +111,11 @@ impl Light {
     /// Creates a light at rest.
     ///
     /// `observer` is the observer of the film. Photon wavelengths are sampled in proportion to the
-    /// spectrum times the visual importance for this observer.
+    /// product of the spectrum and the visual importance. The visual importance depends on this
+    /// observer.
     ///
     /// # Errors
-    /// The spectrum has no power within the band.
+    /// Returns an error if the spectrum has no power within the band.
     pub fn new(name: String, emitter: Emitter, spectrum: &LightSpectrum, observer: &'static Observer) -> Result<Self> {
         let spectrum = spectrum.normalised();
         let wavelengths = WavelengthDistribution::visually_weighted(spectrum, observer)
@@ -181,8 +184,8 @@ impl Light {
         }
     }
 
-    /// The sampling density of [`Light::sample_li`], per steradian, for the direction of a ray that
-    /// leaves the scene. 0 for local lights.
+    /// The sampling density of [`Light::sample_li`] for the direction of a ray that leaves the
+    /// scene. The density is per steradian. It is 0 for local lights.
     pub fn pdf_li_escaped(&self, direction: DVec3) -> f64 {
         match &self.emitter {
             Emitter::Directional(light) => light.pdf_li(direction),
@@ -205,8 +208,8 @@ impl Light {
         }
     }
 
-    /// The sampling density of [`Light::sample_li`], per steradian at `from`, for the point `hit`
-    /// of the light's surface. 0 for lights that are not area lights.
+    /// The sampling density of [`Light::sample_li`] for the point `hit` on the light's surface. The
+    /// density is per steradian at `from`. It is 0 for lights that are not area lights.
     pub fn pdf_li_surface(&self, extent: SceneExtent<'_>, from: DVec3, hit: &Hit) -> f64 {
         match self.object() {
             Some(object) => extent.geometry.pdf_solid_angle(object, from, hit),
@@ -224,8 +227,9 @@ impl Light {
         }
     }
 
-    /// The part of a ray that the light can illuminate, within the distances `window` (m). `None`
-    /// if there is no such part. If the light has extent, `u` samples the pivot.
+    /// The part of a ray that the light can illuminate. This part lies within `window`, an interval
+    /// of distances in m. `None` if there is no such part. If the light has extent, `u` samples the
+    /// pivot.
     pub fn lit_interval(
         &self,
         extent: SceneExtent<'_>,
@@ -285,7 +289,8 @@ impl Light {
         })
     }
 
-    /// Returns true if the light is at infinity, so that a ray leaving the scene may see the light.
+    /// Returns true if the light is at infinity. A ray that leaves the scene may then see the
+    /// light.
     pub fn is_distant(&self) -> bool {
         match &self.emitter {
             Emitter::Directional(_) | Emitter::Environment(_) => true,

@@ -57,8 +57,9 @@ impl SpotLight {
     /// Creates a spot light at `position` (m, relative to the scene's centre) that shines along the
     /// unit vector `axis`.
     ///
-    /// `half_angle` is the half-angle of the outer cone in radians. The intensity (W/sr over the
-    /// band on the axis) falls to 0 over the last `penumbra` radians.
+    /// `half_angle` is the half-angle of the outer cone in radians. `intensity` is the intensity on
+    /// the axis in W/sr over the band. The intensity falls to 0 over the last `penumbra` radians of
+    /// the cone.
     pub fn new(position: DVec3, axis: DVec3, half_angle: f64, penumbra: f64, intensity: f64) -> Self {
         let inner = warp::one_minus_cos((half_angle - penumbra).max(0.0));
         Self { position, axis, intensity, inner, outer: warp::one_minus_cos(half_angle) }
@@ -69,8 +70,8 @@ impl SpotLight {
         Self { position, axis, ..*self }
     }
 
-    /// The power in W of a spot light whose intensity is 1 W/sr on the axis: 2π ∫ falloff d(cos θ).
-    /// The mean of the smoothstep is one half. Angles are in radians.
+    /// The power of a spot light whose intensity on the axis is 1 W/sr. The power in W is 2π ∫
+    /// falloff d(cos θ). The mean of the smoothstep is one half. Angles are in radians.
     pub fn power_per_intensity(half_angle: f64, penumbra: f64) -> f64 {
         let spot = Self::new(DVec3::ZERO, DVec3::Z, half_angle, penumbra, 1.0);
         spot.power_w()
@@ -85,7 +86,7 @@ impl SpotLight {
         self.intensity * TAU * 0.5 * (self.inner + self.outer)
     }
 
-    /// The intensity in W/sr in a direction; `one_minus_cos` is 1 − cos of the angle between this
+    /// The intensity in a direction, in W/sr. `one_minus_cos` is 1 − cos of the angle between this
     /// direction and the axis.
     fn intensity_at(&self, one_minus_cos: f64) -> f64 {
         if one_minus_cos <= self.inner {
@@ -127,7 +128,7 @@ impl SpotLight {
 }
 
 /// The light from a point source at `position` that arrives at `from`. `None` if no light arrives.
-/// `intensity` gives W/sr for a direction away from the source.
+/// `intensity` returns the intensity in W/sr for a direction away from the source.
 fn sample_li_from_point(position: DVec3, from: DVec3, intensity: impl Fn(DVec3) -> f64) -> Option<LiSample> {
     let offset = position - from;
     let distance = offset.length();
@@ -146,7 +147,7 @@ fn sample_li_from_point(position: DVec3, from: DVec3, intensity: impl Fn(DVec3) 
     })
 }
 
-/// The lights of this file for the contract tests.
+/// Lights of the kinds in this file, for the contract tests.
 #[cfg(test)]
 pub(super) fn test_lights(at: DVec3, axis: DVec3) -> Vec<TestLight> {
     let spot = |half_angle, penumbra| Emitter::Spot(SpotLight::new(at, axis, half_angle, penumbra, 5.0));

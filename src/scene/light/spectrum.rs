@@ -21,16 +21,16 @@ impl LightSpectrum {
         Self { spectrum, lumens_per_watt }
     }
 
-    /// The density per nm, with integral 1 over the band.
+    /// The normalised spectrum: a density per nm with integral 1 over the band.
     pub fn normalised(&self) -> &Spectrum {
         &self.spectrum
     }
 
-    /// Converts a photometric quantity (lm, cd, cd/m², lx) to the radiometric quantity (W, W/sr,
-    /// W/m²/sr, W/m²) over the band.
+    /// Converts a photometric quantity (lm, cd, cd/m², lx) to the corresponding radiometric
+    /// quantity (W, W/sr, W/m²/sr, W/m²) over the band.
     ///
     /// # Errors
-    /// The quantity is positive and the spectrum has no visible light.
+    /// Returns an error if the quantity is positive but the spectrum has no visible light.
     pub fn watts_from_lumens(&self, value: f64) -> Result<f64> {
         if value > 0.0 && self.lumens_per_watt <= 0.0 {
             return Err(Error::input("the spectrum has no visible light")

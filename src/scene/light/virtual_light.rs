@@ -23,7 +23,7 @@ enum VirtualLightKind {
     /// A point.
     Point(DVec3),
     /// A point of a surface, with its unit normal. `flux` is the radiance (W/m²/sr over the band)
-    /// divided by the density of the point per m².
+    /// divided by the density of the point. The density is per m².
     Surface { position: DVec3, normal: DVec3, flux: f64 },
     /// Parallel light that arrives from the unit vector `direction`. The light starts at infinity,
     /// or on a plane through a point. This plane is perpendicular to `direction`.
@@ -81,14 +81,14 @@ impl VirtualLight {
     }
 
     /// The ray from the light to a point, and the ray's length in m. Light from infinity starts at
-    /// the distance `far_m`.
+    /// the distance `far_m` from the point.
     pub fn ray_to(&self, to: DVec3, far_m: f64) -> (Ray, f64) {
         let LightConnection { direction, distance, .. } = self.connection_from(to);
         let length = if distance.is_finite() { distance } else { far_m };
         (Ray::new(to + length * direction, -direction), length)
     }
 
-    /// The irradiance in W/m² (over the band) on a plane perpendicular to a connection. The light
+    /// The irradiance on a plane perpendicular to a connection, in W/m² over the band. The light
     /// comes from the surface point at the end of the connection. `None` if the light has no
     /// surface.
     pub(super) fn surface_irradiance(&self, connection: &LightConnection) -> Option<f64> {

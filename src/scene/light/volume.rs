@@ -21,23 +21,24 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct VolumeLight {
     medium: Medium,
-    /// The surface of the body, or `None` if the medium's own box bounds it.
+    /// The surface of the body, or `None` if the medium's own box bounds the medium.
     body: Option<Arc<Geometry>>,
     /// The map from the unit cube to a box around the emitting part.
     from_unit: DAffine3,
-    /// The sampling distribution over the cells of the box, x fastest.
+    /// The sampling distribution over the cells of the box. The x index of the cells varies
+    /// fastest.
     cells: DiscreteDistribution,
     power_w: f64,
     spectrum: Spectrum,
 }
 
-/// Cells along each side of the box.
+/// The number of cells along each side of the box.
 const CELLS: usize = 32;
 
-/// Probes along each side of a cell.
+/// The number of probes along each side of a cell.
 const PROBES: usize = 4;
 
-/// Probes along each side of the box.
+/// The number of probes along each side of the box.
 const PROBED: usize = CELLS * PROBES;
 
 /// The distance between a row of probes and the ray along this row, divided by the distance between
@@ -47,7 +48,7 @@ const BESIDE: f64 = 1e-6;
 /// A direction that is unlikely to be parallel to an edge or a face.
 const OBLIQUE: DVec3 = DVec3::new(0.391_827, 0.803_153, 0.448_713);
 
-/// The share of points sampled uniformly over all cells.
+/// The share of the points that are sampled uniformly over all cells.
 const DEFENSIVE_SHARE: f64 = 0.05;
 
 /// A sampled point of a volume light.
@@ -77,10 +78,10 @@ impl VolumeLight {
 
     /// Creates the light of an emitting medium.
     ///
-    /// `from_unit` maps the unit cube to a box around the emitting part, in m relative to the
-    /// scene's centre. If the medium is inside a body, `body` holds the surface of this body and
-    /// its volume in m³. `body` is `None` if the box itself bounds the medium. Returns `None` if
-    /// the medium emits nothing in the band.
+    /// `from_unit` maps the unit cube to a box around the emitting part. The box is in m, relative
+    /// to the scene's centre. If the medium is inside a body, `body` holds the surface of this body
+    /// and its volume in m³. `body` is `None` if the box itself bounds the medium. Returns `None`
+    /// if the medium emits nothing in the band.
     pub fn new(medium: &Medium, from_unit: DAffine3, body: Option<(Arc<Geometry>, f64)>) -> Option<Self> {
         let emission = medium.emission.as_ref()?;
         let (body, body_volume) = body.unzip();
@@ -145,7 +146,7 @@ impl VolumeLight {
         RepresentativePoint { position, surface: None }
     }
 
-    /// The density per nm of the emission at a temperature in K.
+    /// The relative spectrum of the emission at a temperature in K, as a density per nm.
     pub(super) fn spd_at(&self, temperature: f64, nm: f64) -> f64 {
         self.medium.emission.as_ref().map_or(0.0, |emission| emission.spd_at(temperature, nm))
     }
@@ -155,8 +156,8 @@ impl VolumeLight {
         LeSample { origin: position, direction: warp::sphere(u.aim), from: None, flux_w, spd }
     }
 
-    /// Samples a direction towards a point of the medium. The irradiance is the same as from a
-    /// point light that has the flux of the sample.
+    /// Samples a direction towards a point of the medium. The irradiance equals the irradiance from
+    /// a point light whose flux is the flux of the sample.
     pub(super) fn sample_li(&self, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
         let VolumeSample { position, flux_w, spd } = self.sample(u);
         let (direction, distance) = (position - from).normalize_and_length();
@@ -205,8 +206,8 @@ impl VolumeLight {
         self.from_unit.transform_point3(DVec3::new(x, y, z) / PROBED as f64)
     }
 
-    /// Returns which probes of a row lie inside the body. One ray along the row finds all crossings
-    /// of the surface.
+    /// Tells for each probe of a row whether the probe lies inside the body. One ray along the row
+    /// finds all crossings of the surface.
     fn inside_along(&self, first: DVec3, step: DVec3) -> [bool; PROBED] {
         let Some(body) = &self.body else { return [true; PROBED] };
         let (direction, spacing) = step.normalize_and_length();
@@ -232,7 +233,8 @@ impl VolumeLight {
     }
 }
 
-/// 1 if a ray leaves the body at a surface with this normal, −1 if it enters.
+/// Returns 1 if a ray leaves the body at a surface with this normal, and −1 if the ray enters the
+/// body.
 fn leaves(normal: DVec3, direction: DVec3) -> i32 {
     if normal.dot(direction) > 0.0 { 1 } else { -1 }
 }

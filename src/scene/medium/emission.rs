@@ -12,7 +12,7 @@ pub enum MediumEmission {
     Uniform {
         /// The coefficient in W/m³/sr/nm.
         spectrum: Spectrum,
-        /// The integral of the spectrum over the band in W/m³/sr.
+        /// The integral of the spectrum over the band, in W/m³/sr.
         band: f64,
     },
     /// Thermal emission by Kirchhoff's law, j = σ_a(λ) B_λ(T). The temperature varies in space.
@@ -24,10 +24,12 @@ pub enum MediumEmission {
 pub struct ThermalEmission {
     temperature: Arc<ScalarField>,
     absorption: Spectrum,
-    /// The logarithm of the emission over the band (W/m³/sr) at equal steps of the inverse
-    /// temperature, from the highest temperature on. By Wien's law, the logarithm is nearly linear.
+    /// The logarithm of the emission over the band. The emission is in W/m³/sr. The entries are at
+    /// equal steps of the inverse temperature and begin at the highest temperature. By Wien's law,
+    /// the logarithm is nearly linear.
     log_band: Vec<f64>,
-    /// The inverse temperature of the first entry and the step between entries, in 1/K.
+    /// The inverse temperature of the first entry, and the step of the inverse temperature between
+    /// entries. Both are in 1/K.
     inverse: (f64, f64),
 }
 
@@ -40,7 +42,8 @@ const COLDEST_K: f64 = 350.0;
 /// interpolated value normalises the spectrum.
 const STEPS: usize = 256;
 
-/// The number of bins per step in the histogram of temperatures for the mean spectrum.
+/// A histogram of temperatures gives the mean spectrum. This is the number of its bins per step of
+/// the inverse temperature.
 const BINS_PER_STEP: f64 = 8.0;
 
 impl MediumEmission {

@@ -45,11 +45,11 @@ pub struct Medium {
     pub transmittance: TransmittanceEstimator,
     /// The emission, if the medium emits light.
     pub emission: Option<MediumEmission>,
-    /// The motion in m while the shutter is open, if the medium moves.
+    /// The motion while the shutter is open, with lengths in m. `None` if the medium does not move.
     pub motion: Option<AnimatedTransform>,
 }
 
-/// The relative density, without unit, as a function of position.
+/// The relative density as a function of position. It has no unit.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Density {
     /// The density is 1 everywhere.
@@ -63,7 +63,7 @@ pub enum Density {
 pub enum TransmittanceEstimator {
     /// The exact column density.
     Exact,
-    /// Ratio tracking (Novák et al. 2014): unbiased, with noise.
+    /// Ratio tracking (Novák et al. 2014): unbiased but noisy.
     Ratio,
     /// Ray marching computes the column density by the midpoint rule. It is biased but has no
     /// noise.
@@ -124,8 +124,8 @@ impl Medium {
         self.optical_depth(REFERENCE_NM, column_m) > DENSE
     }
 
-    /// An upper bound, in m, of the column density along straight lines through a body of the
-    /// medium. The body has the diameter `across_m`.
+    /// An upper bound of the column density in m. The bound applies to all straight lines through a
+    /// body of the medium. The body has the diameter `across_m`.
     pub fn max_column_m(&self, across_m: f64) -> f64 {
         match &self.density {
             Density::Uniform => across_m,
@@ -176,8 +176,8 @@ impl Medium {
         }
     }
 
-    /// The exact column density ∫ρ ds in m along the first `length_m` of the ray. The length may be
-    /// infinite.
+    /// The exact column density ∫ρ ds along the first `length_m` of the ray, in m. The length may
+    /// be infinite.
     pub fn column_m(&self, ray: &Ray, length_m: f64) -> f64 {
         match &self.density {
             Density::Uniform => length_m,
@@ -185,8 +185,8 @@ impl Medium {
         }
     }
 
-    /// The column density in m by the midpoint rule with `steps` steps. The error is proportional
-    /// to the square of the step.
+    /// Computes the column density (in m) by the midpoint rule with `steps` steps. The error is
+    /// proportional to the square of the step.
     pub fn column_by_steps(&self, ray: &Ray, length_m: f64, steps: u32) -> f64 {
         match &self.density {
             Density::Uniform => length_m,
@@ -206,8 +206,8 @@ impl Medium {
         self.extinction_range.1
     }
 
-    /// The distance along the ray in m where the column density reaches `column_m`. `None` if the
-    /// column density of the first `length_m` is smaller.
+    /// The distance along the ray at which the column density reaches `column_m`, in m. `None` if
+    /// the column density of the first `length_m` is smaller.
     pub fn distance_at(&self, ray: &Ray, length_m: f64, column_m: f64) -> Option<f64> {
         match &self.density {
             Density::Uniform => (column_m < length_m).then_some(column_m),

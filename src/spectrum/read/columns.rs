@@ -78,8 +78,8 @@ fn pieces(row: &str, is_separator: impl Fn(char) -> bool + Copy) -> impl Iterato
 /// the wavelengths are in µm, otherwise in nm.
 ///
 /// # Errors
-/// Returns an error with line and column if a row does not consist of two numbers or a sample is
-/// invalid.
+/// Returns an error if a row does not consist of two numbers, or if a sample is invalid. The error
+/// contains the line and the column.
 pub fn parse(text: &str) -> Result<SpectrumSamples> {
     let rows = text
         .lines()
@@ -122,7 +122,7 @@ fn not_two_numbers(row: &str) -> Error {
     Error::input(format!("the row \"{shown}\"")).expected("two numbers: wavelength and value")
 }
 
-/// Returns the unit of the wavelengths, expressed in nm. A word in the title of the first column
+/// Returns the number of nm in the unit of the wavelengths. A word in the title of the first column
 /// names the unit.
 fn unit_of_header(row: &str) -> f64 {
     let first = row.split([';', '\t', '|', ',']).next().unwrap_or(row).to_lowercase();

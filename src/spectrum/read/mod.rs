@@ -79,7 +79,8 @@ impl SpectrumSamples {
 /// all others as columns of text.
 ///
 /// # Errors
-/// Returns an error with file, line and column if the file cannot be read or a sample is invalid.
+/// Returns an error if the file cannot be read, or if a sample is invalid. The error contains the
+/// file, and the line and column of the sample.
 pub fn samples(path: &Path) -> Result<SpectrumSamples> {
     let bytes = std::fs::read(path)
         .map_err(|error| Error::input(format!("cannot read the spectrum: {error}")).in_file(path))?;

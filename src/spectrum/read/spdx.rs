@@ -14,8 +14,8 @@ use crate::spectrum::library::SpectrumKind;
 /// Parses the samples of a TM-27 document.
 ///
 /// # Errors
-/// Returns an error with line and column if the text is not well-formed XML, contains no spectral
-/// data, or contains invalid samples.
+/// Returns an error if the text is not well-formed XML, contains no spectral data, or contains
+/// invalid samples. The error contains the line and the column.
 pub fn parse(text: &str) -> Result<SpectrumSamples> {
     let document = Document::parse(text).map_err(|error| {
         let place = error.pos();

@@ -49,7 +49,8 @@ impl SpherePatch {
         [[x, y], [x + size[0], y], [x, y + size[1]], [x + size[0], y + size[1]]].map(|at| Self { at, size })
     }
 
-    /// Integrates by adaptive subdivision into quarters until the result changes by less than 1e-7.
+    /// Integrates `f` by adaptive subdivision. A rectangle is divided into quarters until the
+    /// result changes by less than 1e-7.
     fn refined(self, f: &impl Fn(DVec3) -> f64, known: f64, depth: usize) -> f64 {
         let quarters = self.quarters().map(|quarter| (quarter, quarter.integral(f)));
         let sum: f64 = quarters.iter().map(|(_, value)| value).sum();
@@ -72,8 +73,8 @@ pub(super) fn integrals(f: impl Fn(DVec3) -> f64) -> Vec<f64> {
         .collect()
 }
 
-/// Numbers of samples: in each cell of the sphere, in delta directions, and without a valid
-/// direction.
+/// Counts of samples. The samples of each cell of the sphere, the samples in delta directions, and
+/// the samples without a valid direction are counted separately.
 pub(super) struct Histogram {
     pub(super) cells: Vec<f64>,
     pub(super) deltas: f64,

@@ -1,4 +1,4 @@
-//! Volume lights in the contract of lights.
+//! Volume lights for the contract tests.
 
 use super::*;
 use crate::optics::phase::PhaseFunction;
@@ -6,8 +6,8 @@ use crate::scene::medium::field::{self, BallField, ScalarField};
 use crate::scene::medium::{Density, Medium, MediumEmission};
 use crate::spectrum::planck;
 
-/// A rotated tube of uniform emission, and a box of matter. The matter is hot in the middle and
-/// cold outside.
+/// Two volume lights: a rotated tube with uniform emission, and a box filled with matter. The
+/// matter is hot in the middle and cold outside.
 pub(super) fn cases() -> Vec<LightCase> {
     let tube = place_turned(Shape::Cylinder { radius: 0.2, height: 0.6 });
     let from_unit = tube.to_world

@@ -1,22 +1,23 @@
-//! An atmosphere: exponential decrease with height, above a plain or around a planet.
+//! An atmosphere: a field that decreases exponentially with the height above a plain or above a
+//! planet.
 
 use super::FieldLine;
 use crate::math::quadrature::gauss16;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
-/// A field that falls with height: the value times exp(−height/scale height).
+/// A field that falls with height. It equals `value` times exp(−height/`scale_height`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Atmosphere {
     /// The value at height 0.
     pub value: f64,
     /// The height over which the field falls to 1/e.
     pub scale_height: f64,
-    /// The surface of height 0.
+    /// The surface at height 0.
     pub above: Ground,
 }
 
-/// The surface of height 0.
+/// The surface at height 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Ground {
     /// The plane at this y coordinate. Heights below the plane are negative.
@@ -34,8 +35,9 @@ pub struct Planet {
     pub radius: f64,
 }
 
-/// Scale heights per piece. Sixteen Gauss points then have a relative error below 10⁻¹⁴, even for a
-/// line that is tangent to a sphere of constant height.
+/// The thickness of a shell in scale heights. For this thickness, Gauss quadrature with sixteen
+/// points has a relative error below 10⁻¹⁴, even for a line that is tangent to a sphere of constant
+/// height.
 const HEIGHTS_PER_PIECE: f64 = 8.0;
 
 /// The largest number of pieces on one side of the lowest point. Above these pieces, the field is
@@ -120,7 +122,8 @@ impl Atmosphere {
     pub(super) fn integral(&self, line: &FieldLine, piece: (f64, f64)) -> f64 {
         match self.above {
             Ground::Plain(_) => {
-                // The integral is (1 − e⁻ˣ)/x times the value at the lower end times the length.
+                // The integral is the product of (1 − e⁻ˣ)/x, the value at the lower end, and the
+                // length.
                 let x = (line.direction.y * (piece.1 - piece.0) / self.scale_height).abs();
                 let share = if x == 0.0 { 1.0 } else { -(-x).exp_m1() / x };
                 self.majorant(line, piece) * (piece.1 - piece.0) * share

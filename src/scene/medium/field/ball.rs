@@ -56,7 +56,8 @@ impl BallField {
         ControlFlow::Continue(())
     }
 
-    /// Integrates exactly: the smoothstep of the squared distance has degree 6 along a line.
+    /// Integrates a piece exactly. Along a line, the smoothstep of the squared distance is a
+    /// polynomial of degree 6.
     pub(super) fn integral(&self, line: &FieldLine, piece: (f64, f64)) -> f64 {
         gauss4(piece, |t| self.at(line.at(t)))
     }

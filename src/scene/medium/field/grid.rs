@@ -1,8 +1,9 @@
 //! A grid of values at the centres of cells, with trilinear interpolation.
 //!
 //! Between the outermost centres and the faces of the box, the interpolation uses the values at the
-//! outermost centres. A grid of one cell is thus constant. Along a line, a trilinear function is a
-//! cubic between two planes of centres. Two Gauss points integrate this cubic exactly.
+//! outermost centres. A grid of one cell is thus constant. Between two adjacent planes of centres,
+//! the interpolated value along a line is a cubic polynomial. Two Gauss points integrate this cubic
+//! exactly.
 
 use super::FieldLine;
 use crate::error::{Error, Result};
@@ -14,8 +15,8 @@ use std::ops::ControlFlow;
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldGrid {
     resolution: [usize; 3],
-    /// The values at the centres of the cells, x fastest, then y, then z. Single precision saves
-    /// memory.
+    /// The values at the centres of the cells. The x index varies fastest, then y, then z. Single
+    /// precision saves memory.
     values: Vec<f32>,
     /// The number of blocks along each axis.
     blocks: [usize; 3],
@@ -23,16 +24,17 @@ pub struct FieldGrid {
     maxima: Vec<f32>,
 }
 
-/// The side of a block in steps between centres. Each block stores its largest value. This value
-/// allows empty blocks to be skipped, and bounds the value along a line.
+/// The side of a block. The unit is the distance between adjacent centres. Each block stores its
+/// largest value. This value allows empty blocks to be skipped, and bounds the value along a line.
 const BLOCK: usize = 8;
 
 impl FieldGrid {
-    /// Creates a grid from the values at the centres of its cells, x fastest, then y, then z.
+    /// Creates a grid from the values at the centres of its cells. The x index varies fastest, then
+    /// y, then z.
     ///
     /// # Errors
-    /// The number of values is not the number of cells, there is no cell, or a value is negative or
-    /// not finite in single precision.
+    /// Returns an error if the number of values differs from the number of cells, or if there is no
+    /// cell. Also returns an error if a value is negative or not finite in single precision.
     pub fn new(resolution: [usize; 3], values: impl ExactSizeIterator<Item = f64>) -> Result<Self> {
         let [x, y, z] = resolution;
         let cells = x.checked_mul(y).and_then(|cells| cells.checked_mul(z)).filter(|&cells| cells > 0);
@@ -56,7 +58,8 @@ impl FieldGrid {
         Ok(grid)
     }
 
-    /// The largest value at the centres in a block, including those on its far faces.
+    /// The largest value at the centres in a block. The centres on the far faces of the block are
+    /// included.
     fn max_in_block(&self, block: [usize; 3]) -> f32 {
         let range = |axis: usize| {
             let first = block[axis] * BLOCK;
@@ -173,8 +176,8 @@ fn for_each_step(
     last: [i64; 3],
     mut visit: impl FnMut((f64, f64)) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    // The next plane on each axis and the parameter of its crossing. The parameter is computed from
-    // the integer, so that rounding errors do not accumulate.
+    // For each axis: the next plane, and the parameter at which the line crosses this plane. The
+    // parameter is computed from the integer, so that rounding errors do not accumulate.
     let start = line.at(from);
     let mut plane = [0_i64; 3];
     let crossing = |axis: usize, plane: i64| {

@@ -46,8 +46,8 @@ pub enum FieldShape {
     Ball(BallField),
 }
 
-/// A straight line in a field's own coordinates. The parameter is the distance along the ray in m,
-/// so the direction is not a unit vector if the field is scaled.
+/// A straight line in a field's own coordinates. The parameter is the distance along the ray in m.
+/// If the field is scaled, the direction is therefore not a unit vector.
 #[derive(Debug, Clone, Copy)]
 struct FieldLine {
     origin: DVec3,
@@ -117,8 +117,8 @@ impl ScalarField {
         std::array::from_fn(|i| from_unit.transform_point3(corner(i)))
     }
 
-    /// The smallest of three integrals, in m times the unit of the field. Each integral is along
-    /// the line between the centres of two opposite faces of the box.
+    /// The smallest of three integrals of the field. Each integral is along the line between the
+    /// centres of two opposite faces of the box. The unit is m times the unit of the field.
     pub fn min_column_m(&self) -> f64 {
         let corners = self.corners();
         let middle = 0.5 * (corners[0] + corners[7]);
@@ -142,8 +142,8 @@ impl ScalarField {
         if inside { self.local_at(local) } else { 0.0 }
     }
 
-    /// The distances between which the first `length_m` of the ray is inside the box. `None` if
-    /// this part of the ray misses the box.
+    /// The distances at which the ray enters and leaves the box. They are limited to the first
+    /// `length_m` of the ray. `None` if this part of the ray misses the box.
     pub fn window(&self, ray: &Ray, length_m: f64) -> Option<(f64, f64)> {
         self.clipped(&self.line(ray), length_m)
     }
@@ -170,8 +170,8 @@ impl ScalarField {
         }
     }
 
-    /// The integral along the first `length_m` of the ray, in m times the unit of the field. The
-    /// length may be infinite.
+    /// The integral of the field along the first `length_m` of the ray. The unit is m times the
+    /// unit of the field. The length may be infinite.
     pub fn column_m(&self, ray: &Ray, length_m: f64) -> f64 {
         let line = self.line(ray);
         let mut sum = 0.0;
@@ -182,8 +182,8 @@ impl ScalarField {
         sum
     }
 
-    /// The distance along the ray where the integral reaches `column_m`. `None` if the integral
-    /// over the first `length_m` is smaller.
+    /// The distance along the ray at which the integral of the field reaches `column_m`. `None` if
+    /// the integral over the first `length_m` is smaller.
     pub fn distance_at(&self, ray: &Ray, length_m: f64, column_m: f64) -> Option<f64> {
         let line = self.line(ray);
         let mut left = column_m;
@@ -200,8 +200,8 @@ impl ScalarField {
         found
     }
 
-    /// The integral by the midpoint rule with this many steps inside the box. The error is
-    /// proportional to the square of the step.
+    /// Computes the integral by the midpoint rule. The part of the ray inside the box is divided
+    /// into `steps` steps. The error is proportional to the square of the step.
     pub fn column_by_steps(&self, ray: &Ray, length_m: f64, steps: u32) -> f64 {
         let line = self.line(ray);
         let Some((from, to)) = self.clipped(&line, length_m) else { return 0.0 };
@@ -215,7 +215,7 @@ impl ScalarField {
         FieldLine { origin, direction: self.to_local.transform_vector3(ray.direction) }
     }
 
-    /// The part of the line from 0 to `length_m` inside the box.
+    /// The part of the line that lies inside the box and between the parameters 0 and `length_m`.
     fn clipped(&self, line: &FieldLine, length_m: f64) -> Option<(f64, f64)> {
         let (mut from, mut to) = (0.0_f64, length_m);
         for axis in 0..3 {
@@ -245,8 +245,8 @@ impl ScalarField {
         }
     }
 
-    /// Calls `visit` in order with the pieces of the first `length_m` of the line. Parts where the
-    /// field is 0 may be left out.
+    /// Calls `visit` with each piece of the first `length_m` of the line, in order along the line.
+    /// Parts where the field is 0 may be left out.
     fn for_each_piece(&self, line: &FieldLine, length_m: f64, mut visit: impl FnMut((f64, f64)) -> ControlFlow<()>) {
         let Some(window) = self.clipped(line, length_m) else { return };
         let _ = match &self.shape {

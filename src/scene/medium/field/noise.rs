@@ -18,14 +18,14 @@ pub struct Noise {
     pub octaves: u32,
     /// The threshold, from 0 to 1.
     pub threshold: f64,
-    /// The share of the half-axes, from 0 to 1, over which the noise fades to 0. The fade ends at
-    /// the surface of the ellipsoid inscribed in the box. 0 means no fade.
+    /// The share of the half-axes over which the noise fades to 0. The share is from 0 to 1. The
+    /// fade ends at the surface of the ellipsoid inscribed in the box. 0 means no fade.
     pub falloff: f64,
     /// The seed.
     pub seed: u32,
 }
 
-/// Cells per wavelength of the last octave.
+/// The number of cells per wavelength of the last octave.
 const CELLS_PER_WAVELENGTH: f64 = 2.0;
 
 /// The largest number of cells along the longest side of the box.
@@ -40,7 +40,7 @@ impl Noise {
     /// of the box.
     ///
     /// # Errors
-    /// A value is not finite in single precision.
+    /// Returns an error if a value is not finite in single precision.
     pub fn grid(&self, (low, high): (DVec3, DVec3)) -> Result<FieldGrid> {
         let size = high - low;
         let smallest = self.scale / f64::from(1_u32 << (self.octaves - 1));
@@ -53,7 +53,8 @@ impl Noise {
         FieldGrid::new(resolution, values)
     }
 
-    /// The value at an offset from the lowest corner of a box of size `size`.
+    /// The value at a point of a box. `offset` is the offset of the point from the lowest corner of
+    /// the box, and `size` is the size of the box.
     fn at(&self, offset: DVec3, size: DVec3) -> f64 {
         let from_middle = 2.0 * offset / size - 1.0;
         let inside = if self.falloff > 0.0 { fade(from_middle.length_squared(), 1.0 - self.falloff, 1.0) } else { 1.0 };

@@ -11,7 +11,7 @@ fn random(number: u64) -> Stream {
     Stream::new(3, Purpose::Pilot, 0, number)
 }
 
-/// A map from the scene to the field with rotation, uneven scale and translation.
+/// A map from the scene to the field. The map has a rotation, an uneven scale and a translation.
 fn placement() -> DAffine3 {
     let turned = DAffine3::from_axis_angle(DVec3::new(1.0, -2.0, 0.5).normalize(), 0.8);
     (DAffine3::from_translation(DVec3::new(0.3, -1.0, 2.0)) * DAffine3::from_scale(DVec3::new(2.0, 0.5, 1.3)) * turned)
@@ -76,7 +76,7 @@ fn rays(count: u64) -> impl Iterator<Item = (Ray, f64)> {
     })
 }
 
-/// The integral by the midpoint rule between two distances.
+/// The integral between two distances along a ray, by the midpoint rule.
 fn by_force(field: &ScalarField, ray: &Ray, (from, to): (f64, f64), steps: u32) -> f64 {
     let step = (to - from) / f64::from(steps);
     (0..steps).map(|i| field.at(ray.at(from + (f64::from(i) + 0.5) * step))).sum::<f64>() * step
@@ -93,7 +93,7 @@ fn the_column_is_the_integral_of_the_value_along_the_ray() {
             };
             assert!(window.0 >= 0.0 && window.1 <= length && window.0 < window.1);
             let brute = by_force(&field, &ray, window, 20_000);
-            // The midpoint rule has an error of half a step at each jump.
+            // At each jump of the field, the midpoint rule has an error of half a step.
             let jumps = if name == "hard ball" { 1.0 / 20_000.0 } else { 1e-7 };
             let bound = jumps * field.max() * (window.1 - window.0) + 1e-6 * column;
             assert!((column - brute).abs() < bound, "{name}: {column} against {brute} of {window:?}");
@@ -205,8 +205,8 @@ fn the_columns_of_a_planetary_atmosphere_are_exact() {
         let along = field.column_m(&Ray::new(DVec3::ZERO, direction), f64::INFINITY);
         assert!((along / (radius * bessel) - 1.0).abs() < 1e-11, "{along} against {}", radius * bessel);
     }
-    // The column density of a grazing ray from space is twice the column density of its half beyond
-    // the lowest point.
+    // A grazing ray comes from space, passes its lowest point and returns to space. Its column
+    // density is twice the column density of the half beyond the lowest point.
     let height = 3_000.0;
     let ray = Ray::new(DVec3::new(-6.9e6, height, 0.0), DVec3::X);
     let x = (radius + height) / scale_height;
