@@ -28,13 +28,10 @@ pub enum MaterialFile {
         "ior": "N-BK7", "roughness": 0, "absorption": 0.1, "medium": "milk", "priority": 0
     }}))]
     Dielectric(DielectricFile),
-    /// A pane of negligible thickness: light passes straight through or is reflected.
+    /// A thin pane: light passes straight through or is reflected.
     #[schemars(example = json!({"thin_dielectric": {"ior": 1.5}}))]
-    ThinDielectric {
-        /// Index of refraction relative to air.
-        #[schemars(extend("minimum" = 1))]
-        ior: IndexFile,
-    },
+    #[schemars(example = json!({"thin_dielectric": {"ior": 1.52, "thickness": 0.006, "absorption": 7.3}}))]
+    ThinDielectric(ThinDielectricFile),
     /// A metal.
     #[schemars(example = json!({"conductor": {"metal": "gold", "roughness": 0.2}}))]
     #[schemars(example = json!({"conductor": {"eta": 0.2, "k": 3.4}}))]
@@ -109,6 +106,23 @@ pub struct DielectricFile {
     pub priority: i32,
 }
 
+/// A thin pane. A pane that absorbs states `thickness` and `absorption`.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ThinDielectricFile {
+    /// Index of refraction relative to air.
+    #[schemars(extend("minimum" = 1))]
+    pub ior: IndexFile,
+    /// Thickness of the pane. It only decides how much light is absorbed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "scene unit", "x-default" = "no absorption"))]
+    pub thickness: Option<f64>,
+    /// Absorption coefficient inside the pane (Beer's law).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0, "x-unit" = "1/scene unit", "x-default" = "no absorption"))]
+    pub absorption: Option<SpectrumFile>,
+}
+
 /// A conductor. Either state `metal`, or state `eta` and `k`.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -148,7 +162,7 @@ impl MaterialFile {
         match self {
             Self::Diffuse { reflectance } => reflectance.validate(&at.key("diffuse").key("reflectance")),
             Self::Dielectric(dielectric) => dielectric.validate(&at.key("dielectric")),
-            Self::ThinDielectric { ior } => ior.validate(&at.key("thin_dielectric").key("ior")),
+            Self::ThinDielectric(pane) => pane.validate(&at.key("thin_dielectric")),
             Self::Conductor(conductor) => conductor.validate(&at.key("conductor")),
             Self::Mirror { reflectance } => reflectance.validate(&at.key("mirror").key("reflectance")),
             Self::Glossy { reflectance, ior, roughness } => {
@@ -193,6 +207,24 @@ impl DielectricFile {
         ior.validate(&at.key("ior"))?;
         check::fraction(&at.key("roughness"), *roughness)?;
         absorption.as_ref().map_or(Ok(()), |it| it.validate(&at.key("absorption"), SpectrumUse::NotNegative))
+    }
+}
+
+impl ThinDielectricFile {
+    /// Checks the ranges, and that an absorbing pane has a thickness.
+    fn validate(&self, at: &JsonPath) -> Result<()> {
+        let Self { ior, thickness, absorption } = self;
+        ior.validate(&at.key("ior"))?;
+        let allowed = "both `thickness` and `absorption`, or neither";
+        match (thickness, absorption) {
+            (None, None) => Ok(()),
+            (Some(_), None) => Err(check::fault(at, "found `thickness` without `absorption`", allowed)),
+            (None, Some(_)) => Err(check::fault(at, "found `absorption` without `thickness`", allowed)),
+            (Some(thickness), Some(absorption)) => {
+                check::positive(&at.key("thickness"), *thickness)?;
+                absorption.validate(&at.key("absorption"), SpectrumUse::NotNegative)
+            }
+        }
     }
 }
 

@@ -47,7 +47,7 @@ pub use film::{ExposureFile, FilmFile, GamutFile, ObserverFile, OutputSpaceFile,
 pub use index::{FormulaFile, IndexFile};
 pub use lens::{LensFile, LensSurfaceFile, PrescriptionFile, SystemLensFile, ThinLensFile, ThinLensForm};
 pub use light::LightFile;
-pub use material::{ConductorFile, DielectricFile, MaterialFile, WeightedMaterialFile};
+pub use material::{ConductorFile, DielectricFile, MaterialFile, ThinDielectricFile, WeightedMaterialFile};
 pub use medium::{GridFile, HomogeneousFile, MediumBlackbodyFile, MediumEmissionFile, MediumFile, TransmittanceFile};
 pub use object::ObjectFile;
 pub use phase::PhaseFile;

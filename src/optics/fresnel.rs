@@ -45,6 +45,12 @@ pub fn dielectric(cos_i: f64, n_i: f64, n_t: f64) -> f64 {
     0.5 * (s + p)
 }
 
+/// Returns the cosine of the angle of refraction by Snell's law. Beyond the critical angle, returns
+/// 0. The sign of `cos_i` is ignored.
+pub fn cos_transmitted(cos_i: f64, n_i: f64, n_t: f64) -> f64 {
+    (squared_transmitted(cos_i, n_i, n_t).max(0.0).sqrt() / n_t).min(1.0)
+}
+
 /// Returns the reflectances of a smooth metal for s and p polarisation. Both lie in \[0, 1\].
 ///
 /// The metal has the complex index `n` + i·`k`. The surrounding medium has the positive index

@@ -128,7 +128,8 @@ fn surfaces() -> f64 {
         Bsdf::diffuse(half()).unwrap(),
         Bsdf::translucent(half(), Spectrum::constant(0.4)).unwrap(),
         Bsdf::mirror(half()).unwrap(),
-        Bsdf::thin_dielectric(index(1.5)),
+        Bsdf::thin_dielectric(index(1.5), None).unwrap(),
+        Bsdf::thin_dielectric(index(1.5), Some(Spectrum::constant(0.3))).unwrap(),
     ];
     for alpha in [0.0, 1e-3, 0.3, 1.0] {
         all.push(Bsdf::conductor(Spectrum::constant(0.2), Spectrum::constant(3.0), alpha).unwrap());

@@ -4,7 +4,9 @@ use super::context::{Resolver, unsupported};
 use super::index::index_of;
 use super::spectra::Role;
 use crate::error::{Error, Result};
-use crate::format::{ConductorFile, DielectricFile, IndexFile, JsonPath, MaterialFile, ReflectanceFile};
+use crate::format::{
+    ConductorFile, DielectricFile, IndexFile, JsonPath, MaterialFile, ReflectanceFile, ThinDielectricFile,
+};
 use crate::optics::bsdf::Bsdf;
 use crate::optics::glass::RefractiveIndex;
 use crate::scene::{Body, Material};
@@ -60,10 +62,7 @@ impl Resolver<'_> {
                 let body = self.body(&at, file, name, notes)?;
                 (Bsdf::dielectric(alpha(file.roughness)), Some(body))
             }
-            MaterialFile::ThinDielectric { ior } => {
-                let at = at.key("thin_dielectric");
-                (Ok(Bsdf::thin_dielectric(self.index(&at.key("ior"), ior, name, notes)?)), None)
-            }
+            MaterialFile::ThinDielectric(file) => (self.pane(&at.key("thin_dielectric"), file, name, notes), None),
             MaterialFile::Conductor(file) => (self.conductor(&at.key("conductor"), file), None),
             MaterialFile::Mirror { reflectance } => {
                 let at = at.key("mirror");
@@ -119,6 +118,17 @@ impl Resolver<'_> {
             }
         };
         Ok(Body { index: Some(index), absorption, medium, priority: *priority })
+    }
+
+    fn pane(&self, at: &JsonPath<'_>, file: &ThinDielectricFile, name: &str, notes: &mut Vec<String>) -> Result<Bsdf> {
+        let ThinDielectricFile { ior, thickness, absorption } = file;
+        let index = self.index(&at.key("ior"), ior, name, notes)?;
+        let mut optical_depth = None;
+        if let (Some(thickness), Some(absorption)) = (thickness, absorption) {
+            let per_unit = self.spectrum(&at.key("absorption"), absorption, Role::Coefficient)?;
+            optical_depth = (per_unit.max() > 0.0).then(|| per_unit.scaled(*thickness));
+        }
+        Bsdf::thin_dielectric(index, optical_depth)
     }
 
     fn conductor(&self, at: &JsonPath<'_>, file: &ConductorFile) -> Result<Bsdf> {

@@ -94,7 +94,8 @@ fn cases() -> Vec<BsdfCase> {
         into("rough plain glass", 0.5, RefractiveIndex::constant(1.5).unwrap()),
         into("rough matched glass", 0.3, air()),
         BsdfCase { name: "rough glass to water", front: glass("N-BK7"), ..into("", 0.3, glass("water 20C")) },
-        in_air("pane", Bsdf::thin_dielectric(glass("N-BK7"))),
+        in_air("pane", Bsdf::thin_dielectric(glass("N-BK7"), None).unwrap()),
+        in_air("grey pane", Bsdf::thin_dielectric(glass("N-BK7"), Some(ramp(0.05, 0.9))).unwrap()),
         in_air("paint", paint(0.25)),
         in_air("varnish", paint(0.08)),
         in_air(

@@ -96,8 +96,8 @@ impl Bsdf {
     }
 
     /// Creates a [`ThinDielectric`] BSDF; see [`ThinDielectric::new`].
-    pub fn thin_dielectric(index: RefractiveIndex) -> Self {
-        Self::ThinDielectric(ThinDielectric::new(index))
+    pub fn thin_dielectric(index: RefractiveIndex, optical_depth: Option<Spectrum>) -> Result<Self> {
+        ThinDielectric::new(index, optical_depth).map(Self::ThinDielectric)
     }
 
     /// Creates a [`Glossy`] BSDF; see [`Glossy::new`].
@@ -139,7 +139,8 @@ impl Bsdf {
     /// are not included.
     pub fn spectra(&self) -> Vec<&Spectrum> {
         match self {
-            Self::Absorber | Self::Dielectric(_) | Self::ThinDielectric(_) => Vec::new(),
+            Self::Absorber | Self::Dielectric(_) => Vec::new(),
+            Self::ThinDielectric(thin) => thin.optical_depth.iter().collect(),
             Self::Diffuse(diffuse) => vec![&diffuse.reflectance],
             Self::Translucent(sheet) => vec![&sheet.reflectance, &sheet.transmittance],
             Self::Mirror(mirror) => vec![&mirror.reflectance],
@@ -253,7 +254,7 @@ impl Bsdf {
             Self::Mirror(mirror) => mirror.absorbed_fraction(nm),
             Self::Conductor(conductor) => conductor.absorbed_fraction(wo, sample, iors, nm),
             Self::Dielectric(dielectric) => dielectric.absorbed_fraction(wo, sample, iors, nm),
-            Self::ThinDielectric(_) => 0.0,
+            Self::ThinDielectric(thin) => thin.absorbed_fraction(wo, iors, nm),
             Self::Glossy(glossy) => glossy.absorbed_fraction(wo, nm),
             Self::Mix(mix) => mix.components()[sample.component].absorbed_fraction(wo, sample, iors, nm),
         }
