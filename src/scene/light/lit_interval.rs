@@ -17,7 +17,8 @@ pub struct LitInterval {
 }
 
 /// The part of a ray inside a cone around the unit vector `axis`. `one_minus_cos` is 1 − cos of the
-/// half-angle of the cone.
+/// half-angle of the cone. If the half-angle exceeds 90°, the ray may leave the cone and enter it
+/// again. The part then includes the gap.
 pub(super) fn inside_cone(
     ray: &Ray,
     span: (f64, f64),
@@ -25,7 +26,8 @@ pub(super) fn inside_cone(
     axis: DVec3,
     one_minus_cos: f64,
 ) -> Option<(f64, f64)> {
-    let cos2 = (1.0 - one_minus_cos).powi(2);
+    let cos = 1.0 - one_minus_cos;
+    let cos2 = cos * cos;
     let offset = ray.origin - apex;
     let (along, across) = (ray.direction.dot(axis), offset.dot(axis));
     let quadratic = [
@@ -35,7 +37,7 @@ pub(super) fn inside_cone(
     ];
     let inside = |t: f64| {
         let place = offset + t * ray.direction;
-        place.dot(axis) > 0.0 && place.dot(axis).powi(2) >= cos2 * place.length_squared()
+        place.dot(axis) >= cos * place.length()
     };
     between_roots(quadratic, span, inside)
 }
@@ -111,6 +113,22 @@ mod tests {
             None,
             "the other nappe of the cone"
         );
+    }
+
+    /// A spot of half-angle 115° leaves only a cone of 65° behind it dark.
+    #[test]
+    fn a_cone_wider_than_a_half_space_is_lit_on_both_sides() {
+        let half = 115_f64.to_radians();
+        let lit = |ray: &Ray| inside_cone(ray, (0.0, 20.0), DVec3::ZERO, DVec3::Z, 1.0 - half.cos());
+        let in_front = Ray::new(DVec3::new(-5.0, 0.0, 2.0), DVec3::X);
+        assert_eq!(lit(&in_front), Some((0.0, 20.0)));
+        let past_the_dark_cone = Ray::new(DVec3::new(-5.0, 0.0, -2.0), DVec3::X);
+        assert_eq!(lit(&past_the_dark_cone), Some((0.0, 20.0)), "lit before and after the dark cone");
+        let out_of_the_dark = Ray::new(DVec3::new(0.0, 0.0, -2.0), DVec3::X);
+        let (from, to) = lit(&out_of_the_dark).unwrap();
+        assert!((from - 2.0 * 65_f64.to_radians().tan()).abs() < 1e-12 && to == 20.0, "{from} to {to}");
+        let in_the_dark = Ray::new(DVec3::new(0.0, 0.0, -2.0), DVec3::NEG_Z);
+        assert_eq!(lit(&in_the_dark), None);
     }
 
     #[test]
