@@ -90,16 +90,16 @@
 //! Lengths in a scene file are in the file's `unit`. The default unit is the metre. Inside the
 //! program, positions are relative to the centre of the scene. Lengths are in m, wavelengths in nm,
 //! power in W and radiance in W/m²/sr. Power covers the band 360–830 nm. The Y of a picture is in
-//! cd/m². Stored directions point along the propagation of light. At a scattering event, `wo` and
-//! `wi` point away from the surface. Geometry is computed in `f64`, and photons are stored in
-//! `f32`.
+//! cd/m². Stored directions point in the direction in which light travels. At a scattering event,
+//! `wo` and `wi` point away from the surface. Geometry is computed in `f64`, and photons are stored
+//! in `f32`.
 //!
 //! # Scope and simplifications
 //!
 //! Abbe simulates the geometrical optics of unpolarised light. Diffraction is simulated only at the
 //! camera's aperture. Abbe does not simulate interference, fluorescence or polarisation, and it has
-//! no image textures on surfaces. Surfaces, homogeneous and heterogeneous scattering media, and
-//! glowing media are simulated. All rays and photons of a pass share one shutter time, so nothing
+//! no image textures on surfaces. Abbe simulates surfaces, homogeneous and heterogeneous scattering
+//! media, and glowing media. All rays and photons of a pass share one shutter time, so nothing
 //! moves during a pass. The mean over the passes contains the motion blur.
 //!
 //! # Features
@@ -166,7 +166,7 @@ pub use spectrum::{Observer, Spectrum};
 /// names. Letter case does not matter.
 ///
 /// # Errors
-/// The name is unknown. The error suggests a similar name.
+/// Returns an error if the name is unknown. If a similar name exists, the error suggests it.
 pub fn spectrum_by_name(name: &str) -> Result<Spectrum> {
     Ok(spectrum::library::find(name)?.spectrum)
 }

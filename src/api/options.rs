@@ -85,7 +85,7 @@ impl RenderOptions {
         Self { spectral_bands: Some(bands), ..self }
     }
 
-    /// Returns the options as changes of the scene's text, in the form `PATH=JSON`.
+    /// Converts the options to changes of the scene's text. Each change has the form `PATH=JSON`.
     pub(super) fn changes(&self) -> Vec<String> {
         let change = |key: &str, value: Option<u64>| value.map(|value| format!("{key}={value}"));
         let (width, height) = self.size.unzip();

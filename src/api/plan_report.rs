@@ -14,18 +14,18 @@ pub struct PlanReport<'a> {
     wavelengths: &'static str,
     passes: u64,
     photons: u64,
-    /// The number of photons that the gather radius of the first pass encloses, or null if the
-    /// scene fixes this radius.
+    /// The number of photons within the gather radius of the first pass. Null if the scene states
+    /// this radius.
     nearest: Option<u32>,
-    /// The gather radius of the first pass in m, or null if the scene does not fix this radius.
+    /// The gather radius of the first pass in m. Null if the scene does not state this radius.
     radius_m: Option<f64>,
     memory_bytes: u64,
-    /// The largest movement of an object in pixels while the shutter is open, or null if nothing
-    /// moves.
+    /// The largest distance, in pixels, that an object moves in the picture while the shutter is
+    /// open. Null if nothing moves.
     motion_px: Option<f64>,
     camera: CameraReport,
-    /// The objects and lights with spectra reconstructed from RGB, and the lights with strong
-    /// spectral lines. Null if one of these two groups is empty.
+    /// Two lists: the objects and lights whose spectra were reconstructed from RGB, and the lights
+    /// with strong spectral lines. If at least one of the two lists is empty, the value is null.
     guessed_colours: Option<GuessedColours>,
     notes: &'a [String],
 }
@@ -42,8 +42,8 @@ struct EffectReport<'a> {
     state: &'static str,
     because: &'a str,
     field: &'static str,
-    /// If the effect is on, its cost. If the effect is off, a description of the render without the
-    /// effect.
+    /// If the effect is on, this text states its cost. If the effect is off, this text describes
+    /// the render without the effect.
     consequence: &'static str,
 }
 
@@ -59,7 +59,8 @@ struct CameraReport {
 
 #[derive(Debug, Serialize)]
 struct DiffractionReport {
-    /// The diameter of the Airy disk, 2.44 λN, in pixels. λ is 550 nm, and N is the f-number.
+    /// The diameter of the Airy disk in pixels. On the film, this diameter is 2.44 λN, where λ is
+    /// 550 nm and N is the f-number.
     airy_diameter_px: f64,
     /// True if the Airy disk is wider than a pixel.
     matters: bool,
@@ -72,7 +73,7 @@ struct DiffractionReport {
 struct DepthReport {
     focus_m: f64,
     near_m: f64,
-    /// Null if the far limit lies at infinity.
+    /// The far limit of the depth of field in m. Null if this limit lies at infinity.
     far_m: Option<f64>,
     hyperfocal_m: f64,
     blur_at_infinity_px: f64,

@@ -66,7 +66,7 @@ fn scene_hash(scene: &Value, folder: &Path) -> String {
     hash.hex()
 }
 
-/// Adds all files named in the scene to the hash, in the order of the text.
+/// Adds all files that the scene names to the hash, in the order in which the scene names them.
 fn add_files(value: &Value, folder: &Path, hash: &mut IdentityHash) {
     match value {
         Value::Object(entries) => {

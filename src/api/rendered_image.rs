@@ -13,12 +13,14 @@ use crate::sensor::{Codes, Development, DisplayImage, Picture, develop, exposure
 
 /// A picture in absolute units with an error estimate for every pixel.
 ///
-/// Columns `x` are counted from the left, and rows `y` from the top. Both start at 0. A method with
-/// the arguments `x` and `y` panics if this pixel lies outside the image.
+/// Columns `x` are counted from the left, and rows `y` are counted from the top. The first column
+/// and the first row have the number 0. A method with the arguments `x` and `y` panics if the pixel
+/// (`x`, `y`) lies outside the image.
 #[derive(Debug, Clone)]
 pub struct Image {
     picture: Picture,
-    /// The conversion for a display, or `None` for a picture from a file.
+    /// The settings that convert the picture for a display. `None` for a picture that was read from
+    /// a file.
     showing: Option<DisplaySettings>,
     stats: Option<Stats>,
     metadata: Metadata,
@@ -52,7 +54,7 @@ impl Image {
     /// Reads an image from an EXR file written by Abbe.
     ///
     /// # Errors
-    /// The file cannot be read or is not an EXR file with the layers of Abbe.
+    /// Returns an error if the file cannot be read or is not an EXR file with the layers of Abbe.
     pub fn read_exr(path: impl AsRef<Path>) -> Result<Self> {
         let file = read(path.as_ref())?;
         Ok(Self { picture: file.picture, showing: None, stats: None, metadata: file.metadata, interrupted: false })
@@ -140,8 +142,8 @@ impl Image {
         self.picture.half_interval_95(self.index(x, y), 0.0)
     }
 
-    /// The relative error of the whole picture, √mean(noise² + bias²) / mean Y, or `None` if it is
-    /// unknown.
+    /// The relative error of the whole picture, or `None` if this error is unknown. The formula is
+    /// √mean(noise² + bias²) / mean Y.
     pub fn relative_error(&self) -> Option<f64> {
         self.picture.error_means().relative
     }
@@ -160,7 +162,7 @@ impl Image {
     /// statistics.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn write_exr(&self, path: impl AsRef<Path>) -> Result<()> {
         write(path.as_ref(), &self.picture, &self.metadata)
     }
@@ -169,7 +171,7 @@ impl Image {
     /// picture from a file is written in sRGB with automatic exposure.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn write_png(&self, path: impl AsRef<Path>) -> Result<()> {
         let screen = match &self.showing {
             Some(showing) => showing.screen(&self.picture),

@@ -51,9 +51,9 @@ impl Scene {
     /// Reads and checks a scene file.
     ///
     /// # Errors
-    /// The file cannot be read, is not valid JSON, or contains an unknown key, a value of a wrong
-    /// type or a value out of range. The error contains the file, the line, the column and the JSON
-    /// path.
+    /// Returns an error if the file cannot be read, is not valid JSON, or contains an unknown key,
+    /// a value of a wrong type or a value out of range. The error contains the file, the line, the
+    /// column and the JSON path.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         Self::of_text(format::read_text(path)?, path)
@@ -63,7 +63,7 @@ impl Scene {
     /// working directory.
     ///
     /// # Errors
-    /// The same as [`load`](Self::load).
+    /// Returns the same errors as [`load`](Self::load).
     pub fn parse(text: &str) -> Result<Self> {
         Self::of_text(text.to_string(), Path::new("scene"))
     }
@@ -78,8 +78,8 @@ impl Scene {
     /// `objects[0].material="crown"` or `render.max_depth=8`.
     ///
     /// # Errors
-    /// The change is malformed, its path does not exist, the value is invalid at this path, or the
-    /// scene was not made from text.
+    /// Returns an error if the change is malformed, if its path does not exist, if the value is
+    /// invalid at this path, or if the scene was not made from text.
     pub fn with_change(mut self, change: &str) -> Result<Self> {
         match &mut self.origin {
             SceneOrigin::Text { text, path, changes, .. } => {
@@ -91,8 +91,8 @@ impl Scene {
         }
     }
 
-    /// Allows the scene to use files outside the folder of its own file. By default, the use of
-    /// such a file is an error.
+    /// Allows the scene to use files outside the folder that contains the scene file. By default,
+    /// the use of files outside this folder is an error.
     #[must_use]
     pub fn allow_outside_files(mut self) -> Self {
         match &mut self.origin {
@@ -102,12 +102,12 @@ impl Scene {
         self
     }
 
-    /// Checks that the scene can be rendered: names, files, and values that depend on each other.
-    /// Returns notes for the user, for example about approximated materials.
+    /// Checks that the scene can be rendered. The check covers names, files, and values that depend
+    /// on each other. Returns notes for the user, for example about approximated materials.
     ///
     /// # Errors
-    /// A name is unknown, a file cannot be read, values contradict each other, or no light of the
-    /// scene has power within 360–830 nm.
+    /// Returns an error if a name is unknown, if a file cannot be read, if values contradict each
+    /// other, or if no light of the scene has power within 360–830 nm.
     pub fn check(&self) -> Result<Vec<String>> {
         Ok(self.job(&RenderOptions::default())?.0.scene.notes)
     }
@@ -115,7 +115,7 @@ impl Scene {
     /// Describes in words which effects the renderer simulates for this scene, and why.
     ///
     /// # Errors
-    /// The same as [`check`](Self::check).
+    /// Returns the same errors as [`check`](Self::check).
     pub fn explain(&self) -> Result<String> {
         let (job, _) = self.job(&RenderOptions::default())?;
         Ok(explain::text(&job.scene, &job.plan, &job.rows, &job.budget))
@@ -124,7 +124,8 @@ impl Scene {
     /// Renders the scene.
     ///
     /// # Errors
-    /// Returns the errors of [`check`](Self::check), and an error if an option is out of range.
+    /// Returns the same errors as [`check`](Self::check). Also returns an error if an option is out
+    /// of range.
     pub fn render(&self, options: &RenderOptions) -> Result<Image> {
         self.render_with(options, |_| ControlFlow::Continue(()))
     }
@@ -146,7 +147,7 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// The same as [`render`](Self::render).
+    /// Returns the same errors as [`render`](Self::render).
     pub fn render_with(
         &self,
         options: &RenderOptions,
@@ -198,13 +199,13 @@ impl TryFrom<&SceneFile> for Scene {
 }
 
 impl From<model::Scene> for Scene {
-    /// Wraps a resolved scene.
+    /// Creates a scene from a resolved scene model.
     fn from(scene: model::Scene) -> Self {
         Self { origin: SceneOrigin::Model(Box::new(scene)) }
     }
 }
 
-/// Passes the progress of a render to a closure.
+/// Reports the progress of a render to a closure.
 struct CallbackMonitor<F> {
     progress: F,
 }

@@ -11,7 +11,7 @@ use crate::render::{Job, Monitor, PassPart, Progress, RenderIdentity, Run, Saved
 use super::print;
 use super::progress::ProgressDisplay;
 
-/// The checkpoint file of a run, and the data for its header.
+/// The checkpoint file of a run, and the data for the header of this file.
 #[derive(Debug)]
 pub(crate) struct CheckpointFile<'a> {
     pub(crate) path: PathBuf,
@@ -39,7 +39,8 @@ impl CheckpointFile<'_> {
         self.write_to(&self.path, run, self.metadata.clone())
     }
 
-    /// Writes a run to another file with the given header entries.
+    /// Writes a run to the file `path`. `metadata` contains the entries for the header of this
+    /// file.
     pub(crate) fn write_to(&self, path: &Path, run: &Run, metadata: Metadata) -> Result<()> {
         let metadata = match metadata.get(names::PASSES) {
             Some(_) => metadata,
@@ -48,7 +49,8 @@ impl CheckpointFile<'_> {
         SavedRun::write(path, self.job, self.identity, run, metadata)
     }
 
-    /// Writes the final checkpoint if `keep` is set. Otherwise removes the checkpoint file.
+    /// Writes the final checkpoint if `keep` is set. If `keep` is not set, removes the checkpoint
+    /// file.
     pub(crate) fn finish(&self, run: &Run, keep: bool) -> Result<()> {
         if keep { self.write(run) } else { files::remove_if_present(&self.path) }
     }
@@ -64,10 +66,10 @@ pub(crate) enum CheckpointInterval {
 }
 
 impl CheckpointInterval {
-    /// Returns the time until the next checkpoint. `duration` is the time that was needed to write
-    /// the last checkpoint.
+    /// Returns the time until the next checkpoint. `duration` is the time that the program needed
+    /// to write the last checkpoint.
     fn pause(self, duration: Duration) -> Duration {
-        /// The pause is at least this many times as long as `duration`.
+        /// The pause is at least `duration` multiplied by this number.
         const LEAST_RATIO: u32 = 20;
         match self {
             Self::Fixed(interval) => interval,

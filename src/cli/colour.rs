@@ -12,14 +12,15 @@ pub(crate) struct ColourJson<'a> {
     observer: &'static str,
     /// The lamp that illuminates the reflectance, or null for a light.
     under: Option<&'a str>,
-    /// Tristimulus values. A light has Y = 100. For a reflectance, Y = 100 is the perfect diffuser.
+    /// Tristimulus values. A light has Y = 100. The scale for a reflectance gives the perfect
+    /// diffuser Y = 100.
     xyz: [f64; 3],
     xy: [f64; 2],
-    /// Linear sRGB. Y = 100 in `xyz` corresponds to a luminance of 1 in these components.
+    /// Linear sRGB. A colour with Y = 100 in `xyz` has the luminance 1 in these components.
     linear_srgb: [f64; 3],
     srgb_hex: &'a str,
     dominant_nm: Option<f64>,
-    /// Whether `dominant_nm` is a complementary wavelength, as for purples.
+    /// True if `dominant_nm` is the complementary wavelength, because the colour is a purple.
     complementary: Option<bool>,
     purity: Option<f64>,
     cct_k: Option<f64>,

@@ -47,8 +47,8 @@ impl SequenceArgs {
 }
 
 impl SequenceFrame {
-    /// Returns the changes of the scene for this frame, in the form `PATH=JSON`. The transmission
-    /// curve of the shutter stays the same.
+    /// Returns the changes that this frame makes to the scene, in the form `PATH=JSON`. The changes
+    /// do not affect the transmission curve of the shutter.
     pub(crate) fn patches(&self) -> [String; 2] {
         let Self { open_s, close_s, .. } = self;
         [format!("camera.shutter.open={open_s:?}"), format!("camera.shutter.close={close_s:?}")]
@@ -63,7 +63,7 @@ impl SequenceFrame {
     /// signs in the file name of `pattern`.
     ///
     /// # Errors
-    /// The pattern has no sign `#`, or several groups of these signs.
+    /// Returns an error if the file name has no `#` sign, or has several groups of `#` signs.
     pub(crate) fn name(&self, pattern: &Path) -> Result<PathBuf> {
         let wrong = |what: &str| {
             let what = format!("the file name {} {what}", pattern.display());

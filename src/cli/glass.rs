@@ -41,10 +41,10 @@ struct GlassReport<'a> {
     name: &'a str,
     kind: &'static str,
     nd: f64,
-    /// Null if the range does not contain the F and C lines.
+    /// Null if `range_nm` does not contain the wavelengths of the F and C lines.
     vd: Option<f64>,
     range_nm: [f64; 2],
-    /// Null for materials with a different formula.
+    /// Null if the data of the material does not use the Sellmeier formula.
     sellmeier: Option<SellmeierJson>,
     cauchy: CauchyJson,
     /// The index at the wavelengths of `--at`. Omitted without `--at`.
@@ -62,7 +62,8 @@ struct SellmeierJson {
     c: Vec<f64>,
 }
 
-/// The Cauchy formula n = a + b/λ² + c/λ⁴, with λ in µm. It was fitted within `range_nm`.
+/// The Cauchy formula n = a + b/λ² + c/λ⁴, with λ in µm. The coefficients were fitted to the index
+/// at the wavelengths in `range_nm`.
 #[derive(Debug, Serialize)]
 struct CauchyJson {
     a: f64,

@@ -98,7 +98,7 @@ impl PrimaryMix {
         Ok(Self { primaries, found })
     }
 
-    /// The mix as a lamp. The origin of the lamp contains the weights of the primaries.
+    /// The mix as a lamp. The field `origin` of the lamp contains the weights of the primaries.
     fn lamp(&self, of: &NamedSpectrum) -> NamedSpectrum {
         NamedSpectrum {
             name: format!("its match from {}", self.names()),
@@ -212,7 +212,7 @@ struct LampsJson<'a> {
     /// The match of A, if primaries were given.
     r#match: Option<MatchJson<'a>>,
     patches: Vec<PatchJson<'a>>,
-    /// The colour differences over all patches.
+    /// The mean and the maximum of the colour differences of all patches.
     delta_e_2000: DeltaESummary,
     metameric_pairs: MetamericPairsJson<'a>,
     warning: Option<String>,
@@ -242,7 +242,8 @@ struct MatchJson<'a> {
     reached: bool,
 }
 
-/// The colours of a surface under A and under B. For each colour, the lamp is the white point.
+/// The colours of a surface under A and under B. The white point for each colour is the lamp that
+/// illuminates the surface.
 #[derive(Debug, Serialize)]
 struct PatchJson<'a> {
     name: &'a str,
@@ -278,7 +279,7 @@ struct MetamericPairsJson<'a> {
 #[derive(Debug, Serialize)]
 struct MetamericPairJson<'a> {
     names: [&'a str; 2],
-    /// The difference between the two surfaces under A and under B.
+    /// The difference between the two surfaces: first under A, then under B.
     delta_e_2000: [f64; 2],
 }
 

@@ -75,7 +75,7 @@ struct LineReport {
 struct FieldReport {
     angle_deg: f64,
     image_height_mm: f64,
-    /// Null on the axis.
+    /// Null for a field point on the axis.
     distortion: Option<f64>,
     lateral_colour_mm: f64,
     spots: Vec<SpotReport>,

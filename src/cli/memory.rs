@@ -22,9 +22,9 @@ fn refusal(budget: &Budget, available: u64) -> Error {
     Error::machine(what).expected(format!("at most {}, which are available; use {remedy}", gigabytes(available)))
 }
 
-/// Returns the available memory in bytes. A process that needs more memory makes the machine swap,
-/// or exceeds the limit of its control group. Returns `None` if the system does not report the
-/// memory.
+/// Returns the available memory in bytes. If a process needs more than this memory, the machine
+/// swaps memory to disk, or the process exceeds the limit of its control group. Returns `None` if
+/// the system does not report the memory.
 fn available_bytes() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"));

@@ -1,9 +1,9 @@
 //! The command line: argument parsing and output of the `abbe` program.
 //!
 //! Results go to standard output. All other output goes to standard error. The exit status is 0 if
-//! the command is done, and 1 if the machine failed. It is 2 if the input or the command line is
-//! wrong, 3 if the limit of `compare --fail-above` was exceeded, and 130 if the user interrupted
-//! the command.
+//! the command is done, and 1 if the machine failed. The exit status is 2 if the input or the
+//! command line is wrong, and 3 if the limit of `compare --fail-above` was exceeded. The exit
+//! status is 130 if the user interrupted the command.
 
 mod check;
 mod checkpoint;
@@ -119,8 +119,9 @@ pub fn main() -> ExitCode {
 
 /// Runs the `abbe` program with the given arguments, and returns its exit status.
 ///
-/// `arguments` are the program's name and then the words of the command line. Use this function
-/// instead of [`main`] if another program, such as a Python interpreter, owns the process.
+/// `arguments` contains the name of the program, followed by the words of the command line. Use
+/// this function instead of [`main`] if another program, such as a Python interpreter, owns the
+/// process.
 pub fn run_from(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let panic_message = capture_panic_message();
     let arguments: Vec<OsString> = arguments.into_iter().collect();
@@ -199,7 +200,8 @@ fn report_usage(error: &clap::Error) -> Result<Outcome> {
     Err(Error::input(one_line(&text)))
 }
 
-/// Joins the lines of clap's message, up to its usage section, into one line.
+/// Joins the lines of clap's message into one line. The usage section and everything after it are
+/// left out.
 fn one_line(text: &str) -> String {
     let message = text.split("\nUsage:").next().unwrap_or(text);
     let message = message.split("\nFor more information").next().unwrap_or(message);

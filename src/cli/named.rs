@@ -76,8 +76,8 @@ fn described(file: &SpectrumFile, text: &str) -> String {
     }
 }
 
-/// Returns the light given by an argument. If the library lists the spectrum, but not as a light,
-/// prints a note and uses the spectrum as a light.
+/// Returns the light given by an argument. If the library lists the spectrum but does not list it
+/// as a light, prints a note, and returns the spectrum anyway.
 pub(crate) fn light(text: &str) -> Result<NamedSpectrum> {
     let light = spectrum(text, Role::Light)?;
     if library::find(text).is_ok_and(|entry| entry.kind != SpectrumKind::Light) {

@@ -25,8 +25,8 @@ pub(crate) fn json<T: Serialize>(value: &T) -> Result<()> {
     result(&(text + "\n"))
 }
 
-/// Prints a line on standard error. If this fails, the failure is ignored, because no other channel
-/// is left.
+/// Prints a line on standard error. If printing fails, the failure is ignored, because the program
+/// has no other way to report it.
 pub(crate) fn remark(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{}", with_command_line_hints(text));
 }
@@ -36,8 +36,8 @@ pub(crate) fn passes(count: u64) -> String {
     if count == 1 { "1 pass".to_string() } else { format!("{count} passes") }
 }
 
-/// Hints for messages of the library. Each pair contains a fragment of a message, and the words
-/// added after this fragment.
+/// Hints that are added to error messages of the library. Each pair contains a fragment of a
+/// message, and the hint that is added after this fragment.
 const HINTS: [(&str, &str); 3] = [
     (FileAccess::EXPECTED_WITHIN_FOLDER, ", or the option --allow-outside"),
     (library::EXPECTED_NAME, " (`abbe spectrum --list` prints all)"),
@@ -59,8 +59,8 @@ fn with_command_line_hints(text: &str) -> String {
     text
 }
 
-/// Prints an error on one line. If the error is in a scene patch, the label `--set` replaces the
-/// label of the library.
+/// Prints an error on one line. If the error is in a scene patch, the printed error shows the label
+/// `--set` instead of the library's label.
 pub(crate) fn error(error: &Error) {
     let mut error = error.clone();
     let label =

@@ -22,7 +22,7 @@ pub(crate) struct ProgressDisplay {
 enum ProgressOutput {
     /// A bar on a terminal.
     Bar(ProgressBar),
-    /// A line every few seconds. The value is the time of the last line.
+    /// A line every few seconds. The value is the time at which the last line was printed.
     Lines(Option<Duration>),
     /// Nothing.
     Quiet,
@@ -89,7 +89,7 @@ impl Monitor for ProgressDisplay {
     }
 }
 
-/// The predicted time until the first stop rule holds, or `None` if no prediction is possible.
+/// The predicted time until a stop rule ends the render, or `None` if no prediction is possible.
 fn time_left(progress: &Progress) -> Option<Duration> {
     let elapsed = progress.elapsed.as_secs_f64();
     let by_passes = progress.passes_wanted.map(|wanted| elapsed * (wanted as f64 / progress.passes as f64 - 1.0));
@@ -107,7 +107,7 @@ fn share_done(progress: &Progress) -> Option<f64> {
 }
 
 /// Predicts the time at which the target error will be reached. If there is no target, predicts the
-/// times at which the error will reach the next round values.
+/// times at which the error will fall to the next two round values, such as 2 % and 1 %.
 fn predicted_milestones(progress: &Progress) -> Vec<String> {
     let Some(forecast) = progress.forecast else { return Vec::new() };
     let milestones: Vec<ErrorMilestone> = match progress.error_wanted {
@@ -134,7 +134,8 @@ fn about(seconds: f64) -> String {
     format!("{:.0} {name}", (seconds / unit).round().max(1.0))
 }
 
-/// Writes passes, photons per second, the error with its predictions, and the time left.
+/// Writes one progress line: the number of passes, the photons per second, the error, the
+/// predictions of the error, and the time left.
 fn line(progress: &Progress) -> String {
     let mut parts = vec![match progress.passes_wanted {
         Some(wanted) => format!("{}/{}", progress.passes, print::passes(wanted)),
@@ -203,7 +204,7 @@ mod tests {
     }
 
     /// Returns a forecast after 16 passes in 12 s. The error is 4 % and consists of bias only. The
-    /// bias falls in inverse proportion to the fourth root of time.
+    /// bias is inversely proportional to the fourth root of time.
     fn forecast() -> Forecast {
         let squares = ErrorSquares { bias: 0.0016, kernel_noise: 0.0, sampling: 0.0 };
         Forecast::without_history(

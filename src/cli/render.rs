@@ -120,7 +120,8 @@ pub(crate) fn run(arguments: &RenderArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Renders one picture. `frame` is its frame in an image sequence, or `None` for a single picture.
+/// Renders one picture. `frame` is the frame of the image sequence that this picture shows, or
+/// `None` if the picture is not part of a sequence.
 fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>) -> Result<Outcome> {
     let outputs = arguments.outputs()?;
     let (source, job) = plan(arguments)?;
@@ -235,7 +236,7 @@ impl RenderArgs {
         Request { integrator, stop }
     }
 
-    /// The output files. The default names of parts contain the number of the part.
+    /// The output files. The default file name of a part contains the number of this part.
     fn outputs(&self) -> Result<OutputFiles> {
         let exr = match (&self.output, self.part) {
             (Some(path), _) => path.clone(),
@@ -252,8 +253,8 @@ impl RenderArgs {
         self.checkpoint_every.or_else(of_scene).map_or(CheckpointInterval::Automatic, CheckpointInterval::Fixed)
     }
 
-    /// Returns the changes of the scene in the form `PATH=JSON`: first the changes of `--set`, and
-    /// then the changes of the other options.
+    /// Returns the changes to the scene in the form `PATH=JSON`: first the changes from `--set`,
+    /// and then the changes from the other options.
     fn patches(&self) -> Vec<String> {
         let mut patches = self.set.clone();
         let mut add = |path: &str, value: Option<String>| patches.extend(value.map(|value| format!("{path}={value}")));

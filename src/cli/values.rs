@@ -48,7 +48,7 @@ pub(crate) fn share(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Parses half a field of view in degrees. The value must be above 0 and below 90.
+/// Parses the half angle of a field of view, in degrees. The value must be above 0 and below 90.
 pub(crate) fn half_field_deg(text: &str) -> Result<f64, String> {
     let inside = |degrees: &f64| 0.0 < *degrees && *degrees < 90.0;
     text.trim().parse().ok().filter(inside).ok_or_else(|| "expected degrees above 0 and below 90".to_string())
@@ -62,7 +62,7 @@ pub(crate) fn size(text: &str) -> Result<(u32, u32), String> {
         .ok_or_else(|| "expected a size in pixels such as 640x360".to_string())
 }
 
-/// Parses a part of the passes. For example, `0/4` is the first of four parts.
+/// Parses text such as `0/4`, which selects the first of four parts of the passes.
 pub(crate) fn part(text: &str) -> Result<PassPart, String> {
     let numbers = text.split_once('/').and_then(|(i, n)| Some((i.trim().parse().ok()?, n.trim().parse().ok()?)));
     let (index, of) = numbers.ok_or_else(|| "expected a part such as 0/4, the first of four".to_string())?;

@@ -25,10 +25,10 @@ impl AdaptationTransform {
         }
     }
 
-    /// Returns whether `white` can be used as a white point. Each of the three responses must be at
-    /// least a hundredth of the strongest one. For the light of a single spectral line, a response
-    /// may be near 0 or negative. Adaptation to such a light would amplify noise, or it would
-    /// invert colours.
+    /// Returns whether `white` can be used as a white point. Each of the three cone responses to
+    /// `white` must be at least 1/100 of the strongest response. If the light consists of a single
+    /// spectral line, a response may be near 0 or negative. Adaptation to such a light would
+    /// amplify noise, or it would invert colours.
     pub fn can_adapt_from(self, white: Xyz) -> bool {
         const LEAST_RESPONSE: f64 = 0.01;
         let seen = apply(self.matrix(), white);
@@ -37,8 +37,8 @@ impl AdaptationTransform {
     }
 }
 
-/// Returns the matrix from XYZ under the white `from` to XYZ under the white `to`. Both whites are
-/// normalised to Y = 1, so luminance keeps its scale.
+/// Returns the matrix that converts XYZ under the white `from` to the corresponding XYZ under the
+/// white `to`. Both whites are normalised to Y = 1, so luminance keeps its scale.
 pub fn adaptation(from: Xyz, to: Xyz, transform: AdaptationTransform) -> [[f64; 3]; 3] {
     let cones = transform.matrix();
     let seen = |white: Xyz| apply(cones, white.map(|value| value / white[1]));

@@ -42,8 +42,9 @@ fn lightness_curve_inverse(f: f64) -> f64 {
     if f > DELTA { f * f * f } else { 3.0 * DELTA * DELTA * (f - 4.0 / 29.0) }
 }
 
-/// Returns CIE 1976 L*, a*, b* relative to a white (CIE 15). If a component of the white is 0 (for
-/// example Z of deep red light), the ratio of the Y values replaces the ratio of this component.
+/// Returns CIE 1976 L*, a*, b* relative to a white (CIE 15). Each component is divided by the same
+/// component of the white. If that component of the white is 0 (for example Z of deep red light), Y
+/// divided by the Y of the white is used instead.
 pub fn lab(xyz: Xyz, white: Xyz) -> [f64; 3] {
     let [x, y, z] = [0, 1, 2].map(|i| {
         let i = if white[i] == 0.0 { 1 } else { i };
@@ -52,7 +53,7 @@ pub fn lab(xyz: Xyz, white: Xyz) -> [f64; 3] {
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
-/// Returns the XYZ of L*, a*, b*, the inverse of [`lab`].
+/// Returns the XYZ of L*, a*, b*. This function is the inverse of [`lab`].
 pub fn from_lab(lab: [f64; 3], white: Xyz) -> Xyz {
     let y = (lab[0] + 16.0) / 116.0;
     let curve = [y + lab[1] / 500.0, y, y - lab[2] / 200.0];
@@ -66,7 +67,8 @@ pub fn luv(xyz: Xyz, white: Xyz) -> [f64; 3] {
     [lightness, 13.0 * lightness * (u - white_u), 13.0 * lightness * (v - white_v)]
 }
 
-/// Returns the XYZ of L*, u*, v*, the inverse of [`luv`]. The result is black if L* is 0.
+/// Returns the XYZ of L*, u*, v*. This function is the inverse of [`luv`]. The result is black if
+/// L* is 0.
 pub fn from_luv(luv: [f64; 3], white: Xyz) -> Xyz {
     if luv[0] == 0.0 {
         return [0.0; 3];
@@ -92,13 +94,13 @@ const OKLAB: Matrix3 = [
 const OKLAB_CONES_INVERSE: Matrix3 = inverse(&OKLAB_CONES);
 const OKLAB_INVERSE: Matrix3 = inverse(&OKLAB);
 
-/// Returns Oklab L, a, b of XYZ. The white of sRGB has Y = 1 (B. Ottosson, "A perceptual color
-/// space for image processing", 2020).
+/// Returns Oklab L, a, b of XYZ. The white of sRGB has Y = 1. Oklab is defined in Björn Ottosson,
+/// "A perceptual color space for image processing", 2020.
 pub fn oklab(xyz: Xyz) -> [f64; 3] {
     apply(&OKLAB, apply(&OKLAB_CONES, xyz_to_linear_srgb(xyz)).map(f64::cbrt))
 }
 
-/// Returns the XYZ of Oklab L, a, b, the inverse of [`oklab`].
+/// Returns the XYZ of Oklab L, a, b. This function is the inverse of [`oklab`].
 pub fn from_oklab(oklab: [f64; 3]) -> Xyz {
     let cones = apply(&OKLAB_INVERSE, oklab).map(|root| root * root * root);
     RgbSpace::Srgb.to_xyz(apply(&OKLAB_CONES_INVERSE, cones))

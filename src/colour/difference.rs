@@ -9,9 +9,9 @@ pub fn delta_e_76(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Returns ΔE00 (CIEDE2000) with kL = kC = kH = 1 (CIE 142-2001). The formulas are from G. Sharma,
-/// W. Wu and E. N. Dalal, "The CIEDE2000 color-difference formula", Color Research and Application
-/// 30 (2005).
+/// Returns ΔE00 (CIEDE2000) with kL = kC = kH = 1 (CIE 142-2001). The formulas are from Gaurav
+/// Sharma, Wencheng Wu and Edul Dalal, "The CIEDE2000 color-difference formula", Color Research and
+/// Application 30 (2005).
 pub fn delta_e_2000(a: [f64; 3], b: [f64; 3]) -> f64 {
     let mean_chroma = 0.5 * (a[1].hypot(a[2]) + b[1].hypot(b[2]));
     let stretch = 1.5 - 0.5 * seventh_share(mean_chroma);
@@ -45,11 +45,11 @@ pub fn delta_e_2000(a: [f64; 3], b: [f64; 3]) -> f64 {
 /// The colour difference of two lights seen side by side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightDifference {
-    /// The distance in x, y.
+    /// The distance between the chromaticities x, y of the two lights.
     pub delta_xy: f64,
-    /// ΔE2000 for an observer who is adapted to daylight. The white point is D65. The light itself
-    /// is not the white point. If it were, b* would exaggerate differences for lights with almost
-    /// no Z, such as sodium light.
+    /// ΔE2000 for an observer who is adapted to daylight. The white point is D65, not the light
+    /// itself. If the light were the white point, b* would exaggerate differences for lights with
+    /// almost no Z, such as sodium light.
     pub delta_e_2000: f64,
 }
 

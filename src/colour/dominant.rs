@@ -3,19 +3,20 @@
 use super::coordinates::xy;
 use crate::spectrum::{BAND_NM, Observer};
 
-/// The smallest distance from white, in x, y, at which a colour has a dominant wavelength.
+/// A colour has a dominant wavelength if its distance from white in the x, y plane is at least this
+/// value.
 const NEUTRAL: f64 = 1e-4;
 
-/// The dominant wavelength of a colour (CIE 15). A mix of white and the spectral colour of this
-/// wavelength matches the colour.
+/// The dominant wavelength of a colour (CIE 15). The colour can be matched by mixing white with the
+/// spectral colour of this wavelength.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DominantWavelength {
     /// The wavelength in nm. For purples it is the wavelength of the complementary colour.
     pub nm: f64,
     /// True if `nm` is the complementary wavelength, because the colour is a purple.
     pub complementary: bool,
-    /// Excitation purity from 0 to 1: the distance of the colour from white, divided by the
-    /// distance of the diagram's boundary from white.
+    /// Excitation purity from 0 to 1. It is the distance from white to the colour, divided by the
+    /// distance from white to the diagram's boundary in the same direction.
     pub purity: f64,
 }
 
@@ -50,10 +51,10 @@ struct LocusPoint {
     weight: f64,
 }
 
-/// Intersects a ray from white with the spectral locus. Returns the distance in units of
-/// `direction`, and the wavelength. If there are several intersections, the farthest is returned.
-/// Several intersections are possible: the tables of the colour-matching functions are rounded, so
-/// the locus turns back at both ends.
+/// Intersects a ray from white with the spectral locus. Returns the distance in units of the length
+/// of `direction`, and the wavelength. If there are several intersections, the farthest is
+/// returned. Several intersections are possible, because the tables of the colour-matching
+/// functions are rounded, and the locus therefore turns back on itself at both ends.
 fn crossing(locus: &[LocusPoint], white: [f64; 2], direction: [f64; 2]) -> Option<(f64, f64)> {
     let mut farthest: Option<(f64, f64)> = None;
     for pair in locus.windows(2) {
@@ -69,8 +70,8 @@ fn crossing(locus: &[LocusPoint], white: [f64; 2], direction: [f64; 2]) -> Optio
     farthest
 }
 
-/// Intersects a ray with the chord between two points. Returns the distance in units of
-/// `direction`, and the position on the chord as a number from 0 to 1.
+/// Intersects a ray with the chord between two points. Returns the distance in units of the length
+/// of `direction`, and the position on the chord as a number from 0 to 1.
 fn intersection([from, to]: [&LocusPoint; 2], white: [f64; 2], direction: [f64; 2]) -> Option<(f64, f64)> {
     let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
     let chord = [to.xy[0] - from.xy[0], to.xy[1] - from.xy[1]];

@@ -1,5 +1,5 @@
-//! Gamut mapping. It replaces colours that a display cannot show by colours in the cube [0, 1]³ of
-//! linear components.
+//! Gamut mapping. If a display cannot show a colour, the mapping replaces it with a colour whose
+//! linear components are all in [0, 1].
 
 use super::coordinates;
 use super::space::RgbSpace;
@@ -57,8 +57,9 @@ impl GamutMapping {
     }
 }
 
-/// Returns the brightest sRGB colour with the chromaticity of the given colour. If this colour is
-/// outside sRGB, it is desaturated. Returns black if no component is positive.
+/// Returns the brightest sRGB colour that has the chromaticity of `linear_srgb`. If this
+/// chromaticity is outside sRGB, the colour is desaturated. Returns black if no component is
+/// positive.
 pub fn brightest(linear_srgb: Rgb) -> Rgb {
     let most = linear_srgb.into_iter().fold(0.0, f64::max);
     if most > 0.0 { desaturate(linear_srgb.map(|component| component / most), RgbSpace::Srgb) } else { [0.0; 3] }
@@ -109,8 +110,9 @@ pub fn desaturate(rgb: Rgb, space: RgbSpace) -> Rgb {
     clip(rgb.map(|component| grey + share * (component - grey)))
 }
 
-/// Returns the colour with the same Oklab lightness and hue, and with the largest chroma inside the
-/// gamut. The precision of the chroma is one part in 10⁶.
+/// Reduces the Oklab chroma of the colour until the colour is inside the gamut. The Oklab lightness
+/// and hue stay the same. The result has the largest possible chroma, to a precision of one part in
+/// 10⁶.
 pub fn oklab(rgb: Rgb, space: RgbSpace) -> Rgb {
     if contains(rgb) {
         return rgb;

@@ -22,8 +22,8 @@ pub const ALIKE: f64 = 2.0;
 /// Two surfaces look clearly different if their ΔE2000 is at least this value.
 pub const DIFFERENT: f64 = 5.0;
 
-/// The name prefixes of the ColorChecker patches and of the further surfaces. Pairs are searched
-/// among all these surfaces.
+/// The name prefixes of the ColorChecker patches and of the further surfaces. The search for pairs
+/// includes all these surfaces.
 const CHART: &str = "colorchecker/";
 const FURTHER: [&str; 2] = ["TCS", "leaf/"];
 
@@ -32,16 +32,17 @@ const FURTHER: [&str; 2] = ["TCS", "leaf/"];
 pub struct LampComparison {
     /// The colour values of the two lights.
     pub reports: [ColourReport; 2],
-    /// The difference of the second light from the first, both at Y = 1.
+    /// The colour difference between the first and the second light. Both lights have the luminance
+    /// Y = 1.
     pub lights: LightDifference,
     /// The 24 patches of the ColorChecker, in the order of the chart.
     pub patches: Vec<PatchDifference>,
     /// Further surfaces: the CIE test colours and leaves.
     pub further: Vec<PatchDifference>,
-    /// The pairs of surfaces that are [`ALIKE`] under one light and [`DIFFERENT`] under the other,
-    /// sorted by decreasing split. The split is the difference between the two ΔE2000 values of a
-    /// pair. A pair contains the numbers of its surfaces. The patches have the first numbers, and
-    /// the further surfaces have the next ones.
+    /// The pairs of surfaces that look alike under one light and different under the other (see
+    /// [`ALIKE`] and [`DIFFERENT`]). The pairs are sorted by decreasing difference between their
+    /// two ΔE2000 values. A pair contains the indices of its two surfaces. The indices begin with
+    /// the elements of `patches`, and continue with the elements of `further`.
     pub pairs: Vec<SplitPair>,
 }
 
@@ -108,12 +109,13 @@ pub struct PatchDifference {
     pub xyz: [Xyz; 2],
     /// L*, a*, b* under the first and under the second light.
     pub lab: [[f64; 3]; 2],
-    /// ΔE2000 between the colours under the first and under the second light.
+    /// ΔE2000 between the colour of the surface under the first light and its colour under the
+    /// second light.
     pub delta_e_2000: f64,
 }
 
 impl PatchDifference {
-    /// Returns the name without the prefix of the chart.
+    /// Returns the name of the surface without the prefix `colorchecker/`.
     pub fn short_name(&self) -> &str {
         self.name.strip_prefix(CHART).unwrap_or(&self.name)
     }
@@ -140,7 +142,7 @@ pub fn compare_lights(
 /// Two surfaces that look alike under one light and different under the other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SplitPair {
-    /// The numbers of the surfaces in the comparison.
+    /// The indices of the two surfaces in the comparison.
     pub patches: [usize; 2],
     /// ΔE2000 between the two surfaces: under the first light, and under the second light.
     pub delta_e_2000: [f64; 2],

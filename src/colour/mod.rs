@@ -1,8 +1,8 @@
 //! Colorimetry: tristimulus values of light, and all quantities computed from these values.
 //!
-//! XYZ values are ∫ Φ x̄ȳz̄ dλ without the factor 683, in the unit of the spectrum Φ. RGB values
-//! are linear unless a name contains `encode`. RGB values may be negative or above 1 until
-//! [`gamut`] maps them.
+//! The XYZ values of a spectrum Φ are the integrals ∫ Φ x̄ dλ, ∫ Φ ȳ dλ and ∫ Φ z̄ dλ. The factor
+//! 683 is left out, so XYZ values have a radiometric unit, like Φ. RGB values are linear unless a
+//! name contains `encode`. RGB values may be negative or above 1 until [`gamut`] maps them.
 
 pub mod adaptation;
 pub mod coordinates;

@@ -5,7 +5,7 @@ use super::coordinates::uv1960;
 use super::temperature::CorrelatedTemperature;
 use crate::spectrum::{Observer, Spectrum, daylight_extended, library};
 
-/// The number of test colours. The first eight determine Ra.
+/// The number of test colours. The first eight test colours determine Ra.
 const TEST_COLOURS: usize = 14;
 
 /// The range of colour temperatures in K for which the index is computed.
@@ -70,7 +70,8 @@ fn xyz(reflectance: &Spectrum, light: &Spectrum) -> Xyz {
     sum
 }
 
-/// The von Kries adaptation of CIE 13.3, from the white of the light to the white of the reference.
+/// The von Kries adaptation of CIE 13.3. It adapts from the white of the light to the white of the
+/// reference illuminant.
 struct VonKriesAdaptation {
     ratio: [f64; 2],
 }
@@ -81,7 +82,7 @@ impl VonKriesAdaptation {
         Self { ratio: [c / c_lamp, d / d_lamp] }
     }
 
-    /// Returns u, v after adaptation to the reference.
+    /// Returns u, v after adaptation to the reference illuminant.
     fn adapted(&self, uv: [f64; 2]) -> [f64; 2] {
         let [c, d] = c_d(uv);
         let (c, d) = (c * self.ratio[0], d * self.ratio[1]);

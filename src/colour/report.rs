@@ -2,8 +2,9 @@
 //!
 //! Smooth spectra and tables are sampled every nm from 360 to 830 nm, and the samples are summed.
 //! This is the convention of published reference values. Each line is multiplied by the
-//! colour-matching functions at the wavelength of the line. Peaks narrower than 5 nm are
-//! integrated. Rendering uses exact integrals instead of sums. The two methods agree to 3·10⁻⁴.
+//! colour-matching functions at the wavelength of the line. Peaks of the continuum that are
+//! narrower than 5 nm are integrated exactly. Rendering uses exact integrals instead of sums. The
+//! results of the sums and of the exact integrals agree to within 3·10⁻⁴.
 
 use super::adaptation::{AdaptationTransform, adapt};
 use super::dominant::{DominantWavelength, dominant};
@@ -14,16 +15,18 @@ use super::{Rgb, Xyz, coordinates, gamut};
 use crate::error::{Error, Result};
 use crate::spectrum::{BAND_NM, LUMENS_PER_WATT, LineSegment, Observer, Spectrum};
 
-/// Lines wider than this value in nm are integrated. Narrower lines are evaluated at their centre.
+/// Lines wider than this value in nm are integrated exactly. Narrower lines are evaluated at their
+/// centre.
 const WIDE_LINE_NM: f64 = 5.0;
 
-/// Returns the XYZ of a light, ∫ Φ x̄ȳz̄ dλ without the factor 683. The integral is computed by the
-/// sums of this module.
+/// Returns the XYZ of a light, without the factor 683. The integrals ∫ Φ x̄ dλ, ∫ Φ ȳ dλ and ∫ Φ z̄
+/// dλ are computed as sums, as described at the top of this module.
 pub fn xyz(light: &Spectrum, observer: &Observer) -> Xyz {
     xyz_under(&Spectrum::constant(1.0), light, observer)
 }
 
-/// Returns the XYZ of a reflectance under a light, on the scale of the light.
+/// Returns the XYZ of a reflectance under a light. The scale is that of the light: a reflectance of
+/// 1 has the same XYZ as the light.
 pub fn xyz_under(reflectance: &Spectrum, light: &Spectrum, observer: &Observer) -> Xyz {
     if !reflectance.line_segments().is_empty() {
         return observer.xyz_under(reflectance, light);
@@ -72,7 +75,8 @@ pub struct ColourReport {
     pub xyz: Xyz,
     /// Chromaticity x, y.
     pub xy: [f64; 2],
-    /// Linear sRGB, not clipped. Y = 100 in `xyz` corresponds to Y = 1 here.
+    /// Linear sRGB, not clipped. A colour with Y = 100 in `xyz` has the luminance 1 in these
+    /// components.
     pub linear_srgb: Rgb,
     /// The colour mapped into sRGB, for a colour swatch. The swatch of a light has the largest
     /// brightness that its chromaticity allows.
@@ -85,8 +89,8 @@ pub struct ColourReport {
     pub temperature: Option<CorrelatedTemperature>,
     /// Colour rendering indices of a light, if these indices are defined.
     pub rendering: Option<ColourRendering>,
-    /// The luminous efficacy in lumens per watt of the radiation within the band. `None` for a
-    /// reflectance.
+    /// The luminous efficacy of the radiation, in lumens per watt. Only radiation within the band
+    /// is counted. `None` for a reflectance.
     pub efficacy_lm_per_w: Option<f64>,
 }
 
@@ -141,7 +145,8 @@ impl ColourReport {
     }
 }
 
-/// Returns the power within the band, computed by the sums of this module.
+/// Returns the power within the band. The integral is computed as a sum, as described at the top of
+/// this module.
 fn power(light: &Spectrum) -> f64 {
     let fine = light.narrow_part();
     let smooth = |nm: f64| light.continuum_at(nm) - fine.as_ref().map_or(0.0, |fine| fine.continuum_at(nm));

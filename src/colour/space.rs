@@ -39,8 +39,8 @@ struct SpaceMatrices {
 }
 
 impl SpaceMatrices {
-    /// Builds the matrices. The columns of `to_xyz` are the primaries. They are scaled so that (1,
-    /// 1, 1) has Y = 1 and the chromaticity of white.
+    /// Builds the matrices. The columns of `to_xyz` are the primaries. The primaries are scaled so
+    /// that the components (1, 1, 1) give a colour with Y = 1 and the chromaticity of white.
     const fn new(primaries_xy: [[f64; 2]; 3], white_xy: [f64; 2]) -> Self {
         let columns = transposed(&[of_xy(primaries_xy[0]), of_xy(primaries_xy[1]), of_xy(primaries_xy[2])]);
         let scale = apply(&inverse(&columns), of_xy(white_xy));
@@ -118,7 +118,8 @@ impl RgbSpace {
 
     /// Returns the matrix from XYZ to linear components. The matrix includes Bradford's transform,
     /// which adapts the white of sRGB (D65) to the white of this space. Pictures are developed with
-    /// this matrix. It differs from [`from_xyz`](Self::from_xyz) only for ACEScg.
+    /// this matrix. This matrix and the matrix of [`from_xyz`](Self::from_xyz) differ only for
+    /// ACEScg.
     pub fn picture_matrix(self) -> [[f64; 3]; 3] {
         match self {
             Self::Srgb | Self::DisplayP3 | Self::Rec2020 => self.matrices().from_xyz,
@@ -128,12 +129,13 @@ impl RgbSpace {
 
     /// Returns the matrix from XYZ to linear components. The matrix includes Bradford's transform,
     /// which adapts the colour `white` to the white of this space. The scale of `white` has no
-    /// influence.
+    /// influence on the matrix.
     pub fn balanced_matrix(self, white: Xyz) -> [[f64; 3]; 3] {
         product(&self.matrices().from_xyz, &adaptation(white, self.white(), AdaptationTransform::Bradford))
     }
 
-    /// Returns the contributions of the components to Y. The sum of the contributions is 1.
+    /// Returns the weights with which the red, green and blue components contribute to Y. The sum
+    /// of the weights is 1.
     pub fn luminance_weights(self) -> [f64; 3] {
         self.matrices().to_xyz[1]
     }
@@ -153,7 +155,8 @@ impl RgbSpace {
         }
     }
 
-    /// Decodes a signal to a linear component, the inverse of [`encode`](Self::encode).
+    /// Decodes a signal to a linear component. This function is the inverse of
+    /// [`encode`](Self::encode).
     pub fn decode(self, signal: f64) -> f64 {
         match self {
             Self::Srgb | Self::DisplayP3 => decode_srgb(signal),
@@ -200,7 +203,7 @@ pub fn encode_srgb(component: f64) -> f64 {
     signal.copysign(component)
 }
 
-/// Decodes an sRGB signal to a linear component, the inverse of [`encode_srgb`].
+/// Decodes an sRGB signal to a linear component. This function is the inverse of [`encode_srgb`].
 pub fn decode_srgb(signal: f64) -> f64 {
     let x = signal.abs();
     let component = if x <= 12.92 * SRGB_JUNCTION { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
@@ -208,18 +211,19 @@ pub fn decode_srgb(signal: f64) -> f64 {
 }
 
 /// The number of entries of the table that gives a first estimate of a code. With this size, an
-/// estimate is never more than one code too low. The curve is steepest at 0, and even there one
-/// entry covers less than one code: 12.92 · 255 / 4096 = 0.80.
+/// estimate is never more than one code too low. The curve is steepest at 0. Even there, the step
+/// from one entry to the next is less than one code: 12.92 · 255 / 4096 = 0.80 codes.
 const CODE_TABLE_SIZE: usize = 4096;
 
-/// Clips a linear component to [0, 1] and returns its nearest 8-bit sRGB code. The code is 255 ·
-/// [`encode_srgb`], rounded. To avoid computing a power, the function uses a table.
+/// Clips a linear component to [0, 1] and returns its nearest 8-bit sRGB code. The code is the
+/// result of [`encode_srgb`], multiplied by 255 and rounded. To avoid computing a power, the
+/// function uses a table.
 #[inline]
 pub fn encode_srgb_u8(component: f64) -> u8 {
     struct Table {
         guess: Vec<u8>,
-        /// The smallest linear component of each code. The last entry is NaN, so no component
-        /// reaches that entry.
+        /// The smallest linear component of each code. The last entry is NaN, so no component is
+        /// ever at or above that entry.
         least: [f64; 257],
     }
     static TABLE: OnceLock<Table> = OnceLock::new();

@@ -10,7 +10,8 @@ use crate::spectrum::{BAND_NM, Observer, planck};
 /// 15).
 const MAX_DUV: f64 = 0.05;
 
-/// The search range of reciprocal temperatures in 1/MK: from 10⁶ K down to 500 K.
+/// The search covers this range of reciprocal temperatures in 1/MK. The range corresponds to
+/// temperatures from 10⁶ K down to 500 K.
 const MIRED_RANGE: (f64, f64) = (1.0, 2001.0);
 
 /// The first search divides the range of reciprocal temperatures into this number of steps.

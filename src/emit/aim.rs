@@ -37,8 +37,8 @@ impl Aim {
         self.0.is_none()
     }
 
-    /// Maps `u` in [0, 1)² to a point of the grid. Returns the point with its density relative to
-    /// uniform sampling.
+    /// Maps `u` in [0, 1)² to a point of the grid. Returns the point, and the ratio of its
+    /// probability density to the density of uniform sampling.
     pub fn sample(&self, u: [f64; 2]) -> ([f64; 2], f64) {
         let Some(grid) = &self.0 else {
             return (u, 1.0);
@@ -63,7 +63,8 @@ mod tests {
     use super::*;
     use crate::math::sobol::Sobol;
 
-    /// The mean of 1/density is 1, and the heaviest cell receives its share of the samples.
+    /// Checks that the mean of 1/density is 1, and that the cell with the largest weight receives
+    /// the expected share of the samples.
     #[test]
     fn aiming_preserves_the_mean_power() {
         let mut scores = vec![0.0; CELLS * CELLS];

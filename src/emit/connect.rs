@@ -14,8 +14,8 @@ use crate::walk::{path_transmittance, transmittance};
 pub struct Splat {
     /// The pixel.
     pub pixel: u32,
-    /// For each wavelength of the photon: the radiance in W/m²/sr, already divided by all
-    /// densities.
+    /// The radiance at each wavelength of the photon, in W/m²/sr. This radiance is already divided
+    /// by all probability densities.
     pub radiance: Lanes,
 }
 

@@ -7,8 +7,8 @@ use crate::spectrum::{Spectrum, WavelengthDistribution};
 /// The distributions that select a light and wavelengths.
 #[derive(Debug, Clone)]
 pub struct LightSampler {
-    /// Selects a light. The probability mixes two shares: the light's share of the visual
-    /// importance (X + Y + Z), and its share of the radiant power.
+    /// Selects a light. The probability of a light is a weighted mean of two shares: the light's
+    /// share of the visual importance (X + Y + Z), and the light's share of the radiant power.
     pub lights: DiscreteDistribution,
     /// Samples wavelengths for all lights together: the pass's shared wavelengths, and the
     /// wavelengths of the path tracer.

@@ -4,8 +4,8 @@
 //! are sampled for one wavelength, the hero. The hero is selected in proportion to its power. The
 //! balance heuristic weights each wavelength, because each wavelength could have been the hero
 //! (spectral multiple importance sampling: Wilkie, Nawaz, Droske, Weidlich & Hanika 2014, "Hero
-//! Wavelength Spectral Sampling"). No weight exceeds the inverse of the wavelength's fraction of
-//! the power, even if the extinction varies strongly over the band.
+//! Wavelength Spectral Sampling"). Let f be the fraction of the photon's power at a wavelength. The
+//! weight of this wavelength is at most 1/f, even if the extinction varies strongly over the band.
 
 use super::photon_path::PhotonPath;
 use super::visitor::{MediumCollision, MediumCrossing, PhotonVisitor};
@@ -90,7 +90,7 @@ impl PhotonPath {
     }
 
     /// Samples the free-flight distance in m, or `None` if the photon passes the segment without a
-    /// collision. Both outcomes change the photon's power.
+    /// collision. The photon's power changes in both cases.
     fn sample_free_flight(
         &mut self,
         medium: &Medium,

@@ -12,7 +12,7 @@ pub struct PhotonState {
     pub light_path: LightPath,
     /// The wavelengths.
     pub wavelengths: Wavelengths,
-    /// The power per wavelength: in W for free photons, in W/nm for shared photons.
+    /// The power at each wavelength. The unit is W for free photons, and W/nm for shared photons.
     pub power: Lanes,
     /// The only remaining lane after a dispersive refraction, or `None` while the photon carries
     /// all its wavelengths. For shared photons, the lane is the index of the shared wavelength.
@@ -63,8 +63,9 @@ impl PhotonPath {
     }
 
     /// Weights each wavelength by the balance heuristic. The sampled event has one density per
-    /// wavelength. The weight of a wavelength is its density divided by the mean density.
-    /// `fractions` weights the mean, because each wavelength is the hero with this probability.
+    /// wavelength. The weight of a wavelength is its density divided by the mean density. The
+    /// weights of this mean are `fractions`, because they are the probabilities with which the
+    /// wavelengths become the hero.
     pub(super) fn weight_by_balance_heuristic(&mut self, fractions: &Lanes, density: &Lanes) {
         let mean: f64 = fractions.iter().zip(density).map(|(fraction, density)| fraction * density).sum();
         for k in 0..LANES {

@@ -55,7 +55,7 @@ pub struct PhotonSource<'a> {
 }
 
 impl PhotonSource<'_> {
-    /// Returns the set's low-discrepancy points. Each pass has its own scrambling.
+    /// Returns the set's low-discrepancy points. The points are scrambled differently in each pass.
     pub fn points(&self) -> Sobol {
         Sobol::new(hash64([self.seed, self.purpose as u64, self.pass]))
     }
@@ -115,7 +115,8 @@ impl PhotonSource<'_> {
         }
     }
 
-    /// Returns the factor that converts the power of a lane to W, for the ledger.
+    /// Returns the factor that converts the power of a lane to W. The energy ledger needs this
+    /// factor.
     #[inline]
     fn watts(&self) -> Lanes {
         match self.wavelengths {

@@ -17,8 +17,8 @@ pub struct SurfaceArrival<'a> {
 /// A photon that enters a path segment in a medium.
 #[derive(Debug)]
 pub struct MediumCrossing<'a> {
-    /// The segment. It ends at the end of the medium or at the next surface. The photon may collide
-    /// with the medium before the end.
+    /// The segment. The segment ends where the medium ends, or at the next surface. The photon may
+    /// collide with the medium before the end of the segment.
     pub segment: &'a MediumSegment<'a>,
     /// The medium that fills the segment.
     pub medium: NumberedMedium<'a>,

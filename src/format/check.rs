@@ -6,12 +6,12 @@
 use crate::error::{Error, Result};
 use crate::json::JsonPath;
 
-/// Returns an error at a path. `what` says what was found.
+/// Returns an error that contains the JSON path of the wrong value. `what` says what was found.
 pub(super) fn fault(at: &JsonPath, what: impl Into<String>, expected: impl Into<String>) -> Error {
     Error::input(what).expected(expected).on_path(at.to_string())
 }
 
-/// Formats a number as in a scene file.
+/// Formats a number in the notation of scene files.
 pub(super) fn number(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 || (1e-5..1e15).contains(&size) { value.to_string() } else { format!("{value:e}") }
@@ -37,7 +37,7 @@ pub(super) fn not_negative(at: &JsonPath, value: f64) -> Result<()> {
     rule(at, value, value >= 0.0, "a number of at least 0")
 }
 
-/// Checks that a fraction, such as a reflectance, is from 0 to 1.
+/// Checks that a fraction, such as a reflectance, is at least 0 and at most 1.
 pub(super) fn fraction(at: &JsonPath, value: f64) -> Result<()> {
     rule(at, value, (0.0..=1.0).contains(&value), "a number from 0 to 1")
 }
@@ -48,7 +48,7 @@ pub(super) fn between(at: &JsonPath, value: f64, low: f64, high: f64) -> Result<
     rule(at, value, low < value && value < high, &allowed)
 }
 
-/// Checks that a count is from `low` to `high`.
+/// Checks that a count is at least `low` and at most `high`.
 pub(super) fn count(at: &JsonPath, value: u64, low: u64, high: u64) -> Result<()> {
     if (low..=high).contains(&value) {
         return Ok(());

@@ -44,7 +44,8 @@ impl EmissionFile {
     /// Returns the quantity that the emitter states.
     ///
     /// # Errors
-    /// Returns an error if not exactly one quantity is stated, or if the quantity is below 0.
+    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
+    /// quantity is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[
             (self.power, QuantityFile::Power),

@@ -1,4 +1,4 @@
-//! Values that may be written in several forms: a number, a name, or an object whose one key
+//! Values that may be written in several forms: a number, a name, or an object with one key that
 //! selects the variant.
 //!
 //! The types with several forms derive serde's traits with `remote = "Self"`. The derived functions
@@ -15,8 +15,8 @@ use serde::de::{
 };
 use serde::forward_to_deserialize_any;
 
-/// A type with plain forms in addition to its object form. The functions return `None` for a plain
-/// form that the type does not have.
+/// A type that can be written in plain forms (a number, a string or an array of three numbers), and
+/// not only as an object. The functions return `None` for a plain form that the type does not have.
 pub(super) trait Forms: Sized {
     /// Description of the allowed forms, for error messages.
     const EXPECTED: &'static str;
@@ -98,7 +98,7 @@ impl<'de, T: Forms> Visitor<'de> for FormsVisitor<T> {
 pub(super) struct Form<A> {
     /// The first key.
     pub(super) key: String,
-    /// The rest of the object, from the value of the first key on.
+    /// The rest of the object, which starts with the value of the first key.
     rest: A,
 }
 
@@ -197,7 +197,7 @@ impl<'de, V: Visitor<'de>> DeserializeSeed<'de> for Contents<V> {
     }
 }
 
-/// Adds the schemas of plain forms to the schema of an object form.
+/// Changes the schema of an object form so that the schema also allows plain forms.
 pub(super) fn allow_also(schema: &mut Schema, plain: &[serde_json::Value]) {
     let object = schema.ensure_object();
     // The examples of a struct stay with its object form.
@@ -216,12 +216,12 @@ pub(super) fn allow_also(schema: &mut Schema, plain: &[serde_json::Value]) {
     object.insert("anyOf".into(), choices.into());
 }
 
-/// Adds a plain string to a schema.
+/// Changes a schema so that it also allows a plain string.
 pub(super) fn or_name(schema: &mut Schema) {
     allow_also(schema, &[serde_json::json!({"type": "string"})]);
 }
 
-/// Adds a plain number and a plain string to a schema.
+/// Changes a schema so that it also allows a plain number or a plain string.
 pub(super) fn or_number_or_name(schema: &mut Schema) {
     allow_also(schema, &[serde_json::json!({"type": "number"}), serde_json::json!({"type": "string"})]);
 }
@@ -244,8 +244,9 @@ pub(super) fn positive_items(schema: &mut Schema) {
     }
 }
 
-/// Returns false. With this function as `skip_serializing_if` of schemars, the schema states the
-/// default of a key. When a scene is written, a key with the default value is still left out.
+/// Returns false. If a key has this function as its `skip_serializing_if` of schemars, the schema
+/// states the default of the key. Even so, a key with the default value is left out when a scene is
+/// written.
 pub(super) fn never<T>(_: &T) -> bool {
     false
 }
@@ -263,7 +264,7 @@ mod tests {
     use super::super::spectrum::{REFLECTANCE_FORMS, ReflectanceFile, SpectrumFile};
     use super::*;
 
-    /// Returns the keys of the object forms in the schema of a type.
+    /// Finds the object forms in the schema of a type, and returns their keys.
     fn object_forms<T: schemars::JsonSchema>() -> Vec<String> {
         let schema = schemars::schema_for!(T);
         let choices = schema.get("anyOf").and_then(serde_json::Value::as_array).unwrap();

@@ -138,8 +138,8 @@ fn index_number(at: &JsonPath, value: f64) -> Result<()> {
 }
 
 impl IndexFile {
-    /// Checks the ranges of numbers and the lengths of lists. Later, the resolver checks that the
-    /// index of a formula is at least 1 everywhere within 360–830 nm.
+    /// Checks the ranges of numbers and the lengths of lists. If the index is given by a formula,
+    /// the resolver checks later that the index is at least 1 everywhere within 360–830 nm.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Number(value) => index_number(at, *value),

@@ -89,7 +89,7 @@ pub enum ThinLensForm {
         focal_length_mm: f64,
         /// Focal length divided by the diameter of the entrance pupil.
         f_number: f64,
-        /// Distance of the plane in focus, in the scene's unit.
+        /// Distance from the lens to the plane that is in focus, in the scene's unit.
         focus_distance: f64,
         /// Height of the sensor in mm.
         sensor_height_mm: f64,
@@ -98,9 +98,9 @@ pub enum ThinLensForm {
     Angular {
         /// Vertical field of view in degrees.
         fov: f64,
-        /// Distance of the plane in focus, in the scene's unit.
+        /// Distance from the lens to the plane that is in focus, in the scene's unit.
         focus_distance: f64,
-        /// The cone from a point in focus to the pupil has this apex angle in degrees.
+        /// Apex angle, in degrees, of the cone from a point in focus to the pupil.
         defocus_angle: f64,
     },
 }
@@ -215,7 +215,7 @@ pub struct LensSurfaceFile {
 }
 
 impl LensFile {
-    /// Checks the ranges of the lens.
+    /// Checks that all values of the lens are in range.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Pinhole { fov } => check::between(&at.key("pinhole").key("fov"), *fov, 0.0, 180.0),
@@ -274,7 +274,8 @@ impl ThinLensFile {
         }
     }
 
-    /// Checks the ranges, and that the file describes the lens in exactly one form.
+    /// Checks that all values are in range and that the file describes the lens in exactly one
+    /// form.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         check::positive(&at.key("focus_distance"), self.focus_distance)?;
         match self.form_at(at)? {
@@ -295,7 +296,7 @@ impl ThinLensFile {
 }
 
 impl SystemLensFile {
-    /// Checks the ranges of values, and the surfaces of the lens.
+    /// Checks the surfaces of the lens, and checks that all values are in range.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { prescription, focus_distance, f_number, sensor_height_mm, blades, rotation: _, diffraction: _ } =
             self;
@@ -308,7 +309,7 @@ impl SystemLensFile {
 }
 
 impl PrescriptionFile {
-    /// Checks the surfaces, if the prescription lists them.
+    /// If the prescription lists surfaces, checks these surfaces.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Name(_) => Ok(()),

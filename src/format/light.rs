@@ -228,7 +228,8 @@ impl PointFile {
     /// Returns the quantity that the emitter states.
     ///
     /// # Errors
-    /// Returns an error if not exactly one quantity is stated, or if the quantity is below 0.
+    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
+    /// quantity is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[
             (self.power, QuantityFile::Power),
@@ -243,7 +244,8 @@ impl SpotFile {
     /// Returns the quantity that the emitter states.
     ///
     /// # Errors
-    /// Returns an error if not exactly one quantity is stated, or if the quantity is below 0.
+    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
+    /// quantity is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[
             (self.power, QuantityFile::Power),
@@ -258,7 +260,8 @@ impl BeamFile {
     /// Returns the quantity that the emitter states.
     ///
     /// # Errors
-    /// Returns an error if not exactly one quantity is stated, or if the quantity is below 0.
+    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
+    /// quantity is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[(self.power, QuantityFile::Power), (self.luminous_flux, QuantityFile::LuminousFlux)])
     }
@@ -268,7 +271,8 @@ impl IesFile {
     /// Returns the quantity that the emitter states.
     ///
     /// # Errors
-    /// Returns an error if not exactly one quantity is stated, or if the quantity is below 0.
+    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
+    /// quantity is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[(self.power, QuantityFile::Power), (self.luminous_flux, QuantityFile::LuminousFlux)])
     }

@@ -211,7 +211,7 @@ impl DielectricFile {
 }
 
 impl ThinDielectricFile {
-    /// Checks the ranges, and that an absorbing pane has a thickness.
+    /// Checks that all values are in range and that an absorbing pane has a thickness.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { ior, thickness, absorption } = self;
         ior.validate(&at.key("ior"))?;
@@ -229,7 +229,7 @@ impl ThinDielectricFile {
 }
 
 impl ConductorFile {
-    /// Checks the ranges, and that the conductor has exactly one form.
+    /// Checks that all values are in range and that the conductor has exactly one form.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { metal, eta, k, roughness } = self;
         let allowed = "either `metal` or both `eta` and `k`";

@@ -228,7 +228,7 @@ impl GridFile {
 }
 
 impl MediumEmissionFile {
-    /// Checks the ranges, and that the emission has exactly one form.
+    /// Checks that all values are in range and that the emission has exactly one form.
     fn validate(&self, at: &JsonPath, has_temperature: bool) -> Result<()> {
         let Self { blackbody, spectrum, radiance, power } = self;
         check::exactly_one(at, &[("blackbody", blackbody.is_some()), ("spectrum", spectrum.is_some())])?;

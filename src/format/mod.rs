@@ -198,7 +198,7 @@ pub fn parse_prescription(text: &str, name: &Path) -> Result<(PrescriptionFile, 
     Ok((prescription, source))
 }
 
-/// Returns the JSON Schema of the scene file, draft 2020-12.
+/// Returns the JSON Schema of the scene file. The schema follows draft 2020-12.
 ///
 /// Three keys extend the schema: `x-unit` is the unit of a number, `x-default` describes a default
 /// that is not a JSON value, and `x-range` describes a range that JSON Schema cannot express.
@@ -210,8 +210,8 @@ impl SceneFile {
     /// Checks all rules that concern a single value or object.
     ///
     /// # Errors
-    /// Returns the first error in the order of the keys. The error contains its position in
-    /// `source`.
+    /// If several values are wrong, returns the error of the first wrong value in the order of the
+    /// keys. The error contains its position in `source`.
     pub fn validate(&self, source: &JsonSource) -> Result<()> {
         self.check().map_err(|error| source.with_position(error))
     }

@@ -49,7 +49,7 @@ pub struct ObjectFile {
 }
 
 impl ObjectFile {
-    /// Checks ranges, and that there is a material.
+    /// Checks that all values are in range and that the object has a material.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { name: _, shape, material, transform, motion, emission } = self;
         shape.validate(&at.key("shape"))?;

@@ -48,9 +48,9 @@ pub(super) type QuantityVariant = fn(f64) -> QuantityFile;
 /// Returns the one quantity that an emitter states.
 ///
 /// # Errors
-/// Returns an error if not exactly one quantity is stated, or if the quantity is below 0. When a
-/// scene is read, `validate` already makes this check. The check is repeated here, because a
-/// program may change the scene afterwards.
+/// Returns an error if no quantity is stated, if several quantities are stated, or if the quantity
+/// is below 0. When a scene is read, `validate` already makes this check. The check is repeated
+/// here, because a program may change the scene afterwards.
 pub(super) fn one_quantity(choices: &[(Option<f64>, QuantityVariant)]) -> Result<QuantityFile> {
     let given = choices.iter().map(|(value, kind)| (kind(0.0).key_and_value().0, value.is_some()));
     check::exactly_one(&JsonPath::Root, &given.collect::<Vec<_>>())?;
@@ -61,8 +61,8 @@ pub(super) fn one_quantity(choices: &[(Option<f64>, QuantityVariant)]) -> Result
     Ok(quantity)
 }
 
-/// If `quantity` is an error, returns the error with its path in the scene. In `quantity`, the path
-/// of the error starts at the emitter, whose path is `at`.
+/// If `quantity` is an error, returns the error with its full path in the scene. In `quantity`, the
+/// path of the error is relative to the emitter. `at` is the path of the emitter.
 pub(super) fn validate_quantity(at: &JsonPath, quantity: Result<QuantityFile>) -> Result<()> {
     quantity.map(|_| ()).map_err(|mut error| {
         let below = error.location.path.take().unwrap_or_default();

@@ -6,8 +6,9 @@ use std::fmt::Write as _;
 use serde_json::{Map, Value};
 
 /// The chapters of the page. Each entry has the title of a chapter, and the names of the
-/// definitions in the schema that this chapter describes. The empty name is the scene itself. A
-/// definition without a title has no section. Its text appears at each use of the definition.
+/// definitions in the schema that this chapter describes. The empty name stands for the scene
+/// itself. A definition without a title has no section. The text of such a definition appears
+/// wherever the definition is used.
 pub(super) const CHAPTERS: [(&str, &[&str]); 14] = [
     ("The scene", &["", "UnitFile"]),
     ("The camera", &["CameraFile", "CameraKeyframeFile", "ShutterFile"]),
@@ -130,7 +131,7 @@ struct Page<'s> {
 }
 
 impl<'s> Page<'s> {
-    /// Returns the definition with this name. The empty name is the scene.
+    /// Returns the definition with this name. The empty name stands for the scene.
     fn definition(&self, name: &str) -> &'s Value {
         if name.is_empty() { self.schema } else { &self.schema["$defs"][name] }
     }
@@ -219,7 +220,7 @@ impl<'s> Page<'s> {
         }
     }
 
-    /// Describes the type of a schema, in the plural if `count` is not 1.
+    /// Describes the type of a schema in words. The words are in the plural if `count` is not 1.
     fn type_of(&self, schema: &Value, count: u64) -> String {
         let plural = |word: &str| if count == 1 { word.to_string() } else { format!("{word}s") };
         if let Some(definition) = self.referred(schema) {
@@ -252,7 +253,7 @@ impl<'s> Page<'s> {
     }
 }
 
-/// Returns a text of a schema, such as its title, on one line. The text may be empty.
+/// Returns a text from a schema as a single line, for example the title. The text may be empty.
 fn text_of(schema: &Value, key: &str) -> String {
     schema[key].as_str().unwrap_or_default().replace('\n', " ")
 }
@@ -333,9 +334,9 @@ fn one_line(value: &Value) -> String {
     }
 }
 
-/// Prints JSON on one line if it fits. Otherwise, the first line opens the outer objects that have
-/// only one key, and the last line closes them. The lines between hold the entries of the next
-/// object or array inside.
+/// Prints JSON on one line if it fits. If it does not fit, the outer objects that have only one key
+/// are opened on the first line and closed on the last line. The lines between contain the entries
+/// of the object or array inside these outer objects.
 fn wrapped(value: &Value) -> String {
     let line = one_line(value);
     if line.chars().count() <= EXAMPLE_WIDTH {

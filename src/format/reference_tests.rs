@@ -61,9 +61,9 @@ const PLACES: [(&str, &str); 34] = [
     ("LightFile", "lights=[%]"),
 ];
 
-/// The patches for the render settings, in the form of [`PLACES`].
+/// The patches for the render settings. The entries have the same form as in [`PLACES`].
 const RENDER_PLACES: [(&str, &str); 2] = [("RenderFile", "render=%"), ("LightMapFile", "render.light_map=%")];
-/// The end of those patches in [`PLACES`] that add a grid medium.
+/// Some patches in [`PLACES`] add a grid medium. These patches end with this text.
 const GRID_END: &str = r#""bounds": [[0, 0, 0], [1, 1, 1]], "absorption": 0, "scattering": 1, "phase": "isotropic"}"#;
 
 /// Returns all examples of a definition and of its variants.

@@ -180,12 +180,12 @@ pub enum ReflectanceFile {
     },
 }
 
-/// Adds a plain spectrum to the schema of a reflectance.
+/// Changes the schema of a reflectance so that it also allows a plain spectrum.
 fn or_spectrum(schema: &mut schemars::Schema) {
     forms::allow_also(schema, &[serde_json::json!({"$ref": "#/$defs/SpectrumFile"})]);
 }
 
-/// The keys of a reflectance that a spectrum does not have.
+/// The keys that a reflectance can have, but a spectrum cannot.
 const PATTERN_FORMS: [&str; 2] = ["image", "checker"];
 
 /// All keys of a reflectance that is written as an object.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::*;
 use crate::json::tests::TextDamage;
 
-/// Returns paths and texts of the good scenes in the package.
+/// Returns the path and the text of each valid scene in the package.
 pub(super) fn good_scenes() -> Vec<(PathBuf, String)> {
     let folders = ["tests/good_scenes", "benches/scenes"].map(|it| Path::new(env!("CARGO_MANIFEST_DIR")).join(it));
     let entries = folders.iter().flat_map(|folder| std::fs::read_dir(folder).unwrap());
@@ -79,7 +79,7 @@ fn any_value_in_any_place_gives_a_scene_or_an_error() {
 /// The good scenes contain every key and every name of the schema.
 #[test]
 fn the_good_scenes_cover_the_schema() {
-    /// Collects the names of the properties and the string constants of a schema.
+    /// Collects the property names and the string constants that occur in a schema.
     fn collect(schema: &serde_json::Value, names: &mut Vec<String>) {
         if let Some(object) = schema.as_object() {
             for (key, value) in object {

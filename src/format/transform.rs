@@ -108,13 +108,14 @@ impl TransformFile {
         self.0.is_empty()
     }
 
-    /// Returns the affine map of all steps, in the scene's unit.
+    /// Returns the affine map that applies all steps in order. Lengths are in the scene's unit.
     pub fn to_affine(&self) -> DAffine3 {
         self.after(DAffine3::IDENTITY)
     }
 
     /// Returns the affine map that applies `before` first, and then all steps. If `before` is the
-    /// map of another list, the result is bit for bit the map of the two lists joined into one.
+    /// map of another list, and the two lists are joined into one list, the map of the joined list
+    /// has exactly the same bits as the result.
     pub fn after(&self, before: DAffine3) -> DAffine3 {
         self.0.iter().fold(before, |before, step| step.to_affine() * before)
     }

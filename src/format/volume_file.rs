@@ -17,10 +17,10 @@ use std::path::Path;
 /// Reads a grid from a `.npy` or `.npz` file.
 ///
 /// # Errors
-/// Returns an error with the file's name in these cases. The file cannot be read or has another
-/// format. The header is malformed or does not match the length of the data. The array does not
-/// have three axes. A value is negative or not finite. OpenVDB and NanoVDB files are not supported,
-/// because there is no maintained reader for them.
+/// Returns an error if the file cannot be read or has another format, or if its header is malformed
+/// or does not match the length of the data. Also returns an error if the array does not have three
+/// axes, or if a value is negative or not finite. The error contains the name of the file. OpenVDB
+/// and NanoVDB files are not supported, because there is no maintained reader for them.
 pub fn read(path: &Path) -> Result<FieldGrid> {
     let kind = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
     let bytes = || std::fs::read(path).map_err(|error| Error::input(format!("cannot read the volume: {error}")));
@@ -157,7 +157,7 @@ fn bad_header(key: &str) -> Error {
     Error::input(format!("a .npy header without a valid `{key}`")).expected("descr, fortran_order and shape")
 }
 
-/// Splits a `.npy` file into the text of its header and its data.
+/// Splits a `.npy` file into two parts: the text of the header, and the data.
 fn split(bytes: &[u8]) -> Option<(&str, &[u8])> {
     let rest = bytes.strip_prefix(b"\x93NUMPY")?;
     let (version, rest) = rest.split_at_checked(2)?;

@@ -28,7 +28,7 @@ pub struct CameraPass<'a> {
     /// The density of each shared wavelength, per nm. The density is 0 if the lights have no power
     /// at this wavelength.
     pub shared_pdf: Lanes,
-    /// The camera's lens system at each shared wavelength, if the camera has one.
+    /// The camera's lens system at each shared wavelength. `None` if the camera has no lens system.
     pub lens_systems: Option<[SystemAt<'a>; LANES]>,
     /// The light maps for direct light in media. Empty if the plan uses no light maps.
     pub light_maps: &'a LightMaps<'a>,
@@ -36,14 +36,15 @@ pub struct CameraPass<'a> {
     pub outlines: &'a Outlines,
     /// The factors by which this pass scales the first kernel radii.
     pub scales: RadiusScales,
-    /// The first kernel radius in m, if the scene fixes this radius. Otherwise, each pixel has its
+    /// The first kernel radius (m) from the scene file. If the value is `None`, each pixel has its
     /// own first radius.
     pub stated_radius_m: Option<f64>,
     /// The largest number of surface events in a path.
     pub max_depth: u32,
 }
 
-/// The inputs and outputs of one camera sample. All paths of the sample share them.
+/// The inputs and outputs of one camera sample. All paths of the sample share these inputs and
+/// outputs.
 pub(super) struct PathContext<'s, 'a, S> {
     pub(super) pixel: u64,
     pub(super) sampler: &'s mut PixelSampler,

@@ -15,8 +15,9 @@ use super::shape::{PlacedShape, Solid, ValidShape, bounds_of};
 use super::world::Geometry;
 use crate::error::{Error, Result};
 
-/// Ratio of `Geometry::coincidence_range_m` to the largest coordinate of the scene. The margin for
-/// the centre is not included. The value is 2⁻²³.
+/// Ratio of `Geometry::coincidence_range_m` to the largest coordinate of the scene.
+/// `coincidence_range_m` also contains a margin for the rounding of the centre. The margin is not
+/// part of this ratio. The value is 2⁻²³.
 const COINCIDENCE_RANGE_SHARE: f64 = 1.2e-7;
 
 impl Geometry {
@@ -123,9 +124,9 @@ impl Primitives {
         Ok(())
     }
 
-    /// Renumbers the vertices of each mesh. The new order is the order of their first use by the
-    /// triangles of the hierarchy. Triangles that are close in space are then close in memory.
-    /// Unused vertices come last.
+    /// Renumbers the vertices of each mesh. The vertices are numbered in the order in which the
+    /// triangles of the hierarchy first use them. Triangles that are close in space are then close
+    /// in memory. Unused vertices come last.
     fn number_vertices_by_use(&mut self) {
         let mut new_numbers: Vec<Option<u32>> = vec![None; self.vertices.len()];
         let mut next: Vec<u32> = self.meshes.iter().map(|mesh| mesh.first_vertex).collect();
@@ -165,7 +166,8 @@ impl Primitives {
         }
     }
 
-    /// Returns the faces and areas of all objects, in the order of the final primitive list.
+    /// Returns the faces and areas of all objects. The faces of an object are in the same order as
+    /// their primitives in the final list.
     fn objects(&self) -> ObjectSurfaces {
         let mut objects = ObjectSurfaces::default();
         let mut count = std::collections::HashMap::<u32, u32>::new();
@@ -248,7 +250,7 @@ impl PlacedSolid {
     }
 }
 
-/// Returns the next free number and increments it.
+/// Returns the value of `next`, then increments `next`.
 fn take_number(next: &mut u32) -> u32 {
     let number = *next;
     *next += 1;

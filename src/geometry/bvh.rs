@@ -1,10 +1,11 @@
 //! The bounding volume hierarchy (BVH), which finds the primitives that a ray may hit.
 //!
 //! Rays and primitives are in double precision; the boxes are in single precision. Traversal uses a
-//! separate frame, in which the scene's box is centred on the origin and scaled by a power of two
-//! to a half-extent of 2⁹ to 2¹⁰. The ray's origin is first moved forward, in double precision, to
-//! the entry point of that box. The rounding errors in this frame (ray in single precision, slab
-//! tests, compressed boxes) move a plane of a box by less than 2.3e-3. The padding of the boxes
+//! separate frame. In this frame, the scene's box is centred on the origin, and its half-extent
+//! lies between 2⁹ and 2¹⁰. The scale factor of the frame is a power of two. The ray's origin is
+//! first moved forward, in double precision, to the point where the ray enters this box. In this
+//! frame, rounding errors arise from the ray in single precision, the slab tests and the compressed
+//! boxes. Together they move a plane of a box by less than 2.3e-3. The padding of the boxes
 //! (`PADDING`) is larger than this error, so no primitive is missed. `obvhs` ignores boxes that the
 //! ray leaves at a distance below 1e-4. For a box that contains the ray's origin, the padding keeps
 //! this distance above 1e-4. This holds for any scale of the scene.
@@ -25,7 +26,7 @@ use obvhs::ray::{Ray as BoxRay, RayHit};
 use super::ray::Ray;
 use crate::error::{Error, Result};
 
-/// Padding of a box on every side, in the frame of the hierarchy (2⁻⁸).
+/// Padding of a box on every side. In the frame of the hierarchy, the padding is 2⁻⁸.
 const PADDING: f64 = 0.003_906_25;
 
 /// If a scene has at most this number of primitives, every ray is tested against all of them. This
@@ -55,7 +56,7 @@ enum BvhNodes {
 
 impl Bvh {
     /// Builds the hierarchy over the bounding boxes of the primitives. Returns the hierarchy and
-    /// `order`: primitive i of the hierarchy is primitive `order[i]` of the caller.
+    /// the list `order`. Primitive i of the hierarchy has the number `order[i]` in `boxes`.
     ///
     /// # Errors
     /// Returns an error if a box is not finite, or there are more than 2³² boxes.
@@ -108,8 +109,8 @@ impl Bvh {
     }
 
     /// Calls `visit` with every primitive that the ray may hit between its origin and `t_max`,
-    /// approximately in order of distance. `visit` returns the new upper limit of t, which must not
-    /// increase. A negative value ends the traversal.
+    /// approximately in order of distance. `visit` returns a new upper limit of t. The new limit
+    /// must not be larger than the limit before the call. A negative value ends the traversal.
     #[inline]
     pub(crate) fn traverse(&self, ray: &Ray, t_max: f64, mut visit: impl FnMut(u32) -> f64) {
         let wide = match &self.nodes {
@@ -170,8 +171,8 @@ impl Bvh {
     }
 }
 
-/// Builds a binary hierarchy by the surface area heuristic: parallel locally-ordered clustering
-/// (PLOC), then reinsertion.
+/// Builds a binary hierarchy by the surface area heuristic. The first step is parallel
+/// locally-ordered clustering (PLOC). The second step is reinsertion.
 ///
 /// `build_cwbvh` of the crate `obvhs` asserts in debug builds that each box lies inside its parent
 /// box, with an absolute tolerance of 1e-5. The coordinates of this frame are too large for this
@@ -186,7 +187,8 @@ fn build_by_surface_area(boxes: &[Aabb]) -> Bvh2 {
 
 /// Builds a binary hierarchy by median splits. Each split is along the axis with the largest spread
 /// of box centres. For n boxes, the depth of the hierarchy is at most ⌈log₂ n⌉. This method is for
-/// scenes such as hundreds of nested shells, where clustering gives a very deep tree.
+/// scenes in which clustering gives a very deep tree. An example is a scene of hundreds of nested
+/// shells.
 fn build_by_median_splits(boxes: &[Aabb]) -> Bvh2 {
     let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
     let mut nodes = vec![Bvh2Node::default()];

@@ -13,9 +13,9 @@
 //! - If two open surfaces coincide, the smaller one lies in front of the larger one, seen from the
 //!   side that the smaller one faces. A light that is flush with a ceiling is thus visible.
 //!
-//! The order is total, and a ray in the opposite direction crosses the surfaces in reverse order. A
-//! ray that starts on one of several coincident surfaces therefore hits exactly the surfaces beyond
-//! its start surface.
+//! The rules decide the order of any two crossings. A ray in the opposite direction crosses the
+//! surfaces in reverse order. Therefore, if a ray starts on one of several coincident surfaces, it
+//! hits exactly the surfaces that follow its start surface in this order.
 
 use std::cmp::Ordering;
 
@@ -48,8 +48,8 @@ enum CrossingKind {
 }
 
 impl Primitives {
-    /// Returns an upper bound, in m, of the rounding error that positions have before the scene's
-    /// centre is subtracted from them.
+    /// Returns an upper bound, in m, of the rounding error of a position. This is the error before
+    /// the scene's centre is subtracted from the position.
     pub(super) fn centre_rounding(&self) -> f64 {
         ROUNDINGS * f64::EPSILON * self.centre_reach
     }

@@ -1,4 +1,5 @@
-//! Queries for bounding boxes of objects, distances to surfaces, flat objects and convex bodies.
+//! Four queries: the bounding boxes of objects, the distance to the nearest surface, the list of
+//! flat objects, and the list of convex bodies.
 
 use super::primitive::{PlacedSolid, Primitive};
 use super::shape::Solid;

@@ -4,8 +4,9 @@ use glam::DVec3;
 
 use crate::math::frame::Frame;
 
-/// A face of a primitive: one smooth piece of surface. A ray that starts on a surface carries the
-/// identifier of this surface, so that rounding cannot make the ray hit the surface again.
+/// A face of a primitive: one smooth piece of surface. If a ray starts on a surface, the identifier
+/// of this surface is passed with the ray, so that rounding cannot make the ray hit the surface
+/// again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct SurfaceId {
     /// Index of the primitive: an analytic shape or a single triangle.
@@ -40,8 +41,9 @@ pub struct Hit {
 
 impl Hit {
     /// Returns the local frame in which light arriving along `incoming` is scattered. The frame
-    /// uses the shading normal. If `incoming` reaches the two normals from opposite sides, the
-    /// frame uses the geometric normal, so that no light leaks through the surface.
+    /// uses the shading normal. If the shading normal and the geometric normal disagree about the
+    /// side from which the light arrives, the frame uses the geometric normal. No light then leaks
+    /// through the surface.
     #[inline]
     pub fn frame(&self, incoming: DVec3) -> Frame {
         let agree = incoming.dot(self.shading_normal) * incoming.dot(self.normal) > 0.0;
@@ -74,10 +76,10 @@ impl Hit {
 pub struct SurfaceSample {
     /// Position relative to the scene's centre, in m.
     pub position: DVec3,
-    /// Geometric unit normal, with the convention of [`Hit`].
+    /// Geometric unit normal. It points to the same side as the normal of a [`Hit`] at this point.
     pub normal: DVec3,
     /// The surface that contains the point.
     pub surface: SurfaceId,
-    /// Density of `sample_area` at this point, per m².
+    /// Probability density, per m², with which `sample_area` samples this point.
     pub pdf_area: f64,
 }

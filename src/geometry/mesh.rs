@@ -91,8 +91,8 @@ impl TriangleMesh {
         self.triangles.iter().map(|&t| triangle_normal(self.corners(t)).length() / 2.0).sum()
     }
 
-    /// Returns the enclosed volume of a closed mesh by the divergence theorem. The volume is
-    /// negative if the triangles face inwards.
+    /// Computes the volume that a closed mesh encloses. The method is the divergence theorem. The
+    /// volume is negative if the triangles face inwards.
     pub fn signed_volume(&self) -> f64 {
         let origin = self.positions[self.triangles[0][0] as usize];
         self.triangles
@@ -145,12 +145,14 @@ fn representatives(positions: &[DVec3]) -> Vec<u32> {
     representatives
 }
 
-/// Returns (b − a) × (c − a): a normal with a length of twice the triangle's area.
+/// Returns (b − a) × (c − a). This vector is normal to the triangle, and its length is twice the
+/// triangle's area.
 pub(crate) fn triangle_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
-/// Returns whether the area of a triangle exceeds the rounding of its coordinates.
+/// Returns whether the area of a triangle is larger than the error caused by rounding of its
+/// coordinates.
 fn has_area(corners: [DVec3; 3]) -> bool {
     let [a, b, c] = corners;
     let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());

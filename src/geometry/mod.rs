@@ -2,11 +2,12 @@
 //! sampling of points on objects.
 //!
 //! All positions are in double precision. They are relative to a centre chosen by the caller,
-//! because coordinates near 0 are the most precise. No intersection test uses a fixed epsilon. A
-//! ray carries its start face ([`SurfaceId`]). The crossing of this face at t = 0 is excluded by
-//! construction. If a ray starts on a curved face, it can cross this face again only at the other
-//! root. Surfaces that touch, such as a prism on a floor or cemented lenses, are crossed in one
-//! fixed order; see `coincidence`. Results therefore do not depend on the scale of the scene.
+//! because coordinates near 0 are the most precise. No intersection test uses a fixed epsilon. If a
+//! ray starts on a face, this face is passed with the ray as a [`SurfaceId`]. The crossing of this
+//! face at t = 0 is excluded by construction. If a ray starts on a curved face, it can cross this
+//! face again only at the other root of the quadratic equation. Surfaces that touch, such as a
+//! prism on a floor or cemented lenses, are crossed in one fixed order; see `coincidence`. Results
+//! therefore do not depend on the scale of the scene.
 
 mod build;
 mod bvh;

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::hit::SurfaceId;
 
-/// A face of a primitive in the face list of its object.
+/// An entry in an object's list of faces. The entry describes one face of a primitive.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ObjectFace {
     pub(super) surface: SurfaceId,
@@ -45,7 +45,7 @@ pub(super) struct ObjectSurface {
     pub(super) sampling: ShapeSampling,
 }
 
-/// The surfaces of all objects, by object number.
+/// The surfaces of all objects. The index in the list is the object number.
 #[derive(Debug, Clone, Default)]
 pub(super) struct ObjectSurfaces {
     pub(super) list: Vec<ObjectSurface>,

@@ -30,7 +30,8 @@ pub(super) struct PlacedSolid {
 pub(super) struct WorldSurfacePoint {
     pub(super) position: DVec3,
     pub(super) normal: DVec3,
-    /// Ratio of the area of a small piece of surface in the world to its area in the local frame.
+    /// Ratio of two areas of a small piece of surface: the area in the world, divided by the area
+    /// in the local frame.
     pub(super) area_scale: f64,
 }
 
@@ -108,8 +109,8 @@ pub(super) struct Primitives {
     pub(super) analytic: Vec<PlacedSolid>,
     pub(super) meshes: Vec<PlacedMesh>,
     pub(super) vertices: Vec<DVec3>,
-    /// Unit vectors, in single precision. The rounding error is far below the error of
-    /// interpolation.
+    /// Unit vectors, in single precision. The rounding error is far smaller than the error of the
+    /// interpolated normals.
     pub(super) normals: Vec<[f32; 3]>,
     pub(super) uvs: Vec<[f32; 2]>,
     pub(super) dropped: usize,
@@ -148,8 +149,9 @@ impl Primitives {
         }
     }
 
-    /// Returns the largest absolute coordinate of the position of an analytic shape, or of the
-    /// corners of a triangle.
+    /// Returns the largest absolute coordinate of a primitive. For an analytic shape, this is the
+    /// largest coordinate of its position. For a triangle, this is the largest coordinate of its
+    /// corners.
     pub(super) fn largest_coordinate(&self, primitive: u32) -> f64 {
         match &self.list[primitive as usize] {
             Primitive::Analytic(index) => self.analytic[*index as usize].position.abs().max_element(),
@@ -167,7 +169,8 @@ impl Primitives {
         }
     }
 
-    /// Returns the geometric unit normal of a surface at a point on or near it.
+    /// Returns the geometric unit normal of a surface at a point. The point must lie on the surface
+    /// or near it.
     pub(super) fn normal(&self, surface: SurfaceId, point: DVec3) -> DVec3 {
         match self.list[surface.primitive as usize] {
             Primitive::Analytic(index) => self.analytic[index as usize].surface(point, surface.face).normal,

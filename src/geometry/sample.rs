@@ -51,12 +51,13 @@ impl Geometry {
         }
     }
 
-    /// Samples a point on a luminous object that illuminates the point `from`. Returns the point
-    /// and its density per solid angle at `from`.
+    /// Samples a point on a luminous object for the illumination of the point `from`. Returns the
+    /// point and its density per solid angle at `from`.
     ///
-    /// Spheres are sampled by their cone of directions, rectangles with right angles by their solid
-    /// angle, and other shapes by area. The sampled point may face away from `from` or be occluded.
-    /// Returns `None` if the sampled point is seen edge-on or the object does not exist.
+    /// On a sphere, the sampling is uniform in the cone of directions from `from` to the sphere. On
+    /// a rectangle with right angles, it is uniform by solid angle. On other shapes, it is uniform
+    /// by area. The sampled point may face away from `from` or be occluded. Returns `None` if the
+    /// sampled point is seen edge-on or the object does not exist.
     pub fn sample_solid_angle(&self, object: u32, from: DVec3, u: [f64; 3]) -> Option<(SurfaceSample, f64)> {
         let entry = self.objects.get(object)?;
         let surface = entry.face_at(u[0])?;
@@ -80,7 +81,7 @@ impl Geometry {
         (pdf.is_finite() && pdf > 0.0).then_some((sample, pdf))
     }
 
-    /// Returns the sample at a given point of a surface.
+    /// Converts a given point of a surface to a sample with a normal and a density.
     fn sample_at(&self, object: &ObjectSurface, surface: SurfaceId, point: DVec3) -> SurfaceSample {
         match &self.primitives.list[surface.primitive as usize] {
             Primitive::Analytic(index) => {
@@ -96,8 +97,8 @@ impl Geometry {
         }
     }
 
-    /// Returns the density of `sample_solid_angle` at the point of a hit, per solid angle at
-    /// `from`. The density is 0 if the point cannot be sampled.
+    /// Returns the probability density with which `sample_solid_angle` samples the point of a hit.
+    /// It is a density per solid angle at `from`. The density is 0 if the point cannot be sampled.
     pub fn pdf_solid_angle(&self, object: u32, from: DVec3, hit: &Hit) -> f64 {
         let Some(entry) = self.objects.get(object).filter(|_| hit.object == object) else { return 0.0 };
         match &entry.sampling {
@@ -161,10 +162,10 @@ impl SubtendedCone {
     /// direction.
     ///
     /// At `from`, θ is the angle between the direction and the line to the sphere's centre. At the
-    /// centre, α is the angle between the sampled point and `axis`. If s = (sin θ / sin θ_max)²,
-    /// these angles satisfy cos α = sin θ √s + cos θ √(1−s) and sin α = cos θ √s − sin θ √(1−s).
-    /// The calculation of s from u has no cancellation. Distant and tiny spheres are therefore
-    /// sampled as accurately as near ones.
+    /// sphere's centre, α is the angle between `axis` and the direction to the sampled point. If s
+    /// = (sin θ / sin θ_max)², these angles satisfy cos α = sin θ √s + cos θ √(1−s) and sin α = cos
+    /// θ √s − sin θ √(1−s). The number s is computed from `u` without cancellation. Distant and
+    /// tiny spheres are therefore sampled as accurately as near ones.
     fn sample(&self, u: f64, turn: f64) -> DVec3 {
         let one_minus_cos = u * self.one_minus_cos_max;
         let s = (u * (2.0 - one_minus_cos) / (1.0 + self.cos_max)).min(1.0);

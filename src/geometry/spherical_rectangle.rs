@@ -24,8 +24,8 @@ pub(super) struct SphericalRectangle {
     /// z components of the unit normals of two planes through the point: the plane through the side
     /// y = y0 and the plane through the side y = y1.
     side_normals_z: [f64; 2],
-    /// 2π minus the two inner angles at the side x = x0. The sampled angle starts at this value and
-    /// increases with x.
+    /// 2π minus two angles of the spherical rectangle: the inner angles at both ends of the side x
+    /// = x0. The sampled angle starts at this value and increases with x.
     first_angle: f64,
     solid_angle: f64,
 }

@@ -7,7 +7,7 @@ use super::hit::Hit;
 use super::object::ObjectSurfaces;
 use super::primitive::Primitives;
 
-/// All objects of a scene at one time, in a bounding volume hierarchy.
+/// All objects of a scene at one moment, in a bounding volume hierarchy.
 #[derive(Debug, Clone)]
 pub struct Geometry {
     pub(super) bvh: Bvh,
@@ -20,8 +20,9 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// Returns the smallest and largest coordinates relative to the centre, in m. An empty scene
-    /// has the smallest coordinates +∞ and the largest coordinates −∞.
+    /// Returns the smallest and largest coordinates of all surfaces, in m. The coordinates are
+    /// relative to the scene's centre. An empty scene has the smallest coordinates +∞ and the
+    /// largest coordinates −∞.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         self.bvh.bounds()
     }
@@ -35,9 +36,10 @@ impl Geometry {
         if reach.is_finite() { reach * (1.0 + 1e-6) } else { 1.0 }
     }
 
-    /// Returns the texture coordinates at a hit. On analytic shapes, they lie in [0, 1]. On meshes,
-    /// they are the mesh's own coordinates or barycentric weights. [`Hit`] does not contain texture
-    /// coordinates because most surfaces have no texture.
+    /// Returns the texture coordinates at a hit. On analytic shapes, they lie in [0, 1]. If a mesh
+    /// has texture coordinates, they are interpolated. On other meshes, the result consists of
+    /// barycentric weights. [`Hit`] does not contain texture coordinates because most surfaces have
+    /// no texture.
     pub fn uv(&self, hit: &Hit) -> [f64; 2] {
         self.primitives.uv(hit.surface, hit.position)
     }

@@ -1,4 +1,4 @@
-//! Short descriptions of JSON values and lists of names, for error messages.
+//! Writes short descriptions of JSON values, and lists of allowed names, for error messages.
 
 use super::positions::{SpannedValue, ValueKind};
 

@@ -23,7 +23,7 @@ impl<'de> ValueDeserializer<'de> {
         Self(value)
     }
 
-    /// Calls the visitor's method for the kind of this value.
+    /// Calls the visitor's method that matches the kind of this value.
     fn visit<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
         match self.0.kind() {
             ValueKind::Null => visitor.visit_unit(),
@@ -210,7 +210,7 @@ impl<'de> Deserializer<'de> for KeyDeserializer<'de> {
     }
 }
 
-/// The elements of an array for serde.
+/// Gives the elements of an array to serde.
 struct ArrayElements<'a, 'de>(&'a mut ChildValues<'de>);
 
 impl<'de> SeqAccess<'de> for ArrayElements<'_, 'de> {
@@ -221,7 +221,7 @@ impl<'de> SeqAccess<'de> for ArrayElements<'_, 'de> {
     }
 }
 
-/// The entries of an object for serde. `value` belongs to the key that was read last.
+/// Gives the entries of an object to serde. `value` belongs to the key that was read last.
 struct ObjectEntries<'a, 'de> {
     entries: &'a mut ChildValues<'de>,
     value: Option<SpannedValue<'de>>,

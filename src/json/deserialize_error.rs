@@ -9,8 +9,8 @@ use super::path::quoted;
 use super::positions::{SpannedValue, ValueKind};
 use crate::error::{Error, nearest_name};
 
-/// An error in a value. The innermost deserialiser that returns the error sets the position of the
-/// error.
+/// An error in a value. Nested deserialisers return the error one after the other. The innermost of
+/// them sets the position of the error.
 #[derive(Debug)]
 pub(super) struct DeserializeError {
     /// Node number of the wrong value or key; `None` until the number is known.

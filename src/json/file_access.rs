@@ -4,10 +4,10 @@ use std::path::{Component, Path, PathBuf};
 
 use crate::error::{Error, Result};
 
-/// The files that a JSON text may name. If a named file itself names further files, the same rule
-/// holds for the further files.
+/// The files that a JSON text may name. If such a file names further files, the same rule applies
+/// to them.
 ///
-/// The default protects a user who opens a file by an unknown author: the file cannot make the
+/// The default protects a user who opens a file from an unknown author. The file cannot make the
 /// program read other files of the user.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum FileAccess {
@@ -24,7 +24,7 @@ impl FileAccess {
     /// the name of the option to the message.
     pub const EXPECTED_WITHIN_FOLDER: &str = "a path within the folder of the file that names it";
 
-    /// Returns the path of the file that is named relative to `folder`.
+    /// Joins `folder` and the path of a file relative to `folder`, and returns the result.
     ///
     /// Symbolic links in the folder are followed, even if they lead out of the folder. This is
     /// acceptable, because whoever created the link could have copied the file into the folder.

@@ -3,8 +3,8 @@
 //!
 //! The steps: `patch` applies the patches and keeps track of the origin of each part of the text.
 //! `scan` checks the syntax and records where each value is in the text (`positions`).
-//! `deserialize` hands the values to serde. [`JsonSource`] holds the result. If an error is found
-//! later, [`JsonSource`] adds its position.
+//! `deserialize` hands the values to serde. [`JsonSource`] contains the result. If an error is
+//! found later, [`JsonSource`] adds the position to the error.
 
 mod describe;
 mod deserialize;

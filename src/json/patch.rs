@@ -18,7 +18,7 @@ use crate::error::{Error, Result, nearest_name};
 /// command-line option can replace this text with the name of the option.
 pub const PATCH_LABEL: &str = "patch ";
 
-/// A text after all patches.
+/// A text to which all patches have been applied.
 pub(super) struct PatchedText {
     /// The text.
     pub(super) text: String,
@@ -56,7 +56,7 @@ impl PatchedText {
 #[derive(Debug, Clone)]
 pub(super) struct TextPieces(Vec<TextPiece>);
 
-/// A part of the text with one origin. It ends where the next piece starts.
+/// A piece of the text that comes from a single origin. It ends where the next piece starts.
 #[derive(Debug, Clone)]
 struct TextPiece {
     /// Byte offset of its first byte.
@@ -67,9 +67,9 @@ struct TextPiece {
 /// The origin of a piece of text.
 #[derive(Debug, Clone)]
 pub(super) enum PieceOrigin {
-    /// The file, from this byte offset on.
+    /// The piece comes from the file, where it starts at this byte offset.
     File(usize),
-    /// A patch with this label.
+    /// The piece comes from the patch with this label.
     Patch(String),
 }
 

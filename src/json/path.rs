@@ -7,7 +7,8 @@ use std::fmt;
 
 use crate::error::{Error, Result};
 
-/// A JSON path. Each level borrows its parent, so that building a path does not allocate.
+/// A JSON path. Each level of the path borrows the level above it. Therefore no memory is allocated
+/// to build a path.
 #[derive(Debug, Clone, Copy)]
 pub enum JsonPath<'a> {
     /// The outermost value.
@@ -48,7 +49,7 @@ impl fmt::Display for JsonPath<'_> {
     }
 }
 
-/// Writes one key. A dot comes before every key but the first.
+/// Writes one key. Every key except the first is preceded by a dot.
 fn write_key(f: &mut impl fmt::Write, key: &str, first: bool) -> fmt::Result {
     if key.is_empty() || key.chars().any(needs_quotes) {
         write!(f, "[{}]", quoted(key))
@@ -59,7 +60,7 @@ fn write_key(f: &mut impl fmt::Write, key: &str, first: bool) -> fmt::Result {
     }
 }
 
-/// Appends one key to a path. A dot comes before every key but the first.
+/// Appends one key to a path. Every key except the first is preceded by a dot.
 pub(super) fn push_key(path: &mut String, key: &str) {
     let first = path.is_empty();
     write_key(path, key, first).expect("writing to a string cannot fail");
@@ -103,7 +104,7 @@ pub(super) fn display(steps: &[PathStep]) -> String {
 }
 
 /// Parses a path. A dot separates a key from the step before it. The steps in brackets are `[3]`,
-/// `["any key"]`, `[-]` and `[name=…]`. The empty path is the outermost value.
+/// `["any key"]`, `[-]` and `[name=…]`. The empty path leads to the outermost value.
 pub(super) fn parse(path: &str) -> Result<Vec<PathStep>> {
     let mut steps = Vec::new();
     let mut rest = path;

@@ -24,7 +24,7 @@ pub(super) struct Node {
 pub(super) struct Positions(Vec<Node>);
 
 impl Positions {
-    /// Wraps the nodes of a text in the order of the text.
+    /// Takes the nodes of a text, which must be in the order of the text.
     pub(super) fn new(nodes: Vec<Node>) -> Self {
         Self(nodes)
     }
@@ -77,7 +77,7 @@ impl<'t> SpannedValue<'t> {
         self.id
     }
 
-    /// Returns the value of another node of the same text.
+    /// Returns the value whose node in the same text has the number `id`.
     pub(super) fn with_id(self, id: u32) -> Self {
         Self { id, ..self }
     }
@@ -139,7 +139,7 @@ impl<'t> SpannedValue<'t> {
         self.entries().find(|(name, _)| name.content() == key).map(|(_, value)| value)
     }
 
-    /// Follows one step of a path. Returns `None` if there is no such value.
+    /// Follows one step of a path. Returns `None` if the step does not lead to a value.
     pub(super) fn step(self, step: &PathStep) -> Option<SpannedValue<'t>> {
         match (step, self.kind()) {
             (PathStep::Key(key), ValueKind::Object) => self.get(key),
@@ -149,7 +149,7 @@ impl<'t> SpannedValue<'t> {
         }
     }
 
-    /// Returns whether this value is an object with this `name`.
+    /// Returns whether this value is an object whose key `name` contains the text of the argument.
     fn is_named(self, name: &str) -> bool {
         self.get("name").is_some_and(|value| value.kind() == ValueKind::String && value.content() == name)
     }

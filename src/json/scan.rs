@@ -19,7 +19,7 @@ pub(super) const MAX_NESTING: usize = 128;
 pub(super) struct SyntaxError {
     /// Byte offset of the error in the text.
     pub(super) offset: usize,
-    /// The error, with the JSON path of the innermost unfinished value.
+    /// The error. It contains the JSON path of the innermost unfinished value.
     pub(super) error: Error,
 }
 
@@ -253,7 +253,7 @@ impl Scanner<'_> {
         self.malformed(self.text.len(), found, format!("`{}`", char::from(close)))
     }
 
-    /// Returns an error if an object has a key twice.
+    /// Returns an error if an object contains the same key twice.
     fn refuse_duplicates(&mut self, id: usize) -> ScanResult<()> {
         let object = SpannedValue::in_list(self.text, &self.nodes, id as u32);
         let mut keys: Vec<_> = object.entries().map(|(key, _)| (key.content(), key.start())).collect();

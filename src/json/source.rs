@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 /// A JSON text with the position of each of its values.
 #[derive(Debug, Clone)]
 pub struct JsonSource {
-    /// The file, as the caller named it.
+    /// The path of the file, in the form in which the caller stated it.
     pub path: PathBuf,
     /// The text after all patches.
     pub text: String,
@@ -80,12 +80,12 @@ impl JsonSource {
         self.file_access.file(self.folder(), Path::new(path))
     }
 
-    /// Adds file, line, column and path to an error found after reading the text.
+    /// Adds file, line, column and path to an error that was found after the text was read.
     ///
     /// The value at `json_path` gives the position of the error. If there is no such value, the
     /// deepest existing value on the path gives the position. An error may already name another
-    /// file, such as a malformed lamp.csv. Such an error keeps its file, and this function adds
-    /// only the JSON path.
+    /// file, such as a malformed lamp.csv. In such an error, the name of the other file stays, and
+    /// this function adds only the JSON path.
     #[must_use]
     pub fn error_at(&self, json_path: &str, error: Error) -> Error {
         let steps = path::parse(json_path).unwrap_or_default();

@@ -1,6 +1,7 @@
-//! The spatial index for rays. A query finds all boxes touched by a narrow cone around a ray.
+//! A spatial index of boxes, for searches along rays. A query finds all boxes touched by a narrow
+//! cone around a ray.
 //!
-//! The index is a bounding volume hierarchy built by parallel locally-ordered clustering (PLOC:
+//! The index is a bounding volume hierarchy built by parallel locally-ordered clustering (PLOC,
 //! Meister & Bittner 2018). A query widens the boxes by the cone's radius, so that each pixel can
 //! use its own radius.
 
@@ -119,7 +120,8 @@ impl Slabs {
         }
     }
 
-    /// Returns true if the cone may touch the box. Rounding may add boxes but never omits one.
+    /// Returns true if the cone may touch the box. Because of rounding, the test may accept a box
+    /// that the cone misses, but it never rejects a box that the cone touches.
     #[inline]
     fn touch(&self, aabb: &Aabb) -> bool {
         let (centre, half) = (0.5 * (aabb.min + aabb.max), 0.5 * (aabb.max - aabb.min));

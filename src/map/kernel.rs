@@ -7,9 +7,11 @@ use std::f64::consts::FRAC_1_PI;
 /// integrate to 1 over the disk or over the line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KernelValues {
-    /// The Epanechnikov kernel: 2/(πr²)·(1 − d²/r²) on the disk, 3/(4r)·(1 − d²/r²) on the line.
+    /// The value of the Epanechnikov kernel at the distance d. With the radius r, the value is
+    /// 2/(πr²)·(1 − d²/r²) on the disk, and 3/(4r)·(1 − d²/r²) on the line.
     pub estimate: f64,
-    /// The uniform kernel: 1/(πr²) on the disk, 1/(2r) on the line.
+    /// The value of the uniform kernel. With the radius r, the value is 1/(πr²) on the disk, and
+    /// 1/(2r) on the line.
     pub uniform: f64,
     /// The ratio μ_e/(μ_u − μ_e). Here μ_e and μ_u are the second moments of the Epanechnikov
     /// kernel and of the uniform kernel.

@@ -57,7 +57,7 @@ impl PhotonPower {
 /// A photon stored on a surface. The photon takes 44 bytes. The map adds 12 bytes for the position.
 #[derive(Debug, Clone, Copy, Default, PartialEq, PartialOrd)]
 pub struct Photon {
-    /// Its wavelengths and powers.
+    /// The photon's wavelengths and powers.
     pub power: PhotonPower,
     to_light: Octahedral,
     normal: Octahedral,
@@ -65,8 +65,8 @@ pub struct Photon {
 
 impl Photon {
     /// Creates a photon at a surface. The unit direction `to_light` points back along the photon's
-    /// path. `normal` is the unit normal of the surface. It points to the side from which the
-    /// photon arrived.
+    /// path. `normal` is the unit normal of the surface. The normal points to the side from which
+    /// the photon arrived.
     pub fn new(power: PhotonPower, to_light: DVec3, normal: DVec3) -> Self {
         Self { power, to_light: Octahedral::encode(to_light), normal: Octahedral::encode(normal) }
     }
@@ -77,7 +77,8 @@ impl Photon {
         self.to_light.decode()
     }
 
-    /// Returns the unit normal of the surface. It points to the side from which the photon arrived.
+    /// Returns the unit normal of the surface. The normal points to the side from which the photon
+    /// arrived.
     #[inline]
     pub fn normal(&self) -> DVec3 {
         self.normal.decode()

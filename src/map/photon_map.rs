@@ -1,5 +1,5 @@
-//! The photon map of surfaces: an immutable kd-tree over the photons of a pass. It accepts any
-//! number of coplanar or coincident photons.
+//! The photon map of surfaces: an immutable kd-tree over the photons of a pass. The tree accepts
+//! any number of coplanar or coincident photons.
 
 use super::photon::Photon;
 use kiddo::leaf_strategies::VecOfArenas;
@@ -12,7 +12,8 @@ const LEAF: usize = 8;
 
 type PhotonTree = KdTree<f32, Photon, Eytzinger, VecOfArenas<f32, Photon, 3, LEAF>, 3, LEAF>;
 
-/// An index of the photons by position. Positions are in m, relative to the scene's centre.
+/// A spatial index that finds photons by their position. Positions are in m, relative to the
+/// scene's centre.
 #[derive(Debug, Default)]
 pub struct PhotonMap {
     tree: Option<PhotonTree>,
@@ -23,15 +24,15 @@ pub struct PhotonMap {
 pub struct NearbyPhoton {
     /// The photon.
     pub photon: Photon,
-    /// Its position in m, relative to the scene's centre.
+    /// The photon's position in m, relative to the scene's centre.
     pub position: [f32; 3],
     /// The squared distance from the query's centre, in m².
     pub distance2: f32,
 }
 
 impl PhotonMap {
-    /// Builds the map from photons and their positions. The work is divided among the threads of
-    /// the current pool. The result does not depend on the number of threads.
+    /// Builds the map from photons and their positions. The threads of the current thread pool
+    /// share the work. The result does not depend on the number of threads.
     pub fn build(photons: &[(Photon, [f32; 3])]) -> Self {
         if photons.is_empty() {
             return Self::default();
@@ -115,7 +116,7 @@ mod tests {
         }
     }
 
-    /// A query finds all of 10,000 photons at one position.
+    /// If 10,000 photons are at one position, a query finds all of them.
     #[test]
     fn coincident_photons_are_all_found() {
         let photons: Vec<_> = (0..10_000).map(|i| (numbered(i), [0.25, -1.0, 3.0])).collect();
@@ -125,7 +126,7 @@ mod tests {
         assert_eq!(index.kth_distance([0.25, -1.0, 3.0], NonZero::new(50).unwrap()), Some(0.0));
     }
 
-    /// Maps of one photon and of no photons answer all queries.
+    /// A map with one photon and a map without photons answer all queries.
     #[test]
     fn maps_of_one_photon_and_of_none() {
         let one = PhotonMap::build(&[(numbered(7), [1.0, 2.0, 3.0])]);

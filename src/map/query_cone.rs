@@ -2,7 +2,7 @@
 
 use crate::geometry::Ray;
 
-/// A part of a ray with a radius that may grow linearly along the ray.
+/// A part of a ray, and a radius around this part. The radius may grow linearly along the ray.
 #[derive(Debug, Clone, Copy)]
 pub struct QueryCone {
     /// The ray.
@@ -26,8 +26,8 @@ pub enum KernelWidth {
 }
 
 impl QueryCone {
-    /// Creates the cone around the first `length_m` of a camera path's ray. `behind_m` is the
-    /// length of the path from the camera to the ray's origin, in m.
+    /// Creates the cone around the first `length_m` metres of a ray of a camera path. `behind_m` is
+    /// the length of the path from the camera to the ray's origin, in m.
     pub fn of_camera(ray: Ray, length_m: f64, behind_m: f64, width: KernelWidth) -> Self {
         let (radius_m, slope) = match width {
             KernelWidth::Stated(radius_m) => (radius_m, 0.0),

@@ -1,4 +1,5 @@
-//! Kernel radii: the pilot fixes the first radius of each pixel, and each pass shrinks it.
+//! Kernel radii: the pilot fixes the first radius of each pixel, and the radius shrinks from pass
+//! to pass.
 
 use crate::plan::partition::{PerClass, PerSet};
 use glam::DVec3;
@@ -63,20 +64,21 @@ impl<T: Copy> PixelRadii<T> {
 }
 
 impl RadiusScales {
-    /// Returns the factors of a pass, counted from 0.
+    /// Returns the factors of a pass. The passes are counted from 0.
     pub fn of_pass(pass: u64) -> Self {
         Self { surface: scale(pass, 2), points: scale(pass, 2), beams: scale(pass, 1) }
     }
 }
 
-/// Returns the ratio of the kernel radius in pass `pass` (counted from 0) to the first radius. The
-/// kernel has d = `dimensions` dimensions.
+/// Returns the kernel radius in pass number `pass`, divided by the first radius. The passes are
+/// counted from 0. The kernel has d = `dimensions` dimensions.
 ///
-/// The radii follow rᵈ_{i+1} = rᵈ_i (i + α)/(i + 1), with i counted from 1 and α = 4/(d + 4) (Knaus
-/// & Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach", eq. 15). Kernels on
-/// surfaces and kernels for photon points have d = 2. Their mean square error falls as N^(−2/3).
-/// Kernels for photon beams have d = 1. Their mean square error falls as N^(−4/5). The factor
-/// depends only on the number of the pass, so that passes can run in any order.
+/// The radii follow the rule rᵈ_{i+1} = rᵈ_i (i + α)/(i + 1). Here i is the number of the pass,
+/// counted from 1, and α is 4/(d + 4). The rule is equation 15 of "Progressive Photon Mapping – A
+/// Probabilistic Approach" (Knaus & Zwicker 2011). Kernels on surfaces and kernels for photon
+/// points have d = 2. Their mean square error falls as N^(−2/3). Kernels for photon beams have d =
+/// 1. Their mean square error falls as N^(−4/5). The factor depends only on the number of the pass,
+/// so that passes can run in any order.
 fn scale(pass: u64, dimensions: u32) -> f64 {
     let alpha = 4.0 / (f64::from(dimensions) + 4.0);
     // The product of (i + α)/(i + 1) for i = 1…pass is computed factor by factor up to i = `EXACT`.
@@ -93,17 +95,17 @@ fn scale(pass: u64, dimensions: u32) -> f64 {
     (product * tail).powf(1.0 / f64::from(dimensions))
 }
 
-/// Returns the first radius (m) of a pixel: the distance to the k-th nearest photon, limited to the
-/// range from the pixel's footprint to `largest_m`. A kernel smaller than the footprint only adds
-/// noise. If the photons coincide (distance 0), the radius is the footprint. Without photons, the
-/// radius is `largest_m`.
+/// Returns the first radius (m) of a pixel. The radius is the distance to the k-th nearest photon,
+/// but at least the pixel's footprint, and at most `largest_m`. A kernel smaller than the footprint
+/// only adds noise. If the photons coincide (distance 0), the radius is the footprint. Without
+/// photons, the radius is `largest_m`.
 pub fn first(kth_distance_m: Option<f64>, footprint_m: f64, largest_m: f64) -> f64 {
     kth_distance_m.unwrap_or(largest_m).clamp(footprint_m.min(largest_m), largest_m)
 }
 
-/// Returns the smallest useful radius (m) of a kernel at `position` (m, relative to the scene's
-/// centre): about 16 times the spacing of single-precision numbers at that position. With a smaller
-/// kernel, the rounding of the photons' positions would be visible.
+/// Returns the smallest useful radius (m) of a kernel at `position`. This radius is about 16 times
+/// the spacing of single-precision numbers at the position. `position` is in m, relative to the
+/// scene's centre. With a smaller kernel, the rounding of the photons' positions would be visible.
 pub fn least(position: DVec3) -> f64 {
     const SIXTEEN_STEPS: f64 = 16.0 * (f32::EPSILON as f64);
     SIXTEEN_STEPS * position.abs().max_element()
@@ -113,7 +115,8 @@ pub fn least(position: DVec3) -> f64 {
 mod tests {
     use super::*;
 
-    /// The factors satisfy the recurrence, also beyond the part that is computed exactly.
+    /// The factors satisfy the recurrence of the radii, even in passes for which they are computed
+    /// approximately.
     #[test]
     fn radii_follow_the_recurrence() {
         for (dimensions, alpha) in [(1, 4.0 / 5.0), (2, 2.0 / 3.0)] {

@@ -37,7 +37,8 @@ impl Frame {
         DVec3::new(v.dot(self.s), v.dot(self.t), v.dot(self.n))
     }
 
-    /// Returns the world vector with the components `v` in the frame.
+    /// Returns a vector in world coordinates. `v` contains its components along the axes of the
+    /// frame.
     #[inline]
     pub fn to_world(&self, v: DVec3) -> DVec3 {
         self.s * v.x + self.t * v.y + self.n * v.z

@@ -1,12 +1,12 @@
 //! Kronecker sequences: the multiples of an irrational number, modulo 1.
 //!
 //! Every prefix of a sequence is evenly spread, so the number of points need not be known in
-//! advance. The two sequences use the golden ratio φ and √3. Together they fill the unit square
-//! evenly, because 1, φ and √3 are linearly independent over the rational numbers (Weyl 1916). If
-//! the number of points is small, the two coordinates are no more correlated than independent
-//! random numbers. If the number is large, they are far less correlated. The pair φ and √2 would be
-//! worse. Because 1/φ + √2 ≈ 2.03 is close to an integer, a dozen consecutive points would lie
-//! close to one line.
+//! advance. The two sequences use the golden ratio φ and √3. Together, the two sequences fill the
+//! unit square evenly, because 1, φ and √3 are linearly independent over the rational numbers (Weyl
+//! 1916). If the number of points is small, the two coordinates are no more correlated than
+//! independent random numbers. If the number of points is large, the coordinates are far less
+//! correlated than independent random numbers. The pair φ and √2 would be worse. Because 1/φ + √2 ≈
+//! 2.03 is close to an integer, a dozen consecutive points would lie close to one line.
 
 /// Returns point `index` of the golden-ratio sequence, shifted by the hash `shift`.
 pub fn golden_ratio(index: u32, shift: u64) -> f64 {
@@ -20,8 +20,8 @@ pub fn sqrt3(index: u32, shift: u64) -> f64 {
     kronecker_point(0xbb67_ae85_84ca_a73b, index, shift)
 }
 
-/// Returns `index` × `step` + `shift` in units of 2⁻⁶⁴, as a number in [0, 1). The integer product
-/// wraps around. This is the reduction modulo 1.
+/// Returns `index` × `step` + `shift`, converted to a number in [0, 1). The unit of the integers is
+/// 2⁻⁶⁴. The integer product wraps around. This wrapping is the reduction modulo 1.
 fn kronecker_point(step: u64, index: u32, shift: u64) -> f64 {
     let turned = u64::from(index).wrapping_mul(step).wrapping_add(shift);
     (turned >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)

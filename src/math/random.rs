@@ -25,7 +25,7 @@ pub enum Purpose {
     SharedPhoton,
     /// Camera paths.
     Camera,
-    /// Numbers drawn once in a pass, such as the shared wavelengths.
+    /// Numbers that are drawn once per pass, for example the shared wavelengths.
     Pass,
     /// The pilot, which fixes the aims, the first radii and the photon counts before pass 0.
     Pilot,
@@ -43,7 +43,7 @@ pub fn mix64(mut x: u64) -> u64 {
     x ^ (x >> 31)
 }
 
-/// Hashes several words. The result depends on their order.
+/// Hashes several words. The result depends on the order of the words.
 pub fn hash64<const N: usize>(words: [u64; N]) -> u64 {
     words.into_iter().fold(0x243f_6a88_85a3_08d3, |state, word| mix64(state ^ word))
 }

@@ -9,8 +9,8 @@
 /// The number of dimensions.
 pub const DIMENSIONS: usize = 8;
 
-/// Polynomial degree, coefficient bits and initial direction numbers of dimensions 1 to 7.
-/// Dimension 0 is the van der Corput sequence.
+/// For each of the dimensions 1 to 7: the polynomial's degree, its coefficient bits, and the
+/// initial direction numbers. Dimension 0 is the van der Corput sequence.
 const JOE_KUO: [(u32, u32, [u32; 5]); DIMENSIONS - 1] = [
     (1, 0, [1, 0, 0, 0, 0]),
     (2, 1, [1, 3, 0, 0, 0]),

@@ -2,13 +2,14 @@
 
 use std::ops::AddAssign;
 
-/// An exact sum in 128-bit fixed point with a quantum of 2⁻⁶⁴. It holds magnitudes up to 9·10¹⁸ and
-/// gives the same bits in any order of addition. Each term is rounded once to the quantum. A sum of
-/// larger magnitude saturates, and [`overflowed`](Self::overflowed) returns true.
+/// An exact sum in 128-bit fixed point with a quantum of 2⁻⁶⁴. The magnitude of the sum can reach
+/// 9·10¹⁸. The bits of the sum do not depend on the order of addition. Each term is rounded once to
+/// the quantum. If the magnitude would be larger, the sum saturates, and
+/// [`overflowed`](Self::overflowed) returns true.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ExactSum(i128);
 
-/// 2⁶⁴, the reciprocal of the quantum.
+/// The reciprocal of the quantum. Its value is 2⁶⁴.
 const SCALE: f64 = 18_446_744_073_709_551_616.0;
 
 impl ExactSum {
@@ -17,7 +18,7 @@ impl ExactSum {
         self.0 as f64 / SCALE
     }
 
-    /// Returns whether a term was NaN, or whether a term or the sum left the range.
+    /// Returns whether a term was NaN, or whether a term or the sum was too large.
     pub fn overflowed(self) -> bool {
         self.0 == i128::MAX || self.0 == i128::MIN
     }

@@ -40,7 +40,8 @@ pub fn sphere(u: [f64; 2]) -> DVec3 {
     DVec3::new(r * cos, r * sin, z)
 }
 
-/// Returns 1 − cos of a half-angle in radians. The result is accurate even for narrow cones.
+/// Returns 1 − cos θ for the half-angle θ of a cone. The half-angle is in radians. The result is
+/// accurate even for narrow cones.
 pub fn one_minus_cos(half_angle: f64) -> f64 {
     let s = (0.5 * half_angle).sin();
     2.0 * s * s
@@ -52,13 +53,14 @@ pub fn cone_solid_angle(half_angle: f64) -> f64 {
 }
 
 /// Samples a direction uniformly over the solid angle of a cone around +z. `one_minus_cos` is 1 −
-/// cos of the half-angle. The density is 1/(2π·`one_minus_cos`). Very narrow cones are exact too.
+/// cos θ, where θ is the half-angle of the cone. The density is 1/(2π·`one_minus_cos`). The result
+/// is accurate even for very narrow cones.
 pub fn cone(one_minus_cos: f64, u: [f64; 2]) -> DVec3 {
     spherical_direction(u[0] * one_minus_cos, u[1])
 }
 
-/// Returns the direction at an angle from +z and at the azimuth 2π·`u`. `one_minus_cos` is 1 − cos
-/// of the angle from +z. Very small angles are exact too.
+/// Returns the direction at the angle θ from +z and at the azimuth 2π·`u`. `one_minus_cos` is 1 −
+/// cos θ. The result is accurate even for very small angles.
 pub fn spherical_direction(one_minus_cos: f64, u: f64) -> DVec3 {
     let (sin, cos) = (TAU * u).sin_cos();
     let r = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt();

@@ -42,10 +42,10 @@ impl Blades {
 /// Returns the irradiance in the Fraunhofer pattern of an aperture, relative to the irradiance at
 /// the centre of the pattern.
 ///
-/// `place` is the position in the image in units of λN. N is always the f-number of the full
-/// circle, even if the aperture is a polygon. The source for the circle (Airy pattern) is Born &
-/// Wolf, *Principles of Optics*, §8.5. The source for the polygon is Lee & Mittra 1983, who use the
-/// divergence theorem.
+/// `place` is a position in the image, in units of λN, where N is the f-number. N is always the
+/// f-number of the full circle, even if the aperture is a polygon. The formula for the circle (Airy
+/// pattern) is from Born & Wolf, *Principles of Optics*, §8.5. The formula for polygons is from Lee
+/// & Mittra 1983, who derive it by the divergence theorem.
 pub fn fraunhofer(blades: Option<Blades>, place: DVec2) -> f64 {
     let q = PI * place;
     let square = q.length_squared();
@@ -82,8 +82,8 @@ mod tests {
         assert!((fraunhofer(None, DVec2::new(1e-7, 0.0)) - 1.0).abs() < 1e-12);
     }
 
-    /// `contains` accepts the points sampled by `warp::regular_polygon`. The Fraunhofer pattern is
-    /// the squared Fourier transform of these points.
+    /// `contains` accepts every point that `warp::regular_polygon` samples. The Fraunhofer pattern
+    /// is the squared magnitude of the Fourier transform of these points.
     #[test]
     fn polygon_pattern_is_the_fourier_transform_of_its_samples() {
         let sobol = Sobol::new(9);

@@ -1,16 +1,16 @@
 //! Reflectance and refraction at a smooth interface between two media.
 //!
-//! For s polarisation, the usual form of Fresnel's equations is
+//! In the usual form of Fresnel's equations, the amplitude for s polarisation is
 //! (n₁cosθ₁ − n₂cosθ₂)/(n₁cosθ₁ + n₂cosθ₂). The numerator suffers from cancellation if n₁ ≈ n₂. The
-//! functions for dielectrics therefore multiply numerator and denominator by the denominator. The
-//! numerator becomes (n₁ − n₂)(n₁ + n₂), which has no cancellation. The equation for p polarisation
-//! is treated in the same way.
+//! functions for dielectrics therefore multiply both the numerator and the denominator by
+//! n₁cosθ₁ + n₂cosθ₂. The numerator becomes (n₁ − n₂)(n₁ + n₂), which has no cancellation. The
+//! equation for p polarisation is treated in the same way.
 
 use glam::DVec3;
 
-/// Returns n_t²·cos²θ_t by Snell's law: (n_t − n_i)(n_t + n_i) + n_i²·cos²θ_i. The value is
-/// negative beyond the critical angle. Reflectance and refraction share this function, so both find
-/// the same critical angle.
+/// Returns n_t²·cos²θ_t by Snell's law. This is (n_t − n_i)(n_t + n_i) + n_i²·cos²θ_i. The value is
+/// negative beyond the critical angle. The functions for reflectance and for refraction both call
+/// this function, so they agree on the critical angle.
 fn squared_transmitted(cos_i: f64, n_i: f64, n_t: f64) -> f64 {
     (n_t - n_i) * (n_t + n_i) + (n_i * cos_i) * (n_i * cos_i)
 }
@@ -39,7 +39,7 @@ pub fn dielectric_sp(cos_i: f64, n_i: f64, n_t: f64) -> (f64, f64) {
 }
 
 /// Returns the reflectance for unpolarised light. The result is the mean of the two values of
-/// [`dielectric_sp`]. It lies in \[0, 1\]. The transmittance is 1 − R.
+/// [`dielectric_sp`]. It lies in \[0, 1\]. The transmittance is 1 minus the reflectance.
 pub fn dielectric(cos_i: f64, n_i: f64, n_t: f64) -> f64 {
     let (s, p) = dielectric_sp(cos_i, n_i, n_t);
     0.5 * (s + p)

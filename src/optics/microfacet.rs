@@ -71,15 +71,15 @@ impl Ggx {
         0.25 * self.eval(m) * self.g2_per_cos(cos_o, cos_i)
     }
 
-    /// Returns G₂(o, i)/G₁(o). The visible facets reflect light. This fraction of the reflected
-    /// light leaves the surface without hitting another facet.
+    /// Returns G₂(o, i)/G₁(o). Of the light that the visible facets reflect, this fraction leaves
+    /// the surface without hitting another facet.
     pub fn g2_over_g1(&self, cos_o: f64, cos_i: f64) -> f64 {
         let (o, i) = (self.smith_root(cos_o), self.smith_root(cos_i));
         cos_i * (cos_o + o) / (cos_o * i + cos_i * o)
     }
 
-    /// Returns 1 − G₂(o, i)/G₁(o) without cancellation. A model of single scattering loses this
-    /// fraction of the light.
+    /// Returns 1 − G₂(o, i)/G₁(o) without cancellation. A model that considers only single
+    /// scattering loses this fraction of the light.
     pub fn shadowed_fraction(&self, cos_o: f64, cos_i: f64) -> f64 {
         let (o, i) = (self.smith_root(cos_o), self.smith_root(cos_i));
         let sin2 = (1.0 - cos_i) * (1.0 + cos_i);
@@ -119,9 +119,10 @@ mod tests {
 
     const ALPHAS: [f64; 4] = [0.02, 0.1, 0.5, 1.0];
 
-    /// Integrates f(m) dω over the upper hemisphere by the midpoint rule in φ and y. The variable y
-    /// is defined by tan²θ/(α² + tan²θ) = x and x = 1 − y². The GGX distribution is uniform in x.
-    /// With equal steps in y, the midpoint rule resolves the tail of the distribution.
+    /// Integrates f(m) over the solid angle of the upper hemisphere, by the midpoint rule in φ and
+    /// y. The variable y is defined by tan²θ/(α² + tan²θ) = x and x = 1 − y². The GGX distribution
+    /// is uniform in x. With equal steps in y, the midpoint rule resolves the tail of the
+    /// distribution.
     fn over_facets(alpha: f64, f: impl Fn(DVec3) -> f64) -> f64 {
         const QUADRATURE_STEPS: usize = 400;
         let mut sum = 0.0;

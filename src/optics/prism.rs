@@ -16,8 +16,8 @@ pub fn deviation_deg(n: f64, apex_deg: f64, incidence_deg: f64) -> Option<f64> {
     (sin_out.abs() <= 1.0).then(|| incidence_deg + sin_out.asin().to_degrees() - apex_deg)
 }
 
-/// Returns the angle of incidence of minimum deviation: asin(n·sin(α/2)). At this angle the path of
-/// the ray is symmetric. Returns `None` if no ray passes the prism.
+/// Returns the angle of incidence asin(n·sin(α/2)), at which the deviation is smallest. At this
+/// angle the path of the ray is symmetric. Returns `None` if no ray passes the prism.
 pub fn minimum_deviation_incidence_deg(n: f64, apex_deg: f64) -> Option<f64> {
     let sin_in = n * (0.5 * apex_deg.to_radians()).sin();
     (sin_in <= 1.0).then(|| sin_in.asin().to_degrees())

@@ -1,6 +1,6 @@
 //! Axes of plots: their ranges, and their ticks at round numbers.
 
-/// The digits of round numbers.
+/// A round number is one of these digits, multiplied by a power of ten.
 const ROUND_DIGITS: [f64; 3] = [1.0, 2.0, 5.0];
 
 /// A linear axis is divided into this number of intervals. The length of an interval is then
@@ -14,8 +14,8 @@ const FEW_DECADES: f64 = 2.5;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Axis {
     scale: AxisScale,
-    /// The ends of the axis. For a linear axis, they are values. For a logarithmic axis, they are
-    /// decimal logarithms of values.
+    /// The ends of the axis. The ends of a linear axis are values. The ends of a logarithmic axis
+    /// are decimal logarithms of values.
     range: (f64, f64),
     /// The positions of both ends on the page.
     page: (f64, f64),
@@ -108,7 +108,7 @@ fn round_numbers(decades: std::ops::RangeInclusive<i32>) -> impl Iterator<Item =
     decades.flat_map(|decade| ROUND_DIGITS.map(|digit| (digit, digit * 10.0_f64.powi(decade))))
 }
 
-/// Returns the smallest round number of at least `step`.
+/// Returns the smallest round number that is not below `step`.
 fn round_step(step: f64) -> f64 {
     let decade = step.log10().floor() as i32;
     let mut steps = round_numbers(decade..=decade + 1).map(|(_, round)| round);
@@ -120,8 +120,9 @@ fn is_plain(magnitude: f64) -> bool {
     (1e-2..1e5).contains(&magnitude)
 }
 
-/// Formats a tick of a linear axis with as many decimals as the step needs. If the largest value of
-/// the axis is very large or small, the label contains a power of ten.
+/// Formats the label of a tick on a linear axis, with as many decimals as the distance between
+/// ticks needs. If the largest value of the axis is very large or small, the label contains a power
+/// of ten.
 fn linear_label(value: f64, step: f64, largest: f64) -> String {
     let exponent = if is_plain(largest) { 0 } else { largest.log10().floor() as i32 };
     let unit = 10.0_f64.powi(exponent);
@@ -132,7 +133,8 @@ fn linear_label(value: f64, step: f64, largest: f64) -> String {
     if exponent == 0 || is_zero { number } else { format!("{number}·{}", power_of_ten(exponent)) }
 }
 
-/// Formats a tick of a logarithmic axis. A very large or small number contains a power of ten.
+/// Formats the label of a tick on a logarithmic axis. The label of a very large or very small
+/// number contains a power of ten.
 fn logarithmic_label(value: f64) -> String {
     if is_plain(value) {
         return format!("{}", (value * 1e6).round() / 1e6);

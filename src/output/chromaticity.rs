@@ -29,12 +29,12 @@ const DIAGRAM_UNIT: f64 = 530.0;
 /// locus.
 const DIAGRAM_LEFT: f64 = -0.06;
 const DIAGRAM_SPAN: (f64, f64) = (0.78, 0.86);
-/// The size of the coloured background in pixels. Each pixel covers 0.01 × 0.01.
+/// The size of the coloured background in pixels. Each pixel covers 0.01 × 0.01 in the x, y plane.
 const BACKGROUND_PIXELS: (usize, usize) = (80, 86);
-/// The wavelength range of the drawn spectral locus in nm. Beyond it, the locus turns back on
-/// itself.
+/// The spectral locus is drawn for this range of wavelengths in nm. Outside this range, the locus
+/// turns back on itself.
 const LOCUS_NM: (u32, u32) = (390, 700);
-/// The labelled temperatures of the Planckian locus in K.
+/// The Planckian locus has labels at these temperatures in K.
 const NAMED_K: [u32; 3] = [3000, 5000, 10_000];
 
 const DIAGRAM_INK: &str = "class=\"ink\" stroke=\"#222\" fill=\"none\"";
@@ -91,7 +91,7 @@ impl ChromaticityDiagram<'_> {
         Ok(inside + &image + &lines(&self.locus(), true, DIAGRAM_INK))
     }
 
-    /// Draws ticks outside the spectral locus.
+    /// Draws ticks along the outer side of the spectral locus, and labels them with wavelengths.
     fn wavelengths(&self) -> String {
         let place = |nm: u32| position(xy(self.observer.xyz_bar(f64::from(nm))));
         let tick = |nm: u32| {

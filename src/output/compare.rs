@@ -7,16 +7,16 @@ use crate::error::{Error, Result};
 use crate::sensor::{Development, Picture, exposure};
 
 /// A rectangle of pixels: columns from `x0` to `x1`, and rows from `y0` to `y1`. Column `x1` and
-/// row `y1` are excluded. Columns and rows count from the top left.
+/// row `y1` are excluded. Columns are counted from the left, and rows from the top.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Region {
     /// The first column.
     pub x0: usize,
     /// The first row.
     pub y0: usize,
-    /// The column after the last.
+    /// The first column to the right of the region.
     pub x1: usize,
-    /// The row after the last.
+    /// The first row below the region.
     pub y1: usize,
 }
 
@@ -43,8 +43,8 @@ pub struct DeltaE {
 pub struct ZTest {
     /// The fraction of pixels with |z| < 1.96. z is the difference in Y divided by its standard
     /// error. If two pictures show the same scene and their errors are normally distributed, the
-    /// expected fraction is 0.95. It is slightly less if the standard errors come from few
-    /// replicates.
+    /// expected fraction is 0.95. The expected fraction is slightly smaller if the standard errors
+    /// were estimated from few replicates.
     pub share: f64,
     /// The number of pixels whose standard error is known in both pictures.
     pub pixels: usize,
@@ -73,18 +73,20 @@ pub struct Comparison {
     pub rmse: f64,
     /// The mean Y of A divided by the mean Y of B.
     pub mean_ratio: f64,
-    /// CIEDE2000 at the automatic exposure of B. The white point is D65.
+    /// CIEDE2000 between A and B. Both pictures have the automatic exposure of B. The white point
+    /// is D65.
     pub delta_e_2000: DeltaE,
     /// The z test, if both pictures contain standard errors.
     pub z: Option<ZTest>,
-    /// The test of A's intervals, if A contains error layers.
+    /// The test of the 95 % intervals of A, if A contains error layers.
     pub covered: Option<IntervalCoverage>,
     /// The number of pixels whose error is unknown in A, because no light reached them or the file
     /// contains no error layers.
     pub unknown_pixels: usize,
     /// The number of selected pixels.
     pub pixels: usize,
-    /// The number of selected pixels where either picture is not finite. Their error is infinite.
+    /// The number of selected pixels whose value is not finite in A or in B. The error of such a
+    /// pixel is infinite.
     pub non_finite_pixels: usize,
 }
 
@@ -151,7 +153,8 @@ impl Selection {
         Ok(selected)
     }
 
-    /// Returns whether a pixel of a picture of this width is selected.
+    /// Returns whether the pixel in column `x` and row `y` is selected. `width` is the width of the
+    /// picture.
     pub fn selects(&self, x: usize, y: usize, width: usize) -> bool {
         let in_region = self.regions.is_empty() || self.regions.iter().any(|region| region.contains(x, y));
         in_region && self.mask.as_ref().is_none_or(|mask| mask[y * width + x])
@@ -202,8 +205,8 @@ fn trimmed_mean(mut values: Vec<f64>) -> f64 {
     values[..kept].iter().sum::<f64>() / kept as f64
 }
 
-/// Returns the CIEDE2000 of every pixel at the automatic exposure of the reference. The white point
-/// has the chromaticity of D65 and the luminance that is displayed as white.
+/// Returns CIEDE2000 for every pixel. Both pictures have the automatic exposure of the reference.
+/// The white point has the chromaticity of D65 and the luminance that is displayed as white.
 pub(super) fn delta_e_map(picture: &Picture, reference: &Picture) -> Vec<f64> {
     let exposure = exposure::automatic(reference, &Development::default());
     let white = RgbSpace::Srgb.white();

@@ -119,7 +119,7 @@ fn luminance_differences(a: &Picture, b: &Picture, selection: &Selection) -> Dis
     })
 }
 
-/// Builds a map of the relative error reported by the picture itself.
+/// Builds a map of the relative error that the picture itself reports.
 fn relative_error_map(of: &Picture, selection: &Selection) -> DisplayImage {
     let errors: Vec<Option<f64>> = relative_errors(of).collect();
     pixel_map(of, selection, |i| errors[i].map_or(heat::UNKNOWN_COLOUR, |error| heat(error / heat::WHITE_ERROR)))

@@ -13,11 +13,12 @@ pub struct RayStroke {
     /// The index of the window that magnifies the polyline. The index refers to
     /// [`LensDrawing::windows`].
     pub window: usize,
-    /// The points. Their coordinates are the position along the axis and the height above the axis.
+    /// The points. The coordinates of each point are its position along the axis and its height
+    /// above the axis.
     pub points: Vec<DVec2>,
 }
 
-/// A magnified view. The two directions have different scales.
+/// A magnified view. The horizontal and the vertical direction have different scales.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FocusInset {
     /// The title of the window.
@@ -27,7 +28,7 @@ pub struct FocusInset {
     /// Half the width and half the height, both above 0.
     pub half_size: DVec2,
     /// The slope of a line through the centre. The window shows this line as horizontal, so that
-    /// steep bundles fill the window too.
+    /// steep bundles of rays fill the window too.
     pub slope: f64,
 }
 
@@ -56,13 +57,13 @@ pub struct LensDrawing {
 const DRAWING_WIDTH: f64 = 1080.0;
 const DRAWING_MARGIN: f64 = 28.0;
 const DRAWING_TOP: f64 = 76.0;
-/// The largest height of the lens.
+/// The largest height of the lens on the page.
 const DRAWING_TALLEST: f64 = 460.0;
-/// The height of a window.
+/// The height of a window on the page.
 const WINDOW_HEIGHT: f64 = 190.0;
 const DRAWING_BELOW: f64 = 52.0;
 
-/// The mapping from mm to the page.
+/// The mapping from lengths in mm to positions on the page.
 #[derive(Debug, Clone, Copy)]
 struct DrawingScale {
     origin: DVec2,
@@ -159,8 +160,8 @@ impl LensDrawing {
         svg
     }
 
-    /// Draws the rays through the lens. The colours drawn first have wider lines. Therefore
-    /// coinciding rays of all colours stay visible.
+    /// Draws the rays through the lens. The rays that are drawn first have wider lines. Therefore
+    /// all colours stay visible where rays coincide.
     fn rays(&self, scale: &DrawingScale) -> String {
         let mut svg = String::new();
         for (i, (_, colour)) in self.colours.iter().enumerate() {
@@ -215,8 +216,8 @@ fn ray(svg: &mut String, path: &str, colour: &str, width: f64) {
     );
 }
 
-/// Extends the last segment of a polyline to both sides of a window. Heights are relative to the
-/// sloped line of the window.
+/// Extends the last segment of a polyline to both sides of a window. The returned heights are
+/// measured from the sloped line that the window shows as horizontal.
 fn across(window: &FocusInset, points: &[DVec2]) -> Vec<DVec2> {
     let [.., before, last] = points else { return Vec::new() };
     let slope = (last.y - before.y) / (last.x - before.x);

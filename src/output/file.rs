@@ -35,7 +35,8 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
 /// of the data.
 ///
 /// # Errors
-/// Returns the foreseeable errors of [`write_whole`], and an error if the file is write-protected.
+/// Returns those errors of [`write_whole`] that can be foreseen. Also returns an error if the file
+/// is write-protected.
 pub fn check_writable(path: &Path) -> Result<()> {
     let target = followed(path);
     let refused = |what: &str| Err(Error::machine(format!("cannot be written: {what}")).in_file(path));
@@ -83,8 +84,8 @@ fn is_special(path: &Path) -> bool {
 /// The name of a temporary file consists of the final name, this text and the process id.
 const TEMPORARY_MARK: &str = ".unfinished-";
 
-/// Removes the temporary files of `path` left behind by killed processes. The function works only
-/// on systems with a list of processes in `/proc` (Linux).
+/// Removes the temporary files for `path` that killed processes left behind. The function works
+/// only on systems with a list of processes in `/proc` (Linux).
 pub fn remove_temporary_files(path: &Path) {
     let target = followed(path);
     let name = target.file_name().unwrap_or_default().to_string_lossy().into_owned() + TEMPORARY_MARK;
@@ -103,8 +104,8 @@ pub fn remove_temporary_files(path: &Path) {
     }
 }
 
-/// Returns the path of a temporary file in the same folder. The path contains the process id, so no
-/// other running process uses it.
+/// Returns the path of a temporary file in the folder of `path`. The path contains the process id,
+/// so no other running process uses it.
 fn temporary_path(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(format!("{TEMPORARY_MARK}{}", std::process::id()));

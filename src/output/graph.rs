@@ -6,14 +6,14 @@ use super::svg::{CURVE_COLOURS, append, escape_xml, head};
 /// The style of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SeriesStyle {
-    /// A line through the points, and a dot at each of them.
+    /// A line through the points, and a dot at each point.
     Line,
     /// A dashed line without dots.
     Dashed,
     /// Small dots without a line.
     Dots,
-    /// A step function, such as the best value so far. The value stays the same until the next
-    /// point.
+    /// A step function, for example for the best value so far. Between two points, the function
+    /// keeps the value of the first one.
     Steps,
     /// Rings around the points.
     Rings,
@@ -28,7 +28,7 @@ pub struct PlotSeries {
     pub style: SeriesStyle,
     /// The index of the colour.
     pub colour: usize,
-    /// The points: horizontal and vertical coordinate.
+    /// The points, as pairs of the horizontal and the vertical coordinate.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -41,7 +41,7 @@ pub struct LogLogPlot {
     pub across: String,
     /// The quantity and unit of the vertical axis.
     pub up: String,
-    /// The series. Later ones are drawn on top of earlier ones.
+    /// The series. A later series is drawn on top of an earlier series.
     pub series: Vec<PlotSeries>,
 }
 

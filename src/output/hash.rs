@@ -1,6 +1,7 @@
 //! The hash that identifies scenes, saved runs and study steps.
 
-/// A BLAKE3 hash. It is the same on every machine and in every version of the program.
+/// A BLAKE3 hash. The same data has the same hash on every machine and in every version of the
+/// program.
 #[derive(Debug, Clone, Default)]
 pub struct IdentityHash(blake3::Hasher);
 

@@ -5,11 +5,12 @@ use crate::sensor::{DisplayImage, Picture};
 /// The colour of a pixel whose error is unknown because no light reached it.
 pub const UNKNOWN_COLOUR: [u8; 3] = [0, 96, 128];
 
-/// The smallest relative error shown as white in the map.
+/// The map shows this relative error, and all larger ones, as white.
 pub const WHITE_ERROR: f64 = 0.5;
 
-/// Returns the colour of a fraction from 0 to 1. With an increasing fraction, the colours change
-/// from black through violet and orange to white. The brightness increases too. NaN is white.
+/// Returns the colour that represents a fraction from 0 to 1. With an increasing fraction, the
+/// colours change from black through violet and orange to white. The brightness increases too. NaN
+/// is white.
 pub fn heat(share: f64) -> [u8; 3] {
     const HEAT_COLOURS: [[f64; 3]; 4] =
         [[0.0, 0.0, 0.0], [90.0, 20.0, 130.0], [240.0, 120.0, 30.0], [255.0, 255.0, 255.0]];
@@ -47,7 +48,8 @@ mod tests {
         assert_eq!([0.0, 1.0, 7.0, f64::INFINITY, f64::NAN].map(brightness), [0, 765, 765, 765, 765]);
     }
 
-    /// Checks that an error map combines noise and bias, and shows unknown pixels.
+    /// Checks that an error map combines noise and bias, and that it shows which pixels have an
+    /// unknown error.
     #[test]
     fn an_error_map_combines_noise_and_bias() {
         let mut picture = Picture::black(4, 1);

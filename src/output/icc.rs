@@ -16,7 +16,8 @@ const MADE: [u8; 12] = [7, 228, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0];
 /// The position of the creation date in the header.
 const MADE_AT: std::ops::Range<usize> = 24..36;
 
-/// Returns the bytes of a version 4 matrix profile of a space. The bytes are the same in every run.
+/// Returns the bytes of the ICC profile of a colour space. It is a matrix profile of version 4. The
+/// bytes are the same in every run.
 ///
 /// # Errors
 /// Returns a machine error if the profile cannot be encoded.
@@ -56,8 +57,8 @@ fn title(space: RgbSpace) -> &'static str {
 }
 
 /// Returns the decoding curve. It maps a signal X to (aX + b)^g if X ≥ d, and to cX otherwise. The
-/// parameters are stored in the order g, a, b, c, d (ICC.1:2022, 10.18, type 3). A linear space has
-/// an empty table.
+/// parameters are stored in the order g, a, b, c, d (ICC.1:2022, 10.18, type 3). For a linear
+/// space, the curve is an empty table.
 fn curve(space: RgbSpace) -> ToneReprCurve {
     match space {
         RgbSpace::Srgb | RgbSpace::DisplayP3 => {

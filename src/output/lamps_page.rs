@@ -20,7 +20,7 @@ pub struct NamedLamp<'a> {
     pub name: &'a str,
     /// A description and the source of the data.
     pub origin: &'a str,
-    /// The spectrum of its light, on any scale.
+    /// The spectrum of the lamp's light. The scale of the spectrum does not matter.
     pub spectrum: &'a Spectrum,
 }
 
@@ -33,13 +33,13 @@ pub struct LampsPage<'a> {
     pub comparison: &'a LampComparison,
     /// The observer.
     pub observer: &'a Observer,
-    /// The primaries from which A is matched, or an empty list if A is not matched.
+    /// The primaries that are mixed to match A, or an empty list if A is not matched.
     pub primaries: Vec<NamedLamp<'a>>,
     /// A warning at the top of the page.
     pub warning: Option<&'a str>,
 }
 
-/// The number of split pairs on the page.
+/// The largest number of surface pairs that the page shows.
 pub const SHOWN_PAIRS: usize = 12;
 
 /// The maximum number of characters of a name in the title of a plot.
@@ -222,7 +222,8 @@ fn table(comparison: &LampComparison) -> Markup {
     }
 }
 
-/// Formats a number with one decimal and a true minus sign. Zero has no sign.
+/// Formats a number with one decimal. A negative number has the minus sign (−) instead of a hyphen.
+/// Zero has no sign.
 fn signed(value: f64) -> String {
     let text = format!("{value:.1}");
     if text == "-0.0" { "0.0".to_string() } else { text.replace('-', "−") }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// Named texts in the header of an EXR, in their order. Values are ASCII. Structured values are
+/// An ordered list of named texts in the header of an EXR. Values are ASCII. Structured values are
 /// JSON.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Metadata {
@@ -67,8 +67,8 @@ impl Metadata {
     }
 }
 
-/// Escapes all characters of a JSON text beyond ASCII as `\u`. Such characters occur only inside
-/// JSON strings.
+/// Replaces every character of a JSON text that is not ASCII with an escape sequence that begins
+/// with `\u`. Such characters occur only inside JSON strings.
 pub fn escape_non_ascii(json: &str) -> String {
     let mut ascii = String::with_capacity(json.len());
     for character in json.chars() {

@@ -1,10 +1,11 @@
-//! HTML pages in light or dark mode, as the reader prefers. A page needs no other file.
+//! HTML pages. A page uses light or dark mode, depending on the preference of the reader. A page
+//! needs no other file.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const COMMON_STYLE: &str = include_str!("page.css");
 
-/// Returns the page with this body. `style` is appended to the common style sheet.
+/// Returns an HTML page that contains `body`. `style` is appended to the common style sheet.
 pub fn document(title: &str, style: &str, body: &Markup) -> String {
     let page = html! {
         (DOCTYPE)

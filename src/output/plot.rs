@@ -22,7 +22,7 @@ pub struct SpectralPlot {
     pub title: String,
     /// Quantity and unit of the values.
     pub values: String,
-    /// The curves. If the axis begins at 0, the area under the first curve is coloured.
+    /// The curves. If the vertical axis begins at 0, the area under the first curve is coloured.
     pub curves: Vec<SpectralCurve>,
     /// Spectral lines, as pairs of the wavelength in nm and the height of the stroke. The height is
     /// a fraction of the height of the plot.

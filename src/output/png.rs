@@ -7,11 +7,12 @@
 //! | Rec. 2020 | 16 | `iCCP`, `gAMA`, `cHRM` |
 //! | ACEScg | 16 | `iCCP`, `gAMA`, `cHRM` (linear) |
 //!
-//! Of the chunks in a row of the table, a reader uses the first one that it supports (PNG, third
-//! edition, 4.3). The chunk `cICP` contains code points. For Rec. 2020, no code points are written.
-//! Browsers assume a display gamma of 2.4 for the code points of Rec. 2020, so the picture would
-//! become too dark. The profile of Rec. 2020 contains the standard's own curve. No code points
-//! exist for the primaries of ACEScg.
+//! Each row of the table lists the chunks in order of priority. A reader uses the first chunk that
+//! it supports (PNG, third edition, 4.3). The chunk `cICP` contains code points. For Rec. 2020, no
+//! code points are written. Browsers assume a display gamma of 2.4 for the code points of Rec.
+//! 2020, so a picture with these code points would be too dark. The ICC profile of Rec. 2020
+//! contains the curve that the standard itself defines. No code points exist for the primaries of
+//! ACEScg.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -82,8 +83,8 @@ fn header(screen: &DisplayImage) -> Result<Info<'static>> {
 /// The type of the chunk with the code points (PNG, third edition, 11.3.2.6).
 const CODE_POINTS: ChunkType = ChunkType(*b"cICP");
 
-/// Returns the code points of ITU-T H.273: primaries, transfer function, matrix (0: RGB) and full
-/// range (1).
+/// Returns the four code points of ITU-T H.273. They identify the primaries, the transfer function,
+/// the matrix (0 means RGB) and the range (1 means full range).
 fn code_points(space: RgbSpace) -> Option<[u8; 4]> {
     match space {
         RgbSpace::Srgb => Some([1, 13, 0, 1]),

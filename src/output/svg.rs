@@ -11,8 +11,8 @@ pub(super) fn append(text: &mut String, arguments: std::fmt::Arguments<'_>) {
     text.write_fmt(arguments).expect("writing to a string cannot fail");
 }
 
-/// Returns the start of a document: the opening tag with the classes, the size and the font size,
-/// and the background.
+/// Returns the start of a document: the opening tag and the background. The opening tag contains
+/// the classes, the size and the font size.
 pub(super) fn head(classes: &str, (width, height): (f64, f64), font_size: f64) -> String {
     format!(
         "<svg class=\"{classes}\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \

@@ -16,14 +16,16 @@ const PATHS_PER_LIGHT: u64 = 16 * (CELLS * CELLS) as u64;
 /// The number of paths per round grows with the number of lights, up to this many lights.
 const MAX_LIGHTS: u64 = 4;
 
-/// The number of rounds. Each round emits photons by the distributions of the previous round.
+/// The number of rounds. Each round except the first emits photons according to the distributions
+/// that the preceding round learned.
 const ROUNDS: u64 = 2;
 
 /// The pass number of the first round's random streams. This number is larger than the pass numbers
 /// of the pilot's other photons, which begin at 0. The streams therefore differ.
 const FIRST_STREAM_PASS: u64 = 100;
 
-/// The number of photon paths in one parallel task. The number fixes the order of the additions.
+/// The number of photon paths in one parallel task. This number fixes the order in which the
+/// results of the paths are added.
 const PATHS_PER_TASK: u64 = 4096;
 
 /// Learns the emission distribution of each light from photons traced in the scene at several
@@ -103,7 +105,7 @@ impl<'a> ImportanceGrid<'a> {
     /// root-mean-square score. The scores are smoothed over neighbouring cells, so that a small
     /// feature is not missed.
     fn aim(&self, light: usize) -> Aim {
-        /// A distribution is used only if the ratio of the highest to the mean score is at least
+        /// A distribution is used only if the highest score is larger than the mean score times
         /// this value.
         const MIN_CONTRAST: f64 = 1.5;
         let base = light * CELLS * CELLS;

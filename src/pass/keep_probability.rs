@@ -1,11 +1,11 @@
 //! The probabilities of storing photons in media.
 //!
-//! A few photons near each camera ray are enough. More photons would make every pass slower.
-//! Additional passes reduce the noise more in the same time.
+//! A few photons near each camera ray are enough. More photons would make every pass slower. If the
+//! same time is spent on additional passes, the noise decreases more.
 
 use crate::plan::partition::PerClass;
 
-/// The probabilities that media store the photons of one class.
+/// The probabilities with which media store the photons of one class.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct KeepProbability {
     /// The probability that a scattering event is stored.

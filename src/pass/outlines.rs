@@ -14,7 +14,7 @@ use rayon::prelude::*;
 /// Returns the outlines around visible points. A visible point has an outline if its kernel for
 /// indirect light may extend over an edge of the surface.
 ///
-/// `visible` and `radii` hold one entry per pixel. `swept` holds the bounding boxes of moving
+/// `visible` and `radii` contain one entry per pixel. `swept` contains the bounding boxes of moving
 /// objects. A point near such a box gets no outline, because the edges near this point may move.
 pub(super) fn outlines(
     context: &PassContext<'_>,

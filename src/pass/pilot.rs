@@ -120,7 +120,8 @@ fn divided(photons: u64, readers: PerSet<u64>) -> PerSet<u64> {
     PerSet { free: (photons - shared.min(photons)).max(1), shared }
 }
 
-/// Replaces each unknown radius by the median of the corresponding known radii of all pixels.
+/// Replaces the unknown radii. An unknown radius becomes the median of the radii that have the same
+/// kind and are known in other pixels.
 fn with_medians(radii: &[PixelRadii<Option<f32>>]) -> Vec<PixelRadii> {
     let mut known: [Vec<f32>; 8] = Default::default();
     for radii in radii {

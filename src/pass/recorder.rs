@@ -115,13 +115,13 @@ impl PhotonVisitor for PhotonRecorder<'_> {
     }
 }
 
-/// Returns the power of a photon that is stored in a medium. `probability` is the probability of
-/// storing it.
+/// Returns the power of a photon that is stored in a medium. `probability` is the probability that
+/// the medium stores this photon.
 fn kept_power(photon: &PhotonState, probability: f64) -> PhotonPower {
     PhotonPower::new(&photon.wavelengths, photon.power.map(|power| power / probability), photon.lane)
 }
 
-/// Returns the photon to store in the map for an arrival at a surface.
+/// Converts the arrival of a photon at a surface to the photon that the map stores.
 fn surface_photon(arrival: &SurfaceArrival<'_>) -> Photon {
     let hit = &arrival.interaction.hit;
     let to_light = arrival.to_light();

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use std::num::NonZero;
 use std::ops::Range;
 
-/// The largest first kernel radius on surfaces, in pixels.
+/// The upper limit of the first kernel radius on surfaces, in pixels.
 ///
 /// Caustics have sharp edges. Near a caustic, a wide kernel would spread the light of the caustic
 /// into the dark region for many passes. For indirect light, a narrow kernel is noisier, but this
@@ -139,7 +139,7 @@ impl PixelSurvey {
         survey
     }
 
-    /// Appends the measurements of other pixels.
+    /// Appends the measurements that `other` contains for a different set of pixels.
     fn append(&mut self, other: Self) {
         self.radii.extend(other.radii);
         self.visible.extend(other.visible);

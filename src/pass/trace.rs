@@ -30,8 +30,8 @@ pub(super) struct TracedPhotons {
 /// Traces all photons of a source on the current thread pool. The result does not depend on the
 /// number of threads.
 ///
-/// `keep` holds the probabilities of storing photons in media. `splat_sink` creates an empty sink
-/// for connections to the camera.
+/// `keep` contains the probabilities of storing photons in media. `splat_sink` creates an empty
+/// sink for connections to the camera.
 pub(super) fn trace_photons(
     source: &PhotonSource<'_>,
     plan: &Plan,

@@ -12,17 +12,18 @@ use crate::scene::medium::Medium;
 use crate::spectrum::REFERENCE_NM;
 
 /// The desired number of photons of one class within the first radius around a camera ray. This
-/// number is smaller than on surfaces, because a ray collects photons along its whole length.
+/// number is smaller than the number for a surface point, because a ray collects photons along its
+/// whole length.
 const PHOTONS_PER_RAY: f64 = 10.0;
 
-/// The smallest first kernel radius in media, in pixels.
+/// The lower limit of the first kernel radius in media, in pixels.
 const MIN_VOLUME_RADIUS_PX: f64 = 0.7;
 
-/// The largest first kernel radius in media, in pixels. The limit for caustics is smaller because
-/// caustics have sharp edges.
+/// The upper limit of the first kernel radius in media, in pixels. The limit for caustics is
+/// smaller because caustics have sharp edges.
 const MAX_VOLUME_RADIUS_PX: PerClass<f64> = PerClass { caustic: 4.0, indirect: 24.0 };
 
-/// The largest first kernel radius for photon points, in mean free paths.
+/// The upper limit of the first kernel radius for photon points, in mean free paths.
 ///
 /// Most light that leaves a dense medium comes from points near its boundary. A kernel near the
 /// boundary finds no photons outside the medium, so the estimate loses light in proportion to the
@@ -35,11 +36,11 @@ const PILOT_POINTS: usize = 10_000;
 /// The largest number of photon beams of one class in the maps of the pilot.
 const PILOT_BEAMS: usize = 2_000;
 
-/// The limit for the photon points of one class that a set stores in a pass. A photon in a dense
-/// medium leaves hundreds of points. Most of these points add little information.
+/// The largest number of photon points of one class that a photon set stores in a pass. A photon in
+/// a dense medium leaves hundreds of points. Most of these points add little information.
 const MAX_POINTS: f64 = 50_000.0;
 
-/// The limit for the photon beams of one class that a set stores in a pass.
+/// The largest number of photon beams of one class that a photon set stores in a pass.
 const MAX_BEAMS: f64 = 15_000.0;
 
 /// The pilot's first kernel widths in media.
@@ -51,8 +52,9 @@ pub(super) struct VolumeKernelWidths {
     radius_m: Option<f64>,
 }
 
-/// The photons of one set and class within the largest first radius around a camera ray. The counts
-/// are scaled as if the media stored all photons.
+/// The photons of one set and class near a camera ray. A photon is near if its distance from the
+/// ray is within the upper limit of the first radius. The counts are scaled as if the media stored
+/// all photons.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct NearbyPhotons {
     /// The weighted number of points. The weight of a point is the transmittance of the medium
@@ -60,13 +62,13 @@ struct NearbyPhotons {
     points: f64,
     /// The number of beams.
     beams: f64,
-    /// An optical depth: the weighted mean of one value per point. The value of a point is the
-    /// optical depth over a length that spans one radian, as seen from the camera.
+    /// The mean optical depth around the points, with the same weights as `points`. It is measured
+    /// at each point, along a length that appears one radian wide from the camera.
     free_paths: f64,
 }
 
-/// The photons near the camera rays of a pixel, per set. A set is `None` if no camera path of the
-/// pixel crosses a medium with the wavelengths of the set.
+/// The photons near the camera rays of a pixel, per set. The entry of a set is `None` if no camera
+/// path that carries the set's wavelengths crosses a medium.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct PixelVolumeCounts(PerSet<Option<PerClass<NearbyPhotons>>>);
 
@@ -86,27 +88,27 @@ pub(super) struct DepositCounts {
 }
 
 impl VolumeKernelWidths {
-    /// Returns the widths for the camera and budget of a render.
+    /// Returns the first kernel widths for a render. They depend on its camera and its budget.
     pub(super) fn of(context: &PassContext<'_>) -> Self {
         Self { pixel_angle: context.scene.camera.pixel_angle(), radius_m: context.budget.radius_m }
     }
 
-    /// Returns the largest first width of a class. If the scene fixes the radius, returns this
-    /// radius.
+    /// Returns the upper limit of the first kernel width for a class. If the scene fixes the
+    /// radius, returns this radius.
     fn largest(&self, class: PhotonClass) -> KernelWidth {
         let per_distance = || KernelWidth::PerDistance(MAX_VOLUME_RADIUS_PX[class] * self.pixel_angle);
         self.radius_m.map_or_else(per_distance, KernelWidth::Stated)
     }
 
-    /// Returns the ratio of the largest to the smallest first width of caustics.
+    /// Returns the upper limit of the first kernel width of caustics, divided by its lower limit.
     fn caustic_ratio(&self) -> f64 {
         if self.radius_m.is_some() { 1.0 } else { MAX_VOLUME_RADIUS_PX.caustic / MIN_VOLUME_RADIUS_PX }
     }
 }
 
 impl PixelVolumeCounts {
-    /// Counts the photons near the camera segments of a pixel. Returns the largest counts of all
-    /// segments.
+    /// Counts the photons near the camera segments of a pixel. The result contains the largest of
+    /// each count over all segments.
     pub(super) fn along(
         camera_segments: &[CameraSegment],
         media: &[Medium],
@@ -134,8 +136,8 @@ impl PixelVolumeCounts {
         }))
     }
 
-    /// Sets the pixel's first radii in media. `keep` holds the probabilities of storing photons in
-    /// a pass.
+    /// Sets the pixel's first radii in media. `keep` contains the probabilities of storing photons
+    /// in a pass.
     pub(super) fn set_radii(
         &self,
         radii: &mut PixelRadii<Option<f32>>,
@@ -193,7 +195,7 @@ impl NearbyPhotons {
     }
 
     /// Returns the ratio of the first radius to the distance from the camera. The ratio is at most
-    /// `largest`. `keep` holds the probabilities of storing photons in a pass.
+    /// `largest`. `keep` contains the probabilities of storing photons in a pass.
     fn first_radius(&self, keep: KeepProbability, largest: f64) -> f64 {
         let within =
             |found: f64, dimensions: f64| (PHOTONS_PER_RAY / found.max(PHOTONS_PER_RAY)).powf(1.0 / dimensions);
@@ -218,7 +220,8 @@ impl DepositCounts {
     }
 }
 
-/// Keeps at most `most` items, evenly spaced. Returns the share of the items that remain.
+/// Reduces a list to at most `most` items. These items are evenly spaced in the list. Returns the
+/// share of the items that remain.
 fn thin_out<T: Copy>(items: &mut Vec<T>, most: usize) -> f64 {
     let step = items.len().div_ceil(most).max(1);
     *items = items.iter().copied().step_by(step).collect();
@@ -239,8 +242,8 @@ pub(super) fn thin_out_for_pilot(deposits: &mut PhotonDeposits) -> PerClass<Keep
 ///
 /// For each set and class, the number of points and the number of beams are limited. A second limit
 /// applies to beams. Among the camera rays with beams around them, the mean number of beams per ray
-/// is at most [`PHOTONS_PER_RAY`]. For caustics, the beams are counted within the smallest first
-/// radius. For indirect light, which is smooth, they are counted within the largest first radius.
+/// is at most [`PHOTONS_PER_RAY`]. For caustics, the beams are counted within the lower limit of
+/// the first radius. For indirect light, which is smooth, they are counted within the upper limit.
 /// If the scene fixes the radius, all beams are counted within that radius.
 pub(super) fn keep_probabilities(
     pixels: &[PixelVolumeCounts],

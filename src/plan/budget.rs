@@ -24,8 +24,9 @@ pub const DEFAULT_LIGHT_MAP_CELLS: u32 = 32;
 /// Bytes per light map node for its visibility flag.
 const LIGHT_MAP_NODE_BYTES: u64 = 1;
 
-/// Bytes for the mean density of one absorbing medium at one light map node. The map needs this
-/// memory twice while it removes the media that are on no path from the light to a node.
+/// Bytes for the mean density of one absorbing medium at one light map node. One step removes the
+/// media that no path from the light to a node crosses. During this step, the map needs the memory
+/// twice.
 const LIGHT_MAP_MEDIUM_BYTES: u64 = 2 * 4;
 
 /// Bytes per stored photon: its data and its position. The map needs this memory twice during the
@@ -63,9 +64,9 @@ pub struct Budget {
     pub motion_px: f64,
 }
 
-/// Returns the smallest number of passes that shows no separate images of a moving object. The
-/// object moves over `motion_px` pixels. The number is two passes per pixel, rounded up to a
-/// multiple of the replicates.
+/// Returns the smallest number of passes with which a moving object does not appear as separate
+/// images. The object moves over `motion_px` pixels. The number is two passes per pixel, rounded up
+/// to a multiple of the replicates.
 fn passes_without_strobing(motion_px: f64) -> u64 {
     ((2.0 * motion_px).ceil() as u64).next_multiple_of(REPLICATES as u64)
 }
@@ -79,8 +80,8 @@ fn photons_per_pass(passes: u64) -> u64 {
     (DEFAULT_PHOTONS * DEFAULT_PASSES / passes).max(MIN_PHOTONS)
 }
 
-/// Returns an upper bound in bytes for the memory of the light maps in any pass. The bound assumes
-/// that each medium's box is a cube.
+/// Returns an upper bound for the memory in bytes that the light maps need in any pass. The bound
+/// assumes that each medium's box is a cube.
 fn light_map_bytes(scene: &Scene, cells: u32, passes: u64) -> u64 {
     let lights = scene.lights.iter().filter(|light| light.has_virtual_lights()).count() as u64;
     let scattering = scene.media.iter().filter(|medium| medium.scatters()).count() as u64;
@@ -143,8 +144,8 @@ impl Budget {
 
     /// Returns the number of light map cells in a pass, along the longest side of a medium's box.
     ///
-    /// The cells shrink as pass^(−1/6), like the kernel radii on surfaces. The cells shrink in
-    /// steps, at each doubling of the number of passes. Therefore, in a still scene, most passes
+    /// The cells shrink as pass^(−1/6), like the kernel radii on surfaces. The size of the cells
+    /// changes only when the number of passes has doubled. Therefore, in a still scene, most passes
     /// reuse the maps of earlier passes.
     pub fn light_map_cells(&self, pass: u64) -> u32 {
         cells_in_pass(self.light_map_cells, pass)

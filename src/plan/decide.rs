@@ -10,14 +10,15 @@ use crate::scene::facts::Facts;
 /// Whether an effect is simulated, and why.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EffectState {
-    /// Simulated: the scene calls for the effect.
+    /// The effect is simulated, because the scene needs it.
     On,
-    /// Not simulated: no part of the scene calls for the effect, or the effect is negligible.
-    Off,
-    /// Simulated on request. No part of the scene calls for the effect, or the effect is
+    /// The effect is not simulated, because no part of the scene needs it or because it is
     /// negligible.
+    Off,
+    /// The effect is simulated only because the user requests it. No part of the scene needs the
+    /// effect, or the effect is negligible.
     Forced,
-    /// Not simulated, by request. The scene calls for the effect.
+    /// The effect is not simulated, because the user forbids it. The scene needs the effect.
     Forbidden,
 }
 
@@ -51,7 +52,7 @@ pub struct EffectRow {
 
 /// Decides all effects in the order of [`EFFECTS`]. Returns the plan and one row per effect.
 ///
-/// A negligible effect is on only if it is forced. `force` and `forbid` hold names of effects.
+/// A negligible effect is on only if it is forced. `force` and `forbid` contain names of effects.
 ///
 /// # Errors
 /// Returns an input error if a name is not an effect, or is both forced and forbidden.

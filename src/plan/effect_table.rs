@@ -1,5 +1,6 @@
-//! The table of effects. Each entry holds the facts that call for the effect, the plan field that
-//! switches the effect, the event counter, the way of removal, and the texts of `abbe explain`.
+//! The table of effects. Each entry contains the facts that make the effect necessary, the plan
+//! field that switches the effect on or off, the event counter, the method of removal, and the
+//! texts of `abbe explain`.
 
 use super::effects::{Effect, EffectId, Removal};
 use super::fields::{

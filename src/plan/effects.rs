@@ -1,4 +1,4 @@
-//! The effects that a scene may call for, and the properties that describe each.
+//! The effects that a scene may need, and the properties of each effect.
 
 use super::fields::Plan;
 use super::tally::Tally;
@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::scene::Scene;
 use crate::scene::facts::Facts;
 
-/// An effect that a scene may call for.
+/// An effect that a scene may need.
 ///
 /// The order of the variants is the order in which effects are decided and reported. A setter may
 /// read or refine values written by the setters of earlier effects. For example, `Absorption`
@@ -64,12 +64,12 @@ pub struct Effect {
     pub absent: &'static str,
     /// Returns the number of events of the effect.
     pub events: fn(&Tally, &Plan) -> u64,
-    /// A plural noun for the parts of the scene that call for the effect.
+    /// A plural noun for the parts of the scene that need the effect.
     pub(super) called_by: &'static str,
-    /// The reason in reports, if no part of the scene calls for the effect.
+    /// Reports show this reason if the effect is off because no part of the scene needs it.
     pub(super) uncalled: &'static str,
     /// Reads the facts of a scene. Returns the names of the objects, lights, media or settings that
-    /// call for the effect.
+    /// need the effect.
     pub(super) calls: fn(&Facts) -> Vec<String>,
     /// Switches the effect on or off in a plan.
     pub(super) set: fn(&mut Plan, &Facts, bool),

@@ -3,8 +3,8 @@
 /// The choices that fix how a scene is simulated.
 ///
 /// [`EFFECTS`](super::EFFECTS) lists the effects. Each entry names three things: the fact that
-/// calls for the effect; the switch of the effect (a field of this struct, or a part of the scene);
-/// and the consequence if the effect is off.
+/// makes the effect necessary; the switch of the effect (a field of this struct, or a part of the
+/// scene); and the consequence if the effect is off.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Plan {
     /// The sharing of wavelengths between photons and camera paths.
@@ -69,7 +69,7 @@ pub enum CausticPlan {
 pub enum IndirectPlan {
     /// This light is not computed.
     Absent,
-    /// By density estimation in a photon map.
+    /// Density estimation in a photon map computes this light.
     Photons,
 }
 
@@ -78,9 +78,10 @@ pub enum IndirectPlan {
 pub enum DirectPlan {
     /// This light is not computed.
     Absent,
-    /// By shadow rays alone: no scattered ray can hit a light.
+    /// Shadow rays alone compute this light, because no scattered ray can hit a light source.
     ShadowRays,
-    /// By shadow rays and scattered rays, combined by multiple importance sampling.
+    /// Both shadow rays and scattered rays compute this light. Multiple importance sampling
+    /// combines them.
     ShadowAndScatteredRays,
 }
 
@@ -149,9 +150,10 @@ pub enum MediumPlan {
 /// The method of computing the direct light that a medium scatters into a camera ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VolumeDirectLighting {
-    /// By a shadow ray that starts at a sampled distance along the camera ray.
+    /// A shadow ray computes this light. It starts at a sampled distance along the camera ray.
     ShadowRays,
-    /// By lookups in light maps. A light that has no map gets a shadow ray.
+    /// Lookups in light maps compute this light. Lights that have no map are sampled by shadow
+    /// rays.
     LightMaps,
 }
 

@@ -1,4 +1,4 @@
-//! The plan of a render: which effects a scene calls for, and how each is computed.
+//! The plan of a render: which effects the scene needs, and how each effect is computed.
 //!
 //! [`prepare()`] turns the facts of a scene into a [`Plan`]. [`EFFECTS`] is the table of effects,
 //! [`partition`] assigns each class of light paths to an estimator, and [`budget`] sets the number

@@ -1,8 +1,8 @@
-//! Finds negligible effects. The scene calls for such an effect, but the effect cannot be seen in
+//! Finds negligible effects. A negligible effect is present in the scene, but it cannot be seen in
 //! the picture.
 //!
-//! There are two cases. In the first case, no light reaches the object that calls for the effect.
-//! In the second case, a bound shows that the effect changes the picture by less than a given
+//! There are two cases. In the first case, no light reaches the object that causes the effect. In
+//! the second case, a bound shows that the effect changes the picture by less than a given
 //! tolerance. Such an effect is removed before planning, unless the user forces the effect.
 
 use super::effect_table::EFFECTS;
@@ -29,7 +29,7 @@ pub(super) struct NegligibleEffect {
 /// incidence up to 80°.
 const MAX_SEPARATION_PX: f64 = 0.01;
 
-/// The tangent of 80°, the largest angle of incidence in that bound.
+/// The tangent of 80°. The bound for dispersion covers angles of incidence up to 80°.
 ///
 /// If the index n of a medium denser than air changes by dn, the refracted ray turns by an angle
 /// dθ. This angle is tan θ dn/n, which is at most tan 80° × dn.
@@ -39,7 +39,7 @@ const TAN_MAX_INCIDENCE: f64 = 5.671;
 const MAX_BLUR_PX: f64 = 0.5;
 
 /// The largest optical depth that may be ignored on a straight path through media. Such a path
-/// loses at most 0.001 % of its light, which is a thousandth of an error of 1 %.
+/// loses at most 0.001 % of its light. This loss is 1000 times smaller than an error of 1 %.
 const MAX_OPTICAL_DEPTH: f64 = 1e-5;
 
 /// Returns the centre of the wavelength range of the scene's lights, in nm.
@@ -68,8 +68,8 @@ pub(super) fn negligible(scene: &Scene) -> Vec<NegligibleEffect> {
     all
 }
 
-/// Returns the effects of objects inside closed opaque bodies, if no other object calls for the
-/// same effects. No light reaches objects inside such bodies.
+/// Returns the effects that are caused only by objects inside closed opaque bodies. No light
+/// reaches objects inside such bodies.
 fn unreachable(scene: &Scene, facts: &Facts) -> Vec<NegligibleEffect> {
     let enclosures = scene.enclosures();
     if enclosures.is_empty() {

@@ -17,8 +17,8 @@ use std::ops::{Index, IndexMut};
 pub enum LightPath {
     /// No event: the light comes straight from its source.
     Direct,
-    /// One or more specular reflections or refractions, and nothing else: L S+ in Heckbert's
-    /// notation.
+    /// One or more specular reflections or refractions, and nothing else. Heckbert's notation for
+    /// these paths is L S+.
     Caustic,
     /// At least one scattering event at a rough or diffuse surface or in a medium.
     Indirect,

@@ -1,4 +1,4 @@
-//! Event counters for the planned effects. Effects outside the plan count zero events.
+//! Event counters for the planned effects. If an effect is not in the plan, its counter stays 0.
 
 use serde::{Deserialize, Serialize};
 
@@ -44,7 +44,7 @@ pub struct Tally {
     pub light_map_looks: u64,
     /// Photons emitted with a learned aim.
     pub aimed: u64,
-    /// Passes rendered at their own shutter time.
+    /// Passes for which the scene was posed at a sampled shutter time.
     pub moments: u64,
     /// Discarded contributions: NaN, infinite or negative values. The number is 0 unless the
     /// program has an error.

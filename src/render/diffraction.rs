@@ -15,7 +15,7 @@ const WAVELENGTHS: u32 = 1024;
 #[serde(deny_unknown_fields)]
 pub struct DiffractionSetup {
     blades: Option<Blades>,
-    /// λN in pixels per nm of wavelength λ, where N is the f-number.
+    /// The diffraction length λN in pixels, divided by the wavelength λ in nm. N is the f-number.
     spread_px_per_nm: f64,
     /// Wavelengths in nm that represent equal shares of the lights' visible power.
     light_nm: Vec<f64>,

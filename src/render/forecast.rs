@@ -7,11 +7,11 @@
 //!   Zwicker 2011).
 //! - The squared bias of kernel estimates falls as n^(−2/3) in smooth illumination. Near an edge,
 //!   only the width of the blurred strip shrinks, and the squared bias falls as n^(−1/6). Pictures
-//!   contain both, and n^(−1/2) fits them.
+//!   contain both smooth illumination and edges, and n^(−1/2) fits their squared bias.
 //! - The variance of all other samples falls as 1/n if the samples are independent (for example,
-//!   photons connected to the camera). It falls as fast as 1/n² if the samples are stratified (for
-//!   example, at the outline of a light within a pixel). The error history of the picture decides
-//!   between the two rates.
+//!   photons connected to the camera). If the samples are stratified, their variance falls as fast
+//!   as 1/n² (for example, in a pixel that contains the outline of a light). The error history of
+//!   the picture decides between the two rates.
 //!
 //! Samples are stratified within a replicate, and the passes go to the eight replicates in turn.
 //! The ninth pass is the second pass of a replicate. The ninth pass therefore gives the first
@@ -26,10 +26,10 @@ use serde::{Deserialize, Serialize};
 /// the replicate).
 const PRIOR_SLOPE: f64 = 1.36;
 
-/// The weight of the prior in the fit. The weight of the history is the sum of the squared
-/// deviations of ln(passes of a replicate) from their mean. From 8 to 10 passes, the history has
-/// the weight 0.015. After two doublings, its weight is about 2. For a small film, the slope from 8
-/// to 10 passes is accurate only to ±0.3.
+/// The weight of the prior in the fit. Let x be the logarithm of the number of passes of a
+/// replicate. The weight of the history is the sum of (x − mean of x)² over its points. For a
+/// history from 8 to 10 passes, this weight is 0.015. After two doublings, its weight is about 2.
+/// For a small film, the slope from 8 to 10 passes is accurate only to ±0.3.
 const PRIOR_WEIGHT: f64 = 0.03;
 
 /// The fit ignores the errors of the first passes. This constant is the ignored share of all
@@ -150,8 +150,8 @@ fn ln_strata(passes: f64) -> f64 {
 }
 
 impl Forecast {
-    /// Returns the forecast of a run if only the last error is known. The slope of the forecast is
-    /// the prior.
+    /// Returns the forecast of a run if only the last error is known. The forecast then uses the
+    /// slope of the prior.
     pub fn without_history(squares: ErrorSquares, times: RunTimes) -> Option<Self> {
         let mut history = ErrorHistory::default();
         history.add(times.passes, squares);
@@ -190,8 +190,8 @@ impl Forecast {
         Some(ErrorMilestone { error, passes: high, seconds: self.seconds_before + high * self.seconds_per_pass })
     }
 
-    /// Returns the milestones of the next two round errors (50, 20, 10, 5, 2, 1, 0.5 … %) below the
-    /// present one.
+    /// Returns two milestones. They belong to the two largest round errors (50, 20, 10, 5, 2, 1,
+    /// 0.5 … %) that are below the present error.
     pub fn milestones(&self) -> impl Iterator<Item = ErrorMilestone> {
         let errors = (self.error > 0.0).then(|| round_errors_below(self.error));
         errors.into_iter().flatten().filter_map(|error| self.milestone(error))

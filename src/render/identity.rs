@@ -43,7 +43,7 @@ impl RenderIdentity {
         ([width as usize, height as usize], self.spectral_bands as usize)
     }
 
-    /// Finds the first difference from the expected identity. Returns the value here and the
+    /// Finds the first difference from the expected identity. Returns the actual value and the
     /// expected value as text.
     fn difference(&self, expected: &Self) -> Option<(String, String)> {
         let Self { integrator, seed, photons, size, spectral_bands, effects, scene_hash } = self;

@@ -1,4 +1,5 @@
-//! Merges the parts of a picture. The result equals a single run of all their passes.
+//! Merges the parts of a picture. The result equals the picture of a single run with the passes of
+//! all parts.
 
 use super::identity::RenderIdentity;
 use super::part::PassPart;

@@ -1,9 +1,9 @@
 //! The render session: the loop over passes, stop rules, progress, statistics, checkpoints and
 //! parts.
 //!
-//! A [`Job`] is a planned scene. [`Job::render`] runs the pilot and then passes until a stop rule
-//! holds. A [`Run`] contains the sums of the passes so far. A run can be saved, continued, and
-//! merged with the runs of other passes.
+//! A [`Job`] is a planned scene. [`Job::render`] runs the pilot, and then renders passes until a
+//! stop rule is satisfied. A [`Run`] contains the sums of the passes so far. A run can be saved,
+//! continued, and merged with the runs of other passes.
 
 mod diffraction;
 mod forecast;

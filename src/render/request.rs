@@ -24,8 +24,8 @@ impl Integrator {
     }
 }
 
-/// The rules that stop a render. The render stops as soon as one of them holds. Without any rule,
-/// the budget sets the number of passes.
+/// The rules that stop a render. The render stops as soon as one rule is satisfied. Without any
+/// rule, the budget sets the number of passes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StopRules {
     /// Stop after this many passes.

@@ -43,7 +43,8 @@ impl DisplaySettings {
         Self { development, exposure: film.exposure }
     }
 
-    /// Returns the same exposure, white balance and gamut mapping for another colour space.
+    /// Returns the settings for another colour space. The exposure, the white balance and the gamut
+    /// mapping do not change.
     #[must_use]
     pub fn in_space(self, space: RgbSpace) -> Self {
         Self { development: Development { space, ..self.development }, ..self }

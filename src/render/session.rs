@@ -23,14 +23,14 @@ pub struct Rendered {
     pub ledger: Ledger,
     /// The statistics of the render.
     pub stats: Stats,
-    /// True if the monitor ended the render before a stop rule held.
+    /// True if the monitor ended the render before a stop rule was satisfied.
     pub interrupted: bool,
     /// The sums of all passes, from which the render can continue.
     pub run: Run,
 }
 
 impl Job {
-    /// Renders all passes on the current thread pool until a stop rule holds.
+    /// Renders passes on the current thread pool until a stop rule is satisfied.
     ///
     /// # Errors
     /// See [`Self::continue_run`].
@@ -38,7 +38,7 @@ impl Job {
         self.continue_run(request, Run::new(self, PassPart::WHOLE), monitor)
     }
 
-    /// Continues a run until a stop rule holds. The run is either new or a saved run.
+    /// Continues a run until a stop rule is satisfied. The run is either new or a saved run.
     ///
     /// The stop rules count from the beginning of the run. A resumed run stops at the same pass as
     /// an uninterrupted run.

@@ -54,8 +54,8 @@ pub struct ErrorStats {
 pub struct ForecastStats {
     /// The relative error after four times the time of the run.
     pub error_after_four_times: f64,
-    /// The next two round errors below the present error, with the passes and the time after which
-    /// the render reaches them.
+    /// The two largest round errors below the present error. Each entry contains the error, and the
+    /// number of passes and the time after which the render reaches this error.
     pub milestones: Vec<ErrorMilestone>,
 }
 
@@ -82,7 +82,7 @@ pub struct Stats {
     pub photons_stored: u64,
     /// The wall-clock time of each stage in s.
     pub seconds: StageSeconds,
-    /// The number of photon paths per second of the emission stage.
+    /// The number of photon paths, divided by the duration of the emission stage in s.
     pub photons_per_second: f64,
     /// The largest resident memory of the process so far, or 0 if the system does not report it.
     pub peak_memory_bytes: u64,
@@ -181,7 +181,7 @@ fn total_seconds(all: impl Iterator<Item = StageSeconds>) -> StageSeconds {
 }
 
 impl LedgerStats {
-    /// Returns the mean over the passes of all runs.
+    /// Returns the mean energy balance over the passes of all runs.
     fn mean(runs: &[&Stats]) -> Self {
         let passes: u64 = runs.iter().map(|run| run.passes).sum();
         let mean = |of: &dyn Fn(&Self) -> f64| {

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 #[derive(Debug)]
 pub(super) struct RunClock {
     start: Instant,
-    /// The time (s) that the run took before the present start.
+    /// The time in s that the run took before this process started or continued it.
     before_s: f64,
 }
 
@@ -67,7 +67,8 @@ impl StopConditions {
         Ok(())
     }
 
-    /// Returns true if a stop rule holds after a pass. Measures the error if a measurement is due.
+    /// Returns true if a stop rule is satisfied after a pass. Measures the error if a measurement
+    /// is due.
     pub(super) fn hold(&mut self, run: &Run) -> bool {
         let elapsed = elapsed(run);
         let target = self.rules.target_error.filter(|_| ErrorTracker::decides_after(run.done));
@@ -105,9 +106,9 @@ fn elapsed(run: &Run) -> Duration {
 
 /// Measures the error of the picture from time to time.
 ///
-/// A measurement takes time, because it develops the picture. The tracker limits the share of the
-/// run's time that measurements take. The limit is higher for the first measurements, so that a
-/// forecast exists soon.
+/// A measurement takes time, because it develops the picture. Therefore all measurements together
+/// may take only a limited share of the run's time. The limit is higher for the first measurements,
+/// so that a forecast is soon available.
 #[derive(Debug, Default)]
 struct ErrorTracker {
     history: ErrorHistory,

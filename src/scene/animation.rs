@@ -19,13 +19,14 @@ impl Scene {
             || self.media.iter().any(|medium| medium.motion.is_some())
     }
 
-    /// The lights with their own motion.
+    /// The lights that store a motion. An area light stores none, because it moves with its object.
     pub fn moving_lights(&self) -> impl Iterator<Item = &Light> {
         self.lights.iter().filter(|light| light.motion.is_some())
     }
 
-    /// The scene at a time (in s) while the shutter is open. A scene without motion is borrowed.
-    /// Otherwise, the moving parts are rebuilt and the other parts are shared.
+    /// The scene at a time (in s) while the shutter is open. If nothing moves, the function borrows
+    /// the scene. Otherwise, it returns a new scene with rebuilt moving parts. Both scenes share
+    /// the other parts.
     ///
     /// # Errors
     /// Returns an error if a shape moves to coordinates that are not finite.

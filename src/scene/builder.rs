@@ -88,8 +88,8 @@ pub struct ObjectSet {
 pub struct Placement {
     /// The transform from the shape's frame to the world when the shutter opens. Lengths are in m.
     pub to_world: DAffine3,
-    /// The motion while the shutter is open, with lengths in m. The second entry is the transform
-    /// from the shape's frame to the moving frame.
+    /// The motion while the shutter is open, with lengths in m. The pair consists of the motion of
+    /// a frame, and the transform from the shape's frame to the moving frame.
     pub motion: Option<(AnimatedTransform, DAffine3)>,
 }
 
@@ -106,7 +106,7 @@ impl ObjectSet {
         self.materials.len() - 1
     }
 
-    /// Adds an object and returns its number. `material` is the number of its material.
+    /// Adds an object and returns its number. `material` is the number of the object's material.
     ///
     /// # Errors
     /// Returns an error if the shape is not a valid body, the material does not exist, or the shape
@@ -190,7 +190,7 @@ pub struct SceneView {
     pub camera_motion: Option<AnimatedLookAt>,
     /// The shutter.
     pub shutter: Shutter,
-    /// The film. It must have as many pixels as the camera.
+    /// The film. The film must have the same width and height in pixels as the camera.
     pub film: FilmSpec,
     /// The light that the picture shows as white. It determines [`FilmSpec::white`].
     pub white_balance: WhiteBalance,
@@ -199,7 +199,7 @@ pub struct SceneView {
 /// The light that the picture shows as white.
 #[derive(Debug, Clone)]
 pub enum WhiteBalance {
-    /// The white of the film stays as it is.
+    /// [`FilmSpec::white`] is not changed.
     None,
     /// All lights of the scene. Each light is weighted by its power.
     SceneLights,
@@ -225,7 +225,7 @@ pub enum ScenePart {
 /// An error of [`SceneBuilder::build`].
 #[derive(Debug, Clone)]
 pub struct SceneError {
-    /// The part of the scene with the error.
+    /// The part of the scene that contains the error.
     pub part: ScenePart,
     /// The error.
     pub error: Error,
@@ -436,9 +436,9 @@ impl SceneBuilder {
         positions.chain([camera.origin()]).map(DVec3::length).fold(self.geometry.radius_m(), f64::max)
     }
 
-    /// Adds a sphere around the scene and fills it with the atmosphere's medium. The radius of the
-    /// scene itself is `inner_m`. The sphere has the lowest priority. Returns the radius of the
-    /// bounding sphere in m.
+    /// Adds a sphere around the scene and fills it with the atmosphere's medium. `inner_m` is the
+    /// radius of the scene without the atmosphere. The sphere has the lowest priority. Returns the
+    /// radius of the bounding sphere in m.
     fn add_atmosphere(&mut self, name: &str, medium: usize, inner_m: f64) -> f64 {
         /// The radius of the sphere divided by `inner_m`. It is above 1, so that the camera and the
         /// lights are inside the sphere and not on its surface.
@@ -453,7 +453,7 @@ impl SceneBuilder {
         radius * (1.0 + 1e-6)
     }
 
-    /// Marks each medium that is dense across at least one of its bodies.
+    /// Marks a medium as dense if it is optically thick in at least one of its bodies.
     fn find_dense_media(&mut self) {
         for AnimatedShape { placed, .. } in &self.objects.shapes {
             let medium = self.objects.material_of(placed.object).body.as_ref().and_then(|body| body.medium);
@@ -468,7 +468,7 @@ impl SceneBuilder {
 }
 
 /// XYZ of the light that the picture shows as white. The values are for the film's observer. `None`
-/// if the white of the film stays as it is.
+/// if [`FilmSpec::white`] is not changed.
 fn white(scene: &Scene, white_balance: &WhiteBalance) -> std::result::Result<Option<Xyz>, SceneError> {
     let (white, what) = match white_balance {
         WhiteBalance::None => return Ok(None),

@@ -25,8 +25,8 @@ struct MediumContainer {
 type NamedVolume = (String, VolumeLight);
 
 impl SceneBuilder {
-    /// Adds the lights of all emitting media in bodies or in the atmosphere. If the scene gives the
-    /// power of a medium, its emission is scaled so that the medium emits this power.
+    /// Adds the lights of all emitting media that fill bodies or the atmosphere. If the scene gives
+    /// the power of a medium, the medium's emission is scaled so that the medium emits this power.
     pub(super) fn add_volume_lights(&mut self, observer: &'static Observer) -> std::result::Result<(), SceneError> {
         let containers = self.containers();
         for (number, EmittingMedium { medium, power_w }) in self.media.iter_mut().enumerate() {
@@ -90,8 +90,8 @@ fn lights(
     volumes.into_iter().map(light).collect()
 }
 
-/// The volumes that a medium fills. A grid medium fills its own box. Any other medium fills each
-/// body that contains it.
+/// The volumes that a medium fills. If the density of a medium is a field in a box, the medium
+/// fills this box. Any other medium fills each body that contains it.
 fn volumes(medium: &Medium, containers: &[&MediumContainer], centre: DVec3) -> Result<Vec<NamedVolume>> {
     let dark =
         || Error::input("found no light within 360–830 nm").expected("a medium that is hot enough and absorbs light");

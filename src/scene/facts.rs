@@ -7,12 +7,13 @@ use crate::optics::bsdf::{Bsdf, BsdfClass};
 use crate::optics::glass::RefractiveIndex;
 use crate::spectrum::Spectrum;
 
-/// A light counts as a line light if at least this share of its power is in spectral lines. With
-/// such a light, the reflected light depends strongly on the reflectance at a few wavelengths.
+/// A light counts as a line light if at least this share of its power is in spectral lines. If a
+/// line light illuminates a surface, the reflected light depends strongly on the reflectance at a
+/// few wavelengths.
 const LINE_SHARE: f64 = 0.1;
 
-/// The facts that decide which effects a scene needs. Most facts are lists of names. Each name is a
-/// part of the scene for which the fact is true. If the list is empty, the fact is false.
+/// The facts that decide which effects a scene needs. Most facts are lists of names. Each name
+/// denotes a part of the scene for which the fact is true. If the list is empty, the fact is false.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Facts {
     /// Objects whose refractive index depends on wavelength.
@@ -49,22 +50,23 @@ pub struct Facts {
     /// The radius of the camera's aperture in nm, or `None` for a pinhole. The radius is an integer
     /// because `Facts` implements `Eq`.
     pub aperture_nm: Option<u64>,
-    /// The name of the camera's lens system, if it has one.
+    /// The name of the camera's lens system, or `None` if the camera has no lens system.
     pub lens_system: Option<String>,
-    /// The size of the diffraction pattern, if the scene enables diffraction at the aperture.
+    /// The size of the diffraction pattern of the aperture. `None` for a pinhole, or if the scene
+    /// does not enable diffraction.
     pub diffracting: Option<String>,
     /// Everything that moves while the shutter is open: objects, lights, media and the camera.
     pub moving: Vec<String>,
 }
 
-/// Returns the object in whose medium light maps are better. The alternative is to trace shadow
-/// rays from sampled points. In the medium of this object, light maps have less noise, and their
-/// interpolation error is 0.
+/// Returns the object whose medium renders better with light maps than with shadow rays. Without
+/// light maps, shadow rays are traced from sampled points. In the medium of this object, light maps
+/// have less noise, and their interpolation error is 0.
 ///
-/// The conditions were found by measurements. The object is a convex body of thin, uniform fog. The
-/// scene contains no other medium. The object contains all lights. The lights are few and have no
-/// extent, so one map serves many passes. In denser fog, or beside specular surfaces, photon noise
-/// dominates.
+/// The conditions for such an object were found by measurements. The object is a convex body of
+/// thin, uniform fog. The scene contains no other medium. The object contains all lights. There are
+/// only a few lights, and they have no extent, so many passes can use the same light map. If the
+/// fog is not thin, or if the scene has specular surfaces, photon noise dominates.
 fn object_with_light_maps(scene: &Scene) -> Option<&str> {
     /// The largest number of lights.
     const MAX_LIGHTS: usize = 8;

@@ -32,8 +32,8 @@ impl Scene {
         self.medium_stack_along(Ray { origin: point, direction }, None)
     }
 
-    /// The bodies that contain the origin of a ray. The ray leaves these bodies more often than it
-    /// enters them. The last body that the ray leaves is the outermost.
+    /// The bodies that contain the origin of a ray. The ray leaves each of these bodies more often
+    /// than it enters the body. The last body that the ray leaves is the outermost.
     fn medium_stack_along(&self, ray: Ray, from: Option<SurfaceId>) -> MediumStack {
         let mut open: Vec<(u32, i32, f64)> = Vec::new();
         let mut count = |hit: &Hit| {

@@ -9,18 +9,18 @@
 /// drops the outermost body.
 pub const MAX_NESTING: usize = 8;
 
-/// The bodies that contain a point, outermost first.
+/// The bodies that contain a point, from the outermost to the innermost.
 ///
-/// Each entry is an object number plus 1. Unused entries at the end are 0. Every segment of every
-/// path carries a stack, so the stack must be small. It does not contain the priorities, because
-/// the bodies store them.
+/// Each entry is an object number plus 1. Unused entries at the end are 0. A stack is stored for
+/// every segment of every path, so the stack must be small. It does not contain the priorities,
+/// because the bodies store them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct MediumStack([u32; MAX_NESTING]);
 
 /// The properties of a body that decide whether it dominates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct BodyPriority {
-    /// The body of the higher priority dominates.
+    /// Of two bodies, the body with the higher priority dominates.
     pub priority: i32,
     /// True if the body has its own refractive index.
     pub refracts: bool,
@@ -30,14 +30,14 @@ impl MediumStack {
     /// The empty stack: the point is in air.
     pub const AIR: Self = Self([0; MAX_NESTING]);
 
-    /// The object that determines the refractive index at the point. `None` for air. `priority`
-    /// gives the priority of an object's body.
+    /// The object that determines the refractive index at the point. `None` for air. The function
+    /// `priority` returns the priority of an object's body.
     pub fn dominant_dielectric(&self, priority: impl Fn(u32) -> BodyPriority) -> Option<u32> {
         self.highest(priority, |body| body.refracts)
     }
 
     /// The object whose body determines the medium at the point. The body need not have a surface.
-    /// `None` for air. `priority` gives the priority of an object's body.
+    /// `None` for air. The function `priority` returns the priority of an object's body.
     pub fn dominant_body(&self, priority: impl Fn(u32) -> BodyPriority) -> Option<u32> {
         self.highest(priority, |_| true)
     }
@@ -95,8 +95,8 @@ impl MediumStack {
 mod tests {
     use super::*;
 
-    /// Returns a function that maps each object number to a refracting body. `priorities` holds the
-    /// priorities by object number.
+    /// Returns a function that maps each object number to a refracting body. `priorities` contains
+    /// the priority of each object, in the order of the object numbers.
     fn glass(priorities: &[i32]) -> impl Fn(u32) -> BodyPriority {
         |object| BodyPriority { priority: priorities[object as usize], refracts: true }
     }

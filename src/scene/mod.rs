@@ -40,7 +40,7 @@ pub struct Scene {
     /// The origin of all positions. It is given in world coordinates, in m.
     pub centre: DVec3,
     /// The radius in m of the bounding sphere around the origin. At all times, the sphere contains
-    /// all surfaces. Local lights and the camera may be outside.
+    /// all surfaces. Local lights and the camera may be outside the sphere.
     pub radius_m: f64,
     /// The camera.
     pub camera: Camera,
@@ -55,21 +55,23 @@ pub struct Scene {
     /// The faces of bodies without a surface. These faces only bound a medium. Rays cross them
     /// without an interaction.
     pub boundaries: Arc<Geometry>,
-    /// The objects, indexed by the object numbers of the surfaces.
+    /// The objects, in the order of their numbers. Each surface stores the number of its object.
     pub objects: Vec<Object>,
-    /// The materials, by number.
+    /// The materials, in the order of their numbers.
     pub materials: Vec<Material>,
-    /// The media, by number.
+    /// The media, in the order of their numbers.
     pub media: Vec<Medium>,
-    /// The lights, by number.
+    /// The lights, in the order of their numbers.
     pub lights: Vec<Light>,
-    /// The numbers of the distant lights. Rays see these lights when they leave the scene.
+    /// The numbers of the distant lights. A ray that leaves the scene may see these lights.
     pub distant_lights: Vec<usize>,
-    /// For each medium: the number of its first volume light, if the medium emits light.
+    /// For each medium: the number of its first volume light, or `None` if the medium emits no
+    /// light.
     pub medium_lights: Vec<Option<usize>>,
     /// The render settings of the scene.
     pub settings: Settings,
-    /// Remarks for the user: residuals of matched spectra, clamped indices, open meshes, ….
+    /// Remarks for the user, for example about residuals of matched spectra, clamped indices or
+    /// open meshes.
     pub notes: Vec<String>,
     /// The refractive index of air.
     pub air: RefractiveIndex,
@@ -80,9 +82,9 @@ pub struct Scene {
 pub struct Object {
     /// The name in reports.
     pub name: String,
-    /// The number of its material.
+    /// The number of the object's material.
     pub material: usize,
-    /// The number of its light, if its surface emits light.
+    /// The number of the object's light, or `None` if the object's surface emits no light.
     pub light: Option<usize>,
 }
 
@@ -105,7 +107,7 @@ pub struct Body {
     pub index: Option<RefractiveIndex>,
     /// The absorption coefficient in 1/m, or `None` for a clear body.
     pub absorption: Option<Spectrum>,
-    /// The number of the medium inside.
+    /// The number of the medium that fills the body.
     pub medium: Option<usize>,
     /// The priority. Where bodies overlap, the body of the highest priority dominates.
     pub priority: i32,
@@ -118,14 +120,14 @@ pub struct FilmSpec {
     pub width: u32,
     /// The number of rows.
     pub height: u32,
-    /// The standard observer of the picture's XYZ values.
+    /// The standard observer for which the picture's XYZ values are computed.
     pub observer: &'static Observer,
     /// The number of spectral bands in the output. 0 means no bands.
     pub spectral_bands: u32,
     /// The colour space of the PNG.
     pub space: RgbSpace,
-    /// XYZ of the light that the PNG shows as white. The values are for `observer`, and their scale
-    /// has no effect. `None` if there is no white balance.
+    /// XYZ of the light that the PNG shows as white. The values are computed for `observer`. A
+    /// common factor of the three values has no effect. `None` if there is no white balance.
     pub white: Option<Xyz>,
     /// The treatment of colours outside the colour space.
     pub gamut: GamutMapping,
@@ -166,7 +168,7 @@ pub struct Settings {
     pub seed: Option<u64>,
     /// The number of worker threads.
     pub threads: Option<u32>,
-    /// The time between checkpoints in s.
+    /// The time in s between two checkpoints.
     pub checkpoint_seconds: Option<f64>,
     /// The resolution of the light maps in the first pass: the number of cells along the longest
     /// side of a medium's box.

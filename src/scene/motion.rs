@@ -2,9 +2,9 @@
 //!
 //! Between keyframes, translation and scale are interpolated linearly. Rotation is interpolated by
 //! slerp (Shoemake 1985). Before the first keyframe and after the last one, the transform is
-//! constant. At a keyframe, and between equal keyframes, the transform is exactly the transform of
-//! the keyframe. If all keyframes of an object are the same, the picture is therefore the same as
-//! for the object at rest.
+//! constant. At the time of a keyframe, the transform is exactly the keyframe's transform. The same
+//! is true between two equal keyframes. Therefore, an object whose keyframes are all equal gives
+//! the same picture as an object at rest.
 
 use crate::geometry::shape::PlacedShape;
 use glam::{DAffine3, DQuat, DVec3};
@@ -50,8 +50,9 @@ impl DecomposedTransform {
 struct Keyframes<T>(Vec<(f64, T)>);
 
 impl<T: Clone + PartialEq> Keyframes<T> {
-    /// The state at a time. `between` interpolates, but only at times strictly between two unequal
-    /// keyframes. At all other times, the state of a keyframe is returned unchanged.
+    /// The state at a time. The function `between` interpolates the state. It is called only for
+    /// times strictly between two unequal keyframes. At all other times, the state of a keyframe is
+    /// returned unchanged.
     fn at(&self, time_s: f64, between: impl Fn(&T, &T, f64) -> T) -> T {
         let Self(keys) = self;
         let next = keys.partition_point(|key| key.0 <= time_s).min(keys.len() - 1);
@@ -65,8 +66,8 @@ impl<T: Clone + PartialEq> Keyframes<T> {
         between(&before.1, &after.1, (time_s - before.0) / (after.0 - before.0))
     }
 
-    /// Returns true if the state changes within an interval of time. `at` gives the state at a
-    /// time.
+    /// Returns true if the state changes within an interval of time. The function `at` returns the
+    /// state at a given time.
     fn changes(&self, (from_s, to_s): (f64, f64), at: impl Fn(f64) -> T) -> bool {
         let inside = self.0.iter().filter(|key| from_s < key.0 && key.0 < to_s).map(|key| key.1.clone());
         let first = at(from_s);
@@ -93,8 +94,8 @@ impl AnimatedTransform {
     /// Creates the motion of an object. `own` is the object's own transform.
     ///
     /// Each keyframe has a time in s and two transforms. The times increase. The first transform is
-    /// applied after the object's own transform. The second transform is the composition of both.
-    /// Returns `None` if there are no keyframes.
+    /// applied after the object's own transform. The second transform is the composition of the
+    /// object's own transform and the first transform. Returns `None` if there are no keyframes.
     pub fn new(own: DAffine3, keys: impl Iterator<Item = (f64, DAffine3, DAffine3)>) -> Option<Self> {
         let keys: Vec<_> = keys.map(|(time_s, pose, to_world)| (time_s, TransformKey { pose, to_world })).collect();
         (!keys.is_empty()).then_some(Self { keys: Keyframes(keys), own })
@@ -186,14 +187,15 @@ impl AnimatedLookAt {
         Self(Keyframes(self.0.0.iter().map(|(time_s, pose)| (*time_s, change(*pose))).collect()))
     }
 
-    /// The first time (in s) between two keyframes at which the pose is degenerate. In a degenerate
-    /// pose, the camera would look at its own position or along its `up` vector. `None` if there is
-    /// no such time.
+    /// The first time (in s) at which the interpolated pose between two keyframes is degenerate. In
+    /// a degenerate pose, the camera would look at its own position or along its `up` vector.
+    /// `None` if there is no such time.
     pub fn degenerate_time_s(&self) -> Option<f64> {
         const STEPS: usize = 1024;
-        /// If the relative length or the sine is below this tolerance, the pose is degenerate. The
-        /// relative length changes by at most 2/`STEPS` per step. The tolerance is larger than this
-        /// change, so the steps cannot miss a view that passes through length 0.
+        /// The pose is degenerate if one of two values is below this tolerance. These values are
+        /// the relative length of the view vector, and the sine of the angle between this vector
+        /// and `up`. In each step, the relative length changes by at most 2/`STEPS`. The tolerance
+        /// is larger than this change, so the steps cannot miss a time at which the length is 0.
         const LEAST: f64 = 2e-3;
         self.0.0.windows(2).find_map(|pair| {
             let view = |pose: LookAt| pose.at - pose.from;
@@ -209,13 +211,13 @@ impl AnimatedLookAt {
     }
 }
 
-/// A shape, with its motion if it moves while the shutter is open.
+/// A shape and its motion. The motion exists only if the shape moves while the shutter is open.
 #[derive(Debug, Clone)]
 pub struct AnimatedShape {
     /// The shape at its place when the shutter opens.
     pub placed: PlacedShape,
-    /// The motion, with lengths in m. The second entry is the transform from the shape's frame to
-    /// the moving frame.
+    /// The motion, with lengths in m. The pair consists of the motion of a frame, and the transform
+    /// from the shape's frame to the moving frame.
     pub motion: Option<(AnimatedTransform, DAffine3)>,
 }
 
@@ -230,7 +232,7 @@ impl AnimatedShape {
 /// because they store their own motion. The default is a scene at rest.
 #[derive(Debug, Clone, Default)]
 pub struct SceneMotion {
-    /// All shapes if at least one of them moves. Otherwise the list is empty.
+    /// All shapes of the scene, or an empty list if no shape moves.
     pub shapes: Arc<[AnimatedShape]>,
     /// The motion of the camera. Positions are in m, relative to the scene's centre.
     pub camera: Option<AnimatedLookAt>,

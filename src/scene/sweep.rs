@@ -39,13 +39,12 @@ impl Scene {
             .collect()
     }
 
-    /// The largest length of any motion in the picture while the shutter is open, in pixels.
+    /// The length in pixels of the longest motion in the picture while the shutter is open.
     ///
     /// The function measures four kinds of trajectories in the picture and returns the largest
-    /// length. These are the trajectories of points in the boxes of moving shapes, and of the
-    /// corners of moving media. If the camera moves, visible points at rest also have trajectories.
-    /// If a light or a specular object moves, the illumination at each visible point has a
-    /// trajectory too.
+    /// length. Points in the boxes of moving shapes have trajectories, and so do the corners of
+    /// moving media. If the camera moves, visible points at rest also have trajectories. If a light
+    /// or a specular object moves, the illumination at each visible point has a trajectory too.
     pub fn image_motion_px(&self) -> f64 {
         if !self.moves() {
             return 0.0;
@@ -85,7 +84,8 @@ impl Scene {
         times.iter().map(|&time_s| shape.to_world(time_s).transform_point3(point) - self.centre).collect()
     }
 
-    /// The trajectories of the corners of a medium's box. Empty if the medium does not move.
+    /// The trajectories of the corners of a medium's box. The list is empty if the medium does not
+    /// move.
     fn trajectories_of_medium(&self, medium: &Medium, times: &[f64]) -> Vec<Vec<DVec3>> {
         let (Some(motion), Density::Field(field)) = (&medium.motion, &medium.density) else {
             return Vec::new();
@@ -109,9 +109,9 @@ impl Scene {
     }
 
     /// The transforms that move the illuminated points. There is one list for each moving light and
-    /// one for each moving specular object. Each list has one transform per time. A light moves its
-    /// illumination by its own motion. A specular object translates the illumination by its own
-    /// translation, and rotates it by twice its own angle.
+    /// one for each moving specular object. Each list has one transform per time. If a light moves,
+    /// its illumination moves in the same way. If a specular object moves, the illumination is
+    /// translated by the same vector as the object, and rotated by twice the object's angle.
     fn motions_of_light(&self, times: &[f64]) -> Vec<Vec<DAffine3>> {
         let of_light = |light: &Light| {
             let motion = light.motion.as_ref()?;
@@ -149,8 +149,8 @@ fn lattice(shape: &AnimatedShape) -> impl Iterator<Item = DVec3> {
     shape.placed.shape.bounds().into_iter().flat_map(move |bounds| (0..27).map(move |i| point(bounds, i)))
 }
 
-/// The film position of a point, clamped to half a picture beyond each edge. `None` if the point is
-/// behind the camera.
+/// The film position of a point. The position is clamped, so that it is at most half a picture
+/// outside each edge. `None` if the point is behind the camera.
 fn project_clamped(camera: &Camera, point: DVec3) -> Option<DVec2> {
     let size = DVec2::new(camera.width() as f64, (camera.pixel_count() / camera.width()) as f64);
     Some(camera.project(point)?.clamp(-0.5 * size, 1.5 * size))

@@ -133,7 +133,7 @@ mod tests {
         assert!(oklab != desaturated && oklab != clipped, "{oklab:?}");
     }
 
-    /// Checks that every space encodes white as white, and that a space's own colours stay
+    /// Checks that every colour space encodes white as white, and that colours inside a space stay
     /// unchanged.
     #[test]
     fn every_space_encodes_white_and_its_own_colours() {

@@ -23,7 +23,7 @@ const WAVELENGTHS_PER_KERNEL: usize = 8;
 
 /// The largest radius of the pattern, in units of λN. The radius is smaller than this constant if
 /// the film is smaller. If the stop is round, 1/600 of the light is outside this radius. This light
-/// is spread in proportion to the light inside.
+/// is distributed inside the radius, in proportion to the pattern.
 const PATTERN_RADIUS: f64 = 128.0;
 
 /// The largest number of samples of the pattern per λN. Patterns with a small radius have exactly
@@ -37,7 +37,7 @@ const MAX_SAMPLES_PER_RADIUS: f64 = 1024.0;
 /// The point spread function of the film as a function of wavelength.
 #[derive(Debug)]
 pub struct DiffractionPsf {
-    /// The length λN in pixels per nm of wavelength, where N is the f-number.
+    /// The diffraction length λN in pixels, divided by the wavelength λ in nm. N is the f-number.
     spread_px_per_nm: f64,
     /// The wavelengths of the light in nm, ascending. Each wavelength represents an equal share of
     /// the light.
@@ -57,8 +57,8 @@ impl DiffractionPsf {
     ///
     /// `light_nm` contains at least one wavelength in nm, in ascending order. Each wavelength
     /// represents an equal share of the light. The arguments of `pattern` are the positions to the
-    /// right and upwards in units of λN. The length λN is `spread_px_per_nm` pixels per nm of
-    /// wavelength. The longer side of the film has `longest_px` pixels.
+    /// right and upwards in units of λN. For a wavelength of λ nm, the length λN is λ ×
+    /// `spread_px_per_nm` pixels. The longer side of the film has `longest_px` pixels.
     pub fn new(
         spread_px_per_nm: f64,
         longest_px: usize,
@@ -233,9 +233,9 @@ type SampleOverlaps = Vec<(usize, f64)>;
 
 /// Returns the overlaps of each sample along a line of the pattern. `step_px` is the distance
 /// between samples in pixels. It is negative if the order of the samples is opposite to the order
-/// of the pixels. The pattern is linear between samples. Pixels are counted from the centre modulo
-/// `period`. Overlaps farther than half a period are dropped. Half a period is the width or height
-/// of the film, so no light moves farther than that.
+/// of the pixels. The pattern is linear between samples. The index of a pixel counts from the
+/// centre, and is taken modulo `period`. Overlaps at a distance of more than half a period are
+/// ignored. Half a period is the width or height of the film, so no light moves farther than that.
 fn overlaps(step_px: f64, samples: usize, period: usize) -> Vec<SampleOverlaps> {
     let half = step_px.abs();
     // The integral of a triangle function from −∞ to x. The triangle has half-width 1 and area 1.

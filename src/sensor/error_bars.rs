@@ -9,12 +9,12 @@
 //!
 //! *Bias* is the bias of the kernel density estimates, measured with two kernels in the same query.
 //! A single estimate of the bias is as noisy as the pixel value. The even and the odd replicates
-//! give two estimates with independent noise. Their product is averaged over the neighbourhood of a
-//! pixel. This mean estimates the mean square bias, without a contribution of the noise. Where a
-//! kernel crosses an edge of the illumination, the bias changes its sign from pixel to pixel. At an
-//! edge, the mean square bias is above zero but too low. The two kernels have the same radius, so
-//! they measure only the curvature of the illumination. The true bias at an edge is larger. Such
-//! pixels are marked.
+//! give two estimates with independent noise. The product of these two estimates is averaged over
+//! the neighbourhood of a pixel. This mean estimates the mean square bias, without a contribution
+//! of the noise. Where a kernel crosses an edge of the illumination, the bias changes its sign from
+//! pixel to pixel. At an edge, the estimate of the mean square bias is above zero, but lower than
+//! the true value. The two kernels have the same radius, so they measure only the curvature of the
+//! illumination. The true bias at an edge is larger. Pixels near an edge are marked.
 
 use crate::math::random::REPLICATES;
 
@@ -23,8 +23,8 @@ use crate::math::random::REPLICATES;
 pub(super) struct PixelMeans {
     /// Y of each replicate. The value is meaningless for replicates without passes.
     pub(super) y: [f64; REPLICATES],
-    /// The bias of Y: the mean over the even replicates, and the mean over the odd replicates. The
-    /// value is meaningless for a half without passes.
+    /// The bias of Y: the mean over the even replicates, and the mean over the odd replicates. A
+    /// mean is meaningless if its replicates have no passes.
     pub(super) bias: [f64; 2],
 }
 
@@ -66,8 +66,9 @@ const NOISE_REACH: usize = 1;
 /// The largest distance (pixels) at which a neighbour contributes to a pixel's bias estimate.
 const BIAS_REACH: usize = 2;
 
-/// A pixel can be marked as an edge if its squared bias exceeds this multiple of the variance of
-/// the kernel estimates. Under uniform light the squared bias seldom exceeds this threshold.
+/// A pixel can be marked as an edge if its squared bias exceeds the threshold. The threshold is
+/// this factor times the variance of the kernel estimates. Under uniform light the squared bias
+/// seldom exceeds this threshold.
 const EDGE_THRESHOLD: f64 = 3.0;
 
 /// The bias changes its sign at an edge. Therefore a pixel is marked as an edge only if the mean
@@ -175,10 +176,10 @@ impl PixelMeans {
     }
 
     /// Returns the variance of the kernel estimates of the pixel. The result is the variance of the
-    /// measured bias. In two dimensions, both variances are equal, because the Epanechnikov kernel
-    /// kₑ and the bias kernel 2(kᵤ − kₑ) have the same ∫k² = 4/(3πr²). Here, kᵤ is the uniform
-    /// kernel. In one dimension, the variance of the bias is 3/8 of the variance of the kernel
-    /// estimate.
+    /// measured bias. In two dimensions, both variances are equal, because the integral ∫k² has the
+    /// same value 4/(3πr²) for the Epanechnikov kernel kₑ and for the bias kernel 2(kᵤ − kₑ). Here,
+    /// kᵤ is the uniform kernel. In one dimension, the variance of the bias is 3/8 of the variance
+    /// of the kernel estimate.
     fn kernel_variance(&self, halves: [bool; 2]) -> f64 {
         let [even, odd] = self.bias;
         if halves == [true; 2] { (0.5 * (even - odd)).powi(2) } else { 0.0 }
@@ -228,8 +229,8 @@ mod tests {
         assert!(flat.noise.iter().flatten().all(|&noise| (f64::from(noise) - own(0.2).sqrt()).abs() < 1e-7));
     }
 
-    /// Checks that a bias counts if both halves agree. If the halves do not agree, the bias is
-    /// treated as noise.
+    /// Checks that a measured bias is reported as bias if the even and the odd replicates agree. If
+    /// they do not agree, it is treated as noise.
     #[test]
     fn only_a_bias_whose_halves_agree_counts() {
         let agree = ErrorBars::new((5, 25), |_| Some(steady(1.0, [0.03, 0.03])), EVEN);
@@ -264,8 +265,8 @@ mod tests {
         assert_eq!(ErrorBars::new((3, 9), |_| None, EVEN).squares(1.0), None);
     }
 
-    /// Checks that the noise is unknown for a single replicate, and that a single half still gives
-    /// a bias.
+    /// Checks that the noise is unknown if only one replicate has passes, and that the bias is
+    /// still known if only the even replicates have passes.
     #[test]
     fn one_replicate_gives_no_noise_and_one_half_gives_bias() {
         let first = |n: [usize; 2]| std::array::from_fn(|r| u64::from(n.contains(&r)));

@@ -9,14 +9,15 @@ const MIDDLE_GREY: f64 = 0.18;
 /// The fraction of the pixels that may be overexposed.
 const OVEREXPOSED_SHARE: f64 = 0.005;
 
-/// Returns the exposure of a picture: a factor on luminance, in 1/(cd/m²). With this factor, the
-/// developed picture has a suitable brightness.
+/// Returns the exposure of a picture. The exposure is a factor that multiplies the luminance, and
+/// its unit is 1/(cd/m²). With this factor, the developed picture has a suitable brightness.
 ///
 /// The log-average of the lit pixels becomes middle grey (0.18; after Reinhard et al. 2002). Two
 /// limits apply: at most 0.5 % of the pixels may exceed the range of the display, and the
 /// highlights must reach at least half of this range. Saturated colours reach the limit long before
 /// white does: sodium light with a relative luminance above 0.36 is no longer orange on a display.
-/// Light sources in view are not metered, because any suitable exposure shows them as white.
+/// Visible light sources do not influence the exposure, because any suitable exposure shows them as
+/// white.
 pub fn automatic(picture: &Picture, development: &Development) -> f64 {
     let matrix = development.matrix();
     let component = |xyz: &[f64; 3], row: [f64; 3]| row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2];
@@ -41,8 +42,8 @@ pub fn automatic(picture: &Picture, development: &Development) -> f64 {
 /// Removes the pixels of light sources from sorted brightnesses. Light sources are the brightest
 /// pixels. They are at most a tenth of all pixels. A gap in brightness separates light sources from
 /// the other pixels. The ends of the gap differ by a factor of eight, and few pixels are inside the
-/// gap. Illuminated surfaces, caustics included, fade into their surroundings and leave no such
-/// gap.
+/// gap. Illuminated surfaces and caustics become gradually darker towards their surroundings, so
+/// they leave no such gap.
 fn without_light_sources(sorted: &[f64]) -> &[f64] {
     const GAP: f64 = 8.0;
     const LARGEST_SHARE: f64 = 0.1;

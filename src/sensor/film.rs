@@ -117,7 +117,7 @@ impl Film {
         self.height
     }
 
-    /// Returns the number of counted passes.
+    /// Returns the number of passes that the film has counted.
     pub fn passes(&self) -> u64 {
         self.passes.iter().sum()
     }

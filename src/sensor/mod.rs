@@ -1,7 +1,7 @@
 //! The sensor: film sums, noise, bias, diffraction, exposure and display encoding.
 //!
-//! The input is (pixel, wavelength, weight). The results are XYZ pictures with error bars, and
-//! images for a display.
+//! Each input sample consists of a pixel, a wavelength and a weight. The results are XYZ pictures
+//! with error bars, and images for a display.
 
 mod channels;
 pub mod develop;

@@ -20,7 +20,7 @@ pub struct Picture {
     pub bands: Option<SpectralBands>,
 }
 
-/// Spectral radiance in equal bands.
+/// Spectral radiance in bands of equal width.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectralBands {
     /// The centres of the bands in nm.
@@ -36,8 +36,9 @@ pub struct ErrorMeans {
     pub noise: f64,
     /// The mean bias of Y in cd/m².
     pub bias: f64,
-    /// √mean(noise² + bias²) / mean Y. The value is `None` if the noise is unknown in all pixels. A
-    /// value of 0 is replaced by `None` if some pixels have received no light.
+    /// The square root of the mean of noise² + bias², divided by the mean of Y. The value is `None`
+    /// if the noise is unknown in all pixels. A value of 0 is replaced by `None` if some pixels
+    /// have received no light.
     pub relative: Option<f64>,
     /// The number of pixels with unknown noise.
     pub unknown_pixels: usize,
@@ -51,7 +52,7 @@ pub struct ErrorMeans {
 ///
 /// The interval is two-sided if the bias is negligible and one-sided otherwise. The factors are
 /// quantiles of Student's t with 9 degrees of freedom: 7 from the eight replicates of a pixel and 2
-/// from its neighbours. Therefore the factors are valid from eight passes on.
+/// from its neighbours. Therefore the factors are valid only after at least eight passes.
 pub fn half_interval_95(noise: f64, bias: f64) -> f64 {
     const TWO_SIDED: f64 = 2.262;
     const ONE_SIDED: f64 = 1.833;

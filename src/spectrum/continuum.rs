@@ -114,7 +114,7 @@ impl Continuum {
         }
     }
 
-    /// Returns the function times a factor.
+    /// Returns the function multiplied by a factor.
     pub(crate) fn scaled(&self, factor: f64) -> Self {
         let scale =
             |cell: &ContinuumCell| ContinuumCell { value: cell.value * factor, rise: cell.rise * factor, ..*cell };

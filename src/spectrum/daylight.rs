@@ -41,8 +41,8 @@ impl Spectrum {
     }
 }
 
-/// Computes [`Spectrum::daylight`] without the check of the temperature. Above 25,000 K, the
-/// function uses the formula for temperatures above 7000 K.
+/// Computes the same spectrum as [`Spectrum::daylight`], but does not check the temperature. Above
+/// 25,000 K, the function uses the formula for temperatures above 7000 K.
 pub(crate) fn daylight_extended(temperature_k: f64) -> Spectrum {
     let t = 1000.0 / temperature_k;
     let x = if temperature_k <= 7000.0 {

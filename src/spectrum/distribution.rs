@@ -6,23 +6,24 @@ use super::observer::Observer;
 use super::sweep::sweep;
 use super::{BAND_NM, Spectrum};
 
-/// The share of the visual response in the density of
-/// [`WavelengthDistribution::visually_weighted`]. The other part of the density follows the power.
+/// This share of the density of [`WavelengthDistribution::visually_weighted`] follows the product
+/// of the power and the visual response. The other part of the density follows the power alone.
 const VISUAL_WEIGHT: f64 = 0.85;
 
-/// If the density is almost 0 at one end of a segment, sampled wavelengths keep at least this
-/// distance from both ends. The unit is the width of the segment.
+/// If the density is almost 0 at one end of a segment, every sampled wavelength has at least this
+/// distance from both ends. The distance is a fraction of the width of the segment.
 const END_GUARD: f64 = 1e-6;
 
-/// The step, in nm, of the table of the visual response. It is fine enough for importance sampling,
-/// and the table stays in the first-level cache.
+/// The distance, in nm, between adjacent samples of the tabulated visual response. The distance is
+/// small enough for importance sampling, and the table stays in the first-level cache.
 const VISUAL_STEP_NM: u32 = 5;
 
-/// The smallest ratio of the number of steps of the guide table to the number of segments. With
-/// four steps per segment, most samples find their segment without a search.
+/// The guide table has at least this number of steps per segment. With four steps per segment, most
+/// samples find their segment without a search.
 const GUIDE_STEPS_PER_SEGMENT: usize = 4;
 
-/// A segment of linear density. Reciprocals are stored, so sampling needs no divisions.
+/// A segment of the band. Within the segment, the density is a linear function of the wavelength.
+/// Reciprocals are stored, so sampling needs no divisions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct DensitySegment {
     lower: f64,
@@ -33,13 +34,14 @@ struct DensitySegment {
     /// The density per nm at the lower end, and its increase from the lower to the upper end.
     density: f64,
     rise: f64,
-    /// The total probability below the segment, and the reciprocal of the segment's probability.
+    /// The total probability of all lower segments, and the reciprocal of this segment's
+    /// probability.
     before: f64,
     per_mass: f64,
 }
 
-/// A segment before normalisation. It has its ends in nm, the weights per nm at both ends, the mass
-/// of all lower segments, and its own mass.
+/// A segment before normalisation. The fields are the ends of the segment in nm, the weights per nm
+/// at both ends, the mass of all lower segments, and the mass of this segment.
 struct UnscaledSegment {
     ends: (f64, f64),
     weights: (f64, f64),
@@ -86,8 +88,8 @@ impl DensitySegment {
 }
 
 /// A piecewise-linear density over wavelength. Its unit is 1/nm. The density has a knot at each
-/// knot of the spectrum. A visually weighted density also has a knot at each sample of the
-/// tabulated visual response, every 5 nm. A spectral line becomes a narrow segment, which has
+/// knot of the spectrum. The visual response is tabulated every 5 nm. A visually weighted density
+/// also has a knot at each of these samples. A spectral line becomes a narrow segment, which has
 /// exactly the probability of the line.
 ///
 /// The density is linear between knots, so it is not exactly the product of the spectrum and the

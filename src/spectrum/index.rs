@@ -2,8 +2,8 @@
 
 use super::BAND_NM;
 
-/// The largest number of buckets of an index. If there are more segments than this, a bucket
-/// contains several segments and is searched by bisection.
+/// The largest number of buckets of an index. If there are more segments than buckets, some buckets
+/// contain several segments. A bucket with many segments is searched by bisection.
 const MAX_BUCKETS: usize = 1 << 17;
 
 /// A bucket with at most this number of segments is searched segment by segment. If a bucket has

@@ -1,8 +1,8 @@
 //! The wavelengths of one light path, and the values at these wavelengths.
 
 /// The number of wavelengths of a new path. Four stratified wavelengths cost little more than one.
-/// If no glass disperses the light, they remove most colour noise. Eight wavelengths would hardly
-/// be better.
+/// If no glass disperses the light, four wavelengths remove most of the colour noise. The
+/// improvement from eight wavelengths would be small.
 pub const LANES: usize = 4;
 
 /// One value for each wavelength of a path. Unused lanes are 0.
@@ -19,7 +19,7 @@ pub struct Wavelengths {
 }
 
 impl Wavelengths {
-    /// Returns the wavelengths of a path that starts with all wavelengths of `nm`.
+    /// Returns the wavelengths of a new path. All values of `nm` are in use.
     pub fn new(nm: Lanes) -> Self {
         Self { nm, count: LANES }
     }

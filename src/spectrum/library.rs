@@ -16,10 +16,11 @@ use serde::Serialize;
 /// The physical quantity of a library spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SpectrumKind {
-    /// Power per nm. Each entry has its own scale. The power is 0 outside the table.
+    /// Power per nm. Each entry has a different scale, so the powers of two entries are not
+    /// comparable. The power is 0 outside the table.
     Light,
-    /// A reflectance from 0 to 1. Outside the table, the value at the nearest end is used. All
-    /// kinds below follow the same rule.
+    /// A reflectance from 0 to 1. Outside the table, the value at the nearest end is used. The same
+    /// rule applies to transmittances, absorption coefficients and scattering coefficients.
     Reflectance,
     /// A transmittance from 0 to 1.
     Transmittance,
@@ -30,7 +31,7 @@ pub enum SpectrumKind {
 }
 
 impl SpectrumKind {
-    /// Every kind, in the order of the catalogue.
+    /// All kinds of spectra, in the order of the catalogue.
     pub const ALL: [Self; 5] =
         [Self::Light, Self::Reflectance, Self::Transmittance, Self::Absorption, Self::Scattering];
 
@@ -196,7 +197,7 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     list().iter().map(|listing| listing.name)
 }
 
-/// The expected input, as stated in the error for an unknown spectrum name.
+/// The description of the expected input. It is part of the error for an unknown spectrum name.
 pub const EXPECTED_NAME: &str = "the name of a built-in spectrum";
 
 /// Returns the spectrum with this name. Case is ignored.
@@ -221,9 +222,9 @@ pub struct LibraryMetal {
     pub symbol: &'static str,
     /// The English name.
     pub name: &'static str,
-    /// Another accepted spelling of the name; empty if there is none.
+    /// Another spelling of the name that is also accepted. The string is empty if there is none.
     pub also: &'static str,
-    /// The reference of the measurement.
+    /// The source of the measured data.
     pub source: &'static str,
 }
 

@@ -15,10 +15,10 @@ pub const MIN_WIDTH_NM: f64 = 1e-6;
 pub struct SpectralLine {
     /// The centre wavelength in nm (in air).
     pub nm: f64,
-    /// The power in W. If the spectrum has another unit than W/nm, this number is the integral over
-    /// the line. Its unit is then the unit of the spectrum, multiplied by nm.
+    /// The power in W. If the unit of the spectrum is not W/nm, this number is the integral of the
+    /// spectrum over the line. Its unit is then the unit of the spectrum, multiplied by nm.
     pub power: f64,
-    /// The full width in nm; [`DEFAULT_LINE_WIDTH_NM`] if absent.
+    /// The full width in nm. If it is absent, the width is [`DEFAULT_LINE_WIDTH_NM`].
     pub fwhm_nm: Option<f64>,
 }
 
@@ -128,8 +128,8 @@ impl Lines {
     }
 }
 
-/// Splits overlapping segments at all segment ends, and adds the densities of coinciding parts. The
-/// segments must be sorted by their lower ends.
+/// Splits overlapping segments at all segment ends, and adds the densities of the parts that
+/// overlap. The segments must be sorted by their lower ends.
 fn disjoint(segments: &[LineSegment]) -> Vec<LineSegment> {
     let mut cuts: Vec<f64> = segments.iter().flat_map(|segment| [segment.nm.0, segment.nm.1]).collect();
     cuts.sort_by(f64::total_cmp);

@@ -1,10 +1,10 @@
 //! Light as a function of wavelength: values, integrals, wavelength sampling, observers and a
 //! library of measured spectra.
 //!
-//! A [`Spectrum`] is a piecewise-linear function over the simulated band plus narrow lines of exact
-//! power. Values, integrals, products and sampled wavelengths are computed for exactly that
-//! function, so no line is lost between samples. When a table, formula or colour is read, it is
-//! converted to such a function once.
+//! A [`Spectrum`] is the sum of a piecewise-linear function over the simulated band and narrow
+//! lines of exact power. Values, integrals, products and sampled wavelengths are computed for
+//! exactly that function, so no line is lost between samples. When a table, formula or colour is
+//! read, it is converted to such a function once.
 
 pub mod library;
 pub mod read;
@@ -39,6 +39,6 @@ pub use value::Spectrum;
 pub const BAND_NM: (f64, f64) = (360.0, 830.0);
 
 /// The green wavelength, in nm, that represents the whole band. If a path has no wavelengths yet,
-/// sampling decisions use this wavelength. The optical depths that classify media and the size of
-/// the Airy disk are computed for it.
+/// sampling decisions use this wavelength. Two quantities are computed for this wavelength: the
+/// size of the Airy disk, and the optical depth by which media are classified.
 pub const REFERENCE_NM: f64 = 550.0;

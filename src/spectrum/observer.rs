@@ -25,27 +25,28 @@ pub struct Observer {
 }
 
 impl Observer {
-    /// Returns the CIE 1931 observer, 2° (ISO/CIE 11664-1). Its ȳ is V(λ).
+    /// Returns the CIE 1931 observer for a field of 2° (ISO/CIE 11664-1). Its function ȳ is the
+    /// luminous efficiency function V(λ).
     pub fn cie1931() -> &'static Self {
         static OBSERVER: OnceLock<Observer> = OnceLock::new();
         OBSERVER.get_or_init(|| Self::parse("cie1931", include_str!("../../data/cie/cie1931_2deg_1nm.csv")))
     }
 
-    /// Returns the CIE 1964 observer, 10° (ISO/CIE 11664-1).
+    /// Returns the CIE 1964 observer for a field of 10° (ISO/CIE 11664-1).
     pub fn cie1964() -> &'static Self {
         static OBSERVER: OnceLock<Observer> = OnceLock::new();
         OBSERVER.get_or_init(|| Self::parse("cie1964", include_str!("../../data/cie/cie1964_10deg_1nm.csv")))
     }
 
-    /// Returns the observer of CIE 170-2:2015, 2°, from cone fundamentals. Its table starts at 390
-    /// nm.
+    /// Returns the observer of CIE 170-2:2015 for a field of 2°. This observer is derived from cone
+    /// fundamentals. Its table starts at 390 nm.
     pub fn cie2015_2() -> &'static Self {
         static OBSERVER: OnceLock<Observer> = OnceLock::new();
         OBSERVER.get_or_init(|| Self::parse("cie2015_2", include_str!("../../data/cie/cie2015_2deg_1nm.csv")))
     }
 
-    /// Returns the observer of CIE 170-2:2015, 10°, from cone fundamentals. Its table starts at 390
-    /// nm.
+    /// Returns the observer of CIE 170-2:2015 for a field of 10°. This observer is derived from
+    /// cone fundamentals. Its table starts at 390 nm.
     pub fn cie2015_10() -> &'static Self {
         static OBSERVER: OnceLock<Observer> = OnceLock::new();
         OBSERVER.get_or_init(|| Self::parse("cie2015_10", include_str!("../../data/cie/cie2015_10deg_1nm.csv")))
@@ -99,7 +100,7 @@ impl Observer {
         &self.bars
     }
 
-    /// Returns x̄ + ȳ + z̄, the importance of a wavelength for a picture.
+    /// Returns x̄ + ȳ + z̄. This sum measures the importance of a wavelength for a picture.
     pub fn sum_bar(&self) -> &Spectrum {
         &self.sum
     }

@@ -6,12 +6,13 @@ use super::sweep::sweep;
 use super::{Spectrum, planck, smooth};
 
 /// The largest relative error of the linear pieces of a product. The error is relative to the
-/// product of the two maxima.
+/// product of the maxima of the two spectra.
 const PRODUCT_TOLERANCE: f64 = 1e-7;
 
 impl Spectrum {
-    /// Multiplies two spectra. Where both spectra are smooth, the error is at most one part in 10⁷
-    /// of the product of the maxima. Where one spectrum has a line, the power is exact.
+    /// Multiplies two spectra. Where both spectra are smooth, the error is at most 10⁻⁷ times the
+    /// product of their maxima. Where at least one spectrum has a line, the power of the product is
+    /// exact.
     #[must_use]
     pub fn product(&self, other: &Self) -> Self {
         let tolerance = PRODUCT_TOLERANCE * self.continuum_only().max() * other.continuum_only().max();
@@ -44,8 +45,8 @@ fn mean_product(a: (f64, f64), b: (f64, f64)) -> f64 {
     (2.0 * (a.0 * b.0 + a.1 * b.1) + a.0 * b.1 + a.1 * b.0) / 6.0
 }
 
-/// Appends the product of two linear functions as linear pieces. The tolerance determines the
-/// number of pieces.
+/// Approximates the product of two linear functions by linear pieces, and appends the pieces to the
+/// list. The tolerance determines the number of pieces.
 fn add_pieces(nm: (f64, f64), [a, b]: [(f64, f64); 2], tolerance: f64, pieces: &mut Vec<LinearPiece>) {
     // The product of two linear functions is replaced by a straight line through its end points.
     // The error is at most a quarter of the product of the two rises. If the interval is divided

@@ -12,7 +12,8 @@ use super::value::Spectrum;
 use super::{BAND_NM, library, smooth};
 use crate::error::{Error, Result};
 
-/// The matrix from XYZ to linear sRGB (IEC 61966-2-1, with the white x, y = 0.3127, 0.3290).
+/// The matrix that converts XYZ to linear sRGB (IEC 61966-2-1). The white point is x = 0.3127, y =
+/// 0.3290.
 const XYZ_TO_LINEAR_SRGB: [[f64; 3]; 3] = [
     [3.240_969_941_904_521, -1.537_383_177_570_093, -0.498_610_760_293],
     [-0.969_243_636_280_879_4, 1.875_967_501_507_72, 0.041_555_057_407_175_56],
@@ -62,8 +63,8 @@ fn basis() -> &'static FitBasis {
 
 impl Spectrum {
     /// Returns a smooth reflectance within [0, 1]. Under D65 and for the CIE 1931 observer, the
-    /// reflectance has the given linear sRGB colour. The error is at most 10⁻³ over the whole cube.
-    /// Greys are constant.
+    /// reflectance has the given linear sRGB colour. The error is at most 10⁻³ for every colour of
+    /// the RGB cube. Greys are constant.
     ///
     /// # Errors
     /// Returns an error if a component is outside [0, 1].
@@ -80,9 +81,9 @@ impl Spectrum {
         Ok(Self::upsampled(smooth::sampled(|nm| reflectance(coefficients, nm), &[])))
     }
 
-    /// Returns a light of the given linear sRGB colour: D65 times a smooth filter. Its XYZ values
-    /// (without the factor 683) match the colour. The error is at most 10⁻³ of the brightest
-    /// component.
+    /// Returns a light of the given linear sRGB colour: D65 times a smooth filter. Its XYZ values,
+    /// computed without the factor 683, match the colour. The error is at most 10⁻³ times the
+    /// largest component of the colour.
     ///
     /// # Errors
     /// Returns an error if a component is negative or not finite.
@@ -127,7 +128,7 @@ fn sigmoid(y: f64) -> f64 {
 
 /// Fits the coefficients to a colour whose components lie in [0, 1]. The method is
 /// Levenberg–Marquardt (damped Gauss–Newton). The target of the fit moves in eight stages from a
-/// grey with the same mean to the given colour.
+/// grey to the given colour. The grey and the colour have the same mean of the three components.
 fn fit(rgb: Vec3) -> Vec3 {
     let grey = (rgb.iter().sum::<f64>() / 3.0).clamp(0.01, 0.99);
     let level = 2.0 * grey - 1.0;
@@ -221,8 +222,8 @@ mod tests {
         XYZ_TO_LINEAR_SRGB.map(|row| dot(row, xyz))
     }
 
-    /// Tests a grid of 9³ colours of the cube. Returns the largest error of any component, and the
-    /// colour with this error.
+    /// Tests 9³ colours on a regular grid in the RGB cube. Returns the largest error of any
+    /// component, and the colour with this error.
     fn worst(back: impl Fn(Vec3) -> Vec3) -> (f64, Vec3) {
         let colours = (0..729).map(|code| [code / 81, code / 9 % 9, code % 9].map(|level| f64::from(level) / 8.0));
         let error = |rgb: Vec3| {

@@ -4,7 +4,7 @@ use super::BAND_NM;
 use super::continuum::{Continuum, LinearPiece};
 use crate::error::{Error, Result};
 
-/// The continuation of a table beyond its ends.
+/// The rule for the values of a table beyond its ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outside {
     /// The value is 0 outside the table. This is the rule for lights.
@@ -39,8 +39,8 @@ pub(crate) fn first_fault(nm: &[f64], values: &[f64]) -> Option<(usize, Error)> 
     None
 }
 
-/// Returns whether a table has a step within the band that is too fine for a sum with one sample
-/// per nm.
+/// Returns whether two adjacent samples of a table in the band are too close for a sum with one
+/// sample per nm.
 pub(crate) fn is_fine(nm: &[f64]) -> bool {
     nm.windows(2).any(|pair| pair[1] - pair[0] < FINE_STEP_NM && pair[1] > BAND_NM.0 && pair[0] < BAND_NM.1)
 }
@@ -71,8 +71,8 @@ pub(crate) fn continuum(nm: &[f64], values: &[f64], outside: Outside) -> Result<
     Ok(Continuum::from_pieces(&pieces(nm, values, ends)))
 }
 
-/// Converts at least two samples to pieces. `ends` contains the first and the last wavelength, and
-/// the value beyond each of them.
+/// Converts at least two samples to pieces. `below` contains the first wavelength and the value
+/// below it. `above` contains the last wavelength and the value above it.
 fn pieces(nm: &[f64], values: &[f64], [below, above]: [(f64, f64); 2]) -> Vec<LinearPiece> {
     let mut pieces = Vec::with_capacity(nm.len() + 1);
     if below.0 > BAND_NM.0 {

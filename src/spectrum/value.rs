@@ -1,4 +1,4 @@
-//! A spectrum: a continuum of linear pieces and narrow lines over the band.
+//! A spectrum over the band: the sum of a piecewise-linear continuum and narrow lines.
 
 use super::continuum::{Continuum, LinearPiece};
 use super::line::{LineSegment, Lines, MIN_WIDTH_NM, SpectralLine};
@@ -7,7 +7,7 @@ use super::table::{self, Outside};
 use super::{BAND_NM, planck, smooth};
 use crate::error::{Error, Result};
 
-/// A width in nm. One sample per nm does not represent narrower peaks well.
+/// If a peak is narrower than this width in nm, one sample per nm does not represent it well.
 const NARROW_NM: f64 = 5.0;
 
 /// A function of wavelength over the band 360–830 nm, such as power per nm, reflectance or
@@ -34,7 +34,8 @@ impl Spectrum {
     }
 
     /// Builds a spectrum by linear interpolation of samples. `nm` lists the wavelengths, and
-    /// `values` lists the values. Samples beyond the band are used to interpolate at its ends.
+    /// `values` lists the values. Samples outside the band are used to interpolate the values at
+    /// the ends of the band.
     ///
     /// # Errors
     /// Returns an error if the lists have different lengths or are empty; if wavelengths do not
@@ -136,7 +137,7 @@ impl Spectrum {
         sum
     }
 
-    /// Returns the spectrum times a factor.
+    /// Returns the spectrum multiplied by a factor.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         Self {
@@ -264,7 +265,7 @@ impl Spectrum {
         Self { upsampled: true, ..Self::from_continuum(continuum) }
     }
 
-    /// Returns a spectrum without lines and without narrow features.
+    /// Creates a spectrum from a continuum. It has no lines and no narrow part.
     pub(crate) fn from_continuum(continuum: Continuum) -> Self {
         Self { continuum, lines: Lines::none(), narrow: None, upsampled: false }
     }

@@ -90,8 +90,8 @@ impl ConvergenceCurve {
         }
     }
 
-    /// Returns the different slopes of the estimators. The least steep slope is the first, because
-    /// it dominates after many passes.
+    /// Returns the slopes of the estimators without duplicates. The list begins with the least
+    /// steep slope, because this slope dominates after many passes.
     pub fn slopes_in_theory(&self) -> Vec<f64> {
         let mut slopes: Vec<f64> = self.theory.iter().map(|theory| theory.slope).collect();
         slopes.sort_by(|a, b| b.total_cmp(a));

@@ -41,7 +41,7 @@ pub enum AblationResult {
         /// The relative mean square difference between two pictures, one without the effect and one
         /// with it. Both have the same number of passes and the same seeds.
         relative_mse: f64,
-        /// The colour difference between the same pictures.
+        /// The colour difference between the pictures with and without the effect.
         delta_e_2000: DeltaE,
         /// The error of the picture without the effect.
         #[serde(rename = "wrong")]
@@ -125,7 +125,7 @@ impl RenderCost {
 
 impl EffectStudy {
     /// Renders the scene with all effects, and once more with another seed. Then renders the scene
-    /// without each active effect, one by one.
+    /// once for each active effect. Each of these renders omits only this effect.
     pub(super) fn of(
         runner: &mut Runner<'_>,
         scene_file: &SceneFile,

@@ -29,10 +29,12 @@ const MOST_PIXELS: f64 = 65_536.0;
 /// The smallest number of pixels, so that the picture stays recognisable.
 const LEAST_PIXELS: f64 = 3_072.0;
 
-/// The target number of passes of each half of a photon-mapped reference.
+/// The target number of passes for a half of the reference, if photon mapping renders the
+/// reference.
 const PHOTON_PASSES: f64 = 200.0;
 
-/// The target number of passes of each half of a path-traced reference.
+/// The target number of passes for a half of the reference, if the path tracer renders the
+/// reference.
 const PATH_PASSES: f64 = 64.0;
 
 /// The largest share of the sweep's time that pilots may take.
@@ -41,7 +43,7 @@ const PILOT_SHARE: f64 = 0.3;
 /// The number of passes of a rehearsal.
 const REHEARSAL_PASSES: u64 = 2;
 
-/// The number of renders for the choice of the film size.
+/// Returns the number of renders that are needed to choose the film size.
 pub(super) fn steps(given: Option<&(String, Picture)>) -> usize {
     if given.is_some() { 0 } else { 2 }
 }

@@ -5,7 +5,7 @@ use crate::render::Monitor;
 
 /// Receives the progress of a study: its steps, and the passes of each render.
 pub trait StudyMonitor: Monitor {
-    /// A step begins. If its result is cached, the step ends at once.
+    /// A step begins. The step ends immediately if its result is cached.
     fn begin(&mut self, step: &str, cached: bool);
 }
 

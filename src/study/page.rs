@@ -33,7 +33,7 @@ pub(super) struct StudyPictures<'a> {
     whole: &'a Picture,
 }
 
-/// Indices of the first pictures.
+/// Indices of certain pictures in the list of pictures for comparison.
 const REFERENCE: usize = 0;
 const PHOTONS: usize = 1;
 const FIRST_EFFECT: usize = 3;

@@ -33,7 +33,8 @@ pub struct Recommendation {
 /// The relative mean square errors of the table.
 pub const ERRORS: [f64; 6] = [0.1, 0.03, 0.01, 0.003, 0.001, 0.0003];
 
-/// The limit of extrapolation, as a multiple of the number of passes at the last measured point.
+/// The limit of extrapolation. A predicted number of passes is at most this factor times the number
+/// of passes at the last measured point.
 const MAX_EXTRAPOLATION: f64 = 1000.0;
 
 /// Settings with their measured errors.

@@ -98,8 +98,8 @@ impl ReferencePicture {
         self.estimate(|i| self.variance[i])
     }
 
-    /// Returns the mean square of the reference's bias estimate. The bias is divided by the same
-    /// unit as errors.
+    /// Returns the mean square of the reference's bias estimate. The bias and the errors of
+    /// pictures are divided by the same unit.
     pub fn estimated_bias_square(&self) -> f64 {
         let bias = |i: usize| {
             let bias = self.picture.bias[i].filter(|bias| *bias > 0.0);

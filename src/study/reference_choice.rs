@@ -2,8 +2,8 @@
 //!
 //! The noise of a reference can be measured and subtracted, but its bias cannot. The path tracer
 //! has no bias. The path tracer renders the reference if it can find all light in time. Otherwise
-//! photon mapping renders the reference. Its kernels have a tenth of the usual area, and therefore
-//! a tenth of the bias and more noise.
+//! photon mapping renders the reference. The kernels of the reference then have a tenth of the
+//! usual area. Therefore the reference has a tenth of the usual bias, but more noise.
 
 use super::monitor::StudyError;
 use super::reference::ReferencePicture;
@@ -42,8 +42,9 @@ pub struct ReferenceProvenance {
     pub relative_variance: f64,
     /// The relative variance in smooth regions, or null if too few pixels are in smooth regions.
     pub smooth_relative_variance: Option<f64>,
-    /// The mean square of the reference's own bias estimate. The bias is divided by the same unit
-    /// as errors. Errors near this value cannot be measured. The value is 0 for the path tracer.
+    /// The mean square of the reference's own bias estimate. The bias and the errors of pictures
+    /// are divided by the same unit. Errors near this value cannot be measured. The value is 0 for
+    /// the path tracer.
     pub relative_bias_square: f64,
     /// The share of pixels in smooth regions.
     pub smooth_share: Option<f64>,
@@ -169,10 +170,11 @@ fn out_of_reach(facts: &Facts) -> Option<String> {
     ))
 }
 
-/// Renders trials with both integrators, and predicts their errors after the time of the reference.
-/// Returns the integrator for the reference, and the reason. The integrator is photon mapping in
-/// two cases: the path tracer misses light in its trial, or its predicted error is more than four
-/// times the predicted error of photon mapping. Otherwise, the integrator is the path tracer.
+/// Renders trials with both integrators, and predicts the error of each integrator for the render
+/// time of the reference. Returns the integrator for the reference, and the reason. The integrator
+/// is photon mapping in two cases: the path tracer misses light in its trial, or its predicted
+/// error is more than four times the predicted error of photon mapping. Otherwise, the integrator
+/// is the path tracer.
 fn try_both(runner: &mut Runner<'_>, job: &Job, budget_seconds: f64) -> Result<(Integrator, String), StudyError> {
     let seconds = TIME_SHARES.trial * budget_seconds / 4.0;
     let mut pair = |integrator: Integrator| -> Result<ReferencePicture, StudyError> {

@@ -40,7 +40,7 @@ impl RenderStep {
         self
     }
 
-    /// Stops after a number of passes instead of a time.
+    /// Replaces the time limit of the render by a limit on the number of passes.
     pub(super) fn with_passes(mut self, passes: u64) -> Self {
         self.request.stop = StopRules { passes: Some(passes), ..StopRules::default() };
         self

@@ -61,7 +61,7 @@ pub struct SettingSweep {
     pub left_out: Vec<SettingChange>,
 }
 
-/// Values of the settings, relative to the scene's own values.
+/// Factors that multiply the scene's own values of the settings.
 const PHOTONS: [f64; 3] = [1.0 / 16.0, 0.25, 4.0];
 const NEAREST: [f64; 3] = [0.25, 0.5, 4.0];
 const RADII: [f64; 2] = [0.5, 2.0];
@@ -158,8 +158,8 @@ impl SettingSweep {
     }
 }
 
-/// Returns the Pareto front: no other point is better than these points in both time and error.
-/// Errors that are not significant are ignored.
+/// Returns the Pareto front. It contains a point if no other point is better in both time and
+/// error. Errors that are not significant are ignored.
 fn front(runs: &[SweepRun]) -> Vec<ParetoPoint> {
     let places =
         |(run, of): (usize, &SweepRun)| of.points.clone().into_iter().map(move |point| ParetoPoint { run, point });

@@ -2,11 +2,11 @@
 //! bodies.
 //!
 //! A *body* is an object with an inside: glass, a liquid, or a region of fog. A scene without
-//! bodies has air on both sides of every surface. Its paths need no medium stack, and they keep all
-//! their wavelengths because no glass disperses the light. The loops of photons and of camera paths
-//! take a [`BodyMode`] as a type parameter, so that the compiler removes the unused half of the
-//! code. All functions called by one loop carry the same type parameter. Therefore a loop cannot
-//! mix the two modes.
+//! bodies has air on both sides of every surface. In such a scene, paths need no medium stack, and
+//! they keep all their wavelengths because no glass disperses the light. The loops of photons and
+//! of camera paths take a [`BodyMode`] as a type parameter, so that the compiler removes the unused
+//! half of the code. All functions called by one loop carry the same type parameter. Therefore a
+//! loop cannot mix the two modes.
 
 use super::next_interaction::{next_interaction, next_interaction_in_air};
 use super::ray_state::RayState;
@@ -18,7 +18,8 @@ use crate::scene::Scene;
 use crate::scene::medium_stack::MediumStack;
 use crate::spectrum::{LANES, Wavelengths};
 
-/// Whether the scene has bodies, decided once for each loop over photons or camera paths.
+/// Tells whether the scene has bodies. The decision is made once for each loop over photons or
+/// camera paths.
 pub trait BodyMode {
     /// True if the scene has bodies.
     const HAS_BODIES: bool;

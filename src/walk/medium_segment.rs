@@ -39,14 +39,14 @@ pub struct NumberedMedium<'a> {
 /// scene's radius.
 const COINCIDENT: f64 = 1e-9;
 
-/// Calls `visit` for each segment of the ray's first `length_m`. No surface may interrupt this part
-/// of the ray. Returns the medium stack at the end. Adjacent segments join at the faces of medium
-/// boundaries.
+/// Calls `visit` for each segment of the ray's first `length_m` metres. No surface may interrupt
+/// this part of the ray. Returns the medium stack at the end. Adjacent segments join at the faces
+/// of medium boundaries.
 ///
-/// A boundary may coincide with a surface, for example a box of fog on a floor. Rounding must not
-/// decide whether the ray crosses such a boundary. Therefore faces that coincide with the surface
-/// at the end of the ray do not count. If faces coincide with the surface at the start of the ray,
-/// the direction of the ray decides on which side of these faces the ray continues.
+/// A boundary may coincide with a surface, for example if a box of fog stands on a floor. Rounding
+/// must not decide whether the ray crosses such a boundary. Therefore faces are ignored if they
+/// coincide with the surface at the end of the ray. If faces coincide with the surface at the start
+/// of the ray, the direction of the ray decides on which side of these faces the ray continues.
 pub fn for_each_segment<'a>(
     scene: &'a Scene,
     ray_state: RayState,

@@ -39,8 +39,8 @@ pub fn next_interaction_in_air<'a>(
     Some(SurfaceInteraction::new(scene, ray.direction, hit, [MediumStack::AIR; 2], component))
 }
 
-/// Does the same as [`next_interaction`] and calls `visit` for each medium segment on the way. If
-/// `visit` returns `Break`, the search ends at that segment.
+/// Does the same as [`next_interaction`], and also calls `visit` for each medium segment on the
+/// way. If `visit` returns `Break`, the search ends at that segment.
 pub fn next_interaction_through_media<'a>(
     scene: &'a Scene,
     ray_state: RayState,

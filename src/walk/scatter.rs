@@ -20,7 +20,7 @@ pub struct ScatteredRay {
     /// The factor by which the event changes the power or radiance of each wavelength. The factor
     /// is 0 if the path no longer carries the wavelength.
     pub weight: Lanes,
-    /// The fraction of the power absorbed by the surface, per wavelength.
+    /// For each wavelength, the fraction of the power that the surface absorbs.
     pub absorbed: Lanes,
     /// The lane of the only remaining wavelength, if the event was dispersive.
     pub kept: Option<usize>,
@@ -182,9 +182,9 @@ fn sample_transmitted_lane(reflectance: &[f64], mut rest: f64) -> Option<usize> 
 pub struct ConsistentBsdfSample {
     /// The shading frame, or the frame of the geometric normal.
     pub frame: Frame,
-    /// The direction back along the path, in the frame.
+    /// The direction back along the path, in the coordinates of the frame.
     pub wo: DVec3,
-    /// The sample. Its direction has coordinates in the frame.
+    /// The sample. The sampled direction is in the coordinates of the frame.
     pub sample: BsdfSample,
 }
 

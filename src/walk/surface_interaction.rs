@@ -76,21 +76,22 @@ impl<'a> SurfaceInteraction<'a> {
         (frame, frame.to_local(-self.incoming))
     }
 
-    /// Returns a ray that starts on the surface in a world direction. `medium_stack` holds the
-    /// bodies around that ray.
+    /// Returns a ray that starts on the surface. `direction` is in world space. `medium_stack`
+    /// contains the bodies around the ray's origin.
     #[inline]
     pub fn spawn_ray(&self, direction: DVec3, medium_stack: MediumStack) -> RayState {
         RayState { ray: Ray { origin: self.hit.position, direction }, from: Some(self.hit.surface), medium_stack }
     }
 
-    /// Returns true if `direction` leads back to the side of arrival.
+    /// Returns true if `direction` leads back to the side from which the path arrived.
     #[inline]
     pub fn leads_back(&self, direction: DVec3) -> bool {
         self.hit.leads_back(self.incoming, direction)
     }
 
-    /// Returns true if a scattered direction is on the correct side of the geometric surface. This
-    /// is the side of arrival for reflection, and the other side for transmission.
+    /// Returns true if a scattered direction is on the correct side of the geometric surface. For
+    /// reflection, the correct side is the side from which the path arrived. For transmission, it
+    /// is the other side.
     #[inline]
     pub fn is_consistent(&self, direction: DVec3, event: ScatterEvent) -> bool {
         self.leads_back(direction) == (event == ScatterEvent::Reflection)
@@ -120,8 +121,8 @@ impl<'a> SurfaceInteraction<'a> {
     }
 
     /// Casts a shadow ray. Returns true if no surface lies between this point and a light at
-    /// `distance` (m) along `direction`. `target` is the surface of the light, and does not occlude
-    /// the light.
+    /// `distance` (m) along `direction`. `target` is the surface of the light. This surface does
+    /// not count as an obstacle.
     #[inline(always)]
     pub fn is_unoccluded(&self, scene: &Scene, direction: DVec3, distance: f64, target: Option<SurfaceId>) -> bool {
         let ray = Ray { origin: self.hit.position, direction };

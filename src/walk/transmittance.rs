@@ -10,8 +10,9 @@ use crate::spectrum::Spectrum;
 use smallvec::SmallVec;
 use std::ops::ControlFlow;
 
-/// The purpose of the random streams of ratio tracking. These streams share the purpose of camera
-/// paths. Their seed is a hash of the sample, so that they differ from the streams of paths.
+/// The purpose of the random streams of ratio tracking. These streams have the same purpose as the
+/// streams of camera paths. However, their seed is a hash of the sample, so that the two kinds of
+/// streams differ.
 const RATIO_TRACKING: Purpose = Purpose::Camera;
 
 /// The transmittance of one segment as a function of wavelength.
@@ -30,7 +31,8 @@ pub enum SegmentTransmittance<'a> {
         medium: &'a Medium,
         /// The column density: the integral of the relative density, in m.
         column_m: f64,
-        /// The error (estimate − exact) in m that ray marching causes in the column density.
+        /// The error that ray marching causes in the column density. The value is (estimate −
+        /// exact), in m.
         excess_m: f64,
     },
     /// Ratio tracking (Novák, Selle & Jarosz 2014, "Residual Ratio Tracking for Estimating
@@ -52,8 +54,8 @@ pub enum SegmentTransmittance<'a> {
 pub type PathTransmittance<'a> = SmallVec<[SegmentTransmittance<'a>; 3]>;
 
 impl<'a> SegmentTransmittance<'a> {
-    /// Creates the transmittance of `medium` along the first `length_m` of the ray. The medium
-    /// selects the method. Only tracking uses `seed`.
+    /// Creates the transmittance of `medium` along the first `length_m` metres of the ray. The
+    /// medium determines the method. Only ratio tracking uses `seed`.
     pub fn new(medium: &'a Medium, ray: Ray, length_m: f64, seed: u64) -> Self {
         match medium.transmittance {
             TransmittanceEstimator::Exact => {
@@ -82,8 +84,8 @@ impl<'a> SegmentTransmittance<'a> {
     }
 }
 
-/// Returns the error of the path's optical depth (estimate − exact) at the wavelength `nm`. The
-/// error comes from ray marching.
+/// Returns the error of the path's optical depth at the wavelength `nm`. The error is the estimate
+/// minus the exact value. Ray marching causes this error.
 #[inline]
 pub fn excess_optical_depth(path_transmittance: &[SegmentTransmittance<'_>], nm: f64) -> f64 {
     let of_segment = |segment: &SegmentTransmittance<'_>| match *segment {
@@ -95,9 +97,9 @@ pub fn excess_optical_depth(path_transmittance: &[SegmentTransmittance<'_>], nm:
     path_transmittance.iter().map(of_segment).sum()
 }
 
-/// Returns the relative bias of a transmittance if the optical depth has the error `excess` (δ).
-/// The estimate is e^−(τ + δ), and the exact value is e^−τ. The bias relative to the estimate is
-/// therefore 1 − e^δ.
+/// Returns the relative bias of a transmittance. `excess` is the error δ of the optical depth. If τ
+/// is the exact optical depth, the estimate is e^−(τ + δ), and the exact value is e^−τ. The bias
+/// relative to the estimate is therefore 1 − e^δ.
 #[inline]
 pub fn bias_of_excess(excess: f64) -> f64 {
     if excess == 0.0 { 0.0 } else { -excess.exp_m1() }
@@ -110,14 +112,14 @@ pub fn transmittance(path_transmittance: &[SegmentTransmittance<'_>], nm: f64) -
 }
 
 impl<'a> MediumSegment<'a> {
-    /// Returns the transmittances along the first `length_m` of the segment. Only tracking uses
-    /// `seed`.
+    /// Returns the transmittances along the first `length_m` metres of the segment. Only ratio
+    /// tracking uses `seed`.
     pub fn path_transmittance(&self, length_m: f64, seed: u64) -> PathTransmittance<'a> {
         self.transmittance_by(length_m, |medium| SegmentTransmittance::new(medium, self.ray, length_m, seed))
     }
 
-    /// Returns the transmittances along the first `length_m` by ratio tracking. The reference path
-    /// tracer uses this function, because it must not depend on column densities.
+    /// Returns the transmittances along the first `length_m` metres by ratio tracking. The
+    /// reference path tracer uses this function, because it must not depend on column densities.
     pub fn path_transmittance_tracked(&self, length_m: f64, seed: u64) -> PathTransmittance<'a> {
         self.transmittance_by(length_m, |medium| SegmentTransmittance::Tracked {
             medium,
@@ -138,8 +140,8 @@ impl<'a> MediumSegment<'a> {
     }
 }
 
-/// Returns the transmittances along the first `length_m` of a ray. No surface may interrupt this
-/// part of the ray. Only tracking uses `seed`.
+/// Returns the transmittances along the first `length_m` metres of a ray. No surface may interrupt
+/// this part of the ray. Only ratio tracking uses `seed`.
 pub fn path_transmittance<'a>(
     scene: &'a Scene,
     ray_state: RayState,

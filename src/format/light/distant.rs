@@ -80,7 +80,8 @@ impl DirectionalFile {
     /// Returns the quantity that the emitter states.
     ///
     /// # Errors
-    /// Returns an error if not exactly one quantity is stated, or if the quantity is below 0.
+    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
+    /// quantity is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[(self.irradiance, QuantityFile::Irradiance), (self.illuminance, QuantityFile::Illuminance)])
     }
@@ -90,7 +91,8 @@ impl EnvironmentFile {
     /// Returns the quantity that the emitter states.
     ///
     /// # Errors
-    /// Returns an error if not exactly one quantity is stated, or if the quantity is below 0.
+    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
+    /// quantity is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[(self.irradiance, QuantityFile::Irradiance), (self.illuminance, QuantityFile::Illuminance)])
     }
@@ -110,7 +112,8 @@ impl DirectionalFile {
 }
 
 impl EnvironmentFile {
-    /// Checks the ranges, and that the light has exactly one source and one quantity.
+    /// Checks that all values are in range and that the light has exactly one source and one
+    /// quantity.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         check::exactly_one(at, &[("spectrum", self.spectrum.is_some()), ("image", self.image.is_some())])?;
         self.spectrum.as_ref().map_or(Ok(()), |it| it.validate(&at.key("spectrum"), SpectrumUse::NotNegative))?;

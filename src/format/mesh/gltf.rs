@@ -50,7 +50,7 @@ pub(super) fn load(bytes: &[u8], folder: Option<&Path>, file_access: FileAccess)
 }
 
 /// Checks the length in the header of a binary file. A wrong length would cause an integer
-/// underflow in the crate.
+/// underflow in the crate `gltf`.
 fn check_length(bytes: &[u8]) -> Result<()> {
     let stated = bytes.get(8..12).and_then(|length| length.try_into().ok()).map(u32::from_le_bytes);
     match stated {
@@ -60,8 +60,8 @@ fn check_length(bytes: &[u8]) -> Result<()> {
     }
 }
 
-/// Checks that every accessor that an attribute names exists. A missing accessor would cause a
-/// panic in the crate.
+/// Checks that no attribute refers to a missing accessor. A missing accessor would cause a panic in
+/// the crate `gltf`.
 fn check_attributes(root: &::gltf::json::Root) -> Result<()> {
     let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
     let largest = primitives.flat_map(|primitive| primitive.attributes.values()).map(|index| index.value()).max();
@@ -72,7 +72,7 @@ fn check_attributes(root: &::gltf::json::Root) -> Result<()> {
 }
 
 /// Checks the addresses of buffers: the percent-decoded text must be UTF-8, and the file access
-/// must allow the path. The crate makes neither of these checks.
+/// must allow the path. The crate `gltf` makes neither of these checks.
 fn check_uris(document: &Document, file_access: FileAccess) -> Result<()> {
     for buffer in document.buffers() {
         if let Source::Uri(uri) = buffer.source()
@@ -114,8 +114,8 @@ fn invalid(error: &::gltf::Error) -> Error {
 struct SceneReader {
     buffers: Vec<::gltf::buffer::Data>,
     parts: Vec<MeshPart>,
-    /// For each node: whether the node has been read. A second read of a node is an error, so a
-    /// cycle of nodes cannot cause an endless loop.
+    /// States for each node whether the node has been read. It is an error to read a node twice, so
+    /// a cycle of nodes cannot cause an endless loop.
     visited: Vec<bool>,
 }
 

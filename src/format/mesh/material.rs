@@ -3,7 +3,7 @@
 /// A material of a mesh file. Colours are linear sRGB.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshMaterial {
-    /// Name in the file, or the empty string.
+    /// Name of the material in the file. The string is empty if the material has no name.
     pub name: String,
     /// Colour of the diffuse reflection, or colour of the metal. Each component is from 0 to 1.
     pub base_colour: [f64; 3],

@@ -30,19 +30,20 @@ pub struct MeshPart {
     pub mesh: TriangleMesh,
     /// The material in the file, if there is one.
     pub material: Option<MeshMaterial>,
-    /// Name of the part in the file, or the empty string.
+    /// Name of the part in the file. The string is empty if the part has no name.
     pub name: String,
     /// A note for the user. For example, the note says that textures are not read, or that a
     /// material library is missing.
     pub note: Option<String>,
 }
 
-/// Reads a mesh file. The extension gives the format: `.obj` (with its `.mtl`), `.ply`, `.stl`,
-/// `.gltf` or `.glb`. `file_access` states which other files the file may name.
+/// Reads a mesh file. The file extension determines the format: `.obj` (with its `.mtl`), `.ply`,
+/// `.stl`, `.gltf` or `.glb`. `file_access` states which other files the file may name.
 ///
 /// # Errors
-/// Returns an error with the file's name if the file is missing, has an unknown format, is
-/// truncated or malformed, or has no triangle with an area above 0.
+/// Returns an error if the file is missing, has an unknown format, or is truncated or malformed.
+/// Also returns an error if no triangle has an area above 0. The error contains the name of the
+/// file.
 pub fn load(path: &Path, file_access: FileAccess) -> Result<Vec<MeshPart>> {
     let parts = read_parts(path, file_access).map_err(|error| error.in_file(path))?;
     if parts.is_empty() {

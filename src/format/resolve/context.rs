@@ -11,9 +11,9 @@ use glam::DVec3;
 pub(super) struct Resolver<'a> {
     pub(super) scene: &'a SceneFile,
     pub(super) source: &'a JsonSource,
-    /// Metres per unit of length.
+    /// The length of one scene unit in metres.
     pub(super) metres: f64,
-    /// The shutter. The scene is resolved at the moment when it opens.
+    /// The shutter. The scene is resolved at the moment when the shutter opens.
     pub(super) shutter: Shutter,
 }
 

@@ -47,8 +47,8 @@ impl Resolver<'_> {
         Ok(FilmSpec { width, height, observer, spectral_bands, space, white: None, gamut, exposure })
     }
 
-    /// Returns the luminance L in cd/m² that is white on a film of the ISO speed S. S is the
-    /// saturation-based speed of ISO 12232.
+    /// Returns the luminance L, in cd/m², that appears white on a film with the ISO speed S. S is
+    /// the saturation-based speed of ISO 12232.
     ///
     /// If the shutter time is t in s and the f-number is N, the exposure in the middle of the film
     /// is q·L·t/N² in lx·s. The factor q = 0.65 accounts for the losses of the lens. An exposure of

@@ -8,7 +8,7 @@ use std::path::Path;
 /// Reads a Zemax glass catalogue (`.agf`).
 ///
 /// # Errors
-/// The file cannot be read or is not a glass catalogue.
+/// Returns an error if the file cannot be read or is not a glass catalogue.
 pub fn glass_file(path: &Path) -> Result<AgfCatalogue> {
     AgfCatalogue::parse(&read_bytes(path)?, path)
 }
@@ -17,7 +17,7 @@ pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     std::fs::read(path).map_err(|error| Error::input(format!("cannot be read: {error}")).in_file(path))
 }
 
-/// Resolves a refractive index of a file.
+/// Resolves a refractive index from a file.
 pub(super) fn index_of(file: &IndexFile, source: &JsonSource) -> Result<RefractiveIndex> {
     match file {
         IndexFile::Number(n) => RefractiveIndex::constant(*n),

@@ -11,12 +11,13 @@ use std::path::{Path, PathBuf};
 /// Reads a lens from a file.
 ///
 /// A file with the extension `.zmx` is a Zemax lens. Any other file is a prescription in JSON, as
-/// in a scene file. The glasses of a Zemax lens are looked up in `catalogues` first. Next come
-/// those catalogues named in the lens file that are in the same folder. The built-in glasses come
-/// last.
+/// in a scene file. The glasses of a Zemax lens are looked up in `catalogues` first. If a glass is
+/// not found there, it is looked up in the catalogues that the lens file names and that are in the
+/// folder of the lens file. The built-in glasses are searched last.
 ///
 /// # Errors
-/// The file cannot be read or is wrong. The error states the place in the file.
+/// Returns an error if the file cannot be read or is not a valid lens file. The error states the
+/// place in the file.
 pub fn lens_file(path: &Path, catalogues: &[AgfCatalogue]) -> Result<Lens> {
     if has_ending(path, "zmx") {
         let bytes = read_bytes(path)?;
@@ -30,8 +31,9 @@ pub fn lens_file(path: &Path, catalogues: &[AgfCatalogue]) -> Result<Lens> {
     lone_lens(&prescription, &source)
 }
 
-/// The paths of glass catalogues `NAME.agf` that are named by a Zemax lens and exist in its folder.
-/// Letter case is ignored. `lens` is the content of the lens file.
+/// Returns the paths of the glass catalogues that a Zemax lens names and that exist in the folder
+/// of the lens file. A catalogue has the file name `NAME.agf`. Upper and lower case letters are
+/// treated as equal. `lens` is the content of the lens file.
 pub fn catalogues_beside(path: &Path, lens: &[u8]) -> Vec<PathBuf> {
     let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
     let names = zemax::catalogues(lens);
@@ -48,11 +50,12 @@ fn has_ending(path: &Path, ending: &str) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(ending))
 }
 
-/// Resolves a lens that is not part of a scene. A name must be the name of a built-in lens.
+/// Resolves a lens that is not part of a scene. If the prescription is a name, it must be the name
+/// of a built-in lens.
 ///
 /// # Errors
-/// The name is unknown or the surfaces do not describe a lens. The error states the place in
-/// `source`.
+/// Returns an error if the name is unknown or if the surfaces do not describe a lens. The error
+/// states the place in `source`.
 pub fn lone_lens(prescription: &PrescriptionFile, source: &JsonSource) -> Result<Lens> {
     lens_at(&JsonPath::Root, prescription, source)
 }

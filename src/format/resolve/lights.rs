@@ -35,13 +35,13 @@ enum Radiometric {
     /// A power in W.
     Power(f64),
     /// An intensity in W/sr, a radiance in W/m²/sr or an irradiance in W/m². The kind of light
-    /// decides which.
+    /// determines which of these quantities is meant.
     Density(f64),
 }
 
 impl Radiometric {
-    /// Returns the value of either variant. This suits a light that supports only one of the
-    /// variants.
+    /// Returns the value of either variant. Use this method for a light that supports only one of
+    /// the variants.
     fn value(&self) -> f64 {
         match *self {
             Self::Power(value) | Self::Density(value) => value,
@@ -49,7 +49,7 @@ impl Radiometric {
     }
 }
 
-/// Converts a quantity of the file to a radiometric one.
+/// Converts a quantity of the file to a radiometric quantity.
 fn radiometric(quantity: QuantityFile, spectrum: &LightSpectrum) -> Result<Radiometric> {
     Ok(match quantity {
         QuantityFile::Power(value) => Radiometric::Power(value),

@@ -35,8 +35,8 @@ struct FieldPlacement {
 }
 
 impl Resolver<'_> {
-    /// The number of a medium: its position among the scene's media. `at` is the place of the name
-    /// in the file.
+    /// Returns the number of a medium, which is its position in the list of the scene's media. `at`
+    /// is the place of the name in the file.
     pub(super) fn medium_number(&self, at: &JsonPath<'_>, name: &str) -> Result<usize> {
         let mut names = self.scene.media.keys();
         names.position(|known| known == name).map_or_else(

@@ -48,8 +48,8 @@ fn metal(reflectance: &Spectrum, roughness: f64) -> Result<Bsdf> {
     Bsdf::conductor(mapped(reflectance, index_of)?, Spectrum::constant(0.0), roughness)
 }
 
-/// Returns the absorption coefficient, in 1/m, of a material in which white light has the given
-/// colour after the distance `distance_m`.
+/// Returns an absorption coefficient in 1/m. In a material with this coefficient, white light gets
+/// the colour `colour` after the distance `distance_m`.
 fn absorption(colour: [f64; 3], distance_m: f64) -> Result<Spectrum> {
     let transmittance = Spectrum::rgb_reflectance(colour.map(|c| c.clamp(0.0, 1.0)))?;
     mapped(&transmittance, |t| -t.max(1e-6).ln() / distance_m)

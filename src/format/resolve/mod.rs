@@ -1,9 +1,10 @@
-//! Translates the scene file to the scene model: names to numbers, units to SI, spectra to
-//! functions of wavelength, and file names to data.
+//! Translates the scene file to the scene model. Names become numbers, quantities are converted to
+//! SI units, spectra become functions of wavelength, and the named files are read.
 //!
 //! [`SceneBuilder`] builds and checks the model. This module adds the position in the file to the
-//! builder's errors. Every key of the file is read here or refused with "not supported yet". If a
-//! struct is destructured without `..`, the compiler reports a forgotten field.
+//! builder's errors. This module reads every key of the file, or refuses the key with the message
+//! "not supported yet". If a struct is destructured without `..`, the compiler reports a forgotten
+//! field.
 
 mod camera;
 mod context;
@@ -38,8 +39,8 @@ use std::path::Path;
 /// Reads and resolves a scene file. `sets` are patches of the form `PATH=JSON`.
 ///
 /// # Errors
-/// The file is invalid, or it uses a feature that is not supported yet. The error states the
-/// place in the file.
+/// Returns an error if the file is invalid or uses a feature that is not supported yet. The error
+/// states the place in the file.
 pub fn load(path: &Path, sets: &[String]) -> Result<Scene> {
     let (scene, source) = super::read(path, sets)?;
     resolve(&scene, &source)
@@ -48,19 +49,19 @@ pub fn load(path: &Path, sets: &[String]) -> Result<Scene> {
 /// Resolves a scene.
 ///
 /// # Errors
-/// A name is unknown, a file cannot be read, quantities contradict each other, or a feature is not
-/// supported yet. The error states the place in `source`.
+/// Returns an error if a name is unknown, if a file cannot be read, if quantities contradict each
+/// other, or if a feature is not supported yet. The error states the place in `source`.
 pub fn resolve(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
     let resolver = Resolver { scene, source, metres: scene.unit.metres(), shutter: motion::shutter(&scene.camera) };
     resolver.run()
 }
 
-/// Resolves a spectrum that is not part of a scene. A name must be the name of a spectrum of the
-/// library.
+/// Resolves a spectrum that is not part of a scene. If the spectrum is a name, the library must
+/// contain a spectrum with this name.
 ///
 /// # Errors
-/// A name is unknown, a file cannot be read, or a value does not fit the role. The error states the
-/// place in `source`.
+/// Returns an error if a name is unknown, if a file cannot be read, or if a value does not fit the
+/// role. The error states the place in `source`.
 pub fn lone_spectrum(spectrum: &SpectrumFile, source: &JsonSource, role: Role) -> Result<Spectrum> {
     spectra::Spectra { named: &BTreeMap::new(), source }.checked(&JsonPath::Root, spectrum, role)
 }

@@ -7,7 +7,8 @@ use crate::scene::camera::Shutter;
 use crate::scene::motion::{AnimatedLookAt, AnimatedTransform, LookAt};
 use glam::{DAffine3, DVec3};
 
-/// The transform of an object, a light or a medium when the shutter opens, and its motion.
+/// The motion of an object, a light or a medium, and its transform at the moment when the shutter
+/// opens.
 pub(super) struct ResolvedMotion {
     /// The transform from the object's frame to the world when the shutter opens. Lengths are in
     /// the scene's unit.

@@ -25,7 +25,7 @@ pub(super) struct ResolvedObjects<'a> {
 pub(super) struct EmittingObject<'a> {
     /// The position in the file's list of objects.
     pub(super) file_index: usize,
-    /// The object numbers. A mesh of several parts has several numbers.
+    /// The object numbers. A mesh with several parts has one number for each part.
     pub(super) objects: Vec<u32>,
     pub(super) emission: EmissionSource<'a>,
 }

@@ -1,4 +1,5 @@
-//! Translates spectra of the scene file to functions of wavelength, and checks them for their role.
+//! Translates spectra of the scene file to functions of wavelength, and checks that each spectrum
+//! is valid for its role.
 
 use std::collections::BTreeMap;
 
@@ -27,7 +28,7 @@ pub enum Role {
 }
 
 impl Role {
-    /// The values used in this role beyond the ends of a table.
+    /// Returns how a spectrum in this role is extrapolated beyond the ends of a table.
     pub fn outside(self) -> Outside {
         match self {
             Self::Light => Outside::Zero,
@@ -36,7 +37,8 @@ impl Role {
     }
 }
 
-/// The largest depth of references between spectra. Deeper references are reported as circular.
+/// The largest allowed depth of nested references between spectra. If the nesting is deeper, the
+/// references are reported as circular.
 const MAX_DEPTH: usize = 64;
 
 /// The context in which a spectrum is resolved.
@@ -52,7 +54,7 @@ impl Resolver<'_> {
         Spectra { named: &self.scene.spectra, source: self.source }
     }
 
-    /// Resolves a spectrum and checks it for its role.
+    /// Resolves a spectrum and checks that it is valid for its role.
     pub(super) fn spectrum(&self, at: &JsonPath<'_>, file: &SpectrumFile, role: Role) -> Result<Spectrum> {
         self.spectra().checked(at, file, role)
     }
@@ -83,7 +85,7 @@ impl Resolver<'_> {
 }
 
 impl Spectra<'_> {
-    /// Resolves a spectrum and checks it for its role.
+    /// Resolves a spectrum and checks that it is valid for its role.
     pub(super) fn checked(&self, at: &JsonPath<'_>, file: &SpectrumFile, role: Role) -> Result<Spectrum> {
         let spectrum = self.spectrum_at_depth(at, file, role, 0)?;
         self.at(at, check_role(&spectrum, role))?;

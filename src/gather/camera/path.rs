@@ -14,9 +14,9 @@ use crate::walk::{ConsistentBsdfSample, RayState, SurfaceInteraction};
 pub struct PathBuffers<'a> {
     /// The factors of the current path's throughput.
     pub(in crate::gather) factors: Vec<Factor<'a>>,
-    /// The extinction coefficients of a light map's attenuators.
+    /// The extinction coefficients of all media and bodies that attenuate the light in a light map.
     pub(in crate::gather) coefficients: Vec<Lanes>,
-    /// True if the camera walk fills the next two lists.
+    /// True if the camera walk fills `visible_points` and `camera_segments`.
     pub(in crate::gather) records: bool,
     /// The visible points of the last sample.
     pub visible_points: Vec<VisiblePoint>,
@@ -64,8 +64,8 @@ impl CameraPath {
     }
 
     /// Returns the wavelength (nm) at which the path samples directions. A free path samples
-    /// directions at the reference wavelength. Its factors correct the throughput at all other
-    /// wavelengths.
+    /// directions at the reference wavelength. At all other wavelengths, the path's factors correct
+    /// the throughput.
     pub(in crate::gather) fn reference_nm(&self) -> f64 {
         match self.spectral_mode {
             SpectralMode::Free => REFERENCE_NM,

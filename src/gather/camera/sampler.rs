@@ -7,8 +7,8 @@ use crate::math::sobol::{DIMENSIONS, Sobol};
 use crate::scene::camera::{Aperture, Camera, SystemAt};
 use glam::DVec2;
 
-/// The shift of a pixel's wavelength sequence is a hash. The hash contains this constant, so that
-/// the sequence is independent of the pixel's Sobol points.
+/// The shift of a pixel's wavelength sequence is a hash. This constant is one of the hashed values,
+/// so that the wavelength sequence is independent of the pixel's Sobol points.
 const WAVELENGTH_SEQUENCE: u64 = 0x5eed;
 
 /// The random numbers of one camera sample. Within one replicate, the samples of a pixel form a
@@ -16,7 +16,7 @@ const WAVELENGTH_SEQUENCE: u64 = 0x5eed;
 #[derive(Debug)]
 pub struct PixelSampler {
     point: [f64; DIMENSIONS],
-    /// The random numbers for all dimensions that the low-discrepancy point does not have.
+    /// Gives the random numbers for all dimensions beyond those of the low-discrepancy point.
     pub stream: Stream,
     /// The number in [0, 1) that selects the sample's wavelengths. The number comes from a separate
     /// sequence, so that the wavelength does not correlate with any other random number.

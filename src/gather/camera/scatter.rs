@@ -81,9 +81,9 @@ impl<'a> CameraPass<'a> {
         fresnel::dielectric(interaction.wo.z.abs(), sides.here.n(REFERENCE_NM), sides.there.n(REFERENCE_NM))
     }
 
-    /// Follows the path once for each shared wavelength. If refraction is already selected,
-    /// `refraction` is its probability. If `refraction` is `None`, each wavelength samples the
-    /// BSDF.
+    /// Follows the path once for each shared wavelength. If the caller has already selected
+    /// refraction, `refraction` is the probability of this selection. If `refraction` is `None`,
+    /// each wavelength samples the BSDF.
     fn split<S: Sink>(
         &self,
         path: CameraPath,

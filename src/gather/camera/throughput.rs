@@ -46,8 +46,9 @@ pub(in crate::gather) fn product(factors: &[Factor<'_>], nm: f64) -> f64 {
     factors.iter().map(|factor| factor.at(nm)).product()
 }
 
-/// Returns (n here / n at the camera)². Refraction multiplies radiance by this factor, so the ratio
-/// of radiance to n² stays constant.
+/// Returns (n/n₀)². n is the refractive index at the path's current position, and n₀ is the
+/// refractive index at the camera. Refraction multiplies radiance by this factor, so the ratio of
+/// radiance to n² stays constant.
 pub(in crate::gather) fn relative_n2(scene: &Scene, ray_state: &RayState, nm: f64) -> f64 {
     let n = |medium_stack: &MediumStack| scene.index_in(medium_stack).n(nm);
     (n(&ray_state.medium_stack) / n(&scene.camera.medium_stack)).powi(2)
@@ -56,8 +57,8 @@ pub(in crate::gather) fn relative_n2(scene: &Scene, ray_state: &RayState, nm: f6
 /// The wavelengths of a camera path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::gather) enum SpectralMode {
-    /// The path has no fixed wavelength. Its throughput is a function of wavelength: the product of
-    /// its factors.
+    /// The path has no fixed wavelength. The throughput is a function of wavelength, and is the
+    /// product of the path's factors.
     Free,
     /// The path carries one of the pass's shared wavelengths.
     Shared {
@@ -65,7 +66,7 @@ pub(in crate::gather) enum SpectralMode {
         lane: usize,
         /// The wavelength in nm.
         nm: f64,
-        /// The throughput divided by the density of the wavelength.
+        /// The throughput, divided by the probability density of the wavelength.
         throughput: f64,
     },
 }

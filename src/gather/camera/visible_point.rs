@@ -4,7 +4,7 @@ use crate::geometry::Ray;
 use crate::plan::partition::View;
 use glam::DVec3;
 
-/// A point where a camera path ended at a diffuse surface ("visible point": Hachisuka & Jensen
+/// A visible point: a point where a camera path ended at a diffuse surface (Hachisuka & Jensen
 /// 2009, "Stochastic Progressive Photon Mapping").
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VisiblePoint {
@@ -12,7 +12,8 @@ pub struct VisiblePoint {
     pub position: DVec3,
     /// The surface's unit normal on the visible side.
     pub facing: DVec3,
-    /// The side length (m) of the pixel's footprint. It is computed as if the path were straight.
+    /// The side length (m) of the pixel's footprint. The footprint is computed as if the path were
+    /// straight.
     pub footprint_m: f64,
     /// Whether the camera sees the point along a straight line.
     pub view: View,
@@ -35,11 +36,13 @@ pub struct CameraSegment {
     pub shared: bool,
 }
 
-/// The least cosine of the angle between the normals at two points of one smooth surface.
+/// Two points belong to one smooth surface only if the cosine of the angle between their normals is
+/// larger than this value.
 const LEAST_COSINE: f64 = 0.9;
 
-/// The largest ratio of a point's height above the tangent plane to the distance of that point. A
-/// point with a larger ratio does not belong to the same smooth surface.
+/// The upper limit of a ratio: the height of a point above the tangent plane, divided by the
+/// distance of the point. If the ratio is above this limit, the point does not belong to the same
+/// smooth surface.
 const LARGEST_SLOPE: f64 = 0.25;
 
 impl VisiblePoint {

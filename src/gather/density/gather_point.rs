@@ -1,4 +1,4 @@
-//! The gather point: the surface point of a camera path and the photons around it.
+//! The gather point: a point of a camera path on a surface, and the photons around this point.
 
 use crate::gather::camera::path::CameraPath;
 use crate::gather::camera::throughput::{Factor, SpectralMode, product};
@@ -9,22 +9,24 @@ use crate::optics::bsdf::{Bsdf, InterfaceIors, TransportMode};
 use crate::walk::{BodyMode, Sink, SurfaceInteraction, bias_of_excess};
 use glam::DVec3;
 
-/// The least cosine of the angle between the normal at the gather point and the normal at a photon.
-/// Photons with a smaller cosine are on another surface and are ignored.
+/// The lower limit of the cosine of the angle between two normals: the normal at the gather point
+/// and the normal at a photon. If the cosine is below this limit, the photon is on another surface
+/// and is ignored.
 pub const NORMAL_TOLERANCE: f64 = 0.7;
 
 /// The largest distance of a photon from the tangent plane, as a fraction of the kernel radius.
-/// Photons at a larger distance are ignored.
+/// Photons farther from the tangent plane are ignored.
 pub const PLANE_TOLERANCE: f64 = 0.3;
 
 /// The data of a gather point, without the data of its photons.
 ///
-/// The cosine of the incident direction uses the surface normal at the position of the photon. On a
-/// curved surface, the normal at the gather point would give a wrong cosine. Some light at grazing
-/// angles would then seem to come from below the surface. If the shading normal n_s is
-/// interpolated, it differs from the geometric normal n_g. The flux of the photon arrived through
-/// the geometric surface, but the BSDF is defined for the shading normal. The photon is therefore
-/// multiplied by |ω·n_s| / |ω·n_g| (Veach 1997, section 5.3).
+/// The cosine of the incident direction is computed with the surface normal at the position of the
+/// photon. On a curved surface, the normal at the gather point would give a wrong cosine. Some
+/// light at grazing angles would then seem to come from below the surface. If the shading normal
+/// n_s is interpolated, it differs from the geometric normal n_g. The flux of the photon arrived
+/// through the geometric surface, but the BSDF is defined for the shading normal. The power of the
+/// photon is therefore multiplied by |ω·n_s| / |ω·n_g|, where ω is the incident direction (Veach
+/// 1997, section 5.3).
 pub(in crate::gather) struct GatherPoint<'e> {
     bsdf: &'e Bsdf,
     sides: InterfaceIors<'e>,
@@ -34,7 +36,7 @@ pub(in crate::gather) struct GatherPoint<'e> {
     normal: DVec3,
     /// The normal on the visible side.
     facing: DVec3,
-    /// The largest distance (m) from the tangent plane at which photons count.
+    /// Photons count only up to this distance (m) from the tangent plane.
     height_m: f64,
     kernel: DiskKernel,
     spectral_mode: SpectralMode,

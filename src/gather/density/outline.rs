@@ -35,7 +35,7 @@ pub struct Outline {
     facing: Vec3,
     /// The largest distance of the search, in m.
     reach: f32,
-    /// The extent in equally spaced directions, in 255ths of the reach.
+    /// The extent of the surface in equally spaced directions. The unit is `reach` / 255.
     steps: [u8; DIRECTIONS],
 }
 
@@ -75,7 +75,8 @@ impl Outline {
     }
 }
 
-/// Returns the extent (m) of the surface from a visible point in one direction, at most `reach`.
+/// Returns how far (m) the surface extends from a visible point in one direction. The result is at
+/// most `reach`.
 fn surface_extent(geometry: &Geometry, visible_point: &VisiblePoint, direction: DVec3, reach: f64) -> f64 {
     const BISECTIONS: usize = 6;
     let up = visible_point.facing;
@@ -104,7 +105,7 @@ fn surface_extent(geometry: &Geometry, visible_point: &VisiblePoint, direction: 
 #[derive(Debug, Default)]
 pub struct Outlines {
     width: usize,
-    /// The number of each pixel's outline in the list, counted from 1.
+    /// For each pixel, the number of its outline in the list. The numbers start at 1.
     numbers: Vec<Option<NonZeroU32>>,
     list: Vec<Outline>,
 }
@@ -116,7 +117,8 @@ impl Outlines {
         self.list.is_empty()
     }
 
-    /// Creates the outlines from each pixel's outline. Rows start at the top of the image.
+    /// Collects the outlines of all pixels. The pixels are listed row by row, from the top of the
+    /// image.
     pub fn new(width: usize, of_pixels: impl Iterator<Item = Option<Outline>>) -> Self {
         let mut outlines = Self { width, ..Self::default() };
         for outline in of_pixels {
@@ -132,7 +134,7 @@ impl Outlines {
     /// Returns the fraction of each kernel that lies on the surface. The kernels are centred on a
     /// visible point of this pixel. The pixel may see several surfaces. If the pixel's own outline
     /// belongs to a different surface, a neighbouring pixel may have an outline of the right
-    /// surface. The correction then uses that outline.
+    /// surface. The correction then uses the outline of the neighbouring pixel.
     pub fn correction(&self, pixel: usize, visible_point: &VisiblePoint, radius: f64) -> BoundaryCorrection {
         let (x, y) = ((pixel % self.width.max(1)) as isize, (pixel / self.width.max(1)) as isize);
         let nearby = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1)];
@@ -162,14 +164,15 @@ mod tests {
         VisiblePoint { position: DVec3::ZERO, facing: DVec3::Z, footprint_m: 0.01, view: View::Direct, shared: false }
     }
 
-    /// Creates an outline from its extent (at most 1) as a function of direction.
+    /// Creates an outline. `extent` is the extent of the surface (at most 1) as a function of
+    /// direction.
     fn outline(extent: impl Fn(f64) -> f64) -> Outline {
         Outline::new(&visible_point(), 1.0, extent)
     }
 
     /// Compares two fractions at an edge and in a corner: the fraction of the kernel on the
-    /// surface, and the fraction of the directions in which the surface continues. Both must be
-    /// equal.
+    /// surface, and the fraction of the directions in which the surface continues. The two
+    /// fractions must be equal.
     #[test]
     fn edge_and_corner_corrections_count_directions() {
         let half = outline(|angle| if angle.cos() > 1e-9 { 0.0 } else { 1.0 });
@@ -178,8 +181,8 @@ mod tests {
         assert!((corner.correction(1.0).estimate - 3.0 / 16.0).abs() < 1e-9);
     }
 
-    /// A straight edge cuts the kernel at half the radius. The mass of the remaining kernel equals
-    /// the closed form.
+    /// A straight edge cuts the kernel at half the radius. The computed mass of the remaining
+    /// kernel agrees with the exact formula.
     #[test]
     fn cut_kernel_has_the_mass_of_the_closed_form() {
         let cut = outline(|angle| if angle.cos() > 0.5 { 0.5 / angle.cos() } else { 1.0 });

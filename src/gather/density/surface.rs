@@ -13,8 +13,8 @@ use crate::plan::partition::{Estimator, View, estimator};
 use crate::walk::{BodyMode, Sink, SurfaceInteraction};
 
 impl<'a> CameraPass<'a> {
-    /// Gathers the photons around a surface point. Gathers only the path classes that the partition
-    /// assigns to the photon map.
+    /// Gathers the photons around a surface point. Only photons of some path classes are gathered:
+    /// the partition assigns these classes to the photon map.
     #[inline(always)]
     pub(in crate::gather) fn gather_photons<M: BodyMode, S: Sink>(
         &self,

@@ -1,7 +1,7 @@
 //! Next-event estimation combines two techniques: shadow rays to sampled points of lights, and
-//! scattered rays that happen to hit a light. The combination is multiple importance sampling by
-//! the power heuristic (Veach & Guibas 1995, "Optimally Combining Sampling Techniques for Monte
-//! Carlo Rendering").
+//! scattered rays that happen to hit a light. The two techniques are combined by multiple
+//! importance sampling with the power heuristic (Veach & Guibas 1995, "Optimally Combining Sampling
+//! Techniques for Monte Carlo Rendering").
 
 use crate::geometry::{Hit, Ray};
 use crate::math::distribution::DiscreteDistribution;
@@ -54,7 +54,7 @@ pub(in crate::gather) struct LightSampleContext<'e, 'a> {
 /// A point in a medium where direct light is sampled.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct VolumeLightSampleContext<'a> {
-    /// The path's ray. The origin of the ray is the point.
+    /// The path's ray. The origin of this ray is the point in the medium.
     pub(in crate::gather) ray_state: RayState,
     pub(in crate::gather) medium: &'a Medium,
     /// The wavelength (nm) at which the path samples the phase function. `None` if the estimator
@@ -68,8 +68,9 @@ pub(in crate::gather) struct LightSample<'a> {
     pub(in crate::gather) light: &'a Light,
     /// The unit direction towards the light, in the interaction's frame.
     pub(in crate::gather) wi: DVec3,
-    /// The reflected radiance at a wavelength is `strength` × S(λ) × f(λ). The strength includes
-    /// the cosine, the density and the weight of multiple importance sampling.
+    /// The reflected radiance at a wavelength is `strength` × S(λ) × f(λ), where S is the light's
+    /// spectrum and f is the BSDF. The strength includes the cosine, the density and the weight of
+    /// multiple importance sampling.
     pub(in crate::gather) strength: f64,
     pub(in crate::gather) spd: EmittedSpd,
     /// The unit direction towards the light, in world space.
@@ -83,8 +84,9 @@ pub(in crate::gather) struct VolumeLightSample<'a> {
     pub(in crate::gather) light: &'a Light,
     /// The unit direction in which the light travels, in world space.
     pub(in crate::gather) incoming: DVec3,
-    /// The scattered radiance at a wavelength, without attenuation, is `strength` × S(λ) × σ_s(λ) ×
-    /// p(cos θ, λ).
+    /// Without attenuation, the scattered radiance at a wavelength is `strength` × S(λ) × σ_s(λ) ×
+    /// p(cos θ, λ). S is the light's spectrum, σ_s is the scattering coefficient, and p is the
+    /// phase function.
     pub(in crate::gather) strength: f64,
     pub(in crate::gather) spd: EmittedSpd,
     /// The transmittance between the light and the point.
@@ -94,19 +96,20 @@ pub(in crate::gather) struct VolumeLightSample<'a> {
 /// A light that a ray hit.
 pub(in crate::gather) struct EmitterHit<'a> {
     pub(in crate::gather) light: &'a Light,
-    /// The radiance over the band (W/m²/sr) times the weight of multiple importance sampling.
+    /// The radiance over the band (W/m²/sr), multiplied by the weight of multiple importance
+    /// sampling.
     pub(in crate::gather) radiance: f64,
     pub(in crate::gather) spd: EmittedSpd,
 }
 
-/// The weight of the emitted radiance if a ray happens to hit a light. The weight depends on the
-/// ray's previous vertex.
+/// Tells how to weight the radiance of a light that a path happens to hit. The weight depends on
+/// the path vertex before the light.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) enum HitWeighting {
     /// The weight is 1, because no shadow ray could have sampled this light.
     Full,
     /// The weight of multiple importance sampling. The ray was sampled at `position` with the
-    /// density `pdf` per steradian. Shadow rays are the other technique.
+    /// density `pdf` per steradian. The other sampling technique is shadow rays.
     Mis { position: DVec3, pdf: f64 },
     /// The weight is 0, because another estimator counts the light.
     Ignored,
@@ -289,7 +292,8 @@ impl<'a> DirectLighting<'a> {
 
 /// Returns the weight of a sample by the power heuristic with exponent 2 (Veach & Guibas 1995).
 /// `pdf` is the density of the technique that drew the sample. `other_pdf` is the density of the
-/// other technique for the same sample. Both densities have the same measure.
+/// other technique for the same sample. Both densities must refer to the same measure, for example
+/// to solid angle.
 pub fn power_heuristic(pdf: f64, other_pdf: f64) -> f64 {
     if pdf.is_infinite() {
         return 1.0;

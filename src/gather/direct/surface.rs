@@ -10,7 +10,8 @@ use crate::walk::{BodyMode, Sink, SurfaceInteraction, bias_of_excess, excess_opt
 use glam::DVec3;
 
 impl<'a> CameraPass<'a> {
-    /// Adds the lights at the end of a path segment: on a surface, or at infinity.
+    /// Adds the radiance of the lights at the end of a path segment. These lights are on a surface
+    /// or at infinity.
     #[inline(always)]
     pub(in crate::gather) fn add_emitters_hit<S: Sink>(
         &self,

@@ -14,14 +14,16 @@ pub(super) struct DistanceSample {
     pub(super) pdf_per_m: f64,
 }
 
-/// Samples a distance within the light's reach. Returns `None` if the medium is empty there.
+/// Samples a distance within the light's reach. Returns `None` if the medium is empty within this
+/// reach.
 ///
 /// If the light has a pivot, half of the samples are equiangular as seen from the pivot (Kulla &
 /// Fajardo 2012, "Importance Sampling Techniques for Path Tracing in Participating Media"). The
-/// other samples are distributed like the transmittance. One half of them uses the least extinction
-/// coefficient over the band, and the other half uses the largest extinction coefficient. At every
-/// wavelength and every distance, at least one of these techniques is good. The returned density is
-/// that of the mixture of all techniques (balance heuristic).
+/// other samples are distributed like the transmittance. Two techniques sample distances like the
+/// transmittance: one uses the least extinction coefficient over the band, and the other uses the
+/// largest. Each of these two techniques draws the same number of samples. At every wavelength and
+/// every distance, at least one of these techniques has a suitable density. The returned density is
+/// the density of the mixture of all techniques (balance heuristic).
 pub(super) fn sample(medium: &Medium, ray: &Ray, reach: &LitInterval, u: [f64; 2]) -> Option<DistanceSample> {
     let techniques = Techniques::new(medium, ray, reach)?;
     let by_angle = if techniques.equiangular.is_some() { 0.5 } else { 0.0 };
@@ -44,8 +46,9 @@ pub(super) struct StratifiedDistance {
     pub(super) t_m: f64,
     /// The column density (m) between the ray's origin and this distance.
     pub(super) column_m: f64,
-    /// The ratio of the medium's relative density ρ to the sampling density of the distances, in m.
-    /// The sum of `strength_m` × f over the distances estimates ∫ρ f dt.
+    /// The medium's relative density ρ, divided by the sampling density (1/m) of the distances. For
+    /// any function f, the sum of `strength_m` × f over the distances estimates the integral of ρ f
+    /// along the ray.
     pub(super) strength_m: f64,
 }
 
@@ -54,7 +57,8 @@ pub(super) const MOST_DISTANCES: usize = 8;
 
 /// Calls `visit` with stratified distances within the light's reach, in increasing order. The
 /// distances are divided among the techniques of [`sample`]. `shift` in [0, 1)² moves the distances
-/// of each technique within their strata. The medium is traversed once for all distances.
+/// of each technique within their strata. The function traverses the medium only once and finds all
+/// distances on the way.
 pub(super) fn for_each_stratified(
     medium: &Medium,
     ray: &Ray,
@@ -127,7 +131,7 @@ struct Techniques<'a> {
     medium: &'a Medium,
     /// The part of the ray within the light's reach.
     ray: Ray,
-    /// The distance from the whole ray's origin to this part, in m.
+    /// The distance (m) from the origin of the whole ray to the start of this part.
     start: f64,
     /// The length of this part in m.
     length: f64,
@@ -168,8 +172,7 @@ impl<'a> Techniques<'a> {
         }
     }
 
-    /// Returns the probability density (1/m) of the equal mixture of the two transmittance
-    /// techniques.
+    /// Returns the mean of the probability densities (1/m) of the two transmittance techniques.
     fn transmittance_pdf(&self, t: f64) -> f64 {
         let along = t - self.start;
         let density = self.medium.density_at(self.ray.at(along));
@@ -177,8 +180,8 @@ impl<'a> Techniques<'a> {
         0.5 * density * (self.column_pdf(self.sigma[0], column) + self.column_pdf(self.sigma[1], column))
     }
 
-    /// Returns the probability density of one transmittance technique over the column density. The
-    /// unit is 1/m.
+    /// Returns the probability density (1/m) with which one transmittance technique samples a
+    /// column density.
     fn column_pdf(&self, sigma: f64, column: f64) -> f64 {
         let depth = sigma * self.column;
         if depth < 1e-6 { 1.0 / self.column } else { sigma * (-sigma * column).exp() / -(-depth).exp_m1() }
@@ -189,17 +192,17 @@ impl<'a> Techniques<'a> {
 struct Equiangular {
     /// The distance along the ray to the point nearest to the pivot, in m.
     nearest: f64,
-    /// The distance of that point from the pivot, in m.
+    /// The distance from the pivot to the nearest point of the ray, in m.
     height: f64,
     /// The angle at the start of the sampled range.
     from: f64,
-    /// The angle at its end.
+    /// The angle at the end of the sampled range.
     to: f64,
 }
 
 impl Equiangular {
-    /// Samples the distances from `from` to `to`, in m. Returns `None` if the ray passes through
-    /// the pivot.
+    /// Prepares the sampling of distances between `from` and `to` (in m). Returns `None` if the ray
+    /// passes through the pivot.
     fn new(ray: &Ray, pivot: glam::DVec3, from: f64, to: f64) -> Option<Self> {
         let nearest = (pivot - ray.origin).dot(ray.direction);
         let height = (ray.at(nearest) - pivot).length();
@@ -226,7 +229,8 @@ mod tests {
     use crate::spectrum::{Outside, Spectrum};
     use glam::DVec3;
 
-    /// The mean of f(t)/pdf(t) is the integral of f, with and without a pivot.
+    /// The mean of f(t)/pdf(t) equals the integral of f. This is true for lights with a pivot and
+    /// for lights without a pivot.
     #[test]
     fn sampled_distances_integrate_without_bias() {
         let sigma = Spectrum::table(&[360.0, 830.0], &[20.0, 0.2], Outside::Hold).unwrap();

@@ -2,11 +2,12 @@
 //! ray.
 //!
 //! The estimator looks up the light map at several random points of the ray, and interpolates the
-//! transmittance there. The random points add noise but no bias. The only bias is the interpolation
-//! error of the map. Visibility is not interpolated. If any map node around a point sees the light,
-//! the point casts a shadow ray. All other points are probably in shadow. Such a point casts a
-//! shadow ray only with the probability 1/8, and its contribution is then multiplied by 8.
-//! Therefore the estimator finds even thin shadows and thin beams of light.
+//! transmittance at these points. The random points add noise but no bias. The only bias is the
+//! interpolation error of the map. Visibility is not interpolated. If any map node around a point
+//! sees the light, the point casts a shadow ray. If no node around a point sees the light, the
+//! point is probably in shadow. A point that is probably in shadow casts a shadow ray only with the
+//! probability 1/8, and its contribution is then multiplied by 8. Therefore the estimator finds
+//! even thin shadows and thin beams of light.
 
 use super::distance::{self, MOST_DISTANCES, StratifiedDistance};
 use crate::gather::camera::path::CameraPath;
@@ -33,7 +34,7 @@ struct InScattering<'s, 'a> {
     extinction: Lanes,
     /// The absorption coefficient of the clear body around the medium, in 1/m.
     absorption: Lanes,
-    /// The coefficients of the map's attenuators, in 1/m.
+    /// The coefficients (1/m) of all media and bodies that attenuate the light in the map.
     coefficients: &'s [Lanes],
     /// The estimate at each wavelength.
     sum: Lanes,
@@ -100,8 +101,8 @@ impl<'a> CameraPass<'a> {
 }
 
 impl InScattering<'_, '_> {
-    /// Adds the light that the medium scatters at one distance. `ray` is the camera ray with its
-    /// origin moved to that distance. The shadow ray has the same origin.
+    /// Adds the light that the medium scatters at one distance. `ray` is the camera ray, but its
+    /// origin is moved to the point at this distance. The shadow ray has the same origin.
     fn add(&mut self, distance: &StratifiedDistance, ray: &Ray, incident: &LiSample, tally: &mut Tally) {
         let lookup = self.map.lookup(ray.origin);
         let selected = self.lookups == self.dark_lookup;

@@ -109,7 +109,7 @@ impl TracedPath {
     }
 
     /// Advances the path along a segment. If a scattering event happens, returns the distance of
-    /// the event in m. The throughput includes the absorption.
+    /// the event in m. The function multiplies the throughput by the effect of absorption.
     fn sample_segment(
         &mut self,
         segment: &MediumSegment<'_>,

@@ -1,9 +1,10 @@
-//! A spectral path tracer with next-event estimation, as the reference for photon mapping.
+//! The reference for photon mapping: a spectral path tracer with next-event estimation.
 //!
 //! The path tracer and photon mapping use the same surfaces, lights and geometry. However, the path
 //! tracer uses no estimator of photon mapping: no photons, no kernels and no shared wavelengths. A
 //! path carries four stratified wavelengths until its first dispersive refraction. If a light
-//! without extent is behind glass, photon mapping finds its light, but the path tracer does not.
+//! without extent is behind glass, photon mapping finds the light from this source, but the path
+//! tracer does not.
 
 use crate::gather::camera::sampler::PixelSampler;
 use crate::gather::camera::throughput::relative_n2;
@@ -41,7 +42,7 @@ pub struct PathTracer<'a> {
 pub(super) struct TracedPath {
     pub(super) ray_state: RayState,
     pub(super) wavelengths: Wavelengths,
-    /// The throughput per wavelength, divided by all densities.
+    /// The throughput at each wavelength, divided by all sampling densities.
     pub(super) throughput: Lanes,
     /// The throughput at the start of the path, for Russian roulette.
     initial_throughput: Lanes,
@@ -132,7 +133,8 @@ impl<'a> PathTracer<'a> {
         })
     }
 
-    /// Adds the lights at the end of a path segment: on a surface, or at infinity.
+    /// Adds the radiance of the lights at the end of a path segment. These lights are on a surface
+    /// or at infinity.
     fn add_emitters_hit<S: Sink>(
         &self,
         path: &TracedPath,

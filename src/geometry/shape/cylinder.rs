@@ -30,7 +30,8 @@ impl Cylinder {
         }
     }
 
-    /// Returns the span of the line between the planes of top and bottom.
+    /// Returns the part of the line that lies between two planes: the plane of the top face and the
+    /// plane of the bottom face.
     fn slab(&self, line: &LocalLine) -> Option<Span> {
         let (y, speed) = (line.origin.y, line.direction.y);
         if speed == 0.0 {

@@ -2,10 +2,10 @@
 //! 2 edge.
 //!
 //! The lens is built from convex sets: the cylinder of the edge, and one ball or half-space per
-//! surface. A convex or plane surface restricts the lens to the set of this surface. A concave
-//! surface removes its set from the lens. A line intersects each convex set in one span. The lens
-//! combines these spans on the line. Entries and exits therefore alternate, and faces meet at their
-//! rims without gaps.
+//! surface. If a surface is convex or plane, the lens lies inside the set of this surface. If a
+//! surface is concave, the lens lies outside the set of this surface. A line intersects each convex
+//! set in one span. The lens combines these spans on the line. Entries and exits therefore
+//! alternate, and faces meet at their rims without gaps.
 
 use std::f64::consts::{PI, TAU};
 
@@ -29,7 +29,7 @@ struct Cap {
     vertex_z: f64,
     /// Radius of the ball, or `None` for a plane.
     radius: Option<f64>,
-    /// +1 if the +z direction points out of the set at the vertex, −1 if the −z direction does.
+    /// The z direction that points out of the set at the vertex: +1 for +z, −1 for −z.
     outward: f64,
     /// True if the lens lies inside the set (convex or plane surface). False if the lens lies
     /// outside the set (concave surface).
@@ -130,8 +130,8 @@ impl LensSolid {
         self.entry_from(line, start, set_exit_t)
     }
 
-    /// Returns the first exit of a line. The line starts on a face and points into the lens. If the
-    /// start is beyond another face because of rounding, the exit is at t = 0.
+    /// Returns the first exit of a line. The line starts on a face and points into the lens.
+    /// Rounding may place the start beyond another face. The exit is then at t = 0.
     fn exit_from(&self, line: &LocalLine, start: u32, set_exit_t: f64) -> Option<Crossing> {
         let edge = if start == EDGE {
             set_exit_t
@@ -218,8 +218,8 @@ impl Cap {
         self.vertex_z - self.outward * self.radius.unwrap_or(0.0)
     }
 
-    /// Returns the sagitta of the cap over a disk of the given radius. This form is accurate for
-    /// nearly flat caps.
+    /// Returns the height of the cap (the sagitta) over a disk of the given radius. This form is
+    /// accurate for nearly flat caps.
     fn sagitta(&self, disk_radius: f64) -> f64 {
         self.radius.map_or(0.0, |radius| {
             let root = ((radius - disk_radius) * (radius + disk_radius)).max(0.0).sqrt();

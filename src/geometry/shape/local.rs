@@ -35,7 +35,7 @@ pub(crate) struct Span {
 }
 
 impl Span {
-    /// Creates the span between two roots of the same face.
+    /// Creates a span whose entry and exit lie on the same face. `roots` contains the t of both.
     pub(crate) fn of_face(roots: (f64, f64), face: u32) -> Self {
         Self { enter: Crossing { t: roots.0, face }, exit: Crossing { t: roots.1, face } }
     }
@@ -47,14 +47,15 @@ impl Span {
         (enter.t <= exit.t).then_some(Self { enter, exit })
     }
 
-    /// Returns the first end of the span whose t is finite and larger than `after`.
+    /// Returns the entry or the exit of the span: the first of these two with a finite t above
+    /// `after`.
     pub(crate) fn next_crossing(&self, after: f64) -> Option<Crossing> {
         [self.enter, self.exit].into_iter().find(|end| end.t > after && end.t < f64::INFINITY)
     }
 }
 
-/// A point of a surface in the local frame, and the outward unit normal. The position is projected
-/// onto the surface.
+/// A point of a surface and the outward unit normal at this point, both in the local frame. The
+/// position is projected onto the surface.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LocalSurfacePoint {
     pub(crate) point: DVec3,
@@ -67,12 +68,13 @@ pub(crate) fn azimuth_fraction(x: f64, y: f64) -> f64 {
     (y.atan2(x) / TAU).rem_euclid(1.0).min(ONE_MINUS_ULP)
 }
 
-/// Returns the range of t where the distance of a line from the origin is at most `radius`.
+/// Returns the range of t in which a line lies inside a ball about the origin. `radius` is the
+/// radius of the ball.
 ///
-/// For a cylinder, the axial components of origin and direction must be 0. The discriminant is
-/// computed from the point of closest approach. The roots are computed without cancellation. They
-/// are therefore accurate also for small balls, distant balls, and lines that almost graze the
-/// ball.
+/// The function also serves for cylinders, if the axial components of the line's origin and
+/// direction are 0. The discriminant is computed from the point of closest approach. The roots are
+/// computed without cancellation. They are therefore accurate also for small balls, distant balls,
+/// and lines that almost graze the ball.
 #[inline]
 pub(crate) fn ball_roots(line: &LocalLine, radius: f64) -> Option<(f64, f64)> {
     let a = line.direction.length_squared();
@@ -89,9 +91,10 @@ pub(crate) fn ball_roots(line: &LocalLine, radius: f64) -> Option<(f64, f64)> {
     Some(ordered_roots(a, b, c, discriminant * a))
 }
 
-/// Returns the second root of a line that starts on a ball about the origin. The constant term of
-/// the quadratic equation is taken as exactly 0, so one root is 0 and the other root is −2b/a. The
-/// result is negative if the line points out of the ball.
+/// Returns the t at which a line crosses the surface of a ball a second time. The line starts on
+/// the surface, and the ball's centre is the origin. The constant term of the quadratic equation is
+/// taken as exactly 0, so one root is 0 and the other root is −2b/a. The result is negative if the
+/// line points out of the ball.
 pub(crate) fn chord_t(line: &LocalLine) -> f64 {
     let a = line.direction.length_squared();
     if a == 0.0 { f64::INFINITY } else { -2.0 * line.origin.dot(line.direction) / a }

@@ -1,10 +1,10 @@
 //! The shapes of a scene in their local frames.
 //!
-//! Every analytic shape implements the same operations: the next crossing of a line (`LocalLine`),
-//! the surface point of a face (position projected onto the face, normal, texture coordinates), the
-//! area of a face, and a uniform point on a face. The origin and the axes of a local frame are the
-//! same as in the scene file. [`geometry`](super) places the shapes in the world, traces rays and
-//! samples points on the shapes.
+//! Every analytic shape implements the same operations. They find the next crossing of a line
+//! (`LocalLine`). They project a point onto a face, and compute the normal and the texture
+//! coordinates there. They also compute the area of a face, and sample a face uniformly. The origin
+//! and the axes of a local frame are the same as in the scene file. [`geometry`](super) places the
+//! shapes in the world, traces rays and samples points on the shapes.
 
 mod cylinder;
 mod flat;
@@ -75,7 +75,7 @@ pub enum Shape {
         /// lies towards +z. A radius of 0 means a plane.
         radius1: f64,
         /// Radius of curvature of the back surface in m. The sign convention is the same as for
-        /// `radius1`. A biconvex lens has the signs (+, −).
+        /// `radius1`. For a biconvex lens, `radius1` is positive and `radius2` is negative.
         radius2: f64,
         /// Distance between the vertices in m.
         thickness: f64,

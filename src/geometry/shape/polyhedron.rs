@@ -1,14 +1,14 @@
 //! Box and prism: intersections of half-spaces, with one face per half-space.
 //!
-//! On a line, the last entry into a half-space is the entry into the body. The first exit from a
-//! half-space is the exit from the body. Entries and exits therefore alternate by construction,
-//! also at edges and corners.
+//! Along a line, the last of the entries into half-spaces is the entry into the body. The first of
+//! the exits from half-spaces is the exit from the body. Entries and exits therefore alternate by
+//! construction, also at edges and corners.
 
 use glam::DVec3;
 
 use super::local::{Crossing, LocalLine, LocalSurfacePoint};
 
-/// The half-space normal·x ≤ offset.
+/// The half-space of all points x with normal·x ≤ offset.
 #[derive(Debug, Clone, Copy)]
 struct HalfSpace {
     normal: DVec3,
@@ -58,8 +58,8 @@ impl Polyhedron {
         body
     }
 
-    /// Creates a triangular prism centred on the triangle's centroid. Faces: right leg (+x), left
-    /// leg (−x), base, −z, +z.
+    /// Creates a triangular prism. The centroid of its triangle is the origin. Faces: right leg
+    /// (+x), left leg (−x), base, −z, +z.
     pub(crate) fn prism(side: f64, length: f64, apex_deg: f64) -> Self {
         let (sin, cos) = (0.5 * apex_deg.to_radians()).sin_cos();
         let (half_base, height) = (side * sin, side * cos);
@@ -121,7 +121,7 @@ impl Polyhedron {
     }
 
     /// Returns the exit of a line that starts on a face, or `None` if the line points out of the
-    /// body. If the start is beyond another face because of rounding, the exit is at t = 0.
+    /// body. Rounding may place the start beyond another face. The exit is then at t = 0.
     fn exit_from(&self, line: &LocalLine, start: u32) -> Option<Crossing> {
         if self.half_spaces[start as usize].normal.dot(line.direction) >= 0.0 {
             return None;

@@ -211,7 +211,7 @@ impl Solid {
         }
     }
 
-    /// Returns the smallest and largest coordinates after a linear map.
+    /// Returns the smallest and largest coordinates of the shape after a linear map of the shape.
     pub(crate) fn bounds(&self, linear: &DMat3) -> (DVec3, DVec3) {
         let row = |axis| DVec3::new(linear.x_axis[axis], linear.y_axis[axis], linear.z_axis[axis]);
         let rows = [row(0), row(1), row(2)];

@@ -3,10 +3,10 @@
 //!
 //! As in Woop, Benthin & Wald, "Watertight ray/triangle intersection" (JCGT 2, 2013), vertices are
 //! transformed to a frame whose third axis is the ray. Every triangle uses the same arithmetic for
-//! a shared vertex. Two triangles that share an edge therefore compute edge functions of exactly
-//! opposite sign. If a line passes exactly through an edge or a vertex, all triangles displace the
-//! line by the same infinitesimal step. A ray through the edge thus intersects exactly one of the
-//! two triangles.
+//! a shared vertex. If two triangles share an edge, they therefore compute two edge functions for
+//! this edge that differ only in sign. If a line passes exactly through an edge or a vertex, the
+//! test of every triangle displaces the line by the same infinitesimal step. A ray through the edge
+//! thus intersects exactly one of the two triangles.
 
 use glam::DVec3;
 
@@ -74,9 +74,10 @@ impl TriangleRay {
     }
 }
 
-/// Decides whether a line that passes exactly through at least one edge counts as inside. The edge
-/// functions of these edges are evaluated for a line displaced by (ε, ε²) with ε → 0. The edge
-/// function of an edge from p to q then changes by ε (p.y − q.y) + ε² (q.x − p.x).
+/// Decides whether a line that passes exactly through at least one edge counts as inside. For these
+/// edges, the edge functions are evaluated for a slightly displaced line. The displacement is (ε,
+/// ε²), and ε tends to 0. The edge function of an edge from p to q then changes by ε (p.y − q.y) +
+/// ε² (q.x − p.x).
 #[cold]
 fn inside_by_tie_break(x: [f64; 3], y: [f64; 3], edges: [f64; 3]) -> bool {
     let sign = |edge: usize| {

@@ -45,7 +45,7 @@ mod tests {
     use super::*;
 
     /// The volumes of a ball lens, a plane-parallel disk, a meniscus, a biconcave lens and a prism
-    /// equal their closed forms.
+    /// equal the results of closed formulas.
     #[test]
     fn lens_and_prism_volumes_match_closed_forms() {
         let lens = |radius1, radius2, thickness| Shape::Lens { radius1, radius2, thickness, diameter: 2.0 }.volume_m3();

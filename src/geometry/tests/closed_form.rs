@@ -89,7 +89,8 @@ fn closed_shapes_are_hit_where_their_definition_says() {
     }
 }
 
-/// The normal must point from inside to outside by the shape's definition, for every transform.
+/// For every transform, the normal must point from the inside of the shape to the outside. The
+/// shape's definition decides which points are inside.
 #[test]
 fn normals_of_closed_shapes_point_outwards_also_when_mirrored() {
     let mut rng = random(5);

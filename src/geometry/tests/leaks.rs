@@ -1,4 +1,4 @@
-//! Closed meshes do not leak, also not at edges and vertices.
+//! Rays do not leak through closed meshes, not even at edges and vertices.
 
 use super::*;
 

@@ -61,8 +61,8 @@ fn lens(radius1: f64, radius2: f64, thickness: f64) -> Shape {
     Shape::Lens { radius1, radius2, thickness, diameter: 0.5 }
 }
 
-/// Returns lenses with all pairs of convex, concave and plane surfaces, a nearly flat lens and a
-/// rod lens.
+/// Returns a list of lenses. It contains every combination of convex, concave and plane surfaces, a
+/// nearly flat lens and a rod lens.
 fn lenses() -> Vec<Shape> {
     let mut all = Vec::new();
     for radius1 in [0.5, -0.6, 0.0] {

@@ -189,8 +189,8 @@ fn sphere_density_is_one_over_its_cone_solid_angle() {
     }
 }
 
-/// For every shape, the mean of 1/pdf over the visible sampled points equals the solid angle. The
-/// solid angle is estimated with random rays.
+/// For every shape, the mean of 1/pdf equals the solid angle of the shape. For an invisible sampled
+/// point, 1/pdf is replaced by 0. The solid angle is estimated with random rays.
 #[test]
 fn directional_densities_integrate_to_the_visible_solid_angle() {
     let mut rng = random(16);

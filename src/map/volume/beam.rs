@@ -80,8 +80,9 @@ impl BeamPiece {
         (a.min(b), a.max(b))
     }
 
-    /// Returns the beam if two conditions hold. The closest approach of the beam and the ray must
-    /// lie on this piece and on the ray. The distance there must be less than the kernel radius.
+    /// Returns the beam if two conditions are true. First, the closest approach of the beam and the
+    /// ray must lie on this piece and on the ray. Second, the distance between the beam and the ray
+    /// must be less than the kernel radius at this place.
     pub(super) fn near_ray<'m>(&self, beams: &'m [PhotonBeam], cone: &QueryCone) -> Option<PhotonNearRay<'m>> {
         let beam = &beams[self.beam as usize];
         let (start, end) = beam.ends();

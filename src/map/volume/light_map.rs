@@ -5,11 +5,11 @@
 //! square of the distance and depends on the light's spectrum. Instead, each node stores the mean
 //! density of each medium along the straight line from the light. If homogeneous fog fills the
 //! whole space between the light and the grid, the map represents the fog without error. For each
-//! lookup, the caller computes the distance to the light and the irradiance without interpolation.
-//! The mean density times the distance is the column density D. The transmittance is then
-//! exp(−σ_t(λ)·D) at any wavelength. Each node also stores whether the node sees the light. If none
-//! of the eight nodes around a position sees the light, the position is very likely in shadow. Most
-//! shadow rays from such positions can be omitted.
+//! lookup, the caller computes two values without interpolation: the distance to the light, and the
+//! irradiance. The column density D is the mean density, multiplied by the distance. The
+//! transmittance is then exp(−σ_t(λ)·D) at any wavelength. Each node also stores whether the node
+//! sees the light. If none of the eight nodes around a position sees the light, the position is
+//! very likely in shadow. Most shadow rays from such positions can be omitted.
 //!
 //! Every second node belongs to a coarse lattice of half the resolution. If a function is smooth,
 //! the error of trilinear interpolation is of second order in the cell size. The error of the
@@ -55,7 +55,7 @@ pub struct LightMap<'a> {
     attenuators: Vec<Attenuator<'a>>,
     /// The mean density along the line from the light to each node. If the light is at infinity,
     /// the column density (m) is stored instead. The values of all attenuators at one node are
-    /// adjacent. Among the nodes, x varies fastest.
+    /// adjacent. The nodes are stored in an order in which x varies fastest.
     means: Vec<f32>,
     /// Whether the light is visible from each node.
     visible: Vec<bool>,
@@ -97,10 +97,10 @@ struct MediumBox {
 
 impl<'a> LightMaps<'a> {
     /// Updates the maps for a pass. `seed` is the seed of the render. The longest side of each
-    /// medium's box gets `cells` cells, rounded up to an even number. In each pass, a different
-    /// position represents an extended light. If `cells` is unchanged and no light with a map has
-    /// an extent, the maps stay valid and are kept. Lights without extent are points and sources of
-    /// parallel light.
+    /// medium's box is divided into `cells` cells, rounded up to an even number. In each pass, a
+    /// different position represents an extended light. If `cells` is unchanged and no light with a
+    /// map has an extent, the maps stay valid and are kept. Lights without extent are points and
+    /// sources of parallel light.
     pub fn update(&mut self, scene: &'a Scene, cells: u32, seed: u64, pass: u64) {
         if self.cells == cells && !self.maps.iter().any(|map| !scene.lights[map.light].is_delta()) {
             return;
@@ -128,7 +128,7 @@ impl<'a> LightMaps<'a> {
         self.maps.iter().filter(move |map| map.medium == medium)
     }
 
-    /// Returns the map of a light over a medium, if there is one.
+    /// Returns the map of a light over a medium. Returns `None` if there is no such map.
     pub fn of(&self, light: usize, medium: usize) -> Option<&LightMap<'a>> {
         self.maps.iter().find(|map| map.light == light && map.medium == medium)
     }
@@ -222,7 +222,7 @@ impl<'a> LightMap<'a> {
 
     /// Returns the optical depths between the light and the position. The first result comes from
     /// the fine lattice, and the second comes from the coarse lattice. `distance` is the distance
-    /// to the light in m. It is infinite for a light at infinity.
+    /// to the light in m. This distance is infinite if the light is at infinity.
     pub fn optical_depths(&self, lookup: &LightMapLookup, distance: f64, coefficients: &[Lanes]) -> [Lanes; 2] {
         lookup.0.map(|weights| {
             let mut depths = [0.0; LANES];
@@ -286,13 +286,13 @@ fn attenuators(scene: &Scene) -> Vec<Attenuator<'_>> {
     media.chain(bodies().filter_map(|body| body.absorption.as_ref().map(Attenuator::Clear))).collect()
 }
 
-/// Computes the mean density of each attenuator between the light and a node. For a light at
-/// infinity, computes the column density instead. Returns whether the light is visible from the
-/// node.
+/// Computes the mean density of each attenuator between the light and a node. If the light is at
+/// infinity, the function computes the column density instead. Returns whether the light is visible
+/// from the node.
 ///
 /// The function follows the line from the light to the node, because the medium stack at the light
-/// is known. Surfaces do not end the line. Therefore the stored densities vary smoothly even behind
-/// surfaces.
+/// is known. Surfaces do not interrupt the line. Therefore the stored densities vary smoothly even
+/// behind surfaces.
 fn trace_to_node(
     scene: &Scene,
     light: &PickedLight,
@@ -352,7 +352,7 @@ mod tests {
         (0..4096).map(move |i| 2.0 * DVec3::new(sobol.at(i, 0), sobol.at(i, 1), sobol.at(i, 2)) - 1.0)
     }
 
-    /// Returns two means for a map of this number of cells: the absolute error of the
+    /// Returns two mean values for a map with this number of cells: the absolute error of the
     /// transmittance, and the map's own estimate of this error.
     fn transmittance_errors(scene: &Scene, cells: u32) -> [f64; 2] {
         let mut maps = LightMaps::default();

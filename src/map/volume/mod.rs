@@ -62,8 +62,8 @@ pub struct PhotonNearRay<'m> {
     /// The kernel values, in 1/m². The values of a beam are divided by the sine of the angle
     /// between the beam and the ray.
     pub kernels: KernelValues,
-    /// The part of the beam from its start to the ray. `None` for a point, because the stored power
-    /// of a point needs no correction.
+    /// The part of the beam between the start of the beam and the camera ray. `None` for a point,
+    /// because the stored power of a point needs no correction.
     pub beam: Option<BeamPath>,
 }
 

@@ -11,14 +11,14 @@ use crate::optics::microfacet::Ggx;
 /// Number of angles in the table. The cosines are (i/(ANGLES−1))², so the table is dense near
 /// grazing angles, where the albedo changes fast.
 const ANGLES: usize = 64;
-/// Quadrature points in each of the two dimensions of the albedo integral.
+/// Number of quadrature points in each of the two dimensions of the albedo integral.
 const QUADRATURE_POINTS: usize = 32;
 
-/// The directional albedo E(μ) = ∫ f·cosθ_i dω_i of dielectric GGX facets, in \[0, 1\], and its
-/// cosine-weighted mean.
+/// The directional albedo E(μ) of dielectric GGX facets, and the cosine-weighted mean of E(μ).
 ///
-/// The interpolation is cubic in the angle, and quadratic in the refractive index. Quadratic
-/// interpolation is sufficient because the index of one material varies little over the band.
+/// The integral E(μ) = ∫ f·cosθ_i dω_i lies in \[0, 1\]. The interpolation is cubic in the angle,
+/// and quadratic in the refractive index. Quadratic interpolation is sufficient because the index
+/// of one material varies little over the band.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct CoatAlbedo {
     /// One column per refractive index. There is one column if the index is constant, otherwise
@@ -82,7 +82,7 @@ impl AlbedoColumn {
     }
 }
 
-/// Returns √μ of the i-th angle.
+/// Returns √μ, where μ is the cosine of the i-th angle.
 fn node(i: usize) -> f64 {
     i as f64 / (ANGLES - 1) as f64
 }

@@ -9,7 +9,7 @@ pub(super) fn whole_nm() -> impl Iterator<Item = f64> {
     (0..=(BAND_NM.1 - BAND_NM.0) as usize).map(|step| BAND_NM.0 + step as f64)
 }
 
-/// Returns an error if a value of the spectrum within the band is outside \[0, `most`\]. The error
+/// Returns an error if the spectrum has a value outside \[0, `most`\] within the band. The error
 /// contains the name `what`.
 pub(super) fn check_within(what: &str, spectrum: &Spectrum, most: f64) -> Result<()> {
     let possible = |value: f64| value.is_finite() && (0.0..=most).contains(&value);

@@ -222,7 +222,7 @@ fn no_bsdf_returns_more_power_than_arrives() {
     });
 }
 
-/// Returns the mean and its standard error.
+/// Returns the mean of the values, and the standard error of this mean.
 fn mean_and_error(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -230,8 +230,8 @@ fn mean_and_error(values: &[f64]) -> (f64, f64) {
     (mean, (variance / n).sqrt())
 }
 
-/// Returns the sum of weight and absorbed fraction for each sample. The sum is computed at `nm`.
-/// The hero wavelength of the path is `hero_nm`.
+/// For each sample, returns the sum of its weight and its absorbed fraction. The sum is computed at
+/// the wavelength `nm`. The hero wavelength of the path is `hero_nm`.
 fn balance(case: &BsdfCase, wo: DVec3, hero_nm: f64, nm: f64, seed: u64) -> Vec<f64> {
     let mut random = random(seed);
     (0..20_000)
@@ -273,8 +273,8 @@ fn scattered_and_absorbed_power_sum_to_one() {
     });
 }
 
-/// The light lost by shadowing belongs to the absorbed fraction of a rough metal. If the fraction
-/// omits this light, the balance test must fail.
+/// The absorbed fraction of a rough metal includes the light that is lost by shadowing. If the
+/// fraction omits this light, the balance test must fail.
 #[test]
 fn balance_test_rejects_absorption_without_shadowing() {
     let case = cases().into_iter().find(|case| case.name == "very rough metal").unwrap();
@@ -356,7 +356,8 @@ fn reciprocity_fails_without_the_squared_index() {
     assert!(through > 300 && broken == through, "{broken} of {through}");
 }
 
-/// The coefficients of delta distributions are reciprocal after division by the n² factor.
+/// The coefficients of delta distributions are reciprocal if they are divided by the n² factor of
+/// radiance.
 #[test]
 fn delta_coefficients_are_reciprocal() {
     for case in cases() {

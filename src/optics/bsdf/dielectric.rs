@@ -135,22 +135,23 @@ impl Dielectric {
     }
 }
 
-/// The microfacet normal that connects two directions. In the frame used here, `wo` lies in the
-/// upper hemisphere.
+/// The microfacet normal that connects two directions. The frame of this normal is chosen so that
+/// `wo` lies in the upper hemisphere.
 struct HalfVector<'a> {
     ggx: &'a Ggx,
     m: DVec3,
     /// |o·m|, > 0.
     cos_o: f64,
-    /// The probability of the event: F for reflection, 1 − F for transmission.
+    /// The probability of the event. It is F for reflection and 1 − F for transmission, where F is
+    /// the Fresnel reflectance.
     fraction: f64,
     /// The Jacobian dω_m/dω_i.
     jacobian: f64,
     event: ScatterEvent,
 }
 
-/// Returns the coefficient of a smooth interface: its reflectance, or its transmittance times the
-/// radiance scale.
+/// Returns the coefficient of a smooth interface. For reflection, it is the reflectance. For
+/// transmission, it is the transmittance times [`radiance_scale`].
 pub(super) fn coefficient(
     wo: DVec3,
     event: ScatterEvent,
@@ -165,8 +166,8 @@ pub(super) fn coefficient(
     }
 }
 
-/// Returns the factor by which the change of index scales transmitted light: (n_i/n_t)² for
-/// radiance and 1 for power (Veach 1997, §5.2).
+/// Returns the factor by which the change of index scales transmitted light. The factor is
+/// (n_i/n_t)² for radiance and 1 for power (Veach 1997, §5.2).
 fn radiance_scale(iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
     match mode {
         TransportMode::Radiance => {

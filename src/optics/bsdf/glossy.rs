@@ -15,14 +15,17 @@ use crate::optics::glass::RefractiveIndex;
 use crate::optics::microfacet::Ggx;
 use crate::spectrum::Spectrum;
 
-/// Smallest probability of each lobe. Without this minimum, a lobe with little power at the hero
-/// wavelength would be sampled too rarely for the other wavelengths of the path.
+/// If both lobes have power, each lobe is sampled with at least this probability. Without this
+/// minimum, a lobe with little power at the hero wavelength would be sampled too rarely for the
+/// other wavelengths of the path.
 const MIN_LOBE_PROBABILITY: f64 = 0.1;
 
-/// A rough dielectric coat over a Lambertian base, coupled by the albedo of the coat (Kelemen &
-/// Szirmay-Kalos 2001, after Ashikhmin & Shirley 2000):
+/// A rough dielectric coat over a Lambertian base.
 ///
-/// f = F·D·G₂/(4·μ_o·μ_i) + ρ·(1−E(μ_o))·(1−E(μ_i))/(π·(1−Ē)).
+/// The albedo of the coat determines how much light passes the coat on its way to the base and back
+/// (Kelemen & Szirmay-Kalos 2001, after Ashikhmin & Shirley 2000).
+///
+/// The BSDF is f = F·D·G₂/(4·μ_o·μ_i) + ρ·(1−E(μ_o))·(1−E(μ_i))/(π·(1−Ē)).
 ///
 /// E(μ) is the directional albedo of the coat and Ē is its cosine-weighted mean. The model is
 /// reciprocal and has the albedo E(μ) + ρ·(1−E(μ)). Of the light that enters the coat, the fraction
@@ -63,7 +66,7 @@ impl Glossy {
         (coat + self.reflectance.at(nm) * (1.0 - coat), coat)
     }
 
-    /// Returns the probability of sampling the coat.
+    /// Returns the probability that the coat is sampled instead of the base.
     fn coat_probability(&self, wo: DVec3, nm: f64) -> f64 {
         let (all, coat) = self.albedo(wo, nm);
         if coat == 0.0 {

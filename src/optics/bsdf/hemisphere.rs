@@ -31,8 +31,8 @@ pub(super) fn sample_cosine(sign: f64, u: f64, v: f64) -> DVec3 {
     DVec3::new(radius * cos, radius * sin, z * sign)
 }
 
-/// Returns the density per solid angle with which [`sample_cosine`] samples `wi`. The argument
-/// `sign` of that function is assumed to be the sign of `wi.z`.
+/// Returns the density per solid angle with which [`sample_cosine`] samples `wi`. The value is
+/// valid if the argument `sign` of `sample_cosine` was the sign of `wi.z`.
 pub(super) fn cosine_pdf(wi: DVec3) -> f64 {
     wi.z.abs() * FRAC_1_PI
 }

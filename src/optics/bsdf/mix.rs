@@ -12,7 +12,7 @@ pub struct MixBsdf {
     components: Vec<Bsdf>,
     /// Cumulative normalised weights; the last entry is 1.
     cumulative: Vec<f64>,
-    /// The widest class of the components.
+    /// The widest class among the components.
     class: BsdfClass,
 }
 
@@ -57,17 +57,17 @@ impl MixBsdf {
         Ok(Self { components, cumulative, class })
     }
 
-    /// Returns the widest class of the components.
+    /// Returns the widest class among the components.
     pub(super) fn class(&self) -> BsdfClass {
         self.class
     }
 
-    /// Returns the components. None of them is a mixture.
+    /// Returns the components. No component is itself a mixture.
     pub(super) fn components(&self) -> &[Bsdf] {
         &self.components
     }
 
-    /// Iterates over the normalised weights and their components.
+    /// Iterates over the components, each with its normalised weight.
     pub(super) fn weighted_components(&self) -> impl Iterator<Item = (f64, &Bsdf)> {
         self.weights().zip(&self.components)
     }
@@ -85,8 +85,8 @@ impl MixBsdf {
         &self.components[self.sample_index(&mut u)]
     }
 
-    /// Samples the index of a component by `u` in \[0, 1). Then rescales `u` to \[0, 1), so that
-    /// `u` can be used again.
+    /// Selects a component by the random number `u` in \[0, 1), and returns the index of the
+    /// component. Rescales `u` to \[0, 1), so that `u` can be used again.
     pub(super) fn sample_index(&self, u: &mut f64) -> usize {
         let component = self.cumulative.partition_point(|sum| *sum <= *u).min(self.components.len() - 1);
         let start = self.start(component);

@@ -12,8 +12,8 @@
 //! absorbed fraction sum to 1. The energy ledger relies on this balance, and the contract tests
 //! check it for every BSDF.
 //!
-//! Each variant has its own file. The type of a variant contains its documentation. Every variant
-//! must pass the tests in `contract`.
+//! Each variant has its own file. Each variant is documented at its type. Every variant must pass
+//! the tests in `contract`.
 
 mod albedo;
 mod check;
@@ -110,7 +110,7 @@ impl Bsdf {
         MixBsdf::new(parts).map(Self::Mix)
     }
 
-    /// Returns the width class of the BSDF. The class of a mixture is the widest class of its
+    /// Returns the width class of the BSDF. The class of a mixture is the widest class among its
     /// components.
     #[inline(always)]
     pub fn class(&self) -> BsdfClass {
@@ -150,8 +150,8 @@ impl Bsdf {
         }
     }
 
-    /// Selects a component of a mixture by weight, with `u` in \[0, 1). Any other BSDF returns
-    /// itself.
+    /// Selects a component of a mixture by the random number `u` in \[0, 1). The probability of a
+    /// component is its normalised weight. Any other BSDF returns itself.
     #[inline]
     pub fn sample_component(&self, u: f64) -> &Self {
         match self {
@@ -188,10 +188,10 @@ impl Bsdf {
     ///
     /// `u[0]` and `u[1]` choose the direction; `u[2]` chooses between reflection and transmission
     /// or between lobes. All three lie in \[0, 1). A mixture first selects a component by `u[2]`.
-    /// The probability in the sample is then the probability within that component, without the
-    /// weight of the component. Returns `None` if the event absorbs the light of all wavelengths.
-    /// An example is a facet of a rough metal that reflects the path below the surface. The
-    /// distribution does not depend on the [`TransportMode`].
+    /// The probability in the sample then refers to that component alone. It is not multiplied by
+    /// the weight of the component. Returns `None` if the event absorbs the light of all
+    /// wavelengths. For example, a facet of a rough metal may reflect the path below the surface.
+    /// The distribution of the samples does not depend on the [`TransportMode`].
     #[inline]
     pub fn sample(&self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64, u: [f64; 3]) -> Option<BsdfSample> {
         match self {
@@ -261,7 +261,7 @@ impl Bsdf {
     }
 
     /// Evaluates f(wo, wi) in 1/sr at the wavelength `nm`, without the cosine and without delta
-    /// distributions. A mixture returns the weighted sum of its components.
+    /// distributions. The value of a mixture is the weighted sum of the values of its components.
     pub fn eval(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
         match self {
             Self::Absorber | Self::Mirror(_) | Self::ThinDielectric(_) => 0.0,
@@ -277,8 +277,8 @@ impl Bsdf {
     }
 
     /// Returns the density per solid angle with which [`Bsdf::sample`] samples `wi` if the hero
-    /// wavelength is `nm`. Delta distributions are not included. A mixture returns the weighted sum
-    /// of its components.
+    /// wavelength is `nm`. Delta distributions are not included. The density of a mixture is the
+    /// weighted sum of the densities of its components.
     pub fn pdf(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
         match self {
             Self::Absorber | Self::Mirror(_) | Self::ThinDielectric(_) => 0.0,

@@ -28,17 +28,17 @@ pub struct InterfaceIors<'a> {
     pub there: &'a RefractiveIndex,
 }
 
-/// The width of the lobes of a BSDF, in increasing order. The integrators choose their strategy by
-/// this class.
+/// The classes of BSDFs, in the order of increasing lobe width. The integrators choose their
+/// strategy by the class of a BSDF.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum BsdfClass {
     /// All light is absorbed.
     Absorbing,
     /// Discrete directions only (delta distributions).
     Specular,
-    /// A lobe that may be narrow. Camera paths sample it and continue.
+    /// A lobe that may be narrow. Camera paths sample a direction of this lobe and continue.
     Glossy,
-    /// A wide lobe. Photons are stored and gathered at such surfaces.
+    /// A wide lobe. Photons are stored and gathered at surfaces of this class.
     Diffuse,
 }
 
@@ -61,7 +61,7 @@ pub enum ScatterEvent {
 pub struct BsdfSample {
     /// The sampled direction, a unit vector.
     pub wi: DVec3,
-    /// The sampled event, reflection or transmission.
+    /// The sampled event: reflection or transmission.
     pub event: ScatterEvent,
     /// True if `wi` comes from a delta distribution.
     pub delta: bool,

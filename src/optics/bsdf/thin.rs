@@ -16,7 +16,7 @@ use crate::spectrum::Spectrum;
 /// incoherent sums are T′ = τ(1 − R)²/(1 − R²τ²) and R′ = R(1 + τT′) (Stokes 1862). Repeated
 /// reflections keep the polarisation, so each sum is computed for s and for p, and unpolarised
 /// light gets the mean of both. Transmitted light continues straight on. The medium on the side of
-/// `wo` is assumed to be on both sides.
+/// `wo` is assumed to be on the other side too.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThinDielectric {
     index: RefractiveIndex,
@@ -24,8 +24,8 @@ pub struct ThinDielectric {
     pub(super) optical_depth: Option<Spectrum>,
 }
 
-/// The least probability of either event in a slab that absorbs. A slab that is opaque at the hero
-/// wavelength may transmit other wavelengths.
+/// In a slab that absorbs, reflection and transmission each have at least this probability. A slab
+/// that is opaque at the hero wavelength may transmit other wavelengths.
 const MIN_PROBABILITY: f64 = 0.1;
 
 impl ThinDielectric {
@@ -114,8 +114,9 @@ mod tests {
         assert!((pane.coefficient(DVec3::Z, ScatterEvent::Transmission, iors, 500.0) - 0.96 / 1.04).abs() < 1e-15);
     }
 
-    /// The transmittances of case 5.5 of CIE 171:2006, from an independent evaluation of the sums
-    /// for s and p: a clear pane, and a slab of 6 mm with 7.3 per m, both of index 1.52.
+    /// The transmittances of case 5.5 of CIE 171:2006. The values are from an independent
+    /// evaluation of the sums for s and p. The case has a clear pane and an absorbing slab, both of
+    /// index 1.52. The slab is 6 mm thick, and its absorption coefficient is 7.3 per m.
     #[test]
     fn panes_transmit_the_mean_over_both_polarisations() {
         let glass = || RefractiveIndex::constant(1.52).unwrap();

@@ -31,7 +31,8 @@ struct AgfRow {
 }
 
 impl AgfCatalogue {
-    /// Parses a catalogue from the bytes of a file. Errors name `path` and the line.
+    /// Parses a catalogue from the bytes of a file. Error messages contain `path` and the line
+    /// number.
     ///
     /// # Errors
     /// Returns an error if the file is not an AGF catalogue or a number is malformed.
@@ -165,8 +166,8 @@ mod tests {
     use super::*;
     use crate::optics::glass::catalogue;
 
-    /// N-BK7 with Schott's published coefficients in the new form, BK7 with Schott's published
-    /// coefficients in the old form, and synthetic glasses for the other formulas.
+    /// A catalogue for the tests. N-BK7 and BK7 have coefficients published by Schott: N-BK7 in the
+    /// new form, BK7 in the old form. The glasses for the other formulas are synthetic.
     const FILE: &str = "CC a few glasses\r\n\
         NM N-BK7 2 517642.251 1.5168 64.17 0 1 -1\r\nGC \r\nED 7.1 8.3 2.51 -0.0009 0\r\n\
         CD 1.03961212E+0 6.00069867E-3 2.31792344E-1 2.00179144E-2 1.01046945E+0 1.03560653E+2 0 0 0 0\r\n\

@@ -92,7 +92,7 @@ pub struct Glass {
     pub index: RefractiveIndex,
     /// The medium to which n is relative.
     pub relative_to: ReferenceMedium,
-    /// Temperature of the measurement in K, or `None` if the source does not contain it.
+    /// Temperature in K at which n was measured, or `None` if the source does not state it.
     pub temperature_k: Option<f64>,
     /// Extinction coefficient, or `None` if the source does not contain it.
     pub extinction: Option<Extinction>,
@@ -139,7 +139,7 @@ impl RefractiveIndex {
     }
 }
 
-/// The text after "expected" in the error for a name that is not in the catalogue.
+/// If a name is not in the catalogue, the error contains the word "expected" and then this text.
 pub const EXPECTED_NAME: &str = "a glass of the built-in catalogue";
 
 /// Returns the names of all materials in the order of the file.
@@ -152,8 +152,9 @@ pub fn all() -> &'static [Glass] {
     &GLASSES
 }
 
-/// Returns the material `name`; case is ignored. A name without its qualifier (`water` for `water
-/// 20C`) returns the first match. If the name is unknown, the error suggests the most similar name.
+/// Returns the material `name`; case is ignored. If `name` lacks the qualifier (`water` instead of
+/// `water 20C`), the first match is returned. If the name is unknown, the error suggests the most
+/// similar name.
 pub fn find(name: &str) -> Result<&'static Glass> {
     let wanted = name.to_lowercase();
     let found = GLASSES.iter().find(|glass| glass.name.to_lowercase() == wanted);

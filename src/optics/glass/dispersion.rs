@@ -78,7 +78,7 @@ pub enum Dispersion {
     Herzberger(Box<[f64; 6]>),
     /// Linear interpolation of measured points. Outside the table, the first or last value is used.
     Table {
-        /// Wavelengths in nm, strictly increasing, at least one.
+        /// At least one wavelength in nm. The wavelengths are strictly increasing.
         nm: Box<[f64]>,
         /// Index at each wavelength.
         n: Box<[f64]>,
@@ -129,7 +129,8 @@ fn sum_of_powers(powers: &[PowerTerm], um: f64) -> f64 {
 }
 
 /// Interpolates linearly between the points (`xs`, `ys`). Returns the value at `x`. `xs` must be
-/// strictly increasing and not empty. Outside the points, the first or last value is used.
+/// strictly increasing and not empty. Below the first value of `xs`, the result is the first value
+/// of `ys`. Above the last value of `xs`, the result is the last value of `ys`.
 pub(super) fn interpolate(xs: &[f64], ys: &[f64], x: f64) -> f64 {
     let next = xs.partition_point(|&knot| knot <= x);
     if next == 0 {

@@ -4,8 +4,9 @@ use std::f64::consts::PI;
 
 use super::dispersion::interpolate;
 
-/// The extinction coefficient k of n + ik at tabulated wavelengths. Values are interpolated
-/// linearly. Outside the table, the first or last value is used.
+/// The extinction coefficient k at tabulated wavelengths. It is the imaginary part of the complex
+/// index n + ik. Values are interpolated linearly. Outside the table, the first or last value is
+/// used.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Extinction {
     /// Wavelengths in nm, strictly increasing.

@@ -59,9 +59,9 @@ impl RefractiveIndex {
         Self::new(Dispersion::Sellmeier { c0: 0.0, poles }, BAND_NM)
     }
 
-    /// Creates a two-term Cauchy index from n_d and from the Abbe number `vd` = (n_d − 1)/(n_F −
-    /// n_C) > 0. Returns an error if `vd` is not positive, or if n is NaN or below 1 at a
-    /// wavelength of the band.
+    /// Creates a two-term Cauchy index from n_d and the Abbe number `vd`. The definition of `vd` is
+    /// (n_d − 1)/(n_F − n_C). Returns an error if `vd` is not positive, or if n is NaN or below 1
+    /// at a wavelength of the band.
     pub fn abbe(nd: f64, vd: f64) -> Result<Self> {
         if !(vd > 0.0 && vd.is_finite()) {
             return Err(Error::input(format!("an Abbe number of {vd}")).expected("a positive number"));
@@ -71,8 +71,9 @@ impl RefractiveIndex {
         Self::cauchy(nd - b * per_um2(lines::D_NM), b, 0.0)
     }
 
-    /// Creates an index by linear interpolation of the points (`nm`, `n`). Outside the points, the
-    /// first or last value is used.
+    /// Creates an index by linear interpolation of the points (`nm`, `n`). Below the first
+    /// wavelength, the first value of n is used. Above the last wavelength, the last value of n is
+    /// used.
     ///
     /// # Errors
     /// Returns an error if the lists are empty or have different lengths, `nm` does not increase,
@@ -266,8 +267,8 @@ mod tests {
         );
     }
 
-    /// A resonance at 500.5 nm lies between two samples of the check in `new`. Nevertheless, it is
-    /// refused.
+    /// The check in `new` samples the index at whole nanometres. Nevertheless, a resonance at 500.5
+    /// nm is refused.
     #[test]
     fn resonances_between_whole_nanometres_are_refused() {
         let c = 0.5005_f64 * 0.5005;

@@ -11,7 +11,7 @@ use crate::optics::glass::lines;
 /// The spectral lines of the analysis: name and wavelength in nm.
 pub const LINES: [(&str, f64); 3] = [("F", lines::F_NM), ("d", lines::D_NM), ("C", lines::C_NM)];
 
-/// The analysed fields as fractions of half of the field of view.
+/// The field angles of the analysis, each divided by half of the field of view.
 const FIELD_SHARES: [f64; 3] = [0.0, 0.7, 1.0];
 
 /// Largest half field, in degrees, for a lens without a given field of view.

@@ -28,8 +28,8 @@ fn normalised_name(name: &str) -> String {
     name.to_lowercase().replace(['-', '_'], " ")
 }
 
-/// Returns the names that the error for an unknown name may suggest: the first word, the first two
-/// words, and the full name of the lens.
+/// Returns the names that an error may suggest to the user. They are the first word of the lens
+/// name, its first two words, and the full name.
 fn searchable_names(name: &str) -> impl Iterator<Item = &str> {
     let ends = name.match_indices(' ').map(|(at, _)| at).take(2).chain([name.len()]);
     ends.map(|end| &name[..end])

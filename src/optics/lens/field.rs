@@ -121,9 +121,9 @@ impl MonochromaticLens<'_> {
         Ok(Some(LensSpot { centroid_mm: centroid.y, rms_mm: variance.sqrt(), rays: landed.len() }))
     }
 
-    /// Finds the lowest and the highest meridional ray that pass the lens. Returns the
-    /// perpendicular distances, in mm and with sign, of both rays from the chief ray. Returns
-    /// `None` if all rays are vignetted.
+    /// Finds the lowest and the highest meridional ray that pass the lens. For each of the two
+    /// rays, returns its signed perpendicular distance from the chief ray in mm. Returns `None` if
+    /// all rays are vignetted.
     pub(super) fn passing_range_mm(&self, chief: LensRay) -> Result<Option<(f64, f64)>> {
         const MERIDIONAL_STEPS: u32 = 800;
         let radius_mm = self.bundle_radius_mm()?;

@@ -28,12 +28,12 @@ pub struct LensSurface {
 pub enum ApertureSpec {
     /// The semi-aperture of the stop's surface.
     Stop,
-    /// A diameter of the entrance pupil at the d line.
+    /// The diameter of the entrance pupil at the wavelength of the d line.
     EntrancePupil {
         /// Diameter in mm.
         diameter_mm: f64,
     },
-    /// An f-number at the d line.
+    /// The f-number at the wavelength of the d line.
     FNumber(f64),
 }
 
@@ -46,7 +46,7 @@ pub struct Prescription {
     pub source: Option<String>,
     /// Surfaces from the scene to the sensor.
     pub surfaces: Vec<LensSurface>,
-    /// Index of the surface that is the aperture stop, from 0.
+    /// Index of the surface that is the aperture stop. The first surface has the index 0.
     pub stop: Option<usize>,
     /// Size of the stop.
     pub opening: ApertureSpec,
@@ -126,7 +126,7 @@ impl Lens {
         &self.surfaces
     }
 
-    /// Returns the index of the stop's surface, from 0.
+    /// Returns the index of the stop's surface. The first surface has the index 0.
     pub fn stop(&self) -> usize {
         self.stop
     }
@@ -172,10 +172,10 @@ impl Lens {
         self.vertices_mm[self.surfaces.len() - 1]
     }
 
-    /// Returns the lens stopped down to the given f-number. Returns an error if even the open stop
-    /// does not reach this f-number.
+    /// Returns the lens stopped down to the given f-number. Returns an error if this f-number
+    /// requires a stop larger than the open stop.
     pub fn stopped_down(&self, f_number: f64) -> Result<Self> {
-        /// Relative tolerance of the semi-aperture of the stop. The true f-number of an open lens
+        /// Relative tolerance for the semi-aperture of the stop. The true f-number of an open lens
         /// may exceed its nominal f-number by this fraction.
         const NOMINAL_TOLERANCE: f64 = 1e-2;
         let stopped = self.clone().with_aperture(ApertureSpec::FNumber(f_number))?;

@@ -12,7 +12,7 @@ pub enum TraceDirection {
 }
 
 impl TraceDirection {
-    /// Returns +1 towards the sensor and −1 towards the scene.
+    /// Returns +1 for light towards the sensor, and −1 for light towards the scene.
     pub(super) fn sign(self) -> f64 {
         match self {
             Self::ToSensor => 1.0,
@@ -21,17 +21,16 @@ impl TraceDirection {
     }
 }
 
-/// A surface of revolution about the z axis, with the vertex at the origin. The sag at the height h
-/// is
+/// A surface of revolution about the z axis, with the vertex at the origin.
 ///
-/// z(h) = c·h²/(1 + √(1 − (1 + k)c²h²)) + Σ aᵢ h²ⁱ, summed over i ≥ 1
-///
-/// (Welford, *Aberrations of Optical Systems*, §2.3).
+/// The sag is z(h) = c·h²/(1 + √(1 − (1 + k)c²h²)) + Σ aᵢ h²ⁱ, where h is the height. The sum
+/// extends over i ≥ 1. Source: Welford, *Aberrations of Optical Systems*, §2.3.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SurfaceProfile {
-    /// Curvature c in 1/mm. It is positive if the centre lies towards +z, and 0 for a plane.
+    /// Curvature c in 1/mm. It is positive if the centre of curvature lies towards +z. It is 0 for
+    /// a plane.
     pub curvature_per_mm: f64,
-    /// Conic constant k. 0 is a sphere, −1 a paraboloid.
+    /// Conic constant k: 0 for a sphere, −1 for a paraboloid.
     pub conic: f64,
     /// Coefficients a₁, a₂, … of h², h⁴, …. The unit of aᵢ is mm^(1 − 2i). The list is empty for a
     /// conic.
@@ -42,8 +41,8 @@ pub struct SurfaceProfile {
 const MAX_ASPHERE_STEPS: usize = 32;
 
 impl SurfaceProfile {
-    /// Creates a sphere from its radius in mm. The radius is positive if the centre lies towards
-    /// +z. A radius of 0 gives a plane, as in lens files.
+    /// Creates a sphere from its radius in mm. The radius is positive if the centre of the sphere
+    /// lies towards +z. A radius of 0 gives a plane, as in lens files.
     pub fn sphere(radius_mm: f64) -> Self {
         let curvature_per_mm = if radius_mm == 0.0 { 0.0 } else { 1.0 / radius_mm };
         Self { curvature_per_mm, ..Self::default() }

@@ -85,8 +85,8 @@ fn elements(lens: &Lens) -> Vec<Vec<DVec2>> {
     (0..lens.surfaces().len() - 1).filter(is_glass).map(|i| outline(lens, i)).collect()
 }
 
-/// Returns the outline of the glass behind surface `i`. If there is a gap between the edges of the
-/// two surfaces, the edge cylinder joins them.
+/// Returns the outline of the glass behind surface `i`. If the edges of the two surfaces do not
+/// touch, a cylinder joins the edges.
 fn outline(lens: &Lens, i: usize) -> Vec<DVec2> {
     let [front, back] = [i, i + 1].map(|i| curve(lens, i));
     let (front_rim, back_rim) = (front[CURVE_POINTS as usize], back[CURVE_POINTS as usize]);

@@ -90,7 +90,7 @@ impl<'a> MonochromaticLens<'a> {
     /// the ray crosses.
     ///
     /// # Errors
-    /// Returns the surface at which the ray is lost, and the reason.
+    /// If the ray is lost, returns the reason and the index of the surface.
     pub fn trace(&self, ray: LensRay, travel: TraceDirection, limits: ApertureCheck) -> Result<LensRay, RayLoss> {
         self.trace_through(ray, travel, limits, |_, _| ())
     }

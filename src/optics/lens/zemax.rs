@@ -3,10 +3,10 @@
 //!
 //! The file is a list of operands. Each operand has its own line. The operands of a surface are
 //! indented under its `SURF` line. The reader uses `MODE`, `NAME`, `UNIT`, `ENPD`, `FNUM`, `FLOA`,
-//! `FTYP` and `YFLN`, and for surfaces `STOP`, `TYPE`, `CURV`, `CONI`, `PARM`, `DISZ`, `GLAS`,
-//! `DIAM` and `CLAP`. The reader returns an error for operands that are known to change the rays
-//! but are not supported. All other operands are ignored. The first surface is the object and the
-//! last one the sensor.
+//! `FTYP` and `YFLN`. For surfaces, it also uses `STOP`, `TYPE`, `CURV`, `CONI`, `PARM`, `DISZ`,
+//! `GLAS`, `DIAM` and `CLAP`. The reader returns an error for operands that are known to change the
+//! rays but are not supported. All other operands are ignored. The first surface is the object, and
+//! the last surface is the sensor.
 
 use std::path::Path;
 
@@ -16,9 +16,9 @@ use crate::error::{Error, Result};
 use crate::optics::glass::{AgfCatalogue, RefractiveIndex};
 use crate::optics::zemax_text::decoded;
 
-/// Parses a lens from the bytes of a file. The encoding is UTF-8, UTF-16 or Latin-1. Errors name
-/// `path` and the line. Each glass is searched first in `catalogues`, in their order, and then in
-/// the built-in catalogue.
+/// Parses a lens from the bytes of a file. The encoding is UTF-8, UTF-16 or Latin-1. Error messages
+/// contain `path` and the line number. Each glass is searched in `catalogues` first, in the order
+/// of the list, and then in the built-in catalogue.
 ///
 /// # Errors
 /// Returns an error if an operand is not supported, a glass is unknown, or the surfaces form no

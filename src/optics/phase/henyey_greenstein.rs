@@ -1,5 +1,5 @@
 //! The Henyey–Greenstein phase function (Henyey & Greenstein 1941). Its parameter g is the mean
-//! cosine.
+//! cosine of the scattering angle.
 //!
 //! Backward scattering (g < 0) is the mirror image of forward scattering. For g ≥ 0 the density and
 //! its quantile are written in terms of 1 − cos θ without cancellation. Therefore neither g = 0 nor
@@ -7,7 +7,8 @@
 
 use std::f64::consts::PI;
 
-/// Largest |g|. Beyond this limit, a cosine in double precision does not resolve the peak.
+/// Largest |g|. If |g| exceeded this limit, cosines in double precision would not resolve the peak
+/// of the phase function.
 pub const MAX_MEAN_COSINE: f64 = 0.999_999;
 
 /// Returns the density per steradian for |g| ≤ [`MAX_MEAN_COSINE`]:

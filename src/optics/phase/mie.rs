@@ -85,7 +85,7 @@ impl MieSpheres {
     /// process, because scenes may be read repeatedly.
     ///
     /// # Errors
-    /// Never fails for spheres created by [`new`](Self::new).
+    /// No error occurs if the spheres were created by [`new`](Self::new).
     pub fn table(&self) -> Result<Arc<PhaseTable>> {
         static KNOWN: OnceLock<Mutex<HashMap<String, Arc<PhaseTable>>>> = OnceLock::new();
         let key = format!("{self:?}");
@@ -168,7 +168,7 @@ pub(super) fn lognormal(median_um: f64, sigma: f64, steps: i32) -> Vec<(f64, f64
     (0..=steps).map(deviation).map(|z| (median_um * (sigma * z).exp(), share(z) / sum)).collect()
 }
 
-/// Number of angles that are summed together.
+/// Number of angles for which the series is summed at the same time.
 const ANGLE_LANES: usize = 8;
 
 impl MieSeries {
@@ -209,8 +209,8 @@ impl MieSeries {
         Self { sums, differences, scattering_sum, asymmetry_sum }
     }
 
-    /// Returns |S₁|² + |S₂|² at the cosines, computed as half of |S₁ + S₂|² + |S₁ − S₂|². With
-    /// w_n = (2n + 1)/(n(n + 1)), the two amplitudes are sums over n:
+    /// Returns |S₁|² + |S₂|² at each cosine. The value is computed as (|S₁ + S₂|² + |S₁ − S₂|²)/2.
+    /// With w_n = (2n + 1)/(n(n + 1)), S₁ + S₂ and S₁ − S₂ are sums over n:
     ///
     /// S₁ + S₂ = Σ w_n·(a_n + b_n)(π_n + τ_n),
     ///

@@ -33,7 +33,7 @@ pub enum PhaseFunction {
     Rayleigh,
     /// The Henyey–Greenstein phase function with |g| ≤ [`MAX_MEAN_COSINE`] at every wavelength.
     HenyeyGreenstein {
-        /// Asymmetry parameter g(λ): the mean cosine.
+        /// Asymmetry parameter g(λ), the mean cosine of the scattering angle.
         g: Spectrum,
     },
     /// A table over angles and wavelengths.

@@ -2,10 +2,10 @@
 //! series of [`mie`](super::mie).
 //!
 //! The radii of the drops lie between 0.16 and 1 mm. The radii follow a lognormal distribution with
-//! a median of 0.4 mm. The standard deviation of ln r is 0.26, and the distribution is cut off at
-//! 3.5 standard deviations. The drops are water at 20 °C in air. The table is computed for parallel
-//! light. If a light source has the angular size of the sun, the rendered bows are blurred as in
-//! the sky.
+//! a median of 0.4 mm. The logarithm of the radius has a standard deviation of 0.26, and the
+//! distribution is cut off at 3.5 standard deviations. The drops are water at 20 °C in air. The
+//! table is computed for parallel light. If a light source has the angular size of the sun, the
+//! rendered bows are blurred as in the sky.
 
 use super::table::{self, PhaseTable};
 use std::sync::{Arc, OnceLock};

@@ -10,7 +10,7 @@ pub(super) fn eval(cos_theta: f64) -> f64 {
 
 /// Returns the quantile of 1 − cos θ for a probability `u` in [0, 1).
 ///
-/// The cosine c is the real root of c³ + 3c = 4 − 8u, which is 2·sinh(asinh(2 − 4u)/3). Frisvad
+/// The cosine c is the real root of c³ + 3c = 4 − 8u. This root is 2·sinh(asinh(2 − 4u)/3). Frisvad
 /// 2011 gives the same root in another form.
 pub(super) fn quantile(u: f64) -> f64 {
     (1.0 - 2.0 * ((2.0 - 4.0 * u).asinh() / 3.0).sinh()).clamp(0.0, 2.0)

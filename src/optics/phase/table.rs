@@ -1,9 +1,10 @@
 //! Phase functions that are tabulated over angles and wavelengths. A table may be measured, or it
 //! may be computed from particle sizes.
 //!
-//! The table is linear in cos θ between angles and linear in λ between wavelengths. Beyond the
-//! first and last wavelength, the first or last column is used. The phase function is therefore a
-//! mixture of columns. Each column is integrated, normalised and sampled exactly.
+//! The table is linear in cos θ between angles and linear in λ between wavelengths. Below the first
+//! wavelength, the first column is used. Above the last wavelength, the last column is used. The
+//! phase function is therefore a mixture of columns. Each column is integrated, normalised and
+//! sampled exactly.
 //!
 //! Angles are stored as the versine 1 − cos θ, in [0, 2]. Unlike the cosine, the versine keeps full
 //! precision near the forward peak.
@@ -12,8 +13,8 @@ use crate::error::{Error, Result};
 use crate::math::distribution::DiscreteDistribution;
 use std::f64::consts::TAU;
 
-/// Number of guide steps per cell. The guide table speeds up the search for the cell that contains
-/// an angle.
+/// Number of steps of the guide table per cell of the phase function. The guide table speeds up the
+/// search for the cell that contains an angle.
 const GUIDE_STEPS: usize = 2;
 
 /// A phase function over angles and wavelengths.
@@ -33,7 +34,7 @@ pub struct PhaseTable {
 /// The phase function at one wavelength.
 #[derive(Debug, Clone, PartialEq)]
 struct PhaseColumn {
-    /// Density per steradian at the angles.
+    /// Density per steradian at each angle.
     density: Vec<f64>,
     /// Probability of each cell between two angles.
     cells: DiscreteDistribution,
@@ -204,9 +205,10 @@ fn check_wavelengths(nm: &[f64], columns: usize) -> Result<()> {
 /// Parses a table of comma-separated values.
 ///
 /// The first line is a header. The title of the first column is ignored. Each other title contains
-/// the wavelength of its column in nm (`p_550nm_per_sr` or `550`). Each further line holds an angle
-/// in degrees and one value per column. A single column needs no wavelength, because it applies to
-/// all wavelengths. Empty lines and lines that start with `#` are skipped.
+/// the wavelength of its column in nm (`p_550nm_per_sr` or `550`). Each further line contains an
+/// angle in degrees and one value for each of the other columns. If there is only one column of
+/// values, its title needs no wavelength, because the column applies to all wavelengths. Empty
+/// lines and lines that start with `#` are skipped.
 ///
 /// # Errors
 /// Returns an error if a cell is not a number, a row has the wrong number of cells, or

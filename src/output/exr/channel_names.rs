@@ -12,7 +12,7 @@ pub(super) const BIAS: &str = "error.bias";
 /// The channel that marks pixels near an edge of the illumination.
 pub(super) const EDGE: &str = "error.edge";
 
-/// The prefix of the channels of exact sums.
+/// The names of the channels that contain exact sums begin with this prefix.
 pub(super) const SUMS_PREFIX: &str = "sums.";
 
 /// Returns the name of a band's channel: `S0.`, the centre wavelength and `nm`. The wavelength has

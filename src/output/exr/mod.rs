@@ -10,8 +10,8 @@
 //! | `sums.<plane>.<word>` | in checkpoints and parts: the exact sums over passes, as 32-bit words |
 //! | `S0.<λ>nm` | spectral radiance in W/m²/sr/nm, λ in nm with a decimal comma |
 //!
-//! The spectral channels follow A. Fichet, R. Pacanowski and A. Wilkie, "An OpenEXR Layout for
-//! Spectral Images", Journal of Computer Graphics Techniques 10(3), 2021.
+//! The spectral channels follow the layout of Alban Fichet, Romain Pacanowski and Alexander Wilkie,
+//! "An OpenEXR Layout for Spectral Images", Journal of Computer Graphics Techniques 10(3), 2021.
 
 mod channel_names;
 mod open;
@@ -59,7 +59,8 @@ mod tests {
         assert_eq!(file.metadata.get("spectralLayoutVersion"), Some("1.0"));
     }
 
-    /// Checks that pixels survive a round trip and that missing error layers are unknown.
+    /// Checks that writing and reading a picture preserves its pixels, and that errors are unknown
+    /// if the file has no error layers.
     #[test]
     fn pixels_survive_a_round_trip() {
         let mut picture = sample();

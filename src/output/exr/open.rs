@@ -27,16 +27,17 @@ fn unreadable(error: ::exr::error::Error) -> Error {
     }
 }
 
-/// Reads the headers. Returns an error if the pixels that they describe need far more memory than a
-/// file of this size can contain.
+/// Reads the headers. Returns an error if the pixels that the headers describe need far more memory
+/// than a file of this size can contain.
 pub(super) fn read_headers(path: &Path) -> Result<MetaData> {
-    /// The largest ratio of the memory to the size of the file. No compression of the format
-    /// exceeds deflate's ratio of 1032, and the data is copied once.
+    /// The largest allowed ratio of the memory for the pixels to the size of the file. The largest
+    /// compression ratio in an EXR file is 1032, the limit of deflate. Reading also copies the data
+    /// once.
     const MAX_EXPANSION: u64 = 4000;
-    /// The memory limit in bytes for small files. A file of any size may need this amount of
-    /// memory.
+    /// The memory limit in bytes for small files. The pixels of any file, even of a very small one,
+    /// may need this amount of memory.
     const SMALL_FILE_LIMIT: u64 = 3 << 28;
-    /// The number of bytes of XYZ and the error layers of one pixel.
+    /// The number of bytes that one pixel needs for XYZ and for the error layers.
     const PIXEL_BYTES: u64 = 41;
     let meta = MetaData::read_from_file(path, false).map_err(unreadable)?;
     let bytes = std::fs::metadata(path).map_err(|error| unreadable(error.into()))?.len();

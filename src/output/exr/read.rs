@@ -17,7 +17,7 @@ use crate::sensor::{Picture, SpectralBands};
 /// The content of an EXR file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExrFile {
-    /// The picture. Noise, bias and edges are unknown if the file has no such channels.
+    /// The picture. Noise, bias and edges are unknown if the file has no channels for them.
     pub picture: Picture,
     /// The texts of the header.
     pub metadata: Metadata,
@@ -26,7 +26,8 @@ pub struct ExrFile {
 /// The expected colour channels, for error messages.
 const COLOUR_CHANNELS: &str = "channels `xyz.X xyz.Y xyz.Z`, `R G B`, `X Y Z` or `Y`";
 
-/// Reads a picture. The XYZ values come from the first channel set of this list that is present:
+/// Reads a picture. The XYZ values come from the first set of channels in this list that the file
+/// contains:
 /// - `xyz.X xyz.Y xyz.Z`
 /// - `R G B`; the header gives the chromaticities (default: Rec. 709) and the white luminance
 ///   (default: 1 cd/m²)

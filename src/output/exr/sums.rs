@@ -63,11 +63,12 @@ pub fn holds_sums_of(path: &Path, (width, height): (usize, usize), bands: usize)
     Ok(meta.headers.first().is_some_and(fits))
 }
 
-/// Adds the exact sums of a file to a film of the same size and bands.
+/// Adds the exact sums in a file to a film. The file and the film must have the same size and the
+/// same spectral bands.
 ///
 /// # Errors
-/// Returns an input error if the file is missing or not an EXR, or its sums do not belong to such a
-/// film.
+/// Returns an input error if the file is missing or not an EXR, or if its sums do not fit the size
+/// and the bands of the film.
 pub fn add_sums(path: &Path, film: &mut Film) -> Result<()> {
     decode(path, film).map_err(|error| error.in_file(path))
 }

@@ -1,4 +1,4 @@
-//! Writing of EXR pictures.
+//! Writes EXR pictures.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -25,7 +25,7 @@ pub fn write(path: &Path, picture: &Picture, metadata: &Metadata) -> Result<()> 
     file::write_whole(path, &bytes)
 }
 
-/// Writes the exact sums of a film together with its current picture, atomically.
+/// Atomically writes a file that contains the exact sums of a film and the film's current picture.
 ///
 /// # Errors
 /// Returns the errors of [`write()`].
@@ -98,8 +98,9 @@ fn error_samples(errors: impl Iterator<Item = Option<f32>>) -> FlatSamples {
     FlatSamples::F32(errors.map(|error| error.unwrap_or(UNKNOWN_ERROR)).collect())
 }
 
-/// Returns the attributes required by the spectral layout. In the layout, the values are radiance
-/// per nm, although `emissiveUnits` does not contain nm. `abbe.bandUnits` states the full unit.
+/// Returns the attributes required by the spectral layout. The layout defines the values as
+/// radiance per nm, although its attribute `emissiveUnits` does not mention nm. `abbe.bandUnits`
+/// states the full unit.
 fn spectral_attributes<'a>(picture: &Picture) -> impl Iterator<Item = (&'a str, &'a str)> + use<'a> {
     let attributes =
         [("spectralLayoutVersion", "1.0"), ("emissiveUnits", "W.m^-2.sr^-1"), ("abbe.bandUnits", "W.m^-2.sr^-1.nm^-1")];

@@ -1,4 +1,4 @@
-//! The opening of an aperture stop: a disk, or a polygon between blades.
+//! The opening of an aperture stop: a disk, or a polygon that blades form.
 
 use crate::math::warp;
 use crate::optics::aperture::Blades;
@@ -14,8 +14,8 @@ pub struct ApertureStop {
 }
 
 impl ApertureStop {
-    /// Samples a point of the opening uniformly. The coordinates are in m. They point to the right
-    /// and up.
+    /// Samples a point of the opening uniformly. The coordinates are in m. The first coordinate
+    /// increases to the right, and the second increases upwards.
     pub fn sample(&self, u: [f64; 2]) -> DVec2 {
         let unit = match self.blades {
             None => warp::disk(u),

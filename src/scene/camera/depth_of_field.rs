@@ -1,8 +1,8 @@
-//! The depth of field of a lens, by geometrical optics.
+//! The depth of field of a lens, computed by geometrical optics.
 //!
 //! A point at distance u is blurred to a disk. Let R be the radius of the aperture, and u_f the
-//! distance of the plane in focus. On this plane, the diameter of the disk is 2R·|u − u_f|/u. A
-//! point is sharp if the diameter is less than a pixel.
+//! distance of the plane in focus. On the plane in focus, the diameter of the disk is 2R·|u −
+//! u_f|/u. A point is sharp if the diameter of its disk is less than a pixel.
 
 use super::{Aperture, Camera};
 
@@ -19,7 +19,7 @@ pub struct DepthOfField {
     /// The hyperfocal distance. If the lens is focused at this distance, everything from half of
     /// this distance to infinity is sharp.
     pub hyperfocal_m: f64,
-    /// The diameter of the blur disk of a point at infinity, in pixels.
+    /// The blur of a point at infinity: the diameter of its disk, in pixels.
     pub blur_at_infinity_px: f64,
 }
 

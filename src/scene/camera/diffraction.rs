@@ -9,14 +9,15 @@ use crate::spectrum::REFERENCE_NM;
 pub struct ApertureDiffraction {
     /// The blades of a polygonal aperture, or `None` for a round one.
     pub blades: Option<Blades>,
-    /// The product λN in pixels, divided by the wavelength λ in nm. N is the working f-number: the
-    /// image distance divided by the diameter of the circle around the aperture.
+    /// The scale of the diffraction pattern divided by the wavelength, in pixels per nm. At the
+    /// wavelength λ, the scale is λN. N is the working f-number: the image distance divided by the
+    /// diameter of the circle around the aperture.
     pub spread_px_per_nm: f64,
 }
 
 impl ApertureDiffraction {
     /// The diffraction pattern of a camera's aperture. The result does not depend on whether the
-    /// scene enables diffraction. `None` for a pinhole, which is a mathematical point.
+    /// scene enables diffraction. `None` for a pinhole, because its aperture is a single point.
     pub fn of(camera: &Camera) -> Option<Self> {
         let (blades, per_metre) = match camera.aperture() {
             Aperture::Pinhole => return None,
@@ -30,7 +31,8 @@ impl ApertureDiffraction {
         per_metre.is_finite().then_some(Self { blades, spread_px_per_nm: 1e-9 * per_metre })
     }
 
-    /// The diameter of the Airy disk of a round aperture at 550 nm, in pixels. It is 2.44 λN.
+    /// The diameter of the Airy disk of a round aperture at 550 nm, in pixels. This diameter is
+    /// 2.44 λN, where N is the working f-number.
     pub fn airy_diameter_px(&self) -> f64 {
         2.44 * REFERENCE_NM * self.spread_px_per_nm
     }

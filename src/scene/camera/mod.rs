@@ -2,8 +2,8 @@
 //! positions.
 //!
 //! Film coordinates are in pixels with the origin at the top left. This file contains the pinhole
-//! and the thin lens, which do not depend on wavelength. `system` contains lens systems of real
-//! glass.
+//! and the thin lens, which do not depend on wavelength. The module `system` contains lens systems
+//! of real glass.
 
 mod aperture;
 mod depth_of_field;
@@ -47,7 +47,7 @@ pub struct Camera {
     forward: DVec3,
     aperture: Aperture,
     size: DVec2,
-    /// The side of a pixel, projected to the plane at distance 1.
+    /// The side length of a pixel after its projection to the plane at distance 1 from the camera.
     pixel: f64,
     /// The bodies that contain the camera.
     pub medium_stack: MediumStack,
@@ -58,15 +58,15 @@ pub struct Camera {
 /// The connection from a point of the scene to the film, through the lens.
 #[derive(Debug, Clone, Copy)]
 pub struct CameraConnection {
-    /// The pixel's index, row by row.
+    /// The index of the pixel. Pixels are numbered row by row.
     pub pixel: u32,
     /// The unit vector from the point to the lens.
     pub direction: DVec3,
     /// The distance from the point to the lens in m.
     pub distance: f64,
-    /// The ratio of the mean radiance of the pixel to the intensity of the point along `direction`.
-    /// The unit is 1/m². The value is 1/(d² Ω), where d is `distance` and Ω is the solid angle that
-    /// the pixel subtends at the lens.
+    /// The factor that converts the point's intensity along `direction` to the pixel's mean
+    /// radiance. The unit is 1/m². The value is 1/(d² Ω), where d is `distance` and Ω is the solid
+    /// angle that the pixel subtends at the lens.
     pub importance: f64,
 }
 
@@ -122,8 +122,8 @@ impl Camera {
         [self.size.x, self.size.y].map(|pixels| 2.0 * (0.5 * pixels * self.pixel).atan())
     }
 
-    /// The angle that a pixel in the middle of the picture subtends, in radians. The footprint of a
-    /// pixel at distance d is d times this angle.
+    /// The angle that a pixel in the middle of the picture subtends, in radians. At distance d, a
+    /// pixel covers a length of d times this angle.
     pub fn pixel_angle(&self) -> f64 {
         self.pixel
     }
@@ -176,8 +176,8 @@ impl Camera {
         (depth > 0.0).then(|| self.on_film(DVec2::new(offset.dot(self.right), offset.dot(self.up)) / depth))
     }
 
-    /// The film position (in pixels) of a point on the plane at distance 1. `on_plane` is the
-    /// point's offset from the optical axis, to the right and up.
+    /// The film position (in pixels) of a point on the plane at distance 1. The components of
+    /// `on_plane` are the point's distances from the optical axis to the right and upwards.
     fn on_film(&self, on_plane: DVec2) -> DVec2 {
         DVec2::new(on_plane.x, -on_plane.y) / self.pixel + 0.5 * self.size
     }
@@ -217,8 +217,8 @@ impl Camera {
     }
 }
 
-/// The unit vectors `forward` and `up` of a camera that looks along `view`. The vector `up`
-/// need not be orthogonal to `view`, but it must not be parallel to it.
+/// The unit vectors `forward` and `up` of a camera that looks along `view`. The argument `up` need
+/// not be orthogonal to `view`, but the two vectors must not be parallel.
 pub fn look_at_axes(view: DVec3, up: DVec3) -> (DVec3, DVec3) {
     let forward = view.normalize();
     let right = forward.cross(up).normalize();

@@ -1,12 +1,12 @@
 //! The shutter: its opening time, its closing time, and its transmission as a function of time.
 
-/// A shutter. If it opens and closes at the same time, the picture shows that moment without motion
-/// blur.
+/// A shutter. If the shutter opens and closes at the same time, the picture shows that moment
+/// without motion blur.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shutter {
-    /// The time at which it opens, in s.
+    /// The time at which the shutter opens, in s.
     pub open_s: f64,
-    /// The time at which it closes, in s.
+    /// The time at which the shutter closes, in s.
     pub close_s: f64,
     /// The transmission as a function of time, or `None` if the shutter is fully open the whole
     /// time.
@@ -16,10 +16,10 @@ pub struct Shutter {
 /// The transmission as a piecewise linear function of time.
 #[derive(Debug, Clone, PartialEq)]
 struct ShutterCurve {
-    /// Pairs of a time and the transmission at this time. The time is a share of the open time.
-    /// Both values are from 0 to 1.
+    /// Pairs of a time and the transmission at this time. The time is 0 when the shutter opens and
+    /// 1 when it closes. Both values are from 0 to 1.
     points: Vec<[f64; 2]>,
-    /// The integral of the transmission up to each point.
+    /// For each point of the curve: the integral of the transmission from time 0 to this point.
     passed: Vec<f64>,
 }
 
@@ -46,8 +46,8 @@ impl ShutterCurve {
         self.passed[self.passed.len() - 1]
     }
 
-    /// The time at which the share `u` of all light has passed. The time is a share of the open
-    /// time.
+    /// The time at which the share `u` of all light has passed through the shutter. The time is 0
+    /// when the shutter opens and 1 when it closes.
     fn inverse(&self, u: f64) -> f64 {
         let wanted = u * self.mean();
         let last = self.passed.len() - 2;
@@ -67,8 +67,9 @@ impl Shutter {
     /// Creates a shutter that opens at `open_s` and closes at `close_s`. Both times are in s, and
     /// `open_s` ≤ `close_s`.
     ///
-    /// Each point of `curve` has a time and a transmission, both from 0 to 1. The time is a share
-    /// of the open time. The times must increase, and the transmission must not be 0 everywhere.
+    /// Each point of `curve` has a time and a transmission, both from 0 to 1. The time is 0 when
+    /// the shutter opens and 1 when it closes. The times must increase, and the transmission must
+    /// not be 0 everywhere.
     pub fn new(open_s: f64, close_s: f64, curve: Option<&[[f64; 2]]>) -> Self {
         Self { open_s, close_s, curve: curve.map(ShutterCurve::new) }
     }
@@ -78,8 +79,9 @@ impl Shutter {
         (self.close_s - self.open_s) * self.curve.as_ref().map_or(1.0, ShutterCurve::mean)
     }
 
-    /// The time (in s) at which the share `u` of all light has passed. `u` lies in [0, 1]. If `u`
-    /// is uniformly distributed, the density of the times is proportional to the transmission.
+    /// The time (in s) at which the share `u` of all light has passed through the shutter. `u` lies
+    /// in [0, 1]. If `u` is uniformly distributed, the density of the times is proportional to the
+    /// transmission.
     pub fn time_s(&self, u: f64) -> f64 {
         let share = self.curve.as_ref().map_or(u, |curve| curve.inverse(u));
         (1.0 - share) * self.open_s + share * self.close_s

@@ -1,11 +1,12 @@
 //! A lens system: a camera lens of real glass. Each ray is traced through the lens with the
 //! refractive indices at the wavelength of the ray.
 //!
-//! Lens coordinates follow [`crate::optics::lens`] and are in mm. The origin is the vertex of the
-//! first surface, which is at the position of the camera. z points towards the sensor, x to the
-//! right of the picture, and y up. Rays start on the sensor and are aimed at the plane of the last
-//! vertex. Only a part of this plane sends light to the sensor position, and rays sample only this
-//! part (Kolb, Mitchell & Hanrahan 1995; exit-pupil bounds after Steinert et al. 2011).
+//! Lens coordinates are in mm and are defined as in [`crate::optics::lens`]. The origin is the
+//! vertex of the first surface. The position of the camera is this vertex. The z axis points
+//! towards the sensor, the x axis to the right of the picture, and the y axis up. Rays start on the
+//! sensor and are aimed at the plane of the last vertex. Light reaches a sensor position only
+//! through a part of this plane, and rays sample only this part (Kolb, Mitchell & Hanrahan 1995;
+//! exit-pupil bounds after Steinert et al. 2011).
 
 use crate::error::{Error, Result};
 use crate::optics::aperture::Blades;
@@ -17,14 +18,17 @@ use std::f64::consts::PI;
 /// The exit-pupil bounds are computed at this number of sensor positions along a radius.
 const RADII: usize = 48;
 
-/// The number of rays along each side of the grid that finds the exit-pupil bounds.
+/// The exit-pupil bounds are found by a square grid of rays. This is the number of rays along each
+/// side of the grid.
 const BOUNDS_GRID: usize = 48;
 
-/// The number of rays along each side of the grid that measures the exit pupil on the axis.
+/// The exit pupil on the axis is measured by a square grid of rays. This is the number of rays
+/// along each side of the grid.
 const AXIS_GRID: usize = 512;
 
-/// Half the side of both grids, divided by the semi-aperture of the last surface. The value exceeds
-/// 1 because oblique rays cross the plane of the last vertex outside the semi-aperture.
+/// The extent of both grids of rays: half the side length, divided by the semi-aperture of the last
+/// surface. The value exceeds 1 because oblique rays cross the plane of the last vertex outside the
+/// semi-aperture.
 const GRID_EXTENT: f64 = 1.5;
 
 /// The wavelengths (in nm) of the rays that determine the exit-pupil bounds. Several wavelengths
@@ -35,25 +39,27 @@ const BOUNDING_NM: [f64; 3] = [400.0, lines::D_NM, 760.0];
 #[derive(Debug, Clone, PartialEq)]
 pub struct SystemLens {
     lens: Lens,
-    /// The distance of the sensor from the last vertex in mm.
+    /// The distance in mm between the last vertex and the sensor.
     sensor_mm: f64,
-    /// The distance in m from the first vertex to the plane in focus. It applies to the d line.
+    /// The distance in m from the first vertex to the plane in focus. This distance is for the
+    /// wavelength of the d line.
     focus_m: f64,
-    /// The focal length at the d line in mm.
+    /// The focal length in mm at the wavelength of the d line.
     focal_mm: f64,
-    /// The radius of the entrance pupil at the d line in mm.
+    /// The radius in mm of the entrance pupil at the wavelength of the d line.
     pupil_mm: f64,
     /// The largest distance of a sensor position from the axis, in mm.
     sensor_radius_mm: f64,
-    /// The bounds of the exit pupil on the plane of the last vertex. Each entry holds the bounds
-    /// for one interval of sensor positions on +x. All intervals have the same length. `None` for
-    /// an interval without light.
+    /// The bounds of the exit pupil on the plane of the last vertex. Each entry contains the bounds
+    /// for one interval of sensor positions on the positive x axis. All intervals have the same
+    /// length. An entry is `None` if no light reaches its interval.
     pupils: Vec<Option<[DVec2; 2]>>,
-    /// The integral ∫ cos⁴θ/z² dA over the exit pupil. It applies to the middle of the sensor and
-    /// to the d line. The weights of all rays are divided by this integral. Therefore, if the
-    /// radiance of the scene is uniform, the middle of the picture has exactly this radiance.
+    /// The integral ∫ cos⁴θ/z² dA over the exit pupil. The integral is for the middle of the sensor
+    /// and for the wavelength of the d line. The weights of all rays are divided by this integral.
+    /// Therefore, if the radiance of the scene is uniform, the middle of the picture has exactly
+    /// this radiance.
     on_axis: f64,
-    /// The integral `on_axis` for the lens without blades.
+    /// The integral `on_axis` for the same lens without blades.
     on_axis_round: f64,
 }
 
@@ -66,7 +72,7 @@ pub struct SystemAt<'a> {
 
 impl SystemLens {
     /// Creates a lens system that is focused at the distance `focus_m` (in m) from the first
-    /// vertex. The corners of the sensor are `sensor_radius_mm` from the axis.
+    /// vertex. `sensor_radius_mm` is the distance of the sensor's corners from the axis.
     ///
     /// # Errors
     /// Returns an error if the lens cannot focus at the distance, the sensor would be inside the
@@ -99,7 +105,8 @@ impl SystemLens {
         Ok(system)
     }
 
-    /// The distance in m from the first vertex to the plane in focus. It applies to the d line.
+    /// The distance in m from the first vertex to the plane in focus. This distance is for the
+    /// wavelength of the d line.
     pub fn focus_m(&self) -> f64 {
         self.focus_m
     }
@@ -114,9 +121,10 @@ impl SystemLens {
         self.lens.blades()
     }
 
-    /// The working f-number at this focus. It applies to the middle of the sensor and to the d
-    /// line. The light that passes the circle around the stop forms a cone at the middle of the
-    /// sensor. If θ is the half-angle of this cone, the f-number is 1/(2 sin θ).
+    /// The working f-number at the focus distance of this lens system. The f-number is for the
+    /// middle of the sensor and for the wavelength of the d line. The light that passes through the
+    /// circle around the aperture stop converges in a cone to the middle of the sensor. If θ is the
+    /// half-angle of this cone, the f-number is 1/(2 sin θ).
     pub fn working_f_number(&self) -> f64 {
         0.5 * (PI / self.on_axis_round).sqrt()
     }
@@ -126,15 +134,16 @@ impl SystemLens {
         self.lens.name()
     }
 
-    /// The image distance in mm. The thin-lens equation gives it from the focal length and the
-    /// focus distance. The height of the sensor divided by this distance is twice the tangent of
-    /// half the vertical field of view.
+    /// The image distance in mm. The image distance follows from the focal length and the focus
+    /// distance by the thin-lens equation. The height of the sensor divided by this distance is
+    /// twice the tangent of half the vertical field of view.
     pub fn image_mm(&self) -> f64 {
         let focus_mm = 1e3 * self.focus_m;
         if focus_mm.is_finite() { self.focal_mm * focus_mm / (focus_mm - self.focal_mm) } else { self.focal_mm }
     }
 
-    /// The lens system at a wavelength in nm. Its refractive indices are evaluated only once.
+    /// The lens system at a wavelength in nm. The refractive indices at this wavelength are
+    /// computed only once.
     pub fn at(&self, nm: f64) -> SystemAt<'_> {
         SystemAt { system: self, glass: self.lens.at(nm) }
     }
@@ -148,13 +157,14 @@ impl SystemLens {
         (LensRay { origin, direction }, direction.z.powi(4) / (self.sensor_mm * self.sensor_mm))
     }
 
-    /// Half the side of both grids, in mm. The grids lie on the plane of the last vertex.
+    /// Half the side length of both grids of rays, in mm. The grids lie on the plane of the last
+    /// vertex.
     fn grid_extent_mm(&self) -> f64 {
         GRID_EXTENT * self.lens.surfaces()[self.lens.surfaces().len() - 1].semi_aperture_mm
     }
 
-    /// Measures the integral ∫ cos⁴θ/z² dA over the exit pupil. It applies to the middle of the
-    /// sensor and to the d line.
+    /// Measures the integral ∫ cos⁴θ/z² dA over the exit pupil. The integral is for the middle of
+    /// the sensor and for the wavelength of the d line.
     fn measure_axis(&self) -> f64 {
         let (at_d, reach) = (self.lens.at(lines::D_NM), self.grid_extent_mm());
         let cell = 2.0 * reach / AXIS_GRID as f64;
@@ -166,9 +176,9 @@ impl SystemLens {
         grid(AXIS_GRID, reach).map(share).sum()
     }
 
-    /// The bounds of the exit pupil on the plane of the last vertex. They apply to a sensor
-    /// position on +x, at the distance `radius_mm` from the axis. A margin of one grid cell is
-    /// added on every side.
+    /// The bounds of the exit pupil on the plane of the last vertex. They apply to the sensor
+    /// position on the positive x axis that is at the distance `radius_mm` from the optical axis. A
+    /// margin of one grid cell is added on every side.
     fn bounds(&self, radius_mm: f64) -> Option<[DVec2; 2]> {
         let reach = self.grid_extent_mm();
         let margin = DVec2::splat(2.0 * reach / BOUNDS_GRID as f64);
@@ -191,9 +201,9 @@ impl SystemAt<'_> {
     /// The ray from a position of the picture into the scene, and the ray's weight. `None` if the
     /// lens blocks the ray.
     ///
-    /// The position is in mm on the sensor. Its components point to the right and up in the
-    /// picture. The random numbers `u` sample the exit pupil. The value of a pixel is the mean of
-    /// weight × radiance over all `u`.
+    /// The position is in mm on the sensor. Its first component increases to the right of the
+    /// picture, and its second component increases upwards. The random numbers `u` sample the exit
+    /// pupil. The value of a pixel is the mean of weight × radiance over all `u`.
     pub fn ray(&self, picture_mm: DVec2, u: [f64; 2]) -> Option<(LensRay, f64)> {
         let system = self.system;
         // The image on the sensor is upside down.

@@ -1,5 +1,5 @@
-//! An area light: the surface of an object that emits light. The radiance is the same in all
-//! directions on the outer side of the surface.
+//! An area light: the surface of an object that emits light. On the outer side of the surface, the
+//! radiance is the same in all directions.
 
 use super::lit_interval::LitInterval;
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoint};
@@ -65,7 +65,8 @@ impl AreaLight {
     }
 
     pub(super) fn representative_point(&self, geometry: &Geometry) -> RepresentativePoint {
-        /// The numbers are arbitrary, because the same bodies contain all points of the surface.
+        /// The random numbers that select the point. Any numbers are suitable, because all points
+        /// of the surface are inside the same bodies.
         const U: [f64; 3] = [0.37, 0.61, 0.53];
         let point = geometry.sample_area(self.object, U);
         RepresentativePoint { position: point.position, surface: Some((point.surface, point.normal)) }

@@ -1,5 +1,5 @@
-//! A beam: light from a uniform disk. The disk emits parallel light, or each of its points emits
-//! into a cone with constant radiance. The disk itself is invisible.
+//! A beam: light from a uniform disk. Either the disk emits parallel light, or each point of the
+//! disk emits into a cone. The radiance inside the cone is constant. The disk itself is invisible.
 
 use super::lit_interval::{LitInterval, inside_cone, inside_cylinder};
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample};
@@ -27,7 +27,8 @@ pub struct BeamLight {
     axis: DVec3,
     frame: Frame,
     radius_m: f64,
-    /// The sine of the half-angle of the cones, or 0 for parallel light.
+    /// Each point of the disk emits into a cone. This is the sine of the cone's half-angle, or 0
+    /// for parallel light.
     sin_divergence: f64,
     one_minus_cos_divergence: f64,
 }
@@ -64,8 +65,8 @@ impl BeamLight {
         self.radius_m
     }
 
-    /// The cone that bounds the light. Returns its apex, which lies behind the disk, and 1 − cos of
-    /// its half-angle. `None` for parallel light.
+    /// The cone that bounds the light. Returns the apex of the cone, and 1 − cos of the cone's
+    /// half-angle. The apex lies behind the disk. `None` for parallel light.
     fn cone(&self) -> Option<(DVec3, f64)> {
         let tangent = self.sin_divergence / (1.0 - self.one_minus_cos_divergence);
         let behind = self.radius_m / tangent;
@@ -81,7 +82,8 @@ impl BeamLight {
         PI * self.radius_m * self.radius_m
     }
 
-    /// The radiance inside the cones. It follows from Φ = L A π sin² θ.
+    /// The radiance inside the cones. The radiance L follows from the power Φ = L A π sin² θ, where
+    /// A is the area of the disk and θ is the half-angle of the cones.
     fn radiance(&self) -> f64 {
         self.power_w / (self.area() * PI * self.sin_divergence * self.sin_divergence)
     }
@@ -149,7 +151,7 @@ impl BeamLight {
     }
 }
 
-/// Lights of the kinds in this file, for the contract tests.
+/// Examples of the kind of light that this file defines. The contract tests use them.
 #[cfg(test)]
 pub(super) fn test_lights(at: DVec3, axis: DVec3) -> Vec<TestLight> {
     let light = |name, disk_m: f64, cone_rad, irradiance_at_2_m| TestLight {

@@ -1,8 +1,9 @@
 //! The contract of all lights: the mean emitted flux equals the power of the light, and the
 //! irradiance from shadow rays equals the irradiance from emitted rays.
 //!
-//! Estimates must agree within four standard errors. Each test limits the standard error, so that
-//! the test detects an error of two per cent. Random numbers come from fixed streams.
+//! Estimates must agree within four standard errors. Each test also requires a small standard
+//! error, so that the test detects a deviation of two per cent. All runs of the tests use the same
+//! random numbers.
 
 mod distant;
 mod local;
@@ -26,7 +27,8 @@ use std::sync::Arc;
 /// The radius of the bounding sphere that distant lights illuminate.
 const WORLD_RADIUS_M: f64 = 1.5;
 
-/// A light with its surfaces, and a square. The irradiance is measured on the square.
+/// A test case: a light, the surfaces of the scene, and a square. The irradiance is measured on the
+/// square.
 struct LightCase {
     name: &'static str,
     light: Light,

@@ -38,13 +38,14 @@ impl DirectionalLight {
         self.one_minus_cos > 0.0
     }
 
-    /// The power in W that enters the bounding sphere. The light of each direction crosses the
-    /// whole cross-section of the sphere, whose area is π R².
+    /// The power in W that enters the bounding sphere. The cross-section of the sphere has the area
+    /// π R², and the light from each direction crosses all of this area.
     pub(super) fn power_w(&self, world_radius_m: f64) -> f64 {
         self.fluence() * PI * world_radius_m * world_radius_m
     }
 
-    /// The fluence rate ∫ L dω in W/m². The irradiance is ∫ L cos θ dω = L π sin² θ_max.
+    /// The fluence rate ∫ L dω in W/m². If the disk has the angular radius θ_max, the irradiance is
+    /// ∫ L cos θ dω = L π sin² θ_max.
     fn fluence(&self) -> f64 {
         self.irradiance / (1.0 - 0.5 * self.one_minus_cos)
     }

@@ -21,16 +21,18 @@ pub struct EnvironmentLight {
     rotation: DMat3,
 }
 
-/// A latitude–longitude image with mean radiance 1. Rows go from +y (top) to −y, columns go around
-/// the y axis, and the middle column is towards −z (see [`EnvironmentMap::direction`]).
+/// A latitude–longitude image with mean radiance 1. The rows go from +y (top) to −y, and the
+/// columns go around the y axis. The middle column is in the direction −z (see
+/// [`EnvironmentMap::direction`]).
 #[derive(Debug)]
 pub struct EnvironmentMap {
     width: usize,
     height: usize,
-    /// The weights of the three basis spectra for each pixel. Their sum is the radiance of the
-    /// pixel relative to the mean.
+    /// The weights of the three basis spectra for each pixel. The sum of a pixel's weights is the
+    /// radiance of the pixel divided by the mean radiance.
     weights: Vec<[f64; 3]>,
-    /// Samples pixels in proportion to radiance × solid angle.
+    /// The sampling distribution over the pixels. The probability of a pixel is proportional to the
+    /// product of its radiance and its solid angle.
     pixels: PiecewiseConstant2d,
     /// The basis spectra, each with integral 1 over the band.
     basis: [Spectrum; 3],
@@ -42,7 +44,7 @@ struct EnvironmentSample {
     direction: DVec3,
     /// Density per steradian.
     pdf: f64,
-    /// W/m²/sr over the band.
+    /// The radiance in W/m²/sr over the band.
     radiance: f64,
     spd: EmittedSpd,
 }
@@ -86,7 +88,8 @@ impl EnvironmentMap {
         DVec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi)
     }
 
-    /// The point of the image in a direction: the inverse of [`EnvironmentMap::direction`].
+    /// The point of the image that lies in a direction. This function is the inverse of
+    /// [`EnvironmentMap::direction`].
     pub fn point(direction: DVec3) -> [f64; 2] {
         let phi = direction.x.atan2(-direction.z);
         [(phi / TAU + 0.5).clamp(0.0, 1.0), direction.y.clamp(-1.0, 1.0).acos() / PI]
@@ -132,8 +135,8 @@ impl EnvironmentLight {
         Self { rotation: DMat3::from_quat(by) * self.rotation, ..self.clone() }
     }
 
-    /// The point of the image in a direction of the world. The transpose of a rotation is its
-    /// inverse.
+    /// The point of the image that lies in a direction of the world. The transpose of a rotation is
+    /// its inverse.
     fn point(&self, direction: DVec3) -> [f64; 2] {
         EnvironmentMap::point(self.rotation.transpose() * direction)
     }

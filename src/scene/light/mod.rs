@@ -1,12 +1,12 @@
 //! Light sources: the light that they emit, and the light that reaches a point from them.
 //!
-//! All lights obey one contract. Tests check the contract for each kind of light. The mean flux of
-//! [`Light::sample_le`] equals [`Light::power_w`]. The function `power_w` uses no random numbers.
-//! At each point, the irradiance from [`Light::sample_li`] equals the irradiance from the emitted
-//! rays.
+//! All lights must satisfy the same contract. Tests check the contract for each kind of light. The
+//! mean flux of [`Light::sample_le`] equals [`Light::power_w`]. The function `power_w` uses no
+//! random numbers. At each point, the irradiance from [`Light::sample_li`] equals the irradiance
+//! from the emitted rays.
 //!
-//! Only this file matches over the variants of [`Emitter`]. All other code calls the methods of
-//! [`Light`].
+//! Only this file contains `match` expressions over the variants of [`Emitter`]. All other code
+//! calls the methods of [`Light`].
 
 mod area;
 mod beam;
@@ -58,7 +58,8 @@ pub struct Light {
     /// The bodies that contain the light.
     pub medium_stack: MediumStack,
     /// The light's own motion (in m) while the shutter is open. An area light has none, because it
-    /// moves with its object. `emitter` is the state at the moment when the shutter opens.
+    /// moves with its object. The field `emitter` describes the light at the moment when the
+    /// shutter opens.
     pub motion: Option<AnimatedTransform>,
 }
 
@@ -100,8 +101,8 @@ impl Emitter {
     }
 }
 
-/// The local lights of the contract tests, from the files that define the lights. Each light is at
-/// `at` and shines along `axis`.
+/// The local lights of the contract tests. The files that define the kinds of lights provide them.
+/// Each light is at `at` and shines along `axis`.
 #[cfg(test)]
 fn local_test_lights(at: DVec3, axis: DVec3) -> Vec<contract_tests::TestLight> {
     [point::test_lights(at, axis), beam::test_lights(at, axis)].concat()
@@ -132,7 +133,7 @@ impl Light {
         })
     }
 
-    /// The emitted power in W over the band. For a distant light, it is the power through the
+    /// The emitted power in W over the band. For a distant light, it is the power that enters the
     /// scene's bounding sphere.
     pub fn power_w(&self, extent: SceneExtent<'_>) -> f64 {
         match &self.emitter {
@@ -159,8 +160,9 @@ impl Light {
         }
     }
 
-    /// Samples a direction from the point `from` towards the light. Returns `None` if the sample
-    /// carries no light. The caller tests visibility.
+    /// Samples a direction from the point `from` towards the light. Returns `None` if no light
+    /// arrives along the sampled direction. The caller must test whether a surface blocks the
+    /// light.
     pub fn sample_li(&self, extent: SceneExtent<'_>, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
         match &self.emitter {
             Emitter::Point(light) => light.sample_li(from),
@@ -174,8 +176,8 @@ impl Light {
     }
 
     /// The radiance (W/m²/sr over the band) and the spectrum that a ray sees if it leaves the scene
-    /// along `direction`. `None` for local lights, and if a directional light is not in this
-    /// direction.
+    /// along `direction`. The result is `None` for local lights. It is also `None` for a
+    /// directional light that is not in this direction.
     pub fn le(&self, direction: DVec3) -> Option<(f64, EmittedSpd)> {
         match &self.emitter {
             Emitter::Directional(light) => light.le(direction).map(|radiance| (radiance, EmittedSpd::Own)),
@@ -228,8 +230,8 @@ impl Light {
     }
 
     /// The part of a ray that the light can illuminate. This part lies within `window`, an interval
-    /// of distances in m. `None` if there is no such part. If the light has extent, `u` samples the
-    /// pivot.
+    /// of distances in m. `None` if there is no such part. If the light has extent, the random
+    /// numbers `u` select the pivot of the interval.
     pub fn lit_interval(
         &self,
         extent: SceneExtent<'_>,
@@ -272,7 +274,7 @@ impl Light {
     }
 
     /// The light that the point `from` receives from a virtual light. `None` if the point receives
-    /// no light. The caller tests visibility.
+    /// no light. The caller must test whether a surface blocks the light.
     pub fn li_from(&self, extent: SceneExtent<'_>, virtual_light: &VirtualLight, from: DVec3) -> Option<LiSample> {
         let connection = virtual_light.connection_from(from);
         let Some(irradiance) = virtual_light.surface_irradiance(&connection) else {
@@ -323,7 +325,7 @@ impl Light {
         }
     }
 
-    /// The number of the emitting object, for area lights.
+    /// The number of the object that emits the light. `None` if the light is not an area light.
     pub fn object(&self) -> Option<u32> {
         match &self.emitter {
             Emitter::Area(light) => Some(light.object),
@@ -336,7 +338,7 @@ impl Light {
         }
     }
 
-    /// The name of the emitting medium, for volume lights.
+    /// The name of the medium that emits the light. `None` if the light is not a volume light.
     pub fn medium_name(&self) -> Option<&str> {
         match &self.emitter {
             Emitter::Volume(light) => Some(light.medium_name()),
@@ -377,8 +379,8 @@ impl Light {
     }
 
     /// The lowest and highest corner of a box around a local light, relative to the scene's centre,
-    /// in m. `None` for distant lights and volume lights. `object_bounds` are the boxes around all
-    /// objects.
+    /// in m. `None` for distant lights and volume lights. `object_bounds` contains one box around
+    /// each object.
     pub fn bounds(&self, object_bounds: &BTreeMap<u32, (DVec3, DVec3)>) -> Option<(DVec3, DVec3)> {
         let around = |centre: DVec3, radius: f64| Some((centre - radius, centre + radius));
         match &self.emitter {

@@ -40,8 +40,8 @@ impl PointLight {
 
 /// A spot light: a point that shines into a cone with a smooth edge.
 ///
-/// The intensity is constant inside the inner cone and 0 outside the outer cone. In between, the
-/// intensity is a smoothstep of the cosine of the angle to the axis.
+/// The intensity is constant inside the inner cone and 0 outside the outer cone. Between the two
+/// cones, the intensity is a smoothstep function of cos θ, where θ is the angle to the axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpotLight {
     position: DVec3,
@@ -70,8 +70,9 @@ impl SpotLight {
         Self { position, axis, ..*self }
     }
 
-    /// The power of a spot light whose intensity on the axis is 1 W/sr. The power in W is 2π ∫
-    /// falloff d(cos θ). The mean of the smoothstep is one half. Angles are in radians.
+    /// The power of a spot light whose intensity on the axis is 1 W/sr. The power in W is 2π ∫ f
+    /// d(cos θ), where f is the intensity at the angle θ to the axis. The mean of the smoothstep is
+    /// one half. Angles are in radians.
     pub fn power_per_intensity(half_angle: f64, penumbra: f64) -> f64 {
         let spot = Self::new(DVec3::ZERO, DVec3::Z, half_angle, penumbra, 1.0);
         spot.power_w()
@@ -147,7 +148,7 @@ fn sample_li_from_point(position: DVec3, from: DVec3, intensity: impl Fn(DVec3) 
     })
 }
 
-/// Lights of the kinds in this file, for the contract tests.
+/// Examples of the kinds of lights that this file defines. The contract tests use them.
 #[cfg(test)]
 pub(super) fn test_lights(at: DVec3, axis: DVec3) -> Vec<TestLight> {
     let spot = |half_angle, penumbra| Emitter::Spot(SpotLight::new(at, axis, half_angle, penumbra, 5.0));

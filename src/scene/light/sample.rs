@@ -22,7 +22,7 @@ pub struct LeSample {
     pub origin: DVec3,
     /// The direction in which the light travels, as a unit vector.
     pub direction: DVec3,
-    /// The surface that emits the ray, for area lights.
+    /// The surface that emits the ray. `None` if the light is not an area light.
     pub from: Option<SurfaceId>,
     /// The flux in W over the band, divided by the density of the sample.
     pub flux_w: f64,
@@ -61,8 +61,8 @@ pub struct LeRandoms {
     pub rest: [f64; 3],
 }
 
-/// The surfaces of a scene, and its bounding sphere around the origin. Light from distant lights
-/// always passes through this sphere.
+/// The surfaces of a scene, and the scene's bounding sphere around the origin. Light from distant
+/// lights always passes through this sphere.
 #[derive(Debug, Clone, Copy)]
 pub struct SceneExtent<'a> {
     /// The surfaces.

@@ -1,10 +1,10 @@
 //! A virtual light: one fixed point or direction of a light. It is chosen before the illuminated
 //! points are known.
 //!
-//! If a light has no extent, its virtual light is the whole light. If a light has extent, the mean
-//! irradiance from its random virtual lights equals the irradiance from the light (compare the
-//! virtual point lights of Keller 1997). There is exactly one straight connection from a virtual
-//! light to each point, so a light map can store the transmittance of that connection.
+//! If a light has no extent, its virtual light represents the whole light. If a light has extent,
+//! the mean irradiance from its random virtual lights equals the irradiance from the light (compare
+//! the virtual point lights of Keller 1997). There is exactly one straight connection from a
+//! virtual light to each point, so a light map can store the transmittance of that connection.
 
 use crate::geometry::{Ray, SurfaceId, SurfaceSample};
 use glam::DVec3;
@@ -25,8 +25,9 @@ enum VirtualLightKind {
     /// A point of a surface, with its unit normal. `flux` is the radiance (W/m²/sr over the band)
     /// divided by the density of the point. The density is per m².
     Surface { position: DVec3, normal: DVec3, flux: f64 },
-    /// Parallel light that arrives from the unit vector `direction`. The light starts at infinity,
-    /// or on a plane through a point. This plane is perpendicular to `direction`.
+    /// Parallel light. The unit vector `direction` points towards the source of the light. The
+    /// light starts at infinity, or on a plane through a point. This plane is perpendicular to
+    /// `direction`.
     Parallel { direction: DVec3, plane: Option<DVec3> },
 }
 
@@ -36,7 +37,8 @@ pub struct LightConnection {
     /// The unit vector from the point towards the light.
     pub direction: DVec3,
     /// The length in m. The length is infinite for a distant light. It is 0 if the point is on the
-    /// light, and 0 or negative if the point is behind the source of a parallel beam.
+    /// light. For a parallel beam, it is 0 on the plane of the disk, and negative behind this
+    /// plane.
     pub distance: f64,
     /// The surface on which the connection ends.
     pub target: Option<SurfaceId>,
@@ -57,8 +59,8 @@ impl VirtualLight {
         Self { kind, surface: Some(sample.surface), u }
     }
 
-    /// A virtual light of parallel rays. The rays arrive from the unit vector `direction`. They
-    /// start on a plane through `plane`, or at infinity.
+    /// A virtual light of parallel rays. The unit vector `direction` points towards the source of
+    /// the rays. The rays start on a plane through `plane`, or at infinity.
     pub(super) fn parallel(direction: DVec3, plane: Option<DVec3>, u: [f64; 3]) -> Self {
         Self { kind: VirtualLightKind::Parallel { direction, plane }, surface: None, u }
     }
@@ -68,7 +70,8 @@ impl VirtualLight {
         self.u
     }
 
-    /// The connection from a point to the light. The light need not shine towards the point.
+    /// The connection from a point to the light. The connection exists even if the light does not
+    /// shine towards the point.
     pub fn connection_from(&self, from: DVec3) -> LightConnection {
         let (direction, distance) = match self.kind {
             VirtualLightKind::Point(position) | VirtualLightKind::Surface { position, .. } => {
@@ -80,8 +83,8 @@ impl VirtualLight {
         LightConnection { direction, distance, target: self.surface }
     }
 
-    /// The ray from the light to a point, and the ray's length in m. Light from infinity starts at
-    /// the distance `far_m` from the point.
+    /// The ray from the light to a point, and the ray's length in m. If the light is at infinity,
+    /// the ray starts at the distance `far_m` from the point.
     pub fn ray_to(&self, to: DVec3, far_m: f64) -> (Ray, f64) {
         let LightConnection { direction, distance, .. } = self.connection_from(to);
         let length = if distance.is_finite() { distance } else { far_m };

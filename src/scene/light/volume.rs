@@ -41,8 +41,9 @@ const PROBES: usize = 4;
 /// The number of probes along each side of the box.
 const PROBED: usize = CELLS * PROBES;
 
-/// The distance between a row of probes and the ray along this row, divided by the distance between
-/// probes. Because of this offset, the ray does not run along an edge of a mesh.
+/// One ray runs beside each row of probes. This is the distance between the ray and the row,
+/// divided by the distance between two probes. Because of this offset, the ray does not run along
+/// an edge of a mesh.
 const BESIDE: f64 = 1e-6;
 
 /// A direction that is unlikely to be parallel to an edge or a face.
@@ -79,9 +80,9 @@ impl VolumeLight {
     /// Creates the light of an emitting medium.
     ///
     /// `from_unit` maps the unit cube to a box around the emitting part. The box is in m, relative
-    /// to the scene's centre. If the medium is inside a body, `body` holds the surface of this body
-    /// and its volume in m³. `body` is `None` if the box itself bounds the medium. Returns `None`
-    /// if the medium emits nothing in the band.
+    /// to the scene's centre. If the medium is inside a body, `body` contains the surface of this
+    /// body and the body's volume in m³. `body` is `None` if the box itself bounds the medium.
+    /// Returns `None` if the medium emits nothing in the band.
     pub fn new(medium: &Medium, from_unit: DAffine3, body: Option<(Arc<Geometry>, f64)>) -> Option<Self> {
         let emission = medium.emission.as_ref()?;
         let (body, body_volume) = body.unzip();
@@ -138,7 +139,8 @@ impl VolumeLight {
         self.power_w
     }
 
-    /// A point of strong emission. The bodies that contain this point also contain the light.
+    /// A point at which the emission is strong. The bodies that contain this point also contain the
+    /// light.
     pub(super) fn representative_point(&self) -> RepresentativePoint {
         let samples = (0..64).map(|i| self.sample([(f64::from(i) + 0.5) / 64.0, 0.37, 0.61]));
         let brightest = samples.max_by(|a, b| a.flux_w.total_cmp(&b.flux_w));
@@ -156,8 +158,8 @@ impl VolumeLight {
         LeSample { origin: position, direction: warp::sphere(u.aim), from: None, flux_w, spd }
     }
 
-    /// Samples a direction towards a point of the medium. The irradiance equals the irradiance from
-    /// a point light whose flux is the flux of the sample.
+    /// Samples a direction towards a point of the medium. The irradiance is computed as for a point
+    /// light that has the flux of the sampled point.
     pub(super) fn sample_li(&self, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
         let VolumeSample { position, flux_w, spd } = self.sample(u);
         let (direction, distance) = (position - from).normalize_and_length();
@@ -200,14 +202,14 @@ impl VolumeLight {
         self.from_unit.matrix3.determinant().abs()
     }
 
-    /// The centre of a probe.
+    /// The position of a probe.
     fn probe(&self, place: [usize; 3]) -> DVec3 {
         let [x, y, z] = place.map(|place| place as f64 + 0.5);
         self.from_unit.transform_point3(DVec3::new(x, y, z) / PROBED as f64)
     }
 
-    /// Tells for each probe of a row whether the probe lies inside the body. One ray along the row
-    /// finds all crossings of the surface.
+    /// Returns one value for each probe of a row. The value is true if the probe lies inside the
+    /// body. One ray along the row finds all crossings of the surface.
     fn inside_along(&self, first: DVec3, step: DVec3) -> [bool; PROBED] {
         let Some(body) = &self.body else { return [true; PROBED] };
         let (direction, spacing) = step.normalize_and_length();
@@ -222,8 +224,8 @@ impl VolumeLight {
         })
     }
 
-    /// Returns true if a point lies inside the body. A ray from an inside point leaves the body
-    /// more often than it enters.
+    /// Returns true if a point lies inside the body. A ray that starts inside the body leaves the
+    /// body more often than it enters the body.
     fn contains(&self, point: DVec3) -> bool {
         let Some(body) = &self.body else { return true };
         let direction = OBLIQUE.normalize();

@@ -15,7 +15,8 @@ pub enum MediumEmission {
         /// The integral of the spectrum over the band, in W/m³/sr.
         band: f64,
     },
-    /// Thermal emission by Kirchhoff's law, j = σ_a(λ) B_λ(T). The temperature varies in space.
+    /// Thermal emission. By Kirchhoff's law, the emission coefficient is j = σ_a(λ) B_λ(T). The
+    /// temperature varies in space.
     Thermal(Box<ThermalEmission>),
 }
 
@@ -24,17 +25,18 @@ pub enum MediumEmission {
 pub struct ThermalEmission {
     temperature: Arc<ScalarField>,
     absorption: Spectrum,
-    /// The logarithm of the emission over the band. The emission is in W/m³/sr. The entries are at
-    /// equal steps of the inverse temperature and begin at the highest temperature. By Wien's law,
-    /// the logarithm is nearly linear.
+    /// The logarithm of the emission, integrated over the band. The emission is in W/m³/sr. The
+    /// first entry is for the highest temperature. From each entry to the next, the inverse
+    /// temperature increases by the same step. By Wien's law, the logarithm is a nearly linear
+    /// function of the inverse temperature.
     log_band: Vec<f64>,
     /// The inverse temperature of the first entry, and the step of the inverse temperature between
     /// entries. Both are in 1/K.
     inverse: (f64, f64),
 }
 
-/// Below this temperature in K, thermal emission counts as 0. Matter at this temperature emits less
-/// than 10⁻¹⁶ of the light of matter that glows dimly.
+/// Below this temperature in K, thermal emission counts as 0. Matter that glows dimly emits more
+/// than 10¹⁶ times as much light as matter at this temperature.
 const COLDEST_K: f64 = 350.0;
 
 /// The number of steps of the inverse temperature. The relative interpolation error is below 10⁻⁴.
@@ -42,8 +44,8 @@ const COLDEST_K: f64 = 350.0;
 /// interpolated value normalises the spectrum.
 const STEPS: usize = 256;
 
-/// A histogram of temperatures gives the mean spectrum. This is the number of its bins per step of
-/// the inverse temperature.
+/// The mean spectrum is computed from a histogram of temperatures. This is the number of bins in
+/// each step of the inverse temperature.
 const BINS_PER_STEP: f64 = 8.0;
 
 impl MediumEmission {
@@ -90,8 +92,8 @@ impl MediumEmission {
         }
     }
 
-    /// The emission over the band at a point, in W/m³/sr at density 1. For thermal emission, the
-    /// function also returns the temperature in K.
+    /// The emission at a point, integrated over the band. The unit is W/m³/sr at density 1. For
+    /// thermal emission, the function also returns the temperature in K.
     pub fn band_at(&self, point: DVec3) -> (f64, Option<f64>) {
         match self {
             Self::Uniform { band, .. } => (*band, None),
@@ -144,12 +146,13 @@ impl ThermalEmission {
         self.absorption.at(nm) * planck(nm, temperature) * 1e-9
     }
 
-    /// The position of a temperature in `log_band`: a fractional index.
+    /// The fractional index in `log_band` that corresponds to a temperature.
     fn entry(&self, temperature: f64) -> f64 {
         ((1.0 / temperature - self.inverse.0) / self.inverse.1).clamp(0.0, STEPS as f64)
     }
 
-    /// The emission over the band at a temperature in K, in W/m³/sr at density 1.
+    /// The emission at a temperature in K, integrated over the band. The unit is W/m³/sr at density
+    /// 1.
     fn band(&self, temperature: f64) -> f64 {
         if temperature <= COLDEST_K {
             return 0.0;

@@ -58,10 +58,10 @@ pub enum Density {
     Field(Arc<ScalarField>),
 }
 
-/// The method of computing the transmittance if the density of a medium varies in space.
+/// The method that computes the transmittance if the density of a medium varies in space.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TransmittanceEstimator {
-    /// The exact column density.
+    /// The transmittance is computed from the exact column density.
     Exact,
     /// Ratio tracking (Novák et al. 2014): unbiased but noisy.
     Ratio,
@@ -167,8 +167,8 @@ impl Medium {
         })
     }
 
-    /// An upper bound of the density along the first `length_m` of the ray. It is the majorant for
-    /// null-collision tracking.
+    /// An upper bound of the density along the first `length_m` of the ray. Null-collision tracking
+    /// uses this bound as its majorant.
     pub fn majorant(&self, ray: &Ray, length_m: f64) -> f64 {
         match &self.density {
             Density::Uniform => 1.0,
@@ -194,8 +194,8 @@ impl Medium {
         }
     }
 
-    /// The optical depth of a column density at a wavelength in nm. If σ_t is 0, the optical depth
-    /// is 0, even for an infinite column.
+    /// Converts a column density to the optical depth at a wavelength in nm. If σ_t is 0, the
+    /// optical depth is 0, even for an infinite column.
     pub fn optical_depth(&self, nm: f64, column_m: f64) -> f64 {
         let sigma_t = self.extinction.at(nm);
         if sigma_t > 0.0 { sigma_t * column_m } else { 0.0 }
@@ -207,7 +207,7 @@ impl Medium {
     }
 
     /// The distance along the ray at which the column density reaches `column_m`, in m. `None` if
-    /// the column density of the first `length_m` is smaller.
+    /// the column density of the first `length_m` of the ray is smaller than `column_m`.
     pub fn distance_at(&self, ray: &Ray, length_m: f64, column_m: f64) -> Option<f64> {
         match &self.density {
             Density::Uniform => (column_m < length_m).then_some(column_m),
@@ -215,8 +215,8 @@ impl Medium {
         }
     }
 
-    /// Two distances in m within the first `length_m` of the ray. The density is above 0 only
-    /// between these distances.
+    /// The part of the first `length_m` of the ray in which the density can be above 0. The two
+    /// values are the distances in m at which this part begins and ends.
     pub fn window(&self, ray: &Ray, length_m: f64) -> Option<(f64, f64)> {
         match &self.density {
             Density::Uniform => Some((0.0, length_m)),

@@ -122,8 +122,8 @@ fn not_two_numbers(row: &str) -> Error {
     Error::input(format!("the row \"{shown}\"")).expected("two numbers: wavelength and value")
 }
 
-/// Returns the number of nm in the unit of the wavelengths. A word in the title of the first column
-/// names the unit.
+/// Returns the factor that converts the wavelengths of the file to nm. A word in the title of the
+/// first column names the unit.
 fn unit_of_header(row: &str) -> f64 {
     let first = row.split([';', '\t', '|', ',']).next().unwrap_or(row).to_lowercase();
     // The letter µ has two code points. If the file has another encoding, µ is decoded as the

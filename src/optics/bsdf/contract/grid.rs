@@ -1,5 +1,5 @@
-//! A grid on the sphere, whose cells have equal solid angles. The module integrates densities over
-//! the cells and compares the integrals with a histogram of samples by the χ² test.
+//! A grid that divides the sphere into cells of equal solid angle. The module integrates densities
+//! over the cells and compares the integrals with a histogram of samples by the χ² test.
 
 use std::f64::consts::TAU;
 

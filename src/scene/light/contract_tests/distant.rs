@@ -1,4 +1,4 @@
-//! Distant lights in the contract of lights.
+//! Distant lights for the contract tests.
 
 use super::*;
 

@@ -12,7 +12,8 @@ pub(in crate::scene::light) struct TestLight {
     /// The largest distance between the origin of an emitted ray and the light's position. All rays
     /// start in the plane that contains this position and is perpendicular to the axis.
     pub(in crate::scene::light) disk_m: f64,
-    /// The irradiance on the axis at a distance of 2 m, if this irradiance has a closed form.
+    /// The irradiance on the axis at a distance of 2 m, or `None` if this irradiance has no closed
+    /// form.
     pub(in crate::scene::light) irradiance_at_2_m: Option<f64>,
 }
 

@@ -6,12 +6,12 @@ use crate::math::quadrature::gauss16;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
-/// A field that falls with height. It equals `value` times exp(−height/`scale_height`).
+/// A field that decreases with height. The field equals `value` times exp(−height/`scale_height`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Atmosphere {
     /// The value at height 0.
     pub value: f64,
-    /// The height over which the field falls to 1/e.
+    /// The increase in height over which the field decreases by the factor 1/e.
     pub scale_height: f64,
     /// The surface at height 0.
     pub above: Ground,
@@ -40,8 +40,8 @@ pub struct Planet {
 /// height.
 const HEIGHTS_PER_PIECE: f64 = 8.0;
 
-/// The largest number of pieces on one side of the lowest point. Above these pieces, the field is
-/// less than e⁻⁴⁰ times the field at the lowest point.
+/// The largest number of pieces of a line on each side of the line's lowest point. Above these
+/// pieces, the field is less than e⁻⁴⁰ times the field at the lowest point.
 const MAX_PIECES: u32 = 5;
 
 impl Atmosphere {
@@ -103,8 +103,8 @@ impl Atmosphere {
     }
 
     /// The parameters at which the rising half of the line crosses the edges of the shells. The
-    /// lowest shell begins at the height of the point at `from`. This point may be on the falling
-    /// half of the line.
+    /// lowest shell begins at the height of the point with the parameter `from`. This point may be
+    /// on the falling half of the line.
     fn shells(&self, line: &FieldLine, planet: &Planet, from: f64) -> [f64; MAX_PIECES as usize + 1] {
         let nearest = line.nearest_to(planet.center);
         let closest = (line.at(nearest) - planet.center).length();
@@ -133,7 +133,7 @@ impl Atmosphere {
     }
 }
 
-/// Visits the part of a piece inside the window.
+/// Visits the part of a piece that lies inside the window.
 fn visit_within(
     window: (f64, f64),
     piece: (f64, f64),

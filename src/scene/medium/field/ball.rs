@@ -5,9 +5,9 @@ use crate::math::quadrature::gauss4;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
-/// A ball that fades over the outer share `falloff` of its radius. The fade is a smoothstep in the
-/// square of the distance from the centre. Along every line, the fade is a polynomial of the
-/// distance along the line.
+/// A ball that fades near its surface, over the share `falloff` of the radius. The fade is a
+/// smoothstep function of the squared distance from the centre. Along every line, the fade is
+/// therefore a polynomial.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallField {
     /// The value at the centre.

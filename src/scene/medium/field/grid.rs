@@ -1,9 +1,9 @@
 //! A grid of values at the centres of cells, with trilinear interpolation.
 //!
 //! Between the outermost centres and the faces of the box, the interpolation uses the values at the
-//! outermost centres. A grid of one cell is thus constant. Between two adjacent planes of centres,
-//! the interpolated value along a line is a cubic polynomial. Two Gauss points integrate this cubic
-//! exactly.
+//! outermost centres. Therefore, the value is constant if the grid has only one cell. Between two
+//! adjacent planes of cell centres, the interpolated value along a line is a cubic polynomial.
+//! Gauss quadrature with two points integrates this polynomial exactly.
 
 use super::FieldLine;
 use crate::error::{Error, Result};
@@ -25,7 +25,8 @@ pub struct FieldGrid {
 }
 
 /// The side of a block. The unit is the distance between adjacent centres. Each block stores its
-/// largest value. This value allows empty blocks to be skipped, and bounds the value along a line.
+/// largest value. This value shows whether the block is empty. It is also an upper bound of the
+/// value along a line through the block.
 const BLOCK: usize = 8;
 
 impl FieldGrid {
@@ -58,8 +59,8 @@ impl FieldGrid {
         Ok(grid)
     }
 
-    /// The largest value at the centres in a block. The centres on the far faces of the block are
-    /// included.
+    /// The largest of the values at the cell centres in a block. The centres on the far faces of
+    /// the block are included.
     fn max_in_block(&self, block: [usize; 3]) -> f32 {
         let range = |axis: usize| {
             let first = block[axis] * BLOCK;
@@ -83,8 +84,8 @@ impl FieldGrid {
         self.value(self.cells_per_length(bounds) * (local - bounds.0) - DVec3::splat(0.5))
     }
 
-    /// The value at a point. The coordinates of `place` are in units of cells, and the first centre
-    /// is their origin.
+    /// The value at a point. `place` is the offset of the point from the centre of the first cell,
+    /// in units of cells.
     fn value(&self, place: DVec3) -> f64 {
         let mut corner = [0; 3];
         let mut share = [0.0; 3];
@@ -113,13 +114,15 @@ impl FieldGrid {
         DVec3::new(x, y, z) / (bounds.1 - bounds.0)
     }
 
-    /// Converts a line to coordinates in units of cells. The first centre is their origin.
+    /// Converts a line to coordinates in units of cells. The origin of these coordinates is the
+    /// centre of the first cell.
     fn in_centres(&self, line: &FieldLine, bounds: (DVec3, DVec3)) -> FieldLine {
         let scale = self.cells_per_length(bounds);
         FieldLine { origin: scale * (line.origin - bounds.0) - DVec3::splat(0.5), direction: scale * line.direction }
     }
 
-    /// The largest of the bounds that are stored for the blocks along the line.
+    /// An upper bound of the value along the line: the largest value that is stored for a block on
+    /// the line.
     pub(super) fn majorant(&self, line: &FieldLine, window: (f64, f64), bounds: (DVec3, DVec3)) -> f64 {
         let mut max = 0.0_f32;
         let _ = self.for_each_block(&self.in_centres(line, bounds), window, |_, bound| {
@@ -129,8 +132,8 @@ impl FieldGrid {
         f64::from(max)
     }
 
-    /// Divides the line at the planes of centres and visits the pieces. Pieces in empty blocks are
-    /// skipped.
+    /// Divides the line at the planes that contain the cell centres, and visits the pieces. Pieces
+    /// in empty blocks are skipped.
     pub(super) fn for_each_piece(
         &self,
         line: &FieldLine,
@@ -168,8 +171,8 @@ impl FieldGrid {
     }
 }
 
-/// Visits the pieces of a line between the planes of integer coordinates (Amanatides & Woo 1987).
-/// The coordinates go from 0 to `last` on each axis.
+/// Divides a line at the planes of integer coordinates, and visits the pieces (Amanatides & Woo
+/// 1987). The coordinates go from 0 to `last` on each axis.
 fn for_each_step(
     line: &FieldLine,
     (from, to): (f64, f64),

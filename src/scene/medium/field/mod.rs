@@ -1,10 +1,10 @@
-//! Scalar fields: a density or temperature as a function of position. Outside a box, the value is
-//! 0.
+//! Scalar fields: a density or temperature as a function of position. Each field has a box, and the
+//! value outside the box is 0.
 //!
 //! A straight line through a field is split into pieces, such as cells of a grid or shells of an
-//! atmosphere. The quadrature rule of a piece has a relative error below 10⁻¹². The integral along
-//! the line is the sum over the pieces. Newton's method within one piece finds the position where
-//! the integral reaches a given value.
+//! atmosphere. A quadrature rule integrates each piece with a relative error below 10⁻¹². The
+//! integral along the line is the sum over the pieces. Newton's method finds the position in a
+//! piece at which the integral along the line reaches a given value.
 
 mod atmosphere;
 mod ball;
@@ -47,7 +47,7 @@ pub enum FieldShape {
 }
 
 /// A straight line in a field's own coordinates. The parameter is the distance along the ray in m.
-/// If the field is scaled, the direction is therefore not a unit vector.
+/// If the field's coordinates are scaled, the direction of the line is therefore not a unit vector.
 #[derive(Debug, Clone, Copy)]
 struct FieldLine {
     origin: DVec3,
@@ -87,9 +87,9 @@ impl ScalarField {
         Self { shape, to_local, bounds }
     }
 
-    /// Returns true if a grid can interpolate column densities of the field. `cells` is the number
-    /// of cells of the grid along the longest side of the box. The scale height of an atmosphere
-    /// must be at least one cell.
+    /// Returns true if the field is smooth enough for a grid that interpolates its column
+    /// densities. `cells` is the number of cells of the grid along the longest side of the box. The
+    /// scale height of an atmosphere must be at least one cell.
     pub fn is_smooth_in_cells(&self, cells: u32) -> bool {
         let longest = (self.bounds.1 - self.bounds.0).max_element();
         match &self.shape {
@@ -142,8 +142,8 @@ impl ScalarField {
         if inside { self.local_at(local) } else { 0.0 }
     }
 
-    /// The distances at which the ray enters and leaves the box. They are limited to the first
-    /// `length_m` of the ray. `None` if this part of the ray misses the box.
+    /// The distances at which the ray enters and leaves the box. Both distances lie within the
+    /// first `length_m` of the ray. `None` if this part of the ray misses the box.
     pub fn window(&self, ray: &Ray, length_m: f64) -> Option<(f64, f64)> {
         self.clipped(&self.line(ray), length_m)
     }
@@ -160,7 +160,7 @@ impl ScalarField {
         }
     }
 
-    /// An upper bound of the value anywhere.
+    /// An upper bound of the value at all points.
     pub fn max(&self) -> f64 {
         match &self.shape {
             FieldShape::Constant(value) => *value,
@@ -183,7 +183,7 @@ impl ScalarField {
     }
 
     /// The distance along the ray at which the integral of the field reaches `column_m`. `None` if
-    /// the integral over the first `length_m` is smaller.
+    /// the integral over the first `length_m` of the ray is smaller than `column_m`.
     pub fn distance_at(&self, ray: &Ray, length_m: f64, column_m: f64) -> Option<f64> {
         let line = self.line(ray);
         let mut left = column_m;
@@ -200,8 +200,9 @@ impl ScalarField {
         found
     }
 
-    /// Computes the integral by the midpoint rule. The part of the ray inside the box is divided
-    /// into `steps` steps. The error is proportional to the square of the step.
+    /// Computes the integral of the field along a ray by the midpoint rule. The part of the ray
+    /// inside the box is divided into `steps` steps. The error is proportional to the square of the
+    /// step.
     pub fn column_by_steps(&self, ray: &Ray, length_m: f64, steps: u32) -> f64 {
         let line = self.line(ray);
         let Some((from, to)) = self.clipped(&line, length_m) else { return 0.0 };
@@ -235,7 +236,7 @@ impl ScalarField {
         (from < to).then_some((from, to))
     }
 
-    /// The value at a point inside the box, in the field's own coordinates.
+    /// The value at a point inside the box. The point is given in the field's own coordinates.
     fn local_at(&self, local: DVec3) -> f64 {
         match &self.shape {
             FieldShape::Constant(value) => *value,
@@ -245,8 +246,8 @@ impl ScalarField {
         }
     }
 
-    /// Calls `visit` with each piece of the first `length_m` of the line, in order along the line.
-    /// Parts where the field is 0 may be left out.
+    /// Divides the first `length_m` of the line into pieces, and calls `visit` with each piece in
+    /// order. Parts where the field is 0 may be left out.
     fn for_each_piece(&self, line: &FieldLine, length_m: f64, mut visit: impl FnMut((f64, f64)) -> ControlFlow<()>) {
         let Some(window) = self.clipped(line, length_m) else { return };
         let _ = match &self.shape {
@@ -268,8 +269,8 @@ impl ScalarField {
     }
 
     /// The parameter at which the integral from the start of the piece reaches `wanted`. `whole` is
-    /// the integral over the piece. A Newton step that leaves the bracket is replaced by a
-    /// bisection step.
+    /// the integral over the piece. If a Newton step would leave the interval that contains the
+    /// solution, a bisection step replaces it.
     fn invert(&self, line: &FieldLine, piece: (f64, f64), whole: f64, wanted: f64) -> f64 {
         let (mut low, mut high) = piece;
         let mut t = low + (high - low) * (wanted / whole);

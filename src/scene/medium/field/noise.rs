@@ -18,8 +18,9 @@ pub struct Noise {
     pub octaves: u32,
     /// The threshold, from 0 to 1.
     pub threshold: f64,
-    /// The share of the half-axes over which the noise fades to 0. The share is from 0 to 1. The
-    /// fade ends at the surface of the ellipsoid inscribed in the box. 0 means no fade.
+    /// The width of the region in which the noise fades to 0, as a share of the half-axes of an
+    /// ellipsoid. The share is from 0 to 1, and 0 means no fade. The ellipsoid is inscribed in the
+    /// box, and the fade ends at its surface.
     pub falloff: f64,
     /// The seed.
     pub seed: u32,

@@ -11,7 +11,8 @@ fn random(number: u64) -> Stream {
     Stream::new(3, Purpose::Pilot, 0, number)
 }
 
-/// A map from the scene to the field. The map has a rotation, an uneven scale and a translation.
+/// A map from scene coordinates to field coordinates. The map consists of a rotation, an uneven
+/// scale and a translation.
 fn placement() -> DAffine3 {
     let turned = DAffine3::from_axis_angle(DVec3::new(1.0, -2.0, 0.5).normalize(), 0.8);
     (DAffine3::from_translation(DVec3::new(0.3, -1.0, 2.0)) * DAffine3::from_scale(DVec3::new(2.0, 0.5, 1.3)) * turned)
@@ -59,8 +60,8 @@ fn fields() -> Vec<(&'static str, ScalarField)> {
     shapes().into_iter().map(place).collect()
 }
 
-/// Rays that start inside and outside the box of the field. Some cross the box and others miss it.
-/// The rays end before, inside and behind the box.
+/// Rays for the tests. Some rays start inside the box of the field, and others start outside. Some
+/// cross the box, and others miss it. Some end before the box, some inside it, and some behind it.
 fn rays(count: u64) -> impl Iterator<Item = (Ray, f64)> {
     let to_world = placement().inverse();
     let place = move |u: [f64; 3], spread: f64| {
