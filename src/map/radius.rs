@@ -76,9 +76,9 @@ impl RadiusScales {
 /// The radii follow the rule rᵈ_{i+1} = rᵈ_i (i + α)/(i + 1). Here i is the number of the pass,
 /// counted from 1, and α is 4/(d + 4). The rule is equation 15 of "Progressive Photon Mapping – A
 /// Probabilistic Approach" (Knaus & Zwicker 2011). Kernels on surfaces and kernels for photon
-/// points have d = 2. Their mean square error falls as N^(−2/3). Kernels for photon beams have d =
-/// 1. Their mean square error falls as N^(−4/5). The factor depends only on the number of the pass,
-/// so that passes can run in any order.
+/// points have two dimensions. Their mean square error falls as N^(−2/3). Kernels for photon beams
+/// have one dimension. Their mean square error falls as N^(−4/5). The factor depends only on the
+/// number of the pass, so that passes can run in any order.
 fn scale(pass: u64, dimensions: u32) -> f64 {
     let alpha = 4.0 / (f64::from(dimensions) + 4.0);
     // The product of (i + α)/(i + 1) for i = 1…pass is computed factor by factor up to i = `EXACT`.
