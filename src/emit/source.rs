@@ -50,7 +50,7 @@ pub struct PhotonSource<'a> {
     pub purpose: Purpose,
     /// The number of the pass.
     pub pass: u64,
-    /// Whether the scene contains bodies or media, so that paths need a medium stack.
+    /// The plan for bodies and media. If the scene contains any, paths need a medium stack.
     pub media_plan: MediumPlan,
 }
 

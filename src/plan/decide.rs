@@ -7,7 +7,7 @@ use super::negligible::NegligibleEffect;
 use crate::error::{Error, Result};
 use crate::scene::facts::Facts;
 
-/// Whether an effect is simulated, and why.
+/// The decision about an effect, and the reason for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EffectState {
     /// The effect is simulated, because the scene needs it.

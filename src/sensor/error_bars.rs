@@ -36,8 +36,8 @@ pub(super) struct ErrorBars {
     pub(super) noise: Vec<Option<f32>>,
     /// The magnitude of the estimated bias of Y, if it is known.
     pub(super) bias: Vec<Option<f32>>,
-    /// Whether an edge of the illumination is within the reach of a kernel. If so, the bias is
-    /// probably larger than estimated.
+    /// True if an edge of the illumination is within the reach of a kernel. In this case, the bias
+    /// is probably larger than estimated.
     pub(super) edge: Vec<Option<bool>>,
     /// The mean variance of the kernel estimates in (cd/m²)².
     kernel_noise: f64,

@@ -13,8 +13,8 @@ pub struct Picture {
     pub noise: Vec<Option<f32>>,
     /// The magnitude of the estimated bias of Y in cd/m², if it is known.
     pub bias: Vec<Option<f32>>,
-    /// Whether kernels blur an edge of the illumination at the pixel. If so, the bias is probably
-    /// larger than the estimate. `None` means that the edges are unknown.
+    /// True if kernels blur an edge of the illumination at the pixel. In this case, the bias is
+    /// probably larger than the estimate. `None` means that the edges are unknown.
     pub edge: Vec<Option<bool>>,
     /// Spectral radiance, if it was recorded.
     pub bands: Option<SpectralBands>,

@@ -12,8 +12,8 @@ use crate::optics::glass::RefractiveIndex;
 use crate::scene::{Body, Material};
 use crate::spectrum::{Spectrum, library};
 
-/// The largest allowed depth of nested mixed materials. If the nesting is deeper, the references are
-/// reported as circular.
+/// The largest allowed depth of nested mixed materials. If the nesting is deeper, the references
+/// are reported as circular.
 const MAX_DEPTH: usize = 16;
 
 /// Returns the microfacet parameter α of a roughness. As in glTF, α is the square of the roughness,

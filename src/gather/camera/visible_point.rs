@@ -15,7 +15,7 @@ pub struct VisiblePoint {
     /// The side length (m) of the pixel's footprint. The footprint is computed as if the path were
     /// straight.
     pub footprint_m: f64,
-    /// Whether the camera sees the point along a straight line.
+    /// The events on the camera path before it reaches the point.
     pub view: View,
     /// True if the path carries a shared wavelength.
     pub shared: bool,

@@ -57,7 +57,7 @@ pub struct LightMap<'a> {
     /// the column density (m) is stored instead. The values of all attenuators at one node are
     /// adjacent. The nodes are stored in an order in which x varies fastest.
     means: Vec<f32>,
-    /// Whether the light is visible from each node.
+    /// One value per node: true if the light is visible from the node.
     visible: Vec<bool>,
 }
 

@@ -25,7 +25,8 @@ impl LensRay {
     }
 }
 
-/// Whether the semi-apertures and the stop block rays.
+/// The choice between a lens with blocking apertures and a lens without them. The apertures are the
+/// semi-apertures and the stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ApertureCheck {
     /// Rays outside a semi-aperture or the stop are blocked.
