@@ -32,11 +32,11 @@ pub(crate) fn plain(prepared: &Prepared, count: u64) -> StoredPhotons {
             let mut stream = Stream::new(source.seed, Purpose::FreePhoton, source.pass, index);
             let u = points.point(index as u32);
             let mut u_light = u[1];
-            let number = source.light_distribution.sample(&mut u_light);
+            let number = source.strata.choice.sample(&mut u_light);
             let light = &scene.lights[number];
             let (aim, density) = aim.sample([u[2], u[3]]);
             let emission = light.sample_le(scene.extent(), LeRandoms { aim, rest: [u[4], u[5], u[6]] });
-            let flux = emission.flux_w / (count as f64 * source.light_distribution.probability(number) * density);
+            let flux = emission.flux_w / (count as f64 * source.strata.choice.probability(number) * density);
             let (mut nm, mut power): (Lanes, Lanes) = ([0.0; LANES], [0.0; LANES]);
             for k in 0..LANES {
                 let (drawn, pdf) = light.wavelengths.sample((u[0] + k as f64) / LANES as f64);

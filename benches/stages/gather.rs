@@ -4,6 +4,7 @@ use super::scenes::{Prepared, Total, camera_pass, load};
 use abbe::gather::{DirectLighting, Outlines, PathBuffers, PathTracer, PixelSampler};
 use abbe::map::{LightMaps, PixelRadii};
 use abbe::plan::Tally;
+use abbe::walk::DepthLimit;
 use criterion::{Criterion, Throughput};
 
 /// Every this many pixels one is sampled.
@@ -35,7 +36,7 @@ pub(crate) fn benches(c: &mut Criterion) {
     let scene = load("s3_box.json", &[]);
     let direct = DirectLighting::new(&scene, &prepared.choice.lights, prepared.plan.media_plan);
     let (wavelengths, media_plan) = (&prepared.choice.wavelengths, prepared.plan.media_plan);
-    let tracer = PathTracer { scene: &scene, direct, wavelengths, max_depth: 64, media_plan };
+    let tracer = PathTracer { scene: &scene, direct, wavelengths, depth_limit: DepthLimit::default(), media_plan };
     let pixels: Vec<u64> = (0..scene.camera.pixel_count() as u64).step_by(STEP).collect();
     group.throughput(Throughput::Elements(pixels.len() as u64));
     group.bench_function("path tracer/s3_box", |b| {

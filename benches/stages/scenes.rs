@@ -1,6 +1,8 @@
 //! The benchmark scenes, and what the stages make of them.
 
-use abbe::emit::{Aim, LightSampler, PhotonSource, PhotonVisitor, SurfaceArrival, WavelengthSampling, trace};
+use abbe::emit::{
+    EmissionStrata, LightSampler, PhotonSource, PhotonVisitor, SurfaceArrival, WavelengthSampling, trace,
+};
 use abbe::gather::{CameraPass, DirectLighting, Outlines};
 use abbe::map::radius::RadiusScales;
 use abbe::map::{ClassMaps, LightMaps, Photon, PhotonMap, PhotonPower, SetMaps};
@@ -9,8 +11,8 @@ use abbe::plan::partition::PerSet;
 use abbe::plan::partition::{LightPath, kept_in_map};
 use abbe::plan::{Plan, prepare};
 use abbe::scene::Scene;
-use abbe::walk::Sink;
 use abbe::walk::ledger::Ledger;
+use abbe::walk::{DepthLimit, Sink};
 use std::path::Path;
 
 /// A scene with what transport needs to know of it.
@@ -18,7 +20,7 @@ pub(crate) struct Prepared {
     pub(crate) scene: Scene,
     pub(crate) plan: Plan,
     pub(crate) choice: LightSampler,
-    aims: Vec<Aim>,
+    strata: EmissionStrata,
 }
 
 /// A benchmark scene by its file's name, with changes as by `--set`.
@@ -33,19 +35,19 @@ impl Prepared {
         let mut scene = load(name, &[]);
         let (plan, _) = prepare(&mut scene).expect("a benchmark scene can be planned");
         let choice = LightSampler::new(&scene).expect("a benchmark scene is lit");
-        let aims = vec![Aim::plain(); scene.lights.len()];
-        Self { scene, plan, choice, aims }
+        let strata = EmissionStrata::plain(&choice.lights);
+        Self { scene, plan, choice, strata }
     }
 
     /// Hands what emits `count` unaimed photons of pass 0 to `then`.
     pub(crate) fn with_source<T>(&self, count: u64, then: impl FnOnce(&PhotonSource<'_>) -> T) -> T {
         then(&PhotonSource {
             scene: &self.scene,
-            light_distribution: &self.choice.lights,
-            aims: &self.aims,
+
+            strata: &self.strata,
             wavelengths: WavelengthSampling::Free,
             count,
-            max_depth: 64,
+            depth_limit: DepthLimit::default(),
             seed: 1,
             purpose: Purpose::FreePhoton,
             pass: 0,
@@ -133,6 +135,7 @@ pub(crate) fn camera_pass<'a>(
         outlines,
         scales: RadiusScales::of_pass(0),
         stated_radius_m: None,
-        max_depth: 64,
+        depth_limit: DepthLimit::default(),
+        missing: None,
     }
 }

@@ -42,7 +42,7 @@ mod tests {
         let fixed = Budget {
             passes: 1,
             photons,
-            max_depth: 1,
+            max_depth: None,
             nearest: 1,
             radius_m: None,
             light_map_cells: 2,

@@ -179,6 +179,7 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>) -> Result<Outc
         return Ok(Outcome::Interrupted);
     }
     if !arguments.quiet {
+        rendered.stats.notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
         print::remark(&summary(&rendered, &outputs));
     }
     Ok(Outcome::Done)

@@ -10,13 +10,13 @@
 
 use crate::math::distribution::PiecewiseConstant2d;
 
-/// The number of cells along each side of the grid.
+/// The largest number of cells along each side of the grid.
 pub const CELLS: usize = 64;
 
 /// The fraction of photons that ignores the grid (defensive sampling).
 const DEFENSIVE: f64 = 0.25;
 
-/// The learned emission distribution of one light.
+/// The learned emission distribution of one stratum of a light's rays.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Aim(Option<PiecewiseConstant2d>);
 
@@ -27,9 +27,9 @@ impl Aim {
     }
 
     /// Creates an aim from the weights of the cells. The weights are root-mean-square
-    /// contributions. They are ordered row by row, with [`CELLS`] weights per row.
-    pub fn learned(scores: &[f64]) -> Self {
-        Self(PiecewiseConstant2d::new(CELLS, scores))
+    /// contributions. They are ordered row by row, with `side` weights per row.
+    pub fn learned(side: usize, scores: &[f64]) -> Self {
+        Self(PiecewiseConstant2d::new(side, scores))
     }
 
     /// Returns true if the aim changes nothing.
@@ -51,10 +51,10 @@ impl Aim {
         (point, DEFENSIVE + (1.0 - DEFENSIVE) * grid.pdf(point))
     }
 
-    /// Returns the index of the cell that contains a point.
-    pub fn cell(point: [f64; 2]) -> usize {
-        let cell = |x: f64| ((x * CELLS as f64) as usize).min(CELLS - 1);
-        cell(point[1]) * CELLS + cell(point[0])
+    /// Returns the index of the cell that contains a point. The grid has `side` cells per row.
+    pub fn cell(point: [f64; 2], side: usize) -> usize {
+        let cell = |x: f64| ((x * side as f64) as usize).min(side - 1);
+        cell(point[1]) * side + cell(point[0])
     }
 }
 
@@ -70,14 +70,14 @@ mod tests {
         let mut scores = vec![0.0; CELLS * CELLS];
         scores[700] = 3.0;
         scores[701] = 1.0;
-        let aim = Aim::learned(&scores);
+        let aim = Aim::learned(CELLS, &scores);
         let sobol = Sobol::new(1);
         let n = 1 << 14;
         let (mut power, mut inside) = (0.0, 0);
         for i in 0..n {
             let (point, density) = aim.sample([sobol.at(i, 0), sobol.at(i, 1)]);
             power += 1.0 / density / f64::from(n);
-            inside += usize::from(Aim::cell(point) == 700);
+            inside += usize::from(Aim::cell(point, CELLS) == 700);
         }
         assert!((power - 1.0).abs() < 2e-3, "{power}");
         assert!((inside as f64 / f64::from(n) - 0.75 * 0.75).abs() < 1e-2);

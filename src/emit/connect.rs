@@ -22,7 +22,7 @@ pub struct Splat {
 /// Connects a photon at a surface to the camera. `lens` in [0, 1)² selects the point of the
 /// aperture. Returns `None` if the camera does not see the photon.
 pub fn connect(scene: &Scene, media_plan: MediumPlan, arrival: &SurfaceArrival<'_>, lens: [f64; 2]) -> Option<Splat> {
-    let SurfaceArrival { interaction, photon } = arrival;
+    let SurfaceArrival { interaction, photon, .. } = arrival;
     let sighting = scene.camera.connect(interaction.hit.position, lens)?;
     let to_camera = interaction.frame.to_local(sighting.direction);
     let to_light = interaction.wo;

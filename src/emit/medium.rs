@@ -17,7 +17,7 @@ use crate::scene::medium::Medium;
 use crate::spectrum::{LANES, Spectrum};
 use crate::walk::ledger::Ledger;
 use crate::walk::{
-    MAX_COLLISIONS, MediumSegment, NumberedMedium, RayState, SurfaceInteraction, next_interaction_through_media,
+    MAX_EVENTS, MediumSegment, NumberedMedium, RayState, SurfaceInteraction, next_interaction_through_media,
 };
 use glam::DVec3;
 use std::ops::ControlFlow;
@@ -31,7 +31,7 @@ pub(super) fn advance_through_media<'a, V: PhotonVisitor>(
     visitor: &mut V,
     ledger: &mut Ledger,
 ) -> Option<SurfaceInteraction<'a>> {
-    for _ in 0..MAX_COLLISIONS {
+    for _ in 0..MAX_EVENTS {
         let component = stream.uniform();
         let mut collision = None;
         let end = next_interaction_through_media(scene, path.ray_state, component, |segment| {
@@ -55,6 +55,7 @@ pub(super) fn advance_through_media<'a, V: PhotonVisitor>(
         }
     }
     ledger.depth_limit += path.total_w();
+    ledger.depth_limit_indirect += path.total_w();
     None
 }
 

@@ -6,6 +6,7 @@ mod light_sampler;
 mod medium;
 mod photon_path;
 mod source;
+mod strata;
 mod trace;
 mod visitor;
 
@@ -13,5 +14,6 @@ pub use aim::{Aim, CELLS};
 pub use light_sampler::LightSampler;
 pub use photon_path::PhotonState;
 pub use source::{PhotonSource, WavelengthSampling};
+pub use strata::{EmissionStrata, Stratum};
 pub use trace::trace;
 pub use visitor::{MediumCollision, MediumCrossing, PhotonVisitor, SurfaceArrival};

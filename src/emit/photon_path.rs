@@ -10,6 +10,9 @@ use crate::walk::RayState;
 pub struct PhotonState {
     /// The class of the path so far.
     pub light_path: LightPath,
+    /// True if the path is beyond the depth limit of the scene. The photon then contributes only to
+    /// the estimated bias.
+    pub lost: bool,
     /// The wavelengths.
     pub wavelengths: Wavelengths,
     /// The power at each wavelength. The unit is W for free photons, and W/nm for shared photons.
@@ -33,6 +36,12 @@ impl PhotonPath {
     pub(super) fn total_w(&self) -> f64 {
         // Lanes that are not in use hold no power.
         (0..LANES).map(|k| self.photon.power[k] * self.watts[k]).sum()
+    }
+
+    /// Continues the path beyond the depth limit, and multiplies its power by `factor`.
+    pub(super) fn lose(&mut self, factor: f64) {
+        self.photon.lost = true;
+        self.photon.power.iter_mut().for_each(|power| *power *= factor);
     }
 
     /// Discards all wavelengths except the wavelength of one lane.

@@ -1,10 +1,9 @@
 //! The emission of a set of photons.
 
-use super::aim::Aim;
 use super::photon_path::{PhotonPath, PhotonState};
+use super::strata::EmissionStrata;
 use super::visitor::PhotonVisitor;
 use crate::geometry::Ray;
-use crate::math::distribution::DiscreteDistribution;
 use crate::math::random::{Purpose, Stream, hash64};
 use crate::math::sobol::Sobol;
 use crate::plan::MediumPlan;
@@ -12,7 +11,7 @@ use crate::plan::partition::LightPath;
 use crate::scene::Scene;
 use crate::scene::light::{LeRandoms, LeSample, Light};
 use crate::spectrum::{LANES, Lanes, Wavelengths};
-use crate::walk::{BodyMode, RayState};
+use crate::walk::{BodyMode, DepthLimit, RayState};
 
 /// The wavelengths of the photons of a set.
 #[derive(Debug, Clone, Copy)]
@@ -34,16 +33,14 @@ pub enum WavelengthSampling {
 pub struct PhotonSource<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// Selects the light of each photon.
-    pub light_distribution: &'a DiscreteDistribution,
-    /// The aim of each light.
-    pub aims: &'a [Aim],
+    /// The strata of the emitted rays.
+    pub strata: &'a EmissionStrata,
     /// The wavelengths of the photons.
     pub wavelengths: WavelengthSampling,
     /// The number of photon paths in the set.
     pub count: u64,
-    /// The largest number of surface events in a path.
-    pub max_depth: u32,
+    /// The number of surface events after which a path ends.
+    pub depth_limit: DepthLimit,
     /// The seed of the render.
     pub seed: u64,
     /// The purpose of the set's random streams.
@@ -70,13 +67,15 @@ impl PhotonSource<'_> {
     pub(super) fn emit<M: BodyMode>(&self, points: &Sobol, index: u32, visitor: &mut impl PhotonVisitor) -> PhotonPath {
         let u = points.point(index);
         let mut u_light = u[1];
-        let number = self.light_distribution.sample(&mut u_light);
-        let light = &self.scene.lights[number];
-        let (aim, density) = self.aims[number].sample([u[2], u[3]]);
+        let number = self.strata.choice.sample(&mut u_light);
+        let stratum = &self.strata.list[number];
+        let light = &self.scene.lights[stratum.light];
+        let (aim, density) = stratum.aim.sample([u[2], u[3]]);
         visitor.on_emission(number, aim);
-        let emission = light.sample_le(self.scene.extent(), LeRandoms { aim, rest: [u[4], u[5], u[6]] });
+        let randoms = LeRandoms { aim, rest: [u[4], u[5], u[6]] };
+        let emission = self.strata.sample_le(stratum, light, self.scene.extent(), randoms);
         let (wavelengths, power_of_watt) = self.sample_wavelengths(light, &emission, u[0]);
-        let flux = emission.flux_w / (self.count as f64 * self.light_distribution.probability(number) * density);
+        let flux = emission.flux_w / (self.count as f64 * self.strata.choice.probability(number) * density);
         PhotonPath {
             ray_state: RayState {
                 ray: Ray { origin: emission.origin, direction: emission.direction },
@@ -85,6 +84,7 @@ impl PhotonSource<'_> {
             },
             photon: PhotonState {
                 light_path: LightPath::Direct,
+                lost: false,
                 wavelengths,
                 power: power_of_watt.map(|s| s * flux),
                 lane: None,

@@ -11,7 +11,9 @@ use crate::plan::MediumPlan;
 use crate::plan::partition::LightPath;
 use crate::spectrum::LANES;
 use crate::walk::ledger::Ledger;
-use crate::walk::{BodyMode, ScatteredRay, SurfaceInteraction, WithBodies, WithoutBodies};
+use crate::walk::{
+    BodyMode, MAX_EVENTS, ScatteredRay, SurfaceInteraction, WithBodies, WithoutBodies, long_path_survival,
+};
 use std::ops::Range;
 
 /// Emits the photons with these indices and traces each of them to its end. Only this function
@@ -23,17 +25,18 @@ pub fn trace<V: PhotonVisitor>(
     visitor: &mut V,
     ledger: &mut Ledger,
 ) {
+    // The energy balance does not contain lost paths.
+    let mut lost = source.depth_limit.is_stated().then(|| Ledger::new(ledger.absorbed.len()));
     match source.media_plan {
-        MediumPlan::Air => {
-            indices.for_each(|index| trace_one::<WithoutBodies, V>(source, points, index, visitor, ledger));
-        }
+        MediumPlan::Air => indices
+            .for_each(|index| trace_one::<WithoutBodies, V>(source, points, index, visitor, ledger, lost.as_mut())),
         MediumPlan::Clear | MediumPlan::Absorbing | MediumPlan::Scattering(_) => {
-            indices.for_each(|index| trace_one::<WithBodies, V>(source, points, index, visitor, ledger));
+            indices.for_each(|index| trace_one::<WithBodies, V>(source, points, index, visitor, ledger, lost.as_mut()))
         }
     }
 }
 
-/// Traces one photon.
+/// Traces one photon. If the scene states a depth limit, `lost` is the ledger of lost paths.
 #[inline(always)]
 fn trace_one<M: BodyMode, V: PhotonVisitor>(
     source: &PhotonSource<'_>,
@@ -41,16 +44,60 @@ fn trace_one<M: BodyMode, V: PhotonVisitor>(
     index: u64,
     visitor: &mut V,
     ledger: &mut Ledger,
+    lost: Option<&mut Ledger>,
 ) {
     let mut stream = source.stream(index);
     let mut path = source.emit::<M>(points, index as u32, visitor);
-    ledger.emitted += path.total_w();
+    let emitted = path.total_w();
+    if emitted <= 0.0 {
+        return;
+    }
+    ledger.emitted += emitted;
+    if !follow::<M, V>(source, &mut path, 1..source.depth_limit.events() + 1, &mut stream, visitor, ledger) {
+        return;
+    }
+    ledger.depth_limit += path.total_w();
+    if path.photon.light_path == LightPath::Indirect {
+        ledger.depth_limit_indirect += path.total_w();
+    }
+    if let Some(lost) = lost {
+        follow_lost::<M, V>(source, &mut path, &mut stream, visitor, lost);
+    }
+}
+
+/// Follows some of the photons that reach the depth limit of the scene. These photons contribute
+/// only to the estimated bias.
+#[inline(never)]
+fn follow_lost<M: BodyMode, V: PhotonVisitor>(
+    source: &PhotonSource<'_>,
+    path: &mut PhotonPath,
+    stream: &mut Stream,
+    visitor: &mut V,
+    ledger: &mut Ledger,
+) {
+    let Some(factor) = source.depth_limit.sample_lost_path(stream) else { return };
+    path.lose(factor);
+    follow::<M, V>(source, path, source.depth_limit.events() + 1..MAX_EVENTS + 1, stream, visitor, ledger);
+}
+
+/// Follows a photon through surface events with these numbers. The number of a path's first event
+/// is 1. Returns true if the photon survives all of these events.
+#[inline(always)]
+fn follow<M: BodyMode, V: PhotonVisitor>(
+    source: &PhotonSource<'_>,
+    path: &mut PhotonPath,
+    events: Range<u32>,
+    stream: &mut Stream,
+    visitor: &mut V,
+    ledger: &mut Ledger,
+) -> bool {
     let scene = source.scene;
-    for _ in 0..source.max_depth {
-        let next = advance::<M, V>(source, &mut path, &mut stream, visitor, ledger);
+    for depth in events {
+        let next = advance::<M, V>(source, path, stream, visitor, ledger);
         let Some(interaction) = &next else {
-            return;
+            return false;
         };
+        visitor.on_arrival(interaction.hit.object);
         if M::HAS_BODIES && scene.body_of(interaction.hit.object).is_some() {
             visitor.on_body_face();
         }
@@ -63,18 +110,18 @@ fn trace_one<M: BodyMode, V: PhotonVisitor>(
         if path.photon.light_path != LightPath::Direct
             && scene.materials[interaction.material].surface.class() >= BsdfClass::Glossy
         {
-            visitor.on_surface(&SurfaceArrival { interaction, photon: &path.photon }, &mut stream);
+            visitor.on_surface(&SurfaceArrival { interaction, photon: &path.photon, depth }, stream);
         }
-        let scattered = M::scatter(interaction, &path.photon.wavelengths, TransportMode::Importance, &mut stream);
+        let scattered = M::scatter(interaction, &path.photon.wavelengths, TransportMode::Importance, stream);
         let Some(scattered) = scattered else {
             ledger.absorbed[interaction.material] += path.total_w();
-            return;
+            return false;
         };
-        if !apply_scattering::<M>(&mut path, interaction, &scattered, ledger, &mut stream) {
-            return;
+        if !apply_scattering::<M>(path, interaction, &scattered, depth, ledger, stream) {
+            return false;
         }
     }
-    ledger.depth_limit += path.total_w();
+    true
 }
 
 /// Advances the photon to the next surface. Returns `None` if the photon path ends before a
@@ -98,12 +145,13 @@ fn advance<'a, M: BodyMode, V: PhotonVisitor>(
     interaction
 }
 
-/// Applies a scattering event and Russian roulette; returns whether the photon survives.
+/// Applies surface event number `depth` and Russian roulette; returns whether the photon survives.
 #[inline(always)]
 fn apply_scattering<M: BodyMode>(
     path: &mut PhotonPath,
     interaction: &SurfaceInteraction<'_>,
     scattered: &ScatteredRay,
+    depth: u32,
     ledger: &mut Ledger,
     stream: &mut Stream,
 ) -> bool {
@@ -112,7 +160,7 @@ fn apply_scattering<M: BodyMode>(
         if scattered.delta { 1.0 } else { interaction.adjoint_correction(-interaction.incoming, scattered.direction) };
     let mut absorbed = 0.0;
     // Russian roulette keeps the power of all photons similar. The survival probability is the mean
-    // weight of the photon's wavelengths, at most 1.
+    // weight of the photon's wavelengths, at most 1. On long paths, it is smaller.
     let (mut weights, count) = (0.0, M::wavelength_count(&path.photon.wavelengths));
     for k in 0..count {
         absorbed += path.photon.power[k] * path.watts[k] * scattered.absorbed[k];
@@ -123,7 +171,7 @@ fn apply_scattering<M: BodyMode>(
         path.keep_lane(kept);
     }
     ledger.absorbed[interaction.material] += absorbed;
-    let survival = (weights / count as f64).min(1.0);
+    let survival = (weights / count as f64).min(1.0) * long_path_survival(depth);
     let survives = survival > 0.0 && stream.uniform() < survival;
     if survives {
         path.photon.power.iter_mut().for_each(|power| *power /= survival);

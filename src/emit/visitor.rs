@@ -12,6 +12,8 @@ pub struct SurfaceArrival<'a> {
     pub interaction: &'a SurfaceInteraction<'a>,
     /// The photon before the surface scatters it.
     pub photon: &'a PhotonState,
+    /// The number of surface events on the path, including this arrival.
+    pub depth: u32,
 }
 
 /// A photon that enters a path segment in a medium.
@@ -42,9 +44,13 @@ pub struct MediumCollision<'a> {
 
 /// Receives the events of photon paths.
 pub trait PhotonVisitor {
-    /// Called at the start of a photon path. `aim` is the path's point in the aiming grid of the
-    /// light.
-    fn on_emission(&mut self, light: usize, aim: [f64; 2]);
+    /// Called at the start of a photon path. `stratum` is the number of the stratum of the path's
+    /// first ray. `aim` is the path's point in the aiming grid of the stratum.
+    fn on_emission(&mut self, stratum: usize, aim: [f64; 2]);
+
+    /// A photon arrives at a surface of this object.
+    #[inline]
+    fn on_arrival(&mut self, _object: u32) {}
 
     /// A photon arrives at a diffuse or glossy surface. Photons straight from a light are not
     /// reported, because direct lighting already includes their light.

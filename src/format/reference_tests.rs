@@ -280,7 +280,6 @@ fn the_schema_states_the_defaults_of_the_program() {
     let schema = schema();
     let render = &schema["$defs"]["RenderFile"]["properties"];
     let default = |key: &str| render[key]["default"].as_u64().unwrap();
-    assert_eq!(default("max_depth"), u64::from(crate::plan::budget::DEFAULT_MAX_DEPTH));
     assert_eq!(default("nearest"), u64::from(crate::plan::budget::DEFAULT_NEAREST));
     assert_eq!(default("march_steps"), u64::from(super::resolve::DEFAULT_MARCH_STEPS));
     for (key, value) in

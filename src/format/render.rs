@@ -13,7 +13,7 @@ use crate::json::JsonPath;
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Render settings", example = json!({
-    "passes": 64, "photons": 200_000, "max_depth": 64, "nearest": 50, "seed": 0, "threads": 8,
+    "passes": 64, "photons": 200_000, "max_depth": 8, "nearest": 50, "seed": 0, "threads": 8,
     "checkpoint_seconds": 60, "march_steps": 64, "light_map": {"resolution": 32},
     "force": ["dispersion"], "forbid": ["caustics"]
 }))]
@@ -27,9 +27,11 @@ pub struct RenderFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1), extend("x-default" = "200 000, fewer for fast motion"))]
     pub photons: Option<u64>,
-    /// Largest number of surface interactions on a path.
+    /// Largest number of surface interactions on a path. Without this key, paths end by Russian
+    /// roulette, and no light is lost. The light that the limit removes from the picture is in the
+    /// bias bars.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 1), extend("default" = 64))]
+    #[schemars(range(min = 1), extend("x-default" = "no limit"))]
     pub max_depth: Option<u32>,
     /// Number of photons that the gather radius of the first pass encloses. Not together with
     /// `radius`.

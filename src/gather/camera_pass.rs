@@ -11,6 +11,7 @@ use crate::plan::{Plan, Tally};
 use crate::scene::Scene;
 use crate::scene::camera::SystemAt;
 use crate::spectrum::{LANES, Lanes};
+use crate::walk::{DepthLimit, LostLight, MAX_EVENTS, Sink};
 
 /// The inputs common to all camera paths of one pass.
 #[derive(Debug)]
@@ -23,6 +24,8 @@ pub struct CameraPass<'a> {
     pub direct: DirectLighting<'a>,
     /// The photon maps of both photon sets, free and shared.
     pub maps: PerSet<&'a SetMaps>,
+    /// The light that is missing because photon paths ended at a limit.
+    pub missing: Option<MissingLight<'a>>,
     /// The pass's shared wavelengths in nm.
     pub shared_nm: Lanes,
     /// The density of each shared wavelength, per nm. The density is 0 if the lights have no power
@@ -39,17 +42,50 @@ pub struct CameraPass<'a> {
     /// The first kernel radius (m) from the scene file. If the value is `None`, each pixel has its
     /// own first radius.
     pub stated_radius_m: Option<f64>,
-    /// The largest number of surface events in a path.
-    pub max_depth: u32,
+    /// The number of surface events after which a path ends.
+    pub depth_limit: DepthLimit,
+}
+
+/// The light of photon paths beyond the limit of their number of events. The light is not part of
+/// the picture. It changes only the estimated bias.
+#[derive(Debug, Clone, Copy)]
+pub struct MissingLight<'a> {
+    /// Photon maps with the distribution of the missing light.
+    pub maps: PerSet<&'a SetMaps>,
+    /// The ratio of the missing light to the light of these photons.
+    pub factor: f64,
 }
 
 /// The inputs and outputs of one camera sample. All paths of the sample share these inputs and
 /// outputs.
 pub(super) struct PathContext<'s, 'a, S> {
     pub(super) pixel: u64,
+    /// The number of surface events after which the paths end.
+    pub(super) events: u32,
     pub(super) sampler: &'s mut PixelSampler,
     pub(super) radii: &'s PixelRadii,
     pub(super) buffers: &'s mut PathBuffers<'a>,
     pub(super) sink: &'s mut S,
     pub(super) tally: &'s mut Tally,
+}
+
+impl<'a, S: Sink> PathContext<'_, 'a, S> {
+    /// Calls `gather` with a context in which all light, multiplied by `factor`, changes only the
+    /// estimated bias. In this context, only the cap limits the number of events of a path.
+    pub(super) fn with_lost_light(
+        &mut self,
+        factor: f64,
+        gather: impl FnOnce(&mut PathContext<'_, 'a, LostLight<'_>>),
+    ) {
+        let mut sink = LostLight { sink: &mut *self.sink, factor };
+        gather(&mut PathContext {
+            pixel: self.pixel,
+            events: MAX_EVENTS,
+            sampler: &mut *self.sampler,
+            radii: self.radii,
+            buffers: &mut *self.buffers,
+            sink: &mut sink,
+            tally: &mut *self.tally,
+        });
+    }
 }

@@ -17,7 +17,7 @@ mod path_tracer;
 pub use camera::path::PathBuffers;
 pub use camera::sampler::PixelSampler;
 pub use camera::visible_point::{CameraSegment, VisiblePoint};
-pub use camera_pass::CameraPass;
+pub use camera_pass::{CameraPass, MissingLight};
 pub use density::gather_point::{NORMAL_TOLERANCE, PLANE_TOLERANCE};
 pub use density::outline::{Outline, Outlines};
 pub use direct::lighting::{DirectLighting, power_heuristic};

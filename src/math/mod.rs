@@ -7,5 +7,6 @@ pub mod kronecker;
 pub mod quadrature;
 pub mod random;
 pub mod sobol;
+pub mod sphere;
 pub mod sum;
 pub mod warp;

@@ -1,13 +1,14 @@
 //! The inputs of a pass.
 
 use super::sums::PassSums;
-use crate::emit::{Aim, LightSampler, PhotonSource, WavelengthSampling};
+use crate::emit::{EmissionStrata, LightSampler, PhotonSource, WavelengthSampling};
 use crate::error::Result;
 use crate::math::kronecker::{golden_ratio, sqrt3};
 use crate::math::random::{Purpose, REPLICATES, hash64};
 use crate::plan::{Budget, MotionPlan, Plan};
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Lanes};
+use crate::walk::DepthLimit;
 use std::borrow::Cow;
 use std::time::Instant;
 
@@ -50,7 +51,7 @@ impl<'a> PassContext<'a> {
     pub(super) fn photon_source<'s>(
         &self,
         scene: &'s Scene,
-        aims: &'s [Aim],
+        strata: &'s EmissionStrata,
         request: EmissionRequest,
     ) -> PhotonSource<'s>
     where
@@ -59,16 +60,20 @@ impl<'a> PassContext<'a> {
         let EmissionRequest { wavelengths, count, purpose, pass } = request;
         PhotonSource {
             scene,
-            light_distribution: &self.lights.lights,
-            aims,
+            strata,
             wavelengths,
             count,
-            max_depth: self.budget.max_depth,
+            depth_limit: self.depth_limit(),
             seed: self.budget.seed,
             purpose,
             pass,
             media_plan: self.plan.media_plan,
         }
+    }
+
+    /// Returns the number of surface events after which paths end.
+    pub(super) fn depth_limit(&self) -> DepthLimit {
+        DepthLimit { stated: self.budget.max_depth }
     }
 
     /// Samples the shared wavelengths of a pass.

@@ -17,6 +17,7 @@ mod pilot;
 mod recorder;
 mod sums;
 mod survey;
+mod targets;
 mod trace;
 mod volume_radii;
 

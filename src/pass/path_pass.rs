@@ -20,7 +20,7 @@ pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Re
         direct: DirectLighting::tracked(&scene, &lights.lights, plan.media_plan),
         media_plan: plan.media_plan,
         wavelengths: &lights.wavelengths,
-        max_depth: budget.max_depth,
+        depth_limit: context.depth_limit(),
     };
     expose_rows(sums, |row, tally| {
         row.expose(pass, |pixel, sink| {

@@ -7,12 +7,13 @@ use super::sums::PassSums;
 use super::trace::trace_photons;
 use crate::emit::WavelengthSampling;
 use crate::error::Result;
-use crate::gather::{CameraPass, DirectLighting, PathBuffers, PixelSampler};
-use crate::map::LightMaps;
+use crate::gather::{CameraPass, DirectLighting, MissingLight, PathBuffers, PixelSampler};
 use crate::map::radius::RadiusScales;
+use crate::map::{LightMaps, SetMaps};
 use crate::math::random::Purpose;
 use crate::plan::partition::{PerSet, PhotonSet};
 use crate::scene::Scene;
+use crate::walk::ledger::Ledger;
 use std::borrow::Cow;
 use std::time::Instant;
 
@@ -45,7 +46,7 @@ pub fn photon_pass<'a>(
             }
         };
         let request = EmissionRequest { wavelengths, count: pilot.photons[set], purpose, pass };
-        let source = context.photon_source(&scene, &pilot.aims, request);
+        let source = context.photon_source(&scene, &pilot.strata, request);
         trace_photons(&source, plan, set, pilot.keep, || film.splat_sink())
     });
     sums.seconds.emit += start.elapsed().as_secs_f64();
@@ -53,6 +54,7 @@ pub fn photon_pass<'a>(
     let start = Instant::now();
     let PerSet { free, shared: on_shared } = traced;
     let maps = PerSet { free: free.deposits.into_maps(), shared: on_shared.deposits.into_maps() };
+    let lost = PerSet { free: free.lost.into_maps(), shared: on_shared.lost.into_maps() };
     let mut own_light_maps = LightMaps::default();
     let light_maps = match &scene {
         Cow::Borrowed(still) => updated(light_maps, &context, still, pass),
@@ -66,6 +68,7 @@ pub fn photon_pass<'a>(
         plan,
         direct: DirectLighting::new(&scene, &lights.lights, plan.media_plan),
         maps: PerSet { free: &maps.free, shared: &maps.shared },
+        missing: missing_light(&context, [&free.ledger, &on_shared.ledger], &maps, &lost),
         light_maps,
         shared_nm: shared.nm,
         shared_pdf: shared.pdf,
@@ -73,7 +76,7 @@ pub fn photon_pass<'a>(
         stated_radius_m: budget.radius_m,
         lens_systems: scene.camera.system().map(|system| shared.nm.map(|nm| system.at(nm))),
         outlines: &pilot.outlines,
-        max_depth: budget.max_depth,
+        depth_limit: context.depth_limit(),
     };
     expose_rows(sums, |row, tally| {
         let mut buffers = PathBuffers::default();
@@ -88,6 +91,9 @@ pub fn photon_pass<'a>(
         }
         sums.tally.add(tally);
     }
+    for splats in free.lost_splats.iter().chain(&on_shared.lost_splats) {
+        sums.film.add_lost_splats(pass, splats);
+    }
     sums.film.count_pass(pass);
     sums.seconds.gather += start.elapsed().as_secs_f64();
 
@@ -99,6 +105,34 @@ pub fn photon_pass<'a>(
         sums.ledger.add(&ledger);
     }
     Ok(())
+}
+
+/// Returns the light that is missing because photon paths ended at a limit. `maps` contains the
+/// photons within the limit, and `lost` contains the photons beyond a limit that the scene states.
+///
+/// At the cap, scattered photons have been in the same cavity for thousands of events, so their
+/// power falls by the same ratio from event to event. The power of the missing photons, divided by
+/// the power of the stored photons, is then c/(1 − c), where c is the share of the emitted power
+/// that reaches the cap. Photons that were never scattered are trapped in glass by total
+/// reflection, and do not leave it.
+fn missing_light<'m>(
+    context: &PassContext<'_>,
+    ledgers: [&Ledger; 2],
+    maps: &'m PerSet<SetMaps>,
+    lost: &'m PerSet<SetMaps>,
+) -> Option<MissingLight<'m>> {
+    /// The largest ratio. In a lossless cavity, the ratio would be infinite.
+    const LARGEST_RATIO: f64 = 1e6;
+    fn references(maps: &PerSet<SetMaps>) -> PerSet<&SetMaps> {
+        PerSet { free: &maps.free, shared: &maps.shared }
+    }
+    if context.depth_limit().is_stated() {
+        return Some(MissingLight { maps: references(lost), factor: 1.0 });
+    }
+    let sum = |power: fn(&Ledger) -> f64| ledgers.iter().map(|ledger| power(ledger)).sum::<f64>();
+    let (capped, emitted) = (sum(|ledger| ledger.depth_limit_indirect), sum(|ledger| ledger.emitted));
+    let factor = (capped / (emitted - capped)).clamp(0.0, LARGEST_RATIO);
+    (capped > 0.0).then(|| MissingLight { maps: references(maps), factor })
 }
 
 /// Updates the light maps for a pass, if the plan has any.

@@ -10,14 +10,14 @@
 //! needs the sharpest kernel. At the other times, the radius adds noise, but these times contribute
 //! less light. Outlines are stored only where nothing moves.
 
-use super::aims::learn_aims;
+use super::aims::{LearnedAims, learn_aims};
 use super::context::PassContext;
 use super::keep_probability::{KEEP_ALL, KeepProbability};
 use super::outlines::outlines;
 use super::sums::StageSeconds;
 use super::survey::PixelSurvey;
 use super::volume_radii::{VolumeKernelWidths, keep_probabilities};
-use crate::emit::Aim;
+use crate::emit::EmissionStrata;
 use crate::error::Result;
 use crate::gather::Outlines;
 use crate::map::PixelRadii;
@@ -36,8 +36,10 @@ const MOMENTS: usize = 4;
 /// The results of the pilot.
 #[derive(Debug)]
 pub struct Pilot {
-    /// The emission distribution of each light.
-    pub(super) aims: Vec<Aim>,
+    /// The strata of the emitted rays, with their emission distributions.
+    pub(super) strata: EmissionStrata,
+    /// The names of the specular objects that no pilot photon reached.
+    pub unlit: Vec<String>,
     /// The first kernel radii of each pixel.
     pub(super) radii: Vec<PixelRadii>,
     /// The outlines of directly visible surfaces.
@@ -70,8 +72,8 @@ impl Pilot {
     pub fn run(context: &PassContext<'_>, seconds: &mut StageSeconds) -> Result<Self> {
         let start = Instant::now();
         let scenes = posed_scenes(context)?;
-        let aims = match context.plan.aim {
-            AimPlan::Plain => vec![Aim::plain(); context.scene.lights.len()],
+        let LearnedAims { strata, unlit } = match context.plan.aim {
+            AimPlan::Plain => LearnedAims::plain(context),
             AimPlan::Learned => learn_aims(context, &scenes),
         };
         let all = context.budget.photons;
@@ -80,7 +82,8 @@ impl Pilot {
             WavelengthPlan::Shared => PerSet { free: 0, shared: all },
             WavelengthPlan::Both => PerSet::from_fn(|_| (all / 2).max(1)),
         };
-        let mut pilot = Self { aims, radii: Vec::new(), outlines: Outlines::default(), photons, keep: KEEP_ALL };
+        let mut pilot =
+            Self { strata, unlit, radii: Vec::new(), outlines: Outlines::default(), photons, keep: KEEP_ALL };
         pilot.measure(context, &scenes);
         seconds.pilot += start.elapsed().as_secs_f64();
         Ok(pilot)
@@ -91,7 +94,7 @@ impl Pilot {
     fn measure(&mut self, context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) {
         let mut survey = PixelSurvey::default();
         for (moment, scene) in (0..).zip(scenes) {
-            survey.merge(PixelSurvey::of_moment(context, scene, moment, &self.aims, self.photons));
+            survey.merge(PixelSurvey::of_moment(context, scene, moment, &self.strata, self.photons));
         }
         let PixelSurvey { mut radii, visible, volume, stored, readers } = survey;
         let widths = VolumeKernelWidths::of(context);

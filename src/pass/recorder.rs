@@ -9,7 +9,11 @@ use crate::plan::partition::{Estimator, PerClass, PhotonClass, PhotonSet, View, 
 use crate::plan::{AimPlan, AperturePlan, CausticPlan, IndirectPlan, Plan, Tally, WavelengthPlan};
 use crate::scene::Scene;
 use crate::sensor::SplatSink;
-use crate::walk::NumberedMedium;
+use crate::walk::{LONG_PATH, NumberedMedium};
+
+/// The number of surface events of a photon path after which only some of its photons are recorded.
+/// The photons of one path are alike, so a long path needs only some of them.
+const EVENTS_RECORDED_ALWAYS: u32 = 8;
 
 /// Records the photons of one parallel task.
 #[derive(Debug)]
@@ -19,8 +23,14 @@ pub(super) struct PhotonRecorder<'a> {
     set: PhotonSet,
     /// The probabilities of storing photons in media.
     keep: PerClass<KeepProbability>,
+    /// The photons for the maps.
     pub(super) deposits: PhotonDeposits,
+    /// The contributions of connections to the camera.
     pub(super) splats: SplatSink,
+    /// The photons beyond the depth limit of the scene.
+    pub(super) lost: PhotonDeposits,
+    /// The connections of photons beyond the depth limit of the scene.
+    pub(super) lost_splats: SplatSink,
     pub(super) tally: Tally,
 }
 
@@ -30,14 +40,30 @@ impl<'a> PhotonRecorder<'a> {
         plan: &'a Plan,
         set: PhotonSet,
         keep: PerClass<KeepProbability>,
-        splats: SplatSink,
+        splat_sink: impl Fn() -> SplatSink,
     ) -> Self {
-        Self { scene, plan, set, keep, deposits: PhotonDeposits::default(), splats, tally: Tally::default() }
+        Self {
+            scene,
+            plan,
+            set,
+            keep,
+            deposits: PhotonDeposits::default(),
+            splats: splat_sink(),
+            lost: PhotonDeposits::default(),
+            lost_splats: splat_sink(),
+            tally: Tally::default(),
+        }
+    }
+
+    /// Returns the store for a photon.
+    #[inline]
+    fn deposits_for(&mut self, photon: &PhotonState) -> &mut PhotonDeposits {
+        if photon.lost { &mut self.lost } else { &mut self.deposits }
     }
 
     /// Connects the photon to the camera if the plan uses connections for the class of the photon's
-    /// path.
-    fn connect(&mut self, arrival: &SurfaceArrival<'_>, stream: &mut Stream) {
+    /// path. The power of the photon is multiplied by `factor`.
+    fn connect(&mut self, arrival: &SurfaceArrival<'_>, factor: f64, stream: &mut Stream) {
         let class = arrival.interaction.bsdf.class();
         let connects = estimator(arrival.photon.light_path, class, View::Direct) == Estimator::Connection;
         // If camera paths carry shared wavelengths from the camera on, all views count as indirect.
@@ -52,8 +78,10 @@ impl<'a> PhotonRecorder<'a> {
         };
         if let Some(splat) = connect(self.scene, self.plan.media_plan, arrival, lens) {
             self.tally.connections += 1;
-            let lanes = arrival.photon.wavelengths.active().iter().copied().zip(splat.radiance);
-            self.splats.splat(splat.pixel, lanes);
+            let radiance = splat.radiance.map(|radiance| radiance * factor);
+            let lanes = arrival.photon.wavelengths.active().iter().copied().zip(radiance);
+            let splats = if arrival.photon.lost { &mut self.lost_splats } else { &mut self.splats };
+            splats.splat(splat.pixel, lanes);
         }
     }
 }
@@ -68,15 +96,17 @@ impl PhotonVisitor for PhotonRecorder<'_> {
         if !wanted {
             return;
         }
+        let Some(factor) = recorded_factor(arrival.depth, stream) else { return };
         // A photon starts with several wavelengths. After a dispersive refraction it keeps only
         // one.
         self.tally.dispersions += u64::from(arrival.photon.wavelengths.count == 1);
-        self.connect(arrival, stream);
+        self.connect(arrival, factor, stream);
         let mut components = self.scene.materials[arrival.interaction.material].surface.components();
         if components.any(|surface| kept_in_map(arrival.photon.light_path, surface.class())) {
             self.tally.stored += 1;
             let position = arrival.interaction.hit.position.as_vec3().to_array();
-            self.deposits.surface[class].push((surface_photon(arrival), position));
+            let photon = surface_photon(arrival, factor);
+            self.deposits_for(arrival.photon).surface[class].push((photon, position));
         }
     }
 
@@ -92,7 +122,8 @@ impl PhotonVisitor for PhotonRecorder<'_> {
         if wanted && probability > 0.0 && stream.uniform() < probability {
             self.tally.volume_beams += 1;
             let ends = [segment.ray.origin, segment.ray.at(segment.length_m)];
-            self.deposits.volume[class].beams.push(PhotonBeam::new(ends, number, kept_power(photon, probability)));
+            let beam = PhotonBeam::new(ends, number, kept_power(photon, probability));
+            self.deposits_for(photon).volume[class].beams.push(beam);
         }
     }
 
@@ -104,11 +135,12 @@ impl PhotonVisitor for PhotonRecorder<'_> {
         if wanted && probability > 0.0 && stream.uniform() < probability {
             self.tally.volume_points += 1;
             let power = kept_power(photon, probability);
-            self.deposits.volume[class].points.push(VolumePhoton::new(position, incoming, number, power));
+            let point = VolumePhoton::new(position, incoming, number, power);
+            self.deposits_for(photon).volume[class].points.push(point);
         }
     }
 
-    fn on_emission(&mut self, _light: usize, _aim: [f64; 2]) {
+    fn on_emission(&mut self, _stratum: usize, _aim: [f64; 2]) {
         self.tally.photons += 1;
         self.tally.shared_photons += u64::from(self.set == PhotonSet::Shared);
         self.tally.aimed += u64::from(self.plan.aim == AimPlan::Learned);
@@ -121,11 +153,26 @@ fn kept_power(photon: &PhotonState, probability: f64) -> PhotonPower {
     PhotonPower::new(&photon.wavelengths, photon.power.map(|power| power / probability), photon.lane)
 }
 
-/// Converts the arrival of a photon at a surface to the photon that the map stores.
-fn surface_photon(arrival: &SurfaceArrival<'_>) -> Photon {
+/// Decides whether the photon at surface event number `depth` is recorded. Returns the factor for
+/// its power, or `None` if the photon is not recorded. The probability of recording falls as
+/// 1/depth. On long paths it is constant, because the number of these paths falls as 1/depth. A
+/// path of n events without loss leaves only about 8 + 8 ln(n/8) photons.
+#[inline]
+fn recorded_factor(depth: u32, stream: &mut Stream) -> Option<f64> {
+    if depth <= EVENTS_RECORDED_ALWAYS {
+        return Some(1.0);
+    }
+    let factor = f64::from(depth.min(LONG_PATH)) / f64::from(EVENTS_RECORDED_ALWAYS);
+    (stream.uniform() * factor < 1.0).then_some(factor)
+}
+
+/// Converts the arrival of a photon at a surface to the photon that the map stores. The power of
+/// the photon is multiplied by `factor`.
+fn surface_photon(arrival: &SurfaceArrival<'_>, factor: f64) -> Photon {
     let hit = &arrival.interaction.hit;
     let to_light = arrival.to_light();
     let facing = if to_light.dot(hit.normal) >= 0.0 { hit.normal } else { -hit.normal };
     let PhotonState { wavelengths, power, lane, .. } = arrival.photon;
-    Photon::new(PhotonPower::new(wavelengths, *power, *lane), to_light, facing)
+    let power = power.map(|power| power * factor);
+    Photon::new(PhotonPower::new(wavelengths, power, *lane), to_light, facing)
 }

@@ -4,7 +4,7 @@ use super::context::{EmissionRequest, PassContext, SharedWavelengths};
 use super::keep_probability::KEEP_ALL;
 use super::trace::trace_photons;
 use super::volume_radii::{DepositCounts, PilotMaps, PixelVolumeCounts, VolumeKernelWidths, thin_out_for_pilot};
-use crate::emit::{Aim, WavelengthSampling};
+use crate::emit::{EmissionStrata, WavelengthSampling};
 use crate::gather::{CameraPass, DirectLighting, Outlines, PathBuffers, PixelSampler, VisiblePoint};
 use crate::map::radius::{self, RadiusScales};
 use crate::map::{LightMaps, PhotonMap, PixelRadii, SetMaps};
@@ -53,7 +53,7 @@ impl PixelSurvey {
         context: &PassContext<'_>,
         scene: &Scene,
         moment: u64,
-        aims: &[Aim],
+        strata: &EmissionStrata,
         photons: PerSet<u64>,
     ) -> Self {
         let PassContext { plan, budget, lights, .. } = *context;
@@ -66,7 +66,7 @@ impl PixelSurvey {
                 PhotonSet::Shared => (WavelengthSampling::Shared { nm, pdf }, 2 * moment + 1),
             };
             let request = EmissionRequest { wavelengths, count: photons[set], purpose: Purpose::Pilot, pass };
-            let source = context.photon_source(scene, aims, request);
+            let source = context.photon_source(scene, strata, request);
             let mut deposits = trace_photons(&source, plan, set, KEEP_ALL, || blank.splat_sink()).deposits;
             stored = stored.zip_with(DepositCounts::of(&deposits), DepositCounts::max);
             let kept = thin_out_for_pilot(&mut deposits);
@@ -78,6 +78,7 @@ impl PixelSurvey {
             plan,
             direct: DirectLighting::new(scene, &lights.lights, plan.media_plan),
             maps: PerSet { free: &no_photons, shared: &no_photons },
+            missing: None,
             light_maps: &LightMaps::default(),
             shared_nm: nm,
             shared_pdf: pdf,
@@ -85,7 +86,7 @@ impl PixelSurvey {
             stated_radius_m: budget.radius_m,
             lens_systems: scene.camera.system().map(|system| nm.map(|nm| system.at(nm))),
             outlines: &no_outlines,
-            max_depth: budget.max_depth,
+            depth_limit: context.depth_limit(),
         };
         let width = scene.camera.width();
         let rows: Vec<Self> = (0..scene.camera.pixel_count() / width)

@@ -21,6 +21,10 @@ pub(super) struct TracedPhotons {
     pub(super) deposits: PhotonDeposits,
     /// The contributions of connections to the camera, one sink per task.
     pub(super) splats: Vec<SplatSink>,
+    /// The photons beyond the depth limit of the scene, for the estimated bias.
+    pub(super) lost: PhotonDeposits,
+    /// The connections of the photons beyond the depth limit of the scene.
+    pub(super) lost_splats: Vec<SplatSink>,
     /// The energy balance in W.
     pub(super) ledger: Ledger,
     /// The event counters.
@@ -43,7 +47,7 @@ pub(super) fn trace_photons(
     let tasks: Vec<(PhotonRecorder<'_>, Ledger)> = (0..source.count.div_ceil(PHOTONS_PER_TASK))
         .into_par_iter()
         .map(|task| {
-            let mut recorder = PhotonRecorder::new(source.scene, plan, set, keep, splat_sink());
+            let mut recorder = PhotonRecorder::new(source.scene, plan, set, keep, &splat_sink);
             let mut ledger = Ledger::new(source.scene.materials.len());
             let indices = task * PHOTONS_PER_TASK..((task + 1) * PHOTONS_PER_TASK).min(source.count);
             trace(source, &points, indices, &mut recorder, &mut ledger);
@@ -58,6 +62,8 @@ pub(super) fn trace_photons(
     for (recorder, ledger) in tasks {
         traced.deposits.append(&recorder.deposits);
         traced.splats.push(recorder.splats);
+        traced.lost.append(&recorder.lost);
+        traced.lost_splats.push(recorder.lost_splats);
         traced.tally.add(&recorder.tally);
         traced.ledger.add(&ledger);
     }

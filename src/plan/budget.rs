@@ -12,9 +12,6 @@ pub const DEFAULT_PASSES: u64 = 64;
 /// wavelengths.
 pub const DEFAULT_PHOTONS: u64 = 200_000;
 
-/// The largest number of surface events on a path.
-pub const DEFAULT_MAX_DEPTH: u32 = 64;
-
 /// The number of photons within the first kernel radius.
 pub const DEFAULT_NEAREST: u32 = 50;
 
@@ -47,8 +44,8 @@ pub struct Budget {
     pub passes: u64,
     /// The number of photon paths per pass.
     pub photons: u64,
-    /// The largest number of surface events on a path.
-    pub max_depth: u32,
+    /// The number of surface events after which a path ends, if the scene states it.
+    pub max_depth: Option<u32>,
     /// The number of photons within the first kernel radius.
     pub nearest: u32,
     /// The first kernel radius in m, if the scene fixes it.
@@ -127,7 +124,7 @@ impl Budget {
         Self {
             passes,
             photons,
-            max_depth: settings.max_depth.unwrap_or(DEFAULT_MAX_DEPTH),
+            max_depth: settings.max_depth,
             nearest: settings.nearest.unwrap_or(DEFAULT_NEAREST),
             radius_m: settings.radius_m,
             light_map_cells,

@@ -46,6 +46,9 @@ pub struct Tally {
     pub aimed: u64,
     /// Passes for which the scene was posed at a sampled shutter time.
     pub moments: u64,
+    /// Camera paths that ended at the cap of the number of events.
+    #[serde(default)]
+    pub capped_paths: u64,
     /// Discarded contributions: NaN, infinite or negative values. The number is 0 unless the
     /// program has an error.
     pub rejected: u64,
@@ -73,6 +76,7 @@ impl Tally {
         self.light_map_looks += other.light_map_looks;
         self.aimed += other.aimed;
         self.moments += other.moments;
+        self.capped_paths += other.capped_paths;
         self.rejected += other.rejected;
     }
 }

@@ -7,6 +7,7 @@ use crate::pass::{PassSums, StageSeconds};
 use crate::plan::{Tally, explain};
 use crate::sensor::picture::ErrorMeans;
 use crate::sensor::{ErrorSquares, Picture};
+use crate::walk::MAX_EVENTS;
 use crate::walk::ledger::Ledger;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -101,6 +102,9 @@ pub struct Stats {
     pub rejected_samples: u64,
     /// The number of worker threads.
     pub threads: usize,
+    /// Notes on light that the picture lacks.
+    #[serde(default)]
+    pub notes: Vec<String>,
 }
 
 impl Stats {
@@ -124,6 +128,7 @@ impl Stats {
             wavelengths: explain::wavelengths_word(&job.plan).to_string(),
             rejected_samples: tally.rejected,
             threads: rayon::current_num_threads(),
+            notes: notes(job, run),
         }
     }
 
@@ -160,8 +165,40 @@ impl Stats {
             wavelengths: runs.first().map_or(String::new(), |run| run.wavelengths.clone()),
             rejected_samples: count(|run| run.rejected_samples),
             threads: runs.iter().map(|run| run.threads).max().unwrap_or(0),
+            notes: merged_notes(runs),
         }
     }
+}
+
+/// Returns notes on light that the picture lacks. A note contains no measured number, so that the
+/// parts of a picture have the same notes.
+fn notes(job: &Job, run: &Run) -> Vec<String> {
+    let PassSums { ledger, tally, .. } = &run.sums;
+    let limited = job.budget.max_depth.map(|depth| {
+        format!(
+            "paths end after {depth} surface events (render.max_depth); the light beyond is not in the picture, but it \
+             is in the bias bars, and ledger_w.depth_limit states its power"
+        )
+    });
+    let capped = job.budget.max_depth.is_none() && (ledger.depth_limit > 0.0 || tally.capped_paths > 0);
+    let capped = capped.then(|| {
+        format!(
+            "some paths end at the cap of {MAX_EVENTS} events, because the scene absorbs almost no light; ledger_w.depth_limit \
+             states their power, and the bias bars estimate the missing light of photons"
+        )
+    });
+    limited.into_iter().chain(capped).collect()
+}
+
+/// Returns all different notes of several runs.
+fn merged_notes(runs: &[&Stats]) -> Vec<String> {
+    let mut notes: Vec<String> = Vec::new();
+    for note in runs.iter().flat_map(|run| &run.notes) {
+        if !notes.contains(note) {
+            notes.push(note.clone());
+        }
+    }
+    notes
 }
 
 /// Adds the times of several runs.

@@ -158,7 +158,7 @@ pub struct Settings {
     pub passes: Option<u64>,
     /// The number of photon paths per pass.
     pub photons: Option<u64>,
-    /// The largest number of surface interactions of a path.
+    /// The largest number of surface events on a path. Without it, only Russian roulette ends paths.
     pub max_depth: Option<u32>,
     /// The number of photons within the radius of the first pass.
     pub nearest: Option<u32>,

@@ -97,7 +97,7 @@ impl Scene {
     }
 
     /// Visible points, sampled over the whole picture at the moment when the shutter opens.
-    fn visible_points(&self) -> Vec<DVec3> {
+    pub fn visible_points(&self) -> Vec<DVec3> {
         let size = DVec2::new(self.camera.width() as f64, (self.camera.pixel_count() / self.camera.width()) as f64);
         let at = |i: usize| (i as f64 + 0.5) / VISIBLE_GRID as f64;
         let visible = |index: usize| {

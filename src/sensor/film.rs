@@ -170,6 +170,15 @@ impl Film {
         sink.rejected
     }
 
+    /// Adds the light of a sink to the estimated bias. The light is not part of the picture, so the
+    /// bias is negative.
+    pub fn add_lost_splats(&mut self, pass: u64, sink: &SplatSink) {
+        let half = replicate(pass) % 2;
+        for &(xyz, pixel) in &sink.splats {
+            self.pixels[pixel as usize].bias[half] += -f64::from(xyz[1]);
+        }
+    }
+
     /// Returns the names of the planes of sums: `X`, `Z`, the bias of both halves, Y of the
     /// replicates, and the channels.
     pub fn plane_names(&self) -> Vec<String> {

@@ -24,6 +24,9 @@ pub struct Ledger {
     pub escaped: f64,
     /// Power of the photons that ended at the depth limit.
     pub depth_limit: f64,
+    /// The part of `depth_limit` that surfaces or media scattered at least once.
+    #[serde(default)]
+    pub depth_limit_indirect: f64,
 }
 
 impl Ledger {
@@ -46,9 +49,14 @@ impl Ledger {
 
     /// Multiplies all entries by `factor`.
     pub fn scale(&mut self, factor: f64) {
-        for entry in
-            [&mut self.emitted, &mut self.sampling, &mut self.absorbed_inside, &mut self.escaped, &mut self.depth_limit]
-        {
+        for entry in [
+            &mut self.emitted,
+            &mut self.sampling,
+            &mut self.absorbed_inside,
+            &mut self.escaped,
+            &mut self.depth_limit,
+            &mut self.depth_limit_indirect,
+        ] {
             *entry *= factor;
         }
         self.absorbed.iter_mut().for_each(|entry| *entry *= factor);
@@ -62,6 +70,7 @@ impl Ledger {
         self.absorbed_inside += other.absorbed_inside;
         self.escaped += other.escaped;
         self.depth_limit += other.depth_limit;
+        self.depth_limit_indirect += other.depth_limit_indirect;
         if self.absorbed.len() < other.absorbed.len() {
             self.absorbed.resize(other.absorbed.len(), 0.0);
         }

@@ -8,9 +8,6 @@ use crate::scene::medium_stack::MediumStack;
 use crate::spectrum::Spectrum;
 use std::ops::ControlFlow;
 
-/// The largest number of collisions with media between two surfaces of a path.
-pub const MAX_COLLISIONS: u32 = 10_000;
-
 /// A part of a ray inside one body, or in the air between bodies.
 #[derive(Debug, Clone, Copy)]
 pub struct MediumSegment<'a> {

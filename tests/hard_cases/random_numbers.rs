@@ -107,7 +107,7 @@ fn warps_and_distributions() -> f64 {
     let grid = PiecewiseConstant2d::new(3, &[0.0, 1.0, 0.0, 1e-200, 0.0, 0.0]).unwrap();
     let mut scores = vec![0.0; CELLS * CELLS];
     scores[CELLS * CELLS - 1] = 1.0;
-    let aim = Aim::learned(&scores);
+    let aim = Aim::learned(CELLS, &scores);
     let drawn = pairs().map(|u| {
         let mut rest = u[0];
         let entry = discrete.sample(&mut rest);
@@ -115,7 +115,7 @@ fn warps_and_distributions() -> f64 {
         let (at, aimed) = aim.sample(u);
         let inside = [x, y, at[0], at[1]].iter().all(|c| (0.0..=1.0).contains(c));
         let positive = discrete.probability(entry) > 0.0 && density > 0.0 && aimed > 0.0 && aimed.is_finite();
-        !(inside && positive && (0.0..1.0).contains(&rest) && Aim::cell(at) < CELLS * CELLS)
+        !(inside && positive && (0.0..1.0).contains(&rest) && Aim::cell(at, CELLS) < CELLS * CELLS)
     });
     count(warped) + count(drawn)
 }

@@ -10,12 +10,13 @@
 use crate::common::{all_y, job, render};
 use crate::furnace::surroundings;
 use abbe::emit::{
-    Aim, LightSampler, MediumCollision, MediumCrossing, PhotonSource, PhotonVisitor, SurfaceArrival,
+    EmissionStrata, LightSampler, MediumCollision, MediumCrossing, PhotonSource, PhotonVisitor, SurfaceArrival,
     WavelengthSampling, trace,
 };
 use abbe::math::random::{Purpose, Stream};
 use abbe::math::warp;
 use abbe::render::Integrator;
+use abbe::walk::DepthLimit;
 use abbe::walk::ledger::Ledger;
 use serde_json::{Value, json};
 
@@ -98,14 +99,13 @@ fn no_photon_grows_heavier_than_it_set_out() {
     const PHOTONS: u64 = 20_000;
     let job = job(&white_ball(chromatic()));
     let choice = LightSampler::new(&job.scene).expect("the scene is lit");
-    let aims = vec![Aim::plain(); job.scene.lights.len()];
+    let strata = EmissionStrata::plain(&choice.lights);
     let emitters = PhotonSource {
         scene: &job.scene,
-        light_distribution: &choice.lights,
-        aims: &aims,
+        strata: &strata,
         wavelengths: WavelengthSampling::Free,
         count: PHOTONS,
-        max_depth: 64,
+        depth_limit: DepthLimit::default(),
         seed: 1,
         purpose: Purpose::FreePhoton,
         pass: 0,

@@ -22,6 +22,7 @@ mod irradiance;
 mod lens_foci;
 mod lens_objects;
 mod lens_system;
+mod long_paths;
 mod media;
 mod media_in_bodies;
 mod media_kernels;

@@ -1,7 +1,7 @@
 //! Continuation of camera paths at mirrors, glass and rough surfaces.
 
 use super::path::CameraPath;
-use super::throughput::{Factor, SpectralMode, relative_n2};
+use super::throughput::{Factor, SpectralMode, product, relative_n2};
 use crate::gather::camera_pass::{CameraPass, PathContext};
 use crate::gather::direct::lighting::HitWeighting;
 use crate::math::random::ONE_MINUS_ULP;
@@ -10,7 +10,7 @@ use crate::optics::fresnel;
 use crate::plan::WavelengthPlan;
 use crate::scene::Scene;
 use crate::spectrum::{LANES, REFERENCE_NM};
-use crate::walk::{Sink, SurfaceInteraction, sample_consistently};
+use crate::walk::{Sink, SurfaceInteraction, long_path_survival, sample_consistently};
 
 /// The number of surface events after which Russian roulette may end a camera path.
 const CAMERA_DEPTH_BEFORE_ROULETTE: u32 = 8;
@@ -169,14 +169,28 @@ fn survives<S: Sink>(scene: &Scene, path: &mut CameraPath, context: &mut PathCon
     if path.depth < CAMERA_DEPTH_BEFORE_ROULETTE {
         return true;
     }
-    let throughput = path.reference_throughput * relative_n2(scene, &path.ray_state, path.reference_nm());
-    if throughput >= 0.5 {
+    let throughput = match path.spectral_mode {
+        SpectralMode::Shared { .. } => path.reference_throughput,
+        SpectralMode::Free => largest_throughput(&context.buffers.factors),
+    };
+    let throughput = throughput * relative_n2(scene, &path.ray_state, path.reference_nm());
+    let by_throughput = if throughput >= 0.5 { 1.0 } else { throughput.max(0.05) };
+    let survival = by_throughput * long_path_survival(path.depth);
+    if survival >= 1.0 {
         return true;
     }
-    let survival = throughput.max(0.05);
     if context.sampler.stream.uniform() >= survival {
         return false;
     }
     path.multiply(Factor::Grey(1.0 / survival), context.buffers);
     true
+}
+
+/// Returns the largest throughput of a free path over the band. The throughput at the reference
+/// wavelength alone would not do: a mirror may reflect only light of other wavelengths. Paths of
+/// such light would then end too often, and the surviving paths would become too bright.
+fn largest_throughput(factors: &[Factor<'_>]) -> f64 {
+    /// Wavelengths (nm) over the visible part of the band.
+    const PROBES_NM: [f64; 6] = [420.0, 470.0, 520.0, 570.0, 620.0, 670.0];
+    PROBES_NM.iter().map(|&nm| product(factors, nm)).fold(0.0, f64::max)
 }

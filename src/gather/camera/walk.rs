@@ -17,7 +17,7 @@ use crate::optics::bsdf::BsdfClass;
 use crate::plan::partition::View;
 use crate::plan::{MediumPlan, Tally, WavelengthPlan};
 use crate::spectrum::LANES;
-use crate::walk::{BodyMode, Sink, SurfaceInteraction, WithBodies, WithoutBodies};
+use crate::walk::{BodyMode, MAX_EVENTS, Sink, SurfaceInteraction, WithBodies, WithoutBodies};
 
 impl<'a> CameraPass<'a> {
     /// Estimates the radiance of one sample of a pixel and adds it to the sink.
@@ -36,7 +36,8 @@ impl<'a> CameraPass<'a> {
         let camera = &self.scene.camera;
         tally.lens_rays += u64::from(self.plan.aperture.is_finite());
         let path = |ray| CameraPath::new(ray, camera.medium_stack);
-        let mut context = PathContext { pixel, sampler: &mut sampler, radii, buffers, sink, tally };
+        let events = self.depth_limit.events();
+        let mut context = PathContext { pixel, events, sampler: &mut sampler, radii, buffers, sink, tally };
         match (&self.lens_systems, self.plan.wavelengths) {
             (Some(systems), _) => {
                 for (lane, system) in systems.iter().enumerate() {
@@ -107,7 +108,7 @@ impl<'a> CameraPass<'a> {
     #[inline(always)]
     fn follow_in_mode<M: BodyMode, S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
         let mut path = *path;
-        while path.depth < self.max_depth {
+        while path.depth < context.events {
             let next = if M::HAS_BODIES && !self.plan.media_plan.is_clear() {
                 self.advance_through_media(&mut path, context)
             } else {
@@ -143,6 +144,22 @@ impl<'a> CameraPass<'a> {
                 None => return,
             }
         }
+        self.end_at_limit(&path, context);
+    }
+
+    /// Ends a path at the limit of its number of events. If the scene states the limit, some of the
+    /// paths continue, and their light changes only the estimated bias.
+    #[inline(never)]
+    fn end_at_limit<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
+        if context.events >= MAX_EVENTS {
+            context.tally.capped_paths += 1;
+            return;
+        }
+        let factor = self.depth_limit.sample_lost_path(&mut context.sampler.stream);
+        let Some(factor) = factor.filter(|_| !context.buffers.records) else { return };
+        let mut path = *path;
+        path.multiply(Factor::Grey(factor), context.buffers);
+        context.with_lost_light(1.0, |lost| self.follow_shared(&path, lost));
     }
 
     /// Gathers direct light and light from photons at a diffuse or glossy surface. The path ends at

@@ -3,14 +3,14 @@
 use super::gather_point::GatherPoint;
 use crate::gather::camera::path::CameraPath;
 use crate::gather::camera::throughput::SpectralMode;
-use crate::gather::camera_pass::{CameraPass, PathContext};
+use crate::gather::camera_pass::{CameraPass, MissingLight, PathContext};
 use crate::map::kernel::BoundaryCorrection;
-use crate::map::radius;
+use crate::map::{SetMaps, radius};
 use crate::optics::bsdf::BsdfClass;
 use crate::plan::IndirectPlan;
 use crate::plan::partition::PhotonClass;
 use crate::plan::partition::{Estimator, View, estimator};
-use crate::walk::{BodyMode, Sink, SurfaceInteraction};
+use crate::walk::{BodyMode, LostLight, Sink, SurfaceInteraction};
 
 impl<'a> CameraPass<'a> {
     /// Gathers the photons around a surface point. Only photons of some path classes are gathered:
@@ -18,6 +18,25 @@ impl<'a> CameraPass<'a> {
     #[inline(always)]
     pub(in crate::gather) fn gather_photons<M: BodyMode, S: Sink>(
         &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        bsdf_class: BsdfClass,
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let set = path.spectral_mode.photon_set();
+        self.gather_set::<M, S>(self.maps[set], path, interaction, bsdf_class, context);
+        if let Some(MissingLight { maps, factor }) = self.missing {
+            context.with_lost_light(factor, |lost| {
+                self.gather_set::<M, LostLight<'_>>(maps[set], path, interaction, bsdf_class, lost);
+            });
+        }
+    }
+
+    /// Gathers the photons of one set around a surface point.
+    #[inline(always)]
+    fn gather_set<M: BodyMode, S: Sink>(
+        &self,
+        maps: &SetMaps,
         path: &CameraPath,
         interaction: &SurfaceInteraction<'a>,
         bsdf_class: BsdfClass,
@@ -35,7 +54,7 @@ impl<'a> CameraPass<'a> {
                 PhotonClass::Indirect => self.plan.indirect != IndirectPlan::Absent,
                 PhotonClass::Caustic => true,
             };
-            let map = &self.maps[set][class].surface;
+            let map = &maps[class].surface;
             if map.is_empty() || !planned || estimator(class.light_path(), bsdf_class, view) != Estimator::PhotonMap {
                 continue;
             }

@@ -5,10 +5,10 @@ use super::segment::segment_seed;
 use crate::gather::camera::path::CameraPath;
 use crate::gather::camera::throughput::SpectralMode;
 use crate::gather::camera::visible_point::CameraSegment;
-use crate::gather::camera_pass::{CameraPass, PathContext};
+use crate::gather::camera_pass::{CameraPass, MissingLight, PathContext};
 use crate::gather::density::gather_point::add_photon;
 use crate::geometry::Ray;
-use crate::map::{BeamPath, KernelWidth, PhotonNearRay, QueryCone, VolumeMap};
+use crate::map::{BeamPath, KernelWidth, PhotonNearRay, QueryCone, SetMaps, VolumeMap};
 use crate::math::random::hash64;
 use crate::plan::partition::PhotonClass;
 use crate::walk::{
@@ -37,8 +37,27 @@ impl<'a> CameraPass<'a> {
                 shared: matches!(path.spectral_mode, SpectralMode::Shared { .. }),
             });
         }
+        self.gather_volume_set(self.maps[set], path, segment, filling, behind_m, context);
+        if let Some(MissingLight { maps, factor }) = self.missing {
+            context.with_lost_light(factor, |lost| {
+                self.gather_volume_set(maps[set], path, segment, filling, behind_m, lost);
+            });
+        }
+    }
+
+    /// Gathers the photons of one set near a segment.
+    fn gather_volume_set<S: Sink>(
+        &self,
+        maps: &SetMaps,
+        path: &CameraPath,
+        segment: &MediumSegment<'a>,
+        filling: NumberedMedium<'a>,
+        behind_m: f64,
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let set = path.spectral_mode.photon_set();
         for class in PhotonClass::ALL {
-            let maps = &self.maps[set][class].volume;
+            let maps = &maps[class].volume;
             let slope = f64::from(context.radii.volume[set][class]);
             for (map, scale) in [(&maps.points, self.scales.points), (&maps.beams, self.scales.beams)] {
                 if map.is_empty() {

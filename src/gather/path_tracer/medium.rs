@@ -11,7 +11,7 @@ use crate::plan::Tally;
 use crate::scene::medium::Medium;
 use crate::spectrum::LANES;
 use crate::walk::{
-    MAX_COLLISIONS, MediumSegment, NumberedMedium, RayState, SegmentEnd, Sink, next_interaction_through_media,
+    MAX_EVENTS, MediumSegment, NumberedMedium, RayState, SegmentEnd, Sink, next_interaction_through_media,
     transmittance,
 };
 use std::ops::ControlFlow;
@@ -29,7 +29,7 @@ impl<'a> PathTracer<'a> {
         tally: &mut Tally,
         sink: &mut S,
     ) -> SegmentEnd<'a> {
-        for _ in 0..MAX_COLLISIONS {
+        for _ in 0..MAX_EVENTS {
             let component = sampler.stream.uniform();
             let mut collision = None;
             let end = next_interaction_through_media(self.scene, path.ray_state, component, |segment| {
@@ -44,6 +44,7 @@ impl<'a> PathTracer<'a> {
                 return ControlFlow::Break(());
             }
         }
+        tally.capped_paths += 1;
         ControlFlow::Break(())
     }
 

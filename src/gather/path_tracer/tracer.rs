@@ -15,13 +15,17 @@ use crate::plan::{MediumPlan, Tally};
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Lanes, WavelengthDistribution, Wavelengths};
 use crate::walk::{
-    RayState, ScatteredRay, SegmentEnd, Sink, SurfaceInteraction, WithBodies, next_interaction, scatter, transmittance,
+    DepthLimit, LostLight, MAX_EVENTS, RayState, ScatteredRay, SegmentEnd, Sink, SurfaceInteraction, WithBodies,
+    long_path_survival, next_interaction, scatter, transmittance,
 };
 use glam::DVec3;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
 /// The number of surface events after which Russian roulette may end a path of the path tracer.
 const TRACER_DEPTH_BEFORE_ROULETTE: u32 = 3;
+
+/// The least survival probability of Russian roulette.
+const LEAST_SURVIVAL: f64 = 0.05;
 
 /// The path tracer of one pass.
 #[derive(Debug)]
@@ -32,8 +36,8 @@ pub struct PathTracer<'a> {
     pub direct: DirectLighting<'a>,
     /// Samples a path's wavelengths.
     pub wavelengths: &'a WavelengthDistribution,
-    /// The largest number of surface events in a path.
-    pub max_depth: u32,
+    /// The number of surface events after which a path ends.
+    pub depth_limit: DepthLimit,
     /// The media of the scene. Paths need a medium stack if the scene contains bodies or media.
     pub media_plan: MediumPlan,
 }
@@ -46,6 +50,8 @@ pub(super) struct TracedPath {
     pub(super) throughput: Lanes,
     /// The throughput at the start of the path, for Russian roulette.
     initial_throughput: Lanes,
+    /// The number of wavelengths at the start of the path.
+    initial_count: usize,
     pub(super) hit_weighting: HitWeighting,
 }
 
@@ -55,35 +61,59 @@ impl<'a> PathTracer<'a> {
         let Some(mut path) = self.start_path(pixel, &sampler) else {
             return;
         };
-        for depth in 0..self.max_depth {
-            let interaction = match self.advance(&mut path, &mut sampler, tally, sink) {
+        let limit = self.depth_limit.events();
+        if !self.follow(&mut path, 0..limit, &mut sampler, tally, sink) {
+            return;
+        }
+        if !self.depth_limit.is_stated() {
+            tally.capped_paths += 1;
+        } else if let Some(factor) = self.depth_limit.sample_lost_path(&mut sampler.stream) {
+            path.throughput.iter_mut().for_each(|throughput| *throughput *= factor);
+            path.initial_throughput.iter_mut().for_each(|throughput| *throughput *= factor);
+            self.follow(&mut path, limit..MAX_EVENTS, &mut sampler, tally, &mut LostLight { sink, factor: 1.0 });
+        }
+    }
+
+    /// Follows a path through surface events with these numbers. The number of a path's first event
+    /// is 0. Returns true if the path survives all of these events.
+    fn follow<S: Sink>(
+        &self,
+        path: &mut TracedPath,
+        events: Range<u32>,
+        sampler: &mut PixelSampler,
+        tally: &mut Tally,
+        sink: &mut S,
+    ) -> bool {
+        for depth in events {
+            let interaction = match self.advance(path, sampler, tally, sink) {
                 ControlFlow::Continue(Some(interaction)) => interaction,
                 ControlFlow::Continue(None) => {
-                    self.add_emitters_hit(&path, path.ray_state.ray.direction, None, tally, sink);
-                    return;
+                    self.add_emitters_hit(path, path.ray_state.ray.direction, None, tally, sink);
+                    return false;
                 }
-                ControlFlow::Break(()) => return,
+                ControlFlow::Break(()) => return false,
             };
             if interaction.crossed_hidden_face && !matches!(path.hit_weighting, HitWeighting::Full) {
                 // Shadow rays stop at hidden faces, so only the path can count a light behind a
                 // hidden face.
                 path.hit_weighting = HitWeighting::Full;
             }
-            self.add_emitters_hit(&path, interaction.incoming, Some(interaction.hit), tally, sink);
+            self.add_emitters_hit(path, interaction.incoming, Some(interaction.hit), tally, sink);
             if matches!(interaction.bsdf.class(), BsdfClass::Diffuse | BsdfClass::Glossy) {
                 let u = if depth == 0 { sampler.light() } else { sampler.stream.triple() };
-                self.sample_lights(&path, &interaction, u, tally, sink);
+                self.sample_lights(path, &interaction, u, tally, sink);
             }
             let Some(scattered) =
                 scatter(&interaction, &path.wavelengths, TransportMode::Radiance, &mut sampler.stream)
             else {
-                return;
+                return false;
             };
             path.apply_scattering(&interaction, &scattered);
-            if !path.survives(self.scene, depth, &mut sampler) {
-                return;
+            if !path.survives(self.scene, depth, sampler) {
+                return false;
             }
         }
+        true
     }
 
     /// Advances the path to the next surface.
@@ -126,6 +156,7 @@ impl<'a> PathTracer<'a> {
         };
         Some(TracedPath {
             ray_state: RayState { ray, from: None, medium_stack: camera.medium_stack },
+            initial_count: wavelengths.count,
             wavelengths,
             throughput,
             initial_throughput: throughput,
@@ -196,14 +227,16 @@ impl TracedPath {
     }
 
     /// Returns the ratio of the throughput to the throughput at the start of the path. The ratios
-    /// at the current wavelengths are summed. The sum is divided by the number of lanes.
+    /// at the current wavelengths are summed. The sum is divided by the number of wavelengths at
+    /// the start.
     pub(super) fn relative_throughput(&self) -> f64 {
         let lanes = self.throughput.iter().zip(&self.initial_throughput).take(self.wavelengths.count);
-        lanes.filter(|(_, initial)| **initial > 0.0).map(|(t, initial)| t / initial).sum::<f64>() / LANES as f64
+        let sum: f64 = lanes.filter(|(_, initial)| **initial > 0.0).map(|(t, initial)| t / initial).sum();
+        sum / self.initial_count as f64
     }
 
-    /// Applies Russian roulette. The survival probability depends on the relative throughput.
-    /// Returns false if the path ends.
+    /// Applies Russian roulette. The survival probability is the relative throughput, so the
+    /// throughput of a surviving path does not grow. On long paths, it is smaller. Returns false if the path ends.
     ///
     /// The throughput is divided by n² where a path enters glass, and multiplied by n² where the
     /// path leaves the glass. The survival probability excludes this factor. Otherwise, too many
@@ -217,7 +250,8 @@ impl TracedPath {
         if depth < TRACER_DEPTH_BEFORE_ROULETTE {
             return true;
         }
-        let survival = (throughput * relative_n2(scene, &self.ray_state, self.wavelengths.hero())).clamp(0.05, 0.95);
+        let relative = throughput * relative_n2(scene, &self.ray_state, self.wavelengths.hero());
+        let survival = relative.clamp(LEAST_SURVIVAL, 1.0) * long_path_survival(depth);
         if sampler.stream.uniform() >= survival {
             return false;
         }

@@ -6,6 +6,7 @@ use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoi
 use super::virtual_light::VirtualLight;
 use crate::geometry::Geometry;
 use crate::math::frame::Frame;
+use crate::math::sphere::BoundingSphere;
 use crate::math::warp;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -31,6 +32,14 @@ impl AreaLight {
         let direction = Frame::new(point.normal).to_world(warp::cosine_hemisphere(u.aim));
         // The flux is L cos θ divided by the two densities cos θ/π and pdf_area.
         let flux_w = self.radiance * PI / point.pdf_area;
+        LeSample { origin: point.position, direction, from: Some(point.surface), flux_w, spd: EmittedSpd::Own }
+    }
+
+    pub(super) fn sample_le_through(&self, geometry: &Geometry, sphere: &BoundingSphere, u: LeRandoms) -> LeSample {
+        let point = geometry.sample_area(self.object, u.rest);
+        let (direction, solid_angle) = sphere.sample_direction(point.position, u.aim);
+        let cosine = direction.dot(point.normal).max(0.0);
+        let flux_w = self.radiance * cosine * solid_angle / point.pdf_area;
         LeSample { origin: point.position, direction, from: Some(point.surface), flux_w, spd: EmittedSpd::Own }
     }
 

@@ -8,6 +8,7 @@ use super::virtual_light::VirtualLight;
 use super::{Emitter, contract_tests::TestLight};
 use crate::geometry::Ray;
 use crate::math::frame::Frame;
+use crate::math::sphere::BoundingSphere;
 use crate::math::warp;
 use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::PI;
@@ -88,12 +89,34 @@ impl BeamLight {
         self.power_w / (self.area() * PI * self.sin_divergence * self.sin_divergence)
     }
 
+    /// Samples a direction of the beam, in the frame of the beam.
+    fn sample_direction(&self, u: LeRandoms) -> DVec3 {
+        let tilt = warp::disk([u.rest[0], u.rest[1]]) * self.sin_divergence;
+        tilt.extend((1.0 - tilt.length_squared()).max(0.0).sqrt())
+    }
+
+    pub(super) fn sample_le_through(&self, sphere: &BoundingSphere, u: LeRandoms) -> LeSample {
+        let local = self.sample_direction(u);
+        let direction = self.frame.to_world(local);
+        let through = self.frame.to_local(sphere.sample_offset(direction, u.aim) - self.centre);
+        let on_disk = through - through.z / local.z * local;
+        // A disk of the sphere's radius across the ray covers this area of the plane of the beam.
+        let area = sphere.cross_section_m2() / local.z;
+        let inside = on_disk.length_squared() <= self.radius_m * self.radius_m;
+        LeSample {
+            origin: self.centre + self.frame.to_world(on_disk),
+            direction,
+            from: None,
+            flux_w: if inside { self.power_w * area / self.area() } else { 0.0 },
+            spd: EmittedSpd::Own,
+        }
+    }
+
     pub(super) fn sample_le(&self, u: LeRandoms) -> LeSample {
-        let (place, tilt) = (warp::disk(u.aim), warp::disk([u.rest[0], u.rest[1]]) * self.sin_divergence);
-        let direction = tilt.extend((1.0 - tilt.length_squared()).max(0.0).sqrt());
+        let place = warp::disk(u.aim);
         LeSample {
             origin: self.centre + self.frame.to_world((place * self.radius_m).extend(0.0)),
-            direction: self.frame.to_world(direction),
+            direction: self.frame.to_world(self.sample_direction(u)),
             from: None,
             flux_w: self.power_w,
             spd: EmittedSpd::Own,

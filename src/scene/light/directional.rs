@@ -1,9 +1,10 @@
 //! A distant light: parallel light from one direction, or light from a round disk in the sky, for
 //! example the sun.
 
-use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample};
+use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, distant_origin};
 use super::virtual_light::VirtualLight;
 use crate::math::frame::Frame;
+use crate::math::sphere::BoundingSphere;
 use crate::math::warp;
 use glam::{DAffine3, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -55,12 +56,24 @@ impl DirectionalLight {
         self.fluence() / (TAU * self.one_minus_cos)
     }
 
-    pub(super) fn sample_le(&self, world_radius_m: f64, u: LeRandoms) -> LeSample {
-        let direction = if self.has_extent() {
+    /// Samples a direction in which the light travels.
+    fn sample_direction(&self, u: LeRandoms) -> DVec3 {
+        if self.has_extent() {
             self.frame.to_world(warp::cone(self.one_minus_cos, [u.rest[0], u.rest[1]]))
         } else {
             self.toward
-        };
+        }
+    }
+
+    pub(super) fn sample_le_through(&self, world_radius_m: f64, sphere: &BoundingSphere, u: LeRandoms) -> LeSample {
+        let direction = self.sample_direction(u);
+        let origin = distant_origin(sphere.sample_offset(direction, u.aim), direction, world_radius_m);
+        let flux_w = origin.map_or(0.0, |_| self.fluence() * sphere.cross_section_m2());
+        LeSample { origin: origin.unwrap_or_default(), direction, from: None, flux_w, spd: EmittedSpd::Own }
+    }
+
+    pub(super) fn sample_le(&self, world_radius_m: f64, u: LeRandoms) -> LeSample {
+        let direction = self.sample_direction(u);
         let across = (warp::disk(u.aim) * world_radius_m).extend(-world_radius_m);
         let origin = Frame::new(direction).to_world(across);
         LeSample { origin, direction, from: None, flux_w: self.power_w(world_radius_m), spd: EmittedSpd::Own }

@@ -1,9 +1,10 @@
 //! The environment: distant light from all directions. The light is uniform, or an image gives its
 //! radiance.
 
-use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample};
+use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, distant_origin};
 use crate::math::distribution::PiecewiseConstant2d;
 use crate::math::frame::Frame;
+use crate::math::sphere::BoundingSphere;
 use crate::math::warp;
 use crate::spectrum::Spectrum;
 use glam::{DMat3, DQuat, DVec3};
@@ -184,10 +185,23 @@ impl EnvironmentLight {
         })
     }
 
-    pub(super) fn sample_le(&self, world_radius_m: f64, u: LeRandoms) -> LeSample {
-        let sample = self.sample([u.rest[0], u.rest[1]]);
+    /// Samples a direction towards the environment for an emitted ray. If the density of the
+    /// direction is 0, its radiance is 0.
+    fn sample_emission(&self, u: LeRandoms) -> EnvironmentSample {
         let none = EnvironmentSample { direction: DVec3::Y, pdf: 1.0, radiance: 0.0, spd: EmittedSpd::Own };
-        let EnvironmentSample { direction, pdf, radiance, spd } = sample.unwrap_or(none);
+        self.sample([u.rest[0], u.rest[1]]).unwrap_or(none)
+    }
+
+    pub(super) fn sample_le_through(&self, world_radius_m: f64, sphere: &BoundingSphere, u: LeRandoms) -> LeSample {
+        let EnvironmentSample { direction, pdf, radiance, spd } = self.sample_emission(u);
+        let direction = -direction;
+        let origin = distant_origin(sphere.sample_offset(direction, u.aim), direction, world_radius_m);
+        let flux_w = origin.map_or(0.0, |_| radiance / pdf * sphere.cross_section_m2());
+        LeSample { origin: origin.unwrap_or_default(), direction, from: None, flux_w, spd }
+    }
+
+    pub(super) fn sample_le(&self, world_radius_m: f64, u: LeRandoms) -> LeSample {
+        let EnvironmentSample { direction, pdf, radiance, spd } = self.sample_emission(u);
         let direction = -direction;
         let origin = Frame::new(direction).to_world((warp::disk(u.aim) * world_radius_m).extend(-world_radius_m));
         let flux_w = radiance / pdf * PI * world_radius_m * world_radius_m;

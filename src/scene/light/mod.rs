@@ -37,6 +37,7 @@ use super::medium_stack::MediumStack;
 use super::motion::{AnimatedTransform, DecomposedTransform};
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, Hit, Ray};
+use crate::math::sphere::BoundingSphere;
 use crate::spectrum::{Observer, Spectrum, WavelengthDistribution};
 use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
@@ -158,6 +159,24 @@ impl Light {
             Emitter::Area(light) => light.sample_le(extent.geometry, u),
             Emitter::Volume(light) => light.sample_le(u),
         }
+    }
+
+    /// Samples an emitted ray that passes through a sphere.
+    ///
+    /// The random numbers `u.rest` have the same meaning as in [`Light::sample_le`]. The numbers
+    /// `u.aim` cover only the rays through the sphere, so the mean flux is the power that the light
+    /// sends through the sphere.
+    pub fn sample_le_through(&self, extent: SceneExtent<'_>, sphere: &BoundingSphere, u: LeRandoms) -> LeSample {
+        let sample = match &self.emitter {
+            Emitter::Point(light) => light.sample_le_through(sphere, u),
+            Emitter::Spot(light) => light.sample_le_through(sphere, u),
+            Emitter::Beam(light) => light.sample_le_through(sphere, u),
+            Emitter::Directional(light) => light.sample_le_through(extent.radius_m, sphere, u),
+            Emitter::Environment(light) => light.sample_le_through(extent.radius_m, sphere, u),
+            Emitter::Area(light) => light.sample_le_through(extent.geometry, sphere, u),
+            Emitter::Volume(light) => light.sample_le_through(sphere, u),
+        };
+        if sphere.contains_part_of(sample.origin, sample.direction) { sample } else { sample.dark() }
     }
 
     /// Samples a direction from the point `from` towards the light. Returns `None` if no light

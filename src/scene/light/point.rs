@@ -6,6 +6,7 @@ use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample};
 use super::{Emitter, contract_tests::TestLight};
 use crate::geometry::Ray;
 use crate::math::frame::Frame;
+use crate::math::sphere::BoundingSphere;
 use crate::math::warp;
 use glam::{DAffine3, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -31,6 +32,12 @@ impl PointLight {
     pub(super) fn sample_le(&self, u: LeRandoms) -> LeSample {
         let direction = warp::sphere(u.aim);
         LeSample { origin: self.position, direction, from: None, flux_w: self.power_w(), spd: EmittedSpd::Own }
+    }
+
+    pub(super) fn sample_le_through(&self, sphere: &BoundingSphere, u: LeRandoms) -> LeSample {
+        let (direction, solid_angle) = sphere.sample_direction(self.position, u.aim);
+        let flux_w = self.intensity * solid_angle;
+        LeSample { origin: self.position, direction, from: None, flux_w, spd: EmittedSpd::Own }
     }
 
     pub(super) fn sample_li(&self, from: DVec3) -> Option<LiSample> {
@@ -114,12 +121,20 @@ impl SpotLight {
         }
     }
 
+    pub(super) fn sample_le_through(&self, sphere: &BoundingSphere, u: LeRandoms) -> LeSample {
+        let (direction, solid_angle) = sphere.sample_direction(self.position, u.aim);
+        let flux_w = self.intensity_along(direction) * solid_angle;
+        LeSample { origin: self.position, direction, from: None, flux_w, spd: EmittedSpd::Own }
+    }
+
     pub(super) fn sample_li(&self, from: DVec3) -> Option<LiSample> {
-        // For unit vectors a and b, 1 − cos of the angle between them is |a − b|²/2. This form is
-        // accurate even for narrow cones.
-        sample_li_from_point(self.position, from, |outward| {
-            self.intensity_at(0.5 * (outward - self.axis).length_squared())
-        })
+        sample_li_from_point(self.position, from, |outward| self.intensity_along(outward))
+    }
+
+    /// The intensity along a unit vector. For unit vectors a and b, 1 − cos of the angle between
+    /// them is |a − b|²/2. This form is accurate even for narrow cones.
+    fn intensity_along(&self, outward: DVec3) -> f64 {
+        self.intensity_at(0.5 * (outward - self.axis).length_squared())
     }
 
     pub(super) fn lit_interval(&self, ray: &Ray, window: (f64, f64)) -> Option<LitInterval> {

@@ -30,6 +30,13 @@ pub struct LeSample {
     pub spd: EmittedSpd,
 }
 
+impl LeSample {
+    /// Returns the sample without light.
+    pub(super) fn dark(self) -> Self {
+        Self { flux_w: 0.0, ..self }
+    }
+}
+
 /// One direction from a point to a light: the result of
 /// [`Light::sample_li`](super::Light::sample_li).
 #[derive(Debug, Clone, Copy)]
@@ -59,6 +66,13 @@ pub struct LeRandoms {
     pub aim: [f64; 2],
     /// The remaining numbers.
     pub rest: [f64; 3],
+}
+
+/// Returns the origin of a ray of a distant light. The ray passes through `point` and starts outside
+/// the scene's bounding sphere. Returns `None` if the ray does not reach that sphere.
+pub(super) fn distant_origin(point: DVec3, direction: DVec3, world_radius_m: f64) -> Option<DVec3> {
+    let across = point - point.dot(direction) * direction;
+    (across.length_squared() <= world_radius_m * world_radius_m).then(|| across - world_radius_m * direction)
 }
 
 /// The surfaces of a scene, and the scene's bounding sphere around the origin. Light from distant

@@ -9,6 +9,7 @@ use super::lit_interval::LitInterval;
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoint};
 use crate::geometry::{Geometry, Ray};
 use crate::math::distribution::DiscreteDistribution;
+use crate::math::sphere::BoundingSphere;
 use crate::math::warp;
 use crate::scene::medium::Medium;
 use crate::scene::motion::AnimatedTransform;
@@ -156,6 +157,12 @@ impl VolumeLight {
     pub(super) fn sample_le(&self, u: LeRandoms) -> LeSample {
         let VolumeSample { position, flux_w, spd } = self.sample(u.rest);
         LeSample { origin: position, direction: warp::sphere(u.aim), from: None, flux_w, spd }
+    }
+
+    pub(super) fn sample_le_through(&self, sphere: &BoundingSphere, u: LeRandoms) -> LeSample {
+        let VolumeSample { position, flux_w, spd } = self.sample(u.rest);
+        let (direction, solid_angle) = sphere.sample_direction(position, u.aim);
+        LeSample { origin: position, direction, from: None, flux_w: flux_w * solid_angle / (4.0 * PI), spd }
     }
 
     /// Samples a direction towards a point of the medium. The irradiance is computed as for a point

@@ -1,0 +1,112 @@
+//! The targets of photon aiming: spheres around the parts of a scene that need many photons.
+
+use crate::math::sphere::BoundingSphere;
+use crate::optics::bsdf::{Bsdf, BsdfClass};
+use crate::scene::Scene;
+use crate::scene::sweep::Bounds;
+use glam::DVec3;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+/// The largest number of targets around objects. If a scene has more objects, neighbouring objects
+/// share a target.
+const MAX_TARGETS: usize = 16;
+
+/// The target around the visible points contains this share of them.
+const VISIBLE_SHARE: f64 = 0.9;
+
+/// Returns the targets of a scene, the smallest target first. `scenes` contains the scene at several
+/// shutter times.
+///
+/// One kind of target contains the objects that can focus light or that are filled with a medium.
+/// The last target contains most of the visible points. Lights use only the targets that receive a
+/// small share of their power.
+pub(super) fn aim_targets(scenes: &[Cow<'_, Scene>]) -> Vec<BoundingSphere> {
+    let mut boxes: BTreeMap<u32, Bounds> = BTreeMap::new();
+    for scene in scenes {
+        let all = [&scene.geometry, &scene.boundaries].map(|geometry| geometry.object_bounds());
+        for (object, bounds) in all.into_iter().flatten().filter(|(object, _)| needs_photons(scene, *object)) {
+            boxes.entry(object).and_modify(|around| *around = union(*around, bounds)).or_insert(bounds);
+        }
+    }
+    let mut boxes: Vec<Bounds> = boxes.into_values().collect();
+    let mut targets = Vec::new();
+    cluster(&mut boxes, MAX_TARGETS, &mut targets);
+    targets.extend(scenes.first().and_then(|scene| around_most(&scene.visible_points())));
+    targets.retain(|target| target.radius_m.is_finite() && target.radius_m > 0.0);
+    targets.sort_by(|a, b| a.radius_m.total_cmp(&b.radius_m));
+    targets
+}
+
+/// Returns true if an object can focus light or is filled with a medium.
+fn needs_photons(scene: &Scene, object: u32) -> bool {
+    let material = scene.material_of(object);
+    let focuses = |class| matches!(class, BsdfClass::Specular | BsdfClass::Glossy);
+    material.surface.components().map(Bsdf::class).any(focuses)
+        || material.body.as_ref().is_some_and(|b| b.medium.is_some())
+}
+
+/// Divides boxes into at most `most` groups of neighbours, and adds a sphere around each group.
+fn cluster(boxes: &mut [Bounds], most: usize, targets: &mut Vec<BoundingSphere>) {
+    let Some(around) = boxes.iter().copied().reduce(union) else { return };
+    if boxes.len() == 1 || most <= 1 {
+        targets.push(BoundingSphere::around_box(around.0, around.1));
+        return;
+    }
+    let axis = (around.1 - around.0).max_position();
+    boxes.sort_by(|a, b| (a.0 + a.1)[axis].total_cmp(&(b.0 + b.1)[axis]));
+    let (low, high) = boxes.split_at_mut(boxes.len() / 2);
+    cluster(low, most / 2, targets);
+    cluster(high, most - most / 2, targets);
+}
+
+/// Returns a sphere around most of the points, or `None` if there are no points. The centre is the
+/// median of each coordinate, so a few distant points do not move it.
+fn around_most(points: &[DVec3]) -> Option<BoundingSphere> {
+    let median = |axis: usize| {
+        let mut values: Vec<f64> = points.iter().map(|point| point[axis]).collect();
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied()
+    };
+    let centre = DVec3::new(median(0)?, median(1)?, median(2)?);
+    let mut distances: Vec<f64> = points.iter().map(|point| point.distance(centre)).collect();
+    distances.sort_by(f64::total_cmp);
+    let last = ((distances.len() as f64 * VISIBLE_SHARE) as usize).min(distances.len() - 1);
+    Some(BoundingSphere { centre, radius_m: distances[last] })
+}
+
+fn union((low, high): Bounds, (from, to): Bounds) -> Bounds {
+    (low.min(from), high.max(to))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every box lies in one of the targets, and the number of targets is limited.
+    #[test]
+    fn targets_cover_all_objects() {
+        let at = |i: u32| DVec3::new(f64::from(i % 10), f64::from(i / 10 % 10), f64::from(i / 100)) * 100.0;
+        let boxes: Vec<Bounds> = (0..1000).map(|i| (at(i), at(i) + 1.0)).collect();
+        for count in [1, 5, 16, 17, 1000] {
+            let mut targets = Vec::new();
+            cluster(&mut boxes[..count].to_vec(), MAX_TARGETS, &mut targets);
+            assert_eq!(targets.len(), count.min(MAX_TARGETS));
+            let holds =
+                |target: &BoundingSphere, point: DVec3| target.centre.distance(point) <= target.radius_m * 1.001;
+            let covered =
+                |(low, high): &Bounds| targets.iter().any(|target| holds(target, *low) && holds(target, *high));
+            assert!(boxes[..count].iter().all(covered));
+        }
+    }
+
+    /// A few points on the horizon do not widen the target of the visible points.
+    #[test]
+    fn the_visible_target_ignores_outliers() {
+        let mut points: Vec<DVec3> = (0..100).map(|i| DVec3::new(f64::from(i % 10), 0.0, f64::from(i / 10))).collect();
+        points.extend([DVec3::splat(1e6); 5]);
+        let target = around_most(&points).unwrap();
+        assert!(target.radius_m < 10.0 && target.centre.distance(DVec3::new(5.0, 0.0, 5.0)) < 1.0, "{target:?}");
+        assert_eq!(around_most(&[]), None);
+    }
+}
