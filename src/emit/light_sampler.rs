@@ -2,6 +2,7 @@
 
 use crate::math::distribution::DiscreteDistribution;
 use crate::scene::Scene;
+use crate::scene::light::Light;
 use crate::spectrum::{Spectrum, WavelengthDistribution};
 
 /// The distributions that select a light and wavelengths.
@@ -11,7 +12,9 @@ pub struct LightSampler {
     /// share of the visual importance (X + Y + Z), and the light's share of the radiant power.
     pub lights: DiscreteDistribution,
     /// Samples wavelengths for all lights together: the pass's shared wavelengths, and the
-    /// wavelengths of the path tracer.
+    /// wavelengths of the path tracer. The distribution is a mixture. Half of the wavelengths are
+    /// sampled from the power of all lights together. The other half is divided equally among the
+    /// different spectra, so that a dim light with a line spectrum is sampled beside a bright light.
     pub wavelengths: WavelengthDistribution,
     /// The power of all lights together, in W over the band.
     pub power_w: f64,
@@ -20,6 +23,9 @@ pub struct LightSampler {
 /// The fraction of the photons that lights receive in proportion to their radiant power. Without
 /// this fraction, lights that emit only at the ends of the band would receive almost no photons.
 const RADIANT_FRACTION: f64 = 0.15;
+
+/// The share of the wavelengths that the different spectra receive in equal parts.
+const EQUAL_SHARE: f64 = 0.5;
 
 impl LightSampler {
     /// Creates the distributions for a scene, or `None` if its lights emit no power in the band.
@@ -32,12 +38,30 @@ impl LightSampler {
         }
         let probability =
             |i: usize| (1.0 - RADIANT_FRACTION) * visible[i] / visible_sum + RADIANT_FRACTION * powers[i] / power_w;
-        let parts: Vec<(f64, &Spectrum)> =
-            powers.iter().copied().zip(scene.lights.iter().map(|l| &l.spectrum)).collect();
+        let mixture = Spectrum::mix(&defensive_mixture(&scene.lights, &powers, visible_sum));
         Some(Self {
             lights: DiscreteDistribution::new((0..powers.len()).map(probability))?,
-            wavelengths: WavelengthDistribution::visually_weighted(&Spectrum::mix(&parts), scene.film.observer)?,
+            wavelengths: WavelengthDistribution::visually_weighted(&mixture, scene.film.observer)?,
             power_w,
         })
     }
+}
+
+/// Returns the different spectra of the lights, and their weights in the mixture from which
+/// wavelengths are sampled. `visible_sum` is the visual importance of all lights together.
+fn defensive_mixture<'a>(lights: &'a [Light], powers: &[f64], visible_sum: f64) -> Vec<(f64, &'a Spectrum)> {
+    let mut groups: Vec<(f64, &Light)> = Vec::new();
+    for (light, &power_w) in lights.iter().zip(powers) {
+        match groups.iter_mut().find(|(_, known)| known.spectrum == light.spectrum) {
+            Some((sum_w, _)) => *sum_w += power_w,
+            None => groups.push((power_w, light)),
+        }
+    }
+    let visible = |(power_w, light): &&(f64, &Light)| *power_w > 0.0 && light.importance_per_watt > 0.0;
+    let count = groups.iter().filter(visible).count() as f64;
+    let weight = |group: &(f64, &Light)| {
+        let equal = if visible(&group) { EQUAL_SHARE / (count * group.1.importance_per_watt) } else { 0.0 };
+        (1.0 - EQUAL_SHARE) * group.0 / visible_sum + equal
+    };
+    groups.iter().map(|group| (weight(group), &group.1.spectrum)).collect()
 }

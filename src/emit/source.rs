@@ -76,12 +76,10 @@ impl PhotonSource<'_> {
         let emission = self.strata.sample_le(stratum, light, self.scene.extent(), randoms);
         let (wavelengths, power_of_watt) = self.sample_wavelengths(light, &emission, u[0]);
         let flux = emission.flux_w / (self.count as f64 * self.strata.choice.probability(number) * density);
+        let ray = Ray { origin: emission.origin, direction: emission.direction };
+        let medium_stack = M::initial_medium_stack(|| self.scene.medium_stack_of_emission(light, ray, emission.from));
         PhotonPath {
-            ray_state: RayState {
-                ray: Ray { origin: emission.origin, direction: emission.direction },
-                from: emission.from,
-                medium_stack: M::initial_medium_stack(light.medium_stack),
-            },
+            ray_state: RayState { ray, from: emission.from, medium_stack },
             photon: PhotonState {
                 light_path: LightPath::Direct,
                 lost: false,

@@ -19,6 +19,6 @@ pub use camera::sampler::PixelSampler;
 pub use camera::visible_point::{CameraSegment, VisiblePoint};
 pub use camera_pass::{CameraPass, MissingLight};
 pub use density::gather_point::{NORMAL_TOLERANCE, PLANE_TOLERANCE};
-pub use density::outline::{Outline, Outlines};
+pub use density::outline::{Outline, OutlineSurvey, Outlines};
 pub use direct::lighting::{DirectLighting, power_heuristic};
 pub use path_tracer::tracer::PathTracer;

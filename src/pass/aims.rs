@@ -26,6 +26,13 @@ const PATHS_PER_STRATUM: u64 = PATHS_PER_CELL * (CELLS * CELLS) as u64;
 /// The number of paths per round grows with the number of strata, up to this many strata.
 const MAX_STRATA: u64 = 4;
 
+/// The number of paths per round, divided by the number of photon paths of a pass, is at most this
+/// value. Both rounds together then take at most a tenth of the time of eight passes.
+const LARGEST_ROUND: f64 = 0.4;
+
+/// The limit of [`LARGEST_ROUND`] is never below this number of paths.
+const MIN_PATHS: u64 = 16_384;
+
 /// The smallest number of cells along each side of a grid.
 const MIN_CELLS: usize = 4;
 
@@ -72,7 +79,8 @@ pub(super) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -
     let probability = |light: usize| 0.5 * (lights.probability(light) + 1.0 / count);
     let strata = EmissionStrata::new(&context.scene.lights, extent, targets.iter(), probability);
     let Some(mut strata) = strata else { return LearnedAims::plain(context) };
-    let paths = PATHS_PER_STRATUM * (strata.list.len() as u64).min(MAX_STRATA);
+    let wanted = PATHS_PER_STRATUM * (strata.list.len() as u64).min(MAX_STRATA);
+    let paths = wanted.min(((LARGEST_ROUND * context.budget.photons as f64) as u64).max(MIN_PATHS));
     let layout = GridLayout::new(&strata, paths);
     let mut found = Importance::new(context.scene, &layout);
     for round in 0..ROUNDS {

@@ -15,6 +15,7 @@ use crate::scene::Scene;
 use crate::sensor::Film;
 use crate::walk::Sink;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::num::NonZero;
 use std::ops::Range;
 
@@ -24,6 +25,10 @@ use std::ops::Range;
 /// into the dark region for many passes. For indirect light, a narrow kernel is noisier, but this
 /// noise vanishes after a few passes. The bias of a wider kernel would remain visible.
 pub(super) const MAX_SURFACE_RADIUS_PX: PerClass<f64> = PerClass { caustic: 3.0, indirect: 24.0 };
+
+/// The lower limit of the first kernel radius on surfaces is a pixel, but at most this fraction of
+/// the object. A wider kernel would reach over the edges of an object that is as large as a pixel.
+const LEAST_RADIUS_OF_OBJECT: f64 = 1.0 / 16.0;
 
 /// Separates the camera samples of the pilot from the camera samples of the passes. The samples are
 /// hashes of the seed, the replicate and the pixel. The bytes of this number are the word "pilot"
@@ -88,10 +93,13 @@ impl PixelSurvey {
             outlines: &no_outlines,
             depth_limit: context.depth_limit(),
         };
-        let width = scene.camera.width();
+        let (width, extents) = (scene.camera.width(), object_extents(scene));
         let rows: Vec<Self> = (0..scene.camera.pixel_count() / width)
             .into_par_iter()
-            .map(|row| Self::of_pixels(context, &camera_pass, &maps, moment, row * width..(row + 1) * width))
+            .map(|row| {
+                let pixels = row * width..(row + 1) * width;
+                Self::of_pixels(context, &camera_pass, &maps, &extents, moment, pixels)
+            })
             .collect();
         let mut all = Self { stored, ..Self::default() };
         rows.into_iter().for_each(|row| all.append(row));
@@ -103,6 +111,7 @@ impl PixelSurvey {
         context: &PassContext<'_>,
         camera_pass: &CameraPass<'a>,
         maps: &PerSet<PilotMaps>,
+        extents: &BTreeMap<u32, f64>,
         moment: u64,
         pixels: Range<usize>,
     ) -> Self {
@@ -118,7 +127,9 @@ impl PixelSurvey {
                 let set = PhotonSet::of_path(point.shared);
                 for class in PhotonClass::ALL {
                     let map = &maps[set].maps[class].surface;
-                    let radius = first_radius_m(context, point, map, MAX_SURFACE_RADIUS_PX[class]) as f32;
+                    let extent_m = extents.get(&point.object).copied().unwrap_or(f64::INFINITY);
+                    let least_m = point.footprint_m.min(LEAST_RADIUS_OF_OBJECT * extent_m);
+                    let radius = first_radius_m(context, point, map, least_m, MAX_SURFACE_RADIUS_PX[class]) as f32;
                     radii.surface[set][class] = Some(radius).filter(|&radius| radius > 0.0);
                 }
             }
@@ -172,17 +183,27 @@ impl PixelSurvey {
     }
 }
 
+/// Returns the length (m) of the diagonal of each object's bounding box, by object number.
+fn object_extents(scene: &Scene) -> BTreeMap<u32, f64> {
+    scene.geometry.object_bounds().into_iter().map(|(object, (low, high))| (object, low.distance(high))).collect()
+}
+
 /// Returns the first kernel radius in m at a visible point. If the scene does not fix the radius,
-/// the kernel contains as many photons as the budget specifies. Its radius is then at least the
-/// pixel's footprint and at most `largest_px` pixels.
-fn first_radius_m(context: &PassContext<'_>, point: &VisiblePoint, map: &PhotonMap, largest_px: f64) -> f64 {
+/// the kernel contains as many photons as the budget specifies. Its radius is then at least
+/// `least_m` and at most `largest_px` pixels.
+fn first_radius_m(
+    context: &PassContext<'_>,
+    point: &VisiblePoint,
+    map: &PhotonMap,
+    least_m: f64,
+    largest_px: f64,
+) -> f64 {
     if let Some(fixed) = context.budget.radius_m {
         return fixed;
     }
-    let footprint = point.footprint_m;
     let nearest = NonZero::new(context.budget.nearest as usize).unwrap_or(NonZero::<usize>::MIN);
     let kth = map.kth_distance(point.position.as_vec3().to_array(), nearest).map(f64::from);
-    radius::first(kth, footprint, largest_px * footprint)
+    radius::first(kth, least_m, largest_px * point.footprint_m)
 }
 
 /// A sink that discards all light.

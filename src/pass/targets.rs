@@ -4,16 +4,12 @@ use crate::math::sphere::BoundingSphere;
 use crate::optics::bsdf::{Bsdf, BsdfClass};
 use crate::scene::Scene;
 use crate::scene::sweep::Bounds;
-use glam::DVec3;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// The largest number of targets around objects. If a scene has more objects, neighbouring objects
 /// share a target.
 const MAX_TARGETS: usize = 16;
-
-/// The target around the visible points contains this share of them.
-const VISIBLE_SHARE: f64 = 0.9;
 
 /// Returns the targets of a scene, the smallest target first. `scenes` contains the scene at several
 /// shutter times.
@@ -32,7 +28,7 @@ pub(super) fn aim_targets(scenes: &[Cow<'_, Scene>]) -> Vec<BoundingSphere> {
     let mut boxes: Vec<Bounds> = boxes.into_values().collect();
     let mut targets = Vec::new();
     cluster(&mut boxes, MAX_TARGETS, &mut targets);
-    targets.extend(scenes.first().and_then(|scene| around_most(&scene.visible_points())));
+    targets.extend(scenes.first().and_then(|scene| scene.visible_sphere()));
     targets.retain(|target| target.radius_m.is_finite() && target.radius_m > 0.0);
     targets.sort_by(|a, b| a.radius_m.total_cmp(&b.radius_m));
     targets
@@ -60,21 +56,6 @@ fn cluster(boxes: &mut [Bounds], most: usize, targets: &mut Vec<BoundingSphere>)
     cluster(high, most - most / 2, targets);
 }
 
-/// Returns a sphere around most of the points, or `None` if there are no points. The centre is the
-/// median of each coordinate, so a few distant points do not move it.
-fn around_most(points: &[DVec3]) -> Option<BoundingSphere> {
-    let median = |axis: usize| {
-        let mut values: Vec<f64> = points.iter().map(|point| point[axis]).collect();
-        values.sort_by(f64::total_cmp);
-        values.get(values.len() / 2).copied()
-    };
-    let centre = DVec3::new(median(0)?, median(1)?, median(2)?);
-    let mut distances: Vec<f64> = points.iter().map(|point| point.distance(centre)).collect();
-    distances.sort_by(f64::total_cmp);
-    let last = ((distances.len() as f64 * VISIBLE_SHARE) as usize).min(distances.len() - 1);
-    Some(BoundingSphere { centre, radius_m: distances[last] })
-}
-
 fn union((low, high): Bounds, (from, to): Bounds) -> Bounds {
     (low.min(from), high.max(to))
 }
@@ -82,6 +63,7 @@ fn union((low, high): Bounds, (from, to): Bounds) -> Bounds {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
 
     /// Every box lies in one of the targets, and the number of targets is limited.
     #[test]
@@ -98,15 +80,5 @@ mod tests {
                 |(low, high): &Bounds| targets.iter().any(|target| holds(target, *low) && holds(target, *high));
             assert!(boxes[..count].iter().all(covered));
         }
-    }
-
-    /// A few points on the horizon do not widen the target of the visible points.
-    #[test]
-    fn the_visible_target_ignores_outliers() {
-        let mut points: Vec<DVec3> = (0..100).map(|i| DVec3::new(f64::from(i % 10), 0.0, f64::from(i / 10))).collect();
-        points.extend([DVec3::splat(1e6); 5]);
-        let target = around_most(&points).unwrap();
-        assert!(target.radius_m < 10.0 && target.centre.distance(DVec3::new(5.0, 0.0, 5.0)) < 1.0, "{target:?}");
-        assert_eq!(around_most(&[]), None);
     }
 }

@@ -100,7 +100,7 @@ impl SavedRun {
             wanted: run.wanted,
             ledger: ledger.clone(),
             tally: *tally,
-            stats: Stats::new(job, run, &picture, forecast),
+            stats: Stats::new(job, run, &picture, forecast, &[]),
             display: DisplaySettings::of(job),
             diffraction: job.diffraction.clone(),
             hash: String::new(),

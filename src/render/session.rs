@@ -81,7 +81,8 @@ impl Job {
         let (picture, squares) = run.sums.film.picture_and_error();
         run.sums.seconds.develop += develop_start.elapsed().as_secs_f64();
         clock.update(&mut run);
-        let stats = Stats::new(self, &run, &picture, conditions.forecast_at_end(&run, squares));
+        let unlit = pilot.as_ref().map_or(&[][..], |pilot| &pilot.unlit);
+        let stats = Stats::new(self, &run, &picture, conditions.forecast_at_end(&run, squares), unlit);
         let mut ledger = run.sums.ledger.clone();
         ledger.scale(1.0 / run.done.max(1) as f64);
         Ok(Rendered { picture, ledger, stats, interrupted, run })

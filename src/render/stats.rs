@@ -108,8 +108,9 @@ pub struct Stats {
 }
 
 impl Stats {
-    /// Returns the statistics of a run and its picture.
-    pub(super) fn new(job: &Job, run: &Run, picture: &Picture, forecast: Option<Forecast>) -> Self {
+    /// Returns the statistics of a run and its picture. `unlit` contains the names of the specular
+    /// objects that no pilot photon reached.
+    pub(super) fn new(job: &Job, run: &Run, picture: &Picture, forecast: Option<Forecast>, unlit: &[String]) -> Self {
         let PassSums { ledger, tally, seconds, .. } = &run.sums;
         let mut ledger = ledger.clone();
         ledger.scale(1.0 / run.done.max(1) as f64);
@@ -128,7 +129,7 @@ impl Stats {
             wavelengths: explain::wavelengths_word(&job.plan).to_string(),
             rejected_samples: tally.rejected,
             threads: rayon::current_num_threads(),
-            notes: notes(job, run),
+            notes: notes(job, run, unlit),
         }
     }
 
@@ -172,7 +173,9 @@ impl Stats {
 
 /// Returns notes on light that the picture lacks. A note contains no measured number, so that the
 /// parts of a picture have the same notes.
-fn notes(job: &Job, run: &Run) -> Vec<String> {
+fn notes(job: &Job, run: &Run, unlit: &[String]) -> Vec<String> {
+    /// The largest number of objects that a note names.
+    const MAX_NAMES: usize = 5;
     let PassSums { ledger, tally, .. } = &run.sums;
     let limited = job.budget.max_depth.map(|depth| {
         format!(
@@ -187,7 +190,13 @@ fn notes(job: &Job, run: &Run) -> Vec<String> {
              states their power, and the bias bars estimate the missing light of photons"
         )
     });
-    limited.into_iter().chain(capped).collect()
+    let unlit = (!unlit.is_empty()).then(|| {
+        let names: Vec<String> = unlit.iter().take(MAX_NAMES).map(|name| format!("\"{name}\"")).collect();
+        let more = unlit.len().saturating_sub(MAX_NAMES);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        format!("no pilot photon reached {}{more}; light that they focus may be missing", names.join(", "))
+    });
+    limited.into_iter().chain(capped).chain(unlit).collect()
 }
 
 /// Returns all different notes of several runs.

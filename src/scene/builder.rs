@@ -269,13 +269,21 @@ pub(super) struct EmittingMedium {
 }
 
 impl SceneBuilder {
-    /// Fixes the scene's centre and builds the surfaces of the objects.
+    /// Builds the surfaces of the objects. The scene's centre is the middle of the objects.
     ///
     /// # Errors
     /// Returns an error if a transform is singular or not finite, a mesh has no area, or there are
     /// more than 2³² primitives or vertices.
-    pub fn new(mut objects: ObjectSet) -> Result<Self> {
+    pub fn new(objects: ObjectSet) -> Result<Self> {
         let centre = objects.centre();
+        Self::about(objects, centre)
+    }
+
+    /// Builds the surfaces of the objects, with the scene's centre at `centre` (in m).
+    ///
+    /// # Errors
+    /// See [`Self::new`].
+    pub fn about(mut objects: ObjectSet, centre: DVec3) -> Result<Self> {
         let geometry = objects.build(false, centre)?;
         let notes = std::mem::take(&mut objects.notes);
         Ok(Self {

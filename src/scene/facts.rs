@@ -94,6 +94,13 @@ impl Facts {
         !(self.diffuse.is_empty() && self.glossy.is_empty())
     }
 
+    /// Returns what photons are aimed at or divided among: objects that focus light, media, and the
+    /// lights themselves if there are several or if they are distant.
+    pub fn aimed(&self) -> Vec<String> {
+        let lights = if self.lights.len() > 1 { &self.lights } else { &self.distant_lights };
+        [&self.specular, &self.glossy, &self.media, lights].into_iter().flatten().cloned().collect()
+    }
+
     /// Collects the facts about a scene. Objects that no light can reach are left out.
     pub fn of(scene: &Scene) -> Self {
         let enclosures = scene.enclosures();

@@ -4,15 +4,47 @@ use super::Scene;
 use super::light::{Light, RepresentativePoint};
 use super::medium_stack::MediumStack;
 use crate::geometry::{Hit, Ray, SurfaceId};
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
+use smallvec::SmallVec;
 
 impl Scene {
     /// Finds the bodies that contain the camera and each light.
     pub(super) fn find_medium_stacks(&mut self) {
         self.camera.medium_stack = self.medium_stack_at(self.camera.origin());
-        let medium_stacks: Vec<MediumStack> =
-            self.lights.iter().map(|light| self.medium_stack_of_light(light)).collect();
-        self.lights.iter_mut().zip(medium_stacks).for_each(|(light, medium_stack)| light.medium_stack = medium_stack);
+        let of_light = |light: &Light| (self.medium_stack_of_light(light), self.crosses_bodies(light));
+        let of_lights: Vec<(MediumStack, bool)> = self.lights.iter().map(of_light).collect();
+        for (light, (medium_stack, crosses_bodies)) in self.lights.iter_mut().zip(of_lights) {
+            (light.medium_stack, light.crosses_bodies) = (medium_stack, crosses_bodies);
+        }
+    }
+
+    /// The bodies that contain the origin of a ray that the light emits. `from` is the surface that
+    /// emits the ray, if the light has a surface.
+    #[inline]
+    pub fn medium_stack_of_emission(&self, light: &Light, ray: Ray, from: Option<SurfaceId>) -> MediumStack {
+        if light.crosses_bodies { self.medium_stack_along(ray, from) } else { light.medium_stack }
+    }
+
+    /// Returns true if the bodies that contain a point of the light may differ from point to point.
+    /// The result is false if every body whose box touches the box of the light is a convex body
+    /// that contains the whole light.
+    fn crosses_bodies(&self, light: &Light) -> bool {
+        let object_bounds = self.geometry.object_bounds();
+        let own_medium = light.medium_name();
+        let around = match own_medium {
+            Some(_) => light.box_of_medium().map(|map| box_around(&map)),
+            None => light.bounds(&object_bounds),
+        };
+        let Some((low, high)) = around else { return false };
+        let touches = |(from, to): (DVec3, DVec3)| from.cmple(high).all() && to.cmpge(low).all();
+        let mut bodies = object_bounds.into_iter().chain(self.boundaries.object_bounds()).filter(|(object, bounds)| {
+            let Some(body) = self.body_of(*object) else { return false };
+            // A glowing medium emits only inside its own body.
+            let own = body.medium.is_some_and(|number| own_medium == Some(self.media[number].name.as_str()));
+            !own && touches(*bounds)
+        });
+        let convex = || self.geometry.convex_bodies().chain(self.boundaries.convex_bodies());
+        bodies.any(|(object, _)| !convex().any(|(body, contains)| body == object && contains((low, high))))
     }
 
     fn medium_stack_of_light(&self, light: &Light) -> MediumStack {
@@ -35,7 +67,7 @@ impl Scene {
     /// The bodies that contain the origin of a ray. The ray leaves each of these bodies more often
     /// than it enters the body. The last body that the ray leaves is the outermost.
     fn medium_stack_along(&self, ray: Ray, from: Option<SurfaceId>) -> MediumStack {
-        let mut open: Vec<(u32, i32, f64)> = Vec::new();
+        let mut open: SmallVec<[(u32, i32, f64); 8]> = SmallVec::new();
         let mut count = |hit: &Hit| {
             if self.body_of(hit.object).is_none() {
                 return;
@@ -51,8 +83,16 @@ impl Scene {
         };
         self.geometry.for_each_hit(&ray, from, &mut count);
         self.boundaries.for_each_hit(&ray, None, &mut count);
-        open.retain(|&(_, balance, _)| balance > 0);
+        open.retain(|&mut (_, balance, _)| balance > 0);
         open.sort_by(|a, b| b.2.total_cmp(&a.2));
         open.iter().fold(MediumStack::AIR, |medium_stack, &(object, _, _)| medium_stack.entered(object))
     }
+}
+
+/// The lowest and the highest corner of a box around a transformed unit cube.
+fn box_around(from_unit: &DAffine3) -> (DVec3, DVec3) {
+    let corner = |i: u32| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2 & 1));
+    (0..8)
+        .map(|i| from_unit.transform_point3(corner(i)))
+        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |around, point| (around.0.min(point), around.1.max(point)))
 }

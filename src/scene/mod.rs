@@ -16,6 +16,7 @@ pub mod medium;
 pub mod medium_stack;
 pub mod motion;
 pub mod sweep;
+mod view;
 
 use crate::colour::gamut::GamutMapping;
 use crate::colour::{RgbSpace, Xyz};

@@ -12,10 +12,6 @@ use glam::{DAffine3, DVec2, DVec3};
 /// shutter between each time and the next.
 const TIMES: usize = 33;
 
-/// Visible points are sampled on a square grid over the film. This is the number of grid points
-/// along each side.
-const VISIBLE_GRID: usize = 17;
-
 /// The lowest and highest corner of a box, relative to the scene's centre, in m.
 pub type Bounds = (DVec3, DVec3);
 
@@ -94,18 +90,6 @@ impl Scene {
         let maps: Vec<DAffine3> = times.iter().map(|&time_s| at(time_s)).collect();
         let trajectory = |corner| maps.iter().map(|map| map.transform_point3(corner)).collect();
         field.corners().into_iter().map(trajectory).collect()
-    }
-
-    /// Visible points, sampled over the whole picture at the moment when the shutter opens.
-    pub fn visible_points(&self) -> Vec<DVec3> {
-        let size = DVec2::new(self.camera.width() as f64, (self.camera.pixel_count() / self.camera.width()) as f64);
-        let at = |i: usize| (i as f64 + 0.5) / VISIBLE_GRID as f64;
-        let visible = |index: usize| {
-            let film = size * DVec2::new(at(index % VISIBLE_GRID), at(index / VISIBLE_GRID));
-            let ray = self.camera.ray(film, [0.5; 2]);
-            self.geometry.intersect(&ray, None, f64::INFINITY).map(|hit| hit.position)
-        };
-        (0..VISIBLE_GRID * VISIBLE_GRID).filter_map(visible).collect()
     }
 
     /// The transforms that move the illuminated points. There is one list for each moving light and

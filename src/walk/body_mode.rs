@@ -24,8 +24,8 @@ pub trait BodyMode {
     /// True if the scene has bodies.
     const HAS_BODIES: bool;
 
-    /// Returns the medium stack at the start of a path.
-    fn initial_medium_stack(medium_stack: MediumStack) -> MediumStack;
+    /// Returns the medium stack at the start of a path. Calls `find` only if the scene has bodies.
+    fn initial_medium_stack(find: impl FnOnce() -> MediumStack) -> MediumStack;
 
     /// Finds the next visible surface along the ray and ignores media on the way. `component` in
     /// [0, 1) selects the component of a mixed material.
@@ -59,8 +59,8 @@ impl BodyMode for WithBodies {
     const HAS_BODIES: bool = true;
 
     #[inline(always)]
-    fn initial_medium_stack(medium_stack: MediumStack) -> MediumStack {
-        medium_stack
+    fn initial_medium_stack(find: impl FnOnce() -> MediumStack) -> MediumStack {
+        find()
     }
 
     #[inline(always)]
@@ -93,7 +93,7 @@ impl BodyMode for WithoutBodies {
     const HAS_BODIES: bool = false;
 
     #[inline(always)]
-    fn initial_medium_stack(_: MediumStack) -> MediumStack {
+    fn initial_medium_stack(_: impl FnOnce() -> MediumStack) -> MediumStack {
         MediumStack::AIR
     }
 

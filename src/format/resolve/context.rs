@@ -15,6 +15,8 @@ pub(super) struct Resolver<'a> {
     pub(super) metres: f64,
     /// The shutter. The scene is resolved at the moment when the shutter opens.
     pub(super) shutter: Shutter,
+    /// The scene's centre in m, or `None` for the middle of the objects.
+    pub(super) centre: Option<DVec3>,
 }
 
 impl Resolver<'_> {

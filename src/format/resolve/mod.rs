@@ -52,8 +52,13 @@ pub fn load(path: &Path, sets: &[String]) -> Result<Scene> {
 /// Returns an error if a name is unknown, if a file cannot be read, if quantities contradict each
 /// other, or if a feature is not supported yet. The error states the place in `source`.
 pub fn resolve(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
-    let resolver = Resolver { scene, source, metres: scene.unit.metres(), shutter: motion::shutter(&scene.camera) };
-    resolver.run()
+    let (metres, shutter) = (scene.unit.metres(), motion::shutter(&scene.camera));
+    let mut resolver = Resolver { scene, source, metres, shutter, centre: None };
+    let resolved = resolver.run()?;
+    // If the camera looks at a small part of a large world, the centre of the view is a better
+    // origin for positions in single precision.
+    resolver.centre = resolved.distant_view();
+    if resolver.centre.is_some() { resolver.run() } else { Ok(resolved) }
 }
 
 /// Resolves a spectrum that is not part of a scene. If the spectrum is a name, the library must
@@ -76,7 +81,11 @@ impl Resolver<'_> {
             self.named_spectrum(name, spectra::Role::Coefficient)?;
         }
         let objects = self.objects()?;
-        let mut builder = self.at(&root.key("objects"), SceneBuilder::new(objects.set))?;
+        let builder = match self.centre {
+            None => SceneBuilder::new(objects.set),
+            Some(centre) => SceneBuilder::about(objects.set, centre),
+        };
+        let mut builder = self.at(&root.key("objects"), builder)?;
         let centre = builder.centre();
         self.media(&mut builder)?;
         let film_at = root.key("film");

@@ -12,6 +12,8 @@ pub struct VisiblePoint {
     pub position: DVec3,
     /// The surface's unit normal on the visible side.
     pub facing: DVec3,
+    /// The number of the object.
+    pub object: u32,
     /// The side length (m) of the pixel's footprint. The footprint is computed as if the path were
     /// straight.
     pub footprint_m: f64,

@@ -199,6 +199,7 @@ impl<'a> CameraPass<'a> {
         VisiblePoint {
             position: interaction.hit.position,
             facing: if interaction.leads_back(normal) { normal } else { -normal },
+            object: interaction.hit.object,
             footprint_m: path.distance_m * self.scene.camera.pixel_angle(),
             view: path.view,
             shared: matches!(path.spectral_mode, SpectralMode::Shared { .. }),

@@ -1,9 +1,10 @@
 //! Boundary correction of kernels beside edges.
 //!
-//! Near an edge, a part of the kernel is beyond the surface or behind a wall. No photon can arrive
-//! at this part. Without a correction, the estimate near the edge would be too dark. The estimate
-//! is therefore divided by the fraction of the kernel on the surface (Jensen 2001, "Realistic Image
-//! Synthesis Using Photon Mapping", section 7.2.4).
+//! Near an edge, a part of the kernel is beyond the surface or behind a wall. Photons there belong
+//! to another surface, or to another room, so they are ignored. Without a correction, the estimate
+//! near the edge would then be too dark. The estimate is therefore divided by the fraction of the
+//! kernel on the surface (Jensen 2001, "Realistic Image Synthesis Using Photon Mapping", section
+//! 7.2.4).
 
 use crate::gather::camera::visible_point::VisiblePoint;
 use crate::geometry::{Geometry, Ray};
@@ -33,6 +34,10 @@ const LEAST_FRACTION: f64 = 0.1;
 pub struct Outline {
     position: Vec3,
     facing: Vec3,
+    /// The direction in which the extent is measured first.
+    right: Vec3,
+    /// The direction that is measured a quarter turn later.
+    ahead: Vec3,
     /// The largest distance of the search, in m.
     reach: f32,
     /// The extent of the surface in equally spaced directions. The unit is `reach` / 255.
@@ -57,7 +62,30 @@ impl Outline {
             (extent / reach * f64::from(u8::MAX)).round() as u8
         };
         let (position, facing) = (visible_point.position.as_vec3(), visible_point.facing.as_vec3());
-        Self { position, facing, reach: reach as f32, steps: std::array::from_fn(step) }
+        let (right, ahead) = visible_point.facing.any_orthonormal_pair();
+        Self {
+            position,
+            facing,
+            right: right.as_vec3(),
+            ahead: ahead.as_vec3(),
+            reach: reach as f32,
+            steps: std::array::from_fn(step),
+        }
+    }
+
+    /// Returns true if a photon at `position` lies on the surface within its extent. Between the
+    /// measured directions, the reciprocal of the extent is interpolated, because this is nearly
+    /// exact for a straight edge.
+    #[inline]
+    pub fn contains(&self, position: [f32; 3]) -> bool {
+        let offset = Vec3::from(position) - self.position;
+        let along = Vec3::new(offset.dot(self.right), offset.dot(self.ahead), 0.0);
+        let turns = along.y.atan2(along.x) / (TAU as f32);
+        let sector = (turns + 1.0).fract() * DIRECTIONS as f32;
+        let (first, share) = (sector as usize % DIRECTIONS, sector.fract());
+        let reciprocal = |i: usize| 1.0 / f32::from(self.steps[i % DIRECTIONS]).max(0.5);
+        let per_extent = (1.0 - share) * reciprocal(first) + share * reciprocal(first + 1);
+        along.length() * per_extent * f32::from(u8::MAX) <= self.reach
     }
 
     /// Returns the fraction of each kernel that lies on the surface. The kernel radius `radius` (m)
@@ -100,50 +128,82 @@ fn surface_extent(geometry: &Geometry, visible_point: &VisiblePoint, direction: 
     0.5 * (on + off)
 }
 
+/// The outline of the surface at a visible point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PixelOutline<'o> {
+    /// The kernel does not reach over an edge.
+    Absent,
+    /// The pilot has measured the outline.
+    Stored(&'o Outline),
+    /// The outline varies within the pixel, so each gather point measures its own.
+    Varies,
+}
+
+/// An outline that the pilot measured, or the reason why it did not.
+#[derive(Debug, Clone, PartialEq)]
+pub enum OutlineSurvey {
+    /// The kernel does not reach over an edge.
+    Absent,
+    /// The outline.
+    Measured(Outline),
+    /// The pixel is not small, compared with its kernel, so the outline varies within the pixel.
+    Varies,
+}
+
 /// The outlines of directly visible surfaces. A pixel has an outline if its kernel reaches over an
 /// edge.
 #[derive(Debug, Default)]
 pub struct Outlines {
     width: usize,
-    /// For each pixel, the number of its outline in the list. The numbers start at 1.
+    /// For each pixel, the number of its outline in the list. The numbers start at 1, and
+    /// [`VARIES`] stands for an outline that varies.
     numbers: Vec<Option<NonZeroU32>>,
     list: Vec<Outline>,
 }
+
+/// The number of an outline that varies within its pixel.
+const VARIES: NonZeroU32 = NonZeroU32::MAX;
 
 impl Outlines {
     /// Returns true if no kernel reaches over an edge.
     #[inline]
     pub fn is_empty(&self) -> bool {
-        self.list.is_empty()
+        self.numbers.is_empty()
     }
 
     /// Collects the outlines of all pixels. The pixels are listed row by row, from the top of the
     /// image.
-    pub fn new(width: usize, of_pixels: impl Iterator<Item = Option<Outline>>) -> Self {
+    pub fn new(width: usize, of_pixels: impl Iterator<Item = OutlineSurvey>) -> Self {
         let mut outlines = Self { width, ..Self::default() };
         for outline in of_pixels {
-            let number = outline.and_then(|outline| {
-                outlines.list.push(outline);
-                NonZeroU32::new(outlines.list.len() as u32)
-            });
+            let number = match outline {
+                OutlineSurvey::Absent => None,
+                OutlineSurvey::Varies => Some(VARIES),
+                OutlineSurvey::Measured(outline) => {
+                    outlines.list.push(outline);
+                    NonZeroU32::new(outlines.list.len() as u32)
+                }
+            };
             outlines.numbers.push(number);
         }
-        outlines
+        if outlines.numbers.iter().all(Option::is_none) { Self::default() } else { outlines }
     }
 
-    /// Returns the fraction of each kernel that lies on the surface. The kernels are centred on a
-    /// visible point of this pixel. The pixel may see several surfaces. If the pixel's own outline
-    /// belongs to a different surface, a neighbouring pixel may have an outline of the right
-    /// surface. The correction then uses the outline of the neighbouring pixel.
-    pub fn correction(&self, pixel: usize, visible_point: &VisiblePoint, radius: f64) -> BoundaryCorrection {
-        let (x, y) = ((pixel % self.width.max(1)) as isize, (pixel / self.width.max(1)) as isize);
+    /// Returns the outline of the surface at a visible point of this pixel. The pixel may see
+    /// several surfaces. If the pixel's own outline belongs to a different surface, a neighbouring
+    /// pixel may have an outline of the right surface.
+    pub fn find(&self, pixel: usize, visible_point: &VisiblePoint) -> PixelOutline<'_> {
+        if self.numbers[pixel] == Some(VARIES) {
+            return PixelOutline::Varies;
+        }
+        let (x, y) = ((pixel % self.width) as isize, (pixel / self.width) as isize);
         let nearby = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1)];
-        let fits = nearby.iter().find_map(|(dx, dy)| {
+        let fitting = nearby.iter().find_map(|(dx, dy)| {
             let outline = self.at(x + dx, y + dy)?;
-            let fits = visible_point.continues_to(outline.position.as_dvec3(), outline.facing.as_dvec3());
-            fits.then_some(outline)
+            let continues = visible_point.continues_to(outline.position.as_dvec3(), outline.facing.as_dvec3());
+            (continues && outline.contains(visible_point.position.as_vec3().to_array())).then_some(outline)
         });
-        fits.map_or(BoundaryCorrection::WHOLE, |outline| outline.correction(radius))
+        fitting.map_or(PixelOutline::Absent, PixelOutline::Stored)
     }
 
     fn at(&self, x: isize, y: isize) -> Option<&Outline> {
@@ -161,7 +221,14 @@ mod tests {
     use crate::plan::partition::View;
 
     fn visible_point() -> VisiblePoint {
-        VisiblePoint { position: DVec3::ZERO, facing: DVec3::Z, footprint_m: 0.01, view: View::Direct, shared: false }
+        VisiblePoint {
+            position: DVec3::ZERO,
+            facing: DVec3::Z,
+            footprint_m: 0.01,
+            object: 0,
+            view: View::Direct,
+            shared: false,
+        }
     }
 
     /// Creates an outline. `extent` is the extent of the surface (at most 1) as a function of
@@ -209,9 +276,23 @@ mod tests {
     #[test]
     fn pixel_with_two_surfaces_takes_the_fitting_outline() {
         let edge = outline(|angle| if angle.cos() > 0.0 { 0.0 } else { 1.0 });
-        let outlines = Outlines::new(2, [None, Some(edge.clone())].into_iter());
-        assert_eq!(outlines.correction(0, &visible_point(), 1.0), edge.correction(1.0), "the neighbour's");
+        let measured = [OutlineSurvey::Absent, OutlineSurvey::Measured(edge.clone())];
+        let outlines = Outlines::new(2, measured.into_iter());
+        assert_eq!(outlines.find(0, &visible_point()), PixelOutline::Stored(&edge), "the neighbour's");
         let wall = VisiblePoint { facing: DVec3::X, ..visible_point() };
-        assert_eq!(outlines.correction(1, &wall, 1.0), BoundaryCorrection::WHOLE, "another surface");
+        assert_eq!(outlines.find(1, &wall), PixelOutline::Absent, "another surface");
+    }
+
+    /// A photon behind a straight wall does not count, and a photon in front of the wall does.
+    #[test]
+    fn photons_behind_a_wall_are_outside_the_outline() {
+        let wall = outline(|angle| if angle.cos() > 0.4 { 0.4 / angle.cos() } else { 1.0 });
+        let (right, ahead) = visible_point().facing.any_orthonormal_pair();
+        for i in -60..=60 {
+            let across = ahead * (0.01 * f64::from(i));
+            let place = |x: f64| (right * x + across).as_vec3().to_array();
+            assert!(wall.contains(place(0.38)) && !wall.contains(place(0.42)), "{i}");
+        }
+        assert!(wall.contains([0.0; 3]));
     }
 }

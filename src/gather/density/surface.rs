@@ -1,6 +1,7 @@
 //! Light from photons at surfaces on a camera path.
 
 use super::gather_point::GatherPoint;
+use super::outline::{Outline, PixelOutline};
 use crate::gather::camera::path::CameraPath;
 use crate::gather::camera::throughput::SpectralMode;
 use crate::gather::camera_pass::{CameraPass, MissingLight, PathContext};
@@ -61,17 +62,28 @@ impl<'a> CameraPass<'a> {
             context.tally.map_queries += 1;
             let radius = f64::from(context.radii.surface[set][class]) * self.scales.surface;
             let radius = radius.max(radius::least(interaction.hit.position));
-            let correction = match path.view {
-                _ if self.outlines.is_empty() => BoundaryCorrection::WHOLE,
+            let measured;
+            let outline = match path.view {
+                _ if self.outlines.is_empty() => None,
                 View::Direct => {
-                    let visible_point = self.visible_point(path, interaction);
-                    self.outlines.correction(context.pixel as usize, &visible_point, radius)
+                    let point = self.visible_point(path, interaction);
+                    match self.outlines.find(context.pixel as usize, &point) {
+                        PixelOutline::Stored(outline) => Some(outline),
+                        PixelOutline::Varies => {
+                            measured = Outline::around(&self.scene.geometry, &point, radius);
+                            measured.as_ref()
+                        }
+                        PixelOutline::Absent => None,
+                    }
                 }
-                View::Indirect => BoundaryCorrection::WHOLE,
+                View::Indirect => None,
             };
+            let correction = outline.map_or(BoundaryCorrection::WHOLE, |outline| outline.correction(radius));
             let gather_point = GatherPoint::new(interaction, radius, correction, path, &context.buffers.factors);
             map.within(interaction.hit.position.as_vec3().to_array(), radius as f32, |nearby| {
-                gather_point.add::<M, S>(&nearby, context.sink);
+                if outline.is_none_or(|outline| outline.contains(nearby.position)) {
+                    gather_point.add::<M, S>(&nearby, context.sink);
+                }
             });
         }
     }

@@ -307,7 +307,8 @@ fn trace_to_node(
     }
     let outside = 2.0 * (scene.radius_m.max(scene.boundaries.radius_m()) + node.length());
     let (ray, length) = light.virtual_light.ray_to(node, outside);
-    let ray_state = RayState { ray, from: target, medium_stack: scene.lights[light.number].medium_stack };
+    let medium_stack = scene.medium_stack_of_emission(&scene.lights[light.number], ray, target);
+    let ray_state = RayState { ray, from: target, medium_stack };
     let per_length = if distance.is_finite() { 1.0 / distance } else { 1.0 };
     let _end = for_each_segment(scene, ray_state, length, &mut |segment| {
         for (mean, attenuator) in means.iter_mut().zip(attenuators) {

@@ -17,6 +17,7 @@ use crate::geometry::mesh::TriangleMesh;
 use crate::geometry::shape::{PlacedShape, Shape};
 use crate::math::frame::Frame;
 use crate::math::random::{ONE_MINUS_ULP, Purpose, Stream};
+use crate::math::sphere::BoundingSphere;
 use crate::math::warp;
 use distant::distant_cases;
 use glam::{DAffine3, DMat3, DQuat};
@@ -94,6 +95,7 @@ fn light(emitter: Emitter, spectrum: Spectrum) -> Light {
         wavelengths,
         importance_per_watt: 1.0,
         medium_stack: MediumStack::AIR,
+        crosses_bodies: false,
         motion: None,
     }
 }
@@ -203,6 +205,24 @@ fn the_mean_emitted_flux_is_the_power() {
         let mut stream = stream(0);
         let mean = SampleMean::of(100_000, || case.emit(&mut stream).flux_w);
         mean.agrees(exactly(case.light.power_w(case.extent())), 0.003, case.name);
+    }
+}
+
+/// Rays sampled through a sphere carry the flux that the other emitted rays bring to the sphere.
+#[test]
+fn rays_through_a_sphere_carry_its_flux() {
+    for case in all_cases() {
+        let sphere = BoundingSphere { centre: case.receiver.centre, radius_m: 0.7 * case.receiver.area().sqrt() };
+        let (mut any, mut through) = (stream(3), stream(4));
+        let brought = SampleMean::of(1_000_000, || {
+            let emission = case.emit(&mut any);
+            if sphere.contains_part_of(emission.origin, emission.direction) { emission.flux_w } else { 0.0 }
+        });
+        let aimed = SampleMean::of(100_000, || {
+            let u = LeRandoms { aim: through.pair(), rest: through.triple() };
+            case.light.sample_le_through(case.extent(), &sphere, u).flux_w
+        });
+        aimed.agrees(brought, 0.012, case.name);
     }
 }
 

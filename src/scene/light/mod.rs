@@ -56,8 +56,12 @@ pub struct Light {
     pub wavelengths: WavelengthDistribution,
     /// The visual importance of one watt: ∫ S(λ)(x̄+ȳ+z̄)(λ) dλ.
     pub importance_per_watt: f64,
-    /// The bodies that contain the light.
+    /// The bodies that contain the light. If the light crosses bodies, these are the bodies around
+    /// one of its points.
     pub medium_stack: MediumStack,
+    /// True if the bodies that contain a point of the light may differ from point to point. A panel
+    /// may lie partly in fog, for example.
+    pub crosses_bodies: bool,
     /// The light's own motion (in m) while the shutter is open. An area light has none, because it
     /// moves with its object. The field `emitter` describes the light at the moment when the
     /// shutter opens.
@@ -130,6 +134,7 @@ impl Light {
             wavelengths,
             importance_per_watt,
             medium_stack: MediumStack::AIR,
+            crosses_bodies: false,
             motion: None,
         })
     }
@@ -361,6 +366,19 @@ impl Light {
     pub fn medium_name(&self) -> Option<&str> {
         match &self.emitter {
             Emitter::Volume(light) => Some(light.medium_name()),
+            Emitter::Point(_)
+            | Emitter::Spot(_)
+            | Emitter::Beam(_)
+            | Emitter::Directional(_)
+            | Emitter::Environment(_)
+            | Emitter::Area(_) => None,
+        }
+    }
+
+    /// The map from the unit cube to a box around a volume light. `None` for all other lights.
+    pub(super) fn box_of_medium(&self) -> Option<DAffine3> {
+        match &self.emitter {
+            Emitter::Volume(light) => Some(light.from_unit()),
             Emitter::Point(_)
             | Emitter::Spot(_)
             | Emitter::Beam(_)

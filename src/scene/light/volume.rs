@@ -159,6 +159,10 @@ impl VolumeLight {
         LeSample { origin: position, direction: warp::sphere(u.aim), from: None, flux_w, spd }
     }
 
+    pub(super) fn from_unit(&self) -> DAffine3 {
+        self.from_unit
+    }
+
     pub(super) fn sample_le_through(&self, sphere: &BoundingSphere, u: LeRandoms) -> LeSample {
         let VolumeSample { position, flux_w, spd } = self.sample(u.rest);
         let (direction, solid_angle) = sphere.sample_direction(position, u.aim);

@@ -1,0 +1,75 @@
+//! Small glass in a large world: the picture does not depend on the size of the world around it, or
+//! on the position of the glass in it.
+
+use crate::common::{diffuse, glass, mean_y, render};
+use abbe::render::Integrator;
+use serde_json::{Value, json};
+
+/// A glass ball of radius 1 m above a square ground, seen from above. The picture shows 6 m × 6 m of
+/// the ground around the ball. `world_m` is the side of the ground, and the ball is at (x, z).
+fn ball(light: &Value, world_m: f64, [x, z]: [f64; 2]) -> Value {
+    json!({
+        "camera": { "from": [x, 20, z], "at": [x, 0, z], "up": [0, 0, -1], "lens": { "pinhole": { "fov": 17.06 } } },
+        "film": { "width": 16, "height": 16 },
+        "materials": { "glass": glass(1.5), "ground": diffuse(0.5) },
+        "objects": [
+            { "name": "ball", "shape": { "sphere": { "radius": 1 } }, "material": "glass",
+              "transform": [{ "translate": [x, 1.2, z] }] },
+            { "name": "ground", "shape": { "rectangle": { "width": world_m, "height": world_m } }, "material": "ground" }
+        ],
+        "lights": [light], "render": { "photons": 10000, "radius": 0.1 }
+    })
+}
+
+/// The world is up to 10⁶ times as large as the ball, and the ball may be far from its centre.
+#[test]
+fn a_caustic_does_not_depend_on_the_world_around_it() {
+    let sun = json!({ "directional": { "toward": [0.6, -1, 0], "spectrum": "E", "illuminance": 1000,
+                                       "angular_diameter": 0.53 } });
+    let sky = json!({ "environment": { "spectrum": "E", "illuminance": 1000 } });
+    for (name, light) in [("sun", sun), ("sky", sky)] {
+        let mean = |world_m, at| mean_y(&render(&ball(&light, world_m, at), Integrator::Photon, 16))[0];
+        let near = mean(12.0, [0.0, 0.0]);
+        for (world_m, at) in [(20e3, [0.0, 0.0]), (20e3, [7000.0, -5000.0]), (2e6, [3e5, -1e5])] {
+            let ratio = mean(world_m, at) / near;
+            println!("{name}, world of {world_m} m, ball at {at:?}: {ratio:.4} of the small world");
+            assert!((ratio - 1.0).abs() < 0.015, "{name}, {world_m} m, {at:?}: {ratio}");
+        }
+    }
+}
+
+/// A lamp in the world of a bright sun still gets its share of the photons.
+#[test]
+fn a_lamp_beside_the_sun_keeps_its_caustic() {
+    let lamp = json!({ "point": { "at": [0, 4, 0], "spectrum": "E", "luminous_flux": 5000 } });
+    let lit = |world_m, lights: &[&Value]| {
+        let mut scene = ball(&lamp, world_m, [0.0, 0.0]);
+        scene["lights"] = json!(lights);
+        mean_y(&render(&scene, Integrator::Photon, 16))[0]
+    };
+    let alone = lit(12.0, &[&lamp]);
+    // This sun lights the far side of the ground from below, where no camera looks.
+    let sun = json!({ "directional": { "toward": [0, 1, 0.2], "spectrum": "E", "illuminance": 1000 } });
+    let both = lit(20e3, &[&lamp, &sun]);
+    println!("lamp beside the sun: {:.4} of the lamp alone", both / alone);
+    assert!((both / alone - 1.0).abs() < 0.015, "{both} and {alone}");
+}
+
+/// A specular object that no light reaches is named.
+#[test]
+fn glass_without_light_is_named() {
+    let lamp = json!({ "point": { "at": [0, 4, 0], "spectrum": "E", "luminous_flux": 5000 } });
+    let mut scene = ball(&lamp, 12.0, [0.0, 0.0]);
+    scene["materials"]["black"] = diffuse(0.0);
+    for (name, y) in [("hidden glass", -2.0), ("cover", -3.0)] {
+        let (shape, material) = match name {
+            "cover" => (json!({ "rectangle": { "width": 50, "height": 50 } }), "black"),
+            _ => (json!({ "sphere": { "radius": 0.5 } }), "glass"),
+        };
+        let object =
+            json!({ "name": name, "shape": shape, "material": material, "transform": [{ "translate": [0, y, 0] }] });
+        scene["objects"].as_array_mut().unwrap().push(object);
+    }
+    let notes = render(&scene, Integrator::Photon, 1).stats.notes;
+    assert!(notes.len() == 1 && notes[0].contains("\"hidden glass\""), "{notes:?}");
+}
