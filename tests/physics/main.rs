@@ -23,6 +23,7 @@ mod lens_foci;
 mod lens_objects;
 mod lens_system;
 mod media;
+mod media_faces;
 mod media_in_bodies;
 mod media_kernels;
 mod media_light_map;
