@@ -19,6 +19,7 @@ mod sums;
 mod survey;
 mod trace;
 mod volume_radii;
+mod volume_samples;
 
 pub use context::PassContext;
 pub use path_pass::path_pass;
