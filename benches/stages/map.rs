@@ -15,7 +15,8 @@ pub(crate) fn benches(c: &mut Criterion) {
     let places: Vec<[f32; 3]> = photons.iter().step_by(photons.len() / QUERIES).take(QUERIES).map(|p| p.1).collect();
     let fifty = NonZero::new(50).expect("50 is not 0");
     // A radius that holds 50 photons in the middle.
-    let mut distances: Vec<f32> = places.iter().filter_map(|&place| index.kth_distance(place, fifty)).collect();
+    let mut distances: Vec<f32> =
+        places.iter().filter_map(|&place| index.kth_distance(place, fifty, f32::INFINITY)).collect();
     distances.sort_by(f32::total_cmp);
     let radius = distances[distances.len() / 2];
 
@@ -31,7 +32,7 @@ pub(crate) fn benches(c: &mut Criterion) {
         });
     });
     group.bench_function("50 nearest", |b| {
-        b.iter(|| places.iter().filter_map(|&place| index.kth_distance(place, fifty)).sum::<f32>());
+        b.iter(|| places.iter().filter_map(|&place| index.kth_distance(place, fifty, f32::INFINITY)).sum::<f32>());
     });
     group.finish();
 }

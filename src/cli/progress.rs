@@ -34,6 +34,9 @@ const STEPS: u64 = 1000;
 /// The time between two lines if standard error is not a terminal.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
 
+/// The progress before the first pass.
+const PILOT: &str = "pilot: estimating photon counts and radii";
+
 impl ProgressDisplay {
     /// A display for standard error.
     pub(crate) fn new(quiet: bool, label: Option<String>) -> Self {
@@ -49,7 +52,6 @@ impl ProgressDisplay {
         let bar = ProgressBar::new(STEPS);
         let style = ProgressStyle::with_template("{spinner} [{bar:30}] {msg}").expect("the template is well-formed");
         bar.set_style(style.progress_chars("=> "));
-        bar.set_message("pilot: estimating photon counts and radii");
         bar.enable_steady_tick(Duration::from_millis(200));
         bar
     }
@@ -69,6 +71,15 @@ impl ProgressDisplay {
 }
 
 impl Monitor for ProgressDisplay {
+    fn before_pilot(&mut self) {
+        let line = self.label.as_deref().map_or_else(|| PILOT.to_owned(), |label| format!("{label}: {PILOT}"));
+        match &self.output {
+            ProgressOutput::Bar(bar) => bar.set_message(line),
+            ProgressOutput::Lines(_) => print::remark(&line),
+            ProgressOutput::Quiet => {}
+        }
+    }
+
     fn after_pass(&mut self, progress: &Progress) -> bool {
         let line = || Self::line(self.label.as_deref(), progress);
         match &mut self.output {

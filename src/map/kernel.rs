@@ -13,6 +13,8 @@ pub struct KernelValues {
     /// The value of the uniform kernel. With the radius r, the value is 1/(πr²) on the disk, and
     /// 1/(2r) on the line.
     pub uniform: f64,
+    /// The value that a limit removed from `estimate`, in the same unit. See [`Self::limited`].
+    lost: f64,
     /// The ratio μ_e/(μ_u − μ_e). Here μ_e and μ_u are the second moments of the Epanechnikov
     /// kernel and of the uniform kernel.
     moment_ratio: f64,
@@ -50,6 +52,7 @@ impl DiskKernel {
         KernelValues {
             estimate: self.peak * (1.0 - d2 * self.per_r2).max(0.0),
             uniform: self.uniform,
+            lost: 0.0,
             moment_ratio: 2.0,
         }
     }
@@ -59,7 +62,16 @@ impl DiskKernel {
 /// lengths are in m, and `d` must not exceed `r`. The second moments are μ_u = r²/3 and μ_e = r²/5.
 pub fn on_line(d: f64, r: f64) -> KernelValues {
     let (uniform, relative) = (0.5 / r, d / r);
-    KernelValues { estimate: 1.5 * uniform * (1.0 - relative * relative), uniform, moment_ratio: 1.5 }
+    KernelValues { estimate: 1.5 * uniform * (1.0 - relative * relative), uniform, lost: 0.0, moment_ratio: 1.5 }
+}
+
+/// The space on which a kernel is defined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum KernelDomain {
+    /// A line: the kernel of photon beams.
+    Line,
+    /// A disk: the kernel of photon points.
+    Disk,
 }
 
 /// The fraction of each kernel that lies on the surface.
@@ -87,7 +99,46 @@ impl KernelValues {
     /// Multiplies both kernels by a factor.
     #[inline]
     pub fn times(self, factor: f64) -> Self {
-        Self { estimate: self.estimate * factor, uniform: self.uniform * factor, ..self }
+        let Self { estimate, uniform, lost, moment_ratio } = self;
+        Self { estimate: estimate * factor, uniform: uniform * factor, lost: lost * factor, moment_ratio }
+    }
+
+    /// Multiplies both kernels by `factor`, which replaces the larger factor `exact` to limit the
+    /// noise. The difference between the factors counts as bias.
+    pub fn limited(self, factor: f64, exact: f64) -> Self {
+        let lost = self.estimate * (exact - factor);
+        Self { lost, ..self.times(factor) }
+    }
+
+    /// Corrects the kernels of a photon in a medium beside faces.
+    ///
+    /// The line through the kernel's centre and the photon meets faces on both sides of the centre.
+    /// `extents` contains the distances to these faces, first on the photon's side. They are in
+    /// units of the kernel radius. No photon arrives beyond the faces. Each kernel is therefore
+    /// divided by its mass on the line between the faces. On the disk, the mass is that of two
+    /// opposite, infinitely narrow sectors. If the density is constant, the estimate has no bias.
+    ///
+    /// If the faces are not at equal distances, the bias contains a term that is proportional to
+    /// the gradient of the density and to the first moment m of the kernel. The ratio m_e/(m_u −
+    /// m_e) then replaces the ratio of the second moments, if it is larger.
+    #[must_use]
+    pub fn between_faces(self, domain: KernelDomain, extents: [f64; 2]) -> Self {
+        if extents.iter().all(|&extent| extent >= 1.0) {
+            return self;
+        }
+        let sides = extents.map(|extent| SideMoments::new(domain, extent.min(1.0)));
+        let estimate = 0.5 * (sides[0].estimate[0] + sides[1].estimate[0]);
+        let uniform = 0.5 * (sides[0].uniform[0] + sides[1].uniform[0]);
+        let first_estimate = 0.5 * (sides[0].estimate[1] - sides[1].estimate[1]).abs() / estimate;
+        let first_uniform = 0.5 * (sides[0].uniform[1] - sides[1].uniform[1]).abs() / uniform;
+        let excess = first_uniform - first_estimate;
+        let of_first = if excess > 0.0 { first_estimate / excess } else { 0.0 };
+        Self {
+            estimate: self.estimate / estimate,
+            uniform: self.uniform / uniform,
+            lost: self.lost / estimate,
+            moment_ratio: self.moment_ratio.max(of_first),
+        }
     }
 
     /// Returns the photon's contribution to the estimated bias, per unit of power.
@@ -95,10 +146,32 @@ impl KernelValues {
     /// The bias of a second-order kernel is proportional to its second moment μ (Silverman 1986,
     /// "Density Estimation", section 3.3). The two kernels give the estimates L_e and L_u. The bias
     /// of L_e is therefore b = μ_e/(μ_u − μ_e)·(L_u − L_e). The second moments on the disk are μ_u
-    /// = r²/2 and μ_e = r²/3.
+    /// = r²/2 and μ_e = r²/3. The value that a limit removed is subtracted.
     #[inline]
     pub fn bias(&self) -> f64 {
-        self.moment_ratio * (self.uniform - self.estimate)
+        self.moment_ratio * (self.uniform - self.estimate) - self.lost
+    }
+}
+
+/// The moments of order 0 and 1 of each kernel on one side of its centre. The moments of order 0 of
+/// the whole side are 1.
+struct SideMoments {
+    estimate: [f64; 2],
+    uniform: [f64; 2],
+}
+
+impl SideMoments {
+    /// Integrates the kernels over distances between 0 and `extent`, in units of the kernel radius.
+    fn new(domain: KernelDomain, extent: f64) -> Self {
+        let [e, e2] = [extent, extent * extent];
+        match domain {
+            KernelDomain::Line => {
+                Self { estimate: [e * (1.5 - 0.5 * e2), e2 * (0.75 - 0.375 * e2)], uniform: [e, 0.5 * e2] }
+            }
+            KernelDomain::Disk => {
+                Self { estimate: [e2 * (2.0 - e2), e * e2 * (4.0 / 3.0 - 0.8 * e2)], uniform: [e2, 2.0 / 3.0 * e * e2] }
+            }
+        }
     }
 }
 
@@ -169,5 +242,51 @@ mod tests {
         let uniform = over_disk(r, |d2| (1.0 + c * d2) * DiskKernel::new(r2).at(d2).uniform);
         let bias = KernelValues { estimate, uniform, ..DiskKernel::new(r2).at(0.0) }.bias();
         assert!((bias - (estimate - 1.0)).abs() < 1e-8);
+    }
+
+    /// A limit of the estimate does not hide the light that it removes.
+    #[test]
+    fn a_limited_kernel_states_the_lost_value_as_bias() {
+        let kernels = on_line(0.1, 0.4);
+        let limited = kernels.limited(10.0, 25.0);
+        assert!((limited.estimate - 10.0 * kernels.estimate).abs() < 1e-12);
+        assert!((limited.bias() - (10.0 * kernels.bias() - 15.0 * kernels.estimate)).abs() < 1e-12);
+        assert_eq!(kernels.limited(10.0, 10.0).bias(), kernels.times(10.0).bias());
+    }
+
+    /// Beside faces, the corrected kernels of a constant density integrate to 1. If a face contains
+    /// the kernel's centre and the density grows linearly, the bias estimate is exact.
+    #[test]
+    fn kernels_between_faces_keep_their_mass_and_know_their_bias() {
+        let (r, n, gradient) = (0.4_f64, 100_000, 0.3);
+        for (domain, extents) in [
+            (KernelDomain::Line, [0.3, 0.8]),
+            (KernelDomain::Line, [1.0, 0.0]),
+            (KernelDomain::Disk, [0.5, 2.0]),
+            (KernelDomain::Disk, [1.0, 0.0]),
+        ] {
+            let (mut mass, mut estimate, mut bias) = (0.0, 0.0, 0.0);
+            for i in 0..n {
+                // A position on the line, from −r to r. On the disk, the position represents a part
+                // of two sectors. The area of this part is proportional to the distance.
+                let x = (2.0 * (f64::from(i) + 0.5) / f64::from(n) - 1.0) * r;
+                let (distance, ahead) = (x.abs(), if x > 0.0 { extents } else { [extents[1], extents[0]] });
+                if distance > ahead[0] * r {
+                    continue;
+                }
+                let (kernels, measure) = match domain {
+                    KernelDomain::Line => (on_line(distance, r), 1.0),
+                    KernelDomain::Disk => (DiskKernel::new(r * r).at(distance * distance), 0.5 * TAU * distance),
+                };
+                let kernels = kernels.between_faces(domain, ahead).times(2.0 * r / f64::from(n) * measure);
+                mass += kernels.estimate;
+                estimate += (1.0 + gradient * x) * kernels.estimate;
+                bias += (1.0 + gradient * x) * kernels.bias();
+            }
+            assert!((mass - 1.0).abs() < 1e-4, "{domain:?} {extents:?}: {mass}");
+            if extents[1] == 0.0 {
+                assert!((bias - (estimate - 1.0)).abs() < 1e-4, "{domain:?}: {bias} for {}", estimate - 1.0);
+            }
+        }
     }
 }

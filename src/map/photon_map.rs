@@ -64,12 +64,12 @@ impl PhotonMap {
         }
     }
 
-    /// Returns the distance (m) from `centre` to the `k`-th nearest photon. If the map has fewer
-    /// than `k` photons, returns the distance to the farthest photon. Returns `None` if the map has
-    /// no photons.
-    pub fn kth_distance(&self, centre: [f32; 3], k: NonZero<usize>) -> Option<f32> {
-        let found = self.tree.as_ref()?.query(&centre).nearest_n::<SquaredEuclidean<f32>>(k).execute();
-        found.last().map(|last| last.distance.sqrt())
+    /// Returns the distance (m) from `centre` to the `k`-th nearest photon. Returns `None` if fewer
+    /// than `k` photons are within `farthest` (m). The search ends at this distance.
+    pub fn kth_distance(&self, centre: [f32; 3], k: NonZero<usize>, farthest: f32) -> Option<f32> {
+        let query = self.tree.as_ref()?.query(&centre);
+        let found = query.nearest_n::<SquaredEuclidean<f32>>(k).within(farthest * farthest).execute();
+        found.get(k.get() - 1).map(|kth| kth.distance.sqrt())
     }
 }
 
@@ -111,8 +111,9 @@ mod tests {
             assert_eq!(found(&index, place, radius), expected);
             let mut all: Vec<f32> = photons.iter().map(|p| distance2(p.1)).collect();
             all.sort_by(f32::total_cmp);
-            let kth = index.kth_distance(place, NonZero::new(60).unwrap()).unwrap();
-            assert!((kth - all[59].sqrt()).abs() < 1e-6);
+            let kth = |farthest| index.kth_distance(place, NonZero::new(60).unwrap(), farthest);
+            assert!((kth(1.0).unwrap() - all[59].sqrt()).abs() < 1e-6);
+            assert_eq!(kth(0.99 * all[59].sqrt()), None, "the search ends before the 60th photon");
         }
     }
 
@@ -123,7 +124,7 @@ mod tests {
         let index = PhotonMap::build(&photons);
         assert_eq!(found(&index, [0.25, -1.0, 3.0], 1e-3).len(), 10_000);
         assert!(found(&index, [0.25, -1.1, 3.0], 1e-3).is_empty());
-        assert_eq!(index.kth_distance([0.25, -1.0, 3.0], NonZero::new(50).unwrap()), Some(0.0));
+        assert_eq!(index.kth_distance([0.25, -1.0, 3.0], NonZero::new(50).unwrap(), 1e-3), Some(0.0));
     }
 
     /// A map with one photon and a map without photons answer all queries.
@@ -131,9 +132,10 @@ mod tests {
     fn maps_of_one_photon_and_of_none() {
         let one = PhotonMap::build(&[(numbered(7), [1.0, 2.0, 3.0])]);
         assert_eq!(found(&one, [1.0, 2.0, 3.0], 0.1), [7]);
-        assert_eq!(one.kth_distance([1.0, 2.0, 4.0], NonZero::new(50).unwrap()), Some(1.0));
+        let kth = |k, farthest| one.kth_distance([1.0, 2.0, 4.0], NonZero::new(k).unwrap(), farthest);
+        assert_eq!([kth(1, 2.0), kth(1, 0.5), kth(2, 2.0)], [Some(1.0), None, None]);
         let none = PhotonMap::build(&[]);
         assert!(none.is_empty() && found(&none, [0.0; 3], 10.0).is_empty());
-        assert_eq!(none.kth_distance([0.0; 3], NonZero::<usize>::MIN), None);
+        assert_eq!(none.kth_distance([0.0; 3], NonZero::<usize>::MIN, 1.0), None);
     }
 }

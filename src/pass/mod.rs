@@ -20,6 +20,7 @@ mod survey;
 mod targets;
 mod trace;
 mod volume_radii;
+mod volume_samples;
 
 pub use context::PassContext;
 pub use path_pass::path_pass;

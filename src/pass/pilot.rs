@@ -94,6 +94,7 @@ impl Pilot {
     fn measure(&mut self, context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) {
         let mut survey = PixelSurvey::default();
         for (moment, scene) in (0..).zip(scenes) {
+            let moment = (moment, scenes.len());
             survey.merge(PixelSurvey::of_moment(context, scene, moment, &self.strata, self.photons));
         }
         let PixelSurvey { mut radii, visible, volume, stored, readers } = survey;

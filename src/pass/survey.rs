@@ -1,16 +1,18 @@
 //! The pilot's survey: one camera path per pixel, and the pilot photons around it.
 
 use super::context::{EmissionRequest, PassContext, SharedWavelengths};
+use super::deposits::PhotonDeposits;
 use super::keep_probability::KEEP_ALL;
 use super::trace::trace_photons;
-use super::volume_radii::{DepositCounts, PilotMaps, PixelVolumeCounts, VolumeKernelWidths, thin_out_for_pilot};
+use super::volume_radii::{DepositCounts, PixelVolumeCounts, VolumeKernelWidths};
+use super::volume_samples::VolumeSamples;
 use crate::emit::{EmissionStrata, WavelengthSampling};
 use crate::gather::{CameraPass, DirectLighting, Outlines, PathBuffers, PixelSampler, VisiblePoint};
 use crate::map::radius::{self, RadiusScales};
 use crate::map::{LightMaps, PhotonMap, PixelRadii, SetMaps};
 use crate::math::random::Purpose;
-use crate::plan::Tally;
 use crate::plan::partition::{PerClass, PerSet, PhotonClass, PhotonSet, View};
+use crate::plan::{DirectPlan, Plan, Tally};
 use crate::scene::Scene;
 use crate::sensor::Film;
 use crate::walk::Sink;
@@ -25,6 +27,13 @@ use std::ops::Range;
 /// into the dark region for many passes. For indirect light, a narrow kernel is noisier, but this
 /// noise vanishes after a few passes. The bias of a wider kernel would remain visible.
 pub(super) const MAX_SURFACE_RADIUS_PX: PerClass<f64> = PerClass { caustic: 3.0, indirect: 24.0 };
+
+/// The share of a pass's photon paths that the survey traces, over all shutter times.
+const PHOTON_SHARE: f64 = 0.25;
+
+/// The survey traces at least this number of photon paths of each set at each shutter time, or all
+/// photon paths of a pass if there are fewer.
+const MIN_PHOTONS: f64 = 10_000.0;
 
 /// The lower limit of the first kernel radius on surfaces is a pixel, but at most this fraction of
 /// the object. A wider kernel would reach over the edges of an object that is as large as a pixel.
@@ -52,16 +61,18 @@ pub(super) struct PixelSurvey {
 }
 
 impl PixelSurvey {
-    /// Surveys all pixels at one shutter time. `moment` is the index of the time, and `scene` is
-    /// the scene at that time.
+    /// Surveys all pixels at one of `moments` shutter times. `moment` is the index of the time, and
+    /// `scene` is the scene at that time. `photons` is the number of photon paths in a pass.
     pub(super) fn of_moment(
         context: &PassContext<'_>,
         scene: &Scene,
-        moment: u64,
+        (moment, moments): (u64, usize),
         strata: &EmissionStrata,
         photons: PerSet<u64>,
     ) -> Self {
         let PassContext { plan, budget, lights, .. } = *context;
+        // Direct light has no kernel, so the survey needs none.
+        let without_direct = Plan { direct: DirectPlan::Absent, ..plan.clone() };
         let SharedWavelengths { nm, pdf } = context.shared_wavelengths(moment);
         let blank = Film::new(1, 1, scene.film.observer, 0);
         let mut stored = PerClass::default();
@@ -70,17 +81,18 @@ impl PixelSurvey {
                 PhotonSet::Free => (WavelengthSampling::Free, 2 * moment),
                 PhotonSet::Shared => (WavelengthSampling::Shared { nm, pdf }, 2 * moment + 1),
             };
-            let request = EmissionRequest { wavelengths, count: photons[set], purpose: Purpose::Pilot, pass };
+            let share = photon_share(photons[set], moments);
+            let count = (share * photons[set] as f64) as u64;
+            let request = EmissionRequest { wavelengths, count, purpose: Purpose::Pilot, pass };
             let source = context.photon_source(scene, strata, request);
-            let mut deposits = trace_photons(&source, plan, set, KEEP_ALL, || blank.splat_sink()).deposits;
-            stored = stored.zip_with(DepositCounts::of(&deposits), DepositCounts::max);
-            let kept = thin_out_for_pilot(&mut deposits);
-            PilotMaps { maps: deposits.into_maps(), kept }
+            let deposits = trace_photons(&source, plan, set, KEEP_ALL, || blank.splat_sink()).deposits;
+            stored = stored.zip_with(DepositCounts::of(&deposits, share.recip()), DepositCounts::max);
+            SurveyMaps::new(&deposits, context, share)
         });
         let (no_photons, no_outlines) = (SetMaps::default(), Outlines::default());
         let camera_pass = CameraPass {
             scene,
-            plan,
+            plan: &without_direct,
             direct: DirectLighting::new(scene, &lights.lights, plan.media_plan),
             maps: PerSet { free: &no_photons, shared: &no_photons },
             missing: None,
@@ -110,7 +122,7 @@ impl PixelSurvey {
     fn of_pixels<'a>(
         context: &PassContext<'_>,
         camera_pass: &CameraPass<'a>,
-        maps: &PerSet<PilotMaps>,
+        maps: &PerSet<SurveyMaps>,
         extents: &BTreeMap<u32, f64>,
         moment: u64,
         pixels: Range<usize>,
@@ -123,19 +135,20 @@ impl PixelSurvey {
             let (no_radii, mut tally) = (PixelRadii::splat(0.0), Tally::default());
             camera_pass.sample(pixel as u64, sampler, &no_radii, &mut buffers, &mut tally, &mut NullSink);
             let mut radii = PixelRadii::splat(None);
-            for point in &buffers.visible_points {
-                let set = PhotonSet::of_path(point.shared);
+            for set in [PhotonSet::Free, PhotonSet::Shared] {
+                let mut points = buffers.visible_points.iter().rev();
+                let Some(point) = points.find(|point| PhotonSet::of_path(point.shared) == set) else { continue };
+                let extent_m = extents.get(&point.object).copied().unwrap_or(f64::INFINITY);
+                let least_m = point.footprint_m.min(LEAST_RADIUS_OF_OBJECT * extent_m);
                 for class in PhotonClass::ALL {
-                    let map = &maps[set].maps[class].surface;
-                    let extent_m = extents.get(&point.object).copied().unwrap_or(f64::INFINITY);
-                    let least_m = point.footprint_m.min(LEAST_RADIUS_OF_OBJECT * extent_m);
-                    let radius = first_radius_m(context, point, map, least_m, MAX_SURFACE_RADIUS_PX[class]) as f32;
+                    let radius = maps[set].first_radius_m(context, point, least_m, class) as f32;
                     radii.surface[set][class] = Some(radius).filter(|&radius| radius > 0.0);
                 }
             }
             survey.radii.push(radii);
             let media = &camera_pass.scene.media;
-            survey.volume.push(PixelVolumeCounts::along(&buffers.camera_segments, media, maps, &widths));
+            let samples = PerSet { free: &maps.free.volume, shared: &maps.shared.volume };
+            survey.volume.push(PixelVolumeCounts::along(&buffers.camera_segments, media, samples, &widths));
             let on_surfaces = buffers.visible_points.iter().map(|point| point.shared);
             let in_media = buffers.camera_segments.iter().map(|segment| segment.shared);
             let mut reads = PerSet { free: false, shared: false };
@@ -188,22 +201,46 @@ fn object_extents(scene: &Scene) -> BTreeMap<u32, f64> {
     scene.geometry.object_bounds().into_iter().map(|(object, (low, high))| (object, low.distance(high))).collect()
 }
 
-/// Returns the first kernel radius in m at a visible point. If the scene does not fix the radius,
-/// the kernel contains as many photons as the budget specifies. Its radius is then at least
-/// `least_m` and at most `largest_px` pixels.
-fn first_radius_m(
-    context: &PassContext<'_>,
-    point: &VisiblePoint,
-    map: &PhotonMap,
-    least_m: f64,
-    largest_px: f64,
-) -> f64 {
-    if let Some(fixed) = context.budget.radius_m {
-        return fixed;
+/// Returns the share of a pass's photon paths that the survey traces at one of `moments` shutter times.
+/// `photons` is the number of photon paths in a pass.
+fn photon_share(photons: u64, moments: usize) -> f64 {
+    (PHOTON_SHARE / moments as f64).max(MIN_PHOTONS / photons.max(1) as f64).min(1.0)
+}
+
+/// The photons of one set that the survey traced at one shutter time.
+struct SurveyMaps {
+    surface: PerClass<PhotonMap>,
+    volume: PerClass<VolumeSamples>,
+    /// The number of photons of the survey within the first radius on a surface. A pass has as many
+    /// photons there as the budget specifies.
+    nearest: NonZero<usize>,
+}
+
+impl SurveyMaps {
+    /// Indexes the survey's photons. `share` is the number of photon paths in the survey, divided by
+    /// the number of photon paths in a pass.
+    fn new(deposits: &PhotonDeposits, context: &PassContext<'_>, share: f64) -> Self {
+        let nearest = (share * f64::from(context.budget.nearest)).round() as usize;
+        let volume = context.plan.volume;
+        Self {
+            surface: PerClass::from_fn(|class| PhotonMap::build(&deposits.surface[class])),
+            volume: PerClass::from_fn(|class| VolumeSamples::new(&deposits.volume[class], volume, share.recip())),
+            nearest: NonZero::new(nearest).unwrap_or(NonZero::<usize>::MIN),
+        }
     }
-    let nearest = NonZero::new(context.budget.nearest as usize).unwrap_or(NonZero::<usize>::MIN);
-    let kth = map.kth_distance(point.position.as_vec3().to_array(), nearest).map(f64::from);
-    radius::first(kth, least_m, largest_px * point.footprint_m)
+
+    /// Returns the first kernel radius in m at a visible point. If the scene does not fix the
+    /// radius, the kernel contains as many photons as the budget specifies. Its radius is then at
+    /// least `least_m` and at most [`MAX_SURFACE_RADIUS_PX`] pixels.
+    fn first_radius_m(&self, context: &PassContext<'_>, point: &VisiblePoint, least_m: f64, class: PhotonClass) -> f64 {
+        if let Some(fixed) = context.budget.radius_m {
+            return fixed;
+        }
+        let largest = MAX_SURFACE_RADIUS_PX[class] * point.footprint_m;
+        let position = point.position.as_vec3().to_array();
+        let kth = self.surface[class].kth_distance(position, self.nearest, largest as f32);
+        radius::first(kth.map(f64::from), least_m, largest)
+    }
 }
 
 /// A sink that discards all light.
@@ -213,4 +250,18 @@ impl Sink for NullSink {
     fn radiance(&mut self, _nm: f64, _weight: f64) {}
 
     fn biased(&mut self, _nm: f64, _weight: f64, _bias: f64) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_survey_traces_a_quarter_of_a_pass_but_enough() {
+        assert_eq!(photon_share(200_000, 1), 0.25);
+        assert_eq!(photon_share(200_000, 4), 0.0625);
+        assert_eq!(photon_share(20_000, 4), 0.5, "at least 10,000 paths");
+        assert_eq!(photon_share(5_000, 1), 1.0);
+        assert_eq!(photon_share(0, 1), 1.0, "an unused set");
+    }
 }

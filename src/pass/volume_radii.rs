@@ -5,11 +5,11 @@
 use super::context::PassContext;
 use super::deposits::{PhotonDeposits, VolumeDeposits};
 use super::keep_probability::KeepProbability;
+use super::volume_samples::{NearbyPhotons, VolumeSamples};
 use crate::gather::CameraSegment;
-use crate::map::{KernelWidth, PixelRadii, QueryCone, SetMaps, VolumeMaps};
+use crate::map::{KernelWidth, PixelRadii};
 use crate::plan::partition::{PerClass, PerSet, PhotonClass, PhotonSet};
 use crate::scene::medium::Medium;
-use crate::spectrum::REFERENCE_NM;
 
 /// The desired number of photons of one class within the first radius around a camera ray. This
 /// number is smaller than the number for a surface point, because a ray collects photons along its
@@ -30,18 +30,16 @@ const MAX_VOLUME_RADIUS_PX: PerClass<f64> = PerClass { caustic: 4.0, indirect: 2
 /// radius.
 const MAX_RADIUS_FREE_PATHS: f64 = 0.5;
 
-/// The largest number of photon points of one class in the maps of the pilot.
-const PILOT_POINTS: usize = 10_000;
-
-/// The largest number of photon beams of one class in the maps of the pilot.
-const PILOT_BEAMS: usize = 2_000;
-
 /// The largest number of photon points of one class that a photon set stores in a pass. A photon in
 /// a dense medium leaves hundreds of points. Most of these points add little information.
 const MAX_POINTS: f64 = 50_000.0;
 
 /// The largest number of photon beams of one class that a photon set stores in a pass.
 const MAX_BEAMS: f64 = 15_000.0;
+
+/// The largest number of camera segments of a pixel at which the pilot counts photons. Reflections
+/// inside glass can leave many segments, but the light along the later ones is faint.
+const MAX_SEGMENTS: usize = 8;
 
 /// The pilot's first kernel widths in media.
 #[derive(Debug, Clone, Copy)]
@@ -52,39 +50,16 @@ pub(super) struct VolumeKernelWidths {
     radius_m: Option<f64>,
 }
 
-/// The photons of one set and class near a camera ray. A photon is near if its distance from the
-/// ray is within the upper limit of the first radius. The counts are scaled as if the media stored
-/// all photons.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-struct NearbyPhotons {
-    /// The weighted number of points. The weight of a point is the transmittance of the medium
-    /// between the point and the start of the camera segment.
-    points: f64,
-    /// The number of beams.
-    beams: f64,
-    /// The mean optical depth around the points, with the same weights as `points`. It is measured
-    /// at each point, along a length that appears one radian wide from the camera.
-    free_paths: f64,
-}
-
 /// The photons near the camera rays of a pixel, per set. The entry of a set is `None` if no camera
 /// path that carries the set's wavelengths crosses a medium.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct PixelVolumeCounts(PerSet<Option<PerClass<NearbyPhotons>>>);
 
-/// The photon maps of a set in the pilot.
-#[derive(Debug)]
-pub(super) struct PilotMaps {
-    pub(super) maps: SetMaps,
-    /// The share of the traced photons that the maps of media contain.
-    pub(super) kept: PerClass<KeepProbability>,
-}
-
-/// The number of photons of one class stored in media.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+/// The number of photons of one class that the media would store in a pass.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct DepositCounts {
-    points: usize,
-    beams: usize,
+    points: f64,
+    beams: f64,
 }
 
 impl VolumeKernelWidths {
@@ -112,16 +87,14 @@ impl PixelVolumeCounts {
     pub(super) fn along(
         camera_segments: &[CameraSegment],
         media: &[Medium],
-        maps: &PerSet<PilotMaps>,
+        samples: PerSet<&PerClass<VolumeSamples>>,
         widths: &VolumeKernelWidths,
     ) -> Self {
         let mut counts = Self::default();
-        for segment in camera_segments {
+        for segment in camera_segments.iter().take(MAX_SEGMENTS) {
             let set = PhotonSet::of_path(segment.shared);
-            let PilotMaps { maps, kept } = &maps[set];
-            let here = PerClass::from_fn(|class| {
-                NearbyPhotons::count(segment, media, &maps[class].volume, kept[class], widths.largest(class))
-            });
+            let medium = &media[segment.medium];
+            let here = PerClass::from_fn(|class| samples[set][class].count(segment, medium, widths.largest(class)));
             let known = &mut counts.0[set];
             *known = Some(known.map_or(here, |known| known.zip_with(here, NearbyPhotons::max)));
         }
@@ -156,44 +129,6 @@ impl PixelVolumeCounts {
 }
 
 impl NearbyPhotons {
-    /// Counts the photons within a kernel width around a camera segment. `kept` is the share of the
-    /// traced photons that the maps contain.
-    fn count(
-        segment: &CameraSegment,
-        media: &[Medium],
-        maps: &VolumeMaps,
-        kept: KeepProbability,
-        width: KernelWidth,
-    ) -> Self {
-        let CameraSegment { ray, length_m, behind_m, medium: number, .. } = *segment;
-        let medium = &media[number];
-        let cone = QueryCone::of_camera(ray, length_m, behind_m, width);
-        let (mut points, mut beams, mut free_paths) = (0.0, 0.0, 0.0);
-        maps.points.along(&cone, |found| {
-            if found.medium == number {
-                let transmittance = (-medium.optical_depth(REFERENCE_NM, medium.column_m(&ray, found.t))).exp();
-                let across_m = (behind_m + found.t) * medium.density_at(ray.at(found.t));
-                points += transmittance;
-                free_paths += transmittance * medium.optical_depth(REFERENCE_NM, across_m);
-            }
-        });
-        maps.beams.along(&cone, |found| {
-            if found.medium == number {
-                beams += 1.0;
-            }
-        });
-        let free_paths = if points > 0.0 { free_paths / points } else { 0.0 };
-        Self { points: points / kept.points, beams: beams / kept.beams, free_paths }
-    }
-
-    fn max(self, other: Self) -> Self {
-        Self {
-            points: self.points.max(other.points),
-            beams: self.beams.max(other.beams),
-            free_paths: self.free_paths.max(other.free_paths),
-        }
-    }
-
     /// Returns the ratio of the first radius to the distance from the camera. The ratio is at most
     /// `largest`. `keep` contains the probabilities of storing photons in a pass.
     fn first_radius(&self, keep: KeepProbability, largest: f64) -> f64 {
@@ -205,11 +140,13 @@ impl NearbyPhotons {
 }
 
 impl DepositCounts {
-    /// Counts the stored photons of each class.
-    pub(super) fn of(deposits: &PhotonDeposits) -> PerClass<Self> {
+    /// Counts the photons of each class that the pilot stored. `pass_per_pilot` is the number of
+    /// photon paths in a pass, divided by the number of photon paths in the pilot.
+    pub(super) fn of(deposits: &PhotonDeposits, pass_per_pilot: f64) -> PerClass<Self> {
+        let scaled = |count: usize| count as f64 * pass_per_pilot;
         PerClass::from_fn(|class| {
             let VolumeDeposits { points, beams } = &deposits.volume[class];
-            Self { points: points.len(), beams: beams.len() }
+            Self { points: scaled(points.len()), beams: scaled(beams.len()) }
         })
     }
 
@@ -218,23 +155,6 @@ impl DepositCounts {
     pub(super) fn max(self, other: Self) -> Self {
         Self { points: self.points.max(other.points), beams: self.beams.max(other.beams) }
     }
-}
-
-/// Reduces a list to at most `most` items. These items are evenly spaced in the list. Returns the
-/// share of the items that remain.
-fn thin_out<T: Copy>(items: &mut Vec<T>, most: usize) -> f64 {
-    let step = items.len().div_ceil(most).max(1);
-    *items = items.iter().copied().step_by(step).collect();
-    1.0 / step as f64
-}
-
-/// Reduces the number of photons in media to the pilot's limits. Returns the share of the photons
-/// that remain.
-pub(super) fn thin_out_for_pilot(deposits: &mut PhotonDeposits) -> PerClass<KeepProbability> {
-    PerClass::from_fn(|class| {
-        let VolumeDeposits { points, beams } = &mut deposits.volume[class];
-        KeepProbability { points: thin_out(points, PILOT_POINTS), beams: thin_out(beams, PILOT_BEAMS) }
-    })
 }
 
 /// Returns probabilities of storing photons in media, chosen so that each pass stores enough
@@ -256,7 +176,7 @@ pub(super) fn keep_probabilities(
         let (rays, sum) = counts.fold((0.0, 0.0), |(rays, sum), beams| (rays + 1.0, sum + beams));
         sum / f64::max(rays, 1.0)
     };
-    let at_most = |count: usize, most: f64| most / (count as f64).max(most);
+    let at_most = |count: f64, most: f64| most / count.max(most);
     PerClass::from_fn(|class| {
         let beams = match class {
             PhotonClass::Caustic => beams_per_ray(class) / widths.caustic_ratio(),

@@ -30,6 +30,9 @@ pub struct Progress {
 
 /// Observes a render, and may end it.
 pub trait Monitor {
+    /// Called once before the pilot, if the render has a pilot.
+    fn before_pilot(&mut self) {}
+
     /// Receives the progress after each pass. Returns false to end the render.
     fn after_pass(&mut self, progress: &Progress) -> bool;
 

@@ -56,7 +56,10 @@ impl Job {
         // The pilot depends only on the scene and the seed. The pilot of a resumed run therefore
         // gives the same results.
         let pilot = match request.integrator {
-            Integrator::Photon if !stopped => Some(Pilot::run(&context, &mut run.sums.seconds)?),
+            Integrator::Photon if !stopped => {
+                monitor.before_pilot();
+                Some(Pilot::run(&context, &mut run.sums.seconds)?)
+            }
             Integrator::Photon | Integrator::Path => None,
         };
         let (mut interrupted, mut light_maps) = (false, LightMaps::default());

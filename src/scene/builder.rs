@@ -397,6 +397,7 @@ impl SceneBuilder {
             film,
             geometry: Arc::new(self.geometry),
             boundaries: Arc::new(boundaries),
+            body_ranks: Vec::new(),
             objects,
             materials,
             media: self.media.into_iter().map(|EmittingMedium { medium, .. }| medium).collect(),
@@ -413,6 +414,7 @@ impl SceneBuilder {
             if reach.is_finite() { radius.max(reach) } else { radius }
         });
         scene.renumber_lights();
+        scene.rank_bodies();
         scene.find_medium_stacks();
         if let Some(white) = white(&scene, &white_balance)? {
             scene.film.white = Some(white);

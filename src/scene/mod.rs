@@ -5,6 +5,7 @@
 //! Once a scene is built, errors in the scene cannot make rendering fail.
 
 mod animation;
+mod body_ranks;
 pub mod builder;
 pub mod camera;
 mod emitting_media;
@@ -58,6 +59,9 @@ pub struct Scene {
     pub boundaries: Arc<Geometry>,
     /// The objects, in the order of their numbers. Each surface stores the number of its object.
     pub objects: Vec<Object>,
+    /// The rank of each object's body. Of two bodies, the body with the higher rank dominates. The
+    /// entries of objects without a body are 0.
+    pub body_ranks: Vec<i32>,
     /// The materials, in the order of their numbers.
     pub materials: Vec<Material>,
     /// The media, in the order of their numbers.
@@ -195,9 +199,10 @@ impl Material {
 }
 
 impl Body {
-    /// The properties of the body that decide whether it dominates where bodies overlap.
-    pub fn body_priority(&self) -> BodyPriority {
-        BodyPriority { priority: self.priority, refracts: self.index.is_some() }
+    /// The properties of the body that decide whether it dominates where bodies overlap. `rank` is
+    /// the entry of the body's object in [`Scene::body_ranks`].
+    pub fn body_priority(&self, rank: i32) -> BodyPriority {
+        BodyPriority { priority: rank, refracts: self.index.is_some() }
     }
 }
 
@@ -290,7 +295,7 @@ impl Scene {
     }
 
     fn body_priority(&self, object: u32) -> BodyPriority {
-        self.body_of(object).map(Body::body_priority).unwrap_or_default()
+        self.body_of(object).map(|body| body.body_priority(self.body_ranks[object as usize])).unwrap_or_default()
     }
 
     /// The refractive index at a point with this medium stack.

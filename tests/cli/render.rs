@@ -63,6 +63,23 @@ fn a_render_leaves_an_exr_a_png_and_statistics() {
     assert_eq!(stats["wavelengths"], "both");
 }
 
+/// Without a terminal, the first line of progress announces the pilot. The statistics contain its
+/// time, and the total time includes it.
+#[test]
+fn the_pilot_is_announced_and_its_time_counts() {
+    let folder = scene();
+    let said = render(folder.path(), &["--stats", "stats.json"]);
+    let (pilot, passes) = (said.err.find("pilot: estimating"), said.err.find("/4 passes"));
+    assert!(pilot.is_some() && pilot < passes, "{}", said.err);
+    let stats: Value = serde_json::from_slice(&std::fs::read(folder.path().join("stats.json")).unwrap()).unwrap();
+    let seconds = |stage: &str| stats["seconds"][stage].as_f64().unwrap();
+    assert!(seconds("pilot") > 0.0);
+    let stages = ["pilot", "emit", "map", "gather"].map(seconds);
+    assert!(seconds("total") >= stages.iter().sum::<f64>(), "{stages:?} of {}", seconds("total"));
+    let quiet = render(folder.path(), &["--quiet"]);
+    assert!(!quiet.err.contains("pilot"), "{}", quiet.err);
+}
+
 #[test]
 fn the_same_command_gives_the_same_pixels_on_any_threads() {
     let folder = scene();

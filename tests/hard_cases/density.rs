@@ -156,7 +156,7 @@ fn few_and_many() -> f64 {
         let plane = Plane::new(places, [0.0; 2]);
         let (found, truth) = (plane.at(0.1), plane.exact([0.0; 2], 0.1));
         worst = worst.max(if truth == 0.0 { found.abs() } else { (found / truth - 1.0).abs() });
-        let nearest = plane.index.kth_distance([0.0; 3], NonZero::new(60).unwrap()).map(f64::from);
+        let nearest = plane.index.kth_distance([0.0; 3], NonZero::new(60).unwrap(), f32::INFINITY).map(f64::from);
         worst = worst.max(f64::from(u8::from(!radius::first(nearest, 1e-3, 1.0).is_finite())));
     }
     worst

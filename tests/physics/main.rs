@@ -25,6 +25,7 @@ mod lens_objects;
 mod lens_system;
 mod long_paths;
 mod media;
+mod media_faces;
 mod media_in_bodies;
 mod media_kernels;
 mod media_light_map;

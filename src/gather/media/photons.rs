@@ -8,13 +8,16 @@ use crate::gather::camera::visible_point::CameraSegment;
 use crate::gather::camera_pass::{CameraPass, MissingLight, PathContext};
 use crate::gather::density::gather_point::add_photon;
 use crate::geometry::Ray;
+use crate::map::kernel::{KernelDomain, KernelValues};
 use crate::map::{BeamPath, KernelWidth, PhotonNearRay, QueryCone, SetMaps, VolumeMap};
 use crate::math::random::hash64;
 use crate::plan::partition::PhotonClass;
+use crate::scene::Scene;
 use crate::walk::{
     MediumSegment, NumberedMedium, SegmentTransmittance, Sink, WithBodies, bias_of_excess, excess_optical_depth,
     transmittance,
 };
+use glam::DVec3;
 
 impl<'a> CameraPass<'a> {
     /// Gathers the photons near a segment in a scattering medium. `behind_m` is the length of the
@@ -59,8 +62,13 @@ impl<'a> CameraPass<'a> {
         for class in PhotonClass::ALL {
             let maps = &maps[class].volume;
             let slope = f64::from(context.radii.volume[set][class]);
-            for (map, scale) in [(&maps.points, self.scales.points), (&maps.beams, self.scales.beams)] {
-                if map.is_empty() {
+            // A wide kernel of a thin medium would visit many points of a dense medium, and reject
+            // all of them. Therefore a segment searches only the photons that its medium stores.
+            let (volume, dense) = (self.plan.volume, filling.medium.dense);
+            let of_points = (&maps.points, self.scales.points, volume.keeps_points(dense));
+            let of_beams = (&maps.beams, self.scales.beams, volume.keeps_beams(dense));
+            for (map, scale, stored) in [of_points, of_beams] {
+                if map.is_empty() || !stored {
                     continue;
                 }
                 let width = match self.stated_radius_m {
@@ -90,6 +98,7 @@ impl<'a> CameraPass<'a> {
             if photon.medium != number {
                 return;
             }
+            let Some(kernels) = kernels_between_faces(self.scene, &segment.ray, &photon) else { return };
             let to_photon = segment.path_transmittance(photon.t, seed);
             let cosine = -photon.incoming.dot(segment.ray.direction);
             // A beam stores the power at its start. Therefore the response of a beam includes the
@@ -111,15 +120,34 @@ impl<'a> CameraPass<'a> {
                     .map_or(1.0, |(along, density)| along.at(nm) * medium.scattering.at(nm) * density);
                 scattered * medium.phase.eval(cosine, nm) * transmittance(&to_photon, nm)
             };
-            add_photon::<WithBodies, S>(
-                photon.power,
-                photon.kernels,
-                bias,
-                path.spectral_mode,
-                factors,
-                sink,
-                response,
-            );
+            add_photon::<WithBodies, S>(photon.power, kernels, bias, path.spectral_mode, factors, sink, response);
         });
     }
+}
+
+/// Corrects the kernels of a photon if they extend over a face. Returns `None` if a face is between
+/// the ray and the photon.
+///
+/// Segments of camera rays and photon beams end at all faces: at surfaces and at boundaries of
+/// media. Therefore a kernel must not extend over a face either. Otherwise, fog would lose light
+/// beside its faces, and light would leak through walls inside the fog.
+fn kernels_between_faces(scene: &Scene, ray: &Ray, photon: &PhotonNearRay<'_>) -> Option<KernelValues> {
+    let PhotonNearRay { t, offset, radius_m, kernels, beam, .. } = *photon;
+    let (centre, distance_m) = (ray.at(t), offset.length());
+    let towards = if distance_m > 0.0 { offset / distance_m } else { ray.direction.any_orthonormal_vector() };
+    let extent_m = |direction: DVec3| {
+        let line = Ray::new(centre, direction);
+        [&scene.geometry, &scene.boundaries].into_iter().fold(radius_m, |extent_m, faces| {
+            if faces.is_empty() {
+                return extent_m;
+            }
+            faces.intersect(&line, None, extent_m).map_or(extent_m, |hit| hit.t)
+        })
+    };
+    let ahead_m = extent_m(towards);
+    if ahead_m < distance_m {
+        return None;
+    }
+    let domain = if beam.is_some() { KernelDomain::Line } else { KernelDomain::Disk };
+    Some(kernels.between_faces(domain, [ahead_m, extent_m(-towards)].map(|extent_m| extent_m / radius_m)))
 }

@@ -30,8 +30,12 @@ pub(super) struct BeamPiece {
 }
 
 /// The estimate is divided by the sine of the angle between a beam and a ray. This constant is the
-/// lower limit of the sine. Without a limit, the estimate would be infinite for a parallel ray.
+/// lower limit of the sine. Without a limit, the estimate would be infinite for a parallel ray. The
+/// light that the limit removes counts as bias.
 const LEAST_SINE: f64 = 1e-3;
+
+/// The lower limit of the sine in the estimate of the bias. The bias bars must stay finite.
+const LEAST_SINE_OF_BIAS: f64 = 1e-6;
 
 /// The number of pieces of the longest beam. Pieces of all beams have about the same length.
 const MOST_PIECES: f64 = 48.0;
@@ -51,6 +55,53 @@ impl PhotonBeam {
     fn length(&self) -> f64 {
         let (start, end) = self.ends();
         (end - start).length()
+    }
+
+    /// Returns the number of the medium if the kernel of the beam intersects the ray of the cone.
+    pub fn medium_near_ray(&self, cone: &QueryCone) -> Option<usize> {
+        self.near_ray((0.0, 1.0), cone).map(|near| near.medium)
+    }
+
+    /// Returns the beam if two conditions are true. First, the closest approach of the beam and the
+    /// ray must lie on the ray and on a part of the beam. The two numbers of `part` are the start
+    /// and the end of the part, as fractions of the beam's length. Second, the distance between the
+    /// beam and the ray must be less than the kernel radius at this place.
+    fn near_ray(&self, part: (f64, f64), cone: &QueryCone) -> Option<PhotonNearRay<'_>> {
+        let (start, end) = self.ends();
+        let along = end - start;
+        let length = along.length();
+        if length <= 0.0 {
+            return None;
+        }
+        let (incoming, direction) = (along / length, cone.ray.direction);
+        let across = direction.cross(incoming);
+        let sine2 = across.length_squared();
+        if sine2 <= 0.0 {
+            return None;
+        }
+        let offset = start - cone.ray.origin;
+        let t = offset.cross(incoming).dot(across) / sine2;
+        if !(t > 0.0 && t < cone.length_m) {
+            return None;
+        }
+        let s = offset.cross(direction).dot(across) / sine2;
+        if !(s >= part.0 * length && s < part.1 * length) {
+            return None;
+        }
+        let sine = sine2.sqrt();
+        let offset = offset.dot(across) / sine2 * across;
+        let (distance, radius) = (offset.length(), cone.radius_at(t));
+        (distance < radius).then(|| PhotonNearRay {
+            power: &self.power,
+            incoming,
+            medium: usize::from(self.medium),
+            t,
+            offset,
+            radius_m: radius,
+            kernels: kernel::on_line(distance, radius)
+                .limited(sine.max(LEAST_SINE).recip(), sine.max(LEAST_SINE_OF_BIAS).recip()),
+            beam: Some(BeamPath { start, distance_m: s }),
+        })
     }
 }
 
@@ -80,42 +131,9 @@ impl BeamPiece {
         (a.min(b), a.max(b))
     }
 
-    /// Returns the beam if two conditions are true. First, the closest approach of the beam and the
-    /// ray must lie on this piece and on the ray. Second, the distance between the beam and the ray
-    /// must be less than the kernel radius at this place.
+    /// Returns the beam if its closest approach to the ray lies on this piece, and if the kernel
+    /// there contains the ray.
     pub(super) fn near_ray<'m>(&self, beams: &'m [PhotonBeam], cone: &QueryCone) -> Option<PhotonNearRay<'m>> {
-        let beam = &beams[self.beam as usize];
-        let (start, end) = beam.ends();
-        let along = end - start;
-        let length = along.length();
-        if length <= 0.0 {
-            return None;
-        }
-        let (incoming, direction) = (along / length, cone.ray.direction);
-        let across = direction.cross(incoming);
-        let sine2 = across.length_squared();
-        if sine2 <= 0.0 {
-            return None;
-        }
-        let offset = start - cone.ray.origin;
-        let t = offset.cross(incoming).dot(across) / sine2;
-        if !(t > 0.0 && t < cone.length_m) {
-            return None;
-        }
-        let s = offset.cross(direction).dot(across) / sine2;
-        let (from, to) = self.span();
-        if !(s >= from * length && s < to * length) {
-            return None;
-        }
-        let sine = sine2.sqrt();
-        let (distance, radius) = ((offset.dot(across) / sine).abs(), cone.radius_at(t));
-        (distance < radius).then(|| PhotonNearRay {
-            power: &beam.power,
-            incoming,
-            medium: usize::from(beam.medium),
-            t,
-            kernels: kernel::on_line(distance, radius).times(1.0 / sine.max(LEAST_SINE)),
-            beam: Some(BeamPath { start, distance_m: s }),
-        })
+        beams[self.beam as usize].near_ray(self.span(), cone)
     }
 }

@@ -59,6 +59,10 @@ pub struct PhotonNearRay<'m> {
     pub medium: usize,
     /// The distance (m) along the ray to the point of closest approach.
     pub t: f64,
+    /// The vector from the point of closest approach on the ray to the photon, in m.
+    pub offset: DVec3,
+    /// The kernel radius at the point of closest approach, in m.
+    pub radius_m: f64,
     /// The kernel values, in 1/m². The values of a beam are divided by the sine of the angle
     /// between the beam and the ray.
     pub kernels: KernelValues,

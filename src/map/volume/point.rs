@@ -38,12 +38,15 @@ impl VolumePhoton {
         if !(t > 0.0 && t < cone.length_m) {
             return None;
         }
-        let (d2, r) = ((offset - t * cone.ray.direction).length_squared(), cone.radius_at(t));
+        let offset = offset - t * cone.ray.direction;
+        let (d2, r) = (offset.length_squared(), cone.radius_at(t));
         (d2 < r * r).then(|| PhotonNearRay {
             power: &self.power,
             incoming: self.incoming.decode(),
             medium: usize::from(self.medium),
             t,
+            offset,
+            radius_m: r,
             kernels: DiskKernel::new(r * r).at(d2),
             beam: None,
         })
