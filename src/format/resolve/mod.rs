@@ -22,7 +22,7 @@ mod objects;
 mod spectra;
 
 pub use index::glass_file;
-pub use lens::{catalogues_beside, lens_file, lone_lens};
+pub use lens::{catalogues_beside, lens_file, lens_system_file, lone_lens};
 pub use media::DEFAULT_MARCH_STEPS;
 pub use spectra::Role;
 
