@@ -44,7 +44,12 @@ pub struct Error {
     pub expected: Option<String>,
     /// A similar name that exists ("did you mean …?").
     pub suggestion: Option<String>,
+    /// Further faults of the same input.
+    pub others: Vec<Error>,
 }
+
+/// The largest number of faults that one error reports.
+pub const MAX_FAULTS: usize = 20;
 
 impl Error {
     /// Creates an error in the input. `what` describes the fault.
@@ -55,6 +60,7 @@ impl Error {
             what: what.into(),
             expected: None,
             suggestion: None,
+            others: Vec::new(),
         }
     }
 
@@ -82,6 +88,7 @@ impl Error {
     #[must_use]
     pub fn in_file(mut self, file: &Path) -> Self {
         self.location.file.get_or_insert_with(|| file.to_path_buf());
+        self.others = self.others.into_iter().map(|fault| fault.in_file(file)).collect();
         self
     }
 
@@ -97,6 +104,30 @@ impl Error {
     pub fn on_path(mut self, path: impl Into<String>) -> Self {
         self.location.path.get_or_insert_with(|| path.into());
         self
+    }
+
+    /// Combines the faults of one input to one error. Returns `None` if there are no faults.
+    ///
+    /// A fault that occurs several times is reported once. At most [`MAX_FAULTS`] faults are
+    /// reported. The faults of a file are in the order of their positions.
+    pub fn all(faults: impl IntoIterator<Item = Self>) -> Option<Self> {
+        let mut single: Vec<Self> = faults.into_iter().flat_map(Self::into_faults).collect();
+        single.sort_by_key(|fault| fault.location.line_column);
+        let mut found: Vec<Self> = Vec::new();
+        for fault in single {
+            if found.len() < MAX_FAULTS && !found.contains(&fault) {
+                found.push(fault);
+            }
+        }
+        let mut found = found.into_iter();
+        let first = found.next()?;
+        Some(Self { others: found.collect(), ..first })
+    }
+
+    /// Returns the faults of this error, each as an error of its own.
+    pub fn into_faults(mut self) -> Vec<Self> {
+        let others = std::mem::take(&mut self.others);
+        std::iter::once(self).chain(others.into_iter().flat_map(Self::into_faults)).collect()
     }
 
     /// Returns the exit status of the program for this error.
@@ -129,17 +160,98 @@ impl fmt::Display for Error {
         if let Some(suggestion) = &self.suggestion {
             write!(f, "; did you mean \"{suggestion}\"?")?;
         }
-        Ok(())
+        self.others.iter().try_for_each(|fault| write!(f, "\n{fault}"))
     }
 }
 
 impl std::error::Error for Error {}
 
-/// Returns the candidate most similar to `name`. Letter case does not matter. Returns `None` if
-/// `name` is probably not a misspelling of any candidate.
+/// Returns both values, or an error with the faults of both.
+///
+/// # Errors
+/// Returns an error if one of the arguments is an error.
+pub fn both<A, B>(a: Result<A>, b: Result<B>) -> Result<(A, B)> {
+    match (a, b) {
+        (Ok(a), Ok(b)) => Ok((a, b)),
+        (Err(a), Err(b)) => Err(Error::all([a.clone(), b]).unwrap_or(a)),
+        (Err(error), Ok(_)) | (Ok(_), Err(error)) => Err(error),
+    }
+}
+
+/// Returns all values, or an error with the faults of all results.
+///
+/// # Errors
+/// Returns an error if one of the results is an error.
+pub fn every<T>(results: impl IntoIterator<Item = Result<T>>) -> Result<Vec<T>> {
+    let (mut values, mut faults) = (Vec::new(), Vec::new());
+    for result in results {
+        match result {
+            Ok(value) => values.push(value),
+            Err(fault) => faults.push(fault),
+        }
+    }
+    Error::all(faults).map_or(Ok(values), Err)
+}
+
+/// Words of other programs, and the words of Abbe with the same meaning.
+const SYNONYMS: [(&str, &str); 34] = [
+    ("glass", "dielectric"),
+    ("transparent", "dielectric"),
+    ("refractive", "dielectric"),
+    ("roughdielectric", "dielectric"),
+    ("thindielectric", "thin_dielectric"),
+    ("metal", "conductor"),
+    ("roughconductor", "conductor"),
+    ("matte", "diffuse"),
+    ("lambertian", "diffuse"),
+    ("lambert", "diffuse"),
+    ("plastic", "glossy"),
+    ("coateddiffuse", "glossy"),
+    ("specular", "mirror"),
+    ("black", "absorber"),
+    ("null", "boundary"),
+    ("interface", "boundary"),
+    ("albedo", "reflectance"),
+    ("color", "reflectance"),
+    ("colour", "reflectance"),
+    ("index", "ior"),
+    ("n", "ior"),
+    ("sun", "directional"),
+    ("distant", "directional"),
+    ("infinite", "environment"),
+    ("sky", "environment"),
+    ("laser", "beam"),
+    ("cube", "box"),
+    ("cuboid", "box"),
+    ("plane", "rectangle"),
+    ("quad", "rectangle"),
+    ("ball", "sphere"),
+    ("perspective", "pinhole"),
+    ("thinlens", "thin"),
+    ("lookat", "at"),
+];
+
+/// Returns the candidate most similar to `name`. Letter case does not matter. A candidate that
+/// differs only by a prefix is the most similar one, such as N-BK7 for BK7. Next come words with
+/// the same meaning in other programs. Returns `None` if `name` is probably not a misspelling of any
+/// candidate.
 pub fn nearest_name<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    let wanted = name.to_lowercase();
-    let score = |candidate: &str| strsim::jaro_winkler(&wanted, &candidate.to_lowercase());
+    let letters = |name: &str| name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
+    let wanted: String = name.to_lowercase();
+    let plain: String = letters(name);
+    let synonym = SYNONYMS.iter().find(|(word, _)| *word == plain).map(|(_, synonym)| *synonym);
+    let score = |candidate: &str| {
+        let candidate_letters: String = letters(candidate);
+        if plain == candidate_letters {
+            3.0
+        } else if plain.len() > 1 && candidate_letters.ends_with(&plain) {
+            2.0
+        } else if synonym == Some(candidate) {
+            1.5
+        } else {
+            strsim::jaro_winkler(&wanted, &candidate.to_lowercase())
+        }
+    };
     candidates
         .into_iter()
         .map(|candidate| (score(candidate), candidate))
@@ -165,5 +277,33 @@ mod tests {
              expected the name of a built-in glass; did you mean \"N-BK7\"?"
         );
         assert_eq!(error.exit_status(), 2);
+    }
+
+    #[test]
+    fn names_without_a_prefix_and_synonyms_are_suggested() {
+        let glasses = ["BAK7", "K7", "N-BK7", "N-BK10", "SF10", "N-SF10"];
+        for (name, nearest) in [("BK7", "N-BK7"), ("bk 7", "N-BK7"), ("nbk7", "N-BK7"), ("sf10", "SF10")] {
+            assert_eq!(nearest_name(name, glasses).as_deref(), Some(nearest), "{name}");
+        }
+        let materials = ["diffuse", "dielectric", "glossy", "conductor"];
+        for (name, nearest) in [("glass", "dielectric"), ("Plastic", "glossy"), ("metal", "conductor")] {
+            assert_eq!(nearest_name(name, materials).as_deref(), Some(nearest), "{name}");
+        }
+        // A name that exists is nearer than a synonym.
+        assert_eq!(nearest_name("glas", ["glass", "dielectric"]).as_deref(), Some("glass"));
+        assert_eq!(nearest_name("xyzzy", materials), None);
+    }
+
+    #[test]
+    fn faults_are_combined_once_each_and_at_most_twenty() {
+        let fault = |line: usize| Error::input(format!("fault {line}")).in_file(Path::new("a")).at(line, 1);
+        let all = Error::all((0..30).rev().chain(0..30).map(fault)).unwrap();
+        let texts: Vec<String> = all.to_string().lines().map(str::to_string).collect();
+        assert_eq!(texts, (0..MAX_FAULTS).map(|line| format!("a:{line}:1: fault {line}")).collect::<Vec<_>>());
+        assert_eq!(all.into_faults().len(), MAX_FAULTS);
+        assert_eq!(Error::all([]), None);
+        assert_eq!(both(Ok(1), Ok("x")), Ok((1, "x")));
+        assert_eq!(both::<u8, u8>(Err(fault(2)), Err(fault(1))).unwrap_err().into_faults(), [fault(1), fault(2)]);
+        assert_eq!(every([Ok(1), Ok(2)]), Ok(vec![1, 2]));
     }
 }

@@ -56,7 +56,7 @@ impl Scene {
     /// column and the JSON path.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        Self::of_text(format::read_text(path)?, path)
+        Self::of_text(format::read_scene_text(path)?, path)
     }
 
     /// Reads and checks a scene from JSON text. The paths of files in the scene are relative to the
@@ -69,7 +69,7 @@ impl Scene {
     }
 
     fn of_text(text: String, path: &Path) -> Result<Self> {
-        format::parse(&text, path, &[])?;
+        format::parse_with_access(&text, path, &[], FileAccess::default())?;
         let path = path.to_path_buf();
         Ok(Self { origin: SceneOrigin::Text { text, path, changes: Vec::new(), access: FileAccess::default() } })
     }
@@ -166,8 +166,7 @@ impl Scene {
         match &self.origin {
             SceneOrigin::Text { text, path, changes, access } => {
                 let changes = [changes.clone(), options.changes()].concat();
-                let (file, source) = format::parse(text, path, &changes)?;
-                let source = source.with_file_access(*access);
+                let (file, source) = format::parse_with_access(text, path, &changes, *access)?;
                 let job = Job::new(resolve(&file, &source)?).map_err(|error| error.in_file(path))?;
                 Ok((job, Some(source)))
             }

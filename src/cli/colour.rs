@@ -26,6 +26,8 @@ pub(crate) struct ColourJson<'a> {
     cct_k: Option<f64>,
     duv: Option<f64>,
     ra: Option<f64>,
+    /// The special colour rendering index of a saturated red (CIE 13.3).
+    r9: Option<f64>,
     efficacy_lm_per_w: Option<f64>,
 }
 
@@ -54,6 +56,7 @@ impl<'a> ColourJson<'a> {
             cct_k: temperature.map(|temperature| temperature.cct_k),
             duv: temperature.map(|temperature| temperature.duv),
             ra: rendering.as_ref().map(|rendering| rendering.ra),
+            r9: rendering.as_ref().map(|rendering| rendering.special[8]),
             efficacy_lm_per_w: *efficacy_lm_per_w,
         }
     }

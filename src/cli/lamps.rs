@@ -1,9 +1,9 @@
-//! `abbe lamps`: compares two lamps, or a lamp with its best match from primaries.
+//! `abbe lamps`: compares two or three lamps, or a lamp with its best match from primaries.
 
 use std::path::PathBuf;
 
 use crate::colour::lamps::{ALIKE, DIFFERENT, LampComparison, PatchDifference, SplitPair};
-use crate::colour::{LightDifference, PrimaryMatch, match_primaries, report};
+use crate::colour::{LightDifference, PrimaryMatch, light_difference, match_primaries, report};
 use crate::error::{Error, Result};
 use crate::output::figures::{difference_text, report_rows};
 use crate::output::file;
@@ -17,7 +17,7 @@ use super::{Outcome, print};
 
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("against").required(true).multiple(true).args(["b", "primaries"])))]
-#[command(override_usage = "abbe lamps A [B] [--match PRIMARY...] [OPTIONS]")]
+#[command(override_usage = "abbe lamps A [B [C]] [--match PRIMARY...] [OPTIONS]")]
 pub(crate) struct LampsArgs {
     /// The first lamp: a name of the library, a file (columns nm,value; or IES TM-27 .spdx), or a
     /// spectrum in the JSON form of scenes
@@ -26,6 +26,9 @@ pub(crate) struct LampsArgs {
     /// The second lamp [default: the match of A]
     #[arg(value_name = "B")]
     b: Option<String>,
+    /// A third lamp, which is compared with A
+    #[arg(value_name = "C", requires = "b", conflicts_with = "html")]
+    c: Option<String>,
     /// Find the mix of these lights that has the colour closest to A; if B is missing, compare A
     /// with this mix
     #[arg(long = "match", value_name = "PRIMARY", num_args = 1..)]
@@ -48,6 +51,8 @@ struct LampsCompared {
     /// The two lights: A, and either B or the match of A.
     lamps: [NamedSpectrum; 2],
     comparison: LampComparison,
+    /// The third lamp, and its comparison with A.
+    third: Option<(NamedSpectrum, LampComparison)>,
     /// The match of A, if primaries were given.
     mix: Option<PrimaryMix>,
 }
@@ -57,6 +62,8 @@ struct LampsCompared {
 struct PrimaryMix {
     primaries: Vec<NamedSpectrum>,
     found: PrimaryMatch,
+    /// The difference between the lamp and the mix at equal luminance.
+    difference: LightDifference,
 }
 
 pub(crate) fn run(arguments: &LampsArgs) -> Result<Outcome> {
@@ -88,14 +95,25 @@ fn compared(arguments: &LampsArgs) -> Result<LampsCompared> {
         (None, None) => return Err(Error::input("there is no second lamp to compare with A").expected("B or --match")),
     };
     let comparison = LampComparison::between([&a.spectrum, &b.spectrum], observer)?;
-    Ok(LampsCompared { observer, lamps: [a, b], comparison, mix })
+    let third = match &arguments.c {
+        None => None,
+        Some(c) => {
+            let c = named::light(c)?;
+            let comparison = LampComparison::between([&a.spectrum, &c.spectrum], observer)?;
+            Some((c, comparison))
+        }
+    };
+    Ok(LampsCompared { observer, lamps: [a, b], comparison, third, mix })
 }
 
 impl PrimaryMix {
     fn nearest(lamp: &NamedSpectrum, primaries: Vec<NamedSpectrum>, observer: &Observer) -> Result<Self> {
         let colours: Vec<[f64; 3]> = primaries.iter().map(|primary| report::xyz(&primary.spectrum, observer)).collect();
-        let found = match_primaries(report::xyz(&lamp.spectrum, observer), &colours)?;
-        Ok(Self { primaries, found })
+        let target = report::xyz(&lamp.spectrum, observer);
+        let found = match_primaries(target, &colours)?;
+        let unit = |xyz: [f64; 3]| xyz.map(|value| value / xyz[1]);
+        let difference = light_difference(unit(target), unit(found.xyz));
+        Ok(Self { primaries, found, difference })
     }
 
     /// The mix as a lamp. The field `origin` of the lamp contains the weights of the primaries.
@@ -127,11 +145,12 @@ impl LampsCompared {
     /// A warning if the mix does not match the lamp.
     fn warning(&self) -> Option<String> {
         let mix = self.mix.as_ref().filter(|mix| !mix.found.is_reached())?;
-        let left = difference_text(mix.found.residual);
+        let left = difference_text(mix.difference);
         Some(format!(
-            "{} cannot be matched with {}; the closest mix differs by {left}",
+            "{} cannot be matched with {}; the closest mix differs by {left}, luminance {:+.4} %",
             self.lamps[0].name,
-            mix.names()
+            mix.names(),
+            100.0 * mix.found.delta_y
         ))
     }
 }
@@ -141,7 +160,7 @@ fn lamp(NamedSpectrum { name, origin, spectrum }: &NamedSpectrum) -> NamedLamp<'
 }
 
 fn html(compared: &LampsCompared, warning: Option<&str>) -> Result<String> {
-    let LampsCompared { observer, lamps, comparison, mix } = compared;
+    let LampsCompared { observer, lamps, comparison, third: _, mix } = compared;
     let primaries = mix.iter().flat_map(|mix| &mix.primaries).map(lamp).collect();
     page(&LampsPage { lamps: [lamp(&lamps[0]), lamp(&lamps[1])], comparison, observer, primaries, warning })
 }
@@ -150,39 +169,56 @@ fn html(compared: &LampsCompared, warning: Option<&str>) -> Result<String> {
 const SHOWN_PAIRS: usize = 12;
 
 fn text(compared: &LampsCompared) -> String {
-    let LampsCompared { observer, lamps: [a, b], comparison, mix } = compared;
+    let LampsCompared { observer, lamps: [a, b], comparison, third, mix } = compared;
+    let third = third.as_ref();
     let mut text = format!("A  {}\n   {}\nB  {}\n   {}\n", a.name, a.origin, b.name, b.origin);
+    text += &third.map_or(String::new(), |(c, _)| format!("C  {}\n   {}\n", c.name, c.origin));
+    text += &format!("\n{}\n", comparison.verdict([&a.name, &b.name]));
+    text += &third.map_or(String::new(), |(c, with_c)| with_c.verdict([&a.name, &c.name]) + "\n");
     text += &format!("observer {}; XYZ with Y = 100, linear sRGB with Y = 1\n\n", observer.name());
-    text += &format!("{:<13} {:<34} B\n", "", "A");
-    for ((figure, a), (_, b)) in report_rows(&comparison.reports[0]).iter().zip(report_rows(&comparison.reports[1])) {
-        text += &format!("{figure:<13} {a:<34} {b}\n");
+    let reports = comparison.reports.iter().chain(third.map(|(_, with_c)| &with_c.reports[1]));
+    let columns: Vec<_> = reports.map(report_rows).collect();
+    let row = |cells: Vec<&str>| {
+        let cells: String = cells.iter().map(|cell| format!("{cell:<35}")).collect();
+        format!("{}\n", cells.trim_end())
+    };
+    text += &format!("{:<13} {}", "", row(vec!["A", "B", "C"][..columns.len()].to_vec()));
+    for (i, (figure, _)) in columns[0].iter().enumerate() {
+        text += &format!("{figure:<13} {}", row(columns.iter().map(|rows| rows[i].1.as_str()).collect()));
     }
     let lights = difference_text(comparison.lights);
     text += &format!("\nA from B      {lights} (at equal luminance, observer adapted to D65)\n");
+    let with_c = third.map(|(_, with_c)| format!("A from C      {}\n", difference_text(with_c.lights)));
+    text += &with_c.unwrap_or_default();
     if let Some(mix) = mix {
         let found = &mix.found;
         let state = if found.is_reached() { "exact" } else { "inexact" };
-        let left = difference_text(found.residual);
+        let left = difference_text(mix.difference);
         text += &format!("A's match     {}\n", mix.weights_text());
         text += &format!("              {state}: {left}, luminance {:+.4} %\n", 100.0 * found.delta_y);
     }
-    text += "\nColorChecker patches, ΔE2000 between A and B, each under its own lamp as white\n";
+    text += &patches_text(comparison, "B");
+    text += &pairs_text(comparison, "B");
+    if let Some((_, with_c)) = third {
+        text += &patches_text(with_c, "C");
+        text += &pairs_text(with_c, "C");
+    }
+    text
+}
+
+/// Returns the table of the ColorChecker patches under A and under another lamp.
+fn patches_text(comparison: &LampComparison, other: &str) -> String {
+    let mut text = format!("\nColorChecker patches, ΔE2000 between A and {other}, each under its own lamp as white\n");
     for patch in &comparison.patches {
         let bar = "▪".repeat(patch.delta_e_2000.round() as usize);
         text += format!("  {:<15} {:6.2}  {bar}", patch.short_name(), patch.delta_e_2000).trim_end();
         text += "\n";
     }
-    text += &format!(
-        "  {:<15} {:6.2}\n  {:<15} {:6.2}\n",
-        "mean",
-        comparison.mean(),
-        "largest",
-        comparison.worst().delta_e_2000
-    );
-    text + &pairs_text(comparison)
+    let (mean, largest) = (comparison.mean(), comparison.worst().delta_e_2000);
+    text + &format!("  {:<15} {mean:6.2}\n  {:<15} {largest:6.2}\n", "mean", "largest")
 }
 
-fn pairs_text(comparison: &LampComparison) -> String {
+fn pairs_text(comparison: &LampComparison, other: &str) -> String {
     let mut text = format!(
         "\nMetameric pairs: ΔE2000 at most {ALIKE} under one lamp and at least {DIFFERENT} under the other\n\
          (of {} pairs of ColorChecker patches, CIE test colours and leaves)\n",
@@ -190,8 +226,8 @@ fn pairs_text(comparison: &LampComparison) -> String {
     );
     for pair in comparison.pairs.iter().take(SHOWN_PAIRS) {
         let names = comparison.surfaces_of(pair).map(|surface| surface.short_name()).join(" and ");
-        let [under_a, under_b] = pair.delta_e_2000;
-        text += &format!("  {names:<31} A {under_a:6.2}   B {under_b:6.2}\n");
+        let [under_a, under_other] = pair.delta_e_2000;
+        text += &format!("  {names:<31} A {under_a:6.2}   {other} {under_other:6.2}\n");
     }
     match comparison.pairs.len() {
         0 => text += "  none\n",
@@ -215,7 +251,23 @@ struct LampsJson<'a> {
     /// The mean and the maximum of the colour differences of all patches.
     delta_e_2000: DeltaESummary,
     metameric_pairs: MetamericPairsJson<'a>,
+    /// A sentence that says how different A and B are.
+    verdict: String,
+    /// The third lamp, and its comparison with A.
+    c: Option<ThirdJson<'a>>,
     warning: Option<String>,
+}
+
+/// A third lamp, compared with A. The fields have the meaning of those of [`LampsJson`].
+#[derive(Debug, Serialize)]
+struct ThirdJson<'a> {
+    #[serde(flatten)]
+    colour: ColourJson<'a>,
+    lights: DifferenceJson,
+    patches: Vec<PatchJson<'a>>,
+    delta_e_2000: DeltaESummary,
+    metameric_pairs: MetamericPairsJson<'a>,
+    verdict: String,
 }
 
 #[derive(Debug, Serialize)]
@@ -265,6 +317,23 @@ struct DeltaESummary {
     max: f64,
 }
 
+impl From<&LampComparison> for DeltaESummary {
+    fn from(comparison: &LampComparison) -> Self {
+        Self { mean: comparison.mean(), max: comparison.worst().delta_e_2000 }
+    }
+}
+
+impl<'a> From<&'a LampComparison> for MetamericPairsJson<'a> {
+    fn from(comparison: &'a LampComparison) -> Self {
+        let pair = |pair: &SplitPair| MetamericPairJson {
+            names: comparison.surfaces_of(pair).map(|surface| surface.name.as_str()),
+            delta_e_2000: pair.delta_e_2000,
+        };
+        let split = comparison.pairs.iter().map(pair).collect();
+        Self { alike: ALIKE, different: DIFFERENT, of: comparison.pair_count(), split }
+    }
+}
+
 #[derive(Debug, Serialize)]
 struct MetamericPairsJson<'a> {
     /// The largest ΔE2000 of two surfaces that look alike.
@@ -284,32 +353,33 @@ struct MetamericPairJson<'a> {
 }
 
 fn json(compared: &LampsCompared, warning: Option<String>) -> LampsJson<'_> {
-    let LampsCompared { observer, lamps, comparison, mix } = compared;
+    let LampsCompared { observer, lamps, comparison, third, mix } = compared;
     let colour = |i: usize| ColourJson::new(&lamps[i].name, &comparison.reports[i], observer, None);
-    let r#match = mix.as_ref().map(|PrimaryMix { primaries, found }| MatchJson {
+    let r#match = mix.as_ref().map(|PrimaryMix { primaries, found, difference: _ }| MatchJson {
         primaries: primaries.iter().map(|primary| primary.name.as_str()).collect(),
         weights: &found.weights,
         left: found.residual.into(),
         delta_y: found.delta_y,
         reached: found.is_reached(),
     });
-    let pair = |pair: &SplitPair| MetamericPairJson {
-        names: comparison.surfaces_of(pair).map(|surface| surface.name.as_str()),
-        delta_e_2000: pair.delta_e_2000,
-    };
+    let third = third.as_ref().map(|(c, with_c)| ThirdJson {
+        colour: ColourJson::new(&c.name, &with_c.reports[1], observer, None),
+        lights: with_c.lights.into(),
+        patches: with_c.patches.iter().map(PatchJson::from).collect(),
+        delta_e_2000: with_c.into(),
+        metameric_pairs: with_c.into(),
+        verdict: with_c.verdict([&lamps[0].name, &c.name]),
+    });
     LampsJson {
         a: colour(0),
         b: colour(1),
         lights: comparison.lights.into(),
         r#match,
         patches: comparison.patches.iter().map(PatchJson::from).collect(),
-        delta_e_2000: DeltaESummary { mean: comparison.mean(), max: comparison.worst().delta_e_2000 },
-        metameric_pairs: MetamericPairsJson {
-            alike: ALIKE,
-            different: DIFFERENT,
-            of: comparison.pair_count(),
-            split: comparison.pairs.iter().map(pair).collect(),
-        },
+        delta_e_2000: comparison.into(),
+        metameric_pairs: comparison.into(),
+        verdict: comparison.verdict([&lamps[0].name, &lamps[1].name]),
+        c: third,
         warning,
     }
 }

@@ -2,16 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::format::resolve;
 use crate::optics::glass::AgfCatalogue;
+use crate::optics::lens::image_quality::{FAN_PUPIL, ImageQuality, MtfPoint, RayFan};
 use crate::optics::lens::section::{DrawnRay, FocusWindow, LensSection, section};
+use crate::optics::lens::zemax::ZmxSystem;
 use crate::optics::lens::{FieldPoint, LINES, Lens, LensAnalysis, Pupil, catalogue};
 use crate::output::drawing::{FocusInset, LensDrawing, RayStroke};
 use crate::output::file;
 use serde::Serialize;
 
-use super::{Outcome, print, values};
+use super::{Outcome, folded_lens, print, values};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct LensArgs {
@@ -79,6 +81,26 @@ struct FieldReport {
     distortion: Option<f64>,
     lateral_colour_mm: f64,
     spots: Vec<SpotReport>,
+    mtf: Vec<MtfReport>,
+    ray_fans: Vec<FanReport>,
+}
+
+/// The documentation of [`MtfPoint`] defines the quantities.
+#[derive(Debug, Serialize)]
+struct MtfReport {
+    cycles_per_mm: f64,
+    tangential: f64,
+    sagittal: f64,
+    diffraction_limit: f64,
+}
+
+/// The documentation of [`RayFan`] defines the quantities. Null stands for a vignetted ray.
+#[derive(Debug, Serialize)]
+struct FanReport {
+    line: &'static str,
+    pupil: [f64; FAN_PUPIL.len()],
+    tangential_mm: [Option<f64>; FAN_PUPIL.len()],
+    sagittal_mm: [Option<f64>; FAN_PUPIL.len()],
 }
 
 #[derive(Debug, Serialize)]
@@ -113,27 +135,44 @@ pub(crate) fn run(arguments: &LensArgs) -> Result<Outcome> {
 fn one(name: &str, arguments: &LensArgs) -> Result<()> {
     let catalogues: Vec<AgfCatalogue> =
         arguments.glasses.iter().map(|path| resolve::glass_file(path)).collect::<Result<_>>()?;
-    let lens = named(name, &catalogues)?;
+    let lens = match named(name, &catalogues)? {
+        ZmxSystem::Lens(lens) => lens,
+        ZmxSystem::Folded(system) => {
+            if arguments.svg.is_some() {
+                let error = Error::input("a system with mirrors or coordinate breaks cannot be drawn yet");
+                return Err(error.expected("no --svg"));
+            }
+            return folded_lens::report(&system, arguments.field, arguments.json);
+        }
+    };
+    notes(lens.notes());
     let analysis = LensAnalysis::of(&lens, arguments.field)?;
     if let Some(path) = &arguments.svg {
         let drawing = drawing(&lens, &analysis, section(&lens, &analysis)?);
         file::write_whole(path, drawing.svg().as_bytes())?;
     }
-    let report = report(&lens, &analysis);
+    let report = report(&lens, &analysis, &ImageQuality::of(&lens, &analysis)?);
     if arguments.json { print::json(&report) } else { print::result(&text(&report)) }
 }
 
+/// Prints the remarks of the reader of a lens file.
+pub(crate) fn notes(notes: &[String]) {
+    notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
+}
+
 /// Returns the lens given by an argument.
-fn named(name: &str, catalogues: &[AgfCatalogue]) -> Result<Lens> {
+fn named(name: &str, catalogues: &[AgfCatalogue]) -> Result<ZmxSystem> {
     let unknown = match catalogue::find(name) {
-        Ok(lens) => return Ok(lens.clone()),
+        Ok(lens) => return Ok(ZmxSystem::Lens(lens.clone())),
         Err(unknown) => unknown,
     };
     let path = Path::new(name);
     // Names of lenses contain blanks and slashes ("Tessar f/4.5"). An argument is a path only if
     // the file exists, or if it has the extension of a lens file.
-    if path.exists() || path.extension().is_some_and(|extension| extension == "json" || extension == "zmx") {
-        return resolve::lens_file(path, catalogues);
+    let is_lens_file =
+        |ending: &std::ffi::OsStr| ["json", "zmx"].iter().any(|known| ending.eq_ignore_ascii_case(known));
+    if path.exists() || path.extension().is_some_and(is_lens_file) {
+        return resolve::lens_system_file(path, catalogues);
     }
     Err(unknown.expected("a name of `abbe lens --list`, or a file"))
 }
@@ -161,16 +200,30 @@ fn list(json: bool) -> Result<()> {
     print::result(&lenses.iter().map(line).collect::<String>())
 }
 
-fn report<'a>(lens: &'a Lens, analysis: &LensAnalysis) -> LensReport<'a> {
+fn report<'a>(lens: &'a Lens, analysis: &LensAnalysis, quality: &[ImageQuality]) -> LensReport<'a> {
     let LensAnalysis { paraxial, lines, half_field_deg, fields } = analysis;
     let pupil = |Pupil { z_mm, diameter_mm }| PupilReport { z_mm, diameter_mm };
     let spot = |(line, rms_mm): (&(&'static str, f64), f64)| SpotReport { line: line.0, rms_mm };
-    let field = |field: &FieldPoint| FieldReport {
+    let mtf = |MtfPoint { per_mm, tangential, sagittal, diffraction_limit }: &MtfPoint| MtfReport {
+        cycles_per_mm: *per_mm,
+        tangential: *tangential,
+        sagittal: *sagittal,
+        diffraction_limit: *diffraction_limit,
+    };
+    let fan = |RayFan { line, tangential_mm, sagittal_mm }: &RayFan| FanReport {
+        line,
+        pupil: FAN_PUPIL,
+        tangential_mm: *tangential_mm,
+        sagittal_mm: *sagittal_mm,
+    };
+    let field = |(field, quality): (&FieldPoint, &ImageQuality)| FieldReport {
         angle_deg: field.angle_deg,
         image_height_mm: field.image_height_mm,
         distortion: field.distortion,
         lateral_colour_mm: field.lateral_colour_mm,
         spots: LINES.iter().zip(field.spots.map(|spot| spot.rms_mm)).map(spot).collect(),
+        mtf: quality.mtf.iter().map(mtf).collect(),
+        ray_fans: quality.fans.iter().map(fan).collect(),
     };
     LensReport {
         name: lens.name(),
@@ -193,7 +246,7 @@ fn report<'a>(lens: &'a Lens, analysis: &LensAnalysis) -> LensReport<'a> {
             })
             .collect(),
         half_field_deg: *half_field_deg,
-        fields: fields.iter().map(field).collect(),
+        fields: fields.iter().zip(quality).map(field).collect(),
     }
 }
 
@@ -228,8 +281,34 @@ fn text(report: &LensReport<'_>) -> String {
         let colour_um = 1e3 * field.lateral_colour_mm;
         text += &format!("{angle:<7} {height:>7.3} mm {distortion:>11} {colour_um:>12.2} µm {spots} µm\n");
     }
+    text += &quality_text(&report.fields);
     text += &report.source.map_or(String::new(), |source| format!("\nsource          {source}\n"));
     text
+}
+
+/// Returns the tables of the MTF and of the ray fans.
+fn quality_text(fields: &[FieldReport]) -> String {
+    let mut text = "\nMTF (geometric, times the limit of diffraction), tangential and sagittal\nfield  ".to_string();
+    let frequencies = fields.first().map_or(&[][..], |field| &field.mtf);
+    text += &frequencies.iter().map(|point| format!("{:>10} /mm", point.cycles_per_mm)).collect::<String>();
+    for FieldReport { angle_deg, mtf, .. } in fields {
+        let cells = mtf.iter().map(|point| format!("{:>9.2} {:.2}", point.tangential, point.sagittal));
+        text += &format!("\n{:<7}{}", format!("{angle_deg:.2}°"), cells.collect::<String>());
+    }
+    let limits = frequencies.iter().map(|point| format!("{:>14.2}", point.diffraction_limit));
+    text += &format!("\nlimit  {}\n", limits.collect::<String>());
+    text += "\nray fans of the d line: transverse aberration in µm by the height in the pupil\nfield    ";
+    text += &FAN_PUPIL.iter().map(|p| format!("{p:>8.2}")).collect::<String>();
+    for FieldReport { angle_deg, ray_fans, .. } in fields {
+        for fan in ray_fans.iter().filter(|fan| fan.line == "d") {
+            for (plane, values) in [("y", fan.tangential_mm), ("x", fan.sagittal_mm)] {
+                let cell = |value: Option<f64>| value.map_or("-".to_string(), |mm| format!("{:.1}", 1e3 * mm));
+                let cells = values.map(|value| format!("{:>8}", cell(value))).concat();
+                text += &format!("\n{:<7}{plane} {cells}", format!("{angle_deg:.2}°"));
+            }
+        }
+    }
+    text + "\n"
 }
 
 fn drawing(lens: &Lens, analysis: &LensAnalysis, section: LensSection) -> LensDrawing {

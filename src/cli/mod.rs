@@ -11,6 +11,7 @@ mod colour;
 mod compare;
 mod completions;
 mod explain;
+mod folded_lens;
 mod frames;
 mod glass;
 mod interrupt;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::format::resolve::{self, Role};
-use crate::format::{self, SpectrumFile};
+use crate::format::{self, SpectrumFile, is_hex_colour};
 use crate::spectrum::library::{self, SpectrumKind};
 use crate::spectrum::{Spectrum, read};
 
@@ -23,8 +23,10 @@ pub(crate) struct NamedSpectrum {
 /// Returns the spectrum given by an argument.
 pub(crate) fn spectrum(text: &str, role: Role) -> Result<NamedSpectrum> {
     let origin = Path::new("the command line");
-    if text.trim_start().starts_with(['{', '"']) || text.trim().parse::<f64>().is_ok() {
-        let (file, source) = format::parse_spectrum(text, origin)?;
+    let is_colour = is_hex_colour(text);
+    if is_colour || text.trim_start().starts_with(['{', '"']) || text.trim().parse::<f64>().is_ok() {
+        let json = if is_colour { serde_json::to_string(text).expect("a text is JSON") } else { text.to_string() };
+        let (file, source) = format::parse_spectrum(&json, origin)?;
         let spectrum = resolve::lone_spectrum(&file, &source, role)?;
         return Ok(NamedSpectrum {
             name: described(&file, text),
@@ -70,6 +72,7 @@ fn described(file: &SpectrumFile, text: &str) -> String {
         | SpectrumFile::Table { .. }
         | SpectrumFile::File(_)
         | SpectrumFile::Rgb(_)
+        | SpectrumFile::Srgb(_)
         | SpectrumFile::Mix(_)
         | SpectrumFile::PowerLaw { .. }
         | SpectrumFile::Match { .. } => text.to_string(),

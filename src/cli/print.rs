@@ -59,16 +59,17 @@ fn with_command_line_hints(text: &str) -> String {
     text
 }
 
-/// Prints an error on one line. If the error is in a scene patch, the printed error shows the label
-/// `--set` instead of the library's label.
+/// Prints each fault of an error on one line. If a fault is in a scene patch, its line shows the
+/// label `--set` instead of the library's label.
 pub(crate) fn error(error: &Error) {
-    let mut error = error.clone();
-    let label =
-        error.location.file.as_deref().and_then(Path::to_str).and_then(|file| file.strip_prefix(PATCH_LABELS.0));
-    if let Some(path) = label {
-        error.location.file = Some(format!("{}{path}", PATCH_LABELS.1).into());
+    for mut fault in error.clone().into_faults() {
+        let label =
+            fault.location.file.as_deref().and_then(Path::to_str).and_then(|file| file.strip_prefix(PATCH_LABELS.0));
+        if let Some(path) = label {
+            fault.location.file = Some(format!("{}{path}", PATCH_LABELS.1).into());
+        }
+        error_line(&fault.to_string());
     }
-    error_line(&error.to_string());
 }
 
 /// Prints the text of an error on one line.

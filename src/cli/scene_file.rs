@@ -15,10 +15,7 @@ pub(crate) struct SceneFileArgs {
 impl SceneFileArgs {
     /// Reads a scene file, and then applies `sets`, the patches in the form `PATH=JSON`.
     pub(crate) fn read(self, path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
-        let (scene, source) = format::read(path, sets)?;
-        Ok((
-            scene,
-            source.with_file_access(if self.allow_outside { FileAccess::Anywhere } else { FileAccess::WithinFolder }),
-        ))
+        let access = if self.allow_outside { FileAccess::Anywhere } else { FileAccess::WithinFolder };
+        format::parse_with_access(&format::read_scene_text(path)?, path, sets, access)
     }
 }

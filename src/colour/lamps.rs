@@ -82,6 +82,30 @@ impl LampComparison {
         most.expect("the chart has patches")
     }
 
+    /// Returns a sentence that says how different the lights are: the colours of the lights, the
+    /// colours of surfaces, and the pairs of surfaces that split. `names` are the names of the lights.
+    pub fn verdict(&self, names: [&str; 2]) -> String {
+        let lights = match self.lights.delta_e_2000 {
+            ..=ALIKE => "have the same colour",
+            ALIKE..DIFFERENT => "differ slightly in colour",
+            _ => "differ clearly in colour",
+        };
+        let worst = self.worst();
+        let surfaces = match worst.delta_e_2000 {
+            ..=ALIKE => "all surfaces look the same",
+            ALIKE..DIFFERENT => "surfaces look slightly different",
+            _ => "surfaces look clearly different",
+        };
+        let pairs = match self.pairs.len() {
+            0 => "no pair of surfaces matches under only one of them".to_string(),
+            1 => "1 pair of surfaces matches under only one of them".to_string(),
+            count => format!("{count} pairs of surfaces match under only one of them"),
+        };
+        let [a, b] = names;
+        let (most, patch) = (worst.delta_e_2000, worst.short_name());
+        format!("{a} and {b} {lights}; {surfaces} (ΔE2000 up to {most:.1}, {patch}); {pairs}.")
+    }
+
     /// Returns the number of all pairs of surfaces.
     pub fn pair_count(&self) -> usize {
         let surfaces = self.patches.len() + self.further.len();
@@ -192,6 +216,19 @@ mod tests {
         let red = patches.iter().find(|patch| patch.name == "colorchecker/red").unwrap();
         assert!(neutral.delta_e_2000 < 2.0 && red.delta_e_2000 > 20.0, "{neutral:?} {red:?}");
         assert_eq!((compared.further.len(), compared.pair_count()), (16, 40 * 39 / 2));
+        let verdict = compared.verdict(["D65", "sodium"]);
+        assert!(
+            verdict.starts_with("D65 and sodium differ clearly in colour; surfaces look clearly different"),
+            "{verdict}"
+        );
+        assert!(
+            verdict.ends_with(&format!("; {} pairs of surfaces match under only one of them.", compared.pairs.len()))
+        );
+        let same = LampComparison::between([&d65, &d65], Observer::cie1931()).unwrap().verdict(["A", "B"]);
+        assert!(
+            same.starts_with("A and B have the same colour; all surfaces look the same (ΔE2000 up to 0.0"),
+            "{same}"
+        );
         assert!(compared.pairs.iter().any(|pair| pair.patches[1] >= 24));
         for pair in &compared.pairs {
             let labs = compared.surfaces_of(pair).map(|surface| surface.lab);

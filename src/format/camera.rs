@@ -106,11 +106,11 @@ impl CameraFile {
     /// Checks ranges and directions.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { from, at: target, up, lens, shutter, motion } = self;
-        validate_pose(at, "at", [*from, *target, *up])?;
-        lens.validate(&at.key("lens"))?;
-        if let Some(shutter) = shutter {
-            shutter.validate(&at.key("shutter"))?;
-        }
+        check::all([
+            validate_pose(at, "at", [*from, *target, *up]),
+            lens.validate(&at.key("lens")),
+            shutter.as_ref().map_or(Ok(()), |shutter| shutter.validate(&at.key("shutter"))),
+        ])?;
         let at = at.key("motion");
         check::rising(&at, motion.iter().map(|key| key.time), Some("time"))?;
         for (i, key) in motion.iter().enumerate() {

@@ -3,12 +3,17 @@
 //! Every check takes the JSON path of its value. The caller adds file, line and column to the
 //! error.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, every};
 use crate::json::JsonPath;
 
 /// Returns an error that contains the JSON path of the wrong value. `what` says what was found.
 pub(super) fn fault(at: &JsonPath, what: impl Into<String>, expected: impl Into<String>) -> Error {
     Error::input(what).expected(expected).on_path(at.to_string())
+}
+
+/// Returns an error with all faults, if one of the results is an error.
+pub(super) fn all(results: impl IntoIterator<Item = Result<()>>) -> Result<()> {
+    every(results).map(|_| ())
 }
 
 /// Formats a number in the notation of scene files.

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
+use super::check;
 use super::quantity::{QuantityFile, one_quantity, validate_quantity};
 use super::spectrum::{SpectrumFile, SpectrumUse};
 use crate::error::Result;
@@ -57,7 +58,7 @@ impl EmissionFile {
 
     /// Checks the spectrum and the quantity.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
-        self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative)?;
-        validate_quantity(at, self.quantity())
+        let spectrum = self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative);
+        check::all([spectrum, validate_quantity(at, self.quantity())])
     }
 }

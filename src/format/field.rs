@@ -158,23 +158,29 @@ impl FieldFile {
         constant.map_or(Ok(()), |value| check::not_negative(&at.key("constant"), value))?;
         if let Some(ExponentialFieldFile { value, scale_height, planet }) = exponential {
             let at = at.key("exponential");
-            check::not_negative(&at.key("value"), *value)?;
-            check::positive(&at.key("scale_height"), *scale_height)?;
-            planet.map_or(Ok(()), |planet| check::positive(&at.key("planet").key("radius"), planet.radius))?;
+            check::all([
+                check::not_negative(&at.key("value"), *value),
+                check::positive(&at.key("scale_height"), *scale_height),
+                planet.map_or(Ok(()), |planet| check::positive(&at.key("planet").key("radius"), planet.radius)),
+            ])?;
         }
         if let Some(SphereFieldFile { value, center: _, radius, falloff }) = sphere {
             let at = at.key("sphere");
-            check::not_negative(&at.key("value"), *value)?;
-            check::positive(&at.key("radius"), *radius)?;
-            check::fraction(&at.key("falloff"), *falloff)?;
+            check::all([
+                check::not_negative(&at.key("value"), *value),
+                check::positive(&at.key("radius"), *radius),
+                check::fraction(&at.key("falloff"), *falloff),
+            ])?;
         }
         if let Some(NoiseFieldFile { value, scale, octaves, threshold, falloff, seed: _ }) = noise {
             let at = at.key("noise");
-            check::not_negative(&at.key("value"), *value)?;
-            check::positive(&at.key("scale"), *scale)?;
-            check::count(&at.key("octaves"), u64::from(*octaves), 1, 16)?;
-            check::fraction(&at.key("threshold"), *threshold)?;
-            check::fraction(&at.key("falloff"), *falloff)?;
+            check::all([
+                check::not_negative(&at.key("value"), *value),
+                check::positive(&at.key("scale"), *scale),
+                check::count(&at.key("octaves"), u64::from(*octaves), 1, 16),
+                check::fraction(&at.key("threshold"), *threshold),
+                check::fraction(&at.key("falloff"), *falloff),
+            ])?;
         }
         Ok(())
     }

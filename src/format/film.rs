@@ -160,12 +160,14 @@ impl FilmFile {
     /// Checks ranges.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { width, height, spectral_bands, exposure, .. } = self;
-        check::count(&at.key("width"), u64::from(*width), 1, 100_000)?;
-        check::count(&at.key("height"), u64::from(*height), 1, 100_000)?;
-        check::count(&at.key("spectral_bands"), u64::from(*spectral_bands), 0, 1024)?;
-        match exposure {
-            ExposureFile::Auto | ExposureFile::None | ExposureFile::Ev(_) => Ok(()),
-            ExposureFile::Iso(iso) => check::positive(&at.key("exposure").key("iso"), *iso),
-        }
+        check::all([
+            check::count(&at.key("width"), u64::from(*width), 1, 100_000),
+            check::count(&at.key("height"), u64::from(*height), 1, 100_000),
+            check::count(&at.key("spectral_bands"), u64::from(*spectral_bands), 0, 1024),
+            match exposure {
+                ExposureFile::Auto | ExposureFile::None | ExposureFile::Ev(_) => Ok(()),
+                ExposureFile::Iso(iso) => check::positive(&at.key("exposure").key("iso"), *iso),
+            },
+        ])
     }
 }

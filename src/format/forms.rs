@@ -276,11 +276,10 @@ mod tests {
     fn errors_list_the_forms_that_the_types_have() {
         let ends_with = |expected: &str, forms: &[String]| expected.ends_with(&forms.join(", "));
         let spectrum = object_forms::<SpectrumFile>();
-        assert_eq!(spectrum.len(), 9);
+        assert_eq!(spectrum.len(), 10);
         assert!(ends_with(SpectrumFile::EXPECTED, &spectrum));
-        let reflectance = [spectrum, object_forms::<ReflectanceFile>()].concat();
-        assert_eq!(reflectance, REFLECTANCE_FORMS);
-        assert!(ends_with(ReflectanceFile::EXPECTED, &reflectance));
+        assert_eq!(spectrum, REFLECTANCE_FORMS);
+        assert!(ends_with(ReflectanceFile::EXPECTED, &spectrum));
         assert!(ends_with(IndexFile::EXPECTED, &object_forms::<IndexFile>()));
         assert!(ends_with(PrescriptionFile::EXPECTED, &object_forms::<PrescriptionFile>()));
     }

@@ -155,8 +155,7 @@ impl IndexFile {
             }
             Self::Abbe { nd, vd } => {
                 let at = at.key("abbe");
-                index_number(&at.key("nd"), *nd)?;
-                check::positive(&at.key("vd"), *vd)
+                check::all([index_number(&at.key("nd"), *nd), check::positive(&at.key("vd"), *vd)])
             }
             Self::Table { nm, values } => validate_table(&at.key("table"), nm, values, index_number),
         }

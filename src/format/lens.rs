@@ -277,21 +277,25 @@ impl ThinLensFile {
     /// Checks that all values are in range and that the file describes the lens in exactly one
     /// form.
     fn validate(&self, at: &JsonPath) -> Result<()> {
-        check::positive(&at.key("focus_distance"), self.focus_distance)?;
-        match self.form_at(at)? {
+        let form = self.form_at(at).and_then(|form| match form {
             ThinLensForm::Photographic { focal_length_mm, f_number, focus_distance: _, sensor_height_mm } => {
-                check::positive(&at.key("focal_length_mm"), focal_length_mm)?;
-                check::positive(&at.key("f_number"), f_number)?;
-                check::positive(&at.key("sensor_height_mm"), sensor_height_mm)?;
+                check::all([
+                    check::positive(&at.key("focal_length_mm"), focal_length_mm),
+                    check::positive(&at.key("f_number"), f_number),
+                    check::positive(&at.key("sensor_height_mm"), sensor_height_mm),
+                ])
             }
             ThinLensForm::Angular { fov, focus_distance: _, defocus_angle } => {
-                check::between(&at.key("fov"), fov, 0.0, 180.0)?;
                 let inside = (0.0..180.0).contains(&defocus_angle);
                 let allowed = "a number of at least 0 and below 180";
-                check::rule(&at.key("defocus_angle"), defocus_angle, inside, allowed)?;
+                check::all([
+                    check::between(&at.key("fov"), fov, 0.0, 180.0),
+                    check::rule(&at.key("defocus_angle"), defocus_angle, inside, allowed),
+                ])
             }
-        }
-        validate_blades(at, self.blades)
+        });
+        let focus = check::positive(&at.key("focus_distance"), self.focus_distance);
+        check::all([focus, form, validate_blades(at, self.blades)])
     }
 }
 
@@ -300,11 +304,13 @@ impl SystemLensFile {
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { prescription, focus_distance, f_number, sensor_height_mm, blades, rotation: _, diffraction: _ } =
             self;
-        prescription.validate(&at.key("prescription"))?;
-        check::positive(&at.key("focus_distance"), *focus_distance)?;
-        f_number.map_or(Ok(()), |f_number| check::positive(&at.key("f_number"), f_number))?;
-        check::positive(&at.key("sensor_height_mm"), *sensor_height_mm)?;
-        validate_blades(at, *blades)
+        check::all([
+            prescription.validate(&at.key("prescription")),
+            check::positive(&at.key("focus_distance"), *focus_distance),
+            f_number.map_or(Ok(()), |f_number| check::positive(&at.key("f_number"), f_number)),
+            check::positive(&at.key("sensor_height_mm"), *sensor_height_mm),
+            validate_blades(at, *blades),
+        ])
     }
 }
 

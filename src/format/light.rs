@@ -64,6 +64,7 @@ pub enum LightFile {
         "transform": [], "motion": []
     }}))]
     #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.ies", "spectrum": 1, "power": 60}}))]
+    #[schemars(skip)]
     Ies(IesFile),
 }
 
@@ -306,52 +307,59 @@ impl LightFile {
 
 /// Checks the transform and the keyframes of a light.
 fn validate_pose(at: &JsonPath, transform: &TransformFile, motion: &[KeyframeFile]) -> Result<()> {
-    transform.validate(&at.key("transform"))?;
-    validate_motion(&at.key("motion"), motion)
+    check::all([transform.validate(&at.key("transform")), validate_motion(&at.key("motion"), motion)])
 }
 
 impl PointFile {
     /// Checks the spectrum, the quantity, the transform and the keyframes.
     fn validate(&self, at: &JsonPath) -> Result<()> {
-        self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative)?;
-        validate_quantity(at, self.quantity())?;
-        validate_pose(at, &self.transform, &self.motion)
+        check::all([
+            self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative),
+            validate_quantity(at, self.quantity()),
+            validate_pose(at, &self.transform, &self.motion),
+        ])
     }
 }
 
 impl SpotFile {
     /// Checks the ranges of values, the axis, the quantity, the transform and the keyframes.
     fn validate(&self, at: &JsonPath) -> Result<()> {
-        check::apart(&at.key("to"), self.to, "at", self.at)?;
-        check::between(&at.key("half_angle"), self.half_angle, 0.0, 180.0)?;
         let allowed = format!("a number from 0 to the half_angle, {}", check::number(self.half_angle));
-        let inside = (0.0..=self.half_angle).contains(&self.penumbra);
-        check::rule(&at.key("penumbra"), self.penumbra, inside, &allowed)?;
-        self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative)?;
-        validate_quantity(at, self.quantity())?;
-        validate_pose(at, &self.transform, &self.motion)
+        let inside = (0.0..=self.half_angle.max(0.0)).contains(&self.penumbra);
+        check::all([
+            check::apart(&at.key("to"), self.to, "at", self.at),
+            check::between(&at.key("half_angle"), self.half_angle, 0.0, 180.0),
+            check::rule(&at.key("penumbra"), self.penumbra, inside, &allowed),
+            self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative),
+            validate_quantity(at, self.quantity()),
+            validate_pose(at, &self.transform, &self.motion),
+        ])
     }
 }
 
 impl BeamFile {
     /// Checks the ranges of values, the axis, the quantity, the transform and the keyframes.
     fn validate(&self, at: &JsonPath) -> Result<()> {
-        check::apart(&at.key("to"), self.to, "from", self.from)?;
-        check::positive(&at.key("radius"), self.radius)?;
         let inside = (0.0..90.0).contains(&self.divergence);
-        check::rule(&at.key("divergence"), self.divergence, inside, "a number of at least 0 and below 90")?;
-        self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative)?;
-        validate_quantity(at, self.quantity())?;
-        validate_pose(at, &self.transform, &self.motion)
+        check::all([
+            check::apart(&at.key("to"), self.to, "from", self.from),
+            check::positive(&at.key("radius"), self.radius),
+            check::rule(&at.key("divergence"), self.divergence, inside, "a number of at least 0 and below 90"),
+            self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative),
+            validate_quantity(at, self.quantity()),
+            validate_pose(at, &self.transform, &self.motion),
+        ])
     }
 }
 
 impl IesFile {
     /// Checks the direction, the spectrum, the quantity, the transform and the keyframes.
     fn validate(&self, at: &JsonPath) -> Result<()> {
-        check::direction(&at.key("toward"), self.toward)?;
-        self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative)?;
-        validate_quantity(at, self.quantity())?;
-        validate_pose(at, &self.transform, &self.motion)
+        check::all([
+            check::direction(&at.key("toward"), self.toward),
+            self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative),
+            validate_quantity(at, self.quantity()),
+            validate_pose(at, &self.transform, &self.motion),
+        ])
     }
 }

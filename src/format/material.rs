@@ -167,9 +167,11 @@ impl MaterialFile {
             Self::Mirror { reflectance } => reflectance.validate(&at.key("mirror").key("reflectance")),
             Self::Glossy { reflectance, ior, roughness } => {
                 let at = at.key("glossy");
-                reflectance.validate(&at.key("reflectance"))?;
-                ior.validate(&at.key("ior"))?;
-                check::fraction(&at.key("roughness"), *roughness)
+                check::all([
+                    reflectance.validate(&at.key("reflectance")),
+                    ior.validate(&at.key("ior")),
+                    check::fraction(&at.key("roughness"), *roughness),
+                ])
             }
             Self::Translucent { reflectance, transmittance } => {
                 validate_translucent(&at.key("translucent"), reflectance, transmittance)
@@ -186,8 +188,7 @@ impl MaterialFile {
 
 /// If the reflectance and the transmittance are plain numbers, checks that their sum is at most 1.
 fn validate_translucent(at: &JsonPath, reflectance: &ReflectanceFile, transmittance: &ReflectanceFile) -> Result<()> {
-    reflectance.validate(&at.key("reflectance"))?;
-    transmittance.validate(&at.key("transmittance"))?;
+    check::all([reflectance.validate(&at.key("reflectance")), transmittance.validate(&at.key("transmittance"))])?;
     if let (
         ReflectanceFile::Spectrum(SpectrumFile::Number(reflected)),
         ReflectanceFile::Spectrum(SpectrumFile::Number(transmitted)),
@@ -204,9 +205,11 @@ impl DielectricFile {
     /// Checks the ranges of numbers and the lengths of lists.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { ior, roughness, absorption, medium: _, priority: _ } = self;
-        ior.validate(&at.key("ior"))?;
-        check::fraction(&at.key("roughness"), *roughness)?;
-        absorption.as_ref().map_or(Ok(()), |it| it.validate(&at.key("absorption"), SpectrumUse::NotNegative))
+        check::all([
+            ior.validate(&at.key("ior")),
+            check::fraction(&at.key("roughness"), *roughness),
+            absorption.as_ref().map_or(Ok(()), |it| it.validate(&at.key("absorption"), SpectrumUse::NotNegative)),
+        ])
     }
 }
 
@@ -214,17 +217,17 @@ impl ThinDielectricFile {
     /// Checks that all values are in range and that an absorbing pane has a thickness.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { ior, thickness, absorption } = self;
-        ior.validate(&at.key("ior"))?;
         let allowed = "both `thickness` and `absorption`, or neither";
-        match (thickness, absorption) {
+        let layer = match (thickness, absorption) {
             (None, None) => Ok(()),
             (Some(_), None) => Err(check::fault(at, "found `thickness` without `absorption`", allowed)),
             (None, Some(_)) => Err(check::fault(at, "found `absorption` without `thickness`", allowed)),
-            (Some(thickness), Some(absorption)) => {
-                check::positive(&at.key("thickness"), *thickness)?;
-                absorption.validate(&at.key("absorption"), SpectrumUse::NotNegative)
-            }
-        }
+            (Some(thickness), Some(absorption)) => check::all([
+                check::positive(&at.key("thickness"), *thickness),
+                absorption.validate(&at.key("absorption"), SpectrumUse::NotNegative),
+            ]),
+        };
+        check::all([ior.validate(&at.key("ior")), layer])
     }
 }
 
@@ -233,16 +236,19 @@ impl ConductorFile {
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { metal, eta, k, roughness } = self;
         let allowed = "either `metal` or both `eta` and `k`";
-        match (metal, eta, k) {
-            (Some(_), None, None) | (None, Some(_), Some(_)) => {}
-            (Some(_), Some(_), _) => return Err(check::fault(&at.key("eta"), "found together with `metal`", allowed)),
-            (Some(_), None, Some(_)) => return Err(check::fault(&at.key("k"), "found together with `metal`", allowed)),
-            (None, Some(_), None) => return Err(check::fault(at, "found `eta` without `k`", allowed)),
-            (None, None, Some(_)) => return Err(check::fault(at, "found `k` without `eta`", allowed)),
-            (None, None, None) => return Err(check::fault(at, "found none of the keys it needs", allowed)),
-        }
-        eta.as_ref().map_or(Ok(()), |it| it.validate(&at.key("eta"), SpectrumUse::NotNegative))?;
-        k.as_ref().map_or(Ok(()), |it| it.validate(&at.key("k"), SpectrumUse::NotNegative))?;
-        check::fraction(&at.key("roughness"), *roughness)
+        let form = match (metal, eta, k) {
+            (Some(_), None, None) | (None, Some(_), Some(_)) => Ok(()),
+            (Some(_), Some(_), _) => Err(check::fault(&at.key("eta"), "found together with `metal`", allowed)),
+            (Some(_), None, Some(_)) => Err(check::fault(&at.key("k"), "found together with `metal`", allowed)),
+            (None, Some(_), None) => Err(check::fault(at, "found `eta` without `k`", allowed)),
+            (None, None, Some(_)) => Err(check::fault(at, "found `k` without `eta`", allowed)),
+            (None, None, None) => Err(check::fault(at, "found none of the keys it needs", allowed)),
+        };
+        check::all([
+            form,
+            eta.as_ref().map_or(Ok(()), |it| it.validate(&at.key("eta"), SpectrumUse::NotNegative)),
+            k.as_ref().map_or(Ok(()), |it| it.validate(&at.key("k"), SpectrumUse::NotNegative)),
+            check::fraction(&at.key("roughness"), *roughness),
+        ])
     }
 }

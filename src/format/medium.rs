@@ -195,14 +195,14 @@ impl HomogeneousFile {
     /// Checks ranges.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { absorption, scattering, phase, emission, priority: _, transform, motion } = self;
-        absorption.validate(&at.key("absorption"), SpectrumUse::NotNegative)?;
-        scattering.validate(&at.key("scattering"), SpectrumUse::NotNegative)?;
-        phase.validate(&at.key("phase"))?;
-        if let Some(emission) = emission {
-            emission.validate(&at.key("emission"), false)?;
-        }
-        transform.validate(&at.key("transform"))?;
-        validate_motion(&at.key("motion"), motion)
+        check::all([
+            absorption.validate(&at.key("absorption"), SpectrumUse::NotNegative),
+            scattering.validate(&at.key("scattering"), SpectrumUse::NotNegative),
+            phase.validate(&at.key("phase")),
+            emission.as_ref().map_or(Ok(()), |emission| emission.validate(&at.key("emission"), false)),
+            transform.validate(&at.key("transform")),
+            validate_motion(&at.key("motion"), motion),
+        ])
     }
 }
 
@@ -210,20 +210,22 @@ impl GridFile {
     /// Checks the ranges of numbers and the lengths of lists.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { bounds: [min, max], density, absorption, scattering, phase, emission, temperature, .. } = self;
-        for axis in 0..3 {
+        let bounds = check::all((0..3).map(|axis| {
             let (bounds, allowed) = (at.key("bounds"), format!("a number above {}", check::number(min[axis])));
-            check::rule(&bounds.index(1).index(axis), max[axis], max[axis] > min[axis], &allowed)?;
-        }
-        density.validate(&at.key("density"))?;
-        absorption.validate(&at.key("absorption"), SpectrumUse::NotNegative)?;
-        scattering.validate(&at.key("scattering"), SpectrumUse::NotNegative)?;
-        phase.validate(&at.key("phase"))?;
-        if let Some(emission) = emission {
-            emission.validate(&at.key("emission"), temperature.is_some())?;
-        }
-        temperature.as_ref().map_or(Ok(()), |field| field.validate(&at.key("temperature")))?;
-        self.transform.validate(&at.key("transform"))?;
-        validate_motion(&at.key("motion"), &self.motion)
+            check::rule(&bounds.index(1).index(axis), max[axis], max[axis] > min[axis], &allowed)
+        }));
+        let has_temperature = temperature.is_some();
+        check::all([
+            bounds,
+            density.validate(&at.key("density")),
+            absorption.validate(&at.key("absorption"), SpectrumUse::NotNegative),
+            scattering.validate(&at.key("scattering"), SpectrumUse::NotNegative),
+            phase.validate(&at.key("phase")),
+            emission.as_ref().map_or(Ok(()), |emission| emission.validate(&at.key("emission"), has_temperature)),
+            temperature.as_ref().map_or(Ok(()), |field| field.validate(&at.key("temperature"))),
+            self.transform.validate(&at.key("transform")),
+            validate_motion(&at.key("motion"), &self.motion),
+        ])
     }
 }
 

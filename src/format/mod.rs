@@ -11,6 +11,7 @@ mod check;
 mod emission;
 mod field;
 mod film;
+mod foreign;
 mod forms;
 mod index;
 mod lens;
@@ -26,8 +27,11 @@ mod reference;
 mod reference_tests;
 mod render;
 pub mod resolve;
+#[cfg(test)]
+mod schema_tests;
 mod shape;
 mod spectrum;
+mod srgb;
 #[cfg(test)]
 mod tests;
 mod transform;
@@ -56,9 +60,10 @@ pub use reference::scene_reference;
 pub use render::{LightMapFile, RenderFile};
 pub use shape::ShapeFile;
 pub use spectrum::{ImageFile, LineFile, ReflectanceFile, SpectrumFile, WeightedSpectrumFile};
+pub use srgb::{SrgbFile, is_hex_colour, linear_of_hex};
 pub use transform::{KeyframeFile, ScaleFile, TransformFile, TransformStepFile};
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 pub use crate::json::{FileAccess, JsonPath, JsonSource, MAX_BYTES, PATCH_LABEL, read_text};
 use spectrum::SpectrumUse;
 
@@ -156,9 +161,20 @@ impl UnitFile {
 /// Returns an error if the file cannot be read, is larger than [`MAX_BYTES`] or is not JSON. Also
 /// returns an error if a patch cannot be applied, if a key is unknown, or if a value has a wrong
 /// type or is out of range. If the fault has a position in the file, the error states the line, the
-/// column and the JSON path.
+/// column and the JSON path. If the file has several faults, the error contains all of them, up to
+/// [`MAX_FAULTS`](crate::error::MAX_FAULTS).
 pub fn read(path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
-    parse(&read_text(path)?, path, sets)
+    parse(&read_scene_text(path)?, path, sets)
+}
+
+/// Reads the text of a scene file.
+///
+/// # Errors
+/// Returns an error if the file cannot be read, is too large, is not UTF-8, or is a file of another
+/// program. In the last case, the error says how to bring the file into a scene.
+pub fn read_scene_text(path: &Path) -> Result<String> {
+    foreign::refuse_foreign(path)?;
+    read_text(path)
 }
 
 /// Reads a scene from its text. Errors use `path` as the name of the text. `sets` are patches as in
@@ -168,9 +184,49 @@ pub fn read(path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
 /// Returns the same errors as [`read`].
 pub fn parse(text: &str, path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
     let source = JsonSource::patched(text, path, sets)?;
-    let scene: SceneFile = source.deserialize()?;
-    scene.validate(&source)?;
-    Ok((scene, source))
+    parse_source(source, |_, _| None)
+}
+
+/// Reads a scene from its text like [`parse`]. `access` says which files the scene may name. If the
+/// text has faults, the error also contains the faults that [`resolve::resolve`] finds, such as
+/// unknown names.
+///
+/// # Errors
+/// Returns the errors of [`parse`] and of [`resolve::resolve`].
+pub fn parse_with_access(
+    text: &str,
+    path: &Path,
+    sets: &[String],
+    access: FileAccess,
+) -> Result<(SceneFile, JsonSource)> {
+    let source = JsonSource::patched(text, path, sets)?.with_file_access(access);
+    parse_source(source, |scene, source| resolve::resolve(scene, source).err())
+}
+
+/// Reads a scene and checks single values. If the text has faults, `look_further` returns further
+/// faults of the scene, in which stand-ins replace the wrong parts.
+fn parse_source(
+    source: JsonSource,
+    look_further: impl FnOnce(&SceneFile, &JsonSource) -> Option<Error>,
+) -> Result<(SceneFile, JsonSource)> {
+    let repaired = source.deserialize_repaired::<SceneFile>();
+    let mut faults = repaired.faults.clone();
+    if let Some(scene) = &repaired.value {
+        let mut later = scene.validate(&source).err();
+        if (later.is_some() || !faults.is_empty()) && !repaired.lacks_definitions(&source) {
+            // A fault of the whole scene, such as a scene without light, may follow from the others.
+            let further = look_further(scene, &source).map_or_else(Vec::new, Error::into_faults);
+            let in_a_part = |fault: &Error| fault.location.path.as_deref().is_some_and(|path| !path.is_empty());
+            later = Error::all(later.into_iter().chain(further.into_iter().filter(in_a_part)));
+        }
+        let later = later.map_or_else(Vec::new, Error::into_faults);
+        faults.extend(later.into_iter().filter(|fault| !repaired.explains(&source, fault)));
+    }
+    match (repaired.value, Error::all(faults)) {
+        (Some(scene), None) => Ok((scene, source)),
+        (_, Some(error)) => Err(error),
+        (None, None) => Err(Error::input("the scene cannot be read").in_file(&source.path)),
+    }
 }
 
 /// Reads a spectrum from its text, in any form that a scene may contain. Errors use `name` as the
@@ -210,8 +266,7 @@ impl SceneFile {
     /// Checks all rules that concern a single value or object.
     ///
     /// # Errors
-    /// If several values are wrong, returns the error of the first wrong value in the order of the
-    /// keys. The error contains its position in `source`.
+    /// Returns an error with all wrong values. Each fault contains its position in `source`.
     pub fn validate(&self, source: &JsonSource) -> Result<()> {
         self.check().map_err(|error| source.with_position(error))
     }
@@ -221,18 +276,18 @@ impl SceneFile {
     fn check(&self) -> Result<()> {
         let Self { schema: _, title: _, unit: _, camera, film, spectra, media, materials, .. } = self;
         let root = JsonPath::Root;
-        camera.validate(&root.key("camera"))?;
-        film.validate(&root.key("film"))?;
+        let mut results = vec![camera.validate(&root.key("camera")), film.validate(&root.key("film"))];
         let at = root.key("spectra");
-        spectra.iter().try_for_each(|(name, spectrum)| spectrum.validate(&at.key(name), SpectrumUse::Any))?;
+        results.extend(spectra.iter().map(|(name, spectrum)| spectrum.validate(&at.key(name), SpectrumUse::Any)));
         let at = root.key("media");
-        media.iter().try_for_each(|(name, medium)| medium.validate(&at.key(name)))?;
+        results.extend(media.iter().map(|(name, medium)| medium.validate(&at.key(name))));
         let at = root.key("materials");
-        materials.iter().try_for_each(|(name, material)| material.validate(&at.key(name)))?;
+        results.extend(materials.iter().map(|(name, material)| material.validate(&at.key(name))));
         let at = root.key("objects");
-        self.objects.iter().enumerate().try_for_each(|(i, object)| object.validate(&at.index(i)))?;
+        results.extend(self.objects.iter().enumerate().map(|(i, object)| object.validate(&at.index(i))));
         let at = root.key("lights");
-        self.lights.iter().enumerate().try_for_each(|(i, light)| light.validate(&at.index(i)))?;
-        self.render.validate(&root.key("render"))
+        results.extend(self.lights.iter().enumerate().map(|(i, light)| light.validate(&at.index(i))));
+        results.push(self.render.validate(&root.key("render")));
+        check::all(results)
     }
 }

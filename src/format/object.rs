@@ -52,13 +52,18 @@ impl ObjectFile {
     /// Checks that all values are in range and that the object has a material.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { name: _, shape, material, transform, motion, emission } = self;
-        shape.validate(&at.key("shape"))?;
-        if material.is_none() && !matches!(shape, ShapeFile::Mesh { .. }) {
+        let has_material = if material.is_some() || matches!(shape, ShapeFile::Mesh { .. }) {
+            Ok(())
+        } else {
             let allowed = "the name of a material (only a mesh may leave it out)";
-            return Err(check::fault(at, "missing key \"material\"", allowed));
-        }
-        transform.validate(&at.key("transform"))?;
-        validate_motion(&at.key("motion"), motion)?;
-        emission.as_ref().map_or(Ok(()), |emission| emission.validate(&at.key("emission")))
+            Err(check::fault(at, "missing key \"material\"", allowed))
+        };
+        check::all([
+            shape.validate(&at.key("shape")),
+            has_material,
+            transform.validate(&at.key("transform")),
+            validate_motion(&at.key("motion"), motion),
+            emission.as_ref().map_or(Ok(()), |emission| emission.validate(&at.key("emission"))),
+        ])
     }
 }

@@ -62,12 +62,14 @@ impl PhaseFile {
             Self::HenyeyGreenstein { g } => g.validate(&at.key("henyey_greenstein").key("g"), SpectrumUse::MeanCosine),
             Self::Mie { radius_um, spread, ior } => {
                 let at = at.key("mie");
-                check::positive(&at.key("radius_um"), *radius_um)?;
                 let spread_at = at.key("spread");
-                spread.map_or(Ok(()), |spread| {
-                    check::rule(&spread_at, spread, spread >= 1.0, "a number of at least 1")
-                })?;
-                ior.as_ref().map_or(Ok(()), |ior| ior.validate(&at.key("ior")))
+                check::all([
+                    check::positive(&at.key("radius_um"), *radius_um),
+                    spread.map_or(Ok(()), |spread| {
+                        check::rule(&spread_at, spread, spread >= 1.0, "a number of at least 1")
+                    }),
+                    ior.as_ref().map_or(Ok(()), |ior| ior.validate(&at.key("ior"))),
+                ])
             }
         }
     }

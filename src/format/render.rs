@@ -94,21 +94,20 @@ impl RenderFile {
             ("threads", self.threads.map(u64::from)),
             ("march_steps", self.march_steps.map(u64::from)),
         ];
-        for (key, value) in counts {
-            value.map_or(Ok(()), |value| check::count(&at.key(key), value, 1, u64::MAX))?;
-        }
-        self.radius.map_or(Ok(()), |radius| check::positive(&at.key("radius"), radius))?;
-        if self.nearest.is_some() && self.radius.is_some() {
-            return Err(check::fault(
-                &at.key("radius"),
-                "found together with `nearest`",
-                "at most one of nearest, radius",
-            ));
-        }
+        let counts =
+            counts.map(|(key, value)| value.map_or(Ok(()), |value| check::count(&at.key(key), value, 1, u64::MAX)));
+        let radius_at = at.key("radius");
+        let radius = match self.radius {
+            Some(_) if self.nearest.is_some() => {
+                Err(check::fault(&radius_at, "found together with `nearest`", "at most one of nearest, radius"))
+            }
+            radius => radius.map_or(Ok(()), |radius| check::positive(&radius_at, radius)),
+        };
         let seconds_at = at.key("checkpoint_seconds");
-        self.checkpoint_seconds.map_or(Ok(()), |seconds| check::not_negative(&seconds_at, seconds))?;
-        let resolution_at = at.key("light_map");
-        self.light_map
-            .map_or(Ok(()), |map| check::count(&resolution_at.key("resolution"), u64::from(map.resolution), 2, 1024))
+        let seconds = self.checkpoint_seconds.map_or(Ok(()), |seconds| check::not_negative(&seconds_at, seconds));
+        let map_at = at.key("light_map");
+        let map_at = map_at.key("resolution");
+        let map = self.light_map.map_or(Ok(()), |map| check::count(&map_at, u64::from(map.resolution), 2, 1024));
+        check::all(counts.into_iter().chain([radius, seconds, map]))
     }
 }

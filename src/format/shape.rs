@@ -119,15 +119,15 @@ impl ShapeFile {
             Self::Box { size } => {
                 let at = at.key("box");
                 let at = at.key("size");
-                size.iter().enumerate().try_for_each(|(i, &size)| check::positive(&at.index(i), size))
+                check::all(size.iter().enumerate().map(|(i, &size)| check::positive(&at.index(i), size)))
             }
             Self::Cylinder { radius, height } => {
                 positive(&at.key("cylinder"), &[("radius", *radius), ("height", *height)])
             }
             Self::Prism { side, length, apex } => {
                 let at = at.key("prism");
-                positive(&at, &[("side", *side), ("length", *length)])?;
-                check::between(&at.key("apex"), *apex, 0.0, 180.0)
+                let sizes = positive(&at, &[("side", *side), ("length", *length)]);
+                check::all([sizes, check::between(&at.key("apex"), *apex, 0.0, 180.0)])
             }
             Self::Lens { radius1, radius2, thickness, diameter } => {
                 let at = at.key("lens");
@@ -141,7 +141,7 @@ impl ShapeFile {
 
 /// Checks that each size is above 0.
 fn positive(at: &JsonPath, sizes: &[(&str, f64)]) -> Result<()> {
-    sizes.iter().try_for_each(|(key, size)| check::positive(&at.key(key), *size))
+    check::all(sizes.iter().map(|(key, size)| check::positive(&at.key(key), *size)))
 }
 
 /// Checks that both surfaces of a lens reach the edge and that the edge thickness is not negative.

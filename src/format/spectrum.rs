@@ -1,28 +1,32 @@
 //! Spectra and reflectances in the scene file.
 
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error as _, MapAccess};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::json;
+use std::borrow::Cow;
 
 use super::check;
 use super::forms::{self, Form, Forms};
+use super::srgb::SrgbFile;
 use crate::error::Result;
 use crate::json::JsonPath;
 use crate::optics::phase::MAX_MEAN_COSINE;
 use crate::spectrum::DEFAULT_LINE_WIDTH_NM;
 
 /// A function of wavelength: a constant number, the name of a spectrum in the scene's `spectra` or
-/// in the built-in library, or an object with one key. `abbe spectrum --list` prints the library.
+/// in the built-in library, an sRGB colour such as `"#ff8800"`, or an object with one key. `abbe
+/// spectrum --list` prints the library.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(rename = "SpectrumFile", title = "Spectrum", transform = forms::or_number_or_name)]
-#[schemars(example = json!(0.5), example = &"D65")]
+#[schemars(example = json!(0.5), example = &"D65", example = &"#ff8800")]
 pub enum SpectrumFile {
     /// The same value at every wavelength.
     #[serde(skip)]
     Number(f64),
-    /// The name of a spectrum in the scene's `spectra` or in the built-in library.
+    /// The name of a spectrum in the scene's `spectra` or in the built-in library, or an sRGB colour
+    /// such as `#ff8800`.
     #[serde(skip)]
     Name(String),
     /// Values at given wavelengths, with linear interpolation between them.
@@ -62,6 +66,10 @@ pub enum SpectrumFile {
     /// reflectance is from 0 to 1.
     #[schemars(example = json!({"rgb": [0.2, 0.5, 0.8]}))]
     Rgb([f64; 3]),
+    /// An sRGB colour as in image editors: `"#ff8800"`, or components from 0 to 1. It is upsampled
+    /// like `rgb`. The plain string `"#ff8800"` means the same.
+    #[schemars(example = json!({"srgb": "#ff8800"}), example = json!({"srgb": [1, 0.53, 0]}))]
+    Srgb(SrgbFile),
     /// A weighted sum of spectra.
     #[schemars(example = json!({"mix": [{"spectrum": "A", "weight": 0.3}, {"spectrum": "D65", "weight": 1}]}))]
     Mix(#[schemars(length(min = 1))] Vec<WeightedSpectrumFile>),
@@ -118,8 +126,8 @@ pub struct WeightedSpectrumFile {
 }
 
 impl Forms for SpectrumFile {
-    const EXPECTED: &'static str = "a number, a spectrum's name, or an object with one of the keys table, file, lines, \
-                                    blackbody, gaussian, rgb, mix, power_law, match";
+    const EXPECTED: &'static str = "a number, a spectrum's name, a colour such as \"#ff8800\", or an object with one of the \
+                                    keys table, file, lines, blackbody, gaussian, rgb, srgb, mix, power_law, match";
 
     fn from_number(number: f64) -> Option<Self> {
         Some(Self::Number(number))
@@ -154,47 +162,52 @@ impl Serialize for SpectrumFile {
 
 /// A reflectance: a spectrum with values from 0 to 1, or a pattern over the texture coordinates uv
 /// of the shape.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+///
+/// The patterns are not supported yet. Therefore the schema offers only the spectrum.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(remote = "Self", rename_all = "snake_case", deny_unknown_fields)]
-#[schemars(rename = "ReflectanceFile", title = "Reflectance", transform = or_spectrum)]
-#[schemars(example = json!(0.8), example = json!({"rgb": [0.8, 0.1, 0.1]}))]
 pub enum ReflectanceFile {
     /// The same spectrum at every point.
     #[serde(skip)]
     Spectrum(SpectrumFile),
     /// A picture over uv.
-    #[schemars(example = json!({"image": "photo.png"}))]
     Image(ImageFile),
     /// A checkerboard over uv.
-    #[schemars(example = json!({"checker": {"a": 0.1, "b": 0.8, "scale": 8}}))]
     Checker {
         /// Reflectance of the square at the origin of uv.
-        #[schemars(extend("minimum" = 0, "maximum" = 1))]
         a: Box<ReflectanceFile>,
         /// Reflectance of the neighbouring squares.
-        #[schemars(extend("minimum" = 0, "maximum" = 1))]
         b: Box<ReflectanceFile>,
         /// Number of squares per unit of uv.
-        #[schemars(extend("exclusiveMinimum" = 0))]
         scale: f64,
     },
 }
 
-/// Changes the schema of a reflectance so that it also allows a plain spectrum.
-fn or_spectrum(schema: &mut schemars::Schema) {
-    forms::allow_also(schema, &[serde_json::json!({"$ref": "#/$defs/SpectrumFile"})]);
+impl JsonSchema for ReflectanceFile {
+    fn schema_name() -> Cow<'static, str> {
+        "ReflectanceFile".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let spectrum = generator.subschema_for::<SpectrumFile>();
+        json_schema!({
+            "title": "Reflectance", "description": "A reflectance: a spectrum with values from 0 to 1.",
+            "anyOf": [spectrum], "examples": [0.8, {"rgb": [0.8, 0.1, 0.1]}, "#cc3311"]
+        })
+    }
 }
 
-/// The keys that a reflectance can have, but a spectrum cannot.
+/// The keys that a reflectance can have, but a spectrum cannot. They are not supported yet.
 const PATTERN_FORMS: [&str; 2] = ["image", "checker"];
 
-/// All keys of a reflectance that is written as an object.
-pub(super) const REFLECTANCE_FORMS: [&str; 11] =
-    ["table", "file", "lines", "blackbody", "gaussian", "rgb", "mix", "power_law", "match", "image", "checker"];
+/// The supported keys of a reflectance that is written as an object.
+pub(super) const REFLECTANCE_FORMS: [&str; 10] =
+    ["table", "file", "lines", "blackbody", "gaussian", "rgb", "srgb", "mix", "power_law", "match"];
 
 impl Forms for ReflectanceFile {
-    const EXPECTED: &'static str = "a number from 0 to 1, a spectrum's name, or an object with one of the keys table, \
-                                    file, lines, blackbody, gaussian, rgb, mix, power_law, match, image, checker";
+    const EXPECTED: &'static str = "a number from 0 to 1, a spectrum's name, a colour such as \"#ff8800\", or an object \
+                                    with one of the keys table, file, lines, blackbody, gaussian, rgb, srgb, mix, \
+                                    power_law, match";
 
     fn from_number(number: f64) -> Option<Self> {
         Some(Self::Spectrum(SpectrumFile::Number(number)))
@@ -308,32 +321,39 @@ impl SpectrumFile {
             Self::Blackbody { temperature } => check::positive(&at.key("blackbody").key("temperature"), *temperature),
             Self::Gaussian { peak_nm, fwhm_nm } => {
                 let at = at.key("gaussian");
-                check::positive(&at.key("peak_nm"), *peak_nm)?;
-                check::positive(&at.key("fwhm_nm"), *fwhm_nm)
+                check::all([
+                    check::positive(&at.key("peak_nm"), *peak_nm),
+                    check::positive(&at.key("fwhm_nm"), *fwhm_nm),
+                ])
             }
             Self::Rgb(rgb) => {
                 let at = at.key("rgb");
-                rgb.iter().enumerate().try_for_each(|(i, &value)| used.check(&at.index(i), value))
+                check::all(rgb.iter().enumerate().map(|(i, &value)| used.check(&at.index(i), value)))
             }
+            Self::Srgb(colour) => colour.validate(&at.key("srgb")),
             Self::Mix(parts) => {
                 let at = at.key("mix");
                 check::entries(&at, parts.len(), 1, "at least one spectrum with its weight")?;
                 check::weights(&at, parts.iter().map(|part| part.weight))?;
-                let mut parts = parts.iter().enumerate();
-                parts.try_for_each(|(i, part)| part.spectrum.validate(&at.index(i).key("spectrum"), SpectrumUse::Any))
+                let parts = parts.iter().enumerate();
+                check::all(
+                    parts.map(|(i, part)| part.spectrum.validate(&at.index(i).key("spectrum"), SpectrumUse::Any)),
+                )
             }
             Self::PowerLaw { reference_nm, value, exponent: _ } => {
                 let at = at.key("power_law");
-                check::positive(&at.key("reference_nm"), *reference_nm)?;
-                used.check(&at.key("value"), *value)
+                check::all([
+                    check::positive(&at.key("reference_nm"), *reference_nm),
+                    used.check(&at.key("value"), *value),
+                ])
             }
             Self::Match { target, primaries } => {
                 let at = at.key("match");
                 target.validate(&at.key("target"), SpectrumUse::NotNegative)?;
                 let at = at.key("primaries");
                 check::entries(&at, primaries.len(), 1, "at least one spectrum")?;
-                let mut primaries = primaries.iter().enumerate();
-                primaries.try_for_each(|(i, primary)| primary.validate(&at.index(i), SpectrumUse::NotNegative))
+                let primaries = primaries.iter().enumerate();
+                check::all(primaries.map(|(i, primary)| primary.validate(&at.index(i), SpectrumUse::NotNegative)))
             }
         }
     }
@@ -382,9 +402,11 @@ impl ReflectanceFile {
             Self::Image(_) => Ok(()),
             Self::Checker { a, b, scale } => {
                 let at = at.key("checker");
-                a.validate(&at.key("a"))?;
-                b.validate(&at.key("b"))?;
-                check::positive(&at.key("scale"), *scale)
+                check::all([
+                    a.validate(&at.key("a")),
+                    b.validate(&at.key("b")),
+                    check::positive(&at.key("scale"), *scale),
+                ])
             }
         }
     }

@@ -37,7 +37,7 @@ fn damaged_texts_give_errors_with_a_position() {
 }
 
 /// Returns the paths of all values inside a value.
-fn paths_of_values(value: &serde_json::Value, path: &JsonPath<'_>, paths: &mut Vec<String>) {
+pub(super) fn paths_of_values(value: &serde_json::Value, path: &JsonPath<'_>, paths: &mut Vec<String>) {
     let mut below = |value: &serde_json::Value, path: &JsonPath<'_>| {
         paths.push(path.to_string());
         paths_of_values(value, path, paths);

@@ -122,7 +122,7 @@ impl TransformFile {
 
     /// Checks that every step is invertible: no scale of 0, no zero axis, no singular matrix.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
-        self.0.iter().enumerate().try_for_each(|(i, step)| step.validate(&at.index(i)))
+        check::all(self.0.iter().enumerate().map(|(i, step)| step.validate(&at.index(i))))
     }
 }
 
@@ -155,7 +155,7 @@ impl TransformStepFile {
             Self::Scale(ScaleFile::Uniform(scale)) => not_zero(&at.key("scale"), *scale),
             Self::Scale(ScaleFile::Axes(scale)) => {
                 let at = at.key("scale");
-                scale.iter().enumerate().try_for_each(|(i, &scale)| not_zero(&at.index(i), scale))
+                check::all(scale.iter().enumerate().map(|(i, &scale)| not_zero(&at.index(i), scale)))
             }
             Self::Matrix(rows) => validate_matrix(&at.key("matrix"), rows, self.to_affine().matrix3),
         }
@@ -189,9 +189,7 @@ fn validate_matrix(at: &JsonPath, rows: &[[f64; 4]; 4], linear: DMat3) -> Result
 /// neighbouring keyframes.
 pub(super) fn validate_motion(at: &JsonPath, motion: &[KeyframeFile]) -> Result<()> {
     check::rising(at, motion.iter().map(|key| key.time), Some("time"))?;
-    for (i, key) in motion.iter().enumerate() {
-        key.transform.validate(&at.index(i).key("transform"))?;
-    }
+    check::all(motion.iter().enumerate().map(|(i, key)| key.transform.validate(&at.index(i).key("transform"))))?;
     for (i, pair) in motion.windows(2).enumerate() {
         for (i, key) in (i..).zip(pair) {
             if DecomposedTransform::is_sheared(&key.transform.to_affine()) {

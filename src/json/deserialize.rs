@@ -3,41 +3,57 @@
 
 use std::borrow::Cow;
 
-use serde::de::{DeserializeSeed, Deserializer, EnumAccess, Error as _, MapAccess, SeqAccess, VariantAccess, Visitor};
+use serde::de::value::StrDeserializer;
+use serde::de::{
+    DeserializeSeed, Deserializer, EnumAccess, IntoDeserializer, MapAccess, SeqAccess, VariantAccess, Visitor,
+};
 use serde::forward_to_deserialize_any;
 
 use super::describe::one_of;
 use super::deserialize_error::{DeserializeError, DeserializeErrorKind};
 use super::positions::{ChildValues, SpannedValue, ValueKind};
+use super::repair::Repairs;
+use super::stand_in::StandIn;
 
 /// The result of reading a value.
 type DeserializeResult<T> = Result<T, DeserializeError>;
 
+/// Deserialises a value. If the repairs replace the value, the result is a stand-in.
+pub(super) fn deserialize<'de, T: DeserializeSeed<'de>>(
+    seed: T,
+    value: SpannedValue<'de>,
+    repairs: &Repairs,
+) -> DeserializeResult<T::Value> {
+    if repairs.replaces(value) {
+        seed.deserialize(StandIn)
+    } else {
+        seed.deserialize(ValueDeserializer { value, repairs })
+    }
+}
+
 /// A deserialiser of one value.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ValueDeserializer<'de>(SpannedValue<'de>);
+struct ValueDeserializer<'r, 'de> {
+    value: SpannedValue<'de>,
+    repairs: &'r Repairs,
+}
 
-impl<'de> ValueDeserializer<'de> {
-    /// Returns a deserialiser of this value.
-    pub(super) fn new(value: SpannedValue<'de>) -> Self {
-        Self(value)
-    }
-
+impl<'de> ValueDeserializer<'_, 'de> {
     /// Calls the visitor's method that matches the kind of this value.
     fn visit<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        match self.0.kind() {
+        match self.value.kind() {
             ValueKind::Null => visitor.visit_unit(),
-            ValueKind::Bool => visitor.visit_bool(self.0.written() == "true"),
+            ValueKind::Bool => visitor.visit_bool(self.value.written() == "true"),
             ValueKind::Number => self.visit_number(visitor),
-            ValueKind::String => visit_text(self.0.content(), visitor),
+            ValueKind::String => visit_text(self.value.content(), visitor),
             ValueKind::Array => {
-                let mut elements = self.0.children();
-                let value = visitor.visit_seq(ArrayElements(&mut elements))?;
+                let mut elements = self.value.children();
+                let value = visitor.visit_seq(ArrayElements { elements: &mut elements, repairs: self.repairs })?;
                 let left = elements.count();
                 if left == 0 {
                     return Ok(value);
                 }
-                let wanted = self.0.children().count() - left;
+                let wanted = self.value.children().count() - left;
                 Err(DeserializeError::mismatch(format!("an array of {wanted}")))
             }
             ValueKind::Object => self.visit_object(visitor),
@@ -46,10 +62,10 @@ impl<'de> ValueDeserializer<'de> {
 
     /// Visits an object.
     fn visit_object<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        let mut entries = self.0.children();
-        let value = visitor.visit_map(ObjectEntries { entries: &mut entries, value: None })?;
+        let mut entries = ObjectEntries::new(self.value, self.repairs);
+        let value = visitor.visit_map(&mut entries)?;
         // The visitor of a struct reads all keys. The visitor of an enum reads only the first key.
-        match entries.next() {
+        match entries.next_kept_key() {
             None => Ok(value),
             Some(key) => Err(DeserializeError::new(DeserializeErrorKind::SecondKey(&[])).at(key)),
         }
@@ -58,7 +74,7 @@ impl<'de> ValueDeserializer<'de> {
     /// Visits a number. If the text is an integer that fits 64 bits, the visitor gets an integer.
     /// Otherwise, the visitor gets a float.
     fn visit_number<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        let written = self.0.written();
+        let written = self.value.written();
         if let Ok(number) = written.parse::<u64>() {
             visitor.visit_u64(number)
         } else if let Ok(number @ ..0) = written.parse::<i64>() {
@@ -70,20 +86,20 @@ impl<'de> ValueDeserializer<'de> {
 
     /// Returns the number as a float. The scanner has checked the syntax.
     fn float(self) -> f64 {
-        self.0.written().parse().unwrap_or(f64::NAN)
+        self.value.written().parse().unwrap_or(f64::NAN)
     }
 
     /// Visits a whole number. Forms such as 1e6 or 4.0 are accepted for numbers up to 2⁵³, because
     /// floats above 2⁵³ cannot represent every whole number.
     fn visit_whole<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        let number = if self.0.kind() == ValueKind::Number { self.float() } else { f64::NAN };
+        let number = if self.value.kind() == ValueKind::Number { self.float() } else { f64::NAN };
         let exact = number.fract() == 0.0 && number.abs() <= 9_007_199_254_740_992.0;
         let result = match (exact, number >= 0.0) {
             (true, true) => visitor.visit_u64(number as u64),
             (true, false) => visitor.visit_i64(number as i64),
             (false, _) => self.visit(visitor),
         };
-        result.map_err(|error| error.at(self.0))
+        result.map_err(|error| error.at(self.value))
     }
 
     /// Returns the error for a value that should be an object. `fields` are the keys of the object.
@@ -93,15 +109,15 @@ impl<'de> ValueDeserializer<'de> {
             [key] => format!("an object with the key {key}"),
             keys => format!("an object with the keys {}", one_of(keys).trim_start_matches("one of ")),
         };
-        DeserializeError::mismatch(expected).at(self.0)
+        DeserializeError::mismatch(expected).at(self.value)
     }
 
     /// Visits an object with the known keys `fields`.
     fn visit_fields<V: Visitor<'de>>(self, fields: &[&str], visitor: V) -> DeserializeResult<V::Value> {
-        if self.0.kind() != ValueKind::Object {
+        if self.value.kind() != ValueKind::Object {
             return Err(self.not_an_object(fields));
         }
-        self.visit_object(visitor).map_err(|error| error.at(self.0))
+        self.visit_object(visitor).map_err(|error| error.at(self.value))
     }
 }
 
@@ -113,11 +129,11 @@ fn visit_text<'de, V: Visitor<'de>>(text: Cow<'de, str>, visitor: V) -> Deserial
     }
 }
 
-impl<'de> Deserializer<'de> for ValueDeserializer<'de> {
+impl<'de> Deserializer<'de> for ValueDeserializer<'_, 'de> {
     type Error = DeserializeError;
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        self.visit(visitor).map_err(|error| error.at(self.0))
+        self.visit(visitor).map_err(|error| error.at(self.value))
     }
 
     fn deserialize_u32<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
@@ -127,7 +143,11 @@ impl<'de> Deserializer<'de> for ValueDeserializer<'de> {
     fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
         // Floats above 2⁵³ cannot represent every integer, so integers are read from the digits of
         // the text.
-        if self.0.written().parse::<u64>().is_ok() { self.deserialize_any(visitor) } else { self.visit_whole(visitor) }
+        if self.value.written().parse::<u64>().is_ok() {
+            self.deserialize_any(visitor)
+        } else {
+            self.visit_whole(visitor)
+        }
     }
 
     fn deserialize_i32<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
@@ -135,8 +155,8 @@ impl<'de> Deserializer<'de> for ValueDeserializer<'de> {
     }
 
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        let result = if self.0.kind() == ValueKind::Null { visitor.visit_none() } else { visitor.visit_some(self) };
-        result.map_err(|error| error.at(self.0))
+        let result = if self.value.kind() == ValueKind::Null { visitor.visit_none() } else { visitor.visit_some(self) };
+        result.map_err(|error| error.at(self.value))
     }
 
     fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> DeserializeResult<V::Value> {
@@ -144,10 +164,10 @@ impl<'de> Deserializer<'de> for ValueDeserializer<'de> {
     }
 
     fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> DeserializeResult<V::Value> {
-        if self.0.kind() == ValueKind::Array && self.0.children().count() == length {
+        if self.value.kind() == ValueKind::Array && self.value.children().count() == length {
             return self.deserialize_any(visitor);
         }
-        Err(DeserializeError::mismatch(format!("an array of {length}")).at(self.0))
+        Err(DeserializeError::mismatch(format!("an array of {length}")).at(self.value))
     }
 
     fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
@@ -169,12 +189,14 @@ impl<'de> Deserializer<'de> for ValueDeserializer<'de> {
         variants: &'static [&'static str],
         visitor: V,
     ) -> DeserializeResult<V::Value> {
-        let result = match self.0.kind() {
-            ValueKind::String => visitor.visit_enum(PlainVariant(self.0)),
+        let result = match self.value.kind() {
+            ValueKind::String => visitor.visit_enum(PlainVariant(self.value)),
             ValueKind::Object => {
-                let mut entries = self.0.entries();
+                let mut entries = self.value.entries().filter(|(key, _)| !self.repairs.drops(*key));
                 match (entries.next(), entries.next()) {
-                    (Some((key, value)), None) => visitor.visit_enum(KeyedVariant { key, value }),
+                    (Some((key, value)), None) => {
+                        visitor.visit_enum(KeyedVariant { key, value, repairs: self.repairs })
+                    }
                     (Some(_), Some((second, _))) => {
                         Err(DeserializeError::new(DeserializeErrorKind::SecondKey(variants)).at(second))
                     }
@@ -185,7 +207,7 @@ impl<'de> Deserializer<'de> for ValueDeserializer<'de> {
                 Err(DeserializeError::mismatch(one_of(variants)))
             }
         };
-        result.map_err(|error| error.at(self.0))
+        result.map_err(|error| error.at(self.value))
     }
 
     forward_to_deserialize_any! {
@@ -211,34 +233,64 @@ impl<'de> Deserializer<'de> for KeyDeserializer<'de> {
 }
 
 /// Gives the elements of an array to serde.
-struct ArrayElements<'a, 'de>(&'a mut ChildValues<'de>);
+struct ArrayElements<'a, 'de> {
+    elements: &'a mut ChildValues<'de>,
+    repairs: &'a Repairs,
+}
 
 impl<'de> SeqAccess<'de> for ArrayElements<'_, 'de> {
     type Error = DeserializeError;
 
     fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> DeserializeResult<Option<T::Value>> {
-        self.0.next().map(|value| seed.deserialize(ValueDeserializer(value))).transpose()
+        self.elements.next().map(|value| deserialize(seed, value, self.repairs)).transpose()
     }
 }
 
-/// Gives the entries of an object to serde. `value` belongs to the key that was read last.
+/// Gives the entries of an object to serde: the entries of the text that are not dropped, and then
+/// the added keys.
 struct ObjectEntries<'a, 'de> {
-    entries: &'a mut ChildValues<'de>,
+    entries: ChildValues<'de>,
+    added: Vec<&'static str>,
+    repairs: &'a Repairs,
+    /// The value of the key that was read last. `None` stands for the value of an added key.
     value: Option<SpannedValue<'de>>,
 }
 
-impl<'de> MapAccess<'de> for ObjectEntries<'_, 'de> {
+impl<'a, 'de> ObjectEntries<'a, 'de> {
+    fn new(object: SpannedValue<'de>, repairs: &'a Repairs) -> Self {
+        Self { entries: object.children(), added: repairs.added_to(object).collect(), repairs, value: None }
+    }
+
+    /// Returns the next key of the text that is not dropped.
+    fn next_kept_key(&mut self) -> Option<SpannedValue<'de>> {
+        loop {
+            let key = self.entries.next()?;
+            self.value = self.entries.next();
+            if !self.repairs.drops(key) {
+                return Some(key);
+            }
+        }
+    }
+}
+
+impl<'de> MapAccess<'de> for &mut ObjectEntries<'_, 'de> {
     type Error = DeserializeError;
 
     fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> DeserializeResult<Option<K::Value>> {
-        let Some(key) = self.entries.next() else { return Ok(None) };
-        self.value = self.entries.next();
-        seed.deserialize(KeyDeserializer(key)).map(Some)
+        if let Some(key) = self.next_kept_key() {
+            return seed.deserialize(KeyDeserializer(key)).map(Some);
+        }
+        self.value = None;
+        let Some(key) = self.added.pop() else { return Ok(None) };
+        let key: StrDeserializer<'_, DeserializeError> = key.into_deserializer();
+        seed.deserialize(key).map(Some)
     }
 
     fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> DeserializeResult<V::Value> {
-        let value = self.value.take().ok_or_else(|| DeserializeError::custom("found a key without a value"))?;
-        seed.deserialize(ValueDeserializer(value))
+        match self.value.take() {
+            Some(value) => deserialize(seed, value, self.repairs),
+            None => seed.deserialize(StandIn),
+        }
     }
 }
 
@@ -283,12 +335,13 @@ impl<'de> VariantAccess<'de> for PlainVariant<'de> {
 
 /// An enum variant with fields. In JSON, the variant is an object with one key, and this key is the
 /// name of the variant.
-struct KeyedVariant<'de> {
+struct KeyedVariant<'r, 'de> {
     key: SpannedValue<'de>,
     value: SpannedValue<'de>,
+    repairs: &'r Repairs,
 }
 
-impl<'de> EnumAccess<'de> for KeyedVariant<'de> {
+impl<'de> EnumAccess<'de> for KeyedVariant<'_, 'de> {
     type Error = DeserializeError;
     type Variant = Self;
 
@@ -297,7 +350,7 @@ impl<'de> EnumAccess<'de> for KeyedVariant<'de> {
     }
 }
 
-impl<'de> VariantAccess<'de> for KeyedVariant<'de> {
+impl<'de> VariantAccess<'de> for KeyedVariant<'_, 'de> {
     type Error = DeserializeError;
 
     fn unit_variant(self) -> DeserializeResult<()> {
@@ -305,11 +358,14 @@ impl<'de> VariantAccess<'de> for KeyedVariant<'de> {
     }
 
     fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> DeserializeResult<T::Value> {
-        seed.deserialize(ValueDeserializer(self.value))
+        deserialize(seed, self.value, self.repairs)
     }
 
     fn tuple_variant<V: Visitor<'de>>(self, length: usize, visitor: V) -> DeserializeResult<V::Value> {
-        ValueDeserializer(self.value).deserialize_tuple(length, visitor)
+        if self.repairs.replaces(self.value) {
+            return StandIn.deserialize_tuple(length, visitor);
+        }
+        ValueDeserializer { value: self.value, repairs: self.repairs }.deserialize_tuple(length, visitor)
     }
 
     fn struct_variant<V: Visitor<'de>>(
@@ -317,6 +373,9 @@ impl<'de> VariantAccess<'de> for KeyedVariant<'de> {
         fields: &'static [&'static str],
         visitor: V,
     ) -> DeserializeResult<V::Value> {
-        ValueDeserializer(self.value).visit_fields(fields, visitor)
+        if self.repairs.replaces(self.value) {
+            return StandIn.deserialize_struct("", fields, visitor);
+        }
+        ValueDeserializer { value: self.value, repairs: self.repairs }.visit_fields(fields, visitor)
     }
 }

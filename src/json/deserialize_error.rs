@@ -38,6 +38,8 @@ pub(super) enum DeserializeErrorKind {
     /// An object has two or more of the listed keys, but must have exactly one. The error's
     /// position is the second key.
     SecondKey(&'static [&'static str]),
+    /// The value was replaced by a stand-in, and the type of the value has no stand-in.
+    NoStandIn,
     /// Any other error, with its message.
     Other(String),
 }
@@ -60,12 +62,23 @@ impl DeserializeError {
         self
     }
 
+    /// Returns the kind of the error.
+    pub(super) fn kind(&self) -> &DeserializeErrorKind {
+        &self.kind
+    }
+
+    /// Returns the value or key at the position of the error. `root` is the outermost value of the
+    /// text.
+    pub(super) fn place<'t>(&self, root: SpannedValue<'t>) -> SpannedValue<'t> {
+        self.node.map_or(root, |node| root.with_id(node))
+    }
+
     /// Converts this error to an error for the user. Returns the byte offset of the error, and the
     /// error with its JSON path.
     ///
     /// `root` is the outermost value of the text.
     pub(super) fn explain(self, root: SpannedValue) -> (usize, Error) {
-        let mut value = self.node.map_or(root, |node| root.with_id(node));
+        let mut value = self.place(root);
         if matches!(self.kind, DeserializeErrorKind::Unknown { .. })
             && value.kind() == ValueKind::Object
             && let Some((key, _)) = value.entries().next()
@@ -101,6 +114,7 @@ impl DeserializeErrorKind {
                     error.expected(format!("exactly {}", one_of(known)))
                 }
             }
+            Self::NoStandIn => Error::input(format!("found {}", found(value))),
             Self::Other(message) => Error::input(message),
         }
     }

@@ -13,8 +13,10 @@ mod file_access;
 mod patch;
 mod path;
 mod positions;
+mod repair;
 mod scan;
 mod source;
+mod stand_in;
 #[cfg(test)]
 pub(crate) mod tests;
 mod text;
@@ -22,5 +24,5 @@ mod text;
 pub use file_access::FileAccess;
 pub use patch::PATCH_LABEL;
 pub use path::JsonPath;
-pub use source::JsonSource;
+pub use source::{JsonSource, RepairedValue};
 pub use text::{MAX_BYTES, read_text};

@@ -173,6 +173,11 @@ impl<'t> SpannedValue<'t> {
         rest.copied().find(|byte| !byte.is_ascii_whitespace()) == Some(b':')
     }
 
+    /// Returns whether node number `id` is this value or inside this value.
+    pub(super) fn contains(self, id: u32) -> bool {
+        (self.id..self.node().next).contains(&id)
+    }
+
     /// Returns the JSON path from this value to node number `id`. A key has the path of its value.
     pub(super) fn path_to(self, id: u32) -> String {
         let mut path = String::new();

@@ -1,16 +1,45 @@
 //! A JSON text with its patches. Deserialises the text, and adds positions to errors.
 
+use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 
-use super::deserialize::ValueDeserializer;
+use super::deserialize::deserialize;
 use super::file_access::FileAccess;
 use super::patch::{PatchedText, PieceOrigin, TextPieces};
 use super::path;
 use super::positions::Positions;
+use super::repair::Repairs;
 use super::text::line_column;
-use crate::error::{Error, Result};
+use crate::error::{Error, MAX_FAULTS, Result};
+
+/// A value of a text with faults.
+#[derive(Debug)]
+pub struct RepairedValue<T> {
+    /// The value, in which stand-ins replace the wrong parts. `None` if the text has too many
+    /// faults, or if the type has no stand-in.
+    pub value: Option<T>,
+    /// The faults of the text, each with its position.
+    pub faults: Vec<Error>,
+    repairs: Repairs,
+}
+
+impl<T> RepairedValue<T> {
+    /// Returns whether the outermost object of the text `source` contains an unknown key. The names
+    /// that the ignored entry defines are then unknown.
+    pub fn lacks_definitions(&self, source: &JsonSource) -> bool {
+        source.positions.root(&source.text).entries().any(|(key, _)| self.repairs.drops(key))
+    }
+
+    /// Returns whether an error may only follow from a repair of the text `source`. In such a case,
+    /// the value at the path of the error contains a repaired part, or is inside one.
+    pub fn explains(&self, source: &JsonSource, error: &Error) -> bool {
+        let root = source.positions.root(&source.text);
+        let steps = path::parse(error.location.path.as_deref().unwrap_or_default()).unwrap_or_default();
+        self.repairs.concern(root.nearest(&steps))
+    }
+}
 
 /// A JSON text with the position of each of its values.
 #[derive(Debug, Clone)]
@@ -45,14 +74,36 @@ impl JsonSource {
     /// Deserialises a value of type `T` from the text.
     ///
     /// # Errors
-    /// If a value does not fit the type, returns an error with its file, line, column and JSON
-    /// path.
+    /// If values do not fit the type, returns an error with the file, line, column and JSON path of
+    /// each wrong value.
     pub fn deserialize<T: DeserializeOwned>(&self) -> Result<T> {
+        let RepairedValue { value, faults, .. } = self.deserialize_repaired();
+        match (value, Error::all(faults)) {
+            (Some(value), None) => Ok(value),
+            (_, Some(error)) => Err(error),
+            (None, None) => Err(Error::input("the text cannot be read").in_file(&self.path)),
+        }
+    }
+
+    /// Deserialises a value of type `T` from the text. A part of the text that does not fit the type
+    /// is reported and replaced, so that the rest can be checked.
+    pub fn deserialize_repaired<T: DeserializeOwned>(&self) -> RepairedValue<T> {
         let root = self.positions.root(&self.text);
-        T::deserialize(ValueDeserializer::new(root)).map_err(|error| {
-            let (offset, error) = error.explain(root);
-            self.error_at_offset(offset, error)
-        })
+        let (mut faults, mut repairs) = (Vec::new(), Repairs::default());
+        loop {
+            let error = match deserialize(PhantomData::<T>, root, &repairs) {
+                Ok(value) => return RepairedValue { value: Some(value), faults, repairs },
+                Err(error) => error,
+            };
+            let outcome = repairs.repair(&error, root);
+            if outcome.is_fault {
+                let (offset, error) = error.explain(root);
+                faults.push(self.error_at_offset(offset, error));
+            }
+            if !outcome.can_continue || faults.len() >= MAX_FAULTS {
+                return RepairedValue { value: None, faults, repairs };
+            }
+        }
     }
 
     /// Returns the folder to which paths in the text are relative.
@@ -93,11 +144,15 @@ impl JsonSource {
         self.error_at_offset(value.start(), error.on_path(json_path))
     }
 
-    /// Adds file, line and column to an error that already has its JSON path.
+    /// Adds file, line and column to an error whose faults already have their JSON paths.
     #[must_use]
     pub fn with_position(&self, error: Error) -> Error {
-        let path = error.location.path.clone().unwrap_or_default();
-        self.error_at(&path, error)
+        let mut faults = error.into_faults().into_iter().map(|fault| {
+            let path = fault.location.path.clone().unwrap_or_default();
+            self.error_at(&path, fault)
+        });
+        let first = faults.next().unwrap_or_else(|| Error::input("found no fault"));
+        Error { others: faults.collect(), ..first }
     }
 
     /// Adds file, line and column to an error. `offset` is the position of the error as a byte

@@ -23,6 +23,7 @@ pub fn report_rows(report: &ColourReport) -> Vec<(&'static str, String)> {
         rows.push(("CCT", temperature.map_or_else(undefined, |found| format!("{:.1} K", found.cct_k))));
         rows.push(("Duv", temperature.map_or_else(undefined, |found| format!("{:+.5}", found.duv))));
         rows.push(("Ra", rendering.as_ref().map_or_else(undefined, |found| format!("{:.1}", found.ra))));
+        rows.push(("R9", rendering.as_ref().map_or_else(undefined, |found| format!("{:.1}", found.special[8]))));
         rows.push(("efficacy", format!("{efficacy:.2} lm/W")));
     }
     rows

@@ -58,6 +58,7 @@ pub fn page(page: &LampsPage<'_>) -> Result<String> {
             p.lamp { span.badge { (badge) } " " strong { (lamp.name) } ": " span.soft { (lamp.origin) } }
         }
         @if let Some(warning) = warning { p.warning { (warning) "." } }
+        p { strong { (comparison.verdict([a.name, b.name])) } }
         (lights(page)?)
         h2 { "Spectra" }
         div.two.spectra {

@@ -168,3 +168,44 @@ fn the_lamp_page_is_complete_and_self_contained() {
     let page = std::fs::read_to_string(folder.path().join("page.html")).unwrap();
     assert!(page.contains("&lt;b&gt;&amp;.csv") && !page.contains("<b>&.csv"));
 }
+
+#[test]
+fn a_third_lamp_is_compared_with_the_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let three = abbe(folder.path(), &["lamps", "D65", "A", "FL2", "--json"]).json();
+    let two = abbe(folder.path(), &["lamps", "D65", "FL2", "--json"]).json();
+    assert!(two["c"].is_null() && three["c"]["name"] == "FL2");
+    for key in ["lights", "patches", "delta_e_2000", "metameric_pairs", "verdict"] {
+        assert_eq!(three["c"][key], two[key], "{key}");
+    }
+    assert_eq!(three["c"]["ra"], two["b"]["ra"]);
+    let text = abbe(folder.path(), &["lamps", "D65", "A", "FL2"]).out;
+    for words in ["\nC  FL2\n", "D65 and FL2 differ clearly in colour; ", "A from C ", "ΔE2000 between A and C"] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    assert!(text.lines().all(|line| line.trim_end() == line), "{text}");
+    abbe(folder.path(), &["lamps", "D65", "A", "FL2", "--html", "page.html"]).is_error(2, &["--html"]);
+}
+
+/// The warning, the table and the difference of the lights state the same ΔE.
+#[test]
+fn a_match_has_one_colour_difference() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = abbe(folder.path(), &SODIUM);
+    let difference = |line: &str| {
+        let from = line.find("Δxy").unwrap();
+        line[from..].split([',', ' ']).filter(|word| !word.is_empty()).take(4).collect::<Vec<_>>().join(" ")
+    };
+    let lines: Vec<&str> = said.out.lines().filter(|line| line.contains("Δxy")).chain([said.err.as_str()]).collect();
+    assert_eq!(lines.len(), 3, "{}", said.out);
+    assert!(lines.iter().all(|line| difference(line) == difference(lines[0])), "{lines:?}");
+}
+
+/// R9 of FL2 is negative (CIE 13.3: a lamp with little red).
+#[test]
+fn the_rendering_of_red_is_stated() {
+    let folder = tempfile::tempdir().unwrap();
+    let json = abbe(folder.path(), &["lamps", "FL2", "D65", "--json"]).json();
+    assert!(json["a"]["r9"].as_f64().unwrap() < 0.0 && json["b"]["r9"].as_f64().unwrap() > 99.0, "{json}");
+    assert!(abbe(folder.path(), &["lamps", "FL2", "D65"]).out.contains("\nR9            -"));
+}

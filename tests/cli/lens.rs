@@ -48,7 +48,7 @@ fn files_are_read_as_built_in_lenses_are() {
 }
 
 const AGF: &str = "CC own glasses\nNM OWN-7 2 517642 1.5168 64.17 0 1\nCD 1.03961212 6.00069867E-3 0.231792344 2.00179144E-2 1.01046945 1.03560653E+2 0 0 0 0\n\
-    LD 0.31 2.325\nNM ODD 13 0 1.5 60\nCD 1\nLD 0.3 2\n";
+    LD 0.31 2.325\nNM ODD 14 0 1.5 60\nCD 1\nLD 0.3 2\n";
 
 const ZMX: &str = "MODE SEQ\nUNIT MM\nGCAT SHOP\nENPD 20\nSURF 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  CURV 0.01\n  DISZ 5\n  GLAS OWN-7\n  DIAM 10\n\
     SURF 2\n  CURV -0.01\n  DISZ 95\n  DIAM 10.2\nSURF 3\n  DISZ 0\n";
@@ -75,7 +75,7 @@ fn glasses_come_from_catalogues_named_or_lying_beside() {
     let json = glass(&["own-7", "--at", "550", "--json"]).json();
     assert!((json["nd"].as_f64().unwrap() - 1.5168).abs() < 1e-5 && json["sellmeier"]["b"][0] == 1.03961212);
     assert!(json["cauchy"]["max_error"].as_f64().unwrap() < 1e-3 && json["n"][0]["nm"] == 550.0);
-    glass(&["ODD"]).is_error(2, &["shop.AGF:5:1", "formula 13 of ODD is not supported", "1 to 12"]);
+    glass(&["ODD"]).is_error(2, &["shop.AGF:5:1", "formula 14 of ODD is not supported", "1 to 13"]);
     glass(&["OWN-8"]).is_error(2, &["unknown glass \"OWN-8\"", "OWN-7"]);
     let list = glass(&["--list"]);
     assert!(list.out.starts_with("OWN-7") && list.err.contains("formula 13 of ODD"), "{} {}", list.out, list.err);
@@ -129,4 +129,48 @@ fn what_is_no_lens_is_answered_with_a_reason() {
     }
     std::fs::write(folder.path().join("bad.zmx"), "MODE NSC\n").unwrap();
     lens(&["bad.zmx"]).is_error(2, &["bad.zmx:1:1: the mode NSC is not supported"]);
+}
+
+#[test]
+fn the_image_quality_is_in_the_text_and_in_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let json = abbe(folder.path(), &["lens", "double-gauss", "--json"]).json();
+    for field in json["fields"].as_array().unwrap() {
+        let mtf = field["mtf"].as_array().unwrap();
+        assert_eq!((mtf.len(), &mtf[0]["cycles_per_mm"]), (4, &10.0.into()));
+        let contrast = |i: usize, key: &str| mtf[i][key].as_f64().unwrap();
+        assert!(contrast(0, "tangential") > contrast(2, "tangential"), "{field}");
+        assert!((0..4).all(|i| contrast(i, "sagittal") <= contrast(i, "diffraction_limit")));
+        let fans = field["ray_fans"].as_array().unwrap();
+        assert_eq!((fans.len(), &fans[1]["line"]), (3, &"d".into()));
+        // The chief ray of the d line is the reference.
+        assert!(fans[1]["tangential_mm"][4].as_f64().unwrap().abs() < 1e-12);
+    }
+    let text = abbe(folder.path(), &["lens", "double-gauss"]).out;
+    for words in ["MTF (geometric", "10 /mm", "limit ", "ray fans of the d line", "14.00° y"] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+}
+
+#[test]
+fn a_system_with_mirrors_is_analysed_but_not_used_in_a_camera() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "MODE SEQ\r\nUNIT MM\r\nENPD 20\r\nFTYP 0 0 2 1\r\nYFLN 0 0.5\r\nSURF 0\r\n  DISZ INFINITY\r\nSURF 1\r\n  STOP\r\n\
+        \x20 CURV -0.005\r\n  CONI -1\r\n  DISZ -100\r\n  GLAS MIRROR\r\n  OBSC 0 3\r\nSURF 2\r\n  DISZ 0\r\n";
+    let wide: Vec<u8> = [0xFF, 0xFE].into_iter().chain(text.encode_utf16().flat_map(u16::to_le_bytes)).collect();
+    std::fs::write(folder.path().join("dish.ZMX"), wide).unwrap();
+    let json = abbe(folder.path(), &["lens", "dish.ZMX", "--json"]).json();
+    assert!((json["efl_mm"].as_f64().unwrap() - 100.0).abs() < 1e-5 && json["mirrors"] == 1, "{json}");
+    assert!(json["fields"][0]["spots"][1]["rms_mm"].as_f64().unwrap() < 1e-9, "{json}");
+    assert!((json["fields"][0]["passing"].as_f64().unwrap() - 0.91).abs() < 0.02, "{json}");
+    let said = abbe(folder.path(), &["lens", "dish.ZMX"]).out;
+    for words in ["1 of them mirrors", "focal length    100.0000 mm", "f-number        5.0000", "passing"] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    abbe(folder.path(), &["lens", "dish.ZMX", "--svg", "a.svg"]).is_error(2, &["cannot be drawn"]);
+    let scene = r#"{"camera": {"from": [0, 0, 0], "at": [0, 0, 1], "lens": {"system":
+        {"prescription": "dish.ZMX", "focus_distance": 9, "sensor_height_mm": 24}}},
+        "film": {"width": 8, "height": 8}, "objects": []}"#;
+    std::fs::write(folder.path().join("scene.json"), scene).unwrap();
+    abbe(folder.path(), &["check", "scene.json"]).is_error(2, &["dish.ZMX:8:1", "a mirror in a camera lens"]);
 }

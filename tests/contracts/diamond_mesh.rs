@@ -134,7 +134,7 @@ fn the_brilliant_is_as_its_planes_say_and_closed() {
     assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
     // Table, 8 stars, 8 bezels, 16 upper and 16 lower halves, 16 girdle facets, 8 pavilion mains.
     assert_eq!(text.lines().filter(|line| line.starts_with("f ")).count(), 73);
-    let parts = mesh::load(&path, FileAccess::WithinFolder).unwrap();
+    let parts = mesh::load(&path, FileAccess::WithinFolder).unwrap().parts;
     assert_eq!(parts.len(), 1);
     assert!(parts[0].mesh.is_closed() && parts[0].mesh.signed_volume() > 0.0);
 }

@@ -99,6 +99,7 @@ fn lens(semi_aperture_mm: f64, surfaces: &[(f64, f64, RefractiveIndex)]) -> Lens
         thickness_mm: *thickness_mm,
         index: index.clone(),
         semi_aperture_mm,
+        obscuration_mm: 0.0,
     };
     Lens::new(Prescription {
         name: "simple".to_string(),
@@ -107,6 +108,7 @@ fn lens(semi_aperture_mm: f64, surfaces: &[(f64, f64, RefractiveIndex)]) -> Lens
         stop: Some(0),
         opening: ApertureSpec::Stop,
         half_field_deg: None,
+        notes: Vec::new(),
     })
     .unwrap()
 }

@@ -18,6 +18,7 @@ fn prescription(surfaces: &[(f64, f64, &str, f64)]) -> Prescription {
         thickness_mm,
         index: medium(name).unwrap(),
         semi_aperture_mm,
+        obscuration_mm: 0.0,
     };
     Prescription {
         name: "test".to_string(),
@@ -26,6 +27,7 @@ fn prescription(surfaces: &[(f64, f64, &str, f64)]) -> Prescription {
         stop: Some(0),
         opening: ApertureSpec::Stop,
         half_field_deg: None,
+        notes: Vec::new(),
     }
 }
 
@@ -155,6 +157,7 @@ fn an_ellipsoid_of_glass_focuses_without_spherical_aberration() {
         thickness_mm: 0.0,
         index: RefractiveIndex::constant(n).unwrap(),
         semi_aperture_mm: 12.0,
+        obscuration_mm: 0.0,
     };
     let lens = Lens::new(Prescription { surfaces: vec![surface], ..prescription(&SINGLET) }).unwrap();
     let at = lens.at(500.0);
@@ -212,6 +215,7 @@ proptest! {
             thickness_mm,
             index: RefractiveIndex::constant(index).unwrap(),
             semi_aperture_mm: 1.0,
+            obscuration_mm: 0.0,
         };
         let power: f64 = (n - 1.0) * (c1 - c2 + (n - 1.0) * thickness_mm * c1 * c2 / n);
         prop_assume!(power.abs() > 1e-5);
@@ -229,7 +233,7 @@ proptest! {
     }
 }
 
-const ZMX: &str = "VERS 140124 258 36214\nMODE SEQ\nNAME achromat\nUNIT MM X W X CM MR CPMM\nENPD 2.5E+1\nFTYP 0 0 1 3 0 0 0\n\
+const ZMX: &str = "VERS 140124 258 36214\nMODE SEQ\nNAME achromat\nUNIT MM X W X CM MR CPMM\nENPD 2.5E+1\nFTYP 0 0 2 3 0 0 0\n\
     YFLN 0 1 0 0\nSURF 0\n  TYPE STANDARD\n  CURV 0.0 0 0 0 0 \"\"\n  DISZ INFINITY\n  DIAM 0 0 0 0 1 \"\"\nSURF 1\n  STOP\n  TYPE STANDARD\n\
     \x20 CURV 1.62680982593E-02 0 0 0 0 \"\"\n  DISZ 6\n  GLAS N-BK7 0 0 1.5168 64.17 0 0 0 0 0 0\n  DIAM 12.5 1 0 0 1 \"\"\nSURF 2\n  TYPE STANDARD\n\
     \x20 CURV -2.24014336918E-02 0 0 0 0 \"\"\n  DISZ 2.5\n  GLAS N-SF5 0 0 1.67 32.2 0 0 0 0 0 0\n  DIAM 12.66 1 0 0 1 \"\"\nSURF 3\n  TYPE EVENASPH\n\
@@ -277,13 +281,15 @@ fn what_a_zemax_file_asks_for_in_vain_is_named_with_its_line() {
         ("MODE SEQ", "MODE NSC", &["lens.zmx:2:1", "the mode NSC", "sequential"][..]),
         ("UNIT MM", "UNIT FT", &["lens.zmx:4:1", "the unit FT"]),
         ("GLAS N-SF5", "GLAS N-SF500", &["lens.zmx:24:1", "unknown glass \"N-SF500\"", "did you mean"]),
-        ("GLAS N-SF5", "GLAS MIRROR", &["lens.zmx:24:1", "a mirror"]),
-        ("TYPE EVENASPH", "TYPE COORDBRK", &["lens.zmx:27:1", "COORDBRK", "STANDARD or EVENASPH"]),
+        ("GLAS N-SF5", "GLAS MIRROR", &["lens.zmx:20:1", "a mirror in a camera lens"]),
+        ("TYPE EVENASPH", "TYPE TOROIDAL", &["lens.zmx:27:1", "TOROIDAL", "STANDARD, EVENASPH or COORDBRK"]),
+        ("TYPE EVENASPH", "TYPE COORDBRK", &["lens.zmx:26:1", "a coordinate break in a camera lens"]),
         ("DISZ 2.5", "DISZ -2.5", &["lens.zmx:20:1", "surfaces[1]", "thickness of -2.5"]),
         ("DISZ 2.5", "DISZ two", &["lens.zmx:23:1", "found \"two\"", "a number"]),
         ("DIAM 12.66", "SQAP 12.66 3 DIAM", &["lens.zmx:25:1", "SQAP"]),
         ("  STOP\n", "", &["lens.zmx", "no stop"]),
-        ("ENPD 2.5E+1", "OBNA 0.5 0", &["lens.zmx:5:1", "numerical aperture", "ENPD"]),
+        ("ENPD 2.5E+1", "OBNA 1.5 0", &["lens.zmx:5:1", "numerical aperture below 1"]),
+        ("ENPD 2.5E+1", "OBNA 0.5 0", &["lens.zmx", "object at infinity", "finite distance"]),
         ("PARM 1 0", "PARM 9 1", &["lens.zmx:30:1", "parameter 9"]),
     ] {
         let text = ZMX.replace(from, to);

@@ -9,6 +9,7 @@ mod common;
 #[path = "../golden/mod.rs"]
 mod golden;
 
+mod all_faults;
 mod architecture;
 mod bad_scenes;
 mod colour_golden;
@@ -22,3 +23,4 @@ mod optics_golden;
 mod pure_properties;
 mod scene_file;
 mod spectrum_contract;
+mod srgb_colours;

@@ -101,13 +101,15 @@ impl EnvironmentFile {
 impl DirectionalFile {
     /// Checks the ranges of values, the direction, the quantity, the transform and the keyframes.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
-        check::direction(&at.key("toward"), self.toward)?;
         let inside = (0.0..180.0).contains(&self.angular_diameter);
         let allowed = "a number of at least 0 and below 180";
-        check::rule(&at.key("angular_diameter"), self.angular_diameter, inside, allowed)?;
-        self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative)?;
-        validate_quantity(at, self.quantity())?;
-        validate_pose(at, &self.transform, &self.motion)
+        check::all([
+            check::direction(&at.key("toward"), self.toward),
+            check::rule(&at.key("angular_diameter"), self.angular_diameter, inside, allowed),
+            self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative),
+            validate_quantity(at, self.quantity()),
+            validate_pose(at, &self.transform, &self.motion),
+        ])
     }
 }
 
@@ -115,9 +117,11 @@ impl EnvironmentFile {
     /// Checks that all values are in range and that the light has exactly one source and one
     /// quantity.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
-        check::exactly_one(at, &[("spectrum", self.spectrum.is_some()), ("image", self.image.is_some())])?;
-        self.spectrum.as_ref().map_or(Ok(()), |it| it.validate(&at.key("spectrum"), SpectrumUse::NotNegative))?;
-        validate_quantity(at, self.quantity())?;
-        validate_pose(at, &self.transform, &self.motion)
+        check::all([
+            check::exactly_one(at, &[("spectrum", self.spectrum.is_some()), ("image", self.image.is_some())]),
+            self.spectrum.as_ref().map_or(Ok(()), |it| it.validate(&at.key("spectrum"), SpectrumUse::NotNegative)),
+            validate_quantity(at, self.quantity()),
+            validate_pose(at, &self.transform, &self.motion),
+        ])
     }
 }

@@ -10,13 +10,13 @@ use ::gltf::scene::Transform;
 use ::gltf::{Accessor, Document, Gltf, Node, Primitive, Semantic};
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 
-use super::gltf_material::{has_textures, material};
-use super::{MeshPart, TriangleMesh};
+use super::gltf_material::{ignored, material};
+use super::{MeshPart, PartsAndIgnored, TriangleMesh};
 use crate::error::{Error, Result};
 use crate::format::FileAccess;
 
-/// Reads the parts of a glTF file.
-pub(super) fn load(bytes: &[u8], folder: Option<&Path>, file_access: FileAccess) -> Result<Vec<MeshPart>> {
+/// Reads the parts of a glTF file. Also returns sentences about what is ignored.
+pub(super) fn load(bytes: &[u8], folder: Option<&Path>, file_access: FileAccess) -> Result<PartsAndIgnored> {
     if bytes.starts_with(b"glTF") {
         check_length(bytes)?;
     }
@@ -46,7 +46,7 @@ pub(super) fn load(bytes: &[u8], folder: Option<&Path>, file_access: FileAccess)
             }
         }
     }
-    Ok(reader.parts)
+    Ok((reader.parts, ignored(&document)))
 }
 
 /// Checks the length in the header of a binary file. A wrong length would cause an integer
@@ -147,10 +147,9 @@ impl SceneReader {
             error
         };
         let mesh = self.mesh(primitive, placed).map_err(of_part)?;
-        let note = has_textures(&primitive.material()).then(|| "its textures are not read".to_string());
         let material =
             primitive.material().index().map(|_| material(&primitive.material())).transpose().map_err(of_part)?;
-        self.parts.push(MeshPart { mesh, material, name: name.to_string(), note });
+        self.parts.push(MeshPart { mesh, material, name: name.to_string() });
         Ok(())
     }
 

@@ -1,9 +1,10 @@
 //! Materials of glTF files: the metallic-roughness model with the KHR extensions transmission, ior,
 //! volume, dispersion and emissive_strength.
 
-use ::gltf::Material;
+use ::gltf::material::AlphaMode;
+use ::gltf::{Document, Material, Semantic};
 
-use super::{MeshAttenuation, MeshMaterial};
+use super::{MeshAttenuation, MeshMaterial, listed};
 use crate::error::{Error, Result};
 
 /// Converts a glTF material. Textures are ignored.
@@ -52,12 +53,49 @@ fn abbe_number(file: &Material<'_>) -> Result<Option<f64>> {
     }
 }
 
-/// Returns whether the material has textures.
-pub(super) fn has_textures(file: &Material<'_>) -> bool {
+/// Describes what a glTF file states and the reader ignores.
+pub(super) fn ignored(document: &Document) -> Vec<String> {
+    let textures: Vec<&str> = document.materials().flat_map(|file| textures(&file)).collect();
+    let extensions: Vec<String> = document.materials().flat_map(|file| unread_extensions(&file)).collect();
+    let is_blended = document.materials().any(|file| file.alpha_mode() != AlphaMode::Opaque);
+    let mut primitives = document.meshes().flat_map(|mesh| mesh.primitives().collect::<Vec<_>>());
+    let has_vertex_colours = primitives.any(|primitive| primitive.get(&Semantic::Colors(0)).is_some());
+    let other = [
+        (is_blended, "opacity (alphaMode)"),
+        (has_vertex_colours, "vertex colours"),
+        (document.animations().next().is_some(), "animations"),
+        (document.skins().next().is_some(), "skins"),
+        (document.cameras().next().is_some(), "cameras"),
+        (document.extensions_used().any(|name| name == "KHR_lights_punctual"), "lights (KHR_lights_punctual)"),
+    ];
+    let other = other.into_iter().filter(|(is_used, _)| *is_used).map(|(_, what)| what);
+    let sentences = [
+        listed(textures).map(|names| format!("textures are ignored: {names}")),
+        listed(extensions.iter().map(String::as_str)).map(|names| format!("material extensions are ignored: {names}")),
+        listed(other).map(|names| format!("ignored as well: {names}")),
+    ];
+    sentences.into_iter().flatten().collect()
+}
+
+/// Returns the names of the material's textures.
+fn textures(file: &Material<'_>) -> Vec<&'static str> {
     let surface = file.pbr_metallic_roughness();
-    surface.base_color_texture().is_some()
-        || surface.metallic_roughness_texture().is_some()
-        || file.normal_texture().is_some()
-        || file.emissive_texture().is_some()
-        || file.transmission().is_some_and(|transmission| transmission.transmission_texture().is_some())
+    let transmission = file.transmission();
+    let volume = file.volume();
+    let used = [
+        (surface.base_color_texture().is_some(), "baseColorTexture"),
+        (surface.metallic_roughness_texture().is_some(), "metallicRoughnessTexture"),
+        (file.normal_texture().is_some(), "normalTexture"),
+        (file.occlusion_texture().is_some(), "occlusionTexture"),
+        (file.emissive_texture().is_some(), "emissiveTexture"),
+        (transmission.is_some_and(|it| it.transmission_texture().is_some()), "transmissionTexture"),
+        (volume.is_some_and(|it| it.thickness_texture().is_some()), "thicknessTexture"),
+    ];
+    used.into_iter().filter(|(is_used, _)| *is_used).map(|(_, name)| name).collect()
+}
+
+/// Returns the names of the material's extensions that are not read.
+fn unread_extensions(file: &Material<'_>) -> Vec<String> {
+    let extensions = file.extensions().into_iter().flatten();
+    extensions.map(|(name, _)| name.clone()).filter(|name| name != "KHR_materials_dispersion").collect()
 }

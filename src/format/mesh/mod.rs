@@ -32,9 +32,16 @@ pub struct MeshPart {
     pub material: Option<MeshMaterial>,
     /// Name of the part in the file. The string is empty if the part has no name.
     pub name: String,
-    /// A note for the user. For example, the note says that textures are not read, or that a
-    /// material library is missing.
-    pub note: Option<String>,
+}
+
+/// The contents of a mesh file.
+#[derive(Debug, Clone)]
+pub struct MeshFile {
+    /// The parts of the file. There is at least one part.
+    pub parts: Vec<MeshPart>,
+    /// What the file states about materials and this reader ignores, such as textures. `None` if
+    /// nothing is ignored.
+    pub ignored: Option<String>,
 }
 
 /// Reads a mesh file. The file extension determines the format: `.obj` (with its `.mtl`), `.ply`,
@@ -44,21 +51,25 @@ pub struct MeshPart {
 /// Returns an error if the file is missing, has an unknown format, or is truncated or malformed.
 /// Also returns an error if no triangle has an area above 0. The error contains the name of the
 /// file.
-pub fn load(path: &Path, file_access: FileAccess) -> Result<Vec<MeshPart>> {
-    let parts = read_parts(path, file_access).map_err(|error| error.in_file(path))?;
+pub fn load(path: &Path, file_access: FileAccess) -> Result<MeshFile> {
+    let (parts, ignored) = read_parts(path, file_access).map_err(|error| error.in_file(path))?;
     if parts.is_empty() {
         return Err(Error::input("the mesh has no triangles").in_file(path));
     }
-    Ok(parts)
+    let ignored = (!ignored.is_empty()).then(|| ignored.join("; "));
+    Ok(MeshFile { parts, ignored })
 }
 
+/// The parts of a mesh file, and sentences about what the reader ignores.
+type PartsAndIgnored = (Vec<MeshPart>, Vec<String>);
+
 #[cfg(feature = "meshes")]
-fn read_parts(path: &Path, file_access: FileAccess) -> Result<Vec<MeshPart>> {
+fn read_parts(path: &Path, file_access: FileAccess) -> Result<PartsAndIgnored> {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or("").to_lowercase();
     match extension.as_str() {
         "obj" => obj::load(path, file_access),
-        "ply" => read(path).and_then(|bytes| ply::load(&bytes)),
-        "stl" => read(path).and_then(stl::load),
+        "ply" => Ok((read(path).and_then(|bytes| ply::load(&bytes))?, Vec::new())),
+        "stl" => Ok((read(path).and_then(stl::load)?, Vec::new())),
         "gltf" | "glb" => read(path).and_then(|bytes| gltf::load(&bytes, path.parent(), file_access)),
         _ => Err(Error::input(format!("unknown kind of mesh file \"{extension}\""))
             .expected("one of .obj, .ply, .stl, .gltf, .glb")),
@@ -66,13 +77,30 @@ fn read_parts(path: &Path, file_access: FileAccess) -> Result<Vec<MeshPart>> {
 }
 
 #[cfg(not(feature = "meshes"))]
-fn read_parts(_: &Path, _: FileAccess) -> Result<Vec<MeshPart>> {
+fn read_parts(_: &Path, _: FileAccess) -> Result<PartsAndIgnored> {
     Err(Error::input("this build cannot read mesh files").expected("the cargo feature `meshes`"))
 }
 
 #[cfg(feature = "meshes")]
 fn read(path: &Path) -> Result<Vec<u8>> {
     std::fs::read(path).map_err(|error| Error::input(format!("cannot read the mesh: {error}")))
+}
+
+/// Lists names in the order of their first occurrence, each once. Of many names, the list states the
+/// first five and the number of the others.
+#[cfg(feature = "meshes")]
+fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    const MOST: usize = 5;
+    let mut unique: Vec<&str> = Vec::new();
+    for name in names {
+        if !unique.contains(&name) {
+            unique.push(name);
+        }
+    }
+    let others = unique.len().saturating_sub(MOST);
+    unique.truncate(MOST);
+    let list = unique.join(", ");
+    (!list.is_empty()).then(|| if others == 0 { list } else { format!("{list} and {others} others") })
 }
 
 /// Splits a polygon into triangles that share its first corner.

@@ -6,19 +6,22 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::{MeshMaterial, MeshPart, TriangleMesh};
+use super::{MeshMaterial, MeshPart, PartsAndIgnored, TriangleMesh, listed};
 use crate::error::{Error, Result};
 use crate::format::FileAccess;
 
-/// Reads the parts of an OBJ file.
-pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<Vec<MeshPart>> {
+/// Reads the parts of an OBJ file. Also returns sentences about the materials that are ignored.
+pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndIgnored> {
     let bytes = super::read(path)?;
-    check_faces(&String::from_utf8_lossy(&bytes))?;
+    let text = String::from_utf8_lossy(&bytes);
+    check_faces(&text)?;
+    let used = used_materials(&text);
     let options = tobj::LoadOptions { triangulate: true, single_index: true, ignore_points: true, ignore_lines: true };
-    let missing = RefCell::new(None);
-    let (models, materials) = tobj::load_obj_buf(&mut Cursor::new(bytes), &options, |library| {
+    let missing = RefCell::new(Vec::new());
+    let (models, materials) = tobj::load_obj_buf(&mut Cursor::new(&bytes), &options, |library| {
         let unusable = |why: &dyn std::fmt::Display| {
-            *missing.borrow_mut() = Some(format!("its materials \"{}\" cannot be used: {why}", library.display()));
+            let sentence = format!("the material library \"{}\" cannot be used ({why})", library.display());
+            missing.borrow_mut().push(sentence);
         };
         let file = file_access.file(path.parent().unwrap_or(Path::new("")), library).map_err(|error| {
             unusable(&error);
@@ -28,15 +31,65 @@ pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<Vec<MeshPart>
     })
     .map_err(|error| Error::input(format!("not a valid OBJ file: {error}")))?;
     let materials = materials.unwrap_or_default();
-    let note = missing.into_inner();
-    models
+    let mut ignored = missing.into_inner();
+    ignored.extend(ignored_textures(&materials));
+    let unknown = used.iter().filter(|name| !materials.iter().any(|known| known.name == **name));
+    if let Some(names) = listed(unknown.map(String::as_str)) {
+        ignored.push(format!("unknown materials became matt grey: {names}"));
+    }
+    let parts: Result<Vec<MeshPart>> = models
         .into_iter()
         .filter(|model| !model.mesh.indices.is_empty())
         .map(|model| {
             let material = model.mesh.material_id.and_then(|index| materials.get(index)).map(material);
-            Ok(MeshPart { mesh: mesh(model.mesh)?, material, name: model.name, note: note.clone() })
+            Ok(MeshPart { mesh: mesh(model.mesh)?, material, name: model.name })
         })
-        .collect()
+        .collect();
+    Ok((parts?, ignored))
+}
+
+/// Returns the names of the materials that the faces use.
+fn used_materials(text: &str) -> Vec<String> {
+    let names = text.lines().filter_map(|line| line.trim_start().strip_prefix("usemtl"));
+    names.filter(|rest| rest.starts_with(char::is_whitespace)).map(|name| name.trim().to_string()).collect()
+}
+
+/// Describes the keys of the materials that are ignored: textures, transmission filters, and the
+/// layers of the extension for physically based materials.
+fn ignored_textures(materials: &[tobj::Material]) -> Vec<String> {
+    let textures = materials.iter().flat_map(|material| {
+        let known = [
+            ("map_Ka", &material.ambient_texture),
+            ("map_Kd", &material.diffuse_texture),
+            ("map_Ks", &material.specular_texture),
+            ("map_Bump", &material.normal_texture),
+            ("map_Ns", &material.shininess_texture),
+            ("map_d", &material.dissolve_texture),
+        ];
+        let known = known.into_iter().filter(|(_, texture)| texture.is_some()).map(|(key, _)| key);
+        let other = material.unknown_param.keys().map(String::as_str).filter(|key| is_texture(key));
+        known.chain(other).collect::<Vec<_>>()
+    });
+    let is_set = |value: &str| value.split_whitespace().any(|number| number.parse::<f64>().is_ok_and(|it| it != 0.0));
+    let layers = materials.iter().flat_map(|material| {
+        let keys = ["Ps", "Pc", "Pcr", "aniso", "anisor"];
+        keys.into_iter().filter(|key| material.unknown_param.get(*key).is_some_and(|value| is_set(value)))
+    });
+    let filters = materials.iter().any(|material| {
+        let filter = material.unknown_param.get("Tf").map(String::as_str).unwrap_or_default();
+        filter.split_whitespace().any(|number| number.parse::<f64>().is_ok_and(|it| it < 1.0))
+    });
+    let layers: Vec<&str> = layers.chain(filters.then_some("Tf")).collect();
+    let mut textures: Vec<&str> = textures.collect();
+    textures.sort_unstable();
+    let textures = listed(textures).map(|keys| format!("textures are ignored: {keys}"));
+    textures.into_iter().chain(listed(layers).map(|keys| format!("material keys are ignored: {keys}"))).collect()
+}
+
+/// Returns whether a key of a material names a texture.
+fn is_texture(key: &str) -> bool {
+    let key = key.to_ascii_lowercase();
+    key.starts_with("map_") || ["bump", "norm", "disp", "decal", "refl"].contains(&key.as_str())
 }
 
 fn mesh(mesh: tobj::Mesh) -> Result<TriangleMesh> {

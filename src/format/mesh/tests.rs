@@ -8,7 +8,12 @@ use tempfile::TempDir;
 use super::*;
 
 fn load(path: &Path) -> Result<Vec<MeshPart>> {
-    super::load(path, FileAccess::WithinFolder)
+    super::load(path, FileAccess::WithinFolder).map(|file| file.parts)
+}
+
+/// Returns what the reader says about ignored parts of a file.
+fn ignored(path: &Path) -> Option<String> {
+    super::load(path, FileAccess::WithinFolder).unwrap().ignored
 }
 
 /// The corners of a unit cube with the centre (0.5, 0.5, 0.5). The faces in `QUADS` face outwards.
@@ -214,7 +219,9 @@ fn an_obj_has_its_materials_or_a_note_that_they_are_missing() {
     let path = write(&folder, "cube.obj", obj());
     let without = load(&path).unwrap();
     assert!(without[0].material.is_none());
-    assert!(without[0].note.as_ref().unwrap().contains("cube.mtl"));
+    let note = ignored(&path).unwrap();
+    assert!(note.starts_with("the material library \"cube.mtl\" cannot be used"), "{note}");
+    assert!(note.ends_with("; unknown materials became matt grey: glass"), "{note}");
     write(
         &folder,
         "cube.mtl",
@@ -223,7 +230,7 @@ fn an_obj_has_its_materials_or_a_note_that_they_are_missing() {
     let part = &load(&path).unwrap()[0];
     let material = part.material.as_ref().unwrap();
     assert_eq!((material.base_colour, material.ior, material.transmission), ([0.5, 0.5, 1.0], 1.5168, 0.75));
-    assert_eq!((material.emission, part.name.as_str(), &part.note), ([1.0, 2.0, 3.0], "cube", &None));
+    assert_eq!((material.emission, part.name.as_str(), ignored(&path)), ([1.0, 2.0, 3.0], "cube", None));
     // The roughness is the square root of α, and α = √(2/2048) = 1/32.
     assert!((material.roughness - 32.0_f64.sqrt().recip()).abs() < 1e-15);
 }
@@ -298,16 +305,51 @@ fn a_mesh_file_names_no_files_outside_its_folder() {
         assert!(load(&path).is_err(), "{uri}");
     }
     let path = write(&folder, "below/cube.gltf", gltf_json("\"uri\": \"../cube.bin\", "));
-    assert_eq!(super::load(&path, FileAccess::Anywhere).unwrap()[0].mesh.triangles().len(), 12);
+    assert_eq!(super::load(&path, FileAccess::Anywhere).unwrap().parts[0].mesh.triangles().len(), 12);
     let path = write(&folder, "below/cube.obj", obj().replace("mtllib cube.mtl", "mtllib ../cube.mtl"));
     let [within, anywhere] =
-        [FileAccess::WithinFolder, FileAccess::Anywhere].map(|access| super::load(&path, access).unwrap().remove(0));
-    let note = within.note.unwrap();
-    assert!(
-        within.material.is_none() && note.contains("../cube.mtl") && note.contains(FileAccess::EXPECTED_WITHIN_FOLDER),
-        "{note}"
+        [FileAccess::WithinFolder, FileAccess::Anywhere].map(|access| super::load(&path, access).unwrap());
+    let note = within.ignored.unwrap();
+    assert!(note.contains("../cube.mtl") && note.contains(FileAccess::EXPECTED_WITHIN_FOLDER), "{note}");
+    assert!(within.parts[0].material.is_none());
+    assert!(anywhere.parts[0].material.is_some() && anywhere.ignored.is_none());
+}
+
+#[test]
+fn an_obj_says_which_textures_and_keys_are_ignored() {
+    let folder = TempDir::new().unwrap();
+    let path = write(&folder, "cube.obj", obj().replace("f 1", "usemtl wood\nf 1"));
+    let textures = "map_Kd a.png\nmap_Bump b.png\nmap_Pr c.png\nnorm d.png\n";
+    write(
+        &folder,
+        "cube.mtl",
+        format!("newmtl glass\nKd 1 1 1\n{textures}Tf 0.5 1 1\nPc 0.5\nnewmtl other\nmap_Kd e\n"),
     );
-    assert!(anywhere.material.is_some() && anywhere.note.is_none());
+    let expected = "textures are ignored: map_Bump, map_Kd, map_Pr, norm; material keys are ignored: Pc, Tf; unknown \
+                    materials became matt grey: wood";
+    assert_eq!(ignored(&path).unwrap(), expected);
+    write(&folder, "cube.mtl", "newmtl glass\nTf 1 1 1\nPc 0\nnewmtl wood\n");
+    assert_eq!(ignored(&path), None);
+}
+
+#[test]
+fn a_gltf_says_what_is_ignored() {
+    let folder = TempDir::new().unwrap();
+    write(&folder, "cube.bin", gltf_buffer());
+    let json = gltf_json("\"uri\": \"cube.bin\", ");
+    assert_eq!(ignored(&write(&folder, "plain.gltf", &json)), None);
+    let textured = json
+        .replace("\"metallicFactor\": 0", "\"metallicFactor\": 0, \"baseColorTexture\": {\"index\": 0}")
+        .replace(
+            "\"name\": \"flint\"",
+            "\"name\": \"flint\", \"alphaMode\": \"BLEND\", \"normalTexture\": {\"index\": 0}",
+        )
+        .replace("\"KHR_materials_ior\": {", "\"KHR_materials_sheen\": {}, \"KHR_materials_ior\": {")
+        .replace("\"buffers\"", "\"textures\": [{\"source\": 0}], \"images\": [{\"uri\": \"a.png\"}], \"buffers\"")
+        .replace("\"NORMAL\": 0", "\"NORMAL\": 0, \"COLOR_0\": 0");
+    let expected = "textures are ignored: baseColorTexture, normalTexture; material extensions are ignored: \
+                    KHR_materials_sheen; ignored as well: opacity (alphaMode), vertex colours";
+    assert_eq!(ignored(&write(&folder, "textured.gltf", &textured)).unwrap(), expected);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Translates the camera of the scene file to position, axes, field of view and aperture.
 
-use super::context::Resolver;
+use super::context::{Resolver, unsupported};
 use crate::error::{Error, Result};
 use crate::format::{CameraFile, JsonPath, LensFile, SystemLensFile, ThinLensForm};
 use crate::optics::aperture::Blades;
@@ -32,7 +32,7 @@ impl Resolver<'_> {
             }
             LensFile::System(file) => {
                 let at = lens_at.key("system");
-                let system = self.system_lens(&at, file, size)?;
+                let system = self.system_lens(&at, file, size, notes)?;
                 let tan_half_height = 0.5 * file.sensor_height_mm / system.image_mm();
                 (tan_half_height, Aperture::System(Box::new(system)), file.diffraction)
             }
@@ -47,7 +47,13 @@ impl Resolver<'_> {
     }
 
     /// Resolves a lens system and its sensor.
-    fn system_lens(&self, at: &JsonPath<'_>, file: &SystemLensFile, size: (u32, u32)) -> Result<SystemLens> {
+    fn system_lens(
+        &self,
+        at: &JsonPath<'_>,
+        file: &SystemLensFile,
+        size: (u32, u32),
+        notes: &mut Vec<String>,
+    ) -> Result<SystemLens> {
         let SystemLensFile {
             prescription,
             focus_distance,
@@ -55,9 +61,15 @@ impl Resolver<'_> {
             sensor_height_mm,
             blades: count,
             rotation,
-            diffraction: _,
+            diffraction,
         } = file;
         let open = self.lens(&at.key("prescription"), prescription)?;
+        let name = open.name().to_string();
+        notes.extend(open.notes().iter().map(|note| format!("camera: {name}: {note}")));
+        if *diffraction && open.surfaces().iter().any(|surface| surface.obscuration_mm > 0.0) {
+            let error = unsupported("diffraction at a lens with a central obscuration is");
+            return self.at(&at.key("diffraction"), Err(error));
+        }
         let lens = match f_number {
             None => open,
             Some(f_number) => self.at(&at.key("f_number"), open.stopped_down(*f_number))?,

@@ -5,6 +5,7 @@ use crate::format::SceneFile;
 use crate::json::{JsonPath, JsonSource};
 use crate::scene::camera::Shutter;
 use glam::DVec3;
+use std::cell::RefCell;
 
 /// Translates the scene file to the scene. Contains the parsed file and the data that every step of
 /// the translation needs.
@@ -17,9 +18,29 @@ pub(super) struct Resolver<'a> {
     pub(super) shutter: Shutter,
     /// The scene's centre in m, or `None` for the middle of the objects.
     pub(super) centre: Option<DVec3>,
+    /// The faults so far. A part of the scene with a fault is left out, so that one run finds the
+    /// faults of all parts.
+    faults: RefCell<Vec<Error>>,
 }
 
-impl Resolver<'_> {
+impl<'a> Resolver<'a> {
+    /// Creates a resolver. `centre` is the scene's centre in m, or `None` for the middle of the
+    /// objects.
+    pub(super) fn new(scene: &'a SceneFile, source: &'a JsonSource, shutter: Shutter, centre: Option<DVec3>) -> Self {
+        Self { scene, source, metres: scene.unit.metres(), shutter, centre, faults: RefCell::default() }
+    }
+
+    /// Returns the value of a part of the scene. If the part has a fault, keeps the fault and returns
+    /// `None`.
+    pub(super) fn keep<T>(&self, part: Result<T>) -> Option<T> {
+        part.map_err(|fault| self.faults.borrow_mut().push(fault)).ok()
+    }
+
+    /// Returns an error with all faults that were kept. Returns `None` if there are none.
+    pub(super) fn kept_faults(&self) -> Option<Error> {
+        Error::all(self.faults.borrow().iter().cloned())
+    }
+
     /// Adds the place in the file to an error.
     pub(super) fn at<T>(&self, path: &JsonPath<'_>, result: Result<T>) -> Result<T> {
         result.map_err(|error| self.source.error_at(&path.to_string(), error))

@@ -5,7 +5,8 @@ use super::index::{glass_file, index_of, read_bytes};
 use crate::error::Result;
 use crate::format::{self, IndexFile, JsonPath, JsonSource, LensSurfaceFile, PrescriptionFile};
 use crate::optics::glass::AgfCatalogue;
-use crate::optics::lens::{ApertureSpec, Lens, LensSurface, Prescription, SurfaceProfile, catalogue, medium, zemax};
+use crate::optics::lens::zemax::{self, ZmxSystem};
+use crate::optics::lens::{ApertureSpec, Lens, LensSurface, Prescription, SurfaceProfile, catalogue, medium};
 use std::path::{Path, PathBuf};
 
 /// Reads a lens from a file.
@@ -21,14 +22,30 @@ use std::path::{Path, PathBuf};
 pub fn lens_file(path: &Path, catalogues: &[AgfCatalogue]) -> Result<Lens> {
     if has_ending(path, "zmx") {
         let bytes = read_bytes(path)?;
-        let mut catalogues = catalogues.to_vec();
-        for path in catalogues_beside(path, &bytes) {
-            catalogues.push(glass_file(&path)?);
-        }
-        return zemax::parse(&bytes, path, &catalogues);
+        return zemax::parse(&bytes, path, &with_catalogues_beside(path, &bytes, catalogues)?);
     }
     let (prescription, source) = format::parse_prescription(&format::read_text(path)?, path)?;
     lone_lens(&prescription, &source)
+}
+
+/// Reads a lens or a system with mirrors from a file. The arguments are those of [`lens_file`].
+///
+/// # Errors
+/// Returns an error if the file cannot be read or is not a valid lens file. The error states the
+/// place in the file.
+pub fn lens_system_file(path: &Path, catalogues: &[AgfCatalogue]) -> Result<ZmxSystem> {
+    if !has_ending(path, "zmx") {
+        return lens_file(path, catalogues).map(ZmxSystem::Lens);
+    }
+    let bytes = read_bytes(path)?;
+    zemax::parse_system(&bytes, path, &with_catalogues_beside(path, &bytes, catalogues)?)
+}
+
+/// Returns the given catalogues, followed by the catalogues beside a Zemax lens.
+fn with_catalogues_beside(path: &Path, lens: &[u8], given: &[AgfCatalogue]) -> Result<Vec<AgfCatalogue>> {
+    let beside = catalogues_beside(path, lens);
+    let beside = beside.iter().map(|path| glass_file(path));
+    given.iter().cloned().map(Ok).chain(beside).collect()
 }
 
 /// Returns the paths of the glass catalogues that a Zemax lens names and that exist in the folder
@@ -89,6 +106,7 @@ fn lens_at(at: &JsonPath<'_>, prescription: &PrescriptionFile, source: &JsonSour
         stop: files.iter().position(|surface| surface.stop),
         opening: ApertureSpec::Stop,
         half_field_deg: None,
+        notes: Vec::new(),
     });
     lens.map_err(|mut error| {
         // The JSON path in an error of `Lens::new` starts at the prescription.
@@ -118,7 +136,7 @@ fn surfaces(at: &JsonPath<'_>, files: &[LensSurfaceFile], source: &JsonSource) -
             if aspheric.is_empty() { [].into() } else { std::iter::once(&0.0).chain(aspheric).copied().collect() };
         let profile = SurfaceProfile { conic: *conic, even_terms, ..SurfaceProfile::sphere(*radius_mm) };
         let (thickness_mm, semi_aperture_mm) = (*thickness_mm, *semi_aperture_mm);
-        surfaces.push(LensSurface { profile, thickness_mm, index, semi_aperture_mm });
+        surfaces.push(LensSurface { profile, thickness_mm, index, semi_aperture_mm, obscuration_mm: 0.0 });
     }
     Ok(surfaces)
 }

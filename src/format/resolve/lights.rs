@@ -70,28 +70,40 @@ impl Resolver<'_> {
         emitting: &[EmittingObject<'_>],
         builder: &mut SceneBuilder,
         observer: &'static Observer,
-    ) -> Result<()> {
+    ) {
         let root = JsonPath::Root;
         let at = root.key("lights");
         for (number, file) in self.scene.lights.iter().enumerate() {
             let at = at.index(number);
-            let light = self.light(&at, number, file, builder, observer)?;
-            self.at(&at, builder.add_light(light))?;
+            let light = self.light(&at, number, file, builder, observer);
+            self.keep(light.and_then(|light| self.at(&at, builder.add_light(light))));
         }
         let at = root.key("objects");
-        for EmittingObject { file_index, objects, emission } in emitting {
-            let at = at.index(*file_index);
-            let area: f64 = objects.iter().map(|&object| builder.area_m2(object)).sum();
-            let (spectrum, radiance) = match emission {
-                EmissionSource::Scene(file) => self.emission(&at.key("emission"), file, area, &mut builder.notes)?,
-                EmissionSource::Mesh(rgb) => self.mesh_emission(&at, *rgb)?,
-            };
-            for &object in objects {
-                let name = builder.objects().name(object).to_owned();
-                let emitter = Emitter::Area(AreaLight { object, radiance, area_m2: builder.area_m2(object) });
-                let light = self.at(&at, Light::new(name, emitter, &spectrum, observer))?;
-                self.at(&at.key("emission"), builder.add_light(light))?;
-            }
+        for emitting in emitting {
+            self.keep(self.area_lights(&at.index(emitting.file_index), emitting, builder, observer));
+        }
+    }
+
+    /// Resolves the lights of an emitting object. A mesh with several parts has one light for each
+    /// part.
+    fn area_lights(
+        &self,
+        at: &JsonPath<'_>,
+        emitting: &EmittingObject<'_>,
+        builder: &mut SceneBuilder,
+        observer: &'static Observer,
+    ) -> Result<()> {
+        let EmittingObject { file_index: _, objects, emission } = emitting;
+        let area: f64 = objects.iter().map(|&object| builder.area_m2(object)).sum();
+        let (spectrum, radiance) = match emission {
+            EmissionSource::Scene(file) => self.emission(&at.key("emission"), file, area, &mut builder.notes)?,
+            EmissionSource::Mesh(rgb) => self.mesh_emission(at, *rgb)?,
+        };
+        for &object in objects {
+            let name = builder.objects().name(object).to_owned();
+            let emitter = Emitter::Area(AreaLight { object, radiance, area_m2: builder.area_m2(object) });
+            let light = self.at(at, Light::new(name, emitter, &spectrum, observer))?;
+            self.at(&at.key("emission"), builder.add_light(light))?;
         }
         Ok(())
     }

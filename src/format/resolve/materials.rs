@@ -3,7 +3,7 @@
 use super::context::{Resolver, unsupported};
 use super::index::index_of;
 use super::spectra::Role;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, both};
 use crate::format::{
     ConductorFile, DielectricFile, IndexFile, JsonPath, MaterialFile, ReflectanceFile, ThinDielectricFile,
 };
@@ -70,14 +70,15 @@ impl Resolver<'_> {
             }
             MaterialFile::Glossy { reflectance, ior, roughness } => {
                 let at = at.key("glossy");
-                let reflectance = self.reflectance(&at.key("reflectance"), reflectance)?;
-                let index = self.index(&at.key("ior"), ior, name, notes)?;
+                let reflectance = self.reflectance(&at.key("reflectance"), reflectance);
+                let (reflectance, index) = both(reflectance, self.index(&at.key("ior"), ior, name, notes))?;
                 (Bsdf::glossy(reflectance, index, alpha(*roughness)), None)
             }
             MaterialFile::Translucent { reflectance, transmittance } => {
                 let at = at.key("translucent");
-                let reflectance = self.reflectance(&at.key("reflectance"), reflectance)?;
-                let transmittance = self.reflectance(&at.key("transmittance"), transmittance)?;
+                let reflectance = self.reflectance(&at.key("reflectance"), reflectance);
+                let transmittance = self.reflectance(&at.key("transmittance"), transmittance);
+                let (reflectance, transmittance) = both(reflectance, transmittance)?;
                 (Bsdf::translucent(reflectance, transmittance), None)
             }
             MaterialFile::Mix(parts) => {
@@ -108,15 +109,13 @@ impl Resolver<'_> {
 
     fn body(&self, at: &JsonPath<'_>, file: &DielectricFile, name: &str, notes: &mut Vec<String>) -> Result<Body> {
         let DielectricFile { ior, roughness: _, absorption, medium, priority } = file;
-        let medium = medium.as_ref().map(|name| self.medium_number(&at.key("medium"), name)).transpose()?;
-        let index = self.index(&at.key("ior"), ior, name, notes)?;
-        let absorption = match absorption {
-            None => None,
-            Some(file) => {
-                let per_unit = self.spectrum(&at.key("absorption"), file, Role::Coefficient)?;
-                (per_unit.max() > 0.0).then(|| per_unit.scaled(1.0 / self.metres))
-            }
-        };
+        let medium = medium.as_ref().map(|name| self.medium_number(&at.key("medium"), name)).transpose();
+        let index = self.index(&at.key("ior"), ior, name, notes);
+        let resolve = |file| self.spectrum(&at.key("absorption"), file, Role::Coefficient);
+        let absorption = absorption.as_ref().map(resolve).transpose();
+        let ((medium, index), absorption) = both(both(medium, index), absorption)?;
+        let absorption =
+            absorption.filter(|per_unit| per_unit.max() > 0.0).map(|per_unit| per_unit.scaled(1.0 / self.metres));
         Ok(Body { index: Some(index), absorption, medium, priority: *priority })
     }
 
@@ -136,8 +135,8 @@ impl Resolver<'_> {
         let (n, k) = match (metal, eta, k) {
             (Some(name), _, _) => self.at(&at.key("metal"), library::metal(name))?.index(),
             (None, Some(eta), Some(k)) => {
-                let eta = self.spectrum(&at.key("eta"), eta, Role::Coefficient)?;
-                (eta, self.spectrum(&at.key("k"), k, Role::Coefficient)?)
+                let eta = self.spectrum(&at.key("eta"), eta, Role::Coefficient);
+                both(eta, self.spectrum(&at.key("k"), k, Role::Coefficient))?
             }
             (None, _, _) => {
                 return self.at(at, Err(Error::input("found no metal").expected("`metal`, or `eta` and `k`")));

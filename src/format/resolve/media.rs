@@ -5,7 +5,7 @@ use super::context::Resolver;
 use super::index::index_of;
 use super::motion::ResolvedMotion;
 use super::spectra::Role;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, both};
 use crate::format::volume_file;
 use crate::format::{
     ExponentialFieldFile, FieldFile, GridFile, HomogeneousFile, JsonPath, MediumFile, NoiseFieldFile, PhaseFile,
@@ -55,20 +55,21 @@ impl Resolver<'_> {
 
     /// Resolves all media, including unused ones. Adds the media to the builder in the order of
     /// their numbers.
-    pub(super) fn media(&self, builder: &mut SceneBuilder) -> Result<()> {
+    pub(super) fn media(&self, builder: &mut SceneBuilder) {
         let (root, centre) = (JsonPath::Root, builder.centre());
         let media = root.key("media");
         for (name, file) in &self.scene.media {
             let (at, notes) = (media.key(name), &mut builder.notes);
             let (medium, emission) = match file {
                 MediumFile::Homogeneous(file) => {
-                    (self.homogeneous(&at.key("homogeneous"), file, name, notes)?, &file.emission)
+                    (self.homogeneous(&at.key("homogeneous"), file, name, notes), &file.emission)
                 }
-                MediumFile::Grid(file) => (self.grid(&at.key("grid"), file, name, centre, notes)?, &file.emission),
+                MediumFile::Grid(file) => (self.grid(&at.key("grid"), file, name, centre, notes), &file.emission),
             };
-            builder.add_medium(medium, emission.as_ref().and_then(|emission| emission.power));
+            if let Some(medium) = self.keep(medium) {
+                builder.add_medium(medium, emission.as_ref().and_then(|emission| emission.power));
+            }
         }
-        Ok(())
     }
 
     fn homogeneous(
@@ -80,10 +81,10 @@ impl Resolver<'_> {
     ) -> Result<Medium> {
         // The transform and the motion of a uniform medium have no effect.
         let HomogeneousFile { absorption, scattering, phase, emission, priority: _, transform: _, motion: _ } = file;
-        let coefficients = self.coefficients(at, absorption, scattering)?;
+        let phase = self.phase(&at.key("phase"), phase, notes);
+        let (coefficients, phase) = both(self.coefficients(at, absorption, scattering), phase)?;
         let resolve = |file| self.medium_emission(&at.key("emission"), file, &coefficients.0, None);
         let emission = emission.as_ref().map(resolve).transpose()?;
-        let phase = self.phase(&at.key("phase"), phase, notes)?;
         Ok(Medium { emission, ..Medium::new(name.to_owned(), coefficients, phase, Density::Uniform) })
     }
 
@@ -98,8 +99,8 @@ impl Resolver<'_> {
         let GridFile { bounds, density, absorption, scattering, phase, emission, temperature, .. } = file;
         let GridFile { transmittance, priority: _, transform, motion, .. } = file;
         let ResolvedMotion { start, motion } = self.motion(transform, motion);
-        let coefficients = self.coefficients(at, absorption, scattering)?;
-        let phase = self.phase(&at.key("phase"), phase, notes)?;
+        let phase = self.phase(&at.key("phase"), phase, notes);
+        let (coefficients, phase) = both(self.coefficients(at, absorption, scattering), phase)?;
         let place = self.field_placement(*bounds, start, centre);
         let field = |key: &str, file| self.field(&at.key(key), file, &place).map(Arc::new);
         let density = Density::Field(field("density", density)?);
@@ -126,7 +127,7 @@ impl Resolver<'_> {
         let coefficient = |key: &str, file| {
             self.spectrum(&at.key(key), file, Role::Coefficient).map(|per_unit| per_unit.scaled(1.0 / self.metres))
         };
-        Ok((coefficient("absorption", absorption)?, coefficient("scattering", scattering)?))
+        both(coefficient("absorption", absorption), coefficient("scattering", scattering))
     }
 
     /// Resolves the box of a grid medium. `to_world` is in the scene's unit.

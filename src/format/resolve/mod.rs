@@ -22,7 +22,7 @@ mod objects;
 mod spectra;
 
 pub use index::glass_file;
-pub use lens::{catalogues_beside, lens_file, lone_lens};
+pub use lens::{catalogues_beside, lens_file, lens_system_file, lone_lens};
 pub use media::DEFAULT_MARCH_STEPS;
 pub use spectra::Role;
 
@@ -31,7 +31,7 @@ use crate::error::{Error, Result};
 use crate::json::{JsonPath, JsonSource};
 use crate::scene::builder::{SceneBuilder, SceneError, ScenePart, SceneView};
 use crate::scene::{Scene, Settings};
-use crate::spectrum::Spectrum;
+use crate::spectrum::{Observer, Spectrum};
 use context::Resolver;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -50,15 +50,17 @@ pub fn load(path: &Path, sets: &[String]) -> Result<Scene> {
 ///
 /// # Errors
 /// Returns an error if a name is unknown, if a file cannot be read, if quantities contradict each
-/// other, or if a feature is not supported yet. The error states the place in `source`.
+/// other, or if a feature is not supported yet. The error contains the faults of all parts of the
+/// scene, and states the place of each in `source`.
 pub fn resolve(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
-    let (metres, shutter) = (scene.unit.metres(), motion::shutter(&scene.camera));
-    let mut resolver = Resolver { scene, source, metres, shutter, centre: None };
-    let resolved = resolver.run()?;
+    let shutter = || motion::shutter(&scene.camera);
+    let resolved = Resolver::new(scene, source, shutter(), None).run()?;
     // If the camera looks at a small part of a large world, the centre of the view is a better
     // origin for positions in single precision.
-    resolver.centre = resolved.distant_view();
-    if resolver.centre.is_some() { resolver.run() } else { Ok(resolved) }
+    match resolved.distant_view() {
+        Some(centre) => Resolver::new(scene, source, shutter(), Some(centre)).run(),
+        None => Ok(resolved),
+    }
 }
 
 /// Resolves a spectrum that is not part of a scene. If the spectrum is a name, the library must
@@ -78,32 +80,42 @@ impl Resolver<'_> {
         let root = JsonPath::Root;
         // Unused spectra are checked as well.
         for name in spectra.keys() {
-            self.named_spectrum(name, spectra::Role::Coefficient)?;
+            self.keep(self.named_spectrum(name, spectra::Role::Coefficient));
         }
-        let objects = self.objects()?;
+        let objects = self.objects();
         let builder = match self.centre {
             None => SceneBuilder::new(objects.set),
             Some(centre) => SceneBuilder::about(objects.set, centre),
         };
-        let mut builder = self.at(&root.key("objects"), builder)?;
+        let mut builder = match self.at(&root.key("objects"), builder) {
+            Ok(builder) => builder,
+            // The fault may only follow from an object that was left out.
+            Err(fault) => return Err(self.kept_faults().unwrap_or(fault)),
+        };
         let centre = builder.centre();
-        self.media(&mut builder)?;
+        self.media(&mut builder);
         let film_at = root.key("film");
-        let film = self.film(&film_at, film)?;
         let size = (film.width, film.height);
-        let (camera, camera_motion) = self.camera(&root.key("camera"), camera, size, centre, &mut builder.notes)?;
-        self.lights(&objects.emitting, &mut builder, film.observer)?;
-        if let Some(name) = atmosphere {
-            builder.set_atmosphere(self.medium_number(&root.key("atmosphere"), name)?);
+        let film = self.keep(self.film(&film_at, film));
+        let camera = self.keep(self.camera(&root.key("camera"), camera, size, centre, &mut builder.notes));
+        let observer = film.as_ref().map_or(Observer::cie1931(), |film| film.observer);
+        self.lights(&objects.emitting, &mut builder, observer);
+        if let Some(number) =
+            atmosphere.as_ref().and_then(|name| self.keep(self.medium_number(&root.key("atmosphere"), name)))
+        {
+            builder.set_atmosphere(number);
         }
         builder.title = title.clone().unwrap_or_else(|| stem(&self.source.path));
         builder.settings = self.settings(render);
         builder.notes.extend(self.note_without_motion());
-        let white_balance = self.white_balance(&film_at.key("white_balance"))?;
+        let white_balance = self.keep(self.white_balance(&film_at.key("white_balance")));
         let shutter = self.shutter.clone();
-        builder
-            .build(SceneView { camera, camera_motion, shutter, film, white_balance })
-            .map_err(|error| self.placed(error))
+        match (self.kept_faults(), camera, film, white_balance) {
+            (None, Some((camera, camera_motion)), Some(film), Some(white_balance)) => builder
+                .build(SceneView { camera, camera_motion, shutter, film, white_balance })
+                .map_err(|error| self.placed(error)),
+            (faults, ..) => Err(faults.unwrap_or_else(|| Error::input("the scene has a fault"))),
+        }
     }
 
     /// Adds the place in the file to an error of the scene model.

@@ -4,9 +4,11 @@ use super::context::{Resolver, UNSUPPORTED};
 use super::mesh_materials;
 use super::motion::ResolvedMotion;
 use crate::error::Result;
-use crate::format::mesh::{self, MeshPart};
+use crate::format::mesh::{self, MeshFile, MeshPart};
 use crate::format::{EmissionFile, JsonPath, ObjectFile, ShapeFile};
 use crate::geometry::shape::Shape;
+use crate::optics::bsdf::Bsdf;
+use crate::scene::Material;
 use crate::scene::builder::{ObjectSet, Placement};
 use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
@@ -40,23 +42,21 @@ pub(super) enum EmissionSource<'a> {
 
 impl<'a> Resolver<'a> {
     /// Resolves all objects.
-    pub(super) fn objects(&self) -> Result<ResolvedObjects<'a>> {
+    pub(super) fn objects(&self) -> ResolvedObjects<'a> {
         let mut resolved = ResolvedObjects::default();
         let root = JsonPath::Root;
         let at = root.key("objects");
         for (number, file) in self.scene.objects.iter().enumerate() {
-            self.object(&at.index(number), number, file, &mut resolved)?;
+            self.keep(self.object(&at.index(number), number, file, &mut resolved));
         }
         // Unused materials are checked as well, but may use features that are not supported yet.
         for name in self.scene.materials.keys().filter(|name| !resolved.named.contains_key(name.as_str())) {
             let unused = self.material(&root.key("materials"), name, &mut Vec::new());
-            if let Err(error) = unused.map(|_| ())
-                && !error.what.ends_with(UNSUPPORTED)
-            {
-                return Err(error);
+            if !unused.as_ref().is_err_and(|error| error.what.ends_with(UNSUPPORTED)) {
+                self.keep(unused);
             }
         }
-        Ok(resolved)
+        resolved
     }
 
     fn object(
@@ -69,7 +69,15 @@ impl<'a> Resolver<'a> {
         let ObjectFile { name, shape, material, transform, motion, emission } = file;
         let name = name.clone().unwrap_or_else(|| format!("object {number}"));
         let material = match material {
-            Some(name) => Some(self.material_number(&at.key("material"), name, resolved)?),
+            Some(name) => match self.keep(self.material_number(&at.key("material"), name, resolved)) {
+                Some(number) => Some(number),
+                // The shape is checked even if the material has a fault.
+                None => Some(resolved.set.add_material(Material {
+                    name: name.clone(),
+                    surface: Bsdf::Absorber,
+                    body: None,
+                })),
+            },
             None => None,
         };
         let ResolvedMotion { start, motion } = self.motion(transform, motion);
@@ -80,8 +88,15 @@ impl<'a> Resolver<'a> {
             let local = DAffine3::from_scale(DVec3::splat(self.metres));
             let motion = motion.map(|motion| (motion, local));
             let mesh_at = spd_at.key("mesh");
-            let parts = self.source.file(path).and_then(|path| mesh::load(&path, self.source.file_access()));
-            let parts = self.at(&mesh_at.key("path"), parts)?;
+            let file = self.source.file(path).and_then(|path| mesh::load(&path, self.source.file_access()));
+            let MeshFile { parts, ignored } = self.at(&mesh_at.key("path"), file)?;
+            // A material of the scene replaces the materials of the file.
+            if let Some(ignored) = ignored.filter(|_| material.is_none()) {
+                let note = format!("mesh \"{path}\": {ignored}");
+                if !resolved.set.notes.contains(&note) {
+                    resolved.set.notes.push(note);
+                }
+            }
             for part in parts {
                 let part_name = if part.name.is_empty() { name.clone() } else { format!("{name}/{}", part.name) };
                 let own_light = part.material.as_ref().map_or([0.0; 3], |own| own.emission);

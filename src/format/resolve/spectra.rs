@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 
 use super::context::Resolver;
 use crate::colour::{PrimaryMatch, match_primaries};
-use crate::error::{Error, Result};
-use crate::format::{JsonPath, JsonSource, LineFile, SpectrumFile};
+use crate::error::{Error, Result, both, every};
+use crate::format::{JsonPath, JsonSource, LineFile, SpectrumFile, is_hex_colour, linear_of_hex};
 use crate::optics::phase::MAX_MEAN_COSINE;
 use crate::spectrum::{Observer, Outside, SpectralLine, Spectrum, library, read};
 
@@ -115,17 +115,15 @@ impl Spectra<'_> {
             SpectrumFile::Lines(lines) => Spectrum::lines(&lines.iter().map(line).collect::<Vec<_>>()),
             SpectrumFile::Blackbody { temperature } => Spectrum::blackbody(*temperature),
             SpectrumFile::Gaussian { peak_nm, fwhm_nm } => Spectrum::gaussian(*peak_nm, *fwhm_nm),
-            SpectrumFile::Rgb(rgb) => match role {
-                Role::Light => Spectrum::rgb_light(*rgb),
-                Role::Reflectance | Role::Coefficient | Role::MeanCosine => Spectrum::rgb_reflectance(*rgb),
-            },
+            SpectrumFile::Rgb(rgb) => upsampled(*rgb, role),
+            SpectrumFile::Srgb(colour) => colour.linear().and_then(|rgb| upsampled(rgb, role)),
             SpectrumFile::Mix(parts) => {
                 let at = at.key("mix");
-                let mut resolved = Vec::with_capacity(parts.len());
-                for (i, part) in parts.iter().enumerate() {
-                    let at = at.index(i);
-                    resolved.push((part.weight, within(&at.key("spectrum"), &part.spectrum)?));
-                }
+                let parts = parts.iter().enumerate().map(|(i, part)| {
+                    let spectrum = within(&at.index(i).key("spectrum"), &part.spectrum);
+                    spectrum.map(|spectrum| (part.weight, spectrum))
+                });
+                let resolved = every(parts)?;
                 Ok(Spectrum::mix(&resolved.iter().map(|(weight, part)| (*weight, part)).collect::<Vec<_>>()))
             }
             SpectrumFile::PowerLaw { reference_nm, value, exponent } => {
@@ -133,11 +131,11 @@ impl Spectra<'_> {
             }
             SpectrumFile::Match { target, primaries } => {
                 let at = at.key("match");
-                let target = within(&at.key("target"), target)?;
+                let target = within(&at.key("target"), target);
                 let at = at.key("primaries");
-                let primaries: Result<Vec<Spectrum>> =
-                    primaries.iter().enumerate().map(|(i, primary)| within(&at.index(i), primary)).collect();
-                matched(&target, &primaries?)
+                let primaries = every(primaries.iter().enumerate().map(|(i, primary)| within(&at.index(i), primary)));
+                let (target, primaries) = both(target, primaries)?;
+                matched(&target, &primaries)
             }
         };
         self.at(at, made)
@@ -148,6 +146,9 @@ impl Spectra<'_> {
             let root = JsonPath::Root;
             let spectra = root.key("spectra");
             return self.spectrum_at_depth(&spectra.key(name), file, role, depth + 1);
+        }
+        if is_hex_colour(name) {
+            return self.at(at, linear_of_hex(name).and_then(|rgb| upsampled(rgb, role)));
         }
         match library::find(name) {
             Ok(entry) => Ok(entry.spectrum),
@@ -168,6 +169,14 @@ fn signed_table(nm: &[f64], values: &[f64]) -> Result<Spectrum> {
     let raised: Vec<f64> = values.iter().map(|value| value + 1.0).collect();
     let raised = Spectrum::table(nm, &raised, Outside::Hold)?;
     Ok(Spectrum::mix(&[(1.0, &raised), (1.0, &Spectrum::constant(-1.0))]))
+}
+
+/// Returns a spectrum of the given linear sRGB colour.
+fn upsampled(rgb: [f64; 3], role: Role) -> Result<Spectrum> {
+    match role {
+        Role::Light => Spectrum::rgb_light(rgb),
+        Role::Reflectance | Role::Coefficient | Role::MeanCosine => Spectrum::rgb_reflectance(rgb),
+    }
 }
 
 fn line(file: &LineFile) -> SpectralLine {

@@ -151,12 +151,14 @@ fn dispersion(row: &AgfRow) -> Result<Dispersion> {
             c0: c[0] - 1.0,
             poles: [SellmeierTerm { b: c[1], c: c[2] }, SellmeierTerm { b: c[3], c: c[4] }].into(),
         },
-        // Extended, and Extended 2.
+        // Extended 1 and 2.
         10 => squared(&[2, -2, -4, -6, -8, -10, -12]),
         12 => squared(&[2, -2, -4, -6, -8, 4, 6]),
+        // Extended 3.
+        13 => squared(&[2, 4, -2, -4, -6, -8, -10, -12]),
         other => {
             let what = format!("formula {other} of {} is not supported", row.name);
-            return Err(Error::input(what).expected("a formula from 1 to 12"));
+            return Err(Error::input(what).expected("a formula from 1 to 13"));
         }
     })
 }
@@ -176,7 +178,8 @@ mod tests {
         NM FOUR 4 0 0 0\nCD 0.3 1.0 0.1 0.01 0.2\nLD 0.36 1\nNM FIVE 5 0 0 0\nCD 1.5 0.01 0.002\nLD 0.36 1\n\
         NM THREE 3 0 0 0\nCD 1.5 0.004 0.0001 -0.002 0.0001 0\nLD 0.36 1\nNM EIGHT 8 0 0 0\nCD 2.2 0.05 0.03 0.01\nLD 0.36 1\n\
         NM SEVEN 7 0 0 0\nCD 2.2 0.02 0.03 0.01\nLD 0.36 1\n\
-        NM LATE 13 0 0 0\nCD 1\nLD 0.36 1\nNM BARE 2 0 0 0\nCD 1 0.01\n";
+        NM LATE 14 0 0 0\nCD 1\nLD 0.36 1\nNM BARE 2 0 0 0\nCD 1 0.01\n\
+        NM THIRTEEN 13 0 0 0\nCD 2.2 -0.01 -2E-4 0.02 1E-4 2E-5 3E-6 -4E-7 5E-8\nLD 0.36 1\n";
 
     fn file() -> AgfCatalogue {
         AgfCatalogue::parse(FILE.as_bytes(), "a.agf".as_ref()).unwrap()
@@ -185,7 +188,7 @@ mod tests {
     #[test]
     fn a_known_glass_has_its_known_index_by_either_formula() {
         let file = file();
-        assert_eq!(file.names().count(), 9);
+        assert_eq!(file.names().count(), 10);
         let known = &catalogue::find("N-BK7").unwrap().index;
         for nm in [365.0, 486.1327, 587.5618, 656.2725, 800.0] {
             assert!((file.find("n-bk7").unwrap().index.n(nm) - known.n(nm)).abs() < 1e-12);
@@ -206,6 +209,9 @@ mod tests {
         near(n("FOUR").powi(2), 1.3 + um * um / (um * um - 0.01) + 0.01 / (um * um - 0.04));
         near(n("FIVE"), 1.5 + 0.01 / um + 0.002 / um.powf(3.5));
         near(n("SEVEN").powi(2), 2.2 + 0.02 / (um * um - 0.03) - 0.01 * um * um);
+        let powers =
+            [(-0.01, 2), (-2e-4, 4), (0.02, -2), (1e-4, -4), (2e-5, -6), (3e-6, -8), (-4e-7, -10), (5e-8, -12)];
+        near(n("THIRTEEN").powi(2), 2.2 + powers.iter().map(|(c, p)| c * um.powi(*p)).sum::<f64>());
         near(n("EIGHT").powi(2), 2.2 + 0.05 * um * um / (um * um - 0.03) - 0.01 * um * um);
     }
 
@@ -216,7 +222,7 @@ mod tests {
             let text = result.unwrap_err().to_string();
             assert!(words.iter().all(|word| text.contains(word)), "{text}");
         };
-        told(file.find("LATE"), &["a.agf:27:1", "formula 13 of LATE", "1 to 12"]);
+        told(file.find("LATE"), &["a.agf:27:1", "formula 14 of LATE", "1 to 13"]);
         told(file.find("BARE"), &["a.agf:30:1", "no wavelength range", "LD"]);
         told(file.find("N-BK8"), &["unknown glass \"N-BK8\"", "N-BK7", "a glass of a.agf"]);
         let parse = |text: &str| AgfCatalogue::parse(text.as_bytes(), "a.agf".as_ref()).unwrap_err().to_string();

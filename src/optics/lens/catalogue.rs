@@ -73,7 +73,7 @@ fn prescription(entry: LensEntry) -> Result<Prescription> {
     let surface = |row: LensSurfaceEntry| {
         let LensSurfaceEntry { radius_mm, thickness_mm, glass, semi_aperture_mm, stop: _ } = row;
         let profile = SurfaceProfile::sphere(radius_mm.unwrap_or(0.0));
-        Ok(LensSurface { profile, thickness_mm, index: medium(&glass)?, semi_aperture_mm })
+        Ok(LensSurface { profile, thickness_mm, index: medium(&glass)?, semi_aperture_mm, obscuration_mm: 0.0 })
     };
     Ok(Prescription {
         name,
@@ -82,6 +82,7 @@ fn prescription(entry: LensEntry) -> Result<Prescription> {
         stop,
         opening: ApertureSpec::EntrancePupil { diameter_mm },
         half_field_deg: Some(half_field_deg),
+        notes: Vec::new(),
     })
 }
 

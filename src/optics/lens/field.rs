@@ -103,6 +103,19 @@ impl MonochromaticLens<'_> {
     /// Traces the bundle around a chief ray to the plane z = `sensor_z_mm` and returns the spot of
     /// the bundle. Returns `None` if all rays are vignetted.
     pub fn spot(&self, chief: LensRay, sensor_z_mm: f64) -> Result<Option<LensSpot>> {
+        let landed = self.landing_points(chief, sensor_z_mm)?;
+        if landed.is_empty() {
+            return Ok(None);
+        }
+        let count = landed.len() as f64;
+        let centroid = landed.iter().sum::<DVec2>() / count;
+        let variance = landed.iter().map(|point| point.distance_squared(centroid)).sum::<f64>() / count;
+        Ok(Some(LensSpot { centroid_mm: centroid.y, rms_mm: variance.sqrt(), rays: landed.len() }))
+    }
+
+    /// Traces the bundle around a chief ray to the plane z = `sensor_z_mm`. Returns the points in mm
+    /// at which the rays that are not vignetted reach this plane.
+    pub(super) fn landing_points(&self, chief: LensRay, sensor_z_mm: f64) -> Result<Vec<DVec2>> {
         let radius_mm = self.bundle_radius_mm()?;
         let offset = |i: u32| ((2 * i + 1) as f64 / f64::from(RAYS_ACROSS_BUNDLE) - 1.0) * radius_mm;
         let mut landed = Vec::new();
@@ -112,13 +125,7 @@ impl MonochromaticLens<'_> {
                 landed.push(out.at_z(sensor_z_mm).truncate());
             }
         }
-        if landed.is_empty() {
-            return Ok(None);
-        }
-        let count = landed.len() as f64;
-        let centroid = landed.iter().sum::<DVec2>() / count;
-        let variance = landed.iter().map(|point| point.distance_squared(centroid)).sum::<f64>() / count;
-        Ok(Some(LensSpot { centroid_mm: centroid.y, rms_mm: variance.sqrt(), rays: landed.len() }))
+        Ok(landed)
     }
 
     /// Finds the lowest and the highest meridional ray that pass the lens. For each of the two

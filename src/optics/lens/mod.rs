@@ -13,7 +13,10 @@
 
 mod analysis;
 pub mod catalogue;
+mod clear_apertures;
 mod field;
+pub mod folded;
+pub mod image_quality;
 mod paraxial;
 mod prescription;
 mod profile;

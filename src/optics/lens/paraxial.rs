@@ -80,6 +80,13 @@ impl MonochromaticLens<'_> {
         self.matrix(0, self.lens().stop()).a
     }
 
+    /// Returns the z coordinate of the entrance pupil in mm. It does not depend on the size of the
+    /// stop. If the pupil lies at infinity, the result is not finite.
+    pub(super) fn entrance_pupil_z_mm(&self) -> f64 {
+        let front = self.matrix(0, self.lens().stop());
+        front.b / front.a
+    }
+
     /// Computes focal length, focal points and pupils. Returns an error for a lens without power.
     pub fn paraxial(&self) -> Result<Paraxial> {
         let lens = self.lens();

@@ -21,9 +21,11 @@ pub struct LensSurface {
     pub index: RefractiveIndex,
     /// Half of the clear diameter in mm.
     pub semi_aperture_mm: f64,
+    /// Radius of the central obscuration in mm, or 0. Rays nearer to the axis are blocked.
+    pub obscuration_mm: f64,
 }
 
-/// The size of the stop, specified in one of three ways.
+/// The size of the stop, specified in one of four ways.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ApertureSpec {
     /// The semi-aperture of the stop's surface.
@@ -35,6 +37,13 @@ pub enum ApertureSpec {
     },
     /// The f-number at the wavelength of the d line.
     FNumber(f64),
+    /// The cone of light from the point of the object on the axis.
+    ObjectCone {
+        /// Tangent of half the angle of the cone.
+        tangent: f64,
+        /// Distance from the object to the first vertex in mm.
+        object_mm: f64,
+    },
 }
 
 /// A lens prescription that is not yet validated.
@@ -52,6 +61,8 @@ pub struct Prescription {
     pub opening: ApertureSpec,
     /// Half of the designed field of view in degrees.
     pub half_field_deg: Option<f64>,
+    /// Remarks of the reader of a lens file.
+    pub notes: Vec<String>,
 }
 
 /// A validated lens. Every surface is defined up to its semi-aperture. The surfaces do not cross.
@@ -65,6 +76,7 @@ pub struct Lens {
     stop: usize,
     blades: Option<Blades>,
     half_field_deg: Option<f64>,
+    notes: Vec<String>,
 }
 
 /// Returns the refractive index of a medium by name. The name is `air` or a name of the glass
@@ -82,7 +94,7 @@ impl Lens {
     /// semi-aperture, if a surface crosses the next one, or if the stop is missing. The error
     /// contains the path of the surface, `surfaces[i]`, where i counts from 0.
     pub fn new(prescription: Prescription) -> Result<Self> {
-        let Prescription { name, source, surfaces, stop, opening, half_field_deg } = prescription;
+        let Prescription { name, source, surfaces, stop, opening, half_field_deg, notes } = prescription;
         if !(1..=MAX_SURFACES).contains(&surfaces.len()) {
             let what = format!("found a lens of {} surfaces", surfaces.len());
             return Err(Error::input(what).expected(format!("1 to {MAX_SURFACES} surfaces")).on_path("surfaces"));
@@ -106,7 +118,8 @@ impl Lens {
         };
         let vertices_mm = surfaces.iter().map(advance).collect();
         let blades = None;
-        let lens = Self { name, source, surfaces, vertices_mm, stop, blades, half_field_deg }.with_aperture(opening)?;
+        let lens = Self { name, source, surfaces, vertices_mm, stop, blades, half_field_deg, notes };
+        let lens = lens.with_aperture(opening)?;
         lens.check_shapes()?;
         Ok(lens)
     }
@@ -119,6 +132,11 @@ impl Lens {
     /// Returns the source of the design.
     pub fn source(&self) -> Option<&str> {
         self.source.as_deref()
+    }
+
+    /// Returns the remarks of the reader of the lens file.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// Returns the surfaces from the scene to the sensor.
@@ -146,12 +164,13 @@ impl Lens {
     /// Returns whether a point lies inside the aperture of a surface. The coordinates of the point
     /// are its distances from the axis in mm, to the right and upwards.
     pub(super) fn aperture_contains(&self, surface: usize, place: DVec2) -> bool {
-        let semi_aperture_mm = self.surfaces[surface].semi_aperture_mm;
-        if place.length_squared() > semi_aperture_mm * semi_aperture_mm {
+        let LensSurface { semi_aperture_mm, obscuration_mm, .. } = &self.surfaces[surface];
+        let height2_mm2 = place.length_squared();
+        if height2_mm2 > semi_aperture_mm * semi_aperture_mm || height2_mm2 < obscuration_mm * obscuration_mm {
             return false;
         }
         match self.blades {
-            Some(blades) if surface == self.stop => blades.contains(place / semi_aperture_mm),
+            Some(blades) if surface == self.stop => blades.contains(place / *semi_aperture_mm),
             Some(_) | None => true,
         }
     }
@@ -194,6 +213,13 @@ impl Lens {
             ApertureSpec::Stop => return Ok(self),
             ApertureSpec::EntrancePupil { diameter_mm } => diameter_mm,
             ApertureSpec::FNumber(f_number) => self.at(lines::D_NM).paraxial()?.efl_mm.abs() / f_number,
+            ApertureSpec::ObjectCone { tangent, object_mm } => {
+                if !object_mm.is_finite() {
+                    let what = "found a numerical aperture of an object at infinity";
+                    return Err(Error::input(what).expected("an object at a finite distance"));
+                }
+                2.0 * tangent * (object_mm + self.at(lines::D_NM).entrance_pupil_z_mm())
+            }
         };
         let semi_aperture_mm = 0.5 * diameter_mm * self.at(lines::D_NM).stop_magnification().abs();
         if !(semi_aperture_mm > 0.0 && semi_aperture_mm.is_finite()) {
@@ -238,7 +264,7 @@ fn on_surface(i: usize, error: Error) -> Error {
 }
 
 fn check_numbers(surface: &LensSurface) -> Result<()> {
-    let LensSurface { profile, thickness_mm, index: _, semi_aperture_mm } = surface;
+    let LensSurface { profile, thickness_mm, index: _, semi_aperture_mm, obscuration_mm } = surface;
     let SurfaceProfile { curvature_per_mm, conic, even_terms } = profile;
     if !(curvature_per_mm.is_finite() && conic.is_finite() && even_terms.iter().all(|term| term.is_finite())) {
         return Err(Error::input("found a shape whose numbers are not finite"));
@@ -249,6 +275,10 @@ fn check_numbers(surface: &LensSurface) -> Result<()> {
     if !(*semi_aperture_mm > 0.0 && semi_aperture_mm.is_finite()) {
         let what = format!("found a semi-aperture of {semi_aperture_mm} mm");
         return Err(Error::input(what).expected("a number above 0"));
+    }
+    if !(0.0..*semi_aperture_mm).contains(obscuration_mm) {
+        let what = format!("found a central obscuration with a radius of {obscuration_mm} mm");
+        return Err(Error::input(what).expected(format!("a radius below the semi-aperture of {semi_aperture_mm} mm")));
     }
     Ok(())
 }
