@@ -6,9 +6,10 @@ use crate::colour::tone::ToneCurve;
 use crate::error::{Error, Result};
 use crate::output::compare::{Comparison, Region, Selection, compare_at};
 use crate::output::comparison_page::{PicturePair, page};
+use crate::output::exr::read as read_exr;
+use crate::output::file;
 use crate::output::gates::Gate;
-use crate::output::png::read_mask;
-use crate::output::{exr, file, png};
+use crate::output::png::{read as read_png, read_mask};
 use crate::sensor::{Picture, exposure};
 
 use super::{Outcome, print, values};
@@ -59,11 +60,11 @@ impl Inputs {
         let is_png = |path: &Path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
         match (is_png(picture), is_png(reference)) {
             (true, true) => {
-                let (picture, reference) = (png::read(picture)?, png::read(reference)?);
+                let (picture, reference) = (read_png(picture)?, read_png(reference)?);
                 Ok(Self { picture, reference, exposure: 1.0, tone: ToneCurve::Clip })
             }
             (false, false) => {
-                let (picture, reference) = (exr::read(picture)?.picture, exr::read(reference)?.picture);
+                let (picture, reference) = (read_exr(picture)?.picture, read_exr(reference)?.picture);
                 let exposure = exposure::automatic(&reference);
                 Ok(Self { picture, reference, exposure, tone: ToneCurve::RollOff })
             }

@@ -62,6 +62,12 @@ impl OutputFiles {
         format!("{} and {}", self.exr.display(), self.png.display())
     }
 
+    /// Returns true if the pictures can be refreshed during a render. Pipes and devices receive only
+    /// the finished picture.
+    pub(crate) fn can_be_refreshed(&self) -> bool {
+        [&self.exr, &self.png].into_iter().all(|path| !std::fs::metadata(path).is_ok_and(|found| !found.is_file()))
+    }
+
     /// Saves the EXR and the PNG file. `write_picture` writes the EXR file. Returns the exposure of
     /// the PNG file in 1/(cd/m²).
     pub(crate) fn save_pictures(

@@ -40,7 +40,7 @@ impl<'a> Preview<'a> {
     /// Writes the files if a preview is due. A failure is reported once, and the render continues.
     pub(crate) fn update(&mut self, start: Instant, run: &Run) {
         let elapsed = start.elapsed();
-        if !self.schedule.is_due(elapsed) {
+        if !self.schedule.is_due(elapsed) || !self.outputs.can_be_refreshed() {
             return;
         }
         if let Err(error) = self.write(run)

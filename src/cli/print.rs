@@ -55,7 +55,7 @@ pub(crate) fn picture_error(error: &ErrorStats) -> String {
     /// A region is named if it contains at least this share of the mean square error.
     const DOMINANT: f64 = 0.25;
     let Some(((median, p95), relative)) = error.median.zip(error.p95).zip(error.relative) else {
-        return "unknown error".to_string();
+        return "the error is not known yet".to_string();
     };
     let [median, p95, relative] = [median, p95, relative].map(percent);
     let worst = error.worst_region.zip(error.worst_share).filter(|(_, share)| *share >= DOMINANT);
@@ -126,7 +126,7 @@ mod tests {
         let text = "error of half of the pixels below 1.10 %, of 95 % below 5.00 %, RMS of the picture 40 %";
         assert_eq!(picture_error(&error(0.1)), text);
         assert_eq!(picture_error(&error(0.9)), format!("{text}, 90 % of it from the region 8,0,16,8"));
-        assert_eq!(picture_error(&ErrorStats { relative: None, ..error(0.1) }), "unknown error");
+        assert_eq!(picture_error(&ErrorStats { relative: None, ..error(0.1) }), "the error is not known yet");
     }
 
     #[test]
