@@ -12,7 +12,7 @@ use abbe::format::light::PointFile;
 use abbe::format::{
     CameraFile, DielectricFile, ExposureFile, FilmFile, GamutFile, IndexFile, LensFile, LightFile, MaterialFile,
     ObjectFile, ObserverFile, OutputSpaceFile, ReflectanceFile, RenderFile, SceneFile, ShapeFile, SpectrumFile,
-    TransformFile, UnitFile, WhiteBalanceFile,
+    ToneFile, TransformFile, UnitFile, WhiteBalanceFile,
 };
 use abbe::{RenderOptions, Scene};
 
@@ -43,6 +43,7 @@ fn main() -> abbe::Result<()> {
             observer: ObserverFile::Cie1931,
             spectral_bands: 0,
             gamut: GamutFile::Desaturate,
+            tone: ToneFile::RollOff,
             white_balance: WhiteBalanceFile::None,
             output_space: OutputSpaceFile::Srgb,
             exposure: ExposureFile::Auto,

@@ -7,7 +7,7 @@ use crate::format::resolve;
 use crate::output::exr::read_metadata;
 use crate::output::hash::IdentityHash;
 use crate::output::metadata::{Metadata, names};
-use crate::render::{Integrator, Job, Request, Stats};
+use crate::render::{DisplaySettings, Integrator, Job, Request, Stats, scene_of_passes};
 use serde_json::Value;
 
 use super::plan_report::PlanReport;
@@ -23,6 +23,7 @@ pub fn of_scene(source: Option<&JsonSource>, job: &Job, integrator: Integrator) 
     }
     metadata
         .with_json(names::PLAN, &PlanReport::of(job))
+        .with_json(names::DISPLAY, &DisplaySettings::of(job))
         .with(names::INTEGRATOR, integrator.word())
         .with(names::SEED, &job.budget.seed.to_string())
         .with(names::PHOTONS, &job.budget.photons.to_string())
@@ -38,28 +39,40 @@ pub fn of_render(of_scene: &Metadata, stats: &Stats) -> Metadata {
         .with(names::SECONDS, &format!("{:.3}", stats.seconds.total))
 }
 
-/// Returns true if a file contains a finished picture of this scene. The picture must come from the
-/// same version of Abbe and from the same integrator. If the request limits the number of passes,
-/// the picture must contain at least this number of passes.
-pub fn is_finished(path: &Path, of_scene: &Metadata, request: Request, job: &Job) -> bool {
-    let Ok(found) = read_metadata(path) else { return false };
+/// Removes the times and the facts about the machine from a header. Two renders with equal results
+/// then have equal headers.
+pub fn reproducible(metadata: Metadata) -> Metadata {
+    let scene: Option<Value> = metadata.get(names::SCENE).and_then(|text| serde_json::from_str(text).ok());
+    let metadata = metadata.without(names::SECONDS);
+    let Some(mut scene) = scene else { return metadata };
+    if let Some(Value::Object(render)) = scene.get_mut("render") {
+        render.retain(|key, _| !["threads", "checkpoint_seconds"].contains(&key.as_str()));
+    }
+    if scene.get("render").and_then(Value::as_object).is_some_and(serde_json::Map::is_empty)
+        && let Value::Object(entries) = &mut scene
+    {
+        entries.shift_remove("render");
+    }
+    metadata.with_json(names::SCENE, &scene)
+}
+
+/// Returns the header of a file if the file contains a finished picture of this scene. The picture
+/// must come from the same version of Abbe and from the same integrator. If the request limits the
+/// number of passes, the picture must contain at least this number of passes.
+pub fn finished(path: &Path, of_scene: &Metadata, request: Request, job: &Job) -> Option<Metadata> {
+    let found = read_metadata(path).ok()?;
     let same =
         [names::VERSION, names::SCENE_HASH, names::INTEGRATOR].iter().all(|name| found.get(name) == of_scene.get(name));
     let passes = found.get(names::PASSES).and_then(|passes| passes.parse::<u64>().ok()).unwrap_or(0);
-    same && passes >= request.stop.passes_wanted(&job.budget).unwrap_or(1)
+    let is_preview = found.get(names::PREVIEW).is_some();
+    (same && !is_preview && passes >= request.stop.passes_wanted(&job.budget).unwrap_or(1)).then_some(found)
 }
-
-/// The keys of a scene's `render` section that do not change the result of a pass.
-const KEYS_WITHOUT_EFFECT_ON_A_PASS: [&str; 3] = ["passes", "threads", "checkpoint_seconds"];
 
 /// Hashes a scene and the files that it names. If two scenes have the same hash, their passes are
 /// equal. The hash ignores the number of passes, the number of threads, the checkpoint interval,
-/// and the folder of the scene.
+/// the conversion of the picture for a display, and the folder of the scene.
 fn scene_hash(scene: &Value, folder: &Path) -> String {
-    let mut scene = scene.clone();
-    if let Some(Value::Object(render)) = scene.get_mut("render") {
-        render.retain(|key, _| !KEYS_WITHOUT_EFFECT_ON_A_PASS.contains(&key.as_str()));
-    }
+    let scene = scene_of_passes(scene);
     let mut hash = IdentityHash::default();
     hash.add_part(scene.to_string().as_bytes());
     add_files(&scene, folder, &mut hash);

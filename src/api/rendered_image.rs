@@ -9,7 +9,7 @@ use crate::output::exr::{read, write};
 use crate::output::metadata::Metadata;
 use crate::output::png::write as write_png;
 use crate::render::{DisplaySettings, Job, Rendered, Stats};
-use crate::sensor::{Codes, Development, DisplayImage, Picture, develop, exposure};
+use crate::sensor::{Codes, Picture};
 
 /// A picture in absolute units with an error estimate for every pixel.
 ///
@@ -19,9 +19,8 @@ use crate::sensor::{Codes, Development, DisplayImage, Picture, develop, exposure
 #[derive(Debug, Clone)]
 pub struct Image {
     picture: Picture,
-    /// The settings that convert the picture for a display. `None` for a picture that was read from
-    /// a file.
-    showing: Option<DisplaySettings>,
+    /// The settings that convert the picture for a display.
+    display: DisplaySettings,
     stats: Option<Stats>,
     metadata: Metadata,
     interrupted: bool,
@@ -44,7 +43,7 @@ impl Image {
         let metadata = provenance::of_render(metadata, &rendered.stats);
         Self {
             picture: rendered.picture,
-            showing: Some(DisplaySettings::of(job)),
+            display: DisplaySettings::of(job),
             stats: Some(rendered.stats),
             metadata,
             interrupted: rendered.interrupted,
@@ -57,7 +56,8 @@ impl Image {
     /// Returns an error if the file cannot be read or is not an EXR file with the layers of Abbe.
     pub fn read_exr(path: impl AsRef<Path>) -> Result<Self> {
         let file = read(path.as_ref())?;
-        Ok(Self { picture: file.picture, showing: None, stats: None, metadata: file.metadata, interrupted: false })
+        let display = DisplaySettings::of_header(&file.metadata).unwrap_or(DisplaySettings::automatic());
+        Ok(Self { picture: file.picture, display, stats: None, metadata: file.metadata, interrupted: false })
     }
 
     /// The number of pixels in a row.
@@ -88,22 +88,13 @@ impl Image {
     }
 
     /// The whole picture in 8-bit sRGB, row by row. The first row is the top row. The scene sets
-    /// exposure, white balance and gamut mapping. A picture from a file has automatic exposure.
+    /// exposure, white balance, tone curve and gamut mapping. A picture of another program has
+    /// automatic exposure.
     pub fn to_srgb(&self) -> Vec<[u8; 3]> {
-        let screen = match self.showing {
-            Some(showing) => showing.in_space(RgbSpace::Srgb).screen(&self.picture),
-            None => self.with_automatic_exposure(),
-        };
-        match screen.codes {
+        match self.display.in_space(RgbSpace::Srgb).screen(&self.picture).codes {
             Codes::Eight(codes) => codes,
             Codes::Sixteen(codes) => codes.into_iter().map(|rgb| rgb.map(|code| (code >> 8) as u8)).collect(),
         }
-    }
-
-    /// The picture in sRGB with automatic exposure.
-    fn with_automatic_exposure(&self) -> DisplayImage {
-        let development = Development::default();
-        develop(&self.picture, exposure::automatic(&self.picture, &development), &development)
     }
 
     /// The spectrum of a pixel, or `None` if the render did not store spectral bands.
@@ -167,16 +158,12 @@ impl Image {
         write(path.as_ref(), &self.picture, &self.metadata)
     }
 
-    /// Writes a PNG file. The scene sets colour space, exposure, white balance and gamut mapping. A
-    /// picture from a file is written in sRGB with automatic exposure.
+    /// Writes a PNG file. The scene sets colour space, exposure, white balance, tone curve and gamut
+    /// mapping. A picture of another program is written in sRGB with automatic exposure.
     ///
     /// # Errors
     /// Returns an error if the file cannot be written.
     pub fn write_png(&self, path: impl AsRef<Path>) -> Result<()> {
-        let screen = match &self.showing {
-            Some(showing) => showing.screen(&self.picture),
-            None => self.with_automatic_exposure(),
-        };
-        write_png(path.as_ref(), &screen)
+        write_png(path.as_ref(), &self.display.screen(&self.picture))
     }
 }

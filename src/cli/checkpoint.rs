@@ -8,6 +8,7 @@ use crate::output::file as files;
 use crate::output::metadata::{Metadata, names};
 use crate::render::{Job, Monitor, PassPart, Progress, RenderIdentity, Run, SavedRun};
 
+use super::preview::Preview;
 use super::print;
 use super::progress::ProgressDisplay;
 
@@ -78,11 +79,13 @@ impl CheckpointInterval {
     }
 }
 
-/// Shows the progress of a render, and writes its checkpoints.
+/// Shows the progress of a render, and writes its previews and checkpoints.
 #[derive(Debug)]
 pub(crate) struct RenderMonitor<'a> {
     pub(crate) display: ProgressDisplay,
     checkpoint: &'a CheckpointFile<'a>,
+    preview: Preview<'a>,
+    start: Instant,
     interval: CheckpointInterval,
     next: Instant,
     has_failed: bool,
@@ -92,10 +95,12 @@ impl<'a> RenderMonitor<'a> {
     pub(crate) fn new(
         display: ProgressDisplay,
         checkpoint: &'a CheckpointFile<'a>,
+        preview: Preview<'a>,
         interval: CheckpointInterval,
     ) -> Self {
-        let next = Instant::now() + interval.pause(Duration::ZERO);
-        Self { display, checkpoint, interval, next, has_failed: false }
+        let start = Instant::now();
+        let next = start + interval.pause(Duration::ZERO);
+        Self { display, checkpoint, preview, start, interval, next, has_failed: false }
     }
 }
 
@@ -105,6 +110,7 @@ impl Monitor for RenderMonitor<'_> {
     }
 
     fn checkpoint(&mut self, run: &Run) {
+        self.preview.update(self.start, run);
         let begun = Instant::now();
         if begun < self.next {
             return;

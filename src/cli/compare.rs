@@ -2,22 +2,25 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::Result;
-use crate::output::compare::{Comparison, Region, Selection, compare};
+use crate::colour::tone::ToneCurve;
+use crate::error::{Error, Result};
+use crate::output::compare::{Comparison, Region, Selection, compare_at};
 use crate::output::comparison_page::{PicturePair, page};
-use crate::output::exr::read;
+use crate::output::exr::read as read_exr;
 use crate::output::file;
-use crate::output::png::read_mask;
+use crate::output::gates::Gate;
+use crate::output::png::{read as read_png, read_mask};
+use crate::sensor::{Picture, exposure};
 
 use super::{Outcome, print, values};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct CompareArgs {
-    /// The picture
-    #[arg(value_name = "A.exr")]
+    /// The picture: an EXR file, or a PNG file if the reference is one
+    #[arg(value_name = "A")]
     picture: PathBuf,
     /// The reference
-    #[arg(value_name = "B.exr")]
+    #[arg(value_name = "B")]
     reference: PathBuf,
     /// Compare only these pixels: columns x0 to x1 and rows y0 to y1, without x1 and y1
     /// (repeatable)
@@ -32,23 +35,60 @@ pub(crate) struct CompareArgs {
     /// Write an HTML page with the pictures, their differences, their error maps and all numbers
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
-    /// Exit with status 3 if the relative mean square error exceeds this value
-    #[arg(long, value_name = "RELMSE", value_parser = values::limit)]
-    fail_above: Option<f64>,
+    /// Exit with status 3 if a figure is above a limit, such as relative_mse=1% or
+    /// delta_e_2000.p95=2. A number without a name limits relative_mse (repeatable)
+    #[arg(long, value_name = "[FIGURE=]LIMIT", value_parser = values::gate_above)]
+    fail_above: Vec<Gate>,
+    /// Exit with status 3 if a figure is below a limit, such as z.p=0.01 or covered=90% (repeatable)
+    #[arg(long, value_name = "FIGURE=LIMIT", value_parser = values::gate_below)]
+    fail_below: Vec<Gate>,
+}
+
+/// Two pictures of the same kind.
+struct Inputs {
+    picture: Picture,
+    reference: Picture,
+    /// The exposure at which the pictures are compared, in 1/(cd/m²).
+    exposure: f64,
+    tone: ToneCurve,
+}
+
+impl Inputs {
+    /// Reads the pictures. EXR files are compared at the automatic exposure of the reference. PNG
+    /// files are compared as they are.
+    fn read(picture: &Path, reference: &Path) -> Result<Self> {
+        let is_png = |path: &Path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
+        match (is_png(picture), is_png(reference)) {
+            (true, true) => {
+                let (picture, reference) = (read_png(picture)?, read_png(reference)?);
+                Ok(Self { picture, reference, exposure: 1.0, tone: ToneCurve::Clip })
+            }
+            (false, false) => {
+                let (picture, reference) = (read_exr(picture)?.picture, read_exr(reference)?.picture);
+                let exposure = exposure::automatic(&reference);
+                Ok(Self { picture, reference, exposure, tone: ToneCurve::RollOff })
+            }
+            (true, false) | (false, true) => {
+                let error = Error::input("a PNG file cannot be compared with an EXR file");
+                Err(error.expected("two files of the same kind; `abbe develop` makes a PNG file from an EXR file"))
+            }
+        }
+    }
 }
 
 pub(crate) fn run(arguments: &CompareArgs) -> Result<Outcome> {
-    let picture = read(&arguments.picture)?.picture;
-    let reference = read(&arguments.reference)?.picture;
+    let Inputs { picture, reference, exposure, tone } = Inputs::read(&arguments.picture, &arguments.reference)?;
     let mask = match &arguments.mask {
         Some(path) => Some(read_mask(path, reference.width, reference.height)?),
         None => None,
     };
     let selection = Selection { regions: arguments.region.clone(), mask };
-    let comparison = compare(&picture, &reference, &selection)?;
+    let comparison = compare_at(&picture, &reference, &selection, exposure)?;
+    let gates = arguments.fail_above.iter().chain(&arguments.fail_below);
+    let failures = gates.map(|gate| gate.failure(&comparison)).collect::<Result<Vec<_>>>()?;
     if let Some(path) = &arguments.html {
         let (a, b) = (name(&arguments.picture), name(&arguments.reference));
-        let pair = PicturePair { picture: (&a, &picture), reference: (&b, &reference) };
+        let pair = PicturePair { picture: (&a, &picture), reference: (&b, &reference), tone };
         file::write_whole(path, page(pair, &selection, &comparison)?.as_bytes())?;
     }
     if arguments.json {
@@ -56,9 +96,9 @@ pub(crate) fn run(arguments: &CompareArgs) -> Result<Outcome> {
     } else {
         print::result(&text(&comparison))?
     }
-    // An error that is not a number exceeds every limit.
-    let within = arguments.fail_above.is_none_or(|limit| comparison.relative_mse <= limit);
-    Ok(if within { Outcome::Done } else { Outcome::Exceeded })
+    let failures: Vec<String> = failures.into_iter().flatten().collect();
+    failures.iter().for_each(|failure| print::remark(&format!("failed: {failure}")));
+    Ok(if failures.is_empty() { Outcome::Done } else { Outcome::Exceeded })
 }
 
 fn name(path: &Path) -> String {
@@ -67,7 +107,12 @@ fn name(path: &Path) -> String {
 
 fn text(comparison: &Comparison) -> String {
     let z = comparison.z.map_or("unknown: a picture has no error layers".to_string(), |z| {
-        format!("{:.1} % of {} pixels have |z| < 1.96", 100.0 * z.share, z.pixels)
+        format!(
+            "{:.1} % of {} pixels have |z| < 1.96; p = {:.3} for the largest difference",
+            100.0 * z.share,
+            z.pixels,
+            z.p
+        )
     });
     let covered = comparison.covered.map_or("unknown: A has no error layers".to_string(), |covered| {
         let share = 100.0 * covered.share;
@@ -75,13 +120,14 @@ fn text(comparison: &Comparison) -> String {
     });
     let mut text = format!(
         "relative MSE   {:.6}   without the worst 2 %: {:.6}\nRMSE of Y      {:.6} cd/m²\nmean Y, A / B  {:.6}\n\
-         ΔE2000         {:.3} mean, {:.3} at 95 %\nz-test         {z}\nerror bars     {covered}\npixels         {}\n",
+         ΔE2000         {:.3} mean, {:.3} at 95 % (at EV {:.2})\nz-test         {z}\nerror bars     {covered}\npixels         {}\n",
         comparison.relative_mse,
         comparison.relative_mse_trimmed,
         comparison.rmse,
         comparison.mean_ratio,
         comparison.delta_e_2000.mean,
         comparison.delta_e_2000.p95,
+        comparison.exposure_ev,
         comparison.pixels,
     );
     if comparison.covered.is_some() && comparison.unknown_pixels > 0 {

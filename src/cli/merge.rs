@@ -7,7 +7,6 @@ use crate::output::exr::write;
 use crate::render::{PartSet, on_threads};
 
 use super::outputs::OutputFiles;
-use super::progress::percent;
 use super::{Outcome, print};
 
 #[derive(Debug, clap::Args)]
@@ -53,11 +52,12 @@ pub(crate) fn run(arguments: &MergeArgs) -> Result<Outcome> {
     outputs.check()?;
     let merged = on_threads(None, || merging.merge())??;
     let write_exr = |path: &std::path::Path| write(path, &merged.picture, &merged.metadata);
-    on_threads(None, || outputs.save(write_exr, &merged.picture, &merged.display, &merged.stats))??;
+    let exposure = on_threads(None, || outputs.save(write_exr, &merged.picture, &merged.display, &merged.stats))??;
     if !arguments.quiet {
-        let error = merged.stats.error.relative.map_or(String::new(), |error| format!(", error {}", percent(error)));
-        let (parts, passes) = (arguments.parts.len(), print::passes(merged.stats.passes));
-        print::remark(&format!("wrote {}: {passes} from {parts} parts{error}", outputs.named()));
+        let error = print::picture_error(&merged.stats.error);
+        let (parts, passes) = (print::counted(arguments.parts.len(), "part"), print::passes(merged.stats.passes));
+        let exposure = print::exposure(exposure);
+        print::remark(&format!("wrote {}: {passes} from {parts}, exposure {exposure}\n{error}", outputs.named()));
     }
     Ok(Outcome::Done)
 }

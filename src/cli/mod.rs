@@ -10,6 +10,8 @@ mod checkpoint;
 mod colour;
 mod compare;
 mod completions;
+mod develop;
+mod expectation;
 mod explain;
 mod folded_lens;
 mod frames;
@@ -23,6 +25,7 @@ mod merge;
 mod metal;
 mod named;
 mod outputs;
+mod preview;
 mod print;
 mod probe;
 mod progress;
@@ -56,6 +59,9 @@ enum Command {
     Render(render::RenderArgs),
     /// Merge the parts of a picture that several machines rendered
     Merge(merge::MergeArgs),
+    /// Convert a picture to a PNG file with another exposure, white balance, tone curve, gamut
+    /// mapping or colour space, without rendering
+    Develop(develop::DevelopArgs),
     /// Print which effects a scene needs, and why
     Explain(explain::ExplainArgs),
     /// Check scenes without rendering them
@@ -91,7 +97,7 @@ enum Command {
 enum Outcome {
     /// The command did all its work.
     Done,
-    /// The pictures differ by more than `--fail-above`.
+    /// A figure is beyond the limit of `--fail-above`, `--fail-below` or `--expect`.
     Exceeded,
     /// The user interrupted the command, and the finished work was saved.
     Interrupted,
@@ -169,6 +175,7 @@ fn run(command: &Command) -> Result<Outcome> {
     match command {
         Command::Render(arguments) => render::run(arguments),
         Command::Merge(arguments) => merge::run(arguments),
+        Command::Develop(arguments) => develop::run(arguments),
         Command::Explain(arguments) => explain::run(arguments),
         Command::Check(arguments) => Ok(check::run(arguments)),
         Command::Schema(arguments) => schema::run(arguments),

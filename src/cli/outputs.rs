@@ -3,7 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
+use crate::output::Metadata;
+use crate::output::exr::{ExrFile, read, write as write_exr};
 use crate::output::file as files;
+use crate::output::metadata::names;
 use crate::output::png::write as write_png;
 use crate::render::{DisplaySettings, Stats};
 use crate::sensor::Picture;
@@ -42,25 +45,57 @@ impl OutputFiles {
         self.all().try_for_each(files::check_writable)
     }
 
+    /// Writes the PNG of a finished picture again, with other settings. The header of the EXR file
+    /// then states these settings and the scene that contains them.
+    pub(crate) fn develop_again(&self, of_scene: &Metadata, display: &DisplaySettings) -> Result<()> {
+        let ExrFile { picture, metadata } = read(&self.exr)?;
+        let stated = [names::SCENE, names::DISPLAY].into_iter().filter_map(|name| Some((name, of_scene.get(name)?)));
+        // Attributes without the prefix belong to the format. They are written anew.
+        let own = metadata.iter().filter(|(name, _)| name.starts_with("abbe."));
+        let metadata = own.chain(stated).fold(Metadata::new(), |metadata, (name, value)| metadata.with(name, value));
+        write_exr(&self.exr, &picture, &metadata)?;
+        write_png(&self.png, &display.screen(&picture))
+    }
+
     /// The names of the pictures as text.
     pub(crate) fn named(&self) -> String {
         format!("{} and {}", self.exr.display(), self.png.display())
     }
 
-    /// Saves a picture and its statistics. `write_exr` writes the EXR file.
+    /// Returns true if the pictures can be refreshed during a render. Pipes and devices receive only
+    /// the finished picture.
+    pub(crate) fn can_be_refreshed(&self) -> bool {
+        [&self.exr, &self.png].into_iter().all(|path| !std::fs::metadata(path).is_ok_and(|found| !found.is_file()))
+    }
+
+    /// Saves the EXR and the PNG file. `write_picture` writes the EXR file. Returns the exposure of
+    /// the PNG file in 1/(cd/m²).
+    pub(crate) fn save_pictures(
+        &self,
+        write_picture: impl FnOnce(&Path) -> Result<()>,
+        picture: &Picture,
+        display: &DisplaySettings,
+    ) -> Result<f64> {
+        write_picture(&self.exr)?;
+        let exposure = display.factor(picture);
+        write_png(&self.png, &display.screen_at(picture, exposure))?;
+        Ok(exposure)
+    }
+
+    /// Saves a picture and its statistics. `write_picture` writes the EXR file. Returns the exposure of
+    /// the PNG file in 1/(cd/m²).
     pub(crate) fn save(
         &self,
-        write_exr: impl FnOnce(&Path) -> Result<()>,
+        write_picture: impl FnOnce(&Path) -> Result<()>,
         picture: &Picture,
-        showing: &DisplaySettings,
+        display: &DisplaySettings,
         stats: &Stats,
-    ) -> Result<()> {
-        write_exr(&self.exr)?;
-        write_png(&self.png, &showing.screen(picture))?;
+    ) -> Result<f64> {
+        let exposure = self.save_pictures(write_picture, picture, display)?;
         if let Some(path) = &self.stats {
             let json = serde_json::to_string_pretty(stats).expect("statistics have text keys");
             files::write_whole(path, (json + "\n").as_bytes())?;
         }
-        Ok(())
+        Ok(exposure)
     }
 }

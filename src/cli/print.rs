@@ -6,8 +6,11 @@ use std::path::Path;
 use crate::error::{Error, Result};
 use crate::format::{FileAccess, PATCH_LABEL};
 use crate::optics::glass::catalogue;
+use crate::render::ErrorStats;
 use crate::spectrum::library;
 use serde::Serialize;
+
+use super::progress::percent;
 
 /// Prints a result. A closed pipe, as in `abbe ... | head`, is not an error.
 pub(crate) fn result(text: &str) -> Result<()> {
@@ -34,6 +37,32 @@ pub(crate) fn remark(text: &str) {
 /// Returns a number of passes as text, such as "3 passes".
 pub(crate) fn passes(count: u64) -> String {
     if count == 1 { "1 pass".to_string() } else { format!("{count} passes") }
+}
+
+/// Returns a number of things as text, such as "1 part" or "3 parts".
+pub(crate) fn counted(count: usize, thing: &str) -> String {
+    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
+}
+
+/// Returns an exposure as text, such as "EV -7.52". `factor` is in 1/(cd/m²).
+pub(crate) fn exposure(factor: f64) -> String {
+    format!("EV {:.2}", factor.log2())
+}
+
+/// Returns the error of a picture as text: the median and the 95th percentile of its pixels, the
+/// root mean square over the picture, and the worst region if it dominates this mean.
+pub(crate) fn picture_error(error: &ErrorStats) -> String {
+    /// A region is named if it contains at least this share of the mean square error.
+    const DOMINANT: f64 = 0.25;
+    let Some(((median, p95), relative)) = error.median.zip(error.p95).zip(error.relative) else {
+        return "the error is not known yet".to_string();
+    };
+    let [median, p95, relative] = [median, p95, relative].map(percent);
+    let worst = error.worst_region.zip(error.worst_share).filter(|(_, share)| *share >= DOMINANT);
+    let worst = worst.map_or(String::new(), |([x0, y0, x1, y1], share)| {
+        format!(", {:.0} % of it from the region {x0},{y0},{x1},{y1}", 100.0 * share)
+    });
+    format!("error of half of the pixels below {median}, of 95 % below {p95}, RMS of the picture {relative}{worst}")
 }
 
 /// Hints that are added to error messages of the library. Each pair contains a fragment of a
@@ -81,6 +110,25 @@ pub(crate) fn error_line(text: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_error_is_told_by_its_pixels_and_its_worst_region() {
+        let error = |worst_share: f64| ErrorStats {
+            noise: 1.0,
+            bias: 0.0,
+            relative: Some(0.4),
+            median: Some(0.011),
+            p95: Some(0.05),
+            worst_region: Some([8, 0, 16, 8]),
+            worst_share: Some(worst_share),
+            unknown_pixels: 0,
+            edge_pixels: 0,
+        };
+        let text = "error of half of the pixels below 1.10 %, of 95 % below 5.00 %, RMS of the picture 40 %";
+        assert_eq!(picture_error(&error(0.1)), text);
+        assert_eq!(picture_error(&error(0.9)), format!("{text}, 90 % of it from the region 8,0,16,8"));
+        assert_eq!(picture_error(&ErrorStats { relative: None, ..error(0.1) }), "the error is not known yet");
+    }
 
     #[test]
     fn messages_gain_the_options_that_help() {

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::colour::gamut::desaturate;
+use crate::colour::tone::ToneCurve;
 use crate::colour::{RgbSpace, srgb_hex, xy, xyz_to_linear_srgb};
 use crate::error::{Error, Result};
 use crate::output::exr::read;
@@ -10,7 +11,7 @@ use crate::output::file;
 use crate::output::heat::error_map;
 use crate::output::plot::{SpectralCurve, SpectralPlot};
 use crate::output::png::write as write_png;
-use crate::sensor::{Development, Picture, exposure};
+use crate::sensor::{Picture, exposure};
 use crate::spectrum::BAND_NM;
 use serde::Serialize;
 
@@ -125,7 +126,7 @@ fn pixel(picture: &Picture, x: usize, y: usize) -> Result<PixelReport> {
     }
     let i = y * width + x;
     let xyz = picture.xyz[i];
-    let exposure = exposure::automatic(picture, &Development::default());
+    let exposure = exposure::automatic(picture);
     let exposed = xyz_to_linear_srgb(xyz.map(|value| value * exposure));
     let spectrum = picture.bands.as_ref().map(|bands| {
         let count = bands.centres_nm.len();
@@ -139,7 +140,7 @@ fn pixel(picture: &Picture, x: usize, y: usize) -> Result<PixelReport> {
         xyz,
         xy: (xyz.iter().sum::<f64>() > 0.0).then(|| xy(xyz)),
         linear_srgb: xyz_to_linear_srgb(xyz),
-        srgb_hex: srgb_hex(desaturate(exposed, RgbSpace::Srgb)),
+        srgb_hex: srgb_hex(desaturate(ToneCurve::default().apply(exposed), RgbSpace::Srgb)),
         noise: picture.noise[i].map(f64::from),
         bias: picture.bias[i].map(f64::from),
         edge: picture.edge[i],

@@ -15,6 +15,28 @@ pub(crate) struct ProgressDisplay {
     output: ProgressOutput,
     /// The name of the render, if there are several renders.
     label: Option<String>,
+    trend: ErrorTrend,
+}
+
+/// Remembers whether the measured error rises.
+#[derive(Debug, Default)]
+struct ErrorTrend {
+    last: Option<f64>,
+    rises: bool,
+}
+
+impl ErrorTrend {
+    /// Notes the error of the last measurement. Returns true if this measurement is noticeably
+    /// larger than the one before it.
+    fn rises(&mut self, error: Option<f64>) -> bool {
+        /// Smaller changes of the error are not noticeable.
+        const NOTICEABLE: f64 = 1.05;
+        if let Some(error) = error.filter(|error| self.last != Some(*error)) {
+            self.rises = self.last.is_some_and(|last| error > NOTICEABLE * last);
+            self.last = Some(error);
+        }
+        self.rises
+    }
 }
 
 /// The form of the progress display.
@@ -45,20 +67,22 @@ impl ProgressDisplay {
             (false, false) => ProgressOutput::Lines(None),
             (false, true) => ProgressOutput::Bar(Self::bar()),
         };
-        Self { output, label }
+        Self { output, label, trend: ErrorTrend::default() }
     }
 
     fn bar() -> ProgressBar {
         let bar = ProgressBar::new(STEPS);
-        let style = ProgressStyle::with_template("{spinner} [{bar:30}] {msg}").expect("the template is well-formed");
+        let style =
+            ProgressStyle::with_template("{spinner} [{bar:20}] {wide_msg}").expect("the template is well-formed");
         bar.set_style(style.progress_chars("=> "));
         bar.enable_steady_tick(Duration::from_millis(200));
         bar
     }
 
     /// The progress line with the label in front.
-    fn line(label: Option<&str>, progress: &Progress) -> String {
-        label.map_or_else(|| line(progress), |label| format!("{label}: {}", line(progress)))
+    fn line(label: Option<&str>, progress: &Progress, error_rises: bool) -> String {
+        let line = line(progress, error_rises);
+        label.map_or_else(|| line.clone(), |label| format!("{label}: {line}"))
     }
 
     /// Removes the bar.
@@ -81,7 +105,8 @@ impl Monitor for ProgressDisplay {
     }
 
     fn after_pass(&mut self, progress: &Progress) -> bool {
-        let line = || Self::line(self.label.as_deref(), progress);
+        let rises = self.trend.rises(progress.relative_error);
+        let line = || Self::line(self.label.as_deref(), progress, rises);
         match &mut self.output {
             ProgressOutput::Bar(bar) => {
                 let done = share_done(progress).unwrap_or(0.0);
@@ -145,22 +170,23 @@ fn about(seconds: f64) -> String {
     format!("{:.0} {name}", (seconds / unit).round().max(1.0))
 }
 
-/// Writes one progress line: the number of passes, the photons per second, the error, the
-/// predictions of the error, and the time left.
-fn line(progress: &Progress) -> String {
+/// Writes one progress line: the number of passes, the time left, the error, the predictions of the
+/// error, and the photons per second. A narrow terminal shows only the beginning of the line.
+fn line(progress: &Progress, error_rises: bool) -> String {
     let mut parts = vec![match progress.passes_wanted {
         Some(wanted) => format!("{}/{}", progress.passes, print::passes(wanted)),
         None => print::passes(progress.passes),
     }];
-    if progress.photons_per_second > 0.0 {
-        parts.push(format!("{} photons/s", count(progress.photons_per_second)));
-    }
-    if let Some(error) = progress.relative_error {
-        parts.push(format!("error {}", percent(error)));
-    }
-    parts.extend(predicted_milestones(progress));
     if let Some(left) = time_left(progress) {
         parts.push(format!("{} left", time(left)));
+    }
+    if let Some(error) = progress.relative_error {
+        let reason = if error_rises { " (rising: the latest passes found rare bright light)" } else { "" };
+        parts.push(format!("error {}{reason}", percent(error)));
+    }
+    parts.extend(predicted_milestones(progress));
+    if progress.photons_per_second > 0.0 {
+        parts.push(format!("{} photons/s", count(progress.photons_per_second)));
     }
     parts.join(", ")
 }
@@ -200,6 +226,8 @@ mod tests {
     use super::*;
     use crate::render::Forecast;
     use crate::sensor::ErrorSquares;
+    use std::io;
+    use std::sync::{Arc, Mutex};
 
     fn after(passes: u64, seconds: f64) -> Progress {
         Progress {
@@ -244,15 +272,76 @@ mod tests {
     #[test]
     fn a_line_says_what_is_known() {
         let mut progress = after(16, 10.0);
+        let line = |progress: &Progress| line(progress, false);
         assert_eq!(line(&progress), "16 passes, 2.5 M photons/s");
         progress.passes_wanted = Some(64);
         progress.relative_error = Some(0.0312);
-        assert_eq!(line(&progress), "16/64 passes, 2.5 M photons/s, error 3.12 %, 30 s left");
+        assert_eq!(line(&progress), "16/64 passes, 30 s left, error 3.12 %, 2.5 M photons/s");
         progress.forecast = Some(forecast());
         let milestones = "2 % in about 3 min, 1 % in about 51 min";
-        assert_eq!(line(&progress), format!("16/64 passes, 2.5 M photons/s, error 3.12 %, {milestones}, 30 s left"));
+        assert_eq!(line(&progress), format!("16/64 passes, 30 s left, error 3.12 %, {milestones}, 2.5 M photons/s"));
         (progress.passes_wanted, progress.error_wanted) = (None, Some(0.025));
-        assert_eq!(line(&progress), "16 passes, 2.5 M photons/s, error 3.12 %, 2.5 % in about 69 s, 1 min 09 s left");
+        assert_eq!(line(&progress), "16 passes, 1 min 09 s left, error 3.12 %, 2.5 % in about 69 s, 2.5 M photons/s");
+    }
+
+    #[test]
+    fn a_rising_error_is_explained() {
+        let mut trend = ErrorTrend::default();
+        let measured = [Some(0.04), Some(0.03), None, Some(0.06), Some(0.06), Some(0.05)];
+        let rises: Vec<bool> = measured.into_iter().map(|error| trend.rises(error)).collect();
+        assert_eq!(rises, [false, false, false, true, true, false]);
+        let mut progress = after(16, 10.0);
+        progress.relative_error = Some(0.06);
+        let text = "16 passes, error 6.00 % (rising: the latest passes found rare bright light), 2.5 M photons/s";
+        assert_eq!(line(&progress, true), text);
+    }
+
+    /// A terminal of 60 columns that records what is written.
+    #[derive(Debug, Clone, Default)]
+    struct NarrowTerminal(Arc<Mutex<String>>);
+
+    impl indicatif::TermLike for NarrowTerminal {
+        fn width(&self) -> u16 {
+            60
+        }
+        fn move_cursor_up(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+        fn move_cursor_down(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+        fn move_cursor_right(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+        fn move_cursor_left(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+        fn write_line(&self, text: &str) -> io::Result<()> {
+            self.write_str(text)
+        }
+        fn write_str(&self, text: &str) -> io::Result<()> {
+            self.0.lock().unwrap().push_str(text);
+            Ok(())
+        }
+        fn clear_line(&self) -> io::Result<()> {
+            self.0.lock().unwrap().clear();
+            Ok(())
+        }
+        fn flush(&self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_narrow_terminal_shows_one_line() {
+        let terminal = NarrowTerminal::default();
+        let bar = ProgressDisplay::bar();
+        bar.set_draw_target(indicatif::ProgressDrawTarget::term_like(Box::new(terminal.clone())));
+        bar.set_message("16/64 passes, 30 s left, ".to_string() + &"x".repeat(200));
+        bar.tick();
+        let shown = terminal.0.lock().unwrap().clone();
+        let columns = shown.trim_end().chars().count();
+        assert!(columns <= 60 && shown.contains("16/64 passes, 30 s left"), "{columns}: {shown}");
     }
 
     #[test]

@@ -16,7 +16,8 @@ use crate::render::{
 use super::checkpoint::{CheckpointFile, CheckpointInterval, RenderMonitor};
 use super::frames::{SequenceArgs, SequenceFrame};
 use super::outputs::OutputFiles;
-use super::progress::{ProgressDisplay, percent, time};
+use super::preview::Preview;
+use super::progress::{ProgressDisplay, time};
 use super::scene_file::SceneFileArgs;
 use super::{Outcome, interrupt, memory, print, values};
 use crate::api::provenance;
@@ -94,6 +95,10 @@ pub(crate) struct RenderArgs {
     /// Write the statistics of the render as JSON
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
+    /// Leave times and facts about the machine out of the EXR file, so that equal renders are equal
+    /// files
+    #[arg(long, conflicts_with = "part")]
+    reproducible: bool,
     /// Print only warnings and errors
     #[arg(long)]
     quiet: bool,
@@ -128,7 +133,8 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>) -> Result<Outc
     memory::check(&job.budget)?;
     let request = arguments.request();
     let of_scene = provenance::of_scene(Some(&source), &job, request.integrator);
-    let identity = RenderIdentity::of(&job, request.integrator, of_scene.get(names::SCENE_HASH).unwrap_or_default());
+    let of_scene = if arguments.reproducible { provenance::reproducible(of_scene) } else { of_scene };
+    let identity = RenderIdentity::of(&job, request.integrator, &of_scene);
     let checkpoint = CheckpointFile { path: outputs.checkpoint(), job: &job, identity: &identity, metadata: &of_scene };
     outputs.check()?;
     files::remove_temporary_files(&checkpoint.path);
@@ -137,10 +143,18 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>) -> Result<Outc
     // With `--resume`, some frames of an image sequence may be finished, and others may have no
     // checkpoint yet.
     let resume = arguments.resume && (frame.is_none() || checkpoint.path.exists());
-    if frame.is_some() && arguments.resume && !resume && provenance::is_finished(&outputs.exr, &of_scene, request, &job)
+    if frame.is_some()
+        && arguments.resume
+        && !resume
+        && let Some(found) = provenance::finished(&outputs.exr, &of_scene, request, &job)
     {
+        let develops = found.get(names::DISPLAY) != of_scene.get(names::DISPLAY);
+        if develops {
+            outputs.develop_again(&of_scene, &DisplaySettings::of(&job))?;
+        }
         if !arguments.quiet {
-            print::remark(&format!("{} is already finished", outputs.exr.display()));
+            let again = if develops { "; its PNG was developed again" } else { "" };
+            print::remark(&format!("{} is already finished{again}", outputs.exr.display()));
         }
         return Ok(Outcome::Done);
     }
@@ -160,12 +174,13 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>) -> Result<Outc
     let mut watch = RenderMonitor::new(
         ProgressDisplay::new(arguments.quiet, label),
         &checkpoint,
+        Preview::new(&outputs, &of_scene, DisplaySettings::of(&job)),
         arguments.checkpoint_interval(&job),
     );
     let rendered = on_threads(threads, || job.continue_run(request, begin, &mut watch));
     watch.display.finish();
     let rendered = rendered?.map_err(|error| error.in_file(&arguments.scene))?;
-    on_threads(threads, || save(arguments, &outputs, &checkpoint, &rendered))??;
+    let exposure = on_threads(threads, || save(arguments, &outputs, &checkpoint, &rendered))??;
     if rendered.stats.rejected_samples > 0 {
         let count = rendered.stats.rejected_samples;
         print::remark(&format!(
@@ -180,22 +195,23 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>) -> Result<Outc
     }
     if !arguments.quiet {
         rendered.stats.notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
-        print::remark(&summary(&rendered, &outputs));
+        print::remark(&summary(&rendered, &outputs, exposure));
     }
     Ok(Outcome::Done)
 }
 
 /// Saves the picture. If the picture contains only a part of the passes, the exact film sums are
 /// saved too. Keeps the checkpoint if the render was interrupted, if `--keep-checkpoint` is given,
-/// or if saving failed.
+/// or if saving failed. Returns the exposure of the PNG in 1/(cd/m²).
 fn save(
     arguments: &RenderArgs,
     outputs: &OutputFiles,
     checkpoint: &CheckpointFile<'_>,
     rendered: &Rendered,
-) -> Result<()> {
+) -> Result<f64> {
     let (picture, run) = (&rendered.picture, &rendered.run);
     let metadata = provenance::of_render(checkpoint.metadata, &rendered.stats);
+    let metadata = if arguments.reproducible { provenance::reproducible(metadata) } else { metadata };
     let write = |path: &Path| match arguments.part {
         PassPart::WHOLE => write_exr(path, picture, &metadata),
         _ => checkpoint.write_to(path, run, metadata.clone()),
@@ -209,7 +225,7 @@ fn save(
             Err(Error { what, ..error })
         }
         (Err(error), Err(_)) => Err(error),
-        (Ok(()), ended) => ended,
+        (Ok(exposure), ended) => ended.map(|()| exposure),
     }
 }
 
@@ -290,11 +306,12 @@ fn plan(arguments: &RenderArgs) -> Result<(JsonSource, Job)> {
     Ok((source, job))
 }
 
-fn summary(rendered: &Rendered, outputs: &OutputFiles) -> String {
+fn summary(rendered: &Rendered, outputs: &OutputFiles, exposure: f64) -> String {
     let stats = &rendered.stats;
     let spent = time(Duration::try_from_secs_f64(stats.seconds.total).unwrap_or_default());
-    let error = stats.error.relative.map_or(String::new(), |error| format!(", error {}", percent(error)));
-    format!("wrote {}: {} in {spent}{error}", outputs.named(), print::passes(stats.passes))
+    let error = print::picture_error(&stats.error);
+    let (passes, exposure) = (print::passes(stats.passes), print::exposure(exposure));
+    format!("wrote {}: {passes} in {spent}, exposure {exposure}\n{error}", outputs.named())
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ use crate::spectrum::library;
 use serde::Serialize;
 
 use super::colour::ColourJson;
+use super::expectation::{self, Expectation};
 use super::{Outcome, named, print};
 
 #[derive(Debug, clap::Args)]
@@ -33,6 +34,11 @@ pub(crate) struct SpectrumArgs {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
+    /// Exit with status 3 if a figure of --json differs from a value, such as cct_k=6504:5 or
+    /// xy=0.3127,0.3290:0.1%. Without a tolerance after the colon, the figure must round to the
+    /// given digits (repeatable)
+    #[arg(long, value_name = "FIGURE=VALUE[:TOLERANCE]", value_parser = expectation::parse, conflicts_with = "list")]
+    expect: Vec<Expectation>,
     /// List all spectra of the library; `abbe metal --list` lists the metals
     #[arg(long, conflicts_with_all = ["spectrum", "reflectance_under", "svg"])]
     list: bool,
@@ -55,10 +61,9 @@ struct SpectrumList {
 pub(crate) fn run(arguments: &SpectrumArgs) -> Result<Outcome> {
     let observer = Observer::by_name(&arguments.observer)?;
     match &arguments.spectrum {
-        Some(text) => one(text, observer, arguments)?,
-        None => list(arguments.json)?,
+        Some(text) => one(text, observer, arguments),
+        None => list(arguments.json).map(|()| Outcome::Done),
     }
-    Ok(Outcome::Done)
 }
 
 fn list(json: bool) -> Result<()> {
@@ -78,7 +83,7 @@ fn list(json: bool) -> Result<()> {
     print::result(&entries.map(line).collect::<String>())
 }
 
-fn one(text: &str, observer: &'static Observer, arguments: &SpectrumArgs) -> Result<()> {
+fn one(text: &str, observer: &'static Observer, arguments: &SpectrumArgs) -> Result<Outcome> {
     let under = arguments.reflectance_under.as_deref();
     let (named, report) = match under {
         Some(lamp) => {
@@ -97,11 +102,17 @@ fn one(text: &str, observer: &'static Observer, arguments: &SpectrumArgs) -> Res
     if let Some(path) = &arguments.svg {
         file::write_whole(path, SpectralPlot::of_spectrum(text, &named.spectrum, "value", None).svg().as_bytes())?;
     }
+    let json = serde_json::to_value(ColourJson::new(&named.name, &report, observer, under))
+        .expect("a report has text keys and no fallible values");
+    let failures = arguments.expect.iter().map(|expectation| expectation.failure(&json)).collect::<Result<Vec<_>>>()?;
     if arguments.json {
-        print::json(&ColourJson::new(&named.name, &report, observer, under))
+        print::json(&json)?;
     } else {
-        print::result(&words(&named.name, &report, observer.name(), under))
+        print::result(&words(&named.name, &report, observer.name(), under))?;
     }
+    let failures: Vec<String> = failures.into_iter().flatten().collect();
+    failures.iter().for_each(|failure| print::remark(&format!("failed: {failure}")));
+    Ok(if failures.is_empty() { Outcome::Done } else { Outcome::Exceeded })
 }
 
 /// Writes the report, one quantity per line.

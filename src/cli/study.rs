@@ -32,6 +32,10 @@ pub(crate) struct StudyArgs {
     /// Measure errors against this picture, instead of rendering a reference first
     #[arg(long, value_name = "FILE.exr")]
     reference: Option<PathBuf>,
+    /// The number of worker threads [default: the scene's setting, or the number of logical
+    /// processors]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    threads: Option<u32>,
     #[command(flatten)]
     scene_file: SceneFileArgs,
     /// Print only warnings and errors
@@ -81,7 +85,9 @@ pub(crate) fn run(arguments: &StudyArgs) -> Result<Outcome> {
     let options = StudyOptions { folder: arguments.output.clone(), budget: arguments.budget, reference };
     let quiet = arguments.quiet;
     let mut steps = StudyDisplay { display: ProgressDisplay::new(true, None), quiet };
-    let ending = on_threads(job.scene.settings.threads, || study::run(&study_scene, &options, &mut steps))?;
+    let ending = on_threads(arguments.threads.or(job.scene.settings.threads), || {
+        study::run(&study_scene, &options, &mut steps)
+    })?;
     steps.display.finish();
     let folder = arguments.output.display();
     match ending? {

@@ -4,7 +4,9 @@ use std::ops::RangeInclusive;
 use std::time::Duration;
 
 use crate::output::compare::Region;
+use crate::output::gates::{Gate, GateSide};
 use crate::render::PassPart;
+use crate::scene::Exposure;
 
 /// Parses a duration such as `90s`, `5m`, `1h30m` or `500ms`. A number without a unit is in
 /// seconds.
@@ -87,11 +89,42 @@ pub(crate) fn wavelength_nm(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Parses a limit. The limit must be at least 0.
-pub(crate) fn limit(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(value) if value >= 0.0 && value.is_finite() => Ok(value),
-        _ => Err("expected a number of 0 or more".to_string()),
+/// Parses a limit on a figure of a comparison, such as `delta_e_2000.p95=2` or `relative_mse=1%`. A
+/// number without a name limits `relative_mse`.
+pub(crate) fn gate_above(text: &str) -> Result<Gate, String> {
+    let (figure, limit) = text.split_once('=').unwrap_or(("relative_mse", text));
+    gate(figure, limit, GateSide::Above)
+}
+
+/// Parses a lower limit on a figure of a comparison, such as `z.p=0.01` or `covered=90%`.
+pub(crate) fn gate_below(text: &str) -> Result<Gate, String> {
+    let wrong = || "expected a figure and its limit such as z.p=0.01 or covered=90%".to_string();
+    let (figure, limit) = text.split_once('=').ok_or_else(wrong)?;
+    gate(figure, limit, GateSide::Below)
+}
+
+fn gate(figure: &str, limit: &str, fails: GateSide) -> Result<Gate, String> {
+    let (number, unit) = match limit.trim().strip_suffix('%') {
+        Some(percent) => (percent.trim_end(), 0.01),
+        None => (limit.trim(), 1.0),
+    };
+    match number.parse::<f64>() {
+        Ok(value) if value >= 0.0 && value.is_finite() => {
+            Ok(Gate { figure: figure.trim().to_string(), limit: value * unit, fails })
+        }
+        _ => Err("expected a limit of 0 or more such as 0.01 or 1%".to_string()),
+    }
+}
+
+/// Parses an exposure: `auto`, `none`, or a number of stops.
+pub(crate) fn exposure(text: &str) -> Result<Exposure, String> {
+    match text.trim() {
+        "auto" => Ok(Exposure::Auto),
+        "none" => Ok(Exposure::None),
+        stops => match stops.parse::<f64>() {
+            Ok(ev) if ev.is_finite() => Ok(Exposure::Ev(ev)),
+            _ => Err("expected auto, none or a number of stops such as -7.5".to_string()),
+        },
     }
 }
 
@@ -138,6 +171,23 @@ mod tests {
         assert_eq!(share("2%"), Ok(0.02));
         assert_eq!(share("0.02"), Ok(0.02));
         assert!(["0", "-1%", "nan", "inf", "", "%", "two"].iter().all(|text| share(text).is_err()));
+    }
+
+    #[test]
+    fn exposures() {
+        assert_eq!(exposure("auto"), Ok(Exposure::Auto));
+        assert_eq!(exposure("-7.5"), Ok(Exposure::Ev(-7.5)));
+        assert!(["", "bright", "inf", "nan"].iter().all(|text| exposure(text).is_err()));
+    }
+
+    #[test]
+    fn gates() {
+        let above = |text| gate_above(text).map(|gate| (gate.figure, gate.limit));
+        assert_eq!(above("0.5"), Ok(("relative_mse".to_string(), 0.5)));
+        assert_eq!(above("delta_e_2000.p95=2"), Ok(("delta_e_2000.p95".to_string(), 2.0)));
+        assert_eq!(gate_below("covered=90%").map(|gate| gate.limit), Ok(0.9));
+        assert!(["-1", "a=", "a=x", "nan"].iter().all(|text| gate_above(text).is_err()));
+        assert!(gate_below("0.01").is_err(), "a lower limit needs the name of its figure");
     }
 
     #[test]

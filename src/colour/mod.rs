@@ -16,6 +16,7 @@ pub mod rendering;
 pub mod report;
 pub mod space;
 pub mod temperature;
+pub mod tone;
 
 pub use adaptation::{AdaptationTransform, adapt, adaptation};
 pub use coordinates::{from_lab, from_luv, from_oklab, from_xy, lab, luv, oklab, uv1960, uv1976, xy};

@@ -14,7 +14,7 @@ use crate::json::JsonPath;
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Film", example = json!({
-    "width": 640, "height": 360, "observer": "cie1931", "spectral_bands": 0, "gamut": "desaturate",
+    "width": 640, "height": 360, "observer": "cie1931", "spectral_bands": 0, "gamut": "desaturate", "tone": "roll_off",
     "white_balance": "none", "output_space": "srgb", "exposure": "auto"
 }))]
 pub struct FilmFile {
@@ -36,6 +36,10 @@ pub struct FilmFile {
     #[serde(default, skip_serializing_if = "is_default")]
     #[schemars(skip_serializing_if = "forms::never")]
     pub gamut: GamutFile,
+    /// How the PNG shows colours that are too bright for the display.
+    #[serde(default, skip_serializing_if = "is_default")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub tone: ToneFile,
     /// The light that the PNG shows as white, by Bradford's chromatic adaptation. "none" applies no
     /// adaptation, "scene" takes the sum of all lights, and the name of a spectrum of the scene or
     /// the library, such as "A", takes this spectrum. Monochromatic light cannot be balanced and is
@@ -84,6 +88,19 @@ pub enum GamutFile {
     Clip,
     /// Reduces the chroma in Oklab at equal lightness and hue.
     Oklab,
+}
+
+/// How the PNG shows colours that are too bright for the display.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(title = "Tone curve")]
+pub enum ToneFile {
+    /// Components above 0.6 are compressed, so that highlights keep their colour and their
+    /// gradations. A component of 1 is shown as 0.8.
+    #[default]
+    RollOff,
+    /// Components are not changed. A component of 1 is the brightest that the display shows.
+    Clip,
 }
 
 /// The light that the PNG shows as white: "none", "scene", or the name of a spectrum.

@@ -47,7 +47,7 @@ use serde_json::json;
 pub use camera::{CameraFile, CameraKeyframeFile, ShutterFile};
 pub use emission::EmissionFile;
 pub use field::{ExponentialFieldFile, FieldFile, NoiseFieldFile, PlanetFile, SphereFieldFile};
-pub use film::{ExposureFile, FilmFile, GamutFile, ObserverFile, OutputSpaceFile, WhiteBalanceFile};
+pub use film::{ExposureFile, FilmFile, GamutFile, ObserverFile, OutputSpaceFile, ToneFile, WhiteBalanceFile};
 pub use index::{FormulaFile, IndexFile};
 pub use lens::{LensFile, LensSurfaceFile, PrescriptionFile, SystemLensFile, ThinLensFile, ThinLensForm};
 pub use light::LightFile;

@@ -13,7 +13,10 @@ pub(super) const CHAPTERS: [(&str, &[&str]); 14] = [
     ("The scene", &["", "UnitFile"]),
     ("The camera", &["CameraFile", "CameraKeyframeFile", "ShutterFile"]),
     ("Camera lenses", &["LensFile", "PrescriptionFile", "LensSurfaceFile"]),
-    ("The film", &["FilmFile", "ObserverFile", "GamutFile", "WhiteBalanceFile", "OutputSpaceFile", "ExposureFile"]),
+    (
+        "The film",
+        &["FilmFile", "ObserverFile", "GamutFile", "ToneFile", "WhiteBalanceFile", "OutputSpaceFile", "ExposureFile"],
+    ),
     ("Spectra and reflectances", &["SpectrumFile", "LineFile", "WeightedSpectrumFile", "ReflectanceFile", "ImageFile"]),
     ("Indices of refraction", &["IndexFile", "FormulaFile"]),
     ("Materials", &["MaterialFile", "WeightedMaterialFile"]),

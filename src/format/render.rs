@@ -25,7 +25,7 @@ pub struct RenderFile {
     pub passes: Option<u64>,
     /// Number of photon paths in each pass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 1), extend("x-default" = "200 000, fewer for fast motion"))]
+    #[schemars(range(min = 1), extend("x-default" = "200 000; for films with more pixels, one per pixel, at most 1 000 000; fewer for fast motion"))]
     pub photons: Option<u64>,
     /// Largest number of surface interactions on a path. Without this key, paths end by Russian
     /// roulette, and no light is lost. The light that the limit removes from the picture is in the

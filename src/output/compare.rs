@@ -2,9 +2,10 @@
 
 use serde::Serialize;
 
+use super::block_test;
 use crate::colour::{RgbSpace, delta_e_2000, lab};
 use crate::error::{Error, Result};
-use crate::sensor::{Development, Picture, exposure};
+use crate::sensor::{Picture, exposure};
 
 /// A rectangle of pixels: columns from `x0` to `x1`, and rows from `y0` to `y1`. Column `x1` and
 /// row `y1` are excluded. Columns are counted from the left, and rows from the top.
@@ -46,6 +47,9 @@ pub struct ZTest {
     /// expected fraction is 0.95. The expected fraction is slightly smaller if the standard errors
     /// were estimated from few replicates.
     pub share: f64,
+    /// The probability that noise alone causes a block of 8 × 8 pixels with a difference as large as
+    /// the largest measured one. Student's t-test of each block, with Šidák's correction.
+    pub p: f64,
     /// The number of pixels whose standard error is known in both pictures.
     pub pixels: usize,
 }
@@ -73,9 +77,10 @@ pub struct Comparison {
     pub rmse: f64,
     /// The mean Y of A divided by the mean Y of B.
     pub mean_ratio: f64,
-    /// CIEDE2000 between A and B. Both pictures have the automatic exposure of B. The white point
-    /// is D65.
+    /// CIEDE2000 between A and B, both with the exposure of the comparison. The white point is D65.
     pub delta_e_2000: DeltaE,
+    /// The exposure of ΔE2000 and of the comparison page, in stops.
+    pub exposure_ev: f64,
     /// The z test, if both pictures contain standard errors.
     pub z: Option<ZTest>,
     /// The test of the 95 % intervals of A, if A contains error layers.
@@ -93,12 +98,22 @@ pub struct Comparison {
 /// The trimmed error leaves out this fraction of the pixels.
 const TRIMMED: f64 = 0.02;
 
-/// Compares a picture with a reference.
+/// Compares a picture with a reference. The colour differences are measured at the automatic
+/// exposure of the reference.
+///
+/// # Errors
+/// Returns the errors of [`compare_at`].
+pub fn compare(picture: &Picture, reference: &Picture, selection: &Selection) -> Result<Comparison> {
+    compare_at(picture, reference, selection, exposure::automatic(reference))
+}
+
+/// Compares a picture with a reference. The colour differences are measured at an exposure in
+/// 1/(cd/m²).
 ///
 /// # Errors
 /// Returns an input error if the sizes differ, if a region is empty or extends beyond the picture,
 /// or if no pixel is selected.
-pub fn compare(picture: &Picture, reference: &Picture, selection: &Selection) -> Result<Comparison> {
+pub fn compare_at(picture: &Picture, reference: &Picture, selection: &Selection, exposure: f64) -> Result<Comparison> {
     let selected = selection.selected(picture, reference)?;
     let scale = ErrorScale::of(reference);
     let errors: Vec<f64> = selected.iter().map(|&i| scale.relative_square(picture.xyz[i], reference.xyz[i])).collect();
@@ -106,14 +121,15 @@ pub fn compare(picture: &Picture, reference: &Picture, selection: &Selection) ->
     let squares: f64 = selected.iter().map(|&i| (picture.xyz[i][1] - reference.xyz[i][1]).powi(2)).sum();
     let mean_y = |of: &Picture| selected.iter().map(|&i| of.xyz[i][1]).sum::<f64>() / count;
     let finite = |of: &Picture, i: usize| of.xyz[i].iter().all(|value| value.is_finite());
-    let differences = delta_e_map(picture, reference);
+    let differences = delta_e_map(picture, reference, exposure);
     Ok(Comparison {
         relative_mse: errors.iter().sum::<f64>() / count,
         relative_mse_trimmed: trimmed_mean(errors),
         rmse: (squares / count).sqrt(),
         mean_ratio: mean_y(picture) / mean_y(reference),
         delta_e_2000: delta_e(selected.iter().map(|&i| differences[i]).collect()),
-        z: z_test(picture, reference, &selected),
+        exposure_ev: exposure.log2(),
+        z: z_test(picture, reference, &selected, block_test::probability(picture, reference, selection)),
         covered: covered(picture, reference, &selected),
         unknown_pixels: selected.iter().filter(|&&i| picture.error(i).is_none()).count(),
         pixels: selected.len(),
@@ -205,10 +221,9 @@ fn trimmed_mean(mut values: Vec<f64>) -> f64 {
     values[..kept].iter().sum::<f64>() / kept as f64
 }
 
-/// Returns CIEDE2000 for every pixel. Both pictures have the automatic exposure of the reference.
-/// The white point has the chromaticity of D65 and the luminance that is displayed as white.
-pub(super) fn delta_e_map(picture: &Picture, reference: &Picture) -> Vec<f64> {
-    let exposure = exposure::automatic(reference, &Development::default());
+/// Returns CIEDE2000 for every pixel. The luminance of both pictures is multiplied by `exposure`.
+/// The white point has the chromaticity of D65 and the luminance 1.
+pub(super) fn delta_e_map(picture: &Picture, reference: &Picture, exposure: f64) -> Vec<f64> {
     let white = RgbSpace::Srgb.white();
     let seen = |xyz: &[f64; 3]| lab(xyz.map(|value| value * exposure), white);
     picture.xyz.iter().zip(&reference.xyz).map(|(a, b)| delta_e_2000(seen(a), seen(b))).collect()
@@ -221,7 +236,8 @@ fn delta_e(mut values: Vec<f64>) -> DeltaE {
     DeltaE { mean, p95: values[rank - 1] }
 }
 
-fn z_test(picture: &Picture, reference: &Picture, selected: &[usize]) -> Option<ZTest> {
+/// Tests the pixels. `p` is the result of the test of the blocks.
+fn z_test(picture: &Picture, reference: &Picture, selected: &[usize], p: Option<f64>) -> Option<ZTest> {
     let (mut pixels, mut within) = (0_usize, 0_usize);
     for &i in selected {
         let Some((a, b)) = picture.noise[i].zip(reference.noise[i]) else { continue };
@@ -231,7 +247,7 @@ fn z_test(picture: &Picture, reference: &Picture, selected: &[usize]) -> Option<
         // Two equal values agree even if both standard errors are 0.
         within += usize::from(difference == 0.0 || difference < 1.96 * sigma);
     }
-    (pixels > 0).then(|| ZTest { share: within as f64 / pixels as f64, pixels })
+    p.map(|p| ZTest { share: within as f64 / pixels as f64, p, pixels })
 }
 
 fn covered(picture: &Picture, reference: &Picture, selected: &[usize]) -> Option<IntervalCoverage> {
@@ -337,7 +353,8 @@ mod tests {
         a.xyz[0][1] += 1.96 * 0.5 * 0.999;
         a.xyz[1][1] += 1.96 * 0.5 * 1.001;
         a.xyz[2][1] += 100.0;
-        assert_eq!(all(&a, &b).z, Some(ZTest { share: 2.0 / 3.0, pixels: 3 }));
+        let z = all(&a, &b).z.unwrap();
+        assert_eq!((z.share, z.pixels), (2.0 / 3.0, 3));
     }
 
     /// Checks that an interval includes noise and bias, and that pixels with unknown errors have no

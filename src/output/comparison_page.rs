@@ -5,11 +5,12 @@ use maud::{Markup, html};
 
 use super::compare::{Comparison, ErrorScale, Selection, delta_e_map};
 use super::data_uri::data_uri;
-use super::heat::{self, heat, relative_errors};
+use super::heat::{self, heat};
 use super::page::document;
 use super::png::encode as encode_png;
+use crate::colour::tone::ToneCurve;
 use crate::error::Result;
-use crate::sensor::{Development, DisplayImage, Picture, develop, exposure};
+use crate::sensor::{Development, DisplayImage, Picture, develop};
 
 /// Two pictures with their names.
 #[derive(Debug, Clone, Copy)]
@@ -18,6 +19,8 @@ pub struct PicturePair<'a> {
     pub picture: (&'a str, &'a Picture),
     /// The name of the reference, and the reference.
     pub reference: (&'a str, &'a Picture),
+    /// The tone curve with which both pictures are shown.
+    pub tone: ToneCurve,
 }
 
 /// If the relative difference in Y is at least this value, its colour in the map has full
@@ -27,45 +30,53 @@ const SATURATED_DIFFERENCE: f64 = 0.5;
 /// If ΔE2000 is at least this value, its colour in the map is white.
 const WHITE_DELTA_E: f64 = 10.0;
 
-/// The legend of the error maps.
-const ERROR_LEGEND: &str =
-    "√(noise² + bias²) relative to Y: black at 0, white at 50 % and above, blue-green if it is unknown.";
+/// The description of the error maps.
+const ERROR_CAPTION: &str = "√(noise² + bias²) relative to Y, blue-green if it is unknown.";
 
 /// Returns the page.
 ///
 /// # Errors
 /// Returns a machine error if a picture is too large for PNG.
 pub fn page(pair: PicturePair<'_>, selection: &Selection, comparison: &Comparison) -> Result<String> {
-    let PicturePair { picture: (name_a, a), reference: (name_b, b) } = pair;
-    let development = Development::default();
-    let exposure = exposure::automatic(b, &development);
+    let PicturePair { picture: (name_a, a), reference: (name_b, b), tone } = pair;
+    let development = Development { tone, ..Development::default() };
+    let exposure = comparison.exposure_ev.exp2();
     let shown = |picture: &Picture| develop(picture, exposure, &development);
     let title = format!("{name_a} against {name_b}");
-    let signed =
-        "Difference in Y: red where A is brighter, blue where A is darker, saturated at 50 % of the reference.";
-    let colours = "Colour difference ΔE2000: black at 0, white at 10 and above.";
+    let signed = "Difference in Y, relative to the reference: red where A is brighter, blue where A is darker.";
+    let heat_legend = |words: [&str; 3]| legend(&heat::css_colours(), words);
     let body = html! {
         h1 { (title) }
         (table(comparison))
+        h2 { "Both pictures" }
+        (slider(&shown(a), &shown(b), (name_a, name_b))?)
         div.pictures {
-            (figure(&shown(a), &format!("A: {name_a}"))?)
-            (figure(&shown(b), &format!("B, the reference: {name_b}"))?)
-            (figure(&luminance_differences(a, b, selection), signed)?)
-            (figure(&colour_differences(a, b, selection), colours)?)
+            (figure(&luminance_differences(a, b, selection), signed, &legend("#00f, #fff, #f00", ["−50 %", "0", "50 %"]))?)
+            (figure(
+                &colour_differences(a, b, selection, exposure),
+                "Colour difference ΔE2000.",
+                &heat_legend(["0", "5", "≥ 10"]),
+            )?)
             @for (letter, picture) in [("A", a), ("B", b)] {
                 @if (0..picture.xyz.len()).any(|pixel| picture.error(pixel).is_some()) {
-                    (figure(&relative_error_map(picture, selection), &format!("Error that {letter} reports, {ERROR_LEGEND}"))?)
+                    (figure(
+                        &relative_error_map(picture, selection),
+                        &format!("Error that {letter} reports: {ERROR_CAPTION}"),
+                        &heat_legend(["0", "25 %", "≥ 50 %"]),
+                    )?)
                 }
             }
         }
-        p { "Both pictures are shown at the reference's automatic exposure: "
-            (format!("{:.4}", 1.0 / exposure)) " cd/m² is white. In the maps, pixels that are not selected are grey." }
+        p { "Both pictures are shown at one exposure, EV "
+            (format!("{:.2}", comparison.exposure_ev)) ", with the tone curve " (tone.name()) ". In the maps, pixels that are not selected are grey." }
     };
     Ok(document(&title, COMPARISON_STYLE, &body))
 }
 
 const COMPARISON_STYLE: &str = ".pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(20rem, 1fr)); gap: 1.5rem; \
-    margin: 1.5rem 0; }\nimg { width: 100%; height: auto; image-rendering: pixelated; background: #000; }\n";
+    margin: 1.5rem 0; }\nfigure img { width: 100%; height: auto; image-rendering: pixelated; background: #000; }\n\
+    .legend { height: .8rem; border: 1px solid var(--rule); }\n\
+    .ticks { display: flex; justify-content: space-between; font-size: .85rem; color: var(--soft); }\n";
 
 fn table(comparison: &Comparison) -> Markup {
     let number = |value: f64| format!("{value:.6}");
@@ -79,6 +90,7 @@ fn table(comparison: &Comparison) -> Markup {
                 ("ΔE2000, mean", number(comparison.delta_e_2000.mean)),
                 ("ΔE2000, 95th percentile", number(comparison.delta_e_2000.p95)),
                 ("Share of pixels with |z| < 1.96", comparison.z.map_or("errors unknown".to_string(), |z| number(z.share))),
+                ("Probability that noise explains the largest difference", comparison.z.map_or("errors unknown".to_string(), |z| number(z.p))),
                 (
                     "Share of pixels where B lies in A's 95 % interval",
                     comparison.covered.map_or("errors unknown".to_string(), |covered| number(covered.share)),
@@ -93,9 +105,34 @@ fn table(comparison: &Comparison) -> Markup {
     }
 }
 
-fn figure(screen: &DisplayImage, caption: &str) -> Result<Markup> {
+fn figure(screen: &DisplayImage, caption: &str, legend: &Markup) -> Result<Markup> {
     let source = data_uri("image/png", &encode_png(screen)?);
-    Ok(html! { figure { img src=(source) alt=(caption); figcaption { (caption) } } })
+    Ok(html! { figure { img src=(source) alt=(caption); (legend) figcaption { (caption) } } })
+}
+
+/// Returns the legend of a map: its colours, and the values at the left end, in the middle and at
+/// the right end.
+fn legend(colours: &str, values: [&str; 3]) -> Markup {
+    html! {
+        div.legend style={ "background: linear-gradient(to right, " (colours) ")" } {}
+        div.ticks { @for value in values { span { (value) } } }
+    }
+}
+
+/// Returns two pictures with a slider: A is on the left of the handle, and B is on the right.
+fn slider(a: &DisplayImage, b: &DisplayImage, names: (&str, &str)) -> Result<Markup> {
+    let [left, right] = [encode_png(a)?, encode_png(b)?].map(|bytes| data_uri("image/png", &bytes));
+    let (name_a, name_b) = names;
+    Ok(html! {
+        div.stage style={ "aspect-ratio:" (a.width) "/" (a.height) } {
+            img src=(left) alt={ "A: " (name_a) };
+            img.over src=(right) alt={ "B, the reference: " (name_b) };
+            div.handle {}
+            input.splitter type="range" min="0" max="100" step="0.1" value="50" aria-label="where picture A ends"
+                oninput="this.parentNode.style.setProperty('--split', this.value + '%')";
+        }
+        p.soft { "Drag across the picture to compare. Left: A, " (name_a) ". Right: B, the reference, " (name_b) "." }
+    })
 }
 
 /// The colour of a pixel that is not selected.
@@ -121,15 +158,15 @@ fn luminance_differences(a: &Picture, b: &Picture, selection: &Selection) -> Dis
 
 /// Builds a map of the relative error that the picture itself reports.
 fn relative_error_map(of: &Picture, selection: &Selection) -> DisplayImage {
-    let errors: Vec<Option<f64>> = relative_errors(of).collect();
+    let errors: Vec<Option<f64>> = of.relative_errors().collect();
     pixel_map(of, selection, |i| errors[i].map_or(heat::UNKNOWN_COLOUR, |error| heat(error / heat::WHITE_ERROR)))
 }
 
-/// Builds a map of ΔE2000 of every selected pixel. Both pictures have the exposure of the
-/// reference. A difference of 0 is black. With increasing difference, the colours change through
+/// Builds a map of ΔE2000 of every selected pixel. Both pictures have the given exposure in
+/// 1/(cd/m²). A difference of 0 is black. With increasing difference, the colours change through
 /// violet and orange to white. A difference of 10 or more is white.
-pub fn colour_differences(a: &Picture, b: &Picture, selection: &Selection) -> DisplayImage {
-    let differences = delta_e_map(a, b);
+pub fn colour_differences(a: &Picture, b: &Picture, selection: &Selection, exposure: f64) -> DisplayImage {
+    let differences = delta_e_map(a, b, exposure);
     pixel_map(b, selection, |i| heat(differences[i] / WHITE_DELTA_E))
 }
 
@@ -145,7 +182,7 @@ mod tests {
         let mut b = a.clone();
         b.xyz[3] = [2.0; 3];
         let comparison = compare(&a, &b, &Selection::default()).unwrap();
-        let pair = PicturePair { picture: ("<a>.exr", &a), reference: ("b.exr", &b) };
+        let pair = PicturePair { picture: ("<a>.exr", &a), reference: ("b.exr", &b), tone: ToneCurve::RollOff };
         let page = page(pair, &Selection::default(), &comparison).unwrap();
         assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 4);
         assert!(!page.contains("http") && !page.contains("<script"), "the page is self-contained");

@@ -8,12 +8,18 @@ pub const UNKNOWN_COLOUR: [u8; 3] = [0, 96, 128];
 /// The map shows this relative error, and all larger ones, as white.
 pub const WHITE_ERROR: f64 = 0.5;
 
+/// The colours of the scale at equal distances, from 0 to 1.
+const HEAT_COLOURS: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [90.0, 20.0, 130.0], [240.0, 120.0, 30.0], [255.0, 255.0, 255.0]];
+
+/// Returns the colours of the scale at equal distances as CSS colours, separated by commas.
+pub fn css_colours() -> String {
+    HEAT_COLOURS.map(|[r, g, b]| format!("rgb({r} {g} {b})")).join(", ")
+}
+
 /// Returns the colour that represents a fraction from 0 to 1. With an increasing fraction, the
 /// colours change from black through violet and orange to white. The brightness increases too. NaN
 /// is white.
 pub fn heat(share: f64) -> [u8; 3] {
-    const HEAT_COLOURS: [[f64; 3]; 4] =
-        [[0.0, 0.0, 0.0], [90.0, 20.0, 130.0], [240.0, 120.0, 30.0], [255.0, 255.0, 255.0]];
     let place = if share < 1.0 { share.max(0.0) * 3.0 } else { 3.0 };
     let stop = (place as usize).min(2);
     let t = place - stop as f64;
@@ -25,16 +31,9 @@ pub fn heat(share: f64) -> [u8; 3] {
 /// [`WHITE_ERROR`] and more are white. Pixels with unknown errors have the colour
 /// [`UNKNOWN_COLOUR`].
 pub fn error_map(picture: &Picture) -> DisplayImage {
-    let colours = relative_errors(picture).map(|error| error.map_or(UNKNOWN_COLOUR, |error| heat(error / WHITE_ERROR)));
+    let colours =
+        picture.relative_errors().map(|error| error.map_or(UNKNOWN_COLOUR, |error| heat(error / WHITE_ERROR)));
     DisplayImage::of_srgb(picture.width, picture.height, colours.collect())
-}
-
-/// Returns the relative error of each pixel, defined as in [`error_map`]. Unknown errors are
-/// `None`.
-pub(super) fn relative_errors(picture: &Picture) -> impl Iterator<Item = Option<f64>> {
-    let dark = 0.01 * picture.mean_y().powi(2);
-    let unit = move |pixel: usize| (picture.xyz[pixel][1].powi(2) + dark).sqrt();
-    (0..picture.xyz.len()).map(move |pixel| picture.error(pixel).map(|error| error / unit(pixel)))
 }
 
 #[cfg(test)]

@@ -17,6 +17,9 @@ pub mod names {
     pub const SCENE_HASH: &str = "abbe.sceneHash";
     /// The plan, as the JSON that `abbe explain --json` prints.
     pub const PLAN: &str = "abbe.plan";
+    /// The settings of the PNG as JSON: exposure, white balance, colour space, tone curve and gamut
+    /// mapping.
+    pub const DISPLAY: &str = "abbe.display";
     /// The seed of all random streams.
     pub const SEED: &str = "abbe.seed";
     /// The number of completed passes.
@@ -31,6 +34,8 @@ pub mod names {
     pub const SECONDS: &str = "abbe.seconds";
     /// The version of the program.
     pub const VERSION: &str = "abbe.version";
+    /// Present in the preview of a running render.
+    pub const PREVIEW: &str = "abbe.preview";
     /// Notes for the user as JSON, such as residuals of matched spectra, clamped indices and
     /// forbidden effects.
     pub const NOTES: &str = "abbe.notes";
@@ -42,10 +47,19 @@ impl Metadata {
         Self::default()
     }
 
-    /// Adds a text. Characters beyond ASCII are escaped as in a JSON string.
+    /// Adds a text, or replaces the text of this name. Characters beyond ASCII are escaped as in a
+    /// JSON string.
     #[must_use]
     pub fn with(mut self, name: &str, value: &str) -> Self {
+        self.entries.retain(|(known, _)| known != name);
         self.entries.push((name.to_string(), escape_non_ascii(value)));
+        self
+    }
+
+    /// Removes the text of this name.
+    #[must_use]
+    pub fn without(mut self, name: &str) -> Self {
+        self.entries.retain(|(known, _)| known != name);
         self
     }
 

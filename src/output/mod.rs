@@ -4,6 +4,7 @@
 //! writes an image for a display. [`compare`] computes the difference of two pictures.
 
 pub mod axis;
+mod block_test;
 pub mod chromaticity;
 pub mod compare;
 #[cfg(feature = "pages")]
@@ -13,6 +14,7 @@ pub mod drawing;
 pub mod exr;
 pub mod figures;
 pub mod file;
+pub mod gates;
 pub mod graph;
 pub mod hash;
 pub mod heat;

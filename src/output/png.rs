@@ -15,15 +15,16 @@
 //! ACEScg.
 
 use std::borrow::Cow;
+use std::io::Cursor;
 use std::path::Path;
 
 use ::png::chunk::ChunkType;
 use ::png::{BitDepth, ColorType, Compression, Filter, Info, ScaledFloat, SourceChromaticities, SrgbRenderingIntent};
 
 use super::{file, icc};
-use crate::colour::RgbSpace;
+use crate::colour::{AdaptationTransform, RgbSpace, adapt};
 use crate::error::{Error, Result};
-use crate::sensor::{Codes, DisplayImage};
+use crate::sensor::{Codes, DisplayImage, Picture};
 
 /// Returns the bytes of a PNG file.
 ///
@@ -114,6 +115,47 @@ fn chromaticities(space: RgbSpace) -> SourceChromaticities {
     SourceChromaticities { white: scaled(space.white_xy()), red, green, blue }
 }
 
+/// Reads a PNG file as a picture. The codes are decoded to XYZ, and white has the luminance 1. The
+/// errors are unknown, and opacity is ignored.
+///
+/// # Errors
+/// Returns an input error if the file is missing or not a PNG, or if its colour space is not one of
+/// the spaces that [`write()`] writes. A file that states no colour space is in sRGB.
+pub fn read(path: &Path) -> Result<Picture> {
+    let wrong = |what: String| Error::input(what).in_file(path);
+    let bytes = std::fs::read(path).map_err(|error| wrong(format!("cannot be read: {error}")))?;
+    let broken = |error: String| wrong(format!("is not a valid PNG file: {error}"));
+    let decoder = ::png::Decoder::new(Cursor::new(&bytes)).read_info().map_err(|error| broken(error.to_string()))?;
+    let space = stated_space(decoder.info())?.ok_or_else(|| {
+        let names = RgbSpace::ALL.map(RgbSpace::name).join(", ");
+        wrong("has a colour space that abbe does not know".to_string()).expected(names)
+    })?;
+    let image = image::load_from_memory_with_format(&bytes, image::ImageFormat::Png)
+        .map_err(|error| broken(error.to_string()))?
+        .into_rgb16();
+    let mut picture = Picture::black(image.width() as usize, image.height() as usize);
+    let adapt = |xyz| adapt(xyz, space.white(), RgbSpace::Srgb.white(), AdaptationTransform::Bradford);
+    for (xyz, pixel) in picture.xyz.iter_mut().zip(image.pixels()) {
+        *xyz = adapt(space.to_xyz(pixel.0.map(|code| space.decode(f64::from(code) / 65_535.0))));
+    }
+    Ok(picture)
+}
+
+/// Returns the colour space that a PNG file states. Returns `None` if the space is unknown.
+fn stated_space(info: &Info<'_>) -> Result<Option<RgbSpace>> {
+    if let Some(points) = &info.coding_independent_code_points {
+        let stated = [points.color_primaries, points.transfer_function, points.matrix_coefficients, 1];
+        return Ok(RgbSpace::ALL.into_iter().find(|space| code_points(*space) == Some(stated)));
+    }
+    let Some(profile) = &info.icc_profile else { return Ok(Some(RgbSpace::Srgb)) };
+    for space in RgbSpace::ALL {
+        if icc::profile(space)? == profile.as_ref() {
+            return Ok(Some(space));
+        }
+    }
+    Ok(None)
+}
+
 /// Reads a mask. A pixel is selected if any of its colour components is not zero. Opacity is
 /// ignored.
 ///
@@ -136,7 +178,6 @@ pub fn read_mask(path: &Path, width: usize, height: usize) -> Result<Vec<bool>> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::io::Cursor;
 
     /// Returns an image of one pixel in this space. Its codes have 16 bits.
     fn wide(space: RgbSpace) -> DisplayImage {
@@ -182,6 +223,23 @@ mod tests {
             assert_eq!(info.icc_profile.is_some(), space != RgbSpace::Srgb);
             assert!(info.icc_profile.as_deref().is_none_or(|found| found == icc::profile(space).unwrap()));
         }
+    }
+
+    #[test]
+    fn a_png_is_read_back_as_a_picture_in_every_space() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        for space in RgbSpace::ALL {
+            let white = DisplayImage { width: 1, height: 1, space, codes: Codes::Sixteen(vec![[65_535; 3]]) };
+            write(&path, &white).unwrap();
+            let xyz = read(&path).unwrap().xyz[0];
+            let known = RgbSpace::Srgb.white();
+            assert!(xyz.iter().zip(known).all(|(a, b)| (a - b).abs() < 1e-9), "{space:?}: {xyz:?}");
+        }
+        write(&path, &DisplayImage::of_srgb(1, 1, vec![[188, 188, 188]])).unwrap();
+        assert!((read(&path).unwrap().xyz[0][1] - 0.503).abs() < 1e-3);
+        std::fs::write(&path, "no picture").unwrap();
+        assert_eq!(read(&path).unwrap_err().exit_status(), 2);
     }
 
     #[test]

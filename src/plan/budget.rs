@@ -7,10 +7,20 @@ use crate::scene::Scene;
 /// The number of passes if the request contains no stop rule.
 pub const DEFAULT_PASSES: u64 = 64;
 
-/// The number of photon paths per pass. The number is large enough for small first kernel radii. It
-/// is small enough that a render consists of many short passes. Many passes sample many
-/// wavelengths.
+/// The smallest default number of photon paths per pass. The number is large enough for small first
+/// kernel radii. It is small enough that a render consists of many short passes. Many passes sample
+/// many wavelengths.
 pub const DEFAULT_PHOTONS: u64 = 200_000;
+
+/// The largest default number of photon paths per pass. It limits the memory of the photons.
+const MOST_DEFAULT_PHOTONS: u64 = 1_000_000;
+
+/// Returns the default number of photon paths per pass for a film: one path per pixel, so that the
+/// kernels of a large film cover no more pixels than the kernels of a small film, and that the time
+/// of the photons stays in proportion to the time of the camera paths.
+fn photons_for_film(pixels: u64) -> u64 {
+    pixels.clamp(DEFAULT_PHOTONS, MOST_DEFAULT_PHOTONS)
+}
 
 /// The number of photons within the first kernel radius.
 pub const DEFAULT_NEAREST: u32 = 50;
@@ -68,13 +78,14 @@ fn passes_without_strobing(motion_px: f64) -> u64 {
     ((2.0 * motion_px).ceil() as u64).next_multiple_of(REPLICATES as u64)
 }
 
-/// Returns the default number of photon paths per pass. `passes` is the number of passes.
+/// Returns the default number of photon paths per pass. `passes` is the number of passes, and
+/// `pixels` is the number of pixels of the film.
 ///
 /// The total number of paths is the same as for the default number of passes. Each pass has at
 /// least 20 000 paths, so that the estimates of a pass stay usable.
-fn photons_per_pass(passes: u64) -> u64 {
+fn photons_per_pass(passes: u64, pixels: u64) -> u64 {
     const MIN_PHOTONS: u64 = 20_000;
-    (DEFAULT_PHOTONS * DEFAULT_PASSES / passes).max(MIN_PHOTONS)
+    (photons_for_film(pixels) * DEFAULT_PASSES / passes).max(MIN_PHOTONS)
 }
 
 /// Returns an upper bound for the memory in bytes that the light maps need in any pass. The bound
@@ -108,12 +119,12 @@ impl Budget {
         let settings = &scene.settings;
         let motion_px = scene.image_motion_px();
         let enough = DEFAULT_PASSES.max(passes_without_strobing(motion_px));
+        let pixels = u64::from(scene.film.width).saturating_mul(u64::from(scene.film.height));
         let (passes, photons) =
-            (settings.passes.unwrap_or(enough), settings.photons.unwrap_or_else(|| photons_per_pass(enough)));
+            (settings.passes.unwrap_or(enough), settings.photons.unwrap_or_else(|| photons_per_pass(enough, pixels)));
         let light_map_cells = settings.light_map.unwrap_or(DEFAULT_LIGHT_MAP_CELLS);
-        let (width, height) = (u64::from(scene.film.width), u64::from(scene.film.height));
         let memory_bytes = film_bytes
-            .saturating_add(PILOT_PIXEL_BYTES.saturating_mul(width.saturating_mul(height)))
+            .saturating_add(PILOT_PIXEL_BYTES.saturating_mul(pixels))
             .saturating_add(photons.saturating_mul(PATH_BYTES))
             .saturating_add(scene.geometry.memory_bytes() as u64)
             .saturating_add(if plan.media_plan.has_light_maps() {
@@ -160,5 +171,17 @@ impl Budget {
     /// Returns the memory in bytes of all data except the photons.
     fn memory_without_photons(&self) -> u64 {
         self.memory_bytes.saturating_sub(self.photons.saturating_mul(PATH_BYTES))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_large_film_gets_one_photon_path_per_pixel() {
+        let photons = [1, 640 * 300, 512 * 512, 1920 * 1080].map(|pixels| photons_per_pass(DEFAULT_PASSES, pixels));
+        assert_eq!(photons, [200_000, 200_000, 262_144, 1_000_000]);
+        assert_eq!(photons_per_pass(4 * DEFAULT_PASSES, 512 * 512), 65_536, "fast motion divides them among passes");
     }
 }

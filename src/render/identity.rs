@@ -2,8 +2,11 @@
 
 use super::job::Job;
 use super::request::Integrator;
+use super::scene_difference::first_difference;
 use crate::error::{Error, Result};
+use crate::output::metadata::{Metadata, names};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// All inputs that affect a pass, except the index of the pass. Runs with equal identities can
 /// share passes.
@@ -19,12 +22,16 @@ pub struct RenderIdentity {
     /// The name and state of each effect.
     effects: Vec<String>,
     scene_hash: String,
+    /// The scene, to name a difference. The header of a saved run contains the scene, so the record
+    /// leaves it out.
+    #[serde(skip)]
+    scene: Value,
 }
 
 impl RenderIdentity {
-    /// Returns the identity of a job. `scene_hash` is the hash of the effective scene and its
-    /// files.
-    pub fn of(job: &Job, integrator: Integrator, scene_hash: &str) -> Self {
+    /// Returns the identity of a job. `header` contains the effective scene, and the hash of this
+    /// scene and its files.
+    pub fn of(job: &Job, integrator: Integrator, header: &Metadata) -> Self {
         let film = &job.scene.film;
         Self {
             integrator: integrator.word().to_string(),
@@ -33,8 +40,16 @@ impl RenderIdentity {
             size: (film.width, film.height),
             spectral_bands: film.spectral_bands,
             effects: job.rows.iter().map(|row| format!("{} {}", row.effect.name, row.state.word())).collect(),
-            scene_hash: scene_hash.to_string(),
+            scene_hash: header.get(names::SCENE_HASH).unwrap_or_default().to_string(),
+            scene: Value::Null,
         }
+        .with_scene_of(header)
+    }
+
+    /// Takes the scene from the header of a file.
+    pub(super) fn with_scene_of(self, header: &Metadata) -> Self {
+        let scene = header.get(names::SCENE).and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default();
+        Self { scene, ..self }
     }
 
     /// Returns the width and height of the film in pixels, and the number of spectral bands.
@@ -46,7 +61,7 @@ impl RenderIdentity {
     /// Finds the first difference from the expected identity. Returns the actual value and the
     /// expected value as text.
     fn difference(&self, expected: &Self) -> Option<(String, String)> {
-        let Self { integrator, seed, photons, size, spectral_bands, effects, scene_hash } = self;
+        let Self { integrator, seed, photons, size, spectral_bands, effects, scene_hash, scene } = self;
         let effects = effects.iter().find(|effect| !expected.effects.contains(effect));
         let other_effect = expected.effects.iter().find(|effect| !self.effects.contains(effect));
         let pixels = |(width, height): (u32, u32)| format!("{width} × {height} pixels");
@@ -62,9 +77,12 @@ impl RenderIdentity {
                 (format!("{spectral_bands} spectral bands"), format!("{} spectral bands", expected.spectral_bands))
             }),
             (effects.is_some() || other_effect.is_some()).then(|| (effect(effects), effect(other_effect))),
-            (scene_hash != &expected.scene_hash).then(|| {
-                let same = "the same scene, with unchanged files".to_string();
-                ("another scene".to_string(), same)
+            (scene_hash != &expected.scene_hash).then(|| match first_difference(scene, &expected.scene) {
+                Some([here, there]) => (format!("another scene: {here}"), format!("a scene in which {there}")),
+                None => {
+                    let what = "another scene: a file that the scene names, or the order of its keys, has changed";
+                    (what.to_string(), "the same scene, with unchanged files".to_string())
+                }
             }),
         ];
         pairs.into_iter().flatten().next()

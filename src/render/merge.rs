@@ -1,9 +1,10 @@
 //! Merges the parts of a picture. The result equals the picture of a single run with the passes of
 //! all parts.
 
+use super::display::DisplaySettings;
 use super::identity::RenderIdentity;
 use super::part::PassPart;
-use super::saved_run::{DisplaySettings, SavedRun};
+use super::saved_run::SavedRun;
 use super::stats::Stats;
 use crate::error::{Error, Result};
 use crate::output::metadata::{Metadata, names};
@@ -102,6 +103,7 @@ impl PartSet {
             names::SCENE_HASH,
             names::SCENE,
             names::PLAN,
+            names::DISPLAY,
             names::INTEGRATOR,
             names::SEED,
             names::PHOTONS,

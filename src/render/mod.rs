@@ -6,6 +6,7 @@
 //! continued, and merged with the runs of other passes.
 
 mod diffraction;
+mod display;
 mod forecast;
 mod identity;
 mod job;
@@ -15,6 +16,7 @@ mod part;
 mod request;
 mod run;
 mod saved_run;
+mod scene_difference;
 mod session;
 mod stats;
 mod stop;
@@ -22,6 +24,7 @@ mod threads;
 
 pub use crate::pass::StageSeconds;
 pub use diffraction::DiffractionSetup;
+pub use display::DisplaySettings;
 pub use forecast::{ErrorMilestone, Forecast, RunTimes};
 pub use identity::RenderIdentity;
 pub use job::Job;
@@ -30,7 +33,8 @@ pub use monitor::{Monitor, NoMonitor, Progress};
 pub use part::PassPart;
 pub use request::{Integrator, Request, StopRules};
 pub use run::Run;
-pub use saved_run::{DisplaySettings, SavedRun};
+pub use saved_run::SavedRun;
+pub use scene_difference::scene_of_passes;
 pub use session::Rendered;
-pub use stats::{ForecastStats, Stats};
-pub use threads::on_threads;
+pub use stats::{ErrorStats, ForecastStats, Stats};
+pub use threads::{current_threads, on_threads};

@@ -4,21 +4,20 @@
 //! record in the header contains everything else.
 
 use super::diffraction::DiffractionSetup;
+use super::display::DisplaySettings;
 use super::forecast::{Forecast, RunTimes};
 use super::identity::RenderIdentity;
 use super::job::Job;
 use super::part::PassPart;
 use super::run::Run;
 use super::stats::Stats;
-use crate::colour::RgbSpace;
 use crate::error::{Error, Result};
 use crate::output::exr::{add_sums, holds_sums_of, read_metadata, write_with_sums};
 use crate::output::hash::IdentityHash;
 use crate::output::metadata::{Metadata, names};
 use crate::pass::PassSums;
 use crate::plan::Tally;
-use crate::scene::Exposure;
-use crate::sensor::{Development, DisplayImage, Film, Picture, develop, exposure};
+use crate::sensor::Film;
 use crate::spectrum::Observer;
 use crate::walk::ledger::Ledger;
 use serde::{Deserialize, Serialize};
@@ -26,41 +25,6 @@ use std::path::Path;
 
 /// The name of the record in the file's header.
 const RECORD: &str = "abbe.run";
-
-/// The conversion of a picture's colours for a display or a PNG file.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DisplaySettings {
-    development: Development,
-    exposure: Exposure,
-}
-
-impl DisplaySettings {
-    /// Returns the settings of a job's film.
-    pub fn of(job: &Job) -> Self {
-        let film = &job.scene.film;
-        let development = Development { space: film.space, white: film.white, gamut: film.gamut };
-        Self { development, exposure: film.exposure }
-    }
-
-    /// Returns the settings for another colour space. The exposure, the white balance and the gamut
-    /// mapping do not change.
-    #[must_use]
-    pub fn in_space(self, space: RgbSpace) -> Self {
-        Self { development: Development { space, ..self.development }, ..self }
-    }
-
-    /// Converts a picture for a display.
-    pub fn screen(&self, picture: &Picture) -> DisplayImage {
-        let factor = match self.exposure {
-            Exposure::Auto => exposure::automatic(picture, &self.development),
-            Exposure::Ev(ev) => ev.exp2(),
-            Exposure::White(luminance) => luminance.recip(),
-            Exposure::None => 1.0,
-        };
-        develop(picture, factor, &self.development)
-    }
-}
 
 /// The record of a saved run. The record contains everything except the sums of the film, because
 /// these sums may be large.
@@ -124,7 +88,9 @@ impl SavedRun {
         if version != own {
             return Err(fault(&format!("was written by abbe {version}")).expected(format!("version {own}")));
         }
-        let record: Self = serde_json::from_str(text).map_err(|_| fault("is damaged: its record cannot be read"))?;
+        let mut record: Self =
+            serde_json::from_str(text).map_err(|_| fault("is damaged: its record cannot be read"))?;
+        record.identity = record.identity.with_scene_of(&metadata);
         Ok((record, metadata))
     }
 

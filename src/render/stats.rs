@@ -43,6 +43,19 @@ pub struct ErrorStats {
     pub bias: f64,
     /// The relative error: √mean(noise² + bias²) / mean Y. `None` means that the error is unknown.
     pub relative: Option<f64>,
+    /// The median of the pixels' relative errors. `None` means that no error is known.
+    #[serde(default)]
+    pub median: Option<f64>,
+    /// The 95th percentile of the pixels' relative errors. `None` means that no error is known.
+    #[serde(default)]
+    pub p95: Option<f64>,
+    /// The block of pixels that contributes most to `relative`: the first column, the first row, the
+    /// first column to its right, and the first row below it.
+    #[serde(default)]
+    pub worst_region: Option<[usize; 4]>,
+    /// The share of the worst region in the sum of noise² + bias² over the picture.
+    #[serde(default)]
+    pub worst_share: Option<f64>,
     /// The number of pixels with unknown noise, such as pixels that no light has reached.
     pub unknown_pixels: usize,
     /// The number of pixels near an edge of the illumination. The bias of these pixels is probably
@@ -255,7 +268,18 @@ impl LedgerStats {
 impl ErrorStats {
     fn of(picture: &Picture) -> Self {
         let ErrorMeans { noise, bias, relative, unknown_pixels, edge_pixels } = picture.error_means();
-        Self { noise, bias, relative, unknown_pixels, edge_pixels }
+        let distribution = picture.error_distribution();
+        Self {
+            noise,
+            bias,
+            relative,
+            median: distribution.map(|errors| errors.median),
+            p95: distribution.map(|errors| errors.p95),
+            worst_region: distribution.map(|errors| errors.worst.corners),
+            worst_share: distribution.map(|errors| errors.worst.share),
+            unknown_pixels,
+            edge_pixels,
+        }
     }
 }
 

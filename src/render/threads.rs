@@ -13,6 +13,11 @@ pub fn on_threads<R: Send>(threads: Option<u32>, run: impl FnOnce() -> R + Send)
     Ok(pool.install(run))
 }
 
+/// Returns the number of worker threads of the current pool.
+pub fn current_threads() -> usize {
+    rayon::current_num_threads()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -7,7 +7,7 @@
 //! # Example
 //!
 //! ```
-//! use abbe::colour::{RgbSpace, gamut::GamutMapping};
+//! use abbe::colour::{RgbSpace, gamut::GamutMapping, tone::ToneCurve};
 //! use abbe::geometry::shape::Shape;
 //! use abbe::optics::{bsdf::Bsdf, glass::RefractiveIndex};
 //! use abbe::scene::builder::{ObjectSet, SceneBuilder, SceneView, WhiteBalance};
@@ -40,6 +40,7 @@
 //!     space: RgbSpace::Srgb,
 //!     white: None,
 //!     gamut: GamutMapping::Desaturate,
+//!     tone: ToneCurve::RollOff,
 //!     exposure: Exposure::Auto,
 //! };
 //! let lamp = PointLight { position: DVec3::new(1.0, 3.0, 0.0) - centre, intensity: 10.0 };
@@ -482,7 +483,7 @@ impl SceneBuilder {
 fn white(scene: &Scene, white_balance: &WhiteBalance) -> std::result::Result<Option<Xyz>, SceneError> {
     let (white, what) = match white_balance {
         WhiteBalance::None => return Ok(None),
-        WhiteBalance::SceneLights => (xyz_of_lights(scene), "the scene's light".to_owned()),
+        WhiteBalance::SceneLights => (scene.xyz_of_lights(), "the scene's light".to_owned()),
         WhiteBalance::Illuminant(name, spectrum) => (scene.film.observer.xyz(spectrum), format!("\"{name}\"")),
     };
     if !AdaptationTransform::Bradford.can_adapt_from(white) {
@@ -490,15 +491,4 @@ fn white(scene: &Scene, white_balance: &WhiteBalance) -> std::result::Result<Opt
         return Err(ScenePart::WhiteBalance.error(error.expected("light with red, green and blue components")));
     }
     Ok(Some(white))
-}
-
-/// The sum of the XYZ values of all lights. Each light is weighted by its power.
-fn xyz_of_lights(scene: &Scene) -> Xyz {
-    let mut sum = [0.0; 3];
-    for light in &scene.lights {
-        let power_w = light.power_w(scene.extent());
-        let xyz = scene.film.observer.xyz(&light.spectrum);
-        sum.iter_mut().zip(xyz).for_each(|(sum, value)| *sum += power_w * value);
-    }
-    sum
 }

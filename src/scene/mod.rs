@@ -20,6 +20,7 @@ pub mod sweep;
 mod view;
 
 use crate::colour::gamut::GamutMapping;
+use crate::colour::tone::ToneCurve;
 use crate::colour::{RgbSpace, Xyz};
 use crate::geometry::{Geometry, Hit, Ray};
 use crate::optics::bsdf::Bsdf;
@@ -136,6 +137,8 @@ pub struct FilmSpec {
     pub white: Option<Xyz>,
     /// The treatment of colours outside the colour space.
     pub gamut: GamutMapping,
+    /// The tone curve of the PNG.
+    pub tone: ToneCurve,
     /// The exposure of the PNG.
     pub exposure: Exposure,
 }
@@ -207,6 +210,17 @@ impl Body {
 }
 
 impl Scene {
+    /// Returns the sum of the XYZ values of all lights. Each light is weighted by its power.
+    pub fn xyz_of_lights(&self) -> Xyz {
+        let mut sum = [0.0; 3];
+        for light in &self.lights {
+            let power_w = light.power_w(self.extent());
+            let xyz = self.film.observer.xyz(&light.spectrum);
+            sum.iter_mut().zip(xyz).for_each(|(sum, value)| *sum += power_w * value);
+        }
+        sum
+    }
+
     /// Returns the surfaces and the bounding sphere. The methods of lights need them.
     pub fn extent(&self) -> SceneExtent<'_> {
         SceneExtent { geometry: &self.geometry, radius_m: self.radius_m }

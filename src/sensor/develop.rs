@@ -1,5 +1,5 @@
-//! Conversion of a picture to an image for a display: white balance, colour space, gamut mapping
-//! and encoding.
+//! Conversion of a picture to an image for a display: white balance, colour space, tone curve,
+//! gamut mapping and encoding.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::picture::Picture;
 use crate::colour::gamut::GamutMapping;
 use crate::colour::space::encode_srgb_u8;
+use crate::colour::tone::ToneCurve;
 use crate::colour::{Rgb, RgbSpace, Xyz};
 
 /// The parameters of the conversion from a picture's XYZ to display codes.
@@ -21,6 +22,8 @@ pub struct Development {
     /// The method of gamut mapping. It moves colours that are outside the colour space into the
     /// colour space.
     pub gamut: GamutMapping,
+    /// The tone curve. It is applied before the gamut mapping.
+    pub tone: ToneCurve,
 }
 
 impl Development {
@@ -66,14 +69,14 @@ impl DisplayImage {
 /// The number of pixels that one task converts.
 const PIXELS_PER_TASK: usize = 1 << 14;
 
-/// Converts a picture to display codes. `exposure` is in 1/(cd/m²). The luminance 1/`exposure` is
-/// shown as white. NaN becomes black. The work is divided among the threads of the current pool.
+/// Converts a picture to display codes. `exposure` is in 1/(cd/m²). It maps the luminance
+/// 1/`exposure` to 1, which is white if the tone curve clips. NaN becomes black. The work is divided among the threads of the current pool.
 pub fn develop(picture: &Picture, exposure: f64, development: &Development) -> DisplayImage {
-    let &Development { space, white: _, gamut } = development;
+    let &Development { space, white: _, gamut, tone } = development;
     let matrix = development.matrix().map(|row| row.map(|entry| entry * exposure));
     let linear = |xyz: &Xyz| -> Rgb {
         let rgb = matrix.map(|row| row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2]);
-        gamut.map(rgb, space)
+        gamut.map(tone.apply(rgb), space)
     };
     let codes = match space {
         RgbSpace::Srgb | RgbSpace::DisplayP3 => {
@@ -101,6 +104,10 @@ mod tests {
     use super::*;
     use crate::colour::linear_srgb_to_xyz;
 
+    /// No tone curve.
+    const LINEAR: Development =
+        Development { space: RgbSpace::Srgb, white: None, gamut: GamutMapping::Desaturate, tone: ToneCurve::Clip };
+
     fn picture(pixels: &[[f64; 3]]) -> Picture {
         let mut picture = Picture::black(pixels.len(), 1);
         picture.xyz = pixels.iter().map(|rgb| linear_srgb_to_xyz(*rgb)).collect();
@@ -117,7 +124,7 @@ mod tests {
 
     #[test]
     fn exposure_brings_luminance_to_white() {
-        let screen = develop(&picture(&[[200.0; 3], [100.0; 3], [0.0; 3]]), 1.0 / 200.0, &Development::default());
+        let screen = develop(&picture(&[[200.0; 3], [100.0; 3], [0.0; 3]]), 1.0 / 200.0, &LINEAR);
         // Half the luminance of white has the signal 0.7354.
         assert_eq!(screen, DisplayImage::of_srgb(3, 1, vec![[255; 3], [188; 3], [0; 3]]));
     }
@@ -125,7 +132,7 @@ mod tests {
     #[test]
     fn colours_outside_srgb_follow_the_gamut_mapping() {
         let sodium = [2.771_426_5, 0.587_216_4, -0.128_436_9].map(|component| 0.2 * component);
-        let shown = |gamut| shown(&[sodium], 1.0, &Development { gamut, ..Development::default() })[0];
+        let shown = |gamut| shown(&[sodium], 1.0, &Development { gamut, ..LINEAR })[0];
         let (desaturated, clipped) = (shown(GamutMapping::Desaturate), shown(GamutMapping::Clip));
         assert_eq!((desaturated[2], clipped[2]), (0.0, 0.0));
         assert!(desaturated[0] < clipped[0], "{desaturated:?} {clipped:?}");
@@ -138,7 +145,7 @@ mod tests {
     #[test]
     fn every_space_encodes_white_and_its_own_colours() {
         for space in RgbSpace::ALL {
-            let development = Development { space, ..Development::default() };
+            let development = Development { space, ..LINEAR };
             assert_eq!(shown(&[[1.0; 3]], 1.0, &development), [[1.0; 3]], "{space:?}");
             let own = [0.25, 0.5, 0.75];
             let mut picture = picture(&[[0.0; 3]]);
@@ -168,16 +175,22 @@ mod tests {
         let mut picture = Picture::black(1, 1);
         picture.xyz[0] = white.map(|value| 0.5 * value);
         for space in [RgbSpace::Srgb, RgbSpace::DisplayP3] {
-            let development =
-                Development { space, white: Some(white.map(|value| 7.0 * value)), ..Development::default() };
+            let development = Development { space, white: Some(white.map(|value| 7.0 * value)), ..LINEAR };
             assert_eq!(develop(&picture, 1.0, &development).codes, Codes::Eight(vec![[188; 3]]), "{space:?}");
         }
+    }
+
+    #[test]
+    fn highlights_roll_off_by_default() {
+        let shown = |y: f64| shown(&[[y; 3]], 1.0, &Development::default())[0][0];
+        assert_eq!(shown(0.18), f64::from(118_u8) / 255.0, "middle grey stays");
+        assert!(shown(1.0) < shown(2.0) && shown(2.0) < shown(4.0) && shown(4.0) < 1.0);
     }
 
     #[test]
     fn nan_pixels_are_black() {
         let mut broken = Picture::black(1, 1);
         broken.xyz[0] = [f64::NAN; 3];
-        assert_eq!(develop(&broken, 1.0, &Development::default()).codes, Codes::Eight(vec![[0; 3]]));
+        assert_eq!(develop(&broken, 1.0, &LINEAR).codes, Codes::Eight(vec![[0; 3]]));
     }
 }

@@ -1,49 +1,71 @@
 //! Automatic exposure.
 
-use super::develop::Development;
 use super::picture::Picture;
 
 /// The luminance of middle grey relative to white.
 const MIDDLE_GREY: f64 = 0.18;
 
-/// The fraction of the pixels that may be overexposed.
-const OVEREXPOSED_SHARE: f64 = 0.005;
+/// The luminance relative to white that the highlights reach at least.
+const LEAST_HIGHLIGHT: f64 = 0.5;
+
+/// The fraction of the pixels that are brighter than the highlights.
+const ABOVE_HIGHLIGHT: f64 = 0.005;
+
+/// The contrast of a display. Pixels that are darker than the highlights by more than this factor
+/// count less.
+const CONTRAST: f64 = 1000.0;
+
+/// The largest influence of a pixel on the metered luminance, as a natural logarithm: two stops.
+const LARGEST_INFLUENCE: f64 = 2.0 * std::f64::consts::LN_2;
 
 /// Returns the exposure of a picture. The exposure is a factor that multiplies the luminance, and
 /// its unit is 1/(cd/m²). With this factor, the developed picture has a suitable brightness.
 ///
-/// The log-average of the lit pixels becomes middle grey (0.18; after Reinhard et al. 2002). Two
-/// limits apply: at most 0.5 % of the pixels may exceed the range of the display, and the
-/// highlights must reach at least half of this range. Saturated colours reach the limit long before
-/// white does: sodium light with a relative luminance above 0.36 is no longer orange on a display.
-/// Visible light sources do not influence the exposure, because any suitable exposure shows them as
-/// white.
-pub fn automatic(picture: &Picture, development: &Development) -> f64 {
-    let matrix = development.matrix();
-    let component = |xyz: &[f64; 3], row: [f64; 3]| row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2];
-    let strongest_of = |xyz: &[f64; 3]| matrix.into_iter().map(|row| component(xyz, row)).fold(xyz[1], f64::max);
-    let lit = picture.xyz.iter().filter(|xyz| xyz[1] > 0.0 && xyz.iter().all(|value| value.is_finite()));
-    let (mut luminances, mut strongest): (Vec<f64>, Vec<f64>) = lit.map(|xyz| (xyz[1], strongest_of(xyz))).unzip();
+/// The log-average of the lit pixels becomes middle grey (0.18; Reinhard et al. 2002). Caustics,
+/// glints and the sky may be thousands of times brighter than the rest of the picture. Therefore
+/// the log-average is Huber's robust estimate of location (Huber 1964): a pixel that differs from
+/// the average by more than two stops counts as if it differed by two stops. Pixels that are darker
+/// than a thousandth of the highlights count in proportion to their squared luminance, because a display
+/// cannot show them together with the highlights. If the picture has little contrast, the exposure
+/// is raised until its highlights reach half of the range of the display. Visible light sources do
+/// not influence the exposure, because any suitable exposure shows them as white.
+pub fn automatic(picture: &Picture) -> f64 {
+    let lit = picture.xyz.iter().map(|xyz| xyz[1]).filter(|y| *y > 0.0 && y.is_finite());
+    let mut luminances: Vec<f64> = lit.collect();
     if luminances.is_empty() {
         return 1.0;
     }
     luminances.sort_by(f64::total_cmp);
-    strongest.sort_by(f64::total_cmp);
-    let metered = without_light_sources(&strongest).len();
-    let highlight = strongest[((metered - 1) as f64 * (1.0 - OVEREXPOSED_SHARE)) as usize];
-    // Pixels far darker than the highlights (an unlit background) are not metered.
-    let luminances = &luminances[..metered];
-    let bright = &luminances[luminances.partition_point(|&y| y < highlight * 1e-3)..];
-    let log_mean = bright.iter().map(|y| y.ln()).sum::<f64>() / bright.len().max(1) as f64;
-    let grey = MIDDLE_GREY / log_mean.exp();
-    grey.clamp(0.5 / highlight, 1.0 / highlight)
+    let metered = without_light_sources(&luminances);
+    let highlight = metered[((metered.len() - 1) as f64 * (1.0 - ABOVE_HIGHLIGHT)) as usize];
+    let weighted: Vec<(f64, f64)> =
+        metered.iter().map(|y| (y.ln(), (y * CONTRAST / highlight).min(1.0).powi(2))).collect();
+    (MIDDLE_GREY / robust_mean(&weighted).exp()).max(LEAST_HIGHLIGHT / highlight)
+}
+
+/// Returns Huber's estimate of location for sorted pairs of a value and a weight: the value m for
+/// which the weighted differences from m, each limited to ±[`LARGEST_INFLUENCE`], sum to 0.
+///
+/// The sum falls monotonically with m. Therefore m is found by bisection between the smallest and
+/// the largest value.
+fn robust_mean(values: &[(f64, f64)]) -> f64 {
+    let pull = |m: f64| -> f64 {
+        values.iter().map(|(value, weight)| weight * (value - m).clamp(-LARGEST_INFLUENCE, LARGEST_INFLUENCE)).sum()
+    };
+    let (mut low, mut high) = (values[0].0, values[values.len() - 1].0);
+    // A thousandth of a stop is invisible.
+    while high - low > 1e-3 * std::f64::consts::LN_2 {
+        let middle = 0.5 * (low + high);
+        if pull(middle) > 0.0 { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
 }
 
 /// Removes the pixels of light sources from sorted brightnesses. Light sources are the brightest
 /// pixels. They are at most a tenth of all pixels. A gap in brightness separates light sources from
 /// the other pixels. The ends of the gap differ by a factor of eight, and few pixels are inside the
 /// gap. Illuminated surfaces and caustics become gradually darker towards their surroundings, so
-/// they leave no such gap.
+/// they leave no such gap. A spectrum on a black wall leaves a gap, but its own brightness varies.
 fn without_light_sources(sorted: &[f64]) -> &[f64] {
     const GAP: f64 = 8.0;
     const LARGEST_SHARE: f64 = 0.1;
@@ -56,7 +78,7 @@ fn without_light_sources(sorted: &[f64]) -> &[f64] {
     while top / GAP >= first {
         let (rest, lamps) = (below(top / GAP), sorted.len() - below(top));
         let between = sorted.len() - rest - lamps;
-        if lamps > 0 && (between as f64) < EDGES * lamps as f64 {
+        if lamps > 0 && (between as f64) < EDGES * lamps as f64 && is_uniform(&sorted[sorted.len() - lamps..]) {
             return &sorted[..rest];
         }
         top /= 2.0_f64.sqrt();
@@ -64,15 +86,17 @@ fn without_light_sources(sorted: &[f64]) -> &[f64] {
     sorted
 }
 
+/// Returns true if half of the brightnesses differ from their median by at most a tenth, as the
+/// brightness of a lamp does.
+fn is_uniform(sorted: &[f64]) -> bool {
+    let median = sorted[sorted.len() / 2];
+    let near = sorted.partition_point(|&y| y <= 1.1 * median) - sorted.partition_point(|&y| y < 0.9 * median);
+    2 * near >= sorted.len()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::colour::xyz_to_linear_srgb;
-
-    fn automatic(picture: &Picture) -> f64 {
-        super::automatic(picture, &Development::default())
-    }
-
     /// Returns a picture of white light with these luminances.
     fn picture(luminances: impl IntoIterator<Item = f64>) -> Picture {
         let xyz: Vec<[f64; 3]> = luminances.into_iter().map(|y| [0.9505 * y, y, 1.089 * y]).collect();
@@ -101,42 +125,38 @@ mod tests {
     }
 
     #[test]
-    fn a_caustic_on_a_dark_table_is_not_overexposed() {
-        // The caustic fades from 5000 cd/m² into a table of 10 cd/m².
-        let caustic = (0..300).map(|i| 5000.0 * (-f64::from(i) / 60.0).exp());
-        let table = std::iter::repeat_n(10.0, 9_700);
-        let exposure = automatic(&picture(caustic.clone().chain(table)));
-        let burnt = caustic.filter(|y| y * exposure > 1.0).count();
-        assert!((20..=55).contains(&burnt), "{burnt} of 10,000 pixels");
+    fn a_caustic_does_not_darken_the_room() {
+        // The caustic covers 2 % of the film and is up to 1000 times as bright as the room.
+        let caustic = (0..200).map(|i| 50_000.0 * (-f64::from(i) / 40.0).exp());
+        let with_caustic = automatic(&picture(room().chain(caustic)));
+        let ratio = with_caustic / automatic(&picture(room()));
+        assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
     }
 
     #[test]
-    fn sodium_light_stays_orange() {
-        // Grey paper under sodium light, from black to white. The brightest pixel is as bright as
-        // the orange of the display.
-        let mut picture = picture((1..=1000).map(f64::from));
-        picture.xyz.iter_mut().for_each(|xyz| *xyz = [1.3299 * xyz[1], xyz[1], 0.0016 * xyz[1]]);
-        let red = xyz_to_linear_srgb(picture.xyz[990].map(|value| value * automatic(&picture)))[0];
-        assert!((0.9..1.01).contains(&red), "{red}");
+    fn a_sky_darkens_the_room_by_less_than_a_stop() {
+        let sky = (0..3000).map(|i| 5000.0 + f64::from(i));
+        let ratio = automatic(&picture(room().chain(sky))) / automatic(&picture(room()));
+        assert!((0.5..0.9).contains(&ratio), "{ratio}");
     }
 
     #[test]
-    fn a_wider_gamut_allows_a_brighter_exposure() {
-        // Sodium light is outside sRGB but well inside Rec. 2020. If white is balanced for candle
-        // light, the red component of sodium light is weaker.
-        let mut picture = picture((1..=1000).map(f64::from));
-        picture.xyz.iter_mut().for_each(|xyz| *xyz = [1.3299 * xyz[1], xyz[1], 0.0016 * xyz[1]]);
-        let exposure =
-            |space, white| super::automatic(&picture, &Development { space, white, ..Development::default() });
-        use crate::colour::RgbSpace::{Rec2020, Srgb};
-        assert!(exposure(Rec2020, None) > 1.3 * exposure(Srgb, None));
-        assert!(exposure(Srgb, Some([1.24, 1.0, 0.13])) > 1.3 * exposure(Srgb, None));
+    fn a_spectrum_on_a_dark_wall_is_exposed() {
+        // The spectrum covers 3 % of the film. The wall is black, or it reflects a little light.
+        let spectrum = || (0..300).map(|i| 100.0 * (0.2 + (f64::from(i) / 300.0 * std::f64::consts::PI).sin()));
+        for wall in [0.0, 1e-9, 1e-4, 1e-3, 1e-2] {
+            let film = picture(std::iter::repeat_n(wall, 9_700).chain(spectrum()));
+            let shown = 80.0 * automatic(&film);
+            assert!((0.15..0.6).contains(&shown), "{wall}: {shown}");
+        }
     }
 
     #[test]
     fn extreme_pictures_have_a_finite_exposure() {
         assert_eq!(automatic(&picture([0.0, 0.0])), 1.0);
         assert!((automatic(&picture([4.0; 100])) - 0.5 / 4.0).abs() < 1e-4, "grey paper is shown as bright paper");
+        assert!((automatic(&picture([7.0])) - 0.5 / 7.0).abs() < 1e-9, "a film of one pixel");
+        assert!(automatic(&picture([f64::NAN, f64::INFINITY, 1.0])).is_finite());
         assert!(automatic(&picture([1e-9, 1e9])).is_finite());
     }
 }

@@ -7,6 +7,7 @@ mod channels;
 pub mod develop;
 pub mod diffraction;
 mod error_bars;
+pub mod error_distribution;
 pub mod exposure;
 pub mod film;
 pub mod picture;

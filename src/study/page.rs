@@ -49,9 +49,10 @@ impl<'a> StudyPictures<'a> {
         effects: &'a EffectStudy,
     ) -> Self {
         let film = &job.scene.film;
-        let development = Development { white: film.white, gamut: film.gamut, ..Development::default() };
+        let development =
+            Development { white: film.white, gamut: film.gamut, tone: film.tone, ..Development::default() };
         let reference = &reference.reference.picture;
-        let exposure = exposure::automatic(reference, &development);
+        let exposure = exposure::automatic(reference);
         let of_curve = |curve: &'a ConvergenceCurve| {
             let name = format!("{}, {}", integrator_title(curve.integrator), passes(curve.stats.passes));
             (name, &curve.picture)
@@ -139,11 +140,12 @@ fn compared(pictures: &StudyPictures<'_>) -> Result<Markup> {
             div.choices { (choice("left", "Left", PHOTONS)) (choice("right", "Right", REFERENCE)) }
             div.stage id="stage" style={ "aspect-ratio:" (width) "/" (height) } {
                 img id="under" alt="the left picture";
-                img id="over" alt="the right picture";
+                img.over id="over" alt="the right picture";
                 div.handle {}
-                input id="split" type="range" min="0" max="100" step="0.1" value="50" aria-label="where the left picture ends";
+                input.splitter id="split" type="range" min="0" max="100" step="0.1" value="50" aria-label="where the left picture ends";
             }
-            p.soft { "Drag across the picture to compare. All pictures are shown at the exposure of the reference." }
+            p.soft { "Drag across the picture to compare. All pictures are shown at the automatic exposure of the reference, EV "
+                (format!("{:.2}", pictures.exposure.log2())) "." }
             div.pictures hidden { @for image in &images { (image) } }
         }
     })
@@ -313,7 +315,7 @@ fn card(
     let thumbnails = match &effect.picture {
         Some(picture) => {
             let without = shrunk(picture);
-            let difference = colour_differences(&without, whole, &Selection::default());
+            let difference = colour_differences(&without, whole, &Selection::default(), pictures.exposure);
             let three = [
                 (pictures.shown(whole), "with"),
                 (pictures.shown(&without), "without"),

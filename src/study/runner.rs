@@ -9,7 +9,7 @@ use super::reference::ReferencePicture;
 use super::step_cache::{StepCache, StepResult};
 use super::study_scene::StudyScene;
 use crate::output::hash::IdentityHash;
-use crate::render::{Integrator, Request, StopRules};
+use crate::render::{Integrator, Request, StopRules, current_threads};
 use crate::sensor::Picture;
 
 /// A render of the study.
@@ -123,7 +123,8 @@ impl Runner<'_> {
         Ok((StepResult { points, stats, memory_bytes, passes_wanted }, rendered.picture))
     }
 
-    /// Hashes all inputs that affect the result of a step.
+    /// Hashes all inputs that affect the result of a step. The number of threads affects the measured
+    /// times.
     pub(super) fn identity(&self, step: &RenderStep, changes: &[String], reference: Option<&str>) -> String {
         let mut hash = IdentityHash::default();
         let parts = [
@@ -131,6 +132,7 @@ impl Runner<'_> {
             &self.study_scene.hash,
             &step.name,
             &format!("{:?}", step.request),
+            &format!("{} threads", current_threads()),
             reference.unwrap_or("nothing"),
         ];
         parts.into_iter().chain(changes.iter().map(String::as_str)).for_each(|part| hash.add_part(part.as_bytes()));

@@ -160,7 +160,7 @@ fn a_checkpoint_of_another_render_is_refused_by_name() {
         (&["--size", "12x16"], &["16 × 12 pixels", "12 × 16 pixels"]),
         (&["--photons", "501"], &["500 photons per pass", "501 photons per pass"]),
         (&["--spectral-bands", "4"], &["3 spectral bands", "4 spectral bands"]),
-        (&["--set", "lights[0].point.power=21"], &["another scene"]),
+        (&["--set", "lights[0].point.power=21"], &["another scene: lights[0].point.power is 20", "power is 21"]),
         (&["--forbid", "caustics"], &["caustics on", "caustics forbidden"]),
         (&["--part", "1/2"], &["part 0/1", "part 1/2"]),
     ];
@@ -250,7 +250,8 @@ fn parts_that_do_not_fit_are_refused_by_name() {
     merge(&["a.exr", "b.exr", "quarter.exr"]).is_error(2, &["quarter.exr", "pass 1", "b.exr also contains"]);
     merge(&["a.exr", "./a.exr"]).is_error(2, &["a.exr", "given twice"]);
     merge(&["a.exr", "seed.exr"]).is_error(2, &["seed.exr", "seed 5", "seed 0, as a.exr has"]);
-    merge(&["a.exr", "scene.exr"]).is_error(2, &["scene.exr", "another scene"]);
+    merge(&["a.exr", "scene.exr"])
+        .is_error(2, &["scene.exr", "another scene: lights[0].point.power is 21", "power is 20, as a.exr has"]);
     merge(&["a.exr", "whole.exr"]).is_error(2, &["whole.exr", "no exact sums", "a part or a checkpoint"]);
     merge(&["a.exr", "missing.exr"]).is_error(2, &["missing.exr"]);
     // Records with a film that is too large or with too many passes are refused.

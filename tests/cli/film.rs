@@ -14,7 +14,7 @@ use tempfile::TempDir;
 /// White paper under illuminant A, in front of surroundings of the same light.
 const PAPER: &str = r#"{
   "camera": {"from": [0, 3, 0], "at": [0, 0, 0], "up": [0, 0, -1], "lens": {"pinhole": {"fov": 40}}},
-  "film": {"width": 8, "height": 8, "exposure": {"ev": -4}},
+  "film": {"width": 8, "height": 8, "exposure": {"ev": -4}, "tone": "clip"},
   "spectra": {"candle": {"blackbody": {"temperature": 1900}}},
   "materials": {"paper": {"diffuse": {"reflectance": 0.8}}},
   "objects": [{"name": "paper", "shape": {"rectangle": {"width": 9, "height": 9}}, "material": "paper"}],
@@ -83,6 +83,20 @@ fn the_balanced_light_is_shown_as_white() {
     let xyz = exr::read(&folder.path().join("paper.exr")).unwrap().picture.xyz;
     shown(folder.path(), &[]);
     assert_eq!(xyz, exr::read(&folder.path().join("paper.exr")).unwrap().picture.xyz);
+}
+
+#[test]
+fn bright_paper_rolls_off_and_the_exposure_is_printed() {
+    let folder = scene();
+    // The paper's luminance at this exposure is above white.
+    let bright = r#"film.exposure={"ev": 0.25}"#;
+    let luminance = 8.0 / std::f64::consts::PI * 0.25_f64.exp2();
+    let sets = ["--set", bright, "--set", r#"film.white_balance="A""#, "--set", r#"film.tone="roll_off""#];
+    let said = abbe(folder.path(), &[&["render", "paper.json"], &sets[..]].concat());
+    assert!(said.err.contains("exposure EV 0.25"), "{}", said.err);
+    let (_, [_, soft, _]) = png(&folder.path().join("paper.png"));
+    let (_, [_, clipped, _]) = shown(folder.path(), &[bright]);
+    assert!(luminance > 3.0 && clipped > 0.999 && (0.9..0.99).contains(&soft), "{luminance} {clipped} {soft}");
 }
 
 #[test]

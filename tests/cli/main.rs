@@ -12,15 +12,18 @@ mod golden;
 mod study_scene;
 
 mod checkpoints;
+mod develop;
 mod diffraction;
 mod explain;
 mod film;
 mod frames;
+mod gates;
 mod lamps;
 mod lens;
 mod library;
 mod pages;
 mod pictures;
+mod preview;
 mod render;
 mod spectral_exr;
 mod study;

@@ -5,10 +5,11 @@ use super::context::Resolver;
 use super::spectra::Role;
 use crate::colour::RgbSpace;
 use crate::colour::gamut::GamutMapping;
+use crate::colour::tone::ToneCurve;
 use crate::error::{Error, Result};
 use crate::format::{
     CameraFile, ExposureFile, FilmFile, GamutFile, JsonPath, LensFile, ObserverFile, OutputSpaceFile, SpectrumFile,
-    WhiteBalanceFile,
+    ToneFile, WhiteBalanceFile,
 };
 use crate::scene::builder::WhiteBalance;
 use crate::scene::{Exposure, FilmSpec};
@@ -18,7 +19,7 @@ impl Resolver<'_> {
     /// Resolves the film. The scene builder determines the white of the film from the white
     /// balance.
     pub(super) fn film(&self, at: &JsonPath<'_>, film: &FilmFile) -> Result<FilmSpec> {
-        let FilmFile { width, height, observer, spectral_bands, gamut, white_balance: _, output_space, exposure } =
+        let FilmFile { width, height, observer, spectral_bands, gamut, tone, white_balance: _, output_space, exposure } =
             film;
         let exposure = match exposure {
             ExposureFile::Auto => Exposure::Auto,
@@ -37,6 +38,10 @@ impl Resolver<'_> {
             GamutFile::Clip => GamutMapping::Clip,
             GamutFile::Oklab => GamutMapping::Oklab,
         };
+        let tone = match tone {
+            ToneFile::RollOff => ToneCurve::RollOff,
+            ToneFile::Clip => ToneCurve::Clip,
+        };
         let space = match output_space {
             OutputSpaceFile::Srgb => RgbSpace::Srgb,
             OutputSpaceFile::DisplayP3 => RgbSpace::DisplayP3,
@@ -44,7 +49,7 @@ impl Resolver<'_> {
             OutputSpaceFile::Acescg => RgbSpace::AcesCg,
         };
         let (width, height, spectral_bands) = (*width, *height, *spectral_bands);
-        Ok(FilmSpec { width, height, observer, spectral_bands, space, white: None, gamut, exposure })
+        Ok(FilmSpec { width, height, observer, spectral_bands, space, white: None, gamut, tone, exposure })
     }
 
     /// Returns the luminance L, in cd/m², that appears white on a film with the ISO speed S. S is

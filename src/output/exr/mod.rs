@@ -47,6 +47,14 @@ mod tests {
     }
 
     #[test]
+    fn equal_pictures_are_equal_files() {
+        let metadata = (0..20).fold(Metadata::new(), |metadata, i| metadata.with(&format!("abbe.{i}"), "text"));
+        let bytes = || encode(&sample(), &metadata).unwrap();
+        let first = bytes();
+        assert!((0..5).all(|_| bytes() == first));
+    }
+
+    #[test]
     fn a_picture_and_its_metadata_survive_a_round_trip() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");

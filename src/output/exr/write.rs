@@ -61,7 +61,39 @@ fn encode_channels(channels: Vec<AnyChannel<FlatSamples>>, picture: &Picture, me
         .write()
         .to_buffered(&mut bytes)
         .map_err(|error| Error::machine(format!("cannot be written as EXR: {error}")))?;
-    Ok(bytes.into_inner())
+    let mut bytes = bytes.into_inner();
+    sort_attributes(&mut bytes);
+    Ok(bytes)
+}
+
+/// The length of the magic number and of the version field.
+const PREAMBLE: usize = 8;
+
+/// Sorts the attributes in the header of a file with a single part. The crate writes them in a
+/// random order, but equal pictures must be equal files. The length of the header does not change.
+fn sort_attributes(file: &mut [u8]) {
+    let mut attributes: Vec<&[u8]> = Vec::new();
+    let mut rest = &file[PREAMBLE..];
+    // An attribute is a name, a type, the size of its value (four bytes), and the value. An empty
+    // name ends the header.
+    while rest.first().is_some_and(|&first| first != 0) {
+        let Some(length) = attribute_length(rest).filter(|&length| length <= rest.len()) else { return };
+        let (attribute, after) = rest.split_at(length);
+        attributes.push(attribute);
+        rest = after;
+    }
+    attributes.sort_unstable();
+    let sorted = attributes.concat();
+    file[PREAMBLE..][..sorted.len()].copy_from_slice(&sorted);
+}
+
+/// Returns the length of the attribute at the beginning of `bytes`. Returns `None` if the attribute
+/// is incomplete.
+fn attribute_length(bytes: &[u8]) -> Option<usize> {
+    let name = bytes.iter().position(|&byte| byte == 0)? + 1;
+    let kind = bytes[name..].iter().position(|&byte| byte == 0)? + 1;
+    let size = bytes.get(name + kind..name + kind + 4)?.try_into().ok()?;
+    Some(name + kind + 4 + u32::from_le_bytes(size) as usize)
 }
 
 fn channels(picture: &Picture) -> Vec<AnyChannel<FlatSamples>> {

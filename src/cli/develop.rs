@@ -1,0 +1,115 @@
+//! `abbe develop`: converts a finished or running picture to a PNG file, without rendering.
+
+use std::path::PathBuf;
+
+use crate::colour::gamut::GamutMapping;
+use crate::colour::tone::ToneCurve;
+use crate::colour::{AdaptationTransform, RgbSpace, Xyz};
+use crate::error::{Error, Result};
+use crate::output::Metadata;
+use crate::output::exr::read;
+use crate::output::metadata::names;
+use crate::output::png::write as write_png;
+use crate::render::{DisplaySettings, on_threads};
+use crate::scene::Exposure;
+use crate::spectrum::Observer;
+use serde_json::Value;
+
+use super::{Outcome, named, print, values};
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct DevelopArgs {
+    /// The picture: an EXR file of abbe or of another program. A checkpoint, or the preview of a
+    /// running render, is a picture too
+    #[arg(value_name = "FILE.exr")]
+    picture: PathBuf,
+    /// The PNG file
+    #[arg(short, long, value_name = "OUT.png")]
+    output: PathBuf,
+    /// The exposure: auto, none, or a number of stops such as -7.5 [default: the setting of the
+    /// picture's scene, else auto]
+    #[arg(long, value_name = "auto|none|EV", value_parser = values::exposure, allow_negative_numbers = true)]
+    exposure: Option<Exposure>,
+    /// The light that is shown as white: none, scene (all lights together), or a spectrum: a name of
+    /// the scene or of the library, a file, or JSON [default: the setting of the scene, else none]
+    #[arg(long, value_name = "NAME")]
+    white_balance: Option<String>,
+    /// The gamut mapping: desaturate, oklab or clip [default: the setting of the scene, else
+    /// desaturate]
+    #[arg(long, value_name = "NAME")]
+    gamut: Option<String>,
+    /// The tone curve: roll_off or clip [default: the setting of the scene, else roll_off]
+    #[arg(long, value_name = "NAME")]
+    tone: Option<String>,
+    /// The colour space: srgb, display-p3, rec2020 or acescg [default: the setting of the scene,
+    /// else srgb]
+    #[arg(long, value_name = "NAME")]
+    output_space: Option<String>,
+    /// Print only warnings and errors
+    #[arg(long)]
+    quiet: bool,
+}
+
+pub(crate) fn run(arguments: &DevelopArgs) -> Result<Outcome> {
+    let output = &arguments.output;
+    if !output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+        let what = format!("the output {} is not a PNG file", output.display());
+        return Err(Error::input(what).expected("a name that ends in .png"));
+    }
+    let file = read(&arguments.picture)?;
+    let settings = arguments.settings(&file.metadata)?;
+    let exposure = on_threads(None, || {
+        let exposure = settings.factor(&file.picture);
+        write_png(output, &settings.screen_at(&file.picture, exposure)).map(|()| exposure)
+    })??;
+    if !arguments.quiet {
+        print::remark(&format!("wrote {}: exposure {}", output.display(), print::exposure(exposure)));
+    }
+    Ok(Outcome::Done)
+}
+
+impl DevelopArgs {
+    /// The settings in the header of the picture, with the changes from the options.
+    fn settings(&self, header: &Metadata) -> Result<DisplaySettings> {
+        let mut settings = DisplaySettings::of_header(header).unwrap_or(DisplaySettings::automatic());
+        settings.exposure = self.exposure.unwrap_or(settings.exposure);
+        let development = &mut settings.development;
+        if let Some(name) = &self.gamut {
+            development.gamut = GamutMapping::by_name(name)?;
+        }
+        if let Some(name) = &self.tone {
+            development.tone = ToneCurve::by_name(name)?;
+        }
+        if let Some(name) = &self.output_space {
+            development.space = RgbSpace::by_name(name)?;
+        }
+        if let Some(name) = &self.white_balance {
+            development.white = white(name, header, settings.lights)?;
+        }
+        Ok(settings)
+    }
+}
+
+/// Returns the white with this name. `lights` is the colour of all lights of the scene, if the
+/// header of the picture contains it.
+fn white(name: &str, header: &Metadata, lights: Option<Xyz>) -> Result<Option<Xyz>> {
+    let scene: Value = header.get(names::SCENE).and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default();
+    let xyz = match name {
+        "none" => return Ok(None),
+        "scene" => lights.ok_or_else(|| {
+            Error::input("the header of the picture does not contain the colour of the scene's lights")
+                .expected("a picture of this version of abbe, or the name of a spectrum")
+        })?,
+        _ => {
+            let own = scene.pointer("/spectra").and_then(|spectra| spectra.get(name)).map(Value::to_string);
+            let observer = scene.pointer("/film/observer").and_then(Value::as_str).map(Observer::by_name);
+            let observer = observer.transpose()?.unwrap_or_else(Observer::cie1931);
+            observer.xyz(&named::light(own.as_deref().unwrap_or(name))?.spectrum)
+        }
+    };
+    if !AdaptationTransform::Bradford.can_adapt_from(xyz) {
+        let error = Error::input(format!("\"{name}\" has a colour that is too saturated for white balance"));
+        return Err(error.expected("light with red, green and blue components"));
+    }
+    Ok(Some(xyz))
+}

@@ -1,0 +1,115 @@
+//! The preview of a running render: its EXR and PNG files are refreshed from time to time.
+
+use std::time::{Duration, Instant};
+
+use crate::error::Result;
+use crate::output::Metadata;
+use crate::output::exr::write as write_exr;
+use crate::output::metadata::names;
+use crate::render::{DisplaySettings, Run};
+
+use super::outputs::OutputFiles;
+use super::print;
+
+/// The time before the first preview.
+const FIRST: Duration = Duration::from_secs(1);
+
+/// The pause between two previews grows by at least this factor.
+const GROWTH: f64 = 1.5;
+
+/// The largest share of the render's time that previews take.
+const LARGEST_SHARE: f64 = 0.03;
+
+/// Writes the picture of a running render to its output files.
+#[derive(Debug)]
+pub(crate) struct Preview<'a> {
+    outputs: &'a OutputFiles,
+    metadata: Metadata,
+    display: DisplaySettings,
+    schedule: PreviewSchedule,
+    has_failed: bool,
+}
+
+impl<'a> Preview<'a> {
+    /// A preview in these files. `of_scene` contains the header entries that describe the scene.
+    pub(crate) fn new(outputs: &'a OutputFiles, of_scene: &Metadata, display: DisplaySettings) -> Self {
+        let metadata = of_scene.clone().with(names::PREVIEW, "true");
+        Self { outputs, metadata, display, schedule: PreviewSchedule::new(), has_failed: false }
+    }
+
+    /// Writes the files if a preview is due. A failure is reported once, and the render continues.
+    pub(crate) fn update(&mut self, start: Instant, run: &Run) {
+        let elapsed = start.elapsed();
+        if !self.schedule.is_due(elapsed) || !self.outputs.can_be_refreshed() {
+            return;
+        }
+        if let Err(error) = self.write(run)
+            && !self.has_failed
+        {
+            self.has_failed = true;
+            print::remark(&format!("warning: the preview cannot be written: {error}; the render continues"));
+        }
+        self.schedule.written(elapsed, start.elapsed());
+    }
+
+    fn write(&self, run: &Run) -> Result<()> {
+        let picture = run.picture();
+        let metadata = self.metadata.clone().with(names::PASSES, &run.passes().to_string());
+        self.outputs.save_pictures(|path| write_exr(path, &picture, &metadata), &picture, &self.display).map(drop)
+    }
+}
+
+/// The times of previews.
+#[derive(Debug, Clone, Copy)]
+struct PreviewSchedule {
+    /// The time at which the next preview is due.
+    next: Duration,
+    /// The time that all previews have taken.
+    spent: Duration,
+    pause: Duration,
+}
+
+impl PreviewSchedule {
+    fn new() -> Self {
+        Self { next: FIRST, spent: Duration::ZERO, pause: FIRST }
+    }
+
+    fn is_due(&self, elapsed: Duration) -> bool {
+        elapsed >= self.next
+    }
+
+    /// Notes a preview that took the time from `begin` to `end`. The next preview is due when all
+    /// previews together, and another one as long as this one, take at most [`LARGEST_SHARE`] of the
+    /// time.
+    fn written(&mut self, begin: Duration, end: Duration) {
+        let cost = end - begin;
+        self.spent += cost;
+        self.pause = self.pause.mul_f64(GROWTH);
+        self.next = (end + self.pause).max((self.spent + cost).div_f64(LARGEST_SHARE));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn previews_come_soon_and_take_a_small_share() {
+        for cost_s in [0.001, 0.05, 2.0] {
+            let (mut schedule, mut elapsed, mut spent, mut written) = (PreviewSchedule::new(), 0.0, 0.0, Vec::new());
+            while elapsed < 3600.0 {
+                elapsed += 0.1;
+                if schedule.is_due(Duration::from_secs_f64(elapsed)) {
+                    let end = elapsed + cost_s;
+                    schedule.written(Duration::from_secs_f64(elapsed), Duration::from_secs_f64(end));
+                    written.push(elapsed);
+                    (spent, elapsed) = (spent + cost_s, end);
+                    assert!(written.len() == 1 || spent <= 0.0301 * elapsed, "{spent} of {elapsed} s");
+                }
+            }
+            assert!((1.0..1.2).contains(&written[0]), "{written:?}");
+            assert!(written.windows(3).all(|t| t[2] - t[1] > t[1] - t[0]), "{written:?}");
+            assert!(written.len() > 3, "{written:?}");
+        }
+    }
+}
