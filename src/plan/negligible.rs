@@ -24,9 +24,8 @@ pub(super) struct NegligibleEffect {
     pub(super) because: String,
 }
 
-/// The tolerance for dispersion, in pixels. It is the largest distance between the images of one
-/// point at two wavelengths of the light, after one refraction. The bound covers angles of
-/// incidence up to 80°.
+/// The tolerance for dispersion, in pixels: the largest distance between the images of one point at
+/// two wavelengths of the light.
 const MAX_SEPARATION_PX: f64 = 0.01;
 
 /// The tangent of 80°. The bound for dispersion covers angles of incidence up to 80°.
@@ -35,12 +34,18 @@ const MAX_SEPARATION_PX: f64 = 0.01;
 /// dθ. This angle is tan θ dn/n, which is at most tan 80° × dn.
 const TAN_MAX_INCIDENCE: f64 = 5.671;
 
+/// The magnification that the bound for dispersion covers. Curved surfaces and repeated refraction
+/// magnify the angle between two wavelengths.
+const MAX_MAGNIFICATION: f64 = 100.0;
+
 /// The tolerance for depth of field: the largest width in pixels of a point's image.
 const MAX_BLUR_PX: f64 = 0.5;
 
-/// The largest optical depth that may be ignored on a straight path through media. Such a path
-/// loses at most 0.001 % of its light. This loss is 1000 times smaller than an error of 1 %.
-const MAX_OPTICAL_DEPTH: f64 = 1e-5;
+/// The largest loss of light that may be ignored: 0.1 %, a tenth of an error of 1 %.
+const MAX_LOSS: f64 = 1e-3;
+
+/// The largest number of straight segments of a path, if the scene does not limit the number.
+const MAX_SEGMENTS: u32 = 10_000;
 
 /// Returns the centre of the wavelength range of the scene's lights, in nm.
 pub(super) fn light_centre_nm(scene: &Scene) -> f64 {
@@ -113,6 +118,9 @@ fn indirect(scene: &Scene, facts: &Facts) -> Option<String> {
 
 /// Returns the reason if dispersion is negligible: the lights emit at nearly one wavelength, or the
 /// glass has nearly the same refractive index at all wavelengths of the lights.
+///
+/// The distance between two wavelengths grows along the path after the refraction. The bound assumes
+/// the longest path in the scene, to a surface as near to the camera as the nearest surface.
 fn dispersion(scene: &Scene, facts: &Facts) -> Option<String> {
     /// The number of wavelength intervals. Refractive indices are compared at the ends of the
     /// intervals. Within an interval, a refractive index is assumed to be monotonic.
@@ -128,10 +136,13 @@ fn dispersion(scene: &Scene, facts: &Facts) -> Option<String> {
     };
     let indices = scene.materials.iter().filter_map(|material| material.body.as_ref()?.index.as_ref());
     let spread = indices.map(spread).fold(0.0, f64::max);
-    let separation_px = spread * TAN_MAX_INCIDENCE / scene.camera.pixel_angle();
+    let near_m = scene.geometry.clearance_m(scene.camera.origin());
+    let arm_m = scene.camera.origin().length() + scene.radius_m;
+    let lever = (2.0 * arm_m / near_m).max(1.0);
+    let separation_px = MAX_MAGNIFICATION * lever * spread * TAN_MAX_INCIDENCE / scene.camera.pixel_angle();
     (separation_px <= MAX_SEPARATION_PX).then(|| {
         format!(
-            "all light is within {from:.3}–{to:.3} nm, where no index varies by more than {spread:.1e}: a refraction \
+            "all light is within {from:.3}–{to:.3} nm, where no index varies by more than {spread:.1e}: refraction \
              separates wavelengths by at most {separation_px:.1e} pixels, and {MAX_SEPARATION_PX} are allowed"
         )
     })
@@ -139,11 +150,12 @@ fn dispersion(scene: &Scene, facts: &Facts) -> Option<String> {
 
 /// Returns the reason if depth of field is negligible: all surfaces are in focus.
 ///
-/// The bound does not hold in scenes with mirrors, glass or media. An image in a mirror, or light
-/// scattered in a medium, may be nearer than any surface.
+/// The bound does not hold in scenes with mirrors, glass, glossy surfaces or media. An image in a
+/// mirror or in a polished coat, or light scattered in a medium, may be nearer than any surface.
 fn depth_of_field(scene: &Scene, facts: &Facts) -> Option<String> {
     let Aperture::ThinLens { .. } = scene.camera.aperture() else { return None };
-    if !(facts.specular.is_empty() && facts.media.is_empty()) || scene.moves() || scene.camera.diffracts {
+    let images = !(facts.specular.is_empty() && facts.glossy.is_empty() && facts.media.is_empty());
+    if images || scene.moves() || scene.camera.diffracts {
         return None;
     }
     let depth = DepthOfField::of(&scene.camera)?;
@@ -160,7 +172,7 @@ fn depth_of_field(scene: &Scene, facts: &Facts) -> Option<String> {
 }
 
 /// Returns the reason if absorption is negligible: all straight paths through absorbing bodies have
-/// a negligible optical depth.
+/// a negligible optical depth. A path of many segments may cross the bodies in each segment.
 fn absorption(scene: &Scene, facts: &Facts) -> Option<String> {
     if facts.absorbing_bodies.is_empty() || scene.moves() {
         return None;
@@ -169,29 +181,33 @@ fn absorption(scene: &Scene, facts: &Facts) -> Option<String> {
         let absorption = scene.materials[material].body.as_ref()?.absorption.as_ref()?;
         Some(absorption.max() * diagonal_m)
     });
-    // A path may cross all bodies.
-    if_thin(bodies.sum())
+    // A segment may cross all bodies.
+    if_thin(scene, bodies.sum())
 }
 
-/// Returns the reason if media are negligible: no medium emits light, and all straight paths
-/// through media have a negligible optical depth.
+/// Returns the reason if media are negligible: no medium emits or scatters light, and all straight
+/// paths through media have a negligible optical depth. A medium that scatters is never negligible,
+/// because even a thin one is visible in front of a black background.
 fn media(scene: &Scene, facts: &Facts) -> Option<String> {
-    if facts.media.is_empty() || scene.moves() || scene.media.iter().any(|medium| medium.emission.is_some()) {
+    let visible = scene.media.iter().any(|medium| medium.emission.is_some() || medium.scatters());
+    if facts.media.is_empty() || scene.moves() || visible {
         return None;
     }
     let bodies = diagonals(scene).filter_map(|(material, diagonal_m)| {
         let medium = &scene.media[scene.materials[material].body.as_ref()?.medium?];
         Some(medium.largest_extinction() * medium.max_column_m(diagonal_m))
     });
-    // A path may cross all bodies.
-    if_thin(bodies.sum())
+    // A segment may cross all bodies.
+    if_thin(scene, bodies.sum())
 }
 
-/// Returns the reason if an optical depth is negligible.
-fn if_thin(depth: f64) -> Option<String> {
-    (depth <= MAX_OPTICAL_DEPTH).then(|| {
+/// Returns the reason if the optical depth of a straight segment is negligible.
+fn if_thin(scene: &Scene, depth: f64) -> Option<String> {
+    let segments = scene.settings.max_depth.unwrap_or(MAX_SEGMENTS).saturating_add(1);
+    let loss = depth * f64::from(segments);
+    (loss <= MAX_LOSS).then(|| {
         format!(
-            "no straight path through it loses more than {depth:.1e} of its light, and {MAX_OPTICAL_DEPTH:.0e} is allowed"
+            "no path of {segments} segments through it loses more than {loss:.1e} of its light, and {MAX_LOSS:.0e} is allowed"
         )
     })
 }

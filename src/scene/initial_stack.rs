@@ -1,4 +1,5 @@
-//! The medium stacks in which camera rays and emitted rays start.
+//! The medium stacks in which camera rays and emitted rays start, and the medium stacks of paths
+//! through more bodies than a stack can hold.
 
 use super::Scene;
 use super::light::{Light, RepresentativePoint};
@@ -22,7 +23,7 @@ impl Scene {
     /// emits the ray, if the light has a surface.
     #[inline]
     pub fn medium_stack_of_emission(&self, light: &Light, ray: Ray, from: Option<SurfaceId>) -> MediumStack {
-        if light.crosses_bodies { self.medium_stack_along(ray, from) } else { light.medium_stack }
+        if light.crosses_bodies { self.medium_stack_along(ray, [from, None]) } else { light.medium_stack }
     }
 
     /// Returns true if the bodies that contain a point of the light may differ from point to point.
@@ -52,7 +53,7 @@ impl Scene {
             None => MediumStack::AIR,
             Some(RepresentativePoint { position, surface: None }) => self.medium_stack_at(position),
             Some(RepresentativePoint { position, surface: Some((surface, normal)) }) => {
-                self.medium_stack_along(Ray { origin: position, direction: normal }, Some(surface))
+                self.medium_stack_along(Ray { origin: position, direction: normal }, [Some(surface), None])
             }
         }
     }
@@ -61,12 +62,13 @@ impl Scene {
     pub fn medium_stack_at(&self, point: DVec3) -> MediumStack {
         // Any direction is correct. This one is unlikely to be parallel to a face of the scene.
         let direction = DVec3::new(0.391_827, 0.803_153, 0.448_713).normalize();
-        self.medium_stack_along(Ray { origin: point, direction }, None)
+        self.medium_stack_along(Ray { origin: point, direction }, [None; 2])
     }
 
     /// The bodies that contain the origin of a ray. The ray leaves each of these bodies more often
-    /// than it enters the body. The last body that the ray leaves is the outermost.
-    fn medium_stack_along(&self, ray: Ray, from: Option<SurfaceId>) -> MediumStack {
+    /// than it enters the body. The last body that the ray leaves is the outermost. `from` contains
+    /// the surface and the face of a boundary on which the ray starts.
+    fn medium_stack_along(&self, ray: Ray, from: [Option<SurfaceId>; 2]) -> MediumStack {
         let mut open: SmallVec<[(u32, i32, f64); 8]> = SmallVec::new();
         let mut count = |hit: &Hit| {
             if self.body_of(hit.object).is_none() {
@@ -81,11 +83,31 @@ impl Scene {
                 None => open.push((hit.object, leaves, hit.t)),
             }
         };
-        self.geometry.for_each_hit(&ray, from, &mut count);
-        self.boundaries.for_each_hit(&ray, None, &mut count);
+        self.geometry.for_each_hit(&ray, from[0], &mut count);
+        self.boundaries.for_each_hit(&ray, from[1], &mut count);
         open.retain(|&mut (_, balance, _)| balance > 0);
         open.sort_by(|a, b| b.2.total_cmp(&a.2));
-        open.iter().fold(MediumStack::AIR, |medium_stack, &(object, _, _)| medium_stack.entered(object))
+        open.iter().fold(MediumStack::AIR, |medium_stack, &(object, _, _)| self.entered(medium_stack, object))
+    }
+
+    fn entered(&self, medium_stack: MediumStack, object: u32) -> MediumStack {
+        if medium_stack.is_full() {
+            medium_stack.entered_full(object, |object| self.body_priority(object))
+        } else {
+            medium_stack.entered(object)
+        }
+    }
+
+    /// Does the same as [`Self::across`] for a full stack. When the path leaves a body, a body that
+    /// the stack lacks may become dominant. The rest of the ray then tells which bodies contain it.
+    #[cold]
+    pub(super) fn across_with_full_stack(&self, medium_stack: &MediumStack, ray: &Ray, hit: &Hit) -> MediumStack {
+        if ray.direction.dot(hit.normal) < 0.0 {
+            return self.entered(*medium_stack, hit.object);
+        }
+        let is_boundary = self.material_of(hit.object).is_boundary();
+        let from = if is_boundary { [None, Some(hit.surface)] } else { [Some(hit.surface), None] };
+        self.medium_stack_along(Ray { origin: hit.position, direction: ray.direction }, from)
     }
 }
 

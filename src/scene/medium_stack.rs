@@ -5,15 +5,17 @@
 //! dielectrics, Schmidt & Budge 2002). A body without a surface (a cloud of smoke) determines the
 //! medium at a point, but not the refractive index.
 
-/// The largest number of bodies that may overlap at a point. If more bodies overlap, the stack
-/// drops the outermost body.
+/// The largest number of bodies in a stack. If more bodies overlap at a point, the stack is full and
+/// lacks the bodies that matter least. When a path leaves a body with a full stack,
+/// [`Scene::across`](super::Scene::across) finds the bodies anew from the geometry.
 pub const MAX_NESTING: usize = 8;
 
 /// The bodies that contain a point, from the outermost to the innermost.
 ///
 /// Each entry is an object number plus 1. Unused entries at the end are 0. A stack is stored for
 /// every segment of every path, so the stack must be small. It does not contain the priorities,
-/// because the bodies store them.
+/// because the bodies store them. Any number of bodies may overlap: a full stack always contains the
+/// dominant body and the dominant dielectric.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct MediumStack([u32; MAX_NESTING]);
 
@@ -43,9 +45,7 @@ impl MediumStack {
     }
 
     fn highest(&self, priority: impl Fn(u32) -> BodyPriority, counts: impl Fn(BodyPriority) -> bool) -> Option<u32> {
-        let ranked = self.bodies().map(|object| (priority(object), object)).filter(|&(body, _)| counts(body));
-        // `max_by_key` returns the last of equal elements, which is the innermost body.
-        ranked.max_by_key(|(body, _)| body.priority).map(|(_, object)| object)
+        highest_of(self.bodies(), priority, counts)
     }
 
     fn bodies(&self) -> impl Iterator<Item = u32> {
@@ -53,18 +53,35 @@ impl MediumStack {
     }
 
     /// The stack after a path enters `object`. If the stack already contains `object`, the stack is
-    /// unchanged. This case occurs if a mesh has coincident faces.
+    /// unchanged. This case occurs if a mesh has coincident faces. The stack must not be full.
     #[must_use]
     pub fn entered(mut self, object: u32) -> Self {
         if self.contains(object) {
             return self;
         }
         let depth = self.bodies().count();
-        if depth == MAX_NESTING {
-            self.0.copy_within(1.., 0);
-        }
+        debug_assert!(depth < MAX_NESTING, "`entered_full` must be called for a full stack");
         self.0[depth.min(MAX_NESTING - 1)] = object + 1;
         self
+    }
+
+    /// Does the same as [`Self::entered`] for a full stack. One body is dropped: the body of the
+    /// lowest priority, and the outermost of equal ones, which is neither the dominant body nor the
+    /// dominant dielectric.
+    #[must_use]
+    #[cold]
+    pub fn entered_full(self, object: u32, priority: impl Fn(u32) -> BodyPriority) -> Self {
+        if self.contains(object) {
+            return self;
+        }
+        let all = || self.bodies().chain([object]);
+        let dominant = [highest_of(all(), &priority, |_| true), highest_of(all(), &priority, |body| body.refracts)];
+        let spare = all().filter(|body| !dominant.contains(&Some(*body)));
+        let dropped = spare.min_by_key(|&body| priority(body).priority);
+        let mut stack = Self::AIR;
+        let kept = all().filter(|body| Some(*body) != dropped);
+        stack.0.iter_mut().zip(kept).for_each(|(entry, body)| *entry = body + 1);
+        stack
     }
 
     /// The stack after a path leaves `object`. If the stack does not contain `object`, the stack is
@@ -79,6 +96,13 @@ impl MediumStack {
         self
     }
 
+    /// Returns true if the stack is full. More bodies than those in the stack may then contain the
+    /// point.
+    #[inline]
+    pub fn is_full(&self) -> bool {
+        self.0[MAX_NESTING - 1] != 0
+    }
+
     /// Returns true if the stack contains `object`.
     pub fn contains(&self, object: u32) -> bool {
         self.bodies().any(|body| body == object)
@@ -89,6 +113,18 @@ impl MediumStack {
     pub fn is_air(&self) -> bool {
         self.0[0] == 0
     }
+}
+
+/// Returns the body of the highest priority among those that count. Of equal bodies, the innermost
+/// dominates. The order of `bodies` is from the outermost to the innermost.
+fn highest_of(
+    bodies: impl Iterator<Item = u32>,
+    priority: impl Fn(u32) -> BodyPriority,
+    counts: impl Fn(BodyPriority) -> bool,
+) -> Option<u32> {
+    let ranked = bodies.map(|object| (priority(object), object)).filter(|&(body, _)| counts(body));
+    // `max_by_key` returns the last of equal elements, which is the innermost body.
+    ranked.max_by_key(|(body, _)| body.priority).map(|(_, object)| object)
 }
 
 #[cfg(test)]
@@ -128,10 +164,34 @@ mod tests {
         assert_eq!(around.entered(WATER).dominant_body(rank), Some(WATER), "water in smoke is clear");
     }
 
+    /// Enters bodies in the order of their numbers.
+    fn nested(count: u32, priority: impl Fn(u32) -> BodyPriority) -> MediumStack {
+        (0..count).fold(MediumStack::AIR, |stack, body| {
+            if stack.is_full() { stack.entered_full(body, &priority) } else { stack.entered(body) }
+        })
+    }
+
     #[test]
-    fn nesting_beyond_the_limit_forgets_the_outermost() {
-        let deep = (0..20).fold(MediumStack::AIR, MediumStack::entered);
+    fn a_full_stack_keeps_the_innermost_of_equal_bodies() {
+        let deep = nested(20, glass(&[0; 20]));
         assert_eq!(deep.dominant_dielectric(glass(&[0; 20])), Some(19));
-        assert!(!deep.contains(0) && deep.contains(12));
+        assert!(deep.is_full() && !deep.contains(0) && (12..20).all(|body| deep.contains(body)));
+        assert_eq!(deep.entered_full(15, glass(&[0; 20])), deep);
+    }
+
+    #[test]
+    fn a_full_stack_keeps_its_dominant_bodies() {
+        // Body 0 dominates the refraction, and body 1 (smoke without a surface) dominates the medium.
+        let rank = |object| match object {
+            0 => BodyPriority { priority: 5, refracts: true },
+            1 => BodyPriority { priority: 9, refracts: false },
+            other => BodyPriority { priority: other as i32 % 3, refracts: other % 2 == 0 },
+        };
+        let deep = nested(30, rank);
+        assert_eq!((deep.dominant_dielectric(rank), deep.dominant_body(rank)), (Some(0), Some(1)));
+        let low = deep.entered_full(40, |object| {
+            if object == 40 { BodyPriority { priority: -1, refracts: true } } else { rank(object) }
+        });
+        assert_eq!(low, deep, "a body of the lowest priority is dropped at once");
     }
 }

@@ -283,6 +283,7 @@ impl Scene {
     pub fn across(&self, medium_stack: &MediumStack, ray: &Ray, hit: &Hit) -> MediumStack {
         match self.body_of(hit.object) {
             None => *medium_stack,
+            Some(_) if medium_stack.is_full() => self.across_with_full_stack(medium_stack, ray, hit),
             Some(_) if ray.direction.dot(hit.normal) < 0.0 => medium_stack.entered(hit.object),
             Some(_) => medium_stack.left(hit.object),
         }

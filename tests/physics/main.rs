@@ -32,6 +32,7 @@ mod media_light_map;
 mod media_methods;
 mod media_single_scattering;
 mod motion;
+mod nesting;
 mod photon_and_path;
 mod prism;
 mod rainbow;

@@ -100,29 +100,58 @@ fn a_lens_that_blurs_nothing_by_half_a_pixel_is_a_pinhole() {
     is(&with(&[ball("flint", [0.0, 0.4, 0.0], 0.1)], 0.03), "depth-of-field", EffectState::On, "aperture");
 }
 
+/// Two lines 0.1 nm apart fall through a prism onto a wall 20 m away. A macro camera close to the
+/// wall resolves them.
 #[test]
-fn fog_and_glass_too_thin_to_be_seen_are_left_out() {
-    let with = |scattering: f64, emission: Value| {
-        let fog = json!({ "name": "cloud", "shape": { "box": { "size": [1, 1, 1] } }, "material": "fog", "transform": [{ "translate": [0, 1, 0] }] });
-        let mut scene = floor(&[fog], lamp(json!("D65")));
-        scene["media"] =
-            json!({ "fog": { "homogeneous": { "absorption": 0, "scattering": scattering, "phase": "isotropic" } } });
-        if !emission.is_null() {
-            scene["media"]["fog"]["homogeneous"]["emission"] = emission;
-        }
-        scene["materials"]["fog"] = json!({ "boundary": { "medium": "fog" } });
+fn close_lines_on_a_long_arm_need_dispersion() {
+    let two_lines = json!({ "lines": [{ "nm": 589.25, "power": 1, "fwhm_nm": 0.001 }, { "nm": 589.35, "power": 1, "fwhm_nm": 0.001 }] });
+    let wall_at = |arm: f64, distance: f64| {
+        let mut scene = floor(&[ball("flint", [0.0, arm, 0.0], 0.05)], lamp(two_lines.clone()));
+        scene["camera"] =
+            json!({ "from": [0, distance, 0], "at": [0, 0, 0], "up": [0, 0, 1], "lens": { "pinhole": { "fov": 20 } } });
         scene
     };
-    // The longest segment through the box is √3 m.
-    is(&with(5.7e-6, Value::Null), "media", EffectState::Off, "9.9e-6 of its light");
-    is(&with(5.8e-6, Value::Null), "media", EffectState::On, "cloud");
+    is(&wall_at(20.0, 0.02), "dispersion", EffectState::On, "ball");
+    is(&wall_at(1.0, 0.5), "dispersion", EffectState::On, "ball");
+}
+
+/// The image in a concave metal may be nearer to the camera than any surface.
+#[test]
+fn depth_of_field_is_simulated_if_a_polished_metal_forms_images() {
+    let metal = json!({ "conductor": { "metal": "silver", "roughness": 0.05 } });
+    let mut scene = floor(&[ball("metal", [0.0, 0.4, 0.0], 0.1)], lamp(json!("D65")));
+    scene["materials"]["metal"] = metal;
+    let degrees = 2.0 * (0.03 / 400.0_f64).atan().to_degrees();
+    let fov = scene["camera"]["lens"]["pinhole"]["fov"].clone();
+    scene["camera"]["lens"] = json!({ "thin": { "fov": fov, "focus_distance": 400, "defocus_angle": degrees } });
+    is(&scene, "depth-of-field", EffectState::On, "aperture");
+}
+
+#[test]
+fn fog_and_glass_too_thin_to_be_seen_are_left_out() {
+    let with = |absorption: f64, scattering: f64, depth: Value| {
+        let fog = json!({ "name": "cloud", "shape": { "box": { "size": [1, 1, 1] } }, "material": "fog", "transform": [{ "translate": [0, 1, 0] }] });
+        let mut scene = floor(&[fog], lamp(json!("D65")));
+        scene["media"] = json!({ "fog": { "homogeneous": { "absorption": absorption, "scattering": scattering, "phase": "isotropic" } } });
+        scene["materials"]["fog"] = json!({ "boundary": { "medium": "fog" } });
+        if !depth.is_null() {
+            scene["render"]["max_depth"] = depth;
+        }
+        scene
+    };
+    // The longest segment through the box is √3 m, and a path has at most 10,001 segments.
+    is(&with(5.7e-8, 0.0, Value::Null), "media", EffectState::Off, "9.9e-4 of its light");
+    is(&with(5.8e-8, 0.0, Value::Null), "media", EffectState::On, "cloud");
+    is(&with(5.7e-5, 0.0, json!(9)), "media", EffectState::Off, "9.9e-4 of its light");
+    // Thin fog is visible in front of a black background.
+    is(&with(0.0, 1e-9, Value::Null), "media", EffectState::On, "cloud");
     let glass = |absorption: f64| {
         let mut scene = floor(&[ball("bottle", [0.0, 0.5, 0.0], 0.5)], lamp(json!("D65")));
         scene["materials"]["bottle"] = json!({ "dielectric": { "ior": 1.5, "absorption": absorption } });
         scene
     };
-    is(&glass(5.7e-6), "absorption", EffectState::Off, "9.9e-6 of its light");
-    is(&glass(5.8e-6), "absorption", EffectState::On, "ball");
+    is(&glass(5.7e-8), "absorption", EffectState::Off, "9.9e-4 of its light");
+    is(&glass(5.8e-8), "absorption", EffectState::On, "ball");
 }
 
 #[test]

@@ -159,7 +159,7 @@ fn largest_upward_phi(upwards: impl Fn(f64) -> bool) -> f64 {
 
 /// Computes the nodes and weights of the Gauss–Legendre rule on \[0, 1\]. Newton's method finds the
 /// roots of the Legendre polynomial.
-fn gauss_legendre(points: usize) -> Vec<(f64, f64)> {
+pub(super) fn gauss_legendre(points: usize) -> Vec<(f64, f64)> {
     let n = points as f64;
     (0..points)
         .map(|i| {

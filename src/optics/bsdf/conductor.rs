@@ -3,9 +3,11 @@
 use glam::DVec3;
 
 use super::check::{check_alpha, check_within};
+use super::compensation::ConductorCompensation;
 use super::hemisphere::{flip_z, same_side, z_sign};
 use super::sample::{BsdfSample, InterfaceIors, ScatterEvent};
 use crate::error::Result;
+use crate::math::quadrature::gauss4;
 use crate::optics::fresnel;
 use crate::optics::microfacet::{Ggx, MIN_ALPHA};
 use crate::spectrum::Spectrum;
@@ -13,14 +15,21 @@ use crate::spectrum::Spectrum;
 /// A metal of complex index n + ik.
 ///
 /// A smooth metal reflects light into the mirror direction by Fresnel's equations. A rough metal
-/// uses the single-scattering GGX model of Walter et al. 2007. Light that hits a second facet is
-/// counted as absorbed. Both sides of the surface behave alike.
+/// uses the GGX model of Walter et al. 2007 for light that hits one facet. A wide lobe contains the
+/// light that hits several facets ([`super::compensation`]). The metal absorbs a part of this light
+/// in each event. Both sides of the surface behave alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Conductor {
     pub(super) n: Spectrum,
     pub(super) k: Spectrum,
     /// `None` if the surface is smooth.
-    facets: Option<Ggx>,
+    facets: Option<RoughMetal>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct RoughMetal {
+    ggx: Ggx,
+    compensation: ConductorCompensation,
 }
 
 impl Conductor {
@@ -33,7 +42,8 @@ impl Conductor {
         check_within("refractive index", &n, f64::INFINITY)?;
         check_within("extinction coefficient", &k, f64::INFINITY)?;
         check_alpha(alpha)?;
-        Ok(Self { n, k, facets: (alpha >= MIN_ALPHA).then(|| Ggx::new(alpha)) })
+        let rough = |ggx: Ggx| RoughMetal { ggx, compensation: ConductorCompensation::new(&ggx) };
+        Ok(Self { n, k, facets: (alpha >= MIN_ALPHA).then(|| rough(Ggx::new(alpha))) })
     }
 
     /// Returns whether the surface is rough, so that its lobe has a finite width.
@@ -45,16 +55,27 @@ impl Conductor {
         fresnel::conductor(cos, self.n.at(nm), self.k.at(nm), iors.here.n(nm))
     }
 
-    pub(super) fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
+    /// Returns the cosine-weighted mean of the reflectance, F̄ = ∫ 2μ·F(μ) dμ.
+    fn mean_reflectance(&self, iors: InterfaceIors<'_>, nm: f64) -> f64 {
+        let (n, k, outside) = (self.n.at(nm), self.k.at(nm), iors.here.n(nm));
+        gauss4((0.0, 1.0), |cos| 2.0 * cos * fresnel::conductor(cos, n, k, outside))
+    }
+
+    pub(super) fn sample(&self, wo: DVec3, u: [f64; 3]) -> BsdfSample {
         let Some(facets) = &self.facets else {
-            return Some(BsdfSample::delta(DVec3::new(-wo.x, -wo.y, wo.z), ScatterEvent::Reflection, 1.0));
+            return BsdfSample::delta(DVec3::new(-wo.x, -wo.y, wo.z), ScatterEvent::Reflection, 1.0);
         };
         let sign = z_sign(wo);
         let up = flip_z(wo, sign);
-        let m = facets.sample_visible(up, u[0], u[1]);
-        let wi = flip_z(fresnel::reflect(up, m), sign);
+        let m = facets.ggx.sample_visible(up, u[0], u[1]);
+        let mirrored = fresnel::reflect(up, m);
+        // Both lobes use the facet for the absorbed fraction: u[0] and u[1] are uniform in both.
+        let shadowed = if mirrored.z > 0.0 { facets.ggx.shadowed_fraction(up.z, mirrored.z) } else { 1.0 };
+        let multiple = u[2] < facets.compensation.albedo(up.z);
+        let wi = flip_z(if multiple { facets.compensation.sample([u[0], u[1]]) } else { mirrored }, sign);
         let density = self.pdf(wo, wi);
-        (density > 0.0).then(|| BsdfSample::lobe(wi, ScatterEvent::Reflection, density))
+        let sample = BsdfSample::lobe(wi, ScatterEvent::Reflection, if density > 0.0 { density } else { 1.0 });
+        BsdfSample { cos_microfacet: up.dot(m), shadowed, ..sample }
     }
 
     pub(super) fn coefficient(&self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
@@ -65,9 +86,9 @@ impl Conductor {
         let Some(facets) = &self.facets else {
             return 1.0 - self.fresnel(wo.z, iors, nm);
         };
-        let m = (wo + sample.wi).normalize_or_zero();
-        let reflected = self.fresnel(wo.dot(m), iors, nm);
-        (1.0 - reflected) + reflected * facets.shadowed_fraction(wo.z.abs(), sample.wi.z.abs())
+        let kept = facets.compensation.reflected(self.mean_reflectance(iors, nm));
+        let absorbed_once = 1.0 - self.fresnel(sample.cos_microfacet, iors, nm);
+        absorbed_once * (1.0 - sample.shadowed) + sample.shadowed * (1.0 - kept)
     }
 
     pub(super) fn eval(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
@@ -75,8 +96,9 @@ impl Conductor {
             return 0.0;
         };
         let m = (wo + wi).normalize_or_zero();
-        let lobe = facets.reflection_lobe(flip_z(m, z_sign(wo)), wo.z.abs(), wi.z.abs());
-        self.fresnel(wo.dot(m), iors, nm) * lobe
+        let lobe = facets.ggx.reflection_lobe(flip_z(m, z_sign(wo)), wo.z.abs(), wi.z.abs());
+        let kept = facets.compensation.reflected(self.mean_reflectance(iors, nm));
+        self.fresnel(wo.dot(m), iors, nm) * lobe + kept * facets.compensation.eval(wo.z.abs(), wi.z.abs())
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
@@ -84,6 +106,8 @@ impl Conductor {
             return 0.0;
         };
         let m = flip_z((wo + wi).normalize_or_zero(), z_sign(wo));
-        0.25 * facets.g1_per_cos(wo.z.abs()) * facets.eval(m)
+        let single = 0.25 * facets.ggx.g1_per_cos(wo.z.abs()) * facets.ggx.eval(m);
+        let probability = facets.compensation.albedo(wo.z.abs());
+        (1.0 - probability) * single + probability * facets.compensation.pdf(wi.z.abs())
     }
 }

@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::check::check_alpha;
-use super::hemisphere::{flip_z, same_side, z_sign};
+use super::compensation::{DielectricCompensation, MultipleScattering};
+use super::hemisphere::{flip_z, z_sign};
 use super::sample::{BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
 use crate::error::Result;
 use crate::optics::fresnel;
@@ -11,13 +12,20 @@ use crate::optics::microfacet::{Ggx, MIN_ALPHA};
 
 /// A dielectric interface that reflects by Fresnel's equations and refracts by Snell's law.
 ///
-/// A rough interface uses the single-scattering GGX model of Walter et al. 2007. Light that hits a
-/// second facet is counted as absorbed. [`InterfaceIors`] contains the two refractive indices. If
-/// the two indices are equal, light passes straight on.
+/// A rough interface uses the GGX model of Walter et al. 2007 for light that hits one facet. A wide
+/// lobe contains the light that hits several facets ([`super::compensation`]), so that the interface
+/// loses no energy. [`InterfaceIors`] contains the two refractive indices. If the two indices are
+/// equal, light passes straight on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dielectric {
     /// `None` if the interface is smooth.
-    facets: Option<Ggx>,
+    facets: Option<RoughInterface>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct RoughInterface {
+    ggx: Ggx,
+    compensation: DielectricCompensation,
 }
 
 impl Dielectric {
@@ -25,7 +33,8 @@ impl Dielectric {
     /// interface is smooth. Returns an error if `alpha` lies outside \[0, 1\].
     pub fn new(alpha: f64) -> Result<Self> {
         check_alpha(alpha)?;
-        Ok(Self { facets: (alpha >= MIN_ALPHA).then(|| Ggx::new(alpha)) })
+        let rough = |ggx: Ggx| RoughInterface { ggx, compensation: DielectricCompensation::new(ggx) };
+        Ok(Self { facets: (alpha >= MIN_ALPHA).then(|| rough(Ggx::new(alpha))) })
     }
 
     /// Returns whether the interface is rough, so that its lobes have a finite width.
@@ -40,105 +49,127 @@ impl Dielectric {
         }
         let sign = z_sign(wo);
         let up = flip_z(wo, sign);
-        let m = self.facets.as_ref().map_or(DVec3::Z, |facets| facets.sample_visible(up, u[0], u[1]));
-        let reflected = fresnel::dielectric(up.dot(m), n_i, n_t);
-        let mut sample = if u[2] < reflected {
-            let wi = if self.is_rough() { fresnel::reflect(up, m) } else { DVec3::new(-up.x, -up.y, up.z) };
-            BsdfSample::delta(flip_z(wi, sign), ScatterEvent::Reflection, reflected)
+        if let Some(facets) = &self.facets {
+            return facets.sample(up, iors, nm, u).map(|sample| BsdfSample { wi: flip_z(sample.wi, sign), ..sample });
+        }
+        let reflected = fresnel::dielectric(up.z, n_i, n_t);
+        let sample = if u[2] < reflected {
+            BsdfSample::delta(flip_z(DVec3::new(-up.x, -up.y, up.z), sign), ScatterEvent::Reflection, reflected)
         } else {
-            let wi = fresnel::refract(up, m, n_i, n_t)?;
+            let wi = fresnel::refract(up, DVec3::Z, n_i, n_t)?;
             let disperses = iors.here.is_dispersive() || iors.there.is_dispersive();
             BsdfSample { disperses, ..BsdfSample::delta(flip_z(wi, sign), ScatterEvent::Transmission, 1.0 - reflected) }
         };
-        if self.is_rough() {
-            let density = if sample.on_event_side(wo) { self.pdf(wo, sample.wi, iors, nm) } else { 1.0 };
-            sample = BsdfSample { delta: false, probability: density, cos_microfacet: up.dot(m), ..sample };
-        }
         (sample.probability > 0.0).then_some(sample)
     }
 
-    pub(super) fn absorbed_fraction(&self, wo: DVec3, sample: &BsdfSample, iors: InterfaceIors<'_>, nm: f64) -> f64 {
-        let Some(facets) = self.facets.as_ref().filter(|_| !sample.delta) else {
-            return 0.0;
-        };
-        let lost = if sample.on_event_side(wo) { facets.shadowed_fraction(wo.z.abs(), sample.wi.z.abs()) } else { 1.0 };
-        // The event was sampled with the Fresnel factor at the hero wavelength. At another
-        // wavelength, the reflected power is the Fresnel factor at that wavelength divided by the
-        // probability of the event.
-        match sample.event {
-            ScatterEvent::Reflection => {
-                lost * fresnel::dielectric(sample.cos_microfacet, iors.here.n(nm), iors.there.n(nm))
-                    / sample.event_probability
-            }
-            ScatterEvent::Transmission => lost,
-        }
-    }
-
     pub(super) fn eval(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
-        let Some(half_vector) = self.half_vector(wo, wi, iors, nm) else {
-            return 0.0;
-        };
-        let masking = half_vector.ggx.g2_per_cos(wo.z.abs(), wi.z.abs());
-        let common = half_vector.fraction * half_vector.ggx.eval(half_vector.m) * half_vector.jacobian * masking;
-        match half_vector.event {
-            ScatterEvent::Reflection => common * half_vector.cos_o,
-            ScatterEvent::Transmission => common * half_vector.cos_o * radiance_scale(iors, mode, nm),
-        }
+        let sign = z_sign(wo);
+        self.facets.as_ref().map_or(0.0, |facets| facets.eval(flip_z(wo, sign), flip_z(wi, sign), iors, mode, nm))
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
-        let Some(half_vector) = self.half_vector(wo, wi, iors, nm) else {
-            return 0.0;
+        let sign = z_sign(wo);
+        self.facets.as_ref().map_or(0.0, |facets| facets.pdf(flip_z(wo, sign), flip_z(wi, sign), iors, nm))
+    }
+}
+
+/// In all methods, `wo` lies in the upper hemisphere, and the two indices differ in `sample`.
+impl RoughInterface {
+    fn sample(&self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64, u: [f64; 3]) -> Option<BsdfSample> {
+        let (n_i, n_t) = (iors.here.n(nm), iors.there.n(nm));
+        let multiple = self.compensation.between(n_i, n_t);
+        let probability = multiple.albedo(wo.z);
+        let (wi, event) = if u[2] < probability {
+            let (wi, event) = multiple.sample([u[0], u[1], u[2] / probability]);
+            (if event == ScatterEvent::Transmission { flip_z(wi, -1.0) } else { wi }, event)
+        } else {
+            let choice = (u[2] - probability) / (1.0 - probability);
+            let m = self.ggx.sample_visible(wo, u[0], u[1]);
+            if choice < fresnel::dielectric(wo.dot(m), n_i, n_t) {
+                (fresnel::reflect(wo, m), ScatterEvent::Reflection)
+            } else {
+                (fresnel::refract(wo, m, n_i, n_t)?, ScatterEvent::Transmission)
+            }
         };
-        let visible = half_vector.ggx.g1_per_cos(wo.z.abs()) * half_vector.ggx.eval(half_vector.m) * half_vector.cos_o;
-        half_vector.fraction * visible * half_vector.jacobian
+        let sample = BsdfSample::lobe(wi, event, 1.0);
+        let density = if sample.on_event_side(wo) { self.mixed_pdf(wo, wi, &multiple, [n_i, n_t]) } else { 1.0 };
+        let disperses =
+            event == ScatterEvent::Transmission && (iors.here.is_dispersive() || iors.there.is_dispersive());
+        (density > 0.0).then_some(BsdfSample { probability: density, disperses, ..sample })
+    }
+
+    fn eval(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
+        let (n_i, n_t) = (iors.here.n(nm), iors.there.n(nm));
+        if n_i == n_t || wi.z == 0.0 {
+            return 0.0;
+        }
+        let single = self.half_vector(wo, wi, [n_i, n_t]).map_or(0.0, |half_vector| {
+            let masking = self.ggx.g2_per_cos(wo.z, wi.z.abs());
+            half_vector.fraction * self.ggx.eval(half_vector.m) * half_vector.jacobian * masking * half_vector.cos_o
+        });
+        let event = event_towards(wi);
+        let multiple = self.compensation.between(n_i, n_t).eval(wo.z, wi.z.abs(), event);
+        match event {
+            ScatterEvent::Reflection => single + multiple,
+            ScatterEvent::Transmission => (single + multiple) * radiance_scale(iors, mode, nm),
+        }
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
+        let indices = [iors.here.n(nm), iors.there.n(nm)];
+        if indices[0] == indices[1] || wi.z == 0.0 {
+            return 0.0;
+        }
+        self.mixed_pdf(wo, wi, &self.compensation.between(indices[0], indices[1]), indices)
+    }
+
+    /// Returns the density of `wi` per solid angle. The lobe of multiple scattering is sampled with
+    /// the probability of its albedo.
+    fn mixed_pdf(&self, wo: DVec3, wi: DVec3, multiple: &MultipleScattering<'_>, indices: [f64; 2]) -> f64 {
+        let single = self.half_vector(wo, wi, indices).map_or(0.0, |half_vector| {
+            let visible = self.ggx.g1_per_cos(wo.z) * self.ggx.eval(half_vector.m) * half_vector.cos_o;
+            half_vector.fraction * visible * half_vector.jacobian
+        });
+        let probability = multiple.albedo(wo.z);
+        (1.0 - probability) * single + probability * multiple.pdf(wi.z.abs(), event_towards(wi))
     }
 
     /// Returns the half vector of `wo` and `wi`, or `None` if no facet connects the two directions.
-    fn half_vector(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, nm: f64) -> Option<HalfVector<'_>> {
-        let ggx = self.facets.as_ref()?;
-        let (n_i, n_t) = (iors.here.n(nm), iors.there.n(nm));
-        if n_i == n_t || wi.z == 0.0 {
-            return None;
-        }
-        let sign = z_sign(wo);
-        let (up, wi_up) = (flip_z(wo, sign), flip_z(wi, sign));
-        if same_side(wo, wi) {
-            let m = (up + wi_up).normalize_or_zero();
-            let cos_o = up.dot(m);
+    /// The indices are those of the media on the side of `wo` and on the other side.
+    fn half_vector(&self, wo: DVec3, wi: DVec3, [n_i, n_t]: [f64; 2]) -> Option<HalfVector> {
+        if wi.z > 0.0 {
+            let m = (wo + wi).normalize_or_zero();
+            let cos_o = wo.dot(m);
             if cos_o <= 0.0 {
                 return None;
             }
             let fraction = fresnel::dielectric(cos_o, n_i, n_t);
             // dω_m/dω_i = 1/(4·|o·m|) (Walter et al. 2007, equation 14).
-            return Some(HalfVector {
-                ggx,
-                m,
-                cos_o,
-                fraction,
-                jacobian: 0.25 / cos_o,
-                event: ScatterEvent::Reflection,
-            });
+            return Some(HalfVector { m, cos_o, fraction, jacobian: 0.25 / cos_o });
         }
         // The generalised half vector of refraction is h = n_i·o + n_t·i (Walter et al. 2007,
         // equation 16). The Jacobian is n_t²·|i·m|/(n_i(o·m) + n_t(i·m))² (equation 17). Its
         // denominator equals |h|².
-        let along = up * n_i + wi_up * n_t;
+        let along = wo * n_i + wi * n_t;
         let m = along.normalize_or_zero() * along.z.signum();
-        let (cos_o, cos_i) = (up.dot(m), -wi_up.dot(m));
+        let (cos_o, cos_i) = (wo.dot(m), -wi.dot(m));
         if !(cos_o > 0.0 && cos_i > 0.0) {
             return None;
         }
         let fraction = 1.0 - fresnel::dielectric(cos_o, n_i, n_t);
-        let jacobian = n_t * n_t * cos_i / along.length_squared();
-        Some(HalfVector { ggx, m, cos_o, fraction, jacobian, event: ScatterEvent::Transmission })
+        Some(HalfVector { m, cos_o, fraction, jacobian: n_t * n_t * cos_i / along.length_squared() })
     }
+}
+
+/// Returns the event that leads to `wi` from the upper hemisphere.
+fn event_towards(wi: DVec3) -> ScatterEvent {
+    if wi.z > 0.0 { ScatterEvent::Reflection } else { ScatterEvent::Transmission }
 }
 
 /// The microfacet normal that connects two directions. The frame of this normal is chosen so that
 /// `wo` lies in the upper hemisphere.
-struct HalfVector<'a> {
-    ggx: &'a Ggx,
+struct HalfVector {
     m: DVec3,
     /// |o·m|, > 0.
     cos_o: f64,
@@ -147,7 +178,6 @@ struct HalfVector<'a> {
     fraction: f64,
     /// The Jacobian dω_m/dω_i.
     jacobian: f64,
-    event: ScatterEvent,
 }
 
 /// Returns the coefficient of a smooth interface. For reflection, it is the reflectance. For

@@ -17,6 +17,7 @@
 
 mod albedo;
 mod check;
+mod compensation;
 mod conductor;
 #[cfg(test)]
 mod contract;
@@ -25,6 +26,7 @@ mod diffuse;
 mod glossy;
 mod hemisphere;
 mod mirror;
+mod missing_energy;
 mod mix;
 mod sample;
 mod thin;
@@ -199,7 +201,7 @@ impl Bsdf {
             Self::Diffuse(diffuse) => Some(diffuse.sample(wo, u)),
             Self::Translucent(translucent) => translucent.sample(wo, nm, u),
             Self::Mirror(mirror) => Some(mirror.sample(wo)),
-            Self::Conductor(conductor) => conductor.sample(wo, u),
+            Self::Conductor(conductor) => Some(conductor.sample(wo, u)),
             Self::Dielectric(dielectric) => dielectric.sample(wo, iors, nm, u),
             Self::ThinDielectric(thin) => Some(thin.sample(wo, iors, nm, u)),
             Self::Glossy(glossy) => Some(glossy.sample(wo, nm, u)),
@@ -253,7 +255,7 @@ impl Bsdf {
             Self::Translucent(translucent) => translucent.absorbed_fraction(nm),
             Self::Mirror(mirror) => mirror.absorbed_fraction(nm),
             Self::Conductor(conductor) => conductor.absorbed_fraction(wo, sample, iors, nm),
-            Self::Dielectric(dielectric) => dielectric.absorbed_fraction(wo, sample, iors, nm),
+            Self::Dielectric(_) => 0.0,
             Self::ThinDielectric(thin) => thin.absorbed_fraction(wo, iors, nm),
             Self::Glossy(glossy) => glossy.absorbed_fraction(wo, nm),
             Self::Mix(mix) => mix.components()[sample.component].absorbed_fraction(wo, sample, iors, nm),

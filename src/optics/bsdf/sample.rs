@@ -72,28 +72,18 @@ pub struct BsdfSample {
     /// value is true only if the event is refraction and at least one of the two media is
     /// dispersive.
     pub disperses: bool,
-    /// The probability of the sampled event at the hero wavelength. Only dielectric interfaces use
-    /// this field.
-    pub(super) event_probability: f64,
-    /// The cosine between `wo` and the sampled microfacet normal. If the cosine were recomputed
-    /// from the half vector, it would be inaccurate for facets seen edge-on.
+    /// The cosine between `wo` and a sampled microfacet normal. Only rough metals use this field.
     pub(super) cos_microfacet: f64,
+    /// The fraction of the light reflected by this microfacet that hits another microfacet. Only
+    /// rough metals use this field.
+    pub(super) shadowed: f64,
     /// Index of the scattering component, if the BSDF is a [`MixBsdf`](super::MixBsdf).
     pub(super) component: usize,
 }
 
 impl BsdfSample {
     pub(super) fn delta(wi: DVec3, event: ScatterEvent, probability: f64) -> Self {
-        Self {
-            wi,
-            event,
-            delta: true,
-            probability,
-            disperses: false,
-            event_probability: probability,
-            cos_microfacet: wi.z.abs(),
-            component: 0,
-        }
+        Self { wi, event, delta: true, probability, disperses: false, cos_microfacet: 1.0, shadowed: 0.0, component: 0 }
     }
 
     pub(super) fn lobe(wi: DVec3, event: ScatterEvent, density: f64) -> Self {
@@ -103,8 +93,8 @@ impl BsdfSample {
             delta: false,
             probability: density,
             disperses: false,
-            event_probability: 1.0,
-            cos_microfacet: wi.z.abs(),
+            cos_microfacet: 1.0,
+            shadowed: 0.0,
             component: 0,
         }
     }

@@ -1,0 +1,115 @@
+//! More bodies inside each other than a medium stack can hold, compared with closed forms.
+
+use abbe::geometry::Ray;
+use abbe::math::random::ONE_MINUS_ULP;
+use abbe::optics::bsdf::ScatterEvent;
+use abbe::render::Integrator;
+use abbe::walk::{RayState, next_interaction};
+use glam::DVec3;
+use serde_json::{Value, json};
+
+use crate::common::{job, mean_y, render};
+
+/// The number of shells of the Luneburg lens.
+const SHELLS: usize = 20;
+
+/// The radius of each ball of the onion, from the outermost to the innermost.
+fn radius(shell: usize) -> f64 {
+    1.0 - shell as f64 / SHELLS as f64
+}
+
+/// The index of the Luneburg lens, √(2 − r²), in the middle of each shell.
+fn index(shell: usize) -> f64 {
+    let r = radius(shell) - 0.5 / SHELLS as f64;
+    (2.0 - r * r).sqrt()
+}
+
+fn onion() -> Value {
+    let materials: serde_json::Map<String, Value> =
+        (0..SHELLS).map(|shell| (format!("shell{shell}"), json!({ "dielectric": { "ior": index(shell) } }))).collect();
+    let objects: Vec<Value> = (0..SHELLS)
+        .map(|shell| json!({ "shape": { "sphere": { "radius": radius(shell) } }, "material": format!("shell{shell}") }))
+        .collect();
+    json!({
+        "camera": { "from": [0, 0, 5], "at": [0, 0, 0], "lens": { "pinhole": { "fov": 20 } } },
+        "film": { "width": 1, "height": 1 }, "materials": materials, "objects": objects,
+        "lights": [{ "environment": { "spectrum": "E", "illuminance": 1 } }]
+    })
+}
+
+/// Returns the angle by which the onion bends a ray at the distance `offset` from the centre.
+/// Bouguer's law: n·r·sin θ is constant along the ray.
+fn closed_form(offset: f64) -> f64 {
+    let mut bend = 0.0;
+    let mut outside = 1.0;
+    for shell in 0..SHELLS {
+        if offset >= outside * radius(shell) {
+            break;
+        }
+        let angle = |n: f64| (offset / (n * radius(shell))).asin();
+        bend += 2.0 * (angle(outside) - angle(index(shell)));
+        outside = index(shell);
+    }
+    bend
+}
+
+#[test]
+fn a_luneburg_onion_of_20_shells_bends_rays_as_bouguer_says() {
+    let job = job(&onion());
+    let scene = &job.scene;
+    let sphere = |shell: usize| offset_reaches(shell);
+    assert!(sphere(SHELLS - 1) > 0.0);
+    for i in 0..50 {
+        let offset = 0.019 * (f64::from(i) + 0.41);
+        let ray = Ray::new(DVec3::new(offset, 0.0, 5.0) - scene.centre, DVec3::NEG_Z);
+        let mut state = RayState { ray, from: None, medium_stack: scene.medium_stack_at(ray.origin) };
+        let mut faces = 0;
+        while let Some(interaction) = next_interaction(scene, state, 0.0) {
+            let u = [0.5, 0.5, ONE_MINUS_ULP];
+            let sample = interaction.bsdf.sample(interaction.wo, interaction.sides, 589.3, u).expect("glass is clear");
+            assert_eq!(sample.event, ScatterEvent::Transmission, "offset {offset}");
+            let direction = interaction.frame.to_world(sample.wi);
+            state = interaction.spawn_ray(direction, interaction.medium_stack_after(sample.event));
+            faces += 1;
+        }
+        let bend = state.ray.direction.angle_between(DVec3::NEG_Z);
+        assert!((bend - closed_form(offset)).abs() < 1e-7, "offset {offset}: {bend}, not {}", closed_form(offset));
+        assert!(state.medium_stack.is_air(), "offset {offset}: {faces} faces");
+        assert!(faces >= 2 * (0..SHELLS).filter(|&shell| offset < sphere(shell)).count(), "offset {offset}: {faces}");
+    }
+}
+
+/// Returns the largest offset of a ray that enters a shell.
+fn offset_reaches(shell: usize) -> f64 {
+    (0..=shell).map(|k| radius(k) * if k == 0 { 1.0 } else { index(k - 1) }).fold(f64::INFINITY, f64::min)
+}
+
+/// Nine balls of air in a ball that absorbs. The light crosses the outermost shell twice.
+#[test]
+fn an_absorbing_body_around_nine_others_absorbs_by_beer_s_law() {
+    const COEFFICIENT: f64 = 1.3;
+    let balls = |priority: i32| {
+        (1..=9).map(move |i| {
+            let ball = json!({ "shape": { "sphere": { "radius": 0.5 - 0.05 * f64::from(i - 1) } }, "material": format!("clear{i}") });
+            (format!("clear{i}"), json!({ "dielectric": { "ior": 1, "priority": priority } }), ball)
+        })
+    };
+    for integrator in [Integrator::Photon, Integrator::Path] {
+        let mut materials = serde_json::Map::new();
+        materials.insert("outer".into(), json!({ "dielectric": { "ior": 1, "absorption": COEFFICIENT } }));
+        let mut objects = vec![json!({ "shape": { "sphere": { "radius": 1 } }, "material": "outer" })];
+        for (name, material, ball) in balls(0) {
+            materials.insert(name, material);
+            objects.push(ball);
+        }
+        let scene = json!({
+            "camera": { "from": [0, 0, 5], "at": [0, 0, 0], "lens": { "pinhole": { "fov": 0.01 } } },
+            "film": { "width": 2, "height": 2 }, "materials": materials, "objects": objects,
+            "lights": [{ "environment": { "spectrum": "E", "illuminance": std::f64::consts::PI } }],
+            "render": { "photons": 100 }
+        });
+        let y = mean_y(&render(&scene, integrator, 8))[0];
+        let truth = (-COEFFICIENT).exp();
+        assert!((y / truth - 1.0).abs() < 1e-3, "{integrator:?}: {y}, not {truth}");
+    }
+}
