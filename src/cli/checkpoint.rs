@@ -105,6 +105,10 @@ impl<'a> RenderMonitor<'a> {
 }
 
 impl Monitor for RenderMonitor<'_> {
+    fn before_pilot(&mut self) {
+        self.display.before_pilot();
+    }
+
     fn after_pass(&mut self, progress: &Progress) -> bool {
         self.display.after_pass(progress)
     }

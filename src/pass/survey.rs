@@ -17,7 +17,6 @@ use crate::scene::Scene;
 use crate::sensor::Film;
 use crate::walk::Sink;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 use std::num::NonZero;
 use std::ops::Range;
 
@@ -123,7 +122,7 @@ impl PixelSurvey {
         context: &PassContext<'_>,
         camera_pass: &CameraPass<'a>,
         maps: &PerSet<SurveyMaps>,
-        extents: &BTreeMap<u32, f64>,
+        extents: &[f64],
         moment: u64,
         pixels: Range<usize>,
     ) -> Self {
@@ -138,7 +137,7 @@ impl PixelSurvey {
             for set in [PhotonSet::Free, PhotonSet::Shared] {
                 let mut points = buffers.visible_points.iter().rev();
                 let Some(point) = points.find(|point| PhotonSet::of_path(point.shared) == set) else { continue };
-                let extent_m = extents.get(&point.object).copied().unwrap_or(f64::INFINITY);
+                let extent_m = extents[point.object as usize];
                 let least_m = point.footprint_m.min(LEAST_RADIUS_OF_OBJECT * extent_m);
                 for class in PhotonClass::ALL {
                     let radius = maps[set].first_radius_m(context, point, least_m, class) as f32;
@@ -196,9 +195,14 @@ impl PixelSurvey {
     }
 }
 
-/// Returns the length (m) of the diagonal of each object's bounding box, by object number.
-fn object_extents(scene: &Scene) -> BTreeMap<u32, f64> {
-    scene.geometry.object_bounds().into_iter().map(|(object, (low, high))| (object, low.distance(high))).collect()
+/// Returns the length (m) of the diagonal of each object's bounding box, by object number. The length
+/// is infinite if the object has no surface.
+fn object_extents(scene: &Scene) -> Vec<f64> {
+    let mut extents = vec![f64::INFINITY; scene.objects.len()];
+    for (object, (low, high)) in scene.geometry.object_bounds() {
+        extents[object as usize] = low.distance(high);
+    }
+    extents
 }
 
 /// Returns the share of a pass's photon paths that the survey traces at one of `moments` shutter times.

@@ -44,8 +44,8 @@ mod tests {
         let text = r#"{
   "camera": {"from": [0, 0, 5], "at": [0, 0, 0], "lens": {"pinhole": {"fov": 40}}},
   "film": {"width": 8, "height": 8},
-  "media": {"a": {"homogeneous": {"absorption": 0, "scattering": 1}}, "b": {"homogeneous": {"absorption": 0, "scattering": 2}},
-    "c": {"homogeneous": {"absorption": 0, "scattering": 3}}, "d": {"homogeneous": {"absorption": 0, "scattering": 4}}},
+  "media": {"a": {"homogeneous": {"absorption": 0, "scattering": 1, "phase": "isotropic"}}, "b": {"homogeneous": {"absorption": 0, "scattering": 2, "phase": "isotropic"}},
+    "c": {"homogeneous": {"absorption": 0, "scattering": 3, "phase": "isotropic"}}, "d": {"homogeneous": {"absorption": 0, "scattering": 4, "phase": "isotropic"}}},
   "materials": {"a": {"boundary": {"medium": "a"}}, "b": {"boundary": {"medium": "b"}}, "c": {"boundary": {"medium": "c"}},
     "d": {"boundary": {"medium": "d", "priority": 1}}},
   "objects": [{"shape": {"box": {"size": [1, 1, 1]}}, "material": "a"},

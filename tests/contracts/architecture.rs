@@ -43,7 +43,7 @@ const CRATES: [(&str, &[&str]); 32] = [
     ("serde", &[""]),
     ("obvhs", &["geometry/bvh.rs", "map/box_tree.rs"]),
     ("kiddo", &["map/photon_map.rs"]),
-    ("smallvec", &["walk/transmittance.rs"]),
+    ("smallvec", &["scene/initial_stack.rs", "walk/transmittance.rs"]),
     ("rand", &["math/random.rs"]),
     ("rand_pcg", &["math/random.rs"]),
     ("rayon", &["pass/", "render/", "map/", "sensor/"]),

@@ -218,7 +218,7 @@ fn rays_through_a_sphere_carry_its_flux() {
             let emission = case.emit(&mut any);
             if sphere.contains_part_of(emission.origin, emission.direction) { emission.flux_w } else { 0.0 }
         });
-        let aimed = SampleMean::of(100_000, || {
+        let aimed = SampleMean::of(400_000, || {
             let u = LeRandoms { aim: through.pair(), rest: through.triple() };
             case.light.sample_le_through(case.extent(), &sphere, u).flux_w
         });
