@@ -217,7 +217,13 @@ fn parse_source(
             // A fault of the whole scene, such as a scene without light, may follow from the others.
             let further = look_further(scene, &source).map_or_else(Vec::new, Error::into_faults);
             let in_a_part = |fault: &Error| fault.location.path.as_deref().is_some_and(|path| !path.is_empty());
-            later = Error::all(later.into_iter().chain(further.into_iter().filter(in_a_part)));
+            // The resolver repeats some checks of `validate`.
+            let known = later.clone().map_or_else(Vec::new, Error::into_faults);
+            let is_new = |fault: &Error| {
+                !known.iter().any(|known| (&known.what, &known.expected) == (&fault.what, &fault.expected))
+            };
+            let further = further.into_iter().filter(|fault| in_a_part(fault) && is_new(fault));
+            later = Error::all(later.into_iter().chain(further));
         }
         let later = later.map_or_else(Vec::new, Error::into_faults);
         faults.extend(later.into_iter().filter(|fault| !repaired.explains(&source, fault)));

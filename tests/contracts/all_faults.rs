@@ -82,12 +82,11 @@ fn unknown_names_are_reported_beside_other_faults() {
           "atmosphere": "mist"
         }"#,
         &[
+            ("missing.obj:", "objects[3].shape.mesh.path: cannot read the mesh"),
             ("5:", "unknown glass \"BK7\""),
             ("5:", "materials.crown.dielectric.absorption: unknown spectrum \"D666\""),
             ("6:", "unknown spectrum \"red paint\""),
             ("11:", "found a second key"),
-            ("11:", "objects[2]: missing key \"material\""),
-            ("12:", "cannot read the mesh"),
             ("12:", "unknown material \"flinnt\""),
             ("14:", "lights[0].point.spectrum: unknown spectrum \"D666\""),
             ("15:", "atmosphere: unknown medium \"mist\""),
