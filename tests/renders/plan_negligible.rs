@@ -158,7 +158,7 @@ fn fog_and_glass_too_thin_to_be_seen_are_left_out() {
 fn negligible_effects_can_be_forced_and_forbidden() {
     let fog = json!({ "name": "cloud", "shape": { "box": { "size": [1, 1, 1] } }, "material": "fog", "transform": [{ "translate": [0, 1, 0] }] });
     let mut scene = floor(&[fog], lamp(json!("D65")));
-    scene["media"] = json!({ "fog": { "homogeneous": { "absorption": 0, "scattering": 1e-7, "phase": "isotropic" } } });
+    scene["media"] = json!({ "fog": { "homogeneous": { "absorption": 1e-9, "scattering": 0, "phase": "isotropic" } } });
     scene["materials"]["fog"] = json!({ "boundary": { "medium": "fog" } });
     let forced = render(&with_setting(&scene, "force", json!(["media"])), Integrator::Photon, 1);
     assert!(forced.stats.effects["media"].events > 0 && forced.stats.effects["media"].state == "forced");
