@@ -97,6 +97,9 @@ fn text(report: &FoldedReport<'_>) -> String {
         let spots = field.spots.iter().map(|spot| format!("{:>9.2}", 1e3 * spot.rms_mm)).collect::<String>();
         let FoldedFieldReport { angle_deg, image_x_mm, image_height_mm, passing, .. } = field;
         let angle = format!("{angle_deg:.2}°");
+        // Rounded before it is printed, so that no zero has a sign.
+        let rounded = |mm: f64| (1e3 * mm).round() / 1e3 + 0.0;
+        let (image_x_mm, image_height_mm) = (rounded(*image_x_mm), rounded(*image_height_mm));
         text += &format!(
             "{angle:<7} {image_x_mm:>8.3} mm {image_height_mm:>8.3} mm {spots} µm {:>7.1} %\n",
             100.0 * passing
