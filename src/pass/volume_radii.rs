@@ -23,6 +23,10 @@ const MIN_VOLUME_RADIUS_PX: f64 = 0.7;
 /// smaller because caustics have sharp edges.
 const MAX_VOLUME_RADIUS_PX: PerClass<f64> = PerClass { caustic: 4.0, indirect: 24.0 };
 
+/// The upper limit of the first kernel radius in media, as a fraction of the picture's shorter side.
+/// On a small film, a kernel of 24 pixels would blur whole bodies.
+const MAX_VOLUME_RADIUS_OF_PICTURE: f64 = 0.1;
+
 /// The upper limit of the first kernel radius for photon points, in mean free paths.
 ///
 /// Most light that leaves a dense medium comes from points near its boundary. A kernel near the
@@ -46,6 +50,8 @@ const MAX_SEGMENTS: usize = 8;
 pub(super) struct VolumeKernelWidths {
     /// The angle that a pixel subtends, in rad.
     pixel_angle: f64,
+    /// The upper limit of the first kernel width, in pixels.
+    largest_px: PerClass<f64>,
     /// The radius in m, if the scene fixes it.
     radius_m: Option<f64>,
 }
@@ -65,19 +71,24 @@ pub(super) struct DepositCounts {
 impl VolumeKernelWidths {
     /// Returns the first kernel widths for a render. They depend on its camera and its budget.
     pub(super) fn of(context: &PassContext<'_>) -> Self {
-        Self { pixel_angle: context.scene.camera.pixel_angle(), radius_m: context.budget.radius_m }
+        let camera = &context.scene.camera;
+        let (width, pixels) = (camera.width(), camera.pixel_count());
+        let of_picture = MAX_VOLUME_RADIUS_OF_PICTURE * width.min(pixels / width) as f64;
+        let largest_px =
+            PerClass::from_fn(|class| MAX_VOLUME_RADIUS_PX[class].min(of_picture).max(MIN_VOLUME_RADIUS_PX));
+        Self { pixel_angle: camera.pixel_angle(), largest_px, radius_m: context.budget.radius_m }
     }
 
     /// Returns the upper limit of the first kernel width for a class. If the scene fixes the
     /// radius, returns this radius.
     fn largest(&self, class: PhotonClass) -> KernelWidth {
-        let per_distance = || KernelWidth::PerDistance(MAX_VOLUME_RADIUS_PX[class] * self.pixel_angle);
+        let per_distance = || KernelWidth::PerDistance(self.largest_px[class] * self.pixel_angle);
         self.radius_m.map_or_else(per_distance, KernelWidth::Stated)
     }
 
     /// Returns the upper limit of the first kernel width of caustics, divided by its lower limit.
     fn caustic_ratio(&self) -> f64 {
-        if self.radius_m.is_some() { 1.0 } else { MAX_VOLUME_RADIUS_PX.caustic / MIN_VOLUME_RADIUS_PX }
+        if self.radius_m.is_some() { 1.0 } else { self.largest_px.caustic / MIN_VOLUME_RADIUS_PX }
     }
 }
 
@@ -120,7 +131,7 @@ impl PixelVolumeCounts {
         for set in [PhotonSet::Free, PhotonSet::Shared] {
             let Some(nearby) = self.0[set] else { continue };
             for class in PhotonClass::ALL {
-                let radius = nearby[class].first_radius(keep[class], MAX_VOLUME_RADIUS_PX[class] * widths.pixel_angle);
+                let radius = nearby[class].first_radius(keep[class], widths.largest_px[class] * widths.pixel_angle);
                 let radius = radius.max(MIN_VOLUME_RADIUS_PX * widths.pixel_angle) as f32;
                 radii.volume[set][class] = Some(radius);
             }

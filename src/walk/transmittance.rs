@@ -3,7 +3,7 @@
 use super::medium_segment::{MediumSegment, for_each_segment};
 use super::ray_state::RayState;
 use crate::geometry::Ray;
-use crate::math::random::{Purpose, Stream};
+use crate::math::random::{Purpose, Stream, hash64};
 use crate::scene::Scene;
 use crate::scene::medium::{Medium, TransmittanceEstimator};
 use crate::spectrum::Spectrum;
@@ -148,7 +148,7 @@ pub fn path_transmittance<'a>(
     length_m: f64,
     seed: u64,
 ) -> PathTransmittance<'a> {
-    collect_segments(scene, ray_state, length_m, |segment| segment.path_transmittance(segment.length_m, seed))
+    collect_segments(scene, ray_state, length_m, seed, MediumSegment::path_transmittance)
 }
 
 /// Does the same as [`path_transmittance`], but uses ratio tracking in all media.
@@ -158,18 +158,25 @@ pub fn path_transmittance_tracked<'a>(
     length_m: f64,
     seed: u64,
 ) -> PathTransmittance<'a> {
-    collect_segments(scene, ray_state, length_m, |segment| segment.path_transmittance_tracked(segment.length_m, seed))
+    collect_segments(scene, ray_state, length_m, seed, MediumSegment::path_transmittance_tracked)
 }
 
+/// Collects the transmittances of all segments. `of_segment` takes a segment, its length and a seed.
+///
+/// Each segment has its own seed. With equal random positions, the estimates of two segments would
+/// be correlated, and their product would be too large on average.
 fn collect_segments<'a>(
     scene: &'a Scene,
     ray_state: RayState,
     length_m: f64,
-    of_segment: impl Fn(&MediumSegment<'a>) -> PathTransmittance<'a>,
+    seed: u64,
+    of_segment: impl Fn(&MediumSegment<'a>, f64, u64) -> PathTransmittance<'a>,
 ) -> PathTransmittance<'a> {
     let mut path_transmittance = PathTransmittance::new();
+    let mut number = 0;
     let mut add = |segment: &MediumSegment<'a>| {
-        path_transmittance.extend(of_segment(segment));
+        path_transmittance.extend(of_segment(segment, segment.length_m, hash64([seed, number])));
+        number += 1;
         ControlFlow::Continue(())
     };
     let _end = for_each_segment(scene, ray_state, length_m, &mut add);
@@ -197,5 +204,37 @@ fn ratio_tracked(medium: &Medium, ray: &Ray, length_m: f64, sigma_t: f64, seed: 
             return transmittance;
         }
         transmittance *= 1.0 - sigma_t * medium.density_at(ray.at(t)) / rate;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::medium_stack::MediumStack;
+    use crate::{format, format::resolve::resolve};
+    use glam::DVec3;
+
+    /// A ray crosses two adjacent bodies of fog. The mean of the tracked transmittance is the product
+    /// of the transmittances of both bodies.
+    #[test]
+    fn tracking_is_unbiased_across_several_bodies() {
+        let text = r#"{
+  "camera": {"from": [0, 0, 5], "at": [0, 0, 0], "lens": {"pinhole": {"fov": 40}}},
+  "film": {"width": 8, "height": 8},
+  "media": {"fog": {"homogeneous": {"absorption": 1, "scattering": 0}}},
+  "materials": {"fog": {"boundary": {"medium": "fog"}}},
+  "objects": [{"shape": {"box": {"size": [1, 1, 1]}}, "material": "fog"},
+    {"shape": {"box": {"size": [1, 1, 1]}}, "material": "fog", "transform": [{"translate": [2, 0, 0]}]}],
+  "lights": [{"point": {"at": [3, 3, 3], "spectrum": "E", "power": 1}}]
+}"#;
+        let (written, source) = format::parse(text, "fog.json".as_ref(), &[]).unwrap();
+        let scene = resolve(&written, &source).unwrap();
+        let ray = Ray::new(DVec3::new(-4.0, 0.1, 0.2) - scene.centre, DVec3::X);
+        let ray_state = RayState { ray, from: None, medium_stack: MediumStack::AIR };
+        let of_seed = |seed| transmittance(&path_transmittance_tracked(&scene, ray_state, 10.0, seed), 550.0);
+        let mean = (0..10_000).map(of_seed).sum::<f64>() / 10_000.0;
+        let exact = (-2.0_f64).exp();
+        assert!((mean / exact - 1.0).abs() < 0.08, "{mean} for {exact}");
+        assert!((transmittance(&path_transmittance(&scene, ray_state, 10.0, 0), 550.0) / exact - 1.0).abs() < 1e-9);
     }
 }
