@@ -1,6 +1,7 @@
 //! Kernels in media beside faces: photons against a Monte Carlo integrator that shares no code with
 //! Abbe, and against the path tracer.
 
+use crate::common::compare::{Measured, assert_same};
 use crate::common::{all_y, block_means, diffuse, mean_y, render, with_setting};
 use abbe::math::random::{Purpose, Stream};
 use abbe::render::Integrator;
@@ -120,11 +121,9 @@ fn fog_beside_all_kinds_of_faces_is_like_the_path_tracers() {
         ("wall", vec![whole_box(), boxed([0.02, 0.5, 0.5], [0.0, -0.1, 0.05], "white")]),
     ];
     for (name, objects) in cases {
-        let scene = scene(&objects);
-        let photon = photon_blocks(&scene);
-        let photon = photon.iter().sum::<f64>() / photon.len() as f64;
-        let path = mean_y(&render(&scene, Integrator::Path, 1024))[0];
-        println!("{name}: photon {photon:.5}, path {path:.5}, ratio {:.4}", photon / path);
-        assert!((photon / path - 1.0).abs() < 0.015, "{name}");
+        let scene = with_setting(&scene(&objects), "photons", 4000);
+        let photon = Measured::new(&scene, (Integrator::Photon, 16), 0..8, mean_y);
+        let path = Measured::new(&scene, (Integrator::Path, 128), 100..108, mean_y);
+        assert_same(&format!("{name}, photon against path"), &photon, &path, 1.5e-2);
     }
 }
