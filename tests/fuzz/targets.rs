@@ -134,7 +134,7 @@ fn checkpoint() -> Vec<u8> {
     let job = Job::new(resolve::resolve(&scene, &source).unwrap()).unwrap();
     let request = Request { integrator: Integrator::Path, stop: StopRules { passes: Some(3), ..StopRules::default() } };
     let run = job.render(request, &mut NoMonitor).unwrap().run;
-    let identity = RenderIdentity::of(&job, Integrator::Path, "0123456789abcdef");
+    let identity = RenderIdentity::of(&job, Integrator::Path, &Metadata::new());
     let metadata = Metadata::new().with("abbe.version", env!("CARGO_PKG_VERSION")).with("abbe.seed", "0");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");
