@@ -6,6 +6,7 @@ use std::time::Duration;
 use crate::error::{Error, Result};
 use crate::format::JsonSource;
 use crate::format::resolve;
+use crate::output::Metadata;
 use crate::output::exr::write as write_exr;
 use crate::output::file as files;
 use crate::output::metadata::names;
@@ -95,13 +96,26 @@ pub(crate) struct RenderArgs {
     /// Write the statistics of the render as JSON
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
+    #[command(flatten)]
+    header: HeaderArgs,
+    /// Print only warnings and errors
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// The content of the EXR file's header.
+#[derive(Debug, Clone, Copy, clap::Args)]
+struct HeaderArgs {
     /// Leave times and facts about the machine out of the EXR file, so that equal renders are equal
     /// files
     #[arg(long, conflicts_with = "part")]
     reproducible: bool,
-    /// Print only warnings and errors
-    #[arg(long)]
-    quiet: bool,
+}
+
+impl HeaderArgs {
+    fn apply(self, metadata: Metadata) -> Metadata {
+        if self.reproducible { provenance::reproducible(metadata) } else { metadata }
+    }
 }
 
 #[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
@@ -132,8 +146,7 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>) -> Result<Outc
     let (source, job) = plan(arguments)?;
     memory::check(&job.budget)?;
     let request = arguments.request();
-    let of_scene = provenance::of_scene(Some(&source), &job, request.integrator);
-    let of_scene = if arguments.reproducible { provenance::reproducible(of_scene) } else { of_scene };
+    let of_scene = arguments.header.apply(provenance::of_scene(Some(&source), &job, request.integrator));
     let identity = RenderIdentity::of(&job, request.integrator, &of_scene);
     let checkpoint = CheckpointFile { path: outputs.checkpoint(), job: &job, identity: &identity, metadata: &of_scene };
     outputs.check()?;
@@ -210,8 +223,7 @@ fn save(
     rendered: &Rendered,
 ) -> Result<f64> {
     let (picture, run) = (&rendered.picture, &rendered.run);
-    let metadata = provenance::of_render(checkpoint.metadata, &rendered.stats);
-    let metadata = if arguments.reproducible { provenance::reproducible(metadata) } else { metadata };
+    let metadata = arguments.header.apply(provenance::of_render(checkpoint.metadata, &rendered.stats));
     let write = |path: &Path| match arguments.part {
         PassPart::WHOLE => write_exr(path, picture, &metadata),
         _ => checkpoint.write_to(path, run, metadata.clone()),

@@ -54,7 +54,8 @@ fn png_files_are_compared_as_they_are() {
         let rgb = (0..32).map(|i| if i == 0 { [code; 3] } else { [100, 150, 200] }).collect();
         png::write(&at.join(name), &DisplayImage::of_srgb(8, 4, rgb)).unwrap();
     };
-    (write("a.png", 120), write("b.png", 128));
+    write("a.png", 120);
+    write("b.png", 128);
     let same = abbe(at, &["compare", "a.png", "a.png", "--json"]).json();
     assert_eq!((same["relative_mse"].as_f64(), same["exposure_ev"].as_f64()), (Some(0.0), Some(0.0)), "{same}");
     let pixel = abbe(at, &["compare", "a.png", "b.png", "--json", "--region", "0,0,1,1"]).json();
