@@ -134,10 +134,6 @@ fn checkpoint() -> Vec<u8> {
     let job = Job::new(resolve::resolve(&scene, &source).unwrap()).unwrap();
     let request = Request { integrator: Integrator::Path, stop: StopRules { passes: Some(3), ..StopRules::default() } };
     let run = job.render(request, &mut NoMonitor).unwrap().run;
-<<<<<<< HEAD
-=======
-    let identity = RenderIdentity::of(&job, Integrator::Path, &Metadata::new());
->>>>>>> be4c17a5fb139802b3faa004042f680c9faacc30
     let metadata = Metadata::new().with("abbe.version", env!("CARGO_PKG_VERSION")).with("abbe.seed", "0");
     let identity = RenderIdentity::of(&job, Integrator::Path, &metadata);
     let folder = tempfile::tempdir().unwrap();
