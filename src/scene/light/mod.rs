@@ -378,7 +378,7 @@ impl Light {
     /// The map from the unit cube to a box around a volume light. `None` for all other lights.
     pub(super) fn box_of_medium(&self) -> Option<DAffine3> {
         match &self.emitter {
-            Emitter::Volume(light) => Some(light.from_unit()),
+            Emitter::Volume(light) => Some(light.box_map()),
             Emitter::Point(_)
             | Emitter::Spot(_)
             | Emitter::Beam(_)

@@ -159,7 +159,7 @@ impl VolumeLight {
         LeSample { origin: position, direction: warp::sphere(u.aim), from: None, flux_w, spd }
     }
 
-    pub(super) fn from_unit(&self) -> DAffine3 {
+    pub(super) fn box_map(&self) -> DAffine3 {
         self.from_unit
     }
 
