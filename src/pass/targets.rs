@@ -5,7 +5,6 @@ use crate::optics::bsdf::{Bsdf, BsdfClass};
 use crate::scene::Scene;
 use crate::scene::sweep::Bounds;
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 
 /// The largest number of targets around objects. If a scene has more objects, neighbouring objects
 /// share a target.
@@ -18,14 +17,16 @@ const MAX_TARGETS: usize = 16;
 /// The last target contains most of the visible points. Lights use only the targets that receive a
 /// small share of their power.
 pub(super) fn aim_targets(scenes: &[Cow<'_, Scene>]) -> Vec<BoundingSphere> {
-    let mut boxes: BTreeMap<u32, Bounds> = BTreeMap::new();
+    let mut boxes: Vec<Option<Bounds>> = Vec::new();
     for scene in scenes {
+        boxes.resize(scene.objects.len(), None);
         let all = [&scene.geometry, &scene.boundaries].map(|geometry| geometry.object_bounds());
         for (object, bounds) in all.into_iter().flatten().filter(|(object, _)| needs_photons(scene, *object)) {
-            boxes.entry(object).and_modify(|around| *around = union(*around, bounds)).or_insert(bounds);
+            let around = &mut boxes[object as usize];
+            *around = Some(around.map_or(bounds, |around| union(around, bounds)));
         }
     }
-    let mut boxes: Vec<Bounds> = boxes.into_values().collect();
+    let mut boxes: Vec<Bounds> = boxes.into_iter().flatten().collect();
     let mut targets = Vec::new();
     cluster(&mut boxes, MAX_TARGETS, &mut targets);
     targets.extend(scenes.first().and_then(|scene| scene.visible_sphere()));
