@@ -66,7 +66,7 @@ mod tests {
   "media": {"a": {"homogeneous": {"absorption": 0, "scattering": 1, "phase": "isotropic"}}, "b": {"homogeneous": {"absorption": 0, "scattering": 2, "phase": "isotropic"}},
     "c": {"homogeneous": {"absorption": 0, "scattering": 3, "phase": "isotropic"}}, "d": {"homogeneous": {"absorption": 0, "scattering": 4, "phase": "isotropic"}}},
   "materials": {"a": {"boundary": {"medium": "a"}}, "b": {"boundary": {"medium": "b"}}, "c": {"boundary": {"medium": "c"}},
-    "d": {"boundary": {"medium": "d", "priority": 1}}, "d0": {"boundary": {"medium": "d"}}},
+    "d": {"dielectric": {"ior": 1, "medium": "d", "priority": 1}}, "d0": {"boundary": {"medium": "d"}}},
   "objects": [{"shape": {"box": {"size": [1, 1, 1]}}, "material": "a"},
     {"shape": {"box": {"size": [0.9, 1, 1]}}, "material": "b", "transform": [{"translate": [0.5, 0, 0]}]},
     {"shape": {"box": {"size": [2, 2, 2]}}, "material": "c"},

@@ -18,7 +18,11 @@ const FARTHEST_VIEW: f64 = 256.0;
 impl Scene {
     /// Visible points, sampled over the whole picture at the moment when the shutter opens.
     pub(super) fn visible_points(&self) -> Vec<DVec3> {
-        let size = DVec2::new(self.camera.width() as f64, (self.camera.pixel_count() / self.camera.width()) as f64);
+        let (width, pixels) = (self.camera.width(), self.camera.pixel_count());
+        if pixels == 0 {
+            return Vec::new();
+        }
+        let size = DVec2::new(width as f64, (pixels / width) as f64);
         let at = |i: usize| (i as f64 + 0.5) / VISIBLE_GRID as f64;
         let visible = |index: usize| {
             let film = size * DVec2::new(at(index % VISIBLE_GRID), at(index / VISIBLE_GRID));

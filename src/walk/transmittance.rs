@@ -221,7 +221,7 @@ mod tests {
         let text = r#"{
   "camera": {"from": [0, 0, 5], "at": [0, 0, 0], "lens": {"pinhole": {"fov": 40}}},
   "film": {"width": 8, "height": 8},
-  "media": {"fog": {"homogeneous": {"absorption": 1, "scattering": 0}}},
+  "media": {"fog": {"homogeneous": {"absorption": 1, "scattering": 0, "phase": "isotropic"}}},
   "materials": {"fog": {"boundary": {"medium": "fog"}}},
   "objects": [{"shape": {"box": {"size": [1, 1, 1]}}, "material": "fog"},
     {"shape": {"box": {"size": [1, 1, 1]}}, "material": "fog", "transform": [{"translate": [2, 0, 0]}]}],

@@ -78,7 +78,7 @@ fn glasses_come_from_catalogues_named_or_lying_beside() {
     glass(&["ODD"]).is_error(2, &["shop.AGF:5:1", "formula 14 of ODD is not supported", "1 to 13"]);
     glass(&["OWN-8"]).is_error(2, &["unknown glass \"OWN-8\"", "OWN-7"]);
     let list = glass(&["--list"]);
-    assert!(list.out.starts_with("OWN-7") && list.err.contains("formula 13 of ODD"), "{} {}", list.out, list.err);
+    assert!(list.out.starts_with("OWN-7") && list.err.contains("formula 14 of ODD"), "{} {}", list.out, list.err);
 }
 
 #[test]

@@ -225,9 +225,10 @@ fn an_interrupted_render_saves_what_it_has() {
         let mut child = endless(folder.path());
         let mut err = BufReader::new(child.stderr.take().unwrap());
         // At the first line of progress, the signal handler is installed and one pass is complete.
-        let mut line = String::new();
-        err.read_line(&mut line).unwrap();
-        assert!(line.contains(" pass"), "{line}");
+        let mut lines = String::new();
+        while !lines.contains(" pass") {
+            assert!(err.read_line(&mut lines).unwrap() > 0, "{lines}");
+        }
         crate::abbe_command::signal::signal(&child, name);
         let mut rest = String::new();
         err.read_to_string(&mut rest).unwrap();

@@ -26,9 +26,9 @@ fn missing_semi_diameters_follow_from_field_and_pupil() {
     let at = lens.at(lines::D_NM);
     let pupil = at.paraxial().unwrap().entrance_pupil.unwrap();
     assert!((pupil.diameter_mm - 10.0).abs() < 1e-9);
-    let chief = at.chief_ray(20.0).unwrap();
     let mut heights = [0.0_f64; 6];
-    for y in [-5.0, 5.0] {
+    for (field_deg, y) in [(0.0, 5.0), (20.0, -5.0), (20.0, 5.0)] {
+        let chief = at.chief_ray(field_deg).unwrap();
         let ray = LensRay { origin: chief.origin + DVec3::Y * y, ..chief };
         at.trace_through(ray, TraceDirection::ToSensor, ApertureCheck::Enforced, |i, point| {
             heights[i] = heights[i].max(point.y.abs());
