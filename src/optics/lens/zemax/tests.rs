@@ -27,10 +27,12 @@ fn missing_semi_diameters_follow_from_field_and_pupil() {
     let pupil = at.paraxial().unwrap().entrance_pupil.unwrap();
     assert!((pupil.diameter_mm - 10.0).abs() < 1e-9);
     let mut heights = [0.0_f64; 6];
-    for (field_deg, y) in [(0.0, 5.0), (20.0, -5.0), (20.0, 5.0)] {
+    for (field_deg, y) in [(0.0, 4.999), (14.0, -5.0), (14.0, 5.0), (20.0, -5.0), (20.0, 5.0)] {
         let chief = at.chief_ray(field_deg).unwrap();
         let ray = LensRay { origin: chief.origin + DVec3::Y * y, ..chief };
-        at.trace_through(ray, TraceDirection::ToSensor, ApertureCheck::Enforced, |i, point| {
+        // Aberrations of the pupil move some rims beyond the rim of the stop.
+        let check = if field_deg == 20.0 { ApertureCheck::Enforced } else { ApertureCheck::Ignored };
+        at.trace_through(ray, TraceDirection::ToSensor, check, |i, point| {
             heights[i] = heights[i].max(point.y.abs());
         })
         .unwrap();
