@@ -16,7 +16,7 @@ use crate::spectrum::Spectrum;
 ///
 /// A smooth metal reflects light into the mirror direction by Fresnel's equations. A rough metal
 /// uses the GGX model of Walter et al. 2007 for light that hits one facet. A wide lobe contains the
-/// light that hits several facets ([`super::compensation`]). The metal absorbs a part of this light
+/// light that hits several facets (`compensation.rs`). The metal absorbs a part of this light
 /// in each event. Both sides of the surface behave alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Conductor {

@@ -13,7 +13,7 @@ use crate::optics::microfacet::{Ggx, MIN_ALPHA};
 /// A dielectric interface that reflects by Fresnel's equations and refracts by Snell's law.
 ///
 /// A rough interface uses the GGX model of Walter et al. 2007 for light that hits one facet. A wide
-/// lobe contains the light that hits several facets ([`super::compensation`]), so that the interface
+/// lobe contains the light that hits several facets (`compensation.rs`), so that the interface
 /// loses no energy. [`InterfaceIors`] contains the two refractive indices. If the two indices are
 /// equal, light passes straight on.
 #[derive(Debug, Clone, PartialEq)]
