@@ -131,11 +131,7 @@ impl ObjectSet {
         }
         shape.validate()?;
         if let (Shape::Mesh(mesh), Some(_)) = (&shape, body) {
-            let note = if !mesh.is_closed() {
-                Some("is not closed: a ray may enter the body and never leave it")
-            } else {
-                (mesh.signed_volume() < 0.0).then_some("faces inwards: its inside counts as the outside")
-            };
+            let note = mesh.fault_as_body(&placement.to_world);
             self.notes.extend(note.map(|note| format!("the mesh \"{name}\" is transparent but {note}")));
         }
         let number = self.objects.len() as u32;

@@ -7,10 +7,10 @@ use crate::geometry::{Hit, Ray};
 use crate::math::distribution::DiscreteDistribution;
 use crate::math::random::hash64;
 use crate::optics::bsdf::TransportMode;
+use crate::optics::phase::PhaseMixture;
 use crate::plan::{MediumPlan, Tally};
 use crate::scene::Scene;
 use crate::scene::light::{EmittedSpd, LiSample, Light};
-use crate::scene::medium::Medium;
 use crate::walk::{
     BodyMode, PathTransmittance, RayState, SurfaceInteraction, path_transmittance, path_transmittance_tracked,
 };
@@ -56,10 +56,9 @@ pub(in crate::gather) struct LightSampleContext<'e, 'a> {
 pub(in crate::gather) struct VolumeLightSampleContext<'a> {
     /// The path's ray. The origin of this ray is the point in the medium.
     pub(in crate::gather) ray_state: RayState,
-    pub(in crate::gather) medium: &'a Medium,
-    /// The wavelength (nm) at which the path samples the phase function. `None` if the estimator
-    /// ignores lights that scattered rays hit. The shadow ray then has the weight 1.
-    pub(in crate::gather) phase_nm: Option<f64>,
+    /// The density from which the path samples its next direction. `None` if the estimator ignores
+    /// lights that scattered rays hit. The shadow ray then has the weight 1.
+    pub(in crate::gather) phase: Option<PhaseMixture<'a>>,
     pub(in crate::gather) u: [f64; 3],
 }
 
@@ -187,16 +186,16 @@ impl<'a> DirectLighting<'a> {
         number: usize,
         tally: &mut Tally,
     ) -> Option<VolumeLightSample<'a>> {
-        let VolumeLightSampleContext { ray_state, medium, phase_nm, u } = context;
+        let VolumeLightSampleContext { ray_state, phase, u } = context;
         let light = &self.scene.lights[number];
         let incident = light.sample_li(self.scene.extent(), ray_state.ray.origin, u)?;
         let (incoming, probability) = (-incident.direction, self.selection_probability(number));
-        let mis_weight = match (phase_nm, incident.pdf_solid_angle) {
-            (Some(nm), Some(pdf)) => {
+        let mis_weight = match (phase, incident.pdf_solid_angle) {
+            (Some(phase), Some(pdf)) => {
                 // The phase function is symmetric. Its value is therefore the density with which
                 // the camera path would have continued towards the light.
                 let cosine = ray_state.ray.direction.dot(incident.direction);
-                power_heuristic(pdf * probability, medium.phase.eval(cosine, nm))
+                power_heuristic(pdf * probability, phase.eval(cosine))
             }
             _ => 1.0,
         };

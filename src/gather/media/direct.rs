@@ -39,7 +39,7 @@ impl<'a> CameraPass<'a> {
             let to_point = segment.path_transmittance(distance.t_m, segment_seed(context, segment.ray.origin));
             let ray = Ray { origin: segment.ray.at(distance.t_m), direction: segment.ray.direction };
             let ray_state = RayState { ray, from: None, medium_stack: segment.medium_stack };
-            let point = VolumeLightSampleContext { ray_state, medium, phase_nm: None, u };
+            let point = VolumeLightSampleContext { ray_state, phase: None, u };
             let Some(sample) = self.direct.sample_direct_in_medium(point, number, context.tally) else { continue };
             let cosine = -sample.incoming.dot(segment.ray.direction);
             let strength = sample.strength * density / distance.pdf_per_m;

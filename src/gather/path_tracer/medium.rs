@@ -7,6 +7,7 @@ use super::tracer::{PathTracer, TracedPath};
 use crate::gather::camera::sampler::PixelSampler;
 use crate::gather::direct::lighting::{HitWeighting, VolumeLightSampleContext};
 use crate::geometry::Ray;
+use crate::optics::phase::PhaseMixture;
 use crate::plan::Tally;
 use crate::scene::medium::Medium;
 use crate::spectrum::LANES;
@@ -63,10 +64,10 @@ impl<'a> PathTracer<'a> {
         let incoming = segment.ray.direction;
         let ray = Ray { origin: segment.ray.at(t), direction: incoming };
         let ray_state = RayState { ray, from: None, medium_stack: segment.medium_stack };
-        let hero = path.wavelengths.hero();
+        let mixture = PhaseMixture::new(&medium.phase, &path.wavelengths, &path.throughput);
         let mut u = sampler.stream.triple();
         for number in self.direct.select_lights(&mut u) {
-            let point = VolumeLightSampleContext { ray_state, medium, phase_nm: Some(hero), u };
+            let point = VolumeLightSampleContext { ray_state, phase: Some(mixture), u };
             let Some(sample) = self.direct.sample_direct_in_medium(point, number, tally) else { continue };
             let cosine = -sample.incoming.dot(incoming);
             for (k, &nm) in path.wavelengths.active().iter().enumerate() {
@@ -75,9 +76,9 @@ impl<'a> PathTracer<'a> {
                 sink.radiance(nm, path.throughput[k] * medium.phase.eval(cosine, nm) * arriving);
             }
         }
-        let direction = medium.phase.sample(incoming, hero, sampler.stream.pair());
+        let direction = mixture.sample(incoming, sampler.stream.pair());
         let cosine = incoming.dot(direction);
-        let pdf = medium.phase.eval(cosine, hero);
+        let pdf = mixture.eval(cosine);
         for (k, &nm) in path.wavelengths.active().iter().enumerate() {
             path.throughput[k] *= medium.phase.eval(cosine, nm) / pdf;
         }

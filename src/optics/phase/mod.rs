@@ -6,6 +6,7 @@
 
 mod henyey_greenstein;
 pub mod mie;
+mod mixture;
 mod rainbow;
 mod rayleigh;
 mod table;
@@ -14,6 +15,7 @@ mod table;
 mod contract;
 
 pub use henyey_greenstein::MAX_MEAN_COSINE;
+pub use mixture::PhaseMixture;
 pub use rainbow::rainbow;
 pub use table::{PhaseTable, parse as parse_table};
 
