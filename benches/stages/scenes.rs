@@ -45,6 +45,7 @@ impl Prepared {
             scene: &self.scene,
 
             strata: &self.strata,
+            ray_densities: None,
             wavelengths: WavelengthSampling::Free,
             count,
             depth_limit: DepthLimit::default(),
@@ -136,6 +137,7 @@ pub(crate) fn camera_pass<'a>(
         scales: RadiusScales::of_pass(0),
         stated_radius_m: None,
         depth_limit: DepthLimit::default(),
+        photon_paths: PerSet { free: 1, shared: 1 },
         missing: None,
     }
 }

@@ -51,6 +51,14 @@ impl Aim {
         (point, DEFENSIVE + (1.0 - DEFENSIVE) * grid.pdf(point))
     }
 
+    /// Returns the mean density of the samples, relative to uniform sampling.
+    pub fn mean_density(&self) -> f64 {
+        self.0.as_ref().map_or(1.0, |grid| {
+            // The mean over the samples is the integral of the squared density.
+            DEFENSIVE * (2.0 - DEFENSIVE) + (1.0 - DEFENSIVE).powi(2) * grid.integral_of_square()
+        })
+    }
+
     /// Returns the index of the cell that contains a point. The grid has `side` cells per row.
     pub fn cell(point: [f64; 2], side: usize) -> usize {
         let cell = |x: f64| ((x * side as f64) as usize).min(side - 1);

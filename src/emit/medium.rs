@@ -44,7 +44,7 @@ pub(super) fn advance_through_media<'a, V: PhotonVisitor>(
         match end {
             ControlFlow::Continue(Some(interaction)) => return Some(interaction),
             ControlFlow::Continue(None) => {
-                ledger.escaped += path.total_w();
+                ledger.add_escaped(path.total_w(), !path.ray_state.medium_stack.is_air());
                 return None;
             }
             ControlFlow::Break(()) => {}

@@ -3,7 +3,7 @@
 use crate::math::random::Stream;
 use crate::plan::partition::LightPath;
 use crate::spectrum::{LANES, Lanes, Wavelengths};
-use crate::walk::RayState;
+use crate::walk::{RayDensity, RayState};
 
 /// The state of a photon at one vertex of its path.
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +20,9 @@ pub struct PhotonState {
     /// The only remaining lane after a dispersive refraction, or `None` while the photon carries
     /// all its wavelengths. For shared photons, the lane is the index of the shared wavelength.
     pub lane: Option<usize>,
+    /// The density of the light's rays around the photon's first ray. It is 0 if the plan does not
+    /// compare photons with camera paths (see [`crate::walk::CausticWeights`]).
+    pub ray_density: RayDensity,
 }
 
 /// The state of a photon path during tracing.

@@ -11,7 +11,7 @@ use crate::plan::partition::LightPath;
 use crate::scene::Scene;
 use crate::scene::light::{LeRandoms, LeSample, Light};
 use crate::spectrum::{LANES, Lanes, Wavelengths};
-use crate::walk::{BodyMode, DepthLimit, RayState};
+use crate::walk::{BodyMode, DepthLimit, RayDensities, RayDensity, RayState};
 
 /// The wavelengths of the photons of a set.
 #[derive(Debug, Clone, Copy)]
@@ -35,6 +35,8 @@ pub struct PhotonSource<'a> {
     pub scene: &'a Scene,
     /// The strata of the emitted rays.
     pub strata: &'a EmissionStrata,
+    /// The densities of the emitted rays. `None` if no photon competes with camera paths.
+    pub ray_densities: Option<&'a RayDensities>,
     /// The wavelengths of the photons.
     pub wavelengths: WavelengthSampling,
     /// The number of photon paths in the set.
@@ -86,6 +88,9 @@ impl PhotonSource<'_> {
                 wavelengths,
                 power: power_of_watt.map(|s| s * flux),
                 lane: None,
+                ray_density: self
+                    .ray_densities
+                    .map_or(RayDensity::NONE, |densities| densities.of_stratum(number, light.radiance_of(&emission))),
             },
             watts: self.watts(),
         }

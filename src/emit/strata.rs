@@ -12,6 +12,7 @@ use super::aim::Aim;
 use crate::math::distribution::DiscreteDistribution;
 use crate::math::sphere::BoundingSphere;
 use crate::scene::light::{LeRandoms, LeSample, Light, SceneExtent};
+use crate::walk::{RayDensities, StratumDensity};
 use std::ops::Range;
 
 /// The number of rays from which the share of a stratum is computed.
@@ -76,6 +77,17 @@ impl EmissionStrata {
             weights.extend(std::iter::repeat_n(probability(number) / strata as f64, strata));
         }
         Some(Self { choice: DiscreteDistribution::new(weights)?, list })
+    }
+
+    /// Returns the densities of the rays that the strata emit. The density within a stratum is the
+    /// mean density that its photons have.
+    pub fn ray_densities(&self, lights: &[Light], extent: SceneExtent<'_>) -> RayDensities {
+        let density = |(number, stratum): (usize, &Stratum)| {
+            let (light, power_w) = (stratum.light, stratum.share * lights[stratum.light].power_w(extent));
+            let per_watt = self.choice.probability(number) * stratum.aim.mean_density() / power_w;
+            StratumDensity { light, target: stratum.target, per_watt: if power_w > 0.0 { per_watt } else { 0.0 } }
+        };
+        RayDensities::new(self.list.iter().enumerate().map(density).collect())
     }
 
     /// Samples a ray of a stratum. The flux is divided by the density within the stratum, and it is

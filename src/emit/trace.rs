@@ -140,7 +140,8 @@ fn advance<'a, M: BodyMode, V: PhotonVisitor>(
     let component = stream.uniform();
     let interaction = M::next_interaction(source.scene, path.ray_state, component);
     if interaction.is_none() {
-        ledger.escaped += path.total_w();
+        let inside = M::HAS_BODIES && !path.ray_state.medium_stack.is_air();
+        ledger.add_escaped(path.total_w(), inside);
     }
     interaction
 }

@@ -24,6 +24,8 @@ pub struct CameraPass<'a> {
     pub direct: DirectLighting<'a>,
     /// The photon maps of both photon sets, free and shared.
     pub maps: PerSet<&'a SetMaps>,
+    /// The number of photon paths of each set.
+    pub photon_paths: PerSet<u64>,
     /// The light that is missing because photon paths ended at a limit.
     pub missing: Option<MissingLight<'a>>,
     /// The pass's shared wavelengths in nm.

@@ -21,4 +21,5 @@ pub use camera_pass::{CameraPass, MissingLight};
 pub use density::gather_point::{NORMAL_TOLERANCE, PLANE_TOLERANCE};
 pub use density::outline::{Outline, OutlineSurvey, Outlines};
 pub use direct::lighting::{DirectLighting, power_heuristic};
+pub use direct::openings::{OPENINGS_SHARE, Openings};
 pub use path_tracer::tracer::PathTracer;

@@ -1,6 +1,7 @@
 //! Stored photons and their compact representation.
 
 use crate::spectrum::{LANES, Lanes, Wavelengths};
+use crate::walk::RayDensity;
 use glam::DVec3;
 
 /// The wavelengths and powers of a stored photon, in single precision.
@@ -13,6 +14,8 @@ pub struct PhotonPower {
     /// The lane of the only wavelength. If all wavelengths are in use, the value is 0 and is
     /// ignored.
     lane: u8,
+    /// The density of the rays of the photon's light. It fills the space that alignment leaves.
+    ray_density: RayDensity,
 }
 
 impl PhotonPower {
@@ -26,7 +29,20 @@ impl PhotonPower {
             power: power.map(|power| power as f32),
             count: wavelengths.count as u8,
             lane: lane.map_or(0, |lane| lane as u8),
+            ray_density: RayDensity::NONE,
         }
+    }
+
+    /// Adds the density of the rays of the photon's light. [`Self::new`] sets it to 0.
+    #[must_use]
+    pub fn with_ray_density(self, ray_density: RayDensity) -> Self {
+        Self { ray_density, ..self }
+    }
+
+    /// Returns the density of the rays of the photon's light.
+    #[inline]
+    pub fn ray_density(&self) -> RayDensity {
+        self.ray_density
     }
 
     /// Returns each wavelength (nm) in use, and its power.

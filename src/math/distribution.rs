@@ -85,6 +85,13 @@ impl PiecewiseConstant2d {
         self.cell_pdf(cell(point[1], self.rows.len()), cell(point[0], self.columns))
     }
 
+    /// Returns the integral of the squared density over the unit square.
+    pub fn integral_of_square(&self) -> f64 {
+        let (rows, columns) = (self.rows.len(), self.columns);
+        let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
+        cells.map(|(row, column)| self.cell_pdf(row, column).powi(2)).sum::<f64>() / (rows * columns) as f64
+    }
+
     fn cell_pdf(&self, row: usize, column: usize) -> f64 {
         let inside = self.within_row[row].as_ref().map_or(0.0, |cells| cells.probability(column));
         self.rows.probability(row) * inside * (self.columns * self.rows.len()) as f64

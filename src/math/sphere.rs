@@ -46,6 +46,17 @@ impl BoundingSphere {
         (Frame::new(axis).to_world(warp::cone(one_minus_cos, u)), 2.0 * PI * one_minus_cos)
     }
 
+    /// Returns the density of [`Self::sample_direction`] per steradian.
+    pub fn pdf_direction(&self, origin: DVec3, direction: DVec3) -> f64 {
+        let distance = self.centre.distance(origin);
+        if distance <= self.radius_m {
+            return 0.25 / PI;
+        }
+        let sin = self.radius_m / distance;
+        let one_minus_cos = sin * sin / (1.0 + (1.0 - sin * sin).max(0.0).sqrt());
+        if self.contains_part_of(origin, direction) { 1.0 / (2.0 * PI * one_minus_cos) } else { 0.0 }
+    }
+
     /// Samples a point of the disk that a beam along `direction` sees of the sphere, uniformly over
     /// the disk. The disk contains the centre of the sphere, and its area is π r².
     pub fn sample_offset(&self, direction: DVec3, u: [f64; 2]) -> DVec3 {

@@ -3,6 +3,7 @@
 use super::sums::PassSums;
 use crate::emit::{EmissionStrata, LightSampler, PhotonSource, WavelengthSampling};
 use crate::error::Result;
+use crate::gather::Openings;
 use crate::math::kronecker::{golden_ratio, sqrt3};
 use crate::math::random::{Purpose, REPLICATES, hash64};
 use crate::plan::{Budget, MotionPlan, Plan};
@@ -23,6 +24,8 @@ pub struct PassContext<'a> {
     pub budget: &'a Budget,
     /// The lights of the scene, as one distribution.
     pub lights: &'a LightSampler,
+    /// The openings of the scene.
+    pub openings: &'a Openings,
 }
 
 /// The shared wavelengths of a pass, and their densities.
@@ -61,6 +64,7 @@ impl<'a> PassContext<'a> {
         PhotonSource {
             scene,
             strata,
+            ray_densities: None,
             wavelengths,
             count,
             depth_limit: self.depth_limit(),

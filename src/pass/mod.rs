@@ -10,6 +10,7 @@ mod context;
 mod deposits;
 mod exposure;
 mod keep_probability;
+mod openings;
 mod outlines;
 mod path_pass;
 mod photon_pass;
@@ -23,6 +24,7 @@ mod volume_radii;
 mod volume_samples;
 
 pub use context::PassContext;
+pub use openings::find_openings;
 pub use path_pass::path_pass;
 pub use photon_pass::photon_pass;
 pub use pilot::Pilot;

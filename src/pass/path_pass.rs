@@ -17,7 +17,7 @@ pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Re
     let start = Instant::now();
     let tracer = PathTracer {
         scene: &scene,
-        direct: DirectLighting::tracked(&scene, &lights.lights, plan.media_plan),
+        direct: DirectLighting::tracked(&scene, &lights.lights, plan.media_plan).with_openings(context.openings),
         media_plan: plan.media_plan,
         wavelengths: &lights.wavelengths,
         depth_limit: context.depth_limit(),

@@ -5,7 +5,7 @@ use super::exposure::expose_rows;
 use super::pilot::Pilot;
 use super::sums::PassSums;
 use super::trace::trace_photons;
-use crate::emit::WavelengthSampling;
+use crate::emit::{PhotonSource, WavelengthSampling};
 use crate::error::Result;
 use crate::gather::{CameraPass, DirectLighting, MissingLight, PathBuffers, PixelSampler};
 use crate::map::radius::RadiusScales;
@@ -46,7 +46,10 @@ pub fn photon_pass<'a>(
             }
         };
         let request = EmissionRequest { wavelengths, count: pilot.photons[set], purpose, pass };
-        let source = context.photon_source(&scene, &pilot.strata, request);
+        let source = PhotonSource {
+            ray_densities: pilot.ray_densities.as_ref(),
+            ..context.photon_source(&scene, &pilot.strata, request)
+        };
         trace_photons(&source, plan, set, pilot.keep, || film.splat_sink())
     });
     sums.seconds.emit += start.elapsed().as_secs_f64();
@@ -66,8 +69,11 @@ pub fn photon_pass<'a>(
     let camera_pass = CameraPass {
         scene: &scene,
         plan,
-        direct: DirectLighting::new(&scene, &lights.lights, plan.media_plan),
+        direct: DirectLighting::new(&scene, &lights.lights, plan.media_plan)
+            .with_openings(context.openings)
+            .with_ray_densities(pilot.ray_densities.as_ref()),
         maps: PerSet { free: &maps.free, shared: &maps.shared },
+        photon_paths: pilot.photons,
         missing: missing_light(&context, [&free.ledger, &on_shared.ledger], &maps, &lost),
         light_maps,
         shared_nm: shared.nm,

@@ -21,9 +21,11 @@ use crate::emit::EmissionStrata;
 use crate::error::Result;
 use crate::gather::Outlines;
 use crate::map::PixelRadii;
+use crate::optics::bsdf::BsdfClass;
 use crate::plan::partition::{PerClass, PerSet};
-use crate::plan::{AimPlan, IndirectPlan, MotionPlan, WavelengthPlan};
+use crate::plan::{AimPlan, CausticPlan, IndirectPlan, MotionPlan, WavelengthPlan};
 use crate::scene::Scene;
+use crate::walk::RayDensities;
 use std::borrow::Cow;
 use std::time::Instant;
 
@@ -40,6 +42,8 @@ pub struct Pilot {
     pub(super) strata: EmissionStrata,
     /// The names of the specular objects that no pilot photon reached.
     pub unlit: Vec<String>,
+    /// The densities of the emitted rays. `None` if no photon competes with camera paths.
+    pub(super) ray_densities: Option<RayDensities>,
     /// The first kernel radii of each pixel.
     pub(super) radii: Vec<PixelRadii>,
     /// The outlines of directly visible surfaces.
@@ -82,8 +86,10 @@ impl Pilot {
             WavelengthPlan::Shared => PerSet { free: 0, shared: all },
             WavelengthPlan::Both => PerSet::from_fn(|_| (all / 2).max(1)),
         };
-        let mut pilot =
-            Self { strata, unlit, radii: Vec::new(), outlines: Outlines::default(), photons, keep: KEEP_ALL };
+        let extent = context.scene.extent();
+        let ray_densities = has_competition(context).then(|| strata.ray_densities(&context.scene.lights, extent));
+        let (radii, outlines) = (Vec::new(), Outlines::default());
+        let mut pilot = Self { strata, unlit, ray_densities, radii, outlines, photons, keep: KEEP_ALL };
         pilot.measure(context, &scenes);
         seconds.pilot += start.elapsed().as_secs_f64();
         Ok(pilot)
@@ -114,6 +120,17 @@ impl Pilot {
             self.photons = divided(context.budget.photons, readers);
         }
     }
+}
+
+/// Returns true if photons and camera paths find the same light: the light of lamps that glossy
+/// surfaces receive through mirrors or glass.
+fn has_competition(context: &PassContext<'_>) -> bool {
+    let PassContext { scene, plan, .. } = context;
+    let glossy = scene
+        .materials
+        .iter()
+        .any(|material| material.surface.components().any(|component| component.class() == BsdfClass::Glossy));
+    plan.caustics != CausticPlan::Absent && !plan.direct.is_absent() && glossy
 }
 
 /// Divides the photons between the sets in proportion to the number of pixels that read each set.

@@ -2,7 +2,9 @@
 
 use super::deposits::PhotonDeposits;
 use super::keep_probability::KeepProbability;
-use crate::emit::{MediumCollision, MediumCrossing, PhotonState, PhotonVisitor, SurfaceArrival, connect::connect};
+use crate::emit::{
+    MediumCollision, MediumCrossing, PhotonState, PhotonVisitor, SurfaceArrival, connect::CameraConnection,
+};
 use crate::map::{Photon, PhotonBeam, PhotonPower, VolumePhoton};
 use crate::math::random::Stream;
 use crate::plan::partition::{Estimator, PerClass, PhotonClass, PhotonSet, View, estimator, kept_in_map};
@@ -21,6 +23,8 @@ pub(super) struct PhotonRecorder<'a> {
     scene: &'a Scene,
     plan: &'a Plan,
     set: PhotonSet,
+    /// The number of photon paths in the set.
+    photon_paths: u64,
     /// The probabilities of storing photons in media.
     keep: PerClass<KeepProbability>,
     /// The photons for the maps.
@@ -38,7 +42,7 @@ impl<'a> PhotonRecorder<'a> {
     pub(super) fn new(
         scene: &'a Scene,
         plan: &'a Plan,
-        set: PhotonSet,
+        (set, photon_paths): (PhotonSet, u64),
         keep: PerClass<KeepProbability>,
         splat_sink: impl Fn() -> SplatSink,
     ) -> Self {
@@ -46,6 +50,7 @@ impl<'a> PhotonRecorder<'a> {
             scene,
             plan,
             set,
+            photon_paths,
             keep,
             deposits: PhotonDeposits::default(),
             splats: splat_sink(),
@@ -76,7 +81,9 @@ impl<'a> PhotonRecorder<'a> {
             AperturePlan::Pinhole | AperturePlan::LensSystem(_) => [0.5; 2],
             AperturePlan::ThinLens(_) => stream.pair(),
         };
-        if let Some(splat) = connect(self.scene, self.plan.media_plan, arrival, lens) {
+        let media_plan = self.plan.media_plan;
+        let camera = CameraConnection { scene: self.scene, media_plan, photon_paths: self.photon_paths };
+        if let Some(splat) = camera.connect(arrival, lens) {
             self.tally.connections += 1;
             let radiance = splat.radiance.map(|radiance| radiance * factor);
             let lanes = arrival.photon.wavelengths.active().iter().copied().zip(radiance);
@@ -172,7 +179,7 @@ fn surface_photon(arrival: &SurfaceArrival<'_>, factor: f64) -> Photon {
     let hit = &arrival.interaction.hit;
     let to_light = arrival.to_light();
     let facing = if to_light.dot(hit.normal) >= 0.0 { hit.normal } else { -hit.normal };
-    let PhotonState { wavelengths, power, lane, .. } = arrival.photon;
-    let power = power.map(|power| power * factor);
-    Photon::new(PhotonPower::new(wavelengths, power, *lane), to_light, facing)
+    let PhotonState { wavelengths, power, lane, ray_density, .. } = arrival.photon;
+    let power = PhotonPower::new(wavelengths, power.map(|power| power * factor), *lane);
+    Photon::new(power.with_ray_density(*ray_density), to_light, facing)
 }

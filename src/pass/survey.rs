@@ -94,6 +94,7 @@ impl PixelSurvey {
             plan: &without_direct,
             direct: DirectLighting::new(scene, &lights.lights, plan.media_plan),
             maps: PerSet { free: &no_photons, shared: &no_photons },
+            photon_paths: photons,
             missing: None,
             light_maps: &LightMaps::default(),
             shared_nm: nm,

@@ -14,9 +14,10 @@ const MAX_TARGETS: usize = 16;
 /// shutter times.
 ///
 /// One kind of target contains the objects that can focus light or that are filled with a medium.
+/// A target surrounds each opening.
 /// The last target contains most of the visible points. Lights use only the targets that receive a
 /// small share of their power.
-pub(super) fn aim_targets(scenes: &[Cow<'_, Scene>]) -> Vec<BoundingSphere> {
+pub(super) fn aim_targets(scenes: &[Cow<'_, Scene>], openings: &[BoundingSphere]) -> Vec<BoundingSphere> {
     let mut boxes: Vec<Option<Bounds>> = Vec::new();
     for scene in scenes {
         boxes.resize(scene.objects.len(), None);
@@ -29,6 +30,7 @@ pub(super) fn aim_targets(scenes: &[Cow<'_, Scene>]) -> Vec<BoundingSphere> {
     let mut boxes: Vec<Bounds> = boxes.into_iter().flatten().collect();
     let mut targets = Vec::new();
     cluster(&mut boxes, MAX_TARGETS, &mut targets);
+    targets.extend(openings);
     targets.extend(scenes.first().and_then(|scene| scene.visible_sphere()));
     targets.retain(|target| target.radius_m.is_finite() && target.radius_m > 0.0);
     targets.sort_by(|a, b| a.radius_m.total_cmp(&b.radius_m));

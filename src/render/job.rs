@@ -3,6 +3,7 @@
 use super::diffraction::DiffractionSetup;
 use crate::emit::LightSampler;
 use crate::error::{Error, Result};
+use crate::gather::Openings;
 use crate::pass::PassContext;
 use crate::plan::{Budget, EffectRow, Plan};
 use crate::scene::Scene;
@@ -54,6 +55,12 @@ impl Job {
 
     /// Returns the inputs of the job's passes.
     pub(super) fn pass_context(&self) -> PassContext<'_> {
-        PassContext { scene: &self.scene, plan: &self.plan, budget: &self.budget, lights: &self.lights }
+        PassContext {
+            scene: &self.scene,
+            plan: &self.plan,
+            budget: &self.budget,
+            lights: &self.lights,
+            openings: Openings::NONE,
+        }
     }
 }

@@ -8,8 +8,9 @@ use super::run::Run;
 use super::stats::Stats;
 use super::stop::{RunClock, StopConditions};
 use crate::error::{Error, Result};
+use crate::gather::Openings;
 use crate::map::LightMaps;
-use crate::pass::{Pilot, path_pass, photon_pass};
+use crate::pass::{PassContext, Pilot, find_openings, path_pass, photon_pass};
 use crate::sensor::Picture;
 use crate::walk::ledger::Ledger;
 use std::time::Instant;
@@ -53,6 +54,8 @@ impl Job {
         conditions.check(&run)?;
         let mut stopped = run.done > 0 && conditions.hold(&run);
         let context = self.pass_context();
+        let openings = if stopped { Openings::default() } else { find_openings(&context, &mut run.sums.seconds) };
+        let context = PassContext { openings: &openings, ..context };
         // The pilot depends only on the scene and the seed. The pilot of a resumed run therefore
         // gives the same results.
         let pilot = match request.integrator {

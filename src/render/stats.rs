@@ -23,6 +23,9 @@ pub struct LedgerStats {
     pub absorbed: f64,
     /// The power that left the scene.
     pub escaped: f64,
+    /// The part of `escaped` that left the scene inside a body.
+    #[serde(default)]
+    pub escaped_inside: f64,
     /// The power of the paths that ended at the depth limit.
     pub depth_limit: f64,
     /// The imbalance of the power, relative to the emitted power.
@@ -209,7 +212,12 @@ fn notes(job: &Job, run: &Run, unlit: &[String]) -> Vec<String> {
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         format!("no pilot photon reached {}{more}; light that they focus may be missing", names.join(", "))
     });
-    limited.into_iter().chain(capped).chain(unlit).collect()
+    let open = (ledger.escaped_inside > 0.0).then(|| {
+        "some light left the scene inside a body: a body is open, or paths hit an edge exactly; \
+         ledger_w.escaped_inside states the power"
+            .to_string()
+    });
+    limited.into_iter().chain(capped).chain(open).chain(unlit).collect()
 }
 
 /// Returns all different notes of several runs.
@@ -255,6 +263,7 @@ impl LedgerStats {
             sampling: mean(&|ledger| ledger.sampling),
             absorbed: mean(&|ledger| ledger.absorbed),
             escaped: mean(&|ledger| ledger.escaped),
+            escaped_inside: mean(&|ledger| ledger.escaped_inside),
             depth_limit: mean(&|ledger| ledger.depth_limit),
             // The balance is relative to the emitted power, which is the same in all runs apart
             // from noise.
@@ -297,6 +306,7 @@ fn ledger_stats(job: &Job, ledger: &Ledger) -> LedgerStats {
         sampling: ledger.sampling,
         absorbed: ledger.absorbed_total(),
         escaped: ledger.escaped,
+        escaped_inside: ledger.escaped_inside,
         depth_limit: ledger.depth_limit,
         balance: ledger.balance(),
         lights: job.light_power_w(),

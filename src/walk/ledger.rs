@@ -22,6 +22,10 @@ pub struct Ledger {
     pub absorbed_inside: f64,
     /// Power that left the scene.
     pub escaped: f64,
+    /// The part of `escaped` that left the scene inside a body. The body is open, or a path hit one of
+    /// its edges so exactly that the path missed the next face.
+    #[serde(default)]
+    pub escaped_inside: f64,
     /// Power of the photons that ended at the depth limit.
     pub depth_limit: f64,
     /// The part of `depth_limit` that surfaces or media scattered at least once.
@@ -47,6 +51,13 @@ impl Ledger {
         if self.emitted > 0.0 { left / self.emitted } else { left }
     }
 
+    /// Adds the power of a path that leaves the scene. `inside` is true if the path is inside a body.
+    #[inline]
+    pub fn add_escaped(&mut self, power_w: f64, inside: bool) {
+        self.escaped += power_w;
+        self.escaped_inside += if inside { power_w } else { 0.0 };
+    }
+
     /// Multiplies all entries by `factor`.
     pub fn scale(&mut self, factor: f64) {
         for entry in [
@@ -54,6 +65,7 @@ impl Ledger {
             &mut self.sampling,
             &mut self.absorbed_inside,
             &mut self.escaped,
+            &mut self.escaped_inside,
             &mut self.depth_limit,
             &mut self.depth_limit_indirect,
         ] {
@@ -69,6 +81,7 @@ impl Ledger {
         self.sampling += other.sampling;
         self.absorbed_inside += other.absorbed_inside;
         self.escaped += other.escaped;
+        self.escaped_inside += other.escaped_inside;
         self.depth_limit += other.depth_limit;
         self.depth_limit_indirect += other.depth_limit_indirect;
         if self.absorbed.len() < other.absorbed.len() {

@@ -2,6 +2,7 @@
 //! media before this surface, and the scattering at the surface.
 
 mod body_mode;
+mod caustic_weights;
 mod depth_limit;
 pub mod ledger;
 mod medium_segment;
@@ -13,6 +14,7 @@ mod surface_interaction;
 mod transmittance;
 
 pub use body_mode::{BodyMode, WithBodies, WithoutBodies};
+pub use caustic_weights::{CausticWeights, RayDensities, RayDensity, StratumDensity};
 pub use depth_limit::{DepthLimit, LONG_PATH, LostLight, MAX_EVENTS, long_path_survival};
 pub use medium_segment::{MediumSegment, NumberedMedium, for_each_segment};
 pub use next_interaction::{SegmentEnd, next_interaction, next_interaction_in_air, next_interaction_through_media};

@@ -103,6 +103,7 @@ fn no_photon_grows_heavier_than_it_set_out() {
     let emitters = PhotonSource {
         scene: &job.scene,
         strata: &strata,
+        ray_densities: None,
         wavelengths: WavelengthSampling::Free,
         count: PHOTONS,
         depth_limit: DepthLimit::default(),

@@ -15,6 +15,7 @@ mod calibration;
 mod caustic_colours;
 mod chart;
 mod chromatic_media;
+mod competing_techniques;
 mod diffraction;
 mod free_and_shared;
 mod furnace;

@@ -9,7 +9,7 @@ use glam::DVec3;
 use serde_json::{Value, json};
 
 use crate::common::compare::Measured;
-use crate::common::job;
+use crate::common::{diffuse, glass, job, render};
 
 /// The number of shells of the Luneburg lens.
 const SHELLS: usize = 20;
@@ -116,4 +116,30 @@ fn an_absorbing_body_around_nine_others_absorbs_by_beer_s_law() {
         assert!(error < 0.02 * truth, "too noisy to tell: {y} ± {error}");
         assert!((y - truth).abs() < 4.0 * error + 1e-6, "{integrator:?}: {y} ± {error}, not {truth}");
     }
+}
+
+/// A surface of water without a bottom, or a closed box of water.
+#[test]
+fn light_that_leaves_the_scene_inside_an_open_body_is_noted() {
+    let water = |shape: Value| {
+        let scene = json!({
+            "camera": { "from": [0, 1, 3], "at": [0, 0, 0], "lens": { "pinhole": { "fov": 40 } } },
+            "film": { "width": 4, "height": 4 },
+            "materials": { "water": glass(1.33), "grey": diffuse(0.5) },
+            "objects": [{ "shape": shape, "material": "water" },
+                        { "shape": { "rectangle": { "width": 4, "height": 4 } }, "material": "grey",
+                          "transform": [{ "translate": [9, 0, 0] }] }],
+            "lights": [{ "beam": { "from": [0, 3, 0], "to": [0, 0, 0], "radius": 0.1, "spectrum": "E", "power": 2 } }],
+            "render": { "photons": 2000 }
+        });
+        render(&scene, Integrator::Photon, 1)
+    };
+    let open = water(json!({ "rectangle": { "width": 4, "height": 4 } }));
+    // Snell's law and Fresnel's equations: at normal incidence water reflects 2 % of the light.
+    let reflectance = (0.33_f64 / 2.33).powi(2);
+    assert!((open.ledger.escaped_inside - 2.0 * (1.0 - reflectance)).abs() < 0.02, "{:?}", open.ledger);
+    assert!(open.stats.notes.iter().any(|note| note.contains("inside a body")), "{:?}", open.stats.notes);
+    let closed = water(json!({ "box": { "size": [4, 1, 4] } }));
+    assert_eq!(closed.ledger.escaped_inside, 0.0);
+    assert!(closed.stats.notes.is_empty(), "{:?}", closed.stats.notes);
 }

@@ -7,7 +7,7 @@ use crate::geometry::Ray;
 use crate::plan::partition::View;
 use crate::scene::medium_stack::MediumStack;
 use crate::spectrum::{Lanes, REFERENCE_NM};
-use crate::walk::{ConsistentBsdfSample, RayState, SurfaceInteraction};
+use crate::walk::{CausticWeights, ConsistentBsdfSample, RayState, SurfaceInteraction};
 
 /// Buffers of one worker, reused from path to path.
 #[derive(Debug, Default)]
@@ -29,6 +29,20 @@ impl PathBuffers<'_> {
     pub fn recording() -> Self {
         Self { records: true, ..Self::default() }
     }
+}
+
+/// The data of a camera path that arrives at a glossy surface.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::gather) struct GlossyEvent {
+    /// The weights of caustic photons and of the camera path.
+    pub(in crate::gather) caustic: Option<CausticWeights>,
+    /// The wavelength (nm) of [`CameraPath::reference_nm`] before the event.
+    pub(in crate::gather) reference_nm: f64,
+}
+
+impl GlossyEvent {
+    /// The value for events at specular surfaces.
+    pub(in crate::gather) const NONE: Self = Self { caustic: None, reference_nm: REFERENCE_NM };
 }
 
 /// The state of a camera path during the walk.
@@ -89,6 +103,7 @@ impl CameraPath {
         &mut self,
         interaction: &SurfaceInteraction<'a>,
         consistent: &ConsistentBsdfSample,
+        glossy: GlossyEvent,
         buffers: &mut PathBuffers<'a>,
     ) -> bool {
         let ConsistentBsdfSample { frame, wo, sample } = consistent;
@@ -99,11 +114,17 @@ impl CameraPath {
         let (bsdf, sides) = (interaction.bsdf, interaction.sides);
         let factor = Factor::Scattering { bsdf, wo: *wo, sample: *sample, sides, probability: sample.probability };
         self.multiply(factor, buffers);
+        // Shadow rays and photons at the surface use the wavelength of the arriving path, so their
+        // weights refer to the density at this wavelength.
+        let pdf = if sample.delta || glossy.reference_nm == self.reference_nm() {
+            sample.probability
+        } else {
+            bsdf.pdf(*wo, sample.wi, sides, glossy.reference_nm)
+        };
         self.view = View::Indirect;
         self.hit_weighting = match (sample.delta, self.hit_weighting) {
-            (false, _) => HitWeighting::Mis { position: interaction.hit.position, pdf: sample.probability },
-            (true, HitWeighting::Full) => HitWeighting::Full,
-            (true, HitWeighting::Mis { .. } | HitWeighting::Ignored) => HitWeighting::Ignored,
+            (false, _) => HitWeighting::Mis { position: interaction.hit.position, pdf, caustic: glossy.caustic },
+            (true, weighting) => weighting.after_specular_event(),
         };
         self.ray_state = interaction.spawn_ray(direction, interaction.medium_stack_after(sample.event));
         true

@@ -5,6 +5,7 @@ use crate::math::kronecker::golden_ratio;
 use crate::math::random::{Purpose, REPLICATES, Stream, hash64};
 use crate::math::sobol::{DIMENSIONS, Sobol};
 use crate::scene::camera::{Aperture, Camera, SystemAt};
+use crate::walk::RayState;
 use glam::DVec2;
 
 /// The shift of a pixel's wavelength sequence is a hash. This constant is one of the hashed values,
@@ -57,6 +58,16 @@ impl PixelSampler {
             Aperture::ThinLens { .. } => self.lens(),
         };
         camera.ray(corner(camera, pixel) + DVec2::from(self.film()), lens)
+    }
+
+    /// Returns a camera ray at one wavelength (nm), with the bodies around the camera. Returns `None`
+    /// if a lens system stops the ray.
+    pub fn ray_at(&self, camera: &Camera, pixel: u64, nm: f64) -> Option<RayState> {
+        let ray = match camera.system() {
+            Some(system) => self.ray_through_lens(&system.at(nm), camera, pixel)?.0,
+            None => self.ray(camera, pixel),
+        };
+        Some(RayState { ray, from: None, medium_stack: camera.medium_stack })
     }
 
     /// Returns a camera ray and its weight. The ray passes through a pixel and a lens system at one

@@ -1,6 +1,6 @@
 //! Continuation of camera paths at mirrors, glass and rough surfaces.
 
-use super::path::CameraPath;
+use super::path::{CameraPath, GlossyEvent};
 use super::throughput::{Factor, SpectralMode, product, relative_n2};
 use crate::gather::camera_pass::{CameraPass, PathContext};
 use crate::gather::direct::lighting::HitWeighting;
@@ -24,14 +24,26 @@ impl<'a> CameraPass<'a> {
         interaction: &SurfaceInteraction<'a>,
         context: &mut PathContext<'_, 'a, S>,
     ) -> Option<CameraPath> {
+        let glossy = self.glossy_event(path, interaction, context);
         let mut path = *path;
         let continues = if let (SpectralMode::Free, true) = (path.spectral_mode, self.disperses(interaction)) {
-            self.scatter_free_at_dispersive(&mut path, interaction, context)
+            self.scatter_free_at_dispersive(&mut path, interaction, glossy, context)
         } else {
             let u = context.sampler.stream.triple();
-            self.scatter_by_bsdf(&mut path, interaction, u, context)
+            self.scatter_by_bsdf(&mut path, interaction, u, glossy, context)
         };
         (continues && survives(self.scene, &mut path, context)).then_some(path)
+    }
+
+    /// Returns the data of a path that arrives at a surface.
+    fn glossy_event<S: Sink>(
+        &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        context: &PathContext<'_, 'a, S>,
+    ) -> GlossyEvent {
+        let caustic = self.caustic_weights(path, interaction, interaction.bsdf.class(), context);
+        GlossyEvent { caustic, reference_nm: path.reference_nm() }
     }
 
     /// Returns true if refraction at this surface depends on the wavelength.
@@ -47,6 +59,7 @@ impl<'a> CameraPass<'a> {
         &self,
         path: &mut CameraPath,
         interaction: &SurfaceInteraction<'a>,
+        glossy: GlossyEvent,
         context: &mut PathContext<'_, 'a, S>,
     ) -> bool {
         let bsdf = interaction.bsdf;
@@ -54,7 +67,7 @@ impl<'a> CameraPass<'a> {
             // At rough dispersive glass each wavelength samples its own direction, also for
             // reflection.
             context.tally.dispersions += 1;
-            self.split(*path, interaction, None, context);
+            self.split(*path, interaction, SplitEvent::Glossy(glossy), context);
             return false;
         }
         // At the first surface, the walk follows both reflection and refraction. At later surfaces,
@@ -66,7 +79,7 @@ impl<'a> CameraPass<'a> {
         if refracts && reflectance < 1.0 {
             let probability = if both { 1.0 } else { 1.0 - reflectance };
             context.tally.dispersions += 1;
-            self.split(*path, interaction, Some(probability), context);
+            self.split(*path, interaction, SplitEvent::Refraction(probability), context);
         }
         if !reflects {
             return false;
@@ -81,14 +94,12 @@ impl<'a> CameraPass<'a> {
         fresnel::dielectric(interaction.wo.z.abs(), sides.here.n(REFERENCE_NM), sides.there.n(REFERENCE_NM))
     }
 
-    /// Follows the path once for each shared wavelength. If the caller has already selected
-    /// refraction, `refraction` is the probability of this selection. If `refraction` is `None`,
-    /// each wavelength samples the BSDF.
+    /// Follows the path once for each shared wavelength.
     fn split<S: Sink>(
         &self,
         path: CameraPath,
         interaction: &SurfaceInteraction<'a>,
-        refraction: Option<f64>,
+        event: SplitEvent,
         context: &mut PathContext<'_, 'a, S>,
     ) {
         let u = context.sampler.stream.triple();
@@ -96,11 +107,11 @@ impl<'a> CameraPass<'a> {
             let Some(mut single) = self.to_shared_wavelength(path, lane, context) else {
                 continue;
             };
-            let continues = match refraction {
-                Some(probability) => {
+            let continues = match event {
+                SplitEvent::Refraction(probability) => {
                     self.scatter_forced(&mut single, interaction, ScatterEvent::Transmission, probability, context)
                 }
-                None => self.scatter_by_bsdf(&mut single, interaction, u, context),
+                SplitEvent::Glossy(glossy) => self.scatter_by_bsdf(&mut single, interaction, u, glossy, context),
             };
             if continues && survives(self.scene, &mut single, context) {
                 self.follow_shared(&single, context);
@@ -127,7 +138,7 @@ impl<'a> CameraPass<'a> {
         match sample_consistently(interaction, draw) {
             Some(mut consistent) if consistent.sample.event == event => {
                 consistent.sample.probability = probability;
-                path.continue_along(interaction, &consistent, context.buffers)
+                path.continue_along(interaction, &consistent, GlossyEvent::NONE, context.buffers)
             }
             Some(_) | None => false,
         }
@@ -139,13 +150,14 @@ impl<'a> CameraPass<'a> {
         path: &mut CameraPath,
         interaction: &SurfaceInteraction<'a>,
         u: [f64; 3],
+        glossy: GlossyEvent,
         context: &mut PathContext<'_, 'a, S>,
     ) -> bool {
         let nm = path.reference_nm();
         let draw = |wo| interaction.bsdf.sample(wo, interaction.sides, nm, u);
         match sample_consistently(interaction, draw) {
             Some(consistent) => {
-                let continues = path.continue_along(interaction, &consistent, context.buffers);
+                let continues = path.continue_along(interaction, &consistent, glossy, context.buffers);
                 // If the path hits a light after this rough surface, the light is direct light at
                 // the surface. If the plan contains no direct light, the path ignores the light
                 // that it hits.
@@ -157,6 +169,16 @@ impl<'a> CameraPass<'a> {
             None => false,
         }
     }
+}
+
+/// How a free path continues at dispersive glass, once for each shared wavelength.
+#[derive(Clone, Copy)]
+enum SplitEvent {
+    /// The path is refracted. The value is the probability with which the caller selected this
+    /// event.
+    Refraction(f64),
+    /// Each wavelength samples the BSDF of rough glass.
+    Glossy(GlossyEvent),
 }
 
 /// Applies Russian roulette to paths of low throughput. Returns false if the path ends. Inside

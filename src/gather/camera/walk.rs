@@ -11,7 +11,6 @@ use super::sampler::PixelSampler;
 use super::throughput::{Factor, SpectralMode, product};
 use super::visible_point::VisiblePoint;
 use crate::gather::camera_pass::{CameraPass, PathContext};
-use crate::gather::direct::lighting::HitWeighting;
 use crate::map::PixelRadii;
 use crate::optics::bsdf::BsdfClass;
 use crate::plan::partition::View;
@@ -125,10 +124,7 @@ impl<'a> CameraPass<'a> {
             path.distance_m += interaction.distance_m;
             if interaction.crossed_hidden_face {
                 path.view = View::Indirect;
-                path.hit_weighting = match path.hit_weighting {
-                    HitWeighting::Full => HitWeighting::Full,
-                    HitWeighting::Mis { .. } | HitWeighting::Ignored => HitWeighting::Ignored,
-                };
+                path.hit_weighting = path.hit_weighting.after_specular_event();
             }
             self.add_emitters_hit(&path, interaction.incoming, Some(&interaction.hit), context);
             let class = interaction.bsdf.class();

@@ -6,7 +6,7 @@ use crate::map::kernel::{BoundaryCorrection, DiskKernel, KernelValues};
 use crate::map::{NearbyPhoton, PhotonPower};
 use crate::math::frame::Frame;
 use crate::optics::bsdf::{Bsdf, InterfaceIors, TransportMode};
-use crate::walk::{BodyMode, Sink, SurfaceInteraction, bias_of_excess};
+use crate::walk::{BodyMode, CausticWeights, Sink, SurfaceInteraction, bias_of_excess};
 use glam::DVec3;
 
 /// The lower limit of the cosine of the angle between two normals: the normal at the gather point
@@ -41,6 +41,9 @@ pub(in crate::gather) struct GatherPoint<'e> {
     kernel: DiskKernel,
     spectral_mode: SpectralMode,
     factors: &'e [Factor<'e>],
+    /// The weights of caustic photons, if they compete with camera paths.
+    weights: Option<CausticWeights>,
+    reference_nm: f64,
     /// The relative bias of the path's throughput.
     bias: f64,
     /// True if photons on the other side of the surface contribute too.
@@ -72,10 +75,18 @@ impl<'e> GatherPoint<'e> {
             kernel: DiskKernel::new(radius * radius).corrected(correction),
             spectral_mode: path.spectral_mode,
             factors,
+            weights: None,
+            reference_nm: path.reference_nm(),
             bias: bias_of_excess(path.excess_depth),
             transmits: interaction.bsdf.is_transmissive(),
             interpolated: interaction.frame.normal() != normal,
         }
+    }
+
+    /// Returns the gather point with weights for photons that compete with camera paths.
+    #[inline(always)]
+    pub(in crate::gather) fn competing_by(self, weights: Option<CausticWeights>) -> Self {
+        Self { weights, ..self }
     }
 
     /// Adds the contribution of a nearby photon to the path.
@@ -101,6 +112,13 @@ impl<'e> GatherPoint<'e> {
             ((to_light + (own_cosine - to_light.dot(self.facing)) * self.facing).normalize(), kernels)
         };
         let wi = self.frame.to_local(wi);
+        let kernels = match self.weights {
+            None => kernels,
+            Some(weights) => {
+                let pdf = self.bsdf.pdf(self.wo, wi, self.sides, self.reference_nm);
+                kernels.times(weights.of_photon(photon.power.ray_density(), pdf))
+            }
+        };
         let response = |nm: f64| self.bsdf.eval(self.wo, wi, self.sides, TransportMode::Radiance, nm);
         add_photon::<M, S>(&photon.power, kernels, self.bias, self.spectral_mode, self.factors, sink, response);
     }

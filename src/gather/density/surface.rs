@@ -9,9 +9,9 @@ use crate::map::kernel::BoundaryCorrection;
 use crate::map::{SetMaps, radius};
 use crate::optics::bsdf::BsdfClass;
 use crate::plan::IndirectPlan;
-use crate::plan::partition::PhotonClass;
-use crate::plan::partition::{Estimator, View, estimator};
-use crate::walk::{BodyMode, LostLight, Sink, SurfaceInteraction};
+use crate::plan::partition::{Estimator, PhotonClass, PhotonSet, View, estimator};
+use crate::walk::{BodyMode, CausticWeights, LostLight, Sink, SurfaceInteraction};
+use std::f64::consts::PI;
 
 impl<'a> CameraPass<'a> {
     /// Gathers the photons around a surface point. Only photons of some path classes are gathered:
@@ -31,6 +31,43 @@ impl<'a> CameraPass<'a> {
                 self.gather_set::<M, LostLight<'_>>(maps[set], path, interaction, bsdf_class, lost);
             });
         }
+    }
+
+    /// Returns the kernel radius (m) of a photon class at a surface point.
+    #[inline(always)]
+    fn kernel_radius<S: Sink>(
+        &self,
+        set: PhotonSet,
+        class: PhotonClass,
+        interaction: &SurfaceInteraction<'a>,
+        context: &PathContext<'_, 'a, S>,
+    ) -> f64 {
+        let radius = f64::from(context.radii.surface[set][class]) * self.scales.surface;
+        radius.max(radius::least(interaction.hit.position))
+    }
+
+    /// Returns the weights of caustic photons and of camera paths at a surface point. `None` if the
+    /// two do not compete there.
+    #[inline(always)]
+    pub(in crate::gather) fn caustic_weights<S: Sink>(
+        &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        bsdf_class: BsdfClass,
+        context: &PathContext<'_, 'a, S>,
+    ) -> Option<CausticWeights> {
+        if self.direct.ray_densities.is_none() || bsdf_class != BsdfClass::Glossy {
+            return None;
+        }
+        let set = path.spectral_mode.photon_set();
+        let area_m2 = match (path.spectral_mode, path.view) {
+            // The photons are connected to the camera, and each pixel has one camera path.
+            (SpectralMode::Free, View::Direct) => (path.distance_m * self.scene.camera.pixel_angle()).powi(2),
+            (SpectralMode::Free | SpectralMode::Shared { .. }, _) => {
+                PI * self.kernel_radius(set, PhotonClass::Caustic, interaction, context).powi(2)
+            }
+        };
+        Some(CausticWeights { photons_m2: self.photon_paths[set] as f64 * area_m2 })
     }
 
     /// Gathers the photons of one set around a surface point.
@@ -60,8 +97,7 @@ impl<'a> CameraPass<'a> {
                 continue;
             }
             context.tally.map_queries += 1;
-            let radius = f64::from(context.radii.surface[set][class]) * self.scales.surface;
-            let radius = radius.max(radius::least(interaction.hit.position));
+            let radius = self.kernel_radius(set, class, interaction, context);
             let measured;
             let outline = match path.view {
                 _ if self.outlines.is_empty() => None,
@@ -79,7 +115,12 @@ impl<'a> CameraPass<'a> {
                 View::Indirect => None,
             };
             let correction = outline.map_or(BoundaryCorrection::WHOLE, |outline| outline.correction(radius));
-            let gather_point = GatherPoint::new(interaction, radius, correction, path, &context.buffers.factors);
+            let weights = match class {
+                PhotonClass::Caustic => self.caustic_weights(path, interaction, bsdf_class, context),
+                PhotonClass::Indirect => None,
+            };
+            let gather_point =
+                GatherPoint::new(interaction, radius, correction, path, &context.buffers.factors).competing_by(weights);
             map.within(interaction.hit.position.as_vec3().to_array(), radius as f32, |nearby| {
                 if outline.is_none_or(|outline| outline.contains(nearby.position)) {
                     gather_point.add::<M, S>(&nearby, context.sink);

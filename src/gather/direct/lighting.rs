@@ -3,6 +3,7 @@
 //! importance sampling with the power heuristic (Veach & Guibas 1995, "Optimally Combining Sampling
 //! Techniques for Monte Carlo Rendering").
 
+use super::openings::{OPENINGS_SHARE, Openings};
 use crate::geometry::{Hit, Ray};
 use crate::math::distribution::DiscreteDistribution;
 use crate::math::random::hash64;
@@ -12,7 +13,8 @@ use crate::plan::{MediumPlan, Tally};
 use crate::scene::Scene;
 use crate::scene::light::{EmittedSpd, LiSample, Light};
 use crate::walk::{
-    BodyMode, PathTransmittance, RayState, SurfaceInteraction, path_transmittance, path_transmittance_tracked,
+    BodyMode, CausticWeights, PathTransmittance, RayDensities, RayDensity, RayState, SurfaceInteraction,
+    path_transmittance, path_transmittance_tracked,
 };
 use glam::DVec3;
 use std::ops::Range;
@@ -27,6 +29,10 @@ pub struct DirectLighting<'a> {
     scene: &'a Scene,
     light_distribution: &'a DiscreteDistribution,
     attenuation: ShadowAttenuation,
+    /// The openings of the scene.
+    openings: &'a Openings,
+    /// The densities of the emitted rays. `None` if no photon competes with camera paths.
+    pub(in crate::gather) ray_densities: Option<&'a RayDensities>,
 }
 
 /// The attenuation along shadow rays.
@@ -108,10 +114,27 @@ pub(in crate::gather) enum HitWeighting {
     /// The weight is 1, because no shadow ray could have sampled this light.
     Full,
     /// The weight of multiple importance sampling. The ray was sampled at `position` with the
-    /// density `pdf` per steradian. The other sampling technique is shadow rays.
-    Mis { position: DVec3, pdf: f64 },
+    /// density `pdf` per steradian. The other sampling technique is shadow rays. `caustic` weights
+    /// the light that the path hits after a specular event. If it is `None`, another estimator
+    /// counts this light.
+    Mis { position: DVec3, pdf: f64, caustic: Option<CausticWeights> },
+    /// The weight of multiple importance sampling. The other technique is photons. The path was
+    /// sampled with the density `pdf` per steradian at a glossy surface, and then had only specular
+    /// events.
+    Caustic { pdf: f64, weights: CausticWeights },
     /// The weight is 0, because another estimator counts the light.
     Ignored,
+}
+
+impl HitWeighting {
+    /// Returns the weighting after a specular event. A shadow ray does not follow such events.
+    pub(in crate::gather) fn after_specular_event(self) -> Self {
+        match self {
+            Self::Full | Self::Caustic { .. } | Self::Ignored => self,
+            Self::Mis { pdf, caustic: Some(weights), .. } => Self::Caustic { pdf, weights },
+            Self::Mis { caustic: None, .. } => Self::Ignored,
+        }
+    }
 }
 
 impl<'a> DirectLighting<'a> {
@@ -125,6 +148,18 @@ impl<'a> DirectLighting<'a> {
         Self::attenuated(scene, light_distribution, media_plan, ShadowAttenuation::Tracked)
     }
 
+    /// Adds the densities of the emitted rays, for a scene in which photons compete with camera paths.
+    #[must_use]
+    pub fn with_ray_densities(self, ray_densities: Option<&'a RayDensities>) -> Self {
+        Self { ray_densities, ..self }
+    }
+
+    /// Adds the openings of the scene.
+    #[must_use]
+    pub fn with_openings(self, openings: &'a Openings) -> Self {
+        Self { openings, ..self }
+    }
+
     fn attenuated(
         scene: &'a Scene,
         light_distribution: &'a DiscreteDistribution,
@@ -132,7 +167,7 @@ impl<'a> DirectLighting<'a> {
         in_media: ShadowAttenuation,
     ) -> Self {
         let attenuation = if media_plan.is_clear() { ShadowAttenuation::Absent } else { in_media };
-        Self { scene, light_distribution, attenuation }
+        Self { scene, light_distribution, attenuation, openings: Openings::NONE, ray_densities: None }
     }
 
     /// Returns the transmittance along an unoccluded ray of this length from a surface. The hash of
@@ -188,7 +223,7 @@ impl<'a> DirectLighting<'a> {
     ) -> Option<VolumeLightSample<'a>> {
         let VolumeLightSampleContext { ray_state, phase, u } = context;
         let light = &self.scene.lights[number];
-        let incident = light.sample_li(self.scene.extent(), ray_state.ray.origin, u)?;
+        let incident = self.sample_li(light, ray_state.ray.origin, u)?;
         let (incoming, probability) = (-incident.direction, self.selection_probability(number));
         let mis_weight = match (phase, incident.pdf_solid_angle) {
             (Some(phase), Some(pdf)) => {
@@ -221,7 +256,7 @@ impl<'a> DirectLighting<'a> {
     ) -> Option<LightSample<'a>> {
         let LightSampleContext { interaction, nm, u } = context;
         let light = &self.scene.lights[number];
-        let incident = light.sample_li(self.scene.extent(), interaction.hit.position, u)?;
+        let incident = self.sample_li(light, interaction.hit.position, u)?;
         let wi = interaction.frame.to_local(incident.direction);
         let (bsdf, wo, sides) = (interaction.bsdf, interaction.wo, interaction.sides);
         let pdf_bsdf = bsdf.pdf(wo, wi, sides, nm);
@@ -258,7 +293,7 @@ impl<'a> DirectLighting<'a> {
     pub(in crate::gather) fn emitted_by_hit(
         &self,
         number: usize,
-        direction: DVec3,
+        ray: Ray,
         hit: Option<Hit>,
         weighting: HitWeighting,
         tally: &mut Tally,
@@ -266,7 +301,7 @@ impl<'a> DirectLighting<'a> {
         if matches!(weighting, HitWeighting::Ignored) {
             return None;
         }
-        let light = &self.scene.lights[number];
+        let (light, direction) = (&self.scene.lights[number], ray.direction);
         let (radiance, spd) = match &hit {
             Some(hit) => (light.le_surface(direction, hit), EmittedSpd::Own),
             None => {
@@ -277,15 +312,64 @@ impl<'a> DirectLighting<'a> {
         let weight = match weighting {
             HitWeighting::Ignored => 0.0,
             HitWeighting::Full => 1.0,
-            HitWeighting::Mis { position, pdf } => {
+            HitWeighting::Caustic { pdf, weights } => {
+                weights.of_camera_path(self.ray_density(number, ray, hit.as_ref(), radiance), pdf)
+            }
+            HitWeighting::Mis { position, pdf, .. } => {
                 let pdf_light = match &hit {
                     Some(hit) => light.pdf_li_surface(self.scene.extent(), position, hit),
-                    None => light.pdf_li_escaped(direction),
+                    None => self.pdf_li_escaped(light, position, direction),
                 };
                 power_heuristic(pdf, pdf_light * self.selection_probability(number))
             }
         };
         (radiance * weight > 0.0).then_some(EmitterHit { light, radiance: radiance * weight, spd })
+    }
+
+    /// Samples a direction from a point towards a light; see [`Light::sample_li`].
+    #[inline(always)]
+    fn sample_li(&self, light: &Light, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
+        if self.openings.spheres.is_empty() || !light.surrounds() {
+            return light.sample_li(self.scene.extent(), from, u);
+        }
+        self.sample_li_through_openings(light, from, u)
+    }
+
+    /// Samples a direction from a point towards the surroundings: through an opening, or by their
+    /// radiance.
+    #[inline(never)]
+    fn sample_li_through_openings(&self, light: &Light, from: DVec3, [u, v, choice]: [f64; 3]) -> Option<LiSample> {
+        let mut sample = if choice < OPENINGS_SHARE {
+            let direction = self.openings.sample(from, choice / OPENINGS_SHARE, [u, v]);
+            let (radiance, spd) = light.le(direction)?;
+            let (distance, target) = (f64::INFINITY, None);
+            LiSample { direction, distance, target, irradiance: radiance, pdf_solid_angle: None, spd }
+        } else {
+            let sample = light.sample_li(self.scene.extent(), from, [u, v, choice])?;
+            LiSample { irradiance: sample.irradiance * sample.pdf_solid_angle.unwrap_or(1.0), ..sample }
+        };
+        let pdf = self.pdf_li_escaped(light, from, sample.direction);
+        sample.irradiance /= pdf;
+        sample.pdf_solid_angle = Some(pdf);
+        (pdf > 0.0).then_some(sample)
+    }
+
+    /// Returns the density of [`Self::sample_li`] for the direction of a ray that leaves the scene.
+    fn pdf_li_escaped(&self, light: &Light, from: DVec3, direction: DVec3) -> f64 {
+        let pdf = light.pdf_li_escaped(direction);
+        if self.openings.spheres.is_empty() || !light.surrounds() {
+            return pdf;
+        }
+        (1.0 - OPENINGS_SHARE) * pdf + OPENINGS_SHARE * self.openings.pdf(from, direction)
+    }
+
+    /// Returns the density of a light's rays along a camera ray that hit the light. `radiance` is
+    /// the radiance of the light along this ray.
+    fn ray_density(&self, number: usize, ray: Ray, hit: Option<&Hit>, radiance: f64) -> RayDensity {
+        let Some(densities) = self.ray_densities else { return RayDensity::NONE };
+        // The rays of a distant light start outside the scene.
+        let origin = hit.map_or_else(|| ray.at(2.0 * self.scene.extent().radius_m), |hit| hit.position);
+        densities.around(number, origin, -ray.direction, radiance)
     }
 }
 

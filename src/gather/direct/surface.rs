@@ -20,9 +20,9 @@ impl<'a> CameraPass<'a> {
         hit: Option<&Hit>,
         context: &mut PathContext<'_, 'a, S>,
     ) {
+        let ray = Ray { origin: path.ray_state.ray.origin, direction };
         for &number in self.direct.emitters_hit(hit) {
-            let emitted =
-                self.direct.emitted_by_hit(number, direction, hit.copied(), path.hit_weighting, context.tally);
+            let emitted = self.direct.emitted_by_hit(number, ray, hit.copied(), path.hit_weighting, context.tally);
             if let Some(emitter) = emitted {
                 add_emitter(*path, &emitter, context);
             }
@@ -71,9 +71,9 @@ impl<'a> CameraPass<'a> {
         let direction = interaction.frame.to_world(sample.wi);
         let ray = Ray { origin: interaction.hit.position, direction };
         let hit = self.scene.geometry.intersect(&ray, Some(interaction.hit.surface), f64::INFINITY);
-        let weighting = HitWeighting::Mis { position: ray.origin, pdf: sample.probability };
+        let weighting = HitWeighting::Mis { position: ray.origin, pdf: sample.probability, caustic: None };
         for &number in self.direct.emitters_hit(hit.as_ref()) {
-            let emitted = self.direct.emitted_by_hit(number, direction, hit, weighting, context.tally);
+            let emitted = self.direct.emitted_by_hit(number, ray, hit, weighting, context.tally);
             let Some(emitter) = emitted else { continue };
             let length_m = hit.map_or(f64::INFINITY, |hit| hit.t);
             let along = self.direct.transmittance_from::<M>(interaction, direction, length_m, direction.to_array());

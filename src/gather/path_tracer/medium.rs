@@ -82,7 +82,7 @@ impl<'a> PathTracer<'a> {
         for (k, &nm) in path.wavelengths.active().iter().enumerate() {
             path.throughput[k] *= medium.phase.eval(cosine, nm) / pdf;
         }
-        path.hit_weighting = HitWeighting::Mis { position: ray.origin, pdf };
+        path.hit_weighting = HitWeighting::Mis { position: ray.origin, pdf, caustic: None };
         path.ray_state = RayState { ray: Ray { origin: ray.origin, direction }, ..ray_state };
         path.survives_collision(sampler)
     }

@@ -9,7 +9,7 @@
 use crate::gather::camera::sampler::PixelSampler;
 use crate::gather::camera::throughput::relative_n2;
 use crate::gather::direct::lighting::{DirectLighting, HitWeighting, LightSampleContext};
-use crate::geometry::Hit;
+use crate::geometry::{Hit, Ray};
 use crate::optics::bsdf::{BsdfClass, TransportMode};
 use crate::plan::{MediumPlan, Tally};
 use crate::scene::Scene;
@@ -175,7 +175,8 @@ impl<'a> PathTracer<'a> {
         sink: &mut S,
     ) {
         for &number in self.direct.emitters_hit(hit.as_ref()) {
-            let emitted = self.direct.emitted_by_hit(number, direction, hit, path.hit_weighting, tally);
+            let ray = Ray { origin: path.ray_state.ray.origin, direction };
+            let emitted = self.direct.emitted_by_hit(number, ray, hit, path.hit_weighting, tally);
             let Some(emitter) = emitted else { continue };
             for (k, &nm) in path.wavelengths.active().iter().enumerate() {
                 let radiance = path.throughput[k] * emitter.light.spd_at(emitter.spd, nm) * emitter.radiance;
@@ -221,7 +222,7 @@ impl TracedPath {
             // Shadow rays cannot sample a light behind mirrors or glass.
             HitWeighting::Full
         } else {
-            HitWeighting::Mis { position: interaction.hit.position, pdf: scattered.pdf }
+            HitWeighting::Mis { position: interaction.hit.position, pdf: scattered.pdf, caustic: None }
         };
         self.ray_state = interaction.spawn_scattered(scattered);
     }

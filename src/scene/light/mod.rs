@@ -210,6 +210,18 @@ impl Light {
         }
     }
 
+    /// The radiance (W/m²/sr over the band) of an emitted ray. It is 0 for lights that no camera ray
+    /// can hit on a surface or at infinity.
+    pub fn radiance_of(&self, sample: &LeSample) -> f64 {
+        match &self.emitter {
+            Emitter::Area(light) => light.radiance,
+            Emitter::Directional(_) | Emitter::Environment(_) => {
+                self.le(-sample.direction).map_or(0.0, |(radiance, _)| radiance)
+            }
+            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Volume(_) => 0.0,
+        }
+    }
+
     /// The sampling density of [`Light::sample_li`] for the direction of a ray that leaves the
     /// scene. The density is per steradian. It is 0 for local lights.
     pub fn pdf_li_escaped(&self, direction: DVec3) -> f64 {
@@ -285,6 +297,11 @@ impl Light {
             Emitter::Area(light) => Some(light.virtual_light(extent.geometry, u)),
             Emitter::Environment(_) | Emitter::Volume(_) => None,
         }
+    }
+
+    /// Returns true if the light arrives from all directions.
+    pub fn surrounds(&self) -> bool {
+        matches!(self.emitter, Emitter::Environment(_))
     }
 
     /// Returns true if virtual lights can represent the light. For an environment, a volume light

@@ -1,0 +1,62 @@
+//! Openings through which the light of the surroundings reaches a room.
+//!
+//! A shadow ray to a random direction of the sky rarely passes through a window. Most shadow rays to
+//! an environment are therefore sent towards the openings that a search before pass 0 found (compare
+//! Bitterli, Novák & Jarosz 2015, "Portal-Masked Environment Map Sampling"). An opening is a sphere
+//! around a window, so the user need not describe the window. The other shadow rays follow the
+//! radiance of the environment, so the estimate is unbiased for any spheres.
+
+use crate::math::sphere::BoundingSphere;
+use glam::DVec3;
+
+/// The share of the shadow rays to an environment that are sent towards openings.
+pub const OPENINGS_SHARE: f64 = 0.75;
+
+/// The openings of a scene.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Openings {
+    /// The spheres around the openings. Rays are sent to all of them with equal probability.
+    pub spheres: Vec<BoundingSphere>,
+}
+
+impl Openings {
+    /// The openings of a scene without any.
+    pub const NONE: &'static Self = &Self { spheres: Vec::new() };
+
+    /// Samples a direction from a point through an opening. `choice` in [0, 1) selects the opening.
+    pub(super) fn sample(&self, from: DVec3, choice: f64, u: [f64; 2]) -> DVec3 {
+        let count = self.spheres.len();
+        let number = ((choice * count as f64) as usize).min(count - 1);
+        self.spheres[number].sample_direction(from, u).0
+    }
+
+    /// Returns the density of [`Self::sample`] per steradian.
+    pub fn pdf(&self, from: DVec3, direction: DVec3) -> f64 {
+        let sum: f64 = self.spheres.iter().map(|sphere| sphere.pdf_direction(from, direction)).sum();
+        sum / self.spheres.len() as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::sobol::Sobol;
+
+    /// The mean of 1/pdf over the samples is the solid angle that the openings cover.
+    #[test]
+    fn samples_have_the_stated_density() {
+        let sphere = |x: f64, radius_m: f64| BoundingSphere { centre: DVec3::new(x, 2.0, 0.0), radius_m };
+        let openings = Openings { spheres: vec![sphere(0.0, 0.5), sphere(0.2, 0.6), sphere(5.0, 1.0)] };
+        let (sobol, n) = (Sobol::new(3), 1 << 14);
+        let (mut sampled, mut uniform) = (0.0, 0.0);
+        for i in 0..n {
+            let u = sobol.point(i);
+            let direction = openings.sample(DVec3::ZERO, u[2], [u[0], u[1]]);
+            sampled += 1.0 / openings.pdf(DVec3::ZERO, direction) / f64::from(n);
+            let direction = crate::math::warp::sphere([u[3], u[4]]);
+            let covered = openings.pdf(DVec3::ZERO, direction) > 0.0;
+            uniform += if covered { 4.0 * std::f64::consts::PI / f64::from(n) } else { 0.0 };
+        }
+        assert!((sampled / uniform - 1.0).abs() < 0.02, "{sampled} and {uniform}");
+    }
+}
