@@ -140,11 +140,16 @@ struct SubtendedCone {
 }
 
 impl SubtendedCone {
-    /// Creates the cone, or returns `None` if `from` lies inside the sphere.
+    /// Largest distance from the sphere, relative to the coordinates, at which a point counts as a
+    /// point of the sphere. A point of the sphere must not see the sphere.
+    const ON_SPHERE: f64 = 1e-12;
+
+    /// Creates the cone, or returns `None` if `from` lies inside the sphere or on it.
     fn new(centre: DVec3, radius: f64, from: DVec3) -> Option<Self> {
         let offset = from - centre;
         let distance = offset.length();
-        if distance <= radius {
+        let largest = radius.max(centre.abs().max_element());
+        if distance <= radius + Self::ON_SPHERE * largest {
             return None;
         }
         let sin_max = radius / distance;

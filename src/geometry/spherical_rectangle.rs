@@ -13,6 +13,11 @@ use super::object::WorldRectangle;
 /// this limit, the difference has fewer than ten correct digits, and the caller samples by area.
 const SMALLEST_SOLID_ANGLE: f64 = 1e-6;
 
+/// Largest distance from the rectangle's plane, relative to the coordinates, at which a point counts
+/// as a point of the plane. The distances of such points are rounding errors. Without this limit, a
+/// point of the rectangle would see the rectangle in half of all directions.
+const IN_PLANE: f64 = 1e-12;
+
 /// A rectangle seen from a point. The point is the origin, and the axes x and y are parallel to the
 /// rectangle's sides. The rectangle's plane is z = z0 < 0.
 pub(super) struct SphericalRectangle {
@@ -49,7 +54,9 @@ impl WorldRectangle {
         let angle = |i: usize| (-normals[i].dot(normals[(i + 1) % 4])).clamp(-1.0, 1.0).acos();
         let first_angle = TAU - angle(2) - angle(3);
         let solid_angle = angle(0) + angle(1) - first_angle;
-        (z0 < 0.0 && solid_angle > SMALLEST_SOLID_ANGLE).then_some(SphericalRectangle {
+        let largest = self.corner.abs().max_element() + self.width + self.height;
+        let outside = z0 < -IN_PLANE * largest.max(from.abs().max_element());
+        (outside && solid_angle > SMALLEST_SOLID_ANGLE).then_some(SphericalRectangle {
             from,
             axes: [self.x, self.y, normal],
             x,

@@ -163,7 +163,7 @@ pub(crate) fn compare_with(a: &Measured, truth: &[f64]) -> Comparison {
 
 /// Returns the probability of |t| or more under Student's distribution: I_{ν/(ν+t²)}(ν/2, 1/2). The
 /// integral is evaluated in the angle φ with t = √ν tan φ, where the density is cos^{ν−1} φ.
-fn two_sided(t: f64, degrees: f64) -> f64 {
+pub(crate) fn two_sided(t: f64, degrees: f64) -> f64 {
     let from = (t.abs() / degrees.sqrt()).atan();
     let integral = |from: f64| {
         const STEPS: usize = 4000;
