@@ -215,6 +215,14 @@ mod tests {
         );
     }
 
+    /// If the surface ends at half the kernel radius, both kernels integrate to 1 over the surface.
+    #[test]
+    fn corrected_kernels_have_unit_mass_on_the_surface() {
+        let kernel = DiskKernel::new(1.0).corrected(BoundaryCorrection::within(0.5));
+        assert!((over_disk(0.5, |d2| kernel.at(d2).estimate) - 1.0).abs() < 1e-8);
+        assert!((over_disk(0.5, |d2| kernel.at(d2).uniform) - 1.0).abs() < 1e-8);
+    }
+
     /// The kernels on the line integrate to 1. Their bias estimate is exact for a parabolic
     /// density.
     #[test]

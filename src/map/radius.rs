@@ -129,6 +129,18 @@ mod tests {
         }
     }
 
+    /// The mean square error is least if the radius of a kernel with d dimensions falls as n^(−1/(d
+    /// + 4)). Kernels on surfaces and for points have two dimensions, and kernels for beams have
+    /// one.
+    #[test]
+    fn each_kind_of_radius_falls_at_its_own_rate() {
+        let (early, late) = (RadiusScales::of_pass(1 << 20), RadiusScales::of_pass(1 << 26));
+        let exponent = |of: fn(&RadiusScales) -> f64| (of(&late) / of(&early)).log2() / 6.0;
+        assert!((exponent(|scales| scales.surface) + 1.0 / 6.0).abs() < 1e-5);
+        assert!((exponent(|scales| scales.points) + 1.0 / 6.0).abs() < 1e-5);
+        assert!((exponent(|scales| scales.beams) + 1.0 / 5.0).abs() < 1e-5);
+    }
+
     /// First radii lie between the footprint and the largest radius.
     #[test]
     fn a_first_radius_stays_within_its_bounds() {

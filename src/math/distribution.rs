@@ -118,6 +118,17 @@ mod tests {
         assert!(DiscreteDistribution::new([0.0, 0.0]).is_none());
     }
 
+    /// After a choice, the number is the place within the share of the chosen index.
+    #[test]
+    fn a_number_is_rescaled_for_reuse_after_a_choice() {
+        let distribution = DiscreteDistribution::new([1.0, 3.0]).unwrap();
+        for (u, index, rest) in [(0.0, 0, 0.0), (0.125, 0, 0.5), (0.25, 1, 0.0), (0.625, 1, 0.5), (0.925, 1, 0.9)] {
+            let mut number = u;
+            assert_eq!(distribution.sample(&mut number), index, "{u}");
+            assert!((number - rest).abs() < 1e-15, "{u}: {number}");
+        }
+    }
+
     #[test]
     fn the_density_integrates_to_one_and_matches_its_samples() {
         let grid = PiecewiseConstant2d::new(3, &[1.0, 0.0, 2.0, 0.0, 0.0, 0.0, 4.0, 1.0, 0.5]).unwrap();

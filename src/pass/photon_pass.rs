@@ -127,8 +127,6 @@ fn missing_light<'m>(
     maps: &'m PerSet<SetMaps>,
     lost: &'m PerSet<SetMaps>,
 ) -> Option<MissingLight<'m>> {
-    /// The largest ratio. In a lossless cavity, the ratio would be infinite.
-    const LARGEST_RATIO: f64 = 1e6;
     fn references(maps: &PerSet<SetMaps>) -> PerSet<&SetMaps> {
         PerSet { free: &maps.free, shared: &maps.shared }
     }
@@ -137,8 +135,15 @@ fn missing_light<'m>(
     }
     let sum = |power: fn(&Ledger) -> f64| ledgers.iter().map(|ledger| power(ledger)).sum::<f64>();
     let (capped, emitted) = (sum(|ledger| ledger.depth_limit_indirect), sum(|ledger| ledger.emitted));
-    let factor = (capped / (emitted - capped)).clamp(0.0, LARGEST_RATIO);
-    (capped > 0.0).then(|| MissingLight { maps: references(maps), factor })
+    (capped > 0.0).then(|| MissingLight { maps: references(maps), factor: ratio_beyond_cap(capped, emitted) })
+}
+
+/// Returns the power of the photons beyond the cap, divided by the power of the photons before the
+/// cap. `capped` is the part of the power `emitted` that reaches the cap.
+fn ratio_beyond_cap(capped: f64, emitted: f64) -> f64 {
+    /// The largest ratio. In a lossless cavity, the ratio would be infinite.
+    const LARGEST: f64 = 1e6;
+    (capped / (emitted - capped)).clamp(0.0, LARGEST)
 }
 
 /// Updates the light maps for a pass, if the plan has any.
@@ -152,4 +157,20 @@ fn updated<'m, 'a>(
         maps.update(scene, context.budget.light_map_cells(pass), context.budget.seed, pass);
     }
     maps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// If the share c reaches the cap, the light beyond the cap is c + c² + c³ + … times the light
+    /// before the cap.
+    #[test]
+    fn light_beyond_the_cap_is_a_geometric_series() {
+        for share in [0.01_f64, 0.3, 0.9] {
+            let series: f64 = (1..2000).map(|power| share.powi(power)).sum();
+            assert!((ratio_beyond_cap(2.0 * share, 2.0) / series - 1.0).abs() < 1e-12, "{share}");
+        }
+        assert_eq!([ratio_beyond_cap(0.0, 1.0), ratio_beyond_cap(1.0, 1.0)], [0.0, 1e6]);
+    }
 }

@@ -136,8 +136,11 @@ impl PixelSurvey {
             camera_pass.sample(pixel as u64, sampler, &no_radii, &mut buffers, &mut tally, &mut NullSink);
             let mut radii = PixelRadii::splat(None);
             for set in [PhotonSet::Free, PhotonSet::Shared] {
-                let mut points = buffers.visible_points.iter().rev();
-                let Some(point) = points.find(|point| PhotonSet::of_path(point.shared) == set) else { continue };
+                // Paths read more photons at diffuse surfaces than at glossy surfaces.
+                let points = || buffers.visible_points.iter().rev();
+                let is_of_set = |point: &&VisiblePoint| PhotonSet::of_path(point.shared) == set;
+                let diffuse = points().filter(|point| point.is_diffuse).find(is_of_set);
+                let Some(point) = diffuse.or_else(|| points().find(is_of_set)) else { continue };
                 let extent_m = extents[point.object as usize];
                 let least_m = point.footprint_m.min(LEAST_RADIUS_OF_OBJECT * extent_m);
                 for class in PhotonClass::ALL {
@@ -158,7 +161,7 @@ impl PixelSurvey {
             });
             survey.readers.free += u64::from(reads.free);
             survey.readers.shared += u64::from(reads.shared);
-            let first = buffers.visible_points.first().copied();
+            let first = buffers.visible_points.iter().find(|point| point.is_diffuse).copied();
             survey.visible.push(first.filter(|point| point.view == View::Direct));
         }
         survey
@@ -196,8 +199,8 @@ impl PixelSurvey {
     }
 }
 
-/// Returns the length (m) of the diagonal of each object's bounding box, by object number. The length
-/// is infinite if the object has no surface.
+/// Returns the length (m) of the diagonal of each object's bounding box, by object number. The
+/// length is infinite if the object has no surface.
 fn object_extents(scene: &Scene) -> Vec<f64> {
     let mut extents = vec![f64::INFINITY; scene.objects.len()];
     for (object, (low, high)) in scene.geometry.object_bounds() {
@@ -206,8 +209,8 @@ fn object_extents(scene: &Scene) -> Vec<f64> {
     extents
 }
 
-/// Returns the share of a pass's photon paths that the survey traces at one of `moments` shutter times.
-/// `photons` is the number of photon paths in a pass.
+/// Returns the share of a pass's photon paths that the survey traces at one of `moments` shutter
+/// times. `photons` is the number of photon paths in a pass.
 fn photon_share(photons: u64, moments: usize) -> f64 {
     (PHOTON_SHARE / moments as f64).max(MIN_PHOTONS / photons.max(1) as f64).min(1.0)
 }
@@ -222,8 +225,8 @@ struct SurveyMaps {
 }
 
 impl SurveyMaps {
-    /// Indexes the survey's photons. `share` is the number of photon paths in the survey, divided by
-    /// the number of photon paths in a pass.
+    /// Indexes the survey's photons. `share` is the number of photon paths in the survey, divided
+    /// by the number of photon paths in a pass.
     fn new(deposits: &PhotonDeposits, context: &PassContext<'_>, share: f64) -> Self {
         let nearest = (share * f64::from(context.budget.nearest)).round() as usize;
         let volume = context.plan.volume;

@@ -254,6 +254,24 @@ mod tests {
         }
     }
 
+    /// The squared bias falls as n^(−1/2), and the variance of kernels as n^(−2/3).
+    #[test]
+    fn bias_and_kernel_noise_alone_fall_at_their_rates() {
+        for (parts, exponent) in [([0.04, 0.0, 0.0], -0.5), ([0.0, 0.04, 0.0], -2.0 / 3.0)] {
+            let forecast = history(&[16], |_| parts).forecast(times(16, 1.0, 0.0)).unwrap();
+            let squared = forecast.error_after_passes(16.0 * 64.0).powi(2);
+            assert!((squared / (0.04 * 64_f64.powf(exponent)) - 1.0).abs() < 1e-12, "{parts:?}: {squared}");
+        }
+    }
+
+    /// The time of the pilot is not a time of passes.
+    #[test]
+    fn the_present_time_has_the_present_error() {
+        let forecast = history(&[20], |_| [0.01, 0.02, 0.03]).forecast(times(20, 42.0, 22.0)).unwrap();
+        assert!((forecast.error_after_seconds(42.0) / 0.06_f64.sqrt() - 1.0).abs() < 1e-12);
+        assert!((forecast.error_after_seconds(62.0) / forecast.error_after_passes(40.0) - 1.0).abs() < 1e-12);
+    }
+
     #[test]
     fn the_second_passes_of_replicates_reveal_the_slope() {
         // The steepest slope is rare and far from the prior, so its tolerance is larger.

@@ -147,3 +147,15 @@ impl ErrorTracker {
         self.history.forecast(RunTimes::of(run.done, &run.sums.seconds))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All replicates have the same number of passes, and at least two.
+    #[test]
+    fn an_error_decides_after_whole_rounds_of_the_replicates() {
+        let deciding: Vec<u64> = (0..48).filter(|&passes| ErrorTracker::decides_after(passes)).collect();
+        assert_eq!(deciding, [16, 24, 32, 40]);
+    }
+}

@@ -129,6 +129,14 @@ impl Picture {
 mod tests {
     use super::*;
 
+    /// The quantiles of Student's t with 9 degrees of freedom are 2.262 (97.5 %) and 1.833 (95 %).
+    #[test]
+    fn intervals_take_students_quantiles_of_nine_degrees() {
+        assert!((half_interval_95(1.0, 0.0) - 2.262_157).abs() < 5e-4);
+        assert!((half_interval_95(1.0, 5.0) - (5.0 + 1.833_113)).abs() < 5e-4);
+        assert!((half_interval_95(0.0, 0.3) - 0.3).abs() < 1e-15);
+    }
+
     #[test]
     fn a_relative_error_is_never_0_while_pixels_are_unlit() {
         let mut picture = Picture::black(2, 1);

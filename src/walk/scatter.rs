@@ -225,3 +225,63 @@ fn single_lane(lane: usize, value: f64) -> Lanes {
     lanes[lane] = value;
     lanes
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Ray;
+    use crate::math::random::Purpose;
+    use crate::scene::medium_stack::MediumStack;
+    use crate::walk::next_interaction::next_interaction;
+    use crate::{format, format::resolve::resolve};
+
+    /// Returns the reflectance from the amplitudes of Fresnel's equations in their usual form.
+    fn textbook_reflectance(cos_i: f64, n_i: f64, n_t: f64) -> f64 {
+        let sin_t = (1.0 - cos_i * cos_i).sqrt() * n_i / n_t;
+        if sin_t >= 1.0 {
+            return 1.0;
+        }
+        let cos_t = (1.0 - sin_t * sin_t).sqrt();
+        let s = (n_i * cos_i - n_t * cos_t) / (n_i * cos_i + n_t * cos_t);
+        let p = (n_t * cos_i - n_i * cos_t) / (n_t * cos_i + n_i * cos_t);
+        0.5 * (s * s + p * p)
+    }
+
+    /// Inside flint glass near the critical angle, some wavelengths are totally reflected. In the
+    /// mean, each wavelength is reflected and transmitted as Fresnel's equations say.
+    #[test]
+    fn dispersive_glass_splits_each_wavelength_as_fresnel_says() {
+        let text = r#"{
+  "camera": {"from": [0, 0, 5], "at": [0, 0, 0], "lens": {"pinhole": {"fov": 40}}},
+  "film": {"width": 8, "height": 8},
+  "materials": {"flint": {"dielectric": {"ior": "SF10"}}},
+  "objects": [{"shape": {"box": {"size": [2, 2, 2]}}, "material": "flint"}],
+  "lights": [{"point": {"at": [3, 3, 3], "spectrum": "E", "power": 1}}]
+}"#;
+        let (written, source) = format::parse(text, "flint.json".as_ref(), &[]).unwrap();
+        let scene = resolve(&written, &source).unwrap();
+        let wavelengths = Wavelengths::new([420.0, 480.0, 560.0, 680.0]);
+        for angle in [30.0_f64, 34.6, 35.2] {
+            let (sin, cos) = angle.to_radians().sin_cos();
+            let ray = Ray::new(DVec3::new(0.1, 0.2, 0.0) - scene.centre, DVec3::new(sin, 0.0, cos));
+            let ray_state = RayState { ray, from: None, medium_stack: MediumStack::AIR.entered(0) };
+            let interaction = next_interaction(&scene, ray_state, 0.0).unwrap();
+            let (glass, air) = (interaction.sides.here, interaction.sides.there);
+            let mut stream = Stream::new(1, Purpose::Pilot, 0, 0);
+            let (mut reflected, mut transmitted, count) = ([0.0; LANES], [0.0; LANES], 100_000);
+            for _ in 0..count {
+                let scattered = scatter(&interaction, &wavelengths, TransportMode::Radiance, &mut stream);
+                let Some(scattered) = scattered else { continue };
+                let sums = if scattered.kept.is_some() { &mut transmitted } else { &mut reflected };
+                (0..LANES).for_each(|k| sums[k] += scattered.weight[k] / f64::from(count));
+            }
+            for (k, &nm) in wavelengths.nm.iter().enumerate() {
+                let (n_i, n_t) = (glass.n(nm), air.n(nm));
+                let known = textbook_reflectance(cos, n_i, n_t);
+                assert!((reflected[k] - known).abs() < 0.02, "{angle}°, {nm} nm: {} for {known}", reflected[k]);
+                let passed = transmitted[k] * (n_t / n_i).powi(2);
+                assert!((passed - (1.0 - known)).abs() < 0.02, "{angle}°, {nm} nm: {passed} for {}", 1.0 - known);
+            }
+        }
+    }
+}

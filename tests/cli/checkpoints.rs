@@ -248,6 +248,10 @@ fn parts_that_do_not_fit_are_refused_by_name() {
     done(&render(at, &["--part", "1/2", "--seed", "5", "-o", "seed.exr"]));
     done(&render(at, &["--part", "1/2", "--set", "lights[0].point.power=21", "-o", "scene.exr"]));
     merge(&["a.exr", "b.exr", "quarter.exr"]).is_error(2, &["quarter.exr", "pass 1", "b.exr also contains"]);
+    // The last pass of one part is the only pass of another part.
+    done(&render(at, &["--part", "0/2", "--passes", "5", "-o", "even.exr"]));
+    done(&render(at, &["--part", "4/5", "--passes", "5", "-o", "last.exr"]));
+    merge(&["even.exr", "last.exr"]).is_error(2, &["last.exr", "contains pass 4", "even.exr also contains"]);
     merge(&["a.exr", "./a.exr"]).is_error(2, &["a.exr", "given twice"]);
     merge(&["a.exr", "seed.exr"]).is_error(2, &["seed.exr", "seed 5", "seed 0, as a.exr has"]);
     merge(&["a.exr", "scene.exr"])

@@ -2,7 +2,7 @@
 //! radiance 1.
 
 use crate::common::compare::{Measured, compare_with};
-use crate::common::{all_y, block_means, diffuse, glass, with_setting};
+use crate::common::{all_y, block_means, diffuse, glass, mean_y, with_setting};
 use abbe::render::Integrator;
 use serde_json::{Value, json};
 
@@ -22,6 +22,16 @@ pub(crate) fn check(name: &str, scene: &Value, (integrator, passes): (Integrator
     assert!(error < 2e-3, "too noisy to tell");
     assert!((mean - 1.0).abs() < 5e-3, "{name}: {mean}");
     assert!(found.is_equal(), "{name}: {found}");
+}
+
+/// Renders with a few photons or passes, and checks that the mean luminance is 1 within
+/// `tolerance`.
+fn check_within(name: &str, scene: &Value, (integrator, passes): (Integrator, u64), tolerance: f64) {
+    let measured = Measured::new(scene, (integrator, passes), 0..4, mean_y);
+    let (mean, error) = (measured.mean(0), measured.error(0));
+    println!("furnace, {name}, {integrator:?}: {mean:.4} ± {error:.4}");
+    assert!(error < 0.4 * tolerance, "too noisy to tell");
+    assert!((mean - 1.0).abs() < tolerance, "{name}: {mean}");
 }
 
 /// Uniform surroundings of luminance 1.
@@ -61,6 +71,56 @@ fn a_closed_box_that_reflects_half_and_emits_half() {
     check("box", &closed_box(), (Integrator::Path, 64));
 }
 
+/// The closed box with four panels on each side. A point samples one of the 24 lights.
+#[test]
+fn a_closed_box_of_24_panels_is_a_furnace() {
+    let mut scene = closed_box();
+    let panels = |wall: &Value| {
+        [[-0.5, -0.5], [-0.5, 0.5], [0.5, -0.5], [0.5, 0.5]].map(|[x, z]| {
+            let mut panel = wall.clone();
+            panel["shape"] = json!({ "rectangle": { "width": 1, "height": 1 } });
+            let place = json!({ "translate": [x, 0, z] });
+            panel["transform"].as_array_mut().expect("a list").insert(0, place);
+            panel
+        })
+    };
+    let all: Vec<Value> = scene["objects"].as_array().expect("walls").iter().flat_map(panels).collect();
+    assert_eq!(all.len(), 24);
+    scene["objects"] = json!(all);
+    check_within("box of 24 panels", &with_setting(&scene, "photons", 5000), (Integrator::Photon, 16), 0.015);
+    check_within("box of 24 panels", &scene, (Integrator::Path, 64), 0.015);
+}
+
+/// White fog in the closed box. Fog that scatters forward finds the glowing walls by scattered rays
+/// and by shadow rays.
+#[test]
+fn forward_scattering_fog_in_a_closed_box_is_a_furnace() {
+    let mut scene = closed_box();
+    scene["media"] = json!({ "fog": { "homogeneous": { "absorption": 0, "scattering": 0.7,
+                                                       "phase": { "henyey_greenstein": { "g": 0.8 } } } } });
+    scene["materials"]["fog"] = json!({ "boundary": { "medium": "fog" } });
+    let fog = json!({ "shape": { "box": { "size": [1.8, 1.8, 1.8] } }, "material": "fog" });
+    scene["objects"].as_array_mut().expect("walls").push(fog);
+    check_within("box of fog", &scene, (Integrator::Path, 96), 0.015);
+}
+
+/// A closed box of glowing mirrors. Roulette ends most paths after 8 events (reflectance 0.7), or
+/// after 32 events (reflectance 0.97).
+#[test]
+fn a_closed_box_of_mirrors_is_a_furnace() {
+    for (reflectance, passes) in [(0.7, 32), (0.97, 32)] {
+        let mut scene = closed_box();
+        scene["materials"]["half"] = json!({ "mirror": { "reflectance": reflectance } });
+        for wall in scene["objects"].as_array_mut().expect("walls") {
+            wall["emission"]["luminance"] = json!(1.0 - reflectance);
+        }
+        scene["render"] = json!({ "photons": 100 });
+        let name = format!("box of mirrors, {reflectance}");
+        check_within(&name, &scene, (Integrator::Photon, passes), 0.03);
+        check_within(&name, &scene, (Integrator::Path, passes), 0.03);
+    }
+}
+
 /// A ball of glass and a white diffuse ball (albedo 1) beside it.
 fn ball(ior: Value) -> Value {
     json!({
@@ -82,6 +142,36 @@ fn a_ball_of_glass_in_uniform_surroundings() {
 fn a_dispersive_ball_of_glass_in_uniform_surroundings() {
     check("ball, SF10", &ball(json!("SF10")), (Integrator::Photon, 32));
     check("ball, SF10", &ball(json!("SF10")), (Integrator::Path, 512));
+}
+
+/// Camera paths meet the glass after a mirror, so each path selects reflection or refraction.
+#[test]
+fn a_dispersive_ball_in_a_mirror_is_a_furnace() {
+    let mut scene = ball(json!("SF10"));
+    scene["materials"]["mirror"] = json!({ "mirror": { "reflectance": 1 } });
+    scene["objects"].as_array_mut().expect("objects").push(json!({
+        "shape": { "rectangle": { "width": 20, "height": 20 } }, "material": "mirror",
+        "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": 90 } }, { "translate": [0, 0, -3] }] }));
+    scene["camera"] =
+        json!({ "from": [2, 0, 0], "at": [1, 0, -3], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 20 } } });
+    check_within("ball in a mirror, SF10", &scene, (Integrator::Photon, 32), 0.01);
+}
+
+/// The camera is inside a ball of rough glass. A shell with index 1 around the ball makes photons
+/// carry the light. Inside glass of index n, a furnace of radiance 1/n² has the radiance 1.
+#[test]
+fn a_camera_in_rough_glass_sees_photons_from_outside() {
+    let mut scene = ball(json!(1.5));
+    scene["materials"]["glass"]["dielectric"]["roughness"] = json!(0.9);
+    scene["materials"]["shell"] = glass(1.0);
+    scene["objects"].as_array_mut().expect("objects").push(json!({
+        "shape": { "sphere": { "radius": 1.3 } }, "material": "shell" }));
+    scene["camera"] =
+        json!({ "from": [0.1, 0.2, 0], "at": [1, 0.3, 0.2], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 60 } } });
+    scene["lights"][0]["environment"]["illuminance"] = json!(std::f64::consts::PI / 2.25);
+    scene["film"] = json!({ "width": 4, "height": 4 });
+    scene["render"]["photons"] = json!(5000);
+    check_within("inside a frosted ball", &scene, (Integrator::Photon, 32), 0.05);
 }
 
 /// A rough ball loses no light by scattering between its facets.

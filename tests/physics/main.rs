@@ -38,6 +38,8 @@ mod photon_and_path;
 mod prism;
 mod rainbow;
 mod references;
+mod shading_normals;
 mod sky;
+mod spectral_linearity;
 mod thin_lens;
 mod walls;

@@ -166,6 +166,21 @@ fn white_fog_in_uniform_surroundings_by_photons() {
     furnace::check("fog, g = 0, optical depth 2", &white_ball(2.0, 0.0), (Integrator::Photon, 640));
 }
 
+/// White smoke that is dense in the middle, in uniform surroundings. Beams of scattered light cross
+/// places of different density.
+#[test]
+fn white_smoke_by_beams_is_a_furnace_in_the_mean() {
+    let mut scene = white_ball(1.0, 0.0);
+    scene["media"]["white"] = json!({ "grid": { "bounds": [[-1, -1, -1], [1, 1, 1]],
+        "density": { "sphere": { "value": 1, "center": [0, 0, 0], "radius": 1, "falloff": 1 } },
+        "absorption": 0, "scattering": 2, "phase": "isotropic" } });
+    scene["render"]["force"] = json!(["photon-beams"]);
+    let seen = Measured::new(&scene, (Integrator::Photon, 32), 0..4, mean_y);
+    println!("white smoke by beams: {:.4} ± {:.4}", seen.mean(0), seen.error(0));
+    assert!(seen.error(0) < 0.01, "too noisy to tell");
+    assert!((seen.mean(0) - 1.0).abs() < 0.03, "{}", seen.mean(0));
+}
+
 #[test]
 fn the_ledger_of_fog_balances() {
     for (depth, g, absorption) in [(0.1, 0.8, 0.0), (2.0, 0.0, 0.5), (20.0, 0.8, 0.5)] {

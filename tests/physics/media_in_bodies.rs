@@ -2,9 +2,10 @@
 //! compared with closed forms and uniform surroundings.
 
 use crate::common::compare::Measured;
-use crate::common::{diffuse, mean_y, render};
+use crate::common::{diffuse, job, mean_y, render};
 use crate::furnace::{self, surroundings};
 use abbe::render::Integrator;
+use glam::DVec3;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
@@ -69,9 +70,118 @@ fn inner_bodies_displace_the_medium_around_them() {
     let mut air = before_a_bright_wall(materials, vec![layer("far", [2.0, 4.0])]);
     air["atmosphere"] = json!("near");
     check_depth("a body in the atmosphere", &air, 3.0 * 0.3 + 2.0 * 1.1);
+    // The camera is inside both bodies.
+    let around_the_camera = vec![layer("near", [-2.0, 3.0]), layer("far", [-1.0, 2.0])];
+    for objects in [around_the_camera.clone(), around_the_camera.into_iter().rev().collect()] {
+        let materials =
+            json!({ "near": { "boundary": { "medium": "near" } }, "far": { "boundary": { "medium": "far" } } });
+        check_depth("a camera in nested media", &before_a_bright_wall(materials, objects), 2.0 * 1.1 + 0.3);
+    }
     // The camera is inside the body.
     air["objects"][0] = layer("far", [-2.0, 3.0]);
     check_depth("a camera in a body in the atmosphere", &air, 2.0 * 0.3 + 3.0 * 1.1);
+}
+
+/// The camera is in fog inside a coloured body. Each segment of the view is attenuated by the body
+/// that contains the segment.
+#[test]
+fn a_camera_in_fog_inside_a_coloured_body_obeys_beer_s_law() {
+    let materials = json!({ "near": { "boundary": { "medium": "near" } }, "coloured": { "dielectric": { "ior": 1, "absorption": 0.9 } } });
+    let scene = before_a_bright_wall(materials, vec![layer("coloured", [-2.0, 4.0]), layer("near", [-1.0, 1.5])]);
+    check_depth("a camera in fog inside a coloured body", &scene, 1.5 * 0.3 + 2.5 * 0.9);
+}
+
+/// A coloured liquid attenuates by its own absorption and by the medium that fills it.
+#[test]
+fn a_coloured_body_filled_with_a_medium_absorbs_by_both() {
+    let materials = json!({ "both": { "dielectric": { "ior": 1, "absorption": 0.7, "medium": "near" } } });
+    let scene = before_a_bright_wall(materials, vec![layer("both", [1.0, 3.0])]);
+    check_depth("a coloured body with a medium", &scene, 2.0 * (0.3 + 0.7));
+}
+
+/// Hot gas in the middle of a larger body. A gas of optical depth τ and source radiance S has the
+/// radiance S (1 − e^−τ).
+#[test]
+fn hot_gas_has_the_radiance_of_its_optical_depth() {
+    const DEPTH: f64 = 1.2;
+    let gas = json!({ "grid": { "bounds": [[-5, -5, -3.5], [5, 5, -2]], "density": { "constant": 1 },
+        "absorption": DEPTH / 1.5, "scattering": 0, "phase": "isotropic", "emission": { "spectrum": 1, "radiance": 2 } } });
+    let mut scene =
+        before_a_bright_wall(json!({ "gas": { "boundary": { "medium": "gas" } } }), vec![layer("gas", [1.0, 4.5])]);
+    scene["media"] = json!({ "gas": gas });
+    let mut wall = scene.clone();
+    wall["objects"].as_array_mut().expect("objects").remove(0);
+    wall["objects"][0]["emission"] = json!({ "spectrum": 1, "radiance": 2 });
+    scene["objects"].as_array_mut().expect("objects").pop();
+    for way in [(Integrator::Photon, 16), (Integrator::Path, 512)] {
+        let [gas, wall] = [&scene, &wall].map(|scene| Measured::new(scene, way, 0..8, mean_y));
+        let (ratio, error) = (gas.mean(0) / wall.mean(0), gas.error(0) / wall.mean(0));
+        println!("hot gas, {:?}: {ratio:.4} ± {error:.4}", way.0);
+        assert!(error < 5e-3, "too noisy to tell");
+        assert!((ratio + (-DEPTH).exp_m1()).abs() < 0.015, "{:?}: {ratio}", way.0);
+    }
+}
+
+/// Half of a parallel beam starts inside a coloured body, 0.4 m before the face where it leaves.
+#[test]
+fn a_beam_that_starts_half_inside_a_body_is_half_absorbed() {
+    const COEFFICIENT: f64 = 2.0;
+    let scene = json!({
+        "camera": { "from": [0, 3, 6], "at": [0, 0, 0], "lens": { "pinhole": { "fov": 30 } } },
+        "film": { "width": 4, "height": 4 },
+        "materials": { "coloured": { "dielectric": { "ior": 1, "absorption": COEFFICIENT } }, "grey": diffuse(0.5) },
+        "objects": [
+            { "shape": { "box": { "size": [2, 1, 1] } }, "material": "coloured", "transform": [{ "translate": [1, 0, 0] }] },
+            { "shape": { "rectangle": { "width": 9, "height": 9 } }, "material": "grey", "transform": [{ "translate": [0, -20, 0] }] }],
+        "lights": [{ "beam": { "from": [0, -0.1, 0], "to": [0, -1, 0], "radius": 0.3, "spectrum": "E", "power": 1 } }],
+        "render": { "photons": 10000 }
+    });
+    let ledger = render(&scene, Integrator::Photon, 2).ledger;
+    let (absorbed, truth) = (ledger.absorbed_inside / ledger.emitted, -0.5 * (-COEFFICIENT * 0.4).exp_m1());
+    println!("beam half inside a body: {absorbed:.4} of the power is absorbed, expected {truth:.4}");
+    assert!((absorbed / truth - 1.0).abs() < 0.03, "{absorbed} for {truth}");
+}
+
+/// A ball of a liquid that scatters. The absorption is a property of the medium, or of the
+/// body around the medium. Both descriptions mean the same light.
+#[test]
+fn absorption_of_the_body_or_of_its_medium_is_the_same_light() {
+    let ball = |of_medium: f64, of_body: f64| {
+        json!({
+            "camera": { "from": [0, 0, 5], "at": [0, 0, 0], "lens": { "pinhole": { "fov": 22 } } },
+            "film": { "width": 4, "height": 4 },
+            "media": { "milk": { "homogeneous": { "absorption": of_medium, "scattering": 2, "phase": "isotropic" } } },
+            "materials": { "milk": { "dielectric": { "ior": 1, "absorption": of_body, "medium": "milk" } } },
+            "objects": [{ "shape": { "sphere": { "radius": 1 } }, "material": "milk" }],
+            "lights": surroundings(), "render": { "photons": 10000, "radius": 0.15 }
+        })
+    };
+    for (way, tolerance) in [((Integrator::Photon, 16), 0.05), ((Integrator::Path, 128), 0.03)] {
+        let [medium, body] = [ball(0.8, 0.0), ball(0.0, 0.8)].map(|scene| Measured::new(&scene, way, 0..4, mean_y));
+        let (ratio, error) = (body.mean(0) / medium.mean(0), body.error(0).hypot(medium.error(0)) / medium.mean(0));
+        println!("absorption of the body or of the medium, {:?}: ratio {ratio:.4} ± {error:.4}", way.0);
+        assert!(error < 0.5 * tolerance, "too noisy to tell");
+        assert!((ratio - 1.0).abs() < tolerance, "{:?}: {ratio}", way.0);
+    }
+}
+
+/// A ball touches the faces of a box of equal priority. Inside the ball, the ball is the inner
+/// body.
+#[test]
+fn a_ball_in_a_box_of_its_size_is_the_inner_body() {
+    let materials = json!({ "near": { "boundary": { "medium": "near" } }, "far": { "boundary": { "medium": "far" } } });
+    let object = |shape: Value, material: &str| json!({ "shape": shape, "material": material });
+    let ball = object(json!({ "sphere": { "radius": 2 } }), "far");
+    let cube = object(json!({ "box": { "size": [4, 4, 4] } }), "near");
+    for objects in [vec![ball.clone(), cube.clone()], vec![cube, ball]] {
+        let scene = job(&before_a_bright_wall(materials.clone(), objects)).scene;
+        let medium_at = |point: DVec3| {
+            let number = scene.medium_in(&scene.medium_stack_at(point - scene.centre));
+            number.map(|number| scene.media[number].name.as_str())
+        };
+        let places = [DVec3::new(0.1, -0.2, 0.3), DVec3::splat(1.7), DVec3::splat(2.1)];
+        assert_eq!(places.map(medium_at), [Some("far"), Some("near"), None]);
+    }
 }
 
 /// A light of 1 cd and a camera inside a box of smoke of this density, with z from −1 to 1. Both

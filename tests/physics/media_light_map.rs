@@ -136,6 +136,39 @@ fn even_fog_by_a_light_map_is_the_integral_as_its_cells_shrink() {
     check_order("fog", fog, |_| 1.0);
 }
 
+/// The light and the camera are inside a ball of a coloured liquid that scatters little. The light
+/// map and the shadow rays contain the absorption of the liquid on both ways.
+#[test]
+fn a_light_map_in_a_coloured_liquid_is_the_integral() {
+    const RADIUS: f64 = 2.0;
+    let eye = DVec3::new(0.0, 0.0, 1.5);
+    let mut scene = fog(8, point_lamp());
+    scene["camera"]["from"] = json!(eye.to_array());
+    scene["media"]["smoke"]["homogeneous"]["absorption"] = json!(0);
+    scene["materials"]["smoke"] = json!({ "dielectric": { "ior": 1, "absorption": ABSORPTION, "medium": "smoke" } });
+    scene["objects"][0]["shape"] = json!({ "sphere": { "radius": RADIUS } });
+    let camera = job(&scene).scene.camera;
+    let along = |pixel: usize| {
+        let film = DVec2::new((pixel % FILM) as f64 + 0.5, (pixel / FILM) as f64 + 0.5);
+        let direction = camera.ray(film, [0.5; 2]).direction;
+        let towards = eye.dot(direction);
+        let leave = -towards + (towards * towards + RADIUS * RADIUS - eye.length_squared()).sqrt();
+        let scattered = |t: f64| {
+            let d = (eye + t * direction - LAMP).length();
+            SCATTERING * 0.25 / PI * (-(ABSORPTION + SCATTERING) * (t + d)).exp() / (d * d)
+        };
+        integral(scattered, leave)
+    };
+    let truth = (0..FILM * FILM).map(along).sum::<f64>() / (FILM * FILM) as f64;
+    for (name, forbid) in [("light map", json!([])), ("shadow rays", json!(["light-map"]))] {
+        let found = Measured::new(&with_setting(&scene, "forbid", forbid), (Integrator::Photon, 16), 0..4, mean_y);
+        let (ratio, error) = (found.mean(0) / truth, found.error(0) / truth);
+        println!("coloured liquid, {name}: {ratio:.4} ± {error:.4} of the integral");
+        assert!(error < 5e-3, "too noisy to tell");
+        assert!((ratio - 1.0).abs() < 0.02, "{name}: {ratio}");
+    }
+}
+
 fn blocks(rendered: &Rendered) -> Vec<f64> {
     block_means(&all_y(rendered), FILM, 8, &[true; FILM * FILM])
 }
@@ -176,6 +209,23 @@ fn maps_and_shadow_rays_find_the_same_light() {
         });
         assert_same(&format!("{name}, maps against shadow rays"), &by_map, &asked, 2e-2);
     }
+}
+
+/// A sheet of light between the nodes of the map. All nodes are in the shadow of the roof.
+#[test]
+fn light_through_a_slit_between_the_nodes_of_a_map_is_found() {
+    let sun = json!({ "directional": { "toward": [0, -1, 0], "spectrum": "E", "illuminance": 1 } });
+    let mut scene = fog(4, sun);
+    scene["camera"]["from"] = json!([4, 0, 0]);
+    let half = |from: f64, to: f64| {
+        json!({ "shape": { "rectangle": { "width": to - from, "height": 8 } }, "material": "black",
+                "transform": [{ "translate": [0.5 * (from + to), 1.5, 0] }] })
+    };
+    scene["objects"].as_array_mut().expect("objects").extend([half(-4.0, 0.08), half(0.18, 4.0)]);
+    let [by_map, asked] = [json!([]), json!(["light-map"])]
+        .map(|forbid| Measured::new(&with_setting(&scene, "forbid", forbid), (Integrator::Photon, 64), 0..8, mean_y));
+    assert!(asked.mean(0) > 0.0);
+    assert_same("a sheet of light", &by_map, &asked, 5e-2);
 }
 
 #[test]

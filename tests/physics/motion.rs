@@ -108,6 +108,28 @@ fn a_moving_lamp_lights_each_place_for_its_time() {
     }
 }
 
+/// If the wavelengths of a pass depended on its time, places that a light reaches only for a part
+/// of the time would keep a false colour.
+#[test]
+fn a_ramp_of_motion_blur_has_the_colour_of_its_light() {
+    let mut edge = lamp(along_x(-0.75, 0.75));
+    edge["emission"]["spectrum"] = json!("E");
+    let scene = strip(json!([edge]), json!([]));
+    for integrator in [Integrator::Photon, Integrator::Path] {
+        let picture = render(&scene, integrator, 512).picture;
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (pixel, [x, y, z]) in picture.xyz.iter().enumerate() {
+            if (10..22).contains(&(pixel % COLUMNS)) {
+                sum += (x / y - 1.0).powi(2) + (z / y - 1.0).powi(2);
+                count += 2.0;
+            }
+        }
+        let off = f64::sqrt(sum / count);
+        println!("colour of the ramp, {}: off by {off:.5}", integrator.word());
+        assert!(off < 0.01, "{}: {off}", integrator.word());
+    }
+}
+
 #[test]
 fn a_turning_disk_does_not_shrink() {
     let turned = |time: f64, degrees: f64| json!({ "time": time, "transform": [{ "rotate": { "axis": [0, 1, 0], "degrees": degrees } }] });

@@ -38,6 +38,33 @@ fn daylight_does_not_leak_through_thin_walls() {
     assert!((light / path - 1.0).abs() < 0.03, "{light} and {path}");
 }
 
+/// A spot of light that is much smaller than the kernels. In pass i, counted from 0, the kernel in
+/// the middle of the spot has the value 2/(π r_i²). The radius follows r²_{i+1} = r²_i (i + 5/3)/(i
+/// + 2) (Knaus & Zwicker 2011).
+#[test]
+fn the_middle_of_a_small_spot_grows_as_kernels_shrink() {
+    let (reflectance, first_radius) = (0.5, 0.2_f64);
+    let pane = |y: f64| json!({ "shape": { "box": { "size": [1, 0.02, 1] } }, "material": "clear", "transform": [{ "translate": [0, y, 0] }] });
+    let scene = json!({
+        "camera": { "from": [0, 0.6, 0], "at": [0, 0, 0], "up": [0, 0, -1], "lens": { "pinhole": { "fov": 0.2 } } },
+        "film": { "width": 2, "height": 2 },
+        "materials": { "grey": diffuse(reflectance), "clear": { "dielectric": { "ior": 1 } } },
+        "objects": [{ "shape": { "rectangle": { "width": 4, "height": 4 } }, "material": "grey" }, pane(0.3), pane(0.8)],
+        "lights": [{ "beam": { "from": [0, 1, 0], "to": [0, 0, 0], "radius": 0.002, "spectrum": "E", "luminous_flux": 1 } }],
+        "render": { "photons": 2000, "radius": first_radius }
+    });
+    let passes = 64;
+    let (mut square, mut sum) = (first_radius * first_radius, 0.0);
+    for i in 0..passes {
+        sum += 2.0 / (std::f64::consts::PI * square);
+        square *= (i as f64 + 5.0 / 3.0) / (i as f64 + 2.0);
+    }
+    let truth = reflectance / std::f64::consts::PI * sum / passes as f64;
+    let ratio = mean_y(&render(&scene, Integrator::Photon, passes))[0] / truth;
+    println!("small spot: {ratio:.4} of the closed form");
+    assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
+}
+
 /// A cube of 4 m on a film of 1, 4 and 16 pixels.
 #[test]
 fn a_pixel_may_be_as_large_as_a_wall() {

@@ -87,6 +87,15 @@ fn the_ledger_balances_and_sampling_is_unbiased() {
     assert!(emitted.abs() < 4.0 * error.max(1e-9), "{emitted} ± {error}");
 }
 
+/// Photons are traced in tasks. No task leaves out a photon.
+#[test]
+fn each_pass_emits_all_its_photons() {
+    for photons in [2048, 5000] {
+        let job = job_with(EVERYTHING, &[&format!("render.photons={photons}")]);
+        assert_eq!(render_job(&job, Integrator::Photon, 1).stats.photons_emitted, photons);
+    }
+}
+
 #[test]
 fn a_ledger_notices_a_loss_of_one_part_in_ten_thousand() {
     let job = job_with(EVERYTHING, &[]);

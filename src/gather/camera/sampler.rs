@@ -87,3 +87,38 @@ fn corner(camera: &Camera, pixel: u64) -> DVec2 {
     let width = camera.width() as u64;
     DVec2::new((pixel % width) as f64, (pixel / width) as f64)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns the correlation of two lists of uniform numbers.
+    fn correlation(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
+        let (sum, count) = pairs.fold((0.0, 0.0), |(sum, n), (a, b)| (sum + (a - 0.5) * (b - 0.5), n + 1.0));
+        12.0 * sum / count
+    }
+
+    /// The samples of different pixels, of different passes and of different purposes are
+    /// independent.
+    #[test]
+    fn samples_of_pixels_and_passes_are_uncorrelated() {
+        let numbers = |seed: u64, pass: u64, pixel: u64| {
+            let sampler = PixelSampler::new(seed, pass, pixel);
+            let [x, y] = sampler.film();
+            let [u, v, w] = sampler.light();
+            [x, y, u, v, w, sampler.wavelength]
+        };
+        for (pass, pixel) in [(0, 1), (1, 0), (8, 0), (3, 17)] {
+            for i in 0..6 {
+                for j in 0..6 {
+                    let pair = |seed: u64| (numbers(seed, 0, 0)[i], numbers(seed, pass, pixel)[j]);
+                    // Eight passes belong to one replicate, which is stratified over its passes.
+                    if pass != 8 || i != j {
+                        let found = correlation((0..1000).map(pair));
+                        assert!(found.abs() < 0.15, "pass {pass}, pixel {pixel}, {i} and {j}: {found}");
+                    }
+                }
+            }
+        }
+    }
+}

@@ -4,8 +4,8 @@ use crate::geometry::Ray;
 use crate::plan::partition::View;
 use glam::DVec3;
 
-/// A visible point: a point where a camera path ended at a diffuse surface (Hachisuka & Jensen
-/// 2009, "Stochastic Progressive Photon Mapping").
+/// A visible point: a point where a camera path read the photon map, at a diffuse or a glossy
+/// surface (Hachisuka & Jensen 2009, "Stochastic Progressive Photon Mapping").
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VisiblePoint {
     /// The position.
@@ -21,6 +21,8 @@ pub struct VisiblePoint {
     pub view: View,
     /// True if the path carries a shared wavelength.
     pub shared: bool,
+    /// True if the surface is diffuse. The path then ends at the point.
+    pub is_diffuse: bool,
 }
 
 /// A segment of a camera path in a scattering medium. The path gathered photons along this segment.

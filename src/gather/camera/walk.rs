@@ -170,7 +170,7 @@ impl<'a> CameraPass<'a> {
     ) {
         let ends = class == BsdfClass::Diffuse;
         context.tally.rough_events += u64::from(!ends);
-        if ends && context.buffers.records {
+        if context.buffers.records {
             context.buffers.visible_points.push(self.visible_point(path, interaction));
         }
         if !self.plan.direct.is_absent() {
@@ -184,7 +184,7 @@ impl<'a> CameraPass<'a> {
         self.gather_photons::<M, S>(path, interaction, class, context);
     }
 
-    /// Returns the visible point of a path that ends at the interaction.
+    /// Returns the visible point of a path at the interaction.
     #[inline]
     pub(in crate::gather) fn visible_point(
         &self,
@@ -199,6 +199,7 @@ impl<'a> CameraPass<'a> {
             footprint_m: path.distance_m * self.scene.camera.pixel_angle(),
             view: path.view,
             shared: matches!(path.spectral_mode, SpectralMode::Shared { .. }),
+            is_diffuse: interaction.bsdf.class() == BsdfClass::Diffuse,
         }
     }
 }

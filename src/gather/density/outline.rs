@@ -228,6 +228,7 @@ mod tests {
             object: 0,
             view: View::Direct,
             shared: false,
+            is_diffuse: true,
         }
     }
 

@@ -103,21 +103,21 @@ impl<'a> CameraPass<'a> {
             let cosine = -photon.incoming.dot(segment.ray.direction);
             // A beam stores the power at its start. Therefore the response of a beam includes the
             // attenuation up to the camera ray and the scattering coefficient there. The stored
-            // power of a point already includes both.
+            // power of a point already includes both. No face is between the beam and the camera
+            // ray, so both are in the same bodies.
             let along_beam = photon.beam.map(|BeamPath { start, distance_m }| {
                 let ray = Ray { origin: start, direction: photon.incoming };
-                (
-                    SegmentTransmittance::new(medium, ray, distance_m, hash64([seed, distance_m.to_bits()])),
-                    medium.density_at(ray.at(distance_m)),
-                )
+                let beam = MediumSegment { ray, ..*segment };
+                let along = beam.path_transmittance(distance_m, hash64([seed, distance_m.to_bits()]));
+                (along, medium.density_at(ray.at(distance_m)))
             });
             let excess = |along: &[SegmentTransmittance<'_>]| excess_optical_depth(along, path.reference_nm());
-            let of_beam = along_beam.as_ref().map_or(0.0, |(along, _)| excess(&[*along]));
+            let of_beam = along_beam.as_ref().map_or(0.0, |(along, _)| excess(along));
             let bias = bias_of_excess(path.excess_depth + excess(&to_photon) + of_beam);
             let response = |nm| {
                 let scattered = along_beam
                     .as_ref()
-                    .map_or(1.0, |(along, density)| along.at(nm) * medium.scattering.at(nm) * density);
+                    .map_or(1.0, |(along, density)| transmittance(along, nm) * medium.scattering.at(nm) * density);
                 scattered * medium.phase.eval(cosine, nm) * transmittance(&to_photon, nm)
             };
             add_photon::<WithBodies, S>(photon.power, kernels, bias, path.spectral_mode, factors, sink, response);

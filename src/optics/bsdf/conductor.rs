@@ -111,3 +111,47 @@ impl Conductor {
         (1.0 - probability) * single + probability * facets.compensation.pdf(wi.z.abs())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::glass::RefractiveIndex;
+
+    /// The mean reflectance is 2∫ F cos θ d(cos θ). F follows from Fresnel's amplitudes with a
+    /// complex cosine of refraction.
+    #[test]
+    fn the_mean_reflectance_weights_directions_by_their_cosine() {
+        let (n, k) = (2.9_f64, 3.3_f64);
+        let reflectance = |cos: f64| {
+            let sin2 = 1.0 - cos * cos;
+            // (a + ib)² = (n + ik)² − sin² θ
+            let (real, imaginary) = (n * n - k * k - sin2, 2.0 * n * k);
+            let modulus = real.hypot(imaginary);
+            let (a, b) = ((0.5 * (modulus + real)).sqrt(), (0.5 * (modulus - real)).sqrt());
+            let s = ((a - cos).powi(2) + b * b) / ((a + cos).powi(2) + b * b);
+            let tangent = sin2.sqrt() * sin2.sqrt() / cos;
+            s * 0.5 * (1.0 + ((a - tangent).powi(2) + b * b) / ((a + tangent).powi(2) + b * b))
+        };
+        let steps = 10_000;
+        let at = |i: i32| (f64::from(i) + 0.5) / f64::from(steps);
+        let known = (0..steps).map(|i| 2.0 * at(i) * reflectance(at(i)) / f64::from(steps)).sum::<f64>();
+        let rough = Conductor::new(Spectrum::constant(n), Spectrum::constant(k), 0.5).unwrap();
+        let index = RefractiveIndex::constant(1.0).unwrap();
+        let found = rough.mean_reflectance(InterfaceIors { here: &index, there: &index }, 550.0);
+        assert!((found - known).abs() < 2e-3, "{found} for {known}");
+    }
+
+    /// At normal incidence, a metal of index n + ik in a liquid of index m reflects ((n − m)² +
+    /// k²)/((n + m)² + k²).
+    #[test]
+    fn a_metal_in_water_reflects_less_than_in_air() {
+        let (n, k) = (0.9, 2.4);
+        let smooth = Conductor::new(Spectrum::constant(n), Spectrum::constant(k), 0.0).unwrap();
+        for outside in [1.0, 1.333, 1.7] {
+            let index = RefractiveIndex::constant(outside).unwrap();
+            let iors = InterfaceIors { here: &index, there: &index };
+            let known = ((n - outside).powi(2) + k * k) / ((n + outside).powi(2) + k * k);
+            assert!((smooth.coefficient(DVec3::Z, iors, 550.0) - known).abs() < 1e-12, "outside index {outside}");
+        }
+    }
+}

@@ -191,3 +191,27 @@ pub(super) fn test_lights(at: DVec3, axis: DVec3) -> Vec<TestLight> {
         light("nearly parallel beam", 0.3, 0.05, None),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::sobol::Sobol;
+
+    /// A wide beam fills a cone of directions with constant radiance. A sphere of the cross-section
+    /// S in front of a large disk receives the flux L Ω S.
+    #[test]
+    fn a_sphere_in_a_wide_beam_receives_all_directions() {
+        let (divergence, radius_m) = (1.0_f64, 4.0);
+        let beam = BeamLight::new(DVec3::ZERO, DVec3::Z, radius_m, divergence, 10.0);
+        let sphere = BoundingSphere { centre: DVec3::new(0.1, -0.2, 0.5), radius_m: 0.05 };
+        let (sobol, count) = (Sobol::new(0), 4096);
+        let flux = |i: u32| {
+            let u = sobol.point(i);
+            beam.sample_le_through(&sphere, LeRandoms { aim: [u[0], u[1]], rest: [u[2], u[3], u[4]] }).flux_w
+        };
+        let mean = (0..count).map(flux).sum::<f64>() / f64::from(count);
+        let radiance = 10.0 / (PI * radius_m * radius_m * PI * divergence.sin().powi(2));
+        let known = radiance * 2.0 * PI * (1.0 - divergence.cos()) * PI * 0.05 * 0.05;
+        assert!((mean / known - 1.0).abs() < 2e-3, "{mean} for {known}");
+    }
+}

@@ -21,6 +21,27 @@ pub(super) fn distant_cases() -> Vec<LightCase> {
     ]
 }
 
+/// A rotation turns an image from the zenith to the horizon. Sampled directions carry the radiance
+/// and the density that their directions have.
+#[test]
+fn a_rotated_image_is_sampled_where_it_shines() {
+    let basis = [620.0, 540.0, 450.0].map(|nm| Spectrum::gaussian(nm, 60.0).unwrap());
+    let bright = |i: u32| if i < 8 { [1.0; 3] } else { [1e-3; 3] };
+    let pixels: Vec<[f32; 3]> = (0..48).map(bright).collect();
+    let map = EnvironmentMap::new(8, 6, &pixels, [&basis[0], &basis[1], &basis[2]]).unwrap();
+    let upright = EnvironmentLight::new(2.0, Some(Arc::new(map)));
+    let lying = upright.rotated(DQuat::from_rotation_arc(DVec3::Y, DVec3::X));
+    assert_eq!([upright.le(DVec3::Y).0, upright.le(DVec3::X).0], [lying.le(DVec3::X).0, lying.le(DVec3::NEG_Y).0]);
+    let (mut stream, mut towards_x) = (stream(0), 0);
+    for _ in 0..1000 {
+        let sample = lying.sample_li(stream.triple()).unwrap();
+        let (radiance, pdf) = (lying.le(sample.direction).0, lying.pdf_li(sample.direction));
+        assert!((sample.irradiance / (radiance / pdf) - 1.0).abs() < 1e-9, "{}", sample.direction);
+        towards_x += u32::from(sample.direction.x > 0.8);
+    }
+    assert!(towards_x > 900, "{towards_x} of 1000 samples");
+}
+
 /// An image with unequal pixels, black pixels and a black row.
 fn image() -> EnvironmentMap {
     let basis = [620.0, 540.0, 450.0].map(|nm| Spectrum::gaussian(nm, 60.0).unwrap());
