@@ -33,7 +33,7 @@ fn bands(rendered: &Rendered) -> Vec<f64> {
 
 #[test]
 fn two_lines_scatter_in_coloured_drops_as_each_line_alone() {
-    for (way, noise) in [((Integrator::Photon, 16), 0.03), ((Integrator::Path, 128), 0.03)] {
+    for (way, noise) in [((Integrator::Photon, 16), 0.03), ((Integrator::Path, 128), 0.045)] {
         let both = Measured::new(&ball(&LINES), way, 0..6, bands);
         for (band, nm) in LINES.into_iter().enumerate() {
             let alone = Measured::new(&ball(&[nm]), way, 8..14, bands);
