@@ -17,6 +17,7 @@ use crate::scene::Scene;
 use crate::sensor::Film;
 use crate::walk::Sink;
 use rayon::prelude::*;
+use std::f64::consts::SQRT_2;
 use std::num::NonZero;
 use std::ops::Range;
 
@@ -37,6 +38,10 @@ const MIN_PHOTONS: f64 = 10_000.0;
 /// The lower limit of the first kernel radius on surfaces is a pixel, but at most this fraction of
 /// the object. A wider kernel would reach over the edges of an object that is as large as a pixel.
 const LEAST_RADIUS_OF_OBJECT: f64 = 1.0 / 16.0;
+
+/// The upper limit of the first kernel radius on surfaces, as a fraction of the object. A kernel that
+/// is much larger than the object contains few of the photons that it is normalised for.
+const LARGEST_RADIUS_OF_OBJECT: f64 = 0.5;
 
 /// Separates the camera samples of the pilot from the camera samples of the passes. The samples are
 /// hashes of the seed, the replicate and the pixel. The bytes of this number are the word "pilot"
@@ -144,7 +149,9 @@ impl PixelSurvey {
                 let extent_m = extents[point.object as usize];
                 let least_m = point.footprint_m.min(LEAST_RADIUS_OF_OBJECT * extent_m);
                 for class in PhotonClass::ALL {
-                    let radius = maps[set].first_radius_m(context, point, least_m, class) as f32;
+                    let largest_m = MAX_SURFACE_RADIUS_PX[class] * point.footprint_m;
+                    let limits_m = (least_m, largest_m.min(LARGEST_RADIUS_OF_OBJECT * extent_m));
+                    let radius = maps[set].first_radius_m(context, point, limits_m, class) as f32;
                     radii.surface[set][class] = Some(radius).filter(|&radius| radius > 0.0);
                 }
             }
@@ -199,12 +206,16 @@ impl PixelSurvey {
     }
 }
 
-/// Returns the length (m) of the diagonal of each object's bounding box, by object number. The
-/// length is infinite if the object has no surface.
+/// Returns the extent (m) of each object, by object number: the diagonal of a square whose sides have
+/// the middle one of the three side lengths of the object's bounding box. For a square plate and for
+/// a cube, this is the diagonal of a face. For a thin rod, it is about the diameter. The extent is
+/// infinite if the object has no surface.
 fn object_extents(scene: &Scene) -> Vec<f64> {
     let mut extents = vec![f64::INFINITY; scene.objects.len()];
     for (object, (low, high)) in scene.geometry.object_bounds() {
-        extents[object as usize] = low.distance(high);
+        let mut sides = (high - low).to_array();
+        sides.sort_by(f64::total_cmp);
+        extents[object as usize] = SQRT_2 * sides[1];
     }
     extents
 }
@@ -238,13 +249,19 @@ impl SurveyMaps {
     }
 
     /// Returns the first kernel radius in m at a visible point. If the scene does not fix the
-    /// radius, the kernel contains as many photons as the budget specifies. Its radius is then at
-    /// least `least_m` and at most [`MAX_SURFACE_RADIUS_PX`] pixels.
-    fn first_radius_m(&self, context: &PassContext<'_>, point: &VisiblePoint, least_m: f64, class: PhotonClass) -> f64 {
+    /// radius, the kernel contains as many photons as the budget specifies. `limits_m` contains the
+    /// least and the largest radius.
+    fn first_radius_m(
+        &self,
+        context: &PassContext<'_>,
+        point: &VisiblePoint,
+        limits_m: (f64, f64),
+        class: PhotonClass,
+    ) -> f64 {
         if let Some(fixed) = context.budget.radius_m {
             return fixed;
         }
-        let largest = MAX_SURFACE_RADIUS_PX[class] * point.footprint_m;
+        let (least_m, largest) = limits_m;
         let position = point.position.as_vec3().to_array();
         let kth = self.surface[class].kth_distance(position, self.nearest, largest as f32);
         radius::first(kth.map(f64::from), least_m, largest)
