@@ -289,18 +289,18 @@ fn light_passes_hidden_faces_before_and_after_a_floor() {
         700.0 / (4.0 * PI) * 1.1 / d2.powf(1.5)
     });
     let inside = |objects: &[Value], lights: &[Value]| {
-        let mut scene = floor(&[&[outer.clone()], objects].concat(), lights);
+        let mut scene = floor(&[std::slice::from_ref(&outer), objects].concat(), lights);
         scene["materials"]["outer"] = json!({ "dielectric": { "ior": 1, "priority": 1 } });
         scene["materials"]["hidden"] = json!({ "dielectric": { "ior": 1.7 } });
         scene["render"] = json!({ "photons": 5000, "radius": 0.02 });
         scene
     };
     let (low, high) = (slab(0.6, 0.2), slab(3.0, 0.7));
-    let before = inside(&[high.clone()], std::slice::from_ref(&point));
+    let before = inside(std::slice::from_ref(&high), std::slice::from_ref(&point));
     check_within("hidden faces before the floor", &before, illuminance, (Integrator::Photon, 4), 0.06);
     let both = inside(&[low.clone(), high.clone()], std::slice::from_ref(&point));
     check_within("hidden faces on both sides", &both, illuminance, (Integrator::Photon, 4), 0.06);
-    let after = inside(&[low.clone()], &[point]);
+    let after = inside(std::slice::from_ref(&low), &[point]);
     check_within("hidden faces after the floor", &after, illuminance, (Integrator::Photon, 4), 0.06);
     let lit_by_sphere = inside(&[low, high, sphere], &[]);
     check_within("hidden faces, sphere", &lit_by_sphere, illuminance, (Integrator::Path, 512), 0.08);
