@@ -43,6 +43,10 @@ const LEAST_RADIUS_OF_OBJECT: f64 = 1.0 / 16.0;
 /// is much larger than the object contains few of the photons that it is normalised for.
 const LARGEST_RADIUS_OF_OBJECT: f64 = 0.5;
 
+/// The least number of indirect photons of a pass within the first kernel radius. Close to a wall in a
+/// large world, a pixel covers such a small part of the wall that 24 pixels contain no photons.
+const FEWEST_PHOTONS: f64 = 8.0;
+
 /// Separates the camera samples of the pilot from the camera samples of the passes. The samples are
 /// hashes of the seed, the replicate and the pixel. The bytes of this number are the word "pilot"
 /// in ASCII.
@@ -149,9 +153,10 @@ impl PixelSurvey {
                 let extent_m = extents[point.object as usize];
                 let least_m = point.footprint_m.min(LEAST_RADIUS_OF_OBJECT * extent_m);
                 for class in PhotonClass::ALL {
-                    let largest_m = MAX_SURFACE_RADIUS_PX[class] * point.footprint_m;
-                    let limits_m = (least_m, largest_m.min(LARGEST_RADIUS_OF_OBJECT * extent_m));
-                    let radius = maps[set].first_radius_m(context, point, limits_m, class) as f32;
+                    let object_m = LARGEST_RADIUS_OF_OBJECT * extent_m;
+                    let largest_m = object_m.min(MAX_SURFACE_RADIUS_PX[class] * point.footprint_m);
+                    let limits = RadiusLimits { least_m, largest_m, object_m };
+                    let radius = maps[set].first_radius_m(context, point, limits, class) as f32;
                     radii.surface[set][class] = Some(radius).filter(|&radius| radius > 0.0);
                 }
             }
@@ -226,6 +231,17 @@ fn photon_share(photons: u64, moments: usize) -> f64 {
     (PHOTON_SHARE / moments as f64).max(MIN_PHOTONS / photons.max(1) as f64).min(1.0)
 }
 
+/// The limits of a first kernel radius on a surface.
+#[derive(Clone, Copy)]
+struct RadiusLimits {
+    /// The lower limit in m.
+    least_m: f64,
+    /// The upper limit in m.
+    largest_m: f64,
+    /// The upper limit in m if the kernel contained almost no photons.
+    object_m: f64,
+}
+
 /// The photons of one set that the survey traced at one shutter time.
 struct SurveyMaps {
     surface: PerClass<PhotonMap>,
@@ -233,38 +249,47 @@ struct SurveyMaps {
     /// The number of photons of the survey within the first radius on a surface. A pass has as many
     /// photons there as the budget specifies.
     nearest: NonZero<usize>,
+    /// The least number of indirect photons of the survey within the first radius on a surface.
+    fewest: NonZero<usize>,
 }
 
 impl SurveyMaps {
     /// Indexes the survey's photons. `share` is the number of photon paths in the survey, divided
     /// by the number of photon paths in a pass.
     fn new(deposits: &PhotonDeposits, context: &PassContext<'_>, share: f64) -> Self {
-        let nearest = (share * f64::from(context.budget.nearest)).round() as usize;
+        let of_pass = |count: f64| NonZero::new((share * count).round() as usize).unwrap_or(NonZero::<usize>::MIN);
         let volume = context.plan.volume;
         Self {
             surface: PerClass::from_fn(|class| PhotonMap::build(&deposits.surface[class])),
             volume: PerClass::from_fn(|class| VolumeSamples::new(&deposits.volume[class], volume, share.recip())),
-            nearest: NonZero::new(nearest).unwrap_or(NonZero::<usize>::MIN),
+            nearest: of_pass(f64::from(context.budget.nearest)),
+            fewest: of_pass(FEWEST_PHOTONS),
         }
     }
 
     /// Returns the first kernel radius in m at a visible point. If the scene does not fix the
-    /// radius, the kernel contains as many photons as the budget specifies. `limits_m` contains the
-    /// least and the largest radius.
+    /// radius, the kernel contains as many photons as the budget specifies, within the limits. If a
+    /// kernel of the largest radius contained almost no indirect photons, the radius is larger.
     fn first_radius_m(
         &self,
         context: &PassContext<'_>,
         point: &VisiblePoint,
-        limits_m: (f64, f64),
+        limits: RadiusLimits,
         class: PhotonClass,
     ) -> f64 {
         if let Some(fixed) = context.budget.radius_m {
             return fixed;
         }
-        let (least_m, largest) = limits_m;
+        let RadiusLimits { least_m, largest_m, object_m } = limits;
         let position = point.position.as_vec3().to_array();
-        let kth = self.surface[class].kth_distance(position, self.nearest, largest as f32);
-        radius::first(kth.map(f64::from), least_m, largest)
+        let distance =
+            |count, largest_m: f64| self.surface[class].kth_distance(position, count, largest_m as f32).map(f64::from);
+        let kth = distance(self.nearest, largest_m);
+        let radius = radius::first(kth, least_m, largest_m);
+        match (class, kth) {
+            (PhotonClass::Indirect, None) => distance(self.fewest, object_m).map_or(radius, |few| radius.max(few)),
+            (PhotonClass::Indirect, Some(_)) | (PhotonClass::Caustic, _) => radius,
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Small glass in a large world: the picture does not depend on the size of the world around it, or
 //! on the position of the glass in it.
 
+use crate::common::compare::{Measured, assert_same};
 use crate::common::{diffuse, glass, mean_y, render, with_setting};
 use abbe::render::Integrator;
 use serde_json::{Value, json};
@@ -74,4 +75,20 @@ fn glass_without_light_is_named() {
     }
     let notes = render(&scene, Integrator::Photon, 1).stats.notes;
     assert!(notes.len() == 1 && notes[0].contains("\"hidden glass\""), "{notes:?}");
+}
+
+/// The camera sees 1 cm of a wall of 200 m. No photon of a pass lands there.
+#[test]
+fn indirect_light_is_seen_on_a_wall_close_to_the_camera() {
+    let scene = json!({
+        "camera": { "from": [3, 5, 99.98], "at": [3, 5, 100], "lens": { "pinhole": { "fov": 30 } } },
+        "film": { "width": 4, "height": 4 },
+        "materials": { "white": diffuse(0.6) },
+        "objects": [{ "shape": { "box": { "size": [200, 200, 200] } }, "material": "white" }],
+        "lights": [{ "point": { "at": [20, 40, -30], "spectrum": "E", "luminous_flux": 1e8 } }],
+        "render": { "photons": 20000 }
+    });
+    let photon = Measured::new(&scene, (Integrator::Photon, 24), 0..6, mean_y);
+    let path = Measured::new(&scene, (Integrator::Path, 1024), 10..16, mean_y);
+    assert_same("a wall close to the camera", &photon, &path, 0.03);
 }

@@ -63,7 +63,7 @@ mod tests {
 
     fn chromatic() -> PhaseFunction {
         PhaseFunction::HenyeyGreenstein {
-            g: Spectrum::table(&[400.0, 700.0], &[0.99, -0.8], Outside::Hold).expect("a table of two values"),
+            g: Spectrum::table(&[400.0, 700.0], &[0.95, 0.1], Outside::Hold).expect("a table of two values"),
         }
     }
 
