@@ -70,11 +70,14 @@ impl DisplayImage {
 const PIXELS_PER_TASK: usize = 1 << 14;
 
 /// Converts a picture to display codes. `exposure` is in 1/(cd/m²). It maps the luminance
-/// 1/`exposure` to 1, which is white if the tone curve clips. NaN becomes black. The work is divided among the threads of the current pool.
+/// 1/`exposure` to 1, which is white if the tone curve clips. NaN becomes black. The work is divided
+/// among the threads of the current pool.
 pub fn develop(picture: &Picture, exposure: f64, development: &Development) -> DisplayImage {
     let &Development { space, white: _, gamut, tone } = development;
     let matrix = development.matrix().map(|row| row.map(|entry| entry * exposure));
     let linear = |xyz: &Xyz| -> Rgb {
+        // EXR files have single precision. A picture and its file give the same codes.
+        let xyz = xyz.map(|component| f64::from(component as f32));
         let rgb = matrix.map(|row| row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2]);
         gamut.map(tone.apply(rgb), space)
     };

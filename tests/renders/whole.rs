@@ -361,7 +361,8 @@ fn errors_are_unknown_where_no_light_arrived() {
     }
     let forecast = stats.forecast.unwrap();
     let error = stats.error.relative.unwrap();
-    assert!((0.3..0.75).contains(&(forecast.error_after_four_times / error)), "{forecast:?} from {error}");
+    // Stratified samples make the error fall as 1/n at most, and the bias of kernels as n^(-1/4).
+    assert!((0.25..0.75).contains(&(forecast.error_after_four_times / error)), "{forecast:?} from {error}");
     assert!(forecast.milestones.iter().all(|at| at.error < error && at.seconds > stats.seconds.total), "{forecast:?}");
 }
 
