@@ -1,7 +1,6 @@
 //! Minimal scenes of the faults that the search found.
 
-use crate::common::compare::{Measured, assert_same};
-use crate::common::{diffuse, mean_y, render};
+use crate::common::{diffuse, render};
 use abbe::render::Integrator;
 use serde_json::{Value, json};
 
@@ -56,25 +55,4 @@ fn a_shell_of_light_does_not_shine_through_itself() {
         let seen = render(&scene, integrator, 16).picture.mean_y();
         assert!(seen == 0.0, "{integrator:?}: {seen} cd/m²");
     }
-}
-
-/// Most of the photons within 24 pixels of a small plate lie on the floor, and the kernel reaches far
-/// beyond the plate.
-#[test]
-fn indirect_light_on_a_plate_smaller_than_the_widest_kernel_is_that_of_the_path_tracer() {
-    let scene = json!({
-        "camera": { "from": [-0.24, 0.02, -0.02], "at": [0.03, 0.08, -0.08], "lens": { "pinhole": { "fov": 12 } } },
-        "film": { "width": 4, "height": 4 },
-        "materials": { "floor": diffuse(0.3), "plate": diffuse(0.4) },
-        "objects": [
-            { "shape": { "disk": { "radius": 12 } }, "material": "floor" },
-            { "shape": { "rectangle": { "width": 0.08, "height": 0.06 } }, "material": "plate",
-              "transform": [{ "translate": [0.03, 0.08, -0.08] }] }
-        ],
-        "lights": [{ "point": { "at": [0.1, 0.19, -0.02], "spectrum": "E", "power": 1 } }],
-        "render": { "photons": 8000 }
-    });
-    let photon = Measured::new(&scene, (Integrator::Photon, 192), 0..6, mean_y);
-    let path = Measured::new(&scene, (Integrator::Path, 1024), 10..16, mean_y);
-    assert_same("a small plate", &photon, &path, 0.05);
 }
