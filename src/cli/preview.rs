@@ -79,8 +79,8 @@ impl PreviewSchedule {
     }
 
     /// Notes a preview that took the time from `begin` to `end`. The next preview is due when all
-    /// previews together, and another one as long as this one, take at most [`LARGEST_SHARE`] of the
-    /// time.
+    /// previews together, and another one as long as this one, take at most [`LARGEST_SHARE`] of
+    /// the time.
     fn written(&mut self, begin: Duration, end: Duration) {
         let cost = end - begin;
         self.spent += cost;

@@ -54,8 +54,8 @@ impl EmissionStrata {
     }
 
     /// Creates the strata of all lights. A light has a stratum for each target that only a small
-    /// share of its power reaches. The smaller targets come first, and they exclude the larger ones.
-    /// The strata of a light share its probability.
+    /// share of its power reaches. The smaller targets come first, and they exclude the larger
+    /// ones. The strata of a light share its probability.
     pub fn new<'t>(
         lights: &[Light],
         extent: SceneExtent<'_>,

@@ -91,8 +91,8 @@ impl TriangleMesh {
         self.triangles.iter().map(|&t| triangle_normal(self.corners(t)).length() / 2.0).sum()
     }
 
-    /// Returns why paths may get lost in a transparent body with this mesh, or `None` if they do not.
-    /// The transform `to_world` places the mesh in the scene.
+    /// Returns why paths may get lost in a transparent body with this mesh, or `None` if they do
+    /// not. The transform `to_world` places the mesh in the scene.
     pub fn fault_as_body(&self, to_world: &DAffine3) -> Option<String> {
         /// The largest ratio of length to width of a triangle in which no path was lost in the
         /// tests. Distances along longer triangles have rounding errors as large as their width.
@@ -109,8 +109,8 @@ impl TriangleMesh {
         }
     }
 
-    /// Returns the largest ratio of length to width among the triangles. The length of a triangle is
-    /// its longest edge.
+    /// Returns the largest ratio of length to width among the triangles. The length of a triangle
+    /// is its longest edge.
     fn slenderness(&self, to_world: &DAffine3) -> f64 {
         let ratio = |&triangle: &[u32; 3]| {
             let [a, b, c] = self.corners(triangle).map(|corner| to_world.transform_vector3(corner));

@@ -13,9 +13,9 @@ use super::object::WorldRectangle;
 /// this limit, the difference has fewer than ten correct digits, and the caller samples by area.
 const SMALLEST_SOLID_ANGLE: f64 = 1e-6;
 
-/// Largest distance from the rectangle's plane, relative to the coordinates, at which a point counts
-/// as a point of the plane. The distances of such points are rounding errors. Without this limit, a
-/// point of the rectangle would see the rectangle in half of all directions.
+/// Largest distance from the rectangle's plane, relative to the coordinates, at which a point
+/// counts as a point of the plane. The distances of such points are rounding errors. Without this
+/// limit, a point of the rectangle would see the rectangle in half of all directions.
 const IN_PLANE: f64 = 1e-12;
 
 /// A rectangle seen from a point. The point is the origin, and the axes x and y are parallel to the

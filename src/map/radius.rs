@@ -130,7 +130,8 @@ mod tests {
     }
 
     /// For d dimensions, the mean square error is least if the radius falls as n^(−1/(d + 4)).
-    /// Kernels on surfaces and for points have two dimensions. Kernels for beams have one dimension.
+    /// Kernels on surfaces and for points have two dimensions. Kernels for beams have one
+    /// dimension.
     #[test]
     fn each_kind_of_radius_falls_at_its_own_rate() {
         let (early, late) = (RadiusScales::of_pass(1 << 20), RadiusScales::of_pass(1 << 26));

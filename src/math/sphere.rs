@@ -32,29 +32,32 @@ impl BoundingSphere {
         inside || (along > 0.0 && (to_centre - along * direction).length_squared() <= radius2)
     }
 
-    /// Samples a direction from `origin` through the sphere, uniformly over the solid angle. Returns
-    /// the unit direction and the solid angle in steradians. If the sphere contains the origin, the
-    /// solid angle is 4π.
+    /// Samples a direction from `origin` through the sphere, uniformly over the solid angle.
+    /// Returns the unit direction and the solid angle in steradians. If the sphere contains the
+    /// origin, the solid angle is 4π.
     pub fn sample_direction(&self, origin: DVec3, u: [f64; 2]) -> (DVec3, f64) {
         let (axis, distance) = (self.centre - origin).normalize_and_length();
-        if distance <= self.radius_m {
-            return (warp::sphere(u), 4.0 * PI);
+        match self.one_minus_cos(distance) {
+            None => (warp::sphere(u), 4.0 * PI),
+            Some(one_minus_cos) => (Frame::new(axis).to_world(warp::cone(one_minus_cos, u)), 2.0 * PI * one_minus_cos),
         }
+    }
+
+    /// Returns 1 − cos α, where α is half the angle that the sphere subtends at this distance (m)
+    /// from its centre. Returns `None` inside the sphere.
+    fn one_minus_cos(&self, distance: f64) -> Option<f64> {
         // 1 − cos α = sin² α / (1 + cos α) is accurate even for small angles.
         let sin = self.radius_m / distance;
-        let one_minus_cos = sin * sin / (1.0 + (1.0 - sin * sin).max(0.0).sqrt());
-        (Frame::new(axis).to_world(warp::cone(one_minus_cos, u)), 2.0 * PI * one_minus_cos)
+        (distance > self.radius_m).then(|| sin * sin / (1.0 + (1.0 - sin * sin).max(0.0).sqrt()))
     }
 
     /// Returns the density of [`Self::sample_direction`] per steradian.
     pub fn pdf_direction(&self, origin: DVec3, direction: DVec3) -> f64 {
-        let distance = self.centre.distance(origin);
-        if distance <= self.radius_m {
-            return 0.25 / PI;
+        match self.one_minus_cos(self.centre.distance(origin)) {
+            None => 0.25 / PI,
+            Some(one_minus_cos) if self.contains_part_of(origin, direction) => 1.0 / (2.0 * PI * one_minus_cos),
+            Some(_) => 0.0,
         }
-        let sin = self.radius_m / distance;
-        let one_minus_cos = sin * sin / (1.0 + (1.0 - sin * sin).max(0.0).sqrt());
-        if self.contains_part_of(origin, direction) { 1.0 / (2.0 * PI * one_minus_cos) } else { 0.0 }
     }
 
     /// Samples a point of the disk that a beam along `direction` sees of the sphere, uniformly over

@@ -30,8 +30,8 @@ const MAX_STRATA: u64 = 4;
 /// value. Both rounds together then take at most a tenth of the time of eight passes.
 const LARGEST_ROUND: f64 = 0.4;
 
-/// The limit of [`LARGEST_ROUND`] is never below the number of paths for one stratum. These paths take
-/// a fraction of a second.
+/// The limit of [`LARGEST_ROUND`] is never below the number of paths for one stratum. These paths
+/// take a fraction of a second.
 const MIN_PATHS: u64 = PATHS_PER_STRATUM;
 
 /// The smallest number of cells along each side of a grid.

@@ -2,16 +2,16 @@
 //! reaches the visible part of the scene.
 //!
 //! Paths from the camera leave a room only through its openings. Each escaping path gives a line
-//! from its last surface to the surroundings. Lines from different surfaces through one opening meet
-//! near this opening. The search therefore looks for small spheres that many lines pass through. It
-//! maximises the likelihood of the lines: a line that a sphere explains has the density 1/Ω, where Ω
-//! is the solid angle of the sphere seen from the surface.
+//! from its last surface to the surroundings. Lines from different surfaces through one opening
+//! meet near this opening. The search therefore looks for small spheres that many lines pass
+//! through. It maximises the likelihood of the lines: a line that a sphere explains has the density
+//! 1/Ω, where Ω is the solid angle of the sphere seen from the surface.
 
 use super::context::PassContext;
 use super::sums::StageSeconds;
 use crate::gather::{OPENINGS_SHARE, Openings, PixelSampler};
 use crate::geometry::Ray;
-use crate::math::random::{Stream, hash64};
+use crate::math::random::hash64;
 use crate::math::sphere::BoundingSphere;
 use crate::optics::bsdf::TransportMode;
 use crate::scene::Scene;
@@ -49,15 +49,16 @@ const PAIRS: u64 = 256;
 /// The fractions of the lines that a sphere of the search contains.
 const INSIDE: [f64; 7] = [0.02, 0.04, 0.08, 0.16, 0.32, 0.64, 1.0];
 
-/// A sphere is added to the openings if it raises the mean logarithm of the likelihood by this value.
+/// A sphere is added to the openings if it raises the mean logarithm of the likelihood by this
+/// value.
 const MIN_GAIN: f64 = 0.15;
 
 /// The openings are used only if they raise the mean logarithm of the likelihood by this value, so
 /// that a typical line is three times as likely.
 const MIN_TOTAL_GAIN: f64 = 1.1;
 
-/// Separates the random numbers of the search from those of the passes. The bytes of this number are
-/// the word "window" in ASCII.
+/// Separates the random numbers of the search from those of the passes. The bytes of this number
+/// are the word "window" in ASCII.
 const SEED_MASK: u64 = 0x7769_6e64_6f77;
 
 /// The end of a path that left the scene.
@@ -110,7 +111,7 @@ fn trace_lines(scene: &Scene, seed: u64, paths: Range<u64>, density: impl Fn(DVe
         let Some(mut ray_state) = sampler.ray_at(&scene.camera, pixel, REFERENCE_NM) else { continue };
         let mut pdf = None;
         for _ in 0..MAX_SURFACES {
-            let stream: &mut Stream = &mut sampler.stream;
+            let stream = &mut sampler.stream;
             let Some(interaction) = WithBodies::next_interaction(scene, ray_state, stream.uniform()) else {
                 let ray = ray_state.ray;
                 let found = |pdf: f64| EscapedLine { ray, density: pdf.max(density(ray.direction)) };
@@ -142,10 +143,8 @@ fn fit_spheres(lines: &[EscapedLine], seed: u64) -> Vec<BoundingSphere> {
         }
         mixture.spheres.push(sphere);
     }
-    let gain = |(line, sum): (&EscapedLine, &f64)| {
-        let density = line.density.max(sum / mixture.spheres.len().max(1) as f64);
-        (density / line.density).ln()
-    };
+    let count = mixture.spheres.len().max(1) as f64;
+    let gain = |(line, sum): (&EscapedLine, &f64)| (line.density_in_mixture(*sum, count) / line.density).ln();
     let mean = lines.iter().zip(&mixture.sums).map(gain).sum::<f64>() / lines.len() as f64;
     if mean >= MIN_TOTAL_GAIN { mixture.spheres } else { Vec::new() }
 }
@@ -162,8 +161,8 @@ impl Mixture {
     fn gain_of(&self, lines: &[EscapedLine], sphere: &BoundingSphere) -> f64 {
         let count = self.spheres.len() as f64;
         let gain = |(line, sum): (&EscapedLine, &f64)| {
-            let before = line.density.max(sum / count.max(1.0));
-            (line.density.max((sum + line.density_through(sphere)) / (count + 1.0)) / before).ln()
+            let before = line.density_in_mixture(*sum, count.max(1.0));
+            (line.density_in_mixture(sum + line.density_through(sphere), count + 1.0) / before).ln()
         };
         lines.iter().zip(&self.sums).map(gain).sum()
     }
@@ -174,15 +173,14 @@ fn best_sphere(lines: &[EscapedLine], mixture: &Mixture, key: [u64; 2]) -> Optio
     let count = lines.len() as u64;
     let line = |pair: u64, side: u64| &lines[(hash64([key[0], key[1], pair, side]) % count) as usize].ray;
     let centres = (0..PAIRS).filter_map(|pair| nearest_point(line(pair, 0), line(pair, 1)));
-    let candidates = centres.flat_map(|centre| spheres_around(lines, centre));
-    let rated = candidates.map(|sphere| (sphere, mixture.gain_of(lines, &sphere)));
-    let (mut best, mut gain) = rated.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let rated = |sphere: BoundingSphere| (sphere, mixture.gain_of(lines, &sphere));
+    let best_around = |centre: DVec3| spheres_around(lines, centre).map(rated).max_by(|a, b| a.1.total_cmp(&b.1));
+    let (mut best, mut gain) = centres.filter_map(best_around).max_by(|a, b| a.1.total_cmp(&b.1))?;
     // The point nearest to all lines in the sphere is a better centre.
     loop {
         let inside = |line: &&EscapedLine| best.contains_part_of(line.ray.origin, line.ray.direction);
         let Some(centre) = point_nearest_to(lines.iter().filter(inside).map(|line| &line.ray)) else { break };
-        let moved = spheres_around(lines, centre).map(|sphere| (sphere, mixture.gain_of(lines, &sphere)));
-        match moved.max_by(|a, b| a.1.total_cmp(&b.1)) {
+        match best_around(centre) {
             Some((sphere, better)) if better > gain * 1.001 => (best, gain) = (sphere, better),
             _ => break,
         }
@@ -222,8 +220,8 @@ fn nearest_point(a: &Ray, b: &Ray) -> Option<DVec3> {
     (along_a > 0.0 && along_b > 0.0).then(|| 0.5 * (a.at(along_a) + b.at(along_b)))
 }
 
-/// Returns the point with the least sum of squared distances from the lines. `None` if the lines are
-/// parallel.
+/// Returns the point with the least sum of squared distances from the lines. `None` if the lines
+/// are parallel.
 fn point_nearest_to<'r>(rays: impl Iterator<Item = &'r Ray>) -> Option<DVec3> {
     let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
     for ray in rays {
@@ -236,6 +234,12 @@ fn point_nearest_to<'r>(rays: impl Iterator<Item = &'r Ray>) -> Option<DVec3> {
 }
 
 impl EscapedLine {
+    /// Returns the density with which next-event estimation finds the line. `sum` is the sum of the
+    /// densities through `count` openings.
+    fn density_in_mixture(&self, sum: f64, count: f64) -> f64 {
+        self.density.max(sum / count)
+    }
+
     /// Returns the density with which shadow rays through a sphere find the line.
     fn density_through(&self, sphere: &BoundingSphere) -> f64 {
         OPENINGS_SHARE * sphere.pdf_direction(self.ray.origin, self.ray.direction)

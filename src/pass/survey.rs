@@ -39,12 +39,13 @@ const MIN_PHOTONS: f64 = 10_000.0;
 /// the object. A wider kernel would reach over the edges of an object that is as large as a pixel.
 const LEAST_RADIUS_OF_OBJECT: f64 = 1.0 / 16.0;
 
-/// The upper limit of the first kernel radius on surfaces, as a fraction of the object. A kernel that
-/// is much larger than the object contains few of the photons that it is normalised for.
+/// The upper limit of the first kernel radius on surfaces, as a fraction of the object. A kernel
+/// that is much larger than the object contains few of the photons that it is normalised for.
 const LARGEST_RADIUS_OF_OBJECT: f64 = 0.5;
 
-/// The least number of indirect photons of a pass within the first kernel radius. Close to a wall in a
-/// large world, a pixel covers such a small part of the wall that 24 pixels contain no photons.
+/// The least number of indirect photons of a pass within the first kernel radius. Close to a wall
+/// in a large world, a pixel covers such a small part of the wall that 24 pixels contain no
+/// photons.
 const FEWEST_PHOTONS: f64 = 8.0;
 
 /// Separates the camera samples of the pilot from the camera samples of the passes. The samples are
@@ -211,10 +212,10 @@ impl PixelSurvey {
     }
 }
 
-/// Returns the extent (m) of each object, by object number: the diagonal of a square whose sides have
-/// the middle one of the three side lengths of the object's bounding box. For a square plate and for
-/// a cube, this is the diagonal of a face. For a thin rod, it is about the diameter. The extent is
-/// infinite if the object has no surface.
+/// Returns the extent (m) of each object, by object number: the diagonal of a square whose sides
+/// have the middle one of the three side lengths of the object's bounding box. For a square plate
+/// and for a cube, this is the diagonal of a face. For a thin rod, it is about the diameter. The
+/// extent is infinite if the object has no surface.
 fn object_extents(scene: &Scene) -> Vec<f64> {
     let mut extents = vec![f64::INFINITY; scene.objects.len()];
     for (object, (low, high)) in scene.geometry.object_bounds() {

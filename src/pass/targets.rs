@@ -10,13 +10,12 @@ use std::borrow::Cow;
 /// share a target.
 const MAX_TARGETS: usize = 16;
 
-/// Returns the targets of a scene, the smallest target first. `scenes` contains the scene at several
-/// shutter times.
+/// Returns the targets of a scene, the smallest target first. `scenes` contains the scene at
+/// several shutter times.
 ///
 /// One kind of target contains the objects that can focus light or that are filled with a medium.
-/// A target surrounds each opening.
-/// The last target contains most of the visible points. Lights use only the targets that receive a
-/// small share of their power.
+/// Another kind contains the openings. The last target contains most of the visible points. Lights
+/// use only the targets that receive a small share of their power.
 pub(super) fn aim_targets(scenes: &[Cow<'_, Scene>], openings: &[BoundingSphere]) -> Vec<BoundingSphere> {
     let mut boxes: Vec<Option<Bounds>> = Vec::new();
     for scene in scenes {

@@ -52,8 +52,8 @@ pub struct ErrorStats {
     /// The 95th percentile of the pixels' relative errors. `None` means that no error is known.
     #[serde(default)]
     pub p95: Option<f64>,
-    /// The block of pixels that contributes most to `relative`: the first column, the first row, the
-    /// first column to its right, and the first row below it.
+    /// The block of pixels that contributes most to `relative`: the first column, the first row,
+    /// the first column to its right, and the first row below it.
     #[serde(default)]
     pub worst_region: Option<[usize; 4]>,
     /// The share of the worst region in the sum of noise² + bias² over the picture.

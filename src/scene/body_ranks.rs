@@ -5,8 +5,8 @@ use glam::DVec3;
 
 impl Scene {
     /// Ranks the bodies by their priority, and bodies of equal priority by the volume of their
-    /// bounding boxes. A smaller box has a higher rank. Of boxes of equal volume, the box of the last
-    /// object has the highest rank.
+    /// bounding boxes. A smaller box has a higher rank. Of boxes of equal volume, the box of the
+    /// last object has the highest rank.
     ///
     /// Of two nested bodies, the inner body therefore has the higher rank. Where two bodies overlap
     /// in part, the ranks give the same body for paths from all directions. Only bodies in the same

@@ -70,8 +70,8 @@ impl DisplayImage {
 const PIXELS_PER_TASK: usize = 1 << 14;
 
 /// Converts a picture to display codes. `exposure` is in 1/(cd/m²). It maps the luminance
-/// 1/`exposure` to 1, which is white if the tone curve clips. NaN becomes black. The work is divided
-/// among the threads of the current pool.
+/// 1/`exposure` to 1, which is white if the tone curve clips. NaN becomes black. The work is
+/// divided among the threads of the current pool.
 pub fn develop(picture: &Picture, exposure: f64, development: &Development) -> DisplayImage {
     let &Development { space, white: _, gamut, tone } = development;
     let matrix = development.matrix().map(|row| row.map(|entry| entry * exposure));

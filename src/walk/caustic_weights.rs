@@ -2,26 +2,26 @@
 //!
 //! Two techniques find the light that reaches a glossy surface through mirrors or clear glass. A
 //! photon arrives there, or a camera path continues from there by the BSDF and hits the light. The
-//! photons are the better technique for small lights and wide lobes. The camera paths are the better
-//! technique for large lights and narrow lobes. Each technique is weighted by the balance heuristic
-//! (Veach & Guibas 1995; Georgiev et al. 2012, "Light Transport Simulation with Vertex Connection and
-//! Merging").
+//! photons are the better technique for small lights and wide lobes. The camera paths are the
+//! better technique for large lights and narrow lobes. Each technique is weighted by the balance
+//! heuristic (Veach & Guibas 1995; Georgiev et al. 2012, "Light Transport Simulation with Vertex
+//! Connection and Merging").
 //!
 //! Both densities refer to the same measure. Specular events conserve the density of rays per area
 //! and solid angle (étendue). The density of photons around a surface point and a direction is
-//! therefore the density with which the light emits them. The weights sum to 1 for any densities, so
-//! the densities may be approximate: they do not contain the Fresnel factors, the refractive indices
-//! or the variation of the aim within a stratum.
+//! therefore the density with which the light emits them. The weights sum to 1 for any densities,
+//! so the densities may be approximate: they do not contain the Fresnel factors, the refractive
+//! indices or the variation of the aim within a stratum.
 
 use crate::math::sphere::BoundingSphere;
 use glam::DVec3;
 use std::ops::Range;
 
-/// The density of emitted rays, per m² and sr, for one photon path. The value 0 means that no camera
-/// path can hit the light.
+/// The density of emitted rays, per m² and sr, for one photon path. The value 0 means that no
+/// camera path can hit the light.
 ///
-/// The value has 8 significant bits. It is rounded when it is created, so that a stored photon and a
-/// camera path have the same value.
+/// The value has 8 significant bits. It is rounded when it is created, so that a stored photon and
+/// a camera path have the same value.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RayDensity(u16);
 
@@ -55,7 +55,8 @@ pub struct StratumDensity {
     pub light: usize,
     /// The stratum contains the rays through this sphere. `None` for the stratum of all other rays.
     pub target: Option<BoundingSphere>,
-    /// The fraction of the photon paths in the stratum, divided by the power of the stratum, in 1/W.
+    /// The fraction of the photon paths in the stratum, divided by the power of the stratum, in
+    /// 1/W.
     pub per_watt: f64,
 }
 

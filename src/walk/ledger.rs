@@ -22,8 +22,8 @@ pub struct Ledger {
     pub absorbed_inside: f64,
     /// Power that left the scene.
     pub escaped: f64,
-    /// The part of `escaped` that left the scene inside a body. The body is open, or a path hit one of
-    /// its edges so exactly that the path missed the next face.
+    /// The part of `escaped` that left the scene inside a body. The body is open, or a path hit one
+    /// of its edges so exactly that the path missed the next face.
     #[serde(default)]
     pub escaped_inside: f64,
     /// Power of the photons that ended at the depth limit.
@@ -51,7 +51,8 @@ impl Ledger {
         if self.emitted > 0.0 { left / self.emitted } else { left }
     }
 
-    /// Adds the power of a path that leaves the scene. `inside` is true if the path is inside a body.
+    /// Adds the power of a path that leaves the scene. `inside` is true if the path is inside a
+    /// body.
     #[inline]
     pub fn add_escaped(&mut self, power_w: f64, inside: bool) {
         self.escaped += power_w;

@@ -161,7 +161,8 @@ pub fn path_transmittance_tracked<'a>(
     collect_segments(scene, ray_state, length_m, seed, MediumSegment::path_transmittance_tracked)
 }
 
-/// Collects the transmittances of all segments. `of_segment` takes a segment, its length and a seed.
+/// Collects the transmittances of all segments. `of_segment` takes a segment, its length and a
+/// seed.
 ///
 /// Each segment has its own seed. With equal random positions, the estimates of two segments would
 /// be correlated, and their product would be too large on average.
@@ -214,8 +215,8 @@ mod tests {
     use crate::{format, format::resolve::resolve};
     use glam::DVec3;
 
-    /// A ray crosses two adjacent bodies of fog. The mean of the tracked transmittance is the product
-    /// of the transmittances of both bodies.
+    /// A ray crosses two adjacent bodies of fog. The mean of the tracked transmittance is the
+    /// product of the transmittances of both bodies.
     #[test]
     fn tracking_is_unbiased_across_several_bodies() {
         let text = r#"{

@@ -245,8 +245,8 @@ fn forecast_ratios(scene: &Value, name: &str) -> Vec<f64> {
     ratios
 }
 
-/// Checks the forecasts of several scenes. One render of twelve may fail by chance: after ten passes
-/// most replicates hold a single pass.
+/// Checks the forecasts of several scenes. One render of twelve may fail by chance: after ten
+/// passes most replicates hold a single pass.
 fn check_forecasts(scenes: impl Iterator<Item = (&'static str, Value)>) {
     let mut fell_short = Vec::new();
     for (name, scene) in scenes {
@@ -266,8 +266,8 @@ fn ten_passes_forecast_the_error_after_forty_within_25_percent() {
     check_forecasts(measures.iter().map(|measure| (measure.name, scene(measure, PHOTONS))));
 }
 
-/// The constants of the forecast were chosen with the scenes of the test above. These scenes were not
-/// used for that.
+/// The constants of the forecast were chosen with the scenes of the test above. These scenes were
+/// not used for that.
 #[test]
 #[ignore = "72 renders of 65 passes: 6 minutes"]
 fn forecasts_hold_in_scenes_that_did_not_choose_their_constants() {

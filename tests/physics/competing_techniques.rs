@@ -1,5 +1,5 @@
-//! Light that one technique alone finds badly: lamps in glass that rough metal reflects, and sky light
-//! that enters a room through a small opening.
+//! Light that one technique alone finds badly: lamps in glass that rough metal reflects, and sky
+//! light that enters a room through a small opening.
 
 use crate::common::compare::{Measured, assert_same, compare_with};
 use crate::common::{colour_blocks, diffuse, overhead_camera};
@@ -30,8 +30,8 @@ fn light_through_a_ball(glass: Value, lamp: Option<f64>, roughness: f64) -> Valu
     })
 }
 
-/// Photons and camera paths share the light that reaches rough metal through glass. `noise` is a bound
-/// on the standard error of the photons' blocks.
+/// Photons and camera paths share the light that reaches rough metal through glass. `noise` is a
+/// bound on the standard error of the photons' blocks.
 fn check_shared_light(name: &str, scene: &Value, noise: f64) {
     let photon = Measured::new(scene, (Integrator::Photon, 48), 0..5, colour_blocks(8));
     let path = Measured::new(scene, (Integrator::Path, 1500), 10..15, colour_blocks(8));
@@ -52,7 +52,8 @@ fn rough_metal_reflects_a_lamp_in_dispersive_glass() {
     check_shared_light("lamp in flint", &light_through_a_ball(flint, Some(0.1), 0.3), 0.06);
 }
 
-/// A black room of 4 m × 3 m × 4 m with a square opening in its roof, under a uniform sky of 10000 lx.
+/// A black room of 4 m × 3 m × 4 m with a square opening in its roof, under a uniform sky of 10000
+/// lx.
 fn room_with_opening(side: f64) -> Value {
     let wall = |width: f64, height: f64, at: [f64; 3], turn: Value| {
         json!({ "shape": { "rectangle": { "width": width, "height": height } }, "material": "black",
@@ -76,8 +77,8 @@ fn room_with_opening(side: f64) -> Value {
     })
 }
 
-/// The fraction of the light of a uniform sky that a point of the floor receives through the opening:
-/// the form factor of a rectangle that is parallel to a small area.
+/// The fraction of the light of a uniform sky that a point of the floor receives through the
+/// opening: the form factor of a rectangle that is parallel to a small area.
 fn sky_factor(side: f64, x: f64, z: f64) -> f64 {
     // The form factor of a rectangle with one corner above the area.
     let corner = |width: f64, depth: f64| {

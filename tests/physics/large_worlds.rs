@@ -6,8 +6,8 @@ use crate::common::{diffuse, glass, mean_y, render, with_setting};
 use abbe::render::Integrator;
 use serde_json::{Value, json};
 
-/// A glass ball of radius 1 m above a square ground, seen from above. The picture shows 6 m × 6 m of
-/// the ground around the ball. `world_m` is the side of the ground, and the ball is at (x, z).
+/// A glass ball of radius 1 m above a square ground, seen from above. The picture shows 6 m × 6 m
+/// of the ground around the ball. `world_m` is the side of the ground, and the ball is at (x, z).
 fn ball(light: &Value, world_m: f64, [x, z]: [f64; 2]) -> Value {
     json!({
         "camera": { "from": [x, 20, z], "at": [x, 0, z], "up": [0, 0, -1], "lens": { "pinhole": { "fov": 17.06 } } },

@@ -19,8 +19,8 @@ const HALF: f64 = 0.4;
 /// The scattering coefficient of the fog, in 1/m.
 const SCATTERING: f64 = 2.0;
 
-/// The height of the camera above the centre of the box, in m, and its field of view in degrees. The
-/// film shows the front face.
+/// The height of the camera above the centre of the box, in m, and its field of view in degrees.
+/// The film shows the front face.
 const CAMERA: f64 = 3.0;
 const FOV: f64 = 17.5;
 

@@ -6,8 +6,8 @@
 //! scenes.
 //!
 //! A comparison uses the stated bias and the spread of independent replicates. If the pictures
-//! differ, or if the intervals are too wide to tell, new seeds and four times the passes decide. The
-//! product of the probabilities of the last two comparisons must be unlikely, so that a correct
+//! differ, or if the intervals are too wide to tell, new seeds and four times the passes decide.
+//! The product of the probabilities of the last two comparisons must be unlikely, so that a correct
 //! program fails with a probability below 1 %.
 
 #[path = "../common/mod.rs"]
@@ -32,7 +32,8 @@ const FAST_SEEDS: [u64; 3] = [6, 11, 14];
 /// The passes of the photon integrator and of the path tracer in the first comparison.
 const PASSES: [u64; 2] = [8, 192];
 
-/// The largest number of comparisons of a scene. Each has four times the passes of the previous one.
+/// The largest number of comparisons of a scene. Each has four times the passes of the previous
+/// one.
 const COMPARISONS: u32 = 3;
 
 /// Pictures are compared again if equal pictures differ so much with this probability or less.

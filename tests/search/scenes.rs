@@ -80,8 +80,8 @@ impl Generator {
         json!(steps)
     }
 
-    /// Returns the transform of a shape at a place, and its keyframes or none. The motion is a small
-    /// shift, perhaps with a rotation about the shape's own origin.
+    /// Returns the transform of a shape at a place, and its keyframes or none. The motion is a
+    /// small shift, perhaps with a rotation about the shape's own origin.
     fn placement_and_motion(
         &mut self,
         rotation: Option<([f64; 3], f64)>,

@@ -60,8 +60,8 @@ impl PixelSampler {
         camera.ray(corner(camera, pixel) + DVec2::from(self.film()), lens)
     }
 
-    /// Returns a camera ray at one wavelength (nm), with the bodies around the camera. Returns `None`
-    /// if a lens system stops the ray.
+    /// Returns a camera ray at one wavelength (nm), with the bodies around the camera. Returns
+    /// `None` if a lens system stops the ray.
     pub fn ray_at(&self, camera: &Camera, pixel: u64, nm: f64) -> Option<RayState> {
         let ray = match camera.system() {
             Some(system) => self.ray_through_lens(&system.at(nm), camera, pixel)?.0,

@@ -9,9 +9,20 @@ use crate::map::kernel::BoundaryCorrection;
 use crate::map::{SetMaps, radius};
 use crate::optics::bsdf::BsdfClass;
 use crate::plan::IndirectPlan;
-use crate::plan::partition::{Estimator, PhotonClass, PhotonSet, View, estimator};
+use crate::plan::partition::{Estimator, LightPath, PhotonClass, PhotonSet, View, estimator};
 use crate::walk::{BodyMode, CausticWeights, LostLight, Sink, SurfaceInteraction};
 use std::f64::consts::PI;
+
+/// Returns the view that selects the estimator of photons. Only free photons are connected to the
+/// camera. Therefore, even if a shared camera path sees the surface directly, it uses the photon
+/// map.
+#[inline(always)]
+fn photon_view(path: &CameraPath) -> View {
+    match path.spectral_mode {
+        SpectralMode::Free => path.view,
+        SpectralMode::Shared { .. } => View::Indirect,
+    }
+}
 
 impl<'a> CameraPass<'a> {
     /// Gathers the photons around a surface point. Only photons of some path classes are gathered:
@@ -60,12 +71,11 @@ impl<'a> CameraPass<'a> {
             return None;
         }
         let set = path.spectral_mode.photon_set();
-        let area_m2 = match (path.spectral_mode, path.view) {
-            // The photons are connected to the camera, and each pixel has one camera path.
-            (SpectralMode::Free, View::Direct) => (path.distance_m * self.scene.camera.pixel_angle()).powi(2),
-            (SpectralMode::Free | SpectralMode::Shared { .. }, _) => {
-                PI * self.kernel_radius(set, PhotonClass::Caustic, interaction, context).powi(2)
-            }
+        let area_m2 = if estimator(LightPath::Caustic, bsdf_class, photon_view(path)) == Estimator::Connection {
+            // Each pixel has one camera path.
+            (path.distance_m * self.scene.camera.pixel_angle()).powi(2)
+        } else {
+            PI * self.kernel_radius(set, PhotonClass::Caustic, interaction, context).powi(2)
         };
         Some(CausticWeights { photons_m2: self.photon_paths[set] as f64 * area_m2 })
     }
@@ -81,12 +91,7 @@ impl<'a> CameraPass<'a> {
         context: &mut PathContext<'_, 'a, S>,
     ) {
         let set = path.spectral_mode.photon_set();
-        // Only free photons are connected to the camera. Therefore, even if a shared camera path
-        // sees the surface directly, it uses the photon map.
-        let view = match path.spectral_mode {
-            SpectralMode::Free => path.view,
-            SpectralMode::Shared { .. } => View::Indirect,
-        };
+        let view = photon_view(path);
         for class in PhotonClass::ALL {
             let planned = match class {
                 PhotonClass::Indirect => self.plan.indirect != IndirectPlan::Absent,

@@ -148,7 +148,8 @@ impl<'a> DirectLighting<'a> {
         Self::attenuated(scene, light_distribution, media_plan, ShadowAttenuation::Tracked)
     }
 
-    /// Adds the densities of the emitted rays, for a scene in which photons compete with camera paths.
+    /// Adds the densities of the emitted rays, for a scene in which photons compete with camera
+    /// paths.
     #[must_use]
     pub fn with_ray_densities(self, ray_densities: Option<&'a RayDensities>) -> Self {
         Self { ray_densities, ..self }

@@ -1,10 +1,10 @@
 //! Openings through which the light of the surroundings reaches a room.
 //!
-//! A shadow ray to a random direction of the sky rarely passes through a window. Most shadow rays to
-//! an environment are therefore sent towards the openings that a search before pass 0 found (compare
-//! Bitterli, Novák & Jarosz 2015, "Portal-Masked Environment Map Sampling"). An opening is a sphere
-//! around a window, so the user need not describe the window. The other shadow rays follow the
-//! radiance of the environment, so the estimate is unbiased for any spheres.
+//! A shadow ray to a random direction of the sky rarely passes through a window. Most shadow rays
+//! to an environment are therefore sent towards the openings that a search before pass 0 found
+//! (compare Bitterli, Novák & Jarosz 2015, "Portal-Masked Environment Map Sampling"). An opening is
+//! a sphere around a window, so the user need not describe the window. The other shadow rays follow
+//! the radiance of the environment, so the estimate is unbiased for any spheres.
 
 use crate::math::sphere::BoundingSphere;
 use glam::DVec3;

@@ -237,7 +237,8 @@ impl TracedPath {
     }
 
     /// Applies Russian roulette. The survival probability is the relative throughput, so the
-    /// throughput of a surviving path does not grow. On long paths, it is smaller. Returns false if the path ends.
+    /// throughput of a surviving path does not grow. On long paths, it is smaller. Returns false if
+    /// the path ends.
     ///
     /// The throughput is divided by n² where a path enters glass, and multiplied by n² where the
     /// path leaves the glass. The survival probability excludes this factor. Otherwise, too many

@@ -7,11 +7,11 @@ use glam::DVec3;
 
 /// The density from which a path with several wavelengths samples its direction in a medium.
 ///
-/// Each wavelength has a share of the density in proportion to its throughput (the balance heuristic
-/// over wavelengths; Wilkie et al., "Hero wavelength spectral sampling", 2014). The weight of a
-/// wavelength is therefore bounded, even if its phase function differs strongly from the phase
-/// function at the hero wavelength. If the phase function does not depend on the wavelength, the
-/// density is the phase function itself.
+/// Each wavelength has a share of the density in proportion to its throughput (the balance
+/// heuristic over wavelengths; Wilkie et al., "Hero wavelength spectral sampling", 2014). The
+/// weight of a wavelength is therefore bounded, even if its phase function differs strongly from
+/// the phase function at the hero wavelength. If the phase function does not depend on the
+/// wavelength, the density is the phase function itself.
 #[derive(Debug, Clone, Copy)]
 pub struct PhaseMixture<'a> {
     phase: &'a PhaseFunction,

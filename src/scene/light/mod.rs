@@ -210,8 +210,8 @@ impl Light {
         }
     }
 
-    /// The radiance (W/m²/sr over the band) of an emitted ray. It is 0 for lights that no camera ray
-    /// can hit on a surface or at infinity.
+    /// The radiance (W/m²/sr over the band) of an emitted ray. It is 0 for lights that no camera
+    /// ray can hit on a surface or at infinity.
     pub fn radiance_of(&self, sample: &LeSample) -> f64 {
         match &self.emitter {
             Emitter::Area(light) => light.radiance,
