@@ -1,6 +1,7 @@
 //! General mathematics that does not deal with light: random streams, low-discrepancy points,
 //! sampling routines and their densities, distributions, quadrature, exact sums and frames.
 
+pub mod cubic;
 pub mod distribution;
 pub mod frame;
 pub mod kronecker;

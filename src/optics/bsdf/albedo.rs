@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 
+use crate::math::cubic::CubicStencil;
 use crate::optics::fresnel;
 use crate::optics::microfacet::Ggx;
 
@@ -43,7 +44,7 @@ impl CoatAlbedo {
 
     /// Returns E(μ) for a cosine in \[0, 1\] and a relative index.
     pub(super) fn at(&self, cos: f64, index: f64) -> f64 {
-        let stencil = Stencil::new(cos.clamp(0.0, 1.0).sqrt());
+        let stencil = stencil(cos.clamp(0.0, 1.0).sqrt());
         self.over_index(index, |column| stencil.apply(&column.by_angle)).clamp(0.0, 1.0)
     }
 
@@ -75,7 +76,7 @@ impl AlbedoColumn {
             let width = node(cell + 1) - node(cell);
             for (x, weight) in &rule {
                 let t = node(cell) + width * x;
-                mean += weight * width * 4.0 * t * t * t * Stencil::new(t).apply(&by_angle);
+                mean += weight * width * 4.0 * t * t * t * stencil(t).apply(&by_angle);
             }
         }
         Self { index, by_angle, mean }
@@ -87,29 +88,9 @@ fn node(i: usize) -> f64 {
     i as f64 / (ANGLES - 1) as f64
 }
 
-/// Lagrange weights of the cubic through the four nodes around a point.
-struct Stencil {
-    first: usize,
-    weights: [f64; 4],
-}
-
-impl Stencil {
-    fn new(t: f64) -> Self {
-        let position = t * (ANGLES - 1) as f64;
-        let first = (position.floor() as usize).saturating_sub(1).min(ANGLES - 4);
-        let x = position - first as f64;
-        let weights = [
-            -(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0,
-            x * (x - 2.0) * (x - 3.0) / 2.0,
-            -x * (x - 1.0) * (x - 3.0) / 2.0,
-            x * (x - 1.0) * (x - 2.0) / 6.0,
-        ];
-        Self { first, weights }
-    }
-
-    fn apply(&self, values: &[f64]) -> f64 {
-        self.weights.iter().zip(&values[self.first..]).map(|(weight, value)| weight * value).sum()
-    }
+/// Returns the stencil of an angle with √μ = `t`.
+fn stencil(t: f64) -> CubicStencil {
+    CubicStencil::new(t * (ANGLES - 1) as f64, ANGLES)
 }
 
 /// Computes E(μ) = ∫∫ F·G₂/G₁ du dv, where u and v are the random numbers of

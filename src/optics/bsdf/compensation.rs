@@ -14,7 +14,7 @@ use super::missing_energy::{AngleGrid, FacetKind, GridPoint, MissingEnergy};
 use super::sample::ScatterEvent;
 use crate::optics::microfacet::Ggx;
 
-/// The tables are computed for the relative indices exp(±(k·STEP)²). The nodes are dense near index
+/// There are tables for the relative indices exp(±(k·STEP)²). The nodes are dense near index
 /// 1, where the critical angle of total reflection changes fast.
 const STEP: f64 = 0.015;
 /// The largest k. The last relative index is above 100. Beyond it, the last table is used.
@@ -22,7 +22,7 @@ const LAST: usize = 144;
 
 /// The missing energy of a rough dielectric of one roughness, at every relative index.
 ///
-/// A table is computed when it is first used. Its values depend only on the roughness and the
+/// A table is interpolated when it is first used. Its values depend only on the roughness and the
 /// index.
 #[derive(Debug, Clone)]
 pub(super) struct DielectricCompensation(Arc<Tables>);
@@ -92,7 +92,7 @@ impl Tables {
 fn transmitted_share([here, there]: [(&OneSide<'_>, f64); 2]) -> f64 {
     let odds = |side: &OneSide<'_>| side.mean() / (1.0 - side.mean());
     let flux = |(side, n): (&OneSide<'_>, f64)| n * n * side.transmitted();
-    // The flux of the quadrature differs slightly between the sides, so both sides use the mean.
+    // The tabulated flux differs slightly between the sides, so both sides use the mean.
     let both = 0.5 * (flux(here) + flux(there)) * odds(here.0).min(odds(there.0));
     let largest = |(side, n): (&OneSide<'_>, f64)| n * n * side.mean();
     let common = both.min(largest(here)).min(largest(there));
