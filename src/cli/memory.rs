@@ -42,6 +42,8 @@ mod tests {
         let fixed = Budget {
             passes: 1,
             photons,
+            photons_stated: true,
+            camera_samples: None,
             max_depth: None,
             nearest: 1,
             radius_m: None,
@@ -57,7 +59,7 @@ mod tests {
     #[test]
     fn a_render_that_does_not_fit_is_refused_with_a_remedy() {
         assert!(check(&budget(1 << 20, 1)).is_ok());
-        let error = refusal(&budget(41_000_000_000, 180_000_000), 8_000_000_000);
+        let error = refusal(&budget(41_000_000_000, 300_000_000), 8_000_000_000);
         assert_eq!(error.exit_status(), 1);
         let error = error.to_string();
         assert!(

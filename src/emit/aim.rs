@@ -48,7 +48,13 @@ impl Aim {
         } else {
             grid.sample([(u[0] - DEFENSIVE) / (1.0 - DEFENSIVE), u[1]]).0
         };
-        (point, DEFENSIVE + (1.0 - DEFENSIVE) * grid.pdf(point))
+        (point, self.density(point))
+    }
+
+    /// Returns the ratio of the probability density at a point of the grid to the density of uniform
+    /// sampling.
+    pub fn density(&self, point: [f64; 2]) -> f64 {
+        self.0.as_ref().map_or(1.0, |grid| DEFENSIVE + (1.0 - DEFENSIVE) * grid.pdf(point))
     }
 
     /// Returns the mean density of the samples, relative to uniform sampling.

@@ -27,14 +27,14 @@ pub struct CameraConnection<'a> {
     /// The plan for bodies and media.
     pub media_plan: MediumPlan,
     /// The number of photon paths in the photon's set.
-    pub photon_paths: u64,
+    pub photons_per_sample: f64,
 }
 
 impl CameraConnection<'_> {
     /// Connects a photon at a surface to the camera. `lens` in [0, 1)² selects the point of the
     /// aperture. Returns `None` if the camera does not see the photon.
     pub fn connect(&self, arrival: &SurfaceArrival<'_>, lens: [f64; 2]) -> Option<Splat> {
-        let Self { scene, media_plan, photon_paths } = *self;
+        let Self { scene, media_plan, photons_per_sample } = *self;
         let SurfaceArrival { interaction, photon, .. } = arrival;
         let sighting = scene.camera.connect(interaction.hit.position, lens)?;
         let to_camera = interaction.frame.to_local(sighting.direction);
@@ -47,7 +47,7 @@ impl CameraConnection<'_> {
             geometry
         } else {
             let pixel_m = scene.camera.pixel_angle() * sighting.distance;
-            let weights = CausticWeights { photons_m2: photon_paths as f64 * pixel_m * pixel_m };
+            let weights = CausticWeights { photons_m2: photons_per_sample * pixel_m * pixel_m };
             let pdf = interaction.bsdf.pdf(to_camera, to_light, sides, REFERENCE_NM);
             geometry * weights.of_photon(photon.ray_density, pdf)
         };

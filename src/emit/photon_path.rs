@@ -1,5 +1,6 @@
 //! A photon path and its state.
 
+use crate::map::WavelengthCode;
 use crate::math::random::Stream;
 use crate::plan::partition::LightPath;
 use crate::spectrum::{LANES, Lanes, Wavelengths};
@@ -17,6 +18,9 @@ pub struct PhotonState {
     pub wavelengths: Wavelengths,
     /// The power at each wavelength. The unit is W for free photons, and W/nm for shared photons.
     pub power: Lanes,
+    /// The code with which the map stores the wavelengths. It does not change along the path.
+    /// Shared photons do not use it.
+    pub wavelength_code: WavelengthCode,
     /// The only remaining lane after a dispersive refraction, or `None` while the photon carries
     /// all its wavelengths. For shared photons, the lane is the index of the shared wavelength.
     pub lane: Option<usize>,

@@ -4,6 +4,7 @@ use super::photon_path::{PhotonPath, PhotonState};
 use super::strata::EmissionStrata;
 use super::visitor::PhotonVisitor;
 use crate::geometry::Ray;
+use crate::map::PhotonSpectra;
 use crate::math::random::{Purpose, Stream, hash64};
 use crate::math::sobol::Sobol;
 use crate::plan::MediumPlan;
@@ -35,6 +36,8 @@ pub struct PhotonSource<'a> {
     pub scene: &'a Scene,
     /// The strata of the emitted rays.
     pub strata: &'a EmissionStrata,
+    /// The spectra of the lights.
+    pub spectra: &'a PhotonSpectra,
     /// The densities of the emitted rays. `None` if no photon competes with camera paths.
     pub ray_densities: Option<&'a RayDensities>,
     /// The wavelengths of the photons.
@@ -87,6 +90,7 @@ impl PhotonSource<'_> {
                 lost: false,
                 wavelengths,
                 power: power_of_watt.map(|s| s * flux),
+                wavelength_code: self.spectra.code(stratum.light, u[0]),
                 lane: None,
                 ray_density: self
                     .ray_densities

@@ -13,7 +13,7 @@ use crate::json::JsonPath;
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Render settings", example = json!({
-    "passes": 64, "photons": 200_000, "max_depth": 8, "nearest": 50, "seed": 0, "threads": 8,
+    "passes": 64, "photons": 200_000, "camera_samples": 2, "max_depth": 8, "nearest": 50, "seed": 0, "threads": 8,
     "checkpoint_seconds": 60, "march_steps": 64, "light_map": {"resolution": 32},
     "force": ["dispersion"], "forbid": ["caustics"]
 }))]
@@ -25,8 +25,12 @@ pub struct RenderFile {
     pub passes: Option<u64>,
     /// Number of photon paths in each pass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 1), extend("x-default" = "200 000; for films with more pixels, one per pixel, at most 1 000 000; fewer for fast motion"))]
+    #[schemars(range(min = 1), extend("x-default" = "200 000; for films with more pixels, one per pixel, at most 1 000 000; fewer for fast motion, or if camera samples cause most of the noise"))]
     pub photons: Option<u64>,
+    /// Number of camera samples in each pixel and pass.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 1024), extend("x-default" = "1 to 16, chosen from the noise of photons and of camera samples"))]
+    pub camera_samples: Option<u32>,
     /// Largest number of surface interactions on a path. Without this key, paths end by Russian
     /// roulette, and no light is lost. The light that the limit removes from the picture is in the
     /// bias bars.
@@ -103,11 +107,13 @@ impl RenderFile {
             }
             radius => radius.map_or(Ok(()), |radius| check::positive(&radius_at, radius)),
         };
+        let samples_at = at.key("camera_samples");
+        let samples = self.camera_samples.map_or(Ok(()), |count| check::count(&samples_at, u64::from(count), 1, 1024));
         let seconds_at = at.key("checkpoint_seconds");
         let seconds = self.checkpoint_seconds.map_or(Ok(()), |seconds| check::not_negative(&seconds_at, seconds));
         let map_at = at.key("light_map");
         let map_at = map_at.key("resolution");
         let map = self.light_map.map_or(Ok(()), |map| check::count(&map_at, u64::from(map.resolution), 2, 1024));
-        check::all(counts.into_iter().chain([radius, seconds, map]))
+        check::all(counts.into_iter().chain([samples, radius, seconds, map]))
     }
 }

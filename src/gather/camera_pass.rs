@@ -3,9 +3,10 @@
 use super::camera::path::PathBuffers;
 use super::camera::sampler::PixelSampler;
 use super::density::outline::Outlines;
+use super::density::responses::SensorResponses;
 use super::direct::lighting::DirectLighting;
 use crate::map::radius::RadiusScales;
-use crate::map::{LightMaps, PixelRadii, SetMaps};
+use crate::map::{LightMaps, PhotonSpectra, PixelRadii, SetMaps};
 use crate::plan::partition::PerSet;
 use crate::plan::{Plan, Tally};
 use crate::scene::Scene;
@@ -24,8 +25,8 @@ pub struct CameraPass<'a> {
     pub direct: DirectLighting<'a>,
     /// The photon maps of both photon sets, free and shared.
     pub maps: PerSet<&'a SetMaps>,
-    /// The number of photon paths of each set.
-    pub photon_paths: PerSet<u64>,
+    /// The number of photon paths of each set, divided by the number of camera samples per pixel.
+    pub photons_per_sample: PerSet<f64>,
     /// The light that is missing because photon paths ended at a limit.
     pub missing: Option<MissingLight<'a>>,
     /// The pass's shared wavelengths in nm.
@@ -37,6 +38,11 @@ pub struct CameraPass<'a> {
     pub lens_systems: Option<[SystemAt<'a>; LANES]>,
     /// The light maps for direct light in media. Empty if the plan uses no light maps.
     pub light_maps: &'a LightMaps<'a>,
+    /// The spectra of the lights.
+    pub spectra: &'a PhotonSpectra,
+    /// The responses of the sensor to photons at diffuse surfaces. `None` if the sink needs the
+    /// wavelength of each contribution.
+    pub responses: Option<&'a SensorResponses>,
     /// The outlines of directly visible surfaces.
     pub outlines: &'a Outlines,
     /// The factors by which this pass scales the first kernel radii.

@@ -20,6 +20,7 @@ pub use camera::visible_point::{CameraSegment, VisiblePoint};
 pub use camera_pass::{CameraPass, MissingLight};
 pub use density::gather_point::{NORMAL_TOLERANCE, PLANE_TOLERANCE};
 pub use density::outline::{Outline, OutlineSurvey, Outlines};
+pub use density::responses::SensorResponses;
 pub use direct::lighting::{DirectLighting, power_heuristic};
 pub use direct::openings::{OPENINGS_SHARE, Openings};
 pub use path_tracer::tracer::PathTracer;

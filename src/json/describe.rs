@@ -2,7 +2,8 @@
 
 use super::positions::{SpannedValue, ValueKind};
 
-/// An error message lists at most this many allowed names.
+/// An error message shortens a list of allowed names to this many names. It never leaves out only
+/// one name.
 const MAX_LISTED_NAMES: usize = 12;
 
 /// An error message quotes at most this many characters of a value.
@@ -12,7 +13,7 @@ const MAX_QUOTED_CHARACTERS: usize = 40;
 pub(super) fn one_of(names: &[&str]) -> String {
     match names {
         [only] => (*only).to_string(),
-        _ if names.len() <= MAX_LISTED_NAMES => format!("one of {}", names.join(", ")),
+        _ if names.len() <= MAX_LISTED_NAMES + 1 => format!("one of {}", names.join(", ")),
         _ => {
             let (listed, others) = names.split_at(MAX_LISTED_NAMES);
             format!("one of {} and {} others", listed.join(", "), others.len())

@@ -3,8 +3,11 @@
 
 mod box_tree;
 pub mod kernel;
+mod octahedral;
 pub mod photon;
 mod photon_map;
+mod photon_spectra;
+mod point_tree;
 mod query_cone;
 pub mod radius;
 mod set_maps;
@@ -12,6 +15,7 @@ mod volume;
 
 pub use photon::{Photon, PhotonPower};
 pub use photon_map::{NearbyPhoton, PhotonMap};
+pub use photon_spectra::{PhotonSpectra, WavelengthCode};
 pub use query_cone::{KernelWidth, QueryCone};
 pub use radius::PixelRadii;
 pub use set_maps::{ClassMaps, SetMaps};

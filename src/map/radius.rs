@@ -64,31 +64,42 @@ impl<T: Copy> PixelRadii<T> {
 }
 
 impl RadiusScales {
-    /// Returns the factors of a pass. The passes are counted from 0.
-    pub fn of_pass(pass: u64) -> Self {
-        Self { surface: scale(pass, 2), points: scale(pass, 2), beams: scale(pass, 1) }
+    /// Returns the factors of a pass. `progress` is the number of photon paths in all earlier
+    /// passes, divided by the number of photon paths for which the first radii are chosen.
+    pub fn after(progress: f64) -> Self {
+        Self { surface: scale(progress, 2), points: scale(progress, 2), beams: scale(progress, 1) }
     }
 }
 
-/// Returns the kernel radius in pass number `pass`, divided by the first radius. The passes are
-/// counted from 0. The kernel has d = `dimensions` dimensions.
+/// Returns the kernel radius after some passes, divided by the first radius. `progress` is the
+/// number of these passes, and may be a fraction. The kernel has d = `dimensions` dimensions.
 ///
 /// The radii follow the rule rᵈ_{i+1} = rᵈ_i (i + α)/(i + 1). Here i is the number of the pass,
 /// counted from 1, and α is 4/(d + 4). The rule is equation 15 of "Progressive Photon Mapping – A
 /// Probabilistic Approach" (Knaus & Zwicker 2011). Kernels on surfaces and kernels for photon
 /// points have two dimensions. Their mean square error falls as N^(−2/3). Kernels for photon beams
 /// have one dimension. Their mean square error falls as N^(−4/5). The factor depends only on the
-/// number of the pass, so that passes can run in any order.
-fn scale(pass: u64, dimensions: u32) -> f64 {
+/// number of the pass, so that passes can run in any order. Between two whole passes, the logarithm
+/// of the radius is interpolated.
+fn scale(progress: f64, dimensions: u32) -> f64 {
+    let (whole, part) = (progress.floor(), progress.fract());
+    let before = scale_of_whole(whole as u64, dimensions);
+    if part == 0.0 {
+        return before;
+    }
+    before.powf(1.0 - part) * scale_of_whole(whole as u64 + 1, dimensions).powf(part)
+}
+
+fn scale_of_whole(passes: u64, dimensions: u32) -> f64 {
     let alpha = 4.0 / (f64::from(dimensions) + 4.0);
-    // The product of (i + α)/(i + 1) for i = 1…pass is computed factor by factor up to i = `EXACT`.
-    // For larger i, the product uses the asymptotic series Γ(n + α)/Γ(n + 1) ~ n^(α−1)(1 +
+    // The product of (i + α)/(i + 1) for i = 1…`passes` is computed factor by factor up to i =
+    // `EXACT`. For larger i, the product uses the asymptotic series Γ(n + α)/Γ(n + 1) ~ n^(α−1)(1 +
     // (α−1)α/2n).
     const EXACT: u64 = 4096;
-    let product: f64 = (1..=pass.min(EXACT)).map(|i| (i as f64 + alpha) / (i as f64 + 1.0)).product();
-    let tail = if pass > EXACT {
+    let product: f64 = (1..=passes.min(EXACT)).map(|i| (i as f64 + alpha) / (i as f64 + 1.0)).product();
+    let tail = if passes > EXACT {
         let ratio = |n: f64| n.powf(alpha - 1.0) * (1.0 + (alpha - 1.0) * alpha / (2.0 * n));
-        ratio(pass as f64 + 1.0) / ratio(EXACT as f64 + 1.0)
+        ratio(passes as f64 + 1.0) / ratio(EXACT as f64 + 1.0)
     } else {
         1.0
     };
@@ -122,10 +133,16 @@ mod tests {
         for (dimensions, alpha) in [(1, 4.0 / 5.0), (2, 2.0 / 3.0)] {
             let mut power = 1.0;
             for i in 1..6000_u64 {
-                assert!((scale(i - 1, dimensions).powi(dimensions as i32) / power - 1.0).abs() < 1e-7, "pass {i}");
+                assert!(
+                    (scale((i - 1) as f64, dimensions).powi(dimensions as i32) / power - 1.0).abs() < 1e-7,
+                    "pass {i}"
+                );
                 power *= (i as f64 + alpha) / (i as f64 + 1.0);
             }
-            assert_eq!(scale(0, dimensions), 1.0);
+            assert_eq!(scale(0.0, dimensions), 1.0);
+            // Half a pass reduces the radius by the square root of the factor of a whole pass.
+            let factors = [7.5, 8.0].map(|progress| scale(progress, dimensions) / scale(7.0, dimensions));
+            assert!((factors[0].powi(2) / factors[1] - 1.0).abs() < 1e-12);
         }
     }
 
@@ -134,7 +151,7 @@ mod tests {
     /// dimension.
     #[test]
     fn each_kind_of_radius_falls_at_its_own_rate() {
-        let (early, late) = (RadiusScales::of_pass(1 << 20), RadiusScales::of_pass(1 << 26));
+        let (early, late) = (RadiusScales::after((1 << 20) as f64), RadiusScales::after((1 << 26) as f64));
         let exponent = |of: fn(&RadiusScales) -> f64| (of(&late) / of(&early)).log2() / 6.0;
         assert!((exponent(|scales| scales.surface) + 1.0 / 6.0).abs() < 1e-5);
         assert!((exponent(|scales| scales.points) + 1.0 / 6.0).abs() < 1e-5);

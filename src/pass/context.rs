@@ -3,7 +3,8 @@
 use super::sums::PassSums;
 use crate::emit::{EmissionStrata, LightSampler, PhotonSource, WavelengthSampling};
 use crate::error::Result;
-use crate::gather::Openings;
+use crate::gather::{Openings, SensorResponses};
+use crate::map::PhotonSpectra;
 use crate::math::kronecker::{golden_ratio, sqrt3};
 use crate::math::random::{Purpose, REPLICATES, hash64};
 use crate::plan::{Budget, MotionPlan, Plan};
@@ -24,6 +25,11 @@ pub struct PassContext<'a> {
     pub budget: &'a Budget,
     /// The lights of the scene, as one distribution.
     pub lights: &'a LightSampler,
+    /// The spectra of the lights.
+    pub spectra: &'a PhotonSpectra,
+    /// The responses of the sensor to photons at diffuse surfaces. `None` if the sensor needs the
+    /// wavelengths.
+    pub responses: Option<&'a SensorResponses>,
     /// The openings of the scene.
     pub openings: &'a Openings,
 }
@@ -64,6 +70,7 @@ impl<'a> PassContext<'a> {
         PhotonSource {
             scene,
             strata,
+            spectra: self.spectra,
             ray_densities: None,
             wavelengths,
             count,

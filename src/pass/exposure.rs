@@ -4,7 +4,7 @@ use super::sums::PassSums;
 use crate::plan::Tally;
 use crate::sensor::PixelSink;
 use crate::sensor::film::FilmRow;
-use crate::walk::Sink;
+use crate::walk::{SensorResponse, Sink};
 use rayon::prelude::*;
 
 /// Adds the radiance of camera paths to a pixel.
@@ -15,6 +15,10 @@ impl Sink for PixelSink<'_> {
 
     fn biased(&mut self, nm: f64, weight: f64, bias: f64) {
         PixelSink::biased(self, nm, weight, bias);
+    }
+
+    fn respond(&mut self, radiance: SensorResponse, bias: SensorResponse) {
+        PixelSink::respond(self, radiance.0, bias.0);
     }
 }
 

@@ -6,9 +6,11 @@
 //! seed and its own index. The sums of all passes are in [`PassSums`].
 
 mod aims;
+mod balance;
 mod context;
 mod deposits;
 mod exposure;
+mod importance;
 mod keep_probability;
 mod openings;
 mod outlines;
@@ -20,6 +22,7 @@ mod sums;
 mod survey;
 mod targets;
 mod trace;
+mod trial;
 mod volume_radii;
 mod volume_samples;
 

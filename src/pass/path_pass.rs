@@ -23,7 +23,7 @@ pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Re
         depth_limit: context.depth_limit(),
     };
     expose_rows(sums, |row, tally| {
-        row.expose(pass, |pixel, sink| {
+        row.expose(pass, 1, |pixel, sink| {
             tracer.sample(pixel as u64, PixelSampler::new(budget.seed, pass, pixel as u64), tally, sink);
         })
     });

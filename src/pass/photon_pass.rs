@@ -50,7 +50,7 @@ pub fn photon_pass<'a>(
             ray_densities: pilot.ray_densities.as_ref(),
             ..context.photon_source(&scene, &pilot.strata, request)
         };
-        trace_photons(&source, plan, set, pilot.keep, || film.splat_sink())
+        trace_photons(&source, plan, set, pilot.recording(set), || film.splat_sink())
     });
     sums.seconds.emit += start.elapsed().as_secs_f64();
 
@@ -73,22 +73,27 @@ pub fn photon_pass<'a>(
             .with_openings(context.openings)
             .with_ray_densities(pilot.ray_densities.as_ref()),
         maps: PerSet { free: &maps.free, shared: &maps.shared },
-        photon_paths: pilot.photons,
+        photons_per_sample: pilot.photons_per_sample(),
         missing: missing_light(&context, [&free.ledger, &on_shared.ledger], &maps, &lost),
         light_maps,
         shared_nm: shared.nm,
         shared_pdf: shared.pdf,
-        scales: RadiusScales::of_pass(pass),
+        scales: RadiusScales::after(pass as f64 * pilot.photon_share),
         stated_radius_m: budget.radius_m,
         lens_systems: scene.camera.system().map(|system| shared.nm.map(|nm| system.at(nm))),
+        spectra: context.spectra,
+        responses: context.responses,
         outlines: &pilot.outlines,
         depth_limit: context.depth_limit(),
     };
+    let samples = pilot.camera_samples;
     expose_rows(sums, |row, tally| {
         let mut buffers = PathBuffers::default();
-        row.expose(pass, |pixel, sink| {
-            let sampler = PixelSampler::new(budget.seed, pass, pixel as u64);
-            camera_pass.sample(pixel as u64, sampler, &pilot.radii[pixel], &mut buffers, tally, sink);
+        row.expose(pass, samples, |pixel, sink| {
+            for nth in 0..samples {
+                let sampler = PixelSampler::nth(budget.seed, pass, pixel as u64, (nth, samples));
+                camera_pass.sample(pixel as u64, sampler, &pilot.radii[pixel], &mut buffers, tally, sink);
+            }
         })
     });
     for (splats, tally) in [(&free.splats, &free.tally), (&on_shared.splats, &on_shared.tally)] {

@@ -11,19 +11,22 @@
 //! less light. Outlines are stored only where nothing moves.
 
 use super::aims::{LearnedAims, learn_aims};
+use super::balance::{Balance, BalanceLimits};
 use super::context::PassContext;
 use super::keep_probability::{KEEP_ALL, KeepProbability};
 use super::outlines::outlines;
+use super::recorder::RecordingOptions;
 use super::sums::StageSeconds;
 use super::survey::PixelSurvey;
+use super::trial::run_trial;
 use super::volume_radii::{VolumeKernelWidths, keep_probabilities};
 use crate::emit::EmissionStrata;
 use crate::error::Result;
 use crate::gather::Outlines;
 use crate::map::PixelRadii;
 use crate::optics::bsdf::BsdfClass;
-use crate::plan::partition::{PerClass, PerSet};
-use crate::plan::{AimPlan, CausticPlan, IndirectPlan, MotionPlan, WavelengthPlan};
+use crate::plan::partition::{PerClass, PerSet, PhotonSet};
+use crate::plan::{AimPlan, Budget, CausticPlan, IndirectPlan, MotionPlan, WavelengthPlan};
 use crate::scene::Scene;
 use crate::walk::RayDensities;
 use std::borrow::Cow;
@@ -50,7 +53,11 @@ pub struct Pilot {
     pub(super) outlines: Outlines,
     /// The number of photon paths of each set.
     pub(super) photons: PerSet<u64>,
-    /// The probabilities of storing photons in media.
+    /// The number of camera samples per pixel.
+    pub(super) camera_samples: u64,
+    /// The number of photon paths in a pass, divided by the largest number within the budget.
+    pub(super) photon_share: f64,
+    /// The probabilities of storing photons.
     pub(super) keep: PerClass<KeepProbability>,
 }
 
@@ -89,8 +96,19 @@ impl Pilot {
         let extent = context.scene.extent();
         let ray_densities = has_competition(context).then(|| strata.ray_densities(&context.scene.lights, extent));
         let (radii, outlines) = (Vec::new(), Outlines::default());
-        let mut pilot = Self { strata, unlit, ray_densities, radii, outlines, photons, keep: KEEP_ALL };
+        let mut pilot = Self {
+            strata,
+            unlit,
+            ray_densities,
+            radii,
+            outlines,
+            photons,
+            camera_samples: 1,
+            photon_share: 1.0,
+            keep: KEEP_ALL,
+        };
         pilot.measure(context, &scenes);
+        pilot.balance(context, &scenes[0]);
         seconds.pilot += start.elapsed().as_secs_f64();
         Ok(pilot)
     }
@@ -119,6 +137,36 @@ impl Pilot {
         if context.plan.wavelengths == WavelengthPlan::Both {
             self.photons = divided(context.budget.photons, readers);
         }
+    }
+
+    /// Returns the number of photon paths of each set, divided by the number of camera samples per
+    /// pixel.
+    pub(super) fn photons_per_sample(&self) -> PerSet<f64> {
+        PerSet::from_fn(|set| self.photons[set] as f64 / self.camera_samples as f64)
+    }
+
+    /// Returns how the photons of a set are recorded.
+    pub(super) fn recording(&self, set: PhotonSet) -> RecordingOptions {
+        RecordingOptions { keep: self.keep, photons_per_sample: self.photons_per_sample()[set] }
+    }
+
+    /// Divides the work of a pass between photons and camera samples.
+    fn balance(&mut self, context: &PassContext<'_>, scene: &Scene) {
+        let Budget { photons, photons_stated, camera_samples, .. } = *context.budget;
+        let limits = BalanceLimits { photons, photons_stated, camera_samples };
+        let Balance { photons: chosen, stored_share, camera_samples } = if limits.is_fixed() {
+            limits.plain()
+        } else {
+            let (variances, work) = run_trial(context, scene, self);
+            limits.choose(variances, work)
+        };
+        self.camera_samples = camera_samples;
+        self.keep.indirect.surface = stored_share;
+        self.photon_share = chosen as f64 / photons as f64;
+        self.photons = PerSet::from_fn(|set| match self.photons[set] {
+            0 => 0,
+            count => ((count as f64 * self.photon_share) as u64).max(1),
+        });
     }
 }
 
@@ -150,9 +198,9 @@ fn with_medians(radii: &[PixelRadii<Option<f32>>]) -> Vec<PixelRadii> {
     }
     let mut medians = PixelRadii::splat(f32::MIN_POSITIVE);
     for (median, known) in medians.all_mut().into_iter().zip(&mut known) {
-        known.sort_by(f32::total_cmp);
-        if let Some(&middle) = known.get(known.len() / 2) {
-            *median = middle;
+        let middle = known.len() / 2;
+        if !known.is_empty() {
+            *median = *known.select_nth_unstable_by(middle, f32::total_cmp).1;
         }
     }
     radii.iter().map(|radii| radii.zip_with(medians, |radius, median| radius.unwrap_or(median))).collect()

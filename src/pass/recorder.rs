@@ -17,16 +17,22 @@ use crate::walk::{LONG_PATH, NumberedMedium};
 /// The photons of one path are alike, so a long path needs only some of them.
 const EVENTS_RECORDED_ALWAYS: u32 = 8;
 
+/// How the photons of a set are recorded.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RecordingOptions {
+    /// The probabilities of storing photons.
+    pub(super) keep: PerClass<KeepProbability>,
+    /// The number of photon paths in the set, divided by the number of camera samples per pixel.
+    pub(super) photons_per_sample: f64,
+}
+
 /// Records the photons of one parallel task.
 #[derive(Debug)]
 pub(super) struct PhotonRecorder<'a> {
     scene: &'a Scene,
     plan: &'a Plan,
     set: PhotonSet,
-    /// The number of photon paths in the set.
-    photon_paths: u64,
-    /// The probabilities of storing photons in media.
-    keep: PerClass<KeepProbability>,
+    options: RecordingOptions,
     /// The photons for the maps.
     pub(super) deposits: PhotonDeposits,
     /// The contributions of connections to the camera.
@@ -42,16 +48,15 @@ impl<'a> PhotonRecorder<'a> {
     pub(super) fn new(
         scene: &'a Scene,
         plan: &'a Plan,
-        (set, photon_paths): (PhotonSet, u64),
-        keep: PerClass<KeepProbability>,
+        set: PhotonSet,
+        options: RecordingOptions,
         splat_sink: impl Fn() -> SplatSink,
     ) -> Self {
         Self {
             scene,
             plan,
             set,
-            photon_paths,
-            keep,
+            options,
             deposits: PhotonDeposits::default(),
             splats: splat_sink(),
             lost: PhotonDeposits::default(),
@@ -82,7 +87,8 @@ impl<'a> PhotonRecorder<'a> {
             AperturePlan::ThinLens(_) => stream.pair(),
         };
         let media_plan = self.plan.media_plan;
-        let camera = CameraConnection { scene: self.scene, media_plan, photon_paths: self.photon_paths };
+        let photons_per_sample = self.options.photons_per_sample;
+        let camera = CameraConnection { scene: self.scene, media_plan, photons_per_sample };
         if let Some(splat) = camera.connect(arrival, lens) {
             self.tally.connections += 1;
             let radiance = splat.radiance.map(|radiance| radiance * factor);
@@ -110,11 +116,19 @@ impl PhotonVisitor for PhotonRecorder<'_> {
         self.connect(arrival, factor, stream);
         let mut components = self.scene.materials[arrival.interaction.material].surface.components();
         if components.any(|surface| kept_in_map(arrival.photon.light_path, surface.class())) {
+            let probability = self.options.keep[class].surface;
+            if probability < 1.0 && stream.uniform() >= probability {
+                return;
+            }
             self.tally.stored += 1;
             let position = arrival.interaction.hit.position.as_vec3().to_array();
-            let photon = surface_photon(arrival, factor);
+            let photon = surface_photon(arrival, factor / probability, stream);
             self.deposits_for(arrival.photon).surface[class].push((photon, position));
         }
+    }
+
+    fn on_arrival(&mut self, _object: u32) {
+        self.tally.photon_segments += 1;
     }
 
     fn on_body_face(&mut self) {
@@ -125,11 +139,11 @@ impl PhotonVisitor for PhotonRecorder<'_> {
         let MediumCrossing { segment, medium: NumberedMedium { number, medium }, photon } = *crossing;
         let Some(class) = photon.light_path.photon_class() else { return };
         let wanted = self.plan.volume.keeps_beams(medium.dense) && medium.scatters() && segment.length_m.is_finite();
-        let probability = self.keep[class].beams;
+        let probability = self.options.keep[class].beams;
         if wanted && probability > 0.0 && stream.uniform() < probability {
             self.tally.volume_beams += 1;
             let ends = [segment.ray.origin, segment.ray.at(segment.length_m)];
-            let beam = PhotonBeam::new(ends, number, kept_power(photon, probability));
+            let beam = PhotonBeam::new(ends, number, kept_power(photon, probability, stream));
             self.deposits_for(photon).volume[class].beams.push(beam);
         }
     }
@@ -138,10 +152,10 @@ impl PhotonVisitor for PhotonRecorder<'_> {
         let MediumCollision { position, incoming, medium: NumberedMedium { number, medium }, photon } = *collision;
         let Some(class) = photon.light_path.photon_class() else { return };
         let wanted = self.plan.volume.keeps_points(medium.dense) && medium.scatters();
-        let probability = self.keep[class].points;
+        let probability = self.options.keep[class].points;
         if wanted && probability > 0.0 && stream.uniform() < probability {
             self.tally.volume_points += 1;
-            let power = kept_power(photon, probability);
+            let power = kept_power(photon, probability, stream);
             let point = VolumePhoton::new(position, incoming, number, power);
             self.deposits_for(photon).volume[class].points.push(point);
         }
@@ -156,8 +170,9 @@ impl PhotonVisitor for PhotonRecorder<'_> {
 
 /// Returns the power of a photon that is stored in a medium. `probability` is the probability that
 /// the medium stores this photon.
-fn kept_power(photon: &PhotonState, probability: f64) -> PhotonPower {
-    PhotonPower::new(&photon.wavelengths, photon.power.map(|power| power / probability), photon.lane)
+fn kept_power(photon: &PhotonState, probability: f64, stream: &mut Stream) -> PhotonPower {
+    let power = photon.power.map(|power| power / probability);
+    PhotonPower::new(photon.wavelength_code, power, photon.lane, stream.uniform())
 }
 
 /// Decides whether the photon at surface event number `depth` is recorded. Returns the factor for
@@ -175,11 +190,11 @@ fn recorded_factor(depth: u32, stream: &mut Stream) -> Option<f64> {
 
 /// Converts the arrival of a photon at a surface to the photon that the map stores. The power of
 /// the photon is multiplied by `factor`.
-fn surface_photon(arrival: &SurfaceArrival<'_>, factor: f64) -> Photon {
+fn surface_photon(arrival: &SurfaceArrival<'_>, factor: f64, stream: &mut Stream) -> Photon {
     let hit = &arrival.interaction.hit;
     let to_light = arrival.to_light();
     let facing = if to_light.dot(hit.normal) >= 0.0 { hit.normal } else { -hit.normal };
-    let PhotonState { wavelengths, power, lane, ray_density, .. } = arrival.photon;
-    let power = PhotonPower::new(wavelengths, power.map(|power| power * factor), *lane);
-    Photon::new(power.with_ray_density(*ray_density), to_light, facing)
+    let PhotonState { wavelength_code, power, lane, ray_density, .. } = *arrival.photon;
+    let power = PhotonPower::new(wavelength_code, power.map(|power| power * factor), lane, stream.uniform());
+    Photon::new(power, to_light, facing).with_ray_density(ray_density)
 }

@@ -2,12 +2,13 @@
 
 use super::context::{EmissionRequest, PassContext, SharedWavelengths};
 use super::deposits::PhotonDeposits;
-use super::keep_probability::KEEP_ALL;
+use super::keep_probability::{DepositCounts, KEEP_ALL};
+use super::recorder::RecordingOptions;
 use super::trace::trace_photons;
-use super::volume_radii::{DepositCounts, PixelVolumeCounts, VolumeKernelWidths};
+use super::volume_radii::{PixelVolumeCounts, VolumeKernelWidths};
 use super::volume_samples::VolumeSamples;
 use crate::emit::{EmissionStrata, WavelengthSampling};
-use crate::gather::{CameraPass, DirectLighting, Outlines, PathBuffers, PixelSampler, VisiblePoint};
+use crate::gather::{CameraPass, CameraSegment, DirectLighting, Outlines, PathBuffers, PixelSampler, VisiblePoint};
 use crate::map::radius::{self, RadiusScales};
 use crate::map::{LightMaps, PhotonMap, PixelRadii, SetMaps};
 use crate::math::random::Purpose;
@@ -15,7 +16,7 @@ use crate::plan::partition::{PerClass, PerSet, PhotonClass, PhotonSet, View};
 use crate::plan::{DirectPlan, Plan, Tally};
 use crate::scene::Scene;
 use crate::sensor::Film;
-use crate::walk::Sink;
+use crate::walk::{SensorResponse, Sink};
 use rayon::prelude::*;
 use std::f64::consts::SQRT_2;
 use std::num::NonZero;
@@ -47,6 +48,10 @@ const LARGEST_RADIUS_OF_OBJECT: f64 = 0.5;
 /// in a large world, a pixel covers such a small part of the wall that 24 pixels contain no
 /// photons.
 const FEWEST_PHOTONS: f64 = 8.0;
+
+/// The survey divides the film into square blocks of this many pixels in each direction. In a
+/// block, it searches the nearest photons once for each surface.
+const BLOCK: usize = 2;
 
 /// Separates the camera samples of the pilot from the camera samples of the passes. The samples are
 /// hashes of the seed, the replicate and the pixel. The bytes of this number are the word "pilot"
@@ -94,8 +99,10 @@ impl PixelSurvey {
             let count = (share * photons[set] as f64) as u64;
             let request = EmissionRequest { wavelengths, count, purpose: Purpose::Pilot, pass };
             let source = context.photon_source(scene, strata, request);
-            let deposits = trace_photons(&source, plan, set, KEEP_ALL, || blank.splat_sink()).deposits;
-            stored = stored.zip_with(DepositCounts::of(&deposits, share.recip()), DepositCounts::max);
+            let recording = RecordingOptions { keep: KEEP_ALL, photons_per_sample: photons[set] as f64 };
+            let deposits = trace_photons(&source, plan, set, recording, || blank.splat_sink()).deposits;
+            let here = PerClass::from_fn(|class| DepositCounts::of(&deposits.volume[class], share.recip()));
+            stored = stored.zip_with(here, DepositCounts::max);
             SurveyMaps::new(&deposits, context, share)
         });
         let (no_photons, no_outlines) = (SetMaps::default(), Outlines::default());
@@ -104,32 +111,35 @@ impl PixelSurvey {
             plan: &without_direct,
             direct: DirectLighting::new(scene, &lights.lights, plan.media_plan),
             maps: PerSet { free: &no_photons, shared: &no_photons },
-            photon_paths: photons,
+            photons_per_sample: PerSet::from_fn(|set| photons[set] as f64),
             missing: None,
             light_maps: &LightMaps::default(),
             shared_nm: nm,
             shared_pdf: pdf,
-            scales: RadiusScales::of_pass(0),
+            scales: RadiusScales::after(0.0),
             stated_radius_m: budget.radius_m,
             lens_systems: scene.camera.system().map(|system| nm.map(|nm| system.at(nm))),
+            spectra: context.spectra,
+            responses: None,
             outlines: &no_outlines,
             depth_limit: context.depth_limit(),
         };
         let (width, extents) = (scene.camera.width(), object_extents(scene));
-        let rows: Vec<Self> = (0..scene.camera.pixel_count() / width)
+        let band = BLOCK * width;
+        let bands: Vec<Self> = (0..scene.camera.pixel_count().div_ceil(band))
             .into_par_iter()
-            .map(|row| {
-                let pixels = row * width..(row + 1) * width;
-                Self::of_pixels(context, &camera_pass, &maps, &extents, moment, pixels)
+            .map(|number| {
+                let pixels = number * band..((number + 1) * band).min(scene.camera.pixel_count());
+                Self::of_band(context, &camera_pass, &maps, &extents, moment, pixels)
             })
             .collect();
         let mut all = Self { stored, ..Self::default() };
-        rows.into_iter().for_each(|row| all.append(row));
+        bands.into_iter().for_each(|band| all.append(band));
         all
     }
 
-    /// Surveys some pixels.
-    fn of_pixels<'a>(
+    /// Surveys the pixels of [`BLOCK`] rows, block by block.
+    fn of_band<'a>(
         context: &PassContext<'_>,
         camera_pass: &CameraPass<'a>,
         maps: &PerSet<SurveyMaps>,
@@ -137,45 +147,41 @@ impl PixelSurvey {
         moment: u64,
         pixels: Range<usize>,
     ) -> Self {
+        let (width, count) = (camera_pass.scene.camera.width(), pixels.len());
         let mut buffers = PathBuffers::recording();
         let widths = VolumeKernelWidths::of(context);
-        let mut survey = Self::default();
-        for pixel in pixels {
-            let sampler = PixelSampler::new(context.budget.seed ^ CAMERA_SEED_MASK, moment, pixel as u64);
-            let (no_radii, mut tally) = (PixelRadii::splat(0.0), Tally::default());
-            camera_pass.sample(pixel as u64, sampler, &no_radii, &mut buffers, &mut tally, &mut NullSink);
-            let mut radii = PixelRadii::splat(None);
-            for set in [PhotonSet::Free, PhotonSet::Shared] {
-                // Paths read more photons at diffuse surfaces than at glossy surfaces.
-                let points = || buffers.visible_points.iter().rev();
-                let is_of_set = |point: &&VisiblePoint| PhotonSet::of_path(point.shared) == set;
-                let diffuse = points().filter(|point| point.is_diffuse).find(is_of_set);
-                let Some(point) = diffuse.or_else(|| points().find(is_of_set)) else { continue };
-                let extent_m = extents[point.object as usize];
-                let least_m = point.footprint_m.min(LEAST_RADIUS_OF_OBJECT * extent_m);
-                for class in PhotonClass::ALL {
-                    let object_m = LARGEST_RADIUS_OF_OBJECT * extent_m;
-                    let largest_m = object_m.min(MAX_SURFACE_RADIUS_PX[class] * point.footprint_m);
-                    let limits = RadiusLimits { least_m, largest_m, object_m };
-                    let radius = maps[set].first_radius_m(context, point, limits, class) as f32;
-                    radii.surface[set][class] = Some(radius).filter(|&radius| radius > 0.0);
-                }
+        let mut survey = Self {
+            radii: vec![PixelRadii::splat(None); count],
+            visible: vec![None; count],
+            volume: vec![PixelVolumeCounts::default(); count],
+            ..Self::default()
+        };
+        for first_column in (0..width).step_by(BLOCK) {
+            let columns = first_column..(first_column + BLOCK).min(width);
+            let mut block = BlockSurvey::default();
+            for index in (0..count / width).flat_map(|row| columns.clone().map(move |column| row * width + column)) {
+                let pixel = (pixels.start + index) as u64;
+                let sampler = PixelSampler::new(context.budget.seed ^ CAMERA_SEED_MASK, moment, pixel);
+                let (no_radii, mut tally) = (PixelRadii::splat(0.0), Tally::default());
+                camera_pass.sample(pixel, sampler, &no_radii, &mut buffers, &mut tally, &mut NullSink);
+                survey.radii[index] = block.surface_radii(context, maps, extents, &buffers.visible_points);
+                let media = &camera_pass.scene.media;
+                let samples = PerSet { free: &maps.free.volume, shared: &maps.shared.volume };
+                survey.volume[index] = block.volume_counts(&buffers.camera_segments, |segments| {
+                    PixelVolumeCounts::along(segments, media, samples, &widths)
+                });
+                let on_surfaces = buffers.visible_points.iter().map(|point| point.shared);
+                let in_media = buffers.camera_segments.iter().map(|segment| segment.shared);
+                let mut reads = PerSet { free: false, shared: false };
+                on_surfaces.chain(in_media).for_each(|shared| {
+                    reads.shared |= shared;
+                    reads.free |= !shared;
+                });
+                survey.readers.free += u64::from(reads.free);
+                survey.readers.shared += u64::from(reads.shared);
+                let first = buffers.visible_points.iter().find(|point| point.is_diffuse).copied();
+                survey.visible[index] = first.filter(|point| point.view == View::Direct);
             }
-            survey.radii.push(radii);
-            let media = &camera_pass.scene.media;
-            let samples = PerSet { free: &maps.free.volume, shared: &maps.shared.volume };
-            survey.volume.push(PixelVolumeCounts::along(&buffers.camera_segments, media, samples, &widths));
-            let on_surfaces = buffers.visible_points.iter().map(|point| point.shared);
-            let in_media = buffers.camera_segments.iter().map(|segment| segment.shared);
-            let mut reads = PerSet { free: false, shared: false };
-            on_surfaces.chain(in_media).for_each(|shared| {
-                reads.shared |= shared;
-                reads.free |= !shared;
-            });
-            survey.readers.free += u64::from(reads.free);
-            survey.readers.shared += u64::from(reads.shared);
-            let first = buffers.visible_points.iter().find(|point| point.is_diffuse).copied();
-            survey.visible.push(first.filter(|point| point.view == View::Direct));
         }
         survey
     }
@@ -210,6 +216,81 @@ impl PixelSurvey {
         self.readers.free += readers.free;
         self.readers.shared += readers.shared;
     }
+}
+
+/// The measurements of a block of pixels. Pixels of the same block share them where they see the
+/// same surface or cross the same media.
+#[derive(Default)]
+struct BlockSurvey {
+    /// For each photon set, a visible point and the first radii there.
+    surface: PerSet<Option<(VisiblePoint, PerClass<f64>)>>,
+    /// The photons near the segments in these media.
+    volume: Option<(Vec<(usize, bool)>, PixelVolumeCounts)>,
+}
+
+impl BlockSurvey {
+    /// Returns the first radii at the visible points of a pixel.
+    fn surface_radii(
+        &mut self,
+        context: &PassContext<'_>,
+        maps: &PerSet<SurveyMaps>,
+        extents: &[f64],
+        visible_points: &[VisiblePoint],
+    ) -> PixelRadii<Option<f32>> {
+        let mut radii = PixelRadii::splat(None);
+        for set in [PhotonSet::Free, PhotonSet::Shared] {
+            // Paths read more photons at diffuse surfaces than at glossy surfaces.
+            let points = || visible_points.iter().rev();
+            let is_of_set = |point: &&VisiblePoint| PhotonSet::of_path(point.shared) == set;
+            let diffuse = points().filter(|point| point.is_diffuse).find(is_of_set);
+            let Some(point) = diffuse.or_else(|| points().find(is_of_set)) else { continue };
+            let known = self.surface[set].filter(|(known, _)| is_alike(known, point));
+            let (_, found) = known.unwrap_or_else(|| {
+                let extent_m = extents[point.object as usize];
+                let least_m = point.footprint_m.min(LEAST_RADIUS_OF_OBJECT * extent_m);
+                let found = PerClass::from_fn(|class| {
+                    let object_m = LARGEST_RADIUS_OF_OBJECT * extent_m;
+                    let largest_m = object_m.min(MAX_SURFACE_RADIUS_PX[class] * point.footprint_m);
+                    let limits = RadiusLimits { least_m, largest_m, object_m };
+                    maps[set].first_radius_m(context, point, limits, class)
+                });
+                (*point, found)
+            });
+            if known.is_none() {
+                self.surface[set] = Some((*point, found));
+            }
+            radii.surface[set] = PerClass::from_fn(|class| Some(found[class] as f32).filter(|&radius| radius > 0.0));
+        }
+        radii
+    }
+
+    /// Returns the photons near the segments of a pixel. `count` counts them.
+    fn volume_counts(
+        &mut self,
+        segments: &[CameraSegment],
+        count: impl FnOnce(&[CameraSegment]) -> PixelVolumeCounts,
+    ) -> PixelVolumeCounts {
+        if segments.is_empty() {
+            return PixelVolumeCounts::default();
+        }
+        let crossed = segments.iter().map(|segment| (segment.medium, segment.shared));
+        match &self.volume {
+            Some((known, counts)) if crossed.clone().eq(known.iter().copied()) => *counts,
+            _ => {
+                let counts = count(segments);
+                self.volume = Some((crossed.collect(), counts));
+                counts
+            }
+        }
+    }
+}
+
+/// Returns true if two visible points are close to each other on the same surface.
+fn is_alike(one: &VisiblePoint, other: &VisiblePoint) -> bool {
+    one.object == other.object
+        && one.is_diffuse == other.is_diffuse
+        && one.position.distance(other.position) <= 2.0 * BLOCK as f64 * one.footprint_m
+        && one.continues_to(other.position, other.facing)
 }
 
 /// Returns the extent (m) of each object, by object number: the diagonal of a square whose sides
@@ -301,6 +382,8 @@ impl Sink for NullSink {
     fn radiance(&mut self, _nm: f64, _weight: f64) {}
 
     fn biased(&mut self, _nm: f64, _weight: f64, _bias: f64) {}
+
+    fn respond(&mut self, _radiance: SensorResponse, _bias: SensorResponse) {}
 }
 
 #[cfg(test)]

@@ -1,10 +1,9 @@
 //! Traces a set of photons on all threads.
 
 use super::deposits::PhotonDeposits;
-use super::keep_probability::KeepProbability;
-use super::recorder::PhotonRecorder;
+use super::recorder::{PhotonRecorder, RecordingOptions};
 use crate::emit::{PhotonSource, trace};
-use crate::plan::partition::{PerClass, PhotonClass, PhotonSet};
+use crate::plan::partition::{PhotonClass, PhotonSet};
 use crate::plan::{Plan, Tally};
 use crate::sensor::SplatSink;
 use crate::walk::ledger::Ledger;
@@ -34,20 +33,19 @@ pub(super) struct TracedPhotons {
 /// Traces all photons of a source on the current thread pool. The result does not depend on the
 /// number of threads.
 ///
-/// `keep` contains the probabilities of storing photons in media. `splat_sink` creates an empty
-/// sink for connections to the camera.
+/// `splat_sink` creates an empty sink for connections to the camera.
 pub(super) fn trace_photons(
     source: &PhotonSource<'_>,
     plan: &Plan,
     set: PhotonSet,
-    keep: PerClass<KeepProbability>,
+    options: RecordingOptions,
     splat_sink: impl Fn() -> SplatSink + Sync,
 ) -> TracedPhotons {
     let points = source.points();
     let tasks: Vec<(PhotonRecorder<'_>, Ledger)> = (0..source.count.div_ceil(PHOTONS_PER_TASK))
         .into_par_iter()
         .map(|task| {
-            let mut recorder = PhotonRecorder::new(source.scene, plan, (set, source.count), keep, &splat_sink);
+            let mut recorder = PhotonRecorder::new(source.scene, plan, set, options, &splat_sink);
             let mut ledger = Ledger::new(source.scene.materials.len());
             let indices = task * PHOTONS_PER_TASK..((task + 1) * PHOTONS_PER_TASK).min(source.count);
             trace(source, &points, indices, &mut recorder, &mut ledger);

@@ -3,13 +3,13 @@
 //! Both follow from the number of pilot photons near each camera ray.
 
 use super::context::PassContext;
-use super::deposits::{PhotonDeposits, VolumeDeposits};
-use super::keep_probability::KeepProbability;
+use super::keep_probability::{DepositCounts, KeepProbability};
 use super::volume_samples::{NearbyPhotons, VolumeSamples};
 use crate::gather::CameraSegment;
 use crate::map::{KernelWidth, PixelRadii};
 use crate::plan::partition::{PerClass, PerSet, PhotonClass, PhotonSet};
 use crate::scene::medium::Medium;
+use std::iter;
 
 /// The desired number of photons of one class within the first radius around a camera ray. This
 /// number is smaller than the number for a surface point, because a ray collects photons along its
@@ -23,9 +23,14 @@ const MIN_VOLUME_RADIUS_PX: f64 = 0.7;
 /// smaller because caustics have sharp edges.
 const MAX_VOLUME_RADIUS_PX: PerClass<f64> = PerClass { caustic: 4.0, indirect: 24.0 };
 
-/// The upper limit of the first kernel radius in media, as a fraction of the picture's shorter side.
-/// On a small film, a kernel of 24 pixels would blur whole bodies.
+/// The upper limit of the first kernel radius in media, as a fraction of the picture's shorter
+/// side. On a small film, a kernel of 24 pixels would blur whole bodies.
 const MAX_VOLUME_RADIUS_OF_PICTURE: f64 = 0.1;
+
+/// The upper limit of the first kernel radius of indirect light in media, divided by the distance
+/// from the camera. It applies if the other limits of the radius leave almost no photons near a ray.
+/// In fog of a large world, 24 pixels may contain one photon in a thousand passes.
+const WIDEST_KERNEL: f64 = 1.0;
 
 /// The upper limit of the first kernel radius for photon points, in mean free paths.
 ///
@@ -33,13 +38,6 @@ const MAX_VOLUME_RADIUS_OF_PICTURE: f64 = 0.1;
 /// boundary finds no photons outside the medium, so the estimate loses light in proportion to the
 /// radius.
 const MAX_RADIUS_FREE_PATHS: f64 = 0.5;
-
-/// The largest number of photon points of one class that a photon set stores in a pass. A photon in
-/// a dense medium leaves hundreds of points. Most of these points add little information.
-const MAX_POINTS: f64 = 50_000.0;
-
-/// The largest number of photon beams of one class that a photon set stores in a pass.
-const MAX_BEAMS: f64 = 15_000.0;
 
 /// The largest number of camera segments of a pixel at which the pilot counts photons. Reflections
 /// inside glass can leave many segments, but the light along the later ones is faint.
@@ -61,13 +59,6 @@ pub(super) struct VolumeKernelWidths {
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct PixelVolumeCounts(PerSet<Option<PerClass<NearbyPhotons>>>);
 
-/// The number of photons of one class that the media would store in a pass.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct DepositCounts {
-    points: f64,
-    beams: f64,
-}
-
 impl VolumeKernelWidths {
     /// Returns the first kernel widths for a render. They depend on its camera and its budget.
     pub(super) fn of(context: &PassContext<'_>) -> Self {
@@ -79,11 +70,19 @@ impl VolumeKernelWidths {
         Self { pixel_angle: camera.pixel_angle(), largest_px, radius_m: context.budget.radius_m }
     }
 
-    /// Returns the upper limit of the first kernel width for a class. If the scene fixes the
-    /// radius, returns this radius.
-    fn largest(&self, class: PhotonClass) -> KernelWidth {
-        let per_distance = || KernelWidth::PerDistance(self.largest_px[class] * self.pixel_angle);
-        self.radius_m.map_or_else(per_distance, KernelWidth::Stated)
+    /// Returns the upper limits of the first kernel width for a class. The first limit applies if a
+    /// kernel of this width contains photons. Otherwise, the next limit applies. If the scene fixes
+    /// the radius, returns this radius.
+    fn largest(&self, class: PhotonClass) -> impl Iterator<Item = KernelWidth> {
+        let first = self.largest_px[class] * self.pixel_angle;
+        let widest = match class {
+            PhotonClass::Caustic => first,
+            PhotonClass::Indirect => WIDEST_KERNEL,
+        };
+        let wider = move |width: &f64| (*width < widest).then(|| (2.0 * width).min(widest));
+        let per_distance = iter::successors(Some(first), wider).map(KernelWidth::PerDistance);
+        let stated = self.radius_m.map(KernelWidth::Stated);
+        stated.into_iter().chain(per_distance.take(if stated.is_some() { 0 } else { usize::MAX }))
     }
 
     /// Returns the upper limit of the first kernel width of caustics, divided by its lower limit.
@@ -93,8 +92,8 @@ impl VolumeKernelWidths {
 }
 
 impl PixelVolumeCounts {
-    /// Counts the photons near the camera segments of a pixel. The result contains the largest of
-    /// each count over all segments.
+    /// Counts the photons near the camera segments of a pixel. The result is that of the segment
+    /// with the most photons.
     pub(super) fn along(
         camera_segments: &[CameraSegment],
         media: &[Medium],
@@ -107,7 +106,7 @@ impl PixelVolumeCounts {
             let medium = &media[segment.medium];
             let here = PerClass::from_fn(|class| samples[set][class].count(segment, medium, widths.largest(class)));
             let known = &mut counts.0[set];
-            *known = Some(known.map_or(here, |known| known.zip_with(here, NearbyPhotons::max)));
+            *known = Some(known.map_or(here, |known| known.zip_with(here, NearbyPhotons::denser)));
         }
         counts
     }
@@ -115,7 +114,7 @@ impl PixelVolumeCounts {
     /// Compares the counts at two shutter times. Returns the larger value of each count.
     pub(super) fn max(self, other: Self) -> Self {
         Self(self.0.zip_with(other.0, |one, other| match (one, other) {
-            (Some(one), Some(other)) => Some(one.zip_with(other, NearbyPhotons::max)),
+            (Some(one), Some(other)) => Some(one.zip_with(other, NearbyPhotons::denser)),
             (one, None) | (None, one) => one,
         }))
     }
@@ -131,7 +130,7 @@ impl PixelVolumeCounts {
         for set in [PhotonSet::Free, PhotonSet::Shared] {
             let Some(nearby) = self.0[set] else { continue };
             for class in PhotonClass::ALL {
-                let radius = nearby[class].first_radius(keep[class], widths.largest_px[class] * widths.pixel_angle);
+                let radius = nearby[class].first_radius(keep[class]);
                 let radius = radius.max(MIN_VOLUME_RADIUS_PX * widths.pixel_angle) as f32;
                 radii.volume[set][class] = Some(radius);
             }
@@ -140,31 +139,13 @@ impl PixelVolumeCounts {
 }
 
 impl NearbyPhotons {
-    /// Returns the ratio of the first radius to the distance from the camera. The ratio is at most
-    /// `largest`. `keep` contains the probabilities of storing photons in a pass.
-    fn first_radius(&self, keep: KeepProbability, largest: f64) -> f64 {
+    /// Returns the ratio of the first radius to the distance from the camera. `keep` contains the
+    /// probabilities of storing photons in a pass.
+    fn first_radius(&self, keep: KeepProbability) -> f64 {
         let within =
             |found: f64, dimensions: f64| (PHOTONS_PER_RAY / found.max(PHOTONS_PER_RAY)).powf(1.0 / dimensions);
         let narrow = within(self.points * keep.points, 2.0).min(within(self.beams * keep.beams, 1.0));
-        (largest * narrow).min(MAX_RADIUS_FREE_PATHS / self.free_paths)
-    }
-}
-
-impl DepositCounts {
-    /// Counts the photons of each class that the pilot stored. `pass_per_pilot` is the number of
-    /// photon paths in a pass, divided by the number of photon paths in the pilot.
-    pub(super) fn of(deposits: &PhotonDeposits, pass_per_pilot: f64) -> PerClass<Self> {
-        let scaled = |count: usize| count as f64 * pass_per_pilot;
-        PerClass::from_fn(|class| {
-            let VolumeDeposits { points, beams } = &deposits.volume[class];
-            Self { points: scaled(points.len()), beams: scaled(beams.len()) }
-        })
-    }
-
-    /// Compares the counts of two sets or two shutter times. Returns the larger value of each
-    /// count.
-    pub(super) fn max(self, other: Self) -> Self {
-        Self { points: self.points.max(other.points), beams: self.beams.max(other.beams) }
+        (self.width * narrow).min(MAX_RADIUS_FREE_PATHS / self.free_paths)
     }
 }
 
@@ -187,15 +168,12 @@ pub(super) fn keep_probabilities(
         let (rays, sum) = counts.fold((0.0, 0.0), |(rays, sum), beams| (rays + 1.0, sum + beams));
         sum / f64::max(rays, 1.0)
     };
-    let at_most = |count: f64, most: f64| most / count.max(most);
     PerClass::from_fn(|class| {
         let beams = match class {
             PhotonClass::Caustic => beams_per_ray(class) / widths.caustic_ratio(),
             PhotonClass::Indirect => beams_per_ray(class),
         };
-        KeepProbability {
-            points: at_most(stored[class].points, MAX_POINTS),
-            beams: (PHOTONS_PER_RAY / beams.max(PHOTONS_PER_RAY)).min(at_most(stored[class].beams, MAX_BEAMS)),
-        }
+        let limits = KeepProbability::within_limits(stored[class]);
+        KeepProbability { beams: limits.beams.min(PHOTONS_PER_RAY / beams.max(PHOTONS_PER_RAY)), ..limits }
     })
 }

@@ -4,6 +4,7 @@
 //! samples, and it stops when it has found enough photons.
 
 use super::deposits::VolumeDeposits;
+use super::keep_probability::{DepositCounts, KeepProbability};
 use crate::gather::CameraSegment;
 use crate::map::{KernelWidth, PhotonBeam, QueryCone, VolumeMap};
 use crate::plan::VolumePlan;
@@ -19,6 +20,9 @@ const BEAM_SAMPLE: usize = 256;
 /// A camera segment stops counting when it has found this number of photons. More photons would take
 /// time and hardly change the radius, because the radius depends on a root of the number.
 const ENOUGH: f64 = 16.0;
+
+/// A kernel width contains enough photons if a pass stores at least this number within it.
+const FEWEST: f64 = 8.0;
 
 /// A camera segment stops counting points when it has found this number of points, even if most of
 /// them are invisible behind the medium.
@@ -37,6 +41,9 @@ pub(super) struct NearbyPhotons {
     /// The mean optical depth around the points, with the same weights as `points`. It is measured
     /// at each point, along a length that appears one radian wide from the camera.
     pub(super) free_paths: f64,
+    /// The kernel width within which the photons were counted. If the scene does not fix the
+    /// radius, this is the ratio of the radius to the distance from the camera.
+    pub(super) width: f64,
 }
 
 /// Samples of the photons of one set and class that the pilot traced in media.
@@ -48,6 +55,8 @@ pub(super) struct VolumeSamples {
     beams: Vec<PhotonBeam>,
     /// The number of beams in a pass for each beam of the sample.
     pass_per_beam: f64,
+    /// The probabilities of storing photons, as far as the limits of a pass determine them.
+    keep: KeepProbability,
 }
 
 /// A sample of photon points.
@@ -76,13 +85,33 @@ impl VolumeSamples {
             points: points.iter().map(|&number| sample(number)).collect(),
             pass_per_beam: pass_per_pilot * deposits.beams.len() as f64 / beams.len().max(1) as f64,
             beams,
+            keep: KeepProbability::within_limits(DepositCounts::of(deposits, pass_per_pilot)),
         }
     }
 
-    /// Counts the photons within a kernel width around a camera segment in a medium.
-    pub(super) fn count(&self, segment: &CameraSegment, medium: &Medium, width: KernelWidth) -> NearbyPhotons {
-        let cone = QueryCone::of_camera(segment.ray, segment.length_m, segment.behind_m, width);
+    /// Counts the photons around a camera segment in a medium. Counts them within the first of the
+    /// kernel widths that contains enough photons, or within the last one.
+    pub(super) fn count(
+        &self,
+        segment: &CameraSegment,
+        medium: &Medium,
+        widths: impl Iterator<Item = KernelWidth>,
+    ) -> NearbyPhotons {
         let mut nearby = NearbyPhotons::default();
+        for width in widths {
+            nearby = self.count_within(segment, medium, width);
+            if nearby.points * self.keep.points + nearby.beams * self.keep.beams >= FEWEST {
+                break;
+            }
+        }
+        nearby
+    }
+
+    /// Counts the photons within a kernel width around a camera segment in a medium.
+    fn count_within(&self, segment: &CameraSegment, medium: &Medium, width: KernelWidth) -> NearbyPhotons {
+        let cone = QueryCone::of_camera(segment.ray, segment.length_m, segment.behind_m, width);
+        let (KernelWidth::Stated(number) | KernelWidth::PerDistance(number)) = width;
+        let mut nearby = NearbyPhotons { width: number, ..NearbyPhotons::default() };
         if self.plan.keeps_beams(medium.dense) {
             nearby.beams = self.count_beams(&cone, segment.medium);
         }
@@ -135,9 +164,17 @@ impl VolumeSamples {
 }
 
 impl NearbyPhotons {
-    /// Compares the counts at two camera segments. Returns the larger value of each count.
-    pub(super) fn max(self, other: Self) -> Self {
+    /// Compares the counts at two camera segments. Returns the counts within the narrower kernels. If
+    /// the kernels have the same width, returns the larger value of each count.
+    pub(super) fn denser(self, other: Self) -> Self {
+        if self.width < other.width {
+            return self;
+        }
+        if self.width > other.width {
+            return other;
+        }
         Self {
+            width: self.width,
             points: self.points.max(other.points),
             beams: self.beams.max(other.beams),
             free_paths: self.free_paths.max(other.free_paths),
@@ -154,18 +191,19 @@ fn evenly_spaced<T: Copy>(items: &[T], most: usize) -> Vec<T> {
 mod tests {
     use super::*;
     use crate::geometry::Ray;
-    use crate::map::{PhotonPower, VolumePhoton};
+    use crate::map::{PhotonPower, VolumePhoton, WavelengthCode};
     use crate::math::random::{Purpose, Stream};
     use crate::optics::phase::PhaseFunction;
     use crate::scene::medium::Density;
-    use crate::spectrum::{Spectrum, Wavelengths};
+    use crate::spectrum::Spectrum;
     use glam::DVec3;
+    use std::iter;
 
     /// Returns photons in a cube of fog. Each photon has a point and a beam.
     fn deposits(count: usize) -> VolumeDeposits {
         let mut stream = Stream::new(1, Purpose::Pilot, 0, 0);
         let mut place = || DVec3::new(stream.uniform(), stream.uniform(), stream.uniform());
-        let power = PhotonPower::new(&Wavelengths::single(550.0), [1.0; 4], None);
+        let power = PhotonPower::new(WavelengthCode::default(), [1.0; 4], None, 0.0);
         let ends: Vec<[DVec3; 2]> = (0..count).map(|_| [place(), place()]).collect();
         VolumeDeposits {
             points: ends.iter().map(|ends| VolumePhoton::new(ends[0], DVec3::X, 0, power)).collect(),
@@ -188,8 +226,9 @@ mod tests {
             let (mut points, mut beams) = (0.0, 0.0);
             VolumeMap::of_points(all.points.clone()).along(&cone, |_| points += 1.0);
             all.beams.iter().for_each(|beam| beams += f64::from(u8::from(beam.medium_near_ray(&cone).is_some())));
-            let of_points = VolumeSamples::new(&all, VolumePlan::Points, 4.0).count(&segment, &medium, width);
-            let of_beams = VolumeSamples::new(&all, VolumePlan::Beams, 4.0).count(&segment, &medium, width);
+            let of_points =
+                VolumeSamples::new(&all, VolumePlan::Points, 4.0).count(&segment, &medium, iter::once(width));
+            let of_beams = VolumeSamples::new(&all, VolumePlan::Beams, 4.0).count(&segment, &medium, iter::once(width));
             println!("{radius_m} m: {} of {points} points, {} of {beams} beams", of_points.points, of_beams.beams);
             assert!((of_points.points / (4.0 * points) - 1.0).abs() < 0.5);
             assert!((of_beams.beams / (4.0 * beams) - 1.0).abs() < 0.6);
@@ -197,6 +236,23 @@ mod tests {
         }
         let samples = VolumeSamples::new(&all, VolumePlan::ByDensity, 1.0);
         assert!(samples.beams.len() <= BEAM_SAMPLE && samples.points.len() == POINT_SAMPLES.len());
+    }
+
+    /// The first kernel contains hundreds of the many photons, but almost none of the few photons.
+    #[test]
+    fn kernels_become_wider_until_they_contain_photons() {
+        let clear = Spectrum::constant(0.0);
+        let mut medium = Medium::new("fog".into(), (clear.clone(), clear), PhaseFunction::Isotropic, Density::Uniform);
+        medium.dense = true;
+        let ray = Ray::new(DVec3::new(-0.5, 0.45, 0.55), DVec3::X);
+        let segment = CameraSegment { ray, length_m: 2.0, behind_m: 1.0, medium: 0, shared: false };
+        let widths = || [0.02, 0.1, 0.5, 2.5].into_iter().map(KernelWidth::PerDistance);
+        for plan in [VolumePlan::Points, VolumePlan::Beams] {
+            let width =
+                |count: usize| VolumeSamples::new(&deposits(count), plan, 1.0).count(&segment, &medium, widths()).width;
+            assert_eq!([width(100_000), width(0)], [0.02, 2.5], "{plan:?}");
+            assert!([0.1, 0.5].contains(&width(30)), "{plan:?}: {}", width(30));
+        }
     }
 
     #[test]

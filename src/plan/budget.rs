@@ -36,9 +36,9 @@ const LIGHT_MAP_NODE_BYTES: u64 = 1;
 /// twice.
 const LIGHT_MAP_MEDIUM_BYTES: u64 = 2 * 4;
 
-/// Bytes per stored photon: its data and its position. The map needs this memory twice during the
-/// sorting of the photons.
-const PHOTON_BYTES: u64 = 2 * 56;
+/// Bytes per stored photon: its data and its position. While the map sorts the photons, it needs
+/// this memory twice, and 4 bytes for the order of the photons.
+const PHOTON_BYTES: u64 = 2 * 32 + 4;
 
 /// Bytes per photon path. A path stores two photons on average.
 const PATH_BYTES: u64 = 2 * PHOTON_BYTES;
@@ -52,8 +52,14 @@ const PILOT_PIXEL_BYTES: u64 = 8 * 4 + 4 + 44 / 3;
 pub struct Budget {
     /// The number of passes if the request contains no stop rule.
     pub passes: u64,
-    /// The number of photon paths per pass.
+    /// The number of photon paths per pass. If the scene does not state it, the pilot may choose a
+    /// smaller number.
     pub photons: u64,
+    /// True if the scene states the number of photon paths.
+    pub photons_stated: bool,
+    /// The number of camera samples per pixel and pass, if the scene states it. Otherwise, the
+    /// pilot chooses the number.
+    pub camera_samples: Option<u64>,
     /// The number of surface events after which a path ends, if the scene states it.
     pub max_depth: Option<u32>,
     /// The number of photons within the first kernel radius.
@@ -135,6 +141,8 @@ impl Budget {
         Self {
             passes,
             photons,
+            photons_stated: settings.photons.is_some(),
+            camera_samples: settings.camera_samples.map(u64::from),
             max_depth: settings.max_depth,
             nearest: settings.nearest.unwrap_or(DEFAULT_NEAREST),
             radius_m: settings.radius_m,

@@ -14,6 +14,18 @@ pub struct Tally {
     pub stored: u64,
     /// Photon arrivals connected to the camera.
     pub connections: u64,
+    /// Camera samples.
+    pub camera_samples: u64,
+    /// Segments of photon paths.
+    pub photon_segments: u64,
+    /// Segments of camera paths.
+    pub camera_segments: u64,
+    /// Photons within the kernels of camera paths at surfaces, evaluated at each wavelength.
+    pub gathered: u64,
+    /// Photons within the kernels of camera paths at diffuse surfaces with tabulated responses.
+    pub tabulated: u64,
+    /// Photons within the kernels of camera paths in media.
+    pub volume_gathered: u64,
     /// Queries of photon maps.
     pub map_queries: u64,
     /// The sum of two counts. The first counts dispersive refractions that split a camera path. The
@@ -61,6 +73,12 @@ impl Tally {
         self.shared_photons += other.shared_photons;
         self.stored += other.stored;
         self.connections += other.connections;
+        self.camera_samples += other.camera_samples;
+        self.photon_segments += other.photon_segments;
+        self.camera_segments += other.camera_segments;
+        self.gathered += other.gathered;
+        self.tabulated += other.tabulated;
+        self.volume_gathered += other.volume_gathered;
         self.map_queries += other.map_queries;
         self.dispersions += other.dispersions;
         self.shared_paths += other.shared_paths;

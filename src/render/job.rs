@@ -3,9 +3,10 @@
 use super::diffraction::DiffractionSetup;
 use crate::emit::LightSampler;
 use crate::error::{Error, Result};
-use crate::gather::Openings;
+use crate::gather::{Openings, SensorResponses};
+use crate::map::PhotonSpectra;
 use crate::pass::PassContext;
-use crate::plan::{Budget, EffectRow, Plan};
+use crate::plan::{Budget, EffectRow, IndirectPlan, Plan};
 use crate::scene::Scene;
 use crate::sensor::Film;
 
@@ -24,6 +25,8 @@ pub struct Job {
     pub diffraction: Option<DiffractionSetup>,
     /// The lights of the scene, as one distribution.
     lights: LightSampler,
+    /// The spectra of the lights.
+    spectra: PhotonSpectra,
 }
 
 impl Job {
@@ -36,6 +39,7 @@ impl Job {
         let (plan, rows) = crate::plan::prepare(&mut scene)?;
         let lights = LightSampler::new(&scene)
             .ok_or_else(|| Error::input("no light in the scene has power within 360–830 nm"))?;
+        let spectra = PhotonSpectra::new(&scene.lights)?;
         let film = &scene.film;
         let diffraction = DiffractionSetup::of(&scene.camera, &plan, &lights);
         let slices = diffraction.as_ref().map_or(0, DiffractionSetup::slices);
@@ -44,13 +48,21 @@ impl Job {
         // To save the film, the program needs two more blocks of the film's size: one for a copy in
         // words, and one for the file.
         let budget = Budget::of(&scene, &plan, (film_bytes as u64).saturating_mul(3));
-        Ok(Self { scene, plan, rows, budget, diffraction, lights })
+        Ok(Self { scene, plan, rows, budget, diffraction, lights, spectra })
     }
 
     /// Returns the power of all lights between 360 nm and 830 nm in W. The power is computed in
     /// closed form.
     pub fn light_power_w(&self) -> f64 {
         self.lights.power_w
+    }
+
+    /// Returns the responses of the sensor to photons at diffuse surfaces. Returns `None` if the
+    /// film needs the wavelengths, or if no photons are gathered.
+    pub(super) fn responses(&self, film: &Film) -> Option<SensorResponses> {
+        let unused = film.has_channels() || self.plan.indirect == IndirectPlan::Absent;
+        let observer = self.scene.film.observer;
+        if unused { None } else { SensorResponses::new(&self.scene, &self.spectra, |nm| observer.xyz_bar(nm)) }
     }
 
     /// Returns the inputs of the job's passes.
@@ -60,6 +72,8 @@ impl Job {
             plan: &self.plan,
             budget: &self.budget,
             lights: &self.lights,
+            spectra: &self.spectra,
+            responses: None,
             openings: Openings::NONE,
         }
     }

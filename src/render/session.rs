@@ -55,7 +55,8 @@ impl Job {
         let mut stopped = run.done > 0 && conditions.hold(&run);
         let context = self.pass_context();
         let openings = if stopped { Openings::default() } else { find_openings(&context, &mut run.sums.seconds) };
-        let context = PassContext { openings: &openings, ..context };
+        let responses = self.responses(&run.sums.film);
+        let context = PassContext { openings: &openings, responses: responses.as_ref(), ..context };
         // The pilot depends only on the scene and the seed. The pilot of a resumed run therefore
         // gives the same results.
         let pilot = match request.integrator {

@@ -97,6 +97,9 @@ pub struct Stats {
     pub photons_shared: u64,
     /// The number of photons stored on surfaces.
     pub photons_stored: u64,
+    /// The number of camera samples, over all pixels.
+    #[serde(default)]
+    pub camera_samples: u64,
     /// The wall-clock time of each stage in s.
     pub seconds: StageSeconds,
     /// The number of photon paths, divided by the duration of the emission stage in s.
@@ -135,6 +138,7 @@ impl Stats {
             photons_emitted: tally.photons,
             photons_shared: tally.shared_photons,
             photons_stored: tally.stored,
+            camera_samples: tally.camera_samples,
             seconds: *seconds,
             photons_per_second: if seconds.emit > 0.0 { tally.photons as f64 / seconds.emit } else { 0.0 },
             peak_memory_bytes: peak_memory_bytes(),
@@ -172,6 +176,7 @@ impl Stats {
             photons_emitted: emitted,
             photons_shared: count(|run| run.photons_shared),
             photons_stored: count(|run| run.photons_stored),
+            camera_samples: count(|run| run.camera_samples),
             seconds,
             photons_per_second: if seconds.emit > 0.0 { emitted as f64 / seconds.emit } else { 0.0 },
             peak_memory_bytes: runs.iter().map(|run| run.peak_memory_bytes).max().unwrap_or(0),

@@ -166,7 +166,10 @@ pub struct Settings {
     pub passes: Option<u64>,
     /// The number of photon paths per pass.
     pub photons: Option<u64>,
-    /// The largest number of surface events on a path. Without it, only Russian roulette ends paths.
+    /// The number of camera samples per pixel and pass.
+    pub camera_samples: Option<u32>,
+    /// The largest number of surface events on a path. Without it, only Russian roulette ends
+    /// paths.
     pub max_depth: Option<u32>,
     /// The number of photons within the radius of the first pass.
     pub nearest: Option<u32>,
@@ -289,16 +292,9 @@ impl Scene {
         }
     }
 
-    /// Returns true if a face is hidden. A hidden face lies inside a body of higher priority, and
-    /// this body dominates on both sides of the face. `here` and `there` are the medium stacks on
-    /// the two sides.
-    #[inline]
-    pub fn is_hidden(&self, hit: &Hit, here: &MediumStack, there: &MediumStack) -> bool {
-        self.body_of(hit.object).is_some() && self.dominant_dielectric(there) == self.dominant_dielectric(here)
-    }
-
     /// The object that determines the refractive index at a point with this medium stack, or `None`
     /// for air.
+    #[inline]
     pub fn dominant_dielectric(&self, medium_stack: &MediumStack) -> Option<u32> {
         medium_stack.dominant_dielectric(|object| self.body_priority(object))
     }
@@ -319,7 +315,14 @@ impl Scene {
         if medium_stack.is_air() {
             return &self.air;
         }
-        let body = self.dominant_dielectric(medium_stack).and_then(|object| self.body_of(object));
+        self.index_of(self.dominant_dielectric(medium_stack))
+    }
+
+    /// The refractive index at a point at which `object` is the dominant dielectric. `None` for
+    /// air.
+    #[inline]
+    pub fn index_of(&self, object: Option<u32>) -> &RefractiveIndex {
+        let body = object.and_then(|object| self.body_of(object));
         body.and_then(|body| body.index.as_ref()).unwrap_or(&self.air)
     }
 

@@ -117,6 +117,11 @@ impl Film {
         self.height
     }
 
+    /// Returns true if the film has spectral bands or slices for diffraction.
+    pub fn has_channels(&self) -> bool {
+        self.channels.count() > 0
+    }
+
     /// Returns the number of passes that the film has counted.
     pub fn passes(&self) -> u64 {
         self.passes.iter().sum()
@@ -127,6 +132,15 @@ impl Film {
     pub fn memory_bytes(width: usize, height: usize, bands: usize, slices: usize) -> usize {
         let pixel = size_of::<PixelSums>() + (bands + 3 * slices) * size_of::<ExactSum>();
         width.saturating_mul(height).saturating_mul(pixel)
+    }
+
+    /// Returns X, Y and Z (W/m²/sr) of the light that `expose` adds to a pixel.
+    pub fn measure(observer: &'static Observer, expose: impl FnOnce(&mut PixelSink<'_>)) -> [f64; 3] {
+        let channels = Channels::default();
+        let mut sink =
+            PixelSink { observer, xyz: [0.0; 3], bias_y: 0.0, channels: &channels, by_channel: &mut [], rejected: 0 };
+        expose(&mut sink);
+        sink.xyz
     }
 
     /// Counts a pass. The light of the pass must already be added.
@@ -356,10 +370,12 @@ pub struct FilmRow<'f> {
 }
 
 impl FilmRow<'_> {
-    /// Exposes every pixel of the row in this pass: calls `expose(pixel, sink)` for each pixel.
+    /// Exposes every pixel of the row in this pass: calls `expose(pixel, sink)` for each pixel. The
+    /// light of the pixel is the light in the sink, divided by the number of camera samples.
     /// Returns the number of samples that were NaN, infinite or negative and were discarded.
-    pub fn expose(&mut self, pass: u64, mut expose: impl FnMut(usize, &mut PixelSink<'_>)) -> u64 {
+    pub fn expose(&mut self, pass: u64, samples: u64, mut expose: impl FnMut(usize, &mut PixelSink<'_>)) -> u64 {
         let replicate = replicate(pass);
+        let weight = 1.0 / samples as f64;
         let count = self.channels.count();
         let mut values = vec![0.0; count];
         let mut rejected = 0;
@@ -374,13 +390,13 @@ impl FilmRow<'_> {
                 rejected: 0,
             };
             expose(self.first_pixel + column, &mut sink);
-            sums.x += sink.xyz[0];
-            sums.y[replicate] += sink.xyz[1];
-            sums.z += sink.xyz[2];
-            sums.bias[replicate % 2] += sink.bias_y;
+            sums.x += weight * sink.xyz[0];
+            sums.y[replicate] += weight * sink.xyz[1];
+            sums.z += weight * sink.xyz[2];
+            sums.bias[replicate % 2] += weight * sink.bias_y;
             rejected += sink.rejected;
             let by_channel = &mut self.by_channel[column * count..(column + 1) * count];
-            by_channel.iter_mut().zip(&values).for_each(|(sum, &value)| *sum += value);
+            by_channel.iter_mut().zip(&values).for_each(|(sum, &value)| *sum += weight * value);
         }
         rejected
     }
@@ -415,6 +431,21 @@ impl PixelSink<'_> {
             self.bias_y += bias * bar[1];
         }
     }
+
+    /// Adds the sum of many biased estimates. Each estimate of radiance (W/m²/sr) and of its bias
+    /// is already multiplied by x̄, ȳ and z̄. The film must not have spectral channels, because
+    /// these would need the wavelengths.
+    pub fn respond(&mut self, xyz: [f64; 3], bias_xyz: [f64; 3]) {
+        debug_assert!(self.by_channel.is_empty(), "spectral channels need wavelengths");
+        if !xyz.into_iter().all(is_valid_radiance) {
+            self.rejected += 1;
+            return;
+        }
+        (0..3).for_each(|c| self.xyz[c] += xyz[c]);
+        if bias_xyz[1].is_finite() {
+            self.bias_y += bias_xyz[1];
+        }
+    }
 }
 
 impl SplatSink {
@@ -439,6 +470,11 @@ impl SplatSink {
             });
         }
         self.splats.push((xyz.map(|c| c as f32), pixel));
+    }
+
+    /// Returns the pixel of each splat, and X, Y and Z in W/m²/sr.
+    pub fn splats(&self) -> impl Iterator<Item = (u32, [f32; 3])> {
+        self.splats.iter().map(|&(xyz, pixel)| (pixel, xyz))
     }
 
     /// Returns the number of collected splats.

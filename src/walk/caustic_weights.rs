@@ -20,10 +20,14 @@ use std::ops::Range;
 /// The density of emitted rays, per m² and sr, for one photon path. The value 0 means that no
 /// camera path can hit the light.
 ///
-/// The value has 8 significant bits. It is rounded when it is created, so that a stored photon and
-/// a camera path have the same value.
+/// The value has 12 bits, of which 8 are the exponent. It is rounded when it is created, so that a
+/// stored photon and a camera path have the same value.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RayDensity(u16);
+
+/// The number of bits of a number in single precision that a density lacks. The sign is not one of
+/// them, because it is 0.
+const DROPPED_BITS: u32 = 19;
 
 impl RayDensity {
     /// The density of lights that no camera path can hit.
@@ -31,12 +35,23 @@ impl RayDensity {
 
     /// Rounds a density.
     pub fn new(per_m2_sr: f64) -> Self {
-        // The upper half of a number in single precision has the sign, the exponent and 7 bits.
-        Self(((per_m2_sr as f32).to_bits() >> 16) as u16)
+        Self(((per_m2_sr as f32).to_bits() >> DROPPED_BITS) as u16)
+    }
+
+    /// Returns the 12 bits of the value.
+    #[inline]
+    pub fn to_bits(self) -> u32 {
+        u32::from(self.0)
+    }
+
+    /// Returns the density with these 12 bits.
+    #[inline]
+    pub fn from_bits(bits: u32) -> Self {
+        Self(bits as u16)
     }
 
     fn get(self) -> f64 {
-        f64::from(f32::from_bits(u32::from(self.0) << 16))
+        f64::from(f32::from_bits(u32::from(self.0) << DROPPED_BITS))
     }
 }
 
@@ -131,9 +146,9 @@ mod tests {
     }
 
     #[test]
-    fn densities_are_rounded_to_8_bits() {
+    fn densities_are_rounded_to_5_significant_bits() {
         for value in [1e-20, 0.7, 3.0, 5e17] {
-            assert!((RayDensity::new(value).get() / value - 1.0).abs() < 1.0 / 128.0, "{value}");
+            assert!((RayDensity::new(value).get() / value - 1.0).abs() < 1.0 / 16.0, "{value}");
         }
         assert_eq!(RayDensity::new(0.0), RayDensity::NONE);
     }

@@ -7,7 +7,7 @@
 //! limit removes from the picture is measured: a few paths continue beyond the limit, and their
 //! light becomes a part of the estimated bias.
 
-use super::sink::Sink;
+use super::sink::{SensorResponse, Sink};
 use crate::math::random::Stream;
 
 /// The cap: the largest number of surface events on a path, and the largest number of collisions
@@ -73,5 +73,9 @@ impl Sink for LostLight<'_> {
 
     fn biased(&mut self, nm: f64, weight: f64, _bias: f64) {
         self.radiance(nm, weight);
+    }
+
+    fn respond(&mut self, radiance: SensorResponse, _bias: SensorResponse) {
+        self.sink.respond(SensorResponse::default(), radiance.scaled(-self.factor));
     }
 }

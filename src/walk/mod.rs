@@ -20,7 +20,7 @@ pub use medium_segment::{MediumSegment, NumberedMedium, for_each_segment};
 pub use next_interaction::{SegmentEnd, next_interaction, next_interaction_in_air, next_interaction_through_media};
 pub use ray_state::RayState;
 pub use scatter::{ConsistentBsdfSample, ScatteredRay, sample_consistently, scatter, scatter_all_wavelengths};
-pub use sink::Sink;
+pub use sink::{SensorResponse, Sink};
 pub use surface_interaction::SurfaceInteraction;
 pub use transmittance::{
     PathTransmittance, SegmentTransmittance, bias_of_excess, excess_optical_depth, path_transmittance,

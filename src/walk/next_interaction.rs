@@ -4,6 +4,7 @@ use super::medium_segment::{MediumSegment, for_each_segment};
 use super::ray_state::RayState;
 use super::surface_interaction::SurfaceInteraction;
 use crate::geometry::{Hit, Ray};
+use crate::optics::bsdf::InterfaceIors;
 use crate::scene::Scene;
 use crate::scene::medium_stack::MediumStack;
 use std::ops::ControlFlow;
@@ -36,7 +37,8 @@ pub fn next_interaction_in_air<'a>(
 ) -> Option<SurfaceInteraction<'a>> {
     let ray = ray_state.ray;
     let hit = scene.geometry.intersect(&ray, ray_state.from, f64::INFINITY)?;
-    Some(SurfaceInteraction::new(scene, ray.direction, hit, [MediumStack::AIR; 2], component))
+    let sides = InterfaceIors { here: &scene.air, there: &scene.air };
+    Some(SurfaceInteraction::new(scene, ray.direction, hit, [MediumStack::AIR; 2], sides, component))
 }
 
 /// Does the same as [`next_interaction`], and also calls `visit` for each medium segment on the
@@ -76,13 +78,19 @@ impl InteractionSearch {
         self.distance_m += hit.t;
         let RayState { ray, medium_stack, .. } = self.ray_state;
         let there = scene.across(&medium_stack, &ray, &hit);
-        if scene.is_hidden(&hit, &medium_stack, &there) {
+        let is_body = scene.body_of(hit.object).is_some();
+        let dielectric_here = scene.dominant_dielectric(&medium_stack);
+        let dielectric_there = if is_body { scene.dominant_dielectric(&there) } else { dielectric_here };
+        // A hidden face lies inside a body of higher priority. This body dominates on both sides.
+        if is_body && dielectric_there == dielectric_here {
             let ray = Ray { origin: hit.position, ..ray };
             self.ray_state = RayState { ray, from: Some(hit.surface), medium_stack: there };
             self.crossed_hidden_face = true;
             return None;
         }
-        let mut interaction = SurfaceInteraction::new(scene, ray.direction, hit, [medium_stack, there], component);
+        let sides = InterfaceIors { here: scene.index_of(dielectric_here), there: scene.index_of(dielectric_there) };
+        let stacks = [medium_stack, there];
+        let mut interaction = SurfaceInteraction::new(scene, ray.direction, hit, stacks, sides, component);
         (interaction.distance_m, interaction.crossed_hidden_face) = (self.distance_m, self.crossed_hidden_face);
         Some(interaction)
     }

@@ -49,14 +49,16 @@ pub fn scatter(
     transport: TransportMode,
     stream: &mut Stream,
 ) -> Option<ScatteredRay> {
-    if let Bsdf::Dielectric(dielectric) = interaction.bsdf
-        && wavelengths.count > 1
-        && (interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive())
-    {
-        return match dielectric.is_rough() {
-            false => split_at_dispersive_interface(interaction, wavelengths, transport, stream),
-            true => split_at_dispersive_facets(interaction, wavelengths, transport, stream),
-        };
+    if let Bsdf::Dielectric(dielectric) = interaction.bsdf {
+        let disperses = interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive();
+        match (wavelengths.count > 1 && disperses, dielectric.is_rough()) {
+            (true, false) => return split_at_dispersive_interface(interaction, wavelengths, transport, stream),
+            (true, true) => return split_at_dispersive_facets(interaction, wavelengths, transport, stream),
+            (false, false) if wavelengths.count == 1 => {
+                return scatter_at_smooth_interface(interaction, wavelengths.hero(), transport, stream);
+            }
+            (false, _) => {}
+        }
     }
     scatter_all_wavelengths(interaction, wavelengths, transport, stream)
 }
@@ -114,6 +116,45 @@ fn split_at_dispersive_facets(
     })
 }
 
+/// Scatters one wavelength (nm) at a smooth interface. The interface reflects or refracts the path
+/// with the probabilities of Fresnel's equations, so the weight of power is 1.
+fn scatter_at_smooth_interface(
+    interaction: &SurfaceInteraction<'_>,
+    nm: f64,
+    transport: TransportMode,
+    stream: &mut Stream,
+) -> Option<ScatteredRay> {
+    let [_, _, u] = stream.triple();
+    let (n_here, n_there) = (interaction.sides.here.n(nm), interaction.sides.there.n(nm));
+    scatter_consistently(interaction, |interaction| {
+        let wo = interaction.wo;
+        let reflects = u < fresnel::dielectric(wo.z, n_here, n_there);
+        let (wi, event, scale) = if reflects {
+            (DVec3::new(-wo.x, -wo.y, wo.z), ScatterEvent::Reflection, 1.0)
+        } else {
+            let refracted = fresnel::refract(wo, DVec3::Z, n_here, n_there)?;
+            (refracted, ScatterEvent::Transmission, transmitted_scale(transport, n_here, n_there))
+        };
+        Some(ScatteredRay {
+            direction: interaction.frame.to_world(wi),
+            weight: single_lane(0, scale),
+            absorbed: [0.0; LANES],
+            kept: None,
+            delta: true,
+            pdf: 0.0,
+            event,
+        })
+    })
+}
+
+/// Returns the factor by which refraction scales the transported quantity.
+fn transmitted_scale(transport: TransportMode, n_here: f64, n_there: f64) -> f64 {
+    match transport {
+        TransportMode::Radiance => (n_here / n_there) * (n_here / n_there),
+        TransportMode::Importance => 1.0,
+    }
+}
+
 /// Scatters at a smooth interface of dispersive media.
 ///
 /// Reflection keeps all wavelengths. The probability of reflection is the mean reflectance F̄ of
@@ -129,12 +170,14 @@ fn split_at_dispersive_interface(
     stream: &mut Stream,
 ) -> Option<ScatteredRay> {
     let u = stream.uniform();
+    let sides = interaction.sides;
+    let (n_here, n_there) = (wavelengths.each(|nm| sides.here.n(nm)), wavelengths.each(|nm| sides.there.n(nm)));
     scatter_consistently(interaction, |interaction| {
-        let (wo, sides) = (interaction.wo, interaction.sides);
+        let wo = interaction.wo;
         let count = wavelengths.count as f64;
         let mut reflectance = [0.0; LANES];
-        for (k, &nm) in wavelengths.active().iter().enumerate() {
-            reflectance[k] = fresnel::dielectric(wo.z.abs(), sides.here.n(nm), sides.there.n(nm));
+        for k in 0..wavelengths.count {
+            reflectance[k] = fresnel::dielectric(wo.z.abs(), n_here[k], n_there[k]);
         }
         let mean = reflectance.iter().sum::<f64>() / count;
         let base = ScatteredRay {
@@ -150,13 +193,9 @@ fn split_at_dispersive_interface(
             return Some(base);
         }
         let kept = sample_transmitted_lane(&reflectance[..wavelengths.count], (u - mean) * count)?;
-        let nm = wavelengths.nm[kept];
-        let (n_here, n_there) = (sides.here.n(nm), sides.there.n(nm));
+        let (n_here, n_there) = (n_here[kept], n_there[kept]);
         let refracted = fresnel::refract(wo, DVec3::Z, n_here, n_there)?;
-        let scale = match transport {
-            TransportMode::Radiance => (n_here / n_there) * (n_here / n_there),
-            TransportMode::Importance => 1.0,
-        };
+        let scale = transmitted_scale(transport, n_here, n_there);
         Some(ScatteredRay {
             direction: interaction.frame.to_world(refracted),
             weight: single_lane(kept, count * scale),
@@ -231,6 +270,7 @@ mod tests {
     use super::*;
     use crate::geometry::Ray;
     use crate::math::random::Purpose;
+    use crate::scene::Scene;
     use crate::scene::medium_stack::MediumStack;
     use crate::walk::next_interaction::next_interaction;
     use crate::{format, format::resolve::resolve};
@@ -247,10 +287,8 @@ mod tests {
         0.5 * (s * s + p * p)
     }
 
-    /// Inside flint glass near the critical angle, some wavelengths are totally reflected. In the
-    /// mean, each wavelength is reflected and transmitted as Fresnel's equations say.
-    #[test]
-    fn dispersive_glass_splits_each_wavelength_as_fresnel_says() {
+    /// Returns a box of flint glass.
+    fn flint_box() -> Scene {
         let text = r#"{
   "camera": {"from": [0, 0, 5], "at": [0, 0, 0], "lens": {"pinhole": {"fov": 40}}},
   "film": {"width": 8, "height": 8},
@@ -259,13 +297,53 @@ mod tests {
   "lights": [{"point": {"at": [3, 3, 3], "spectrum": "E", "power": 1}}]
 }"#;
         let (written, source) = format::parse(text, "flint.json".as_ref(), &[]).unwrap();
-        let scene = resolve(&written, &source).unwrap();
+        resolve(&written, &source).unwrap()
+    }
+
+    /// Returns the interaction of a ray that arrives from inside the box. `angle` is the angle of
+    /// incidence in degrees.
+    fn at_top_of_box(scene: &Scene, angle: f64) -> SurfaceInteraction<'_> {
+        let (sin, cos) = angle.to_radians().sin_cos();
+        let ray = Ray::new(DVec3::new(0.1, 0.2, 0.0) - scene.centre, DVec3::new(sin, 0.0, cos));
+        let ray_state = RayState { ray, from: None, medium_stack: MediumStack::AIR.entered(0) };
+        next_interaction(scene, ray_state, 0.0).unwrap()
+    }
+
+    /// At a smooth interface, a path of one wavelength scatters as the BSDF says.
+    #[test]
+    fn one_wavelength_scatters_at_glass_as_the_bsdf_says() {
+        let scene = flint_box();
+        let one = Wavelengths::single(480.0);
+        let mut events = [0; 2];
+        for (angle, transport) in [
+            (0.0, TransportMode::Radiance),
+            (20.0, TransportMode::Importance),
+            (34.0, TransportMode::Radiance),
+            (50.0, TransportMode::Radiance),
+        ] {
+            let interaction = at_top_of_box(&scene, angle);
+            let mut streams = [0, 1].map(|_| Stream::new(1, Purpose::Pilot, 0, 0));
+            for _ in 0..200 {
+                let found = scatter(&interaction, &one, transport, &mut streams[0]).unwrap();
+                let known = scatter_all_wavelengths(&interaction, &one, transport, &mut streams[1]).unwrap();
+                assert!((found.direction - known.direction).length() < 1e-15, "{angle}°");
+                assert!((found.weight[0] / known.weight[0] - 1.0).abs() < 1e-12, "{angle}°");
+                assert_eq!((found.event, found.delta, found.kept), (known.event, known.delta, known.kept));
+                events[usize::from(found.event == ScatterEvent::Transmission)] += 1;
+            }
+        }
+        assert!(events.iter().all(|&count| count > 200), "{events:?}");
+    }
+
+    /// Inside flint glass near the critical angle, some wavelengths are totally reflected. In the
+    /// mean, each wavelength is reflected and transmitted as Fresnel's equations say.
+    #[test]
+    fn dispersive_glass_splits_each_wavelength_as_fresnel_says() {
+        let scene = flint_box();
         let wavelengths = Wavelengths::new([420.0, 480.0, 560.0, 680.0]);
         for angle in [30.0_f64, 34.6, 35.2] {
-            let (sin, cos) = angle.to_radians().sin_cos();
-            let ray = Ray::new(DVec3::new(0.1, 0.2, 0.0) - scene.centre, DVec3::new(sin, 0.0, cos));
-            let ray_state = RayState { ray, from: None, medium_stack: MediumStack::AIR.entered(0) };
-            let interaction = next_interaction(&scene, ray_state, 0.0).unwrap();
+            let cos = angle.to_radians().cos();
+            let interaction = at_top_of_box(&scene, angle);
             let (glass, air) = (interaction.sides.here, interaction.sides.there);
             let mut stream = Stream::new(1, Purpose::Pilot, 0, 0);
             let (mut reflected, mut transmitted, count) = ([0.0; LANES], [0.0; LANES], 100_000);

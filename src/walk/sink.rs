@@ -2,6 +2,9 @@
 
 /// Receives contributions at single wavelengths. The code of light transport does not use XYZ, RGB
 /// or bands.
+///
+/// One exception saves time: a table may hold the responses of the sensor to many wavelengths. The
+/// code of light transport adds and scales these responses, but it does not interpret them.
 pub trait Sink {
     /// Adds unbiased radiance at the wavelength `nm`. `weight` (W/m²/sr) is already divided by all
     /// densities, including the density of the wavelength.
@@ -11,4 +14,26 @@ pub trait Sink {
     /// estimation or from ray marching through a medium. `weight` and `bias` have the unit of
     /// [`Sink::radiance`].
     fn biased(&mut self, nm: f64, weight: f64, bias: f64);
+
+    /// Adds the response of the sensor to radiance, and the response to the estimated bias of this
+    /// radiance. See [`Self::biased`].
+    fn respond(&mut self, radiance: SensorResponse, bias: SensorResponse);
+}
+
+/// The response of the sensor to light: the sum of its responses at all wavelengths. The meaning of
+/// the three components is known only to the sensor.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct SensorResponse(pub [f64; 3]);
+
+impl SensorResponse {
+    /// Adds `factor` times another response.
+    #[inline]
+    pub fn add_scaled(&mut self, response: [f64; 3], factor: f64) {
+        (0..3).for_each(|component| self.0[component] += response[component] * factor);
+    }
+
+    /// Returns `factor` times this response.
+    pub fn scaled(self, factor: f64) -> Self {
+        Self(self.0.map(|component| component * factor))
+    }
 }

@@ -39,7 +39,7 @@ pub struct SurfaceInteraction<'a> {
 
 impl<'a> SurfaceInteraction<'a> {
     /// Creates the interaction at a hit. The two medium stacks contain the bodies on the side of
-    /// arrival and on the other side. `component` in [0, 1) selects the component of a mixed
+    /// arrival and on the other side. `sides` contains the refractive indices there. `component` in [0, 1) selects the component of a mixed
     /// material.
     #[inline(always)]
     pub(super) fn new(
@@ -47,6 +47,7 @@ impl<'a> SurfaceInteraction<'a> {
         incoming: DVec3,
         hit: Hit,
         [here, there]: [MediumStack; 2],
+        sides: InterfaceIors<'a>,
         component: f64,
     ) -> Self {
         let material = scene.objects[hit.object as usize].material;
@@ -62,7 +63,7 @@ impl<'a> SurfaceInteraction<'a> {
             frame,
             here,
             there,
-            sides: InterfaceIors { here: scene.index_in(&here), there: scene.index_in(&there) },
+            sides,
             hit,
         }
     }

@@ -29,7 +29,7 @@ fn a_running_render_shows_whole_pictures() {
     let file = exr::read(&at.join("ball.exr")).unwrap();
     child.kill().unwrap();
     child.wait().unwrap();
-    assert!(first >= Duration::from_secs(1), "{first:?}");
+    assert!(first >= Duration::from_millis(250), "{first:?}");
     assert!(file.picture.xyz.iter().any(|xyz| xyz[1] > 0.0));
     assert_eq!(file.metadata.get("abbe.preview"), Some("true"));
     assert!(file.metadata.get("abbe.passes").unwrap().parse::<u64>().unwrap() > 1);

@@ -6,11 +6,10 @@ use serde_json::{Value, json};
 use std::num::NonZero;
 
 use abbe::map::kernel::DiskKernel;
-use abbe::map::{Photon, PhotonMap, PhotonPower, radius};
+use abbe::map::{Photon, PhotonMap, PhotonPower, WavelengthCode, radius};
 use abbe::math::random::{Purpose, Stream};
 use abbe::math::sum::ExactSum;
 use abbe::render::Integrator;
-use abbe::spectrum::Wavelengths;
 
 use super::common::{all_y, diffuse, render};
 use super::table::{Bound, Case, Pace};
@@ -99,7 +98,7 @@ pub(crate) const CASES: &[Case] = &[
 ];
 
 fn photon(power: f32) -> Photon {
-    let power = PhotonPower::new(&Wavelengths::single(550.0), [f64::from(power), 0.0, 0.0, 0.0], None);
+    let power = PhotonPower::new(WavelengthCode::default(), [f64::from(power), 0.0, 0.0, 0.0], None, 0.0);
     Photon::new(power, DVec3::Y, DVec3::Y)
 }
 
@@ -120,8 +119,7 @@ impl Plane {
         let mut density = 0.0;
         self.index.within([x as f32, 0.0, z as f32], radius as f32, |found| {
             let (d2, r2) = (f64::from(found.distance2), radius * radius);
-            density +=
-                found.photon.power.lanes().map(|(_, power)| power).sum::<f64>() * DiskKernel::new(r2).at(d2).estimate;
+            density += f64::from(found.photon.power.powers()[0]) * DiskKernel::new(r2).at(d2).estimate;
         });
         density / self.places.len().max(1) as f64
     }

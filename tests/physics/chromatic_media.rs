@@ -13,6 +13,7 @@ use abbe::emit::{
     EmissionStrata, LightSampler, MediumCollision, MediumCrossing, PhotonSource, PhotonVisitor, SurfaceArrival,
     WavelengthSampling, trace,
 };
+use abbe::map::PhotonSpectra;
 use abbe::math::random::{Purpose, Stream};
 use abbe::math::warp;
 use abbe::render::Integrator;
@@ -100,8 +101,10 @@ fn no_photon_grows_heavier_than_it_set_out() {
     let job = job(&white_ball(chromatic()));
     let choice = LightSampler::new(&job.scene).expect("the scene is lit");
     let strata = EmissionStrata::plain(&choice.lights);
+    let spectra = PhotonSpectra::new(&job.scene.lights).expect("the scene has one light");
     let emitters = PhotonSource {
         scene: &job.scene,
+        spectra: &spectra,
         strata: &strata,
         ray_densities: None,
         wavelengths: WavelengthSampling::Free,

@@ -313,3 +313,38 @@ fn shared_photons_carry_a_mirrored_lamps_irradiance() {
     scene["render"] = json!({ "photons": 20000, "radius": 0.02, "force": ["shared"] });
     check("mirror image, shared wavelengths", &scene, illuminance, Integrator::Photon, 64);
 }
+
+/// Returns the mean over the distances from −`half` to `half` of the irradiance that a kernel
+/// estimates beside the terminator of a ball. The kernel has the radius 1, and the irradiance grows
+/// linearly with the distance from the terminator, with slope 1 on the lit side.
+fn estimate_beside_the_terminator(half: f64) -> f64 {
+    const N: u32 = 60;
+    let mid = |i: u32| (f64::from(i) + 0.5) / f64::from(N);
+    let kernel = |x: f64, y: f64| 2.0 / PI * (1.0 - x * x - y * y).max(0.0) * 4.0;
+    let at = |distance: f64, i: u32, j: u32| {
+        let (x, y) = (2.0 * mid(i) - 1.0, 2.0 * mid(j) - 1.0);
+        kernel(x, y) * (distance + x).max(0.0)
+    };
+    let distances = (0..N).map(|k| half * (2.0 * mid(k) - 1.0));
+    distances.map(|d| (0..N * N).map(|cell| at(d, cell / N, cell % N)).sum::<f64>()).sum::<f64>() / f64::from(N).powi(3)
+}
+
+/// A ball in the light of the sun from above. The shell of index 1 makes photons carry the light.
+/// The picture shows the terminator. Half of its points face away from the sun, but their kernels
+/// contain photons that arrived beyond the terminator.
+#[test]
+fn a_kernel_across_the_terminator_of_a_ball_keeps_its_photons() {
+    let (radius, half) = (0.3, 0.07_f64);
+    let scene = json!({
+        "camera": { "from": [0, 0, 5], "at": [0, 0, 0], "up": [0, 1, 0],
+                    "lens": { "pinhole": { "fov": 2.0 * (half / 4.0).atan().to_degrees() } } },
+        "film": { "width": 4, "height": 4 },
+        "materials": { "grey": diffuse(ALBEDO), "clear": glass(1.0) },
+        "objects": [{ "shape": { "sphere": { "radius": 1 } }, "material": "grey" },
+                    { "shape": { "sphere": { "radius": 1.4 } }, "material": "clear" }],
+        "lights": [{ "directional": { "toward": [0, -1, 0], "spectrum": "E", "illuminance": 100 } }],
+        "render": { "photons": 60000, "radius": radius }
+    });
+    let illuminance = 100.0 * radius * estimate_beside_the_terminator(half / radius);
+    check_within("terminator of a ball", &scene, illuminance, (Integrator::Photon, 1), 0.12);
+}

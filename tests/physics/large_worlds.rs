@@ -3,6 +3,7 @@
 
 use crate::common::compare::{Measured, assert_same};
 use crate::common::{diffuse, glass, mean_y, render, with_setting};
+use crate::furnace::surroundings;
 use abbe::render::Integrator;
 use serde_json::{Value, json};
 
@@ -91,4 +92,23 @@ fn indirect_light_is_seen_on_a_wall_close_to_the_camera() {
     let photon = Measured::new(&scene, (Integrator::Photon, 24), 0..6, mean_y);
     let path = Measured::new(&scene, (Integrator::Path, 1024), 10..16, mean_y);
     assert_same("a wall close to the camera", &photon, &path, 0.06);
+}
+
+/// White fog above white ground in uniform surroundings of radiance 1. The camera is in the fog,
+/// and it sees a small part of the ground. Few photons come near the camera.
+#[test]
+fn a_camera_in_the_fog_of_a_large_world_sees_a_furnace() {
+    let scene = json!({
+        "camera": { "from": [0, 1, 0], "at": [0, 0, 0], "up": [0, 0, 1], "lens": { "pinhole": { "fov": 10 } } },
+        "film": { "width": 2, "height": 2 },
+        "media": { "fog": { "homogeneous": { "scattering": 0.3, "absorption": 0, "phase": "isotropic" } } },
+        "materials": { "ground": diffuse(1) },
+        "objects": [{ "shape": { "rectangle": { "width": 20, "height": 20 } }, "material": "ground" }],
+        "lights": surroundings(), "atmosphere": "fog", "render": { "photons": 5000 }
+    });
+    let measured = Measured::new(&scene, (Integrator::Photon, 16), 0..6, mean_y);
+    let (mean, error) = (measured.mean(0), measured.error(0));
+    println!("furnace of fog in a large world: {mean:.3} ± {error:.3}");
+    assert!(error < 0.1, "too noisy to tell");
+    assert!((mean - 1.0).abs() < 0.2, "{mean}");
 }

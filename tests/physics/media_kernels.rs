@@ -2,10 +2,9 @@
 //! proportional to the square of the kernel radius.
 
 use abbe::geometry::Ray;
-use abbe::map::{KernelWidth, PhotonBeam, PhotonPower, QueryCone, VolumeMap, VolumePhoton};
+use abbe::map::{KernelWidth, PhotonBeam, PhotonPower, QueryCone, VolumeMap, VolumePhoton, WavelengthCode};
 use abbe::math::sobol::Sobol;
 use abbe::math::warp;
-use abbe::spectrum::Wavelengths;
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -20,7 +19,7 @@ const RAYS: u32 = 64;
 const RADII: [f64; 3] = [0.4, 0.2, 0.1];
 
 fn load() -> PhotonPower {
-    PhotonPower::new(&Wavelengths::single(550.0), [1.0, 0.0, 0.0, 0.0], None)
+    PhotonPower::new(WavelengthCode::default(), [1.0, 0.0, 0.0, 0.0], None, 0.0)
 }
 
 /// Estimates the light of one point source along many rays, and returns the mean for each kernel

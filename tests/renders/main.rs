@@ -11,4 +11,5 @@ mod example_scenes;
 mod plan_forced;
 mod plan_light_map;
 mod plan_negligible;
+mod responses;
 mod whole;

@@ -140,12 +140,13 @@ impl Resolver<'_> {
     }
 
     fn settings(&self, render: &RenderFile) -> Settings {
-        let RenderFile { passes, photons, max_depth, nearest, radius, seed, threads, .. } = render;
+        let RenderFile { passes, photons, camera_samples, max_depth, nearest, radius, seed, threads, .. } = render;
         // `march_steps` is used where the media are resolved.
         let RenderFile { checkpoint_seconds, march_steps: _, light_map, force, forbid, .. } = render;
         Settings {
             passes: *passes,
             photons: *photons,
+            camera_samples: *camera_samples,
             max_depth: *max_depth,
             nearest: *nearest,
             radius_m: radius.map(|radius| radius * self.metres),

@@ -25,13 +25,19 @@ pub struct PixelSampler {
 }
 
 impl PixelSampler {
-    /// Creates the sampler of `pixel` in `pass`.
+    /// Creates the sampler of the only camera sample of `pixel` in `pass`.
     pub fn new(seed: u64, pass: u64, pixel: u64) -> Self {
-        let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64);
+        Self::nth(seed, pass, pixel, (0, 1))
+    }
+
+    /// Creates the sampler of one camera sample of `pixel` in `pass`. `nth` is the index of the
+    /// sample in the pass, and `samples` is the number of samples of the pixel in each pass.
+    pub fn nth(seed: u64, pass: u64, pixel: u64, (nth, samples): (u64, u64)) -> Self {
+        let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64 * samples + nth);
         let key = hash64([seed, Purpose::Camera as u64, replicate, pixel]);
         Self {
             point: Sobol::new(key).point(index as u32),
-            stream: Stream::new(seed, Purpose::Camera, pass, pixel),
+            stream: Stream::new(seed, Purpose::Camera, pass * samples + nth, pixel),
             wavelength: golden_ratio(index as u32, hash64([key, WAVELENGTH_SEQUENCE])),
         }
     }

@@ -9,8 +9,12 @@ use crate::optics::bsdf::{Bsdf, BsdfClass, ScatterEvent};
 use crate::optics::fresnel;
 use crate::plan::WavelengthPlan;
 use crate::scene::Scene;
-use crate::spectrum::{LANES, REFERENCE_NM};
+use crate::spectrum::LANES;
 use crate::walk::{Sink, SurfaceInteraction, long_path_survival, sample_consistently};
+
+/// At a smooth interface, the walk follows both the reflected and the refracted path if both have
+/// at least this weight.
+const LEAST_BRANCH_WEIGHT: f64 = 0.01;
 
 /// The number of surface events after which Russian roulette may end a camera path.
 const CAMERA_DEPTH_BEFORE_ROULETTE: u32 = 8;
@@ -28,6 +32,9 @@ impl<'a> CameraPass<'a> {
         let mut path = *path;
         let continues = if let (SpectralMode::Free, true) = (path.spectral_mode, self.disperses(interaction)) {
             self.scatter_free_at_dispersive(&mut path, interaction, glossy, context)
+        } else if is_smooth_interface(interaction) && self.splits(&path, self.reflectance(&path, interaction)) {
+            self.follow_reflection(path, interaction, context);
+            self.scatter_forced(&mut path, interaction, ScatterEvent::Transmission, 1.0, context)
         } else {
             let u = context.sampler.stream.triple();
             self.scatter_by_bsdf(&mut path, interaction, u, glossy, context)
@@ -70,10 +77,8 @@ impl<'a> CameraPass<'a> {
             self.split(*path, interaction, SplitEvent::Glossy(glossy), context);
             return false;
         }
-        // At the first surface, the walk follows both reflection and refraction. At later surfaces,
-        // it selects one of them.
-        let reflectance = self.reflectance(interaction);
-        let both = path.depth == 1;
+        let reflectance = self.reflectance(path, interaction);
+        let both = self.splits(path, reflectance);
         let reflects = both || context.sampler.stream.uniform() < reflectance;
         let refracts = both || !reflects;
         if refracts && reflectance < 1.0 {
@@ -88,10 +93,33 @@ impl<'a> CameraPass<'a> {
         self.scatter_forced(path, interaction, ScatterEvent::Reflection, probability, context)
     }
 
-    /// Returns the reflectance of a smooth interface at the reference wavelength.
-    fn reflectance(&self, interaction: &SurfaceInteraction<'a>) -> f64 {
-        let sides = interaction.sides;
-        fresnel::dielectric(interaction.wo.z.abs(), sides.here.n(REFERENCE_NM), sides.there.n(REFERENCE_NM))
+    /// Returns the reflectance of a smooth interface at the path's reference wavelength.
+    fn reflectance(&self, path: &CameraPath, interaction: &SurfaceInteraction<'a>) -> f64 {
+        let (sides, nm) = (interaction.sides, path.reference_nm());
+        fresnel::dielectric(interaction.wo.z.abs(), sides.here.n(nm), sides.there.n(nm))
+    }
+
+    /// Returns true if the walk follows both the reflected and the refracted path at a smooth
+    /// interface with this reflectance, because both paths have enough weight. Otherwise, the walk
+    /// selects one of them.
+    fn splits(&self, path: &CameraPath, reflectance: f64) -> bool {
+        let weight = path.reference_throughput * relative_n2(self.scene, &path.ray_state, path.reference_nm());
+        weight * reflectance.min(1.0 - reflectance) > LEAST_BRANCH_WEIGHT
+    }
+
+    /// Follows the path that is reflected at a smooth interface to its end.
+    fn follow_reflection<S: Sink>(
+        &self,
+        mut path: CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let factors = context.buffers.factors.len();
+        let reflects = self.scatter_forced(&mut path, interaction, ScatterEvent::Reflection, 1.0, context);
+        if reflects && survives(self.scene, &mut path, context) {
+            self.follow_shared(&path, context);
+        }
+        context.buffers.factors.truncate(factors);
     }
 
     /// Follows the path once for each shared wavelength.
@@ -169,6 +197,11 @@ impl<'a> CameraPass<'a> {
             None => false,
         }
     }
+}
+
+/// Returns true if the surface is a smooth interface between two dielectrics.
+fn is_smooth_interface(interaction: &SurfaceInteraction<'_>) -> bool {
+    matches!(interaction.bsdf, Bsdf::Dielectric(_)) && interaction.bsdf.class() == BsdfClass::Specular
 }
 
 /// How a free path continues at dispersive glass, once for each shared wavelength.

@@ -33,6 +33,7 @@ impl<'a> CameraPass<'a> {
         buffers.visible_points.clear();
         buffers.camera_segments.clear();
         let camera = &self.scene.camera;
+        tally.camera_samples += 1;
         tally.lens_rays += u64::from(self.plan.aperture.is_finite());
         let path = |ray| CameraPath::new(ray, camera.medium_stack);
         let events = self.depth_limit.events();
@@ -113,6 +114,7 @@ impl<'a> CameraPass<'a> {
             } else {
                 M::next_interaction(self.scene, path.ray_state, context.sampler.stream.uniform())
             };
+            context.tally.camera_segments += 1;
             if M::HAS_BODIES {
                 let face = next.as_ref().is_some_and(|next| self.scene.body_of(next.hit.object).is_some());
                 context.tally.body_events += u64::from(face);
@@ -181,7 +183,7 @@ impl<'a> CameraPass<'a> {
         if ends && self.plan.direct.traces_scattered_rays() {
             self.gather_direct_by_bsdf::<M, S>(path, interaction, context);
         }
-        self.gather_photons::<M, S>(path, interaction, class, context);
+        self.gather_photons(path, interaction, class, context);
     }
 
     /// Returns the visible point of a path at the interaction.

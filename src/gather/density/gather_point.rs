@@ -1,12 +1,13 @@
 //! The gather point: a point of a camera path on a surface, and the photons around this point.
 
+use super::responses::SurfaceResponses;
 use crate::gather::camera::path::CameraPath;
 use crate::gather::camera::throughput::{Factor, SpectralMode, product};
 use crate::map::kernel::{BoundaryCorrection, DiskKernel, KernelValues};
-use crate::map::{NearbyPhoton, PhotonPower};
+use crate::map::{NearbyPhoton, PhotonPower, PhotonSpectra};
 use crate::math::frame::Frame;
 use crate::optics::bsdf::{Bsdf, InterfaceIors, TransportMode};
-use crate::walk::{BodyMode, CausticWeights, Sink, SurfaceInteraction, bias_of_excess};
+use crate::walk::{CausticWeights, SensorResponse, Sink, SurfaceInteraction, bias_of_excess};
 use glam::DVec3;
 
 /// The lower limit of the cosine of the angle between two normals: the normal at the gather point
@@ -89,17 +90,25 @@ impl<'e> GatherPoint<'e> {
         Self { weights, ..self }
     }
 
+    /// Returns the side of the surface to which a photon contributes: 1 for the visible side, and −1
+    /// for the other side. Returns `None` if the photon belongs to another surface. `normal` is the
+    /// photon's normal. Its length is arbitrary.
+    #[inline(always)]
+    fn side_of(&self, normal: DVec3, position: [f32; 3]) -> Option<f64> {
+        let alignment = normal.dot(self.facing);
+        let side = if self.transmits { alignment.signum() } else { 1.0 };
+        let offset = DVec3::from(position.map(f64::from)) - self.position;
+        let aligned = alignment * side > 0.0
+            && alignment * alignment >= NORMAL_TOLERANCE * NORMAL_TOLERANCE * normal.length_squared();
+        (aligned && offset.dot(self.normal).abs() <= self.height_m).then_some(side)
+    }
+
     /// Adds the contribution of a nearby photon to the path.
     #[inline(always)]
-    pub(in crate::gather) fn add<M: BodyMode, S: Sink>(&self, nearby: &NearbyPhoton, sink: &mut S) {
-        let photon = &nearby.photon;
+    pub(in crate::gather) fn add<S: Sink>(&self, nearby: &NearbyPhoton<'_>, spectra: &PhotonSpectra, sink: &mut S) {
+        let photon = nearby.photon;
         let photon_normal = photon.normal();
-        let alignment = photon_normal.dot(self.facing);
-        let side = if self.transmits { alignment.signum() } else { 1.0 };
-        let offset = DVec3::from(nearby.position.map(f64::from)) - self.position;
-        if alignment * side < NORMAL_TOLERANCE || offset.dot(self.normal).abs() > self.height_m {
-            return;
-        }
+        let Some(side) = self.side_of(photon_normal, nearby.position) else { return };
         let to_light = photon.to_light();
         let kernels = self.kernel.at(f64::from(nearby.distance2));
         // The cosine at the position of the photon. If the surface is curved, its normal there
@@ -116,20 +125,71 @@ impl<'e> GatherPoint<'e> {
             None => kernels,
             Some(weights) => {
                 let pdf = self.bsdf.pdf(self.wo, wi, self.sides, self.reference_nm);
-                kernels.times(weights.of_photon(photon.power.ray_density(), pdf))
+                kernels.times(weights.of_photon(photon.ray_density(), pdf))
             }
         };
+        let light = PhotonLight { power: &photon.power, spectra };
         let response = |nm: f64| self.bsdf.eval(self.wo, wi, self.sides, TransportMode::Radiance, nm);
-        add_photon::<M, S>(&photon.power, kernels, self.bias, self.spectral_mode, self.factors, sink, response);
+        add_photon(light, kernels, self.bias, self.spectral_mode, self.factors, sink, response);
     }
+
+    /// Returns true if the responses of the sensor to photons are independent of the camera path
+    /// and of the directions of the photons, provided that the surface is diffuse and its normal is
+    /// not interpolated.
+    #[inline(always)]
+    pub(in crate::gather) fn is_plain(&self) -> bool {
+        self.spectral_mode == SpectralMode::Free && self.factors.is_empty()
+    }
+
+    /// Does the same as [`Self::add`] at a diffuse surface, but adds the contribution as responses
+    /// of the sensor. Photons at a diffuse surface arrive on the side of their normal, so their
+    /// directions have no influence.
+    #[inline(always)]
+    pub(in crate::gather) fn add_response(
+        &self,
+        nearby: &NearbyPhoton<'_>,
+        surface: SurfaceResponses<'_>,
+        sums: &mut ResponseSums,
+    ) {
+        if self.side_of(nearby.photon.normal_direction(), nearby.position).is_none() {
+            return;
+        }
+        let response = surface.of_photon(&nearby.photon.power);
+        let kernels = self.kernel.at(f64::from(nearby.distance2));
+        sums.estimate.add_scaled(response, kernels.estimate);
+        sums.bias.add_scaled(response, biased_by(kernels, self.bias));
+    }
+}
+
+/// The sums of the responses to all photons around a gather point.
+#[derive(Debug, Default)]
+pub(in crate::gather) struct ResponseSums {
+    /// The response to the estimated radiance.
+    pub(in crate::gather) estimate: SensorResponse,
+    /// The response to the bias of the estimate.
+    pub(in crate::gather) bias: SensorResponse,
+}
+
+/// The wavelengths and powers of a photon, with the spectra that the wavelengths refer to.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::gather) struct PhotonLight<'p> {
+    pub(in crate::gather) power: &'p PhotonPower,
+    pub(in crate::gather) spectra: &'p PhotonSpectra,
+}
+
+/// Returns the bias of a photon's contribution, per unit of power. `path_bias` is the relative bias
+/// of all factors except the kernel.
+#[inline(always)]
+fn biased_by(kernels: KernelValues, path_bias: f64) -> f64 {
+    kernels.bias() + kernels.estimate * path_bias
 }
 
 /// Adds the contribution of a photon to the radiance of a camera path. `response` takes a
 /// wavelength (nm). It returns the fraction of the photon's power that is scattered into the path,
 /// per steradian. `path_bias` is the relative bias of all factors except the kernel.
 #[inline(always)]
-pub(in crate::gather) fn add_photon<M: BodyMode, S: Sink>(
-    photon: &PhotonPower,
+pub(in crate::gather) fn add_photon<S: Sink>(
+    PhotonLight { power, spectra }: PhotonLight<'_>,
     kernels: KernelValues,
     path_bias: f64,
     spectral_mode: SpectralMode,
@@ -137,20 +197,14 @@ pub(in crate::gather) fn add_photon<M: BodyMode, S: Sink>(
     sink: &mut S,
     response: impl Fn(f64) -> f64,
 ) {
-    let (estimate, bias) = (kernels.estimate, kernels.bias() + kernels.estimate * path_bias);
+    let (estimate, bias) = (kernels.estimate, biased_by(kernels, path_bias));
     let mut add = |nm: f64, radiance: f64| sink.biased(nm, radiance * estimate, radiance * bias);
     match spectral_mode {
         SpectralMode::Free => {
-            if !M::HAS_BODIES && factors.is_empty() {
-                photon.all_lanes().for_each(|(nm, power)| add(nm, response(nm) * power));
-            } else if factors.is_empty() {
-                photon.lanes().for_each(|(nm, power)| add(nm, response(nm) * power));
-            } else {
-                photon.lanes().for_each(|(nm, power)| add(nm, response(nm) * product(factors, nm) * power));
-            }
+            power.lanes(spectra).for_each(|(nm, power)| add(nm, response(nm) * product(factors, nm) * power));
         }
         SpectralMode::Shared { lane, nm, throughput } => {
-            if let Some(power) = photon.at_lane(lane) {
+            if let Some(power) = power.at_lane(lane) {
                 add(nm, response(nm) * throughput * power);
             }
         }

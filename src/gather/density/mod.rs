@@ -3,4 +3,5 @@
 
 pub(super) mod gather_point;
 pub(super) mod outline;
+pub(super) mod responses;
 mod surface;

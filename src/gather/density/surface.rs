@@ -1,6 +1,6 @@
 //! Light from photons at surfaces on a camera path.
 
-use super::gather_point::GatherPoint;
+use super::gather_point::{GatherPoint, ResponseSums};
 use super::outline::{Outline, PixelOutline};
 use crate::gather::camera::path::CameraPath;
 use crate::gather::camera::throughput::SpectralMode;
@@ -10,7 +10,7 @@ use crate::map::{SetMaps, radius};
 use crate::optics::bsdf::BsdfClass;
 use crate::plan::IndirectPlan;
 use crate::plan::partition::{Estimator, LightPath, PhotonClass, PhotonSet, View, estimator};
-use crate::walk::{BodyMode, CausticWeights, LostLight, Sink, SurfaceInteraction};
+use crate::walk::{CausticWeights, Sink, SurfaceInteraction};
 use std::f64::consts::PI;
 
 /// Returns the view that selects the estimator of photons. Only free photons are connected to the
@@ -28,7 +28,7 @@ impl<'a> CameraPass<'a> {
     /// Gathers the photons around a surface point. Only photons of some path classes are gathered:
     /// the partition assigns these classes to the photon map.
     #[inline(always)]
-    pub(in crate::gather) fn gather_photons<M: BodyMode, S: Sink>(
+    pub(in crate::gather) fn gather_photons<S: Sink>(
         &self,
         path: &CameraPath,
         interaction: &SurfaceInteraction<'a>,
@@ -36,10 +36,10 @@ impl<'a> CameraPass<'a> {
         context: &mut PathContext<'_, 'a, S>,
     ) {
         let set = path.spectral_mode.photon_set();
-        self.gather_set::<M, S>(self.maps[set], path, interaction, bsdf_class, context);
+        self.gather_set(self.maps[set], path, interaction, bsdf_class, context);
         if let Some(MissingLight { maps, factor }) = self.missing {
             context.with_lost_light(factor, |lost| {
-                self.gather_set::<M, LostLight<'_>>(maps[set], path, interaction, bsdf_class, lost);
+                self.gather_set(maps[set], path, interaction, bsdf_class, lost);
             });
         }
     }
@@ -72,17 +72,17 @@ impl<'a> CameraPass<'a> {
         }
         let set = path.spectral_mode.photon_set();
         let area_m2 = if estimator(LightPath::Caustic, bsdf_class, photon_view(path)) == Estimator::Connection {
-            // Each pixel has one camera path.
+            // Each camera sample covers one pixel.
             (path.distance_m * self.scene.camera.pixel_angle()).powi(2)
         } else {
             PI * self.kernel_radius(set, PhotonClass::Caustic, interaction, context).powi(2)
         };
-        Some(CausticWeights { photons_m2: self.photon_paths[set] as f64 * area_m2 })
+        Some(CausticWeights { photons_m2: self.photons_per_sample[set] * area_m2 })
     }
 
     /// Gathers the photons of one set around a surface point.
     #[inline(always)]
-    fn gather_set<M: BodyMode, S: Sink>(
+    fn gather_set<S: Sink>(
         &self,
         maps: &SetMaps,
         path: &CameraPath,
@@ -126,11 +126,33 @@ impl<'a> CameraPass<'a> {
             };
             let gather_point =
                 GatherPoint::new(interaction, radius, correction, path, &context.buffers.factors).competing_by(weights);
-            map.within(interaction.hit.position.as_vec3().to_array(), radius as f32, |nearby| {
-                if outline.is_none_or(|outline| outline.contains(nearby.position)) {
-                    gather_point.add::<M, S>(&nearby, context.sink);
+            let (centre, radius) = (interaction.hit.position.as_vec3().to_array(), radius as f32);
+            let contains = |position| outline.is_none_or(|outline| outline.contains(position));
+            let responses = if gather_point.is_plain() { self.responses } else { None };
+            match responses.and_then(|responses| responses.of_surface(interaction)) {
+                Some(surface) => {
+                    let mut sums = ResponseSums::default();
+                    let mut tabulated = 0;
+                    map.within(centre, radius, |nearby| {
+                        tabulated += 1;
+                        if contains(nearby.position) {
+                            gather_point.add_response(&nearby, surface, &mut sums);
+                        }
+                    });
+                    context.sink.respond(sums.estimate, sums.bias);
+                    context.tally.tabulated += tabulated;
                 }
-            });
+                None => {
+                    let mut gathered = 0;
+                    map.within(centre, radius, |nearby| {
+                        gathered += 1;
+                        if contains(nearby.position) {
+                            gather_point.add(&nearby, self.spectra, context.sink);
+                        }
+                    });
+                    context.tally.gathered += gathered;
+                }
+            }
         }
     }
 }

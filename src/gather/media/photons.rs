@@ -6,18 +6,25 @@ use crate::gather::camera::path::CameraPath;
 use crate::gather::camera::throughput::SpectralMode;
 use crate::gather::camera::visible_point::CameraSegment;
 use crate::gather::camera_pass::{CameraPass, MissingLight, PathContext};
-use crate::gather::density::gather_point::add_photon;
+use crate::gather::density::gather_point::{PhotonLight, add_photon};
 use crate::geometry::Ray;
 use crate::map::kernel::{KernelDomain, KernelValues};
 use crate::map::{BeamPath, KernelWidth, PhotonNearRay, QueryCone, SetMaps, VolumeMap};
 use crate::math::random::hash64;
 use crate::plan::partition::PhotonClass;
 use crate::scene::Scene;
+use crate::scene::medium::Medium;
+use crate::spectrum::REFERENCE_NM;
 use crate::walk::{
-    MediumSegment, NumberedMedium, SegmentTransmittance, Sink, WithBodies, bias_of_excess, excess_optical_depth,
-    transmittance,
+    MediumSegment, NumberedMedium, SegmentTransmittance, Sink, bias_of_excess, excess_optical_depth, transmittance,
 };
 use glam::DVec3;
+
+/// The least path length that determines a kernel radius is at most this number of mean free paths.
+const NEAR_FREE_PATHS: f64 = 0.5;
+
+/// The least path length that determines a kernel radius, as a fraction of the segment's length.
+const NEAR_SHARE: f64 = 0.1;
 
 impl<'a> CameraPass<'a> {
     /// Gathers the photons near a segment in a scattering medium. `behind_m` is the length of the
@@ -31,6 +38,7 @@ impl<'a> CameraPass<'a> {
         context: &mut PathContext<'_, 'a, S>,
     ) {
         let set = path.spectral_mode.photon_set();
+        let behind_m = behind_m.max(near_m(segment, filling.medium));
         if context.buffers.records {
             context.buffers.camera_segments.push(CameraSegment {
                 ray: segment.ray,
@@ -94,10 +102,12 @@ impl<'a> CameraPass<'a> {
     ) {
         let seed = segment_seed(context, segment.ray.origin);
         let (factors, sink) = (&context.buffers.factors, &mut *context.sink);
+        let mut gathered = 0;
         map.along(cone, |photon: PhotonNearRay<'_>| {
             if photon.medium != number {
                 return;
             }
+            gathered += 1;
             let Some(kernels) = kernels_between_faces(self.scene, &segment.ray, &photon) else { return };
             let to_photon = segment.path_transmittance(photon.t, seed);
             let cosine = -photon.incoming.dot(segment.ray.direction);
@@ -120,9 +130,23 @@ impl<'a> CameraPass<'a> {
                     .map_or(1.0, |(along, density)| transmittance(along, nm) * medium.scattering.at(nm) * density);
                 scattered * medium.phase.eval(cosine, nm) * transmittance(&to_photon, nm)
             };
-            add_photon::<WithBodies, S>(photon.power, kernels, bias, path.spectral_mode, factors, sink, response);
+            let light = PhotonLight { power: photon.power, spectra: self.spectra };
+            add_photon(light, kernels, bias, path.spectral_mode, factors, sink, response);
         });
+        context.tally.volume_gathered += gathered;
     }
+}
+
+/// Returns the least length (m) of the path to the start of a segment that kernel radii assume.
+///
+/// Radii are proportional to the distance from the camera. If the camera is in the medium, the
+/// kernel of a photon point at the distance t would be proportional to 1/t², and its variance would
+/// be infinite: the picture would be too dark, apart from rare bright pixels that no error bar
+/// foresees.
+fn near_m(segment: &MediumSegment<'_>, medium: &Medium) -> f64 {
+    let depth_per_m = medium.optical_depth(REFERENCE_NM, 1.0);
+    let free_path_m = if depth_per_m > 0.0 { 1.0 / depth_per_m } else { f64::INFINITY };
+    (NEAR_FREE_PATHS * free_path_m).min(NEAR_SHARE * segment.length_m)
 }
 
 /// Corrects the kernels of a photon if they extend over a face. Returns `None` if a face is between

@@ -58,6 +58,7 @@ pub(super) struct TracedPath {
 impl<'a> PathTracer<'a> {
     /// Estimates the radiance of one sample of a pixel and adds it to the sink.
     pub fn sample<S: Sink>(&self, pixel: u64, mut sampler: PixelSampler, tally: &mut Tally, sink: &mut S) {
+        tally.camera_samples += 1;
         let Some(mut path) = self.start_path(pixel, &sampler) else {
             return;
         };

@@ -4,7 +4,8 @@
 
 use super::PhotonNearRay;
 use crate::map::kernel::DiskKernel;
-use crate::map::photon::{Octahedral, PhotonPower};
+use crate::map::octahedral::Octahedral;
+use crate::map::photon::PhotonPower;
 use crate::map::query_cone::QueryCone;
 use glam::{DVec3, Vec3};
 
@@ -13,7 +14,7 @@ use glam::{DVec3, Vec3};
 pub struct VolumePhoton {
     /// The position in m, relative to the scene's centre.
     pub position: [f32; 3],
-    incoming: Octahedral,
+    incoming: Octahedral<16>,
     medium: u16,
     /// The power scattered by the medium, summed over all directions.
     power: PhotonPower,

@@ -1,0 +1,126 @@
+//! The responses of the sensor to photons at diffuse surfaces.
+//!
+//! A camera path without wavelength-dependent factors sees a diffuse surface directly. The response
+//! of the sensor to a photon there is the sum over the photon's wavelengths of power × reflectance
+//! / π × sensitivity. All factors except the power depend only on the surface, on the spectrum of
+//! the light and on the random number that selected the wavelengths. They are tabulated once, so
+//! that a gathered photon costs a few multiplications.
+
+use crate::map::{PhotonPower, PhotonSpectra, WavelengthCode};
+use crate::optics::bsdf::{Bsdf, Diffuse};
+use crate::scene::Scene;
+use crate::spectrum::LANES;
+use crate::walk::SurfaceInteraction;
+use std::f64::consts::FRAC_1_PI;
+use wide::f32x4;
+
+/// The number of cells into which the random numbers are divided. A response is constant within a
+/// cell: it is the mean over the cell. A table then fits in the first-level cache.
+const CELLS: usize = 256;
+
+/// The number of wavelengths of each lane over which the response of a cell is averaged.
+const SAMPLES_PER_CELL: usize = 4;
+
+/// The largest number of tables. Scenes that need more evaluate each wavelength of each photon.
+const MOST_TABLES: usize = 256;
+
+/// The responses of the sensor to a power of 1 in each lane. The fourth component is 0.
+type Cell = [f32x4; LANES];
+
+/// A table of responses for each diffuse material and each spectrum of the lights.
+#[derive(Debug, Clone)]
+pub struct SensorResponses {
+    cells: Vec<Cell>,
+    /// For each material, the position of its first cell.
+    first_cells: Vec<Option<usize>>,
+    cells_per_material: usize,
+}
+
+/// The responses at one diffuse surface.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::gather) struct SurfaceResponses<'r>(&'r [Cell]);
+
+impl SensorResponses {
+    /// Tabulates the responses of a scene. `sensitivity` returns the response of the sensor to
+    /// light of a wavelength (nm). Returns `None` if no material is diffuse, or if the tables would
+    /// need too much memory.
+    pub fn new(scene: &Scene, spectra: &PhotonSpectra, sensitivity: impl Fn(f64) -> [f64; 3]) -> Option<Self> {
+        let diffuse = |surface: &Bsdf| match surface {
+            Bsdf::Diffuse(diffuse) => Some(diffuse.clone()),
+            Bsdf::Absorber
+            | Bsdf::Translucent(_)
+            | Bsdf::Mirror(_)
+            | Bsdf::Conductor(_)
+            | Bsdf::Dielectric(_)
+            | Bsdf::ThinDielectric(_)
+            | Bsdf::Glossy(_)
+            | Bsdf::Mix(_) => None,
+        };
+        let materials: Vec<Option<Diffuse>> =
+            scene.materials.iter().map(|material| diffuse(&material.surface)).collect();
+        let tables = materials.iter().flatten().count() * spectra.len();
+        if tables == 0 || tables > MOST_TABLES {
+            return None;
+        }
+        let sampled: Vec<CellSamples> = (0..spectra.len() * CELLS)
+            .map(|cell| CellSamples::new(spectra, cell / CELLS, cell % CELLS, &sensitivity))
+            .collect();
+        let mut cells = Vec::with_capacity(tables * CELLS);
+        let first_cells = materials.iter().map(|material| {
+            material.as_ref().map(|diffuse| {
+                cells.extend(sampled.iter().map(|samples| samples.reflected_by(diffuse)));
+                cells.len() - sampled.len()
+            })
+        });
+        Some(Self { first_cells: first_cells.collect(), cells_per_material: sampled.len(), cells })
+    }
+
+    /// Returns the responses at a surface. Returns `None` if the surface is not diffuse, or if its
+    /// normal is interpolated.
+    #[inline]
+    pub(in crate::gather) fn of_surface(&self, interaction: &SurfaceInteraction<'_>) -> Option<SurfaceResponses<'_>> {
+        let first = self.first_cells[interaction.material]?;
+        let interpolated = interaction.frame.normal() != interaction.hit.normal;
+        (!interpolated).then(|| SurfaceResponses(&self.cells[first..first + self.cells_per_material]))
+    }
+}
+
+impl SurfaceResponses<'_> {
+    /// Returns the response of the sensor to a photon that the surface reflects.
+    #[inline(always)]
+    pub(in crate::gather) fn of_photon(self, photon: &PhotonPower) -> [f64; 3] {
+        let cell = &self.0[photon.wavelength_code().cell(CELLS)];
+        let powers = photon.powers();
+        let lane = |k: usize| cell[k] * f32x4::splat(powers[k]);
+        let [x, y, z, _] = ((lane(0) + lane(1)) + (lane(2) + lane(3))).to_array();
+        [f64::from(x), f64::from(y), f64::from(z)]
+    }
+}
+
+/// The wavelengths (nm) of a cell and the sensitivities of the sensor, for each lane.
+struct CellSamples([[(f64, [f64; 3]); SAMPLES_PER_CELL]; LANES]);
+
+impl CellSamples {
+    fn new(spectra: &PhotonSpectra, spectrum: usize, cell: usize, sensitivity: &impl Fn(f64) -> [f64; 3]) -> Self {
+        let u = |sample: usize| (cell as f64 + (sample as f64 + 0.5) / SAMPLES_PER_CELL as f64) / CELLS as f64;
+        let sampled = |lane: usize, sample: usize| {
+            let nm = spectra.wavelength_at(spectrum, u(sample), lane);
+            (nm, sensitivity(nm))
+        };
+        Self(std::array::from_fn(|lane| std::array::from_fn(|sample| sampled(lane, sample))))
+    }
+
+    /// Returns the mean responses after the reflection by a surface.
+    fn reflected_by(&self, diffuse: &Diffuse) -> Cell {
+        self.0.each_ref().map(|samples| {
+            let mut mean = [0.0; 4];
+            for (nm, sensitivity) in samples {
+                let factor = diffuse.reflectance().at(*nm) * FRAC_1_PI / SAMPLES_PER_CELL as f64;
+                (0..3).for_each(|component| mean[component] += sensitivity[component] * factor);
+            }
+            f32x4::from(mean.map(|component| component as f32))
+        })
+    }
+}
+
+const _: () = assert!(WavelengthCode::QUANTILES.is_multiple_of(CELLS));

@@ -1,0 +1,203 @@
+//! The balance of a pass: the numbers of photon paths, of stored photons and of camera samples.
+//!
+//! A pass traces N photon paths and S camera samples per pixel, and stores the fraction q of the
+//! indirect photons on surfaces. The variance of a pixel in a pass is
+//!
+//! > V = `traced`/N + `stored`/(q N) + `camera`/S.
+//!
+//! The work of a pass is
+//!
+//! > W = `pass` + (`trace` + q `store`) N + (`sample` + (`medium` + q `surface`) N) S,
+//!
+//! because the kernels of a camera sample contain more photons if a pass stores more of them. After
+//! n passes, the variance is V/n and the work is n W. The error at equal time is therefore least
+//! where V W is least.
+
+/// The division of the work of a pass between photons and camera samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Balance {
+    /// The number of photon paths.
+    pub(super) photons: u64,
+    /// The fraction of the indirect photons that the pass stores on surfaces.
+    pub(super) stored_share: f64,
+    /// The number of camera samples per pixel.
+    pub(super) camera_samples: u64,
+}
+
+/// The numbers from which the pilot chooses.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct BalanceLimits {
+    /// The number of photon paths, if the scene states it, or the largest number.
+    pub(super) photons: u64,
+    /// True if the scene states the number of photon paths.
+    pub(super) photons_stated: bool,
+    /// The number of camera samples per pixel, if the scene states it.
+    pub(super) camera_samples: Option<u64>,
+}
+
+/// The relative variance of the picture if a pass has one photon path, stores all photons, and has
+/// one camera sample per pixel.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Variances {
+    /// The variance of the photons that are connected to the camera.
+    pub(super) traced: f64,
+    /// The variance of the photons in the maps.
+    pub(super) stored: f64,
+    /// The variance of the camera samples.
+    pub(super) camera: f64,
+}
+
+/// The work of the parts of a pass, in instructions.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Work {
+    /// The work that depends neither on the photons nor on the camera samples.
+    pub(super) pass: f64,
+    /// The work to trace one photon path.
+    pub(super) trace: f64,
+    /// The work to store the indirect photons of one path.
+    pub(super) store: f64,
+    /// The work of one camera sample in every pixel, without the photons in the kernels.
+    pub(super) sample: f64,
+    /// The work of the photons in the kernels at surfaces during these camera samples, per photon
+    /// path.
+    pub(super) surface: f64,
+    /// The same in media.
+    pub(super) medium: f64,
+}
+
+/// The number of photon paths may be halved this many times.
+const HALVINGS: i32 = 3;
+
+/// The most camera samples per pixel are this power of two.
+const DOUBLINGS: i32 = 4;
+
+/// The work of a pass is at most this multiple of the work with the largest number of photon paths
+/// and one camera sample.
+const LONGEST_PASS: f64 = 1.25;
+
+/// Of the choices whose variance at equal time is at most this multiple of the least, the choice
+/// with the least variance per pass is taken.
+const TOLERANCE: f64 = 1.05;
+
+impl BalanceLimits {
+    /// The division if there is nothing to choose.
+    pub(super) fn plain(self) -> Balance {
+        let Self { photons, camera_samples, .. } = self;
+        Balance { photons, stored_share: 1.0, camera_samples: camera_samples.unwrap_or(1) }
+    }
+
+    /// Returns true if the limits leave no choice.
+    pub(super) fn is_fixed(self) -> bool {
+        self.photons_stated && self.camera_samples.is_some()
+    }
+
+    /// Returns the division with the least variance at equal time. Each entry of `variances` is a
+    /// measure of the variance of the picture. The choice minimises the product of all measures.
+    pub(super) fn choose<const MEASURES: usize>(self, variances: [Variances; MEASURES], work: Work) -> Balance {
+        let longest = LONGEST_PASS * self.plain().work(work);
+        let variance = |choice: &Balance| variances.map(|of_one| choice.variance(of_one)).iter().product::<f64>();
+        let cost = |choice: &Balance| variance(choice) * choice.work(work).powi(MEASURES as i32);
+        let choices = || self.choices().filter(|choice| choice.work(work) <= longest);
+        let least = choices().map(|choice| cost(&choice)).fold(f64::INFINITY, f64::min);
+        let most = TOLERANCE.powi(MEASURES as i32) * least;
+        choices()
+            .filter(|choice| cost(choice) <= most)
+            .min_by(|one, other| variance(one).total_cmp(&variance(other)))
+            .unwrap_or(self.plain())
+    }
+
+    /// Returns all divisions within the limits. A pass stores at least as many photons as if it
+    /// traced the least number of paths and stored all photons.
+    fn choices(self) -> impl Iterator<Item = Balance> {
+        let Self { photons, photons_stated, camera_samples } = self;
+        let halvings = if photons_stated { 0 } else { HALVINGS };
+        let doublings = if camera_samples.is_some() { 0 } else { DOUBLINGS };
+        (0..=halvings).flat_map(move |of_photons| {
+            (0..=HALVINGS - of_photons).flat_map(move |of_stored| {
+                (0..=doublings).map(move |of_samples| Balance {
+                    photons: (photons >> of_photons).max(1),
+                    stored_share: 0.5_f64.powi(of_stored),
+                    camera_samples: camera_samples.unwrap_or(1 << of_samples),
+                })
+            })
+        })
+    }
+}
+
+impl Balance {
+    fn variance(self, of_one: Variances) -> f64 {
+        let Variances { traced, stored, camera } = of_one;
+        (traced + stored / self.stored_share) / self.photons as f64 + camera / self.camera_samples as f64
+    }
+
+    fn work(self, work: Work) -> f64 {
+        let Work { pass, trace, store, sample, surface, medium } = work;
+        let photons = self.photons as f64;
+        let gathered = (medium + surface * self.stored_share) * photons;
+        pass + (trace + store * self.stored_share) * photons + (sample + gathered) * self.camera_samples as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FREE: BalanceLimits = BalanceLimits { photons: 200_000, photons_stated: false, camera_samples: None };
+
+    /// The work of a small film, on which photons take most of the time.
+    const SMALL_FILM: Work = Work { pass: 1e6, trace: 6_000.0, store: 500.0, sample: 2e7, surface: 10.0, medium: 0.0 };
+
+    #[test]
+    fn noisy_camera_samples_get_more_of_a_pass() {
+        let noisy = Variances { traced: 1.0, stored: 100.0, camera: 1.0 };
+        let Balance { camera_samples, photons, .. } = FREE.choose([noisy], SMALL_FILM);
+        assert_eq!((camera_samples, photons), (16, 25_000));
+        let exact = Variances { camera: 0.0, ..noisy };
+        assert_eq!(FREE.choose([exact], SMALL_FILM).camera_samples, 1);
+    }
+
+    /// If the noise comes from connections, a pass traces many photons but stores few.
+    #[test]
+    fn photons_that_only_add_work_are_not_stored() {
+        let large_film = Work { sample: 3e9, surface: 30_000.0, ..SMALL_FILM };
+        let connected = Variances { traced: 3_000.0, stored: 100.0, camera: 0.0 };
+        let Balance { photons, stored_share, .. } = FREE.choose([connected], large_film);
+        assert_eq!(photons, 200_000);
+        assert!(stored_share <= 0.25, "{stored_share}");
+    }
+
+    /// For a grid of variances and works, no other division within the limits is much better.
+    #[test]
+    fn the_choice_has_almost_the_least_variance_at_equal_time() {
+        for traced in [0.0, 100.0, 10_000.0] {
+            for camera in [1e-6, 1e-2, 1.0] {
+                for surface in [0.0, 3_000.0, 100_000.0] {
+                    let (variances, work) =
+                        (Variances { traced, stored: 500.0, camera }, Work { surface, ..SMALL_FILM });
+                    let cost = |choice: Balance| choice.variance(variances) * choice.work(work);
+                    let chosen = FREE.choose([variances], work);
+                    assert!(chosen.work(work) <= LONGEST_PASS * FREE.plain().work(work));
+                    let allowed = FREE.choices().filter(|choice| choice.work(work) <= chosen.work(work));
+                    assert!(allowed.into_iter().all(|other| cost(chosen) <= 1.0501 * cost(other)));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn stated_numbers_are_kept() {
+        let variances = Variances { traced: 1.0, stored: 100.0, camera: 1.0 };
+        let stated = BalanceLimits { photons: 77, photons_stated: true, camera_samples: None };
+        assert_eq!(stated.choose([variances], SMALL_FILM).photons, 77);
+        let samples = BalanceLimits { camera_samples: Some(3), ..FREE };
+        assert_eq!(samples.choose([variances], SMALL_FILM).camera_samples, 3);
+        assert!(BalanceLimits { camera_samples: Some(3), ..stated }.is_fixed());
+        assert!(!stated.is_fixed() && !samples.is_fixed());
+    }
+
+    #[test]
+    fn a_black_picture_gets_some_division() {
+        let Balance { photons, camera_samples, .. } = FREE.choose([Variances::default(); 2], SMALL_FILM);
+        assert!(photons >= 25_000 && camera_samples >= 1);
+    }
+}
