@@ -105,7 +105,7 @@ pub(crate) fn plain(prepared: &Prepared, maps: &SetMaps, count: u64) -> f64 {
             let own_cosine = to_light.dot(normal);
             let wi = frame.to_local((to_light + (own_cosine - to_light.dot(facing)) * facing).normalize());
             let kernels = disk.at(f64::from(found.distance2));
-            for (nm, power) in found.photon.power.lanes() {
+            for (nm, power) in found.photon.power.lanes(&prepared.spectra) {
                 let radiance = surface.eval(wo, wi, sides, TransportMode::Radiance, nm) * power;
                 total.biased(nm, radiance * kernels.estimate, radiance * kernels.bias());
             }

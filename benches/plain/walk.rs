@@ -7,7 +7,7 @@ use abbe::map::{Photon, PhotonPower};
 use abbe::math::random::{Purpose, Stream};
 use abbe::optics::bsdf::{Bsdf, InterfaceIors, TransportMode};
 use abbe::scene::light::LeRandoms;
-use abbe::spectrum::{LANES, Lanes, Wavelengths};
+use abbe::spectrum::{LANES, Lanes};
 
 /// Photons with their positions, as the photon map expects them.
 pub(crate) type StoredPhotons = Vec<(Photon, [f32; 3])>;
@@ -43,7 +43,7 @@ pub(crate) fn plain(prepared: &Prepared, count: u64) -> StoredPhotons {
                 nm[k] = drawn;
                 power[k] = light.spd_at(emission.spd, drawn) / (pdf * LANES as f64) * flux;
             }
-            let wavelengths = Wavelengths::new(nm);
+            let code = source.spectra.code(number, u[0]);
             emitted += power.iter().sum::<f64>();
             let mut ray = Ray { origin: emission.origin, direction: emission.direction };
             let mut from: Option<SurfaceId> = emission.from;
@@ -63,7 +63,7 @@ pub(crate) fn plain(prepared: &Prepared, count: u64) -> StoredPhotons {
                 let to_light = -ray.direction;
                 if scattered_before {
                     let facing = if to_light.dot(hit.normal) >= 0.0 { hit.normal } else { -hit.normal };
-                    let photon = Photon::new(PhotonPower::new(&wavelengths, power, None), to_light, facing);
+                    let photon = Photon::new(PhotonPower::new(code, power, None, stream.uniform()), to_light, facing);
                     kept.push((photon, hit.position.as_vec3().to_array()));
                 }
                 let frame = hit.frame(ray.direction);

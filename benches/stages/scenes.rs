@@ -5,14 +5,14 @@ use abbe::emit::{
 };
 use abbe::gather::{CameraPass, DirectLighting, Outlines};
 use abbe::map::radius::RadiusScales;
-use abbe::map::{ClassMaps, LightMaps, Photon, PhotonMap, PhotonPower, SetMaps};
+use abbe::map::{ClassMaps, LightMaps, Photon, PhotonMap, PhotonPower, PhotonSpectra, SetMaps};
 use abbe::math::random::{Purpose, Stream};
 use abbe::plan::partition::PerSet;
 use abbe::plan::partition::{LightPath, kept_in_map};
 use abbe::plan::{Plan, prepare};
 use abbe::scene::Scene;
 use abbe::walk::ledger::Ledger;
-use abbe::walk::{DepthLimit, Sink};
+use abbe::walk::{DepthLimit, SensorResponse, Sink};
 use std::path::Path;
 
 /// A scene with what transport needs to know of it.
@@ -21,6 +21,7 @@ pub(crate) struct Prepared {
     pub(crate) plan: Plan,
     pub(crate) choice: LightSampler,
     strata: EmissionStrata,
+    pub(crate) spectra: PhotonSpectra,
 }
 
 /// A benchmark scene by its file's name, with changes as by `--set`.
@@ -36,14 +37,15 @@ impl Prepared {
         let (plan, _) = prepare(&mut scene).expect("a benchmark scene can be planned");
         let choice = LightSampler::new(&scene).expect("a benchmark scene is lit");
         let strata = EmissionStrata::plain(&choice.lights);
-        Self { scene, plan, choice, strata }
+        let spectra = PhotonSpectra::new(&scene.lights).expect("a benchmark scene has few spectra");
+        Self { scene, plan, choice, strata, spectra }
     }
 
     /// Hands what emits `count` unaimed photons of pass 0 to `then`.
     pub(crate) fn with_source<T>(&self, count: u64, then: impl FnOnce(&PhotonSource<'_>) -> T) -> T {
         then(&PhotonSource {
             scene: &self.scene,
-
+            spectra: &self.spectra,
             strata: &self.strata,
             ray_densities: None,
             wavelengths: WavelengthSampling::Free,
@@ -90,13 +92,13 @@ impl Harvest {
 
 impl PhotonVisitor for Harvest {
     #[inline(always)]
-    fn on_surface(&mut self, arrival: &SurfaceArrival<'_>, _: &mut Stream) {
+    fn on_surface(&mut self, arrival: &SurfaceArrival<'_>, stream: &mut Stream) {
         let hit = &arrival.interaction.hit;
         if !kept_in_map(arrival.photon.light_path, arrival.interaction.bsdf.class()) {
             return;
         }
         let facing = if arrival.to_light().dot(hit.normal) >= 0.0 { hit.normal } else { -hit.normal };
-        let load = PhotonPower::new(&arrival.photon.wavelengths, arrival.photon.power, None);
+        let load = PhotonPower::new(arrival.photon.wavelength_code, arrival.photon.power, None, stream.uniform());
         let photon = Photon::new(load, arrival.to_light(), facing);
         let list = if arrival.photon.light_path == LightPath::Caustic { &mut self.caustic } else { &mut self.indirect };
         list.push((photon, hit.position.as_vec3().to_array()));
@@ -116,6 +118,10 @@ impl Sink for Total {
     fn biased(&mut self, _: f64, weight: f64, _: f64) {
         self.0 += weight;
     }
+
+    fn respond(&mut self, radiance: SensorResponse, _: SensorResponse) {
+        self.0 += radiance.0.iter().sum::<f64>();
+    }
 }
 
 /// What gathers by free photons alone, unless the plan asks for shared ones.
@@ -134,10 +140,12 @@ pub(crate) fn camera_pass<'a>(
         lens_systems: None,
         light_maps,
         outlines,
-        scales: RadiusScales::of_pass(0),
+        spectra: &prepared.spectra,
+        responses: None,
+        scales: RadiusScales::after(0.0),
         stated_radius_m: None,
         depth_limit: DepthLimit::default(),
-        photon_paths: PerSet { free: 1, shared: 1 },
+        photons_per_sample: PerSet { free: 1.0, shared: 1.0 },
         missing: None,
     }
 }
