@@ -2,104 +2,176 @@
 //! cone around a ray.
 //!
 //! The index is a bounding volume hierarchy built by parallel locally-ordered clustering (PLOC,
-//! Meister & Bittner 2018). A query widens the boxes by the cone's radius, so that each pixel can
-//! use its own radius.
+//! Meister & Bittner 2018). Its leaves hold up to eight boxes, so that SIMD instructions can test
+//! their contents. A query widens the boxes by the cone's radius, so that each pixel can use its
+//! own radius.
 
 use super::query_cone::QueryCone;
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, node::Bvh2Node};
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
-use std::num::NonZeroU32;
+
+/// The largest number of boxes in a leaf.
+pub(super) const LEAF: usize = 8;
 
 /// A bounding volume hierarchy over boxes.
 ///
-/// Queries need no stack. Each node stores a *skip link*: the number of the node at which the query
-/// continues after the node's subtree (Smits 1998, "Efficiency Issues for Ray Tracing"). Therefore
-/// the depth of the tree has no limit, and a query allocates nothing.
-#[derive(Default)]
+/// The nodes are in preorder, so the first child follows its parent. Queries need no stack: each
+/// node knows the node at which the query continues after the node's subtree (a skip link; Smits
+/// 1998, "Efficiency Issues for Ray Tracing"). Therefore the depth of the tree has no limit, and a
+/// query allocates nothing.
+#[derive(Debug, Default)]
 pub(super) struct BoxTree {
-    /// The nodes, with their skip links in `meta1`.
-    nodes: Vec<Bvh2Node>,
-    /// The numbers of the boxes, in the order of the leaves.
-    boxes: Vec<u32>,
+    nodes: Vec<Node>,
 }
 
-impl std::fmt::Debug for BoxTree {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("BoxTree").field("boxes", &self.boxes.len()).finish()
+/// A box of the tree.
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    /// The centre, in m relative to the scene's centre.
+    centre: Vec3,
+    /// Half of the size, in m.
+    half: Vec3,
+    /// The number of the first node after this node's subtree.
+    next: u32,
+    /// The number of the leaf, or [`INNER`].
+    leaf: u32,
+}
+
+/// The leaf number of an inner node.
+const INNER: u32 = u32::MAX;
+
+/// The boxes in the leaves of a tree.
+#[derive(Debug, Default)]
+pub(super) struct Leaves {
+    /// The numbers of the boxes, in the order of the leaves.
+    pub(super) boxes: Vec<u32>,
+    /// The place in `boxes` at which each leaf begins, and the number of boxes.
+    pub(super) starts: Vec<u32>,
+}
+
+impl Leaves {
+    /// Returns the numbers of the boxes in each leaf.
+    pub(super) fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        self.starts.windows(2).map(|range| &self.boxes[range[0] as usize..range[1] as usize])
     }
 }
 
 impl BoxTree {
     /// Builds the index. A box is a pair of corners: the least and the largest coordinates in m,
     /// relative to the scene's centre. Box number i is `boxes[i]`.
-    pub(super) fn build(boxes: &[(Vec3, Vec3)]) -> Self {
+    pub(super) fn build(boxes: &[(Vec3, Vec3)]) -> (Self, Leaves) {
         if boxes.is_empty() {
-            return Self::default();
+            return Default::default();
         }
         let boxes: Vec<Aabb> = boxes.iter().map(|&(low, high)| Aabb::new(low.into(), high.into())).collect();
         let indices = (0..boxes.len() as u32).collect();
         let search = PlocSearchDistance::Low;
-        let Bvh2 { nodes, primitive_indices, .. } =
-            PlocBuilder::with_capacity(boxes.len()).build(search, &boxes, indices, SortPrecision::U64, 0);
-        Self::new(nodes, primitive_indices)
+        let tree = PlocBuilder::with_capacity(boxes.len()).build(search, &boxes, indices, SortPrecision::U64, 0);
+        Self::new(&tree)
     }
 
-    /// Creates the index from the nodes of a tree, and computes their skip links from the root
-    /// down.
-    fn new(mut nodes: Vec<Bvh2Node>, boxes: Vec<u32>) -> Self {
-        let mut open = vec![0];
-        while let Some(parent) = open.pop() {
-            let Bvh2Node { prim_count, first_index, meta1: skip_link, .. } = nodes[parent];
-            if prim_count == 0 {
-                let first = first_index as usize;
-                nodes[first + 1].meta1 = first_index;
-                nodes[first].meta1 = skip_link;
-                open.extend([first, first + 1]);
+    /// Creates the index from a binary tree whose leaves hold one box. The largest subtrees of at
+    /// most [`LEAF`] boxes become leaves.
+    fn new(Bvh2 { nodes: binary, primitive_indices, .. }: &Bvh2) -> (Self, Leaves) {
+        let counts = box_counts(binary);
+        let mut nodes: Vec<Node> = Vec::with_capacity(binary.len() / 4);
+        let mut leaves = Leaves { boxes: Vec::with_capacity(primitive_indices.len()), starts: vec![0] };
+        // The subtrees that are not in the index yet. A number in `Err` belongs to a node of the
+        // index whose subtree is complete.
+        let mut open = vec![Ok(0)];
+        while let Some(next) = open.pop() {
+            let number = match next {
+                Ok(number) => number,
+                Err(done) => {
+                    let end = nodes.len() as u32;
+                    let node: &mut Node = &mut nodes[done];
+                    node.next = end;
+                    continue;
+                }
+            };
+            let node: &Bvh2Node = &binary[number];
+            let is_leaf = counts[number] as usize <= LEAF;
+            let Aabb { min, max } = node.aabb;
+            nodes.push(Node {
+                centre: (0.5 * (min + max)).into(),
+                half: (0.5 * (max - min)).into(),
+                next: nodes.len() as u32 + 1,
+                leaf: if is_leaf { leaves.starts.len() as u32 - 1 } else { INNER },
+            });
+            if is_leaf {
+                let boxes = boxes_below(binary, number).map(|place| primitive_indices[place]);
+                leaves.boxes.extend(boxes);
+                leaves.starts.push(leaves.boxes.len() as u32);
+            } else {
+                let first = node.first_index as usize;
+                open.extend([Err(nodes.len() - 1), Ok(first + 1), Ok(first)]);
             }
         }
-        Self { nodes, boxes }
+        (Self { nodes }, leaves)
     }
 
-    /// Calls `visit` with the number of each box that the cone may touch.
+    /// Calls `visit` with the number of each leaf that the cone may touch.
     #[inline]
-    pub(super) fn visit(&self, cone: &QueryCone, mut visit: impl FnMut(u32)) {
-        if self.nodes.is_empty() {
-            return;
-        }
+    pub(super) fn visit(&self, cone: &QueryCone, mut visit: impl FnMut(usize)) {
         let slabs = Slabs::new(cone);
         let mut next = 0;
-        loop {
-            let node = &self.nodes[next];
-            let touched = slabs.touch(&node.aabb);
-            if touched && node.prim_count == 0 {
-                // The second child comes first; its skip link leads to the first child.
-                next = node.first_index as usize + 1;
+        while let Some(node) = self.nodes.get(next) {
+            if !slabs.touch(node) {
+                next = node.next as usize;
                 continue;
             }
-            if touched {
-                let first = node.first_index as usize;
-                self.boxes[first..first + node.prim_count as usize].iter().for_each(|&i| visit(i));
+            if node.leaf != INNER {
+                visit(node.leaf as usize);
             }
-            match skip_link(node) {
-                Some(link) => next = link.get() as usize,
-                None => return,
-            }
+            next += 1;
         }
     }
 }
 
-/// Returns the next node outside a node's subtree; `None` ends the query. The root is node 0 and
-/// never follows another node, so the value 0 means "no next node".
-#[inline]
-fn skip_link(node: &Bvh2Node) -> Option<NonZeroU32> {
-    NonZeroU32::new(node.meta1)
+/// Returns the number of boxes in each subtree.
+fn box_counts(nodes: &[Bvh2Node]) -> Vec<u32> {
+    let mut parents_first = Vec::with_capacity(nodes.len());
+    let mut open = vec![0];
+    while let Some(number) = open.pop() {
+        parents_first.push(number);
+        if nodes[number].prim_count == 0 {
+            let first = nodes[number].first_index as usize;
+            open.extend([first, first + 1]);
+        }
+    }
+    let mut counts = vec![0; nodes.len()];
+    for &number in parents_first.iter().rev() {
+        let Bvh2Node { prim_count, first_index, .. } = nodes[number];
+        let first = first_index as usize;
+        counts[number] = if prim_count == 0 { counts[first] + counts[first + 1] } else { prim_count };
+    }
+    counts
+}
+
+/// Returns the places of the boxes below a node with at most [`LEAF`] boxes.
+fn boxes_below(nodes: &[Bvh2Node], root: usize) -> impl Iterator<Item = usize> {
+    let (mut open, mut count) = ([root; LEAF], 1_usize);
+    std::iter::from_fn(move || {
+        while let Some(top) = count.checked_sub(1) {
+            let Bvh2Node { prim_count, first_index, .. } = nodes[open[top]];
+            let first = first_index as usize;
+            if prim_count > 0 {
+                count = top;
+                return Some(first..first + prim_count as usize);
+            }
+            (open[top], open[top + 1], count) = (first + 1, first, count + 1);
+        }
+        None
+    })
+    .flatten()
 }
 
 /// The cone in single precision, prepared for tests against boxes.
 struct Slabs {
     origin: Vec3A,
+    direction: Vec3A,
     inverse: Vec3A,
     length: f32,
     radius: f32,
@@ -113,6 +185,7 @@ impl Slabs {
         let inverse = DVec3::new(tiny(direction.x), tiny(direction.y), tiny(direction.z)).recip();
         Self {
             origin: cone.ray.origin.as_vec3a(),
+            direction: direction.as_vec3a(),
             inverse: inverse.as_vec3a(),
             length: cone.length_m as f32,
             radius: cone.radius_m as f32,
@@ -123,11 +196,13 @@ impl Slabs {
     /// Returns true if the cone may touch the box. Because of rounding, the test may accept a box
     /// that the cone misses, but it never rejects a box that the cone touches.
     #[inline]
-    fn touch(&self, aabb: &Aabb) -> bool {
-        let (centre, half) = (0.5 * (aabb.min + aabb.max), 0.5 * (aabb.max - aabb.min));
+    fn touch(&self, node: &Node) -> bool {
+        let (centre, half) = (Vec3A::from(node.centre), Vec3A::from(node.half));
         let offset = centre - self.origin;
-        let far = self.length.min(offset.length() + half.length());
-        let rounding = 4.0 * f32::EPSILON * (offset.abs() + half).max_element();
+        let rounding = 4.0 * f32::EPSILON * (centre.abs() + self.origin.abs() + half).max_element();
+        // No point of the box is farther along the ray.
+        let far = (self.direction * offset + self.direction.abs() * half).element_sum() + 4.0 * rounding;
+        let far = self.length.min(far.max(0.0));
         let wide = half + Vec3A::splat(1.01 * (self.radius + self.slope * far) + rounding);
         let (a, b) = ((offset - wide) * self.inverse, (offset + wide) * self.inverse);
         let enter = a.min(b).max_element().max(0.0);
@@ -150,7 +225,8 @@ mod tests {
         let mut point = || DVec3::new(stream.uniform(), stream.uniform(), stream.uniform()) - 0.5;
         let places: Vec<DVec3> = (0..3000).map(|_| point()).collect();
         let boxes: Vec<(Vec3, Vec3)> = places.iter().map(|p| (p.as_vec3(), p.as_vec3())).collect();
-        let index = BoxTree::build(&boxes);
+        let (index, leaves) = BoxTree::build(&boxes);
+        let leaves: Vec<&[u32]> = leaves.iter().collect();
         let mut stream = Stream::new(4, Purpose::Pilot, 0, 0);
         let mut found_any = 0;
         for i in 0..200 {
@@ -162,7 +238,7 @@ mod tests {
                 slope: 0.02,
             };
             let mut found = Vec::new();
-            index.visit(&cone, |i| found.push(i as usize));
+            index.visit(&cone, |leaf| found.extend(leaves[leaf].iter().map(|&i| i as usize)));
             for (i, place) in places.iter().enumerate() {
                 let offset = *place - cone.ray.origin;
                 let t = offset.dot(direction);
@@ -184,23 +260,27 @@ mod tests {
     /// children.
     #[test]
     fn a_very_deep_tree_loses_no_box() {
-        const INNER: u32 = 1000;
+        const INNER_NODES: u32 = 1000;
         let aabb = Aabb::new(Vec3A::splat(-1.0), Vec3A::splat(1.0));
         for deep_child in [1, 2] {
             let inner = |first_index| Bvh2Node::new(aabb, 0, first_index);
             let leaf = |i| Bvh2Node::new(aabb, 1, i);
             let mut nodes = vec![inner(1)];
-            for i in 1..INNER {
+            for i in 1..INNER_NODES {
                 let next = inner(2 * i + 1);
                 nodes.extend(if deep_child == 1 { [next, leaf(i)] } else { [leaf(i), next] });
             }
-            nodes.extend([leaf(0), leaf(INNER)]);
-            let tree = BoxTree::new(nodes, (0..=INNER).collect());
+            nodes.extend([leaf(0), leaf(INNER_NODES)]);
+            let primitive_indices = (0..=INNER_NODES).collect();
+            let (tree, leaves) = BoxTree::new(&Bvh2 { nodes, primitive_indices, ..Bvh2::default() });
+            let leaves: Vec<&[u32]> = leaves.iter().collect();
+            assert!(leaves.iter().all(|boxes| (1..=LEAF).contains(&boxes.len())));
             let ray = Ray::new(DVec3::ZERO, DVec3::X);
             let mut found = Vec::new();
-            tree.visit(&QueryCone { ray, length_m: 1.0, radius_m: 0.1, slope: 0.0 }, |i| found.push(i));
+            let cone = QueryCone { ray, length_m: 1.0, radius_m: 0.1, slope: 0.0 };
+            tree.visit(&cone, |leaf| found.extend_from_slice(leaves[leaf]));
             found.sort_unstable();
-            assert_eq!(found, (0..=INNER).collect::<Vec<_>>());
+            assert_eq!(found, (0..=INNER_NODES).collect::<Vec<_>>());
         }
     }
 }

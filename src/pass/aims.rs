@@ -2,9 +2,9 @@
 //! directions that contribute to the picture.
 
 use super::context::{EmissionRequest, PassContext};
-use super::importance::{GridLayout, Importance, PATHS_PER_CELL};
+use super::importance::{GridLayout, Importance};
 use super::targets::aim_targets;
-use crate::emit::{CELLS, EmissionStrata, WavelengthSampling, trace};
+use crate::emit::{EmissionStrata, WavelengthSampling, trace};
 use crate::math::distribution::DiscreteDistribution;
 use crate::math::random::Purpose;
 use crate::optics::bsdf::BsdfClass;
@@ -13,9 +13,9 @@ use crate::walk::ledger::Ledger;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// The number of pilot paths per stratum in each round. Each cell of the largest grid receives
-/// several of these paths.
-const PATHS_PER_STRATUM: u64 = PATHS_PER_CELL * (CELLS * CELLS) as u64;
+/// The number of pilot paths per stratum in each round. Each round except the first emits photons
+/// according to the distributions that the preceding round learned.
+const PATHS_PER_STRATUM: [u64; 2] = [1 << 14, 1 << 15];
 
 /// The number of paths per round grows with the number of strata, up to this many strata.
 const MAX_STRATA: u64 = 4;
@@ -23,14 +23,6 @@ const MAX_STRATA: u64 = 4;
 /// The number of paths per round, divided by the number of photon paths of a pass, is at most this
 /// value. Both rounds together then take at most a tenth of the time of eight passes.
 const LARGEST_ROUND: f64 = 0.4;
-
-/// The limit of [`LARGEST_ROUND`] is never below the number of paths for one stratum. These paths
-/// take a fraction of a second.
-const MIN_PATHS: u64 = PATHS_PER_STRATUM;
-
-/// The number of rounds. Each round except the first emits photons according to the distributions
-/// that the preceding round learned.
-const ROUNDS: u64 = 2;
 
 /// The pass number of the first round's random streams. This number is larger than the pass numbers
 /// of the pilot's other photons, which begin at 0. The streams therefore differ.
@@ -71,13 +63,16 @@ pub(super) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -
     let probability = |light: usize| 0.5 * (lights.probability(light) + 1.0 / count);
     let strata = EmissionStrata::new(&context.scene.lights, extent, targets.iter(), probability);
     let Some(mut strata) = strata else { return LearnedAims::plain(context) };
-    let wanted = PATHS_PER_STRATUM * (strata.list.len() as u64).min(MAX_STRATA);
-    let paths = wanted.min(((LARGEST_ROUND * context.budget.photons as f64) as u64).max(MIN_PATHS));
-    let layout = GridLayout::new(&strata, paths);
-    let mut found = Importance::new(context.scene, &layout, 0);
+    let (counted, affordable) =
+        ((strata.list.len() as u64).min(MAX_STRATA), (LARGEST_ROUND * context.budget.photons as f64) as u64);
+    let mut unlit = Vec::new();
     let mut contributions = Vec::new();
-    for round in 0..ROUNDS {
-        found = trace_round(context, scenes, &strata, &layout, (round, paths));
+    for (round, per_stratum) in (0..).zip(PATHS_PER_STRATUM) {
+        // The paths of one stratum take a fraction of a second.
+        let paths = (counted * per_stratum).min(affordable.max(per_stratum));
+        let layout = GridLayout::new(&strata, paths);
+        let found = trace_round(context, scenes, &strata, &layout, (round, paths));
+        unlit = unlit_objects(context.scene, &found.reached);
         contributions.clear();
         for (number, stratum) in strata.list.iter_mut().enumerate() {
             let (aim, mean_score) = found.aim(number);
@@ -95,7 +90,7 @@ pub(super) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -
         });
         strata.choice = DiscreteDistribution::new(shares).unwrap_or(strata.choice);
     }
-    LearnedAims { strata, unlit: unlit_objects(context.scene, &found.reached) }
+    LearnedAims { strata, unlit }
 }
 
 /// Returns the names of the specular objects that no photon reached.

@@ -9,7 +9,7 @@ use std::iter;
 use std::ops::Range;
 
 /// The number of pilot paths per cell of a grid.
-pub(super) const PATHS_PER_CELL: u64 = 16;
+const PATHS_PER_CELL: u64 = 16;
 
 /// The smallest number of cells along each side of a grid.
 const MIN_CELLS: usize = 4;

@@ -27,10 +27,11 @@ const MAX_VOLUME_RADIUS_PX: PerClass<f64> = PerClass { caustic: 4.0, indirect: 2
 /// side. On a small film, a kernel of 24 pixels would blur whole bodies.
 const MAX_VOLUME_RADIUS_OF_PICTURE: f64 = 0.1;
 
-/// The upper limit of the first kernel radius of indirect light in media, divided by the distance
-/// from the camera. It applies if the other limits of the radius leave almost no photons near a ray.
-/// In fog of a large world, 24 pixels may contain one photon in a thousand passes.
-const WIDEST_KERNEL: f64 = 1.0;
+/// The upper limit of the first kernel radius of indirect light in media, as a fraction of the
+/// length of the camera ray in the medium. It applies if the other limits of the radius leave almost
+/// no photons near the ray. In fog of a large world, 24 pixels may contain one photon in a thousand
+/// passes.
+const WIDEST_KERNEL: f64 = 0.1;
 
 /// The upper limit of the first kernel radius for photon points, in mean free paths.
 ///
@@ -70,14 +71,15 @@ impl VolumeKernelWidths {
         Self { pixel_angle: camera.pixel_angle(), largest_px, radius_m: context.budget.radius_m }
     }
 
-    /// Returns the upper limits of the first kernel width for a class. The first limit applies if a
-    /// kernel of this width contains photons. Otherwise, the next limit applies. If the scene fixes
-    /// the radius, returns this radius.
-    fn largest(&self, class: PhotonClass) -> impl Iterator<Item = KernelWidth> {
+    /// Returns the upper limits of the first kernel width for a class along a camera segment. The
+    /// first limit applies if a kernel of this width contains photons. Otherwise, the next limit
+    /// applies. If the scene fixes the radius, returns this radius.
+    fn largest(&self, class: PhotonClass, segment: &CameraSegment) -> impl Iterator<Item = KernelWidth> {
         let first = self.largest_px[class] * self.pixel_angle;
+        let CameraSegment { length_m, behind_m, .. } = *segment;
         let widest = match class {
             PhotonClass::Caustic => first,
-            PhotonClass::Indirect => WIDEST_KERNEL,
+            PhotonClass::Indirect => WIDEST_KERNEL / (1.0 + behind_m / length_m),
         };
         let wider = move |width: &f64| (*width < widest).then(|| (2.0 * width).min(widest));
         let per_distance = iter::successors(Some(first), wider).map(KernelWidth::PerDistance);
@@ -104,7 +106,8 @@ impl PixelVolumeCounts {
         for segment in camera_segments.iter().take(MAX_SEGMENTS) {
             let set = PhotonSet::of_path(segment.shared);
             let medium = &media[segment.medium];
-            let here = PerClass::from_fn(|class| samples[set][class].count(segment, medium, widths.largest(class)));
+            let here =
+                PerClass::from_fn(|class| samples[set][class].count(segment, medium, widths.largest(class, segment)));
             let known = &mut counts.0[set];
             *known = Some(known.map_or(here, |known| known.zip_with(here, NearbyPhotons::denser)));
         }

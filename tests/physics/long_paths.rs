@@ -16,7 +16,7 @@ fn sphere(reflectance: f64) -> Value {
         "materials": { "white": diffuse(reflectance) },
         "objects": [{ "shape": { "sphere": { "radius": 1 } }, "material": "white" }],
         "lights": [{ "point": { "at": [0, 0, 0], "spectrum": "E", "luminous_flux": FLUX } }],
-        "render": { "photons": 5000, "radius": 0.2 }
+        "render": { "photons": 5000, "camera_samples": 1, "radius": 0.2 }
     })
 }
 

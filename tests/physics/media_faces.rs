@@ -87,7 +87,7 @@ fn walked(block: [usize; 2], stream: &mut Stream) -> f64 {
 
 /// Returns the means over the blocks of the film. They are means over seeds 0 to 3.
 fn photon_blocks(scene: &Value) -> Vec<f64> {
-    const SEEDS: u64 = 4;
+    const SEEDS: u64 = 8;
     let of_seed = |seed: u64| {
         let rendered = render(&with_setting(scene, "seed", seed), Integrator::Photon, 16);
         block_means(&all_y(&rendered), FILM, BLOCK, &[true; FILM * FILM])

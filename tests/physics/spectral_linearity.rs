@@ -20,7 +20,7 @@ fn ball(lines: &[f64]) -> Value {
         "materials": { "drops": { "boundary": { "medium": "drops" } } },
         "objects": [{ "shape": { "sphere": { "radius": 1 } }, "material": "drops" }],
         "lights": [{ "directional": { "toward": [0.2, -1, 0], "spectrum": { "lines": spectrum }, "irradiance": lines.len() } }],
-        "render": { "photons": 5000, "radius": 0.15 }
+        "render": { "photons": 5000, "camera_samples": 1, "radius": 0.15 }
     })
 }
 

@@ -10,11 +10,12 @@ pub use beam::PhotonBeam;
 pub use light_map::{LightMap, LightMapLookup, LightMaps};
 pub use point::VolumePhoton;
 
-use super::box_tree::BoxTree;
 use super::kernel::KernelValues;
 use super::photon::PhotonPower;
 use super::query_cone::QueryCone;
-use glam::{DVec3, Vec3};
+use beam::BeamMap;
+use glam::DVec3;
+use point::PointMap;
 
 /// The photons of one class in media: points in some media, beams in others.
 #[derive(Debug, Default)]
@@ -28,23 +29,18 @@ pub struct VolumeMaps {
 /// A spatial index over points or over beams.
 #[derive(Debug, Default)]
 pub struct VolumeMap {
-    photons: VolumePhotons,
-    tree: BoxTree,
+    index: VolumeIndex,
 }
 
 #[derive(Debug)]
-enum VolumePhotons {
-    Points(Vec<VolumePhoton>),
-    Beams {
-        beams: Vec<PhotonBeam>,
-        /// Long beams are cut into pieces, so that the boxes of the pieces stay small.
-        pieces: Vec<beam::BeamPiece>,
-    },
+enum VolumeIndex {
+    Points(PointMap),
+    Beams(BeamMap),
 }
 
-impl Default for VolumePhotons {
+impl Default for VolumeIndex {
     fn default() -> Self {
-        Self::Points(Vec::new())
+        Self::Points(PointMap::default())
     }
 }
 
@@ -83,39 +79,28 @@ pub struct BeamPath {
 impl VolumeMap {
     /// Creates a map of points.
     pub fn of_points(points: Vec<VolumePhoton>) -> Self {
-        let boxes: Vec<(Vec3, Vec3)> = points.iter().map(|p| (p.position.into(), p.position.into())).collect();
-        Self { tree: BoxTree::build(&boxes), photons: VolumePhotons::Points(points) }
+        Self { index: VolumeIndex::Points(PointMap::new(points)) }
     }
 
     /// Creates a map of beams.
     pub fn of_beams(beams: Vec<PhotonBeam>) -> Self {
-        let pieces = beam::pieces(&beams);
-        let boxes: Vec<(Vec3, Vec3)> = pieces.iter().map(|piece| piece.bounds(&beams)).collect();
-        Self { tree: BoxTree::build(&boxes), photons: VolumePhotons::Beams { beams, pieces } }
+        Self { index: VolumeIndex::Beams(BeamMap::new(beams)) }
     }
 
     /// Returns true if the map has no photons.
     pub fn is_empty(&self) -> bool {
-        match &self.photons {
-            VolumePhotons::Points(points) => points.is_empty(),
-            VolumePhotons::Beams { beams, .. } => beams.is_empty(),
+        match &self.index {
+            VolumeIndex::Points(points) => points.is_empty(),
+            VolumeIndex::Beams(beams) => beams.is_empty(),
         }
     }
 
     /// Calls `visit` for each photon whose kernel intersects the ray of the cone. Allocates
     /// nothing.
-    pub fn along(&self, cone: &QueryCone, mut visit: impl FnMut(PhotonNearRay<'_>)) {
-        match &self.photons {
-            VolumePhotons::Points(points) => self.tree.visit(cone, |i| {
-                if let Some(found) = points[i as usize].near_ray(cone) {
-                    visit(found);
-                }
-            }),
-            VolumePhotons::Beams { beams, pieces } => self.tree.visit(cone, |i| {
-                if let Some(found) = pieces[i as usize].near_ray(beams, cone) {
-                    visit(found);
-                }
-            }),
+    pub fn along(&self, cone: &QueryCone, visit: impl FnMut(PhotonNearRay<'_>)) {
+        match &self.index {
+            VolumeIndex::Points(points) => points.along(cone, visit),
+            VolumeIndex::Beams(beams) => beams.along(cone, visit),
         }
     }
 }

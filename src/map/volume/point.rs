@@ -3,6 +3,7 @@
 //! to the camera ray.
 
 use super::PhotonNearRay;
+use crate::map::box_tree::BoxTree;
 use crate::map::kernel::DiskKernel;
 use crate::map::octahedral::Octahedral;
 use crate::map::photon::PhotonPower;
@@ -51,5 +52,36 @@ impl VolumePhoton {
             kernels: DiskKernel::new(r * r).at(d2),
             beam: None,
         })
+    }
+}
+
+/// A spatial index of points.
+#[derive(Debug, Default)]
+pub(super) struct PointMap {
+    /// The points, in the order of the tree's leaves.
+    points: Vec<VolumePhoton>,
+    /// The number of the first point of each leaf, and the number of points.
+    starts: Vec<u32>,
+    tree: BoxTree,
+}
+
+impl PointMap {
+    pub(super) fn new(points: Vec<VolumePhoton>) -> Self {
+        let boxes: Vec<(Vec3, Vec3)> = points.iter().map(|p| (p.position.into(), p.position.into())).collect();
+        let (tree, leaves) = BoxTree::build(&boxes);
+        let points = leaves.boxes.iter().map(|&number| points[number as usize]).collect();
+        Self { points, starts: leaves.starts, tree }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
+    /// Calls `visit` for each point in the cone.
+    pub(super) fn along(&self, cone: &QueryCone, mut visit: impl FnMut(PhotonNearRay<'_>)) {
+        self.tree.visit(cone, |leaf| {
+            let range = self.starts[leaf] as usize..self.starts[leaf + 1] as usize;
+            self.points[range].iter().filter_map(|point| point.near_ray(cone)).for_each(&mut visit);
+        });
     }
 }
