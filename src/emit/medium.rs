@@ -33,8 +33,9 @@ pub(super) fn advance_through_media<'a, V: PhotonVisitor>(
 ) -> Option<SurfaceInteraction<'a>> {
     for _ in 0..MAX_EVENTS {
         let component = stream.uniform();
-        let mut collision = None;
+        let (mut collision, mut inside) = (None, false);
         let end = next_interaction_through_media(scene, path.ray_state, component, |segment| {
+            inside = !segment.medium_stack.is_air();
             let Some(distance) = path.sample_segment(segment, stream, visitor, ledger) else {
                 return ControlFlow::Continue(());
             };
@@ -44,7 +45,7 @@ pub(super) fn advance_through_media<'a, V: PhotonVisitor>(
         match end {
             ControlFlow::Continue(Some(interaction)) => return Some(interaction),
             ControlFlow::Continue(None) => {
-                ledger.add_escaped(path.total_w(), !path.ray_state.medium_stack.is_air());
+                ledger.add_escaped(path.total_w(), inside);
                 return None;
             }
             ControlFlow::Break(()) => {}

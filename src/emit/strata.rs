@@ -21,6 +21,9 @@ const SHARE_RAYS: u32 = 64;
 /// A target is used only if a smaller share of the light's power passes through it.
 const LARGEST_SHARE: f64 = 1.0 / 256.0;
 
+/// A sphere around the view is used only if a smaller share of the light's power passes through it.
+const LARGEST_SHARE_AROUND_VIEW: f64 = 1.0 / 16.0;
+
 /// The strata of all lights.
 #[derive(Debug, Clone)]
 pub struct EmissionStrata {
@@ -55,22 +58,29 @@ impl EmissionStrata {
 
     /// Creates the strata of all lights. A light has a stratum for each target that only a small
     /// share of its power reaches. The smaller targets come first, and they exclude the larger
-    /// ones. The strata of a light share its probability.
-    pub fn new<'t>(
+    /// ones. If a light has such a stratum, it has more strata for the spheres `surroundings`, which
+    /// lie between the view and the world. The strata of a light share its probability.
+    pub fn new(
         lights: &[Light],
         extent: SceneExtent<'_>,
-        targets: impl Iterator<Item = &'t BoundingSphere> + Clone,
+        [targets, surroundings]: [&[BoundingSphere]; 2],
         probability: impl Fn(usize) -> f64,
     ) -> Option<Self> {
         let (mut list, mut weights): (Vec<Stratum>, Vec<f64>) = (Vec::new(), Vec::new());
         for (number, light) in lights.iter().enumerate() {
             let first = list.len();
-            for target in targets.clone() {
-                let share = share_through(light, extent, target);
-                if share > 0.0 && share < LARGEST_SHARE {
-                    let (target, excluded) = (Some(*target), first..list.len());
-                    list.push(Stratum { light: number, target, excluded, share, aim: Aim::plain() });
+            let mut add = |spheres: &[BoundingSphere], largest_share: f64| {
+                for sphere in spheres {
+                    let share = share_through(light, extent, sphere);
+                    if share > 0.0 && share < largest_share {
+                        let (target, excluded) = (Some(*sphere), first..list.len());
+                        list.push(Stratum { light: number, target, excluded, share, aim: Aim::plain() });
+                    }
                 }
+                list.len() > first
+            };
+            if add(targets, LARGEST_SHARE) {
+                add(surroundings, LARGEST_SHARE_AROUND_VIEW);
             }
             list.push(Stratum::whole(number, first..list.len()));
             let strata = list.len() - first;

@@ -3,7 +3,7 @@
 
 use super::context::{EmissionRequest, PassContext};
 use super::importance::{GridLayout, Importance};
-use super::targets::aim_targets;
+use super::targets::{aim_targets, surroundings};
 use crate::emit::{EmissionStrata, WavelengthSampling, trace};
 use crate::math::distribution::DiscreteDistribution;
 use crate::math::random::Purpose;
@@ -58,13 +58,14 @@ impl LearnedAims {
 /// times.
 pub(super) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -> LearnedAims {
     let (targets, lights) = (aim_targets(scenes, &context.openings.spheres), &context.lights.lights);
+    let around = surroundings(context.scene);
     let (extent, count) = (context.scene.extent(), context.scene.lights.len() as f64);
     // Half of the pilot's paths belong to all lights in equal parts, so that it finds the dim ones.
     let probability = |light: usize| 0.5 * (lights.probability(light) + 1.0 / count);
-    let strata = EmissionStrata::new(&context.scene.lights, extent, targets.iter(), probability);
+    let strata = EmissionStrata::new(&context.scene.lights, extent, [&targets, &around], probability);
     let Some(mut strata) = strata else { return LearnedAims::plain(context) };
-    let (counted, affordable) =
-        ((strata.list.len() as u64).min(MAX_STRATA), (LARGEST_ROUND * context.budget.photons as f64) as u64);
+    let counted = (strata.list.len() as u64).min(MAX_STRATA);
+    let affordable = (LARGEST_ROUND * context.budget.photons as f64) as u64;
     let mut unlit = Vec::new();
     let mut contributions = Vec::new();
     for (round, per_stratum) in (0..).zip(PATHS_PER_STRATUM) {

@@ -29,6 +29,10 @@ use std::ops::Range;
 /// noise vanishes after a few passes. The bias of a wider kernel would remain visible.
 pub(super) const MAX_SURFACE_RADIUS_PX: PerClass<f64> = PerClass { caustic: 3.0, indirect: 24.0 };
 
+/// The upper limit of the first kernel radius of indirect light on surfaces, as a fraction of the
+/// picture's shorter side. On a small film, a kernel of 24 pixels would be wider than the view.
+const MAX_SURFACE_RADIUS_OF_PICTURE: f64 = 0.25;
+
 /// The share of a pass's photon paths that the survey traces, over all shutter times.
 const PHOTON_SHARE: f64 = 0.25;
 
@@ -148,6 +152,7 @@ impl PixelSurvey {
         pixels: Range<usize>,
     ) -> Self {
         let (width, count) = (camera_pass.scene.camera.width(), pixels.len());
+        let largest_px = largest_surface_radii_px(width, camera_pass.scene.camera.pixel_count());
         let mut buffers = PathBuffers::recording();
         let widths = VolumeKernelWidths::of(context);
         let mut survey = Self {
@@ -164,7 +169,8 @@ impl PixelSurvey {
                 let sampler = PixelSampler::new(context.budget.seed ^ CAMERA_SEED_MASK, moment, pixel);
                 let (no_radii, mut tally) = (PixelRadii::splat(0.0), Tally::default());
                 camera_pass.sample(pixel, sampler, &no_radii, &mut buffers, &mut tally, &mut NullSink);
-                survey.radii[index] = block.surface_radii(context, maps, extents, &buffers.visible_points);
+                survey.radii[index] =
+                    block.surface_radii(context, maps, (extents, largest_px), &buffers.visible_points);
                 let media = &camera_pass.scene.media;
                 let samples = PerSet { free: &maps.free.volume, shared: &maps.shared.volume };
                 survey.volume[index] = block.volume_counts(&buffers.camera_segments, |segments| {
@@ -229,12 +235,13 @@ struct BlockSurvey {
 }
 
 impl BlockSurvey {
-    /// Returns the first radii at the visible points of a pixel.
+    /// Returns the first radii at the visible points of a pixel. `extents` contains the extent of
+    /// each object in m, and `largest_px` contains the upper limits of the radii in pixels.
     fn surface_radii(
         &mut self,
         context: &PassContext<'_>,
         maps: &PerSet<SurveyMaps>,
-        extents: &[f64],
+        (extents, largest_px): (&[f64], PerClass<f64>),
         visible_points: &[VisiblePoint],
     ) -> PixelRadii<Option<f32>> {
         let mut radii = PixelRadii::splat(None);
@@ -250,7 +257,7 @@ impl BlockSurvey {
                 let least_m = point.footprint_m.min(LEAST_RADIUS_OF_OBJECT * extent_m);
                 let found = PerClass::from_fn(|class| {
                     let object_m = LARGEST_RADIUS_OF_OBJECT * extent_m;
-                    let largest_m = object_m.min(MAX_SURFACE_RADIUS_PX[class] * point.footprint_m);
+                    let largest_m = object_m.min(largest_px[class] * point.footprint_m);
                     let limits = RadiusLimits { least_m, largest_m, object_m };
                     maps[set].first_radius_m(context, point, limits, class)
                 });
@@ -283,6 +290,12 @@ impl BlockSurvey {
             }
         }
     }
+}
+
+/// Returns the upper limits of the first kernel radii on surfaces, in pixels.
+fn largest_surface_radii_px(width: usize, pixels: usize) -> PerClass<f64> {
+    let of_picture = MAX_SURFACE_RADIUS_OF_PICTURE * width.min(pixels / width) as f64;
+    PerClass { indirect: MAX_SURFACE_RADIUS_PX.indirect.min(of_picture.max(1.0)), ..MAX_SURFACE_RADIUS_PX }
 }
 
 /// Returns true if two visible points are close to each other on the same surface.

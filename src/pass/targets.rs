@@ -5,10 +5,14 @@ use crate::optics::bsdf::{Bsdf, BsdfClass};
 use crate::scene::Scene;
 use crate::scene::sweep::Bounds;
 use std::borrow::Cow;
+use std::iter;
 
 /// The largest number of targets around objects. If a scene has more objects, neighbouring objects
 /// share a target.
 const MAX_TARGETS: usize = 16;
+
+/// The ratio of the radii of successive spheres around the view.
+const SURROUNDINGS_RATIO: f64 = 4.0;
 
 /// Returns the targets of a scene, the smallest target first. `scenes` contains the scene at
 /// several shutter times.
@@ -34,6 +38,22 @@ pub(super) fn aim_targets(scenes: &[Cow<'_, Scene>], openings: &[BoundingSphere]
     targets.retain(|target| target.radius_m.is_finite() && target.radius_m > 0.0);
     targets.sort_by(|a, b| a.radius_m.total_cmp(&b.radius_m));
     targets
+}
+
+/// Returns spheres around the visible points, the smallest first. They are larger than the target
+/// that contains most of the visible points, and smaller than the scene.
+///
+/// Surfaces around the view scatter light into it. In a large world, most photons arrive far from
+/// the view, and few of them are scattered into it. A photon of a target is lighter than a photon
+/// of the whole world by many orders of magnitude, so the few heavy photons would dominate the
+/// noise. With the spheres as further strata, the power of a photon increases in steps with the
+/// distance from the view.
+pub(super) fn surroundings(scene: &Scene) -> Vec<BoundingSphere> {
+    let Some(view) = scene.visible_sphere().filter(|view| view.radius_m > 0.0) else { return Vec::new() };
+    let larger = |sphere: &BoundingSphere| BoundingSphere { radius_m: SURROUNDINGS_RATIO * sphere.radius_m, ..*sphere };
+    iter::successors(Some(larger(&view)), |sphere| Some(larger(sphere)))
+        .take_while(|sphere| sphere.radius_m < scene.radius_m)
+        .collect()
 }
 
 /// Returns true if an object can focus light or is filled with a medium.

@@ -112,3 +112,24 @@ fn a_camera_in_the_fog_of_a_large_world_sees_a_furnace() {
     assert!(error < 0.1, "too noisy to tell");
     assert!((mean - 1.0).abs() < 0.2, "{mean}");
 }
+
+/// The camera sees the lower half of a white sphere above a white ground of 1 km, under a sky. Most
+/// of the light comes from the ground below the sphere. Of the photons that arrive far away, few are
+/// scattered to the sphere, and they must not carry most of the power.
+#[test]
+fn ground_around_the_view_lights_a_sphere() {
+    let scene = json!({
+        "camera": { "from": [0, 0.1, 1], "at": [0, 0.8, 0], "lens": { "pinhole": { "fov": 20 } } },
+        "film": { "width": 8, "height": 8 },
+        "materials": { "white": diffuse(0.7) },
+        "objects": [
+            { "shape": { "sphere": { "center": [0, 0.8, 0], "radius": 0.3 } }, "material": "white" },
+            { "shape": { "rectangle": { "width": 1000, "height": 1000 } }, "material": "white" }
+        ],
+        "lights": [{ "environment": { "spectrum": "E", "illuminance": 1000 } }],
+        "render": { "photons": 5000 }
+    });
+    let photon = Measured::new(&scene, (Integrator::Photon, 8), 0..12, mean_y);
+    let path = Measured::new(&scene, (Integrator::Path, 256), 20..28, mean_y);
+    assert_same("a sphere above a large ground", &photon, &path, 0.08);
+}

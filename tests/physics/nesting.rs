@@ -143,3 +143,21 @@ fn light_that_leaves_the_scene_inside_an_open_body_is_noted() {
     assert_eq!(closed.ledger.escaped_inside, 0.0);
     assert!(closed.stats.notes.is_empty(), "{:?}", closed.stats.notes);
 }
+
+/// Light that fog scatters leaves the ball of fog through its boundary, not inside a body.
+#[test]
+fn light_that_fog_scatters_does_not_leave_the_scene_inside_the_fog() {
+    let scene = json!({
+        "camera": { "from": [0, 0, 5], "at": [0, 0, 0], "lens": { "pinhole": { "fov": 40 } } },
+        "film": { "width": 4, "height": 4 },
+        "media": { "fog": { "homogeneous": { "scattering": 1, "absorption": 0, "phase": "isotropic" } } },
+        "materials": { "fog": { "boundary": { "medium": "fog" } } },
+        "objects": [{ "shape": { "sphere": { "radius": 1 } }, "material": "fog" }],
+        "lights": [{ "environment": { "spectrum": "E", "illuminance": 1 } }],
+        "render": { "photons": 2000 }
+    });
+    let rendered = render(&scene, Integrator::Photon, 1);
+    assert!(rendered.ledger.escaped > 0.0, "{:?}", rendered.ledger);
+    assert_eq!(rendered.ledger.escaped_inside, 0.0);
+    assert!(rendered.stats.notes.is_empty(), "{:?}", rendered.stats.notes);
+}
