@@ -34,7 +34,7 @@ pub(crate) fn benches(c: &mut Criterion) {
     }
     let prepared = Prepared::new("s3_box.json");
     let scene = load("s3_box.json", &[]);
-    let direct = DirectLighting::new(&scene, &prepared.choice.lights, prepared.plan.media_plan);
+    let direct = DirectLighting::new(&scene, &prepared.selector, prepared.plan.media_plan);
     let (wavelengths, media_plan) = (&prepared.choice.wavelengths, prepared.plan.media_plan);
     let tracer = PathTracer { scene: &scene, direct, wavelengths, depth_limit: DepthLimit::default(), media_plan };
     let pixels: Vec<u64> = (0..scene.camera.pixel_count() as u64).step_by(STEP).collect();

@@ -3,7 +3,7 @@
 use abbe::emit::{
     EmissionStrata, LightSampler, PhotonSource, PhotonVisitor, SurfaceArrival, WavelengthSampling, trace,
 };
-use abbe::gather::{CameraPass, DirectLighting, Outlines};
+use abbe::gather::{CameraPass, DirectLighting, LightSelector, Outlines};
 use abbe::map::radius::RadiusScales;
 use abbe::map::{ClassMaps, LightMaps, Photon, PhotonMap, PhotonPower, PhotonSpectra, SetMaps};
 use abbe::math::random::{Purpose, Stream};
@@ -20,6 +20,7 @@ pub(crate) struct Prepared {
     pub(crate) scene: Scene,
     pub(crate) plan: Plan,
     pub(crate) choice: LightSampler,
+    pub(crate) selector: LightSelector,
     strata: EmissionStrata,
     pub(crate) spectra: PhotonSpectra,
 }
@@ -36,9 +37,10 @@ impl Prepared {
         let mut scene = load(name, &[]);
         let (plan, _) = prepare(&mut scene).expect("a benchmark scene can be planned");
         let choice = LightSampler::new(&scene).expect("a benchmark scene is lit");
+        let selector = LightSelector::new(&scene, &choice.lights);
         let strata = EmissionStrata::plain(&choice.lights);
         let spectra = PhotonSpectra::new(&scene.lights).expect("a benchmark scene has few spectra");
-        Self { scene, plan, choice, strata, spectra }
+        Self { scene, plan, choice, selector, strata, spectra }
     }
 
     /// Hands what emits `count` unaimed photons of pass 0 to `then`.
@@ -133,7 +135,7 @@ pub(crate) fn camera_pass<'a>(
     CameraPass {
         scene: &prepared.scene,
         plan: &prepared.plan,
-        direct: DirectLighting::new(&prepared.scene, &prepared.choice.lights, prepared.plan.media_plan),
+        direct: DirectLighting::new(&prepared.scene, &prepared.selector, prepared.plan.media_plan),
         maps: PerSet { free: maps, shared: maps },
         shared_nm: wavelengths,
         shared_pdf: wavelengths.map(|nm| prepared.choice.wavelengths.pdf(nm)),

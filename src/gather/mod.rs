@@ -23,4 +23,5 @@ pub use density::outline::{Outline, OutlineSurvey, Outlines};
 pub use density::responses::SensorResponses;
 pub use direct::lighting::{DirectLighting, power_heuristic};
 pub use direct::openings::{OPENINGS_SHARE, Openings};
+pub use direct::selection::LightSelector;
 pub use path_tracer::tracer::PathTracer;

@@ -14,6 +14,7 @@ mod bvh;
 mod coincidence;
 mod enclosure;
 mod hit;
+mod luminous;
 pub mod mesh;
 mod object;
 mod primitive;
@@ -25,6 +26,7 @@ mod trace;
 mod world;
 
 pub use hit::{Hit, SurfaceId, SurfaceSample};
+pub use luminous::LuminousFace;
 pub use ray::Ray;
 pub use world::Geometry;
 

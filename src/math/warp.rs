@@ -47,6 +47,11 @@ pub fn one_minus_cos(half_angle: f64) -> f64 {
     2.0 * s * s
 }
 
+/// Returns the half-angle of a cone in radians. This is the inverse of [`one_minus_cos`].
+pub fn half_angle(one_minus_cos: f64) -> f64 {
+    2.0 * (0.5 * one_minus_cos).sqrt().min(1.0).asin()
+}
+
 /// Returns the solid angle of a cone in steradians. The argument is the half-angle in radians.
 pub fn cone_solid_angle(half_angle: f64) -> f64 {
     TAU * one_minus_cos(half_angle)

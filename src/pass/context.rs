@@ -3,7 +3,7 @@
 use super::sums::PassSums;
 use crate::emit::{EmissionStrata, LightSampler, PhotonSource, WavelengthSampling};
 use crate::error::Result;
-use crate::gather::{Openings, SensorResponses};
+use crate::gather::{LightSelector, Openings, SensorResponses};
 use crate::map::PhotonSpectra;
 use crate::math::kronecker::{golden_ratio, sqrt3};
 use crate::math::random::{Purpose, REPLICATES, hash64};
@@ -25,6 +25,8 @@ pub struct PassContext<'a> {
     pub budget: &'a Budget,
     /// The lights of the scene, as one distribution.
     pub lights: &'a LightSampler,
+    /// Selects the lights that a point samples, in the scene at this time.
+    pub selector: &'a LightSelector,
     /// The spectra of the lights.
     pub spectra: &'a PhotonSpectra,
     /// The responses of the sensor to photons at diffuse surfaces. `None` if the sensor needs the
@@ -98,6 +100,15 @@ impl<'a> PassContext<'a> {
         let samples: [(f64, f64); LANES] =
             std::array::from_fn(|k| self.lights.wavelengths.sample((shift + k as f64) / LANES as f64));
         SharedWavelengths { nm: samples.map(|(nm, _)| nm), pdf: samples.map(|(_, pdf)| pdf) }
+    }
+
+    /// Returns the selector of the lights in `scene`. `scene` is the scene of this context, or a
+    /// posed copy of this scene.
+    pub(super) fn light_selector(&self, scene: &Scene) -> Cow<'a, LightSelector> {
+        match self.plan.motion {
+            MotionPlan::Still => Cow::Borrowed(self.selector),
+            MotionPlan::PosedPerPass => Cow::Owned(LightSelector::new(scene, &self.lights.lights)),
+        }
     }
 
     /// Poses the scene at the shutter time of a pass. Adds the duration of this step to `sums`.

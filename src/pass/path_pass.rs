@@ -15,9 +15,10 @@ pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Re
     let PassContext { plan, budget, lights, .. } = context;
     let scene = context.scene_of_pass(pass, sums)?;
     let start = Instant::now();
+    let selector = context.light_selector(&scene);
     let tracer = PathTracer {
         scene: &scene,
-        direct: DirectLighting::tracked(&scene, &lights.lights, plan.media_plan).with_openings(context.openings),
+        direct: DirectLighting::tracked(&scene, &selector, plan.media_plan).with_openings(context.openings),
         media_plan: plan.media_plan,
         wavelengths: &lights.wavelengths,
         depth_limit: context.depth_limit(),

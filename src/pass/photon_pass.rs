@@ -31,7 +31,7 @@ pub fn photon_pass<'a>(
     pass: u64,
     sums: &mut PassSums,
 ) -> Result<()> {
-    let PassContext { plan, budget, lights, .. } = context;
+    let PassContext { plan, budget, .. } = context;
     let scene = context.scene_of_pass(pass, sums)?;
 
     let start = Instant::now();
@@ -66,10 +66,11 @@ pub fn photon_pass<'a>(
     sums.seconds.map += start.elapsed().as_secs_f64();
 
     let start = Instant::now();
+    let selector = context.light_selector(&scene);
     let camera_pass = CameraPass {
         scene: &scene,
         plan,
-        direct: DirectLighting::new(&scene, &lights.lights, plan.media_plan)
+        direct: DirectLighting::new(&scene, &selector, plan.media_plan)
             .with_openings(context.openings)
             .with_ray_densities(pilot.ray_densities.as_ref()),
         maps: PerSet { free: &maps.free, shared: &maps.shared },

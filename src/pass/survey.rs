@@ -88,7 +88,7 @@ impl PixelSurvey {
         strata: &EmissionStrata,
         photons: PerSet<u64>,
     ) -> Self {
-        let PassContext { plan, budget, lights, .. } = *context;
+        let PassContext { plan, budget, .. } = *context;
         // Direct light has no kernel, so the survey needs none.
         let without_direct = Plan { direct: DirectPlan::Absent, ..plan.clone() };
         let SharedWavelengths { nm, pdf } = context.shared_wavelengths(moment);
@@ -110,10 +110,11 @@ impl PixelSurvey {
             SurveyMaps::new(&deposits, context, share)
         });
         let (no_photons, no_outlines) = (SetMaps::default(), Outlines::default());
+        let selector = context.light_selector(scene);
         let camera_pass = CameraPass {
             scene,
             plan: &without_direct,
-            direct: DirectLighting::new(scene, &lights.lights, plan.media_plan),
+            direct: DirectLighting::new(scene, &selector, plan.media_plan),
             maps: PerSet { free: &no_photons, shared: &no_photons },
             photons_per_sample: PerSet::from_fn(|set| photons[set] as f64),
             missing: None,

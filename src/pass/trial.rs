@@ -154,7 +154,7 @@ impl SmallPass {
         light_maps: &'a LightMaps<'a>,
         tiles: &[Vec<usize>],
     ) -> Self {
-        let PassContext { plan, budget, lights, .. } = *context;
+        let PassContext { plan, budget, .. } = *context;
         let SharedWavelengths { nm, pdf } = context.shared_wavelengths(0);
         let observer = scene.film.observer;
         let blank = Film::new(1, 1, observer, 0);
@@ -181,10 +181,11 @@ impl SmallPass {
         }
         let PerSet { free, shared } = traced;
         let maps: PerSet<SetMaps> = PerSet { free: free.deposits.into_maps(), shared: shared.deposits.into_maps() };
+        let selector = context.light_selector(scene);
         let camera_pass = CameraPass {
             scene,
             plan,
-            direct: DirectLighting::new(scene, &lights.lights, plan.media_plan)
+            direct: DirectLighting::new(scene, &selector, plan.media_plan)
                 .with_openings(context.openings)
                 .with_ray_densities(pilot.ray_densities.as_ref()),
             maps: PerSet { free: &maps.free, shared: &maps.shared },

@@ -105,7 +105,8 @@ const fn row(id: EffectId) -> Effect {
             id,
             name: "direct",
             field: "direct",
-            cost: "a shadow ray for each light, and a scattered ray if it can hit a light",
+            cost: "a shadow ray for each light, and a scattered ray if it can hit a light; above 8 lights, a shadow ray \
+                   for one light that a light tree selects",
             absent: "no shadow rays are traced",
             called_by: "lights that shadow rays can reach",
             uncalled: "there is no light, or no surface or medium that it could light",

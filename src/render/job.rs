@@ -3,7 +3,7 @@
 use super::diffraction::DiffractionSetup;
 use crate::emit::LightSampler;
 use crate::error::{Error, Result};
-use crate::gather::{Openings, SensorResponses};
+use crate::gather::{LightSelector, Openings, SensorResponses};
 use crate::map::PhotonSpectra;
 use crate::pass::PassContext;
 use crate::plan::{Budget, EffectRow, IndirectPlan, Plan};
@@ -25,6 +25,8 @@ pub struct Job {
     pub diffraction: Option<DiffractionSetup>,
     /// The lights of the scene, as one distribution.
     lights: LightSampler,
+    /// Selects the lights that a point samples, when the shutter opens.
+    selector: LightSelector,
     /// The spectra of the lights.
     spectra: PhotonSpectra,
 }
@@ -39,6 +41,7 @@ impl Job {
         let (plan, rows) = crate::plan::prepare(&mut scene)?;
         let lights = LightSampler::new(&scene)
             .ok_or_else(|| Error::input("no light in the scene has power within 360–830 nm"))?;
+        let selector = LightSelector::new(&scene, &lights.lights);
         let spectra = PhotonSpectra::new(&scene.lights)?;
         let film = &scene.film;
         let diffraction = DiffractionSetup::of(&scene.camera, &plan, &lights);
@@ -48,7 +51,7 @@ impl Job {
         // To save the film, the program needs two more blocks of the film's size: one for a copy in
         // words, and one for the file.
         let budget = Budget::of(&scene, &plan, (film_bytes as u64).saturating_mul(3));
-        Ok(Self { scene, plan, rows, budget, diffraction, lights, spectra })
+        Ok(Self { scene, plan, rows, budget, diffraction, lights, selector, spectra })
     }
 
     /// Returns the power of all lights between 360 nm and 830 nm in W. The power is computed in
@@ -72,6 +75,7 @@ impl Job {
             plan: &self.plan,
             budget: &self.budget,
             lights: &self.lights,
+            selector: &self.selector,
             spectra: &self.spectra,
             responses: None,
             openings: Openings::NONE,

@@ -25,6 +25,7 @@ mod lens_foci;
 mod lens_objects;
 mod lens_system;
 mod long_paths;
+mod many_lights;
 mod media;
 mod media_faces;
 mod media_in_bodies;

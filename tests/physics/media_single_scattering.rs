@@ -126,6 +126,29 @@ fn a_lamp_in_fog_that_scatters_evenly_or_as_air_does() {
     check_phase("Rayleigh", json!("rayleigh"), &|c| 3.0 / (16.0 * PI) * (1.0 + c * c), 256);
 }
 
+/// Twenty lamps of different intensities, of which each ray samples one. Two more lamps shine away
+/// from the view.
+#[test]
+fn many_lamps_in_fog() {
+    let mut scene = fog(&json!("isotropic"));
+    let spectrum = json!({ "lines": [{ "nm": 550, "power": 1 }] });
+    let at = |i: u32| {
+        let turn = 2.4 * f64::from(i);
+        DVec3::new((0.2 + 0.08 * f64::from(i)) * turn.cos(), 0.7 * turn.sin(), -0.15 * f64::from(i) + 0.4)
+    };
+    let intensity = |i: u32| 1.5_f64.powi(i as i32 % 7);
+    let mut lights: Vec<Value> = (0..20)
+        .map(|i| json!({ "point": { "at": at(i).to_array(), "spectrum": spectrum, "luminous_intensity": intensity(i) } }))
+        .collect();
+    lights.extend([1, 2].map(|_| {
+        json!({ "spot": { "at": [0.4, 0, -1], "to": [1, 0, -1], "half_angle": 20, "spectrum": spectrum,
+                          "luminous_intensity": 50 } })
+    }));
+    scene["lights"] = json!(lights);
+    let truth: f64 = (0..20).map(|i| intensity(i) * expected(&scene, at(i), &|_| 0.25 / PI)).sum();
+    check("20 lamps, photon", &scene, (Integrator::Photon, 1024), truth);
+}
+
 #[test]
 #[ignore = "slow: a minute of CPU time"]
 fn a_lamp_in_fog_of_every_mean_cosine() {

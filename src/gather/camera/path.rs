@@ -2,6 +2,7 @@
 
 use super::throughput::{Factor, SpectralMode};
 use super::visible_point::{CameraSegment, VisiblePoint};
+use crate::gather::direct::light_tree::ReceivingPoint;
 use crate::gather::direct::lighting::HitWeighting;
 use crate::geometry::Ray;
 use crate::plan::partition::View;
@@ -123,7 +124,9 @@ impl CameraPath {
         };
         self.view = View::Indirect;
         self.hit_weighting = match (sample.delta, self.hit_weighting) {
-            (false, _) => HitWeighting::Mis { position: interaction.hit.position, pdf, caustic: glossy.caustic },
+            (false, _) => {
+                HitWeighting::Mis { from: ReceivingPoint::on_surface(interaction), pdf, caustic: glossy.caustic }
+            }
             (true, weighting) => weighting.after_specular_event(),
         };
         self.ray_state = interaction.spawn_ray(direction, interaction.medium_stack_after(sample.event));

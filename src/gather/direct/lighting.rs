@@ -3,9 +3,10 @@
 //! importance sampling with the power heuristic (Veach & Guibas 1995, "Optimally Combining Sampling
 //! Techniques for Monte Carlo Rendering").
 
+use super::light_tree::{Receiver, ReceivingPoint};
 use super::openings::{OPENINGS_SHARE, Openings};
+use super::selection::{LightSelection, LightSelector, SelectedLight};
 use crate::geometry::{Hit, Ray};
-use crate::math::distribution::DiscreteDistribution;
 use crate::math::random::hash64;
 use crate::optics::bsdf::TransportMode;
 use crate::optics::phase::PhaseMixture;
@@ -17,17 +18,12 @@ use crate::walk::{
     path_transmittance, path_transmittance_tracked,
 };
 use glam::DVec3;
-use std::ops::Range;
-
-/// If a scene has at most this number of lights, each point samples all lights. In scenes with more
-/// lights, each point samples one light.
-const SAMPLE_ALL_LIGHTS: usize = 8;
 
 /// Next-event estimation in one scene.
 #[derive(Debug)]
 pub struct DirectLighting<'a> {
     scene: &'a Scene,
-    light_distribution: &'a DiscreteDistribution,
+    selector: &'a LightSelector,
     attenuation: ShadowAttenuation,
     /// The openings of the scene.
     openings: &'a Openings,
@@ -53,8 +49,6 @@ pub(in crate::gather) struct LightSampleContext<'e, 'a> {
     /// The wavelength (nm) at which the path samples directions. Multiple importance sampling uses
     /// the BSDF's density at this wavelength.
     pub(in crate::gather) nm: f64,
-    /// The random numbers that select the light and a point of the light.
-    pub(in crate::gather) u: [f64; 3],
 }
 
 /// A point in a medium where direct light is sampled.
@@ -65,7 +59,6 @@ pub(in crate::gather) struct VolumeLightSampleContext<'a> {
     /// The density from which the path samples its next direction. `None` if the estimator ignores
     /// lights that scattered rays hit. The shadow ray then has the weight 1.
     pub(in crate::gather) phase: Option<PhaseMixture<'a>>,
-    pub(in crate::gather) u: [f64; 3],
 }
 
 /// A sample of direct light at a surface. The sample does not include the attenuation by media.
@@ -113,11 +106,11 @@ pub(in crate::gather) struct EmitterHit<'a> {
 pub(in crate::gather) enum HitWeighting {
     /// The weight is 1, because no shadow ray could have sampled this light.
     Full,
-    /// The weight of multiple importance sampling. The ray was sampled at `position` with the
-    /// density `pdf` per steradian. The other sampling technique is shadow rays. `caustic` weights
-    /// the light that the path hits after a specular event. If it is `None`, another estimator
-    /// counts this light.
-    Mis { position: DVec3, pdf: f64, caustic: Option<CausticWeights> },
+    /// The weight of multiple importance sampling. The ray was sampled at `from` with the density
+    /// `pdf` per steradian. The other sampling technique is shadow rays. `caustic` weights the light
+    /// that the path hits after a specular event. If it is `None`, another estimator counts this
+    /// light.
+    Mis { from: ReceivingPoint, pdf: f64, caustic: Option<CausticWeights> },
     /// The weight of multiple importance sampling. The other technique is photons. The path was
     /// sampled with the density `pdf` per steradian at a glossy surface, and then had only specular
     /// events.
@@ -138,14 +131,14 @@ impl HitWeighting {
 }
 
 impl<'a> DirectLighting<'a> {
-    /// Creates the estimator. `light_distribution` selects one of many lights.
-    pub fn new(scene: &'a Scene, light_distribution: &'a DiscreteDistribution, media_plan: MediumPlan) -> Self {
-        Self::attenuated(scene, light_distribution, media_plan, ShadowAttenuation::AsStated)
+    /// Creates the estimator. `selector` selects lights of this scene.
+    pub fn new(scene: &'a Scene, selector: &'a LightSelector, media_plan: MediumPlan) -> Self {
+        Self::attenuated(scene, selector, media_plan, ShadowAttenuation::AsStated)
     }
 
     /// Creates the estimator of the reference path tracer, which uses ratio tracking in all media.
-    pub fn tracked(scene: &'a Scene, light_distribution: &'a DiscreteDistribution, media_plan: MediumPlan) -> Self {
-        Self::attenuated(scene, light_distribution, media_plan, ShadowAttenuation::Tracked)
+    pub fn tracked(scene: &'a Scene, selector: &'a LightSelector, media_plan: MediumPlan) -> Self {
+        Self::attenuated(scene, selector, media_plan, ShadowAttenuation::Tracked)
     }
 
     /// Adds the densities of the emitted rays, for a scene in which photons compete with camera
@@ -163,12 +156,12 @@ impl<'a> DirectLighting<'a> {
 
     fn attenuated(
         scene: &'a Scene,
-        light_distribution: &'a DiscreteDistribution,
+        selector: &'a LightSelector,
         media_plan: MediumPlan,
         in_media: ShadowAttenuation,
     ) -> Self {
         let attenuation = if media_plan.is_clear() { ShadowAttenuation::Absent } else { in_media };
-        Self { scene, light_distribution, attenuation, openings: Openings::NONE, ray_densities: None }
+        Self { scene, selector, attenuation, openings: Openings::NONE, ray_densities: None }
     }
 
     /// Returns the transmittance along an unoccluded ray of this length from a surface. The hash of
@@ -197,21 +190,11 @@ impl<'a> DirectLighting<'a> {
         }
     }
 
-    /// Selects the lights that a point samples: all lights, or one of many. The selection uses the
-    /// last number of `u`, and rescales this number for reuse.
+    /// Selects the lights that a receiver samples. `u` holds the random numbers that select lights
+    /// and points of lights.
     #[inline]
-    pub(in crate::gather) fn select_lights(&self, u: &mut [f64; 3]) -> Range<usize> {
-        let count = self.scene.lights.len();
-        if count <= SAMPLE_ALL_LIGHTS {
-            return 0..count;
-        }
-        let number = self.light_distribution.sample(&mut u[2]);
-        number..number + 1
-    }
-
-    /// Returns the probability that a point samples this light.
-    pub(in crate::gather) fn selection_probability(&self, number: usize) -> f64 {
-        if self.scene.lights.len() <= SAMPLE_ALL_LIGHTS { 1.0 } else { self.light_distribution.probability(number) }
+    pub(in crate::gather) fn select_lights<R: Receiver>(&self, receiver: R, u: [f64; 3]) -> LightSelection<'a, R> {
+        self.selector.select(receiver, u)
     }
 
     /// Samples the direct light of one light at a point in a medium. Returns `None` if the light
@@ -219,13 +202,14 @@ impl<'a> DirectLighting<'a> {
     pub(in crate::gather) fn sample_direct_in_medium(
         &self,
         context: VolumeLightSampleContext<'a>,
-        number: usize,
+        selected: SelectedLight,
         tally: &mut Tally,
     ) -> Option<VolumeLightSample<'a>> {
-        let VolumeLightSampleContext { ray_state, phase, u } = context;
+        let VolumeLightSampleContext { ray_state, phase } = context;
+        let SelectedLight { number, u, probability } = selected;
         let light = &self.scene.lights[number];
         let incident = self.sample_li(light, ray_state.ray.origin, u)?;
-        let (incoming, probability) = (-incident.direction, self.selection_probability(number));
+        let incoming = -incident.direction;
         let mis_weight = match (phase, incident.pdf_solid_angle) {
             (Some(phase), Some(pdf)) => {
                 // The phase function is symmetric. Its value is therefore the density with which
@@ -252,10 +236,11 @@ impl<'a> DirectLighting<'a> {
     pub(in crate::gather) fn sample_direct(
         &self,
         context: LightSampleContext<'_, '_>,
-        number: usize,
+        selected: SelectedLight,
         tally: &mut Tally,
     ) -> Option<LightSample<'a>> {
-        let LightSampleContext { interaction, nm, u } = context;
+        let LightSampleContext { interaction, nm } = context;
+        let SelectedLight { number, u, probability } = selected;
         let light = &self.scene.lights[number];
         let incident = self.sample_li(light, interaction.hit.position, u)?;
         let wi = interaction.frame.to_local(incident.direction);
@@ -265,7 +250,6 @@ impl<'a> DirectLighting<'a> {
         if pdf_bsdf <= 0.0 && bsdf.eval(wo, wi, sides, TransportMode::Radiance, nm) <= 0.0 {
             return None;
         }
-        let probability = self.selection_probability(number);
         let mis_weight = incident.pdf_solid_angle.map_or(1.0, |pdf| power_heuristic(pdf * probability, pdf_bsdf));
         let strength = incident.irradiance * wi.z.abs() * mis_weight / probability;
         tally.shadow_rays += 1;
@@ -316,12 +300,13 @@ impl<'a> DirectLighting<'a> {
             HitWeighting::Caustic { pdf, weights } => {
                 weights.of_camera_path(self.ray_density(number, ray, hit.as_ref(), radiance), pdf)
             }
-            HitWeighting::Mis { position, pdf, .. } => {
+            HitWeighting::Mis { from, pdf, .. } => {
                 let pdf_light = match &hit {
-                    Some(hit) => light.pdf_li_surface(self.scene.extent(), position, hit),
-                    None => self.pdf_li_escaped(light, position, direction),
+                    Some(hit) => light.pdf_li_surface(self.scene.extent(), from.position, hit),
+                    None => self.pdf_li_escaped(light, from.position, direction),
                 };
-                power_heuristic(pdf, pdf_light * self.selection_probability(number))
+                let probability = self.selector.probability(self.scene, number, hit.as_ref(), &from);
+                power_heuristic(pdf, pdf_light * probability)
             }
         };
         (radiance * weight > 0.0).then_some(EmitterHit { light, radiance: radiance * weight, spd })

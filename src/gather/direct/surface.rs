@@ -1,5 +1,6 @@
 //! Direct light at surfaces on a camera path.
 
+use super::light_tree::ReceivingPoint;
 use super::lighting::{EmitterHit, HitWeighting, LightSampleContext};
 use crate::gather::camera::path::CameraPath;
 use crate::gather::camera::throughput::each_wavelength;
@@ -37,12 +38,13 @@ impl<'a> CameraPass<'a> {
         interaction: &SurfaceInteraction<'a>,
         context: &mut PathContext<'_, 'a, S>,
     ) {
-        let (wavelength, mut u, nm) = (context.sampler.wavelength, context.sampler.light(), path.reference_nm());
+        let (wavelength, u, nm) = (context.sampler.wavelength, context.sampler.light(), path.reference_nm());
         let (bsdf, wo, sides) = (interaction.bsdf, interaction.wo, interaction.sides);
-        for number in self.direct.select_lights(&mut u) {
-            let point = LightSampleContext { interaction, nm, u };
-            let Some(sample) = self.direct.sample_direct(point, number, context.tally) else { continue };
-            let along = self.direct.transmittance_from::<M>(interaction, sample.direction, sample.distance_m, u);
+        for selected in self.direct.select_lights(ReceivingPoint::on_surface(interaction), u) {
+            let point = LightSampleContext { interaction, nm };
+            let Some(sample) = self.direct.sample_direct(point, selected, context.tally) else { continue };
+            let along =
+                self.direct.transmittance_from::<M>(interaction, sample.direction, sample.distance_m, selected.u);
             let bias = bias_of_excess(path.excess_depth + excess_optical_depth(&along, nm));
             let factors = &context.buffers.factors;
             each_wavelength(path.spectral_mode, factors, sample.light, wavelength, |nm, throughput| {
@@ -71,7 +73,8 @@ impl<'a> CameraPass<'a> {
         let direction = interaction.frame.to_world(sample.wi);
         let ray = Ray { origin: interaction.hit.position, direction };
         let hit = self.scene.geometry.intersect(&ray, Some(interaction.hit.surface), f64::INFINITY);
-        let weighting = HitWeighting::Mis { position: ray.origin, pdf: sample.probability, caustic: None };
+        let from = ReceivingPoint::on_surface(interaction);
+        let weighting = HitWeighting::Mis { from, pdf: sample.probability, caustic: None };
         for &number in self.direct.emitters_hit(hit.as_ref()) {
             let emitted = self.direct.emitted_by_hit(number, ray, hit, weighting, context.tally);
             let Some(emitter) = emitted else { continue };

@@ -5,6 +5,7 @@ use super::segment::segment_seed;
 use crate::gather::camera::path::CameraPath;
 use crate::gather::camera::throughput::each_wavelength;
 use crate::gather::camera_pass::{CameraPass, PathContext};
+use crate::gather::direct::light_tree::ReceivingSegment;
 use crate::gather::direct::lighting::VolumeLightSampleContext;
 use crate::geometry::Ray;
 use crate::walk::{
@@ -13,8 +14,8 @@ use crate::walk::{
 };
 
 impl<'a> CameraPass<'a> {
-    /// Gathers direct light from all lights that have no light map. Each light is sampled at one
-    /// distance along the ray.
+    /// Gathers direct light from the lights that have no light map. Each selected light is sampled
+    /// at one distance along the ray.
     pub(super) fn gather_direct_in_medium<S: Sink>(
         &self,
         path: &CameraPath,
@@ -25,22 +26,24 @@ impl<'a> CameraPass<'a> {
         let Some(window) = medium.window(&segment.ray, segment.length_m) else {
             return;
         };
-        let mut u = context.sampler.light();
-        for number in self.direct.select_lights(&mut u) {
+        let (from, to) = (segment.ray.at(window.0), segment.ray.at(window.1));
+        let u = context.sampler.light();
+        for selected in self.direct.select_lights(ReceivingSegment { from, to }, u) {
+            let number = selected.number;
             if self.light_maps.of(number, medium_number).is_some() {
                 continue;
             }
             let u_distance = context.sampler.stream.pair();
             let light = &self.scene.lights[number];
-            let reach = light.lit_interval(self.scene.extent(), &segment.ray, window, u);
+            let reach = light.lit_interval(self.scene.extent(), &segment.ray, window, selected.u);
             let distance = reach.and_then(|reach| distance::sample(medium, &segment.ray, &reach, u_distance));
             let Some(distance) = distance else { continue };
             let density = medium.density_at(segment.ray.at(distance.t_m));
             let to_point = segment.path_transmittance(distance.t_m, segment_seed(context, segment.ray.origin));
             let ray = Ray { origin: segment.ray.at(distance.t_m), direction: segment.ray.direction };
             let ray_state = RayState { ray, from: None, medium_stack: segment.medium_stack };
-            let point = VolumeLightSampleContext { ray_state, phase: None, u };
-            let Some(sample) = self.direct.sample_direct_in_medium(point, number, context.tally) else { continue };
+            let point = VolumeLightSampleContext { ray_state, phase: None };
+            let Some(sample) = self.direct.sample_direct_in_medium(point, selected, context.tally) else { continue };
             let cosine = -sample.incoming.dot(segment.ray.direction);
             let strength = sample.strength * density / distance.pdf_per_m;
             let excess = |along: &[SegmentTransmittance<'_>]| excess_optical_depth(along, path.reference_nm());

@@ -5,6 +5,7 @@
 
 use super::tracer::{PathTracer, TracedPath};
 use crate::gather::camera::sampler::PixelSampler;
+use crate::gather::direct::light_tree::ReceivingPoint;
 use crate::gather::direct::lighting::{HitWeighting, VolumeLightSampleContext};
 use crate::geometry::Ray;
 use crate::optics::phase::PhaseMixture;
@@ -65,10 +66,10 @@ impl<'a> PathTracer<'a> {
         let ray = Ray { origin: segment.ray.at(t), direction: incoming };
         let ray_state = RayState { ray, from: None, medium_stack: segment.medium_stack };
         let mixture = PhaseMixture::new(&medium.phase, &path.wavelengths, &path.throughput);
-        let mut u = sampler.stream.triple();
-        for number in self.direct.select_lights(&mut u) {
-            let point = VolumeLightSampleContext { ray_state, phase: Some(mixture), u };
-            let Some(sample) = self.direct.sample_direct_in_medium(point, number, tally) else { continue };
+        let (from, u) = (ReceivingPoint::in_medium(ray.origin), sampler.stream.triple());
+        for selected in self.direct.select_lights(from, u) {
+            let point = VolumeLightSampleContext { ray_state, phase: Some(mixture) };
+            let Some(sample) = self.direct.sample_direct_in_medium(point, selected, tally) else { continue };
             let cosine = -sample.incoming.dot(incoming);
             for (k, &nm) in path.wavelengths.active().iter().enumerate() {
                 let arriving =
@@ -82,7 +83,7 @@ impl<'a> PathTracer<'a> {
         for (k, &nm) in path.wavelengths.active().iter().enumerate() {
             path.throughput[k] *= medium.phase.eval(cosine, nm) / pdf;
         }
-        path.hit_weighting = HitWeighting::Mis { position: ray.origin, pdf, caustic: None };
+        path.hit_weighting = HitWeighting::Mis { from, pdf, caustic: None };
         path.ray_state = RayState { ray: Ray { origin: ray.origin, direction }, ..ray_state };
         path.survives_collision(sampler)
     }

@@ -8,6 +8,7 @@
 
 use crate::gather::camera::sampler::PixelSampler;
 use crate::gather::camera::throughput::relative_n2;
+use crate::gather::direct::light_tree::ReceivingPoint;
 use crate::gather::direct::lighting::{DirectLighting, HitWeighting, LightSampleContext};
 use crate::geometry::{Hit, Ray};
 use crate::optics::bsdf::{BsdfClass, TransportMode};
@@ -191,16 +192,16 @@ impl<'a> PathTracer<'a> {
         &self,
         path: &TracedPath,
         interaction: &SurfaceInteraction<'a>,
-        mut u: [f64; 3],
+        u: [f64; 3],
         tally: &mut Tally,
         sink: &mut S,
     ) {
         let SurfaceInteraction { bsdf, wo, sides, .. } = *interaction;
-        for number in self.direct.select_lights(&mut u) {
-            let point = LightSampleContext { interaction, nm: path.wavelengths.hero(), u };
-            let Some(sample) = self.direct.sample_direct(point, number, tally) else { continue };
-            let along =
-                self.direct.transmittance_from::<WithBodies>(interaction, sample.direction, sample.distance_m, u);
+        for selected in self.direct.select_lights(ReceivingPoint::on_surface(interaction), u) {
+            let point = LightSampleContext { interaction, nm: path.wavelengths.hero() };
+            let Some(sample) = self.direct.sample_direct(point, selected, tally) else { continue };
+            let (direction, distance_m) = (sample.direction, sample.distance_m);
+            let along = self.direct.transmittance_from::<WithBodies>(interaction, direction, distance_m, selected.u);
             for (k, &nm) in path.wavelengths.active().iter().enumerate() {
                 let f = bsdf.eval(wo, sample.wi, sides, TransportMode::Radiance, nm);
                 let scattered = path.throughput[k] * f * sample.light.spd_at(sample.spd, nm);
@@ -223,7 +224,7 @@ impl TracedPath {
             // Shadow rays cannot sample a light behind mirrors or glass.
             HitWeighting::Full
         } else {
-            HitWeighting::Mis { position: interaction.hit.position, pdf: scattered.pdf, caustic: None }
+            HitWeighting::Mis { from: ReceivingPoint::on_surface(interaction), pdf: scattered.pdf, caustic: None }
         };
         self.ray_state = interaction.spawn_scattered(scattered);
     }

@@ -1,6 +1,7 @@
 //! A beam: light from a uniform disk. Either the disk emits parallel light, or each point of the
 //! disk emits into a cone. The radiance inside the cone is constant. The disk itself is invisible.
 
+use super::intensity_bounds::IntensityBounds;
 use super::lit_interval::{LitInterval, inside_cone, inside_cylinder};
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample};
 use super::virtual_light::VirtualLight;
@@ -161,6 +162,13 @@ impl BeamLight {
             Some((apex, one_minus_cos)) => inside_cone(ray, window, apex, self.axis, one_minus_cos)?,
         };
         Some(LitInterval { from, to, pivot: None })
+    }
+
+    /// Outside the disk, the light is at most the light of a point at the apex of the cone.
+    pub(super) fn intensity_bounds(&self) -> Option<IntensityBounds> {
+        let (apex, one_minus_cos) = self.cone()?;
+        let intensity = self.power_w / (PI * self.sin_divergence * self.sin_divergence);
+        Some(IntensityBounds::into_cone(apex, intensity, self.axis, warp::half_angle(one_minus_cos)))
     }
 
     /// A virtual light of parallel rays. `None` for divergent light, because a point receives such

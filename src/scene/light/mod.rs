@@ -5,13 +5,14 @@
 //! random numbers. At each point, the irradiance from [`Light::sample_li`] equals the irradiance
 //! from the emitted rays.
 //!
-//! Only this file contains `match` expressions over the variants of [`Emitter`]. All other code
-//! calls the methods of [`Light`].
+//! Only this file and `intensity_bounds.rs` contain `match` expressions over the variants of
+//! [`Emitter`]. All other code calls the methods of [`Light`].
 
 mod area;
 mod beam;
 mod directional;
 mod environment;
+mod intensity_bounds;
 mod lit_interval;
 mod point;
 mod sample;
@@ -26,6 +27,7 @@ pub use area::AreaLight;
 pub use beam::{BeamLight, mean_scale};
 pub use directional::DirectionalLight;
 pub use environment::{EnvironmentLight, EnvironmentMap};
+pub use intensity_bounds::IntensityBounds;
 pub use lit_interval::LitInterval;
 pub use point::{PointLight, SpotLight};
 pub use sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoint, SceneExtent};

@@ -1,5 +1,6 @@
 //! Lights without extent: a point light, and a spot light that shines into a cone.
 
+use super::intensity_bounds::IntensityBounds;
 use super::lit_interval::{LitInterval, inside_cone};
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample};
 #[cfg(test)]
@@ -105,6 +106,10 @@ impl SpotLight {
             let t = (self.outer - one_minus_cos) / (self.outer - self.inner);
             self.intensity * t * t * (3.0 - 2.0 * t)
         }
+    }
+
+    pub(super) fn intensity_bounds(&self) -> IntensityBounds {
+        IntensityBounds::into_cone(self.position, self.intensity, self.axis, warp::half_angle(self.outer))
     }
 
     /// Samples an emitted ray uniformly over the solid angle of the outer cone.

@@ -1,0 +1,75 @@
+//! Bounds of the place, the intensity and the directions of a local light.
+
+use super::{Emitter, Light, SceneExtent};
+use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Bounds of the light of a local light.
+///
+/// The light has normals and emits around each normal. The normals are within `normals_rad` of the
+/// axis, and the light leaves within `emission_rad` of a normal. Between these angles, the intensity
+/// falls with the cosine of the angle to the normal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IntensityBounds {
+    /// The lowest corner of a box around the light, relative to the scene's centre, in m.
+    pub low: DVec3,
+    /// The highest corner of the box.
+    pub high: DVec3,
+    /// The largest radiant intensity in W/sr over the band. For curved area lights, it is the
+    /// intensity of a convex surface in the mean of all directions.
+    pub intensity: f64,
+    /// The axis, as a unit vector.
+    pub axis: DVec3,
+    /// The largest angle between the axis and a normal, in radians.
+    pub normals_rad: f64,
+    /// The largest angle between a normal and the light, in radians.
+    pub emission_rad: f64,
+}
+
+impl IntensityBounds {
+    /// A light in a box that emits into all directions.
+    fn into_all_directions((low, high): (DVec3, DVec3), intensity: f64) -> Self {
+        Self { low, high, intensity, axis: DVec3::Z, normals_rad: PI, emission_rad: FRAC_PI_2 }
+    }
+
+    /// A point that shines into a cone. Inside the cone, the intensity need not fall towards the
+    /// edge. Each direction of the cone therefore counts as a normal that emits only along itself.
+    pub(super) fn into_cone(at: DVec3, intensity: f64, axis: DVec3, half_angle: f64) -> Self {
+        Self { low: at, high: at, intensity, axis, normals_rad: half_angle, emission_rad: 0.0 }
+    }
+
+    /// A flat surface that emits on the side of its normal.
+    pub fn of_flat_surface((low, high): (DVec3, DVec3), intensity: f64, normal: DVec3) -> Self {
+        Self { low, high, intensity, axis: normal, normals_rad: 0.0, emission_rad: FRAC_PI_2 }
+    }
+}
+
+impl Light {
+    /// Returns bounds of the light. Returns `None` for distant lights and for beams of parallel
+    /// rays, because their irradiance does not fall with the distance.
+    pub fn intensity_bounds(&self, extent: SceneExtent<'_>) -> Option<IntensityBounds> {
+        let over_sphere = self.power_w(extent) / (4.0 * PI);
+        match &self.emitter {
+            Emitter::Point(light) => {
+                Some(IntensityBounds::into_all_directions((light.position, light.position), light.intensity))
+            }
+            Emitter::Spot(light) => Some(light.intensity_bounds()),
+            Emitter::Beam(light) => light.intensity_bounds(),
+            Emitter::Directional(_) | Emitter::Environment(_) => None,
+            Emitter::Area(light) => {
+                let corners = extent.geometry.bounds_of(light.object)?;
+                Some(match extent.geometry.normal_of_flat(light.object) {
+                    Some(normal) => IntensityBounds::of_flat_surface(corners, light.radiance * light.area_m2, normal),
+                    None => IntensityBounds::into_all_directions(corners, over_sphere),
+                })
+            }
+            Emitter::Volume(light) => {
+                let corner = |i: u32| [i & 1, i >> 1 & 1, i >> 2].map(f64::from).into();
+                let corners = (0..8).map(|i| light.box_map().transform_point3(corner(i)));
+                let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+                let around = corners.fold(start, |(low, high), corner| (low.min(corner), high.max(corner)));
+                Some(IntensityBounds::into_all_directions(around, over_sphere))
+            }
+        }
+    }
+}

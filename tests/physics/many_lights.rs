@@ -1,0 +1,120 @@
+//! Scenes with more than eight lights: a floor has the irradiance of the closed form, and fog has
+//! the radiance of an integral. Shadow rays to lights of a light tree, scattered rays that hit
+//! lights, and photons must all count these lights with the correct weights.
+
+use crate::common::compare::Measured;
+use crate::common::{diffuse, mean_y, overhead_camera};
+use abbe::render::Integrator;
+use glam::DVec3;
+use serde_json::{Value, json};
+use std::f64::consts::PI;
+
+const ALBEDO: f64 = 0.6;
+
+/// Half the side of the visible square of floor around the origin.
+const HALF: f64 = 0.1;
+
+fn floor(objects: &[Value], lights: &[Value]) -> Value {
+    let ground = json!({ "shape": { "rectangle": { "width": 60, "height": 60 } }, "material": "grey" });
+    json!({
+        "camera": overhead_camera([0.0, 0.0], 0.4, 2.0 * HALF),
+        "film": { "width": 8, "height": 8 },
+        "materials": { "grey": diffuse(ALBEDO), "black": "absorber" },
+        "objects": [std::slice::from_ref(&ground), objects].concat(), "lights": lights, "render": { "photons": 1000 }
+    })
+}
+
+/// Returns the mean of an illuminance over the visible square.
+fn mean_over_view(illuminance: impl Fn(DVec3) -> f64) -> f64 {
+    const N: u32 = 40;
+    let at = |i: u32| (f64::from(i) + 0.5) / f64::from(N) * 2.0 * HALF - HALF;
+    (0..N * N).map(|i| illuminance(DVec3::new(at(i % N), 0.0, at(i / N)))).sum::<f64>() / f64::from(N * N)
+}
+
+/// Returns the illuminance of the floor under a point of a luminous intensity in cd.
+fn under_point(at: DVec3, intensity: f64, floor: DVec3) -> f64 {
+    let offset = at - floor;
+    intensity * offset.y / offset.length().powi(3)
+}
+
+fn check(name: &str, scene: &Value, illuminance: f64, passes: u64) {
+    for integrator in [Integrator::Photon, Integrator::Path] {
+        let luminance = ALBEDO * illuminance / PI;
+        let measured = Measured::new(scene, (integrator, passes), 0..4, mean_y);
+        let (ratio, error) = (measured.mean(0) / luminance, measured.error(0) / luminance);
+        println!("many lights, {name}, {integrator:?}: {ratio:.5} ± {error:.5}");
+        assert!(error < 2e-3, "too noisy to tell");
+        assert!((ratio - 1.0).abs() < 5e-3, "{name}: {ratio} of the closed form");
+    }
+}
+
+/// Positions on a spiral above the floor, from near to far.
+fn spiral(count: u32) -> impl Iterator<Item = DVec3> {
+    (0..count).map(|i| {
+        let (turn, share) = (2.4 * f64::from(i), f64::from(i + 1) / 60.0);
+        DVec3::new(20.0 * share * turn.cos(), 0.6 + 2.0 * share, 20.0 * share * turn.sin())
+    })
+}
+
+/// Points, spheres, spots and distant lights together. Scattered rays hit the spheres. Half of the
+/// spots shine on the view, and the others shine away from it.
+#[test]
+fn lamps_of_all_kinds_light_a_floor() {
+    let (mut objects, mut lights, mut known) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, at) in spiral(60).enumerate() {
+        let intensity = 1.5_f64.powi(i as i32 % 12);
+        match i % 4 {
+            0 => lights
+                .push(json!({ "point": { "at": at.to_array(), "spectrum": "D65", "luminous_intensity": intensity } })),
+            1 => objects
+                .push(json!({ "shape": { "sphere": { "center": at.to_array(), "radius": 0.3 } }, "material": "black",
+                                      "emission": { "spectrum": "A", "luminous_flux": 4.0 * PI * intensity } })),
+            2 => lights
+                .push(json!({ "spot": { "at": at.to_array(), "to": [0, 0, 0], "half_angle": 60, "spectrum": "D65",
+                                               "luminous_intensity": intensity } })),
+            _ => lights.push(
+                json!({ "spot": { "at": at.to_array(), "to": (2.0 * at).to_array(), "half_angle": 60, "spectrum": "D65",
+                                               "luminous_intensity": intensity } }),
+            ),
+        }
+        if i % 4 != 3 {
+            known.push((at, intensity));
+        }
+    }
+    for illuminance in [3.0, 8.0] {
+        lights.push(json!({ "directional": { "toward": [0, -1, 0], "spectrum": "D65", "illuminance": illuminance,
+                                             "angular_diameter": 5 } }));
+    }
+    let illuminance = 11.0 + mean_over_view(|floor| known.iter().map(|&(at, cd)| under_point(at, cd, floor)).sum());
+    check("all kinds", &floor(&objects, &lights), illuminance, 512);
+}
+
+/// A rectangle of 32 triangles. A light tree selects one of the triangles. With more than eight
+/// lights, the triangles are in the tree of all lights.
+#[test]
+fn a_luminous_mesh_lights_a_floor() {
+    let (flux, width, depth, height) = (500.0, 0.8, 0.5, 0.9);
+    let mesh = json!({ "shape": { "mesh": { "path": "physics/panel.obj" } }, "material": "black",
+                       "emission": { "spectrum": "FL2", "luminous_flux": flux },
+                       "transform": [{ "translate": [0.1, height, 0.2] }] });
+    // The form factor of a parallel rectangle with one corner above the point, as in irradiance.rs.
+    let corner = |a: f64, b: f64| {
+        let (p, q) = ((a * a + height * height).sqrt(), (b * b + height * height).sqrt());
+        0.5 * (a / p * (b / p).atan() + b / q * (a / q).atan())
+    };
+    let of_mesh = mean_over_view(|at| {
+        let [left, right] = [-0.5, 0.5].map(|s| 0.1 + s * width - at.x);
+        let [near, far] = [-0.5, 0.5].map(|s| 0.2 + s * depth - at.z);
+        let sum = corner(right, far) - corner(left, far) - corner(right, near) + corner(left, near);
+        flux / (PI * width * depth) * sum
+    });
+    let mesh = std::slice::from_ref(&mesh);
+    check("mesh", &floor(mesh, &[]), of_mesh, 128);
+    let points: Vec<DVec3> = spiral(12).collect();
+    let lights: Vec<Value> = points
+        .iter()
+        .map(|at| json!({ "point": { "at": at.to_array(), "spectrum": "D65", "luminous_intensity": 30 } }))
+        .collect();
+    let of_points = mean_over_view(|floor| points.iter().map(|&at| under_point(at, 30.0, floor)).sum());
+    check("mesh and points", &floor(mesh, &lights), of_mesh + of_points, 256);
+}
