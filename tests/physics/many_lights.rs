@@ -16,11 +16,12 @@ const HALF: f64 = 0.1;
 
 fn floor(objects: &[Value], lights: &[Value]) -> Value {
     let ground = json!({ "shape": { "rectangle": { "width": 60, "height": 60 } }, "material": "grey" });
+    let objects = [std::slice::from_ref(&ground), objects].concat();
     json!({
         "camera": overhead_camera([0.0, 0.0], 0.4, 2.0 * HALF),
         "film": { "width": 8, "height": 8 },
         "materials": { "grey": diffuse(ALBEDO), "black": "absorber" },
-        "objects": [std::slice::from_ref(&ground), objects].concat(), "lights": lights, "render": { "photons": 1000 }
+        "objects": objects, "lights": lights, "render": { "photons": 1000 }
     })
 }
 

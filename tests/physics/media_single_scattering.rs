@@ -134,7 +134,7 @@ fn many_lamps_in_fog() {
     let spectrum = json!({ "lines": [{ "nm": 550, "power": 1 }] });
     let at = |i: u32| {
         let turn = 2.4 * f64::from(i);
-        DVec3::new((0.2 + 0.08 * f64::from(i)) * turn.cos(), 0.7 * turn.sin(), -0.15 * f64::from(i) + 0.4)
+        DVec3::new((0.2 + 0.08 * f64::from(i)) * turn.cos(), 0.7 * turn.sin(), -0.1 * f64::from(i) + 0.4)
     };
     let intensity = |i: u32| 1.5_f64.powi(i as i32 % 7);
     let mut lights: Vec<Value> = (0..20)

@@ -64,3 +64,33 @@ fn moved_lights_shine_on_moved_points() {
         mean(&moved, map.transform_point3(from)).agrees(mean(&case.light, from), 0.01, case.name);
     }
 }
+
+/// All emitted rays lie within the bounds of place and direction. The bounds of a beam begin at the
+/// apex of its cone, so the test follows the rays for 1 m.
+#[test]
+fn emitted_light_stays_within_the_intensity_bounds() {
+    for case in all_cases() {
+        let Some(bounds) = case.light.intensity_bounds(case.extent()) else { continue };
+        let mut stream = stream(7);
+        for _ in 0..2000 {
+            let sample = case.emit(&mut stream);
+            if sample.flux_w <= 0.0 {
+                continue;
+            }
+            let from = sample.origin.clamp(bounds.low, bounds.high);
+            let along = (sample.origin + sample.direction - from).normalize();
+            let angle = along.dot(bounds.axis).clamp(-1.0, 1.0).acos();
+            assert!(angle <= bounds.normals_rad + bounds.emission_rad + 1e-6, "{}: {angle}", case.name);
+        }
+    }
+}
+
+/// Every kind of local light has bounds, except beams of parallel rays.
+#[test]
+fn only_light_that_does_not_fall_with_the_distance_has_no_bounds() {
+    for case in all_cases() {
+        let parallel = matches!(&case.light.emitter, Emitter::Beam(beam) if beam.is_parallel());
+        let bounded = case.light.intensity_bounds(case.extent()).is_some();
+        assert_eq!(bounded, !case.light.is_distant() && !parallel, "{}", case.name);
+    }
+}
