@@ -42,7 +42,7 @@ const CRATES: [(&str, &[&str]); 32] = [
     ("glam", &[""]),
     ("serde", &[""]),
     ("obvhs", &["geometry/bvh.rs", "map/box_tree.rs"]),
-    ("wide", &["map/point_tree.rs", "gather/density/responses.rs"]),
+    ("wide", &["map/point_tree.rs", "map/volume/beam.rs", "gather/density/responses.rs"]),
     ("smallvec", &["scene/initial_stack.rs", "walk/transmittance.rs"]),
     ("rand", &["math/random.rs"]),
     ("rand_pcg", &["math/random.rs"]),
