@@ -57,6 +57,10 @@ const FEWEST_PHOTONS: f64 = 8.0;
 /// block, it searches the nearest photons once for each surface.
 const BLOCK: usize = 2;
 
+/// Two camera segments in a medium share a count of photons only if the ratio of their lengths is at
+/// least this value. Beside the edge of a body, segments are short and few photons are near them.
+const SIMILAR_LENGTH: f64 = 0.9;
+
 /// Separates the camera samples of the pilot from the camera samples of the passes. The samples are
 /// hashes of the seed, the replicate and the pixel. The bytes of this number are the word "pilot"
 /// in ASCII.
@@ -231,8 +235,8 @@ impl PixelSurvey {
 struct BlockSurvey {
     /// For each photon set, a visible point and the first radii there.
     surface: PerSet<Option<(VisiblePoint, PerClass<f64>)>>,
-    /// The photons near the segments in these media.
-    volume: Option<(Vec<(usize, bool)>, PixelVolumeCounts)>,
+    /// The photons near these segments.
+    volume: Option<(Vec<CameraSegment>, PixelVolumeCounts)>,
 }
 
 impl BlockSurvey {
@@ -281,16 +285,24 @@ impl BlockSurvey {
         if segments.is_empty() {
             return PixelVolumeCounts::default();
         }
-        let crossed = segments.iter().map(|segment| (segment.medium, segment.shared));
         match &self.volume {
-            Some((known, counts)) if crossed.clone().eq(known.iter().copied()) => *counts,
+            Some((known, counts)) if are_alike(known, segments) => *counts,
             _ => {
                 let counts = count(segments);
-                self.volume = Some((crossed.collect(), counts));
+                self.volume = Some((segments.to_vec(), counts));
                 counts
             }
         }
     }
+}
+
+/// Returns true if the segments of two pixels cross the same media along similar lengths.
+fn are_alike(one: &[CameraSegment], other: &[CameraSegment]) -> bool {
+    let similar = |(one, other): (&CameraSegment, &CameraSegment)| {
+        let (shorter, longer) = (one.length_m.min(other.length_m), one.length_m.max(other.length_m));
+        (one.medium, one.shared) == (other.medium, other.shared) && shorter >= SIMILAR_LENGTH * longer
+    };
+    one.len() == other.len() && one.iter().zip(other).all(similar)
 }
 
 /// Returns the upper limits of the first kernel radii on surfaces, in pixels.

@@ -27,11 +27,11 @@ const MAX_VOLUME_RADIUS_PX: PerClass<f64> = PerClass { caustic: 4.0, indirect: 2
 /// side. On a small film, a kernel of 24 pixels would blur whole bodies.
 const MAX_VOLUME_RADIUS_OF_PICTURE: f64 = 0.1;
 
-/// The upper limit of the first kernel radius of indirect light in media, as a fraction of the
-/// length of the camera ray in the medium. It applies if the other limits of the radius leave almost
-/// no photons near the ray. In fog of a large world, 24 pixels may contain one photon in a thousand
-/// passes.
-const WIDEST_KERNEL: f64 = 0.1;
+/// The upper limit of the first kernel radius of indirect light in media, divided by the distance
+/// from the camera. It applies if the other limits of the radius leave almost no photons near a ray,
+/// and if the camera is in the medium or close to it. In fog of a large world, 24 pixels may contain
+/// one photon in a thousand passes.
+const WIDEST_KERNEL: f64 = 1.0;
 
 /// The upper limit of the first kernel radius for photon points, in mean free paths.
 ///
@@ -76,11 +76,8 @@ impl VolumeKernelWidths {
     /// applies. If the scene fixes the radius, returns this radius.
     fn largest(&self, class: PhotonClass, segment: &CameraSegment) -> impl Iterator<Item = KernelWidth> {
         let first = self.largest_px[class] * self.pixel_angle;
-        let CameraSegment { length_m, behind_m, .. } = *segment;
-        let widest = match class {
-            PhotonClass::Caustic => first,
-            PhotonClass::Indirect => WIDEST_KERNEL / (1.0 + behind_m / length_m),
-        };
+        let is_close = segment.behind_m < segment.length_m;
+        let widest = if class == PhotonClass::Indirect && is_close { WIDEST_KERNEL } else { first };
         let wider = move |width: &f64| (*width < widest).then(|| (2.0 * width).min(widest));
         let per_distance = iter::successors(Some(first), wider).map(KernelWidth::PerDistance);
         let stated = self.radius_m.map(KernelWidth::Stated);
