@@ -64,7 +64,7 @@ impl<'a> PathTracer<'a> {
         let incoming = segment.ray.direction;
         let ray = Ray { origin: segment.ray.at(t), direction: incoming };
         let ray_state = RayState { ray, from: None, medium_stack: segment.medium_stack };
-        let mixture = PhaseMixture::new(&medium.phase, &path.wavelengths, &path.throughput);
+        let mixture = PhaseMixture::new(&medium.phase, &path.wavelengths, &path.importance());
         let mut u = sampler.stream.triple();
         for number in self.direct.select_lights(&mut u) {
             let point = VolumeLightSampleContext { ray_state, phase: Some(mixture), u };
@@ -135,7 +135,7 @@ impl TracedPath {
     /// Samples tentative collisions at the rate σ̄. This rate is the product of two numbers: the
     /// largest extinction coefficient at the path's wavelengths, and the upper bound of the
     /// density. The probability of a real scattering event is S/(S + N). S is the sum of the
-    /// scattering coefficients of all wavelengths, weighted by the throughput. N is the same sum
+    /// scattering coefficients of all wavelengths, weighted by their importance. N is the same sum
     /// for the coefficients of null collisions.
     fn sample_free_flight(
         &mut self,
@@ -155,12 +155,13 @@ impl TracedPath {
             if t >= end {
                 return None;
             }
+            let importance = self.importance();
             let density = medium.density_at(segment.ray.at(t));
             let (mut scatters, mut either) = (0.0, 0.0);
             for k in 0..LANES {
                 let (collision, null) = (sigma_s[k] * density, (rate - sigma_t[k] * density).max(0.0));
-                scatters += self.throughput[k] * collision;
-                either += self.throughput[k] * (collision + null);
+                scatters += importance[k] * collision;
+                either += importance[k] * (collision + null);
             }
             if either <= 0.0 {
                 self.throughput = [0.0; LANES];

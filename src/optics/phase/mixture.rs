@@ -7,7 +7,7 @@ use glam::DVec3;
 
 /// The density from which a path with several wavelengths samples its direction in a medium.
 ///
-/// Each wavelength has a share of the density in proportion to its throughput (the balance
+/// Each wavelength has a share of the density in proportion to its importance (the balance
 /// heuristic over wavelengths; Wilkie et al., "Hero wavelength spectral sampling", 2014). The
 /// weight of a wavelength is therefore bounded, even if its phase function differs strongly from
 /// the phase function at the hero wavelength. If the phase function does not depend on the
@@ -22,12 +22,12 @@ pub struct PhaseMixture<'a> {
 }
 
 impl<'a> PhaseMixture<'a> {
-    /// Creates the mixture for a path with this throughput at each of its wavelengths.
-    pub fn new(phase: &'a PhaseFunction, wavelengths: &Wavelengths, throughput: &Lanes) -> Self {
-        let total: f64 = throughput[..wavelengths.count].iter().sum();
+    /// Creates the mixture for a path with this importance of each of its wavelengths.
+    pub fn new(phase: &'a PhaseFunction, wavelengths: &Wavelengths, importance: &Lanes) -> Self {
+        let total: f64 = importance[..wavelengths.count].iter().sum();
         let mixed = wavelengths.count > 1 && total > 0.0 && phase.depends_on_wavelength();
         let (count, shares) =
-            if mixed { (wavelengths.count, throughput.map(|value| value / total)) } else { (1, [1.0, 0.0, 0.0, 0.0]) };
+            if mixed { (wavelengths.count, importance.map(|value| value / total)) } else { (1, [1.0, 0.0, 0.0, 0.0]) };
         Self { phase, nm: wavelengths.nm, shares, count }
     }
 
