@@ -51,8 +51,8 @@ impl Aim {
         (point, self.density(point))
     }
 
-    /// Returns the ratio of the probability density at a point of the grid to the density of uniform
-    /// sampling.
+    /// Returns the ratio of the probability density at a point of the grid to the density of
+    /// uniform sampling.
     pub fn density(&self, point: [f64; 2]) -> f64 {
         self.0.as_ref().map_or(1.0, |grid| DEFENSIVE + (1.0 - DEFENSIVE) * grid.pdf(point))
     }

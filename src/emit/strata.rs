@@ -58,8 +58,8 @@ impl EmissionStrata {
 
     /// Creates the strata of all lights. A light has a stratum for each target that only a small
     /// share of its power reaches. The smaller targets come first, and they exclude the larger
-    /// ones. If a light has such a stratum, it has more strata for the spheres `surroundings`, which
-    /// lie between the view and the world. The strata of a light share its probability.
+    /// ones. If a light has such a stratum, it has more strata for the spheres `surroundings`,
+    /// which lie between the view and the world. The strata of a light share its probability.
     pub fn new(
         lights: &[Light],
         extent: SceneExtent<'_>,

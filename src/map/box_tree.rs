@@ -101,14 +101,14 @@ impl BoxTree {
                 leaf: if is_leaf { leaves.starts.len() as u32 - 1 } else { INNER },
             });
             if is_leaf {
-                let boxes = boxes_below(binary, number).map(|place| primitive_indices[place]);
-                leaves.boxes.extend(boxes);
+                add_boxes_below(binary, number, &mut leaves.boxes);
                 leaves.starts.push(leaves.boxes.len() as u32);
             } else {
                 let first = node.first_index as usize;
                 open.extend([Err(nodes.len() - 1), Ok(first + 1), Ok(first)]);
             }
         }
+        leaves.boxes.iter_mut().for_each(|place| *place = primitive_indices[*place as usize]);
         (Self { nodes }, leaves)
     }
 
@@ -150,22 +150,15 @@ fn box_counts(nodes: &[Bvh2Node]) -> Vec<u32> {
     counts
 }
 
-/// Returns the places of the boxes below a node with at most [`LEAF`] boxes.
-fn boxes_below(nodes: &[Bvh2Node], root: usize) -> impl Iterator<Item = usize> {
-    let (mut open, mut count) = ([root; LEAF], 1_usize);
-    std::iter::from_fn(move || {
-        while let Some(top) = count.checked_sub(1) {
-            let Bvh2Node { prim_count, first_index, .. } = nodes[open[top]];
-            let first = first_index as usize;
-            if prim_count > 0 {
-                count = top;
-                return Some(first..first + prim_count as usize);
-            }
-            (open[top], open[top + 1], count) = (first + 1, first, count + 1);
-        }
-        None
-    })
-    .flatten()
+/// Adds the places of the boxes below a node. The node has at most [`LEAF`] boxes, so the recursion
+/// is shallow.
+fn add_boxes_below(nodes: &[Bvh2Node], number: usize, places: &mut Vec<u32>) {
+    let Bvh2Node { prim_count, first_index, .. } = nodes[number];
+    if prim_count > 0 {
+        places.extend(first_index..first_index + prim_count);
+    } else {
+        (0..2).for_each(|child| add_boxes_below(nodes, first_index as usize + child, places));
+    }
 }
 
 /// The cone in single precision, prepared for tests against boxes.

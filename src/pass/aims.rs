@@ -66,20 +66,20 @@ pub(super) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -
     let Some(mut strata) = strata else { return LearnedAims::plain(context) };
     let counted = (strata.list.len() as u64).min(MAX_STRATA);
     let affordable = (LARGEST_ROUND * context.budget.photons as f64) as u64;
-    let mut unlit = Vec::new();
+    let mut reached = Vec::new();
     let mut contributions = Vec::new();
     for (round, per_stratum) in (0..).zip(PATHS_PER_STRATUM) {
         // The paths of one stratum take a fraction of a second.
         let paths = (counted * per_stratum).min(affordable.max(per_stratum));
         let layout = GridLayout::new(&strata, paths);
         let found = trace_round(context, scenes, &strata, &layout, (round, paths));
-        unlit = unlit_objects(context.scene, &found.reached);
         contributions.clear();
         for (number, stratum) in strata.list.iter_mut().enumerate() {
             let (aim, mean_score) = found.aim(number);
             stratum.aim = aim;
             contributions.push(stratum.share * lights.probability(stratum.light) * mean_score);
         }
+        reached = found.reached;
     }
     let sum: f64 = contributions.iter().sum();
     let contributing = contributions.iter().filter(|&&contribution| contribution > 0.0).count();
@@ -91,7 +91,7 @@ pub(super) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -
         });
         strata.choice = DiscreteDistribution::new(shares).unwrap_or(strata.choice);
     }
-    LearnedAims { strata, unlit }
+    LearnedAims { strata, unlit: unlit_objects(context.scene, &reached) }
 }
 
 /// Returns the names of the specular objects that no photon reached.

@@ -7,6 +7,7 @@ use crate::gather::{LightSelector, Openings, SensorResponses};
 use crate::map::PhotonSpectra;
 use crate::math::kronecker::{golden_ratio, sqrt3};
 use crate::math::random::{Purpose, REPLICATES, hash64};
+use crate::plan::partition::PhotonSet;
 use crate::plan::{Budget, MotionPlan, Plan};
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Lanes};
@@ -43,6 +44,17 @@ pub(super) struct SharedWavelengths {
     pub(super) nm: Lanes,
     /// The probability densities of the wavelengths, per nm.
     pub(super) pdf: Lanes,
+}
+
+impl SharedWavelengths {
+    /// Returns how the photons of a set sample their wavelengths.
+    pub(super) fn sampling(self, set: PhotonSet) -> WavelengthSampling {
+        let Self { nm, pdf } = self;
+        match set {
+            PhotonSet::Free => WavelengthSampling::Free,
+            PhotonSet::Shared => WavelengthSampling::Shared { nm, pdf },
+        }
+    }
 }
 
 /// The emission of a photon set: the number of photons, their wavelengths and their random streams.

@@ -21,8 +21,8 @@ pub(super) struct DepositCounts {
 }
 
 impl DepositCounts {
-    /// Counts the photons that the pilot stored. `pass_per_pilot` is the number of photon paths in a
-    /// pass, divided by the number of photon paths in the pilot.
+    /// Counts the photons that the pilot stored. `pass_per_pilot` is the number of photon paths in
+    /// a pass, divided by the number of photon paths in the pilot.
     pub(super) fn of(deposits: &VolumeDeposits, pass_per_pilot: f64) -> Self {
         let scaled = |count: usize| count as f64 * pass_per_pilot;
         Self { points: scaled(deposits.points.len()), beams: scaled(deposits.beams.len()) }

@@ -1,13 +1,12 @@
 //! One pass of photon mapping: trace photons, build maps, trace camera paths.
 
-use super::context::{EmissionRequest, PassContext, SharedWavelengths};
+use super::context::{EmissionRequest, PassContext};
 use super::exposure::expose_rows;
 use super::pilot::Pilot;
 use super::sums::PassSums;
 use super::trace::trace_photons;
-use crate::emit::{PhotonSource, WavelengthSampling};
 use crate::error::Result;
-use crate::gather::{CameraPass, DirectLighting, MissingLight, PathBuffers, PixelSampler};
+use crate::gather::{CameraPass, MissingLight, PathBuffers, PixelSampler};
 use crate::map::radius::RadiusScales;
 use crate::map::{LightMaps, SetMaps};
 use crate::math::random::Purpose;
@@ -38,18 +37,12 @@ pub fn photon_pass<'a>(
     let shared = context.shared_wavelengths(pass);
     let film = &sums.film;
     let traced = PerSet::from_fn(|set| {
-        let (purpose, wavelengths) = match set {
-            PhotonSet::Free => (Purpose::FreePhoton, WavelengthSampling::Free),
-            PhotonSet::Shared => {
-                let SharedWavelengths { nm, pdf } = shared;
-                (Purpose::SharedPhoton, WavelengthSampling::Shared { nm, pdf })
-            }
+        let purpose = match set {
+            PhotonSet::Free => Purpose::FreePhoton,
+            PhotonSet::Shared => Purpose::SharedPhoton,
         };
-        let request = EmissionRequest { wavelengths, count: pilot.photons[set], purpose, pass };
-        let source = PhotonSource {
-            ray_densities: pilot.ray_densities.as_ref(),
-            ..context.photon_source(&scene, &pilot.strata, request)
-        };
+        let request = EmissionRequest { wavelengths: shared.sampling(set), count: pilot.photons[set], purpose, pass };
+        let source = pilot.photon_source(&context, &scene, request);
         trace_photons(&source, plan, set, pilot.recording(set), || film.splat_sink())
     });
     sums.seconds.emit += start.elapsed().as_secs_f64();
@@ -68,24 +61,9 @@ pub fn photon_pass<'a>(
     let start = Instant::now();
     let selector = context.light_selector(&scene);
     let camera_pass = CameraPass {
-        scene: &scene,
-        plan,
-        direct: DirectLighting::new(&scene, &selector, plan.media_plan)
-            .with_openings(context.openings)
-            .with_ray_densities(pilot.ray_densities.as_ref()),
-        maps: PerSet { free: &maps.free, shared: &maps.shared },
-        photons_per_sample: pilot.photons_per_sample(),
         missing: missing_light(&context, [&free.ledger, &on_shared.ledger], &maps, &lost),
-        light_maps,
-        shared_nm: shared.nm,
-        shared_pdf: shared.pdf,
         scales: RadiusScales::after(pass as f64 * pilot.photon_share),
-        stated_radius_m: budget.radius_m,
-        lens_systems: scene.camera.system().map(|system| shared.nm.map(|nm| system.at(nm))),
-        spectra: context.spectra,
-        responses: context.responses,
-        outlines: &pilot.outlines,
-        depth_limit: context.depth_limit(),
+        ..pilot.camera_pass(&context, (&scene, &selector), (&maps, light_maps), shared)
     };
     let samples = pilot.camera_samples;
     expose_rows(sums, |row, tally| {
@@ -133,15 +111,12 @@ fn missing_light<'m>(
     maps: &'m PerSet<SetMaps>,
     lost: &'m PerSet<SetMaps>,
 ) -> Option<MissingLight<'m>> {
-    fn references(maps: &PerSet<SetMaps>) -> PerSet<&SetMaps> {
-        PerSet { free: &maps.free, shared: &maps.shared }
-    }
     if context.depth_limit().is_stated() {
-        return Some(MissingLight { maps: references(lost), factor: 1.0 });
+        return Some(MissingLight { maps: lost.as_ref(), factor: 1.0 });
     }
     let sum = |power: fn(&Ledger) -> f64| ledgers.iter().map(|ledger| power(ledger)).sum::<f64>();
     let (capped, emitted) = (sum(|ledger| ledger.depth_limit_indirect), sum(|ledger| ledger.emitted));
-    (capped > 0.0).then(|| MissingLight { maps: references(maps), factor: ratio_beyond_cap(capped, emitted) })
+    (capped > 0.0).then(|| MissingLight { maps: maps.as_ref(), factor: ratio_beyond_cap(capped, emitted) })
 }
 
 /// Returns the power of the photons beyond the cap, divided by the power of the photons before the

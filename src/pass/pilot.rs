@@ -12,7 +12,7 @@
 
 use super::aims::{LearnedAims, learn_aims};
 use super::balance::{Balance, BalanceLimits};
-use super::context::PassContext;
+use super::context::{EmissionRequest, PassContext, SharedWavelengths};
 use super::keep_probability::{KEEP_ALL, KeepProbability};
 use super::outlines::outlines;
 use super::recorder::RecordingOptions;
@@ -20,10 +20,11 @@ use super::sums::StageSeconds;
 use super::survey::PixelSurvey;
 use super::trial::run_trial;
 use super::volume_radii::{VolumeKernelWidths, keep_probabilities};
-use crate::emit::EmissionStrata;
+use crate::emit::{EmissionStrata, PhotonSource};
 use crate::error::Result;
-use crate::gather::Outlines;
-use crate::map::PixelRadii;
+use crate::gather::{CameraPass, DirectLighting, LightSelector, Outlines};
+use crate::map::radius::RadiusScales;
+use crate::map::{LightMaps, PixelRadii, SetMaps};
 use crate::optics::bsdf::BsdfClass;
 use crate::plan::partition::{PerClass, PerSet, PhotonSet};
 use crate::plan::{AimPlan, Budget, CausticPlan, IndirectPlan, MotionPlan, WavelengthPlan};
@@ -148,6 +149,51 @@ impl Pilot {
     /// Returns how the photons of a set are recorded.
     pub(super) fn recording(&self, set: PhotonSet) -> RecordingOptions {
         RecordingOptions { keep: self.keep, photons_per_sample: self.photons_per_sample()[set] }
+    }
+
+    /// Returns a source of the photons of a pass.
+    pub(super) fn photon_source<'s>(
+        &'s self,
+        context: &PassContext<'s>,
+        scene: &'s Scene,
+        request: EmissionRequest,
+    ) -> PhotonSource<'s> {
+        PhotonSource {
+            ray_densities: self.ray_densities.as_ref(),
+            ..context.photon_source(scene, &self.strata, request)
+        }
+    }
+
+    /// Returns the inputs of the camera paths of a pass with the first kernel radii, in which no
+    /// light is missing.
+    pub(super) fn camera_pass<'s>(
+        &'s self,
+        context: &PassContext<'s>,
+        (scene, selector): (&'s Scene, &'s LightSelector),
+        (maps, light_maps): (&'s PerSet<SetMaps>, &'s LightMaps<'s>),
+        SharedWavelengths { nm, pdf }: SharedWavelengths,
+    ) -> CameraPass<'s> {
+        let PassContext { plan, budget, .. } = *context;
+        CameraPass {
+            scene,
+            plan,
+            direct: DirectLighting::new(scene, selector, plan.media_plan)
+                .with_openings(context.openings)
+                .with_ray_densities(self.ray_densities.as_ref()),
+            maps: maps.as_ref(),
+            photons_per_sample: self.photons_per_sample(),
+            missing: None,
+            light_maps,
+            shared_nm: nm,
+            shared_pdf: pdf,
+            scales: RadiusScales::after(0.0),
+            stated_radius_m: budget.radius_m,
+            lens_systems: scene.camera.system().map(|system| nm.map(|nm| system.at(nm))),
+            spectra: context.spectra,
+            responses: context.responses,
+            outlines: &self.outlines,
+            depth_limit: context.depth_limit(),
+        }
     }
 
     /// Divides the work of a pass between photons and camera samples.

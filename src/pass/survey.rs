@@ -7,7 +7,7 @@ use super::recorder::RecordingOptions;
 use super::trace::trace_photons;
 use super::volume_radii::{PixelVolumeCounts, VolumeKernelWidths};
 use super::volume_samples::VolumeSamples;
-use crate::emit::{EmissionStrata, WavelengthSampling};
+use crate::emit::EmissionStrata;
 use crate::gather::{CameraPass, CameraSegment, DirectLighting, Outlines, PathBuffers, PixelSampler, VisiblePoint};
 use crate::map::radius::{self, RadiusScales};
 use crate::map::{LightMaps, PhotonMap, PixelRadii, SetMaps};
@@ -57,8 +57,9 @@ const FEWEST_PHOTONS: f64 = 8.0;
 /// block, it searches the nearest photons once for each surface.
 const BLOCK: usize = 2;
 
-/// Two camera segments in a medium share a count of photons only if the ratio of their lengths is at
-/// least this value. Beside the edge of a body, segments are short and few photons are near them.
+/// Two camera segments in a medium share a count of photons only if the ratio of their lengths is
+/// at least this value. Beside the edge of a body, segments are short and few photons are near
+/// them.
 const SIMILAR_LENGTH: f64 = 0.9;
 
 /// Separates the camera samples of the pilot from the camera samples of the passes. The samples are
@@ -95,14 +96,12 @@ impl PixelSurvey {
         let PassContext { plan, budget, .. } = *context;
         // Direct light has no kernel, so the survey needs none.
         let without_direct = Plan { direct: DirectPlan::Absent, ..plan.clone() };
-        let SharedWavelengths { nm, pdf } = context.shared_wavelengths(moment);
+        let shared = context.shared_wavelengths(moment);
+        let SharedWavelengths { nm, pdf } = shared;
         let blank = Film::new(1, 1, scene.film.observer, 0);
         let mut stored = PerClass::default();
         let maps = PerSet::from_fn(|set| {
-            let (wavelengths, pass) = match set {
-                PhotonSet::Free => (WavelengthSampling::Free, 2 * moment),
-                PhotonSet::Shared => (WavelengthSampling::Shared { nm, pdf }, 2 * moment + 1),
-            };
+            let (wavelengths, pass) = (shared.sampling(set), 2 * moment + set as u64);
             let share = photon_share(photons[set], moments);
             let count = (share * photons[set] as f64) as u64;
             let request = EmissionRequest { wavelengths, count, purpose: Purpose::Pilot, pass };
@@ -286,7 +285,7 @@ impl BlockSurvey {
             return PixelVolumeCounts::default();
         }
         match &self.volume {
-            Some((known, counts)) if are_alike(known, segments) => *counts,
+            Some((known, counts)) if segments_are_alike(known, segments) => *counts,
             _ => {
                 let counts = count(segments);
                 self.volume = Some((segments.to_vec(), counts));
@@ -297,7 +296,7 @@ impl BlockSurvey {
 }
 
 /// Returns true if the segments of two pixels cross the same media along similar lengths.
-fn are_alike(one: &[CameraSegment], other: &[CameraSegment]) -> bool {
+fn segments_are_alike(one: &[CameraSegment], other: &[CameraSegment]) -> bool {
     let similar = |(one, other): (&CameraSegment, &CameraSegment)| {
         let (shorter, longer) = (one.length_m.min(other.length_m), one.length_m.max(other.length_m));
         (one.medium, one.shared) == (other.medium, other.shared) && shorter >= SIMILAR_LENGTH * longer

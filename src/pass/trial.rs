@@ -6,17 +6,15 @@
 //! differ by the noise of the photons (analysis of variance with nested groups).
 
 use super::balance::{Variances, Work};
-use super::context::{EmissionRequest, PassContext, SharedWavelengths};
+use super::context::{EmissionRequest, PassContext};
 use super::pilot::Pilot;
 use super::trace::trace_photons;
-use crate::emit::{PhotonSource, WavelengthSampling};
-use crate::gather::{CameraPass, DirectLighting, PathBuffers, PixelSampler};
-use crate::map::radius::RadiusScales;
-use crate::map::{LightMaps, SetMaps};
+use crate::gather::{PathBuffers, PixelSampler};
+use crate::map::LightMaps;
 use crate::math::kronecker::golden_ratio;
 use crate::math::random::Purpose;
 use crate::plan::Tally;
-use crate::plan::partition::{PerSet, PhotonSet};
+use crate::plan::partition::PerSet;
 use crate::scene::Scene;
 use crate::sensor::{Film, SplatSink};
 use rayon::prelude::*;
@@ -155,20 +153,14 @@ impl SmallPass {
         tiles: &[Vec<usize>],
     ) -> Self {
         let PassContext { plan, budget, .. } = *context;
-        let SharedWavelengths { nm, pdf } = context.shared_wavelengths(0);
+        let shared = context.shared_wavelengths(0);
         let observer = scene.film.observer;
         let blank = Film::new(1, 1, observer, 0);
         let traced = PerSet::from_fn(|set| {
-            let wavelengths = match set {
-                PhotonSet::Free => WavelengthSampling::Free,
-                PhotonSet::Shared => WavelengthSampling::Shared { nm, pdf },
-            };
             let pass = FIRST_PHOTON_PASS + 2 * number + set as u64;
-            let request = EmissionRequest { wavelengths, count: counts[set], purpose: Purpose::Pilot, pass };
-            let source = PhotonSource {
-                ray_densities: pilot.ray_densities.as_ref(),
-                ..context.photon_source(scene, &pilot.strata, request)
-            };
+            let (wavelengths, count) = (shared.sampling(set), counts[set]);
+            let request = EmissionRequest { wavelengths, count, purpose: Purpose::Pilot, pass };
+            let source = pilot.photon_source(context, scene, request);
             trace_photons(&source, plan, set, pilot.recording(set), || blank.splat_sink())
         });
         let mut splats = vec![[0.0; 3]; scene.camera.pixel_count()];
@@ -179,29 +171,9 @@ impl SmallPass {
                 (0..3).for_each(|c| splats[pixel as usize][c] += f64::from(xyz[c]));
             }
         }
-        let PerSet { free, shared } = traced;
-        let maps: PerSet<SetMaps> = PerSet { free: free.deposits.into_maps(), shared: shared.deposits.into_maps() };
+        let maps = PerSet { free: traced.free.deposits.into_maps(), shared: traced.shared.deposits.into_maps() };
         let selector = context.light_selector(scene);
-        let camera_pass = CameraPass {
-            scene,
-            plan,
-            direct: DirectLighting::new(scene, &selector, plan.media_plan)
-                .with_openings(context.openings)
-                .with_ray_densities(pilot.ray_densities.as_ref()),
-            maps: PerSet { free: &maps.free, shared: &maps.shared },
-            photons_per_sample: pilot.photons_per_sample(),
-            missing: None,
-            light_maps,
-            spectra: context.spectra,
-            responses: context.responses,
-            shared_nm: nm,
-            shared_pdf: pdf,
-            scales: RadiusScales::after(0.0),
-            stated_radius_m: budget.radius_m,
-            lens_systems: scene.camera.system().map(|system| nm.map(|nm| system.at(nm))),
-            outlines: &pilot.outlines,
-            depth_limit: context.depth_limit(),
-        };
+        let camera_pass = pilot.camera_pass(context, (scene, &selector), (&maps, light_maps), shared);
         let sample = |pixel: usize, nth: usize, tally: &mut Tally| {
             let mut buffers = PathBuffers::default();
             let pass = number * TRIALS as u64 + nth as u64;

@@ -28,9 +28,9 @@ const MAX_VOLUME_RADIUS_PX: PerClass<f64> = PerClass { caustic: 4.0, indirect: 2
 const MAX_VOLUME_RADIUS_OF_PICTURE: f64 = 0.1;
 
 /// The upper limit of the first kernel radius of indirect light in media, divided by the distance
-/// from the camera. It applies if the other limits of the radius leave almost no photons near a ray,
-/// and if the camera is in the medium or close to it. In fog of a large world, 24 pixels may contain
-/// one photon in a thousand passes.
+/// from the camera. It applies if the other limits of the radius leave almost no photons near a
+/// ray, and if the camera is in the medium or close to it. In fog of a large world, 24 pixels may
+/// contain one photon in a thousand passes.
 const WIDEST_KERNEL: f64 = 1.0;
 
 /// The upper limit of the first kernel radius for photon points, in mean free paths.

@@ -1,7 +1,7 @@
 //! Samples of the pilot's photons in media, in which camera segments count nearby photons.
 //!
-//! The cost of a count must not depend on the number of photons. Therefore a segment counts in small
-//! samples, and it stops when it has found enough photons.
+//! The cost of a count must not depend on the number of photons. Therefore a segment counts in
+//! small samples, and it stops when it has found enough photons.
 
 use super::deposits::VolumeDeposits;
 use super::keep_probability::{DepositCounts, KeepProbability};
@@ -11,14 +11,15 @@ use crate::plan::VolumePlan;
 use crate::scene::medium::Medium;
 use crate::spectrum::REFERENCE_NM;
 
-/// The numbers of photon points in the samples. A camera segment searches the samples in this order.
+/// The numbers of photon points in the samples. A camera segment searches the samples in this
+/// order.
 const POINT_SAMPLES: [usize; 4] = [256, 1024, 4096, 16_384];
 
 /// The number of photon beams in the sample.
 const BEAM_SAMPLE: usize = 256;
 
-/// A camera segment stops counting when it has found this number of photons. More photons would take
-/// time and hardly change the radius, because the radius depends on a root of the number.
+/// A camera segment stops counting when it has found this number of photons. More photons would
+/// take time and hardly change the radius, because the radius depends on a root of the number.
 const ENOUGH: f64 = 16.0;
 
 /// A kernel width contains enough photons if a pass stores at least this number within it.
@@ -164,8 +165,8 @@ impl VolumeSamples {
 }
 
 impl NearbyPhotons {
-    /// Compares the counts at two camera segments. Returns the counts within the narrower kernels. If
-    /// the kernels have the same width, returns the larger value of each count.
+    /// Compares the counts at two camera segments. Returns the counts within the narrower kernels.
+    /// If the kernels have the same width, returns the larger value of each count.
     pub(super) fn denser(self, other: Self) -> Self {
         if self.width < other.width {
             return self;

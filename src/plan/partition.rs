@@ -133,6 +133,11 @@ impl<T> PerSet<T> {
         Self { free: value(PhotonSet::Free), shared: value(PhotonSet::Shared) }
     }
 
+    /// Borrows the value of each set.
+    pub fn as_ref(&self) -> PerSet<&T> {
+        PerSet { free: &self.free, shared: &self.shared }
+    }
+
     /// Combines the values of each set, free photons first.
     pub fn zip_with<U, V>(self, other: PerSet<U>, mut combine: impl FnMut(T, U) -> V) -> PerSet<V> {
         PerSet { free: combine(self.free, other.free), shared: combine(self.shared, other.shared) }

@@ -39,8 +39,8 @@ pub struct SurfaceInteraction<'a> {
 
 impl<'a> SurfaceInteraction<'a> {
     /// Creates the interaction at a hit. The two medium stacks contain the bodies on the side of
-    /// arrival and on the other side. `sides` contains the refractive indices there. `component` in [0, 1) selects the component of a mixed
-    /// material.
+    /// arrival and on the other side. `sides` contains the refractive indices there. `component` in
+    /// [0, 1) selects the component of a mixed material.
     #[inline(always)]
     pub(super) fn new(
         scene: &'a Scene,

@@ -114,8 +114,8 @@ fn a_camera_in_the_fog_of_a_large_world_sees_a_furnace() {
 }
 
 /// The camera sees the lower half of a white sphere above a white ground of 1 km, under a sky. Most
-/// of the light comes from the ground below the sphere. Of the photons that arrive far away, few are
-/// scattered to the sphere, and they must not carry most of the power.
+/// of the light comes from the ground below the sphere. Of the photons that arrive far away, few
+/// are scattered to the sphere, and they must not carry most of the power.
 #[test]
 fn ground_around_the_view_lights_a_sphere() {
     let scene = json!({

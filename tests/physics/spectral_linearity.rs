@@ -24,8 +24,8 @@ fn ball(lines: &[f64]) -> Value {
     })
 }
 
-/// The same ball in front of a wide light, which scattered paths hit. The fog scatters forward at one
-/// line and backward at the other.
+/// The same ball in front of a wide light, which scattered paths hit. The fog scatters forward at
+/// one line and backward at the other.
 fn ball_before_a_wide_light(lines: &[f64]) -> Value {
     let mut scene = ball(lines);
     let light = &mut scene["lights"][0]["directional"];

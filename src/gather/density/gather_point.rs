@@ -90,9 +90,9 @@ impl<'e> GatherPoint<'e> {
         Self { weights, ..self }
     }
 
-    /// Returns the side of the surface to which a photon contributes: 1 for the visible side, and −1
-    /// for the other side. Returns `None` if the photon belongs to another surface. `normal` is the
-    /// photon's normal. Its length is arbitrary.
+    /// Returns the side of the surface to which a photon contributes: 1 for the visible side, and
+    /// −1 for the other side. Returns `None` if the photon belongs to another surface. `normal` is
+    /// the photon's normal. Its length is arbitrary.
     #[inline(always)]
     fn side_of(&self, normal: DVec3, position: [f32; 3]) -> Option<f64> {
         let alignment = normal.dot(self.facing);

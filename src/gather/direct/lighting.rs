@@ -107,9 +107,9 @@ pub(in crate::gather) enum HitWeighting {
     /// The weight is 1, because no shadow ray could have sampled this light.
     Full,
     /// The weight of multiple importance sampling. The ray was sampled at `from` with the density
-    /// `pdf` per steradian. The other sampling technique is shadow rays. `caustic` weights the light
-    /// that the path hits after a specular event. If it is `None`, another estimator counts this
-    /// light.
+    /// `pdf` per steradian. The other sampling technique is shadow rays. `caustic` weights the
+    /// light that the path hits after a specular event. If it is `None`, another estimator counts
+    /// this light.
     Mis { from: ReceivingPoint, pdf: f64, caustic: Option<CausticWeights> },
     /// The weight of multiple importance sampling. The other technique is photons. The path was
     /// sampled with the density `pdf` per steradian at a glossy surface, and then had only specular

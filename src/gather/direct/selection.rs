@@ -21,7 +21,8 @@ const SAMPLE_ALL_LIGHTS: usize = 8;
 #[derive(Debug, Clone)]
 pub struct LightSelector {
     light_count: usize,
-    /// What a point samples. Empty if each point samples all lights, and no light has a tree.
+    /// The samples that each point takes. The list is empty if each point samples all lights, and
+    /// no light has a tree.
     samples: Vec<Sampled>,
     /// For each light, how it is sampled. Empty if `samples` is empty.
     lights: Vec<SampledBy>,
@@ -157,8 +158,8 @@ impl LightSelector {
         self.outside.as_ref().map_or(0.0, |outside| outside.probability(number))
     }
 
-    /// Returns the factor [`SelectedLight::probability`] for a light that a scattered ray hit. `hit`
-    /// is `None` for lights at infinity. The ray was scattered at `receiver`.
+    /// Returns the factor [`SelectedLight::probability`] for a light that a scattered ray hit.
+    /// `hit` is `None` for lights at infinity. The ray was scattered at `receiver`.
     #[inline]
     pub(in crate::gather) fn probability(
         &self,

@@ -229,12 +229,13 @@ impl TracedPath {
         self.ray_state = interaction.spawn_scattered(scattered);
     }
 
-    /// Returns the throughput at each wavelength, relative to the throughput at the start of the path.
+    /// Returns the throughput at each wavelength, relative to the throughput at the start of the
+    /// path.
     ///
     /// At the start, the throughput is the inverse of the density with which the wavelengths are
-    /// sampled, and this density follows the spectra of the lights. Therefore the ratio measures the
-    /// light that a wavelength can still contribute, but the throughput does not: it is small at a
-    /// spectral line, which contains most of the light.
+    /// sampled, and this density follows the spectra of the lights. Therefore the ratio measures
+    /// the light that a wavelength can still contribute, but the throughput does not: it is small
+    /// at a spectral line, which contains most of the light.
     pub(super) fn importance(&self) -> Lanes {
         let ratio = |k: usize| match self.initial_throughput[k] {
             initial if initial > 0.0 => self.throughput[k] / initial,

@@ -7,8 +7,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Bounds of the light of a local light.
 ///
 /// The light has normals and emits around each normal. The normals are within `normals_rad` of the
-/// axis, and the light leaves within `emission_rad` of a normal. Between these angles, the intensity
-/// falls with the cosine of the angle to the normal.
+/// axis, and the light leaves within `emission_rad` of a normal. Between these angles, the
+/// intensity falls with the cosine of the angle to the normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IntensityBounds {
     /// The lowest corner of a box around the light, relative to the scene's centre, in m.

@@ -149,11 +149,11 @@ impl Cluster {
         (self.low.map(f64::from).into(), self.high.map(f64::from).into())
     }
 
-    /// Returns the largest height of a point above the planes of the emitters. The height is positive
-    /// if the point is above any of the planes. Returns infinity if the intensity does not fall with
-    /// the cosine. `offset` leads from the point to the centre of the
-    /// box, and `half` is half the size of the box, in m. `farthest2` is the squared distance of the
-    /// farthest point of the box.
+    /// Returns the largest height of a point above the planes of the emitters. The height is
+    /// positive if the point is above any of the planes. Returns infinity if the intensity does not
+    /// fall with the cosine. `offset` leads from the point to the centre of the box, and `half` is
+    /// half the size of the box, in m. `farthest2` is the squared distance of the farthest point of
+    /// the box.
     #[inline]
     fn height_above(&self, offset: DVec3, half: DVec3, farthest2: f64) -> f64 {
         if self.cos_o <= 0.0 {
@@ -175,8 +175,8 @@ impl Cluster {
         if is_dark { 0.0 } else { f64::INFINITY }
     }
 
-    /// Returns a bound of the intensity in all directions within θ_b of a direction at the angle θ_w
-    /// to the axis. The bound is I cos θ', where θ' = θ_w − θ_o − θ_b (equation 3).
+    /// Returns a bound of the intensity in all directions within θ_b of a direction at the angle
+    /// θ_w to the axis. The bound is I cos θ', where θ' = θ_w − θ_o − θ_b (equation 3).
     #[inline]
     fn intensity_within(&self, cos_w: f64, (sin_b, cos_b): (f64, f64)) -> f64 {
         let sin_w = sine(cos_w);
@@ -192,8 +192,8 @@ fn sine(cos: f64) -> f64 {
     (1.0 - cos * cos).max(0.0).sqrt()
 }
 
-/// Returns the sine and the cosine of max(0, a − b). The angles a and b are in [0, π], and are given
-/// by their sines and cosines.
+/// Returns the sine and the cosine of max(0, a − b). The angles a and b are in [0, π], and are
+/// given by their sines and cosines.
 #[inline]
 fn minus_angle((sin_a, cos_a): (f64, f64), (sin_b, cos_b): (f64, f64)) -> (f64, f64) {
     if cos_a >= cos_b { (0.0, 1.0) } else { (sin_a * cos_b - cos_a * sin_b, cos_a * cos_b + sin_a * sin_b) }
@@ -226,8 +226,8 @@ impl ReceivingPoint {
 }
 
 impl Receiver for ReceivingPoint {
-    /// Returns the importance I cos θ'_i cos θ' / d² (equation 3). The terms follow from the box, as
-    /// the documentation of the light tree explains.
+    /// Returns the importance I cos θ'_i cos θ' / d² (equation 3). The terms follow from the box,
+    /// as the documentation of the light tree explains.
     #[inline]
     fn importance(&self, cluster: &Cluster) -> f64 {
         let (low, high) = cluster.corners();

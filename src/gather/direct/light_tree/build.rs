@@ -106,8 +106,8 @@ impl Builder<'_> {
     }
 }
 
-/// Returns the mean spacing of emitters in m. A receiver inside the box of a cluster is about half a
-/// spacing away from the nearest emitter. The box may be a line, a sheet or a block of emitters.
+/// Returns the mean spacing of emitters in m. A receiver inside the box of a cluster is about half
+/// a spacing away from the nearest emitter. The box may be a line, a sheet or a block of emitters.
 fn spacing(bounds: &LightBounds, count: usize) -> f64 {
     let mut size = (bounds.high - bounds.low).to_array();
     size.sort_by(f64::total_cmp);

@@ -16,16 +16,16 @@
 //! the bounding sphere of the cluster. They are inaccurate for points near long clusters, such as a
 //! row of lamps or a luminous ceiling. This tree takes them from the box:
 //!
-//! - d² is the product ab of the smallest and the largest distance of the box. The mean of 1/d² over
-//!   the distances from a to b is 1/(ab) (section 5.2 of the paper).
+//! - d² is the product ab of the smallest and the largest distance of the box. The mean of 1/d²
+//!   over the distances from a to b is 1/(ab) (section 5.2 of the paper).
 //! - cos θ'_i is h/√(ab), where h is the largest height of the box above the tangent plane of the
 //!   surface.
-//! - cos θ' is h'/√(ab), where h' is the largest height of the point above a plane through a point of
-//!   the box. The planes are perpendicular to the normals of the emitters. For lights that shine into
-//!   cones, cos θ' is 1 inside the paper's bound θ' = 0, and 0 outside.
+//! - cos θ' is h'/√(ab), where h' is the largest height of the point above a plane through a point
+//!   of the box. The planes are perpendicular to the normals of the emitters. For lights that shine
+//!   into cones, cos θ' is 1 inside the paper's bound θ' = 0, and 0 outside.
 //!
-//! The importance is still 0 only if no emitter of the cluster can illuminate the point. The tree is
-//! never split, so a point samples one emitter of the tree.
+//! The importance is still 0 only if no emitter of the cluster can illuminate the point. The tree
+//! is never split, so a point samples one emitter of the tree.
 
 mod bounds;
 mod build;

@@ -65,8 +65,8 @@ pub(super) fn missing_and_transmitted(facets: &Ggx, kind: FacetKind, cos: f64) -
     (missing / AZIMUTHS as f64, transmitted / AZIMUTHS as f64)
 }
 
-/// Divides \[0, π/2\] into intervals in which `state` is constant. States on less than a sixteenth of
-/// the interval may be missed; the integrands are continuous, so the error is small.
+/// Divides \[0, π/2\] into intervals in which `state` is constant. States on less than a sixteenth
+/// of the interval may be missed; the integrands are continuous, so the error is small.
 fn constant_intervals<S: PartialEq>(state: impl Fn(f64) -> S) -> impl Iterator<Item = (f64, f64)> {
     const PROBES: usize = 16;
     let mut ends = vec![0.0];

@@ -208,8 +208,8 @@ mod tests {
         }
     }
 
-    /// The positions lie between the nodes in all three dimensions. At indices between 1/1.1 and 1.1,
-    /// the interpolation is less accurate at grazing angles.
+    /// The positions lie between the nodes in all three dimensions. At indices between 1/1.1 and
+    /// 1.1, the interpolation is less accurate at grazing angles.
     #[test]
     fn interpolated_missing_energy_agrees_with_the_quadrature() {
         let mut worst = (0.0_f64, String::new());
