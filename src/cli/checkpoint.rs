@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::output::file as files;
 use crate::output::metadata::{Metadata, names};
 use crate::render::{Job, Monitor, PassPart, Progress, RenderIdentity, Run, SavedRun};
+use crate::sensor::Picture;
 
 use super::preview::Preview;
 use super::print;
@@ -107,6 +108,14 @@ impl<'a> RenderMonitor<'a> {
 impl Monitor for RenderMonitor<'_> {
     fn before_pilot(&mut self) {
         self.display.before_pilot();
+    }
+
+    fn wants_coarse_picture(&self) -> bool {
+        self.preview.is_possible()
+    }
+
+    fn show_coarse_picture(&mut self, picture: &Picture) {
+        self.preview.show(picture, 0);
     }
 
     fn after_pass(&mut self, progress: &Progress) -> bool {

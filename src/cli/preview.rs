@@ -7,6 +7,7 @@ use crate::output::Metadata;
 use crate::output::exr::write as write_exr;
 use crate::output::metadata::names;
 use crate::render::{DisplaySettings, Run};
+use crate::sensor::Picture;
 
 use super::outputs::OutputFiles;
 use super::print;
@@ -40,25 +41,33 @@ impl<'a> Preview<'a> {
         Self { outputs, metadata, display, schedule: PreviewSchedule::new(), has_failed: false }
     }
 
-    /// Writes the files if a preview is due. A failure is reported once, and the render continues.
+    /// Writes the files if a preview is due.
     pub(crate) fn update(&mut self, start: Instant, run: &Run) {
         let elapsed = start.elapsed();
-        if !self.schedule.is_due(elapsed) || !self.outputs.can_be_refreshed() {
-            return;
+        if self.schedule.is_due(elapsed) && self.is_possible() {
+            self.show(&run.picture(), run.passes());
+            self.schedule.written(elapsed, start.elapsed());
         }
-        if let Err(error) = self.write(run)
+    }
+
+    /// Returns true if the output files can be replaced.
+    pub(crate) fn is_possible(&self) -> bool {
+        self.outputs.can_be_refreshed()
+    }
+
+    /// Writes the files. A failure is reported once, and the render continues.
+    pub(crate) fn show(&mut self, picture: &Picture, passes: u64) {
+        if let Err(error) = self.write(picture, passes)
             && !self.has_failed
         {
             self.has_failed = true;
             print::remark(&format!("warning: the preview cannot be written: {error}; the render continues"));
         }
-        self.schedule.written(elapsed, start.elapsed());
     }
 
-    fn write(&self, run: &Run) -> Result<()> {
-        let picture = run.picture();
-        let metadata = self.metadata.clone().with(names::PASSES, &run.passes().to_string());
-        self.outputs.save_pictures(|path| write_exr(path, &picture, &metadata), &picture, &self.display).map(drop)
+    fn write(&self, picture: &Picture, passes: u64) -> Result<()> {
+        let metadata = self.metadata.clone().with(names::PASSES, &passes.to_string());
+        self.outputs.save_pictures(|path| write_exr(path, picture, &metadata), picture, &self.display).map(drop)
     }
 }
 

@@ -7,6 +7,7 @@
 
 mod aims;
 mod balance;
+mod coarse;
 mod context;
 mod deposits;
 mod exposure;
@@ -26,6 +27,7 @@ mod trial;
 mod volume_radii;
 mod volume_samples;
 
+pub use coarse::coarse_path_picture;
 pub use context::PassContext;
 pub use openings::find_openings;
 pub use path_pass::path_pass;

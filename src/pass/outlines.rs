@@ -3,6 +3,7 @@
 use super::context::PassContext;
 use super::survey::MAX_SURFACE_RADIUS_PX;
 use crate::gather::{Outline, OutlineSurvey, Outlines, VisiblePoint};
+use crate::geometry::Geometry;
 use crate::map::PixelRadii;
 use crate::plan::WavelengthPlan;
 use crate::plan::partition::PhotonSet;
@@ -16,6 +17,14 @@ const PIXELS_PER_OUTLINE: f64 = 3.0;
 
 /// The test for edges looks at pixels at these fractions of the kernel radius.
 const EDGE_DISTANCES: [f64; 3] = [0.25, 0.5, 1.0];
+
+/// The side length of a block of pixels, in pixels. The pixels of a block that see the same plane
+/// share a measurement.
+const BLOCK: usize = 4;
+
+/// Neighbouring pixels of the same plane share a measurement if it reaches at most this number of
+/// times as far as the measurement of one pixel.
+const WIDEST_SHARED: f64 = 1.5;
 
 /// Returns the outlines around visible points. A visible point has an outline if its kernel for
 /// indirect light may extend over an edge of the surface.
@@ -31,21 +40,84 @@ pub(super) fn outlines(
 ) -> Outlines {
     let set = PhotonSet::of_path(context.plan.wavelengths == WavelengthPlan::Shared);
     let width = scene.camera.width();
-    let outline = |pixel: usize| {
+    let survey = |pixel: usize| {
         let radius_m = f64::from(radii[pixel].surface[set].indirect);
         let crossing = visible[pixel].as_ref().filter(|_| may_cross_edge(visible, pixel, radius_m, width));
-        let Some(point) = crossing else { return OutlineSurvey::Absent };
+        let Some(point) = crossing else { return Need::Nothing };
         let moves = |bounds: &Bounds| distance_to_box(point.position, bounds) <= 2.0 * radius_m;
         if swept.iter().any(moves) {
-            OutlineSurvey::Absent
+            Need::Nothing
         } else if radius_m < PIXELS_PER_OUTLINE * point.footprint_m {
-            OutlineSurvey::Varies
+            Need::PerSample
         } else {
-            Outline::around(&scene.geometry, point, radius_m).map_or(OutlineSurvey::Absent, OutlineSurvey::Measured)
+            Need::Outline(point, radius_m)
         }
     };
-    let of_pixels: Vec<OutlineSurvey> = (0..visible.len()).into_par_iter().map(outline).collect();
-    Outlines::new(width, of_pixels.into_iter())
+    let rows: Vec<usize> = (0..visible.len() / width).step_by(BLOCK).collect();
+    let of_band = |&row: &usize| {
+        let rows = row..(row + BLOCK).min(visible.len() / width);
+        let mut of_pixels = vec![OutlineSurvey::Absent; rows.len() * width];
+        for column in (0..width).step_by(BLOCK) {
+            let columns = column..(column + BLOCK).min(width);
+            let block = rows.clone().flat_map(|y| columns.clone().map(move |x| y * width + x));
+            let needs: Vec<(usize, Need<'_>)> = block.map(|pixel| (pixel - row * width, survey(pixel))).collect();
+            measure_block(&scene.geometry, &needs, &mut of_pixels);
+        }
+        of_pixels
+    };
+    let of_bands: Vec<Vec<OutlineSurvey>> = rows.par_iter().map(of_band).collect();
+    Outlines::new(width, of_bands.into_iter().flatten())
+}
+
+/// What a pixel needs, to correct its kernel.
+#[derive(Clone, Copy)]
+enum Need<'v> {
+    /// No outline.
+    Nothing,
+    /// An outline for each camera sample.
+    PerSample,
+    /// An outline around this point, with this reach in m.
+    Outline(&'v VisiblePoint, f64),
+}
+
+/// Measures the outlines of a block of pixels. Pixels that see the same plane share a measurement.
+/// `needs` contains the place of each pixel in `of_pixels`.
+fn measure_block(geometry: &Geometry, needs: &[(usize, Need<'_>)], of_pixels: &mut [OutlineSurvey]) {
+    let mut measured: Vec<Outline> = Vec::new();
+    for (nth, &(place, need)) in needs.iter().enumerate() {
+        let (point, radius_m) = match need {
+            Need::Nothing => continue,
+            Need::PerSample => {
+                of_pixels[place] = OutlineSurvey::Varies;
+                continue;
+            }
+            Need::Outline(point, radius_m) => (point, radius_m),
+        };
+        let shared = measured.iter().find_map(|outline| outline.moved_to(point, radius_m));
+        let outline = shared.unwrap_or_else(|| {
+            let reach = shared_reach(point, radius_m, &needs[nth + 1..]);
+            let wide = Outline::around(geometry, point, reach);
+            let own = wide.moved_to(point, radius_m);
+            measured.push(wide.clone());
+            own.unwrap_or(wide)
+        });
+        if outline.is_limited() {
+            of_pixels[place] = OutlineSurvey::Measured(outline);
+        }
+    }
+}
+
+/// Returns the reach (m) of a measurement that other pixels of a block share, or the reach of this
+/// pixel alone if no other pixel can share it.
+fn shared_reach(point: &VisiblePoint, radius_m: f64, others: &[(usize, Need<'_>)]) -> f64 {
+    let reach_for = |&(_, need): &(usize, Need<'_>)| match need {
+        Need::Outline(other, radius_m) if other.facing == point.facing => {
+            Some(Outline::reach_to_move(other.position.distance(point.position) + radius_m))
+        }
+        _ => None,
+    };
+    let near = others.iter().filter_map(reach_for).filter(|&reach| reach <= WIDEST_SHARED * radius_m);
+    near.reduce(f64::max).map_or(radius_m, |reach| reach.max(Outline::reach_to_move(radius_m)))
 }
 
 /// Returns the distance of a point from a box, or 0 inside the box.

@@ -12,6 +12,7 @@
 
 use super::aims::{LearnedAims, learn_aims};
 use super::balance::{Balance, BalanceLimits};
+use super::coarse::coarse_photon_picture;
 use super::context::{EmissionRequest, PassContext, SharedWavelengths};
 use super::keep_probability::{KEEP_ALL, KeepProbability};
 use super::outlines::outlines;
@@ -29,6 +30,7 @@ use crate::optics::bsdf::BsdfClass;
 use crate::plan::partition::{PerClass, PerSet, PhotonSet};
 use crate::plan::{AimPlan, Budget, CausticPlan, IndirectPlan, MotionPlan, WavelengthPlan};
 use crate::scene::Scene;
+use crate::sensor::Picture;
 use crate::walk::RayDensities;
 use std::borrow::Cow;
 use std::time::Instant;
@@ -77,26 +79,26 @@ fn posed_scenes<'a>(context: &PassContext<'a>) -> Result<Vec<Cow<'a, Scene>>> {
 }
 
 impl Pilot {
-    /// Runs the pilot. Adds the duration of the pilot to `seconds`.
+    /// Runs the pilot. Adds the duration of the pilot to `seconds`. If `show` is given and the film
+    /// is not small, the function calls `show` with a coarse picture of the scene as soon as
+    /// possible.
     ///
     /// # Errors
     /// Returns an error if the scene cannot be posed at one of the pilot's times.
-    pub fn run(context: &PassContext<'_>, seconds: &mut StageSeconds) -> Result<Self> {
+    pub fn run(
+        context: &PassContext<'_>,
+        seconds: &mut StageSeconds,
+        show: Option<&mut dyn FnMut(&Picture)>,
+    ) -> Result<Self> {
         let start = Instant::now();
         let scenes = posed_scenes(context)?;
         let LearnedAims { strata, unlit } = match context.plan.aim {
             AimPlan::Plain => LearnedAims::plain(context),
             AimPlan::Learned => learn_aims(context, &scenes),
         };
-        let all = context.budget.photons;
-        let photons = match context.plan.wavelengths {
-            WavelengthPlan::Free => PerSet { free: all, shared: 0 },
-            WavelengthPlan::Shared => PerSet { free: 0, shared: all },
-            WavelengthPlan::Both => PerSet::from_fn(|_| (all / 2).max(1)),
-        };
         let extent = context.scene.extent();
         let ray_densities = has_competition(context).then(|| strata.ray_densities(&context.scene.lights, extent));
-        let (radii, outlines) = (Vec::new(), Outlines::default());
+        let (radii, outlines, photons) = (Vec::new(), Outlines::default(), PerSet::default());
         let mut pilot = Self {
             strata,
             unlit,
@@ -108,6 +110,11 @@ impl Pilot {
             photon_share: 1.0,
             keep: KEEP_ALL,
         };
+        if let Some(show) = show
+            && let Some(picture) = coarse_photon_picture(context, &scenes[0], &mut pilot)?
+        {
+            show(&picture);
+        }
         pilot.measure(context, &scenes);
         pilot.balance(context, &scenes[0]);
         seconds.pilot += start.elapsed().as_secs_f64();
@@ -116,7 +123,8 @@ impl Pilot {
 
     /// Measures the radii, the outlines, the probabilities of storing photons in media, and the
     /// division of the photons between the sets.
-    fn measure(&mut self, context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) {
+    pub(super) fn measure(&mut self, context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) {
+        (self.photons, self.camera_samples) = (even_division(context.plan.wavelengths, context.budget.photons), 1);
         let mut survey = PixelSurvey::default();
         for (moment, scene) in (0..).zip(scenes) {
             let moment = (moment, scenes.len());
@@ -225,6 +233,15 @@ fn has_competition(context: &PassContext<'_>) -> bool {
         .iter()
         .any(|material| material.surface.components().any(|component| component.class() == BsdfClass::Glossy));
     plan.caustics != CausticPlan::Absent && !plan.direct.is_absent() && glossy
+}
+
+/// Divides the photons evenly between the sets that are in use.
+fn even_division(wavelengths: WavelengthPlan, photons: u64) -> PerSet<u64> {
+    match wavelengths {
+        WavelengthPlan::Free => PerSet { free: photons, shared: 0 },
+        WavelengthPlan::Shared => PerSet { free: 0, shared: photons },
+        WavelengthPlan::Both => PerSet::from_fn(|_| (photons / 2).max(1)),
+    }
 }
 
 /// Divides the photons between the sets in proportion to the number of pixels that read each set.

@@ -2,6 +2,7 @@
 
 use super::forecast::Forecast;
 use super::run::Run;
+use crate::sensor::Picture;
 use std::time::Duration;
 
 /// The progress of a render after a pass.
@@ -32,6 +33,15 @@ pub struct Progress {
 pub trait Monitor {
     /// Called once before the pilot, if the render has a pilot.
     fn before_pilot(&mut self) {}
+
+    /// Returns true if the monitor shows a coarse picture before pass 0. A coarse picture takes a
+    /// fraction of a pass.
+    fn wants_coarse_picture(&self) -> bool {
+        false
+    }
+
+    /// Receives a coarse picture in the size of the film. Small films have none.
+    fn show_coarse_picture(&mut self, _picture: &Picture) {}
 
     /// Receives the progress after each pass. Returns false to end the render.
     fn after_pass(&mut self, progress: &Progress) -> bool;

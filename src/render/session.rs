@@ -10,7 +10,7 @@ use super::stop::{RunClock, StopConditions};
 use crate::error::{Error, Result};
 use crate::gather::Openings;
 use crate::map::LightMaps;
-use crate::pass::{PassContext, Pilot, find_openings, path_pass, photon_pass};
+use crate::pass::{PassContext, Pilot, coarse_path_picture, find_openings, path_pass, photon_pass};
 use crate::sensor::Picture;
 use crate::walk::ledger::Ledger;
 use std::time::Instant;
@@ -59,10 +59,17 @@ impl Job {
         let context = PassContext { openings: &openings, responses: responses.as_ref(), ..context };
         // The pilot depends only on the scene and the seed. The pilot of a resumed run therefore
         // gives the same results.
+        let wants_coarse_picture = run.done == 0 && monitor.wants_coarse_picture();
         let pilot = match request.integrator {
             Integrator::Photon if !stopped => {
                 monitor.before_pilot();
-                Some(Pilot::run(&context, &mut run.sums.seconds)?)
+                let mut show = |picture: &Picture| monitor.show_coarse_picture(picture);
+                let show: Option<&mut dyn FnMut(&Picture)> = if wants_coarse_picture { Some(&mut show) } else { None };
+                Some(Pilot::run(&context, &mut run.sums.seconds, show)?)
+            }
+            Integrator::Path if wants_coarse_picture && !stopped => {
+                coarse_path_picture(&context)?.inspect(|picture| monitor.show_coarse_picture(picture));
+                None
             }
             Integrator::Photon | Integrator::Path => None,
         };

@@ -74,6 +74,30 @@ impl Picture {
         }
     }
 
+    /// Enlarges a picture by bilinear interpolation of X, Y and Z. A pixel of this picture becomes
+    /// `factor` × `factor` pixels. The centres of both pictures coincide. The errors are unknown.
+    #[must_use]
+    pub fn enlarged(&self, factor: usize, (width, height): (usize, usize)) -> Self {
+        // The two pixels of a row or column whose centres enclose a position, and the share of the
+        // second pixel.
+        let between = |position: usize, large: usize, small: usize| {
+            let centred = (position as f64 + 0.5 - 0.5 * large as f64) / factor as f64;
+            let position = (centred + 0.5 * small as f64 - 0.5).clamp(0.0, (small - 1) as f64);
+            (position as usize, (position as usize + 1).min(small - 1), position.fract())
+        };
+        let columns: Vec<_> = (0..width).map(|x| between(x, width, self.width)).collect();
+        let mut enlarged = Self::black(width, height);
+        for (y, row) in enlarged.xyz.chunks_exact_mut(width).enumerate() {
+            let (above, below, down) = between(y, height, self.height);
+            for (xyz, &(left, right, across)) in row.iter_mut().zip(&columns) {
+                let at = |x: usize, y: usize, c: usize| self.xyz[y * self.width + x][c];
+                let mix = |y: usize, c: usize| (1.0 - across) * at(left, y, c) + across * at(right, y, c);
+                *xyz = std::array::from_fn(|c| (1.0 - down) * mix(above, c) + down * mix(below, c));
+            }
+        }
+        enlarged
+    }
+
     /// Returns the mean of Y (cd/m²) over all pixels.
     pub fn mean_y(&self) -> f64 {
         self.xyz.iter().map(|xyz| xyz[1]).sum::<f64>() / self.xyz.len() as f64
@@ -128,6 +152,24 @@ impl Picture {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A linear gradient stays the same gradient, also if the size is not a multiple of the factor.
+    #[test]
+    fn an_enlarged_gradient_keeps_its_values() {
+        let (small, factor, (width, height)) = ((5, 4), 3, (13, 11));
+        let mut picture = Picture::black(small.0, small.1);
+        for (i, xyz) in picture.xyz.iter_mut().enumerate() {
+            let (x, y) = ((i % small.0) as f64 + 0.5 - 2.5, (i / small.0) as f64 + 0.5 - 2.0);
+            *xyz = [x, y, 1.0];
+        }
+        let enlarged = picture.enlarged(factor, (width, height));
+        for (i, [x, y, z]) in enlarged.xyz.iter().enumerate() {
+            let wanted = [((i % width) as f64 + 0.5 - 6.5) / 3.0, ((i / width) as f64 + 0.5 - 5.5) / 3.0];
+            let inside = [wanted[0].clamp(-2.0, 2.0), wanted[1].clamp(-1.5, 1.5)];
+            assert!((x - inside[0]).abs() < 1e-12 && (y - inside[1]).abs() < 1e-12 && (z - 1.0).abs() < 1e-12);
+        }
+        assert!(enlarged.noise.iter().all(Option::is_none));
+    }
 
     /// The quantiles of Student's t with 9 degrees of freedom are 2.262 (97.5 %) and 1.833 (95 %).
     #[test]

@@ -9,7 +9,7 @@
 use crate::gather::camera::visible_point::VisiblePoint;
 use crate::geometry::{Geometry, Ray};
 use crate::map::kernel::BoundaryCorrection;
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::TAU;
 use std::num::NonZeroU32;
 
@@ -28,6 +28,10 @@ const CONTINUATION_COSINE: f64 = 0.7;
 /// fraction. A smaller divisor would amplify the noise of a small number of photons.
 const LEAST_FRACTION: f64 = 0.1;
 
+/// Two points lie on the same plane if the second is at most this fraction of the search distance
+/// above or below the plane of the first.
+const COPLANAR: f64 = 1e-3;
+
 /// The extent of the surface around a visible point. Each pixel near an edge has an outline. To
 /// save memory, an outline stores positions in single precision and extents as 8-bit integers.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,22 +49,45 @@ pub struct Outline {
 }
 
 impl Outline {
-    /// Measures the surface around a visible point, up to the distance `reach` (m). Returns `None`
-    /// if the surface continues in all directions.
-    pub fn around(geometry: &Geometry, visible_point: &VisiblePoint, reach: f64) -> Option<Self> {
+    /// Measures the surface around a visible point, up to the distance `reach` (m).
+    pub fn around(geometry: &Geometry, visible_point: &VisiblePoint, reach: f64) -> Self {
         let (right, ahead) = visible_point.facing.any_orthonormal_pair();
-        let outline = Self::new(visible_point, reach, |angle| {
-            let direction = right * angle.cos() + ahead * angle.sin();
-            surface_extent(geometry, visible_point, direction, reach)
-        });
-        outline.steps.iter().any(|&step| step < u8::MAX).then_some(outline)
+        Self::new(visible_point, reach, |i| {
+            let DVec2 { x, y } = direction(i);
+            surface_extent(geometry, visible_point, right * x + ahead * y, reach)
+        })
     }
 
-    fn new(visible_point: &VisiblePoint, reach: f64, extent: impl Fn(f64) -> f64) -> Self {
-        let step = |i: usize| {
-            let extent = extent(i as f64 / DIRECTIONS as f64 * TAU);
-            (extent / reach * f64::from(u8::MAX)).round() as u8
-        };
+    /// Returns the outline around another point of the same plane, computed from this outline.
+    /// Returns `None` if the point is not on the plane, or if this outline does not contain
+    /// everything within the distance `reach` (m) of the point.
+    pub fn moved_to(&self, visible_point: &VisiblePoint, reach: f64) -> Option<Self> {
+        let offset = visible_point.position - self.position.as_dvec3();
+        let (up, own_reach) = (visible_point.facing, f64::from(self.reach));
+        let is_coplanar = self.facing == up.as_vec3() && offset.dot(up).abs() <= COPLANAR * own_reach;
+        let step = own_reach / f64::from(u8::MAX);
+        if !is_coplanar || Self::reach_to_move(offset.length() + reach) > own_reach {
+            return None;
+        }
+        let from = DVec2::new(offset.dot(self.right.as_dvec3()), offset.dot(self.ahead.as_dvec3()));
+        let directions: [DVec2; DIRECTIONS] = std::array::from_fn(direction);
+        let corners = std::array::from_fn(|i| directions[i] * (f64::from(self.steps[i]) * step) - from);
+        Some(Self::new(visible_point, reach, |i| distance_to_polygon(&corners, directions[i]).min(reach)))
+    }
+
+    /// Returns the reach (m) that an outline needs to contain a circle of this radius (m). The
+    /// corners of an unlimited outline lie on a circle, and its sides are chords.
+    pub fn reach_to_move(radius_m: f64) -> f64 {
+        radius_m * (1.0 + 1e-6) / (TAU / 2.0 / DIRECTIONS as f64).cos()
+    }
+
+    /// Returns true if the surface ends within the reach.
+    pub fn is_limited(&self) -> bool {
+        self.steps.iter().any(|&step| step < u8::MAX)
+    }
+
+    fn new(visible_point: &VisiblePoint, reach: f64, extent: impl Fn(usize) -> f64) -> Self {
+        let step = |i: usize| (extent(i) / reach * f64::from(u8::MAX)).round() as u8;
         let (position, facing) = (visible_point.position.as_vec3(), visible_point.facing.as_vec3());
         let (right, ahead) = visible_point.facing.any_orthonormal_pair();
         Self {
@@ -101,6 +128,22 @@ impl Outline {
         let fraction = |sum: f64| (sum / DIRECTIONS as f64).max(LEAST_FRACTION);
         BoundaryCorrection { estimate: fraction(estimate), uniform: fraction(uniform) }
     }
+}
+
+/// Returns one of the directions of an outline, in the coordinates `right` and `ahead`.
+fn direction(i: usize) -> DVec2 {
+    DVec2::from_angle(i as f64 / DIRECTIONS as f64 * TAU)
+}
+
+/// Returns the distance from the origin to the side of a polygon in a direction. The corners are
+/// listed counterclockwise. Returns 0 if the origin is outside.
+fn distance_to_polygon(corners: &[DVec2; DIRECTIONS], direction: DVec2) -> f64 {
+    let left = corners.map(|corner| direction.perp_dot(corner));
+    let sides = (0..DIRECTIONS).map(|i| (i, (i + 1) % DIRECTIONS));
+    // The line along the direction crosses these sides from the right to the left.
+    let crossed = sides.filter(|&(start, end)| left[start] <= 0.0 && left[end] > 0.0);
+    let distance = |(start, end): (usize, usize)| corners[start].perp_dot(corners[end]) / (left[end] - left[start]);
+    crossed.map(distance).filter(|&distance| distance >= 0.0).reduce(f64::min).unwrap_or(0.0)
 }
 
 /// Returns how far (m) the surface extends from a visible point in one direction. The result is at
@@ -235,7 +278,7 @@ mod tests {
     /// Creates an outline. `extent` is the extent of the surface (at most 1) as a function of
     /// direction.
     fn outline(extent: impl Fn(f64) -> f64) -> Outline {
-        Outline::new(&visible_point(), 1.0, extent)
+        Outline::new(&visible_point(), 1.0, |i| extent(i as f64 / DIRECTIONS as f64 * TAU))
     }
 
     /// Compares two fractions at an edge and in a corner: the fraction of the kernel on the
@@ -271,6 +314,31 @@ mod tests {
     #[test]
     fn kernel_far_from_the_edge_is_not_corrected() {
         assert_eq!(outline(|_| 0.51).correction(0.5), BoundaryCorrection::WHOLE);
+    }
+
+    /// An outline that moves towards a straight edge becomes the outline of the point nearer to the
+    /// edge.
+    #[test]
+    fn outline_of_a_neighbour_is_moved_along_the_surface() {
+        let edge = |distance: f64, reach: f64| {
+            move |angle: f64| if angle.cos() * reach > distance { distance / angle.cos() } else { reach }
+        };
+        let wide = outline(edge(0.4, 1.0));
+        let (right, ahead) = visible_point().facing.any_orthonormal_pair();
+        for (x, y) in [(0.0, 0.0), (0.1, 0.05), (-0.15, 0.1), (0.2, -0.2)] {
+            let there = VisiblePoint { position: right * x + ahead * y, ..visible_point() };
+            let moved = wide.moved_to(&there, 0.6).unwrap();
+            for i in 0..DIRECTIONS {
+                let (found, wanted) = (moved.steps[i], edge(0.4 - x, 0.6)(i as f64 / DIRECTIONS as f64 * TAU));
+                let found = f64::from(found) / 255.0 * 0.6;
+                assert!((found - wanted).abs() < 0.02 * 0.6, "{x} {y} {i}: {found} for {wanted}");
+            }
+        }
+        let above = VisiblePoint { position: DVec3::Z * 0.01, ..visible_point() };
+        assert_eq!(wide.moved_to(&above, 0.6), None);
+        assert_eq!(wide.moved_to(&visible_point(), 0.99), None, "it may end beyond the chord");
+        let tilted = VisiblePoint { facing: DVec3::new(0.0, 0.01, 1.0).normalize(), ..visible_point() };
+        assert_eq!(wide.moved_to(&tilted, 0.6), None);
     }
 
     /// A pixel that sees two surfaces uses the outline of the matching surface.

@@ -112,7 +112,7 @@ impl<'a> CameraPass<'a> {
                         PixelOutline::Stored(outline) => Some(outline),
                         PixelOutline::Varies => {
                             measured = Outline::around(&self.scene.geometry, &point, radius);
-                            measured.as_ref()
+                            Some(&measured).filter(|outline| outline.is_limited())
                         }
                         PixelOutline::Absent => None,
                     }

@@ -112,6 +112,14 @@ impl Camera {
         }
     }
 
+    /// Returns this camera with a coarser film. Each pixel covers `factor` × `factor` pixels of this
+    /// camera. The centres of the films coincide, and the coarse film is not smaller.
+    #[must_use]
+    pub fn coarser(&self, factor: u32) -> Self {
+        let factor = f64::from(factor);
+        Self { size: (self.size / factor).ceil(), pixel: self.pixel * factor, ..self.clone() }
+    }
+
     /// Replaces the aperture by a pinhole.
     pub fn close_aperture(&mut self) {
         self.aperture = Aperture::Pinhole;

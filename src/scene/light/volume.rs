@@ -15,6 +15,7 @@ use crate::scene::medium::Medium;
 use crate::scene::motion::AnimatedTransform;
 use crate::spectrum::Spectrum;
 use glam::{DAffine3, DVec3};
+use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -61,6 +62,14 @@ struct VolumeSample {
     spd: EmittedSpd,
 }
 
+/// The measurements in a layer of cells.
+struct ProbedLayer {
+    /// The sum of the emission over the probes of each cell. The x index varies fastest.
+    emitted: Vec<f64>,
+    /// The temperature in K and the density at each probe with thermal emission.
+    by_temperature: Vec<(f64, f64)>,
+}
+
 impl VolumeLight {
     /// The light transformed by a map of the scene's positions. Only the box of a grid medium can
     /// move. A body that contains an emitting medium cannot move.
@@ -95,22 +104,8 @@ impl VolumeLight {
             power_w: 0.0,
             spectrum: Spectrum::constant(0.0),
         };
-        let mut by_temperature = Vec::new();
-        let mut emitted = vec![0.0; CELLS.pow(3)];
-        let cell_of = |[x, y, z]: [usize; 3]| x / PROBES + CELLS * (y / PROBES + CELLS * (z / PROBES));
-        for row in 0..PROBED.pow(2) {
-            let (y, z) = (row % PROBED, row / PROBED);
-            let points = [0, 1].map(|x| light.probe([x, y, z]));
-            let inside = light.inside_along(points[0], points[1] - points[0]);
-            for x in (0..PROBED).filter(|&x| inside[x]) {
-                let point = light.probe([x, y, z]);
-                let (density, (band, temperature)) = (medium.density_at(point), emission.band_at(point));
-                if density * band > 0.0 {
-                    emitted[cell_of([x, y, z])] += density * band;
-                    by_temperature.extend(temperature.map(|temperature| (temperature, density)));
-                }
-            }
-        }
+        let layers: Vec<ProbedLayer> = (0..CELLS).into_par_iter().map(|layer| light.probe_layer(layer)).collect();
+        let emitted: Vec<f64> = layers.iter().flat_map(|layer| &layer.emitted).copied().collect();
         let sum: f64 = emitted.iter().sum();
         let mean = sum / emitted.len() as f64;
         // A cell may contain a part of the body even if no probe found emission in the cell.
@@ -124,10 +119,34 @@ impl VolumeLight {
                 (Some(volume), true) => volume * emission.band_at(DVec3::ZERO).0,
                 (Some(_) | None, _) => sum * probed_m3,
             };
-        let spectrum = emission.mean_spectrum(by_temperature.into_iter());
+        let spectrum = emission.mean_spectrum(layers.into_iter().flat_map(|layer| layer.by_temperature));
         let integral = spectrum.integral();
         light.spectrum = spectrum.scaled(1.0 / integral);
         (light.power_w > 0.0 && integral > 0.0).then_some(light)
+    }
+
+    /// Measures the emission at the probes of a layer of cells.
+    fn probe_layer(&self, layer: usize) -> ProbedLayer {
+        let mut probed = ProbedLayer { emitted: vec![0.0; CELLS.pow(2)], by_temperature: Vec::new() };
+        let Some(emission) = &self.medium.emission else { return probed };
+        for row in 0..PROBED * PROBES {
+            let (y, z) = (row % PROBED, row / PROBED + PROBES * layer);
+            let points = [0, 1].map(|x| self.probe([x, y, z]));
+            let inside = self.inside_along(points[0], points[1] - points[0]);
+            for x in (0..PROBED).filter(|&x| inside[x]) {
+                let point = self.probe([x, y, z]);
+                let density = self.medium.density_at(point);
+                if density <= 0.0 {
+                    continue;
+                }
+                let (band, temperature) = emission.band_at(point);
+                if density * band > 0.0 {
+                    probed.emitted[x / PROBES + CELLS * (y / PROBES)] += density * band;
+                    probed.by_temperature.extend(temperature.map(|temperature| (temperature, density)));
+                }
+            }
+        }
+        probed
     }
 
     /// The mean spectrum of the emission, with integral 1 over the band.

@@ -3,6 +3,7 @@
 use super::field::ScalarField;
 use crate::spectrum::{Spectrum, planck};
 use glam::{DAffine3, DVec3};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// The emission coefficient of a medium at density 1.
@@ -65,7 +66,7 @@ impl MediumEmission {
             let body = Spectrum::blackbodies(&[(1.0 / (first + i as f64 * step), 1.0)]);
             absorption.product_integral(&body).max(f64::MIN_POSITIVE).ln()
         };
-        let log_band = (0..=STEPS).map(band).collect();
+        let log_band = (0..=STEPS).into_par_iter().map(band).collect();
         Self::Thermal(Box::new(ThermalEmission { temperature, absorption, log_band, inverse: (first, step) }))
     }
 
