@@ -1,10 +1,11 @@
 //! The preview of a running render: its EXR and PNG files are refreshed from time to time.
 
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use crate::error::Result;
 use crate::output::Metadata;
-use crate::output::exr::write as write_exr;
+use crate::output::exr::write_uncompressed;
 use crate::output::metadata::names;
 use crate::render::{DisplaySettings, Run};
 use crate::sensor::Picture;
@@ -67,7 +68,8 @@ impl<'a> Preview<'a> {
 
     fn write(&self, picture: &Picture, passes: u64) -> Result<()> {
         let metadata = self.metadata.clone().with(names::PASSES, &passes.to_string());
-        self.outputs.save_pictures(|path| write_exr(path, picture, &metadata), picture, &self.display).map(drop)
+        let write = |path: &Path| write_uncompressed(path, picture, &metadata);
+        self.outputs.save_pictures(write, picture, &self.display).map(drop)
     }
 }
 

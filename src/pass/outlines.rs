@@ -63,10 +63,10 @@ pub(super) fn outlines(
             let needs: Vec<(usize, Need<'_>)> = block.map(|pixel| (pixel - row * width, survey(pixel))).collect();
             measure_block(&scene.geometry, &needs, &mut of_pixels);
         }
-        of_pixels
+        Outlines::new(width, of_pixels)
     };
-    let of_bands: Vec<Vec<OutlineSurvey>> = rows.par_iter().map(of_band).collect();
-    Outlines::new(width, of_bands.into_iter().flatten())
+    let bands: Vec<Outlines> = rows.par_iter().map(of_band).collect();
+    Outlines::of_bands(width, bands)
 }
 
 /// What a pixel needs, to correct its kernel.

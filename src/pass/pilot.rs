@@ -88,7 +88,7 @@ impl Pilot {
     pub fn run(
         context: &PassContext<'_>,
         seconds: &mut StageSeconds,
-        show: Option<&mut dyn FnMut(&Picture)>,
+        show: Option<impl FnOnce(&Picture)>,
     ) -> Result<Self> {
         let start = Instant::now();
         let scenes = posed_scenes(context)?;
@@ -133,10 +133,11 @@ impl Pilot {
         let PixelSurvey { mut radii, visible, volume, stored, readers } = survey;
         let widths = VolumeKernelWidths::of(context);
         self.keep = keep_probabilities(&volume, stored, &widths);
-        for (radii, counts) in radii.iter_mut().zip(&volume) {
+        for (radii, counts) in radii.iter_mut().zip(volume) {
             counts.set_radii(radii, self.keep, &widths);
         }
         self.radii = with_medians(&radii);
+        drop(radii);
         // If the camera moves, the visible point of a pixel changes from pass to pass, so no
         // outlines are stored.
         if context.plan.indirect != IndirectPlan::Absent && context.scene.motions.camera.is_none() {

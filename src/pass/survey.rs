@@ -20,7 +20,6 @@ use crate::walk::{SensorResponse, Sink};
 use rayon::prelude::*;
 use std::f64::consts::SQRT_2;
 use std::num::NonZero;
-use std::ops::Range;
 
 /// The upper limit of the first kernel radius on surfaces, in pixels.
 ///
@@ -75,7 +74,8 @@ pub(super) struct PixelSurvey {
     pub(super) radii: Vec<PixelRadii<Option<f32>>>,
     /// The directly visible surface point of each pixel.
     pub(super) visible: Vec<Option<VisiblePoint>>,
-    /// The photons in media near the camera rays of each pixel.
+    /// The photons in media near the camera rays of each pixel. This list is empty if the scene has
+    /// no media.
     pub(super) volume: Vec<PixelVolumeCounts>,
     /// The number of photons stored in media.
     pub(super) stored: PerClass<DepositCounts>,
@@ -132,82 +132,50 @@ impl PixelSurvey {
             outlines: &no_outlines,
             depth_limit: context.depth_limit(),
         };
-        let (width, extents) = (scene.camera.width(), object_extents(scene));
-        let band = BLOCK * width;
-        let bands: Vec<Self> = (0..scene.camera.pixel_count().div_ceil(band))
-            .into_par_iter()
-            .map(|number| {
-                let pixels = number * band..((number + 1) * band).min(scene.camera.pixel_count());
-                Self::of_band(context, &camera_pass, &maps, &extents, moment, pixels)
-            })
-            .collect();
-        let mut all = Self { stored, ..Self::default() };
-        bands.into_iter().for_each(|band| all.append(band));
+        let extents = object_extents(scene);
+        let mut all = Self::blank(scene);
+        let readers = all.bands(scene.camera.width()).into_par_iter().map(|mut band| {
+            band.measure(context, &camera_pass, &maps, &extents, moment);
+            band.readers
+        });
+        all.readers = readers.reduce(PerSet::default, |one, other| one.zip_with(other, |one, other| one + other));
+        all.stored = stored;
         all
     }
 
-    /// Surveys the pixels of [`BLOCK`] rows, block by block.
-    fn of_band<'a>(
-        context: &PassContext<'_>,
-        camera_pass: &CameraPass<'a>,
-        maps: &PerSet<SurveyMaps>,
-        extents: &[f64],
-        moment: u64,
-        pixels: Range<usize>,
-    ) -> Self {
-        let (width, count) = (camera_pass.scene.camera.width(), pixels.len());
-        let largest_px = largest_surface_radii_px(width, camera_pass.scene.camera.pixel_count());
-        let mut buffers = PathBuffers::recording();
-        let widths = VolumeKernelWidths::of(context);
-        let mut survey = Self {
+    /// Returns a survey without measurements.
+    fn blank(scene: &Scene) -> Self {
+        let count = scene.camera.pixel_count();
+        let crosses_media = !scene.media.is_empty();
+        Self {
             radii: vec![PixelRadii::splat(None); count],
             visible: vec![None; count],
-            volume: vec![PixelVolumeCounts::default(); count],
+            volume: vec![PixelVolumeCounts::default(); if crosses_media { count } else { 0 }],
             ..Self::default()
-        };
-        for first_column in (0..width).step_by(BLOCK) {
-            let columns = first_column..(first_column + BLOCK).min(width);
-            let mut block = BlockSurvey::default();
-            for index in (0..count / width).flat_map(|row| columns.clone().map(move |column| row * width + column)) {
-                let pixel = (pixels.start + index) as u64;
-                let sampler = PixelSampler::new(context.budget.seed ^ CAMERA_SEED_MASK, moment, pixel);
-                let (no_radii, mut tally) = (PixelRadii::splat(0.0), Tally::default());
-                camera_pass.sample(pixel, sampler, &no_radii, &mut buffers, &mut tally, &mut NullSink);
-                survey.radii[index] =
-                    block.surface_radii(context, maps, (extents, largest_px), &buffers.visible_points);
-                let media = &camera_pass.scene.media;
-                let samples = PerSet { free: &maps.free.volume, shared: &maps.shared.volume };
-                survey.volume[index] = block.volume_counts(&buffers.camera_segments, |segments| {
-                    PixelVolumeCounts::along(segments, media, samples, &widths)
-                });
-                let on_surfaces = buffers.visible_points.iter().map(|point| point.shared);
-                let in_media = buffers.camera_segments.iter().map(|segment| segment.shared);
-                let mut reads = PerSet { free: false, shared: false };
-                on_surfaces.chain(in_media).for_each(|shared| {
-                    reads.shared |= shared;
-                    reads.free |= !shared;
-                });
-                survey.readers.free += u64::from(reads.free);
-                survey.readers.shared += u64::from(reads.shared);
-                let first = buffers.visible_points.iter().find(|point| point.is_diffuse).copied();
-                survey.visible[index] = first.filter(|point| point.view == View::Direct);
-            }
         }
-        survey
     }
 
-    /// Appends the measurements that `other` contains for a different set of pixels.
-    fn append(&mut self, other: Self) {
-        self.radii.extend(other.radii);
-        self.visible.extend(other.visible);
-        self.volume.extend(other.volume);
-        self.add_counts(other.stored, other.readers);
+    /// Divides the pixels into bands of [`BLOCK`] rows.
+    fn bands(&mut self, width: usize) -> Vec<BandSurvey<'_>> {
+        let band = BLOCK * width;
+        let mut volume = self.volume.chunks_mut(band);
+        let surfaces = self.radii.chunks_mut(band).zip(self.visible.chunks_mut(band));
+        surfaces
+            .enumerate()
+            .map(|(number, (radii, visible))| BandSurvey {
+                first_pixel: number * band,
+                radii,
+                visible,
+                volume: volume.next().unwrap_or_default(),
+                readers: PerSet::default(),
+            })
+            .collect()
     }
 
     /// Merges the measurements of the same pixels at another time. A pixel keeps the smaller radii.
     pub(super) fn merge(&mut self, other: Self) {
         if self.radii.is_empty() {
-            self.append(other);
+            *self = other;
             return;
         }
         let smaller = |one: Option<f32>, other: Option<f32>| match (one, other) {
@@ -218,13 +186,64 @@ impl PixelSurvey {
             *radii = radii.zip_with(*other, smaller);
         }
         self.volume.iter_mut().zip(other.volume).for_each(|(here, other)| *here = here.max(other));
-        self.add_counts(other.stored, other.readers);
+        self.stored = self.stored.zip_with(other.stored, DepositCounts::max);
+        self.readers = self.readers.zip_with(other.readers, |one, other| one + other);
     }
+}
 
-    fn add_counts(&mut self, stored: PerClass<DepositCounts>, readers: PerSet<u64>) {
-        self.stored = self.stored.zip_with(stored, DepositCounts::max);
-        self.readers.free += readers.free;
-        self.readers.shared += readers.shared;
+/// The measurements in a band of [`BLOCK`] rows.
+struct BandSurvey<'s> {
+    first_pixel: usize,
+    radii: &'s mut [PixelRadii<Option<f32>>],
+    visible: &'s mut [Option<VisiblePoint>],
+    /// This slice is empty if the scene has no media.
+    volume: &'s mut [PixelVolumeCounts],
+    readers: PerSet<u64>,
+}
+
+impl BandSurvey<'_> {
+    /// Measures the pixels, block by block.
+    fn measure<'a>(
+        &mut self,
+        context: &PassContext<'_>,
+        camera_pass: &CameraPass<'a>,
+        maps: &PerSet<SurveyMaps>,
+        extents: &[f64],
+        moment: u64,
+    ) {
+        let (width, count) = (camera_pass.scene.camera.width(), self.radii.len());
+        let largest_px = largest_surface_radii_px(width, camera_pass.scene.camera.pixel_count());
+        let mut buffers = PathBuffers::recording();
+        let widths = VolumeKernelWidths::of(context);
+        for first_column in (0..width).step_by(BLOCK) {
+            let columns = first_column..(first_column + BLOCK).min(width);
+            let mut block = BlockSurvey::default();
+            for index in (0..count / width).flat_map(|row| columns.clone().map(move |column| row * width + column)) {
+                let pixel = (self.first_pixel + index) as u64;
+                let sampler = PixelSampler::new(context.budget.seed ^ CAMERA_SEED_MASK, moment, pixel);
+                let (no_radii, mut tally) = (PixelRadii::splat(0.0), Tally::default());
+                camera_pass.sample(pixel, sampler, &no_radii, &mut buffers, &mut tally, &mut NullSink);
+                self.radii[index] = block.surface_radii(context, maps, (extents, largest_px), &buffers.visible_points);
+                if let Some(counts) = self.volume.get_mut(index) {
+                    let media = &camera_pass.scene.media;
+                    let samples = PerSet { free: &maps.free.volume, shared: &maps.shared.volume };
+                    *counts = block.volume_counts(&buffers.camera_segments, |segments| {
+                        PixelVolumeCounts::along(segments, media, samples, &widths)
+                    });
+                }
+                let on_surfaces = buffers.visible_points.iter().map(|point| point.shared);
+                let in_media = buffers.camera_segments.iter().map(|segment| segment.shared);
+                let mut reads = PerSet { free: false, shared: false };
+                on_surfaces.chain(in_media).for_each(|shared| {
+                    reads.shared |= shared;
+                    reads.free |= !shared;
+                });
+                self.readers.free += u64::from(reads.free);
+                self.readers.shared += u64::from(reads.shared);
+                let first = buffers.visible_points.iter().find(|point| point.is_diffuse).copied();
+                self.visible[index] = first.filter(|point| point.view == View::Direct);
+            }
+        }
     }
 }
 

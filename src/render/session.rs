@@ -63,8 +63,7 @@ impl Job {
         let pilot = match request.integrator {
             Integrator::Photon if !stopped => {
                 monitor.before_pilot();
-                let mut show = |picture: &Picture| monitor.show_coarse_picture(picture);
-                let show: Option<&mut dyn FnMut(&Picture)> = if wants_coarse_picture { Some(&mut show) } else { None };
+                let show = wants_coarse_picture.then_some(|picture: &Picture| monitor.show_coarse_picture(picture));
                 Some(Pilot::run(&context, &mut run.sums.seconds, show)?)
             }
             Integrator::Path if wants_coarse_picture && !stopped => {

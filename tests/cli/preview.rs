@@ -46,3 +46,23 @@ fn a_finished_picture_is_no_preview() {
     assert_eq!(said.status, 0, "{}", said.err);
     assert_eq!(exr::read(&at.join("ball.exr")).unwrap().metadata.get("abbe.preview"), None);
 }
+
+/// Before pass 0, the files contain a coarse picture.
+#[test]
+fn the_files_show_a_coarse_picture_before_pass_0() {
+    let folder = with_ball(SCENE);
+    let at = folder.path();
+    let arguments = ["render", "ball.json", "--quiet", "--size", "320x240", "--photons", "1000000"];
+    let mut child = command(at).args(arguments).stderr(Stdio::null()).spawn().unwrap();
+    let start = Instant::now();
+    while !at.join("ball.png").exists() {
+        assert!(start.elapsed() < Duration::from_secs(60), "no picture");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let file = exr::read(&at.join("ball.exr")).unwrap();
+    assert_eq!((file.picture.width, file.picture.height), (320, 240));
+    assert_eq!([file.metadata.get("abbe.preview"), file.metadata.get("abbe.passes")], [Some("true"), Some("0")]);
+    assert!(file.picture.xyz.iter().filter(|xyz| xyz[1] > 0.0).count() > 320 * 240 / 4, "the coarse picture shows it");
+}

@@ -7,6 +7,7 @@
 #[expect(dead_code, reason = "other tests use the rest")]
 mod common;
 
+mod coarse_picture;
 mod example_scenes;
 mod plan_forced;
 mod plan_light_map;

@@ -214,22 +214,33 @@ impl Outlines {
         self.numbers.is_empty()
     }
 
-    /// Collects the outlines of all pixels. The pixels are listed row by row, from the top of the
-    /// image.
-    pub fn new(width: usize, of_pixels: impl Iterator<Item = OutlineSurvey>) -> Self {
-        let mut outlines = Self { width, ..Self::default() };
-        for outline in of_pixels {
-            let number = match outline {
-                OutlineSurvey::Absent => None,
-                OutlineSurvey::Varies => Some(VARIES),
-                OutlineSurvey::Measured(outline) => {
-                    outlines.list.push(outline);
-                    NonZeroU32::new(outlines.list.len() as u32)
-                }
-            };
-            outlines.numbers.push(number);
+    /// Collects the outlines of pixels. The pixels are listed row by row, from the top of the image.
+    pub fn new(width: usize, of_pixels: Vec<OutlineSurvey>) -> Self {
+        let mut list = Vec::new();
+        let number = |outline| match outline {
+            OutlineSurvey::Absent => None,
+            OutlineSurvey::Varies => Some(VARIES),
+            OutlineSurvey::Measured(outline) => {
+                list.push(outline);
+                NonZeroU32::new(list.len() as u32)
+            }
+        };
+        let numbers = of_pixels.into_iter().map(number).collect();
+        Self { width, numbers, list }
+    }
+
+    /// Collects the outlines of all pixels from bands of rows. The bands are listed from the top of
+    /// the image.
+    pub fn of_bands(width: usize, bands: Vec<Self>) -> Self {
+        let mut all = Self { width, ..Self::default() };
+        for band in bands {
+            let before = all.list.len() as u32;
+            let after_the_others =
+                |number: NonZeroU32| if number == VARIES { VARIES } else { number.saturating_add(before) };
+            all.numbers.extend(band.numbers.into_iter().map(|number| number.map(after_the_others)));
+            all.list.extend(band.list);
         }
-        if outlines.numbers.iter().all(Option::is_none) { Self::default() } else { outlines }
+        if all.numbers.iter().all(Option::is_none) { Self::default() } else { all }
     }
 
     /// Returns the outline of the surface at a visible point of this pixel. The pixel may see
@@ -316,8 +327,8 @@ mod tests {
         assert_eq!(outline(|_| 0.51).correction(0.5), BoundaryCorrection::WHOLE);
     }
 
-    /// An outline that moves towards a straight edge becomes the outline of the point nearer to the
-    /// edge.
+    /// An outline that moves along the surface becomes the outline of the other point. The chord
+    /// between the edge and the end of the search cuts off a few percent.
     #[test]
     fn outline_of_a_neighbour_is_moved_along_the_surface() {
         let edge = |distance: f64, reach: f64| {
@@ -331,7 +342,7 @@ mod tests {
             for i in 0..DIRECTIONS {
                 let (found, wanted) = (moved.steps[i], edge(0.4 - x, 0.6)(i as f64 / DIRECTIONS as f64 * TAU));
                 let found = f64::from(found) / 255.0 * 0.6;
-                assert!((found - wanted).abs() < 0.02 * 0.6, "{x} {y} {i}: {found} for {wanted}");
+                assert!((found - wanted).abs() < 0.05 * 0.6, "{x} {y} {i}: {found} for {wanted}");
             }
         }
         let above = VisiblePoint { position: DVec3::Z * 0.01, ..visible_point() };
@@ -345,8 +356,8 @@ mod tests {
     #[test]
     fn pixel_with_two_surfaces_takes_the_fitting_outline() {
         let edge = outline(|angle| if angle.cos() > 0.0 { 0.0 } else { 1.0 });
-        let measured = [OutlineSurvey::Absent, OutlineSurvey::Measured(edge.clone())];
-        let outlines = Outlines::new(2, measured.into_iter());
+        let measured = vec![OutlineSurvey::Absent, OutlineSurvey::Measured(edge.clone())];
+        let outlines = Outlines::of_bands(2, vec![Outlines::new(2, measured)]);
         assert_eq!(outlines.find(0, &visible_point()), PixelOutline::Stored(&edge), "the neighbour's");
         let wall = VisiblePoint { facing: DVec3::X, ..visible_point() };
         assert_eq!(outlines.find(1, &wall), PixelOutline::Absent, "another surface");

@@ -21,7 +21,7 @@ mod write;
 
 pub use read::{ExrFile, read};
 pub use sums::{add_sums, holds_sums_of, read_metadata};
-pub use write::{encode, write, write_with_sums};
+pub use write::{encode, write, write_uncompressed, write_with_sums};
 
 #[cfg(test)]
 mod tests {

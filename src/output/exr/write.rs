@@ -25,13 +25,25 @@ pub fn write(path: &Path, picture: &Picture, metadata: &Metadata) -> Result<()> 
     file::write_whole(path, &bytes)
 }
 
+/// Atomically writes a picture that another picture will soon replace. The file is not compressed,
+/// because compression takes longer than writing.
+///
+/// # Errors
+/// Returns the errors of [`write()`].
+pub fn write_uncompressed(path: &Path, picture: &Picture, metadata: &Metadata) -> Result<()> {
+    let bytes = encode_channels(channels(picture), picture, metadata, Encoding::UNCOMPRESSED)
+        .map_err(|error| error.in_file(path))?;
+    file::write_whole(path, &bytes)
+}
+
 /// Atomically writes a file that contains the exact sums of a film and the film's current picture.
 ///
 /// # Errors
 /// Returns the errors of [`write()`].
 pub fn write_with_sums(path: &Path, film: &Film, picture: &Picture, metadata: &Metadata) -> Result<()> {
     let channels = channels(picture).into_iter().chain(sums::channels(film)).collect();
-    let bytes = encode_channels(channels, picture, metadata).map_err(|error| error.in_file(path))?;
+    let bytes =
+        encode_channels(channels, picture, metadata, Encoding::SMALL_LOSSLESS).map_err(|error| error.in_file(path))?;
     file::write_whole(path, &bytes)
 }
 
@@ -40,10 +52,15 @@ pub fn write_with_sums(path: &Path, film: &Film, picture: &Picture, metadata: &M
 /// # Errors
 /// Returns a machine error if the picture cannot be encoded.
 pub fn encode(picture: &Picture, metadata: &Metadata) -> Result<Vec<u8>> {
-    encode_channels(channels(picture), picture, metadata)
+    encode_channels(channels(picture), picture, metadata, Encoding::SMALL_LOSSLESS)
 }
 
-fn encode_channels(channels: Vec<AnyChannel<FlatSamples>>, picture: &Picture, metadata: &Metadata) -> Result<Vec<u8>> {
+fn encode_channels(
+    channels: Vec<AnyChannel<FlatSamples>>,
+    picture: &Picture,
+    metadata: &Metadata,
+    encoding: Encoding,
+) -> Result<Vec<u8>> {
     let size = Vec2(picture.width, picture.height);
     let channels = AnyChannels::sort(channels.into_iter().collect());
     let mut attributes = LayerAttributes {
@@ -54,7 +71,7 @@ fn encode_channels(channels: Vec<AnyChannel<FlatSamples>>, picture: &Picture, me
     for (name, value) in metadata.iter().chain(spectral_attributes(picture)) {
         attributes.other.insert(text(name), AttributeValue::Text(text(value)));
     }
-    let mut image = Image::from_layer(Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, channels));
+    let mut image = Image::from_layer(Layer::new(size, attributes, encoding, channels));
     image.attributes.chromaticities = Some(chromaticities());
     let mut bytes = Cursor::new(Vec::new());
     image

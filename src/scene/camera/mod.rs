@@ -263,6 +263,20 @@ mod tests {
         }
     }
 
+    /// A coarse film covers the same view, also if its size is not a multiple of the factor.
+    #[test]
+    fn a_coarse_film_shows_the_same_view() {
+        for camera in cameras() {
+            let coarse = camera.coarser(4);
+            assert_eq!((coarse.width(), coarse.pixel_count()), (10, 10 * 8));
+            for offset in [DVec2::ZERO, DVec2::new(12.0, -8.0)] {
+                let fine = camera.ray(DVec2::new(20.0, 15.0) + offset, [0.3, 0.6]);
+                let same = coarse.ray(DVec2::new(5.0, 4.0) + offset / 4.0, [0.3, 0.6]);
+                assert!(fine.origin == same.origin && (fine.direction - same.direction).length() < 1e-15);
+            }
+        }
+    }
+
     #[test]
     fn the_first_row_is_the_top_and_the_first_column_the_left() {
         let [camera, ..] = cameras();

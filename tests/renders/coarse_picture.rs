@@ -1,0 +1,75 @@
+//! The coarse picture before pass 0.
+
+use super::common::example_job;
+use abbe::render::{Integrator, Monitor, Progress, Rendered, Request, StopRules};
+use abbe::sensor::Picture;
+
+/// Keeps the coarse pictures of a render.
+#[derive(Default)]
+struct Coarse {
+    is_wanted: bool,
+    pictures: Vec<Picture>,
+}
+
+impl Monitor for Coarse {
+    fn wants_coarse_picture(&self) -> bool {
+        self.is_wanted
+    }
+
+    fn show_coarse_picture(&mut self, picture: &Picture) {
+        self.pictures.push(picture.clone());
+    }
+
+    fn after_pass(&mut self, _: &Progress) -> bool {
+        true
+    }
+}
+
+/// Renders an example scene. Returns the coarse pictures too.
+fn render(scene: &str, size: [u32; 2], integrator: Integrator, is_wanted: bool) -> (Rendered, Vec<Picture>) {
+    let [width, height] = size;
+    let sets = [format!("film.width={width}"), format!("film.height={height}"), "render.photons=20000".to_owned()];
+    let job = example_job(scene, &sets.each_ref().map(String::as_str));
+    let mut monitor = Coarse { is_wanted, pictures: Vec::new() };
+    let stop = StopRules { passes: Some(2), ..StopRules::default() };
+    (job.render(Request { integrator, stop }, &mut monitor).unwrap(), monitor.pictures)
+}
+
+/// Returns the mean of Y in a 4 × 3 grid of blocks.
+fn blocks(picture: &Picture) -> Vec<f64> {
+    let mut sums = vec![(0.0, 0.0); 12];
+    for (pixel, xyz) in picture.xyz.iter().enumerate() {
+        let (x, y) = (pixel % picture.width, pixel / picture.width);
+        let (sum, count) = &mut sums[4 * x / picture.width + 4 * (3 * y / picture.height)];
+        (*sum, *count) = (*sum + xyz[1], *count + 1.0);
+    }
+    sums.into_iter().map(|(sum, count)| sum / count).collect()
+}
+
+/// The coarse picture has the size of the film and shows the scene. The render is the same, bit by
+/// bit, as without a coarse picture.
+#[test]
+fn a_coarse_picture_shows_the_scene_and_leaves_the_render_unchanged() {
+    for (scene, integrator) in [
+        ("cornell", Integrator::Photon),
+        ("cornell", Integrator::Path),
+        ("glass_ball", Integrator::Photon),
+        ("moving_caustic", Integrator::Photon),
+    ] {
+        let size = [281, 211];
+        let (plain, none) = render(scene, size, integrator, false);
+        let (rendered, shown) = render(scene, size, integrator, true);
+        assert!(none.is_empty() && shown.len() == 1, "{scene}");
+        assert_eq!(plain.picture, rendered.picture, "{scene}");
+        assert_eq!((shown[0].width, shown[0].height), (281, 211));
+        let mean = rendered.picture.mean_y();
+        for (coarse, fine) in blocks(&shown[0]).into_iter().zip(blocks(&rendered.picture)) {
+            assert!((coarse - fine).abs() < 0.25 * fine + 0.1 * mean, "{scene}: {coarse} for {fine}, mean {mean}");
+        }
+    }
+}
+
+#[test]
+fn a_small_film_has_no_coarse_picture() {
+    assert!(render("cornell", [160, 120], Integrator::Photon, true).1.is_empty());
+}
