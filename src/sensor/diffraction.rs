@@ -6,6 +6,7 @@
 //! picture beyond the edges of the film. Therefore, no light is lost at the edges, and a uniform
 //! picture stays uniform. Kernels are normalised to 1, so energy is conserved.
 
+use crate::math::elementary::{exp, ln};
 use crate::spectrum::BAND_NM;
 use glam::DVec2;
 use rayon::prelude::*;
@@ -116,10 +117,10 @@ impl DiffractionPsf {
 /// Returns the lower ends of the slices that contain light. If there is a gap between two slices,
 /// light in the gap belongs to the lower slice. Light below all slices belongs to the first slice.
 fn edges_nm(light_nm: &[f64]) -> Vec<f64> {
-    let ratio = (BAND_NM.1 / BAND_NM.0).ln() / SLICES_OF_BAND as f64;
-    let mut cells: Vec<i64> = light_nm.iter().map(|nm| ((nm / BAND_NM.0).ln() / ratio) as i64).collect();
+    let ratio = ln(BAND_NM.1 / BAND_NM.0) / SLICES_OF_BAND as f64;
+    let mut cells: Vec<i64> = light_nm.iter().map(|nm| (ln(nm / BAND_NM.0) / ratio) as i64).collect();
     cells.dedup();
-    cells.into_iter().map(|cell| BAND_NM.0 * (cell as f64 * ratio).exp()).collect()
+    cells.into_iter().map(|cell| BAND_NM.0 * exp(cell as f64 * ratio)).collect()
 }
 
 /// The Fourier transform of a plane. Reflection extends the plane beyond its edges.

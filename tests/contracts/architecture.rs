@@ -82,7 +82,7 @@ const CRATES: [(&str, &[&str]); 32] = [
     ("stl_io", &["format/mesh/"]),
     ("gltf", &["format/mesh/"]),
     ("ply_rs_bw", &["format/mesh/"]),
-    ("libm", &["optics/aperture.rs"]),
+    ("libm", &["math/elementary.rs"]),
     ("rustfft", &["sensor/diffraction.rs"]),
 ];
 

@@ -9,6 +9,7 @@
 use crate::gather::camera::visible_point::VisiblePoint;
 use crate::geometry::{Geometry, Ray};
 use crate::map::kernel::BoundaryCorrection;
+use crate::math::elementary::{atan2_f32, sin_cos};
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
 use std::num::NonZeroU32;
@@ -50,7 +51,8 @@ impl Outline {
     pub fn around(geometry: &Geometry, visible_point: &VisiblePoint, reach: f64) -> Option<Self> {
         let (right, ahead) = visible_point.facing.any_orthonormal_pair();
         let outline = Self::new(visible_point, reach, |angle| {
-            let direction = right * angle.cos() + ahead * angle.sin();
+            let (sin, cos) = sin_cos(angle);
+            let direction = right * cos + ahead * sin;
             surface_extent(geometry, visible_point, direction, reach)
         });
         outline.steps.iter().any(|&step| step < u8::MAX).then_some(outline)
@@ -80,7 +82,7 @@ impl Outline {
     pub fn contains(&self, position: [f32; 3]) -> bool {
         let offset = Vec3::from(position) - self.position;
         let along = Vec3::new(offset.dot(self.right), offset.dot(self.ahead), 0.0);
-        let turns = along.y.atan2(along.x) / (TAU as f32);
+        let turns = atan2_f32(along.y, along.x) / (TAU as f32);
         let sector = (turns + 1.0).fract() * DIRECTIONS as f32;
         let (first, share) = (sector as usize % DIRECTIONS, sector.fract());
         let reciprocal = |i: usize| 1.0 / f32::from(self.steps[i % DIRECTIONS]).max(0.5);
