@@ -5,6 +5,7 @@
 pub mod cubic;
 pub mod distribution;
 pub mod elementary;
+pub mod fourier;
 pub mod frame;
 pub mod kronecker;
 pub mod quadrature;

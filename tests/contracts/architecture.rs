@@ -38,7 +38,7 @@ const ORDER: [(&str, &[&str]); 21] = [
 const HOT: [&str; 5] = ["walk", "map", "emit", "gather", "pass"];
 
 /// The files or folders below src that may use each crate; an empty name means everywhere.
-const CRATES: [(&str, &[&str]); 32] = [
+const CRATES: [(&str, &[&str]); 31] = [
     ("glam", &[""]),
     ("serde", &[""]),
     ("obvhs", &["geometry/bvh.rs", "map/box_tree.rs"]),
@@ -83,7 +83,6 @@ const CRATES: [(&str, &[&str]); 32] = [
     ("gltf", &["format/mesh/"]),
     ("ply_rs_bw", &["format/mesh/"]),
     ("libm", &["math/elementary.rs"]),
-    ("rustfft", &["sensor/diffraction.rs"]),
 ];
 
 /// The largest length of a file in lines.
