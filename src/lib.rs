@@ -113,6 +113,9 @@
 //! To use the renderer without the command line, depend on it as
 //! `abbe = { version = "…", default-features = false }`.
 
+// Elementary functions of the C library differ between machines; see `math::elementary`.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 #[doc(hidden)]
 pub mod api;
 #[cfg(feature = "cli")]

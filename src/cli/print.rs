@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::format::{FileAccess, PATCH_LABEL};
+use crate::math::elementary::log2;
 use crate::optics::glass::catalogue;
 use crate::render::ErrorStats;
 use crate::spectrum::library;
@@ -46,7 +47,7 @@ pub(crate) fn counted(count: usize, thing: &str) -> String {
 
 /// Returns an exposure as text, such as "EV -7.52". `factor` is in 1/(cd/m²).
 pub(crate) fn exposure(factor: f64) -> String {
-    format!("EV {:.2}", factor.log2())
+    format!("EV {:.2}", log2(factor))
 }
 
 /// Returns the error of a picture as text: the median and the 95th percentile of its pixels, the

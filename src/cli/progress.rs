@@ -4,6 +4,7 @@
 use std::io::IsTerminal;
 use std::time::Duration;
 
+use crate::math::elementary::log10;
 use crate::render::{ErrorMilestone, Monitor, Progress};
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -157,7 +158,7 @@ fn predicted_milestones(progress: &Progress) -> Vec<String> {
 /// Writes a number with three significant digits, without trailing zeros after the decimal point.
 /// Numbers of 100 or more are rounded to integers, and all their digits are written.
 fn round(number: f64) -> String {
-    let digits = (2.0 - number.log10().floor()).clamp(0.0, 12.0) as usize;
+    let digits = (2.0 - log10(number).floor()).clamp(0.0, 12.0) as usize;
     let text = format!("{number:.digits$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
 }

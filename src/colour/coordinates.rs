@@ -3,6 +3,7 @@
 use super::Xyz;
 use super::matrix::{Matrix3, apply, inverse};
 use super::space::{RgbSpace, xyz_to_linear_srgb};
+use crate::math::elementary::cbrt;
 
 /// Returns the CIE 1931 chromaticity x, y. Black has the chromaticity of the equal-energy white.
 pub fn xy(xyz: Xyz) -> [f64; 2] {
@@ -35,7 +36,7 @@ pub fn uv1960(xyz: Xyz) -> [f64; 2] {
 const DELTA: f64 = 6.0 / 29.0;
 
 fn lightness_curve(t: f64) -> f64 {
-    if t > DELTA * DELTA * DELTA { t.cbrt() } else { t / (3.0 * DELTA * DELTA) + 4.0 / 29.0 }
+    if t > DELTA * DELTA * DELTA { cbrt(t) } else { t / (3.0 * DELTA * DELTA) + 4.0 / 29.0 }
 }
 
 fn lightness_curve_inverse(f: f64) -> f64 {
@@ -97,7 +98,7 @@ const OKLAB_INVERSE: Matrix3 = inverse(&OKLAB);
 /// Returns Oklab L, a, b of XYZ. The white of sRGB has Y = 1. Oklab is defined in Björn Ottosson,
 /// "A perceptual color space for image processing", 2020.
 pub fn oklab(xyz: Xyz) -> [f64; 3] {
-    apply(&OKLAB, apply(&OKLAB_CONES, xyz_to_linear_srgb(xyz)).map(f64::cbrt))
+    apply(&OKLAB, apply(&OKLAB_CONES, xyz_to_linear_srgb(xyz)).map(cbrt))
 }
 
 /// Returns the XYZ of Oklab L, a, b. This function is the inverse of [`oklab`].

@@ -3,6 +3,7 @@
 use super::Xyz;
 use super::coordinates::{lab, xy};
 use super::space::RgbSpace;
+use crate::math::elementary::{atan2, cos, exp, hypot, sin};
 
 /// Returns ΔE*ab (CIE 1976), the Euclidean distance of two L*, a*, b* values.
 pub fn delta_e_76(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -13,30 +14,30 @@ pub fn delta_e_76(a: [f64; 3], b: [f64; 3]) -> f64 {
 /// Sharma, Wencheng Wu and Edul Dalal, "The CIEDE2000 color-difference formula", Color Research and
 /// Application 30 (2005).
 pub fn delta_e_2000(a: [f64; 3], b: [f64; 3]) -> f64 {
-    let mean_chroma = 0.5 * (a[1].hypot(a[2]) + b[1].hypot(b[2]));
+    let mean_chroma = 0.5 * (hypot(a[1], a[2]) + hypot(b[1], b[2]));
     let stretch = 1.5 - 0.5 * seventh_share(mean_chroma);
     let (a1, b1) = (a[1] * stretch, b[1] * stretch);
-    let (chroma_a, chroma_b) = (a1.hypot(a[2]), b1.hypot(b[2]));
+    let (chroma_a, chroma_b) = (hypot(a1, a[2]), hypot(b1, b[2]));
     let (hue_a, hue_b) = (hue_degrees(a1, a[2]), hue_degrees(b1, b[2]));
 
     let achromatic = chroma_a * chroma_b == 0.0;
     let hue_step = if achromatic { 0.0 } else { wrapped(hue_b - hue_a) };
     let delta_lightness = b[0] - a[0];
     let delta_chroma = chroma_b - chroma_a;
-    let delta_hue = 2.0 * (chroma_a * chroma_b).sqrt() * (0.5 * hue_step).to_radians().sin();
+    let delta_hue = 2.0 * (chroma_a * chroma_b).sqrt() * sin((0.5 * hue_step).to_radians());
 
     let lightness = 0.5 * (a[0] + b[0]);
     let chroma = 0.5 * (chroma_a + chroma_b);
     let hue = if achromatic { hue_a + hue_b } else { mean_hue_degrees(hue_a, hue_b) };
-    let cos = |degrees: f64| degrees.to_radians().cos();
+    let cos = |degrees: f64| cos(degrees.to_radians());
     let t = 1.0 - 0.17 * cos(hue - 30.0) + 0.24 * cos(2.0 * hue) + 0.32 * cos(3.0 * hue + 6.0)
         - 0.20 * cos(4.0 * hue - 63.0);
     let offset = (lightness - 50.0).powi(2);
     let lightness_part = delta_lightness / (1.0 + 0.015 * offset / (20.0 + offset).sqrt());
     let chroma_part = delta_chroma / (1.0 + 0.045 * chroma);
     let hue_part = delta_hue / (1.0 + 0.015 * chroma * t);
-    let rotation_degrees = 30.0 * (-((hue - 275.0) / 25.0).powi(2)).exp();
-    let rotation = -2.0 * seventh_share(chroma) * (2.0 * rotation_degrees).to_radians().sin();
+    let rotation_degrees = 30.0 * exp(-((hue - 275.0) / 25.0).powi(2));
+    let rotation = -2.0 * seventh_share(chroma) * sin((2.0 * rotation_degrees).to_radians());
     // For equal colours, rounding may give a value slightly below 0.
     let square = lightness_part.powi(2) + chroma_part.powi(2) + hue_part.powi(2) + rotation * chroma_part * hue_part;
     square.max(0.0).sqrt()
@@ -59,7 +60,7 @@ pub fn light_difference(light: Xyz, other: Xyz) -> LightDifference {
     let seen = |xyz: Xyz| lab(xyz.map(|value| value / light[1]), RgbSpace::Srgb.white());
     let (from, to) = (xy(light), xy(other));
     LightDifference {
-        delta_xy: (to[0] - from[0]).hypot(to[1] - from[1]),
+        delta_xy: hypot(to[0] - from[0], to[1] - from[1]),
         delta_e_2000: delta_e_2000(seen(light), seen(other)),
     }
 }
@@ -72,7 +73,7 @@ fn seventh_share(chroma: f64) -> f64 {
 
 /// Returns the hue angle from 0 to 360 degrees, or 0 for grey.
 fn hue_degrees(a: f64, b: f64) -> f64 {
-    if a == 0.0 && b == 0.0 { 0.0 } else { b.atan2(a).to_degrees().rem_euclid(360.0) }
+    if a == 0.0 && b == 0.0 { 0.0 } else { atan2(b, a).to_degrees().rem_euclid(360.0) }
 }
 
 /// Wraps an angle difference to the range from −180 to 180 degrees.

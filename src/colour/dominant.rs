@@ -1,6 +1,7 @@
 //! Dominant wavelength and excitation purity.
 
 use super::coordinates::xy;
+use crate::math::elementary::hypot;
 use crate::spectrum::{BAND_NM, Observer};
 
 /// A colour has a dominant wavelength if its distance from white in the x, y plane is at least this
@@ -24,7 +25,7 @@ pub struct DominantWavelength {
 /// Returns `None` for neutral colours.
 pub fn dominant(colour: [f64; 2], white: [f64; 2], observer: &Observer) -> Option<DominantWavelength> {
     let direction = [colour[0] - white[0], colour[1] - white[1]];
-    let distance = direction[0].hypot(direction[1]);
+    let distance = hypot(direction[0], direction[1]);
     if distance.is_nan() || distance < NEUTRAL {
         return None;
     }

@@ -3,6 +3,7 @@
 use super::Xyz;
 use super::coordinates::uv1960;
 use super::temperature::CorrelatedTemperature;
+use crate::math::elementary::cbrt;
 use crate::spectrum::{Observer, Spectrum, daylight_extended, library};
 
 /// The number of test colours. The first eight test colours determine Ra.
@@ -98,6 +99,6 @@ fn c_d([u, v]: [f64; 2]) -> [f64; 2] {
 /// Returns CIE 1964 W*, U*, V* of a colour with the luminance Y and the chromaticity u, v. White
 /// has Y = 100.
 fn uniform(y: f64, [u, v]: [f64; 2], [white_u, white_v]: [f64; 2]) -> [f64; 3] {
-    let w = 25.0 * y.cbrt() - 17.0;
+    let w = 25.0 * cbrt(y) - 17.0;
     [w, 13.0 * w * (u - white_u), 13.0 * w * (v - white_v)]
 }

@@ -6,6 +6,7 @@ use super::adaptation::{AdaptationTransform, adaptation};
 use super::matrix::{Matrix3, apply, diagonal, inverse, product, transposed};
 use super::{Rgb, Xyz};
 use crate::error::{Error, Result};
+use crate::math::elementary::powf;
 use serde::{Deserialize, Serialize};
 
 /// An RGB space with linear components.
@@ -148,7 +149,8 @@ impl RgbSpace {
             Self::Srgb | Self::DisplayP3 => encode_srgb(component),
             Self::Rec2020 => {
                 let x = component.abs();
-                let signal = if x < BT2020_BETA { 4.5 * x } else { BT2020_ALPHA * x.powf(0.45) - (BT2020_ALPHA - 1.0) };
+                let signal =
+                    if x < BT2020_BETA { 4.5 * x } else { BT2020_ALPHA * powf(x, 0.45) - (BT2020_ALPHA - 1.0) };
                 signal.copysign(component)
             }
             Self::AcesCg => component,
@@ -165,7 +167,7 @@ impl RgbSpace {
                 let component = if x < 4.5 * BT2020_BETA {
                     x / 4.5
                 } else {
-                    ((x + (BT2020_ALPHA - 1.0)) / BT2020_ALPHA).powf(1.0 / 0.45)
+                    powf((x + (BT2020_ALPHA - 1.0)) / BT2020_ALPHA, 1.0 / 0.45)
                 };
                 component.copysign(signal)
             }
@@ -199,14 +201,14 @@ const SRGB_JUNCTION: f64 = 0.003_130_668_442_500_6;
 /// Encodes a linear component as an sRGB signal (IEC 61966-2-1). The function is odd.
 pub fn encode_srgb(component: f64) -> f64 {
     let x = component.abs();
-    let signal = if x <= SRGB_JUNCTION { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
+    let signal = if x <= SRGB_JUNCTION { 12.92 * x } else { 1.055 * powf(x, 1.0 / 2.4) - 0.055 };
     signal.copysign(component)
 }
 
 /// Decodes an sRGB signal to a linear component. This function is the inverse of [`encode_srgb`].
 pub fn decode_srgb(signal: f64) -> f64 {
     let x = signal.abs();
-    let component = if x <= 12.92 * SRGB_JUNCTION { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
+    let component = if x <= 12.92 * SRGB_JUNCTION { x / 12.92 } else { powf((x + 0.055) / 1.055, 2.4) };
     component.copysign(signal)
 }
 

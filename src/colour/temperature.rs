@@ -4,6 +4,7 @@ use std::sync::OnceLock;
 
 use super::Xyz;
 use super::coordinates::uv1960;
+use crate::math::elementary::hypot;
 use crate::spectrum::{BAND_NM, Observer, planck};
 
 /// Colours farther than this from the Planckian locus have no correlated colour temperature (CIE
@@ -48,7 +49,7 @@ pub fn cct_duv(xyz: Xyz) -> Option<CorrelatedTemperature> {
     // With growing reciprocal temperature, the locus runs towards larger u. Therefore a point above
     // the locus is on its left.
     let side = (tangent[0] * offset[1] - tangent[1] * offset[0]).signum();
-    let duv = side * offset[0].hypot(offset[1]);
+    let duv = side * hypot(offset[0], offset[1]);
     (duv.abs() <= MAX_DUV).then_some(CorrelatedTemperature { cct_k: 1e6 / mired, duv })
 }
 

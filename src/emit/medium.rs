@@ -10,6 +10,7 @@
 use super::photon_path::PhotonPath;
 use super::visitor::{MediumCollision, MediumCrossing, PhotonVisitor};
 use crate::geometry::Ray;
+use crate::math::elementary::{exp, exp_m1, ln_1p};
 use crate::math::random::Stream;
 use crate::plan::partition::LightPath;
 use crate::scene::Scene;
@@ -86,8 +87,8 @@ impl PhotonPath {
     fn absorb(&mut self, absorption: &Spectrum, distance: f64, ledger: &mut Ledger) {
         for k in 0..self.photon.wavelengths.count {
             let depth = absorption.at(self.photon.wavelengths.nm[k]) * distance;
-            ledger.absorbed_inside += self.photon.power[k] * self.watts[k] * -(-depth).exp_m1();
-            self.photon.power[k] *= (-depth).exp();
+            ledger.absorbed_inside += self.photon.power[k] * self.watts[k] * -exp_m1(-depth);
+            self.photon.power[k] *= exp(-depth);
         }
     }
 
@@ -104,7 +105,7 @@ impl PhotonPath {
         let fractions = self.power_fractions();
         let sigma_t = self.photon.wavelengths.each(|nm| medium.extinction.at(nm));
         let sigma_hero = sigma_t[self.sample_hero(&fractions, stream)];
-        let column = -(-stream.uniform()).ln_1p() / sigma_hero;
+        let column = -ln_1p(-stream.uniform()) / sigma_hero;
         let collision =
             if sigma_hero > 0.0 { medium.distance_at(&segment.ray, segment.length_m, column) } else { None };
         // The density of the outcome for each wavelength. For a collision at this column density,
@@ -114,7 +115,7 @@ impl PhotonPath {
         let depth = |sigma: f64| if sigma > 0.0 { sigma * column } else { 0.0 };
         let least = (0..LANES).filter(|&k| fractions[k] > 0.0).map(|k| depth(sigma_t[k])).fold(f64::INFINITY, f64::min);
         let density = sigma_t.map(|sigma| {
-            let transmittance = (least - depth(sigma)).exp();
+            let transmittance = exp(least - depth(sigma));
             if collision.is_some() { sigma * transmittance } else { transmittance }
         });
         self.weight_by_balance_heuristic(&fractions, &density);

@@ -1,6 +1,6 @@
 //! Transforms and motion in the scene file.
 
-use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
+use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4};
 use schemars::JsonSchema;
 use serde::de::MapAccess;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -10,6 +10,7 @@ use super::check;
 use super::forms::{self, Form, Forms};
 use crate::error::Result;
 use crate::json::JsonPath;
+use crate::math::rotation::{angle_between, quaternion};
 use crate::scene::motion::DecomposedTransform;
 
 /// A list of transform steps. The first step is applied first.
@@ -132,11 +133,9 @@ impl TransformStepFile {
     pub fn to_affine(&self) -> DAffine3 {
         match self {
             Self::Translate(by) => DAffine3::from_translation(DVec3::from_array(*by)),
-            Self::Rotate { axis, degrees } => {
-                DVec3::from_array(*axis).try_normalize().map_or(DAffine3::IDENTITY, |axis| {
-                    DAffine3::from_quat(DQuat::from_axis_angle(axis, degrees.to_radians()))
-                })
-            }
+            Self::Rotate { axis, degrees } => DVec3::from_array(*axis)
+                .try_normalize()
+                .map_or(DAffine3::IDENTITY, |axis| DAffine3::from_quat(quaternion(axis, degrees.to_radians()))),
             Self::Scale(ScaleFile::Uniform(scale)) => DAffine3::from_scale(DVec3::splat(*scale)),
             Self::Scale(ScaleFile::Axes(scale)) => DAffine3::from_scale(DVec3::from_array(*scale)),
             Self::Matrix(rows) => {
@@ -204,7 +203,7 @@ pub(super) fn validate_motion(at: &JsonPath, motion: &[KeyframeFile]) -> Result<
             let what = "found a mirror image of the keyframe before: the interpolation would be flat in between";
             return Err(check::fault(&at, what, "a scale that does not pass through 0"));
         }
-        let shortest = before.rotation.angle_between(after.rotation).to_degrees();
+        let shortest = angle_between(before.rotation, after.rotation).to_degrees();
         let degrees = written_rotation_deg(&pair[0].transform, &pair[1].transform).max(shortest);
         if degrees > 180.0 - 1e-6 {
             let what = format!("found a rotation of {}° from the keyframe before", check::number(degrees.round()));

@@ -14,6 +14,7 @@ use super::primitive::{PlacedMesh, PlacedSolid, Primitive, Primitives, Triangle}
 use super::shape::{PlacedShape, Solid, ValidShape, bounds_of};
 use super::world::Geometry;
 use crate::error::{Error, Result};
+use crate::math::elementary::sin_cos;
 
 /// Ratio of `Geometry::coincidence_range_m` to the largest coordinate of the scene.
 /// `coincidence_range_m` also contains a margin for the rounding of the centre. The margin is not
@@ -213,7 +214,7 @@ impl PlacedSolid {
         let mut mean = 0.0;
         for piece in 0..AXIAL_PIECES {
             for (node, weight) in gauss {
-                let (sin, cos) = (PI * (f64::from(piece) + 0.5 + 0.5 * node) / f64::from(AXIAL_PIECES)).sin_cos();
+                let (sin, cos) = sin_cos(PI * (f64::from(piece) + 0.5 + 0.5 * node) / f64::from(AXIAL_PIECES));
                 let u = 0.5 * (1.0 - cos);
                 let around: f64 =
                     (0..AZIMUTH_STEPS).map(|i| scale_at([u, (f64::from(i) + 0.5) / f64::from(AZIMUTH_STEPS)])).sum();

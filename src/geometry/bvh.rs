@@ -25,6 +25,7 @@ use obvhs::ray::{Ray as BoxRay, RayHit};
 
 use super::ray::Ray;
 use crate::error::{Error, Result};
+use crate::math::elementary::{exp2, log2};
 
 /// Padding of a box on every side. In the frame of the hierarchy, the padding is 2⁻⁸.
 const PADDING: f64 = 0.003_906_25;
@@ -73,7 +74,7 @@ impl Bvh {
             return Err(Error::input("the bounds of an object are not finite").expected("finite positions and sizes"));
         }
         let middle = low + 0.5 * (high - low);
-        let scale = if extent > 0.0 { (9.0 - extent.log2().floor()).clamp(-1000.0, 1000.0).exp2() } else { 1.0 };
+        let scale = if extent > 0.0 { exp2((9.0 - log2(extent).floor()).clamp(-1000.0, 1000.0)) } else { 1.0 };
         let mut bvh = Self { low, high, middle, scale, nodes: BvhNodes::List(count) };
         if boxes.len() <= MAX_LISTED_PRIMITIVES {
             return Ok((bvh, (0..count).collect()));

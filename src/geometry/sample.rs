@@ -9,6 +9,7 @@ use super::object::{ObjectSurface, ShapeSampling};
 use super::primitive::Primitive;
 use super::shape::TriangleRay;
 use super::world::Geometry;
+use crate::math::elementary::sin_cos;
 
 impl Geometry {
     /// Returns the surface area of an object in m², or 0 for an unknown object. For rectangles,
@@ -178,7 +179,7 @@ impl SubtendedCone {
         let (sin, cos) = (self.sin_max * root, 1.0 - one_minus_cos);
         let (cos_alpha, sin_alpha) = (sin * root + cos * other, cos * root - sin * other);
         let (across_x, across_y) = TriangleRay::new(DVec3::ZERO, self.axis).across();
-        let (turn_sin, turn_cos) = (TAU * turn).sin_cos();
+        let (turn_sin, turn_cos) = sin_cos(TAU * turn);
         let across = turn_cos * across_x + turn_sin * across_y;
         self.centre + self.radius * (cos_alpha * self.axis + sin_alpha * across)
     }

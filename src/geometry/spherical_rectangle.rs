@@ -8,6 +8,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use super::object::WorldRectangle;
+use crate::math::elementary::{acos, hypot, sin_cos};
 
 /// Smallest solid angle in sr for this method. The solid angle is a difference of angles. Below
 /// this limit, the difference has fewer than ten correct digits, and the caller samples by area.
@@ -51,7 +52,7 @@ impl WorldRectangle {
         let along_x = |y: f64| DVec3::new(0.0, z0, -y).normalize_or_zero();
         let along_y = |x: f64| DVec3::new(-z0, 0.0, x).normalize_or_zero();
         let normals = [along_x(y[0]), along_y(x[1]), -along_x(y[1]), -along_y(x[0])];
-        let angle = |i: usize| (-normals[i].dot(normals[(i + 1) % 4])).clamp(-1.0, 1.0).acos();
+        let angle = |i: usize| acos((-normals[i].dot(normals[(i + 1) % 4])).clamp(-1.0, 1.0));
         let first_angle = TAU - angle(2) - angle(3);
         let solid_angle = angle(0) + angle(1) - first_angle;
         let largest = self.corner.abs().max_element() + self.width + self.height;
@@ -78,13 +79,13 @@ impl SphericalRectangle {
     /// Samples a point of the rectangle in world coordinates.
     pub(super) fn sample(&self, u: f64, v: f64) -> DVec3 {
         let [b0, b1] = self.side_normals_z;
-        let (sin, cos) = (u * self.solid_angle + self.first_angle).sin_cos();
+        let (sin, cos) = sin_cos(u * self.solid_angle + self.first_angle);
         let f = (cos * b0 - b1) / sin;
-        let cos_u = (1.0_f64.copysign(f) / f.hypot(b0)).clamp(-1.0, 1.0);
+        let cos_u = (1.0_f64.copysign(f) / hypot(f, b0)).clamp(-1.0, 1.0);
         let sin_u = ((1.0 - cos_u) * (1.0 + cos_u)).sqrt();
         let x = (-cos_u * self.z0 / sin_u).clamp(self.x[0], self.x[1]);
-        let distance = x.hypot(self.z0);
-        let [h0, h1] = self.y.map(|y| y / distance.hypot(y));
+        let distance = hypot(x, self.z0);
+        let [h0, h1] = self.y.map(|y| y / hypot(distance, y));
         let h = h0 + v * (h1 - h0);
         let y = (h * distance / ((1.0 - h) * (1.0 + h)).sqrt()).clamp(self.y[0], self.y[1]);
         self.from + x * self.axes[0] + y * self.axes[1] + self.z0 * self.axes[2]

@@ -1,6 +1,7 @@
 //! Kernel radii: the pilot fixes the first radius of each pixel, and the radius shrinks from pass
 //! to pass.
 
+use crate::math::elementary::powf;
 use crate::plan::partition::{PerClass, PerSet};
 use glam::DVec3;
 
@@ -87,7 +88,7 @@ fn scale(progress: f64, dimensions: u32) -> f64 {
     if part == 0.0 {
         return before;
     }
-    before.powf(1.0 - part) * scale_of_whole(whole as u64 + 1, dimensions).powf(part)
+    powf(before, 1.0 - part) * powf(scale_of_whole(whole as u64 + 1, dimensions), part)
 }
 
 fn scale_of_whole(passes: u64, dimensions: u32) -> f64 {
@@ -98,12 +99,12 @@ fn scale_of_whole(passes: u64, dimensions: u32) -> f64 {
     const EXACT: u64 = 4096;
     let product: f64 = (1..=passes.min(EXACT)).map(|i| (i as f64 + alpha) / (i as f64 + 1.0)).product();
     let tail = if passes > EXACT {
-        let ratio = |n: f64| n.powf(alpha - 1.0) * (1.0 + (alpha - 1.0) * alpha / (2.0 * n));
+        let ratio = |n: f64| powf(n, alpha - 1.0) * (1.0 + (alpha - 1.0) * alpha / (2.0 * n));
         ratio(passes as f64 + 1.0) / ratio(EXACT as f64 + 1.0)
     } else {
         1.0
     };
-    (product * tail).powf(1.0 / f64::from(dimensions))
+    powf(product * tail, 1.0 / f64::from(dimensions))
 }
 
 /// Returns the first radius (m) of a pixel. The radius is the distance to the k-th nearest photon,

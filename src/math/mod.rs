@@ -1,12 +1,16 @@
-//! General mathematics that does not deal with light: random streams, low-discrepancy points,
-//! sampling routines and their densities, distributions, quadrature, exact sums and frames.
+//! General mathematics that does not deal with light: elementary functions, random streams,
+//! low-discrepancy points, sampling routines and their densities, distributions, quadrature, Fourier
+//! transforms, exact sums, frames and rotations.
 
 pub mod cubic;
 pub mod distribution;
+pub mod elementary;
+pub mod fourier;
 pub mod frame;
 pub mod kronecker;
 pub mod quadrature;
 pub mod random;
+pub mod rotation;
 pub mod sobol;
 pub mod sphere;
 pub mod sum;

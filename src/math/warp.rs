@@ -1,5 +1,7 @@
 //! Mappings of the unit square onto disks, spheres and cones, each with its density.
 
+use crate::math::elementary::{asin, sin, sin_cos};
+use crate::math::rotation::unit_vector;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
@@ -12,7 +14,7 @@ pub fn disk(u: [f64; 2]) -> DVec2 {
     }
     let (radius, angle) =
         if a.abs() > b.abs() { (a, FRAC_PI_4 * (b / a)) } else { (b, 2.0 * FRAC_PI_4 - FRAC_PI_4 * (a / b)) };
-    DVec2::new(radius * angle.cos(), radius * angle.sin())
+    radius * unit_vector(angle)
 }
 
 /// Maps the unit square uniformly onto a regular polygon. The polygon has circumradius 1 and a
@@ -20,7 +22,7 @@ pub fn disk(u: [f64; 2]) -> DVec2 {
 pub fn regular_polygon(corners: u32, u: [f64; 2]) -> DVec2 {
     let place = u[0] * f64::from(corners);
     let (triangle, across) = (place.floor(), place.fract());
-    let corner = |number: f64| DVec2::from_angle(number / f64::from(corners) * TAU);
+    let corner = |number: f64| unit_vector(number / f64::from(corners) * TAU);
     // The square root compensates for the width of a triangle, which grows with the distance from
     // the centre.
     (corner(triangle) * (1.0 - across) + corner(triangle + 1.0) * across) * u[1].sqrt()
@@ -35,7 +37,7 @@ pub fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
 /// Samples a direction uniformly over the whole sphere (density 1/(4π) per steradian).
 pub fn sphere(u: [f64; 2]) -> DVec3 {
     let z = 1.0 - 2.0 * u[0];
-    let (sin, cos) = (TAU * u[1]).sin_cos();
+    let (sin, cos) = sin_cos(TAU * u[1]);
     let r = (2.0 * u[0].sqrt() * (1.0 - u[0]).sqrt()).min(1.0);
     DVec3::new(r * cos, r * sin, z)
 }
@@ -43,13 +45,13 @@ pub fn sphere(u: [f64; 2]) -> DVec3 {
 /// Returns 1 − cos θ for the half-angle θ of a cone. The half-angle is in radians. The result is
 /// accurate even for narrow cones.
 pub fn one_minus_cos(half_angle: f64) -> f64 {
-    let s = (0.5 * half_angle).sin();
+    let s = sin(0.5 * half_angle);
     2.0 * s * s
 }
 
 /// Returns the half-angle of a cone in radians. This is the inverse of [`one_minus_cos`].
 pub fn half_angle(one_minus_cos: f64) -> f64 {
-    2.0 * (0.5 * one_minus_cos).sqrt().min(1.0).asin()
+    2.0 * asin((0.5 * one_minus_cos).sqrt().min(1.0))
 }
 
 /// Returns the solid angle of a cone in steradians. The argument is the half-angle in radians.
@@ -67,7 +69,7 @@ pub fn cone(one_minus_cos: f64, u: [f64; 2]) -> DVec3 {
 /// Returns the direction at the angle θ from +z and at the azimuth 2π·`u`. `one_minus_cos` is 1 −
 /// cos θ. The result is accurate even for very small angles.
 pub fn spherical_direction(one_minus_cos: f64, u: f64) -> DVec3 {
-    let (sin, cos) = (TAU * u).sin_cos();
+    let (sin, cos) = sin_cos(TAU * u);
     let r = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt();
     DVec3::new(r * cos, r * sin, 1.0 - one_minus_cos)
 }

@@ -1,5 +1,7 @@
 //! Circular and polygonal apertures and their Fraunhofer diffraction patterns.
 
+use crate::math::elementary::{atan2, bessel_j1, cos, sin};
+use crate::math::rotation::unit_vector;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
@@ -19,7 +21,7 @@ pub struct Blades {
 impl Blades {
     /// Returns corner `number` on the unit circle, counted anticlockwise.
     fn corner(self, number: u32) -> DVec2 {
-        DVec2::from_angle(self.rotation + TAU * f64::from(number) / f64::from(self.count))
+        unit_vector(self.rotation + TAU * f64::from(number) / f64::from(self.count))
     }
 
     /// Returns whether the polygon contains a point. The point is given in units of the circle's
@@ -28,14 +30,14 @@ impl Blades {
         let sector = TAU / f64::from(self.count);
         // The angle is measured from the middle of the nearest blade. The distance of this middle
         // from the centre is cos(sector / 2).
-        let angle = (place.to_angle() - self.rotation).rem_euclid(sector) - 0.5 * sector;
-        place.length() * angle.cos() <= (0.5 * sector).cos()
+        let angle = (atan2(place.y, place.x) - self.rotation).rem_euclid(sector) - 0.5 * sector;
+        place.length() * cos(angle) <= cos(0.5 * sector)
     }
 
     /// Returns the polygon's area divided by the area of the circle.
     pub fn area_fraction(self) -> f64 {
         let sector = TAU / f64::from(self.count);
-        sector.sin() / sector
+        sin(sector) / sector
     }
 }
 
@@ -54,14 +56,14 @@ pub fn fraunhofer(blades: Option<Blades>, place: DVec2) -> f64 {
     }
     let Some(blades) = blades else {
         let x = square.sqrt();
-        return (2.0 * libm::j1(x) / x).powi(2);
+        return (2.0 * bessel_j1(x) / x).powi(2);
     };
     let amplitude = (0..blades.count).fold(DVec2::ZERO, |sum, number| {
         let (from, to) = (blades.corner(number), blades.corner(number + 1));
         let (edge, middle) = (to - from, 0.5 * (from + to));
         let half = 0.5 * q.dot(edge);
-        let sinc = if half.abs() < 1e-8 { 1.0 } else { half.sin() / half };
-        sum + q.perp_dot(edge) * sinc * DVec2::from_angle(-q.dot(middle))
+        let sinc = if half.abs() < 1e-8 { 1.0 } else { sin(half) / half };
+        sum + q.perp_dot(edge) * sinc * unit_vector(-q.dot(middle))
     });
     amplitude.length_squared() / (square * PI * blades.area_fraction()).powi(2)
 }

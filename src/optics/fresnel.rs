@@ -6,6 +6,7 @@
 //! n₁cosθ₁ + n₂cosθ₂. The numerator becomes (n₁ − n₂)(n₁ + n₂), which has no cancellation. The
 //! equation for p polarisation is treated in the same way.
 
+use crate::math::elementary::{asin, atan2, hypot};
 use glam::DVec3;
 
 /// Returns n_t²·cos²θ_t by Snell's law. This is (n_t − n_i)(n_t + n_i) + n_i²·cos²θ_i. The value is
@@ -70,7 +71,7 @@ pub fn conductor_sp(cos_i: f64, n: f64, k: f64, n_outside: f64) -> (f64, f64) {
     // follows from a·b = ηκ. This order avoids cancellation.
     let real = (eta - 1.0) * (eta + 1.0) + c * c - kappa * kappa;
     let imaginary = eta * kappa;
-    let modulus = real.hypot(2.0 * imaginary);
+    let modulus = hypot(real, 2.0 * imaginary);
     let larger = (0.5 * (modulus + real.abs())).sqrt();
     let a = if real >= 0.0 || larger == 0.0 { larger } else { imaginary / larger };
     let s = (modulus + c * c - 2.0 * a * c) / (modulus + c * c + 2.0 * a * c);
@@ -118,12 +119,12 @@ pub fn reflect(w: DVec3, normal: DVec3) -> DVec3 {
 
 /// Returns the critical angle of total reflection in degrees, or `None` if `n_i` ≤ `n_t`.
 pub fn critical_angle_deg(n_i: f64, n_t: f64) -> Option<f64> {
-    (n_i > n_t).then(|| (n_t / n_i).asin().to_degrees())
+    (n_i > n_t).then(|| asin(n_t / n_i).to_degrees())
 }
 
 /// Returns Brewster's angle in degrees. At this angle the reflectance for p polarisation is 0.
 pub fn brewster_angle_deg(n_i: f64, n_t: f64) -> f64 {
-    n_t.atan2(n_i).to_degrees()
+    atan2(n_t, n_i).to_degrees()
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@
 //! The functions return the masking function divided by the cosines, because the quotients stay
 //! finite at grazing angles.
 
+use crate::math::elementary::sin_cos;
 use std::f64::consts::PI;
 
 use glam::DVec3;
@@ -103,7 +104,7 @@ impl Ggx {
         let t1 = if across > 0.0 { DVec3::new(-stretched.y, stretched.x, 0.0) / across.sqrt() } else { DVec3::X };
         let t2 = stretched.cross(t1);
         let radius = u.sqrt();
-        let (sin, cos) = (2.0 * PI * v).sin_cos();
+        let (sin, cos) = sin_cos(2.0 * PI * v);
         let p1 = radius * cos;
         let blend = 0.5 * (1.0 + stretched.z);
         let p2 = (1.0 - blend) * (1.0 - p1 * p1).max(0.0).sqrt() + blend * radius * sin;

@@ -4,6 +4,8 @@
 //! medium. `apex_deg` lies in (0, 180). `incidence_deg` is measured from the normal of the first
 //! face; it is positive if the ray arrives from the side of the base.
 
+use crate::math::elementary::{asin, sin};
+
 /// Returns the deviation δ = i₁ + i₂ − α of a ray, or `None` if the second face reflects the ray
 /// totally.
 ///
@@ -11,16 +13,16 @@
 /// angle. Source: Born & Wolf, *Principles of Optics*, §4.7.2.
 pub fn deviation_deg(n: f64, apex_deg: f64, incidence_deg: f64) -> Option<f64> {
     let apex = apex_deg.to_radians();
-    let refracted = (incidence_deg.to_radians().sin() / n).asin();
-    let sin_out = n * (apex - refracted).sin();
-    (sin_out.abs() <= 1.0).then(|| incidence_deg + sin_out.asin().to_degrees() - apex_deg)
+    let refracted = asin(sin(incidence_deg.to_radians()) / n);
+    let sin_out = n * sin(apex - refracted);
+    (sin_out.abs() <= 1.0).then(|| incidence_deg + asin(sin_out).to_degrees() - apex_deg)
 }
 
 /// Returns the angle of incidence asin(n·sin(α/2)), at which the deviation is smallest. At this
 /// angle the path of the ray is symmetric. Returns `None` if no ray passes the prism.
 pub fn minimum_deviation_incidence_deg(n: f64, apex_deg: f64) -> Option<f64> {
-    let sin_in = n * (0.5 * apex_deg.to_radians()).sin();
-    (sin_in <= 1.0).then(|| sin_in.asin().to_degrees())
+    let sin_in = n * sin(0.5 * apex_deg.to_radians());
+    (sin_in <= 1.0).then(|| asin(sin_in).to_degrees())
 }
 
 /// Returns the minimum deviation 2·asin(n·sin(α/2)) − α, or `None` if no ray passes the prism.
@@ -31,6 +33,6 @@ pub fn minimum_deviation_deg(n: f64, apex_deg: f64) -> Option<f64> {
 /// Returns the smallest signed angle of incidence at which the ray still leaves through the second
 /// face. Returns `None` if no ray passes or if every ray passes.
 pub fn least_passing_incidence_deg(n: f64, apex_deg: f64) -> Option<f64> {
-    let sin_in = n * (apex_deg.to_radians() - (1.0 / n).asin()).sin();
-    (sin_in.abs() <= 1.0).then(|| sin_in.asin().to_degrees())
+    let sin_in = n * sin(apex_deg.to_radians() - asin(1.0 / n));
+    (sin_in.abs() <= 1.0).then(|| asin(sin_in).to_degrees())
 }

@@ -1,5 +1,7 @@
 //! Axes of plots: their ranges, and their ticks at round numbers.
 
+use crate::math::elementary::{log10, powf};
+
 /// A round number is one of these digits, multiplied by a power of ten.
 const ROUND_DIGITS: [f64; 3] = [1.0, 2.0, 5.0];
 
@@ -60,7 +62,7 @@ impl Axis {
     /// Returns a logarithmic axis for the positive finite values. The axis has a small margin and
     /// covers at least one decade. `page` contains the positions of both ends on the page.
     pub(super) fn logarithmic(values: impl Iterator<Item = f64>, page: (f64, f64)) -> Self {
-        let (least, most) = extremes(values.filter(|value| *value > 0.0 && value.is_finite()).map(f64::log10));
+        let (least, most) = extremes(values.filter(|value| *value > 0.0 && value.is_finite()).map(log10));
         let (least, most) = if least <= most { (least, most) } else { (0.0, 0.0) };
         let margin = (0.04 * (most - least)).max(0.5 * (1.0 - (most - least))).max(0.02);
         Self { scale: AxisScale::Logarithmic, range: (least - margin, most + margin), page }
@@ -70,7 +72,7 @@ impl Axis {
     pub(super) fn position(&self, value: f64) -> f64 {
         let value = match self.scale {
             AxisScale::Linear { .. } => value,
-            AxisScale::Logarithmic => value.log10(),
+            AxisScale::Logarithmic => log10(value),
         };
         let (low, high) = self.range;
         self.page.0 + (value - low) / (high - low) * (self.page.1 - self.page.0)
@@ -88,7 +90,7 @@ impl Axis {
             }
             AxisScale::Logarithmic => {
                 let all = round_numbers(low.floor() as i32..=high.ceil() as i32);
-                let inside = all.filter(|(_, value)| (low..=high).contains(&value.log10()));
+                let inside = all.filter(|(_, value)| (low..=high).contains(&log10(*value)));
                 let has_label = |digit: f64| high - low < FEW_DECADES || digit == 1.0;
                 let tick = |(digit, value)| Tick { value, label: has_label(digit).then(|| logarithmic_label(value)) };
                 inside.map(tick).collect()
@@ -110,7 +112,7 @@ fn round_numbers(decades: std::ops::RangeInclusive<i32>) -> impl Iterator<Item =
 
 /// Returns the smallest round number that is not below `step`.
 fn round_step(step: f64) -> f64 {
-    let decade = step.log10().floor() as i32;
+    let decade = log10(step).floor() as i32;
     let mut steps = round_numbers(decade..=decade + 1).map(|(_, round)| round);
     steps.find(|round| *round >= step * (1.0 - 1e-9)).unwrap_or(step)
 }
@@ -124,9 +126,9 @@ fn is_plain(magnitude: f64) -> bool {
 /// ticks needs. If the largest value of the axis is very large or small, the label contains a power
 /// of ten.
 fn linear_label(value: f64, step: f64, largest: f64) -> String {
-    let exponent = if is_plain(largest) { 0 } else { largest.log10().floor() as i32 };
+    let exponent = if is_plain(largest) { 0 } else { log10(largest).floor() as i32 };
     let unit = 10.0_f64.powi(exponent);
-    let decimals = (-(step / unit * (1.0 + 1e-9)).log10().floor()).clamp(0.0, 9.0) as usize;
+    let decimals = (-log10(step / unit * (1.0 + 1e-9)).floor()).clamp(0.0, 9.0) as usize;
     // A zero from a subtraction is printed without a sign.
     let is_zero = value.abs() < step / 2.0;
     let number = format!("{:.decimals$}", if is_zero { 0.0 } else { value / unit });
@@ -139,8 +141,8 @@ fn logarithmic_label(value: f64) -> String {
     if is_plain(value) {
         return format!("{}", (value * 1e6).round() / 1e6);
     }
-    let exponent = (value.log10() + 1e-9).floor();
-    let digit = (value / 10.0_f64.powf(exponent)).round();
+    let exponent = (log10(value) + 1e-9).floor();
+    let digit = (value / powf(10.0_f64, exponent)).round();
     let power = power_of_ten(exponent as i32);
     if digit == 1.0 { power } else { format!("{digit}·{power}") }
 }

@@ -1,6 +1,7 @@
 //! A test of two pictures for differences that their noise does not explain.
 
 use super::compare::Selection;
+use crate::math::elementary::{atan, exp_m1, hypot, ln_1p, sin_cos};
 use crate::sensor::Picture;
 
 /// The side of a block in pixels.
@@ -25,7 +26,7 @@ pub(super) fn probability(picture: &Picture, reference: &Picture, selection: &Se
                 let Some((a, b)) = picture.noise[i].zip(reference.noise[i]) else { continue };
                 if selection.selects(x, y, width) {
                     difference += picture.xyz[i][1] - reference.xyz[i][1];
-                    sigma += f64::from(a).hypot(f64::from(b));
+                    sigma += hypot(f64::from(a), f64::from(b));
                     pixels += 1;
                 }
             }
@@ -34,7 +35,7 @@ pub(super) fn probability(picture: &Picture, reference: &Picture, selection: &Se
     });
     let (least, count) = tests.fold((1.0_f64, 0), |(least, count), p| (least.min(p), count + 1));
     // Šidák: 1 − (1 − p)ⁿ, without cancellation for small p.
-    (count > 0).then(|| -(f64::from(count) * (-least).ln_1p()).exp_m1())
+    (count > 0).then(|| -exp_m1(f64::from(count) * ln_1p(-least)))
 }
 
 /// Returns the probability that Student's t with 9 degrees of freedom is at least |t|, on either
@@ -44,8 +45,8 @@ fn two_sided_p(t: f64) -> f64 {
     if t.is_nan() {
         return 0.0;
     }
-    let angle = (t.abs() / 3.0).atan();
-    let (sin, cos) = angle.sin_cos();
+    let angle = atan(t.abs() / 3.0);
+    let (sin, cos) = sin_cos(angle);
     let square = cos * cos;
     let series = cos * (1.0 + square * (2.0 / 3.0 + square * (8.0 / 15.0 + square * 48.0 / 105.0)));
     (1.0 - 2.0 / std::f64::consts::PI * (angle + sin * series)).max(0.0)

@@ -6,6 +6,7 @@ use super::svg::head;
 use crate::colour::gamut::brightest;
 use crate::colour::{RgbSpace, encode_srgb_u8, from_xy, report, xy, xyz_to_linear_srgb};
 use crate::error::Result;
+use crate::math::elementary::hypot;
 use crate::sensor::DisplayImage;
 use crate::spectrum::{Observer, Spectrum};
 
@@ -97,7 +98,7 @@ impl ChromaticityDiagram<'_> {
         let tick = |nm: u32| {
             let ((x, y), before, after) = (place(nm), place(nm - 1), place(nm + 1));
             let (along_x, along_y) = (after.0 - before.0, after.1 - before.1);
-            let length = along_x.hypot(along_y);
+            let length = hypot(along_x, along_y);
             // Seen along the locus in the direction of growing wavelength, the colours are on the
             // right.
             let (out_x, out_y) = (along_y / length, -along_x / length);

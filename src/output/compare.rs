@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::block_test;
 use crate::colour::{RgbSpace, delta_e_2000, lab};
 use crate::error::{Error, Result};
+use crate::math::elementary::{hypot, log2};
 use crate::sensor::{Picture, exposure};
 
 /// A rectangle of pixels: columns from `x0` to `x1`, and rows from `y0` to `y1`. Column `x1` and
@@ -128,7 +129,7 @@ pub fn compare_at(picture: &Picture, reference: &Picture, selection: &Selection,
         rmse: (squares / count).sqrt(),
         mean_ratio: mean_y(picture) / mean_y(reference),
         delta_e_2000: delta_e(selected.iter().map(|&i| differences[i]).collect()),
-        exposure_ev: exposure.log2(),
+        exposure_ev: log2(exposure),
         z: z_test(picture, reference, &selected, block_test::probability(picture, reference, selection)),
         covered: covered(picture, reference, &selected),
         unknown_pixels: selected.iter().filter(|&&i| picture.error(i).is_none()).count(),
@@ -243,7 +244,7 @@ fn z_test(picture: &Picture, reference: &Picture, selected: &[usize], p: Option<
         let Some((a, b)) = picture.noise[i].zip(reference.noise[i]) else { continue };
         pixels += 1;
         let difference = (picture.xyz[i][1] - reference.xyz[i][1]).abs();
-        let sigma = f64::from(a).hypot(f64::from(b));
+        let sigma = hypot(f64::from(a), f64::from(b));
         // Two equal values agree even if both standard errors are 0.
         within += usize::from(difference == 0.0 || difference < 1.96 * sigma);
     }

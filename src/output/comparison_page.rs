@@ -10,6 +10,7 @@ use super::page::document;
 use super::png::encode as encode_png;
 use crate::colour::tone::ToneCurve;
 use crate::error::Result;
+use crate::math::elementary::exp2;
 use crate::sensor::{Development, DisplayImage, Picture, develop};
 
 /// Two pictures with their names.
@@ -40,7 +41,7 @@ const ERROR_CAPTION: &str = "√(noise² + bias²) relative to Y, blue-green if 
 pub fn page(pair: PicturePair<'_>, selection: &Selection, comparison: &Comparison) -> Result<String> {
     let PicturePair { picture: (name_a, a), reference: (name_b, b), tone } = pair;
     let development = Development { tone, ..Development::default() };
-    let exposure = comparison.exposure_ev.exp2();
+    let exposure = exp2(comparison.exposure_ev);
     let shown = |picture: &Picture| develop(picture, exposure, &development);
     let title = format!("{name_a} against {name_b}");
     let signed = "Difference in Y, relative to the reference: red where A is brighter, blue where A is darker.";

@@ -3,6 +3,7 @@
 use super::axis::Axis;
 use super::svg::{CURVE_COLOURS, append, escape_xml, head};
 use crate::colour::{srgb_hex, xyz_to_linear_srgb};
+use crate::math::elementary::powf;
 use crate::spectrum::{BAND_NM, Observer, Spectrum};
 
 /// A curve over wavelength.
@@ -176,7 +177,7 @@ fn spectral_colour(nm: f64) -> String {
     if brightest <= 0.0 {
         return "#000000".to_string();
     }
-    let seen = (bar.iter().sum::<f64>() / 0.5).min(1.0).powf(0.5);
+    let seen = powf((bar.iter().sum::<f64>() / 0.5).min(1.0), 0.5);
     srgb_hex(linear.map(|component| (component + white) / brightest * seen))
 }
 

@@ -11,6 +11,7 @@ use super::context::PassContext;
 use super::sums::StageSeconds;
 use crate::gather::{OPENINGS_SHARE, Openings, PixelSampler};
 use crate::geometry::Ray;
+use crate::math::elementary::ln;
 use crate::math::random::hash64;
 use crate::math::sphere::BoundingSphere;
 use crate::optics::bsdf::TransportMode;
@@ -144,7 +145,7 @@ fn fit_spheres(lines: &[EscapedLine], seed: u64) -> Vec<BoundingSphere> {
         mixture.spheres.push(sphere);
     }
     let count = mixture.spheres.len().max(1) as f64;
-    let gain = |(line, sum): (&EscapedLine, &f64)| (line.density_in_mixture(*sum, count) / line.density).ln();
+    let gain = |(line, sum): (&EscapedLine, &f64)| ln(line.density_in_mixture(*sum, count) / line.density);
     let mean = lines.iter().zip(&mixture.sums).map(gain).sum::<f64>() / lines.len() as f64;
     if mean >= MIN_TOTAL_GAIN { mixture.spheres } else { Vec::new() }
 }
@@ -162,7 +163,7 @@ impl Mixture {
         let count = self.spheres.len() as f64;
         let gain = |(line, sum): (&EscapedLine, &f64)| {
             let before = line.density_in_mixture(*sum, count.max(1.0));
-            (line.density_in_mixture(sum + line.density_through(sphere), count + 1.0) / before).ln()
+            ln(line.density_in_mixture(sum + line.density_through(sphere), count + 1.0) / before)
         };
         lines.iter().zip(&self.sums).map(gain).sum()
     }

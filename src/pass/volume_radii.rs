@@ -7,6 +7,7 @@ use super::keep_probability::{DepositCounts, KeepProbability};
 use super::volume_samples::{NearbyPhotons, VolumeSamples};
 use crate::gather::CameraSegment;
 use crate::map::{KernelWidth, PixelRadii};
+use crate::math::elementary::powf;
 use crate::plan::partition::{PerClass, PerSet, PhotonClass, PhotonSet};
 use crate::scene::medium::Medium;
 use std::iter;
@@ -142,8 +143,7 @@ impl NearbyPhotons {
     /// Returns the ratio of the first radius to the distance from the camera. `keep` contains the
     /// probabilities of storing photons in a pass.
     fn first_radius(&self, keep: KeepProbability) -> f64 {
-        let within =
-            |found: f64, dimensions: f64| (PHOTONS_PER_RAY / found.max(PHOTONS_PER_RAY)).powf(1.0 / dimensions);
+        let within = |found: f64, dimensions: f64| powf(PHOTONS_PER_RAY / found.max(PHOTONS_PER_RAY), 1.0 / dimensions);
         let narrow = within(self.points * keep.points, 2.0).min(within(self.beams * keep.beams, 1.0));
         (self.width * narrow).min(MAX_RADIUS_FREE_PATHS / self.free_paths)
     }

@@ -7,6 +7,7 @@ use super::deposits::VolumeDeposits;
 use super::keep_probability::{DepositCounts, KeepProbability};
 use crate::gather::CameraSegment;
 use crate::map::{KernelWidth, PhotonBeam, QueryCone, VolumeMap};
+use crate::math::elementary::exp;
 use crate::plan::VolumePlan;
 use crate::scene::medium::Medium;
 use crate::spectrum::REFERENCE_NM;
@@ -148,7 +149,7 @@ impl VolumeSamples {
             let (mut found, mut visible, mut free_paths) = (0, 0.0, 0.0);
             map.along(cone, |near| {
                 if near.medium == *number {
-                    let transmittance = (-medium.optical_depth(REFERENCE_NM, medium.column_m(ray, near.t))).exp();
+                    let transmittance = exp(-medium.optical_depth(REFERENCE_NM, medium.column_m(ray, near.t)));
                     let across_m = (behind_m + near.t) * medium.density_at(ray.at(near.t));
                     found += 1;
                     visible += transmittance;

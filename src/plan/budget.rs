@@ -1,6 +1,7 @@
 //! The budget of a render: passes, photons, path depth and memory.
 
 use super::fields::Plan;
+use crate::math::elementary::exp2;
 use crate::math::random::REPLICATES;
 use crate::scene::Scene;
 
@@ -108,7 +109,7 @@ fn light_map_bytes(scene: &Scene, cells: u32, passes: u64) -> u64 {
 /// Returns the number of light map cells in a pass. `cells` is the number of cells in the first
 /// pass.
 fn cells_in_pass(cells: u32, pass: u64) -> u32 {
-    (f64::from(cells) * (f64::from((pass + 1).ilog2()) / 6.0).exp2()).round() as u32
+    (f64::from(cells) * exp2(f64::from((pass + 1).ilog2()) / 6.0)).round() as u32
 }
 
 impl Budget {

@@ -7,6 +7,7 @@
 
 use super::effect_table::EFFECTS;
 use super::effects::{EffectId, listed};
+use crate::math::elementary::tan;
 use crate::math::random::ONE_MINUS_ULP;
 use crate::optics::bsdf::BsdfClass;
 use crate::optics::glass::RefractiveIndex;
@@ -159,7 +160,7 @@ fn depth_of_field(scene: &Scene, facts: &Facts) -> Option<String> {
         return None;
     }
     let depth = DepthOfField::of(&scene.camera)?;
-    let [across, down] = scene.camera.field_of_view().map(|angle| (0.5 * angle).tan());
+    let [across, down] = scene.camera.field_of_view().map(|angle| tan(0.5 * angle));
     // A lower bound of all depths along the optical axis: the depth of the nearest point, if this
     // point is in a corner of the picture.
     let near_m = scene.geometry.clearance_m(scene.camera.origin()) / (1.0 + across * across + down * down).sqrt();

@@ -2,6 +2,7 @@
 
 use super::job::Job;
 use crate::colour::{RgbSpace, Xyz};
+use crate::math::elementary::exp2;
 use crate::output::metadata::{Metadata, names};
 use crate::scene::Exposure;
 use crate::sensor::{Development, DisplayImage, Picture, develop, exposure};
@@ -50,7 +51,7 @@ impl DisplaySettings {
     pub fn factor(&self, picture: &Picture) -> f64 {
         match self.exposure {
             Exposure::Auto => exposure::automatic(picture),
-            Exposure::Ev(ev) => ev.exp2(),
+            Exposure::Ev(ev) => exp2(ev),
             Exposure::White(luminance) => luminance.recip(),
             Exposure::None => 1.0,
         }

@@ -17,6 +17,7 @@
 //! The ninth pass is the second pass of a replicate. The ninth pass therefore gives the first
 //! information about the rate.
 
+use crate::math::elementary::{exp, ln, log10, powf};
 use crate::math::random::REPLICATES;
 use crate::pass::StageSeconds;
 use crate::sensor::ErrorSquares;
@@ -124,8 +125,7 @@ impl ErrorHistory {
         let recent = |&&(n, squares): &&(u64, ErrorSquares)| n as f64 >= FIT_START * passes && squares.sampling > 0.0;
         // x is the logarithm of the number of strata per replicate. y is the logarithm of the
         // variance of a single pass.
-        let logarithms =
-            |&(n, squares): &(u64, ErrorSquares)| (ln_strata(n as f64), (squares.sampling * n as f64).ln());
+        let logarithms = |&(n, squares): &(u64, ErrorSquares)| (ln_strata(n as f64), ln(squares.sampling * n as f64));
         let points = || self.points.iter().filter(recent).map(logarithms);
         let count = points().count() as f64;
         if count == 0.0 {
@@ -136,7 +136,7 @@ impl ErrorHistory {
         let along = points().map(|point| (point.0 - x).powi(2)).sum::<f64>();
         let gain = ((PRIOR_SLOPE - 1.0) * PRIOR_WEIGHT - across) / (PRIOR_WEIGHT + along);
         let gain = gain.clamp(0.0, 1.0);
-        ((y - gain * (ln_strata(passes) - x)).exp() / passes, 1.0 + gain)
+        (exp(y - gain * (ln_strata(passes) - x)) / passes, 1.0 + gain)
     }
 }
 
@@ -146,7 +146,7 @@ fn ln_strata(passes: f64) -> f64 {
     let each = (passes / REPLICATES as f64).max(1.0);
     let whole = each.floor();
     let more = each - whole;
-    (1.0 - more) * whole.ln() + more * (whole + 1.0).ln()
+    (1.0 - more) * ln(whole) + more * ln(whole + 1.0)
 }
 
 impl Forecast {
@@ -162,9 +162,9 @@ impl Forecast {
     pub fn error_after_passes(&self, passes: f64) -> f64 {
         let ratio = passes / self.passes;
         let ErrorSquares { bias, kernel_noise, sampling } = self.squares;
-        let kernels = bias * ratio.powf(-0.5) + kernel_noise * ratio.powf(-2.0 / 3.0);
+        let kernels = bias * powf(ratio, -0.5) + kernel_noise * powf(ratio, -2.0 / 3.0);
         let gain = (self.slope - 1.0) * (ln_strata(passes) - ln_strata(self.passes));
-        (kernels + sampling / ratio * (-gain).exp()).sqrt()
+        (kernels + sampling / ratio * exp(-gain)).sqrt()
     }
 
     /// Returns the relative error at the time `seconds`. The time is in s and starts at the
@@ -200,7 +200,7 @@ impl Forecast {
 
 /// Returns the two largest numbers below `error` that are 1, 2 or 5 times a power of ten.
 fn round_errors_below(error: f64) -> [f64; 2] {
-    let decade = error.log10().floor() as i32;
+    let decade = log10(error).floor() as i32;
     let steps = (decade - 2..=decade).rev().flat_map(|power| [5.0, 2.0, 1.0].map(|step| (step, power)));
     // Division gives the double nearest to the decimal number: 2/100 equals the literal 0.02.
     let mut below = steps

@@ -7,6 +7,7 @@
 //! the same picture as an object at rest.
 
 use crate::geometry::shape::PlacedShape;
+use crate::math::rotation::slerp;
 use glam::{DAffine3, DQuat, DVec3};
 use std::sync::Arc;
 
@@ -39,7 +40,7 @@ impl DecomposedTransform {
     fn interpolate(&self, to: &Self, share: f64) -> DAffine3 {
         DAffine3::from_scale_rotation_translation(
             self.scale.lerp(to.scale, share),
-            self.rotation.slerp(to.rotation, share),
+            slerp(self.rotation, to.rotation, share),
             self.translation.lerp(to.translation, share),
         )
     }

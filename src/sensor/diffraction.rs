@@ -6,12 +6,11 @@
 //! picture beyond the edges of the film. Therefore, no light is lost at the edges, and a uniform
 //! picture stays uniform. Kernels are normalised to 1, so energy is conserved.
 
+use crate::math::elementary::{exp, ln};
+use crate::math::fourier::{self, Complex, Direction, FourierBuffers, FourierTransform};
 use crate::spectrum::BAND_NM;
 use glam::DVec2;
 use rayon::prelude::*;
-use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftDirection, FftPlanner};
-use std::sync::Arc;
 
 /// The number of slices of the whole band. The upper wavelength of a slice is about 5 % longer than
 /// its lower wavelength. The size of the pattern therefore hardly changes within a slice.
@@ -116,31 +115,27 @@ impl DiffractionPsf {
 /// Returns the lower ends of the slices that contain light. If there is a gap between two slices,
 /// light in the gap belongs to the lower slice. Light below all slices belongs to the first slice.
 fn edges_nm(light_nm: &[f64]) -> Vec<f64> {
-    let ratio = (BAND_NM.1 / BAND_NM.0).ln() / SLICES_OF_BAND as f64;
-    let mut cells: Vec<i64> = light_nm.iter().map(|nm| ((nm / BAND_NM.0).ln() / ratio) as i64).collect();
+    let ratio = ln(BAND_NM.1 / BAND_NM.0) / SLICES_OF_BAND as f64;
+    let mut cells: Vec<i64> = light_nm.iter().map(|nm| (ln(nm / BAND_NM.0) / ratio) as i64).collect();
     cells.dedup();
-    cells.into_iter().map(|cell| BAND_NM.0 * (cell as f64 * ratio).exp()).collect()
+    cells.into_iter().map(|cell| BAND_NM.0 * exp(cell as f64 * ratio)).collect()
 }
 
 /// The Fourier transform of a plane. Reflection extends the plane beyond its edges.
-pub(super) type PlaneTransform = Vec<Complex<f64>>;
+pub(super) type PlaneTransform = Vec<Complex>;
 
 /// Convolves the planes of films of one size.
 pub(super) struct Convolution<'a> {
     diffraction: &'a DiffractionPsf,
     width: usize,
     height: usize,
-    /// The forward and inverse transforms of rows, and the forward and inverse transforms of
-    /// columns.
-    rows: [Arc<dyn Fft<f64>>; 2],
-    columns: [Arc<dyn Fft<f64>>; 2],
+    rows: FourierTransform,
+    columns: FourierTransform,
 }
 
 impl<'a> Convolution<'a> {
     pub(super) fn new(diffraction: &'a DiffractionPsf, (width, height): (usize, usize)) -> Self {
-        let mut planner = FftPlanner::new();
-        let mut both = |length| [FftDirection::Forward, FftDirection::Inverse].map(|way| planner.plan_fft(length, way));
-        let (rows, columns) = (both(2 * width), both(2 * height));
+        let [rows, columns] = [2 * width, 2 * height].map(FourierTransform::new);
         Self { diffraction, width, height, rows, columns }
     }
 
@@ -159,9 +154,9 @@ impl<'a> Convolution<'a> {
     /// Returns the planes of a transform. This function is the inverse of `transform`.
     pub(super) fn planes(&self, mut spectrum: PlaneTransform) -> Vec<[f64; 2]> {
         let (width, height) = (2 * self.width, 2 * self.height);
-        process(&self.columns[1], &mut spectrum);
+        each_line(&self.columns, &mut spectrum, Direction::Inverse);
         let mut plane = transposed(&spectrum, height);
-        process(&self.rows[1], &mut plane);
+        each_line(&self.rows, &mut plane, Direction::Inverse);
         let scale = 1.0 / (width * height) as f64;
         let pixel = |i: usize| plane[i / self.width * width + i % self.width] * scale;
         (0..self.width * self.height).map(|i| [pixel(i).re, pixel(i).im]).collect()
@@ -206,20 +201,22 @@ impl<'a> Convolution<'a> {
 
     /// Transforms rows and then columns. The result is stored column by column.
     fn forward(&self, mut plane: PlaneTransform) -> PlaneTransform {
-        process(&self.rows[0], &mut plane);
+        each_line(&self.rows, &mut plane, Direction::Forward);
         let mut spectrum = transposed(&plane, 2 * self.width);
-        process(&self.columns[0], &mut spectrum);
+        each_line(&self.columns, &mut spectrum, Direction::Forward);
         spectrum
     }
 }
 
 /// Adds the product of two transforms to a sum.
 pub(super) fn add_product(sum: &mut PlaneTransform, a: &PlaneTransform, b: &PlaneTransform) {
-    sum.par_iter_mut().zip(a).zip(b).for_each(|((sum, a), b)| *sum += a * b);
+    sum.par_iter_mut().zip(a).zip(b).for_each(|((sum, a), b)| *sum += *a * *b);
 }
 
-fn process(fft: &Arc<dyn Fft<f64>>, lines: &mut PlaneTransform) {
-    lines.par_chunks_mut(fft.len()).for_each(|line| fft.process(line));
+/// Transforms each line of a plane.
+fn each_line(transform: &FourierTransform, plane: &mut PlaneTransform, direction: Direction) {
+    let lines = plane.par_chunks_mut(fourier::LINES * transform.line_length());
+    lines.for_each_init(FourierBuffers::default, |buffers, lines| transform.transform(lines, direction, buffers));
 }
 
 /// Transposes a plane whose rows have `length` values.

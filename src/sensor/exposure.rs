@@ -1,6 +1,7 @@
 //! Automatic exposure.
 
 use super::picture::Picture;
+use crate::math::elementary::{exp, ln};
 
 /// The luminance of middle grey relative to white.
 const MIDDLE_GREY: f64 = 0.18;
@@ -39,8 +40,8 @@ pub fn automatic(picture: &Picture) -> f64 {
     let metered = without_light_sources(&luminances);
     let highlight = metered[((metered.len() - 1) as f64 * (1.0 - ABOVE_HIGHLIGHT)) as usize];
     let weighted: Vec<(f64, f64)> =
-        metered.iter().map(|y| (y.ln(), (y * CONTRAST / highlight).min(1.0).powi(2))).collect();
-    (MIDDLE_GREY / robust_mean(&weighted).exp()).max(LEAST_HIGHLIGHT / highlight)
+        metered.iter().map(|y| (ln(*y), (y * CONTRAST / highlight).min(1.0).powi(2))).collect();
+    (MIDDLE_GREY / exp(robust_mean(&weighted))).max(LEAST_HIGHLIGHT / highlight)
 }
 
 /// Returns Huber's estimate of location for sorted pairs of a value and a weight: the value m for

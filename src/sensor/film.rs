@@ -304,7 +304,7 @@ impl Film {
             mean.iter_mut().zip(kernel).for_each(|(mean, kernel)| *mean += kernel * y);
             whole += y;
         }
-        mean.iter_mut().for_each(|value| *value /= whole);
+        mean.iter_mut().for_each(|value| *value = *value * (1.0 / whole));
         let (xy, z) = (convolution.planes(xy), convolution.planes(z));
         let mut light: Vec<PixelLight> = self.pixels.iter().map(PixelSums::light).collect();
         // Rounding may give values slightly below 0.

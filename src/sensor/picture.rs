@@ -1,5 +1,7 @@
 //! A picture: XYZ with error bars.
 
+use crate::math::elementary::hypot;
+
 /// The observer's XYZ of every pixel, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
@@ -106,14 +108,14 @@ impl Picture {
     /// Returns the error of a pixel in cd/m²: √(noise² + bias²). Returns `None` if the noise or the
     /// bias is unknown.
     pub fn error(&self, pixel: usize) -> Option<f64> {
-        self.bars(pixel).map(|(noise, bias)| noise.hypot(bias))
+        self.bars(pixel).map(|(noise, bias)| hypot(noise, bias))
     }
 
     /// Returns half the width of a pixel's 95 % interval in cd/m², for a comparison with another
     /// value. `other_noise` is the standard error of the other value. Returns `None` if the error
     /// of the pixel is unknown.
     pub fn half_interval_95(&self, pixel: usize, other_noise: f64) -> Option<f64> {
-        self.bars(pixel).map(|(noise, bias)| half_interval_95(noise.hypot(other_noise), bias))
+        self.bars(pixel).map(|(noise, bias)| half_interval_95(hypot(noise, other_noise), bias))
     }
 
     /// Returns the noise and the bias of a pixel if both are known.

@@ -1,5 +1,7 @@
 //! Thermal radiation: Planck's law.
 
+use crate::math::elementary::{exp, exp_m1};
+
 /// The first radiation constant for spectral radiance. It equals 2hc², in W m² sr⁻¹, and is exact
 /// in the SI of 2019.
 const C1_RADIANCE: f64 = 1.191_042_972_397_188e-16;
@@ -21,8 +23,8 @@ pub fn planck(nm: f64, temperature_k: f64) -> f64 {
     if exponent > LAST_EXPONENT {
         return 0.0;
     }
-    let half = (-0.5 * exponent).exp();
-    (C1_RADIANCE / length_m.powi(5) * half) * half / -(-exponent).exp_m1()
+    let half = exp(-0.5 * exponent);
+    (C1_RADIANCE / length_m.powi(5) * half) * half / -exp_m1(-exponent)
 }
 
 #[cfg(test)]

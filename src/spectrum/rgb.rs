@@ -11,6 +11,7 @@ use super::observer::Observer;
 use super::value::Spectrum;
 use super::{BAND_NM, library, smooth};
 use crate::error::{Error, Result};
+use crate::math::elementary::powf;
 
 /// The matrix that converts XYZ to linear sRGB (IEC 61966-2-1). The white point is x = 0.3127, y =
 /// 0.3290.
@@ -169,7 +170,7 @@ fn residual(c: Vec3, target: Vec3) -> (Vec3, [Vec3; 3]) {
     for (i, to_rgb) in basis().to_rgb.iter().enumerate() {
         let nm = BAND_NM.0 + i as f64;
         let (x, y) = (abscissa(nm), polynomial(c, nm));
-        let slope = 0.5 * (1.0 + y * y).powf(-1.5);
+        let slope = 0.5 * powf(1.0 + y * y, -1.5);
         for channel in 0..3 {
             error[channel] += to_rgb[channel] * sigmoid(y);
             let weight = to_rgb[channel] * slope;

@@ -6,6 +6,7 @@ use super::sweep::{self, SpectrumParts};
 use super::table::{self, Outside};
 use super::{BAND_NM, planck, smooth};
 use crate::error::{Error, Result};
+use crate::math::elementary::{exp, ln, powf};
 
 /// If a peak is narrower than this width in nm, one sample per nm does not represent it well.
 const NARROW_NM: f64 = 5.0;
@@ -83,8 +84,8 @@ impl Spectrum {
             let what = format!("a peak {fwhm_nm} nm wide");
             return Err(Error::input(what).expected(format!("a full width of at least {MIN_WIDTH_NM} nm")));
         }
-        let sigma_nm = fwhm_nm / (8.0 * 2.0_f64.ln()).sqrt();
-        let shape = |nm: f64| (-0.5 * ((nm - peak_nm) / sigma_nm).powi(2)).exp();
+        let sigma_nm = fwhm_nm / (8.0 * ln(2.0_f64)).sqrt();
+        let shape = |nm: f64| exp(-0.5 * ((nm - peak_nm) / sigma_nm).powi(2));
         let knots: Vec<f64> = (-32..=32).map(|i| peak_nm + 0.25 * f64::from(i) * sigma_nm).collect();
         let pieces = smooth::sampled(shape, &knots);
         let whole = BAND_NM.0 < peak_nm - 9.0 * sigma_nm && peak_nm + 9.0 * sigma_nm < BAND_NM.1;
@@ -103,7 +104,7 @@ impl Spectrum {
     /// Returns an error if the reference is not positive, the value is negative, or the function is
     /// not finite over the band.
     pub fn power_law(reference_nm: f64, value: f64, exponent: f64) -> Result<Self> {
-        let law = |nm: f64| value * (nm / reference_nm).powf(exponent);
+        let law = |nm: f64| value * powf(nm / reference_nm, exponent);
         if !(reference_nm.is_finite() && reference_nm > 0.0) {
             let what = format!("a power law with the reference {reference_nm} nm");
             return Err(Error::input(what).expected("a positive reference wavelength in nm"));

@@ -1,5 +1,6 @@
 //! Fits power laws by least squares on logarithms.
 
+use crate::math::elementary::{log10, powf};
 use serde::{Deserialize, Serialize};
 
 /// A power law y = c·xᵖ, fitted to points.
@@ -21,7 +22,7 @@ impl PowerLawFit {
     /// have the same x.
     pub fn of(points: impl Iterator<Item = (f64, f64)>) -> Option<Self> {
         let logs: Vec<(f64, f64)> =
-            points.filter(|(x, y)| *x > 0.0 && *y > 0.0).map(|(x, y)| (x.log10(), y.log10())).collect();
+            points.filter(|(x, y)| *x > 0.0 && *y > 0.0).map(|(x, y)| (log10(x), log10(y))).collect();
         let count = logs.len() as f64;
         let mean = |of: fn(&(f64, f64)) -> f64| logs.iter().map(of).sum::<f64>() / count;
         let (x, y) = (mean(|point| point.0), mean(|point| point.1));
@@ -42,7 +43,7 @@ impl PowerLawFit {
 
     /// The value of the law at `x`.
     pub fn at(&self, x: f64) -> f64 {
-        10.0_f64.powf(self.intercept + self.slope * x.log10())
+        powf(10.0_f64, self.intercept + self.slope * log10(x))
     }
 }
 

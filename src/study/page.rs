@@ -12,6 +12,7 @@ use super::study_scene::RenderSettings;
 use super::study_scene::integrator_title;
 use super::time_shares::TIME_SHARES;
 use crate::error::Result;
+use crate::math::elementary::{log2, log10};
 use crate::output::axis::power_of_ten;
 use crate::output::compare::{DeltaE, Selection};
 use crate::output::comparison_page::colour_differences;
@@ -145,7 +146,7 @@ fn compared(pictures: &StudyPictures<'_>) -> Result<Markup> {
                 input.splitter id="split" type="range" min="0" max="100" step="0.1" value="50" aria-label="where the left picture ends";
             }
             p.soft { "Drag across the picture to compare. All pictures are shown at the automatic exposure of the reference, EV "
-                (format!("{:.2}", pictures.exposure.log2())) "." }
+                (format!("{:.2}", log2(pictures.exposure))) "." }
             div.pictures hidden { @for image in &images { (image) } }
         }
     })
@@ -427,7 +428,7 @@ fn short(relative_mse: f64) -> String {
     if !relative_mse.is_finite() {
         return "unknown".to_string();
     }
-    let exponent = if relative_mse > 0.0 { relative_mse.log10().floor() as i32 } else { 0 };
+    let exponent = if relative_mse > 0.0 { log10(relative_mse).floor() as i32 } else { 0 };
     let unit = 10.0_f64.powi(exponent - 1);
     let digits = (relative_mse / unit).round();
     if exponent >= -3 {

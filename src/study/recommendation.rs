@@ -7,6 +7,7 @@ use super::fit::PowerLawFit;
 use super::reference_choice::ReferenceProvenance;
 use super::study_scene::{RenderSettings, StudyScene};
 use super::sweep::{RenderTime, SettingSweep};
+use crate::math::elementary::{exp, ln, powf};
 use crate::render::Integrator;
 use serde::Serialize;
 
@@ -115,15 +116,15 @@ impl TriedSettings<'_> {
         if i == 0 {
             return Some(passes(0));
         }
-        let share = (value(i - 1) / error).ln() / (value(i - 1) / value(i)).ln();
-        Some((passes(i - 1).ln() + share * (passes(i) / passes(i - 1)).ln()).exp())
+        let share = ln(value(i - 1) / error) / ln(value(i - 1) / value(i));
+        Some(exp(ln(passes(i - 1)) + share * ln(passes(i) / passes(i - 1))))
     }
 
     /// Returns the number of passes needed for this error if the error falls with the expected
     /// slope.
     fn passes_beyond(&self, error: f64) -> Option<f64> {
         let last = self.points.last()?;
-        let more = (error / last.error.whole.value).powf(1.0 / self.slope?);
+        let more = powf(error / last.error.whole.value, 1.0 / self.slope?);
         (more < MAX_EXTRAPOLATION).then_some(more * last.passes as f64)
     }
 }

@@ -2,6 +2,7 @@
 //! measured errors.
 
 use super::smooth_regions;
+use crate::math::elementary::hypot;
 use crate::output::compare::ErrorScale;
 use crate::sensor::Picture;
 use serde::{Deserialize, Serialize};
@@ -61,7 +62,7 @@ impl ReferencePicture {
         }
         for (i, noise) in mean.noise.iter_mut().enumerate() {
             let both = a.noise[i].zip(b.noise[i]);
-            *noise = both.map(|(a, b)| 0.5 * a.hypot(b));
+            *noise = both.map(|(a, b)| 0.5 * hypot(f64::from(a), f64::from(b)) as f32);
             mean.bias[i] = both.and(a.bias[i].zip(b.bias[i])).map(|(a, b)| 0.5 * (a + b));
         }
         let scale = ErrorScale::of(&mean);

@@ -11,6 +11,7 @@ use super::runner::{FinishedStep, RenderStep, Runner};
 use super::study_scene::integrator_title;
 use super::time_shares::TIME_SHARES;
 use crate::format::SceneFile;
+use crate::math::elementary::powf;
 use crate::render::{Integrator, Job};
 use crate::scene::facts::Facts;
 use crate::sensor::Picture;
@@ -200,7 +201,7 @@ fn try_both(runner: &mut Runner<'_>, job: &Job, budget_seconds: f64) -> Result<(
     let missing = apart.value - variance;
     let has_glass = !Facts::of(&job.scene).specular.is_empty();
     let misses = has_glass && missing > 4.0 * photon_error.max(variance) && missing > 3.0 * apart.standard_error;
-    let (path_then, photon_then) = (variance / longer, photon_error / longer.powf(2.0 / 3.0));
+    let (path_then, photon_then) = (variance / longer, photon_error / powf(longer, 2.0 / 3.0));
     Ok(if misses {
         let because = format!(
             "in a trial, the path tracer did not find all light through glass: its relative mean square difference from photon mapping was {:.3}, {:.1} times its noise",

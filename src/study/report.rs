@@ -10,6 +10,7 @@ use super::reference_choice::ReferenceProvenance;
 use super::step_cache::json;
 use super::study_scene::{Setting, integrator_title};
 use super::sweep::SettingSweep;
+use crate::math::elementary::powf;
 use crate::output::graph::{LogLogPlot, PlotSeries, SeriesStyle};
 use serde::Serialize;
 
@@ -199,7 +200,7 @@ impl StudyReport {
                 .into_iter()
                 .flat_map(|ends| curve.slopes_in_theory().into_iter().map(move |slope| (slope, ends)))
             {
-                let points = vec![*first, (last.0, first.1 * (last.0 / first.0).powf(slope))];
+                let points = vec![*first, (last.0, first.1 * powf(last.0 / first.0, slope))];
                 series.push(PlotSeries { name: String::new(), style: SeriesStyle::Dashed, colour, points });
             }
             let slope = curve

@@ -3,6 +3,7 @@
 use super::medium_segment::{MediumSegment, for_each_segment};
 use super::ray_state::RayState;
 use crate::geometry::Ray;
+use crate::math::elementary::{exp, exp_m1, ln_1p};
 use crate::math::random::{Purpose, Stream, hash64};
 use crate::scene::Scene;
 use crate::scene::medium::{Medium, TransmittanceEstimator};
@@ -74,9 +75,9 @@ impl<'a> SegmentTransmittance<'a> {
         match *self {
             Self::Clear { absorption, length_m } => {
                 let coefficient = absorption.at(nm);
-                if coefficient > 0.0 { (-coefficient * length_m).exp() } else { 1.0 }
+                if coefficient > 0.0 { exp(-coefficient * length_m) } else { 1.0 }
             }
-            Self::Column { medium, column_m, .. } => (-medium.optical_depth(nm, column_m)).exp(),
+            Self::Column { medium, column_m, .. } => exp(-medium.optical_depth(nm, column_m)),
             Self::Tracked { medium, ray, length_m, seed } => {
                 ratio_tracked(medium, &ray, length_m, medium.extinction.at(nm), seed)
             }
@@ -102,7 +103,7 @@ pub fn excess_optical_depth(path_transmittance: &[SegmentTransmittance<'_>], nm:
 /// relative to the estimate is therefore 1 − e^δ.
 #[inline]
 pub fn bias_of_excess(excess: f64) -> f64 {
-    if excess == 0.0 { 0.0 } else { -excess.exp_m1() }
+    if excess == 0.0 { 0.0 } else { -exp_m1(excess) }
 }
 
 /// Returns the transmittance of the whole path at the wavelength `nm`.
@@ -200,7 +201,7 @@ fn ratio_tracked(medium: &Medium, ray: &Ray, length_m: f64, sigma_t: f64, seed: 
     let mut stream = Stream::new(seed, RATIO_TRACKING, 0, 0);
     let (mut t, mut transmittance) = (begin, 1.0);
     loop {
-        t -= (-stream.uniform()).ln_1p() / rate;
+        t -= ln_1p(-stream.uniform()) / rate;
         if t >= end || transmittance <= 0.0 {
             return transmittance;
         }

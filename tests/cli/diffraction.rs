@@ -2,7 +2,8 @@
 
 use crate::abbe_command::abbe;
 
-const SCENE: &str = r#"{
+/// A round source of two spectral lines, seen through a stop with five blades.
+pub(crate) const SCENE: &str = r#"{
   "camera": {"from": [0, 0, 0], "at": [0, 0, -1],
              "lens": {"thin": {"focal_length_mm": 50, "f_number": 22, "focus_distance": 10, "sensor_height_mm": 0.1, "blades": 5, "diffraction": true}}},
   "film": {"width": 48, "height": 32, "spectral_bands": 3},

@@ -24,6 +24,7 @@ mod library;
 mod pages;
 mod pictures;
 mod preview;
+mod processors;
 mod render;
 mod spectral_exr;
 mod study;

@@ -38,7 +38,7 @@ const ORDER: [(&str, &[&str]); 21] = [
 const HOT: [&str; 5] = ["walk", "map", "emit", "gather", "pass"];
 
 /// The files or folders below src that may use each crate; an empty name means everywhere.
-const CRATES: [(&str, &[&str]); 32] = [
+const CRATES: [(&str, &[&str]); 31] = [
     ("glam", &[""]),
     ("serde", &[""]),
     ("obvhs", &["geometry/bvh.rs", "map/box_tree.rs"]),
@@ -93,8 +93,7 @@ const CRATES: [(&str, &[&str]); 32] = [
     ("stl_io", &["format/mesh/"]),
     ("gltf", &["format/mesh/"]),
     ("ply_rs_bw", &["format/mesh/"]),
-    ("libm", &["optics/aperture.rs"]),
-    ("rustfft", &["sensor/diffraction.rs"]),
+    ("libm", &["math/elementary.rs"]),
 ];
 
 /// The largest length of a file in lines.

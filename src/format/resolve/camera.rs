@@ -3,6 +3,7 @@
 use super::context::{Resolver, unsupported};
 use crate::error::{Error, Result};
 use crate::format::{CameraFile, JsonPath, LensFile, SystemLensFile, ThinLensForm};
+use crate::math::elementary::{hypot, tan};
 use crate::optics::aperture::Blades;
 use crate::scene::camera::{Aperture, ApertureDiffraction, ApertureStop, Camera, SystemLens, look_at_axes};
 use crate::scene::motion::{AnimatedLookAt, LookAt};
@@ -22,7 +23,7 @@ impl Resolver<'_> {
         let CameraFile { from: _, at: _, up: _, lens, shutter: _, motion: _ } = file;
         let lens_at = at.key("lens");
         let (tan_half_height, aperture, diffracts) = match lens {
-            LensFile::Pinhole { fov } => ((0.5 * fov.to_radians()).tan(), Aperture::Pinhole, false),
+            LensFile::Pinhole { fov } => (tan(0.5 * fov.to_radians()), Aperture::Pinhole, false),
             LensFile::Thin(file) => {
                 let at = lens_at.key("thin");
                 let form = self.at(&at, file.form())?;
@@ -75,7 +76,7 @@ impl Resolver<'_> {
             Some(f_number) => self.at(&at.key("f_number"), open.stopped_down(*f_number))?,
         };
         let half = 0.5 * sensor_height_mm;
-        let sensor_radius_mm = half.hypot(half * f64::from(size.0) / f64::from(size.1));
+        let sensor_radius_mm = hypot(half, half * f64::from(size.0) / f64::from(size.1));
         let lens = lens.with_blades(blades(*count, *rotation));
         self.at(&at.key("focus_distance"), SystemLens::new(lens, focus_distance * self.metres, sensor_radius_mm))
     }
@@ -100,9 +101,9 @@ impl Resolver<'_> {
             }
             ThinLensForm::Angular { fov, focus_distance, defocus_angle } => {
                 let focus_m = focus_distance * self.metres;
-                let radius_m = focus_m * (0.5 * defocus_angle.to_radians()).tan();
+                let radius_m = focus_m * tan(0.5 * defocus_angle.to_radians());
                 Ok((
-                    (0.5 * fov.to_radians()).tan(),
+                    tan(0.5 * fov.to_radians()),
                     Aperture::ThinLens { stop: ApertureStop { radius_m, blades }, focus_m },
                 ))
             }

@@ -3,6 +3,7 @@
 use super::materials::alpha;
 use crate::error::Result;
 use crate::format::mesh::MeshMaterial;
+use crate::math::elementary::ln;
 use crate::optics::bsdf::Bsdf;
 use crate::optics::glass::RefractiveIndex;
 use crate::scene::{Body, Material};
@@ -52,7 +53,7 @@ fn metal(reflectance: &Spectrum, roughness: f64) -> Result<Bsdf> {
 /// the colour `colour` after the distance `distance_m`.
 fn absorption(colour: [f64; 3], distance_m: f64) -> Result<Spectrum> {
     let transmittance = Spectrum::rgb_reflectance(colour.map(|c| c.clamp(0.0, 1.0)))?;
-    mapped(&transmittance, |t| -t.max(1e-6).ln() / distance_m)
+    mapped(&transmittance, |t| -ln(t.max(1e-6)) / distance_m)
 }
 
 /// Samples a spectrum every nanometre and applies a function to each sample.

@@ -9,6 +9,8 @@
 use crate::gather::camera::visible_point::VisiblePoint;
 use crate::geometry::{Geometry, Ray};
 use crate::map::kernel::BoundaryCorrection;
+use crate::math::elementary::{atan2_f32, cos};
+use crate::math::rotation::unit_vector;
 use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::TAU;
 use std::num::NonZeroU32;
@@ -78,7 +80,7 @@ impl Outline {
     /// Returns the reach (m) that an outline needs to contain a circle of this radius (m). The
     /// corners of an unlimited outline lie on a circle, and its sides are chords.
     pub fn reach_to_move(radius_m: f64) -> f64 {
-        radius_m * (1.0 + 1e-6) / (TAU / 2.0 / DIRECTIONS as f64).cos()
+        radius_m * (1.0 + 1e-6) / cos(TAU / 2.0 / DIRECTIONS as f64)
     }
 
     /// Returns true if the surface ends within the reach.
@@ -107,7 +109,7 @@ impl Outline {
     pub fn contains(&self, position: [f32; 3]) -> bool {
         let offset = Vec3::from(position) - self.position;
         let along = Vec3::new(offset.dot(self.right), offset.dot(self.ahead), 0.0);
-        let turns = along.y.atan2(along.x) / (TAU as f32);
+        let turns = atan2_f32(along.y, along.x) / (TAU as f32);
         let sector = (turns + 1.0).fract() * DIRECTIONS as f32;
         let (first, share) = (sector as usize % DIRECTIONS, sector.fract());
         let reciprocal = |i: usize| 1.0 / f32::from(self.steps[i % DIRECTIONS]).max(0.5);
@@ -132,7 +134,7 @@ impl Outline {
 
 /// Returns one of the directions of an outline, in the coordinates `right` and `ahead`.
 fn direction(i: usize) -> DVec2 {
-    DVec2::from_angle(i as f64 / DIRECTIONS as f64 * TAU)
+    unit_vector(i as f64 / DIRECTIONS as f64 * TAU)
 }
 
 /// Returns the distance from the origin to the side of a polygon in a direction. The corners are

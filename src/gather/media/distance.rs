@@ -2,6 +2,7 @@
 //! direct light.
 
 use crate::geometry::Ray;
+use crate::math::elementary::{atan, exp, exp_m1, ln_1p, tan};
 use crate::scene::light::LitInterval;
 use crate::scene::medium::Medium;
 
@@ -166,9 +167,9 @@ impl<'a> Techniques<'a> {
         if depth < 1e-6 {
             u * self.column
         } else if self.column.is_finite() {
-            -(u * (-depth).exp_m1()).ln_1p() / sigma
+            -ln_1p(u * exp_m1(-depth)) / sigma
         } else {
-            -(-u).ln_1p() / sigma
+            -ln_1p(-u) / sigma
         }
     }
 
@@ -184,7 +185,7 @@ impl<'a> Techniques<'a> {
     /// column density.
     fn column_pdf(&self, sigma: f64, column: f64) -> f64 {
         let depth = sigma * self.column;
-        if depth < 1e-6 { 1.0 / self.column } else { sigma * (-sigma * column).exp() / -(-depth).exp_m1() }
+        if depth < 1e-6 { 1.0 / self.column } else { sigma * exp(-sigma * column) / -exp_m1(-depth) }
     }
 }
 
@@ -206,12 +207,12 @@ impl Equiangular {
     fn new(ray: &Ray, pivot: glam::DVec3, from: f64, to: f64) -> Option<Self> {
         let nearest = (pivot - ray.origin).dot(ray.direction);
         let height = (ray.at(nearest) - pivot).length();
-        let angle = |t: f64| ((t - nearest) / height).atan();
+        let angle = |t: f64| atan((t - nearest) / height);
         (height > 0.0).then(|| Self { nearest, height, from: angle(from), to: angle(to) })
     }
 
     fn at(&self, u: f64) -> f64 {
-        self.nearest + self.height * (self.from + u * (self.to - self.from)).tan()
+        self.nearest + self.height * tan(self.from + u * (self.to - self.from))
     }
 
     fn pdf(&self, t: f64) -> f64 {

@@ -15,6 +15,7 @@ use crate::gather::camera::throughput::each_wavelength;
 use crate::gather::camera_pass::{CameraPass, PathContext};
 use crate::geometry::Ray;
 use crate::map::LightMap;
+use crate::math::elementary::exp;
 use crate::plan::Tally;
 use crate::scene::Scene;
 use crate::scene::light::{EmittedSpd, LiSample};
@@ -124,8 +125,8 @@ impl InScattering<'_, '_> {
         for k in 0..self.wavelengths.count {
             let depth = self.extinction[k] * distance.column_m + self.absorption[k] * distance.t_m;
             let scattered =
-                weight * self.scattering[k] * phase[k] * incident.irradiance * distance.strength_m * (-depth).exp();
-            let (fine, coarse) = (scattered * (-fine[k]).exp(), scattered * (-coarse[k]).exp());
+                weight * self.scattering[k] * phase[k] * incident.irradiance * distance.strength_m * exp(-depth);
+            let (fine, coarse) = (scattered * exp(-fine[k]), scattered * exp(-coarse[k]));
             self.sum[k] += fine;
             self.bias[k] += (coarse - fine) / 3.0;
         }

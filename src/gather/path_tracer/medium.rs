@@ -8,6 +8,7 @@ use crate::gather::camera::sampler::PixelSampler;
 use crate::gather::direct::light_tree::ReceivingPoint;
 use crate::gather::direct::lighting::{HitWeighting, VolumeLightSampleContext};
 use crate::geometry::Ray;
+use crate::math::elementary::{exp, ln_1p};
 use crate::optics::phase::PhaseMixture;
 use crate::plan::Tally;
 use crate::scene::medium::Medium;
@@ -127,7 +128,7 @@ impl TracedPath {
         if let Some(absorption) = segment.absorption {
             let distance = scattered.unwrap_or(segment.length_m);
             for k in 0..self.wavelengths.count {
-                self.throughput[k] *= (-absorption.at(self.wavelengths.nm[k]) * distance).exp();
+                self.throughput[k] *= exp(-absorption.at(self.wavelengths.nm[k]) * distance);
             }
         }
         scattered
@@ -152,7 +153,7 @@ impl TracedPath {
             return None;
         }
         loop {
-            t -= (-sampler.stream.uniform()).ln_1p() / rate;
+            t -= ln_1p(-sampler.stream.uniform()) / rate;
             if t >= end {
                 return None;
             }

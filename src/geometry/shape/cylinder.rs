@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 
 use super::local::{Crossing, LocalLine, LocalSurfacePoint, Span, azimuth_fraction, ball_roots, chord_t};
+use crate::math::elementary::sin_cos;
 
 const SIDE: u32 = 0;
 const TOP: u32 = 1;
@@ -89,7 +90,7 @@ impl Cylinder {
     }
 
     pub(crate) fn sample(&self, face: u32, u: [f64; 2]) -> DVec3 {
-        let (sin, cos) = (TAU * u[1]).sin_cos();
+        let (sin, cos) = sin_cos(TAU * u[1]);
         let ring = DVec3::new(cos, 0.0, sin);
         match face {
             SIDE => (self.radius * ring).with_y((2.0 * u[0] - 1.0) * self.half_height),

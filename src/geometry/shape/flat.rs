@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 
 use super::local::{Crossing, LocalLine, LocalSurfacePoint};
+use crate::math::elementary::sin_cos;
 
 /// The outline of a flat shape.
 #[derive(Debug, Clone, Copy)]
@@ -60,7 +61,7 @@ impl FlatShape {
                 DVec3::new((2.0 * u[0] - 1.0) * half_width, 0.0, (2.0 * u[1] - 1.0) * half_height)
             }
             Self::Disk { radius } => {
-                let (sin, cos) = (TAU * u[1]).sin_cos();
+                let (sin, cos) = sin_cos(TAU * u[1]);
                 radius * u[0].sqrt() * DVec3::new(cos, 0.0, sin)
             }
         }

@@ -14,6 +14,7 @@ use glam::DVec3;
 use super::local::{
     Crossing, LocalLine, LocalSurfacePoint, Span, azimuth_fraction, ball_roots, chord_t, ordered_roots,
 };
+use crate::math::elementary::{hypot, sin_cos};
 
 const FRONT: u32 = 0;
 const BACK: u32 = 1;
@@ -75,7 +76,7 @@ impl LensSolid {
     /// Returns the support function of the lens: the largest dot product of `direction` with a
     /// point of the lens. `direction` may have any length.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
-        let across = self.edge_radius * direction.x.hypot(direction.y);
+        let across = self.edge_radius * hypot(direction.x, direction.y);
         let (front, back) = self.rims();
         let rims = across + (front * direction.z).max(back * direction.z);
         let caps = [&self.front, &self.back].into_iter().filter(|cap| cap.kept);
@@ -200,7 +201,7 @@ impl LensSolid {
     }
 
     pub(crate) fn sample(&self, face: u32, u: [f64; 2]) -> DVec3 {
-        let (sin, cos) = (TAU * u[1]).sin_cos();
+        let (sin, cos) = sin_cos(TAU * u[1]);
         match face {
             FRONT => self.front.sample(self.edge_radius, u[0], sin, cos),
             BACK => self.back.sample(self.edge_radius, u[0], sin, cos),

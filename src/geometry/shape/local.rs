@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
+use crate::math::elementary::atan2;
 use crate::math::random::ONE_MINUS_ULP;
 
 /// The line `origin + t·direction`. The direction is not normalised, so a transform of the line to
@@ -65,7 +66,7 @@ pub(crate) struct LocalSurfacePoint {
 /// Returns the azimuth from x towards y as a fraction of a full turn, in [0, 1).
 pub(crate) fn azimuth_fraction(x: f64, y: f64) -> f64 {
     // A tiny negative angle would round to 1.
-    (y.atan2(x) / TAU).rem_euclid(1.0).min(ONE_MINUS_ULP)
+    (atan2(y, x) / TAU).rem_euclid(1.0).min(ONE_MINUS_ULP)
 }
 
 /// Returns the range of t in which a line lies inside a ball about the origin. `radius` is the

@@ -7,6 +7,7 @@
 use glam::DVec3;
 
 use super::local::{Crossing, LocalLine, LocalSurfacePoint};
+use crate::math::elementary::sin_cos;
 
 /// The half-space of all points x with normal·x ≤ offset.
 #[derive(Debug, Clone, Copy)]
@@ -61,7 +62,7 @@ impl Polyhedron {
     /// Creates a triangular prism. The centroid of its triangle is the origin. Faces: right leg
     /// (+x), left leg (−x), base, −z, +z.
     pub(crate) fn prism(side: f64, length: f64, apex_deg: f64) -> Self {
-        let (sin, cos) = (0.5 * apex_deg.to_radians()).sin_cos();
+        let (sin, cos) = sin_cos(0.5 * apex_deg.to_radians());
         let (half_base, height) = (side * sin, side * cos);
         let z = -0.5 * length;
         let top = DVec3::new(0.0, height * (2.0 / 3.0), z);

@@ -13,6 +13,7 @@ use super::polyhedron::Polyhedron;
 use super::sphere::Sphere;
 use crate::error::{Error, Result};
 use crate::geometry::mesh::TriangleMesh;
+use crate::math::elementary::hypot;
 
 /// An analytic shape (every shape except a mesh) that can be intersected in its local frame.
 #[derive(Debug, Clone)]
@@ -176,7 +177,7 @@ impl Solid {
             Self::Sphere(sphere) => point.length() < INSIDE_SHARE * sphere.radius,
             Self::Polyhedron(body) => body.contains(point / INSIDE_SHARE),
             Self::Cylinder(Cylinder { radius, half_height }) => {
-                point.x.hypot(point.z) < INSIDE_SHARE * radius && point.y.abs() < INSIDE_SHARE * half_height
+                hypot(point.x, point.z) < INSIDE_SHARE * radius && point.y.abs() < INSIDE_SHARE * half_height
             }
             Self::Flat(_) | Self::Lens(_) => false,
         }
@@ -221,10 +222,10 @@ impl Solid {
             Self::Flat(FlatShape::Rectangle { half_width, half_height }) => {
                 symmetric(rows.map(|r| half_width * r.x.abs() + half_height * r.z.abs()))
             }
-            Self::Flat(FlatShape::Disk { radius }) => symmetric(rows.map(|r| radius * r.x.hypot(r.z))),
+            Self::Flat(FlatShape::Disk { radius }) => symmetric(rows.map(|r| radius * hypot(r.x, r.z))),
             Self::Polyhedron(ref body) => bounds_of(body.corners().map(|corner| *linear * corner)),
             Self::Cylinder(Cylinder { radius, half_height }) => {
-                symmetric(rows.map(|r| radius * r.x.hypot(r.z) + half_height * r.y.abs()))
+                symmetric(rows.map(|r| radius * hypot(r.x, r.z) + half_height * r.y.abs()))
             }
             Self::Lens(ref lens) => {
                 let [low, high] =

@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 
 use super::local::{Crossing, LocalLine, LocalSurfacePoint, azimuth_fraction, ball_roots, chord_t};
+use crate::math::elementary::{acos, sin_cos};
 
 /// A sphere about the origin.
 #[derive(Debug, Clone, Copy)]
@@ -31,7 +32,7 @@ impl Sphere {
 
     pub(crate) fn uv(&self, point: DVec3) -> [f64; 2] {
         let normal = point.normalize_or(DVec3::Y);
-        [azimuth_fraction(normal.x, normal.z), normal.y.clamp(-1.0, 1.0).acos() / PI]
+        [azimuth_fraction(normal.x, normal.z), acos(normal.y.clamp(-1.0, 1.0)) / PI]
     }
 
     pub(crate) fn area(&self) -> f64 {
@@ -47,6 +48,6 @@ impl Sphere {
 /// fraction of a full turn about the y axis.
 fn on_unit_sphere(y: f64, turn: f64) -> DVec3 {
     let ring = ((1.0 - y) * (1.0 + y)).max(0.0).sqrt();
-    let (sin, cos) = (TAU * turn).sin_cos();
+    let (sin, cos) = sin_cos(TAU * turn);
     DVec3::new(ring * cos, y, ring * sin)
 }

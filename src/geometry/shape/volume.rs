@@ -1,6 +1,7 @@
 //! Volumes of shapes.
 
 use super::{PlacedShape, Shape};
+use crate::math::elementary::sin;
 use std::f64::consts::PI;
 
 impl Shape {
@@ -12,7 +13,7 @@ impl Shape {
             Self::Rectangle { .. } | Self::Disk { .. } => 0.0,
             Self::Box { size } => size.x * size.y * size.z,
             Self::Cylinder { radius, height } => PI * radius * radius * height,
-            Self::Prism { side, length, apex_deg } => 0.5 * side * side * apex_deg.to_radians().sin() * length,
+            Self::Prism { side, length, apex_deg } => 0.5 * side * side * sin(apex_deg.to_radians()) * length,
             Self::Lens { radius1, radius2, thickness, diameter } => {
                 // The volume is a cylinder between the rims plus one cap per surface. The cap of a
                 // concave surface is negative.

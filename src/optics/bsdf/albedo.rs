@@ -6,6 +6,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 
 use crate::math::cubic::CubicStencil;
+use crate::math::elementary::{cos, sin};
 use crate::optics::fresnel;
 use crate::optics::microfacet::Ggx;
 
@@ -107,14 +108,14 @@ fn directional_albedo(facets: &Ggx, index: f64, cos: f64, rule: &[(f64, f64)]) -
     let mut sum = 0.0;
     for j in 0..radii {
         let v = (0.5 * (j as f64 + 0.5) / radii as f64 - 0.25).rem_euclid(1.0);
-        let facet = |phi: f64| facets.sample_visible(wo, phi.sin().powi(2), v);
+        let facet = |phi: f64| facets.sample_visible(wo, sin(phi).powi(2), v);
         let end = largest_upward_phi(|phi| fresnel::reflect(wo, facet(phi)).z > 0.0);
         for (x, weight) in rule {
             let phi = end * x;
             let m = facet(phi);
             let up = fresnel::reflect(wo, m).z.max(0.0);
             let reflected = fresnel::dielectric(wo.dot(m), 1.0, index);
-            sum += weight * end * (2.0 * phi).sin() * reflected * facets.g2_over_g1(cos, up);
+            sum += weight * end * sin(2.0 * phi) * reflected * facets.g2_over_g1(cos, up);
         }
     }
     sum / radii as f64
@@ -144,7 +145,7 @@ pub(super) fn gauss_legendre(points: usize) -> Vec<(f64, f64)> {
     let n = points as f64;
     (0..points)
         .map(|i| {
-            let mut x = (PI * (i as f64 + 0.75) / (n + 0.5)).cos();
+            let mut x = cos(PI * (i as f64 + 0.75) / (n + 0.5));
             let mut slope = 1.0;
             for _ in 0..8 {
                 let (mut previous, mut current) = (1.0, x);

@@ -12,6 +12,7 @@ use glam::DVec3;
 
 use super::missing_energy::{AngleGrid, FacetKind, GridPoint, MissingEnergy};
 use super::sample::ScatterEvent;
+use crate::math::elementary::{exp, exp_m1, ln, ln_1p, sin_cos};
 use crate::optics::microfacet::Ggx;
 
 /// There are tables for the relative indices exp(±(k·STEP)²). The nodes are dense near index
@@ -53,7 +54,7 @@ impl DielectricCompensation {
     /// Returns the lobe of light that arrives in the medium of index `n_i` at an interface with a
     /// medium of index `n_t`.
     pub(super) fn between(&self, n_i: f64, n_t: f64) -> MultipleScattering<'_> {
-        let offset = n_t.ln() - n_i.ln();
+        let offset = ln(n_t) - ln(n_i);
         let position = (offset.abs().sqrt() / STEP).min(LAST as f64);
         let low = (position as usize).min(LAST - 1);
         let share = position - low as f64;
@@ -76,7 +77,7 @@ impl Tables {
     fn table(&self, number: usize) -> &MissingEnergy {
         self.by_index[number].get_or_init(|| {
             let k = number as f64 - LAST as f64;
-            let index = (k * STEP * (k * STEP).abs()).exp();
+            let index = exp(k * STEP * (k * STEP).abs());
             MissingEnergy::new(&self.facets, &self.grid, FacetKind::Dielectric(index))
         })
     }
@@ -232,13 +233,13 @@ struct LobeSampling {
 impl LobeSampling {
     fn new(facets: &Ggx) -> Self {
         let squared = facets.alpha() * facets.alpha();
-        Self { squared, norm: squared.recip().ln_1p() }
+        Self { squared, norm: ln_1p(squared.recip()) }
     }
 
     fn sample(&self, [u, v]: [f64; 2]) -> DVec3 {
         // At u = 0 the direction would lie in the surface.
-        let cos = (self.squared * (self.norm * u.max(f64::EPSILON)).exp_m1()).sqrt().min(1.0);
-        let (sin_phi, cos_phi) = (TAU * v).sin_cos();
+        let cos = (self.squared * exp_m1(self.norm * u.max(f64::EPSILON))).sqrt().min(1.0);
+        let (sin_phi, cos_phi) = sin_cos(TAU * v);
         let sin = ((1.0 - cos) * (1.0 + cos)).sqrt();
         DVec3::new(sin * cos_phi, sin * sin_phi, cos)
     }

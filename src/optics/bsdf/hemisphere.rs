@@ -1,5 +1,6 @@
 //! The two hemispheres of a surface, and cosine-weighted sampling of one of them.
 
+use crate::math::elementary::sin_cos;
 use std::f64::consts::{FRAC_1_PI, PI};
 
 use glam::DVec3;
@@ -23,7 +24,7 @@ pub(super) fn same_side(wo: DVec3, wi: DVec3) -> bool {
 /// Samples a direction on the side given by `sign`. The density is |cosθ|/π. A uniform point of the
 /// unit disk is projected onto the hemisphere (Malley's method).
 pub(super) fn sample_cosine(sign: f64, u: f64, v: f64) -> DVec3 {
-    let (sin, cos) = (2.0 * PI * v).sin_cos();
+    let (sin, cos) = sin_cos(2.0 * PI * v);
     let radius = u.sqrt();
     // The expression 1 − u gives a positive cosine for every u below 1. The lower bound also covers
     // a u that was rounded up to 1.

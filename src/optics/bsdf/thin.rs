@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::check::check_within;
 use super::sample::{BsdfSample, InterfaceIors, ScatterEvent};
 use crate::error::Result;
+use crate::math::elementary::exp;
 use crate::optics::fresnel;
 use crate::optics::glass::RefractiveIndex;
 use crate::spectrum::Spectrum;
@@ -77,7 +78,7 @@ impl ThinDielectric {
             let reflected = s / (1.0 + s) + p / (1.0 + p);
             return (reflected, 1.0 - reflected);
         };
-        let passage = (-depth.at(nm) / fresnel::cos_transmitted(wo.z, outside, inside)).exp();
+        let passage = exp(-depth.at(nm) / fresnel::cos_transmitted(wo.z, outside, inside));
         let ((rs, ts), (rp, tp)) = (slab(s, passage), slab(p, passage));
         (0.5 * (rs + rp), 0.5 * (ts + tp))
     }

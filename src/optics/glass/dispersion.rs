@@ -1,5 +1,7 @@
 //! Dispersion formulas n(λ).
 
+use crate::math::elementary::powf;
+
 /// One term b·λ²/(λ² − c) of Sellmeier's formula.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SellmeierTerm {
@@ -105,8 +107,8 @@ impl Dispersion {
             Self::SquaredPowers { c0, powers } => (c0 + sum_of_powers(powers, um)).sqrt(),
             Self::Powers { c0, powers } => c0 + sum_of_powers(powers, um),
             Self::Rational(c) => {
-                let first = c[1] * um.powf(c[2]) / (um * um - c[3].powf(c[4]));
-                let second = c[5] * um.powf(c[6]) / (um * um - c[7].powf(c[8]));
+                let first = c[1] * powf(um, c[2]) / (um * um - powf(c[3], c[4]));
+                let second = c[5] * powf(um, c[6]) / (um * um - powf(c[7], c[8]));
                 (c[0] + first + second).sqrt()
             }
             Self::Gas { c0, poles } => {
@@ -114,7 +116,7 @@ impl Dispersion {
                 let sum: f64 = poles.iter().map(|pole| pole.b / (pole.c - per_um2)).sum();
                 1.0 + c0 + sum
             }
-            Self::Conrady { a, b, c } => a + b / um + c / um.powf(3.5),
+            Self::Conrady { a, b, c } => a + b / um + c / powf(um, 3.5),
             Self::Herzberger(c) => {
                 let (um2, l) = (um * um, 1.0 / (um * um - 0.028));
                 c[0] + l * (c[1] + l * c[2]) + um2 * (c[3] + um2 * (c[4] + um2 * c[5]))

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::dispersion::interpolate;
+use crate::math::elementary::exp;
 
 /// The extinction coefficient k at tabulated wavelengths. It is the imaginary part of the complex
 /// index n + ik. Values are interpolated linearly. Outside the table, the first or last value is
@@ -29,6 +30,6 @@ impl Extinction {
     /// Returns the internal transmittance of a piece of the length `length_m` metres. Reflection
     /// losses at the faces are not included.
     pub fn internal_transmittance(&self, wavelength_nm: f64, length_m: f64) -> f64 {
-        (-self.absorption_per_m(wavelength_nm) * length_m).exp()
+        exp(-self.absorption_per_m(wavelength_nm) * length_m)
     }
 }

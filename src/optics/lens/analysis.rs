@@ -6,6 +6,7 @@ use super::prescription::Lens;
 use super::profile::TraceDirection;
 use super::trace::{ApertureCheck, MonochromaticLens};
 use crate::error::{Error, Result};
+use crate::math::elementary::tan;
 use crate::optics::glass::lines;
 
 /// The spectral lines of the analysis: name and wavelength in nm.
@@ -114,7 +115,7 @@ fn field_point(at: &[MonochromaticLens<'_>; 3], angle_deg: f64, sensor_z_mm: f64
     for at in at {
         spots.push(at.spot(chief, sensor_z_mm)?.ok_or_else(|| no_light(angle_deg))?);
     }
-    let (image_height_mm, ideal_mm) = (end_mm(d)?, efl_mm * angle_deg.to_radians().tan());
+    let (image_height_mm, ideal_mm) = (end_mm(d)?, efl_mm * tan(angle_deg.to_radians()));
     Ok(FieldPoint {
         angle_deg,
         image_height_mm,

@@ -6,6 +6,7 @@ use super::prescription::{Lens, Prescription};
 use super::profile::TraceDirection;
 use super::trace::{ApertureCheck, LensRay};
 use crate::error::{Error, Result};
+use crate::math::elementary::{atan, sin_cos};
 use crate::optics::glass::lines;
 use std::f64::consts::TAU;
 
@@ -57,7 +58,7 @@ impl Prescription {
     /// Returns an error if the lens has no focal length.
     pub(super) fn set_field_of_image(&mut self, height_mm: f64) -> Result<()> {
         let focal_mm = self.open_lens()?.at(lines::D_NM).paraxial()?.efl_mm;
-        self.half_field_deg = Some((height_mm / focal_mm).abs().atan().to_degrees());
+        self.half_field_deg = Some(atan((height_mm / focal_mm).abs()).to_degrees());
         Ok(())
     }
 
@@ -73,7 +74,7 @@ impl Prescription {
             let what = "found fields as heights on an object without a finite distance";
             return Err(Error::input(what).expected("fields as angles (FTYP 0) or image heights (FTYP 2)"));
         }
-        self.half_field_deg = Some((height_mm / distance_mm).abs().atan().to_degrees());
+        self.half_field_deg = Some(atan((height_mm / distance_mm).abs()).to_degrees());
         Ok(())
     }
 
@@ -107,6 +108,9 @@ fn rim_rays(lens: &Lens, angle_deg: f64) -> Result<Vec<LensRay>> {
     // The bundle fills the pupil, which is perpendicular to the axis.
     let cosine = chief.direction.z;
     let rim = (0..RIM_RAYS).map(|i| TAU * f64::from(i) / f64::from(RIM_RAYS));
-    let rim = rim.map(|angle| parallel_ray(chief, radius_mm * angle.cos(), radius_mm * angle.sin() * cosine));
+    let rim = rim.map(|angle| {
+        let (sin, cos) = sin_cos(angle);
+        parallel_ray(chief, radius_mm * cos, radius_mm * sin * cosine)
+    });
     Ok(rim.chain([chief]).collect())
 }

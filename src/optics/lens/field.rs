@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 use super::profile::TraceDirection;
 use super::trace::{ApertureCheck, LensRay, MonochromaticLens};
 use crate::error::{Error, Result};
+use crate::math::elementary::{cos, sin};
 
 /// The spot of a bundle on the sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -151,7 +152,7 @@ impl MonochromaticLens<'_> {
 /// Returns a ray in the meridional plane. The ray crosses the axis at `z_mm`. The field angle is
 /// given in radians.
 fn ray_at(field: f64, z_mm: f64) -> LensRay {
-    LensRay { origin: DVec3::new(0.0, 0.0, z_mm), direction: DVec3::new(0.0, field.sin(), field.cos()) }
+    LensRay { origin: DVec3::new(0.0, 0.0, z_mm), direction: DVec3::new(0.0, sin(field), cos(field)) }
 }
 
 /// Returns a ray parallel to the chief ray. The ray is shifted by `up_mm` in the meridional plane,

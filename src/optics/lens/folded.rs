@@ -10,6 +10,7 @@ use super::analysis::LINES;
 use super::profile::{SurfaceProfile, TraceDirection};
 use super::trace::LensRay;
 use crate::error::{Error, Result};
+use crate::math::elementary::sin_cos;
 use crate::optics::fresnel;
 use crate::optics::glass::{RefractiveIndex, lines};
 
@@ -164,7 +165,8 @@ impl FoldedSystem {
     /// Returns an error if no such ray is found.
     fn chief_ray(&self, angle_deg: f64) -> Result<LensRay> {
         let angle = angle_deg.to_radians();
-        let direction = DVec3::new(0.0, angle.sin(), angle.cos());
+        let (sin, cos) = sin_cos(angle);
+        let direction = DVec3::new(0.0, sin, cos);
         let ray = |place: DVec2| LensRay { origin: place.extend(0.0), direction };
         let lost = || Error::input(format!("no ray at {angle_deg}° passes through the centre of the stop"));
         // The search starts on the ray through the origin.

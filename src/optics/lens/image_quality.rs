@@ -14,6 +14,8 @@ use super::prescription::Lens;
 use super::profile::TraceDirection;
 use super::trace::{ApertureCheck, LensRay, MonochromaticLens};
 use crate::error::Result;
+use crate::math::elementary::acos;
+use crate::math::rotation::unit_vector;
 use crate::optics::glass::lines;
 
 /// The spatial frequencies of the MTF in cycles/mm.
@@ -98,14 +100,14 @@ impl ImageQuality {
 
 /// Returns the modulus of the mean of exp(−2πi f·x) over the points.
 fn contrast(landed: &[DVec2], frequency: DVec2) -> f64 {
-    let sum = landed.iter().fold(DVec2::ZERO, |sum, point| sum + DVec2::from_angle(TAU * point.dot(frequency)));
+    let sum = landed.iter().fold(DVec2::ZERO, |sum, point| sum + unit_vector(TAU * point.dot(frequency)));
     sum.length() / landed.len() as f64
 }
 
 /// Returns the MTF of a perfect lens with a round stop, for the d line and an object at infinity.
 fn diffraction_limit(per_mm: f64, f_number: f64) -> f64 {
     let share = per_mm * lines::D_NM * 1e-6 * f_number;
-    if share >= 1.0 { 0.0 } else { 2.0 / PI * (share.acos() - share * (1.0 - share * share).sqrt()) }
+    if share >= 1.0 { 0.0 } else { 2.0 / PI * (acos(share) - share * (1.0 - share * share).sqrt()) }
 }
 
 fn fan(

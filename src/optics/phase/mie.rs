@@ -8,6 +8,7 @@
 
 use super::table::PhaseTable;
 use crate::error::{Error, Result};
+use crate::math::elementary::{cbrt, cos, exp, ln, sin_cos};
 use crate::optics::glass::RefractiveIndex;
 use crate::spectrum::BAND_NM;
 use std::collections::HashMap;
@@ -71,7 +72,7 @@ impl MieSpheres {
             let error = Error::input(format!("found a spread of {spread}"));
             return Err(error.expected("a geometric standard deviation of at least 1, such as 1.35"));
         }
-        let radii_um = lognormal(radius_um, spread.ln(), RADIUS_STEPS);
+        let radii_um = lognormal(radius_um, ln(spread), RADIUS_STEPS);
         let largest = size_parameter(radii_um[radii_um.len() - 1].0, BAND_NM.0);
         if largest > MAX_SIZE_PARAMETER {
             let limit = MAX_SIZE_PARAMETER * BAND_NM.0 * 1e-3 / TAU;
@@ -128,7 +129,7 @@ impl MieSpheres {
     /// Computes the scattering at one wavelength and at a list of angles. `nm` is in nm, and
     /// `angles_deg` is in degrees.
     pub fn scattering(&self, nm: f64, angles_deg: &[f64]) -> MieScattering {
-        let cosines: Vec<f64> = angles_deg.iter().map(|degrees| degrees.to_radians().cos()).collect();
+        let cosines: Vec<f64> = angles_deg.iter().map(|degrees| cos(degrees.to_radians())).collect();
         let mut intensity = vec![0.0; cosines.len()];
         let (mut scattering_sum, mut asymmetry_sum) = (0.0, 0.0);
         for &(radius_um, share) in &self.radii_um {
@@ -163,9 +164,9 @@ pub(super) fn lognormal(median_um: f64, sigma: f64, steps: i32) -> Vec<(f64, f64
         return vec![(median_um, 1.0)];
     }
     let deviation = |i: i32| RADIUS_RANGE_SIGMAS * (2.0 * f64::from(i) / f64::from(steps) - 1.0);
-    let share = |z: f64| (-0.5 * z * z).exp();
+    let share = |z: f64| exp(-0.5 * z * z);
     let sum: f64 = (0..=steps).map(|i| share(deviation(i))).sum();
-    (0..=steps).map(deviation).map(|z| (median_um * (sigma * z).exp(), share(z) / sum)).collect()
+    (0..=steps).map(deviation).map(|z| (median_um * exp(sigma * z), share(z) / sum)).collect()
 }
 
 /// Number of angles for which the series is summed at the same time.
@@ -173,12 +174,13 @@ const ANGLE_LANES: usize = 8;
 
 impl MieSeries {
     fn new(x: f64, m: f64) -> Self {
-        let terms = (x + 4.05 * x.cbrt() + 2.0).ceil() as usize;
+        let terms = (x + 4.05 * cbrt(x) + 2.0).ceil() as usize;
         let derivative = log_derivatives(m * x, terms);
         // The recurrences start with ψ₀ and ψ₋₁, and with χ₀ and χ₋₁. The signs are those of Bohren
         // & Huffman.
-        let (mut psi, mut psi_before) = (x.sin(), x.cos());
-        let (mut chi, mut chi_before) = (x.cos(), -x.sin());
+        let (sin, cos) = sin_cos(x);
+        let (mut psi, mut psi_before) = (sin, cos);
+        let (mut chi, mut chi_before) = (cos, -sin);
         let (mut sums, mut differences) = (Vec::with_capacity(terms), Vec::with_capacity(terms));
         let (mut scattering_sum, mut asymmetry_sum) = (0.0, 0.0);
         let mut last: Option<([f64; 2], [f64; 2])> = None;
@@ -241,7 +243,7 @@ impl MieSeries {
 /// Returns D_n(z) for n up to `terms` by downward recurrence. The recurrence starts far above
 /// `terms` and above z, so the starting value has no influence.
 fn log_derivatives(z: f64, terms: usize) -> Vec<f64> {
-    let start = terms.max(z as usize) + 16 + (4.0 * z.cbrt()) as usize;
+    let start = terms.max(z as usize) + 16 + (4.0 * cbrt(z)) as usize;
     let mut derivatives = vec![0.0; terms + 1];
     let mut here = 0.0;
     for order in (1..=start).rev() {

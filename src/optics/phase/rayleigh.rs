@@ -1,6 +1,7 @@
 //! Scattering by particles much smaller than the wavelength: p = 3/(16π)·(1 + cos²θ) (Rayleigh
 //! 1871).
 
+use crate::math::elementary::{asinh, sinh};
 use std::f64::consts::PI;
 
 /// Returns the density per steradian.
@@ -13,5 +14,5 @@ pub(super) fn eval(cos_theta: f64) -> f64 {
 /// The cosine c is the real root of c³ + 3c = 4 − 8u. This root is 2·sinh(asinh(2 − 4u)/3). Frisvad
 /// 2011 gives the same root in another form.
 pub(super) fn quantile(u: f64) -> f64 {
-    (1.0 - 2.0 * ((2.0 - 4.0 * u).asinh() / 3.0).sinh()).clamp(0.0, 2.0)
+    (1.0 - 2.0 * sinh(asinh(2.0 - 4.0 * u) / 3.0)).clamp(0.0, 2.0)
 }

@@ -11,6 +11,7 @@
 
 use crate::error::{Error, Result};
 use crate::math::distribution::DiscreteDistribution;
+use crate::math::elementary::sin;
 use std::f64::consts::TAU;
 
 /// Number of steps of the guide table per cell of the phase function. The guide table speeds up the
@@ -53,7 +54,7 @@ impl PhaseTable {
     pub fn new(angles_deg: &[f64], nm: &[f64], values: &[Vec<f64>]) -> Result<Self> {
         check_angles(angles_deg)?;
         check_wavelengths(nm, values.len())?;
-        let versine = |degrees: f64| 2.0 * (0.5 * degrees).to_radians().sin().powi(2);
+        let versine = |degrees: f64| 2.0 * sin((0.5 * degrees).to_radians()).powi(2);
         let versines: Vec<f64> = angles_deg.iter().map(|&degrees| versine(degrees)).collect();
         if let Some(i) = (1..versines.len()).find(|&i| versines[i] <= versines[i - 1]) {
             let what = format!("the angles {} and {}°, too near to each other", angles_deg[i - 1], angles_deg[i]);

@@ -1,5 +1,6 @@
 //! The opening of an aperture stop: a disk, or a polygon that blades form.
 
+use crate::math::rotation::unit_vector;
 use crate::math::warp;
 use crate::optics::aperture::Blades;
 use glam::DVec2;
@@ -19,7 +20,7 @@ impl ApertureStop {
     pub fn sample(&self, u: [f64; 2]) -> DVec2 {
         let unit = match self.blades {
             None => warp::disk(u),
-            Some(Blades { count, rotation }) => DVec2::from_angle(rotation).rotate(warp::regular_polygon(count, u)),
+            Some(Blades { count, rotation }) => unit_vector(rotation).rotate(warp::regular_polygon(count, u)),
         };
         unit * self.radius_m
     }

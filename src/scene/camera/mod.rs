@@ -18,6 +18,7 @@ pub use shutter::Shutter;
 pub use system::{SystemAt, SystemLens};
 
 use crate::geometry::Ray;
+use crate::math::elementary::atan;
 use crate::scene::medium_stack::MediumStack;
 use crate::scene::motion::LookAt;
 use glam::{DVec2, DVec3};
@@ -127,7 +128,7 @@ impl Camera {
 
     /// The horizontal and the vertical field of view in radians.
     pub fn field_of_view(&self) -> [f64; 2] {
-        [self.size.x, self.size.y].map(|pixels| 2.0 * (0.5 * pixels * self.pixel).atan())
+        [self.size.x, self.size.y].map(|pixels| 2.0 * atan(0.5 * pixels * self.pixel))
     }
 
     /// The angle that a pixel in the middle of the picture subtends, in radians. At distance d, a

@@ -8,6 +8,7 @@ use super::virtual_light::VirtualLight;
 #[cfg(test)]
 use super::{Emitter, contract_tests::TestLight};
 use crate::geometry::Ray;
+use crate::math::elementary::{cbrt, sin};
 use crate::math::frame::Frame;
 use crate::math::sphere::BoundingSphere;
 use crate::math::warp;
@@ -17,7 +18,7 @@ use std::f64::consts::PI;
 /// The mean factor by which a map scales lengths. It is the cube root of the factor by which the
 /// map scales volumes.
 pub fn mean_scale(map: &DAffine3) -> f64 {
-    map.matrix3.determinant().abs().cbrt()
+    cbrt(map.matrix3.determinant().abs())
 }
 
 /// A uniform disk that emits along its axis.
@@ -46,7 +47,7 @@ impl BeamLight {
             axis,
             frame: Frame::new(axis),
             radius_m,
-            sin_divergence: divergence.sin(),
+            sin_divergence: sin(divergence),
             one_minus_cos_divergence: warp::one_minus_cos(divergence),
         }
     }

@@ -3,6 +3,7 @@
 
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, distant_origin};
 use crate::math::distribution::PiecewiseConstant2d;
+use crate::math::elementary::{acos, atan2, cos, sin, sin_cos};
 use crate::math::frame::Frame;
 use crate::math::sphere::BoundingSphere;
 use crate::math::warp;
@@ -84,16 +85,16 @@ impl EnvironmentMap {
     /// direction −z is in the middle of the image, +x is at three quarters of the width, and +y is
     /// the top row.
     pub fn direction(point: [f64; 2]) -> DVec3 {
-        let (sin_theta, cos_theta) = (PI * point[1]).sin_cos();
-        let (sin_phi, cos_phi) = (TAU * (point[0] - 0.5)).sin_cos();
+        let (sin_theta, cos_theta) = sin_cos(PI * point[1]);
+        let (sin_phi, cos_phi) = sin_cos(TAU * (point[0] - 0.5));
         DVec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi)
     }
 
     /// The point of the image that lies in a direction. This function is the inverse of
     /// [`EnvironmentMap::direction`].
     pub fn point(direction: DVec3) -> [f64; 2] {
-        let phi = direction.x.atan2(-direction.z);
-        [(phi / TAU + 0.5).clamp(0.0, 1.0), direction.y.clamp(-1.0, 1.0).acos() / PI]
+        let phi = atan2(direction.x, -direction.z);
+        [(phi / TAU + 0.5).clamp(0.0, 1.0), acos(direction.y.clamp(-1.0, 1.0)) / PI]
     }
 
     fn pixel(&self, point: [f64; 2]) -> usize {
@@ -113,14 +114,14 @@ impl EnvironmentMap {
     /// The sampling density of a point of the image, per steradian. A small area dA of the unit
     /// square covers the solid angle 2π² sin θ dA.
     fn pdf_solid_angle(&self, point: [f64; 2]) -> f64 {
-        let sin_theta = (PI * point[1]).sin();
+        let sin_theta = sin(PI * point[1]);
         if sin_theta > 0.0 { self.pixels.pdf(point) / (2.0 * PI * PI * sin_theta) } else { 0.0 }
     }
 }
 
 /// The solid angle of a row of pixels, divided by 2π.
 fn row_solid_angle(row: usize, height: usize) -> f64 {
-    let edge = |r: usize| (PI * r as f64 / height as f64).cos();
+    let edge = |r: usize| cos(PI * r as f64 / height as f64);
     edge(row) - edge(row + 1)
 }
 

@@ -1,6 +1,7 @@
 //! The emission of a medium, such as hot soot or excited atoms.
 
 use super::field::ScalarField;
+use crate::math::elementary::{exp, ln};
 use crate::spectrum::{Spectrum, planck};
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
@@ -64,7 +65,7 @@ impl MediumEmission {
         let step = (1.0 / COLDEST_K - first) / STEPS as f64;
         let band = |i: usize| {
             let body = Spectrum::blackbodies(&[(1.0 / (first + i as f64 * step), 1.0)]);
-            absorption.product_integral(&body).max(f64::MIN_POSITIVE).ln()
+            ln(absorption.product_integral(&body).max(f64::MIN_POSITIVE))
         };
         let log_band = (0..=STEPS).into_par_iter().map(band).collect();
         Self::Thermal(Box::new(ThermalEmission { temperature, absorption, log_band, inverse: (first, step) }))
@@ -161,6 +162,6 @@ impl ThermalEmission {
         let entry = self.entry(temperature);
         let first = (entry as usize).min(STEPS - 1);
         let share = entry - first as f64;
-        ((1.0 - share) * self.log_band[first] + share * self.log_band[first + 1]).exp()
+        exp((1.0 - share) * self.log_band[first] + share * self.log_band[first + 1])
     }
 }

@@ -1,6 +1,7 @@
 //! Bounds of the light of a cluster of emitters: its place, its intensity and its directions
 //! (Conty Estévez & Kulla 2018, section 4).
 
+use crate::math::elementary::{atan2, cos, sin_cos};
 use crate::walk::SurfaceInteraction;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -39,23 +40,23 @@ impl OrientationCone {
         if theta_o >= PI || across == DVec3::ZERO {
             return Self { theta_e, ..Self::ALL };
         }
-        let (sin, cos) = (theta_o - wide.theta_o).sin_cos();
+        let (sin, cos) = sin_cos(theta_o - wide.theta_o);
         Self { axis: (cos * wide.axis + sin * across).normalize(), theta_o, theta_e }
     }
 
     /// Returns the measure M_Ω of the directions (equation 1). It weights each direction by the
     /// cosine of the angle beyond θ_o.
     fn measure(&self) -> f64 {
-        let (sin_o, cos_o) = self.theta_o.sin_cos();
+        let (sin_o, cos_o) = sin_cos(self.theta_o);
         let theta_w = (self.theta_o + self.theta_e).min(PI);
-        let beyond = 2.0 * theta_w * sin_o - (self.theta_o - 2.0 * theta_w).cos() - 2.0 * self.theta_o * sin_o + cos_o;
+        let beyond = 2.0 * theta_w * sin_o - cos(self.theta_o - 2.0 * theta_w) - 2.0 * self.theta_o * sin_o + cos_o;
         2.0 * PI * (1.0 - cos_o) + FRAC_PI_2 * beyond
     }
 }
 
 /// Returns the angle between two unit vectors in radians. It is accurate for small angles too.
 fn angle_between(a: DVec3, b: DVec3) -> f64 {
-    (a.cross(b).length()).atan2(a.dot(b))
+    atan2(a.cross(b).length(), a.dot(b))
 }
 
 /// The bounds of an emitter or of a cluster.
@@ -132,7 +133,7 @@ const CONE_MARGIN: f64 = 1e-3;
 impl Cluster {
     pub(super) fn new(bounds: &LightBounds) -> Self {
         let theta_o = (bounds.cone.theta_o + CONE_MARGIN).min(PI);
-        let (sin_o, cos_o) = if theta_o == PI { (0.0, -1.0) } else { theta_o.sin_cos() };
+        let (sin_o, cos_o) = if theta_o == PI { (0.0, -1.0) } else { sin_cos(theta_o) };
         Self {
             low: bounds.low.to_array().map(|x| (x as f32).next_down()),
             high: bounds.high.to_array().map(|x| (x as f32).next_up()),
@@ -140,7 +141,7 @@ impl Cluster {
             intensity: (bounds.intensity as f32).max(f32::MIN_POSITIVE),
             sin_o: sin_o as f32,
             cos_o: cos_o as f32,
-            cos_e: bounds.cone.theta_e.cos() as f32,
+            cos_e: cos(bounds.cone.theta_e) as f32,
             least_distance_m: bounds.least_distance_m as f32,
         }
     }

@@ -2,6 +2,7 @@
 
 use super::bounds::{Cluster, LightBounds};
 use super::{LEAF, LightNode, LightTree};
+use crate::math::elementary::cbrt;
 use glam::DVec3;
 
 /// The number of buckets along an axis at whose borders a cluster may be split.
@@ -112,7 +113,7 @@ fn spacing(bounds: &LightBounds, count: usize) -> f64 {
     let mut size = (bounds.high - bounds.low).to_array();
     size.sort_by(f64::total_cmp);
     let ([thin, wide, long], count) = (size, count as f64);
-    (long / count).max((long * wide / count).sqrt()).max((long * wide * thin / count).cbrt())
+    (long / count).max((long * wide / count).sqrt()).max(cbrt(long * wide * thin / count))
 }
 
 /// A split of a cluster after a bucket.

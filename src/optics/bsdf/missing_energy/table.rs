@@ -6,6 +6,7 @@
 
 use super::FacetKind;
 use crate::math::cubic::CubicStencil;
+use crate::math::elementary::{asin, exp, ln, powf, sin};
 use crate::optics::microfacet::{Ggx, MIN_ALPHA};
 use std::sync::OnceLock;
 
@@ -93,7 +94,7 @@ impl Column {
     pub(super) fn at(&self, cos: f64) -> f64 {
         let stencil = CubicStencil::new(angle_position(cos, self.alpha), ANGLES);
         let log: f64 = stencil.nodes().map(|(angle, weight)| weight * self.log_missing[angle]).sum();
-        (log.exp() - FLOOR).clamp(0.0, 1.0)
+        (exp(log) - FLOOR).clamp(0.0, 1.0)
     }
 }
 
@@ -101,10 +102,10 @@ impl Column {
 fn parse(line: &str) -> Row {
     let millionths =
         line.split(',').skip(2).map(|cell| 1e-6 * cell.parse::<f64>().expect("the built-in table is valid"));
-    let mut row = Row { log_missing: [FLOOR.ln(); ANGLES], transmitted: 0.0 };
+    let mut row = Row { log_missing: [ln(FLOOR); ANGLES], transmitted: 0.0 };
     for (place, value) in millionths.enumerate() {
         match row.log_missing.get_mut(place) {
-            Some(log) => *log = (value + FLOOR).ln(),
+            Some(log) => *log = ln(value + FLOOR),
             None => row.transmitted = value,
         }
     }
@@ -113,15 +114,15 @@ fn parse(line: &str) -> Row {
 
 /// Returns the position of a roughness among the nodes, which are evenly spaced in its fourth root.
 fn alpha_position(alpha: f64) -> f64 {
-    let least = MIN_ALPHA.powf(0.25);
-    (alpha.powf(0.25) - least) / (1.0 - least) * (ALPHAS - 1) as f64
+    let least = powf(MIN_ALPHA, 0.25);
+    (powf(alpha, 0.25) - least) / (1.0 - least) * (ALPHAS - 1) as f64
 }
 
 /// Returns the position of a relative index among the nodes, which are evenly spaced in the fourth
 /// root of its logarithm.
 fn index_position(index: f64) -> f64 {
-    let log = index.ln() / LARGEST_LOG_INDEX;
-    let root = log.abs().powf(0.25).min(1.0).copysign(log);
+    let log = ln(index) / LARGEST_LOG_INDEX;
+    let root = powf(log.abs(), 0.25).min(1.0).copysign(log);
     (1.0 + root) * INDICES_PER_SIDE as f64
 }
 
@@ -130,7 +131,7 @@ fn index_position(index: f64) -> f64 {
 fn angle_position(cos: f64, alpha: f64) -> f64 {
     let y = (1.0 + alpha) * cos / (cos + alpha);
     // The inverse of y = w²·(3 − 2w).
-    let w = 0.5 - ((1.0 - 2.0 * y).clamp(-1.0, 1.0).asin() / 3.0).sin();
+    let w = 0.5 - sin(asin((1.0 - 2.0 * y).clamp(-1.0, 1.0)) / 3.0);
     w * (ANGLES - 1) as f64
 }
 

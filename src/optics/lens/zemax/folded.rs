@@ -1,10 +1,11 @@
 //! Systems of a Zemax file with mirrors or coordinate breaks.
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
 
 use super::surface::{SurfaceKind, ZmxSurface};
 use super::{ApertureSpec, FieldKind, ZmxReader, unsupported};
 use crate::error::{Error, Result};
+use crate::math::rotation;
 use crate::optics::lens::folded::{FoldedAperture, FoldedSurface, FoldedSystem};
 use crate::optics::lens::prescription::medium;
 
@@ -77,9 +78,7 @@ fn surface(row: &ZmxSurface, frame: DAffine3, unit_mm: f64) -> Result<FoldedSurf
 fn coordinate_break(row: &ZmxSurface, unit_mm: f64) -> DAffine3 {
     let [x, y, tilt_x, tilt_y, tilt_z, order] = row.parameters;
     let shift = DAffine3::from_translation(DVec3::new(x, y, 0.0) * unit_mm);
-    let [tilt_x, tilt_y, tilt_z] = [tilt_x, tilt_y, tilt_z].map(f64::to_radians);
-    let [about_x, about_y, about_z] =
-        [DMat3::from_rotation_x(tilt_x), DMat3::from_rotation_y(tilt_y), DMat3::from_rotation_z(tilt_z)];
+    let [about_x, about_y, about_z] = rotation::about_axes([tilt_x, tilt_y, tilt_z].map(f64::to_radians));
     if order == 0.0 {
         shift * DAffine3::from_mat3(about_x * about_y * about_z)
     } else {

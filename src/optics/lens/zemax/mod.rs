@@ -22,6 +22,7 @@ use super::folded::FoldedSystem;
 use super::prescription::{ApertureSpec, Lens, Prescription};
 use super::profile::SurfaceProfile;
 use crate::error::{Error, Result};
+use crate::math::elementary::{hypot, sin};
 use crate::optics::glass::AgfCatalogue;
 use crate::optics::zemax_text::decoded;
 use surface::{SurfaceKind, ZmxSurface};
@@ -163,7 +164,7 @@ impl<'a> ZmxReader<'a> {
     fn widest_field(&self) -> Option<f64> {
         let count = self.field_count.unwrap_or(usize::MAX).min(self.field_x.len().max(self.field_y.len()));
         let at = |fields: &[f64], i: usize| fields.get(i).copied().unwrap_or(0.0);
-        let distances = (0..count).map(|i| at(&self.field_x, i).hypot(at(&self.field_y, i)));
+        let distances = (0..count).map(|i| hypot(at(&self.field_x, i), at(&self.field_y, i)));
         Some(distances.fold(0.0, f64::max)).filter(|widest| *widest > 0.0)
     }
 
@@ -253,7 +254,7 @@ impl<'a> ZmxReader<'a> {
 fn object_cone(arguments: &[&str]) -> Result<ApertureSpec> {
     let value = number(arguments, 0)?;
     let is_angle = arguments.get(1) == Some(&"1");
-    let sine = if is_angle { value.to_radians().sin() } else { value };
+    let sine = if is_angle { sin(value.to_radians()) } else { value };
     if !(sine > 0.0 && sine < 1.0) {
         return Err(Error::input(format!("found an object cone of {value}")).expected("a numerical aperture below 1"));
     }

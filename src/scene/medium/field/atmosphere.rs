@@ -2,6 +2,7 @@
 //! planet.
 
 use super::FieldLine;
+use crate::math::elementary::{exp, exp_m1};
 use crate::math::quadrature::gauss16;
 use glam::DVec3;
 use std::ops::ControlFlow;
@@ -53,7 +54,7 @@ impl Atmosphere {
     }
 
     pub(super) fn at(&self, local: DVec3) -> f64 {
-        self.value * (-self.height(local) / self.scale_height).exp()
+        self.value * exp(-self.height(local) / self.scale_height)
     }
 
     /// The largest value along the line. This is the value at the lowest point.
@@ -125,7 +126,7 @@ impl Atmosphere {
                 // The integral is the product of (1 − e⁻ˣ)/x, the value at the lower end, and the
                 // length.
                 let x = (line.direction.y * (piece.1 - piece.0) / self.scale_height).abs();
-                let share = if x == 0.0 { 1.0 } else { -(-x).exp_m1() / x };
+                let share = if x == 0.0 { 1.0 } else { -exp_m1(-x) / x };
                 self.majorant(line, piece) * (piece.1 - piece.0) * share
             }
             Ground::Planet(_) => gauss16(piece, |t| self.at(line.at(t))),
