@@ -92,33 +92,62 @@ impl Pilot {
     ) -> Result<Self> {
         let start = Instant::now();
         let scenes = posed_scenes(context)?;
-        let LearnedAims { strata, unlit } = match context.plan.aim {
-            AimPlan::Plain => LearnedAims::plain(context),
-            AimPlan::Learned => learn_aims(context, &scenes),
-        };
-        let extent = context.scene.extent();
-        let ray_densities = has_competition(context).then(|| strata.ray_densities(&context.scene.lights, extent));
-        let (radii, outlines, photons) = (Vec::new(), Outlines::default(), PerSet::default());
-        let mut pilot = Self {
-            strata,
-            unlit,
-            ray_densities,
-            radii,
-            outlines,
-            photons,
-            camera_samples: 1,
-            photon_share: 1.0,
-            keep: KEEP_ALL,
-        };
-        if let Some(show) = show
-            && let Some(picture) = coarse_photon_picture(context, &scenes[0], &mut pilot)?
-        {
-            show(&picture);
+        let mut pilot = Self::with_plain_aims(context);
+        // Few photons reach glass and mirrors if they are not aimed.
+        let needs_aims = context.plan.caustics != CausticPlan::Absent;
+        let (before, after) = if needs_aims { (None, show) } else { (show, None) };
+        pilot.show_coarse_picture(context, &scenes[0], before)?;
+        if context.plan.aim == AimPlan::Learned {
+            pilot.set_aims(learn_aims(context, &scenes), context);
         }
+        pilot.show_coarse_picture(context, &scenes[0], after)?;
         pilot.measure(context, &scenes);
         pilot.balance(context, &scenes[0]);
         seconds.pilot += start.elapsed().as_secs_f64();
         Ok(pilot)
+    }
+
+    /// Returns a pilot that has measured nothing. The emitted rays follow the lights.
+    fn with_plain_aims(context: &PassContext<'_>) -> Self {
+        let LearnedAims { strata, unlit } = LearnedAims::plain(context);
+        let mut pilot = Self {
+            strata,
+            unlit,
+            ray_densities: None,
+            radii: Vec::new(),
+            outlines: Outlines::default(),
+            photons: PerSet::default(),
+            camera_samples: 1,
+            photon_share: 1.0,
+            keep: KEEP_ALL,
+        };
+        pilot.set_ray_densities(context);
+        pilot
+    }
+
+    fn set_aims(&mut self, LearnedAims { strata, unlit }: LearnedAims, context: &PassContext<'_>) {
+        (self.strata, self.unlit) = (strata, unlit);
+        self.set_ray_densities(context);
+    }
+
+    fn set_ray_densities(&mut self, context: &PassContext<'_>) {
+        let densities = || self.strata.ray_densities(&context.scene.lights, context.scene.extent());
+        self.ray_densities = has_competition(context).then(densities);
+    }
+
+    /// Calls `show` with a coarse picture, unless the film is small.
+    fn show_coarse_picture(
+        &mut self,
+        context: &PassContext<'_>,
+        scene: &Scene,
+        show: Option<impl FnOnce(&Picture)>,
+    ) -> Result<()> {
+        if let Some(show) = show
+            && let Some(picture) = coarse_photon_picture(context, scene, self)?
+        {
+            show(&picture);
+        }
+        Ok(())
     }
 
     /// Measures the radii, the outlines, the probabilities of storing photons in media, and the

@@ -24,7 +24,9 @@ pub fn planck(nm: f64, temperature_k: f64) -> f64 {
         return 0.0;
     }
     let half = exp(-0.5 * exponent);
-    (C1_RADIANCE / length_m.powi(5) * half) * half / -exp_m1(-exponent)
+    // The difference loses precision only for small exponents.
+    let denominator = if exponent > 1.0 { 1.0 - half * half } else { -exp_m1(-exponent) };
+    (C1_RADIANCE / length_m.powi(5) * half) * half / denominator
 }
 
 #[cfg(test)]
@@ -38,5 +40,13 @@ mod tests {
         let x = C2_M_K / (830e-9 * 1e12);
         let classical = C1_RADIANCE / 830e-9_f64.powi(5) / x * (1.0 - 0.5 * x + x * x / 12.0);
         assert!((planck(nm, temperature) / classical - 1.0).abs() < 1e-12);
+    }
+
+    /// At an exponent of 1, one form of the denominator replaces the other.
+    #[test]
+    fn radiance_is_smooth_where_the_form_changes() {
+        let temperature = C2_M_K / 550e-9;
+        let [below, at, above] = [1.0 - 1e-7, 1.0, 1.0 + 1e-7].map(|factor| planck(550.0, temperature * factor));
+        assert!(((above - at) / (at - below) - 1.0).abs() < 1e-6, "{below} {at} {above}");
     }
 }
