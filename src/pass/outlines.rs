@@ -114,7 +114,7 @@ fn shared_reach(point: &VisiblePoint, radius_m: f64, others: &[(usize, Need<'_>)
         Need::Outline(other, radius_m) if other.facing == point.facing => {
             Some(Outline::reach_to_move(other.position.distance(point.position) + radius_m))
         }
-        _ => None,
+        Need::Nothing | Need::PerSample | Need::Outline(..) => None,
     };
     let near = others.iter().filter_map(reach_for).filter(|&reach| reach <= WIDEST_SHARED * radius_m);
     near.reduce(f64::max).map_or(radius_m, |reach| reach.max(Outline::reach_to_move(radius_m)))
