@@ -173,8 +173,8 @@ impl FourierTransform {
         self.length
     }
 
-    /// Transforms up to [`LINES`] consecutive lines in place. The transforms are not normalised: the
-    /// inverse transform after the forward transform multiplies a line by its length.
+    /// Transforms up to [`LINES`] consecutive lines in place. The transforms are not normalised:
+    /// the inverse transform after the forward transform multiplies a line by its length.
     pub fn transform(&self, lines: &mut [Complex], direction: Direction, buffers: &mut FourierBuffers) {
         let FourierBuffers { columns, spare } = buffers;
         columns.clear();
@@ -268,8 +268,8 @@ impl Stockham {
         }
     }
 
-    /// Performs a step with an odd radix p up to `LARGEST_RADIX`. The terms l and p − l are combined,
-    /// because their roots of unity are conjugate.
+    /// Performs a step with an odd radix p up to `LARGEST_RADIX`. The terms l and p − l are
+    /// combined, because their roots of unity are conjugate.
     fn odd_radix(&self, radix: usize, from: &[Column], to: &mut [Column], stride: usize) {
         let (part, half) = (from.len() / radix, radix / 2);
         let (mut sums, mut differences) =

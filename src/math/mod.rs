@@ -1,6 +1,6 @@
 //! General mathematics that does not deal with light: elementary functions, random streams,
-//! low-discrepancy points, sampling routines and their densities, distributions, quadrature, Fourier
-//! transforms, exact sums, frames and rotations.
+//! low-discrepancy points, sampling routines and their densities, distributions, quadrature,
+//! Fourier transforms, exact sums, frames and rotations.
 
 pub mod cubic;
 pub mod distribution;

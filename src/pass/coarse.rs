@@ -19,8 +19,8 @@ use std::borrow::Cow;
 /// A coarse picture has about this number of pixels, or up to 1.6 times this number.
 const PIXELS: f64 = 3_500.0;
 
-/// The smallest side length of a coarse pixel, in pixels of the film. On smaller films, a pass takes
-/// little time.
+/// The smallest side length of a coarse pixel, in pixels of the film. On smaller films, a pass
+/// takes little time.
 const LEAST_FACTOR: u32 = 4;
 
 /// The number of photon paths in a pass of a coarse picture.

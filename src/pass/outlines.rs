@@ -69,7 +69,7 @@ pub(super) fn outlines(
     Outlines::of_bands(width, bands)
 }
 
-/// What a pixel needs, to correct its kernel.
+/// The outline that a pixel needs for the correction of its kernel.
 #[derive(Clone, Copy)]
 enum Need<'v> {
     /// No outline.

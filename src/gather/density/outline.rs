@@ -216,7 +216,8 @@ impl Outlines {
         self.numbers.is_empty()
     }
 
-    /// Collects the outlines of pixels. The pixels are listed row by row, from the top of the image.
+    /// Collects the outlines of pixels. The pixels are listed row by row, from the top of the
+    /// image.
     pub fn new(width: usize, of_pixels: Vec<OutlineSurvey>) -> Self {
         let mut list = Vec::new();
         let number = |outline| match outline {

@@ -113,8 +113,8 @@ impl Camera {
         }
     }
 
-    /// Returns this camera with a coarser film. Each pixel covers `factor` × `factor` pixels of this
-    /// camera. The centres of the films coincide, and the coarse film is not smaller.
+    /// Returns this camera with a coarser film. Each pixel covers `factor` × `factor` pixels of
+    /// this camera. The centres of the films coincide, and the coarse film is not smaller.
     #[must_use]
     pub fn coarser(&self, factor: u32) -> Self {
         let factor = f64::from(factor);
