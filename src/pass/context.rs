@@ -3,11 +3,12 @@
 use super::sums::PassSums;
 use crate::emit::{EmissionStrata, LightSampler, PhotonSource, WavelengthSampling};
 use crate::error::Result;
-use crate::gather::{LightSelector, Openings, SensorResponses};
-use crate::map::PhotonSpectra;
+use crate::gather::{CameraPass, DirectLighting, LightSelector, Openings, Outlines, SensorResponses};
+use crate::map::radius::RadiusScales;
+use crate::map::{LightMaps, PhotonSpectra, SetMaps};
 use crate::math::kronecker::{golden_ratio, sqrt3};
 use crate::math::random::{Purpose, REPLICATES, hash64};
-use crate::plan::partition::PhotonSet;
+use crate::plan::partition::{PerSet, PhotonSet};
 use crate::plan::{Budget, MotionPlan, Plan};
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Lanes};
@@ -93,6 +94,40 @@ impl<'a> PassContext<'a> {
             purpose,
             pass,
             media_plan: self.plan.media_plan,
+        }
+    }
+
+    /// Returns the inputs of camera paths in `scene` with the first kernel radii. No light is
+    /// missing, and no photon competes with camera paths. `scene` is the scene of this context, or a
+    /// posed copy of this scene. `photons_per_sample` is the number of photon paths of each set,
+    /// divided by the number of camera samples per pixel.
+    pub(super) fn camera_pass<'s>(
+        &self,
+        (scene, selector): (&'s Scene, &'s LightSelector),
+        (maps, light_maps): (&'s PerSet<SetMaps>, &'s LightMaps<'s>),
+        SharedWavelengths { nm, pdf }: SharedWavelengths,
+        (outlines, photons_per_sample): (&'s Outlines, PerSet<f64>),
+    ) -> CameraPass<'s>
+    where
+        'a: 's,
+    {
+        CameraPass {
+            scene,
+            plan: self.plan,
+            direct: DirectLighting::new(scene, selector, self.plan.media_plan).with_openings(self.openings),
+            maps: maps.as_ref(),
+            photons_per_sample,
+            missing: None,
+            light_maps,
+            shared_nm: nm,
+            shared_pdf: pdf,
+            scales: RadiusScales::after(0.0),
+            stated_radius_m: self.budget.radius_m,
+            lens_systems: scene.camera.system().map(|system| nm.map(|nm| system.at(nm))),
+            spectra: self.spectra,
+            responses: self.responses,
+            outlines,
+            depth_limit: self.depth_limit(),
         }
     }
 

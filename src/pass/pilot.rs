@@ -23,8 +23,7 @@ use super::trial::run_trial;
 use super::volume_radii::{VolumeKernelWidths, keep_probabilities};
 use crate::emit::{EmissionStrata, PhotonSource};
 use crate::error::Result;
-use crate::gather::{CameraPass, DirectLighting, LightSelector, Outlines};
-use crate::map::radius::RadiusScales;
+use crate::gather::{CameraPass, LightSelector, Outlines};
 use crate::map::{LightMaps, PixelRadii, SetMaps};
 use crate::optics::bsdf::BsdfClass;
 use crate::plan::partition::{PerClass, PerSet, PhotonSet};
@@ -209,29 +208,11 @@ impl Pilot {
         context: &PassContext<'s>,
         (scene, selector): (&'s Scene, &'s LightSelector),
         (maps, light_maps): (&'s PerSet<SetMaps>, &'s LightMaps<'s>),
-        SharedWavelengths { nm, pdf }: SharedWavelengths,
+        shared: SharedWavelengths,
     ) -> CameraPass<'s> {
-        let PassContext { plan, budget, .. } = *context;
-        CameraPass {
-            scene,
-            plan,
-            direct: DirectLighting::new(scene, selector, plan.media_plan)
-                .with_openings(context.openings)
-                .with_ray_densities(self.ray_densities.as_ref()),
-            maps: maps.as_ref(),
-            photons_per_sample: self.photons_per_sample(),
-            missing: None,
-            light_maps,
-            shared_nm: nm,
-            shared_pdf: pdf,
-            scales: RadiusScales::after(0.0),
-            stated_radius_m: budget.radius_m,
-            lens_systems: scene.camera.system().map(|system| nm.map(|nm| system.at(nm))),
-            spectra: context.spectra,
-            responses: context.responses,
-            outlines: &self.outlines,
-            depth_limit: context.depth_limit(),
-        }
+        let kernels = (&self.outlines, self.photons_per_sample());
+        let plain = context.camera_pass((scene, selector), (maps, light_maps), shared, kernels);
+        CameraPass { direct: plain.direct.with_ray_densities(self.ray_densities.as_ref()), ..plain }
     }
 
     /// Divides the work of a pass between photons and camera samples.

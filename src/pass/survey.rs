@@ -1,6 +1,6 @@
 //! The pilot's survey: one camera path per pixel, and the pilot photons around it.
 
-use super::context::{EmissionRequest, PassContext, SharedWavelengths};
+use super::context::{EmissionRequest, PassContext};
 use super::deposits::PhotonDeposits;
 use super::keep_probability::{DepositCounts, KEEP_ALL};
 use super::recorder::RecordingOptions;
@@ -8,9 +8,9 @@ use super::trace::trace_photons;
 use super::volume_radii::{PixelVolumeCounts, VolumeKernelWidths};
 use super::volume_samples::VolumeSamples;
 use crate::emit::EmissionStrata;
-use crate::gather::{CameraPass, CameraSegment, DirectLighting, Outlines, PathBuffers, PixelSampler, VisiblePoint};
-use crate::map::radius::{self, RadiusScales};
-use crate::map::{LightMaps, PhotonMap, PixelRadii, SetMaps};
+use crate::gather::{CameraPass, CameraSegment, Outlines, PathBuffers, PixelSampler, VisiblePoint};
+use crate::map::radius;
+use crate::map::{LightMaps, PhotonMap, PixelRadii};
 use crate::math::random::Purpose;
 use crate::plan::partition::{PerClass, PerSet, PhotonClass, PhotonSet, View};
 use crate::plan::{DirectPlan, Plan, Tally};
@@ -93,11 +93,10 @@ impl PixelSurvey {
         strata: &EmissionStrata,
         photons: PerSet<u64>,
     ) -> Self {
-        let PassContext { plan, budget, .. } = *context;
+        let plan = context.plan;
         // Direct light has no kernel, so the survey needs none.
         let without_direct = Plan { direct: DirectPlan::Absent, ..plan.clone() };
         let shared = context.shared_wavelengths(moment);
-        let SharedWavelengths { nm, pdf } = shared;
         let blank = Film::new(1, 1, scene.film.observer, 0);
         let mut stored = PerClass::default();
         let maps = PerSet::from_fn(|set| {
@@ -112,25 +111,13 @@ impl PixelSurvey {
             stored = stored.zip_with(here, DepositCounts::max);
             SurveyMaps::new(&deposits, context, share)
         });
-        let (no_photons, no_outlines) = (SetMaps::default(), Outlines::default());
+        let (no_photons, no_light_maps, no_outlines) = (PerSet::default(), LightMaps::default(), Outlines::default());
         let selector = context.light_selector(scene);
+        let kernels = (&no_outlines, PerSet::from_fn(|set| photons[set] as f64));
         let camera_pass = CameraPass {
-            scene,
             plan: &without_direct,
-            direct: DirectLighting::new(scene, &selector, plan.media_plan),
-            maps: PerSet { free: &no_photons, shared: &no_photons },
-            photons_per_sample: PerSet::from_fn(|set| photons[set] as f64),
-            missing: None,
-            light_maps: &LightMaps::default(),
-            shared_nm: nm,
-            shared_pdf: pdf,
-            scales: RadiusScales::after(0.0),
-            stated_radius_m: budget.radius_m,
-            lens_systems: scene.camera.system().map(|system| nm.map(|nm| system.at(nm))),
-            spectra: context.spectra,
             responses: None,
-            outlines: &no_outlines,
-            depth_limit: context.depth_limit(),
+            ..context.camera_pass((scene, &selector), (&no_photons, &no_light_maps), shared, kernels)
         };
         let extents = object_extents(scene);
         let mut all = Self::blank(scene);
