@@ -11,8 +11,8 @@ use std::collections::BTreeMap;
 use abbe::format::light::PointFile;
 use abbe::format::{
     CameraFile, DielectricFile, ExposureFile, FilmFile, GamutFile, IndexFile, LensFile, LightFile, MaterialFile,
-    ObjectFile, ObserverFile, OutputSpaceFile, ReflectanceFile, RenderFile, SceneFile, ShapeFile, SpectrumFile,
-    ToneFile, TransformFile, UnitFile, WhiteBalanceFile,
+    ObjectFile, ObserverFile, OutputSpaceFile, ReflectanceFile, RenderFile, ScalarFile, SceneFile, ShapeFile,
+    SpectrumFile, ToneFile, TransformFile, UnitFile, WhiteBalanceFile,
 };
 use abbe::{RenderOptions, Scene};
 
@@ -20,7 +20,7 @@ fn main() -> abbe::Result<()> {
     let reflectance = ReflectanceFile::Spectrum(SpectrumFile::Number(0.5));
     let glass = DielectricFile {
         ior: IndexFile::Name("N-BK7".to_string()),
-        roughness: 0.0,
+        roughness: ScalarFile::Number(0.0),
         absorption: None,
         medium: None,
         priority: 0,

@@ -13,7 +13,7 @@ use abbe::math::random::{Purpose, Stream};
 use abbe::optics::bsdf::TransportMode;
 use abbe::scene::medium_stack::MediumStack;
 use abbe::spectrum::Wavelengths;
-use abbe::walk::{RayState, next_interaction, scatter};
+use abbe::walk::{RayState, SurfaceLookup, next_interaction, scatter};
 use glam::DVec3;
 
 const SCENE: &str = r#"{
@@ -38,7 +38,7 @@ fn main() -> abbe::Result<()> {
     let mut stream = Stream::new(7, Purpose::FreePhoton, 0, 0);
 
     let mut hits = Vec::new();
-    while let Some(interaction) = next_interaction(&scene, state, 0.0) {
+    while let Some(interaction) = next_interaction(&scene, state, SurfaceLookup::of_line(0.0)) {
         let name = scene.objects[interaction.hit.object as usize].name.as_str();
         let point = state.ray.at(interaction.hit.t) + scene.centre;
         println!("hits the {name} at {point:.3} after {:.3} m", interaction.distance_m);

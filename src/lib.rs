@@ -156,6 +156,7 @@ pub mod spectrum;
 #[cfg(feature = "pages")]
 #[doc(hidden)]
 pub mod study;
+pub mod texture;
 #[doc(hidden)]
 pub mod walk;
 

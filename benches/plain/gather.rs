@@ -52,7 +52,7 @@ pub(crate) fn plain(prepared: &Prepared, maps: &SetMaps, count: u64) -> f64 {
                 total.biased(nm, share * light.spd_at(EmittedSpd::Own, nm) * radiance, 0.0);
             });
         }
-        let surface = &scene.materials[object.material].surface;
+        let surface = scene.materials[object.material].surface.at(0.0);
         if surface.class() != BsdfClass::Diffuse {
             continue;
         }

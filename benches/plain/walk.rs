@@ -55,8 +55,8 @@ pub(crate) fn plain(prepared: &Prepared, count: u64) -> StoredPhotons {
                     break;
                 };
                 let material = scene.objects[hit.object as usize].material;
-                let surface = &scene.materials[material].surface;
-                let Bsdf::Diffuse(_) = surface else {
+                let surface = scene.materials[material].surface.at(0.0);
+                let Bsdf::Diffuse(_) = surface.model else {
                     absorbed[material] += power.iter().sum::<f64>();
                     break;
                 };

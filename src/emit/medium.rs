@@ -18,7 +18,8 @@ use crate::scene::medium::Medium;
 use crate::spectrum::{LANES, Spectrum};
 use crate::walk::ledger::Ledger;
 use crate::walk::{
-    MAX_EVENTS, MediumSegment, NumberedMedium, RayState, SurfaceInteraction, next_interaction_through_media,
+    MAX_EVENTS, MediumSegment, NumberedMedium, RayState, SurfaceInteraction, SurfaceLookup,
+    next_interaction_through_media,
 };
 use glam::DVec3;
 use std::ops::ControlFlow;
@@ -33,9 +34,9 @@ pub(super) fn advance_through_media<'a, V: PhotonVisitor>(
     ledger: &mut Ledger,
 ) -> Option<SurfaceInteraction<'a>> {
     for _ in 0..MAX_EVENTS {
-        let component = stream.uniform();
+        let lookup = SurfaceLookup::of_line(stream.uniform());
         let (mut collision, mut inside) = (None, false);
-        let end = next_interaction_through_media(scene, path.ray_state, component, |segment| {
+        let end = next_interaction_through_media(scene, path.ray_state, lookup, |segment| {
             inside = !segment.medium_stack.is_air();
             let Some(distance) = path.sample_segment(segment, stream, visitor, ledger) else {
                 return ControlFlow::Continue(());

@@ -10,6 +10,7 @@ use crate::optics::bsdf::{BsdfClass, TransportMode};
 use crate::plan::MediumPlan;
 use crate::plan::partition::LightPath;
 use crate::spectrum::LANES;
+use crate::walk::SurfaceLookup;
 use crate::walk::ledger::Ledger;
 use crate::walk::{
     BodyMode, MAX_EVENTS, ScatteredRay, SurfaceInteraction, WithBodies, WithoutBodies, long_path_survival,
@@ -137,8 +138,8 @@ fn advance<'a, M: BodyMode, V: PhotonVisitor>(
     if M::HAS_BODIES && !source.media_plan.is_clear() {
         return advance_through_media(source.scene, path, stream, visitor, ledger);
     }
-    let component = stream.uniform();
-    let interaction = M::next_interaction(source.scene, path.ray_state, component);
+    let lookup = SurfaceLookup::of_line(stream.uniform());
+    let interaction = M::next_interaction(source.scene, path.ray_state, lookup);
     if interaction.is_none() {
         let inside = M::HAS_BODIES && !path.ray_state.medium_stack.is_air();
         ledger.add_escaped(path.total_w(), inside);

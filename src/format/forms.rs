@@ -221,6 +221,11 @@ pub(super) fn or_name(schema: &mut Schema) {
     allow_also(schema, &[serde_json::json!({"type": "string"})]);
 }
 
+/// Changes a schema so that it also allows a plain number.
+pub(super) fn or_number(schema: &mut Schema) {
+    allow_also(schema, &[serde_json::json!({"type": "number"})]);
+}
+
 /// Changes a schema so that it also allows a plain number or a plain string.
 pub(super) fn or_number_or_name(schema: &mut Schema) {
     allow_also(schema, &[serde_json::json!({"type": "number"}), serde_json::json!({"type": "string"})]);
@@ -261,7 +266,8 @@ pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
 mod tests {
     use super::super::index::IndexFile;
     use super::super::lens::PrescriptionFile;
-    use super::super::spectrum::{REFLECTANCE_FORMS, ReflectanceFile, SpectrumFile};
+    use super::super::spectrum::SpectrumFile;
+    use super::super::texture::{REFLECTANCE_FORMS, ReflectanceFile, ScalarFile};
     use super::*;
 
     /// Finds the object forms in the schema of a type, and returns their keys.
@@ -278,8 +284,10 @@ mod tests {
         let spectrum = object_forms::<SpectrumFile>();
         assert_eq!(spectrum.len(), 10);
         assert!(ends_with(SpectrumFile::EXPECTED, &spectrum));
-        assert_eq!(spectrum, REFLECTANCE_FORMS);
-        assert!(ends_with(ReflectanceFile::EXPECTED, &spectrum));
+        let reflectance = [spectrum, object_forms::<ReflectanceFile>()].concat();
+        assert_eq!(reflectance, REFLECTANCE_FORMS);
+        assert!(ends_with(ReflectanceFile::EXPECTED, &reflectance));
+        assert!(ends_with(ScalarFile::EXPECTED, &object_forms::<ScalarFile>()));
         assert!(ends_with(IndexFile::EXPECTED, &object_forms::<IndexFile>()));
         assert!(ends_with(PrescriptionFile::EXPECTED, &object_forms::<PrescriptionFile>()));
     }

@@ -7,7 +7,8 @@ use serde_json::json;
 use super::check;
 use super::forms;
 use super::index::IndexFile;
-use super::spectrum::{ReflectanceFile, SpectrumFile, SpectrumUse};
+use super::spectrum::{SpectrumFile, SpectrumUse};
+use super::texture::{ReflectanceFile, ScalarFile};
 use crate::error::Result;
 use crate::json::JsonPath;
 
@@ -35,6 +36,7 @@ pub enum MaterialFile {
     /// A metal.
     #[schemars(example = json!({"conductor": {"metal": "gold", "roughness": 0.2}}))]
     #[schemars(example = json!({"conductor": {"eta": 0.2, "k": 3.4}}))]
+    #[schemars(example = json!({"conductor": {"reflectance": {"rgb": [0.9, 0.7, 0.4]}, "roughness": 0.3}}))]
     Conductor(ConductorFile),
     /// An ideal mirror with a given reflectance.
     #[schemars(example = json!({"mirror": {"reflectance": 0.95}}))]
@@ -53,8 +55,8 @@ pub enum MaterialFile {
         #[schemars(extend("minimum" = 1))]
         ior: IndexFile,
         /// Roughness of the coat: 0 is polished.
-        #[schemars(range(min = 0, max = 1))]
-        roughness: f64,
+        #[schemars(extend("minimum" = 0, "maximum" = 1))]
+        roughness: ScalarFile,
     },
     /// A thin sheet that reflects and transmits diffusely, such as paper.
     #[schemars(example = json!({"translucent": {"reflectance": 0.5, "transmittance": 0.4}}))]
@@ -89,8 +91,8 @@ pub struct DielectricFile {
     pub ior: IndexFile,
     /// Roughness of the surface: 0 is polished.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never", range(min = 0, max = 1))]
-    pub roughness: f64,
+    #[schemars(skip_serializing_if = "forms::never", extend("minimum" = 0, "maximum" = 1))]
+    pub roughness: ScalarFile,
     /// Absorption coefficient inside the body (Beer's law).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "x-unit" = "1/scene unit", "x-default" = "no absorption"))]
@@ -123,7 +125,7 @@ pub struct ThinDielectricFile {
     pub absorption: Option<SpectrumFile>,
 }
 
-/// A conductor. Either state `metal`, or state `eta` and `k`.
+/// A conductor. State one of three: `metal`; `eta` and `k`; or `reflectance`.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ConductorFile {
@@ -138,10 +140,15 @@ pub struct ConductorFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub k: Option<SpectrumFile>,
+    /// Reflectance at normal incidence. At other angles, the reflectance follows Schlick's
+    /// approximation, and it is 1 at grazing incidence.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0, "maximum" = 1))]
+    pub reflectance: Option<ReflectanceFile>,
     /// Roughness of the surface: 0 is polished.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never", range(min = 0, max = 1))]
-    pub roughness: f64,
+    #[schemars(skip_serializing_if = "forms::never", extend("minimum" = 0, "maximum" = 1))]
+    pub roughness: ScalarFile,
 }
 
 /// One part of a mix of materials.
@@ -152,8 +159,8 @@ pub struct WeightedMaterialFile {
     /// Name of the material, from the scene's `materials`.
     pub material: String,
     /// Weight relative to the other parts. At least one weight must be above 0.
-    #[schemars(range(min = 0))]
-    pub weight: f64,
+    #[schemars(extend("minimum" = 0))]
+    pub weight: ScalarFile,
 }
 
 impl MaterialFile {
@@ -170,7 +177,7 @@ impl MaterialFile {
                 check::all([
                     reflectance.validate(&at.key("reflectance")),
                     ior.validate(&at.key("ior")),
-                    check::fraction(&at.key("roughness"), *roughness),
+                    roughness.validate(&at.key("roughness"), check::fraction),
                 ])
             }
             Self::Translucent { reflectance, transmittance } => {
@@ -179,11 +186,22 @@ impl MaterialFile {
             Self::Mix(parts) => {
                 let at = at.key("mix");
                 check::entries(&at, parts.len(), 1, "at least one material with its weight")?;
-                check::weights(&at, parts.iter().map(|part| part.weight))
+                validate_weights(&at, parts)
             }
             Self::Boundary { medium: _ } | Self::Absorber => Ok(()),
         }
     }
+}
+
+/// Checks that no weight is negative, and that at least one weight is above 0 or is a texture.
+fn validate_weights(at: &JsonPath, parts: &[WeightedMaterialFile]) -> Result<()> {
+    let weights =
+        parts.iter().enumerate().map(|(i, part)| part.weight.validate(&at.index(i).key("weight"), check::not_negative));
+    check::all(weights)?;
+    if parts.iter().all(|part| part.weight == ScalarFile::Number(0.0)) {
+        return Err(check::fault(at, "found only weights of 0", "at least one weight above 0"));
+    }
+    Ok(())
 }
 
 /// If the reflectance and the transmittance are plain numbers, checks that their sum is at most 1.
@@ -207,7 +225,7 @@ impl DielectricFile {
         let Self { ior, roughness, absorption, medium: _, priority: _ } = self;
         check::all([
             ior.validate(&at.key("ior")),
-            check::fraction(&at.key("roughness"), *roughness),
+            roughness.validate(&at.key("roughness"), check::fraction),
             absorption.as_ref().map_or(Ok(()), |it| it.validate(&at.key("absorption"), SpectrumUse::NotNegative)),
         ])
     }
@@ -234,9 +252,13 @@ impl ThinDielectricFile {
 impl ConductorFile {
     /// Checks that all values are in range and that the conductor has exactly one form.
     fn validate(&self, at: &JsonPath) -> Result<()> {
-        let Self { metal, eta, k, roughness } = self;
-        let allowed = "either `metal` or both `eta` and `k`";
+        let Self { metal, eta, k, reflectance, roughness } = self;
+        let allowed = "one of `metal`, both `eta` and `k`, or `reflectance`";
         let form = match (metal, eta, k) {
+            (None, None, None) if reflectance.is_some() => Ok(()),
+            _ if reflectance.is_some() => {
+                Err(check::fault(&at.key("reflectance"), "found together with an index of refraction", allowed))
+            }
             (Some(_), None, None) | (None, Some(_), Some(_)) => Ok(()),
             (Some(_), Some(_), _) => Err(check::fault(&at.key("eta"), "found together with `metal`", allowed)),
             (Some(_), None, Some(_)) => Err(check::fault(&at.key("k"), "found together with `metal`", allowed)),
@@ -248,7 +270,8 @@ impl ConductorFile {
             form,
             eta.as_ref().map_or(Ok(()), |it| it.validate(&at.key("eta"), SpectrumUse::NotNegative)),
             k.as_ref().map_or(Ok(()), |it| it.validate(&at.key("k"), SpectrumUse::NotNegative)),
-            check::fraction(&at.key("roughness"), *roughness),
+            reflectance.as_ref().map_or(Ok(()), |it| it.validate(&at.key("reflectance"))),
+            roughness.validate(&at.key("roughness"), check::fraction),
         ])
     }
 }

@@ -21,6 +21,7 @@ mod medium;
 pub mod mesh;
 mod object;
 mod phase;
+mod picture;
 mod quantity;
 mod reference;
 #[cfg(test)]
@@ -34,6 +35,7 @@ mod spectrum;
 mod srgb;
 #[cfg(test)]
 mod tests;
+mod texture;
 mod transform;
 pub mod volume_file;
 
@@ -55,12 +57,14 @@ pub use material::{ConductorFile, DielectricFile, MaterialFile, ThinDielectricFi
 pub use medium::{GridFile, HomogeneousFile, MediumBlackbodyFile, MediumEmissionFile, MediumFile, TransmittanceFile};
 pub use object::ObjectFile;
 pub use phase::PhaseFile;
+pub use picture::{BandImageFile, ChannelFile, ColourImageFile, EncodingFile, FilterFile, ScalarImageFile, WrapFile};
 pub use quantity::QuantityFile;
 pub use reference::scene_reference;
 pub use render::{LightMapFile, RenderFile};
 pub use shape::ShapeFile;
-pub use spectrum::{ImageFile, LineFile, ReflectanceFile, SpectrumFile, WeightedSpectrumFile};
+pub use spectrum::{ImageFile, LineFile, SpectrumFile, WeightedSpectrumFile};
 pub use srgb::{SrgbFile, is_hex_colour, linear_of_hex};
+pub use texture::{NoisePatternFile, PatternFile, ReflectanceFile, ScalarFile, UvFile};
 pub use transform::{KeyframeFile, ScaleFile, TransformFile, TransformStepFile};
 
 use crate::error::{Error, Result};

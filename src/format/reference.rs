@@ -9,7 +9,7 @@ use serde_json::{Map, Value};
 /// definitions in the schema that this chapter describes. The empty name stands for the scene
 /// itself. A definition without a title has no section. The text of such a definition appears
 /// wherever the definition is used.
-pub(super) const CHAPTERS: [(&str, &[&str]); 14] = [
+pub(super) const CHAPTERS: [(&str, &[&str]); 15] = [
     ("The scene", &["", "UnitFile"]),
     ("The camera", &["CameraFile", "CameraKeyframeFile", "ShutterFile"]),
     ("Camera lenses", &["LensFile", "PrescriptionFile", "LensSurfaceFile"]),
@@ -17,7 +17,23 @@ pub(super) const CHAPTERS: [(&str, &[&str]); 14] = [
         "The film",
         &["FilmFile", "ObserverFile", "GamutFile", "ToneFile", "WhiteBalanceFile", "OutputSpaceFile", "ExposureFile"],
     ),
-    ("Spectra and reflectances", &["SpectrumFile", "LineFile", "WeightedSpectrumFile", "ReflectanceFile", "ImageFile"]),
+    ("Spectra", &["SpectrumFile", "LineFile", "WeightedSpectrumFile"]),
+    (
+        "Reflectances and textures",
+        &[
+            "ReflectanceFile",
+            "ScalarFile",
+            "ColourImageFile",
+            "BandImageFile",
+            "ScalarImageFile",
+            "UvFile",
+            "EncodingFile",
+            "WrapFile",
+            "FilterFile",
+            "ChannelFile",
+            "ImageFile",
+        ],
+    ),
     ("Indices of refraction", &["IndexFile", "FormulaFile"]),
     ("Materials", &["MaterialFile", "WeightedMaterialFile"]),
     ("Media", &["MediumFile", "TransmittanceFile", "PhaseFile", "MediumEmissionFile", "MediumBlackbodyFile"]),

@@ -15,7 +15,7 @@ const MINIMAL_SCENE: &str = r#"{
 
 /// For each definition with examples, the patch that puts an example into the minimal scene. In the
 /// patch, `%` stands for the example.
-const PLACES: [(&str, &str); 34] = [
+const PLACES: [(&str, &str); 39] = [
     ("CameraFile", "camera=%"),
     ("CameraKeyframeFile", "camera.motion=[%]"),
     ("ShutterFile", "camera.shutter=%"),
@@ -32,6 +32,11 @@ const PLACES: [(&str, &str); 34] = [
     ("LineFile", r#"spectra.x={"lines": [%]}"#),
     ("WeightedSpectrumFile", r#"spectra.x={"mix": [%]}"#),
     ("ReflectanceFile", "materials.x.diffuse.reflectance=%"),
+    ("ScalarFile", r#"materials.x={"dielectric": {"ior": 1.5, "roughness": %}}"#),
+    ("ColourImageFile", r#"materials.x={"diffuse": {"reflectance": {"image": %}}}"#),
+    ("BandImageFile", r#"materials.x={"diffuse": {"reflectance": {"bands": %}}}"#),
+    ("ScalarImageFile", r#"materials.x={"dielectric": {"ior": 1.5, "roughness": {"image": %}}}"#),
+    ("UvFile", r#"materials.x={"diffuse": {"reflectance": {"image": {"path": "a.png", "uv": %}}}}"#),
     ("ImageFile", r#"lights=[{"environment": {"image": %, "irradiance": 1}}]"#),
     ("IndexFile", "materials.x.thin_dielectric.ior=%"),
     ("MaterialFile", "materials.x=%"),

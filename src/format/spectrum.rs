@@ -1,10 +1,9 @@
 //! Spectra and reflectances in the scene file.
 
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::{Error as _, MapAccess};
+use schemars::JsonSchema;
+use serde::de::MapAccess;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::json;
-use std::borrow::Cow;
 
 use super::check;
 use super::forms::{self, Form, Forms};
@@ -160,91 +159,6 @@ impl Serialize for SpectrumFile {
     }
 }
 
-/// A reflectance: a spectrum with values from 0 to 1, or a pattern over the texture coordinates uv
-/// of the shape.
-///
-/// The patterns are not supported yet. Therefore the schema offers only the spectrum.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-#[serde(remote = "Self", rename_all = "snake_case", deny_unknown_fields)]
-pub enum ReflectanceFile {
-    /// The same spectrum at every point.
-    #[serde(skip)]
-    Spectrum(SpectrumFile),
-    /// A picture over uv.
-    Image(ImageFile),
-    /// A checkerboard over uv.
-    Checker {
-        /// Reflectance of the square at the origin of uv.
-        a: Box<ReflectanceFile>,
-        /// Reflectance of the neighbouring squares.
-        b: Box<ReflectanceFile>,
-        /// Number of squares per unit of uv.
-        scale: f64,
-    },
-}
-
-impl JsonSchema for ReflectanceFile {
-    fn schema_name() -> Cow<'static, str> {
-        "ReflectanceFile".into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let spectrum = generator.subschema_for::<SpectrumFile>();
-        json_schema!({
-            "title": "Reflectance", "description": "A reflectance: a spectrum with values from 0 to 1.",
-            "anyOf": [spectrum], "examples": [0.8, {"rgb": [0.8, 0.1, 0.1]}, "#cc3311"]
-        })
-    }
-}
-
-/// The keys that a reflectance can have, but a spectrum cannot. They are not supported yet.
-const PATTERN_FORMS: [&str; 2] = ["image", "checker"];
-
-/// The supported keys of a reflectance that is written as an object.
-pub(super) const REFLECTANCE_FORMS: [&str; 10] =
-    ["table", "file", "lines", "blackbody", "gaussian", "rgb", "srgb", "mix", "power_law", "match"];
-
-impl Forms for ReflectanceFile {
-    const EXPECTED: &'static str = "a number from 0 to 1, a spectrum's name, a colour such as \"#ff8800\", or an object \
-                                    with one of the keys table, file, lines, blackbody, gaussian, rgb, srgb, mix, \
-                                    power_law, match";
-
-    fn from_number(number: f64) -> Option<Self> {
-        Some(Self::Spectrum(SpectrumFile::Number(number)))
-    }
-
-    fn from_name(name: String) -> Option<Self> {
-        Some(Self::Spectrum(SpectrumFile::Name(name)))
-    }
-
-    fn from_object<'de, A: MapAccess<'de>>(form: Form<A>) -> std::result::Result<Self, A::Error> {
-        let key = form.key.as_str();
-        if PATTERN_FORMS.contains(&key) {
-            Self::deserialize(form)
-        } else if REFLECTANCE_FORMS.contains(&key) {
-            SpectrumFile::deserialize(form).map(Self::Spectrum)
-        } else {
-            Err(A::Error::unknown_variant(key, &REFLECTANCE_FORMS))
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for ReflectanceFile {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
-        forms::deserialize(deserializer)
-    }
-}
-
-impl Serialize for ReflectanceFile {
-    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-        if let Self::Spectrum(spectrum) = self {
-            serde::Serialize::serialize(spectrum, serializer)
-        } else {
-            Self::serialize(self, serializer)
-        }
-    }
-}
-
 /// A picture: its path, or an object with the key `path`.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
@@ -392,22 +306,4 @@ fn validate_lines(at: &JsonPath, lines: &[LineFile]) -> Result<()> {
         return Err(check::fault(at, "found only lines without power", "at least one line with a power above 0"));
     }
     Ok(())
-}
-
-impl ReflectanceFile {
-    /// Checks the ranges of numbers and the lengths of lists.
-    pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
-        match self {
-            Self::Spectrum(spectrum) => spectrum.validate(at, SpectrumUse::Fraction),
-            Self::Image(_) => Ok(()),
-            Self::Checker { a, b, scale } => {
-                let at = at.key("checker");
-                check::all([
-                    a.validate(&at.key("a")),
-                    b.validate(&at.key("b")),
-                    check::positive(&at.key("scale"), *scale),
-                ])
-            }
-        }
-    }
 }

@@ -1,6 +1,6 @@
 //! General mathematics that does not deal with light: elementary functions, random streams,
 //! low-discrepancy points, sampling routines and their densities, distributions, quadrature,
-//! Fourier transforms, exact sums, frames and rotations.
+//! Fourier transforms, gradient noise, exact sums, frames and rotations.
 
 pub mod cubic;
 pub mod distribution;
@@ -8,6 +8,7 @@ pub mod elementary;
 pub mod fourier;
 pub mod frame;
 pub mod kronecker;
+pub mod noise;
 pub mod quadrature;
 pub mod random;
 pub mod rotation;

@@ -17,6 +17,7 @@ use crate::math::sphere::BoundingSphere;
 use crate::optics::bsdf::TransportMode;
 use crate::scene::Scene;
 use crate::spectrum::{REFERENCE_NM, Wavelengths};
+use crate::walk::SurfaceLookup;
 use crate::walk::{BodyMode, WithBodies, scatter};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -113,7 +114,8 @@ fn trace_lines(scene: &Scene, seed: u64, paths: Range<u64>, density: impl Fn(DVe
         let mut pdf = None;
         for _ in 0..MAX_SURFACES {
             let stream = &mut sampler.stream;
-            let Some(interaction) = WithBodies::next_interaction(scene, ray_state, stream.uniform()) else {
+            let lookup = SurfaceLookup::of_line(stream.uniform());
+            let Some(interaction) = WithBodies::next_interaction(scene, ray_state, lookup) else {
                 let ray = ray_state.ray;
                 let found = |pdf: f64| EscapedLine { ray, density: pdf.max(density(ray.direction)) };
                 lines.extend(pdf.map(found));

@@ -7,6 +7,7 @@ use super::fields::{
     AimPlan, AperturePlan, CausticPlan, DirectPlan, IndirectPlan, MediumPlan, MotionPlan, Rim, VolumeDirectLighting,
     VolumePlan, WavelengthPlan,
 };
+use crate::optics::bsdf::Bsdf;
 use crate::optics::glass::RefractiveIndex;
 use crate::scene::light::Emitter;
 use crate::scene::{Body, Scene};
@@ -184,6 +185,26 @@ const fn row(id: EffectId) -> Effect {
             removal: Removal::FromScene(|scene, _| {
                 scene.lights.retain(|light| !light.is_distant());
                 scene.renumber_lights();
+                Ok(())
+            }),
+        },
+        EffectId::Textures => Effect {
+            id,
+            name: "textures",
+            field: "scene.materials",
+            cost: "texture coordinates and a random texel for each arrival at a textured surface; no tabulated responses \
+                   to photons there",
+            absent: "each material is uniform, and no texture coordinates are computed",
+            called_by: "materials that vary over a surface",
+            uncalled: "no material varies over a surface",
+            calls: |facts| facts.textured.clone(),
+            set: |_, _, _| {},
+            events: |tally, _| tally.texture_lookups,
+            removal: Removal::FromScene(|scene, _| {
+                for material in &mut scene.materials {
+                    let surface = std::mem::replace(&mut material.surface, Bsdf::Absorber);
+                    material.surface = surface.without_textures();
+                }
                 Ok(())
             }),
         },

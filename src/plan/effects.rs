@@ -29,6 +29,8 @@ pub enum EffectId {
     Diffraction,
     /// Lights at infinity shine on the scene.
     Environment,
+    /// Properties of materials vary over surfaces.
+    Textures,
     /// Camera paths continue at rough and coated surfaces.
     Roughness,
     /// Objects have interiors.
@@ -95,7 +97,7 @@ pub(super) enum Removal {
 
 impl EffectId {
     /// All effects, in the order of decision.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Dispersion,
         Self::Shared,
         Self::Caustics,
@@ -104,6 +106,7 @@ impl EffectId {
         Self::DepthOfField,
         Self::Diffraction,
         Self::Environment,
+        Self::Textures,
         Self::Roughness,
         Self::Bodies,
         Self::Absorption,

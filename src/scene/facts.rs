@@ -22,6 +22,8 @@ pub struct Facts {
     pub specular: Vec<String>,
     /// Objects with a glossy component: rough or coated surfaces.
     pub glossy: Vec<String>,
+    /// Objects with a material that varies over the surface.
+    pub textured: Vec<String>,
     /// Objects with a diffuse component.
     pub diffuse: Vec<String>,
     /// Objects with a body. The body consists of glass or liquid, or it is filled with a medium.
@@ -129,8 +131,11 @@ impl Facts {
                     list.push(object.name.clone());
                 }
             }
+            if material.surface.is_textured() {
+                facts.textured.push(object.name.clone());
+            }
             let absorption = material.body.iter().filter_map(|body| body.absorption.as_ref());
-            if material.surface.spectra().into_iter().chain(absorption).any(Spectrum::is_upsampled) {
+            if material.surface.is_upsampled() || absorption.into_iter().any(Spectrum::is_upsampled) {
                 facts.upsampled.push(object.name.clone());
             }
             if let Some(body) = &material.body {

@@ -9,6 +9,7 @@
 pub mod library;
 pub mod read;
 
+mod band_channel;
 mod continuum;
 mod daylight;
 mod distribution;
@@ -20,10 +21,12 @@ mod planck;
 mod product;
 mod rgb;
 mod smooth;
+mod smooth_reflectance;
 mod sweep;
 mod table;
 mod value;
 
+pub use band_channel::{emissive_channel, emissive_wavelength_nm, reflective_wavelength_nm};
 pub use continuum::LinearPiece;
 pub use daylight::DAYLIGHT_K;
 pub(crate) use daylight::daylight_extended;
@@ -32,6 +35,7 @@ pub use lanes::{LANES, Lanes, Wavelengths};
 pub use line::{DEFAULT_LINE_WIDTH_NM, LineSegment, MIN_WIDTH_NM, SpectralLine};
 pub use observer::{LUMENS_PER_WATT, OBSERVER_NAMES, Observer};
 pub use planck::planck;
+pub use smooth_reflectance::SmoothReflectance;
 pub use table::Outside;
 pub use value::Spectrum;
 

@@ -11,7 +11,7 @@
 use super::next_interaction::{next_interaction, next_interaction_in_air};
 use super::ray_state::RayState;
 use super::scatter::{ScatteredRay, scatter, scatter_all_wavelengths};
-use super::surface_interaction::SurfaceInteraction;
+use super::surface_interaction::{SurfaceInteraction, SurfaceLookup};
 use crate::math::random::Stream;
 use crate::optics::bsdf::TransportMode;
 use crate::scene::Scene;
@@ -27,9 +27,12 @@ pub trait BodyMode {
     /// Returns the medium stack at the start of a path. Calls `find` only if the scene has bodies.
     fn initial_medium_stack(find: impl FnOnce() -> MediumStack) -> MediumStack;
 
-    /// Finds the next visible surface along the ray and ignores media on the way. `component` in
-    /// [0, 1) selects the component of a mixed material.
-    fn next_interaction<'a>(scene: &'a Scene, ray_state: RayState, component: f64) -> Option<SurfaceInteraction<'a>>;
+    /// Finds the next visible surface along the ray and ignores media on the way.
+    fn next_interaction<'a>(
+        scene: &'a Scene,
+        ray_state: RayState,
+        lookup: SurfaceLookup,
+    ) -> Option<SurfaceInteraction<'a>>;
 
     /// Scatters a path. Returns `None` if the surface absorbs the path.
     fn scatter(
@@ -64,8 +67,12 @@ impl BodyMode for WithBodies {
     }
 
     #[inline(always)]
-    fn next_interaction<'a>(scene: &'a Scene, ray_state: RayState, component: f64) -> Option<SurfaceInteraction<'a>> {
-        next_interaction(scene, ray_state, component)
+    fn next_interaction<'a>(
+        scene: &'a Scene,
+        ray_state: RayState,
+        lookup: SurfaceLookup,
+    ) -> Option<SurfaceInteraction<'a>> {
+        next_interaction(scene, ray_state, lookup)
     }
 
     #[inline(always)]
@@ -98,8 +105,12 @@ impl BodyMode for WithoutBodies {
     }
 
     #[inline(always)]
-    fn next_interaction<'a>(scene: &'a Scene, ray_state: RayState, component: f64) -> Option<SurfaceInteraction<'a>> {
-        next_interaction_in_air(scene, ray_state, component)
+    fn next_interaction<'a>(
+        scene: &'a Scene,
+        ray_state: RayState,
+        lookup: SurfaceLookup,
+    ) -> Option<SurfaceInteraction<'a>> {
+        next_interaction_in_air(scene, ray_state, lookup)
     }
 
     #[inline(always)]

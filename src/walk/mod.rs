@@ -21,7 +21,7 @@ pub use next_interaction::{SegmentEnd, next_interaction, next_interaction_in_air
 pub use ray_state::RayState;
 pub use scatter::{ConsistentBsdfSample, ScatteredRay, sample_consistently, scatter, scatter_all_wavelengths};
 pub use sink::{SensorResponse, Sink};
-pub use surface_interaction::SurfaceInteraction;
+pub use surface_interaction::{SurfaceInteraction, SurfaceLookup};
 pub use transmittance::{
     PathTransmittance, SegmentTransmittance, bias_of_excess, excess_optical_depth, path_transmittance,
     path_transmittance_tracked, transmittance,

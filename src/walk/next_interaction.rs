@@ -2,7 +2,7 @@
 
 use super::medium_segment::{MediumSegment, for_each_segment};
 use super::ray_state::RayState;
-use super::surface_interaction::SurfaceInteraction;
+use super::surface_interaction::{SurfaceInteraction, SurfaceLookup};
 use crate::geometry::{Hit, Ray};
 use crate::optics::bsdf::InterfaceIors;
 use crate::scene::Scene;
@@ -14,14 +14,17 @@ use std::ops::ControlFlow;
 pub type SegmentEnd<'a> = ControlFlow<(), Option<SurfaceInteraction<'a>>>;
 
 /// Finds the next visible surface along the ray. Returns `None` if the ray leaves the scene.
-/// `component` in [0, 1) selects the component of a mixed material. Media between surfaces are
-/// ignored.
+/// Media between surfaces are ignored.
 #[inline]
-pub fn next_interaction<'a>(scene: &'a Scene, ray_state: RayState, component: f64) -> Option<SurfaceInteraction<'a>> {
+pub fn next_interaction<'a>(
+    scene: &'a Scene,
+    ray_state: RayState,
+    lookup: SurfaceLookup,
+) -> Option<SurfaceInteraction<'a>> {
     let mut search = InteractionSearch { ray_state, distance_m: 0.0, crossed_hidden_face: false };
     loop {
         let hit = scene.geometry.intersect(&search.ray_state.ray, search.ray_state.from, f64::INFINITY)?;
-        if let Some(interaction) = search.process_hit(scene, hit, component) {
+        if let Some(interaction) = search.process_hit(scene, hit, lookup) {
             return Some(interaction);
         }
     }
@@ -33,12 +36,12 @@ pub fn next_interaction<'a>(scene: &'a Scene, ray_state: RayState, component: f6
 pub fn next_interaction_in_air<'a>(
     scene: &'a Scene,
     ray_state: RayState,
-    component: f64,
+    lookup: SurfaceLookup,
 ) -> Option<SurfaceInteraction<'a>> {
     let ray = ray_state.ray;
     let hit = scene.geometry.intersect(&ray, ray_state.from, f64::INFINITY)?;
     let sides = InterfaceIors { here: &scene.air, there: &scene.air };
-    Some(SurfaceInteraction::new(scene, ray.direction, hit, [MediumStack::AIR; 2], sides, component))
+    Some(SurfaceInteraction::new(scene, ray.direction, hit, [MediumStack::AIR; 2], sides, lookup))
 }
 
 /// Does the same as [`next_interaction`], and also calls `visit` for each medium segment on the
@@ -46,7 +49,7 @@ pub fn next_interaction_in_air<'a>(
 pub fn next_interaction_through_media<'a>(
     scene: &'a Scene,
     ray_state: RayState,
-    component: f64,
+    lookup: SurfaceLookup,
     mut visit: impl FnMut(&MediumSegment<'a>) -> ControlFlow<()>,
 ) -> SegmentEnd<'a> {
     let mut search = InteractionSearch { ray_state, distance_m: 0.0, crossed_hidden_face: false };
@@ -57,7 +60,7 @@ pub fn next_interaction_through_media<'a>(
         let Some(hit) = hit else {
             return ControlFlow::Continue(None);
         };
-        if let Some(interaction) = search.process_hit(scene, hit, component) {
+        if let Some(interaction) = search.process_hit(scene, hit, lookup) {
             return ControlFlow::Continue(Some(interaction));
         }
     }
@@ -74,7 +77,7 @@ impl InteractionSearch {
     /// Advances to a hit. Returns the interaction there, or `None` if the face is hidden (inside a
     /// body of higher priority).
     #[inline]
-    fn process_hit<'a>(&mut self, scene: &'a Scene, hit: Hit, component: f64) -> Option<SurfaceInteraction<'a>> {
+    fn process_hit<'a>(&mut self, scene: &'a Scene, hit: Hit, lookup: SurfaceLookup) -> Option<SurfaceInteraction<'a>> {
         self.distance_m += hit.t;
         let RayState { ray, medium_stack, .. } = self.ray_state;
         let there = scene.across(&medium_stack, &ray, &hit);
@@ -90,7 +93,7 @@ impl InteractionSearch {
         }
         let sides = InterfaceIors { here: scene.index_of(dielectric_here), there: scene.index_of(dielectric_there) };
         let stacks = [medium_stack, there];
-        let mut interaction = SurfaceInteraction::new(scene, ray.direction, hit, stacks, sides, component);
+        let mut interaction = SurfaceInteraction::new(scene, ray.direction, hit, stacks, sides, lookup);
         (interaction.distance_m, interaction.crossed_hidden_face) = (self.distance_m, self.crossed_hidden_face);
         Some(interaction)
     }

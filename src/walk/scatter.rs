@@ -49,7 +49,7 @@ pub fn scatter(
     transport: TransportMode,
     stream: &mut Stream,
 ) -> Option<ScatteredRay> {
-    if let Bsdf::Dielectric(dielectric) = interaction.bsdf {
+    if let Bsdf::Dielectric(dielectric) = interaction.bsdf.model {
         let disperses = interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive();
         match (wavelengths.count > 1 && disperses, dielectric.is_rough()) {
             (true, false) => return split_at_dispersive_interface(interaction, wavelengths, transport, stream),
@@ -77,12 +77,7 @@ pub fn scatter_all_wavelengths(
     let (bsdf, sides) = (interaction.bsdf, interaction.sides);
     let ConsistentBsdfSample { frame, wo, sample } =
         sample_consistently(interaction, |wo| bsdf.sample(wo, sides, wavelengths.hero(), u))?;
-    let mut weight = [0.0; LANES];
-    let mut absorbed = [0.0; LANES];
-    for (k, &nm) in wavelengths.active().iter().enumerate() {
-        weight[k] = bsdf.eval_sample(wo, &sample, sides, transport, nm) / sample.probability;
-        absorbed[k] = bsdf.absorbed_fraction(wo, &sample, sides, nm);
-    }
+    let (weight, absorbed) = bsdf.weights(wo, &sample, sides, transport, wavelengths.active());
     Some(ScatteredRay {
         direction: frame.to_world(sample.wi),
         weight,
@@ -273,6 +268,7 @@ mod tests {
     use crate::scene::Scene;
     use crate::scene::medium_stack::MediumStack;
     use crate::walk::next_interaction::next_interaction;
+    use crate::walk::surface_interaction::SurfaceLookup;
     use crate::{format, format::resolve::resolve};
 
     /// Returns the reflectance from the amplitudes of Fresnel's equations in their usual form.
@@ -306,7 +302,7 @@ mod tests {
         let (sin, cos) = angle.to_radians().sin_cos();
         let ray = Ray::new(DVec3::new(0.1, 0.2, 0.0) - scene.centre, DVec3::new(sin, 0.0, cos));
         let ray_state = RayState { ray, from: None, medium_stack: MediumStack::AIR.entered(0) };
-        next_interaction(scene, ray_state, 0.0).unwrap()
+        next_interaction(scene, ray_state, SurfaceLookup::of_line(0.0)).unwrap()
     }
 
     /// At a smooth interface, a path of one wavelength scatters as the BSDF says.

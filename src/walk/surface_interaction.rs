@@ -3,10 +3,31 @@
 use super::ray_state::RayState;
 use crate::geometry::{Hit, Ray, SurfaceId};
 use crate::math::frame::Frame;
-use crate::optics::bsdf::{Bsdf, InterfaceIors, ScatterEvent};
+use crate::optics::bsdf::{Bsdf, InterfaceIors, LocalBsdf, ScatterEvent};
 use crate::scene::Scene;
 use crate::scene::medium_stack::MediumStack;
+use crate::texture::TexturePoint;
 use glam::DVec3;
+
+/// How a path looks up the material of the next surface.
+#[derive(Debug, Clone, Copy)]
+pub struct SurfaceLookup {
+    /// A random number in [0, 1). It selects the component of a mixed material and the texels.
+    pub u: f64,
+    /// The diameter of the ray at its origin in m.
+    pub width_m: f64,
+    /// The angle (rad) by which the diameter of the ray grows with the distance. Photons have the
+    /// diameter 0 and the angle 0.
+    pub spread: f64,
+}
+
+impl SurfaceLookup {
+    /// Returns the lookup of a ray without extent.
+    #[inline]
+    pub fn of_line(u: f64) -> Self {
+        Self { u, width_m: 0.0, spread: 0.0 }
+    }
+}
 
 /// A path vertex on a surface, and all data for scattering (`SurfaceInteraction` in pbrt-v4).
 #[derive(Debug, Clone, Copy)]
@@ -19,8 +40,10 @@ pub struct SurfaceInteraction<'a> {
     pub incoming: DVec3,
     /// The material's number.
     pub material: usize,
-    /// The BSDF of the surface, or of the selected component of a mixed material.
-    pub bsdf: &'a Bsdf,
+    /// The BSDF at this point. The component of a mixed material and the texels are selected.
+    pub bsdf: LocalBsdf<'a>,
+    /// True if a property of the material varies over the surface.
+    pub textured: bool,
     /// The shading frame ([`Hit::frame`]).
     pub frame: Frame,
     /// The direction back along the path, in the shading frame.
@@ -39,8 +62,7 @@ pub struct SurfaceInteraction<'a> {
 
 impl<'a> SurfaceInteraction<'a> {
     /// Creates the interaction at a hit. The two medium stacks contain the bodies on the side of
-    /// arrival and on the other side. `sides` contains the refractive indices there. `component` in
-    /// [0, 1) selects the component of a mixed material.
+    /// arrival and on the other side. `sides` contains the refractive indices there.
     #[inline(always)]
     pub(super) fn new(
         scene: &'a Scene,
@@ -48,10 +70,13 @@ impl<'a> SurfaceInteraction<'a> {
         hit: Hit,
         [here, there]: [MediumStack; 2],
         sides: InterfaceIors<'a>,
-        component: f64,
+        lookup: SurfaceLookup,
     ) -> Self {
         let material = scene.objects[hit.object as usize].material;
-        let bsdf = scene.materials[material].surface.sample_component(component);
+        let surface = &scene.materials[material].surface;
+        let textured = surface.is_textured();
+        let bsdf =
+            if textured { textured_bsdf(scene, surface, incoming, &{ hit }, lookup) } else { surface.at(lookup.u) };
         let frame = hit.frame(incoming);
         Self {
             distance_m: hit.t,
@@ -59,6 +84,7 @@ impl<'a> SurfaceInteraction<'a> {
             incoming,
             material,
             bsdf,
+            textured,
             wo: frame.to_local(-incoming),
             frame,
             here,
@@ -136,4 +162,31 @@ impl<'a> SurfaceInteraction<'a> {
     pub fn adjoint_correction(&self, to_light: DVec3, to_camera: DVec3) -> f64 {
         self.hit.adjoint_correction(&self.frame, to_light, to_camera)
     }
+}
+
+/// The smallest cosine of incidence for which the footprint of a ray is computed exactly. At smaller
+/// cosines, the footprint is limited, because the surface is seen at grazing incidence.
+const LEAST_FOOTPRINT_COSINE: f64 = 0.01;
+
+/// Returns the BSDF at a hit of a surface with textures.
+#[inline(never)]
+fn textured_bsdf<'a>(
+    scene: &Scene,
+    surface: &'a Bsdf,
+    incoming: DVec3,
+    hit: &Hit,
+    lookup: SurfaceLookup,
+) -> LocalBsdf<'a> {
+    let mut point = TexturePoint::new(scene.geometry.uv(hit));
+    let width_m = lookup.width_m + hit.t * lookup.spread;
+    if width_m > 0.0 {
+        // The ray is a cone. Its section with the tangent plane is an ellipse, which is long in the
+        // plane of incidence.
+        let cosine = incoming.dot(hit.normal);
+        let along = (incoming - cosine * hit.normal).normalize_or(Frame::new(hit.normal).to_world(DVec3::X));
+        let across = hit.normal.cross(along);
+        let edges = [along * (width_m / cosine.abs().max(LEAST_FOOTPRINT_COSINE)), across * width_m];
+        point.footprint = edges.map(|edge| scene.geometry.uv_step(hit, edge));
+    }
+    surface.at_point(&point, lookup.u)
 }

@@ -9,12 +9,13 @@ use std::path::{Path, PathBuf};
 
 /// The modules in the order of imports, each with the modules directly below it. A module may
 /// import these and everything below them.
-const ORDER: [(&str, &[&str]); 21] = [
+const ORDER: [(&str, &[&str]); 22] = [
     ("error", &[]),
     ("math", &["error"]),
     ("spectrum", &["math"]),
     ("colour", &["spectrum"]),
-    ("optics", &["spectrum"]),
+    ("texture", &["spectrum"]),
+    ("optics", &["texture"]),
     ("geometry", &["math"]),
     ("scene", &["colour", "optics", "geometry"]),
     ("json", &["error"]),
@@ -56,12 +57,13 @@ const CRATES: [(&str, &[&str]); 31] = [
             "scene/light/volume.rs",
             "scene/medium/emission.rs",
             "spectrum/smooth.rs",
+            "texture/palette.rs",
         ],
     ),
-    ("exr", &["output/", "format/resolve/environment_image.rs"]),
+    ("exr", &["output/", "format/resolve/picture_file.rs"]),
     ("png", &["output/png.rs"]),
     ("moxcms", &["output/icc.rs"]),
-    ("image", &["output/", "format/resolve/environment_image.rs"]),
+    ("image", &["output/", "format/resolve/picture_file.rs"]),
     (
         "serde_json",
         &[

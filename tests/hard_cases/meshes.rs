@@ -13,7 +13,7 @@ use abbe::math::warp;
 use abbe::optics::bsdf::TransportMode;
 use abbe::scene::medium_stack::MediumStack;
 use abbe::spectrum::Wavelengths;
-use abbe::walk::{RayState, next_interaction, scatter};
+use abbe::walk::{RayState, SurfaceLookup, next_interaction, scatter};
 use abbe::{format, scene::Scene};
 
 /// Vertices and triangles.
@@ -110,7 +110,9 @@ pub(crate) fn leaks(raw: &Raw, at: At, rays: u64) -> f64 {
         let medium_stack = if within { MediumStack::AIR.entered(0) } else { MediumStack::AIR };
         let mut start = RayState { ray, from: None, medium_stack };
         for _ in 0..LONGEST {
-            let Some(interaction) = next_interaction(&scene, start, 0.0) else { return !start.medium_stack.is_air() };
+            let Some(interaction) = next_interaction(&scene, start, SurfaceLookup::of_line(0.0)) else {
+                return !start.medium_stack.is_air();
+            };
             let leaves = interaction.incoming.dot(interaction.hit.normal) > 0.0;
             if leaves == interaction.here.is_air() {
                 return true;

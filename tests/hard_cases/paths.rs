@@ -8,7 +8,7 @@ use abbe::math::random::{Purpose, Stream};
 use abbe::math::warp;
 use abbe::optics::bsdf::TransportMode;
 use abbe::spectrum::Wavelengths;
-use abbe::walk::{RayState, next_interaction, scatter};
+use abbe::walk::{RayState, SurfaceLookup, next_interaction, scatter};
 
 use super::common::job;
 
@@ -82,7 +82,7 @@ pub(crate) fn wrong_sides(bodies: &[NamedBody], paths: u64) -> f64 {
         let ray = Ray::new(from - scene.centre, (at - from).normalize());
         let mut start = RayState { ray, from: None, medium_stack: scene.medium_stack_at(ray.origin) };
         let mut events = 0;
-        while let Some(interaction) = next_interaction(scene, start, 0.0) {
+        while let Some(interaction) = next_interaction(scene, start, SurfaceLookup::of_line(0.0)) {
             let middle = 0.5 * (start.ray.origin + interaction.hit.position) + scene.centre;
             let sure = bodies.iter().all(|(body, _)| body.outside(middle).abs() > 1e-13);
             let truth = bodies.iter().rposition(|(body, _)| body.outside(middle) < 0.0).map(|index| index as u32);

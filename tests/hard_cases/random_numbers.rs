@@ -146,7 +146,7 @@ fn surfaces() -> f64 {
             let wo = DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
             for (u, transport) in triples().flat_map(|u| [(u, TransportMode::Radiance), (u, TransportMode::Importance)])
             {
-                let surface = surface.sample_component(u[2]);
+                let surface = surface.at(u[2]);
                 let Some(scatter) = surface.sample(wo, sides, 550.0, u) else { continue };
                 let weight = surface.eval_sample(wo, &scatter, sides, transport, 550.0) / scatter.probability;
                 let absorbed = surface.absorbed_fraction(wo, &scatter, sides, 550.0);

@@ -42,5 +42,6 @@ mod references;
 mod shading_normals;
 mod sky;
 mod spectral_linearity;
+mod textures;
 mod thin_lens;
 mod walls;

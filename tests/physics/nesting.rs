@@ -4,7 +4,7 @@ use abbe::geometry::Ray;
 use abbe::math::random::ONE_MINUS_ULP;
 use abbe::optics::bsdf::ScatterEvent;
 use abbe::render::{Integrator, Rendered};
-use abbe::walk::{RayState, next_interaction};
+use abbe::walk::{RayState, SurfaceLookup, next_interaction};
 use glam::DVec3;
 use serde_json::{Value, json};
 
@@ -65,7 +65,7 @@ fn a_luneburg_onion_of_20_shells_bends_rays_as_bouguer_says() {
         let ray = Ray::new(DVec3::new(offset, 0.0, 5.0) - scene.centre, DVec3::NEG_Z);
         let mut state = RayState { ray, from: None, medium_stack: scene.medium_stack_at(ray.origin) };
         let mut faces = 0;
-        while let Some(interaction) = next_interaction(scene, state, 0.0) {
+        while let Some(interaction) = next_interaction(scene, state, SurfaceLookup::of_line(0.0)) {
             let u = [0.5, 0.5, ONE_MINUS_ULP];
             let sample = interaction.bsdf.sample(interaction.wo, interaction.sides, 589.3, u).expect("glass is clear");
             assert_eq!(sample.event, ScatterEvent::Transmission, "offset {offset}");

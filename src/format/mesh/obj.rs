@@ -97,8 +97,9 @@ fn mesh(mesh: tobj::Mesh) -> Result<TriangleMesh> {
     let triples = |values: &[f64]| values.chunks_exact(3).map(DVec3::from_slice).collect::<Vec<_>>();
     // If only some faces have normals, the whole mesh has no normals.
     let normals = (mesh.normals.len() == 3 * count).then(|| triples(&mesh.normals));
+    // In OBJ files, v increases upwards.
     let uvs = (mesh.texcoords.len() == 2 * count)
-        .then(|| mesh.texcoords.chunks_exact(2).map(|uv| [uv[0], uv[1]]).collect::<Vec<_>>());
+        .then(|| mesh.texcoords.chunks_exact(2).map(|uv| [uv[0], 1.0 - uv[1]]).collect::<Vec<_>>());
     let triangles = mesh.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
     TriangleMesh::new(triples(&mesh.positions), normals, uvs, triangles)
 }

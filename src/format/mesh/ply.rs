@@ -150,7 +150,8 @@ pub(super) fn load(bytes: &[u8]) -> Result<Vec<MeshPart>> {
         triangles.extend(fan(corners));
     }
     let normals = has(&["nx", "ny", "nz"]).then(|| vertices.iter().map(|vertex| vertex.normal).collect());
-    let uvs = has_uv.then(|| vertices.iter().map(|vertex| vertex.uv).collect());
+    // In PLY files, v increases upwards.
+    let uvs = has_uv.then(|| vertices.iter().map(|vertex| [vertex.uv[0], 1.0 - vertex.uv[1]]).collect());
     let positions = vertices.iter().map(|vertex| vertex.position).collect();
     let mesh = TriangleMesh::new(positions, normals, uvs, triangles)?;
     Ok(vec![MeshPart { mesh, material: None, name: String::new() }])

@@ -235,7 +235,8 @@ fn an_obj_has_its_materials_or_a_note_that_they_are_missing() {
     assert!((material.roughness - 32.0_f64.sqrt().recip()).abs() < 1e-15);
 }
 
-/// Vertices of OBJ files keep their normals and their texture coordinates in double precision.
+/// Vertices of OBJ files keep their normals and their texture coordinates in double precision. The
+/// coordinate v is reversed, because it increases upwards in OBJ files.
 #[test]
 fn an_obj_keeps_normals_and_texture_coordinates() {
     let folder = TempDir::new().unwrap();
@@ -244,7 +245,7 @@ fn an_obj_keeps_normals_and_texture_coordinates() {
     let mesh = &load(&write(&folder, "triangle.obj", text)).unwrap()[0].mesh;
     assert_eq!(mesh.normals(), Some([DVec3::Y; 3].as_slice()));
     // Double precision is kept.
-    assert_eq!(mesh.uvs(), Some([[0.0, 0.0], [1.0, 0.0], [0.0, 0.333_333_333_333_333_3]].as_slice()));
+    assert_eq!(mesh.uvs(), Some([[0.0, 1.0], [1.0, 1.0], [0.0, 0.666_666_666_666_666_7]].as_slice()));
 }
 
 /// If a file is cut after any byte, the error names the file.

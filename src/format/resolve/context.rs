@@ -1,9 +1,10 @@
 //! The data that all parts of `Resolver` share: the scene file, its source, and its unit of length.
 
 use crate::error::{Error, Result};
-use crate::format::SceneFile;
+use crate::format::{ColourImageFile, SceneFile};
 use crate::json::{JsonPath, JsonSource};
 use crate::scene::camera::Shutter;
+use crate::texture::SpectralTexture;
 use glam::DVec3;
 use std::cell::RefCell;
 
@@ -21,13 +22,23 @@ pub(super) struct Resolver<'a> {
     /// The faults so far. A part of the scene with a fault is left out, so that one run finds the
     /// faults of all parts.
     faults: RefCell<Vec<Error>>,
+    /// The textures of pictures that were read before. Copies share their texels.
+    pub(super) textures: RefCell<Vec<(ColourImageFile, SpectralTexture)>>,
 }
 
 impl<'a> Resolver<'a> {
     /// Creates a resolver. `centre` is the scene's centre in m, or `None` for the middle of the
     /// objects.
     pub(super) fn new(scene: &'a SceneFile, source: &'a JsonSource, shutter: Shutter, centre: Option<DVec3>) -> Self {
-        Self { scene, source, metres: scene.unit.metres(), shutter, centre, faults: RefCell::default() }
+        Self {
+            scene,
+            source,
+            metres: scene.unit.metres(),
+            shutter,
+            centre,
+            faults: RefCell::default(),
+            textures: RefCell::default(),
+        }
     }
 
     /// Returns the value of a part of the scene. If the part has a fault, keeps the fault and returns

@@ -1,16 +1,15 @@
 //! Translates the materials of the scene file to surfaces and bodies.
 
-use super::context::{Resolver, unsupported};
+use super::context::Resolver;
 use super::index::index_of;
 use super::spectra::Role;
 use crate::error::{Error, Result, both};
-use crate::format::{
-    ConductorFile, DielectricFile, IndexFile, JsonPath, MaterialFile, ReflectanceFile, ThinDielectricFile,
-};
+use crate::format::{ConductorFile, DielectricFile, IndexFile, JsonPath, MaterialFile, ScalarFile, ThinDielectricFile};
 use crate::optics::bsdf::Bsdf;
 use crate::optics::glass::RefractiveIndex;
 use crate::scene::{Body, Material};
-use crate::spectrum::{Spectrum, library};
+use crate::spectrum::library;
+use crate::texture::SurfaceScalar;
 
 /// The largest allowed depth of nested mixed materials. If the nesting is deeper, the references
 /// are reported as circular.
@@ -60,7 +59,8 @@ impl Resolver<'_> {
             MaterialFile::Dielectric(file) => {
                 let at = at.key("dielectric");
                 let body = self.body(&at, file, name, notes)?;
-                (Bsdf::dielectric(alpha(file.roughness)), Some(body))
+                let surface = self.rough(&at, &file.roughness, Bsdf::dielectric);
+                (surface, Some(body))
             }
             MaterialFile::ThinDielectric(file) => (self.pane(&at.key("thin_dielectric"), file, name, notes), None),
             MaterialFile::Conductor(file) => (self.conductor(&at.key("conductor"), file), None),
@@ -72,7 +72,8 @@ impl Resolver<'_> {
                 let at = at.key("glossy");
                 let reflectance = self.reflectance(&at.key("reflectance"), reflectance);
                 let (reflectance, index) = both(reflectance, self.index(&at.key("ior"), ior, name, notes))?;
-                (Bsdf::glossy(reflectance, index, alpha(*roughness)), None)
+                let coated = |alpha| Bsdf::glossy(reflectance.clone(), index.clone(), alpha);
+                (self.rough(&at, roughness, coated), None)
             }
             MaterialFile::Translucent { reflectance, transmittance } => {
                 let at = at.key("translucent");
@@ -93,10 +94,10 @@ impl Resolver<'_> {
                             .expected("a material with a surface");
                         return self.at(&at.key("material"), Err(error));
                     }
-                    surfaces.push((part.weight, part_material.surface));
+                    surfaces.push((self.scalar(&at.key("weight"), &part.weight)?, part_material.surface));
                     body = body.or(part_material.body);
                 }
-                (Bsdf::mix(surfaces), body)
+                (Bsdf::textured_mix(surfaces), body)
             }
             MaterialFile::Boundary { medium } => {
                 let number = self.medium_number(&at.key("boundary").key("medium"), medium)?;
@@ -131,7 +132,11 @@ impl Resolver<'_> {
     }
 
     fn conductor(&self, at: &JsonPath<'_>, file: &ConductorFile) -> Result<Bsdf> {
-        let ConductorFile { metal, eta, k, roughness } = file;
+        let ConductorFile { metal, eta, k, reflectance, roughness } = file;
+        if let Some(reflectance) = reflectance {
+            let reflectance = self.reflectance(&at.key("reflectance"), reflectance)?;
+            return self.rough(at, roughness, |alpha| Bsdf::metal(reflectance.clone(), alpha));
+        }
         let (n, k) = match (metal, eta, k) {
             (Some(name), _, _) => self.at(&at.key("metal"), library::metal(name))?.index(),
             (None, Some(eta), Some(k)) => {
@@ -139,18 +144,21 @@ impl Resolver<'_> {
                 both(eta, self.spectrum(&at.key("k"), k, Role::Coefficient))?
             }
             (None, _, _) => {
-                return self.at(at, Err(Error::input("found no metal").expected("`metal`, or `eta` and `k`")));
+                return self
+                    .at(at, Err(Error::input("found no metal").expected("`metal`, `eta` and `k`, or `reflectance`")));
             }
         };
-        Bsdf::conductor(n, k, alpha(*roughness))
+        self.rough(at, roughness, |alpha| Bsdf::conductor(n.clone(), k.clone(), alpha))
     }
 
-    /// Resolves a reflectance.
-    pub(super) fn reflectance(&self, at: &JsonPath<'_>, file: &ReflectanceFile) -> Result<Spectrum> {
-        match file {
-            ReflectanceFile::Spectrum(spectrum) => self.spectrum(at, spectrum, Role::Reflectance),
-            ReflectanceFile::Image(_) | ReflectanceFile::Checker { .. } => {
-                self.at(at, Err(unsupported("textures are")))
+    /// Creates a BSDF whose roughness may vary over the surface. `of_alpha` creates the BSDF of a
+    /// microfacet parameter α.
+    fn rough(&self, at: &JsonPath<'_>, file: &ScalarFile, of_alpha: impl Fn(f64) -> Result<Bsdf>) -> Result<Bsdf> {
+        let of_roughness = |roughness| of_alpha(alpha(roughness));
+        match self.scalar(&at.key("roughness"), file)? {
+            SurfaceScalar::Uniform(roughness) => of_roughness(roughness),
+            SurfaceScalar::Textured(texture) => {
+                self.at(&at.key("roughness"), Bsdf::textured_roughness(texture, of_roughness))
             }
         }
     }

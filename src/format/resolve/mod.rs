@@ -19,7 +19,9 @@ mod media;
 mod mesh_materials;
 mod motion;
 mod objects;
+mod picture_file;
 mod spectra;
+mod textures;
 
 pub use index::glass_file;
 pub use lens::{catalogues_beside, lens_file, lens_system_file, lone_lens};

@@ -56,7 +56,7 @@ impl<'a> CameraPass<'a> {
     /// Returns true if refraction at this surface depends on the wavelength.
     fn disperses(&self, interaction: &SurfaceInteraction<'a>) -> bool {
         self.plan.wavelengths != WavelengthPlan::Free
-            && matches!(interaction.bsdf, Bsdf::Dielectric(_))
+            && matches!(interaction.bsdf.model, Bsdf::Dielectric(_))
             && (interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive())
     }
 
@@ -201,7 +201,7 @@ impl<'a> CameraPass<'a> {
 
 /// Returns true if the surface is a smooth interface between two dielectrics.
 fn is_smooth_interface(interaction: &SurfaceInteraction<'_>) -> bool {
-    matches!(interaction.bsdf, Bsdf::Dielectric(_)) && interaction.bsdf.class() == BsdfClass::Specular
+    matches!(interaction.bsdf.model, Bsdf::Dielectric(_)) && interaction.bsdf.class() == BsdfClass::Specular
 }
 
 /// How a free path continues at dispersive glass, once for each shared wavelength.

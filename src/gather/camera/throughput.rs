@@ -1,6 +1,6 @@
 //! The throughput of a camera path, as a function of wavelength.
 
-use crate::optics::bsdf::{Bsdf, BsdfSample, InterfaceIors, TransportMode};
+use crate::optics::bsdf::{BsdfSample, InterfaceIors, LocalBsdf, TransportMode};
 use crate::plan::partition::PhotonSet;
 use crate::scene::Scene;
 use crate::scene::light::Light;
@@ -14,7 +14,7 @@ use glam::DVec3;
 pub(in crate::gather) enum Factor<'a> {
     /// Scattering at a surface.
     Scattering {
-        bsdf: &'a Bsdf,
+        bsdf: LocalBsdf<'a>,
         wo: DVec3,
         sample: BsdfSample,
         sides: InterfaceIors<'a>,

@@ -16,7 +16,7 @@ use crate::optics::bsdf::BsdfClass;
 use crate::plan::partition::View;
 use crate::plan::{MediumPlan, Tally, WavelengthPlan};
 use crate::spectrum::LANES;
-use crate::walk::{BodyMode, MAX_EVENTS, Sink, SurfaceInteraction, WithBodies, WithoutBodies};
+use crate::walk::{BodyMode, MAX_EVENTS, Sink, SurfaceInteraction, SurfaceLookup, WithBodies, WithoutBodies};
 
 impl<'a> CameraPass<'a> {
     /// Estimates the radiance of one sample of a pixel and adds it to the sink.
@@ -112,7 +112,8 @@ impl<'a> CameraPass<'a> {
             let next = if M::HAS_BODIES && !self.plan.media_plan.is_clear() {
                 self.advance_through_media(&mut path, context)
             } else {
-                M::next_interaction(self.scene, path.ray_state, context.sampler.stream.uniform())
+                let lookup = self.lookup(&path, context.sampler.stream.uniform());
+                M::next_interaction(self.scene, path.ray_state, lookup)
             };
             context.tally.camera_segments += 1;
             if M::HAS_BODIES {
@@ -129,6 +130,7 @@ impl<'a> CameraPass<'a> {
                 path.hit_weighting = path.hit_weighting.after_specular_event();
             }
             self.add_emitters_hit(&path, interaction.incoming, Some(&interaction.hit), context);
+            context.tally.texture_lookups += u64::from(interaction.textured);
             let class = interaction.bsdf.class();
             if class >= BsdfClass::Glossy {
                 self.gather_at_surface::<M, S>(&path, &interaction, class, context);
@@ -143,6 +145,15 @@ impl<'a> CameraPass<'a> {
             }
         }
         self.end_at_limit(&path, context);
+    }
+
+    /// Returns the lookup of the material of the next surface. The footprint is smaller than the
+    /// pixel, because the samples of a pixel already average over the pixel.
+    #[inline(always)]
+    pub(in crate::gather) fn lookup(&self, path: &CameraPath, u: f64) -> SurfaceLookup {
+        const SHARE_OF_PIXEL: f64 = 0.5;
+        let spread = SHARE_OF_PIXEL * self.scene.camera.pixel_angle();
+        SurfaceLookup { u, width_m: path.distance_m * spread, spread }
     }
 
     /// Ends a path at the limit of its number of events. If the scene states the limit, some of the

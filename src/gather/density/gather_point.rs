@@ -6,7 +6,7 @@ use crate::gather::camera::throughput::{Factor, SpectralMode, product};
 use crate::map::kernel::{BoundaryCorrection, DiskKernel, KernelValues};
 use crate::map::{NearbyPhoton, PhotonPower, PhotonSpectra};
 use crate::math::frame::Frame;
-use crate::optics::bsdf::{Bsdf, InterfaceIors, TransportMode};
+use crate::optics::bsdf::{InterfaceIors, LocalBsdf, TransportMode};
 use crate::walk::{CausticWeights, SensorResponse, Sink, SurfaceInteraction, bias_of_excess};
 use glam::DVec3;
 
@@ -29,7 +29,7 @@ pub const PLANE_TOLERANCE: f64 = 0.3;
 /// photon is therefore multiplied by |ω·n_s| / |ω·n_g|, where ω is the incident direction (Veach
 /// 1997, section 5.3).
 pub(in crate::gather) struct GatherPoint<'e> {
-    bsdf: &'e Bsdf,
+    bsdf: LocalBsdf<'e>,
     sides: InterfaceIors<'e>,
     frame: Frame,
     wo: DVec3,

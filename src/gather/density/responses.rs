@@ -7,9 +7,9 @@
 //! that a gathered photon costs a few multiplications.
 
 use crate::map::{PhotonPower, PhotonSpectra, WavelengthCode};
-use crate::optics::bsdf::{Bsdf, Diffuse};
+use crate::optics::bsdf::Bsdf;
 use crate::scene::Scene;
-use crate::spectrum::LANES;
+use crate::spectrum::{LANES, Spectrum};
 use crate::walk::SurfaceInteraction;
 use std::f64::consts::FRAC_1_PI;
 use wide::f32x4;
@@ -27,7 +27,7 @@ const MOST_TABLES: usize = 256;
 /// The responses of the sensor to a power of 1 in each lane. The fourth component is 0.
 type Cell = [f32x4; LANES];
 
-/// A table of responses for each diffuse material and each spectrum of the lights.
+/// A table of responses for each uniform diffuse material and each spectrum of the lights.
 #[derive(Debug, Clone)]
 pub struct SensorResponses {
     cells: Vec<Cell>,
@@ -42,11 +42,11 @@ pub(in crate::gather) struct SurfaceResponses<'r>(&'r [Cell]);
 
 impl SensorResponses {
     /// Tabulates the responses of a scene. `sensitivity` returns the response of the sensor to
-    /// light of a wavelength (nm). Returns `None` if no material is diffuse, or if the tables would
-    /// need too much memory.
+    /// light of a wavelength (nm). Returns `None` if no material is diffuse and uniform, or if the
+    /// tables would need too much memory.
     pub fn new(scene: &Scene, spectra: &PhotonSpectra, sensitivity: impl Fn(f64) -> [f64; 3]) -> Option<Self> {
         let diffuse = |surface: &Bsdf| match surface {
-            Bsdf::Diffuse(diffuse) => Some(diffuse.clone()),
+            Bsdf::Diffuse(diffuse) => diffuse.reflectance().uniform().cloned(),
             Bsdf::Absorber
             | Bsdf::Translucent(_)
             | Bsdf::Mirror(_)
@@ -56,7 +56,7 @@ impl SensorResponses {
             | Bsdf::Glossy(_)
             | Bsdf::Mix(_) => None,
         };
-        let materials: Vec<Option<Diffuse>> =
+        let materials: Vec<Option<Spectrum>> =
             scene.materials.iter().map(|material| diffuse(&material.surface)).collect();
         let tables = materials.iter().flatten().count() * spectra.len();
         if tables == 0 || tables > MOST_TABLES {
@@ -67,16 +67,16 @@ impl SensorResponses {
             .collect();
         let mut cells = Vec::with_capacity(tables * CELLS);
         let first_cells = materials.iter().map(|material| {
-            material.as_ref().map(|diffuse| {
-                cells.extend(sampled.iter().map(|samples| samples.reflected_by(diffuse)));
+            material.as_ref().map(|reflectance| {
+                cells.extend(sampled.iter().map(|samples| samples.reflected_by(reflectance)));
                 cells.len() - sampled.len()
             })
         });
         Some(Self { first_cells: first_cells.collect(), cells_per_material: sampled.len(), cells })
     }
 
-    /// Returns the responses at a surface. Returns `None` if the surface is not diffuse, or if its
-    /// normal is interpolated.
+    /// Returns the responses at a surface. Returns `None` if the surface is not diffuse and uniform, or if
+    /// its normal is interpolated.
     #[inline]
     pub(in crate::gather) fn of_surface(&self, interaction: &SurfaceInteraction<'_>) -> Option<SurfaceResponses<'_>> {
         let first = self.first_cells[interaction.material]?;
@@ -111,11 +111,11 @@ impl CellSamples {
     }
 
     /// Returns the mean responses after the reflection by a surface.
-    fn reflected_by(&self, diffuse: &Diffuse) -> Cell {
+    fn reflected_by(&self, reflectance: &Spectrum) -> Cell {
         self.0.each_ref().map(|samples| {
             let mut mean = [0.0; 4];
             for (nm, sensitivity) in samples {
-                let factor = diffuse.reflectance().at(*nm) * FRAC_1_PI / SAMPLES_PER_CELL as f64;
+                let factor = reflectance.at(*nm) * FRAC_1_PI / SAMPLES_PER_CELL as f64;
                 (0..3).for_each(|component| mean[component] += sensitivity[component] * factor);
             }
             f32x4::from(mean.map(|component| component as f32))

@@ -23,9 +23,9 @@ impl<'a> CameraPass<'a> {
         path: &mut CameraPath,
         context: &mut PathContext<'_, 'a, S>,
     ) -> Option<SurfaceInteraction<'a>> {
-        let component = context.sampler.stream.uniform();
+        let lookup = self.lookup(path, context.sampler.stream.uniform());
         let mut behind_m = path.distance_m;
-        let end = next_interaction_through_media(self.scene, path.ray_state, component, |segment| {
+        let end = next_interaction_through_media(self.scene, path.ray_state, lookup, |segment| {
             self.gather_segment(path, segment, behind_m, context);
             behind_m += segment.length_m;
             ControlFlow::Continue(())

@@ -14,8 +14,8 @@ use crate::plan::Tally;
 use crate::scene::medium::Medium;
 use crate::spectrum::LANES;
 use crate::walk::{
-    MAX_EVENTS, MediumSegment, NumberedMedium, RayState, SegmentEnd, Sink, next_interaction_through_media,
-    transmittance,
+    MAX_EVENTS, MediumSegment, NumberedMedium, RayState, SegmentEnd, Sink, SurfaceLookup,
+    next_interaction_through_media, transmittance,
 };
 use std::ops::ControlFlow;
 
@@ -33,9 +33,9 @@ impl<'a> PathTracer<'a> {
         sink: &mut S,
     ) -> SegmentEnd<'a> {
         for _ in 0..MAX_EVENTS {
-            let component = sampler.stream.uniform();
+            let lookup = SurfaceLookup::of_line(sampler.stream.uniform());
             let mut collision = None;
-            let end = next_interaction_through_media(self.scene, path.ray_state, component, |segment| {
+            let end = next_interaction_through_media(self.scene, path.ray_state, lookup, |segment| {
                 path.add_emission(segment, sampler, sink);
                 collision = path.sample_segment(segment, sampler, tally).map(|t| (*segment, t));
                 if collision.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

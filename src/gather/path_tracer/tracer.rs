@@ -16,8 +16,8 @@ use crate::plan::{MediumPlan, Tally};
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Lanes, WavelengthDistribution, Wavelengths};
 use crate::walk::{
-    DepthLimit, LostLight, MAX_EVENTS, RayState, ScatteredRay, SegmentEnd, Sink, SurfaceInteraction, WithBodies,
-    long_path_survival, next_interaction, scatter, transmittance,
+    DepthLimit, LostLight, MAX_EVENTS, RayState, ScatteredRay, SegmentEnd, Sink, SurfaceInteraction, SurfaceLookup,
+    WithBodies, long_path_survival, next_interaction, scatter, transmittance,
 };
 use glam::DVec3;
 use std::ops::{ControlFlow, Range};
@@ -128,8 +128,8 @@ impl<'a> PathTracer<'a> {
     ) -> SegmentEnd<'a> {
         match self.media_plan {
             MediumPlan::Air | MediumPlan::Clear => {
-                let component = sampler.stream.uniform();
-                ControlFlow::Continue(next_interaction(self.scene, path.ray_state, component))
+                let lookup = SurfaceLookup::of_line(sampler.stream.uniform());
+                ControlFlow::Continue(next_interaction(self.scene, path.ray_state, lookup))
             }
             MediumPlan::Absorbing | MediumPlan::Scattering(_) => self.advance_through_media(path, sampler, tally, sink),
         }

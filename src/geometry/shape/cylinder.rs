@@ -20,6 +20,8 @@ pub(crate) struct Cylinder {
 
 impl Cylinder {
     pub(crate) const FACES: u32 = 3;
+    /// The face around the axis.
+    pub(crate) const ROUND_FACE: u32 = SIDE;
 
     pub(crate) fn next_crossing(&self, line: &LocalLine, start_face: Option<u32>, after: f64) -> Option<Crossing> {
         match start_face {
@@ -79,10 +81,11 @@ impl Cylinder {
     }
 
     pub(crate) fn uv(&self, point: DVec3, face: u32) -> [f64; 2] {
-        if face == SIDE {
-            return [azimuth_fraction(point.x, point.z), 0.5 + 0.5 * point.y / self.half_height];
+        match face {
+            SIDE => [azimuth_fraction(point.x, -point.z), 0.5 - 0.5 * point.y / self.half_height],
+            TOP => [0.5 + 0.5 * point.x / self.radius, 0.5 + 0.5 * point.z / self.radius],
+            _ => [0.5 + 0.5 * point.x / self.radius, 0.5 - 0.5 * point.z / self.radius],
         }
-        [0.5 + 0.5 * point.x / self.radius, 0.5 + 0.5 * point.z / self.radius]
     }
 
     pub(crate) fn area(&self, face: u32) -> f64 {

@@ -47,6 +47,8 @@ pub(crate) struct LensSolid {
 
 impl LensSolid {
     pub(crate) const FACES: u32 = 3;
+    /// The face around the axis.
+    pub(crate) const ROUND_FACE: u32 = EDGE;
 
     /// Creates a lens. A radius is positive if the centre of curvature lies towards +z. A radius of
     /// 0 means a plane.
@@ -183,7 +185,7 @@ impl LensSolid {
 
     pub(crate) fn uv(&self, point: DVec3, face: u32) -> [f64; 2] {
         if matches!(face, FRONT | BACK) {
-            return [0.5 + 0.5 * point.x / self.edge_radius, 0.5 + 0.5 * point.y / self.edge_radius];
+            return [0.5 + 0.5 * point.x / self.edge_radius, 0.5 - 0.5 * point.y / self.edge_radius];
         }
         let (z0, z1) = self.rims();
         [azimuth_fraction(point.x, point.y), (point.z - z0) / (z1 - z0).max(f64::MIN_POSITIVE)]

@@ -39,22 +39,22 @@ impl Polyhedron {
         self.half_spaces.iter().all(|half_space| half_space.normal.dot(point) < half_space.offset)
     }
 
-    /// Creates a box centred on the origin. Faces: −x, +x, −y, +y, −z, +z.
+    /// Creates a box centred on the origin. Faces: −x, +x, −y, +y, −z, +z. Seen from outside, the
+    /// texture coordinate u points to the right. On the upright faces, v points down.
     pub(crate) fn cuboid(size: DVec3) -> Self {
         let half = 0.5 * size;
         let mut body = Self { half_spaces: Vec::with_capacity(6), facets: Vec::with_capacity(6) };
-        for axis in 0..3 {
-            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-            for sign in [-1.0, 1.0] {
-                let mut normal = DVec3::ZERO;
-                normal[axis] = sign;
-                let mut corner = -half;
-                corner[axis] = sign * half[axis];
-                let (mut edge_u, mut edge_v) = (DVec3::ZERO, DVec3::ZERO);
-                edge_u[u] = size[u];
-                edge_v[v] = size[v];
-                body.push(normal, half[axis], FaceOutline { corner, edge_u, edge_v, triangle: false });
-            }
+        for (normal, u, v) in [
+            (DVec3::NEG_X, DVec3::Z, DVec3::NEG_Y),
+            (DVec3::X, DVec3::NEG_Z, DVec3::NEG_Y),
+            (DVec3::NEG_Y, DVec3::X, DVec3::NEG_Z),
+            (DVec3::Y, DVec3::X, DVec3::Z),
+            (DVec3::NEG_Z, DVec3::NEG_X, DVec3::NEG_Y),
+            (DVec3::Z, DVec3::X, DVec3::NEG_Y),
+        ] {
+            let (edge_u, edge_v) = (size * u, size * v);
+            let corner = half * (normal - u - v);
+            body.push(normal, half.dot(normal.abs()), FaceOutline { corner, edge_u, edge_v, triangle: false });
         }
         body
     }
@@ -73,10 +73,10 @@ impl Polyhedron {
         // The apex angle determines the normals of the two legs. The apex determines their common
         // offset. Both planes therefore contain the same line at the apex.
         let (leg_right, leg_left) = (DVec3::new(cos, sin, 0.0), DVec3::new(-cos, sin, 0.0));
-        let parallelogram = |corner, edge_u| FaceOutline { corner, edge_u, edge_v: along, triangle: false };
-        body.push(leg_right, leg_right.dot(top), parallelogram(top, right - top));
-        body.push(leg_left, leg_left.dot(top), parallelogram(top, left - top));
-        body.push(DVec3::NEG_Y, height / 3.0, parallelogram(left, right - left));
+        let parallelogram = |corner, edge_u, edge_v| FaceOutline { corner, edge_u, edge_v, triangle: false };
+        body.push(leg_right, leg_right.dot(top), parallelogram(top + along, -along, right - top));
+        body.push(leg_left, leg_left.dot(top), parallelogram(top, along, left - top));
+        body.push(DVec3::NEG_Y, height / 3.0, parallelogram(left + along, right - left, -along));
         let end = |corner: DVec3| FaceOutline { corner, edge_u: right - left, edge_v: top - left, triangle: true };
         body.push(DVec3::NEG_Z, 0.5 * length, end(left));
         body.push(DVec3::Z, 0.5 * length, end(left + along));

@@ -130,6 +130,16 @@ impl Solid {
         }
     }
 
+    /// Returns true if the coordinate u of a face is the azimuth about an axis.
+    pub(crate) fn closes_around_axis(&self, face: u32) -> bool {
+        match self {
+            Self::Sphere(_) => true,
+            Self::Flat(_) | Self::Polyhedron(_) => false,
+            Self::Cylinder(_) => face == Cylinder::ROUND_FACE,
+            Self::Lens(_) => face == LensSolid::ROUND_FACE,
+        }
+    }
+
     /// Returns the number of faces.
     pub(crate) fn faces(&self) -> u32 {
         match self {

@@ -32,7 +32,7 @@ impl Sphere {
 
     pub(crate) fn uv(&self, point: DVec3) -> [f64; 2] {
         let normal = point.normalize_or(DVec3::Y);
-        [azimuth_fraction(normal.x, normal.z), acos(normal.y.clamp(-1.0, 1.0)) / PI]
+        [azimuth_fraction(normal.x, -normal.z), acos(normal.y.clamp(-1.0, 1.0)) / PI]
     }
 
     pub(crate) fn area(&self) -> f64 {

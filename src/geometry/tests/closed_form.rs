@@ -265,8 +265,44 @@ fn texture_coordinates_cover_the_unit_square_and_stay_in_it() {
         }
         assert!(low.iter().all(|&x| x < 0.05) && high.iter().all(|&x| x > 0.95), "{shape:?}: {low:?} to {high:?}");
     }
+}
+
+/// Seen from outside with +y up, the texture coordinate u increases to the right on every shape. On
+/// upright faces, v increases downwards.
+#[test]
+fn pictures_are_upright_and_not_mirrored() {
+    let (level, facing) = (DAffine3::IDENTITY, DAffine3::from_rotation_x(std::f64::consts::FRAC_PI_2));
+    let shapes = [
+        (Shape::Sphere { radius: 0.5 }, level),
+        (Shape::Cylinder { radius: 0.5, height: 1.0 }, level),
+        (Shape::Box { size: DVec3::ONE }, level),
+        (Shape::Rectangle { width: 1.0, height: 1.0 }, facing),
+        (Shape::Disk { radius: 0.5 }, facing),
+    ];
+    for (shape, placement) in shapes {
+        let geometry = alone(shape.clone(), placement);
+        for turn in 0..4 {
+            let from = [DVec3::Z, DVec3::X, DVec3::NEG_Z, DVec3::NEG_X][turn];
+            let right = DVec3::Y.cross(from);
+            let flat = matches!(shape, Shape::Rectangle { .. } | Shape::Disk { .. });
+            if flat && turn > 0 {
+                continue;
+            }
+            let seen = |across: f64, up: f64| {
+                let ray = Ray::new(3.0 * from + across * right + up * DVec3::Y, -from);
+                geometry.uv(&geometry.intersect(&ray, None, 6.0).unwrap())
+            };
+            let [u, v] = seen(0.02, 0.03);
+            assert!(seen(0.04, 0.03)[0] > u && seen(0.02, 0.06)[1] < v, "{shape:?} from {from}");
+        }
+    }
+}
+
+/// The coordinate u of a ball is the angle about +y, and v is the distance from the upper pole.
+#[test]
+fn texture_coordinates_of_a_ball_are_its_angles() {
     let ball = alone(Shape::Sphere { radius: 1.0 }, DAffine3::IDENTITY);
     let seen = |from: DVec3| ball.uv(&ball.intersect(&Ray::new(2.0 * from, -from), None, 3.0).unwrap());
     assert_eq!(seen(DVec3::Y)[1], 0.0);
-    assert_eq!([DVec3::X, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Z].map(seen), [0.0, 0.25, 0.5, 0.75].map(|u| [u, 0.5]));
+    assert_eq!([DVec3::X, DVec3::NEG_Z, DVec3::NEG_X, DVec3::Z].map(seen), [0.0, 0.25, 0.5, 0.75].map(|u| [u, 0.5]));
 }

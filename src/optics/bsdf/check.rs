@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::spectrum::{BAND_NM, Spectrum};
+use crate::texture::SurfaceSpectrum;
 
 /// Iterates over the whole nanometres of the band. Material spectra are checked at these
 /// wavelengths.
@@ -23,6 +24,12 @@ pub(super) fn check_within(what: &str, spectrum: &Spectrum, most: f64) -> Result
     };
     let expected = if most.is_finite() { format!("values from 0 to {most}") } else { "values from 0 up".into() };
     Err(Error::input(format!("a {what} of {value}{place}")).expected(expected))
+}
+
+/// Returns an error if a uniform spectrum has a value outside \[0, 1\]. The values of textures always
+/// lie in \[0, 1\].
+pub(super) fn check_fraction(what: &str, spectrum: &SurfaceSpectrum) -> Result<()> {
+    spectrum.uniform().map_or(Ok(()), |uniform| check_within(what, uniform, 1.0))
 }
 
 /// Returns an error if a roughness lies outside \[0, 1\].

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::check::{check_alpha, check_within};
+use super::check::{check_alpha, check_fraction, check_within};
 use super::compensation::ConductorCompensation;
 use super::hemisphere::{flip_z, same_side, z_sign};
 use super::sample::{BsdfSample, InterfaceIors, ScatterEvent};
@@ -11,17 +11,20 @@ use crate::math::quadrature::gauss4;
 use crate::optics::fresnel;
 use crate::optics::microfacet::{Ggx, MIN_ALPHA};
 use crate::spectrum::Spectrum;
+use crate::texture::{SurfaceSpectrum, Texel};
 
-/// A metal of complex index n + ik.
+/// A metal.
 ///
-/// A smooth metal reflects light into the mirror direction by Fresnel's equations. A rough metal
+/// The reflectance follows from the complex index n + ik by Fresnel's equations. If only the
+/// reflectance F₀ at normal incidence is known, it is F₀ + (1 − F₀)(1 − cos θ)⁵ (Schlick 1994).
+///
+/// A smooth metal reflects light into the mirror direction. A rough metal
 /// uses the GGX model of Walter et al. 2007 for light that hits one facet. A wide lobe contains the
 /// light that hits several facets (`compensation.rs`). The metal absorbs a part of this light
 /// in each event. Both sides of the surface behave alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Conductor {
-    pub(super) n: Spectrum,
-    pub(super) k: Spectrum,
+    fresnel: MetalFresnel,
     /// `None` if the surface is smooth.
     facets: Option<RoughMetal>,
 }
@@ -30,6 +33,22 @@ pub struct Conductor {
 struct RoughMetal {
     ggx: Ggx,
     compensation: ConductorCompensation,
+}
+
+/// The source of a metal's reflectance.
+#[derive(Debug, Clone, PartialEq)]
+enum MetalFresnel {
+    /// The complex index n + ik.
+    Index { n: Spectrum, k: Spectrum },
+    /// The reflectance at normal incidence.
+    Reflectance(SurfaceSpectrum),
+}
+
+/// Returns the reflectance of a metal at the cosine `cos` of the angle of incidence. `normal` is the
+/// reflectance at normal incidence.
+fn schlick(normal: f64, cos: f64) -> f64 {
+    let rest = 1.0 - cos.abs().min(1.0);
+    normal + (1.0 - normal) * rest * (rest * rest) * (rest * rest)
 }
 
 impl Conductor {
@@ -41,9 +60,49 @@ impl Conductor {
     pub fn new(n: Spectrum, k: Spectrum, alpha: f64) -> Result<Self> {
         check_within("refractive index", &n, f64::INFINITY)?;
         check_within("extinction coefficient", &k, f64::INFINITY)?;
+        Self::with_fresnel(MetalFresnel::Index { n, k }, alpha)
+    }
+
+    /// Creates a metal of the given reflectance at normal incidence in air, and of GGX roughness
+    /// `alpha`. If `alpha` is below [`MIN_ALPHA`], the surface is smooth.
+    ///
+    /// # Errors
+    /// Returns an error if the reflectance or `alpha` lies outside \[0, 1\].
+    pub fn of_reflectance(reflectance: impl Into<SurfaceSpectrum>, alpha: f64) -> Result<Self> {
+        let reflectance = reflectance.into();
+        check_fraction("reflectance", &reflectance)?;
+        Self::with_fresnel(MetalFresnel::Reflectance(reflectance), alpha)
+    }
+
+    fn with_fresnel(fresnel: MetalFresnel, alpha: f64) -> Result<Self> {
         check_alpha(alpha)?;
         let rough = |ggx: Ggx| RoughMetal { ggx, compensation: ConductorCompensation::new(&ggx) };
-        Ok(Self { n, k, facets: (alpha >= MIN_ALPHA).then(|| rough(Ggx::new(alpha))) })
+        Ok(Self { fresnel, facets: (alpha >= MIN_ALPHA).then(|| rough(Ggx::new(alpha))) })
+    }
+
+    /// Returns the reflectance at normal incidence, if it was stated.
+    pub(super) fn reflectance(&self) -> Option<&SurfaceSpectrum> {
+        match &self.fresnel {
+            MetalFresnel::Index { .. } => None,
+            MetalFresnel::Reflectance(reflectance) => Some(reflectance),
+        }
+    }
+
+    /// Returns true if a spectrum of the metal was made from an RGB colour.
+    pub(super) fn is_upsampled(&self) -> bool {
+        match &self.fresnel {
+            MetalFresnel::Index { n, k } => n.is_upsampled() || k.is_upsampled(),
+            MetalFresnel::Reflectance(reflectance) => reflectance.is_upsampled(),
+        }
+    }
+
+    /// Returns the metal with a uniform reflectance.
+    pub(super) fn without_textures(self) -> Self {
+        let fresnel = match self.fresnel {
+            MetalFresnel::Reflectance(reflectance) => MetalFresnel::Reflectance(reflectance.without_texture()),
+            index @ MetalFresnel::Index { .. } => index,
+        };
+        Self { fresnel, ..self }
     }
 
     /// Returns whether the surface is rough, so that its lobe has a finite width.
@@ -51,14 +110,26 @@ impl Conductor {
         self.facets.is_some()
     }
 
-    pub(super) fn fresnel(&self, cos: f64, iors: InterfaceIors<'_>, nm: f64) -> f64 {
-        fresnel::conductor(cos, self.n.at(nm), self.k.at(nm), iors.here.n(nm))
+    pub(super) fn fresnel(&self, cos: f64, iors: InterfaceIors<'_>, texel: Texel, nm: f64) -> f64 {
+        match &self.fresnel {
+            MetalFresnel::Index { n, k } => fresnel::conductor(cos, n.at(nm), k.at(nm), iors.here.n(nm)),
+            MetalFresnel::Reflectance(reflectance) => schlick(reflectance.at(texel, nm), cos),
+        }
     }
 
     /// Returns the cosine-weighted mean of the reflectance, F̄ = ∫ 2μ·F(μ) dμ.
-    fn mean_reflectance(&self, iors: InterfaceIors<'_>, nm: f64) -> f64 {
-        let (n, k, outside) = (self.n.at(nm), self.k.at(nm), iors.here.n(nm));
-        gauss4((0.0, 1.0), |cos| 2.0 * cos * fresnel::conductor(cos, n, k, outside))
+    fn mean_reflectance(&self, iors: InterfaceIors<'_>, texel: Texel, nm: f64) -> f64 {
+        match &self.fresnel {
+            MetalFresnel::Index { n, k } => {
+                let (n, k, outside) = (n.at(nm), k.at(nm), iors.here.n(nm));
+                gauss4((0.0, 1.0), |cos| 2.0 * cos * fresnel::conductor(cos, n, k, outside))
+            }
+            // 2∫ μ (1 − μ)⁵ dμ = 1/21.
+            MetalFresnel::Reflectance(reflectance) => {
+                let normal = reflectance.at(texel, nm);
+                normal + (1.0 - normal) / 21.0
+            }
+        }
     }
 
     pub(super) fn sample(&self, wo: DVec3, u: [f64; 3]) -> BsdfSample {
@@ -78,27 +149,34 @@ impl Conductor {
         BsdfSample { cos_microfacet: up.dot(m), shadowed, ..sample }
     }
 
-    pub(super) fn coefficient(&self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
-        self.fresnel(wo.z, iors, nm)
+    pub(super) fn coefficient(&self, wo: DVec3, iors: InterfaceIors<'_>, texel: Texel, nm: f64) -> f64 {
+        self.fresnel(wo.z, iors, texel, nm)
     }
 
-    pub(super) fn absorbed_fraction(&self, wo: DVec3, sample: &BsdfSample, iors: InterfaceIors<'_>, nm: f64) -> f64 {
+    pub(super) fn absorbed_fraction(
+        &self,
+        wo: DVec3,
+        sample: &BsdfSample,
+        iors: InterfaceIors<'_>,
+        texel: Texel,
+        nm: f64,
+    ) -> f64 {
         let Some(facets) = &self.facets else {
-            return 1.0 - self.fresnel(wo.z, iors, nm);
+            return 1.0 - self.fresnel(wo.z, iors, texel, nm);
         };
-        let kept = facets.compensation.reflected(self.mean_reflectance(iors, nm));
-        let absorbed_once = 1.0 - self.fresnel(sample.cos_microfacet, iors, nm);
+        let kept = facets.compensation.reflected(self.mean_reflectance(iors, texel, nm));
+        let absorbed_once = 1.0 - self.fresnel(sample.cos_microfacet, iors, texel, nm);
         absorbed_once * (1.0 - sample.shadowed) + sample.shadowed * (1.0 - kept)
     }
 
-    pub(super) fn eval(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
+    pub(super) fn eval(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, texel: Texel, nm: f64) -> f64 {
         let Some(facets) = self.facets.as_ref().filter(|_| same_side(wo, wi)) else {
             return 0.0;
         };
         let m = (wo + wi).normalize_or_zero();
         let lobe = facets.ggx.reflection_lobe(flip_z(m, z_sign(wo)), wo.z.abs(), wi.z.abs());
-        let kept = facets.compensation.reflected(self.mean_reflectance(iors, nm));
-        self.fresnel(wo.dot(m), iors, nm) * lobe + kept * facets.compensation.eval(wo.z.abs(), wi.z.abs())
+        let kept = facets.compensation.reflected(self.mean_reflectance(iors, texel, nm));
+        self.fresnel(wo.dot(m), iors, texel, nm) * lobe + kept * facets.compensation.eval(wo.z.abs(), wi.z.abs())
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
@@ -137,7 +215,7 @@ mod tests {
         let known = (0..steps).map(|i| 2.0 * at(i) * reflectance(at(i)) / f64::from(steps)).sum::<f64>();
         let rough = Conductor::new(Spectrum::constant(n), Spectrum::constant(k), 0.5).unwrap();
         let index = RefractiveIndex::constant(1.0).unwrap();
-        let found = rough.mean_reflectance(InterfaceIors { here: &index, there: &index }, 550.0);
+        let found = rough.mean_reflectance(InterfaceIors { here: &index, there: &index }, 0, 550.0);
         assert!((found - known).abs() < 2e-3, "{found} for {known}");
     }
 
@@ -151,7 +229,7 @@ mod tests {
             let index = RefractiveIndex::constant(outside).unwrap();
             let iors = InterfaceIors { here: &index, there: &index };
             let known = ((n - outside).powi(2) + k * k) / ((n + outside).powi(2) + k * k);
-            assert!((smooth.coefficient(DVec3::Z, iors, 550.0) - known).abs() < 1e-12, "outside index {outside}");
+            assert!((smooth.coefficient(DVec3::Z, iors, 0, 550.0) - known).abs() < 1e-12, "outside index {outside}");
         }
     }
 }

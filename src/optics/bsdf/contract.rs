@@ -31,24 +31,29 @@ impl BsdfCase {
         }
     }
 
+    /// Returns the BSDF as a whole, even if it is a mixture.
+    fn local(&self) -> LocalBsdf<'_> {
+        LocalBsdf { model: &self.bsdf, texels: Texels::NONE }
+    }
+
     fn sample(&self, wo: DVec3, nm: f64, u: [f64; 3]) -> Option<BsdfSample> {
-        self.bsdf.sample(wo, self.iors(wo), nm, u)
+        self.local().sample(wo, self.iors(wo), nm, u)
     }
 
     fn weight(&self, wo: DVec3, sample: &BsdfSample, mode: TransportMode, nm: f64) -> f64 {
-        self.bsdf.eval_sample(wo, sample, self.iors(wo), mode, nm) / sample.probability
+        self.local().eval_sample(wo, sample, self.iors(wo), mode, nm) / sample.probability
     }
 
     fn absorbed_fraction(&self, wo: DVec3, sample: &BsdfSample, nm: f64) -> f64 {
-        self.bsdf.absorbed_fraction(wo, sample, self.iors(wo), nm)
+        self.local().absorbed_fraction(wo, sample, self.iors(wo), nm)
     }
 
     fn eval(&self, wo: DVec3, wi: DVec3, mode: TransportMode, nm: f64) -> f64 {
-        self.bsdf.eval(wo, wi, self.iors(wo), mode, nm)
+        self.local().eval(wo, wi, self.iors(wo), mode, nm)
     }
 
     fn pdf(&self, wo: DVec3, wi: DVec3, nm: f64) -> f64 {
-        self.bsdf.pdf(wo, wi, self.iors(wo), nm)
+        self.local().pdf(wo, wi, self.iors(wo), nm)
     }
 }
 
@@ -103,6 +108,8 @@ fn cases() -> Vec<BsdfCase> {
             "clear coat on black",
             Bsdf::glossy(ramp(0.0, 0.0), RefractiveIndex::constant(1.6).unwrap(), 0.5).unwrap(),
         ),
+        in_air("metal of a given reflectance", Bsdf::metal(ramp(0.4, 0.9), 0.3).unwrap()),
+        in_air("polished metal of a given reflectance", Bsdf::metal(ramp(0.4, 0.9), 0.0).unwrap()),
         in_air("mixture", mixture.unwrap()),
     ]
 }
@@ -184,7 +191,7 @@ fn chi_square_rejects_a_slightly_different_roughness() {
     let case = BsdfCase { name: "metal", bsdf: metal, front: air.clone(), behind: air };
     for wo in views() {
         let seen = histogram(&case, wo, 500.0, 30_000, 3);
-        let expected = grid::integrals(|wi| 30_000.0 * near.pdf(wo, wi, case.iors(wo), 500.0));
+        let expected = grid::integrals(|wi| 30_000.0 * near.at(0.0).pdf(wo, wi, case.iors(wo), 500.0));
         assert!(chi_square_deviations(&seen, &expected) > 4.5, "from {wo}");
     }
 }
@@ -195,7 +202,7 @@ fn samples_carry_the_pdf_of_their_direction() {
         let mut random = random(seed);
         for _ in 0..50 {
             let u = random();
-            let part = case.bsdf.sample_component(random()[2]);
+            let part = case.bsdf.at(random()[2]);
             let Some(sample) = part.sample(wo, case.iors(wo), nm, u) else { continue };
             assert!((sample.wi.length() - 1.0).abs() < 1e-12, "{}: |wi| = {}", case.name, sample.wi.length());
             assert!(sample.probability > 0.0, "{}", case.name);
@@ -272,7 +279,7 @@ fn balance_test_rejects_absorption_of_single_events_only() {
         let mutant: Vec<f64> = (0..20_000)
             .map(|_| match case.sample(wo, 500.0, random()) {
                 Some(sample) => {
-                    let lost_in_the_metal = 1.0 - metal.fresnel(sample.cos_microfacet, case.iors(wo), 500.0);
+                    let lost_in_the_metal = 1.0 - metal.fresnel(sample.cos_microfacet, case.iors(wo), 0, 500.0);
                     case.weight(wo, &sample, TransportMode::Importance, 500.0) + lost_in_the_metal
                 }
                 None => 1.0,
@@ -354,9 +361,9 @@ fn delta_coefficients_are_reciprocal() {
                     continue;
                 };
                 let back = BsdfSample { wi: wo, ..sample };
-                let forth = case.bsdf.eval_sample(wo, &sample, case.iors(wo), TransportMode::Radiance, 500.0);
+                let forth = case.local().eval_sample(wo, &sample, case.iors(wo), TransportMode::Radiance, 500.0);
                 let back =
-                    case.bsdf.eval_sample(sample.wi, &back, case.iors(sample.wi), TransportMode::Radiance, 500.0);
+                    case.local().eval_sample(sample.wi, &back, case.iors(sample.wi), TransportMode::Radiance, 500.0);
                 let (here, there) = (case.iors(wo).here.n(500.0), case.iors(sample.wi).here.n(500.0));
                 // The coefficient of transmission contains the factor (n_here/n_there)² of
                 // radiance. The test divides the coefficient by this factor. The values of a lobe

@@ -4,11 +4,11 @@ use std::f64::consts::FRAC_1_PI;
 
 use glam::DVec3;
 
-use super::check::check_within;
+use super::check::check_fraction;
 use super::hemisphere::{cosine_pdf, same_side, sample_cosine, z_sign};
 use super::sample::{BsdfSample, ScatterEvent};
 use crate::error::Result;
-use crate::spectrum::Spectrum;
+use crate::texture::{SurfaceSpectrum, Texel};
 
 /// A Lambertian reflector with f = ρ(λ)/π.
 ///
@@ -16,19 +16,20 @@ use crate::spectrum::Spectrum;
 /// reflected radiance is equal in all directions. Both sides behave alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Diffuse {
-    pub(super) reflectance: Spectrum,
+    pub(super) reflectance: SurfaceSpectrum,
 }
 
 impl Diffuse {
     /// Creates a Lambertian reflector. Returns an error if the reflectance is outside \[0, 1\] at
     /// any wavelength.
-    pub fn new(reflectance: Spectrum) -> Result<Self> {
-        check_within("reflectance", &reflectance, 1.0)?;
+    pub fn new(reflectance: impl Into<SurfaceSpectrum>) -> Result<Self> {
+        let reflectance = reflectance.into();
+        check_fraction("reflectance", &reflectance)?;
         Ok(Self { reflectance })
     }
 
     /// Returns the reflectance ρ(λ).
-    pub fn reflectance(&self) -> &Spectrum {
+    pub fn reflectance(&self) -> &SurfaceSpectrum {
         &self.reflectance
     }
 
@@ -37,15 +38,25 @@ impl Diffuse {
         BsdfSample::lobe(wi, ScatterEvent::Reflection, cosine_pdf(wi))
     }
 
-    pub(super) fn absorbed_fraction(&self, nm: f64) -> f64 {
-        1.0 - self.reflectance.at(nm)
+    pub(super) fn absorbed_fraction(&self, texel: Texel, nm: f64) -> f64 {
+        absorbed_fraction(self.reflectance.at(texel, nm))
     }
 
-    pub(super) fn eval(&self, wo: DVec3, wi: DVec3, nm: f64) -> f64 {
-        if same_side(wo, wi) { self.reflectance.at(nm) * FRAC_1_PI } else { 0.0 }
+    pub(super) fn eval(&self, wo: DVec3, wi: DVec3, texel: Texel, nm: f64) -> f64 {
+        if same_side(wo, wi) { eval(self.reflectance.at(texel, nm)) } else { 0.0 }
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         if same_side(wo, wi) { cosine_pdf(wi) } else { 0.0 }
     }
+}
+
+/// Returns f = ρ/π.
+pub(super) fn eval(reflectance: f64) -> f64 {
+    reflectance * FRAC_1_PI
+}
+
+/// Returns the absorbed fraction 1 − ρ.
+pub(super) fn absorbed_fraction(reflectance: f64) -> f64 {
+    1.0 - reflectance
 }

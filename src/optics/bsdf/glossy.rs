@@ -6,14 +6,14 @@ use std::f64::consts::FRAC_1_PI;
 use glam::DVec3;
 
 use super::albedo::CoatAlbedo;
-use super::check::{check_alpha, check_within, whole_nm};
+use super::check::{check_alpha, check_fraction, whole_nm};
 use super::hemisphere::{cosine_pdf, flip_z, same_side, sample_cosine, z_sign};
 use super::sample::{BsdfSample, ScatterEvent};
 use crate::error::Result;
 use crate::optics::fresnel;
 use crate::optics::glass::RefractiveIndex;
 use crate::optics::microfacet::Ggx;
-use crate::spectrum::Spectrum;
+use crate::texture::{SurfaceSpectrum, Texel};
 
 /// If both lobes have power, each lobe is sampled with at least this probability. Without this
 /// minimum, a lobe with little power at the hero wavelength would be sampled too rarely for the
@@ -34,11 +34,11 @@ const MIN_LOBE_PROBABILITY: f64 = 0.1;
 /// surface behave alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Glossy {
-    pub(super) reflectance: Spectrum,
+    pub(super) reflectance: SurfaceSpectrum,
     index: RefractiveIndex,
     facets: Ggx,
     coat: CoatAlbedo,
-    /// True if ρ is positive at any wavelength.
+    /// True if ρ may be positive at any point and wavelength.
     has_base: bool,
 }
 
@@ -49,26 +49,32 @@ impl Glossy {
     ///
     /// # Errors
     /// Returns an error if the reflectance or `alpha` lies outside \[0, 1\].
-    pub fn new(reflectance: Spectrum, index: RefractiveIndex, alpha: f64) -> Result<Self> {
-        check_within("reflectance", &reflectance, 1.0)?;
+    pub fn new(reflectance: impl Into<SurfaceSpectrum>, index: RefractiveIndex, alpha: f64) -> Result<Self> {
+        let reflectance = reflectance.into();
+        check_fraction("reflectance", &reflectance)?;
         check_alpha(alpha)?;
         let facets = Ggx::new(alpha);
         let (lowest, highest) =
             whole_nm().map(|nm| index.n(nm)).fold((f64::INFINITY, 0.0_f64), |(low, high), n| (low.min(n), high.max(n)));
-        let has_base = whole_nm().any(|nm| reflectance.at(nm) > 0.0);
+        let has_base = reflectance.uniform().is_none_or(|uniform| whole_nm().any(|nm| uniform.at(nm) > 0.0));
         Ok(Self { coat: CoatAlbedo::new(&facets, lowest, highest), reflectance, index, facets, has_base })
+    }
+
+    /// Returns the surface with a uniform base.
+    pub(super) fn without_textures(self) -> Self {
+        Self { reflectance: self.reflectance.without_texture(), ..self }
     }
 
     /// Returns two directional albedos at the cosine of `wo`. The first is the albedo of coat and
     /// base together. The second is the albedo of the coat alone.
-    fn albedo(&self, wo: DVec3, nm: f64) -> (f64, f64) {
+    fn albedo(&self, wo: DVec3, texel: Texel, nm: f64) -> (f64, f64) {
         let coat = self.coat.at(wo.z.abs(), self.index.n(nm));
-        (coat + self.reflectance.at(nm) * (1.0 - coat), coat)
+        (coat + self.reflectance.at(texel, nm) * (1.0 - coat), coat)
     }
 
     /// Returns the probability that the coat is sampled instead of the base.
-    fn coat_probability(&self, wo: DVec3, nm: f64) -> f64 {
-        let (all, coat) = self.albedo(wo, nm);
+    fn coat_probability(&self, wo: DVec3, texel: Texel, nm: f64) -> f64 {
+        let (all, coat) = self.albedo(wo, texel, nm);
         if coat == 0.0 {
             0.0
         } else if self.has_base {
@@ -78,9 +84,9 @@ impl Glossy {
         }
     }
 
-    pub(super) fn sample(&self, wo: DVec3, nm: f64, u: [f64; 3]) -> BsdfSample {
+    pub(super) fn sample(&self, wo: DVec3, texel: Texel, nm: f64, u: [f64; 3]) -> BsdfSample {
         let sign = z_sign(wo);
-        let coat_probability = self.coat_probability(wo, nm);
+        let coat_probability = self.coat_probability(wo, texel, nm);
         let wi = if u[2] < coat_probability {
             let up = flip_z(wo, sign);
             let m = self.facets.sample_visible(up, u[0], u[1]);
@@ -94,12 +100,12 @@ impl Glossy {
         BsdfSample::lobe(wi, ScatterEvent::Reflection, if density > 0.0 { density } else { 1.0 })
     }
 
-    pub(super) fn absorbed_fraction(&self, wo: DVec3, nm: f64) -> f64 {
-        let (_, coat) = self.albedo(wo, nm);
-        (1.0 - coat) * (1.0 - self.reflectance.at(nm))
+    pub(super) fn absorbed_fraction(&self, wo: DVec3, texel: Texel, nm: f64) -> f64 {
+        let (_, coat) = self.albedo(wo, texel, nm);
+        (1.0 - coat) * (1.0 - self.reflectance.at(texel, nm))
     }
 
-    pub(super) fn eval(&self, wo: DVec3, wi: DVec3, nm: f64) -> f64 {
+    pub(super) fn eval(&self, wo: DVec3, wi: DVec3, texel: Texel, nm: f64) -> f64 {
         if !same_side(wo, wi) {
             return 0.0;
         }
@@ -110,11 +116,11 @@ impl Glossy {
         // If the coat reflects all light, the numerator and 1 − Ē both vanish. The lower bound on
         // the denominator prevents 0/0.
         let through = (1.0 - coat_o) * (1.0 - coat_i) / (1.0 - self.coat.mean(index)).max(f64::MIN_POSITIVE);
-        fresnel::dielectric(wo.dot(m), 1.0, index) * lobe + self.reflectance.at(nm) * FRAC_1_PI * through
+        fresnel::dielectric(wo.dot(m), 1.0, index) * lobe + self.reflectance.at(texel, nm) * FRAC_1_PI * through
     }
 
-    pub(super) fn pdf(&self, wo: DVec3, wi: DVec3, nm: f64) -> f64 {
-        self.mixed_pdf(wo, wi, self.coat_probability(wo, nm))
+    pub(super) fn pdf(&self, wo: DVec3, wi: DVec3, texel: Texel, nm: f64) -> f64 {
+        self.mixed_pdf(wo, wi, self.coat_probability(wo, texel, nm))
     }
 
     /// Returns the density of `wi` per solid angle if the coat is sampled with probability

@@ -2,21 +2,22 @@
 
 use glam::DVec3;
 
-use super::check::check_within;
+use super::check::check_fraction;
 use super::sample::{BsdfSample, ScatterEvent};
 use crate::error::Result;
-use crate::spectrum::Spectrum;
+use crate::texture::{SurfaceSpectrum, Texel};
 
 /// A mirror with the reflectance ρ(λ), which does not depend on the angle. Both sides behave alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mirror {
-    pub(super) reflectance: Spectrum,
+    pub(super) reflectance: SurfaceSpectrum,
 }
 
 impl Mirror {
     /// Creates a mirror. Returns an error if the reflectance is outside \[0, 1\] at any wavelength.
-    pub fn new(reflectance: Spectrum) -> Result<Self> {
-        check_within("reflectance", &reflectance, 1.0)?;
+    pub fn new(reflectance: impl Into<SurfaceSpectrum>) -> Result<Self> {
+        let reflectance = reflectance.into();
+        check_fraction("reflectance", &reflectance)?;
         Ok(Self { reflectance })
     }
 
@@ -24,11 +25,11 @@ impl Mirror {
         BsdfSample::delta(DVec3::new(-wo.x, -wo.y, wo.z), ScatterEvent::Reflection, 1.0)
     }
 
-    pub(super) fn coefficient(&self, nm: f64) -> f64 {
-        self.reflectance.at(nm)
+    pub(super) fn coefficient(&self, texel: Texel, nm: f64) -> f64 {
+        self.reflectance.at(texel, nm)
     }
 
-    pub(super) fn absorbed_fraction(&self, nm: f64) -> f64 {
-        1.0 - self.reflectance.at(nm)
+    pub(super) fn absorbed_fraction(&self, texel: Texel, nm: f64) -> f64 {
+        1.0 - self.reflectance.at(texel, nm)
     }
 }

@@ -4,11 +4,14 @@
 //! `wo` and `wi` both point away from the surface. Both photon paths and camera paths arrive along
 //! −`wo` and continue along `wi`. If `wo.z` is negative, the path arrives from behind the surface.
 //!
-//! A path scatters in three steps. [`Bsdf::sample_component`] selects one component of a mixture.
-//! [`Bsdf::sample`] samples `wi` at the hero wavelength of the path. The third step computes a
+//! A [`Bsdf`] belongs to a material. A [`LocalBsdf`] is a BSDF at one point of a surface: the
+//! component of a mixture and the texels of textures are selected.
+//!
+//! A path scatters in three steps. [`Bsdf::at`] or [`Bsdf::at_point`] returns the local BSDF.
+//! [`LocalBsdf::sample`] samples `wi` at the hero wavelength of the path. The third step computes a
 //! weight and an absorbed fraction for each wavelength of the path. The weight is
-//! [`Bsdf::eval_sample`] divided by [`BsdfSample::probability`]. The absorbed fraction of the
-//! arriving power is [`Bsdf::absorbed_fraction`]. For photons, the expected weight and the expected
+//! [`LocalBsdf::eval_sample`] divided by [`BsdfSample::probability`]. The absorbed fraction of the
+//! arriving power is [`LocalBsdf::absorbed_fraction`]. For photons, the expected weight and the expected
 //! absorbed fraction sum to 1. The energy ledger relies on this balance, and the contract tests
 //! check it for every BSDF.
 //!
@@ -25,6 +28,7 @@ mod dielectric;
 mod diffuse;
 mod glossy;
 mod hemisphere;
+mod local;
 mod mirror;
 mod missing_energy;
 mod mix;
@@ -32,16 +36,16 @@ mod sample;
 mod thin;
 mod translucent;
 
-use glam::DVec3;
-
 use super::glass::RefractiveIndex;
 use crate::error::Result;
 use crate::spectrum::Spectrum;
+use crate::texture::{LookupRandom, ScalarTexture, SurfaceScalar, SurfaceSpectrum, TexturePoint};
 
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use glossy::Glossy;
+pub use local::{LocalBsdf, Texels};
 pub use mirror::Mirror;
 pub use mix::MixBsdf;
 pub use sample::{BsdfClass, BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
@@ -73,23 +77,31 @@ pub enum Bsdf {
 
 impl Bsdf {
     /// Creates a [`Diffuse`] BSDF; see [`Diffuse::new`].
-    pub fn diffuse(reflectance: Spectrum) -> Result<Self> {
+    pub fn diffuse(reflectance: impl Into<SurfaceSpectrum>) -> Result<Self> {
         Diffuse::new(reflectance).map(Self::Diffuse)
     }
 
     /// Creates a [`Translucent`] BSDF; see [`Translucent::new`].
-    pub fn translucent(reflectance: Spectrum, transmittance: Spectrum) -> Result<Self> {
+    pub fn translucent(
+        reflectance: impl Into<SurfaceSpectrum>,
+        transmittance: impl Into<SurfaceSpectrum>,
+    ) -> Result<Self> {
         Translucent::new(reflectance, transmittance).map(Self::Translucent)
     }
 
     /// Creates a [`Mirror`] BSDF; see [`Mirror::new`].
-    pub fn mirror(reflectance: Spectrum) -> Result<Self> {
+    pub fn mirror(reflectance: impl Into<SurfaceSpectrum>) -> Result<Self> {
         Mirror::new(reflectance).map(Self::Mirror)
     }
 
     /// Creates a [`Conductor`] BSDF; see [`Conductor::new`].
     pub fn conductor(n: Spectrum, k: Spectrum, alpha: f64) -> Result<Self> {
         Conductor::new(n, k, alpha).map(Self::Conductor)
+    }
+
+    /// Creates a [`Conductor`] BSDF of a given reflectance; see [`Conductor::of_reflectance`].
+    pub fn metal(reflectance: impl Into<SurfaceSpectrum>, alpha: f64) -> Result<Self> {
+        Conductor::of_reflectance(reflectance, alpha).map(Self::Conductor)
     }
 
     /// Creates a [`Dielectric`] BSDF; see [`Dielectric::new`].
@@ -103,13 +115,23 @@ impl Bsdf {
     }
 
     /// Creates a [`Glossy`] BSDF; see [`Glossy::new`].
-    pub fn glossy(reflectance: Spectrum, index: RefractiveIndex, alpha: f64) -> Result<Self> {
+    pub fn glossy(reflectance: impl Into<SurfaceSpectrum>, index: RefractiveIndex, alpha: f64) -> Result<Self> {
         Glossy::new(reflectance, index, alpha).map(Self::Glossy)
     }
 
     /// Creates a [`MixBsdf`] BSDF; see [`MixBsdf::new`].
     pub fn mix(parts: Vec<(f64, Self)>) -> Result<Self> {
         MixBsdf::new(parts).map(Self::Mix)
+    }
+
+    /// Creates a mixture whose weights may vary over the surface; see [`MixBsdf::textured`].
+    pub fn textured_mix(parts: Vec<(SurfaceScalar, Self)>) -> Result<Self> {
+        MixBsdf::textured(parts).map(Self::Mix)
+    }
+
+    /// Creates a BSDF whose roughness varies over the surface; see [`MixBsdf::of_roughness`].
+    pub fn textured_roughness(roughness: ScalarTexture, of_roughness: impl Fn(f64) -> Result<Self>) -> Result<Self> {
+        MixBsdf::of_roughness(roughness, of_roughness).map(Self::Mix)
     }
 
     /// Returns the width class of the BSDF. The class of a mixture is the widest class among its
@@ -137,36 +159,91 @@ impl Bsdf {
         }
     }
 
-    /// Returns the spectra of the BSDF, such as reflectances. The refractive indices of dielectrics
-    /// are not included.
-    pub fn spectra(&self) -> Vec<&Spectrum> {
+    /// Returns the spectra of the BSDF that may vary over the surface: reflectances and
+    /// transmittances.
+    pub fn surface_spectra(&self) -> Vec<&SurfaceSpectrum> {
         match self {
-            Self::Absorber | Self::Dielectric(_) => Vec::new(),
-            Self::ThinDielectric(thin) => thin.optical_depth.iter().collect(),
+            Self::Absorber | Self::Dielectric(_) | Self::ThinDielectric(_) => Vec::new(),
             Self::Diffuse(diffuse) => vec![&diffuse.reflectance],
             Self::Translucent(sheet) => vec![&sheet.reflectance, &sheet.transmittance],
             Self::Mirror(mirror) => vec![&mirror.reflectance],
-            Self::Conductor(metal) => vec![&metal.n, &metal.k],
+            Self::Conductor(metal) => metal.reflectance().into_iter().collect(),
             Self::Glossy(glossy) => vec![&glossy.reflectance],
-            Self::Mix(mix) => mix.components().iter().flat_map(Self::spectra).collect(),
+            Self::Mix(mix) => mix.components().iter().flat_map(Self::surface_spectra).collect(),
         }
     }
 
-    /// Selects a component of a mixture by the random number `u` in \[0, 1). The probability of a
-    /// component is its normalised weight. Any other BSDF returns itself.
-    #[inline]
-    pub fn sample_component(&self, u: f64) -> &Self {
+    /// Returns true if a spectrum of the BSDF was made from an RGB colour.
+    pub fn is_upsampled(&self) -> bool {
         match self {
-            Self::Mix(mix) => mix.sample_component(u),
+            Self::ThinDielectric(thin) => thin.optical_depth.iter().any(Spectrum::is_upsampled),
+            Self::Conductor(metal) => metal.is_upsampled(),
+            Self::Mix(mix) => mix.components().iter().any(Self::is_upsampled),
             Self::Absorber
             | Self::Diffuse(_)
             | Self::Translucent(_)
             | Self::Mirror(_)
-            | Self::Conductor(_)
             | Self::Dielectric(_)
-            | Self::ThinDielectric(_)
-            | Self::Glossy(_) => self,
+            | Self::Glossy(_) => self.surface_spectra().into_iter().any(SurfaceSpectrum::is_upsampled),
         }
+    }
+
+    /// Returns true if a property of the BSDF varies over the surface.
+    #[inline]
+    pub fn is_textured(&self) -> bool {
+        match self {
+            Self::Absorber | Self::Dielectric(_) | Self::ThinDielectric(_) => false,
+            Self::Diffuse(diffuse) => diffuse.reflectance.is_textured(),
+            Self::Translucent(sheet) => sheet.reflectance.is_textured() || sheet.transmittance.is_textured(),
+            Self::Mirror(mirror) => mirror.reflectance.is_textured(),
+            Self::Conductor(metal) => metal.reflectance().is_some_and(SurfaceSpectrum::is_textured),
+            Self::Glossy(glossy) => glossy.reflectance.is_textured(),
+            Self::Mix(mix) => mix.is_textured(),
+        }
+    }
+
+    /// Returns the BSDF with each texture replaced by a uniform value that stands for it.
+    #[must_use]
+    pub fn without_textures(self) -> Self {
+        match self {
+            Self::Diffuse(diffuse) => Self::Diffuse(Diffuse { reflectance: diffuse.reflectance.without_texture() }),
+            Self::Translucent(sheet) => Self::Translucent(sheet.without_textures()),
+            Self::Mirror(mirror) => Self::Mirror(Mirror { reflectance: mirror.reflectance.without_texture() }),
+            Self::Conductor(metal) => Self::Conductor(metal.without_textures()),
+            Self::Glossy(glossy) => Self::Glossy(glossy.without_textures()),
+            Self::Mix(mix) => Self::Mix(mix.without_textures()),
+            Self::Absorber | Self::Dielectric(_) | Self::ThinDielectric(_) => self,
+        }
+    }
+
+    /// Returns the BSDF at any point of a surface without textures. The random number `u` in
+    /// \[0, 1) selects the component of a mixture. The probability of a component is its normalised
+    /// weight.
+    #[inline(always)]
+    pub fn at(&self, u: f64) -> LocalBsdf<'_> {
+        LocalBsdf {
+            model: if let Self::Mix(mix) = self { mix.sample_component(u) } else { self },
+            texels: Texels::NONE,
+        }
+    }
+
+    /// Returns the BSDF at a point of a surface with textures. The random number `u` in \[0, 1)
+    /// selects the component of a mixture and the texels.
+    pub fn at_point(&self, point: &TexturePoint, u: f64) -> LocalBsdf<'_> {
+        let mut random = LookupRandom::new(u);
+        let model = if let Self::Mix(mix) = self { mix.component_at(point, &mut random) } else { self };
+        let mut texel = |spectrum: &SurfaceSpectrum| spectrum.texel(point, &mut random);
+        let texels = match model {
+            Self::Diffuse(diffuse) => Texels::of_reflectance(texel(&diffuse.reflectance)),
+            Self::Translucent(sheet) => {
+                Texels { reflectance: texel(&sheet.reflectance), transmittance: texel(&sheet.transmittance) }
+            }
+            Self::Mirror(mirror) => Texels::of_reflectance(texel(&mirror.reflectance)),
+            Self::Conductor(metal) => Texels::of_reflectance(metal.reflectance().map_or(0, &mut texel)),
+            Self::Glossy(glossy) => Texels::of_reflectance(texel(&glossy.reflectance)),
+            Self::Absorber | Self::Dielectric(_) | Self::ThinDielectric(_) | Self::Mix(_) => Texels::NONE,
+        };
+        LocalBsdf { model, texels }
     }
 
     /// Iterates over the components of a mixture, which are never mixtures themselves. Any other
@@ -184,132 +261,6 @@ impl Bsdf {
             | Self::Glossy(_) => std::slice::from_ref(self),
         };
         components.iter()
-    }
-
-    /// Samples a direction at the hero wavelength `nm`.
-    ///
-    /// `u[0]` and `u[1]` choose the direction; `u[2]` chooses between reflection and transmission
-    /// or between lobes. All three lie in \[0, 1). A mixture first selects a component by `u[2]`.
-    /// The probability in the sample then refers to that component alone. It is not multiplied by
-    /// the weight of the component. Returns `None` if the event absorbs the light of all
-    /// wavelengths. For example, a facet of a rough metal may reflect the path below the surface.
-    /// The distribution of the samples does not depend on the [`TransportMode`].
-    #[inline]
-    pub fn sample(&self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64, u: [f64; 3]) -> Option<BsdfSample> {
-        match self {
-            Self::Absorber => None,
-            Self::Diffuse(diffuse) => Some(diffuse.sample(wo, u)),
-            Self::Translucent(translucent) => translucent.sample(wo, nm, u),
-            Self::Mirror(mirror) => Some(mirror.sample(wo)),
-            Self::Conductor(conductor) => Some(conductor.sample(wo, u)),
-            Self::Dielectric(dielectric) => dielectric.sample(wo, iors, nm, u),
-            Self::ThinDielectric(thin) => Some(thin.sample(wo, iors, nm, u)),
-            Self::Glossy(glossy) => Some(glossy.sample(wo, nm, u)),
-            Self::Mix(mix) => {
-                let mut choice = u[2];
-                let component = mix.sample_index(&mut choice);
-                let sample = mix.components()[component].sample(wo, iors, nm, [u[0], u[1], choice])?;
-                Some(BsdfSample { component, ..sample })
-            }
-        }
-    }
-
-    /// Evaluates a sample at the wavelength `nm`. The weight of the path is the result divided by
-    /// `sample.probability`.
-    ///
-    /// If the sample is a delta sample, the result is the reflectance or the transmittance. The
-    /// transmittance includes the n² factor of [`TransportMode::Radiance`]. The result does not
-    /// include the probability of the event. If the sample is not a delta sample, the result is
-    /// f·|cosθ_i| in 1/sr.
-    pub fn eval_sample(
-        &self,
-        wo: DVec3,
-        sample: &BsdfSample,
-        iors: InterfaceIors<'_>,
-        mode: TransportMode,
-        nm: f64,
-    ) -> f64 {
-        if let Self::Mix(mix) = self {
-            return mix.components()[sample.component].eval_sample(wo, sample, iors, mode, nm);
-        }
-        if sample.delta {
-            return self.coefficient(wo, sample.event, iors, mode, nm);
-        }
-        if !sample.on_event_side(wo) {
-            return 0.0;
-        }
-        self.eval(wo, sample.wi, iors, mode, nm) * sample.wi.z.abs()
-    }
-
-    /// Returns the fraction of the arriving power that is absorbed by this event at `nm`. The
-    /// fraction lies in \[0, 1\].
-    ///
-    /// The fraction is computed from albedos and losses, not as 1 minus the weight. If the mode is
-    /// [`TransportMode::Importance`] and the sample was taken at `nm`, the expected weight and the
-    /// expected absorbed fraction sum to 1. If [`Bsdf::sample`] returns `None`, all power is
-    /// absorbed.
-    pub fn absorbed_fraction(&self, wo: DVec3, sample: &BsdfSample, iors: InterfaceIors<'_>, nm: f64) -> f64 {
-        match self {
-            Self::Absorber => 1.0,
-            Self::Diffuse(diffuse) => diffuse.absorbed_fraction(nm),
-            Self::Translucent(translucent) => translucent.absorbed_fraction(nm),
-            Self::Mirror(mirror) => mirror.absorbed_fraction(nm),
-            Self::Conductor(conductor) => conductor.absorbed_fraction(wo, sample, iors, nm),
-            Self::Dielectric(_) => 0.0,
-            Self::ThinDielectric(thin) => thin.absorbed_fraction(wo, iors, nm),
-            Self::Glossy(glossy) => glossy.absorbed_fraction(wo, nm),
-            Self::Mix(mix) => mix.components()[sample.component].absorbed_fraction(wo, sample, iors, nm),
-        }
-    }
-
-    /// Evaluates f(wo, wi) in 1/sr at the wavelength `nm`, without the cosine and without delta
-    /// distributions. The value of a mixture is the weighted sum of the values of its components.
-    pub fn eval(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
-        match self {
-            Self::Absorber | Self::Mirror(_) | Self::ThinDielectric(_) => 0.0,
-            Self::Diffuse(diffuse) => diffuse.eval(wo, wi, nm),
-            Self::Translucent(translucent) => translucent.eval(wo, wi, nm),
-            Self::Conductor(conductor) => conductor.eval(wo, wi, iors, nm),
-            Self::Dielectric(dielectric) => dielectric.eval(wo, wi, iors, mode, nm),
-            Self::Glossy(glossy) => glossy.eval(wo, wi, nm),
-            Self::Mix(mix) => {
-                mix.weighted_components().map(|(weight, part)| weight * part.eval(wo, wi, iors, mode, nm)).sum()
-            }
-        }
-    }
-
-    /// Returns the density per solid angle with which [`Bsdf::sample`] samples `wi` if the hero
-    /// wavelength is `nm`. Delta distributions are not included. The density of a mixture is the
-    /// weighted sum of the densities of its components.
-    pub fn pdf(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
-        match self {
-            Self::Absorber | Self::Mirror(_) | Self::ThinDielectric(_) => 0.0,
-            Self::Diffuse(diffuse) => diffuse.pdf(wo, wi),
-            Self::Translucent(translucent) => translucent.pdf(wo, wi, nm),
-            Self::Conductor(conductor) => conductor.pdf(wo, wi),
-            Self::Dielectric(dielectric) => dielectric.pdf(wo, wi, iors, nm),
-            Self::Glossy(glossy) => glossy.pdf(wo, wi, nm),
-            Self::Mix(mix) => mix.weighted_components().map(|(weight, part)| weight * part.pdf(wo, wi, iors, nm)).sum(),
-        }
-    }
-
-    /// Returns the coefficient of the delta distribution at `nm`. If the BSDF has no delta
-    /// distribution, returns 0.
-    fn coefficient(
-        &self,
-        wo: DVec3,
-        event: ScatterEvent,
-        iors: InterfaceIors<'_>,
-        mode: TransportMode,
-        nm: f64,
-    ) -> f64 {
-        match self {
-            Self::Mirror(mirror) => mirror.coefficient(nm),
-            Self::Conductor(conductor) => conductor.coefficient(wo, iors, nm),
-            Self::Dielectric(_) => dielectric::coefficient(wo, event, iors, mode, nm),
-            Self::ThinDielectric(thin) => thin.coefficient(wo, event, iors, nm),
-            Self::Absorber | Self::Diffuse(_) | Self::Translucent(_) | Self::Glossy(_) | Self::Mix(_) => 0.0,
-        }
     }
 }
 
@@ -340,7 +291,7 @@ mod tests {
     #[test]
     fn a_simple_bsdf_is_its_own_only_component() {
         let bsdf = Bsdf::diffuse(Spectrum::constant(0.5)).unwrap();
-        assert_eq!(bsdf.sample_component(0.7), &bsdf);
+        assert_eq!(bsdf.at(0.7).model, &bsdf);
         assert_eq!(bsdf.components().count(), 1);
     }
 }

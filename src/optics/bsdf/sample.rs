@@ -54,8 +54,8 @@ pub enum ScatterEvent {
 /// A sampled direction of scattering.
 ///
 /// On a rough surface, the sampled `wi` may lie on the wrong side for the `event`.
-/// [`Bsdf::eval_sample`](super::Bsdf::eval_sample) is then 0 at all wavelengths,
-/// [`Bsdf::absorbed_fraction`](super::Bsdf::absorbed_fraction) returns the lost power, and the path
+/// [`LocalBsdf::eval_sample`](super::LocalBsdf::eval_sample) is then 0 at all wavelengths,
+/// [`LocalBsdf::absorbed_fraction`](super::LocalBsdf::absorbed_fraction) returns the lost power, and the path
 /// ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BsdfSample {

@@ -7,12 +7,13 @@ use ::exr::meta::attribute::Chromaticities;
 use ::exr::prelude::{AnyChannels, FlatSamples, Layer, Text, Vec2};
 use glam::{DMat3, DVec3};
 
-use super::channel_names::{BIAS, EDGE, NOISE, SUMS_PREFIX, XYZ, wavelength_nm};
+use super::channel_names::{BIAS, EDGE, NOISE, SUMS_PREFIX, XYZ};
 use super::open::{header_texts, read_layers};
 use crate::colour::RgbSpace;
 use crate::error::{Error, Result};
 use crate::output::Metadata;
 use crate::sensor::{Picture, SpectralBands};
+use crate::spectrum::emissive_wavelength_nm;
 
 /// The content of an EXR file.
 #[derive(Debug, Clone, PartialEq)]
@@ -164,7 +165,7 @@ fn colours(channels: &BTreeMap<String, Vec<f32>>, rgb: &RgbToXyz) -> Result<Vec<
 
 fn bands(channels: &BTreeMap<String, Vec<f32>>) -> Option<SpectralBands> {
     let mut found: Vec<(f64, &Vec<f32>)> =
-        channels.iter().filter_map(|(name, samples)| Some((wavelength_nm(name)?, samples))).collect();
+        channels.iter().filter_map(|(name, samples)| Some((emissive_wavelength_nm(name)?, samples))).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     let pixels = found.first()?.1.len();
     let values = (0..pixels).flat_map(|pixel| found.iter().map(move |(_, samples)| samples[pixel])).collect();

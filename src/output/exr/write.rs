@@ -9,12 +9,13 @@ use ::exr::prelude::{
     WritableImage,
 };
 
-use super::channel_names::{BIAS, EDGE, NOISE, XYZ, channel_name};
+use super::channel_names::{BIAS, EDGE, NOISE, XYZ};
 use super::sums;
 use crate::colour::{RgbSpace, xyz_to_linear_srgb};
 use crate::error::{Error, Result};
 use crate::output::{Metadata, file};
 use crate::sensor::{Film, Picture, SpectralBands};
+use crate::spectrum::emissive_channel;
 
 /// Writes a picture atomically.
 ///
@@ -133,7 +134,7 @@ fn channels(picture: &Picture) -> Vec<AnyChannel<FlatSamples>> {
     if let Some(SpectralBands { centres_nm, values }) = &picture.bands {
         for (band, &nm) in centres_nm.iter().enumerate() {
             let samples = values.iter().skip(band).step_by(centres_nm.len()).copied().collect();
-            channels.push(AnyChannel::new(text(&channel_name(nm)), FlatSamples::F32(samples)));
+            channels.push(AnyChannel::new(text(&emissive_channel(nm)), FlatSamples::F32(samples)));
         }
     }
     channels

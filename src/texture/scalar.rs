@@ -1,0 +1,54 @@
+//! Textures whose texels have numbers.
+
+use std::sync::Arc;
+
+use super::pattern::Pattern;
+use super::pyramid::ImagePattern;
+use super::{LookupRandom, TexturePoint};
+
+/// A number that varies over a surface. Copies of a texture share their texels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScalarTexture {
+    pattern: Pattern,
+    values: Arc<[f32]>,
+}
+
+impl ScalarTexture {
+    /// Creates the texture of a picture. `values` contains the values of its pixels, row by row.
+    pub fn from_values(pattern: ImagePattern, values: Vec<f32>) -> Self {
+        let values = pattern.reduced(values, 1).into();
+        Self { pattern: Pattern::Image(pattern), values }
+    }
+
+    /// Creates a texture with two values. The texel 0 has the first one.
+    pub fn from_pair(pattern: Pattern, values: [f64; 2]) -> Self {
+        Self { pattern, values: values.map(|value| value as f32).into() }
+    }
+
+    /// Returns the value of a texel that is selected at a point. The expected value is the filtered
+    /// value of the texture.
+    pub fn sample(&self, point: &TexturePoint, random: &mut LookupRandom) -> f64 {
+        f64::from(self.values[self.pattern.texel(point, random) as usize])
+    }
+
+    /// Returns the smallest and the largest value.
+    pub fn range(&self) -> (f64, f64) {
+        let start = (f64::INFINITY, f64::NEG_INFINITY);
+        self.values.iter().map(|&value| f64::from(value)).fold(start, |(low, high), x| (low.min(x), high.max(x)))
+    }
+
+    /// Returns the mean of a picture or of a pattern.
+    pub fn mean(&self) -> f64 {
+        match self.pattern {
+            Pattern::Image(_) => self.values.last().map_or(0.0, |&value| f64::from(value)),
+            Pattern::Checker(_) | Pattern::Stripes(_) | Pattern::Noise(..) => {
+                self.values.iter().map(|&value| f64::from(value)).sum::<f64>() / self.values.len() as f64
+            }
+        }
+    }
+
+    /// Returns the memory of the texels in bytes.
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(&*self.values)
+    }
+}

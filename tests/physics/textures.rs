@@ -1,0 +1,115 @@
+//! Textured surfaces: conservation of energy, the mean of a picture, and the two integrators.
+
+use crate::common::compare::{Measured, assert_same};
+use crate::common::{colour_blocks, diffuse, glass, overhead_camera, render};
+use crate::furnace;
+use abbe::render::Integrator;
+use serde_json::{Value, json};
+use std::f64::consts::PI;
+
+/// A white surface stays white if its reflectance, its roughness and the weights of its components
+/// are textures.
+#[test]
+fn a_white_textured_ball_is_a_furnace() {
+    let white = json!({ "checker": { "a": 1, "b": { "noise": { "a": 1, "b": 1, "scale": 3 } }, "scale": 7 } });
+    let roughness = json!({ "noise": { "a": 0.2, "b": 0.9, "scale": 4 } });
+    let mask = |range: [f64; 2]| json!({ "image": { "path": "textures/tiles.png", "range": range } });
+    let scene = json!({
+        "camera": { "from": [0, 0.4, 3], "at": [0, 0, 0], "lens": { "pinhole": { "fov": 40 } } },
+        "film": { "width": 8, "height": 8 },
+        "materials": {
+            "paper": diffuse(white.clone()),
+            "metal": { "conductor": { "reflectance": white.clone(), "roughness": roughness } },
+            "sheet": { "translucent": { "reflectance": { "stripes": { "a": 0.2, "b": 0.8, "scale": 5 } }, "transmittance": 0.2 } },
+            "mirror": { "mirror": { "reflectance": white } },
+            "mixed": { "mix": [
+                { "material": "paper", "weight": mask([0.0, 1.0]) },
+                { "material": "metal", "weight": mask([1.0, 0.0]) },
+                { "material": "mirror", "weight": 0.2 }
+            ] }
+        },
+        "objects": [{ "shape": { "sphere": { "radius": 0.8 } }, "material": "mixed" }],
+        "lights": furnace::surroundings(),
+        "render": { "photons": 4000, "radius": 0.3 }
+    });
+    furnace::check("textured ball", &scene, (Integrator::Photon, 32));
+    furnace::check("textured ball", &scene, (Integrator::Path, 64));
+}
+
+/// A square of side 2 with a picture, seen from above. A perfect diffuser has 100 cd/m².
+fn textured_plane(pixels: usize, repeats: f64) -> Value {
+    let picture = json!({ "image": { "path": "textures/tiles.png", "uv": { "scale": [repeats, repeats] } } });
+    json!({
+        "camera": overhead_camera([0.0, 0.0], 10.0, 2.0),
+        "film": { "width": pixels, "height": pixels },
+        "materials": { "picture": diffuse(picture) },
+        "objects": [{ "shape": { "rectangle": { "width": 2, "height": 2 } }, "material": "picture" }],
+        "lights": [{ "directional": { "toward": [0, -1, 0], "spectrum": "D65", "illuminance": 100.0 * PI } }],
+        "render": { "photons": 100 }
+    })
+}
+
+/// Returns XYZ of the mean of the picture under D65, with Y = 100 for white. The values of sRGB are
+/// decoded by the formulas of IEC 61966-2-1.
+fn mean_of_tiles() -> [f64; 3] {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/textures/tiles.png");
+    let picture = image::open(path).expect("a picture").into_rgb8();
+    let linear = |value: u8| {
+        let encoded = f64::from(value) / 255.0;
+        if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+    };
+    let mut mean = [0.0; 3];
+    for pixel in picture.pixels() {
+        (0..3).for_each(|i| mean[i] += linear(pixel.0[i]) * 100.0 / f64::from(picture.width() * picture.height()));
+    }
+    let [r, g, b] = mean;
+    [
+        0.4124564 * r + 0.3575761 * g + 0.1804375 * b,
+        0.2126729 * r + 0.7151522 * g + 0.0721750 * b,
+        0.0193339 * r + 0.1191920 * g + 0.9503041 * b,
+    ]
+}
+
+/// The mean of a rendered textured plane equals the mean of the picture in XYZ within 0.5 %. The
+/// texels are larger than a pixel, about as large, or much smaller.
+#[test]
+fn a_textured_plane_has_the_mean_of_its_picture() {
+    let expected = mean_of_tiles();
+    for (pixels, repeats, passes) in [(96, 1.0, 24), (32, 1.0, 48), (16, 8.0, 96)] {
+        let picture = render(&textured_plane(pixels, repeats), Integrator::Photon, passes).picture;
+        for c in 0..3 {
+            let mean = picture.xyz.iter().map(|xyz| xyz[c]).sum::<f64>() / picture.xyz.len() as f64;
+            println!("{pixels} pixels, {repeats} repeats, channel {c}: {mean:.3} for {:.3}", expected[c]);
+            assert!((mean / expected[c] - 1.0).abs() < 0.005, "{pixels}: {mean} for {}", expected[c]);
+        }
+    }
+}
+
+/// A glass ball above a textured floor. The path tracer does not filter textures, so the comparison
+/// also tests the filter of the camera paths.
+#[test]
+fn photons_and_paths_agree_on_a_textured_floor_under_a_glass_ball() {
+    const RADIUS: f64 = 0.1;
+    let floor =
+        json!({ "image": { "path": "textures/tiles.png", "wrap": "mirror", "uv": { "scale": [3, 3], "rotate": 20 } } });
+    let scene = json!({
+        "camera": { "from": [0, 2.2, 5], "at": [0.2, 0.6, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 32 } } },
+        "film": { "width": 32, "height": 32 },
+        "materials": { "tiles": diffuse(floor), "black": "absorber", "glass": glass(1.5) },
+        "objects": [
+            { "name": "floor", "shape": { "rectangle": { "width": 12, "height": 12 } }, "material": "tiles" },
+            { "name": "ball", "shape": { "sphere": { "radius": 1, "center": [0, 1.01, 0] } }, "material": "glass" },
+            { "name": "lamp", "shape": { "disk": { "radius": 1.8 } }, "material": "black",
+              "emission": { "spectrum": "D65", "luminance": 10 },
+              "transform": [ { "rotate": { "axis": [1, 0, 0], "degrees": 180 } }, { "translate": [-0.4, 2.8, 0] } ] }
+        ],
+        "render": { "photons": 8000 }
+    });
+    let [whole, half] = [RADIUS, 0.5 * RADIUS].map(|radius| {
+        let scene = crate::common::with_setting(&scene, "radius", radius);
+        Measured::new(&scene, (Integrator::Photon, 24), 0..8, colour_blocks(8))
+    });
+    let photon = Measured::extrapolated(&whole, &half);
+    let path = Measured::new(&scene, (Integrator::Path, 192), 100..108, colour_blocks(8));
+    assert_same("textured floor under a glass ball, photon against path", &photon, &path, 1e-2);
+}
