@@ -257,3 +257,46 @@ pub(super) fn test_lights(at: DVec3, axis: DVec3) -> Vec<TestLight> {
         ),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The axes of the scene are x to the right and y up, so the C angles of a ceiling luminaire
+    /// increase from +x to −z: counter-clockwise as seen from above.
+    #[test]
+    fn c0_is_x_for_light_from_above_and_from_below() {
+        assert_eq!(GoniometricLight::default_c0(-DVec3::Y), DVec3::X);
+        assert_eq!(GoniometricLight::default_c0(DVec3::Y), DVec3::X);
+        for toward in [DVec3::Z, DVec3::new(0.6, -0.8, 0.0), DVec3::new(-0.3, 0.9, 0.2).normalize()] {
+            let c0 = GoniometricLight::default_c0(toward);
+            assert!(c0.dot(toward).abs() < 1e-12 && (c0.length() - 1.0).abs() < 1e-12, "{toward}: {c0}");
+        }
+        assert!(
+            (GoniometricLight::default_c0(DVec3::new(0.6, -0.8, 0.0)) - DVec3::new(0.8, 0.6, 0.0)).length() < 1e-12
+        );
+        let table = IntensityTable::new(PhotometricType::C, &[0.0, 1.0], &[0.0, PI], &[1.0; 4]).unwrap();
+        let light = GoniometricLight::new(DVec3::ZERO, [-DVec3::Y, DVec3::X], 1.0, Arc::new(table));
+        assert_eq!(light.axes.y_axis, -DVec3::Z);
+    }
+
+    #[test]
+    fn a_mirrored_luminaire_shines_on_mirrored_points() {
+        let at = DVec3::new(0.3, 2.0, -0.4);
+        let map = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
+        for test in test_lights(at, DVec3::new(0.2, -1.0, 0.3).normalize()) {
+            let (Emitter::Goniometric(light), Emitter::Goniometric(moved)) = (&test.emitter, test.emitter.moved(&map))
+            else {
+                panic!("{} is no luminaire", test.name);
+            };
+            for i in 0..50 {
+                let from = DVec3::new(0.05 * f64::from(i) - 1.0, 0.01 * f64::from(i), 0.4);
+                let irradiance = |light: &GoniometricLight, from| {
+                    light.sample_li(from, [0.5, 0.5, 0.0]).map_or(0.0, |sample| sample.irradiance)
+                };
+                let (before, after) = (irradiance(light, from), irradiance(&moved, map.transform_point3(from)));
+                assert!((before - after).abs() < 1e-12, "{}: {before} {after}", test.name);
+            }
+        }
+    }
+}
