@@ -3,6 +3,7 @@
 use crate::abbe_command::abbe;
 use crate::common::near::assert_near;
 use crate::golden::golden;
+use serde_json::json;
 
 const RED: &str = r#"{"lines": [{"nm": 620, "power": 1}]}"#;
 const GREEN: &str = r#"{"lines": [{"nm": 550, "power": 1}]}"#;
@@ -229,9 +230,9 @@ fn a_luminaire_is_described_with_its_polar_diagram() {
     let json = abbe(folder.path(), &["lamps", "lamp.IES", "--json"]).json();
     // Linear interpolation in steps of 10° loses 0.25 % of the flux.
     let flux = std::f64::consts::PI * 1000.0;
-    assert_near("flux", &json["flux_lm"], &flux.into(), 0.003 * flux);
-    assert_near("downward", &json["downward"], &1.0.into(), 1e-4);
-    assert_near("efficacy", &json["efficacy_lm_per_w"], &(flux / 25.0).into(), 0.003 * flux / 25.0);
+    assert_near("flux", &json["flux_lm"], &json!(flux), 0.003 * flux);
+    assert_near("downward", &json["downward"], &json!(1.0), 1e-4);
+    assert_near("efficacy", &json["efficacy_lm_per_w"], &json!(flux / 25.0), 0.003 * flux / 25.0);
     let lamps = |arguments: &[&str]| abbe(folder.path(), &[&["lamps"], arguments].concat());
     lamps(&["lamp.IES", "D65"]).is_error(2, &["luminaire", "alone"]);
     lamps(&["missing.ldt"]).is_error(2, &["missing.ldt"]);

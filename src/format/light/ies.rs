@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::validate_pose;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::format::check;
 use crate::format::forms;
 use crate::format::quantity::{QuantityFile, one_quantity, validate_quantity};
@@ -66,8 +66,13 @@ impl IesFile {
     /// # Errors
     /// Returns an error if both quantities are stated, or if the quantity is below 0.
     pub fn quantity(&self) -> Result<Option<QuantityFile>> {
-        if self.power.is_none() && self.luminous_flux.is_none() {
-            return Ok(None);
+        match (self.power, self.luminous_flux) {
+            (None, None) => return Ok(None),
+            (Some(_), Some(_)) => {
+                let error = Error::input("found together with `power`").expected("at most one of power, luminous_flux");
+                return Err(error.on_path("luminous_flux"));
+            }
+            (Some(_), None) | (None, Some(_)) => {}
         }
         let choices = [(self.power, QuantityFile::Power as _), (self.luminous_flux, QuantityFile::LuminousFlux as _)];
         one_quantity(&choices).map(Some)

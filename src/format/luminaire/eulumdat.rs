@@ -115,7 +115,7 @@ fn planes_of(symmetry: LuminaireSymmetry, listed: &[PlacedValue], count: PlacedV
         LuminaireSymmetry::AboutC0 => 2,
         LuminaireSymmetry::AboutC90 | LuminaireSymmetry::Quadrants => 4,
     };
-    if planes % parts != 0 {
+    if !planes.is_multiple_of(parts) {
         let expected = format!("a multiple of {parts} for this symmetry");
         return Err(count.wrong("the number of C planes (Mc)", &expected));
     }

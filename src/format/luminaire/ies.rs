@@ -98,8 +98,8 @@ fn words(row: &str) -> impl Iterator<Item = (usize, &str)> {
 pub(super) fn parse(text: &str, tilt_file: TiltFile<'_>) -> Result<Photometry> {
     let lines: Vec<&str> = text.lines().collect();
     let version = Lm63Version::of(lines.first().copied().unwrap_or_default())?;
-    let tilt_value = |line: &&str| line.trim_start().get(..5).is_some_and(|start| start.eq_ignore_ascii_case("TILT="));
-    let Some(tilt_line) = lines.iter().position(|line| tilt_value(line)) else {
+    let is_tilt = |line: &&str| line.trim_start().get(..5).is_some_and(|start| start.eq_ignore_ascii_case("TILT="));
+    let Some(tilt_line) = lines.iter().position(is_tilt) else {
         let what = "a file without a line that begins with TILT=";
         return Err(Error::input(what).expected("an IES LM-63 file"));
     };

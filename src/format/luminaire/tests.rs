@@ -44,6 +44,9 @@ fn assert_same(a: &Photometry, b: &Photometry) {
     assert!((a.flux() / b.flux() - 1.0).abs() < 1e-12, "{} against {}", a.flux(), b.flux());
 }
 
+/// Maps an angle C to the angle that determines its plane.
+type Fold = fn(f64) -> f64;
+
 const GAMMA: [f64; 5] = [0.0, 20.0, 45.0, 90.0, 150.0];
 
 /// The intensities of planes at these angles C. `fold` maps an angle to the angle that determines
@@ -100,7 +103,7 @@ fn a_lambertian_table_has_the_flux_of_a_lambertian_source() {
 #[test]
 fn symmetric_files_give_the_distribution_of_the_full_file() {
     let full = every(30.0, (0.0, 360.0));
-    let cases: [(&[f64], fn(f64) -> f64, LuminaireSymmetry); 4] = [
+    let cases: [(&[f64], Fold, LuminaireSymmetry); 4] = [
         (&every(30.0, (0.0, 180.0)), about_c0, LuminaireSymmetry::AboutC0),
         (&every(30.0, (90.0, 270.0)), about_c90, LuminaireSymmetry::AboutC90),
         (&every(30.0, (0.0, 90.0)), both, LuminaireSymmetry::Quadrants),
@@ -124,7 +127,7 @@ fn symmetric_files_give_the_distribution_of_the_full_file() {
 fn both_formats_agree() {
     let all = every(30.0, (0.0, 330.0));
     let full = every(30.0, (0.0, 360.0));
-    let cases: [(u8, Vec<f64>, fn(f64) -> f64); 5] = [
+    let cases: [(u8, Vec<f64>, Fold); 5] = [
         (0, all.clone(), |c| if c == 360.0 { 0.0 } else { c }),
         (1, vec![0.0], |_| 7.0),
         (2, every(30.0, (0.0, 180.0)), about_c0),
