@@ -237,7 +237,7 @@ fn a_luminaire_is_described_with_its_polar_diagram() {
     lamps(&["lamp.IES", "D65"]).is_error(2, &["luminaire", "alone"]);
     lamps(&["missing.ldt"]).is_error(2, &["missing.ldt"]);
     std::fs::write(folder.path().join("bad.ies"), LAMBERTIAN.replace(" 80 90", " 80 70")).unwrap();
-    lamps(&["bad.ies"]).is_error(2, &["bad.ies:6:28: a vertical angle: 70", "above the one before it, 80°"]);
+    lamps(&["bad.ies"]).is_error(2, &["bad.ies:6:27: a vertical angle: 70", "above the one before it, 80°"]);
 }
 
 /// R9 of FL2 is negative (CIE 13.3: a lamp with little red).

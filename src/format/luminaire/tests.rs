@@ -309,3 +309,64 @@ proptest! {
         }
     }
 }
+
+/// Resolves a scene with one luminaire and one point light of 1000 lm. Returns the scene, or the
+/// error.
+fn scene_with(folder: &Path, keys: &str) -> Result<crate::scene::Scene> {
+    let text = format!(
+        r#"{{"camera": {{"from": [0, 1, 5], "at": [0, 0, 0], "lens": {{"pinhole": {{"fov": 35}}}}}},
+        "film": {{"width": 4, "height": 4}}, "materials": {{"white": {{"diffuse": {{"reflectance": 0.8}}}}}},
+        "objects": [{{"shape": {{"sphere": {{"radius": 1}}}}, "material": "white"}}],
+        "lights": [{{"ies": {{"at": [0, 3, 0], "spectrum": "A", {keys}}}}},
+          {{"point": {{"at": [0, 3, 0], "spectrum": "A", "luminous_flux": 1000}}}}]}}"#
+    );
+    let path = folder.join("scene.json");
+    let (scene, source) = crate::format::parse(&text, &path, &[])?;
+    crate::format::resolve::resolve(&scene, &source)
+}
+
+#[test]
+fn the_file_sets_the_flux_unless_the_scene_states_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let lamp = ies(1, &[0.0, 180.0], &[0.0], &[50.0, 50.0]);
+    write("lamp.ies", &lamp);
+    write("tilt.ies", &lamp.replace("TILT=NONE", "TILT=INCLUDE\n1\n2\n0 90\n1 0.5"));
+    // The power in W that corresponds to 1000 lm is that of the second light.
+    let kilolumens = |keys: &str| {
+        let scene = scene_with(folder.path(), keys).unwrap();
+        let power = |light: usize| scene.lights[light].power_w(scene.extent());
+        power(0) / power(1)
+    };
+    let down = r#""toward": [0, -1, 0], "path": "lamp.ies""#;
+    let flux = 4.0 * PI * 50.0 / 1000.0;
+    assert!((kilolumens(down) / flux - 1.0).abs() < 1e-12);
+    assert!((kilolumens(&format!(r#"{down}, "luminous_flux": 250"#)) / 0.25 - 1.0).abs() < 1e-12);
+    assert!((kilolumens(&format!(r#"{down}, "area": true"#)) / flux - 1.0).abs() < 1e-12);
+    // A horizontal luminaire is tilted by 90°. A transform tilts it too.
+    assert!((kilolumens(r#""toward": [1, 0, 0], "path": "tilt.ies""#) / flux - 0.5).abs() < 1e-12);
+    let turn = r#""transform": [{"rotate": {"axis": [0, 0, 1], "degrees": 45}}]"#;
+    assert!((kilolumens(&format!(r#""toward": [0, -1, 0], "path": "tilt.ies", {turn}"#)) / flux - 0.75).abs() < 1e-9);
+    let scene = scene_with(folder.path(), &format!(r#"{down}, "power": 7"#)).unwrap();
+    assert!((scene.lights[0].power_w(scene.extent()) - 7.0).abs() < 1e-12);
+}
+
+#[test]
+fn faults_of_a_luminaire_name_the_file_and_the_key() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let lamp = ies(1, &[0.0, 180.0], &[0.0], &[50.0, 50.0]);
+    write("bad.ies", &lamp.replace("50 50", "50 x"));
+    write("point.ies", &lamp.replace("0.2 0.6 0", "0 0 0"));
+    let error = |keys: &str| {
+        let error = scene_with(folder.path(), &format!(r#""toward": [0, -1, 0], {keys}"#)).unwrap_err();
+        assert_eq!(error.exit_status(), 2, "{error}");
+        error.to_string()
+    };
+    let bad = error(r#""path": "bad.ies""#);
+    assert!(bad.contains("bad.ies:9:4: lights[0].ies.path: an intensity: \"x\"; expected a number"), "{bad}");
+    assert!(error(r#""path": "../lamp.ies""#).contains("leads out of the folder"));
+    assert!(error(r#""path": "none.ies""#).contains("none.ies: lights[0].ies.path: cannot read the luminaire"));
+    let point = error(r#""path": "point.ies", "area": true"#);
+    assert!(point.contains("lights[0].ies.area: the luminaire file states no luminous opening"), "{point}");
+}
