@@ -126,8 +126,8 @@ pub(super) fn parse(text: &str, tilt_file: TiltFile<'_>) -> Result<Photometry> {
     Ok(photometry)
 }
 
-/// Returns the name of the luminaire from the keywords. A file of 1986 has no keywords, so its first
-/// line is the name.
+/// Returns the name of the luminaire from the keywords. A file of 1986 has no keywords, so its
+/// first line is the name.
 fn name_of(header: &[&str], version: Lm63Version) -> String {
     let keyword = |key: &str| {
         let line = header.iter().find_map(|line| line.trim_start().strip_prefix(key));

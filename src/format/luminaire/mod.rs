@@ -102,8 +102,9 @@ pub fn is_luminaire(path: &Path) -> bool {
     path.extension().is_some_and(|end| end.eq_ignore_ascii_case("ies") || end.eq_ignore_ascii_case("ldt"))
 }
 
-/// Reads a luminaire file. A file whose name ends with `.ldt` is read as EULUMDAT, and all others as
-/// IES LM-63. `access` decides whether the file may name a file with tilt factors in another folder.
+/// Reads a luminaire file. A file whose name ends with `.ldt` is read as EULUMDAT, and all others
+/// as IES LM-63. `access` decides whether the file may name a file with tilt factors in another
+/// folder.
 ///
 /// # Errors
 /// Returns an error with the name of the file, and with the line and the column if they are known.

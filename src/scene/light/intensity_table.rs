@@ -181,7 +181,8 @@ impl IntensityTable {
         mix(along(plane), along(plane + 1), round)
     }
 
-    /// Returns the sampling density of a direction per steradian: the intensity divided by the flux.
+    /// Returns the sampling density of a direction per steradian: the intensity divided by the
+    /// flux.
     pub fn pdf(&self, direction: DVec3) -> f64 {
         self.at(direction) / self.flux
     }

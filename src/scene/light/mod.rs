@@ -376,10 +376,9 @@ impl Light {
     }
 
     /// Returns true if no scattered ray can hit the light. In this case, only [`Light::sample_li`]
-    /// finds the light. Beams and luminaires count as delta lights because their surface is invisible.
-    /// Volume lights
-    /// count as delta lights because a ray never sees the light itself, but only the emission of
-    /// the medium.
+    /// finds the light. Beams and luminaires count as delta lights because their surface is
+    /// invisible. Volume lights count as delta lights because a ray never sees the light itself,
+    /// but only the emission of the medium.
     pub fn is_delta(&self) -> bool {
         match &self.emitter {
             Emitter::Area(_) | Emitter::Environment(_) => false,
@@ -446,8 +445,8 @@ impl Light {
         }
     }
 
-    /// The position of a point, spot, goniometric or beam light, relative to the scene's centre, in m; `None`
-    /// for all other lights.
+    /// The position of a point, spot, goniometric or beam light, relative to the scene's centre, in
+    /// m; `None` for all other lights.
     pub fn position(&self) -> Option<DVec3> {
         match &self.emitter {
             Emitter::Point(light) => Some(light.position),
