@@ -1,10 +1,12 @@
-//! `abbe lamps`: compares two or three lamps, or a lamp with its best match from primaries.
+//! `abbe lamps`: compares two or three lamps, or a lamp with its best match from primaries. The
+//! module [`super::luminaire`] describes luminaire files.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::colour::lamps::{ALIKE, DIFFERENT, LampComparison, PatchDifference, SplitPair};
 use crate::colour::{LightDifference, PrimaryMatch, light_difference, match_primaries, report};
 use crate::error::{Error, Result};
+use crate::format::luminaire::is_luminaire;
 use crate::output::figures::{difference_text, report_rows};
 use crate::output::file;
 use crate::output::lamps_page::{LampsPage, NamedLamp, page};
@@ -16,11 +18,11 @@ use super::named::{self, NamedSpectrum};
 use super::{Outcome, print};
 
 #[derive(Debug, clap::Args)]
-#[command(group(clap::ArgGroup::new("against").required(true).multiple(true).args(["b", "primaries"])))]
-#[command(override_usage = "abbe lamps A [B [C]] [--match PRIMARY...] [OPTIONS]")]
+#[command(override_usage = "abbe lamps A [B [C]] [--match PRIMARY...] [OPTIONS]\n       abbe lamps FILE.ies [OPTIONS]")]
 pub(crate) struct LampsArgs {
     /// The first lamp: a name of the library, a file (columns nm,value; or IES TM-27 .spdx), or a
-    /// spectrum in the JSON form of scenes
+    /// spectrum in the JSON form of scenes; or a luminaire file (.ies or .ldt) whose figures and
+    /// polar diagram are shown
     #[arg(value_name = "A")]
     a: String,
     /// The second lamp [default: the match of A]
@@ -36,7 +38,8 @@ pub(crate) struct LampsArgs {
     /// The standard observer: cie1931, cie1964, cie2015_2 or cie2015_10
     #[arg(long, value_name = "O", default_value = "cie1931")]
     observer: String,
-    /// Write an HTML page with spectra, colour swatches and all numbers
+    /// Write an HTML page with spectra, colour swatches and all numbers; or with the polar diagram
+    /// of a luminaire
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
     /// Print one JSON object
@@ -67,6 +70,14 @@ struct PrimaryMix {
 }
 
 pub(crate) fn run(arguments: &LampsArgs) -> Result<Outcome> {
+    let luminaire = Path::new(&arguments.a);
+    if is_luminaire(luminaire) {
+        if arguments.b.is_some() || !arguments.primaries.is_empty() {
+            let what = "a luminaire file together with other lamps";
+            return Err(Error::input(what).expected("one luminaire file alone, or spectra of lamps"));
+        }
+        return super::luminaire::run(luminaire, arguments.html.as_deref(), arguments.json);
+    }
     let compared = compared(arguments)?;
     let warning = compared.warning();
     if let Some(path) = &arguments.html {
@@ -92,7 +103,9 @@ fn compared(arguments: &LampsArgs) -> Result<LampsCompared> {
     let b = match (&arguments.b, &mix) {
         (Some(b), _) => named::light(b)?,
         (None, Some(mix)) => mix.lamp(&a),
-        (None, None) => return Err(Error::input("there is no second lamp to compare with A").expected("B or --match")),
+        (None, None) => {
+            return Err(Error::input("a second lamp is required to compare with A").expected("B or --match"));
+        }
     };
     let comparison = LampComparison::between([&a.spectrum, &b.spectrum], observer)?;
     let third = match &arguments.c {

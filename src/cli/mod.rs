@@ -19,6 +19,7 @@ mod glass;
 mod interrupt;
 mod lamps;
 mod lens;
+mod luminaire;
 mod man;
 mod memory;
 mod merge;

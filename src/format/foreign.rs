@@ -8,17 +8,21 @@ use crate::error::{Error, Result};
 enum Import {
     /// The file is a mesh that a scene can name.
     Mesh,
+    /// The file is a luminaire that a scene can name.
+    Luminaire,
     /// The file is a scene of another program. Its meshes can be exported.
     Scene,
 }
 
 /// File name extensions of other programs, the names of the formats, and the way to import them.
-const FOREIGN: [(&str, &str, Import); 14] = [
+const FOREIGN: [(&str, &str, Import); 16] = [
     ("obj", "a Wavefront OBJ mesh", Import::Mesh),
     ("ply", "a PLY mesh", Import::Mesh),
     ("stl", "an STL mesh", Import::Mesh),
     ("gltf", "a glTF file", Import::Mesh),
     ("glb", "a glTF file", Import::Mesh),
+    ("ies", "an IES luminaire", Import::Luminaire),
+    ("ldt", "an EULUMDAT luminaire", Import::Luminaire),
     ("pbrt", "a pbrt scene", Import::Scene),
     ("xml", "an XML file, such as a Mitsuba scene", Import::Scene),
     ("blend", "a Blender file", Import::Scene),
@@ -44,6 +48,10 @@ pub(super) fn refuse_foreign(path: &Path) -> Result<()> {
         Import::Mesh => {
             format!("to use this mesh, name it in a scene: {{\"shape\": {{\"mesh\": {{\"path\": \"{name}\"}}}}}}")
         }
+        Import::Luminaire => format!(
+            "to use this luminaire, add it to the lights of a scene: {{\"ies\": {{\"at\": [0, 3, 0], \"toward\": [0, -1, 0], \
+             \"path\": \"{name}\", \"spectrum\": \"LED-B3\"}}}}"
+        ),
         Import::Scene => "to use its geometry, export the meshes as glTF, OBJ, PLY or STL, name them in a scene, and \
                           write camera, lights and materials by hand"
             .to_string(),
@@ -59,7 +67,12 @@ mod tests {
     #[test]
     fn files_of_other_programs_are_refused_with_a_way() {
         let folder = tempfile::tempdir().unwrap();
-        for (name, way) in [("a.GLB", "\"path\": \"a.GLB\""), ("a.obj", "\"path\": \"a.obj\""), ("a.pbrt", "export")] {
+        for (name, way) in [
+            ("a.GLB", "\"path\": \"a.GLB\""),
+            ("a.obj", "\"path\": \"a.obj\""),
+            ("a.ldt", "add it to the lights"),
+            ("a.pbrt", "export"),
+        ] {
             let path = folder.path().join(name);
             assert!(refuse_foreign(&path).is_ok(), "{name} does not exist yet");
             std::fs::write(&path, "x").unwrap();

@@ -1,8 +1,10 @@
 //! Lights in the scene file.
 
 mod distant;
+mod ies;
 
 pub use distant::{DirectionalFile, EnvironmentFile};
+pub use ies::IesFile;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -58,13 +60,13 @@ pub enum LightFile {
         "image": "sky.exr", "irradiance": 100, "transform": [{"rotate": {"axis": [0, 1, 0], "degrees": 90}}], "motion": []
     }}))]
     Environment(EnvironmentFile),
-    /// A real lamp with a measured distribution of intensity (IES LM-63 file).
+    /// A luminaire with a measured distribution of intensity, from an IES LM-63 or EULUMDAT file.
+    #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.ies", "spectrum": "LED-B3"}}))]
     #[schemars(example = json!({"ies": {
-        "at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.ies", "spectrum": "D65", "luminous_flux": 800,
-        "transform": [], "motion": []
+        "at": [0, 3, 0], "toward": [0, -1, 0], "c0": [0, 0, 1], "path": "lamp.ldt", "area": true, "spectrum": "D65",
+        "luminous_flux": 800, "transform": [], "motion": []
     }}))]
     #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.ies", "spectrum": 1, "power": 60}}))]
-    #[schemars(skip)]
     Ies(IesFile),
 }
 
@@ -192,39 +194,6 @@ pub struct BeamFile {
     pub motion: Vec<KeyframeFile>,
 }
 
-/// A measured lamp. State exactly one of `power` and `luminous_flux`.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct IesFile {
-    /// Position of the light.
-    #[schemars(extend("x-unit" = "scene unit"))]
-    pub at: [f64; 3],
-    /// Direction of the photometric axis (nadir).
-    #[schemars(extend("x-range" = "not zero"))]
-    pub toward: [f64; 3],
-    /// Path of the IES LM-63 file, relative to the scene's folder.
-    pub path: String,
-    /// Relative distribution of the light over wavelength. The given quantity sets the scale.
-    #[schemars(extend("minimum" = 0))]
-    pub spectrum: SpectrumFile,
-    /// Power over 360–830 nm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0), extend("x-unit" = "W"))]
-    pub power: Option<f64>,
-    /// Luminous flux.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0), extend("x-unit" = "lm"))]
-    pub luminous_flux: Option<f64>,
-    /// Placement of the light in the scene.
-    #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
-    pub transform: TransformFile,
-    /// Keyframes of the motion, in the order of their times.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
-    pub motion: Vec<KeyframeFile>,
-}
-
 impl PointFile {
     /// Returns the quantity that the emitter states.
     ///
@@ -258,17 +227,6 @@ impl SpotFile {
 }
 
 impl BeamFile {
-    /// Returns the quantity that the emitter states.
-    ///
-    /// # Errors
-    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
-    /// quantity is below 0.
-    pub fn quantity(&self) -> Result<QuantityFile> {
-        one_quantity(&[(self.power, QuantityFile::Power), (self.luminous_flux, QuantityFile::LuminousFlux)])
-    }
-}
-
-impl IesFile {
     /// Returns the quantity that the emitter states.
     ///
     /// # Errors
@@ -345,18 +303,6 @@ impl BeamFile {
             check::apart(&at.key("to"), self.to, "from", self.from),
             check::positive(&at.key("radius"), self.radius),
             check::rule(&at.key("divergence"), self.divergence, inside, "a number of at least 0 and below 90"),
-            self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative),
-            validate_quantity(at, self.quantity()),
-            validate_pose(at, &self.transform, &self.motion),
-        ])
-    }
-}
-
-impl IesFile {
-    /// Checks the direction, the spectrum, the quantity, the transform and the keyframes.
-    fn validate(&self, at: &JsonPath) -> Result<()> {
-        check::all([
-            check::direction(&at.key("toward"), self.toward),
             self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative),
             validate_quantity(at, self.quantity()),
             validate_pose(at, &self.transform, &self.motion),

@@ -16,6 +16,7 @@ mod forms;
 mod index;
 mod lens;
 pub mod light;
+pub mod luminaire;
 mod material;
 mod medium;
 pub mod mesh;

@@ -21,11 +21,14 @@ pub mod heat;
 pub mod icc;
 #[cfg(feature = "pages")]
 pub mod lamps_page;
+#[cfg(feature = "pages")]
+pub mod luminaire_page;
 pub mod metadata;
 #[cfg(feature = "pages")]
 pub mod page;
 pub mod plot;
 pub mod png;
+pub mod polar;
 mod svg;
 
 pub use metadata::Metadata;

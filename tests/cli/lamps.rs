@@ -3,6 +3,7 @@
 use crate::abbe_command::abbe;
 use crate::common::near::assert_near;
 use crate::golden::golden;
+use serde_json::json;
 
 const RED: &str = r#"{"lines": [{"nm": 620, "power": 1}]}"#;
 const GREEN: &str = r#"{"lines": [{"nm": 550, "power": 1}]}"#;
@@ -199,6 +200,44 @@ fn a_match_has_one_colour_difference() {
     let lines: Vec<&str> = said.out.lines().filter(|line| line.contains("Δxy")).chain([said.err.as_str()]).collect();
     assert_eq!(lines.len(), 3, "{}", said.out);
     assert!(lines.iter().all(|line| difference(line) == difference(lines[0])), "{lines:?}");
+}
+
+/// A Lambertian luminaire: the flux is π I₀, and the beam angle is 120°.
+const LAMBERTIAN: &str = "IESNA:LM-63-2002\n[MANUFAC] Abbe & <Sons>\nTILT=NONE\n1 1000 10 10 1 1 2 0.5 0.2 0\n1 1 25\n\
+    0 10 20 30 40 50 60 70 80 90\n0\n100 98.481 93.969 86.603 76.604 64.279 50 34.202 17.365 0\n";
+
+#[test]
+fn a_luminaire_is_described_with_its_polar_diagram() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("lamp.IES"), LAMBERTIAN).unwrap();
+    let said = abbe(folder.path(), &["lamps", "lamp.IES", "--html", "page.html"]);
+    assert!(said.status == 0 && said.err.is_empty(), "{}", said.err);
+    for words in [
+        "Abbe & <Sons>\n",
+        "IES LM-63-2002, type C, 10 × 1 angles",
+        "rotational",
+        "peak            1000.0 cd at γ 0.0°",
+        "beam angle      120.0° in C0–C180, 120.0° in C90–C270",
+        "lm/W at 25 W",
+        "0.200 m along C0 × 0.500 m",
+    ] {
+        assert!(said.out.contains(words), "{words}: {}", said.out);
+    }
+    let page = std::fs::read_to_string(folder.path().join("page.html")).unwrap();
+    assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>"));
+    assert!(page.contains("Abbe &amp; &lt;Sons&gt;") && page.matches("<svg ").count() == 1 && page.contains("1000 cd"));
+    assert!(!page.replace("http://www.w3.org/2000/svg", "").contains("http") && !page.contains("NaN"));
+    let json = abbe(folder.path(), &["lamps", "lamp.IES", "--json"]).json();
+    // Linear interpolation in steps of 10° loses 0.25 % of the flux.
+    let flux = std::f64::consts::PI * 1000.0;
+    assert_near("flux", &json["flux_lm"], &json!(flux), 0.003 * flux);
+    assert_near("downward", &json["downward"], &json!(1.0), 1e-4);
+    assert_near("efficacy", &json["efficacy_lm_per_w"], &json!(flux / 25.0), 0.003 * flux / 25.0);
+    let lamps = |arguments: &[&str]| abbe(folder.path(), &[&["lamps"], arguments].concat());
+    lamps(&["lamp.IES", "D65"]).is_error(2, &["luminaire", "alone"]);
+    lamps(&["missing.ldt"]).is_error(2, &["missing.ldt"]);
+    std::fs::write(folder.path().join("bad.ies"), LAMBERTIAN.replace(" 80 90", " 80 70")).unwrap();
+    lamps(&["bad.ies"]).is_error(2, &["bad.ies:6:27: a vertical angle: 70", "above the one before it, 80°"]);
 }
 
 /// R9 of FL2 is negative (CIE 13.3: a lamp with little red).

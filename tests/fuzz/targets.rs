@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use abbe::format::luminaire::{self, LuminaireSummary};
 use abbe::format::volume_file;
 use abbe::format::{self, FileAccess};
 use abbe::format::{mesh, resolve};
@@ -41,6 +42,10 @@ impl Target {
 pub(crate) fn all() -> Vec<Target> {
     let mesh = |path: &Path| mesh::load(path, FileAccess::WithinFolder).is_ok();
     let spectrum = |path: &Path| read::spectrum_file(path, Outside::Zero).is_ok();
+    let luminaire = |path: &Path| {
+        let read = luminaire::read(path, FileAccess::WithinFolder);
+        read.and_then(|photometry| LuminaireSummary::of(&photometry)).is_ok()
+    };
     let lens = |path: &Path| resolve::lens_file(path, &[]).is_ok();
     let beside = vec![("cube.bin", buffer()), ("a.mtl", MTL.as_bytes().to_vec())];
     let bytes = |text: &str| text.as_bytes().to_vec();
@@ -64,6 +69,8 @@ pub(crate) fn all() -> Vec<Target> {
         Target::new("phase", "csv", 1, vec![bytes(PHASE)], |path| {
             phase::parse_table(&String::from_utf8_lossy(&std::fs::read(path).unwrap())).is_ok()
         }),
+        Target::new("luminaire", "ies", 4, vec![bytes(IES), bytes(IES_TYPE_B)], luminaire),
+        Target::new("luminaire", "ldt", 4, vec![bytes(LDT)], luminaire),
         Target::new("checkpoint", "exr", 4, vec![checkpoint()], is_saved),
         Target::new("sky", "exr", 1, vec![picture()], is_sky),
         Target::new("sky", "png", 1, vec![png()], is_sky),
@@ -187,6 +194,16 @@ const AGF: &str = "CC own glasses\nNM OWN-7 2 517642 1.5168 64.17 0 1\nCD 1.0396
     LD 0.3 2.5\nNM OWN-8 1 0 1.6 50 0 1\nCD 2.5 -0.01 0.01 0 0 0\nLD 0.4 0.7\n";
 
 const PHASE: &str = "angle_deg,p_400nm_per_sr,p_700nm_per_sr\n0,0.3,0.2\n60,0.1,0.1\n120,0.05,0.06\n180,0.07,0.08\n";
+
+const IES: &str = "IESNA:LM-63-1995\n[TEST] 1\n[MANUFAC] Abbe\nTILT=INCLUDE\n1\n2\n0 90\n1 0.9\n2 1200 1.5 4 3 1 1 1 2 0\n\
+    1.0 1.0 58\n0 30 60 90\n0 45 90\n500 400 200 0\n500 300, 100, 0\n500 200 50\n0\n";
+
+const IES_TYPE_B: &str =
+    "IES:LM-63-2019\nTILT=NONE\n1 -1 1 3 3 2 2 -0.2 -0.2 0\n1 1.1 20\n-10 0 10\n-20 0 20\n1 2 1\n2 9 2\n1 2 1\n";
+
+const LDT: &str = "Abbe\n1\n2\n4\n90\n3\n45\nreport\nLamp\n1\nlamp.ldt\ntoday\n600\n200\n50\n600\n200\n0\n0\n0\n0\n100\n100\n\
+    1\n0\n1\n1\nLED\n2000\n4000\n80\n20\n0\n0\n0\n0\n0\n0\n0\n0\n0\n0\n0\n90\n180\n270\n0\n45\n90\n\
+    300\n200\n10\n300\n150\n5\n300\n180\n7\n";
 
 /// A grid of 2 × 3 × 4 values.
 fn npy() -> Vec<u8> {

@@ -130,6 +130,53 @@ fn a_beam_of_so_many_lumens() {
         .for_each(|integrator| check("beam", &floor(&[], std::slice::from_ref(&lamp)), illuminance, integrator, 32));
 }
 
+/// The luminous intensity of `uneven.ies` in cd, for an offset from the luminaire to a point below
+/// it. The half-plane C0 is along +x, and C90 is along −z. Only angles γ up to 60° and C from 0° to
+/// 90° are supported.
+fn uneven_candela([x, y, z]: [f64; 3]) -> f64 {
+    let gamma = (x.hypot(z) / -y).atan().to_degrees();
+    let c = (-z).atan2(x).to_degrees();
+    assert!(gamma <= 60.0 && (0.0..=90.0).contains(&c), "γ {gamma}, C {c}");
+    let at_60 = 300.0 + c / 90.0 * (600.0 - 300.0);
+    900.0 + gamma / 60.0 * (at_60 - 900.0)
+}
+
+#[test]
+fn a_luminaire_of_a_photometric_file() {
+    let luminaire = json!({ "ies": { "at": [0.2, 1.1, 0.3], "toward": [0, -1, 0], "path": "physics/uneven.ies", "spectrum": "D65" } });
+    // E = I(γ, C) cos γ/d².
+    let from = |[a, b]: [f64; 2], [x, z]: [f64; 2]| {
+        let offset = [x - a, -1.1, z - b];
+        uneven_candela(offset) * 1.1 / offset.iter().map(|side| side * side).sum::<f64>().powf(1.5)
+    };
+    let illuminance = mean_over_view(|x, z| from([0.2, 0.3], [x, z]));
+    BOTH.into_iter()
+        .for_each(|way| check("luminaire", &floor(&[], std::slice::from_ref(&luminaire)), illuminance, way, 32));
+    // The opening is 0.8 m along C0 and 0.3 m along C90. Its points have equal intensities.
+    let mut panel = luminaire.clone();
+    panel["ies"]["area"] = json!(true);
+    panel["ies"]["at"] = json!([0.0, 1.1, 0.6]);
+    let illuminance = mean_over_view(|x, z| {
+        let side = |i: u32, length: f64| ((f64::from(i) + 0.5) / 20.0 - 0.5) * length;
+        let at = |i: u32| from([side(i % 20, 0.8), 0.6 + side(i / 20, 0.3)], [x, z]);
+        (0..400).map(at).sum::<f64>() / 400.0
+    });
+    BOTH.into_iter().for_each(|way| check("panel", &floor(&[], std::slice::from_ref(&panel)), illuminance, way, 64));
+    // A stated flux replaces the flux of the file: twice the flux gives twice the illuminance.
+    let half = with_flux(&luminaire, 500.0);
+    let whole = with_flux(&luminaire, 1000.0);
+    let luminance = |lamp: &Value| {
+        Measured::new(&floor(&[], std::slice::from_ref(lamp)), (Integrator::Path, 4), 0..2, mean_y).mean(0)
+    };
+    assert!((luminance(&whole) / luminance(&half) - 2.0).abs() < 1e-6);
+}
+
+fn with_flux(luminaire: &Value, flux: f64) -> Value {
+    let mut luminaire = luminaire.clone();
+    luminaire["ies"]["luminous_flux"] = json!(flux);
+    luminaire
+}
+
 /// A mirror wall at x = −0.5 that faces +x, with a light in front of it. The floor sees the light
 /// and its mirror image at x → −1 − x.
 fn mirrored_point() -> (Vec<Value>, Value, f64) {

@@ -65,7 +65,7 @@ impl<'a> Resolver<'a> {
 
 /// The end of every message about an unsupported part of a scene file. This version cannot simulate
 /// such a part.
-pub(super) const UNSUPPORTED: &str = "not supported yet";
+const UNSUPPORTED: &str = "not supported yet";
 
 /// The error for an unsupported part of a scene file. The text `what` names the part and must end
 /// with "is" or "are".

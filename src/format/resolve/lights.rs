@@ -1,17 +1,19 @@
 //! Translates the lights of the scene file to emitters in watts.
 
-use super::context::{Resolver, unsupported};
+use super::context::Resolver;
 use super::environment_image;
 use super::motion::ResolvedMotion;
 use super::objects::{EmissionSource, EmittingObject};
 use super::spectra::Role;
 use crate::error::{Error, Result};
-use crate::format::light::{BeamFile, DirectionalFile, EnvironmentFile, LightFile, PointFile, SpotFile};
+use crate::format::light::{BeamFile, DirectionalFile, EnvironmentFile, IesFile, LightFile, PointFile, SpotFile};
+use crate::format::luminaire::{self, Photometry};
 use crate::format::{EmissionFile, JsonPath, QuantityFile, SpectrumFile};
+use crate::math::elementary::acos;
 use crate::scene::builder::SceneBuilder;
 use crate::scene::light::{
-    AreaLight, BeamLight, DirectionalLight, Emitter, EnvironmentLight, Light, LightSpectrum, PointLight, SpotLight,
-    mean_scale,
+    AreaLight, BeamLight, DirectionalLight, Emitter, EnvironmentLight, GoniometricLight, Light, LightSpectrum,
+    LuminousOpening, OpeningShape, PointLight, SpotLight, mean_scale,
 };
 use crate::spectrum::{Observer, Spectrum};
 use glam::{DAffine3, DVec3};
@@ -129,7 +131,7 @@ impl Resolver<'_> {
             LightFile::Environment(file) => {
                 ("environment", self.environment_light(&at.key("environment"), file, &mut context))
             }
-            LightFile::Ies(_) => ("ies", self.at(&at.key("ies"), Err(unsupported("IES lamps are")))),
+            LightFile::Ies(file) => ("ies", self.luminaire(&at.key("ies"), file, &mut context)),
         };
         let (emitter, spectrum) = resolved?;
         let light = self.at(at, Light::new(format!("{kind} {number}"), emitter, &spectrum, observer))?;
@@ -200,6 +202,40 @@ impl Resolver<'_> {
         Ok((Emitter::Beam(beam), spectrum))
     }
 
+    /// Resolves a luminaire with a measured distribution of intensity.
+    fn luminaire(
+        &self,
+        path: &JsonPath<'_>,
+        file: &IesFile,
+        context: &mut LightContext<'_>,
+    ) -> Result<EmitterAndSpectrum> {
+        let spectrum = self.light_spectrum(path, &file.spectrum, context.notes)?;
+        let at_path = path.key("path");
+        let photometry = self.source.file(&file.path).and_then(|it| luminaire::read(&it, self.source.file_access()));
+        let photometry = self.at(&at_path, photometry)?;
+        let table = self.at(&at_path, photometry.table())?;
+        let toward = DVec3::from(file.toward).normalize();
+        let c0 = file.c0.map_or_else(|| GoniometricLight::default_c0(toward), DVec3::from);
+        let c0 = (c0 - c0.dot(toward) * toward).normalize();
+        // Without a quantity, the file sets the scale in cd, which a tilt of the luminaire may
+        // change.
+        let axis = context.to_world.transform_vector3(toward).normalize();
+        let tilt_deg = acos((-axis.y).clamp(-1.0, 1.0)).to_degrees();
+        let scale = match self.at(path, file.quantity())? {
+            Some(quantity) => self.at(path, radiometric(quantity, &spectrum))?.value() / table.flux(),
+            None => self.at(path, spectrum.watts_from_lumens(photometry.tilt_factor(tilt_deg)))?,
+        };
+        let opening = if file.area {
+            self.at(&path.key("area"), opening(&photometry, [toward, c0], context.notes))?
+        } else {
+            LuminousOpening::POINT
+        };
+        let light = GoniometricLight::new(DVec3::ZERO, [toward, c0], scale, Arc::new(table)).with_opening(opening);
+        // A transform with a scale also scales the opening.
+        let place = DAffine3 { translation: self.point_of_light(context, file.at), ..context.to_world };
+        Ok((Emitter::Goniometric(light).moved(&place), spectrum))
+    }
+
     fn directional_light(
         &self,
         path: &JsonPath<'_>,
@@ -263,4 +299,20 @@ impl Resolver<'_> {
         let radiance = self.at(path, spectrum.watts_from_lumens(luminance))?;
         Ok((spectrum, radiance))
     }
+}
+
+/// Returns the luminous opening of a luminaire. `toward` and `c0` are the photometric axis and the
+/// direction C0.
+fn opening(photometry: &Photometry, [toward, c0]: [DVec3; 2], notes: &mut Vec<String>) -> Result<LuminousOpening> {
+    let size = photometry.opening;
+    if size.shape == OpeningShape::Point {
+        let error = Error::input("the luminaire file states no luminous opening");
+        return Err(error.expected("false, or a file with the size of the opening"));
+    }
+    if size.height_m > 0.0 {
+        let name = if photometry.name.is_empty() { "a luminaire" } else { &photometry.name };
+        notes.push(format!("{name}: the light leaves the flat opening; its luminous sides are left out"));
+    }
+    let half_sides = [0.5 * size.along_c0_m * c0, 0.5 * size.along_c90_m * c0.cross(toward)];
+    Ok(LuminousOpening { shape: size.shape, half_sides })
 }

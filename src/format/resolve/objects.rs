@@ -1,6 +1,6 @@
 //! Translates the objects of the scene file to placed shapes with materials.
 
-use super::context::{Resolver, UNSUPPORTED};
+use super::context::Resolver;
 use super::mesh_materials;
 use super::motion::ResolvedMotion;
 use crate::error::Result;
@@ -49,12 +49,9 @@ impl<'a> Resolver<'a> {
         for (number, file) in self.scene.objects.iter().enumerate() {
             self.keep(self.object(&at.index(number), number, file, &mut resolved));
         }
-        // Unused materials are checked as well, but may use features that are not supported yet.
+        // Unused materials are checked as well.
         for name in self.scene.materials.keys().filter(|name| !resolved.named.contains_key(name.as_str())) {
-            let unused = self.material(&root.key("materials"), name, &mut Vec::new());
-            if !unused.as_ref().is_err_and(|error| error.what.ends_with(UNSUPPORTED)) {
-                self.keep(unused);
-            }
+            self.keep(self.material(&root.key("materials"), name, &mut Vec::new()));
         }
         resolved
     }

@@ -54,6 +54,7 @@ impl Light {
                 Some(IntensityBounds::into_all_directions((light.position, light.position), light.intensity))
             }
             Emitter::Spot(light) => Some(light.intensity_bounds()),
+            Emitter::Goniometric(light) => Some(light.intensity_bounds()),
             Emitter::Beam(light) => light.intensity_bounds(),
             Emitter::Directional(_) | Emitter::Environment(_) => None,
             Emitter::Area(light) => {

@@ -12,7 +12,9 @@ mod area;
 mod beam;
 mod directional;
 mod environment;
+mod goniometric;
 mod intensity_bounds;
+mod intensity_table;
 mod lit_interval;
 mod point;
 mod sample;
@@ -27,7 +29,9 @@ pub use area::AreaLight;
 pub use beam::{BeamLight, mean_scale};
 pub use directional::DirectionalLight;
 pub use environment::{EnvironmentLight, EnvironmentMap};
+pub use goniometric::{GoniometricLight, LuminousOpening, OpeningShape};
 pub use intensity_bounds::IntensityBounds;
+pub use intensity_table::{IntensityTable, PhotometricType};
 pub use lit_interval::LitInterval;
 pub use point::{PointLight, SpotLight};
 pub use sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoint, SceneExtent};
@@ -77,6 +81,8 @@ pub enum Emitter {
     Point(PointLight),
     /// A point that shines into a cone.
     Spot(SpotLight),
+    /// A luminaire with a measured distribution of intensity.
+    Goniometric(GoniometricLight),
     /// A disk of parallel or divergent light.
     Beam(BeamLight),
     /// Distant light from one direction or from a disk in the sky.
@@ -99,6 +105,7 @@ impl Emitter {
         match self {
             Self::Point(light) => Self::Point(light.moved(map)),
             Self::Spot(light) => Self::Spot(light.moved(map)),
+            Self::Goniometric(light) => Self::Goniometric(light.moved(map)),
             Self::Beam(light) => Self::Beam(light.moved(map)),
             Self::Directional(light) => Self::Directional(light.moved(map)),
             Self::Environment(light) => Self::Environment(light.rotated(DecomposedTransform::of(map).rotation)),
@@ -112,7 +119,7 @@ impl Emitter {
 /// Each light is at `at` and shines along `axis`.
 #[cfg(test)]
 fn local_test_lights(at: DVec3, axis: DVec3) -> Vec<contract_tests::TestLight> {
-    [point::test_lights(at, axis), beam::test_lights(at, axis)].concat()
+    [point::test_lights(at, axis), beam::test_lights(at, axis), goniometric::test_lights(at, axis)].concat()
 }
 
 impl Light {
@@ -147,6 +154,7 @@ impl Light {
         match &self.emitter {
             Emitter::Point(light) => light.power_w(),
             Emitter::Spot(light) => light.power_w(),
+            Emitter::Goniometric(light) => light.power_w(),
             Emitter::Beam(light) => light.power_w,
             Emitter::Directional(light) => light.power_w(extent.radius_m),
             Emitter::Environment(light) => light.power_w(extent.radius_m),
@@ -160,6 +168,7 @@ impl Light {
         match &self.emitter {
             Emitter::Point(light) => light.sample_le(u),
             Emitter::Spot(light) => light.sample_le(u),
+            Emitter::Goniometric(light) => light.sample_le(u),
             Emitter::Beam(light) => light.sample_le(u),
             Emitter::Directional(light) => light.sample_le(extent.radius_m, u),
             Emitter::Environment(light) => light.sample_le(extent.radius_m, u),
@@ -177,6 +186,7 @@ impl Light {
         let sample = match &self.emitter {
             Emitter::Point(light) => light.sample_le_through(sphere, u),
             Emitter::Spot(light) => light.sample_le_through(sphere, u),
+            Emitter::Goniometric(light) => light.sample_le_through(sphere, u),
             Emitter::Beam(light) => light.sample_le_through(sphere, u),
             Emitter::Directional(light) => light.sample_le_through(extent.radius_m, sphere, u),
             Emitter::Environment(light) => light.sample_le_through(extent.radius_m, sphere, u),
@@ -193,6 +203,7 @@ impl Light {
         match &self.emitter {
             Emitter::Point(light) => light.sample_li(from),
             Emitter::Spot(light) => light.sample_li(from),
+            Emitter::Goniometric(light) => light.sample_li(from, u),
             Emitter::Beam(light) => light.sample_li(from, u),
             Emitter::Directional(light) => Some(light.sample_li(u)),
             Emitter::Environment(light) => light.sample_li(u),
@@ -208,7 +219,12 @@ impl Light {
         match &self.emitter {
             Emitter::Directional(light) => light.le(direction).map(|radiance| (radiance, EmittedSpd::Own)),
             Emitter::Environment(light) => Some(light.le(direction)),
-            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Area(_) | Emitter::Volume(_) => None,
+            Emitter::Point(_)
+            | Emitter::Spot(_)
+            | Emitter::Goniometric(_)
+            | Emitter::Beam(_)
+            | Emitter::Area(_)
+            | Emitter::Volume(_) => None,
         }
     }
 
@@ -220,7 +236,9 @@ impl Light {
             Emitter::Directional(_) | Emitter::Environment(_) => {
                 self.le(-sample.direction).map_or(0.0, |(radiance, _)| radiance)
             }
-            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Volume(_) => 0.0,
+            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Goniometric(_) | Emitter::Beam(_) | Emitter::Volume(_) => {
+                0.0
+            }
         }
     }
 
@@ -230,7 +248,12 @@ impl Light {
         match &self.emitter {
             Emitter::Directional(light) => light.pdf_li(direction),
             Emitter::Environment(light) => light.pdf_li(direction),
-            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Area(_) | Emitter::Volume(_) => 0.0,
+            Emitter::Point(_)
+            | Emitter::Spot(_)
+            | Emitter::Goniometric(_)
+            | Emitter::Beam(_)
+            | Emitter::Area(_)
+            | Emitter::Volume(_) => 0.0,
         }
     }
 
@@ -241,6 +264,7 @@ impl Light {
             Emitter::Area(light) => light.le(direction, hit.normal),
             Emitter::Point(_)
             | Emitter::Spot(_)
+            | Emitter::Goniometric(_)
             | Emitter::Beam(_)
             | Emitter::Directional(_)
             | Emitter::Environment(_)
@@ -281,6 +305,7 @@ impl Light {
         match &self.emitter {
             Emitter::Point(light) => Some(LitInterval { from, to, pivot: Some(light.position) }),
             Emitter::Spot(light) => light.lit_interval(ray, window),
+            Emitter::Goniometric(light) => light.lit_interval(ray, window, u),
             Emitter::Beam(light) => light.lit_interval(ray, window),
             Emitter::Directional(_) | Emitter::Environment(_) => Some(LitInterval { from, to, pivot: None }),
             Emitter::Area(light) => Some(light.lit_interval(extent.geometry, window, u)),
@@ -294,6 +319,7 @@ impl Light {
         match &self.emitter {
             Emitter::Point(light) => Some(VirtualLight::at_point(light.position, u)),
             Emitter::Spot(light) => Some(VirtualLight::at_point(light.position(), u)),
+            Emitter::Goniometric(light) => light.virtual_light(u),
             Emitter::Beam(light) => light.virtual_light(u),
             Emitter::Directional(light) => Some(light.virtual_light(u)),
             Emitter::Area(light) => Some(light.virtual_light(extent.geometry, u)),
@@ -306,11 +332,12 @@ impl Light {
         matches!(self.emitter, Emitter::Environment(_))
     }
 
-    /// Returns true if virtual lights can represent the light. For an environment, a volume light
-    /// or a divergent beam, a single virtual light is too inaccurate.
+    /// Returns true if virtual lights can represent the light. For an environment, a volume light,
+    /// a divergent beam or a luminous opening, a single virtual light is too inaccurate.
     pub fn has_virtual_lights(&self) -> bool {
         match &self.emitter {
             Emitter::Point(_) | Emitter::Spot(_) | Emitter::Directional(_) | Emitter::Area(_) => true,
+            Emitter::Goniometric(light) => light.is_point(),
             Emitter::Beam(light) => light.is_parallel(),
             Emitter::Environment(_) | Emitter::Volume(_) => false,
         }
@@ -339,19 +366,26 @@ impl Light {
     pub fn is_distant(&self) -> bool {
         match &self.emitter {
             Emitter::Directional(_) | Emitter::Environment(_) => true,
-            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Area(_) | Emitter::Volume(_) => false,
+            Emitter::Point(_)
+            | Emitter::Spot(_)
+            | Emitter::Goniometric(_)
+            | Emitter::Beam(_)
+            | Emitter::Area(_)
+            | Emitter::Volume(_) => false,
         }
     }
 
     /// Returns true if no scattered ray can hit the light. In this case, only [`Light::sample_li`]
-    /// finds the light. Beams count as delta lights because their disk is invisible. Volume lights
-    /// count as delta lights because a ray never sees the light itself, but only the emission of
-    /// the medium.
+    /// finds the light. Beams and luminaires count as delta lights because their surface is
+    /// invisible. Volume lights count as delta lights because a ray never sees the light itself,
+    /// but only the emission of the medium.
     pub fn is_delta(&self) -> bool {
         match &self.emitter {
             Emitter::Area(_) | Emitter::Environment(_) => false,
             Emitter::Directional(light) => !light.has_extent(),
-            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Volume(_) => true,
+            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Goniometric(_) | Emitter::Beam(_) | Emitter::Volume(_) => {
+                true
+            }
         }
     }
 
@@ -361,6 +395,7 @@ impl Light {
             Emitter::Environment(light) => light.map.is_none(),
             Emitter::Point(_)
             | Emitter::Spot(_)
+            | Emitter::Goniometric(_)
             | Emitter::Beam(_)
             | Emitter::Directional(_)
             | Emitter::Area(_)
@@ -374,6 +409,7 @@ impl Light {
             Emitter::Area(light) => Some(light.object),
             Emitter::Point(_)
             | Emitter::Spot(_)
+            | Emitter::Goniometric(_)
             | Emitter::Beam(_)
             | Emitter::Directional(_)
             | Emitter::Environment(_)
@@ -387,6 +423,7 @@ impl Light {
             Emitter::Volume(light) => Some(light.medium_name()),
             Emitter::Point(_)
             | Emitter::Spot(_)
+            | Emitter::Goniometric(_)
             | Emitter::Beam(_)
             | Emitter::Directional(_)
             | Emitter::Environment(_)
@@ -400,6 +437,7 @@ impl Light {
             Emitter::Volume(light) => Some(light.box_map()),
             Emitter::Point(_)
             | Emitter::Spot(_)
+            | Emitter::Goniometric(_)
             | Emitter::Beam(_)
             | Emitter::Directional(_)
             | Emitter::Environment(_)
@@ -407,12 +445,13 @@ impl Light {
         }
     }
 
-    /// The position of a point, spot or beam light, relative to the scene's centre, in m; `None`
-    /// for all other lights.
+    /// The position of a point, spot, goniometric or beam light, relative to the scene's centre, in
+    /// m; `None` for all other lights.
     pub fn position(&self) -> Option<DVec3> {
         match &self.emitter {
             Emitter::Point(light) => Some(light.position),
             Emitter::Spot(light) => Some(light.position()),
+            Emitter::Goniometric(light) => Some(light.position()),
             Emitter::Beam(light) => Some(light.centre()),
             Emitter::Directional(_) | Emitter::Environment(_) | Emitter::Area(_) | Emitter::Volume(_) => None,
         }
@@ -426,6 +465,7 @@ impl Light {
             Emitter::Volume(light) => Some(light.representative_point()),
             Emitter::Point(_)
             | Emitter::Spot(_)
+            | Emitter::Goniometric(_)
             | Emitter::Beam(_)
             | Emitter::Directional(_)
             | Emitter::Environment(_) => {
@@ -442,6 +482,7 @@ impl Light {
         match &self.emitter {
             Emitter::Point(light) => around(light.position, 0.0),
             Emitter::Spot(light) => around(light.position(), 0.0),
+            Emitter::Goniometric(light) => Some(light.corners()),
             Emitter::Beam(light) => around(light.centre(), light.radius_m()),
             Emitter::Area(light) => object_bounds.get(&light.object).copied(),
             Emitter::Directional(_) | Emitter::Environment(_) | Emitter::Volume(_) => None,

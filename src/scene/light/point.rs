@@ -150,7 +150,7 @@ impl SpotLight {
 
 /// The light from a point source at `position` that arrives at `from`. `None` if no light arrives.
 /// `intensity` returns the intensity in W/sr for a direction away from the source.
-fn sample_li_from_point(position: DVec3, from: DVec3, intensity: impl Fn(DVec3) -> f64) -> Option<LiSample> {
+pub(super) fn sample_li_from_point(position: DVec3, from: DVec3, intensity: impl Fn(DVec3) -> f64) -> Option<LiSample> {
     let offset = position - from;
     let distance = offset.length();
     if distance == 0.0 {
