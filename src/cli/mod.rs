@@ -16,6 +16,8 @@ mod explain;
 mod folded_lens;
 mod frames;
 mod glass;
+#[cfg(feature = "meshes")]
+mod import;
 mod interrupt;
 mod lamps;
 mod lens;
@@ -67,6 +69,9 @@ enum Command {
     Explain(explain::ExplainArgs),
     /// Check scenes without rendering them
     Check(check::CheckArgs),
+    /// Convert a glTF file with its camera, lights and materials to a scene file
+    #[cfg(feature = "meshes")]
+    Import(import::ImportArgs),
     /// Print the JSON Schema of the scene file
     Schema(schema::SchemaArgs),
     /// Print the colour of a spectrum: XYZ, sRGB, dominant wavelength, colour temperature, colour
@@ -179,6 +184,8 @@ fn run(command: &Command) -> Result<Outcome> {
         Command::Develop(arguments) => develop::run(arguments),
         Command::Explain(arguments) => explain::run(arguments),
         Command::Check(arguments) => Ok(check::run(arguments)),
+        #[cfg(feature = "meshes")]
+        Command::Import(arguments) => import::run(arguments),
         Command::Schema(arguments) => schema::run(arguments),
         Command::Spectrum(arguments) => spectrum::run(arguments),
         Command::Glass(arguments) => glass::run(arguments),

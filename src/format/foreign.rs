@@ -15,12 +15,10 @@ enum Import {
 }
 
 /// File name extensions of other programs, the names of the formats, and the way to import them.
-const FOREIGN: [(&str, &str, Import); 16] = [
+const FOREIGN: [(&str, &str, Import); 14] = [
     ("obj", "a Wavefront OBJ mesh", Import::Mesh),
     ("ply", "a PLY mesh", Import::Mesh),
     ("stl", "an STL mesh", Import::Mesh),
-    ("gltf", "a glTF file", Import::Mesh),
-    ("glb", "a glTF file", Import::Mesh),
     ("ies", "an IES luminaire", Import::Luminaire),
     ("ldt", "an EULUMDAT luminaire", Import::Luminaire),
     ("pbrt", "a pbrt scene", Import::Scene),
@@ -68,7 +66,7 @@ mod tests {
     fn files_of_other_programs_are_refused_with_a_way() {
         let folder = tempfile::tempdir().unwrap();
         for (name, way) in [
-            ("a.GLB", "\"path\": \"a.GLB\""),
+            ("a.PLY", "\"path\": \"a.PLY\""),
             ("a.obj", "\"path\": \"a.obj\""),
             ("a.ldt", "add it to the lights"),
             ("a.pbrt", "export"),

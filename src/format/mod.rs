@@ -13,6 +13,8 @@ mod field;
 mod film;
 mod foreign;
 mod forms;
+#[cfg(feature = "meshes")]
+pub mod import;
 mod index;
 mod lens;
 pub mod light;
@@ -23,6 +25,7 @@ pub mod mesh;
 mod object;
 mod phase;
 mod picture;
+mod picture_file;
 mod quantity;
 mod reference;
 #[cfg(test)]
@@ -59,6 +62,7 @@ pub use medium::{GridFile, HomogeneousFile, MediumBlackbodyFile, MediumEmissionF
 pub use object::ObjectFile;
 pub use phase::PhaseFile;
 pub use picture::{BandImageFile, ChannelFile, ColourImageFile, EncodingFile, FilterFile, ScalarImageFile, WrapFile};
+pub use picture_file::PictureFile;
 pub use quantity::QuantityFile;
 pub use reference::scene_reference;
 pub use render::{LightMapFile, RenderFile};
@@ -172,12 +176,17 @@ pub fn read(path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
     parse(&read_scene_text(path)?, path, sets)
 }
 
-/// Reads the text of a scene file.
+/// Reads the text of a scene file. A glTF file is converted ([`import`]).
 ///
 /// # Errors
 /// Returns an error if the file cannot be read, is too large, is not UTF-8, or is a file of another
 /// program. In the last case, the error says how to bring the file into a scene.
 pub fn read_scene_text(path: &Path) -> Result<String> {
+    #[cfg(feature = "meshes")]
+    if import::is_gltf(path) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        return import::scene_of_gltf(path, &name).map(|imported| imported.text);
+    }
     foreign::refuse_foreign(path)?;
     read_text(path)
 }
@@ -219,7 +228,8 @@ fn parse_source(
     if let Some(scene) = &repaired.value {
         let mut later = scene.validate(&source).err();
         if (later.is_some() || !faults.is_empty()) && !repaired.lacks_definitions(&source) {
-            // A fault of the whole scene, such as a scene without light, may follow from the others.
+            // A fault of the whole scene, such as a scene without light, may follow from the
+            // others.
             let further = look_further(scene, &source).map_or_else(Vec::new, Error::into_faults);
             let in_a_part = |fault: &Error| fault.location.path.as_deref().is_some_and(|path| !path.is_empty());
             // The resolver repeats some checks of `validate`.

@@ -24,8 +24,8 @@ pub enum SpectrumFile {
     /// The same value at every wavelength.
     #[serde(skip)]
     Number(f64),
-    /// The name of a spectrum in the scene's `spectra` or in the built-in library, or an sRGB colour
-    /// such as `#ff8800`.
+    /// The name of a spectrum in the scene's `spectra` or in the built-in library, or an sRGB
+    /// colour such as `#ff8800`.
     #[serde(skip)]
     Name(String),
     /// Values at given wavelengths, with linear interpolation between them.

@@ -226,8 +226,8 @@ impl Primitives {
         }
     }
 
-    /// Returns true if the coordinate u of a face is the azimuth about an axis, so that u = 0 and u =
-    /// 1 are the same line.
+    /// Returns true if the coordinate u of a face is the azimuth about an axis, so that u = 0 and u
+    /// = 1 are the same line.
     pub(super) fn closes_around_axis(&self, surface: SurfaceId) -> bool {
         match self.list[surface.primitive as usize] {
             Primitive::Analytic(index) => self.analytic[index as usize].solid.closes_around_axis(surface.face),

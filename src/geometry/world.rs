@@ -44,9 +44,9 @@ impl Geometry {
         self.primitives.uv(hit.surface, hit.position)
     }
 
-    /// Returns the change of the texture coordinates from a hit to the point at `offset` (m) from it.
-    /// The offset should be parallel to the surface. On faces that close around an axis, the change
-    /// of the azimuth is the shorter one.
+    /// Returns the change of the texture coordinates from a hit to the point at `offset` (m) from
+    /// it. The offset should be parallel to the surface. On faces that close around an axis, the
+    /// change of the azimuth is the shorter one.
     pub fn uv_step(&self, hit: &Hit, offset: DVec3) -> [f64; 2] {
         let (from, to) = (self.uv(hit), self.primitives.uv(hit.surface, hit.position + offset));
         let [u, v] = [to[0] - from[0], to[1] - from[1]];

@@ -15,8 +15,8 @@ pub fn emissive_wavelength_nm(channel: &str) -> Option<f64> {
     wavelength_nm(channel.strip_prefix("S0.")?)
 }
 
-/// Returns the wavelength in nm from the name of a channel for reflectances (`T.550nm`), or `None` if
-/// the channel is not such a band.
+/// Returns the wavelength in nm from the name of a channel for reflectances (`T.550nm`), or `None`
+/// if the channel is not such a band.
 pub fn reflective_wavelength_nm(channel: &str) -> Option<f64> {
     wavelength_nm(channel.strip_prefix("T.")?)
 }

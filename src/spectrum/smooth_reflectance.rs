@@ -82,8 +82,8 @@ impl SmoothReflectance {
         if rgb == [rgb[0]; 3] { Self([grey(rgb[0]), 0.0, 0.0]) } else { Self(fit(rgb)) }
     }
 
-    /// Returns the same as [`Self::of_rgb`] up to an error of 10⁻⁵ in linear sRGB. The fit starts at
-    /// the reflectance of a similar colour.
+    /// Returns the same as [`Self::of_rgb`] up to an error of 10⁻⁵ in linear sRGB. The fit starts
+    /// at the reflectance of a similar colour.
     pub fn of_rgb_near(rgb: [f64; 3], similar: Self) -> Self {
         if rgb == [rgb[0]; 3] {
             return Self::of_rgb(rgb);

@@ -5,10 +5,11 @@
 //! [`SpectralTexture`] has a spectrum for each texel, and a [`ScalarTexture`] has a number.
 //!
 //! Filters are stochastic: a lookup selects one texel at random, and the probability of a texel is
-//! its weight in the filter (M. Pharr, B. Wronski, M. Salvi and M. Fajardo, "Filtering After Shading
-//! with Stochastic Texture Filtering", PACM CGIT 7, 2024). Radiance is linear in the filtered
-//! quantity, so its expected value equals the value with the complete filter. A path vertex stores
-//! only the numbers of its texels, and the spectrum of a texel is evaluated at any wavelength.
+//! its weight in the filter (M. Pharr, B. Wronski, M. Salvi and M. Fajardo, "Filtering After
+//! Shading with Stochastic Texture Filtering", PACM CGIT 7, 2024). Radiance is linear in the
+//! filtered quantity, so its expected value equals the value with the complete filter. A path
+//! vertex stores only the numbers of its texels, and the spectrum of a texel is evaluated at any
+//! wavelength.
 //!
 //! The texture coordinates (0, 0) denote the upper left corner of a picture. u increases to the
 //! right, and v increases downwards, as in glTF.

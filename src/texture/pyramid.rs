@@ -47,8 +47,8 @@ struct Level {
 /// The texels of a picture and of its reduced copies.
 ///
 /// Level 0 is the picture. Each further level has half the width and half the height of the level
-/// before, rounded up. The last level has one texel. Texels are numbered level by level, then row by
-/// row.
+/// before, rounded up. The last level has one texel. Texels are numbered level by level, then row
+/// by row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImagePattern {
     levels: Vec<Level>,
@@ -99,9 +99,9 @@ impl ImagePattern {
         self.levels[0].size
     }
 
-    /// Returns the values of all texels. `values` contains the values of the texels of level 0. Each
-    /// texel has `count` adjacent values. A texel of another level is the mean of the area that it
-    /// covers in the level before, so all levels have the same mean.
+    /// Returns the values of all texels. `values` contains the values of the texels of level 0.
+    /// Each texel has `count` adjacent values. A texel of another level is the mean of the area
+    /// that it covers in the level before, so all levels have the same mean.
     pub fn reduced(&self, mut values: Vec<f32>, count: usize) -> Vec<f32> {
         values.reserve_exact(count * self.texel_count() - values.len());
         let mut mean = vec![0.0_f64; count];
@@ -129,9 +129,9 @@ impl ImagePattern {
 
     /// Selects a texel at a point.
     ///
-    /// The longer edge of the footprint is sampled at random. The shorter edge determines the level.
-    /// Between two levels, and between the nearest texels of a level, the texel is selected at
-    /// random.
+    /// The longer edge of the footprint is sampled at random. The shorter edge determines the
+    /// level. Between two levels, and between the nearest texels of a level, the texel is selected
+    /// at random.
     pub(super) fn texel(&self, point: &TexturePoint, random: &mut LookupRandom) -> u32 {
         let point = self.transform.apply(point);
         let ImageSize { width, height } = self.levels[0].size;
@@ -177,8 +177,8 @@ impl ImagePattern {
     }
 }
 
-/// Divides `from` cells evenly into `to` parts. Returns the cells of each part, with their shares of
-/// the part.
+/// Divides `from` cells evenly into `to` parts. Returns the cells of each part, with their shares
+/// of the part.
 fn shares(from: usize, to: usize) -> Vec<Vec<(usize, f64)>> {
     let step = from as f64 / to as f64;
     let part = |i: usize| {

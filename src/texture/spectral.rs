@@ -31,15 +31,15 @@ impl SpectralTexture {
     }
 
     /// Creates the texture of a picture with bands of wavelengths. `nm` contains the wavelengths of
-    /// the bands in nm, in rising order. `values` contains one value in [0, 1] for each pixel and band.
-    /// The values of a pixel are adjacent.
+    /// the bands in nm, in rising order. `values` contains one value in [0, 1] for each pixel and
+    /// band. The values of a pixel are adjacent.
     pub fn from_bands(pattern: ImagePattern, nm: Vec<f64>, values: Vec<f32>) -> Self {
         let bands = BandValues { values: pattern.reduced(values, nm.len()), nm };
         Self { pattern: Pattern::Image(pattern), palette: Arc::new(Palette::Bands(bands)) }
     }
 
-    /// Creates a texture of two parts. The texel 0 of the pattern selects the first part. The values
-    /// of the parts must lie in [0, 1].
+    /// Creates a texture of two parts. The texel 0 of the pattern selects the first part. The
+    /// values of the parts must lie in [0, 1].
     pub fn from_parts(pattern: Pattern, parts: [SurfaceSpectrum; 2]) -> Self {
         Self { pattern, palette: Arc::new(Palette::Parts(Box::new(parts))) }
     }

@@ -164,8 +164,8 @@ impl<'a> SurfaceInteraction<'a> {
     }
 }
 
-/// The smallest cosine of incidence for which the footprint of a ray is computed exactly. At smaller
-/// cosines, the footprint is limited, because the surface is seen at grazing incidence.
+/// The smallest cosine of incidence for which the footprint of a ray is computed exactly. At
+/// smaller cosines, the footprint is limited, because the surface is seen at grazing incidence.
 const LEAST_FOOTPRINT_COSINE: f64 = 0.01;
 
 /// Returns the BSDF at a hit of a surface with textures.

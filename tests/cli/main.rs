@@ -18,6 +18,7 @@ mod explain;
 mod film;
 mod frames;
 mod gates;
+mod import;
 mod lamps;
 mod lens;
 mod library;

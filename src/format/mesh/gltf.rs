@@ -10,13 +10,28 @@ use ::gltf::scene::Transform;
 use ::gltf::{Accessor, Document, Gltf, Node, Primitive, Semantic};
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 
-use super::gltf_material::{ignored, material};
-use super::{MeshPart, PartsAndIgnored, TriangleMesh};
+use super::gltf_material::{ignored, read_material};
+use super::gltf_texture::GltfPictures;
+use super::{MeshPart, PartsAndNotes, TriangleMesh};
 use crate::error::{Error, Result};
 use crate::format::FileAccess;
 
-/// Reads the parts of a glTF file. Also returns sentences about what is ignored.
-pub(super) fn load(bytes: &[u8], folder: Option<&Path>, file_access: FileAccess) -> Result<PartsAndIgnored> {
+/// Reads the parts of a glTF file.
+pub(super) fn load(bytes: &[u8], folder: Option<&Path>, file_access: FileAccess) -> Result<PartsAndNotes> {
+    let (document, blob) = parse(bytes)?;
+    check_uris(&document, file_access)?;
+    let buffers = ::gltf::import_buffers(&document, folder, blob).map_err(|error| invalid(&error))?;
+    let pictures = GltfPictures::new(&buffers, folder, file_access, document.images().len());
+    let mut reader = SceneReader { buffers: &buffers, pictures, parts: Vec::new() };
+    for_each_node(&document, |node, to_world| reader.node(node, to_world))?;
+    let has_lights = document.lights().is_some_and(|mut lights| lights.next().is_some());
+    let SceneReader { parts, pictures, .. } = reader;
+    let ignored = [ignored(&document), pictures.unusable].concat();
+    Ok(PartsAndNotes { parts, ignored, has_lights })
+}
+
+/// Parses a glTF file. Returns the document, and the binary chunk of a `.glb` file.
+pub(super) fn parse(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>)> {
     if bytes.starts_with(b"glTF") {
         check_length(bytes)?;
     }
@@ -27,26 +42,38 @@ pub(super) fn load(bytes: &[u8], folder: Option<&Path>, file_access: FileAccess)
     root.extensions_required.retain(|name| name != "KHR_materials_dispersion");
     check_attributes(&root)?;
     let document = Document::from_json(root).map_err(|error| invalid(&error))?;
-    check_uris(&document, file_access)?;
-    let buffers = ::gltf::import_buffers(&document, folder, unchecked.blob).map_err(|error| invalid(&error))?;
-    let mut reader = SceneReader { buffers, parts: Vec::new(), visited: vec![false; document.nodes().len()] };
-    match document.default_scene().or_else(|| document.scenes().next()) {
-        Some(scene) => {
-            for node in scene.nodes() {
-                reader.node(&node, DAffine3::IDENTITY)?;
-            }
-        }
+    Ok((document, unchecked.blob))
+}
+
+/// Calls `visit` for each node of the default scene. The second argument is the transform from the
+/// node to the scene. If the file has no scene, all nodes without a parent belong to the scene.
+pub(super) fn for_each_node(
+    document: &Document,
+    mut visit: impl FnMut(&Node<'_>, &DAffine3) -> Result<()>,
+) -> Result<()> {
+    let mut open: Vec<(Node<'_>, DAffine3)> = match document.default_scene().or_else(|| document.scenes().next()) {
+        Some(scene) => scene.nodes().map(|node| (node, DAffine3::IDENTITY)).collect(),
         None => {
             let children: Vec<usize> = document
                 .nodes()
                 .flat_map(|node| node.children().map(|child| child.index()).collect::<Vec<_>>())
                 .collect();
-            for node in document.nodes().filter(|node| !children.contains(&node.index())) {
-                reader.node(&node, DAffine3::IDENTITY)?;
-            }
+            let roots = document.nodes().filter(|node| !children.contains(&node.index()));
+            roots.map(|node| (node, DAffine3::IDENTITY)).collect()
         }
+    };
+    open.reverse();
+    // It is an error to read a node twice, so a cycle of nodes cannot cause an endless loop.
+    let mut visited = vec![false; document.nodes().len()];
+    while let Some((node, parent)) = open.pop() {
+        if std::mem::replace(&mut visited[node.index()], true) {
+            return Err(Error::input(format!("node {} of the glTF file has two parents", node.index())));
+        }
+        let to_world = parent * affine(&node.transform());
+        visit(&node, &to_world)?;
+        open.extend(node.children().map(|child| (child, to_world)));
     }
-    Ok((reader.parts, ignored(&document)))
+    Ok(())
 }
 
 /// Checks the length in the header of a binary file. A wrong length would cause an integer
@@ -79,7 +106,7 @@ fn check_uris(document: &Document, file_access: FileAccess) -> Result<()> {
             && !uri.starts_with("data:")
         {
             let invalid = || Error::input(format!("the glTF buffer's address \"{uri}\" is not valid"));
-            let decoded = decoded(uri).ok_or_else(invalid)?;
+            let decoded = decoded_address(uri).ok_or_else(invalid)?;
             let path = decoded.strip_prefix("file://").or(decoded.strip_prefix("file:")).unwrap_or(&decoded);
             file_access.file(Path::new(""), Path::new(path))?;
         }
@@ -88,7 +115,7 @@ fn check_uris(document: &Document, file_access: FileAccess) -> Result<()> {
 }
 
 /// Decodes the percent escapes of an address. Returns `None` if the result is not UTF-8.
-fn decoded(uri: &str) -> Option<String> {
+pub(super) fn decoded_address(uri: &str) -> Option<String> {
     let mut decoded = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();
     while let [first, tail @ ..] = rest {
@@ -111,31 +138,17 @@ fn invalid(error: &::gltf::Error) -> Error {
     Error::input(format!("not a valid glTF file: {error}"))
 }
 
-struct SceneReader {
-    buffers: Vec<::gltf::buffer::Data>,
+struct SceneReader<'b> {
+    buffers: &'b [::gltf::buffer::Data],
+    pictures: GltfPictures<'b>,
     parts: Vec<MeshPart>,
-    /// States for each node whether the node has been read. It is an error to read a node twice, so
-    /// a cycle of nodes cannot cause an endless loop.
-    visited: Vec<bool>,
 }
 
-impl SceneReader {
-    fn node(&mut self, root: &Node<'_>, to_world: DAffine3) -> Result<()> {
-        let mut open = vec![(root.clone(), to_world)];
-        while let Some((node, parent)) = open.pop() {
-            if std::mem::replace(&mut self.visited[node.index()], true) {
-                return Err(Error::input(format!("node {} of the glTF file has two parents", node.index())));
-            }
-            let placed = parent * affine(&node.transform());
-            if let Some(mesh) = node.mesh() {
-                let name = node.name().or(mesh.name()).unwrap_or_default();
-                for primitive in mesh.primitives() {
-                    self.primitive(&primitive, name, placed)?;
-                }
-            }
-            open.extend(node.children().map(|child| (child, placed)));
-        }
-        Ok(())
+impl SceneReader<'_> {
+    fn node(&mut self, node: &Node<'_>, to_world: &DAffine3) -> Result<()> {
+        let Some(mesh) = node.mesh() else { return Ok(()) };
+        let name = node.name().or(mesh.name()).unwrap_or_default();
+        mesh.primitives().try_for_each(|primitive| self.primitive(&primitive, name, *to_world))
     }
 
     fn primitive(&mut self, primitive: &Primitive<'_>, name: &str, placed: DAffine3) -> Result<()> {
@@ -147,8 +160,9 @@ impl SceneReader {
             error
         };
         let mesh = self.mesh(primitive, placed).map_err(of_part)?;
+        let material = primitive.material();
         let material =
-            primitive.material().index().map(|_| material(&primitive.material())).transpose().map_err(of_part)?;
+            material.index().map(|_| read_material(&material, &mut self.pictures)).transpose().map_err(of_part)?;
         self.parts.push(MeshPart { mesh, material, name: name.to_string() });
         Ok(())
     }

@@ -2,17 +2,19 @@
 //! volume, dispersion and emissive_strength.
 
 use ::gltf::material::AlphaMode;
+use ::gltf::texture::Info;
 use ::gltf::{Document, Material, Semantic};
 
+use super::gltf_texture::GltfPictures;
 use super::{MeshAttenuation, MeshMaterial, listed};
 use crate::error::{Error, Result};
 
-/// Converts a glTF material. Textures are ignored.
+/// Converts a glTF material.
 ///
 /// # Errors
 /// Returns an error if the dispersion or the index of refraction is not a number or is out of
 /// range.
-pub(super) fn material(file: &Material<'_>) -> Result<MeshMaterial> {
+pub(super) fn read_material(file: &Material<'_>, pictures: &mut GltfPictures<'_>) -> Result<MeshMaterial> {
     let surface = file.pbr_metallic_roughness();
     let [r, g, b, _alpha] = surface.base_color_factor();
     let strength = f64::from(file.emissive_strength().unwrap_or(1.0));
@@ -21,11 +23,15 @@ pub(super) fn material(file: &Material<'_>) -> Result<MeshMaterial> {
     if !(ior.is_finite() && ior >= 1.0) {
         return Err(Error::input(format!("a material's ior is {ior}")).expected("at least 1"));
     }
+    let base_colour_texture = surface.base_color_texture().and_then(|info| pictures.texture(&info));
+    let metallic_roughness_texture = surface.metallic_roughness_texture().and_then(|info| pictures.texture(&info));
     Ok(MeshMaterial {
         name: file.name().unwrap_or_default().to_string(),
         base_colour: [r, g, b].map(f64::from),
+        base_colour_texture,
         metallic: f64::from(surface.metallic_factor()),
         roughness: f64::from(surface.roughness_factor()),
+        metallic_roughness_texture,
         transmission: file.transmission().map_or(0.0, |t| f64::from(t.transmission_factor())),
         ior,
         abbe_number: abbe_number(file)?,
@@ -65,8 +71,6 @@ pub(super) fn ignored(document: &Document) -> Vec<String> {
         (has_vertex_colours, "vertex colours"),
         (document.animations().next().is_some(), "animations"),
         (document.skins().next().is_some(), "skins"),
-        (document.cameras().next().is_some(), "cameras"),
-        (document.extensions_used().any(|name| name == "KHR_lights_punctual"), "lights (KHR_lights_punctual)"),
     ];
     let other = other.into_iter().filter(|(is_used, _)| *is_used).map(|(_, what)| what);
     let sentences = [
@@ -77,14 +81,21 @@ pub(super) fn ignored(document: &Document) -> Vec<String> {
     sentences.into_iter().flatten().collect()
 }
 
-/// Returns the names of the material's textures.
+/// Returns the names of the material's textures that are not read.
 fn textures(file: &Material<'_>) -> Vec<&'static str> {
+    let second = |info: Info<'_>| {
+        let stated = info.texture_transform().and_then(|transform| transform.tex_coord());
+        stated.unwrap_or(info.tex_coord()) != 0
+    };
     let surface = file.pbr_metallic_roughness();
     let transmission = file.transmission();
     let volume = file.volume();
     let used = [
-        (surface.base_color_texture().is_some(), "baseColorTexture"),
-        (surface.metallic_roughness_texture().is_some(), "metallicRoughnessTexture"),
+        (surface.base_color_texture().is_some_and(second), "baseColorTexture (second set of coordinates)"),
+        (
+            surface.metallic_roughness_texture().is_some_and(second),
+            "metallicRoughnessTexture (second set of coordinates)",
+        ),
         (file.normal_texture().is_some(), "normalTexture"),
         (file.occlusion_texture().is_some(), "occlusionTexture"),
         (file.emissive_texture().is_some(), "emissiveTexture"),

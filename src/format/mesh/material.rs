@@ -1,5 +1,10 @@
 //! The materials of mesh files, independent of the file format.
 
+use std::sync::Arc;
+
+use crate::format::PictureFile;
+use crate::texture::{Filter, UvTransform, Wrap};
+
 /// A material of a mesh file. Colours are linear sRGB.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshMaterial {
@@ -7,11 +12,16 @@ pub struct MeshMaterial {
     pub name: String,
     /// Colour of the diffuse reflection, or colour of the metal. Each component is from 0 to 1.
     pub base_colour: [f64; 3],
+    /// A picture in sRGB that multiplies the base colour.
+    pub base_colour_texture: Option<MeshTexture>,
     /// 0 for a dielectric, 1 for a metal.
     pub metallic: f64,
     /// Perceptual roughness as in glTF: the square root of the microfacet parameter α. 0 is smooth,
     /// and 1 is rough.
     pub roughness: f64,
+    /// A linear picture whose green channel multiplies the roughness, and whose blue channel
+    /// multiplies `metallic`.
+    pub metallic_roughness_texture: Option<MeshTexture>,
     /// The transmitted fraction of the light that enters the surface. 0 is opaque, and 1 is clear.
     pub transmission: f64,
     /// Index of refraction.
@@ -23,6 +33,19 @@ pub struct MeshMaterial {
     /// Emitted colour multiplied by the emissive strength. In glTF files, the unit is cd/m². Zero
     /// for a surface that does not emit.
     pub emission: [f64; 3],
+}
+
+/// A picture over the texture coordinates of a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshTexture {
+    /// The pixels.
+    pub picture: Arc<PictureFile>,
+    /// What the picture looks like outside the unit square of uv.
+    pub wrap: [Wrap; 2],
+    /// How texels are interpolated.
+    pub filter: Filter,
+    /// The map of texture coordinates.
+    pub transform: UvTransform,
 }
 
 /// The absorption inside a mesh. After white light has travelled `distance` through the mesh, the
@@ -40,8 +63,10 @@ impl Default for MeshMaterial {
         Self {
             name: String::new(),
             base_colour: [0.8; 3],
+            base_colour_texture: None,
             metallic: 0.0,
             roughness: 1.0,
+            metallic_roughness_texture: None,
             transmission: 0.0,
             ior: 1.5,
             abbe_number: None,

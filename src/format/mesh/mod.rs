@@ -7,6 +7,8 @@
 mod gltf;
 #[cfg(feature = "meshes")]
 mod gltf_material;
+#[cfg(feature = "meshes")]
+mod gltf_texture;
 mod material;
 #[cfg(feature = "meshes")]
 mod obj;
@@ -15,13 +17,15 @@ mod ply;
 #[cfg(feature = "meshes")]
 mod stl;
 
+#[cfg(feature = "meshes")]
+use glam::DAffine3;
 use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::format::FileAccess;
 
 use crate::geometry::mesh::TriangleMesh;
-pub use material::{MeshAttenuation, MeshMaterial};
+pub use material::{MeshAttenuation, MeshMaterial, MeshTexture};
 
 /// One part of a mesh file: triangles with one material.
 #[derive(Debug, Clone)]
@@ -42,6 +46,8 @@ pub struct MeshFile {
     /// What the file states about materials and this reader ignores, such as textures. `None` if
     /// nothing is ignored.
     pub ignored: Option<String>,
+    /// True if the file also contains lights, which are not part of the mesh.
+    pub has_lights: bool,
 }
 
 /// Reads a mesh file. The file extension determines the format: `.obj` (with its `.mtl`), `.ply`,
@@ -52,24 +58,33 @@ pub struct MeshFile {
 /// Also returns an error if no triangle has an area above 0. The error contains the name of the
 /// file.
 pub fn load(path: &Path, file_access: FileAccess) -> Result<MeshFile> {
-    let (parts, ignored) = read_parts(path, file_access).map_err(|error| error.in_file(path))?;
+    let PartsAndNotes { parts, ignored, has_lights } =
+        read_parts(path, file_access).map_err(|error| error.in_file(path))?;
     if parts.is_empty() {
         return Err(Error::input("the mesh has no triangles").in_file(path));
     }
     let ignored = (!ignored.is_empty()).then(|| ignored.join("; "));
-    Ok(MeshFile { parts, ignored })
+    Ok(MeshFile { parts, ignored, has_lights })
 }
 
-/// The parts of a mesh file, and sentences about what the reader ignores.
-type PartsAndIgnored = (Vec<MeshPart>, Vec<String>);
+/// What the reader of a format returns.
+#[derive(Debug, Default)]
+struct PartsAndNotes {
+    parts: Vec<MeshPart>,
+    /// Sentences about what the reader ignores.
+    ignored: Vec<String>,
+    has_lights: bool,
+}
 
 #[cfg(feature = "meshes")]
-fn read_parts(path: &Path, file_access: FileAccess) -> Result<PartsAndIgnored> {
+fn read_parts(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes> {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or("").to_lowercase();
     match extension.as_str() {
         "obj" => obj::load(path, file_access),
-        "ply" => Ok((read(path).and_then(|bytes| ply::load(&bytes))?, Vec::new())),
-        "stl" => Ok((read(path).and_then(stl::load)?, Vec::new())),
+        "ply" => {
+            Ok(PartsAndNotes { parts: read(path).and_then(|bytes| ply::load(&bytes))?, ..PartsAndNotes::default() })
+        }
+        "stl" => Ok(PartsAndNotes { parts: read(path).and_then(stl::load)?, ..PartsAndNotes::default() }),
         "gltf" | "glb" => read(path).and_then(|bytes| gltf::load(&bytes, path.parent(), file_access)),
         _ => Err(Error::input(format!("unknown kind of mesh file \"{extension}\""))
             .expected("one of .obj, .ply, .stl, .gltf, .glb")),
@@ -77,7 +92,7 @@ fn read_parts(path: &Path, file_access: FileAccess) -> Result<PartsAndIgnored> {
 }
 
 #[cfg(not(feature = "meshes"))]
-fn read_parts(_: &Path, _: FileAccess) -> Result<PartsAndIgnored> {
+fn read_parts(_: &Path, _: FileAccess) -> Result<PartsAndNotes> {
     Err(Error::input("this build cannot read mesh files").expected("the cargo feature `meshes`"))
 }
 
@@ -86,8 +101,22 @@ fn read(path: &Path) -> Result<Vec<u8>> {
     std::fs::read(path).map_err(|error| Error::input(format!("cannot read the mesh: {error}")))
 }
 
-/// Lists names in the order of their first occurrence, each once. Of many names, the list states the
-/// first five and the number of the others.
+/// Calls `visit` for each node of the default scene of a glTF file. The second argument is the
+/// transform from the node to the scene.
+///
+/// # Errors
+/// Returns an error if the file cannot be read or is not a valid glTF file.
+#[cfg(feature = "meshes")]
+pub(super) fn gltf_nodes(path: &Path, mut visit: impl FnMut(&::gltf::Node<'_>, &DAffine3)) -> Result<()> {
+    let (document, _) = gltf::parse(&read(path)?)?;
+    gltf::for_each_node(&document, |node, to_world| {
+        visit(node, to_world);
+        Ok(())
+    })
+}
+
+/// Lists names in the order of their first occurrence, each once. Of many names, the list states
+/// the first five and the number of the others.
 #[cfg(feature = "meshes")]
 fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> Option<String> {
     const MOST: usize = 5;

@@ -3,15 +3,17 @@
 use std::cell::RefCell;
 use std::io::Cursor;
 use std::path::Path;
+use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{MeshMaterial, MeshPart, PartsAndIgnored, TriangleMesh, listed};
+use super::{MeshMaterial, MeshPart, MeshTexture, PartsAndNotes, TriangleMesh, listed};
 use crate::error::{Error, Result};
-use crate::format::FileAccess;
+use crate::format::{FileAccess, PictureFile};
+use crate::texture::{Filter, UvTransform, Wrap};
 
 /// Reads the parts of an OBJ file. Also returns sentences about the materials that are ignored.
-pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndIgnored> {
+pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes> {
     let bytes = super::read(path)?;
     let text = String::from_utf8_lossy(&bytes);
     check_faces(&text)?;
@@ -37,15 +39,37 @@ pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndIgnor
     if let Some(names) = listed(unknown.map(String::as_str)) {
         ignored.push(format!("unknown materials became matt grey: {names}"));
     }
+    let textured: Vec<MeshMaterial> = materials
+        .iter()
+        .map(|file| {
+            let picture =
+                file.diffuse_texture.as_ref().map(|name| diffuse_texture(name, path, file_access)).transpose();
+            let base_colour_texture = picture.unwrap_or_else(|error| {
+                ignored.push(format!("the texture map_Kd of \"{}\" cannot be used ({})", file.name, error.what));
+                None
+            });
+            MeshMaterial { base_colour_texture, ..material(file) }
+        })
+        .collect();
     let parts: Result<Vec<MeshPart>> = models
         .into_iter()
         .filter(|model| !model.mesh.indices.is_empty())
         .map(|model| {
-            let material = model.mesh.material_id.and_then(|index| materials.get(index)).map(material);
+            let material = model.mesh.material_id.and_then(|index| textured.get(index)).cloned();
             Ok(MeshPart { mesh: mesh(model.mesh)?, material, name: model.name })
         })
         .collect();
-    Ok((parts?, ignored))
+    Ok(PartsAndNotes { parts: parts?, ignored, has_lights: false })
+}
+
+/// Reads the picture of a material's diffuse colour. `name` is the value of the key `map_Kd`.
+fn diffuse_texture(name: &str, obj: &Path, file_access: FileAccess) -> Result<MeshTexture> {
+    if name.starts_with('-') {
+        return Err(Error::input(format!("the options of \"{name}\" are not supported")));
+    }
+    let file = file_access.file(obj.parent().unwrap_or(Path::new("")), Path::new(&name.replace('\\', "/")))?;
+    let picture = Arc::new(PictureFile::read(&file)?);
+    Ok(MeshTexture { picture, wrap: [Wrap::Repeat; 2], filter: Filter::Bilinear, transform: UvTransform::IDENTITY })
 }
 
 /// Returns the names of the materials that the faces use.
@@ -60,7 +84,6 @@ fn ignored_textures(materials: &[tobj::Material]) -> Vec<String> {
     let textures = materials.iter().flat_map(|material| {
         let known = [
             ("map_Ka", &material.ambient_texture),
-            ("map_Kd", &material.diffuse_texture),
             ("map_Ks", &material.specular_texture),
             ("map_Bump", &material.normal_texture),
             ("map_Ns", &material.shininess_texture),

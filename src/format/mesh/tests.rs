@@ -200,6 +200,8 @@ fn a_gltf_glass_keeps_all_its_extensions() {
     let folder = TempDir::new().unwrap();
     let parts = load(&write(&folder, "cube.glb", glb())).unwrap();
     let expected = MeshMaterial {
+        base_colour_texture: None,
+        metallic_roughness_texture: None,
         name: "flint".to_string(),
         base_colour: [0.5, 0.25, 1.0],
         metallic: 0.0,
@@ -326,9 +328,14 @@ fn an_obj_says_which_textures_and_keys_are_ignored() {
         "cube.mtl",
         format!("newmtl glass\nKd 1 1 1\n{textures}Tf 0.5 1 1\nPc 0.5\nnewmtl other\nmap_Kd e\n"),
     );
-    let expected = "textures are ignored: map_Bump, map_Kd, map_Pr, norm; material keys are ignored: Pc, Tf; unknown \
-                    materials became matt grey: wood";
-    assert_eq!(ignored(&path).unwrap(), expected);
+    image::RgbImage::new(2, 2).save(folder.path().join("a.png")).unwrap();
+    let expected = "textures are ignored: map_Bump, map_Pr, norm; material keys are ignored: Pc, Tf; unknown materials \
+                    became matt grey: wood; the texture map_Kd of \"other\" cannot be used (";
+    let found = ignored(&path).unwrap();
+    assert!(found.starts_with(expected), "{found}");
+    let parts = load(&write(&folder, "glass.obj", obj())).unwrap();
+    let textured = |part: &MeshPart| part.material.as_ref().is_some_and(|own| own.base_colour_texture.is_some());
+    assert!(parts.iter().any(textured));
     write(&folder, "cube.mtl", "newmtl glass\nTf 1 1 1\nPc 0\nnewmtl wood\n");
     assert_eq!(ignored(&path), None);
 }
@@ -348,9 +355,16 @@ fn a_gltf_says_what_is_ignored() {
         .replace("\"KHR_materials_ior\": {", "\"KHR_materials_sheen\": {}, \"KHR_materials_ior\": {")
         .replace("\"buffers\"", "\"textures\": [{\"source\": 0}], \"images\": [{\"uri\": \"a.png\"}], \"buffers\"")
         .replace("\"NORMAL\": 0", "\"NORMAL\": 0, \"COLOR_0\": 0");
-    let expected = "textures are ignored: baseColorTexture, normalTexture; material extensions are ignored: \
-                    KHR_materials_sheen; ignored as well: opacity (alphaMode), vertex colours";
-    assert_eq!(ignored(&write(&folder, "textured.gltf", &textured)).unwrap(), expected);
+    let expected = "textures are ignored: normalTexture; material extensions are ignored: KHR_materials_sheen; ignored \
+                    as well: opacity (alphaMode), vertex colours; the image 0 cannot be used (";
+    let found = ignored(&write(&folder, "textured.gltf", &textured)).unwrap();
+    assert!(found.starts_with(expected), "{found}");
+    image::RgbImage::new(2, 2).save(folder.path().join("a.png")).unwrap();
+    let found = ignored(&write(&folder, "textured.gltf", &textured)).unwrap();
+    assert!(!found.contains("cannot be used"), "{found}");
+    let outside = textured.replace("\"a.png\"", "\"%2e%2e/a.png\"");
+    let found = ignored(&write(&folder, "outside.gltf", &outside)).unwrap();
+    assert!(found.contains("the image 0 cannot be used (the path \"../a.png\" leads out"), "{found}");
 }
 
 #[test]

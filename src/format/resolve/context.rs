@@ -41,8 +41,8 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// Returns the value of a part of the scene. If the part has a fault, keeps the fault and returns
-    /// `None`.
+    /// Returns the value of a part of the scene. If the part has a fault, keeps the fault and
+    /// returns `None`.
     pub(super) fn keep<T>(&self, part: Result<T>) -> Option<T> {
         part.map_err(|fault| self.faults.borrow_mut().push(fault)).ok()
     }

@@ -1,7 +1,7 @@
 //! Reads image files as environment maps.
 
-use super::picture_file::PictureFile;
 use crate::error::{Error, Result};
+use crate::format::PictureFile;
 use crate::scene::light::EnvironmentMap;
 use crate::spectrum::Spectrum;
 use glam::DAffine3;

@@ -2,51 +2,95 @@
 
 use super::materials::alpha;
 use crate::error::Result;
-use crate::format::mesh::MeshMaterial;
+use crate::format::EncodingFile;
+use crate::format::mesh::{MeshMaterial, MeshTexture};
 use crate::math::elementary::ln;
 use crate::optics::bsdf::Bsdf;
 use crate::optics::glass::RefractiveIndex;
 use crate::scene::{Body, Material};
 use crate::spectrum::{BAND_NM, Outside, Spectrum};
+use crate::texture::{ImagePattern, ScalarTexture, SpectralTexture, SurfaceScalar, SurfaceSpectrum};
 
 /// A surface has no coat if its roughness is at least this value.
 const MATT: f64 = 0.95;
 
-/// Resolves a material of a mesh file. If `metallic` is at least 0.5, the material is a metal.
-/// Otherwise, if `transmission` is at least 0.5, the material is glass. Any other material is a
-/// coated diffuse surface. `metres` is the length of the mesh's unit in m.
-pub(super) fn material(file: &MeshMaterial, metres: f64) -> Result<Material> {
-    let base = Spectrum::rgb_reflectance(file.base_colour.map(|c| c.clamp(0.0, 1.0)))?;
-    let roughness = alpha(file.roughness.clamp(0.0, 1.0));
+/// A component of a mixture is left out if its weight is nowhere above this value.
+const LEAST_SHARE: f64 = 0.005;
+
+/// Resolves a material of a mesh file. `metres` is the length of the mesh's unit in m. `textured`
+/// states whether the mesh has texture coordinates.
+///
+/// The material mixes a metal and a dielectric, weighted by `metallic`, as in the
+/// metallic-roughness model of glTF 2.0. If `transmission` is at least 0.5, the dielectric is
+/// glass. Otherwise, it is a coated diffuse surface.
+pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool) -> Result<Material> {
+    let base = base_colour(file, textured)?;
+    let texture = file.metallic_roughness_texture.as_ref().filter(|_| textured);
+    let roughness = channel(texture, 1, file.roughness, 0.0)?;
+    let metallic = channel(texture, 2, file.metallic, 0.0)?;
     let index = match file.abbe_number {
         Some(vd) => RefractiveIndex::abbe(file.ior, vd)?,
         None => RefractiveIndex::constant(file.ior)?,
     };
-    let (surface, body) = if file.metallic >= 0.5 {
-        (metal(&base, roughness)?, None)
-    } else if file.transmission >= 0.5 {
-        let absorption = match &file.attenuation {
-            None => None,
-            Some(attenuation) => Some(absorption(attenuation.colour, attenuation.distance * metres)?),
-        };
-        (Bsdf::dielectric(roughness)?, Some(Body { index: Some(index), absorption, medium: None, priority: 0 }))
-    } else if file.roughness >= MATT {
-        (Bsdf::diffuse(base)?, None)
-    } else {
-        (Bsdf::glossy(base, index, roughness)?, None)
+    let rough = |of_alpha: &dyn Fn(f64) -> Result<Bsdf>| match &roughness {
+        SurfaceScalar::Uniform(roughness) => of_alpha(alpha(*roughness)),
+        SurfaceScalar::Textured(texture) => {
+            Bsdf::textured_roughness(texture.clone(), |roughness| of_alpha(alpha(roughness)))
+        }
+    };
+    let metal = || rough(&|alpha| Bsdf::metal(base.clone(), alpha));
+    let mut body = None;
+    let mut dielectric = || {
+        if file.transmission >= 0.5 {
+            let absorption = match &file.attenuation {
+                None => None,
+                Some(attenuation) => Some(absorption(attenuation.colour, attenuation.distance * metres)?),
+            };
+            body = Some(Body { index: Some(index.clone()), absorption, medium: None, priority: 0 });
+            rough(&Bsdf::dielectric)
+        } else if matches!(roughness, SurfaceScalar::Uniform(roughness) if roughness >= MATT) {
+            Bsdf::diffuse(base.clone())
+        } else {
+            rough(&|alpha| Bsdf::glossy(base.clone(), index.clone(), alpha))
+        }
+    };
+    let surface = match metallic.range() {
+        (_, most) if most < LEAST_SHARE => dielectric()?,
+        (least, _) if least > 1.0 - LEAST_SHARE => metal()?,
+        _ => {
+            let rest = channel(texture, 2, -file.metallic, 1.0)?;
+            Bsdf::textured_mix(vec![(metallic, metal()?), (rest, dielectric()?)])?
+        }
     };
     let name = if file.name.is_empty() { "mesh material".to_string() } else { file.name.clone() };
     Ok(Material { name, surface, body })
 }
 
-/// Returns a metal with the reflectance R at normal incidence. The index of refraction is the real
-/// number n = (1 + √R)/(1 − √R).
-fn metal(reflectance: &Spectrum, roughness: f64) -> Result<Bsdf> {
-    let index_of = |r: f64| {
-        let root = r.clamp(0.0, 0.999).sqrt();
-        (1.0 + root) / (1.0 - root)
+/// Returns the base colour: the product of a colour and a picture.
+fn base_colour(file: &MeshMaterial, textured: bool) -> Result<SurfaceSpectrum> {
+    let colour = file.base_colour.map(|c| c.clamp(0.0, 1.0));
+    let Some(texture) = file.base_colour_texture.as_ref().filter(|_| textured) else {
+        return Spectrum::rgb_reflectance(colour).map(SurfaceSpectrum::Uniform);
     };
-    Bsdf::conductor(mapped(reflectance, index_of)?, Spectrum::constant(0.0), roughness)
+    let mut pixels = texture.picture.linear_rgb(Some(EncodingFile::Srgb));
+    for pixel in &mut pixels {
+        pixel.iter_mut().zip(colour).for_each(|(c, factor)| *c = (*c * factor as f32).clamp(0.0, 1.0));
+    }
+    Ok(SpectralTexture::from_colours(pattern(texture)?, pixels).into())
+}
+
+/// Returns `offset` + `factor` × a channel of a picture. Without a picture, the channel is 1. The
+/// results are limited to the range from 0 to 1.
+fn channel(texture: Option<&MeshTexture>, number: usize, factor: f64, offset: f64) -> Result<SurfaceScalar> {
+    let value = |x: f32| (offset + factor * f64::from(x)).clamp(0.0, 1.0);
+    let Some(texture) = texture else { return Ok(SurfaceScalar::Uniform(value(1.0))) };
+    let mut values = texture.picture.linear_channel(number, EncodingFile::Linear);
+    values.iter_mut().for_each(|x| *x = value(*x) as f32);
+    Ok(SurfaceScalar::Textured(ScalarTexture::from_values(pattern(texture)?, values)))
+}
+
+fn pattern(texture: &MeshTexture) -> Result<ImagePattern> {
+    ImagePattern::new(texture.picture.size, texture.wrap, texture.filter, texture.transform)
 }
 
 /// Returns an absorption coefficient in 1/m. In a material with this coefficient, white light gets

@@ -19,7 +19,6 @@ mod media;
 mod mesh_materials;
 mod motion;
 mod objects;
-mod picture_file;
 mod spectra;
 mod textures;
 

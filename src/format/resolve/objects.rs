@@ -86,7 +86,11 @@ impl<'a> Resolver<'a> {
             let motion = motion.map(|motion| (motion, local));
             let mesh_at = spd_at.key("mesh");
             let file = self.source.file(path).and_then(|path| mesh::load(&path, self.source.file_access()));
-            let MeshFile { parts, ignored } = self.at(&mesh_at.key("path"), file)?;
+            let MeshFile { parts, ignored, has_lights } = self.at(&mesh_at.key("path"), file)?;
+            if has_lights && self.scene.lights.is_empty() {
+                let note = format!("mesh \"{path}\": its lights are not part of a mesh; `abbe import` reads them");
+                resolved.set.notes.push(note);
+            }
             // A material of the scene replaces the materials of the file.
             if let Some(ignored) = ignored.filter(|_| material.is_none()) {
                 let note = format!("mesh \"{path}\": {ignored}");
@@ -133,7 +137,8 @@ impl<'a> Resolver<'a> {
 
     /// Adds the material of a mesh part. If the part has no material, adds the default material.
     fn own_material(&self, at: &JsonPath<'_>, part: &MeshPart, resolved: &mut ResolvedObjects<'_>) -> Result<usize> {
-        let material = mesh_materials::material(&part.material.clone().unwrap_or_default(), self.metres);
+        let textured = part.mesh.uvs().is_some();
+        let material = mesh_materials::material(&part.material.clone().unwrap_or_default(), self.metres, textured);
         Ok(resolved.set.add_material(self.at(at, material)?))
     }
 

@@ -1,9 +1,9 @@
 //! Translates the textures of the scene file.
 
 use super::context::Resolver;
-use super::picture_file::{BandPicture, PictureFile};
 use super::spectra::Role;
 use crate::error::{Error, Result, both};
+use crate::format::picture_file::{BandPicture, PictureFile};
 use crate::format::{
     BandImageFile, ChannelFile, ColourImageFile, FilterFile, JsonPath, NoisePatternFile, PatternFile, ReflectanceFile,
     ScalarFile, ScalarImageFile, UvFile, WrapFile,

@@ -75,8 +75,8 @@ impl SensorResponses {
         Some(Self { first_cells: first_cells.collect(), cells_per_material: sampled.len(), cells })
     }
 
-    /// Returns the responses at a surface. Returns `None` if the surface is not diffuse and uniform, or if
-    /// its normal is interpolated.
+    /// Returns the responses at a surface. Returns `None` if the surface is not diffuse and
+    /// uniform, or if its normal is interpolated.
     #[inline]
     pub(in crate::gather) fn of_surface(&self, interaction: &SurfaceInteraction<'_>) -> Option<SurfaceResponses<'_>> {
         let first = self.first_cells[interaction.material]?;

@@ -26,8 +26,8 @@ pub(super) fn check_within(what: &str, spectrum: &Spectrum, most: f64) -> Result
     Err(Error::input(format!("a {what} of {value}{place}")).expected(expected))
 }
 
-/// Returns an error if a uniform spectrum has a value outside \[0, 1\]. The values of textures always
-/// lie in \[0, 1\].
+/// Returns an error if a uniform spectrum has a value outside \[0, 1\]. The values of textures
+/// always lie in \[0, 1\].
 pub(super) fn check_fraction(what: &str, spectrum: &SurfaceSpectrum) -> Result<()> {
     spectrum.uniform().map_or(Ok(()), |uniform| check_within(what, uniform, 1.0))
 }

@@ -44,8 +44,8 @@ enum MetalFresnel {
     Reflectance(SurfaceSpectrum),
 }
 
-/// Returns the reflectance of a metal at the cosine `cos` of the angle of incidence. `normal` is the
-/// reflectance at normal incidence.
+/// Returns the reflectance of a metal at the cosine `cos` of the angle of incidence. `normal` is
+/// the reflectance at normal incidence.
 fn schlick(normal: f64, cos: f64) -> f64 {
     let rest = 1.0 - cos.abs().min(1.0);
     normal + (1.0 - normal) * rest * (rest * rest) * (rest * rest)

@@ -59,11 +59,11 @@ impl<'a> LocalBsdf<'a> {
     /// Samples a direction at the hero wavelength `nm`.
     ///
     /// `u[0]` and `u[1]` choose the direction; `u[2]` chooses between reflection and transmission
-    /// or between lobes. All three lie in \[0, 1). A mixture without textures first selects a component by `u[2]`.
-    /// The probability in the sample then refers to that component alone. It is not multiplied by
-    /// the weight of the component. Returns `None` if the event absorbs the light of all
-    /// wavelengths. For example, a facet of a rough metal may reflect the path below the surface.
-    /// The distribution of the samples does not depend on the [`TransportMode`].
+    /// or between lobes. All three lie in \[0, 1). A mixture without textures first selects a
+    /// component by `u[2]`. The probability in the sample then refers to that component alone. It
+    /// is not multiplied by the weight of the component. Returns `None` if the event absorbs the
+    /// light of all wavelengths. For example, a facet of a rough metal may reflect the path below
+    /// the surface. The distribution of the samples does not depend on the [`TransportMode`].
     #[inline]
     pub fn sample(self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64, u: [f64; 3]) -> Option<BsdfSample> {
         let reflectance = self.texels.reflectance;
@@ -134,9 +134,9 @@ impl<'a> LocalBsdf<'a> {
         }
     }
 
-    /// Returns the weight of a path after a sample, and the absorbed fraction of its power, for each of
-    /// the wavelengths `nm`. The weight is [`Self::eval_sample`] divided by the probability of the
-    /// sample. The absorbed fraction is [`Self::absorbed_fraction`].
+    /// Returns the weight of a path after a sample, and the absorbed fraction of its power, for
+    /// each of the wavelengths `nm`. The weight is [`Self::eval_sample`] divided by the probability
+    /// of the sample. The absorbed fraction is [`Self::absorbed_fraction`].
     #[inline(always)]
     pub fn weights(
         self,
@@ -183,9 +183,9 @@ impl<'a> LocalBsdf<'a> {
         }
     }
 
-    /// Returns the density per solid angle with which [`LocalBsdf::sample`] samples `wi` if the hero
-    /// wavelength is `nm`. Delta distributions are not included. The density of a mixture is the
-    /// weighted sum of the densities of its components.
+    /// Returns the density per solid angle with which [`LocalBsdf::sample`] samples `wi` if the
+    /// hero wavelength is `nm`. Delta distributions are not included. The density of a mixture is
+    /// the weighted sum of the densities of its components.
     pub fn pdf(self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
         let reflectance = self.texels.reflectance;
         match self.model {

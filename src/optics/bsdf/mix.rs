@@ -55,8 +55,8 @@ impl MixBsdf {
         Self::textured(parts.into_iter().map(|(weight, bsdf)| (SurfaceScalar::Uniform(weight), bsdf)).collect())
     }
 
-    /// Creates a mixture whose weights may vary over the surface. The weights are normalised at each
-    /// point. If all weights are 0 at a point, the first part is chosen.
+    /// Creates a mixture whose weights may vary over the surface. The weights are normalised at
+    /// each point. If all weights are 0 at a point, the first part is chosen.
     ///
     /// # Errors
     /// Returns an error if a weight is negative or not finite, or no weight is positive.
@@ -83,9 +83,9 @@ impl MixBsdf {
         Ok(Self::of_components(components, &weights, varies.then_some(Choice::Weighted(choices))))
     }
 
-    /// Creates a BSDF whose roughness varies over the surface. It is a mixture of BSDFs at 33 levels
-    /// of roughness from 0 to 1. At a point, only the two levels next to the local roughness are
-    /// chosen. `of_roughness` creates the BSDF of a level.
+    /// Creates a BSDF whose roughness varies over the surface. It is a mixture of BSDFs at 33
+    /// levels of roughness from 0 to 1. At a point, only the two levels next to the local roughness
+    /// are chosen. `of_roughness` creates the BSDF of a level.
     ///
     /// # Errors
     /// Returns an error if the roughness lies outside \[0, 1\] at any point, or if `of_roughness`
@@ -184,8 +184,8 @@ impl MixBsdf {
     }
 }
 
-/// Adds the components of a part to the lists of a mixture. `weight` is the normalised weight of the
-/// part. Returns the choice of a component of the part.
+/// Adds the components of a part to the lists of a mixture. `weight` is the normalised weight of
+/// the part. Returns the choice of a component of the part.
 fn add_part(bsdf: Bsdf, weight: f64, components: &mut Vec<Bsdf>, weights: &mut Vec<f64>) -> Choice {
     let first = components.len();
     let Bsdf::Mix(inner) = bsdf else {
@@ -223,8 +223,8 @@ impl Choice {
         match self {
             Self::Component(index) => *index,
             Self::Weighted(parts) => {
-                // One texel of each weight is selected, by the same random numbers. Weights from the
-                // same picture therefore refer to the same texel. A part is chosen with the
+                // One texel of each weight is selected, by the same random numbers. Weights from
+                // the same picture therefore refer to the same texel. A part is chosen with the
                 // probability of its share of these weights.
                 let of_texel = random.clone();
                 *random = LookupRandom::new(random.uniform());

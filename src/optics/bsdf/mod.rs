@@ -11,9 +11,9 @@
 //! [`LocalBsdf::sample`] samples `wi` at the hero wavelength of the path. The third step computes a
 //! weight and an absorbed fraction for each wavelength of the path. The weight is
 //! [`LocalBsdf::eval_sample`] divided by [`BsdfSample::probability`]. The absorbed fraction of the
-//! arriving power is [`LocalBsdf::absorbed_fraction`]. For photons, the expected weight and the expected
-//! absorbed fraction sum to 1. The energy ledger relies on this balance, and the contract tests
-//! check it for every BSDF.
+//! arriving power is [`LocalBsdf::absorbed_fraction`]. For photons, the expected weight and the
+//! expected absorbed fraction sum to 1. The energy ledger relies on this balance, and the contract
+//! tests check it for every BSDF.
 //!
 //! Each variant has its own file. Each variant is documented at its type. Every variant must pass
 //! the tests in `contract`.

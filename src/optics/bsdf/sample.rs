@@ -55,8 +55,8 @@ pub enum ScatterEvent {
 ///
 /// On a rough surface, the sampled `wi` may lie on the wrong side for the `event`.
 /// [`LocalBsdf::eval_sample`](super::LocalBsdf::eval_sample) is then 0 at all wavelengths,
-/// [`LocalBsdf::absorbed_fraction`](super::LocalBsdf::absorbed_fraction) returns the lost power, and the path
-/// ends.
+/// [`LocalBsdf::absorbed_fraction`](super::LocalBsdf::absorbed_fraction) returns the lost power,
+/// and the path ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BsdfSample {
     /// The sampled direction, a unit vector.

@@ -1,16 +1,18 @@
 //! Reads the pixels of picture files: PNG, JPEG, OpenEXR and Radiance HDR.
 
+use super::picture::EncodingFile;
 use crate::colour::decode_srgb;
 use crate::error::{Error, Result};
-use crate::format::EncodingFile;
 use crate::spectrum::{emissive_wavelength_nm, reflective_wavelength_nm};
 use crate::texture::ImageSize;
 use image::DynamicImage;
 use std::path::Path;
 
-/// The pixels of a file.
-pub(super) struct PictureFile {
-    pub(super) size: ImageSize,
+/// The pixels of a picture file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PictureFile {
+    /// The size of the picture.
+    pub size: ImageSize,
     /// The components red, green, blue and alpha as the file encodes them, row by row from the top.
     /// Components of integer files lie in [0, 1].
     pixels: Vec<[f32; 4]>,
@@ -20,21 +22,33 @@ pub(super) struct PictureFile {
 
 impl PictureFile {
     /// Reads a file.
-    pub(super) fn read(path: &Path) -> Result<Self> {
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be read or is not a picture. The error contains the name of
+    /// the file.
+    pub fn read(path: &Path) -> Result<Self> {
         let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
         if is_exr { read_exr(path) } else { read_other(path) }.map_err(|error| error.in_file(path))
     }
 
-    /// Returns the linear components of red, green and blue. `encoding` is the encoding of the file,
-    /// or `None` for the usual one.
-    pub(super) fn linear_rgb(&self, encoding: Option<EncodingFile>) -> Vec<[f32; 3]> {
+    /// Decodes the contents of a PNG, JPEG or Radiance HDR file.
+    ///
+    /// # Errors
+    /// Returns an error if the bytes are not a picture.
+    pub fn decode(bytes: &[u8]) -> Result<Self> {
+        image::load_from_memory(bytes).map(of_image).map_err(|error| unreadable(&error))
+    }
+
+    /// Returns the linear components of red, green and blue. `encoding` is the encoding of the
+    /// file, or `None` for the usual one.
+    pub fn linear_rgb(&self, encoding: Option<EncodingFile>) -> Vec<[f32; 3]> {
         let decode = Decoder::new(encoding.unwrap_or(self.usual));
         self.pixels.iter().map(|&[r, g, b, _]| [r, g, b].map(|component| decode.linear(component))).collect()
     }
 
-    /// Returns the linear values of a channel. The channels are numbered from 0: red, green, blue and
-    /// alpha. Alpha is always linear.
-    pub(super) fn linear_channel(&self, channel: usize, encoding: EncodingFile) -> Vec<f32> {
+    /// Returns the linear values of a channel. The channels are numbered from 0: red, green, blue
+    /// and alpha. Alpha is always linear.
+    pub fn linear_channel(&self, channel: usize, encoding: EncodingFile) -> Vec<f32> {
         let decode = Decoder::new(if channel == 3 { EncodingFile::Linear } else { encoding });
         self.pixels.iter().map(|pixel| decode.linear(pixel[channel])).collect()
     }
@@ -154,9 +168,12 @@ fn check_size(path: &Path) -> Result<()> {
 }
 
 fn read_other(path: &Path) -> Result<PictureFile> {
-    let image = image::open(path).map_err(|error| unreadable(&error))?;
+    image::open(path).map(of_image).map_err(|error| unreadable(&error))
+}
+
+fn of_image(image: DynamicImage) -> PictureFile {
     let linear = matches!(image, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_));
     let size = ImageSize { width: image.width() as usize, height: image.height() as usize };
     let pixels = image.into_rgba32f().pixels().map(|pixel| pixel.0).collect();
-    Ok(PictureFile { size, pixels, usual: if linear { EncodingFile::Linear } else { EncodingFile::Srgb } })
+    PictureFile { size, pixels, usual: if linear { EncodingFile::Linear } else { EncodingFile::Srgb } }
 }

@@ -1,0 +1,64 @@
+//! `abbe import`: converts scenes of other programs to scene files.
+
+use std::path::{Path, PathBuf};
+
+use super::{Outcome, print};
+use crate::error::{Error, Result};
+use crate::format::import::{is_gltf, scene_of_gltf};
+use crate::output::file::write_whole;
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct ImportArgs {
+    /// The glTF file (.gltf or .glb)
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// The scene file to write, in the folder of FILE or in a folder above it [default: standard
+    /// output, with paths relative to the folder of FILE]
+    #[arg(short, long, value_name = "SCENE.json")]
+    output: Option<PathBuf>,
+    /// Fail if anything in FILE is left out, or if anything is added
+    #[arg(long)]
+    strict: bool,
+}
+
+pub(crate) fn run(arguments: &ImportArgs) -> Result<Outcome> {
+    let ImportArgs { file, output, strict } = arguments;
+    if !is_gltf(file) {
+        let expected = "a .gltf or .glb file; docs/guide/import.md lists what other files can bring into a scene";
+        return Err(Error::input("found a file of another kind").expected(expected).in_file(file));
+    }
+    let imported = scene_of_gltf(file, &path_from(output.as_deref(), file)?)?;
+    let added = imported.added.iter().map(|what| format!("added {what}"));
+    let notes: Vec<String> = imported.left_out.into_iter().chain(added).collect();
+    if *strict && !notes.is_empty() {
+        return Err(Error::input(notes.join("; ")).expected("nothing left out or added").in_file(file));
+    }
+    notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
+    match output {
+        Some(output) => {
+            write_whole(output, imported.text.as_bytes())?;
+            print::remark(&format!("wrote {}", output.display()));
+        }
+        None => print::result(&imported.text)?,
+    }
+    Ok(Outcome::Done)
+}
+
+/// Returns the path of a file relative to the folder of the scene file `scene`. Without a scene
+/// file, returns the name of the file.
+fn path_from(scene: Option<&Path>, file: &Path) -> Result<String> {
+    let folder = |path: &Path| {
+        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        parent.canonicalize().map_err(|error| Error::input(format!("the folder cannot be read: {error}")).in_file(path))
+    };
+    let name = file.file_name().unwrap_or_default();
+    let Some(scene) = scene else { return Ok(name.to_string_lossy().into_owned()) };
+    let (from, to) = (folder(scene)?, folder(file)?);
+    let below = to.strip_prefix(&from).map_err(|_| {
+        Error::input("the scene could not name the imported file")
+            .expected("an output in the folder of the imported file or in a folder above it")
+            .in_file(scene)
+    })?;
+    let parts: Vec<_> = below.join(name).iter().map(|part| part.to_string_lossy().into_owned()).collect();
+    Ok(parts.join("/"))
+}

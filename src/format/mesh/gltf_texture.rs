@@ -1,0 +1,95 @@
+//! Pictures of glTF files: buffer views, data addresses and files.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use ::gltf::buffer::Data;
+use ::gltf::image::Source;
+use ::gltf::texture::{Info, MagFilter, WrappingMode};
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+
+use super::MeshTexture;
+use super::gltf::decoded_address;
+use crate::error::{Error, Result};
+use crate::format::{FileAccess, PictureFile};
+use crate::texture::{Filter, UvTransform, Wrap};
+
+/// Reads the pictures of a glTF file, each once.
+pub(super) struct GltfPictures<'b> {
+    buffers: &'b [Data],
+    folder: PathBuf,
+    file_access: FileAccess,
+    /// The pictures by their index in the file.
+    known: Vec<Option<Arc<PictureFile>>>,
+    /// Sentences about the pictures that cannot be used.
+    pub(super) unusable: Vec<String>,
+}
+
+impl<'b> GltfPictures<'b> {
+    pub(super) fn new(buffers: &'b [Data], folder: Option<&Path>, file_access: FileAccess, count: usize) -> Self {
+        let folder = folder.unwrap_or(Path::new("")).to_owned();
+        Self { buffers, folder, file_access, known: vec![None; count], unusable: Vec::new() }
+    }
+
+    /// Reads a texture. Returns `None` if the picture cannot be used, or if the texture uses
+    /// another set of texture coordinates than the first one.
+    pub(super) fn texture(&mut self, info: &Info<'_>) -> Option<MeshTexture> {
+        let transform = info.texture_transform();
+        let set = transform.as_ref().and_then(|transform| transform.tex_coord()).unwrap_or(info.tex_coord());
+        if set != 0 {
+            return None;
+        }
+        let transform = transform.map_or(UvTransform::IDENTITY, |it| {
+            let pair = |pair: [f32; 2]| pair.map(f64::from);
+            UvTransform::new(pair(it.scale()), f64::from(it.rotation()), pair(it.offset()))
+        });
+        let sampler = info.texture().sampler();
+        let wrap = [sampler.wrap_s(), sampler.wrap_t()].map(|mode| match mode {
+            WrappingMode::ClampToEdge => Wrap::Clamp,
+            WrappingMode::MirroredRepeat => Wrap::Mirror,
+            WrappingMode::Repeat => Wrap::Repeat,
+        });
+        let filter = match sampler.mag_filter() {
+            Some(MagFilter::Nearest) => Filter::Nearest,
+            Some(MagFilter::Linear) | None => Filter::Bilinear,
+        };
+        let image = info.texture().source();
+        let picture = match &self.known[image.index()] {
+            Some(known) => known.clone(),
+            None => match self.read(image.source()) {
+                Ok(read) => self.known[image.index()].insert(Arc::new(read)).clone(),
+                Err(error) => {
+                    let sentence = format!("the image {} cannot be used ({})", image.index(), error.what);
+                    if !self.unusable.contains(&sentence) {
+                        self.unusable.push(sentence);
+                    }
+                    return None;
+                }
+            },
+        };
+        Some(MeshTexture { picture, wrap, filter, transform })
+    }
+
+    fn read(&self, source: Source<'_>) -> Result<PictureFile> {
+        match source {
+            Source::View { view, mime_type: _ } => {
+                let buffer = self.buffers.get(view.buffer().index());
+                let end = view.offset().checked_add(view.length());
+                let bytes = buffer.zip(end).and_then(|(buffer, end)| buffer.0.get(view.offset()..end));
+                PictureFile::decode(bytes.ok_or_else(|| Error::input("it reaches beyond its buffer"))?)
+            }
+            Source::Uri { uri, mime_type: _ } => match uri.strip_prefix("data:") {
+                Some(data) => {
+                    let encoded = data.split_once(";base64,").map(|(_, encoded)| encoded);
+                    let bytes = encoded.and_then(|encoded| STANDARD.decode(encoded).ok());
+                    PictureFile::decode(&bytes.ok_or_else(|| Error::input("its data address is not valid"))?)
+                }
+                None => {
+                    let decoded = decoded_address(uri).ok_or_else(|| Error::input("its address is not valid"))?;
+                    PictureFile::read(&self.file_access.file(&self.folder, Path::new(&decoded))?)
+                }
+            },
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! `abbe import`, and glTF files in the place of scene files.
+
+use crate::abbe_command::abbe;
+use serde_json::Value;
+
+/// A glTF file with one triangle, whose positions are 0 0 0, 1 0 0 and 0 1 0. `nodes` are further
+/// nodes, and `rest` contains further parts of the file.
+fn gltf(nodes: &str, rest: &str) -> String {
+    let positions = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+    format!(
+        r#"{{"asset": {{"version": "2.0"}}, "scenes": [{{"nodes": [0{}]}}], "nodes": [{{"mesh": 0}}{nodes}],
+          "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}],
+          "buffers": [{{"uri": "data:application/octet-stream;base64,{positions}", "byteLength": 36}}],
+          "bufferViews": [{{"buffer": 0, "byteLength": 36}}],
+          "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}}]{rest}}}"#,
+        if nodes.is_empty() { "" } else { ", 1" }
+    )
+}
+
+/// A bare file is rendered with an added camera and an added sky, and the notes say so. `--strict`
+/// refuses it.
+#[test]
+fn a_gltf_file_is_rendered_by_one_command() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("bare.gltf"), gltf("", "")).unwrap();
+    let said = abbe(folder.path(), &["render", "bare.gltf", "--size", "24x16", "--passes", "1", "--photons", "1000"]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(
+        said.err.contains("note: added a camera") && said.err.contains("note: added a uniform sky"),
+        "{}",
+        said.err
+    );
+    assert!(folder.path().join("bare.png").is_file());
+    abbe(folder.path(), &["import", "bare.gltf", "--strict"]).is_error(2, &["bare.gltf", "a uniform sky of 1000 lx"]);
+    abbe(folder.path(), &["import", "bare.obj"]).is_error(2, &["bare.obj", ".gltf or .glb"]);
+}
+
+/// An imported scene file names the glTF file relative to its own folder, and can be checked.
+#[test]
+fn an_imported_scene_is_a_scene_file() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("models")).unwrap();
+    let camera = r#", "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}]"#;
+    let whole = gltf(r#", {"camera": 0, "translation": [0, 0, 5]}"#, camera);
+    std::fs::write(folder.path().join("models/room.gltf"), whole).unwrap();
+    let said = abbe(folder.path(), &["import", "models/room.gltf", "-o", "room.json"]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    let text = std::fs::read_to_string(folder.path().join("room.json")).unwrap();
+    let scene: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(scene["objects"][0]["shape"]["mesh"]["path"], "models/room.gltf");
+    assert_eq!(scene["camera"]["from"], serde_json::json!([0.0, 0.0, 5.0]));
+    assert_eq!(abbe(folder.path(), &["check", "room.json"]).status, 0);
+    let below = ["import", "models/room.gltf", "-o", "models/below/room.json"];
+    std::fs::create_dir(folder.path().join("models/below")).unwrap();
+    abbe(folder.path(), &below).is_error(2, &["an output in the folder of the imported file"]);
+}
