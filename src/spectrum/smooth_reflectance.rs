@@ -10,6 +10,7 @@ use std::sync::OnceLock;
 use super::observer::Observer;
 use super::value::Spectrum;
 use super::{BAND_NM, library};
+use wide::f32x4;
 
 /// The matrix that converts XYZ to linear sRGB (IEC 61966-2-1). The white point is x = 0.3127, y =
 /// 0.3290.
@@ -88,7 +89,7 @@ impl SmoothReflectance {
         if rgb == [rgb[0]; 3] {
             return Self::of_rgb(rgb);
         }
-        let (coefficients, error) = solve_from(similar.0, rgb, NEAR_TOLERANCE, NEAR_STEPS);
+        let (coefficients, error) = solve_from(similar.0, rgb, NEAR_TOLERANCE, NEAR_STEPS, fast_residual);
         if error < NEAR_TOLERANCE { Self(coefficients) } else { Self::of_rgb(rgb) }
     }
 
@@ -145,14 +146,21 @@ fn fit(rgb: Vec3) -> Vec3 {
     for step in 1..=8 {
         let share = f64::from(step) / 8.0;
         let target = rgb.map(|component| mean + share * (component - mean));
-        (c, _) = solve_from(c, target, FIT_TOLERANCE, if step == 8 { 200 } else { 8 });
+        (c, _) = solve_from(c, target, FIT_TOLERANCE, if step == 8 { 200 } else { 8 }, residual);
     }
     c
 }
 
 /// Improves the coefficients until the error in linear RGB is below `tolerance`, but at most
-/// `steps` times. Returns the coefficients and their error.
-fn solve_from(mut c: Vec3, target: Vec3, tolerance: f64, steps: usize) -> (Vec3, f64) {
+/// `steps` times. `residual` returns the error and its derivatives. Returns the coefficients and
+/// their error.
+fn solve_from(
+    mut c: Vec3,
+    target: Vec3,
+    tolerance: f64,
+    steps: usize,
+    residual: fn(Vec3, Vec3) -> (Vec3, [Vec3; 3]),
+) -> (Vec3, f64) {
     let mut damping = 1e-4;
     let (mut error, mut jacobian) = residual(c, target);
     for _ in 0..steps {
@@ -191,6 +199,54 @@ fn residual(c: Vec3, target: Vec3) -> (Vec3, [Vec3; 3]) {
         }
     }
     (error, jacobian)
+}
+
+/// The samples of [`FitBasis`] in single precision, four at a time.
+struct FastBasis {
+    /// For each group of samples: the variables of the polynomial, and the contributions to red,
+    /// green and blue.
+    groups: Vec<(f32x4, [f32x4; 3])>,
+}
+
+fn fast_basis() -> &'static FastBasis {
+    static BASIS: OnceLock<FastBasis> = OnceLock::new();
+    BASIS.get_or_init(|| {
+        let to_rgb = &basis().to_rgb;
+        let group = |first: usize| {
+            // Samples beyond the band contribute nothing.
+            let lanes = |value: &dyn Fn(usize) -> f64| {
+                let of_sample = |lane: usize| if first + lane < FIT_SAMPLES { value(first + lane) as f32 } else { 0.0 };
+                f32x4::from(std::array::from_fn::<f32, 4, _>(of_sample))
+            };
+            let x = lanes(&|i| abscissa(BAND_NM.0 + i as f64));
+            (x, std::array::from_fn(|channel| lanes(&|i| to_rgb[i][channel])))
+        };
+        FastBasis { groups: (0..FIT_SAMPLES).step_by(4).map(group).collect() }
+    })
+}
+
+/// Returns the same as [`residual`] in single precision. The error of the sums is about 10⁻⁶.
+fn fast_residual(c: Vec3, target: Vec3) -> (Vec3, [Vec3; 3]) {
+    let [c0, c1, c2] = c.map(|coefficient| f32x4::splat(coefficient as f32));
+    let (one, half) = (f32x4::splat(1.0), f32x4::splat(0.5));
+    let (mut values, mut slopes) = ([f32x4::splat(0.0); 3], [[f32x4::splat(0.0); 3]; 3]);
+    for (x, to_rgb) in &fast_basis().groups {
+        let y = c0 + *x * (c1 + *x * c2);
+        let square = one + y * y;
+        let inverse_root = one / square.sqrt();
+        let value = half + half * y * inverse_root;
+        let slope = half * inverse_root * inverse_root * inverse_root;
+        for channel in 0..3 {
+            values[channel] += to_rgb[channel] * value;
+            let weight = to_rgb[channel] * slope;
+            let weight_x = weight * *x;
+            slopes[channel][0] += weight;
+            slopes[channel][1] += weight_x;
+            slopes[channel][2] += weight_x * *x;
+        }
+    }
+    let sum = |lanes: f32x4| f64::from(lanes.reduce_add());
+    (std::array::from_fn(|i| sum(values[i]) - target[i]), slopes.map(|row| row.map(sum)))
 }
 
 /// Returns c − (JᵀJ + damping·diag(JᵀJ))⁻¹ Jᵀ error.
@@ -239,6 +295,16 @@ mod tests {
             let errors = [near, full].map(|found| residual(found.0, rgb).0.map(f64::abs));
             assert!(errors.as_flattened().iter().all(|error| *error < 1e-3), "{rgb:?}: {errors:?}");
             similar = near;
+        }
+    }
+
+    /// The residual in single precision is that in double precision.
+    #[test]
+    fn the_fast_residual_is_the_residual() {
+        for c in [[0.3, -0.2, 0.8], [-4.0, 3.0, 20.0], [300.0, -700.0, 90.0]] {
+            let ((error, jacobian), (fast, fast_jacobian)) = (residual(c, [0.5; 3]), fast_residual(c, [0.5; 3]));
+            let pairs = error.iter().zip(&fast).chain(jacobian.as_flattened().iter().zip(fast_jacobian.as_flattened()));
+            pairs.for_each(|(a, b)| assert!((a - b).abs() < 5e-6, "{c:?}: {a} and {b}"));
         }
     }
 

@@ -33,17 +33,17 @@ impl Palette {
     pub(super) fn smooth(colours: &[[f32; 3]]) -> Self {
         // Equal colours are fitted once. In the sorted list, each colour is similar to the colour
         // before. The tasks do not depend on the number of threads.
-        let key = |colour: &[f32; 3]| colour.map(f32::to_bits);
-        let mut order: Vec<u32> = (0..colours.len() as u32).collect();
-        order.par_sort_unstable_by_key(|&index| (key(&colours[index as usize]), index));
-        let mut distinct: Vec<[f32; 3]> = order.iter().map(|&index| colours[index as usize]).collect();
-        distinct.dedup_by_key(|colour| key(colour));
+        let bits = |index: u32| colours[index as usize].map(f32::to_bits);
+        let place = |(index, colour): (usize, &[f32; 3])| (place_on_curve(*colour), index as u32);
+        let mut order: Vec<(u32, u32)> = colours.par_iter().enumerate().map(place).collect();
+        order.par_sort_unstable_by(|a, b| a.0.cmp(&b.0).then_with(|| (bits(a.1), a.1).cmp(&(bits(b.1), b.1))));
+        let mut distinct: Vec<[f32; 3]> = order.iter().map(|&(_, index)| colours[index as usize]).collect();
+        distinct.dedup_by_key(|colour| colour.map(f32::to_bits));
         let fitted: Vec<[f32; 3]> = distinct.par_chunks(COLOURS_PER_TASK).flat_map_iter(fit).collect();
         let mut coefficients = vec![[0.0; 3]; colours.len()];
         let mut number = 0;
-        for &index in &order {
-            let colour = &colours[index as usize];
-            number += usize::from(key(colour) != key(&distinct[number]));
+        for &(_, index) in &order {
+            number += usize::from(bits(index) != distinct[number].map(f32::to_bits));
             coefficients[index as usize] = fitted[number];
         }
         Self::Smooth(coefficients)
@@ -73,6 +73,14 @@ impl Palette {
             Self::Parts(parts) => parts.iter().map(SurfaceSpectrum::memory_bytes).sum(),
         }
     }
+}
+
+/// Returns the place of a colour on a curve through the RGB cube, on which neighbours are similar
+/// (Morton order). The components are divided into 1024 levels of about equal visible difference.
+fn place_on_curve(colour: [f32; 3]) -> u32 {
+    let levels = colour.map(|component| (component.sqrt() * 1023.0) as u32);
+    let bit = |i: u32| (0..3).map(|channel| (levels[channel] >> i & 1) << (3 * i + channel as u32)).sum::<u32>();
+    (0..10).map(bit).sum()
 }
 
 /// Fits the reflectances of colours, each near the colour before.

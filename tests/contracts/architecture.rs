@@ -43,7 +43,10 @@ const CRATES: [(&str, &[&str]); 31] = [
     ("glam", &[""]),
     ("serde", &[""]),
     ("obvhs", &["geometry/bvh.rs", "map/box_tree.rs"]),
-    ("wide", &["map/point_tree.rs", "map/volume/beam.rs", "gather/density/responses.rs"]),
+    (
+        "wide",
+        &["map/point_tree.rs", "map/volume/beam.rs", "gather/density/responses.rs", "spectrum/smooth_reflectance.rs"],
+    ),
     ("smallvec", &["scene/initial_stack.rs", "walk/transmittance.rs"]),
     ("rand", &["math/random.rs"]),
     ("rand_pcg", &["math/random.rs"]),
