@@ -85,7 +85,9 @@ fn add_files(value: &Value, folder: &Path, hash: &mut IdentityHash) {
         Value::Object(entries) => {
             for (key, value) in entries {
                 match value {
-                    Value::String(name) if ["path", "file", "image", "prescription"].contains(&key.as_str()) => {
+                    Value::String(name)
+                        if ["path", "file", "image", "bands", "prescription"].contains(&key.as_str()) =>
+                    {
                         add_file(&folder.join(name), hash);
                     }
                     Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
@@ -98,8 +100,8 @@ fn add_files(value: &Value, folder: &Path, hash: &mut IdentityHash) {
     }
 }
 
-/// Adds a file to the hash, and then the files that it names: the materials of an OBJ file, the
-/// buffers and images of a glTF file, and the glass catalogues of a Zemax lens.
+/// Adds a file to the hash, and then the files that it names: the materials of an OBJ file with
+/// their pictures, the buffers and images of a glTF file, and the glass catalogues of a Zemax lens.
 fn add_file(path: &Path, hash: &mut IdentityHash) {
     let Ok(bytes) = std::fs::read(path) else {
         return;
@@ -109,9 +111,12 @@ fn add_file(path: &Path, hash: &mut IdentityHash) {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     match extension.as_deref() {
         Some("obj") => {
-            let text = String::from_utf8_lossy(&bytes);
-            let named = text.lines().filter_map(|line| line.trim().strip_prefix("mtllib "));
-            named.for_each(|name| add_bytes(&folder.join(name.trim()), hash));
+            for library in names_after("mtllib ", &bytes) {
+                let library = folder.join(library);
+                add_bytes(&library, hash);
+                let pictures = std::fs::read(&library).map(|bytes| names_after("map_Kd ", &bytes)).unwrap_or_default();
+                pictures.iter().for_each(|name| add_bytes(&folder.join(name), hash));
+            }
         }
         Some("gltf") => {
             let gltf: Value = serde_json::from_slice(&bytes).unwrap_or(Value::Null);
@@ -123,6 +128,12 @@ fn add_file(path: &Path, hash: &mut IdentityHash) {
         Some("zmx") => resolve::catalogues_beside(path, &bytes).iter().for_each(|path| add_bytes(path, hash)),
         Some(_) | None => {}
     }
+}
+
+/// Returns the rest of each line that starts with `key`.
+fn names_after(key: &str, text: &[u8]) -> Vec<String> {
+    let text = String::from_utf8_lossy(text);
+    text.lines().filter_map(|line| Some(line.trim().strip_prefix(key)?.trim().to_string())).collect()
 }
 
 fn add_bytes(path: &Path, hash: &mut IdentityHash) {
@@ -151,6 +162,14 @@ mod tests {
         assert_ne!(first, second);
         std::fs::write(folder.path().join("a.obj"), "mtllib a.mtl\nv 0 0 0\n").unwrap();
         assert_ne!(second, hash(&scene(8, 0)));
+        std::fs::write(folder.path().join("a.mtl"), "newmtl blue\nmap_Kd a.png\n").unwrap();
+        let untextured = hash(&scene(8, 0));
+        std::fs::write(folder.path().join("a.png"), "a picture").unwrap();
+        assert_ne!(untextured, hash(&scene(8, 0)));
+        let bands = json!({"reflectance": {"bands": "a.exr"}});
+        let missing = hash(&bands);
+        std::fs::write(folder.path().join("a.exr"), "bands").unwrap();
+        assert_ne!(missing, hash(&bands));
         let lens = json!({"camera": {"lens": {"system": {"prescription": "a.lens"}}}});
         let built_in = hash(&lens);
         std::fs::write(folder.path().join("a.lens"), "{}").unwrap();
