@@ -12,7 +12,7 @@ pub struct MeshMaterial {
     pub name: String,
     /// Colour of the diffuse reflection, or colour of the metal. Each component is from 0 to 1.
     pub base_colour: [f64; 3],
-    /// A picture in sRGB that multiplies the base colour.
+    /// A picture of colours that multiplies the base colour.
     pub base_colour_texture: Option<MeshTexture>,
     /// 0 for a dielectric, 1 for a metal.
     pub metallic: f64,

@@ -72,7 +72,7 @@ fn base_colour(file: &MeshMaterial, textured: bool) -> Result<SurfaceSpectrum> {
     let Some(texture) = file.base_colour_texture.as_ref().filter(|_| textured) else {
         return Spectrum::rgb_reflectance(colour).map(SurfaceSpectrum::Uniform);
     };
-    let mut pixels = texture.picture.linear_rgb(Some(EncodingFile::Srgb));
+    let mut pixels = texture.picture.linear_rgb(None);
     for pixel in &mut pixels {
         pixel.iter_mut().zip(colour).for_each(|(c, factor)| *c = (*c * factor as f32).clamp(0.0, 1.0));
     }
