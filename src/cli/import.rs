@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::{Outcome, print};
 use crate::error::{Error, Result};
+use crate::format::FileAccess;
 use crate::format::import::{is_gltf, scene_of_gltf};
 use crate::output::file::write_whole;
 
@@ -27,7 +28,7 @@ pub(crate) fn run(arguments: &ImportArgs) -> Result<Outcome> {
         let expected = "a .gltf or .glb file; docs/guide/import.md lists what other files can bring into a scene";
         return Err(Error::input("found a file of another kind").expected(expected).in_file(file));
     }
-    let imported = scene_of_gltf(file, &path_from(output.as_deref(), file)?)?;
+    let imported = scene_of_gltf(file, &path_from(output.as_deref(), file)?, FileAccess::WithinFolder)?;
     let added = imported.added.iter().map(|what| format!("added {what}"));
     let notes: Vec<String> = imported.left_out.into_iter().chain(added).collect();
     if *strict && !notes.is_empty() {

@@ -46,20 +46,20 @@ pub fn is_gltf(path: &Path) -> bool {
 }
 
 /// Converts a glTF file to the text of a scene file. `mesh_path` is the path of the glTF file in
-/// that text.
+/// that text. `file_access` states which other files the glTF file may name.
 ///
 /// If the file has no camera, the camera sees the whole scene from the front. If the file has no
 /// light, a uniform sky of 1000 lx illuminates the scene. `added` says so.
 ///
 /// # Errors
-/// Returns an error if the file cannot be read, or if it is not valid. The error contains the name of
-/// the file.
-pub fn scene_of_gltf(path: &Path, mesh_path: &str) -> Result<ImportedScene> {
-    convert(path, mesh_path).map_err(|error| error.in_file(path))
+/// Returns an error if the file cannot be read, or if it is not valid. The error contains the name
+/// of the file.
+pub fn scene_of_gltf(path: &Path, mesh_path: &str, file_access: FileAccess) -> Result<ImportedScene> {
+    convert(path, mesh_path, file_access).map_err(|error| error.in_file(path))
 }
 
-fn convert(path: &Path, mesh_path: &str) -> Result<ImportedScene> {
-    let file = mesh::load(path, FileAccess::Anywhere)?;
+fn convert(path: &Path, mesh_path: &str, file_access: FileAccess) -> Result<ImportedScene> {
+    let file = mesh::load(path, file_access)?;
     let (mut camera, mut lights, mut added) = (None, Vec::new(), Vec::new());
     let mut left_out = Vec::from_iter(file.ignored);
     gltf_nodes(path, |node, to_world| {
@@ -193,7 +193,7 @@ mod tests {
         let folder = TempDir::new().unwrap();
         let path = folder.path().join("a.gltf");
         std::fs::write(&path, text).unwrap();
-        let imported = scene_of_gltf(&path, "a.gltf").unwrap();
+        let imported = scene_of_gltf(&path, "a.gltf", FileAccess::WithinFolder).unwrap();
         (folder, path, imported)
     }
 
@@ -233,6 +233,22 @@ mod tests {
         let scene = resolve(&file, &source).unwrap();
         let surface = &scene.materials[scene.objects[0].material].surface;
         assert!(surface.is_textured() && surface.components().count() == 2, "half metal, half matt");
+    }
+
+    /// A buffer outside the folder of the file is not read.
+    #[test]
+    fn a_gltf_scene_names_no_files_outside_its_folder() {
+        let folder = TempDir::new().unwrap();
+        std::fs::create_dir(folder.path().join("below")).unwrap();
+        let path = folder.path().join("below/a.gltf");
+        let whole = gltf("", r#", "scenes": [{"nodes": [0]}]"#);
+        let (start, rest) = whole.split_once("data:application/octet-stream;base64,").unwrap();
+        let (data, end) = rest.split_once('"').unwrap();
+        std::fs::write(folder.path().join("a.bin"), STANDARD.decode(data).unwrap()).unwrap();
+        std::fs::write(&path, format!("{start}../a.bin\"{end}")).unwrap();
+        let [within, anywhere] =
+            [FileAccess::WithinFolder, FileAccess::Anywhere].map(|access| scene_of_gltf(&path, "a.gltf", access));
+        assert!(within.unwrap_err().to_string().contains("leads out of the folder") && anywhere.is_ok());
     }
 
     /// A file without a camera and without a light gets both.

@@ -185,7 +185,7 @@ pub fn read_scene_text(path: &Path) -> Result<String> {
     #[cfg(feature = "meshes")]
     if import::is_gltf(path) {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        return import::scene_of_gltf(path, &name).map(|imported| imported.text);
+        return import::scene_of_gltf(path, &name, FileAccess::WithinFolder).map(|imported| imported.text);
     }
     foreign::refuse_foreign(path)?;
     read_text(path)
