@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::{Outcome, print};
 use crate::error::{Error, Result};
 use crate::format::FileAccess;
-use crate::format::import::{is_gltf, scene_of_gltf};
+use crate::format::import::import;
 use crate::output::file::write_whole;
 
 #[derive(Debug, clap::Args)]
@@ -24,13 +24,8 @@ pub(crate) struct ImportArgs {
 
 pub(crate) fn run(arguments: &ImportArgs) -> Result<Outcome> {
     let ImportArgs { file, output, strict } = arguments;
-    if !is_gltf(file) {
-        let expected = "a .gltf or .glb file; docs/guide/import.md lists what other files can bring into a scene";
-        return Err(Error::input("found a file of another kind").expected(expected).in_file(file));
-    }
-    let imported = scene_of_gltf(file, &path_from(output.as_deref(), file)?, FileAccess::WithinFolder)?;
-    let added = imported.added.iter().map(|what| format!("added {what}"));
-    let notes: Vec<String> = imported.left_out.into_iter().chain(added).collect();
+    let imported = import(file, &folder_from(output.as_deref(), file)?, FileAccess::WithinFolder)?;
+    let notes: Vec<String> = imported.notes().into_iter().chain(imported.ignored_by_meshes).collect();
     if *strict && !notes.is_empty() {
         return Err(Error::input(notes.join("; ")).expected("nothing left out or added").in_file(file));
     }
@@ -45,21 +40,20 @@ pub(crate) fn run(arguments: &ImportArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Returns the path of a file relative to the folder of the scene file `scene`. Without a scene
-/// file, returns the name of the file.
-fn path_from(scene: Option<&Path>, file: &Path) -> Result<String> {
+/// Returns the path from the folder of the scene file `scene` to the folder of a file. Without a
+/// scene file, both folders are the same.
+fn folder_from(scene: Option<&Path>, file: &Path) -> Result<String> {
     let folder = |path: &Path| {
         let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         parent.canonicalize().map_err(|error| Error::input(format!("the folder cannot be read: {error}")).in_file(path))
     };
-    let name = file.file_name().unwrap_or_default();
-    let Some(scene) = scene else { return Ok(name.to_string_lossy().into_owned()) };
+    let Some(scene) = scene else { return Ok(String::new()) };
     let (from, to) = (folder(scene)?, folder(file)?);
     let below = to.strip_prefix(&from).map_err(|_| {
         Error::input("the scene could not name the imported file")
             .expected("an output in the folder of the imported file or in a folder above it")
             .in_file(scene)
     })?;
-    let parts: Vec<_> = below.join(name).iter().map(|part| part.to_string_lossy().into_owned()).collect();
+    let parts: Vec<_> = below.iter().map(|part| part.to_string_lossy().into_owned()).collect();
     Ok(parts.join("/"))
 }

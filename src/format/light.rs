@@ -3,7 +3,7 @@
 mod distant;
 mod ies;
 
-pub use distant::{DirectionalFile, EnvironmentFile};
+pub use distant::{DirectionalFile, EnvironmentFile, ProjectionFile};
 pub use ies::IesFile;
 
 use schemars::JsonSchema;

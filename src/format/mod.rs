@@ -66,7 +66,7 @@ pub use picture_file::PictureFile;
 pub use quantity::QuantityFile;
 pub use reference::scene_reference;
 pub use render::{LightMapFile, RenderFile};
-pub use shape::ShapeFile;
+pub use shape::{MeshShapeFile, ShapeFile, TrianglesFile};
 pub use spectrum::{ImageFile, LineFile, SpectrumFile, WeightedSpectrumFile};
 pub use srgb::{SrgbFile, is_hex_colour, linear_of_hex};
 pub use texture::{NoisePatternFile, PatternFile, ReflectanceFile, ScalarFile, UvFile};
@@ -173,22 +173,35 @@ impl UnitFile {
 /// column and the JSON path. If the file has several faults, the error contains all of them, up to
 /// [`MAX_FAULTS`](crate::error::MAX_FAULTS).
 pub fn read(path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
-    parse(&read_scene_text(path)?, path, sets)
+    parse(&read_scene_text(path, FileAccess::default())?.text, path, sets)
 }
 
-/// Reads the text of a scene file. A glTF file is converted ([`import`]).
+/// The text of a scene file.
+#[derive(Debug)]
+pub struct SceneText {
+    /// The text.
+    pub text: String,
+    /// Sentences about what the conversion of another program's scene added and left out. Empty for
+    /// a scene file.
+    pub notes: Vec<String>,
+}
+
+/// Reads the text of a scene file. A scene of another program is converted ([`import`]).
+/// `file_access` states which other files such a scene may name.
 ///
 /// # Errors
 /// Returns an error if the file cannot be read, is too large, is not UTF-8, or is a file of another
-/// program. In the last case, the error says how to bring the file into a scene.
-pub fn read_scene_text(path: &Path) -> Result<String> {
+/// program that cannot be converted. In the last case, the error says how to bring the file into a
+/// scene.
+pub fn read_scene_text(path: &Path, file_access: FileAccess) -> Result<SceneText> {
     #[cfg(feature = "meshes")]
-    if import::is_gltf(path) {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        return import::scene_of_gltf(path, &name, FileAccess::WithinFolder).map(|imported| imported.text);
+    if import::can_import(path) {
+        let imported = import::import(path, "", file_access)?;
+        let notes = imported.notes();
+        return Ok(SceneText { text: imported.text, notes });
     }
     foreign::refuse_foreign(path)?;
-    read_text(path)
+    Ok(SceneText { text: read_text(path)?, notes: Vec::new() })
 }
 
 /// Reads a scene from its text. Errors use `path` as the name of the text. `sets` are patches as in

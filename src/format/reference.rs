@@ -3,6 +3,7 @@
 
 use std::fmt::Write as _;
 
+use crate::json::one_line;
 use serde_json::{Map, Value};
 
 /// The chapters of the page. Each entry has the title of a chapter, and the names of the
@@ -338,18 +339,6 @@ fn examples(schema: &Value, text: &mut String) {
     let examples: Vec<String> = schema["examples"].as_array().into_iter().flatten().map(wrapped).collect();
     if !examples.is_empty() {
         let _ = write!(text, "\n```json\n{}\n```\n", examples.join("\n"));
-    }
-}
-
-/// Prints JSON on one line, with blanks after commas and colons.
-fn one_line(value: &Value) -> String {
-    match value {
-        Value::Object(entries) => {
-            let entries = entries.iter().map(|(key, value)| format!("\"{key}\": {}", one_line(value)));
-            format!("{{{}}}", entries.collect::<Vec<_>>().join(", "))
-        }
-        Value::Array(elements) => format!("[{}]", elements.iter().map(one_line).collect::<Vec<_>>().join(", ")),
-        Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => value.to_string(),
     }
 }
 

@@ -4,9 +4,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
+use glam::DVec3;
+
 use super::check;
 use super::forms;
 use crate::error::Result;
+use crate::geometry::mesh::TriangleMesh;
 use crate::json::JsonPath;
 
 /// A shape in its local coordinates. The object's `transform` places it in the scene.
@@ -95,10 +98,68 @@ pub enum ShapeFile {
     },
     /// A triangle mesh from an OBJ, PLY, STL, glTF or GLB file.
     #[schemars(example = json!({"mesh": {"path": "bunny.ply"}}))]
-    Mesh {
-        /// Path of the file, relative to the scene's folder.
-        path: String,
-    },
+    #[schemars(example = json!({"mesh": {"path": "lamp.obj", "reverse": true, "flat": true, "flip_v": true}}))]
+    Mesh(MeshShapeFile),
+    /// A triangle mesh whose vertices are in the scene file.
+    #[schemars(example = json!({"triangles": {
+        "positions": [[0, 0, 0], [1, 0, 0], [0, 0, -1]], "indices": [[0, 1, 2]],
+        "normals": [[0, 1, 0], [0, 1, 0], [0, 1, 0]], "uv": [[0, 1], [1, 1], [0, 0]]
+    }}))]
+    Triangles(TrianglesFile),
+}
+
+/// A triangle mesh from a file.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeshShapeFile {
+    /// Path of the file, relative to the scene's folder.
+    pub path: String,
+    /// True to exchange the front and the back of the surface.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub reverse: bool,
+    /// True to ignore the vertex normals of the file, so that each triangle looks flat.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub flat: bool,
+    /// True to replace the texture coordinate v by 1 − v.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub flip_v: bool,
+}
+
+/// A triangle mesh whose vertices are in the scene file. The corners of a triangle are
+/// counter-clockwise seen from the front.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TrianglesFile {
+    /// Positions of the vertices.
+    #[schemars(extend("x-unit" = "scene unit"))]
+    pub positions: Vec<[f64; 3]>,
+    /// Three vertex numbers for each triangle. The first vertex has the number 0.
+    #[schemars(length(min = 1))]
+    pub indices: Vec<[u32; 3]>,
+    /// One normal for each vertex, of any length.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "flat triangles"))]
+    pub normals: Option<Vec<[f64; 3]>>,
+    /// One pair of texture coordinates for each vertex. (0, 0) is the upper left corner of a
+    /// picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uv: Option<Vec<[f64; 2]>>,
+}
+
+impl TrianglesFile {
+    /// Returns the mesh in the scene's unit.
+    ///
+    /// # Errors
+    /// Returns an error if there are no triangles or no area, if an index is too large, or if the
+    /// numbers of positions, normals and texture coordinates differ.
+    pub fn mesh(&self) -> Result<TriangleMesh> {
+        let vectors = |list: &[[f64; 3]]| list.iter().copied().map(DVec3::from_array).collect();
+        let normals = self.normals.as_deref().map(vectors);
+        TriangleMesh::new(vectors(&self.positions), normals, self.uv.clone(), self.indices.clone())
+    }
 }
 
 /// Returns the default apex angle in degrees. With this angle, the prism is equilateral.
@@ -134,8 +195,16 @@ impl ShapeFile {
                 positive(&at, &[("thickness", *thickness), ("diameter", *diameter)])?;
                 validate_lens(&at, [*radius1, *radius2], *thickness, *diameter)
             }
-            Self::Mesh { path: _ } => Ok(()),
+            Self::Mesh(_) => Ok(()),
+            Self::Triangles(triangles) => triangles.validate(&at.key("triangles")),
         }
+    }
+}
+
+impl TrianglesFile {
+    /// Checks that the triangles make a mesh.
+    fn validate(&self, at: &JsonPath) -> Result<()> {
+        self.mesh().map(|_| ()).map_err(|error| error.on_path(at.to_string()))
     }
 }
 

@@ -56,6 +56,27 @@ impl TriangleMesh {
         Ok(Self { dropped: before - triangles.len(), closed, positions, normals, uvs, triangles })
     }
 
+    /// Returns the mesh with front and back exchanged.
+    #[must_use]
+    pub fn reversed(mut self) -> Self {
+        self.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        self.normals.iter_mut().flatten().for_each(|normal| *normal = -*normal);
+        self
+    }
+
+    /// Returns the mesh without vertex normals.
+    #[must_use]
+    pub fn without_normals(self) -> Self {
+        Self { normals: None, ..self }
+    }
+
+    /// Returns the mesh with the texture coordinate v replaced by 1 − v.
+    #[must_use]
+    pub fn with_flipped_v(mut self) -> Self {
+        self.uvs.iter_mut().flatten().for_each(|uv| uv[1] = 1.0 - uv[1]);
+        self
+    }
+
     /// Returns the positions of the vertices.
     pub fn positions(&self) -> &[DVec3] {
         &self.positions

@@ -46,8 +46,8 @@ pub struct DirectionalFile {
     pub motion: Vec<KeyframeFile>,
 }
 
-/// An environment. State exactly one of `spectrum` and `image`, and exactly one of `irradiance` and
-/// `illuminance`.
+/// An environment. State exactly one of `spectrum` and `image`, and exactly one of `irradiance`,
+/// `illuminance` and `luminance`.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EnvironmentFile {
@@ -55,9 +55,13 @@ pub struct EnvironmentFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub spectrum: Option<SpectrumFile>,
-    /// A picture of all directions in an equirectangular projection, +y up.
+    /// A picture of all directions. PNG, JPEG, OpenEXR and Radiance HDR files are read.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub image: Option<ImageFile>,
+    /// Projection of the picture.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub projection: ProjectionFile,
     /// π × the mean radiance over 360–830 nm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W/m²"))]
@@ -66,6 +70,10 @@ pub struct EnvironmentFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "lx"))]
     pub illuminance: Option<f64>,
+    /// Luminance of the light. For a picture, luminance of a pixel with the linear value (1, 1, 1).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "cd/m²"))]
+    pub luminance: Option<f64>,
     /// Rotation of the light. Translations have no effect.
     #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
     #[schemars(skip_serializing_if = "forms::never")]
@@ -74,6 +82,20 @@ pub struct EnvironmentFile {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(skip_serializing_if = "forms::never")]
     pub motion: Vec<KeyframeFile>,
+}
+
+/// The projection of a picture of all directions.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(title = "Projection")]
+pub enum ProjectionFile {
+    /// Equirectangular: longitude and latitude are linear over the picture. +y is the upper edge,
+    /// and −z is in the middle.
+    #[default]
+    Equirectangular,
+    /// Equal-area octahedral, as in pbrt: a square whose pixels have equal solid angles. +z is in
+    /// the middle, −z is in the corners, +x is to the right, and +y is at the lower edge.
+    EqualArea,
 }
 
 impl DirectionalFile {
@@ -94,7 +116,11 @@ impl EnvironmentFile {
     /// Returns an error if no quantity is stated, if several quantities are stated, or if the
     /// quantity is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
-        one_quantity(&[(self.irradiance, QuantityFile::Irradiance), (self.illuminance, QuantityFile::Illuminance)])
+        one_quantity(&[
+            (self.irradiance, QuantityFile::Irradiance),
+            (self.illuminance, QuantityFile::Illuminance),
+            (self.luminance, QuantityFile::Luminance),
+        ])
     }
 }
 
@@ -120,8 +146,17 @@ impl EnvironmentFile {
         check::all([
             check::exactly_one(at, &[("spectrum", self.spectrum.is_some()), ("image", self.image.is_some())]),
             self.spectrum.as_ref().map_or(Ok(()), |it| it.validate(&at.key("spectrum"), SpectrumUse::NotNegative)),
+            self.validate_projection(at),
             validate_quantity(at, self.quantity()),
             validate_pose(at, &self.transform, &self.motion),
         ])
+    }
+
+    /// Checks that a projection belongs to a picture.
+    fn validate_projection(&self, at: &JsonPath) -> Result<()> {
+        if self.image.is_some() || self.projection == ProjectionFile::default() {
+            return Ok(());
+        }
+        Err(check::fault(&at.key("projection"), "found a projection without a picture", "`image`"))
     }
 }

@@ -1,7 +1,7 @@
 //! Translates the lights of the scene file to emitters in watts.
 
 use super::context::Resolver;
-use super::environment_image;
+use super::environment_image::{self, EnvironmentImage};
 use super::motion::ResolvedMotion;
 use super::objects::{EmissionSource, EmittingObject};
 use super::spectra::Role;
@@ -256,21 +256,25 @@ impl Resolver<'_> {
         file: &EnvironmentFile,
         context: &mut LightContext<'_>,
     ) -> Result<EmitterAndSpectrum> {
-        let EnvironmentFile { spectrum, image, .. } = file;
-        let (spectrum, map) = match (spectrum, image) {
+        let EnvironmentFile { spectrum, image, projection, .. } = file;
+        let (spectrum, map, mean) = match (spectrum, image) {
             (_, Some(image)) => {
                 let at = path.key("image");
                 let map = self.source.file(&image.path);
-                let map = map.and_then(|path| environment_image::load(&path, context.to_world));
-                let map = self.at(&at.key("path"), map)?;
-                (LightSpectrum::new(&map.mean_spectrum()), Some(Arc::new(map)))
+                let image = map.and_then(|path| environment_image::load(&path, *projection, context.to_world));
+                let EnvironmentImage { map, mean_luminance } = self.at(&at.key("path"), image)?;
+                (LightSpectrum::new(&map.mean_spectrum()), Some(Arc::new(map)), mean_luminance)
             }
-            (Some(spectrum), None) => (self.light_spectrum(path, spectrum, context.notes)?, None),
+            (Some(spectrum), None) => (self.light_spectrum(path, spectrum, context.notes)?, None, 1.0),
             (None, None) => {
                 return self.at(path, Err(Error::input("found neither").expected("one of `spectrum`, `image`")));
             }
         };
-        let irradiance = self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))?.value();
+        let quantity = file.quantity().map(|quantity| match quantity {
+            QuantityFile::Luminance(luminance) => QuantityFile::Illuminance(PI * mean * luminance),
+            other => other,
+        });
+        let irradiance = self.at(path, quantity.and_then(|q| radiometric(q, &spectrum)))?.value();
         Ok((Emitter::Environment(EnvironmentLight::new(irradiance / PI, map)), spectrum))
     }
 

@@ -5,7 +5,7 @@ use super::mesh_materials;
 use super::motion::ResolvedMotion;
 use crate::error::Result;
 use crate::format::mesh::{self, MeshFile, MeshPart};
-use crate::format::{EmissionFile, JsonPath, ObjectFile, ShapeFile};
+use crate::format::{EmissionFile, JsonPath, MeshShapeFile, ObjectFile, ShapeFile};
 use crate::geometry::shape::Shape;
 use crate::optics::bsdf::Bsdf;
 use crate::scene::Material;
@@ -81,7 +81,7 @@ impl<'a> Resolver<'a> {
         let frame = DAffine3 { matrix3: start.matrix3, translation: start.translation * self.metres };
         let spd_at = at.key("shape");
         let mut objects = Vec::new();
-        if let ShapeFile::Mesh { path } = shape {
+        if let ShapeFile::Mesh(MeshShapeFile { path, reverse, flat, flip_v }) = shape {
             let local = DAffine3::from_scale(DVec3::splat(self.metres));
             let motion = motion.map(|motion| (motion, local));
             let mesh_at = spd_at.key("mesh");
@@ -106,7 +106,11 @@ impl<'a> Resolver<'a> {
                     None => self.own_material(&mesh_at, &part, resolved)?,
                 };
                 let placement = Placement { to_world: frame * local, motion: motion.clone() };
-                let mesh = Shape::Mesh(Arc::new(part.mesh));
+                let mut mesh = part.mesh;
+                mesh = if *flat { mesh.without_normals() } else { mesh };
+                mesh = if *reverse { mesh.reversed() } else { mesh };
+                mesh = if *flip_v { mesh.with_flipped_v() } else { mesh };
+                let mesh = Shape::Mesh(Arc::new(mesh));
                 let object = self.at(&spd_at, resolved.set.add_object(part_name, part_material, mesh, placement))?;
                 objects.push(object);
                 if material.is_none() && emission.is_none() && own_light.iter().any(|&c| c > 0.0) {
@@ -114,6 +118,11 @@ impl<'a> Resolver<'a> {
                     resolved.emitting.push(EmittingObject { file_index: number, objects: vec![object], emission });
                 }
             }
+        } else if let (Some(material), ShapeFile::Triangles(triangles)) = (material, shape) {
+            let local = DAffine3::from_scale(DVec3::splat(self.metres));
+            let placement = Placement { to_world: frame * local, motion: motion.map(|motion| (motion, local)) };
+            let mesh = Shape::Mesh(Arc::new(self.at(&spd_at.key("triangles"), triangles.mesh())?));
+            objects.push(self.at(&spd_at, resolved.set.add_object(name, material, mesh, placement))?);
         } else if let (Some(material), Some((shape, local))) = (material, self.analytic_shape(shape)) {
             let placement = Placement { to_world: frame * local, motion: motion.map(|motion| (motion, local)) };
             objects.push(self.at(&spd_at, resolved.set.add_object(name, material, shape, placement))?);
@@ -143,7 +152,7 @@ impl<'a> Resolver<'a> {
     }
 
     /// Returns the shape in m, and the transform from the shape's frame to the object's frame.
-    /// Returns `None` for a mesh, because meshes are read from files.
+    /// Returns `None` for a mesh.
     fn analytic_shape(&self, file: &ShapeFile) -> Option<(Shape, DAffine3)> {
         let m = self.metres;
         let shape = match *file {
@@ -164,7 +173,7 @@ impl<'a> Resolver<'a> {
                 thickness: thickness * m,
                 diameter: diameter * m,
             },
-            ShapeFile::Mesh { path: _ } => return None,
+            ShapeFile::Mesh(_) | ShapeFile::Triangles(_) => return None,
         };
         Some((shape, DAffine3::IDENTITY))
     }

@@ -1,4 +1,4 @@
-//! Converts scenes of other programs to the text of a scene file.
+//! Reads glTF scenes.
 //!
 //! A converted glTF scene names the glTF file as a mesh. The mesh reader reads the geometry, the
 //! materials and the emission of surfaces. This module adds what a mesh lacks: the camera, the
@@ -12,9 +12,10 @@ use ::gltf::khr_lights_punctual::Kind;
 use glam::{DAffine3, DVec3};
 use serde_json::{Value, json};
 
-use super::mesh::{self, MeshPart, gltf_nodes};
+use super::{ImportedScene, SceneWriter};
 use crate::error::Result;
 use crate::format::FileAccess;
+use crate::format::mesh::{self, MeshPart, gltf_nodes};
 
 /// The width of the film in pixels.
 const WIDTH: f64 = 960.0;
@@ -25,78 +26,38 @@ const DEFAULT_ASPECT: f64 = 1.5;
 /// The vertical field of view (degrees) of the camera if the file has none.
 const DEFAULT_FOV: f64 = 35.0;
 
-/// The illuminance (lx) of the sky if the file has no light.
-const SKY_ILLUMINANCE: f64 = 1000.0;
-
-/// A converted scene.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ImportedScene {
-    /// The text of the scene file.
-    pub text: String,
-    /// Sentences about the parts that the glTF file lacks and that were added.
-    pub added: Vec<&'static str>,
-    /// Sentences about what was left out.
-    pub left_out: Vec<String>,
-}
-
-/// Returns true if the extension of a file is `.gltf` or `.glb`.
-pub fn is_gltf(path: &Path) -> bool {
-    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    ["gltf", "glb"].iter().any(|known| extension.eq_ignore_ascii_case(known))
-}
-
-/// Converts a glTF file to the text of a scene file. `mesh_path` is the path of the glTF file in
-/// that text. `file_access` states which other files the glTF file may name.
-///
-/// If the file has no camera, the camera sees the whole scene from the front. If the file has no
-/// light, a uniform sky of 1000 lx illuminates the scene. `added` says so.
-///
-/// # Errors
-/// Returns an error if the file cannot be read, or if it is not valid. The error contains the name
-/// of the file.
-pub fn scene_of_gltf(path: &Path, mesh_path: &str, file_access: FileAccess) -> Result<ImportedScene> {
-    convert(path, mesh_path, file_access).map_err(|error| error.in_file(path))
-}
-
-fn convert(path: &Path, mesh_path: &str, file_access: FileAccess) -> Result<ImportedScene> {
+/// Reads a glTF file.
+pub(super) fn import(path: &Path, folder: &str, file_access: FileAccess) -> Result<ImportedScene> {
     let file = mesh::load(path, file_access)?;
-    let (mut camera, mut lights, mut added) = (None, Vec::new(), Vec::new());
-    let mut left_out = Vec::from_iter(file.ignored);
+    let mut scene = SceneWriter::default();
+    let mut camera = None;
+    scene.ignored_by_meshes.extend(file.ignored);
     gltf_nodes(path, |node, to_world| {
         if let (None, Some(found)) = (&camera, node.camera()) {
             camera = perspective(&found.projection()).map(|lens| camera_file(lens, to_world));
             if camera.is_none() {
-                left_out.push("an orthographic camera".to_string());
+                scene.leave_out("", "an orthographic camera");
             }
         }
         if let Some(light) = node.light() {
             let place = to_world.translation.to_array();
             let direction = to_world.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z);
-            lights.push(light_file(&light, place, direction));
+            scene.add_light(light_file(&light, place, direction));
         }
     })?;
-    let (camera, aspect) = match camera {
-        Some(known) => known,
-        None => {
-            added.push("a camera that sees the whole scene, because the file has none");
-            (whole_view(&file.parts), DEFAULT_ASPECT)
-        }
-    };
-    let shines = |part: &MeshPart| part.material.as_ref().is_some_and(|own| own.emission.iter().any(|&c| c > 0.0));
-    if lights.is_empty() && !file.parts.iter().any(shines) {
-        added.push("a uniform sky of 1000 lx, because the file has no light");
-        lights.push(json!({ "environment": { "spectrum": "D65", "illuminance": SKY_ILLUMINANCE } }));
-    }
-    let scene = json!({
-        "title": mesh_path,
-        "unit": "m",
-        "camera": camera,
-        "film": { "width": WIDTH as u32, "height": (WIDTH / aspect).round().clamp(1.0, 8.0 * WIDTH) as u32 },
-        "materials": {},
-        "objects": [{ "name": "mesh", "shape": { "mesh": { "path": mesh_path } } }],
-        "lights": lights
+    let (camera, aspect) = camera.unwrap_or_else(|| {
+        scene.note_added("a camera that sees the whole scene, because the file has none");
+        (whole_view(&file.parts), DEFAULT_ASPECT)
     });
-    Ok(ImportedScene { text: format!("{scene:#}\n"), added, left_out })
+    let shines = |part: &MeshPart| part.material.as_ref().is_some_and(|own| own.emission.iter().any(|&c| c > 0.0));
+    if !scene.has_light() && !file.parts.iter().any(shines) {
+        scene.add_sky();
+    }
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    scene.camera = camera;
+    scene.film = json!({"width": WIDTH as u32, "height": (WIDTH / aspect).round().clamp(1.0, 8.0 * WIDTH) as u32});
+    scene.add_object(json!({"name": "mesh", "shape": {"mesh": {"path": format!("{folder}{name}")}}}));
+    Ok(scene.finish(&name))
 }
 
 /// The vertical field of view in degrees and the ratio of width to height. `None` for an
@@ -193,7 +154,7 @@ mod tests {
         let folder = TempDir::new().unwrap();
         let path = folder.path().join("a.gltf");
         std::fs::write(&path, text).unwrap();
-        let imported = scene_of_gltf(&path, "a.gltf", FileAccess::WithinFolder).unwrap();
+        let imported = import(&path, "", FileAccess::WithinFolder).unwrap();
         (folder, path, imported)
     }
 
@@ -247,7 +208,7 @@ mod tests {
         std::fs::write(folder.path().join("a.bin"), STANDARD.decode(data).unwrap()).unwrap();
         std::fs::write(&path, format!("{start}../a.bin\"{end}")).unwrap();
         let [within, anywhere] =
-            [FileAccess::WithinFolder, FileAccess::Anywhere].map(|access| scene_of_gltf(&path, "a.gltf", access));
+            [FileAccess::WithinFolder, FileAccess::Anywhere].map(|access| import(&path, "", access));
         assert!(within.unwrap_err().to_string().contains("leads out of the folder") && anywhere.is_ok());
     }
 

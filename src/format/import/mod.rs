@@ -1,0 +1,74 @@
+//! Converts scenes of other programs to the text of a scene file.
+//!
+//! [`import`] selects the reader by the extension of the file. A reader hands the parts of the
+//! scene to a [`SceneWriter`], and states what it leaves out.
+
+mod gltf;
+mod scene_writer;
+
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use crate::format::FileAccess;
+use scene_writer::SceneWriter;
+
+/// A converted scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImportedScene {
+    /// The text of the scene file.
+    pub text: String,
+    /// Sentences about the parts that the file lacks and that were added.
+    pub added: Vec<String>,
+    /// Sentences about what was left out, or replaced by something similar.
+    pub left_out: Vec<String>,
+    /// Sentences about what the mesh reader ignores. A reader of the converted scene finds them
+    /// again.
+    pub ignored_by_meshes: Vec<String>,
+}
+
+impl ImportedScene {
+    /// Returns one sentence for each part that the conversion left out or added.
+    pub fn notes(&self) -> Vec<String> {
+        let added = self.added.iter().map(|what| format!("added {what}"));
+        self.left_out.iter().cloned().chain(added).collect()
+    }
+}
+
+/// A reader of the scenes of another program. The first argument is the file. The second argument
+/// is the path from the folder of the scene file to the folder of the file. This path is empty or
+/// ends with "/".
+type Reader = fn(&Path, &str, FileAccess) -> Result<ImportedScene>;
+
+/// The readers by file name extension.
+const READERS: [(&str, Reader); 2] = [("gltf", gltf::import), ("glb", gltf::import)];
+
+fn reader(path: &Path) -> Option<Reader> {
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    READERS.iter().find(|(known, _)| extension.eq_ignore_ascii_case(known)).map(|&(_, reader)| reader)
+}
+
+/// Returns true if the extension of a file says that [`import`] can read it.
+pub fn can_import(path: &Path) -> bool {
+    reader(path).is_some()
+}
+
+/// Converts a scene of another program to the text of a scene file. `folder` is the path from the
+/// folder of the scene file to the folder of `path`, with "/" between its parts. It is empty if
+/// both are the same. `file_access` states which other files the scene may name.
+///
+/// If the file has no camera, the camera sees the whole scene from the front. If the file has no
+/// light, a uniform sky of 1000 lx illuminates the scene. `added` says so.
+///
+/// # Errors
+/// Returns an error if the file cannot be read, or if it is not valid. The error contains the name
+/// of the file.
+pub fn import(path: &Path, folder: &str, file_access: FileAccess) -> Result<ImportedScene> {
+    let known = READERS.map(|(extension, _)| format!(".{extension}")).join(", ");
+    let reader = reader(path).ok_or_else(|| {
+        Error::input("found a file of another kind")
+            .expected(format!("one of {known}; docs/guide/import.md lists what other files can bring into a scene"))
+            .in_file(path)
+    })?;
+    let folder = if folder.is_empty() { String::new() } else { format!("{folder}/") };
+    reader(path, &folder, file_access).map_err(|error| error.in_file(path))
+}

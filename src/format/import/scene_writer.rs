@@ -1,0 +1,149 @@
+//! Collects the parts of a scene file while a scene of another program is read.
+
+use serde_json::{Map, Value, json};
+
+use super::ImportedScene;
+use crate::json::pretty;
+
+/// The illuminance (lx) of the sky if the file has no light.
+const SKY_ILLUMINANCE: f64 = 1000.0;
+
+/// The parts of a scene file. All values have the form that the scene file has.
+#[derive(Debug, Default)]
+pub(super) struct SceneWriter {
+    /// The camera.
+    pub(super) camera: Value,
+    /// The film.
+    pub(super) film: Value,
+    /// The name of the medium outside all objects.
+    pub(super) atmosphere: Option<String>,
+    media: Map<String, Value>,
+    materials: Map<String, Value>,
+    objects: Vec<Value>,
+    lights: Vec<Value>,
+    /// What was left out: a sentence, the place of its first occurrence, and the number of
+    /// occurrences.
+    left_out: Vec<(String, String, usize)>,
+    added: Vec<String>,
+    /// Sentences about what the mesh reader ignores.
+    pub(super) ignored_by_meshes: Vec<String>,
+}
+
+impl SceneWriter {
+    /// Adds a material, and returns its name. The name is `wanted`, unless another material has
+    /// this name.
+    pub(super) fn add_material(&mut self, wanted: &str, material: Value) -> String {
+        add(&mut self.materials, wanted, material)
+    }
+
+    /// Returns a material.
+    pub(super) fn material(&self, name: &str) -> Option<&Value> {
+        self.materials.get(name)
+    }
+
+    /// Adds a medium, and returns its name. The name is `wanted`, unless another medium has this
+    /// name.
+    pub(super) fn add_medium(&mut self, wanted: &str, medium: Value) -> String {
+        add(&mut self.media, wanted, medium)
+    }
+
+    pub(super) fn add_object(&mut self, object: Value) {
+        self.objects.push(object);
+    }
+
+    pub(super) fn add_light(&mut self, light: Value) {
+        self.lights.push(light);
+    }
+
+    /// Returns true if the scene has a light, or an object with emission.
+    pub(super) fn has_light(&self) -> bool {
+        !self.lights.is_empty() || self.objects.iter().any(|object| object.get("emission").is_some())
+    }
+
+    /// Adds a uniform sky, because the file has no light.
+    pub(super) fn add_sky(&mut self) {
+        self.note_added("a uniform sky of 1000 lx, because the file has no light");
+        self.add_light(json!({"environment": {"spectrum": "D65", "illuminance": SKY_ILLUMINANCE}}));
+    }
+
+    /// Notes a part that the file lacks and that was added.
+    pub(super) fn note_added(&mut self, what: impl Into<String>) {
+        self.added.push(what.into());
+    }
+
+    /// Notes something that was left out, or replaced by something similar. `place` is the file and
+    /// the line. Equal sentences are counted.
+    pub(super) fn leave_out(&mut self, place: impl Into<String>, what: impl Into<String>) {
+        let what = what.into();
+        match self.left_out.iter_mut().find(|(known, ..)| *known == what) {
+            Some((_, _, count)) => *count += 1,
+            None => self.left_out.push((what, place.into(), 1)),
+        }
+    }
+
+    /// Returns the converted scene. Entries without a value are absent.
+    pub(super) fn finish(self, title: &str) -> ImportedScene {
+        let Self { camera, film, atmosphere, media, materials, objects, lights, .. } = self;
+        let mut scene = json!({"title": title, "unit": "m", "camera": camera, "film": film});
+        if !media.is_empty() {
+            scene["media"] = media.into();
+        }
+        scene["materials"] = materials.into();
+        scene["objects"] = objects.into();
+        if !lights.is_empty() {
+            scene["lights"] = lights.into();
+        }
+        if let Some(name) = atmosphere {
+            scene["atmosphere"] = name.into();
+        }
+        let sentence = |(what, place, count): (String, String, usize)| {
+            let place = if place.is_empty() { String::new() } else { format!("{place}: ") };
+            let times = if count > 1 { format!(" ({count} times)") } else { String::new() };
+            format!("{place}{what}{times}")
+        };
+        ImportedScene {
+            text: pretty(&scene),
+            added: self.added,
+            left_out: self.left_out.into_iter().map(sentence).collect(),
+            ignored_by_meshes: self.ignored_by_meshes,
+        }
+    }
+}
+
+/// Adds an entry under `wanted`, or under `wanted` and a number if another entry has this name.
+fn add(entries: &mut Map<String, Value>, wanted: &str, value: Value) -> String {
+    let wanted = if wanted.is_empty() { "unnamed" } else { wanted };
+    let numbered = (2..).map(|number| format!("{wanted} {number}"));
+    let mut names = std::iter::once(wanted.to_string()).chain(numbered);
+    let fits = |name: &String| entries.get(name).is_none_or(|known| *known == value);
+    let name = names.find(fits).unwrap_or_else(|| wanted.to_string());
+    entries.insert(name.clone(), value);
+    name
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_names_of_different_materials_are_numbered() {
+        let mut scene = SceneWriter::default();
+        let [white, black] = [1.0, 0.0].map(|r| json!({"diffuse": {"reflectance": r}}));
+        let names = [&white, &black, &white, &black].map(|m| scene.add_material("paint", m.clone()));
+        assert_eq!(names, ["paint", "paint 2", "paint", "paint 2"]);
+        assert_eq!(scene.material("paint 2"), Some(&black));
+    }
+
+    #[test]
+    fn equal_remarks_are_counted_and_keep_their_first_place() {
+        let mut scene = SceneWriter::default();
+        for line in [3, 5, 9] {
+            scene.leave_out(format!("a.pbrt:{line}"), "hair is left out");
+        }
+        scene.add_sky();
+        assert!(scene.has_light());
+        let imported = scene.finish("a");
+        assert_eq!(imported.left_out, ["a.pbrt:3: hair is left out (3 times)"]);
+        assert_eq!(imported.added.len(), 1);
+    }
+}
