@@ -47,6 +47,9 @@ pub enum MaterialFile {
     },
     /// A diffuse base under a clear dielectric coat, such as paint or plastic.
     #[schemars(example = json!({"glossy": {"reflectance": 0.5, "ior": 1.5, "roughness": 0.05}}))]
+    #[schemars(example = json!({"glossy": {
+        "reflectance": 0.8, "ior": 1.5, "roughness": 0.05, "interreflection": true
+    }}))]
     Glossy {
         /// Reflectance of the base.
         #[schemars(extend("minimum" = 0, "maximum" = 1))]
@@ -57,6 +60,12 @@ pub enum MaterialFile {
         /// Roughness of the coat: 0 is polished.
         #[schemars(extend("minimum" = 0, "maximum" = 1))]
         roughness: ScalarFile,
+        /// True if `reflectance` belongs to the bare base. Light that the coat reflects back to the
+        /// base then makes the coated surface darker. False if `reflectance` is the fraction of the
+        /// light in the coat that leaves it again.
+        #[serde(default, skip_serializing_if = "forms::is_default")]
+        #[schemars(skip_serializing_if = "forms::never")]
+        interreflection: bool,
     },
     /// A thin sheet that reflects and transmits diffusely, such as paper.
     #[schemars(example = json!({"translucent": {"reflectance": 0.5, "transmittance": 0.4}}))]
@@ -172,7 +181,7 @@ impl MaterialFile {
             Self::ThinDielectric(pane) => pane.validate(&at.key("thin_dielectric")),
             Self::Conductor(conductor) => conductor.validate(&at.key("conductor")),
             Self::Mirror { reflectance } => reflectance.validate(&at.key("mirror").key("reflectance")),
-            Self::Glossy { reflectance, ior, roughness } => {
+            Self::Glossy { reflectance, ior, roughness, interreflection: _ } => {
                 let at = at.key("glossy");
                 check::all([
                     reflectance.validate(&at.key("reflectance")),

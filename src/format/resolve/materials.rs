@@ -5,7 +5,7 @@ use super::index::index_of;
 use super::spectra::Role;
 use crate::error::{Error, Result, both};
 use crate::format::{ConductorFile, DielectricFile, IndexFile, JsonPath, MaterialFile, ScalarFile, ThinDielectricFile};
-use crate::optics::bsdf::Bsdf;
+use crate::optics::bsdf::{Bsdf, Glossy};
 use crate::optics::glass::RefractiveIndex;
 use crate::scene::{Body, Material};
 use crate::spectrum::library;
@@ -68,11 +68,14 @@ impl Resolver<'_> {
                 let at = at.key("mirror");
                 (Bsdf::mirror(self.reflectance(&at.key("reflectance"), reflectance)?), None)
             }
-            MaterialFile::Glossy { reflectance, ior, roughness } => {
+            MaterialFile::Glossy { reflectance, ior, roughness, interreflection } => {
                 let at = at.key("glossy");
                 let reflectance = self.reflectance(&at.key("reflectance"), reflectance);
                 let (reflectance, index) = both(reflectance, self.index(&at.key("ior"), ior, name, notes))?;
-                let coated = |alpha| Bsdf::glossy(reflectance.clone(), index.clone(), alpha);
+                let coated = |alpha| {
+                    let glossy = Glossy::new(reflectance.clone(), index.clone(), alpha)?;
+                    Ok(Bsdf::Glossy(if *interreflection { glossy.with_interreflection() } else { glossy }))
+                };
                 (self.rough(&at, roughness, coated), None)
             }
             MaterialFile::Translucent { reflectance, transmittance } => {

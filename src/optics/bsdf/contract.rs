@@ -103,6 +103,10 @@ fn cases() -> Vec<BsdfCase> {
         in_air("pane", Bsdf::thin_dielectric(glass("N-BK7"), None).unwrap()),
         in_air("grey pane", Bsdf::thin_dielectric(glass("N-BK7"), Some(ramp(0.05, 0.9))).unwrap()),
         in_air("paint", paint(0.25)),
+        in_air(
+            "paint with interreflection",
+            Bsdf::Glossy(Glossy::new(ramp(0.1, 0.9), glass("polystyrene"), 0.25).unwrap().with_interreflection()),
+        ),
         in_air("varnish", paint(0.08)),
         in_air(
             "clear coat on black",

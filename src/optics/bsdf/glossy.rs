@@ -40,6 +40,9 @@ pub struct Glossy {
     coat: CoatAlbedo,
     /// True if ρ may be positive at any point and wavelength.
     has_base: bool,
+    /// True if `reflectance` is the reflectance of the bare base (see
+    /// [`Glossy::with_interreflection`]).
+    interreflection: bool,
 }
 
 impl Glossy {
@@ -57,7 +60,29 @@ impl Glossy {
         let (lowest, highest) =
             whole_nm().map(|nm| index.n(nm)).fold((f64::INFINITY, 0.0_f64), |(low, high), n| (low.min(n), high.max(n)));
         let has_base = reflectance.uniform().is_none_or(|uniform| whole_nm().any(|nm| uniform.at(nm) > 0.0));
-        Ok(Self { coat: CoatAlbedo::new(&facets, lowest, highest), reflectance, index, facets, has_base })
+        let coat = CoatAlbedo::new(&facets, lowest, highest);
+        Ok(Self { coat, reflectance, index, facets, has_base, interreflection: false })
+    }
+
+    /// Returns the surface with `reflectance` as the reflectance ρ_b of the bare base.
+    ///
+    /// The base under the coat then reflects less than without the coat: the inside of the coat
+    /// reflects the fraction R = 1 − (1−Ē)/n² of the diffuse light back to the base. The fraction
+    /// of the light that leaves the coat again is ρ = ρ_b·(1−R)/(1−ρ_b·R) (Saunderson 1942).
+    #[must_use]
+    pub fn with_interreflection(self) -> Self {
+        Self { interreflection: true, ..self }
+    }
+
+    /// Returns ρ, the fraction of the light inside the coat that leaves the coat again.
+    fn base(&self, texel: Texel, nm: f64) -> f64 {
+        let reflectance = self.reflectance.at(texel, nm);
+        if !self.interreflection {
+            return reflectance;
+        }
+        let index = self.index.n(nm);
+        let escaping = (1.0 - self.coat.mean(index)) / (index * index);
+        reflectance * escaping / (1.0 - reflectance * (1.0 - escaping))
     }
 
     /// Returns the surface with a uniform base.
@@ -69,7 +94,7 @@ impl Glossy {
     /// base together. The second is the albedo of the coat alone.
     fn albedo(&self, wo: DVec3, texel: Texel, nm: f64) -> (f64, f64) {
         let coat = self.coat.at(wo.z.abs(), self.index.n(nm));
-        (coat + self.reflectance.at(texel, nm) * (1.0 - coat), coat)
+        (coat + self.base(texel, nm) * (1.0 - coat), coat)
     }
 
     /// Returns the probability that the coat is sampled instead of the base.
@@ -102,7 +127,7 @@ impl Glossy {
 
     pub(super) fn absorbed_fraction(&self, wo: DVec3, texel: Texel, nm: f64) -> f64 {
         let (_, coat) = self.albedo(wo, texel, nm);
-        (1.0 - coat) * (1.0 - self.reflectance.at(texel, nm))
+        (1.0 - coat) * (1.0 - self.base(texel, nm))
     }
 
     pub(super) fn eval(&self, wo: DVec3, wi: DVec3, texel: Texel, nm: f64) -> f64 {
@@ -116,7 +141,7 @@ impl Glossy {
         // If the coat reflects all light, the numerator and 1 − Ē both vanish. The lower bound on
         // the denominator prevents 0/0.
         let through = (1.0 - coat_o) * (1.0 - coat_i) / (1.0 - self.coat.mean(index)).max(f64::MIN_POSITIVE);
-        fresnel::dielectric(wo.dot(m), 1.0, index) * lobe + self.reflectance.at(texel, nm) * FRAC_1_PI * through
+        fresnel::dielectric(wo.dot(m), 1.0, index) * lobe + self.base(texel, nm) * FRAC_1_PI * through
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3, texel: Texel, nm: f64) -> f64 {
@@ -132,5 +157,25 @@ impl Glossy {
         let m = flip_z((wo + wi).normalize_or_zero(), z_sign(wo));
         let coat = 0.25 * self.facets.g1_per_cos(wo.z.abs()) * self.facets.eval(m);
         coat_probability * coat + (1.0 - coat_probability) * cosine_pdf(wi)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectrum::Spectrum;
+
+    /// For a polished coat of index 1.5, the diffuse reflectance of the outside is 0.0918, so that
+    /// of the inside is 0.5963 (Walsh 1926). A base of 0.5 then reflects 0.2877 of the light in the
+    /// coat.
+    #[test]
+    fn interreflection_under_the_coat_lowers_the_reflectance() {
+        let index = RefractiveIndex::constant(1.5).unwrap();
+        let coated = |reflectance| {
+            Glossy::new(Spectrum::constant(reflectance), index.clone(), 0.0).unwrap().with_interreflection()
+        };
+        let found = coated(0.5).base(Texel::default(), 550.0);
+        assert!((found - 0.2877).abs() < 0.003, "{found}");
+        assert_eq!(coated(1.0).base(Texel::default(), 550.0), 1.0, "a white base absorbs nothing");
     }
 }

@@ -1,0 +1,157 @@
+//! Adds the shapes of a pbrt file to the scene, with their materials and emission.
+
+use glam::DMat4;
+use serde_json::{Value, json};
+
+use super::light::read_emission;
+use super::material::ReadMaterial;
+use super::parameters::Parameters;
+use super::reader::Reader;
+use super::shape::{ReadShape, ShapeReader};
+use super::state::{is_placement, transform};
+use super::token::{Place, Tokens};
+use crate::error::Result;
+
+/// A shape with its material, before an instance places it.
+#[derive(Debug, Clone)]
+pub(super) struct PlacedShape {
+    shape: Value,
+    to_world: DMat4,
+    material: String,
+    emission: Option<Value>,
+}
+
+impl Reader<'_> {
+    pub(super) fn shape(&mut self, class: &str, parameters: &Parameters, place: &Place, left_out: &mut Vec<String>) -> Result<()> {
+        let mut reader = ShapeReader { folder: self.folder, reverse: self.state.reverse, left_out: Vec::new() };
+        let shape = reader.read(class, parameters)?;
+        left_out.extend(reader.left_out);
+        let Some(ReadShape { shape, local, area }) = shape else { return Ok(()) };
+        let to_world = self.world * self.state.ctm * local;
+        if !is_placement(&to_world) {
+            left_out.push("a shape whose transform cannot be inverted is left out".into());
+            return Ok(());
+        }
+        let scale = self.state.ctm.determinant().abs().cbrt();
+        let spectra = self.spectra();
+        let area = area.map(|area| area * scale * scale);
+        let lit = self.state.area_light.as_ref();
+        let emission = lit.map(|light| read_emission(light, area, &spectra, left_out)).transpose()?;
+        let (name, material) = self.state.material.clone();
+        let Some(material) = self.placed_material(&name, &material, emission.is_some(), left_out) else { return Ok(()) };
+        let placed = PlacedShape { shape, to_world, material, emission };
+        match self.defining.as_ref().and_then(|name| self.objects.get_mut(name)) {
+            Some(shapes) => {
+                if placed.emission.is_some() {
+                    self.scene.leave_out(place.text(), "an area light inside an object is left out");
+                }
+                shapes.push(PlacedShape { emission: None, ..placed });
+            }
+            None => self.add_object(placed),
+        }
+        Ok(())
+    }
+
+    /// Adds the material of a shape to the scene, and returns its name. Returns `None` if the shape
+    /// has no effect.
+    fn placed_material(
+        &mut self,
+        name: &str,
+        material: &ReadMaterial,
+        is_lit: bool,
+        left_out: &mut Vec<String>,
+    ) -> Option<String> {
+        let inside = self.media.get(&self.state.media[0]).cloned();
+        match material {
+            ReadMaterial::Interface => match inside {
+                _ if is_lit => Some(self.scene.add_material("absorber", json!("absorber"))),
+                Some(medium) => {
+                    let boundary = json!({"boundary": {"medium": medium}});
+                    Some(self.scene.add_material(&format!("boundary of {medium}"), boundary))
+                }
+                None => {
+                    if !self.state.media[1].is_empty() {
+                        left_out.push("an opening in a medium is left out".into());
+                    }
+                    None
+                }
+            },
+            ReadMaterial::Surface(surface) => {
+                let mut surface = surface.clone();
+                if let (Some(dielectric), Some(medium)) = (surface.get_mut("dielectric"), inside) {
+                    dielectric["medium"] = json!(medium);
+                }
+                Some(self.scene.add_material(name, surface))
+            }
+            ReadMaterial::Mix(names, amount) => {
+                let mut parts = Vec::new();
+                for part in names {
+                    let Some(material) = self.materials.get(part).cloned() else {
+                        left_out.push(format!("the part \"{part}\" of a mix does not exist and is left out"));
+                        continue;
+                    };
+                    if let ReadMaterial::Surface(_) = *material {
+                        parts.extend(self.placed_material(part, &material, is_lit, left_out));
+                    } else {
+                        left_out.push(format!("the part \"{part}\" of a mix is not a surface and is left out"));
+                    }
+                }
+                let mix = match parts.as_slice() {
+                    [a, b] => json!({"mix": [
+                        {"material": a, "weight": complement(amount)}, {"material": b, "weight": amount}
+                    ]}),
+                    [only] => return Some(only.clone()),
+                    _ => json!({"diffuse": {"reflectance": 0.5}}),
+                };
+                Some(self.scene.add_material(name, mix))
+            }
+        }
+    }
+
+    fn add_object(&mut self, placed: PlacedShape) {
+        let PlacedShape { shape, to_world, material, emission } = placed;
+        let mut object = json!({"shape": shape, "material": material});
+        let steps = transform(&to_world);
+        if steps != json!([]) {
+            object["transform"] = steps;
+        }
+        if let Some(emission) = emission {
+            object["emission"] = emission;
+        }
+        self.scene.add_object(object);
+    }
+
+    pub(super) fn instance(&mut self, tokens: &mut Tokens, place: &Place) -> Result<()> {
+        let name = self.string(tokens, "ObjectInstance")?;
+        let shapes = self.objects.get(&name).cloned();
+        let shapes = shapes.ok_or_else(|| place.error(format!("there is no object \"{name}\"")))?;
+        // The shapes are already in Abbe's world.
+        let instance = self.world * self.state.ctm * self.world;
+        for shape in shapes {
+            let to_world = instance * shape.to_world;
+            if is_placement(&to_world) {
+                self.add_object(PlacedShape { to_world, ..shape });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Returns 1 minus a number or a texture of numbers.
+fn complement(amount: &Value) -> Value {
+    let of = |x: &Value| json!(1.0 - x.as_f64().unwrap_or(0.5));
+    if amount.is_number() {
+        return of(amount);
+    }
+    let mut result = amount.clone();
+    if let Some(range) = result.pointer_mut("/image/range").and_then(Value::as_array_mut) {
+        range.iter_mut().for_each(|x| *x = of(x));
+    }
+    for pattern in ["checker", "noise"] {
+        if let Some(pattern) = result.get_mut(pattern) {
+            ["a", "b"].iter().for_each(|key| pattern[*key] = of(&pattern[*key]));
+        }
+    }
+    result
+}
+
