@@ -59,6 +59,7 @@ pub enum LightFile {
     #[schemars(example = json!({"environment": {
         "image": "sky.exr", "irradiance": 100, "transform": [{"rotate": {"axis": [0, 1, 0], "degrees": 90}}], "motion": []
     }}))]
+    #[schemars(example = json!({"environment": {"image": "sky.exr", "projection": "equal_area", "luminance": 1}}))]
     Environment(EnvironmentFile),
     /// A luminaire with a measured distribution of intensity, from an IES LM-63 or EULUMDAT file.
     #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.ies", "spectrum": "LED-B3"}}))]

@@ -117,6 +117,10 @@ pub struct SceneFile {
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(skip_serializing_if = "forms::never")]
     pub materials: BTreeMap<String, MaterialFile>,
+    /// Shapes by name, for objects with the shape `shared`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub shapes: BTreeMap<String, ShapeFile>,
     /// The objects.
     pub objects: Vec<ObjectFile>,
     /// The lights that are not objects. Area lights are objects with `emission`.
@@ -308,7 +312,7 @@ impl SceneFile {
     /// Checks the same rules as [`Self::validate`]. The error has a JSON path, but no line and
     /// column.
     fn check(&self) -> Result<()> {
-        let Self { schema: _, title: _, unit: _, camera, film, spectra, media, materials, .. } = self;
+        let Self { schema: _, title: _, unit: _, camera, film, spectra, media, materials, shapes, .. } = self;
         let root = JsonPath::Root;
         let mut results = vec![camera.validate(&root.key("camera")), film.validate(&root.key("film"))];
         let at = root.key("spectra");
@@ -317,6 +321,8 @@ impl SceneFile {
         results.extend(media.iter().map(|(name, medium)| medium.validate(&at.key(name))));
         let at = root.key("materials");
         results.extend(materials.iter().map(|(name, material)| material.validate(&at.key(name))));
+        let at = root.key("shapes");
+        results.extend(shapes.iter().map(|(name, shape)| shape.validate(&at.key(name))));
         let at = root.key("objects");
         results.extend(self.objects.iter().enumerate().map(|(i, object)| object.validate(&at.index(i))));
         let at = root.key("lights");

@@ -52,7 +52,7 @@ impl ObjectFile {
     /// Checks that all values are in range and that the object has a material.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { name: _, shape, material, transform, motion, emission } = self;
-        let has_material = if material.is_some() || matches!(shape, ShapeFile::Mesh(_)) {
+        let has_material = if material.is_some() || matches!(shape, ShapeFile::Mesh(_) | ShapeFile::Shared(_)) {
             Ok(())
         } else {
             let allowed = "the name of a material (only a mesh may leave it out)";

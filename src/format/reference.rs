@@ -45,7 +45,7 @@ pub(super) const CHAPTERS: [(&str, &[&str]); 15] = [
     ("Objects", &["ObjectFile", "EmissionFile"]),
     ("Shapes", &["ShapeFile"]),
     ("Transforms and motion", &["TransformFile", "TransformStepFile", "ScaleFile", "KeyframeFile"]),
-    ("Lights", &["LightFile"]),
+    ("Lights", &["LightFile", "ProjectionFile"]),
     ("Rendering", &["RenderFile", "LightMapFile"]),
 ];
 

@@ -106,6 +106,10 @@ pub enum ShapeFile {
         "normals": [[0, 1, 0], [0, 1, 0], [0, 1, 0]], "uv": [[0, 1], [1, 1], [0, 0]]
     }}))]
     Triangles(TrianglesFile),
+    /// Name of a shape of the scene's `shapes`. Objects with the same large mesh need little more
+    /// memory than one of them.
+    #[schemars(example = json!({"shared": "tree"}))]
+    Shared(String),
 }
 
 /// A triangle mesh from a file.
@@ -195,7 +199,7 @@ impl ShapeFile {
                 positive(&at, &[("thickness", *thickness), ("diameter", *diameter)])?;
                 validate_lens(&at, [*radius1, *radius2], *thickness, *diameter)
             }
-            Self::Mesh(_) => Ok(()),
+            Self::Mesh(_) | Self::Shared(_) => Ok(()),
             Self::Triangles(triangles) => triangles.validate(&at.key("triangles")),
         }
     }

@@ -8,10 +8,11 @@ use glam::{DMat3, DVec3};
 
 use super::bvh::Bvh;
 use super::hit::SurfaceId;
+use super::instance::{Instance, MIN_TRIANGLES, SharedMesh};
 use super::mesh::{TriangleMesh, triangle_normal};
 use super::object::{ObjectSurfaces, ShapeSampling, WorldRectangle};
 use super::primitive::{PlacedMesh, PlacedSolid, Primitive, Primitives, Triangle};
-use super::shape::{PlacedShape, Solid, ValidShape, bounds_of};
+use super::shape::{PlacedShape, Shape, Solid, ValidShape, bounds_of};
 use super::world::Geometry;
 use crate::error::{Error, Result};
 use crate::math::elementary::sin_cos;
@@ -29,14 +30,16 @@ impl Geometry {
     /// mesh has no area, or the scene has more than 2³² primitives or vertices.
     pub fn build(placed: Vec<PlacedShape>, centre: DVec3) -> Result<Self> {
         let mut primitives = Primitives { centre_reach: centre.abs().max_element(), ..Primitives::default() };
-        for item in &placed {
+        let is_shared = shared_meshes(&placed);
+        for (item, &is_shared) in placed.iter().zip(&is_shared) {
             let of_object = |mut error: Error| {
                 error.what = format!("object {}: {}", item.object, error.what);
                 error
             };
-            primitives.place(item, centre).map_err(of_object)?;
+            primitives.place(item, is_shared, centre).map_err(of_object)?;
         }
         drop(placed);
+        primitives.number_instances()?;
         let boxes: Vec<_> = primitives.list.iter().map(|primitive| primitives.bounds(primitive)).collect();
         let (bvh, order) = Bvh::build(&boxes)?;
         primitives.list = order.iter().map(|&index| primitives.list[index as usize]).collect();
@@ -56,7 +59,7 @@ impl Geometry {
 }
 
 impl Primitives {
-    fn place(&mut self, placed: &PlacedShape, centre: DVec3) -> Result<()> {
+    fn place(&mut self, placed: &PlacedShape, is_shared: bool, centre: DVec3) -> Result<()> {
         let linear = placed.to_world.matrix3;
         let position = placed.to_world.translation - centre;
         let lengths = [linear.x_axis, linear.y_axis, linear.z_axis].map(DVec3::length);
@@ -66,6 +69,7 @@ impl Primitives {
             return Err(Error::input("the transform is singular or not finite").expected("an invertible transform"));
         }
         match placed.shape.validated()? {
+            ValidShape::Mesh(mesh) if is_shared => self.place_instance(mesh, linear, position, placed.object),
             ValidShape::Mesh(mesh) => self.place_mesh(mesh, linear, position, placed.object),
             ValidShape::Solid(solid) => self.place_solid(solid, linear, position, placed.object),
         }
@@ -125,6 +129,33 @@ impl Primitives {
         Ok(())
     }
 
+    fn place_instance(&mut self, mesh: &Arc<TriangleMesh>, linear: DMat3, position: DVec3, object: u32) -> Result<()> {
+        let known = self.instances.shared.iter().position(|shared| shared.is_of(mesh));
+        let shared = match known {
+            Some(known) => known,
+            None => {
+                self.instances.shared.push(SharedMesh::new(mesh)?);
+                self.instances.shared.len() - 1
+            }
+        };
+        let (mesh_index, first_vertex) = (index(self.meshes.len())?, index(self.vertices.len())?);
+        let closed = mesh.is_closed();
+        self.meshes.push(PlacedMesh { object, closed, first_vertex, first_normal: None, first_uv: None });
+        self.list.push(Primitive::Instance(index(self.instances.list.len())?));
+        self.instances.list.push(Instance::new(index(shared)?, object, mesh_index, linear, position));
+        Ok(())
+    }
+
+    /// Numbers the triangles of the instances after the primitives of the list.
+    fn number_instances(&mut self) -> Result<()> {
+        let mut next = self.list.len();
+        for instance in &mut self.instances.list {
+            instance.first_primitive = index(next)?;
+            next += self.instances.shared[instance.shared as usize].triangle_count();
+        }
+        index(next).map(|_| ())
+    }
+
     /// Renumbers the vertices of each mesh. The vertices are numbered in the order in which the
     /// triangles of the hierarchy first use them. Triangles that are close in space are then close
     /// in memory. Unused vertices come last.
@@ -164,6 +195,7 @@ impl Primitives {
                 (low + analytic.position, high + analytic.position)
             }
             Primitive::Triangle(triangle) => bounds_of(self.corners(triangle).into_iter()),
+            Primitive::Instance(index) => self.instances.bounds(*index),
         }
     }
 
@@ -179,6 +211,11 @@ impl Primitives {
                     let area = 0.5 * triangle_normal(self.corners(triangle)).length();
                     let object = self.meshes[triangle.mesh as usize].object;
                     objects.push(object, SurfaceId { primitive, face: 0 }, area);
+                }
+                Primitive::Instance(index) => {
+                    let instance = &self.instances.list[*index as usize];
+                    let area = instance.area(&self.instances.shared[instance.shared as usize]);
+                    objects.push_instance(instance.object, *index, area);
                 }
                 Primitive::Analytic(index) => {
                     let analytic = &self.analytic[*index as usize];
@@ -249,6 +286,17 @@ impl PlacedSolid {
             height: 2.0 * half_height * z.length(),
         })
     }
+}
+
+/// Returns for each shape whether it is a mesh that is placed several times.
+fn shared_meshes(placed: &[PlacedShape]) -> Vec<bool> {
+    let mesh = |item: &PlacedShape| match &item.shape {
+        Shape::Mesh(mesh) if mesh.triangles().len() >= MIN_TRIANGLES => Some(Arc::as_ptr(mesh)),
+        _ => None,
+    };
+    let mut uses = std::collections::HashMap::<_, usize>::new();
+    placed.iter().filter_map(mesh).for_each(|mesh| *uses.entry(mesh).or_default() += 1);
+    placed.iter().map(|item| mesh(item).is_some_and(|mesh| uses[&mesh] > 1)).collect()
 }
 
 /// Returns the value of `next`, then increments `next`.

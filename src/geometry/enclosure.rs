@@ -17,6 +17,7 @@ impl Geometry {
             let object = match primitive {
                 Primitive::Analytic(index) => self.primitives.analytic[*index as usize].object,
                 Primitive::Triangle(triangle) => self.primitives.meshes[triangle.mesh as usize].object,
+                Primitive::Instance(index) => self.primitives.instances.list[*index as usize].object,
             };
             let (low, high) = self.primitives.bounds(primitive);
             let around = boxes.entry(object).or_insert((low, high));

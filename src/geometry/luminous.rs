@@ -29,9 +29,11 @@ impl Geometry {
     /// Returns the corners of an axis-aligned box around an object. Returns `None` if the object
     /// has no surface.
     pub fn bounds_of(&self, object: u32) -> Option<(DVec3, DVec3)> {
-        let faces = &self.objects.get(object)?.faces;
+        let ObjectSurface { faces, instances, .. } = self.objects.get(object)?;
         let boxes = faces.iter().map(|face| self.bounds_of_primitive(face.surface));
-        boxes.reduce(|(low, high), (from, to)| (low.min(from), high.max(to)))
+        boxes
+            .chain(instances.iter().map(|&instance| self.primitives.instances.bounds(instance)))
+            .reduce(|(low, high), (from, to)| (low.min(from), high.max(to)))
     }
 
     fn bounds_of_primitive(&self, surface: SurfaceId) -> (DVec3, DVec3) {

@@ -97,6 +97,14 @@ impl TriangleMesh {
         &self.triangles
     }
 
+    /// Returns the memory of the mesh in bytes.
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(self.positions.as_slice())
+            + self.normals.as_deref().map_or(0, size_of_val)
+            + self.uvs.as_deref().map_or(0, size_of_val)
+            + size_of_val(self.triangles.as_slice())
+    }
+
     /// Returns the number of dropped triangles without area.
     pub fn dropped(&self) -> usize {
         self.dropped

@@ -14,6 +14,7 @@ mod bvh;
 mod coincidence;
 mod enclosure;
 mod hit;
+mod instance;
 mod luminous;
 pub mod mesh;
 mod object;

@@ -43,6 +43,8 @@ pub(super) struct ObjectSurface {
     pub(super) faces: Vec<ObjectFace>,
     pub(super) area: f64,
     pub(super) sampling: ShapeSampling,
+    /// The instances of the object. Points of instances are not sampled, so they have no faces.
+    pub(super) instances: Vec<u32>,
 }
 
 /// The surfaces of all objects. The index in the list is the object number.
@@ -68,19 +70,31 @@ impl ObjectSurfaces {
 
     /// Adds a face to an object. A face without area is not stored, because it is never sampled.
     pub(super) fn push(&mut self, object: u32, surface: SurfaceId, area: f64) {
+        let object = self.entry(object);
+        if area > 0.0 {
+            object.area += area;
+            object.faces.push(ObjectFace { surface, area_so_far: object.area });
+        }
+    }
+
+    /// Adds an instance of a mesh to an object.
+    pub(super) fn push_instance(&mut self, object: u32, instance: u32, area: f64) {
+        let object = self.entry(object);
+        object.area += area;
+        object.instances.push(instance);
+    }
+
+    fn entry(&mut self, object: u32) -> &mut ObjectSurface {
         let index = object as usize;
         if index >= self.list.len() {
             self.list.resize_with(index + 1, || ObjectSurface {
                 faces: Vec::new(),
                 area: 0.0,
                 sampling: ShapeSampling::Area,
+                instances: Vec::new(),
             });
         }
-        if area > 0.0 {
-            let object = &mut self.list[index];
-            object.area += area;
-            object.faces.push(ObjectFace { surface, area_so_far: object.area });
-        }
+        &mut self.list[index]
     }
 
     pub(super) fn shrink_to_fit(&mut self) {

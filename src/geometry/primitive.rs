@@ -5,6 +5,7 @@ use std::mem::size_of;
 use glam::{DMat3, DVec3};
 
 use super::hit::{Hit, SurfaceId};
+use super::instance::Instances;
 use super::mesh::triangle_normal;
 use super::ray::Ray;
 use super::shape::{Crossing, LocalLine, Solid};
@@ -100,6 +101,8 @@ pub(super) enum Primitive {
     /// Index into `Primitives::analytic`.
     Analytic(u32),
     Triangle(Triangle),
+    /// Index of an instance. Its triangles have numbers after those of the list.
+    Instance(u32),
 }
 
 /// All primitives in the order of the hierarchy, with their data.
@@ -113,6 +116,7 @@ pub(super) struct Primitives {
     /// interpolated normals.
     pub(super) normals: Vec<[f32; 3]>,
     pub(super) uvs: Vec<[f32; 2]>,
+    pub(super) instances: Instances,
     pub(super) dropped: usize,
     /// Largest absolute coordinate of the centre. `Geometry::build` subtracts the centre from all
     /// positions.
@@ -129,23 +133,41 @@ pub(super) struct Candidate {
 }
 
 impl Primitives {
+    /// Returns an entry of the list, or `None` for a triangle of an instance.
+    #[inline]
+    fn get(&self, primitive: u32) -> Option<&Primitive> {
+        self.list.get(primitive as usize)
+    }
+
     #[inline]
     pub(super) fn corners(&self, triangle: &Triangle) -> [DVec3; 3] {
         let [a, b, c] = triangle.vertices;
         [self.vertices[a as usize], self.vertices[b as usize], self.vertices[c as usize]]
     }
 
+    /// Returns the corners of a triangle of the list, or of a triangle of an instance.
+    pub(super) fn triangle_corners(&self, primitive: u32) -> [DVec3; 3] {
+        match self.get(primitive) {
+            Some(Primitive::Triangle(triangle)) => self.corners(triangle),
+            Some(Primitive::Analytic(_) | Primitive::Instance(_)) | None => self.instances.corners(primitive),
+        }
+    }
+
     pub(super) fn object(&self, primitive: u32) -> u32 {
-        match self.list[primitive as usize] {
-            Primitive::Analytic(index) => self.analytic[index as usize].object,
-            Primitive::Triangle(triangle) => self.meshes[triangle.mesh as usize].object,
+        match self.get(primitive) {
+            Some(Primitive::Analytic(index)) => self.analytic[*index as usize].object,
+            Some(Primitive::Triangle(triangle)) => self.meshes[triangle.mesh as usize].object,
+            Some(Primitive::Instance(index)) => self.instances.list[*index as usize].object,
+            None => self.instances.instance_of(primitive).object,
         }
     }
 
     pub(super) fn is_closed(&self, primitive: u32) -> bool {
-        match self.list[primitive as usize] {
-            Primitive::Analytic(index) => self.analytic[index as usize].solid.is_closed(),
-            Primitive::Triangle(triangle) => self.meshes[triangle.mesh as usize].closed,
+        match self.mesh(primitive) {
+            Some(mesh) => self.meshes[mesh as usize].closed,
+            None => {
+                matches!(self.get(primitive), Some(Primitive::Analytic(index)) if self.analytic[*index as usize].solid.is_closed())
+            }
         }
     }
 
@@ -153,37 +175,40 @@ impl Primitives {
     /// largest coordinate of its position. For a triangle, this is the largest coordinate of its
     /// corners.
     pub(super) fn largest_coordinate(&self, primitive: u32) -> f64 {
-        match &self.list[primitive as usize] {
-            Primitive::Analytic(index) => self.analytic[*index as usize].position.abs().max_element(),
-            Primitive::Triangle(triangle) => {
-                self.corners(triangle).into_iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max)
-            }
+        let largest =
+            |corners: [DVec3; 3]| corners.map(|corner| corner.abs().max_element()).into_iter().fold(0.0, f64::max);
+        match self.get(primitive) {
+            Some(Primitive::Analytic(index)) => self.analytic[*index as usize].position.abs().max_element(),
+            Some(Primitive::Triangle(_) | Primitive::Instance(_)) | None => largest(self.triangle_corners(primitive)),
         }
     }
 
     /// Returns the mesh of a primitive, or `None` if the primitive is an analytic shape.
     pub(super) fn mesh(&self, primitive: u32) -> Option<u32> {
-        match self.list[primitive as usize] {
-            Primitive::Analytic(_) => None,
-            Primitive::Triangle(triangle) => Some(triangle.mesh),
+        match self.get(primitive) {
+            Some(Primitive::Analytic(_)) => None,
+            Some(Primitive::Triangle(triangle)) => Some(triangle.mesh),
+            Some(Primitive::Instance(_)) | None => Some(self.instances.instance_of(primitive).mesh),
         }
     }
 
     /// Returns the geometric unit normal of a surface at a point. The point must lie on the surface
     /// or near it.
     pub(super) fn normal(&self, surface: SurfaceId, point: DVec3) -> DVec3 {
-        match self.list[surface.primitive as usize] {
-            Primitive::Analytic(index) => self.analytic[index as usize].surface(point, surface.face).normal,
-            Primitive::Triangle(triangle) => triangle_normal(self.corners(&triangle)).normalize(),
+        match self.get(surface.primitive) {
+            Some(Primitive::Analytic(index)) => self.analytic[*index as usize].surface(point, surface.face).normal,
+            Some(Primitive::Triangle(_) | Primitive::Instance(_)) | None => {
+                triangle_normal(self.triangle_corners(surface.primitive)).normalize()
+            }
         }
     }
 
     /// Computes the hit that belongs to a crossing.
     pub(super) fn hit(&self, ray: &Ray, candidate: &Candidate) -> Hit {
         let Candidate { t, surface, weights } = *candidate;
-        match self.list[surface.primitive as usize] {
-            Primitive::Analytic(index) => {
-                let analytic = &self.analytic[index as usize];
+        match self.get(surface.primitive) {
+            Some(Primitive::Analytic(index)) => {
+                let analytic = &self.analytic[*index as usize];
                 let found = analytic.surface(ray.at(t), surface.face);
                 Hit {
                     t: t.max(0.0),
@@ -194,7 +219,8 @@ impl Primitives {
                     surface,
                 }
             }
-            Primitive::Triangle(triangle) => self.triangle_hit(t, surface, &triangle, weights),
+            Some(Primitive::Triangle(triangle)) => self.triangle_hit(t, surface, triangle, weights),
+            Some(Primitive::Instance(_)) | None => self.instances.hit(candidate),
         }
     }
 
@@ -217,33 +243,28 @@ impl Primitives {
 
     /// Returns the texture coordinates of a point on a surface.
     pub(super) fn uv(&self, surface: SurfaceId, point: DVec3) -> [f64; 2] {
-        match self.list[surface.primitive as usize] {
-            Primitive::Analytic(index) => {
-                let analytic = &self.analytic[index as usize];
+        match self.get(surface.primitive) {
+            Some(Primitive::Analytic(index)) => {
+                let analytic = &self.analytic[*index as usize];
                 analytic.solid.uv(analytic.to_local * (point - analytic.position), surface.face)
             }
-            Primitive::Triangle(triangle) => self.triangle_uv(&triangle, point),
+            Some(Primitive::Triangle(triangle)) => self.triangle_uv(triangle, point),
+            Some(Primitive::Instance(_)) | None => self.instances.uv(surface.primitive, point),
         }
     }
 
     /// Returns true if the coordinate u of a face is the azimuth about an axis, so that u = 0 and u
     /// = 1 are the same line.
     pub(super) fn closes_around_axis(&self, surface: SurfaceId) -> bool {
-        match self.list[surface.primitive as usize] {
-            Primitive::Analytic(index) => self.analytic[index as usize].solid.closes_around_axis(surface.face),
-            Primitive::Triangle(_) => false,
+        match self.get(surface.primitive) {
+            Some(Primitive::Analytic(index)) => self.analytic[*index as usize].solid.closes_around_axis(surface.face),
+            Some(Primitive::Triangle(_) | Primitive::Instance(_)) | None => false,
         }
     }
 
     fn triangle_uv(&self, triangle: &Triangle, point: DVec3) -> [f64; 2] {
         let mesh = &self.meshes[triangle.mesh as usize];
-        let [a, b, c] = self.corners(triangle);
-        let (to_b, to_c, to_point) = (b - a, c - a, point - a);
-        // The barycentric weights solve the normal equations of point = a + v (b − a) + w (c − a).
-        let (bb, bc, cc) = (to_b.length_squared(), to_b.dot(to_c), to_c.length_squared());
-        let (pb, pc) = (to_point.dot(to_b), to_point.dot(to_c));
-        let determinant = bb * cc - bc * bc;
-        let (v, w) = ((cc * pb - bc * pc) / determinant, (bb * pc - bc * pb) / determinant);
+        let [v, w] = barycentric(self.corners(triangle), point);
         mesh.first_uv.map_or([v, w], |first| {
             let corner =
                 |i: usize| self.uvs[(triangle.vertices[i] - mesh.first_vertex + first) as usize].map(f64::from);
@@ -267,5 +288,16 @@ impl Primitives {
             + self.vertices.capacity() * size_of::<DVec3>()
             + self.normals.capacity() * size_of::<[f32; 3]>()
             + self.uvs.capacity() * size_of::<[f32; 2]>()
+            + self.instances.memory_bytes()
     }
+}
+
+/// Returns the weights of the second and the third corner of a triangle at a point in its plane.
+pub(super) fn barycentric([a, b, c]: [DVec3; 3], point: DVec3) -> [f64; 2] {
+    let (to_b, to_c, to_point) = (b - a, c - a, point - a);
+    // The weights solve the normal equations of point = a + v (b − a) + w (c − a).
+    let (bb, bc, cc) = (to_b.length_squared(), to_b.dot(to_c), to_c.length_squared());
+    let (pb, pc) = (to_point.dot(to_b), to_point.dot(to_c));
+    let determinant = bb * cc - bc * bc;
+    [(cc * pb - bc * pc) / determinant, (bb * pc - bc * pb) / determinant]
 }

@@ -41,8 +41,8 @@ impl Geometry {
                 let pdf_area = density / object.area;
                 SurfaceSample { position: found.position, normal: found.normal, surface, pdf_area }
             }
-            Primitive::Triangle(triangle) => {
-                let [a, b, c] = self.primitives.corners(triangle);
+            Primitive::Triangle(_) | Primitive::Instance(_) => {
+                let [a, b, c] = self.primitives.triangle_corners(surface.primitive);
                 let root = u[0].sqrt();
                 let (to_b, to_c) = (root * (1.0 - u[1]), root * u[1]);
                 let position = a + to_b * (b - a) + to_c * (c - a);
@@ -91,7 +91,7 @@ impl Geometry {
                 let pdf_area = analytic.density(surface.face, found.area_scale) / object.area;
                 SurfaceSample { position: found.position, normal: found.normal, surface, pdf_area }
             }
-            Primitive::Triangle(_) => {
+            Primitive::Triangle(_) | Primitive::Instance(_) => {
                 let normal = self.primitives.normal(surface, point);
                 SurfaceSample { position: point, normal, surface, pdf_area: 1.0 / object.area }
             }

@@ -8,14 +8,14 @@ use super::world::Geometry;
 
 /// A ray, and the data that all primitive tests of this ray share.
 pub(super) struct RayQuery<'a> {
-    geometry: &'a Geometry,
-    ray: &'a Ray,
+    pub(super) geometry: &'a Geometry,
+    pub(super) ray: &'a Ray,
     /// `None` if the scene has no triangles.
-    triangle_ray: Option<TriangleRay>,
-    from: Option<SurfaceId>,
+    pub(super) triangle_ray: Option<TriangleRay>,
+    pub(super) from: Option<SurfaceId>,
     /// A crossing with |t| up to this value may coincide with the surface on which the ray starts.
     /// Such a crossing needs a coincidence test.
-    coincidence_range_m: f64,
+    pub(super) coincidence_range_m: f64,
 }
 
 impl<'a> RayQuery<'a> {
@@ -39,6 +39,7 @@ impl<'a> RayQuery<'a> {
                 (hit.t > self.coincidence_range_m || self.accepts_near_start(&candidate)).then_some(candidate)
             }
             Primitive::Analytic(index) => self.first_analytic(primitive, *index),
+            Primitive::Instance(_) => None,
         }
     }
 
@@ -57,7 +58,7 @@ impl<'a> RayQuery<'a> {
         }
     }
 
-    fn accepts_near_start(&self, candidate: &Candidate) -> bool {
+    pub(super) fn accepts_near_start(&self, candidate: &Candidate) -> bool {
         match self.from {
             Some(from) if candidate.t >= -self.coincidence_range_m => {
                 self.geometry.lies_beyond_start(self.ray, from, candidate)
@@ -73,16 +74,33 @@ impl Geometry {
     /// `from` is the surface on which the ray starts. If `from` is `None` (for a camera, or a light
     /// in free space), only crossings at t > 0 count.
     pub fn intersect(&self, ray: &Ray, from: Option<SurfaceId>, t_max: f64) -> Option<Hit> {
+        if self.primitives.instances.list.is_empty() {
+            self.intersect_with::<false>(ray, from, t_max)
+        } else {
+            self.intersect_with::<true>(ray, from, t_max)
+        }
+    }
+
+    #[inline]
+    fn intersect_with<const INSTANCES: bool>(&self, ray: &Ray, from: Option<SurfaceId>, t_max: f64) -> Option<Hit> {
         let query = RayQuery::new(self, ray, from);
         let mut best: Option<Candidate> = None;
         let mut limit = t_max;
         self.bvh.traverse(ray, t_max, |primitive| {
-            if let Some(candidate) = query.first_crossing(primitive)
-                && candidate.t < limit + self.coincidence_range_m
-                && self.is_nearer(ray, &candidate, best.as_ref(), t_max)
-            {
-                limit = candidate.t;
-                best = Some(candidate);
+            let reach = limit + self.coincidence_range_m;
+            let mut consider = |candidate: &Candidate| {
+                if candidate.t < limit + self.coincidence_range_m
+                    && self.is_nearer(ray, candidate, best.as_ref(), t_max)
+                {
+                    limit = candidate.t;
+                    best = Some(*candidate);
+                }
+                limit + self.coincidence_range_m
+            };
+            if INSTANCES && let Primitive::Instance(index) = self.primitives.list[primitive as usize] {
+                query.instance_crossings(index, reach, consider);
+            } else if let Some(candidate) = query.first_crossing(primitive) {
+                consider(&candidate);
             }
             limit + self.coincidence_range_m
         });
@@ -101,15 +119,39 @@ impl Geometry {
     /// Returns whether a surface blocks the segment from the ray's origin to `t_max`. The target
     /// surface `to` and the surfaces behind it do not block the segment.
     pub fn occluded(&self, ray: &Ray, from: Option<SurfaceId>, to: Option<SurfaceId>, t_max: f64) -> bool {
+        if self.primitives.instances.list.is_empty() {
+            self.occluded_with::<false>(ray, from, to, t_max)
+        } else {
+            self.occluded_with::<true>(ray, from, to, t_max)
+        }
+    }
+
+    #[inline]
+    fn occluded_with<const INSTANCES: bool>(
+        &self,
+        ray: &Ray,
+        from: Option<SurfaceId>,
+        to: Option<SurfaceId>,
+        t_max: f64,
+    ) -> bool {
         let query = RayQuery::new(self, ray, from);
         let end = to.map(|surface| Candidate { t: t_max, surface, weights: [0.0; 3] });
+        let reach = t_max + self.coincidence_range_m;
         let mut blocked = false;
-        self.bvh.traverse(ray, t_max + self.coincidence_range_m, |primitive| {
-            if !blocked {
+        self.bvh.traverse(ray, reach, |primitive| {
+            if blocked {
+                return -1.0;
+            }
+            if INSTANCES && let Primitive::Instance(index) = self.primitives.list[primitive as usize] {
+                query.instance_crossings(index, reach, |candidate| {
+                    blocked = blocked || self.blocks(ray, candidate, end.as_ref(), t_max);
+                    if blocked { -1.0 } else { reach }
+                });
+            } else {
                 let crossing = query.first_crossing(primitive);
                 blocked = crossing.is_some_and(|candidate| self.blocks(ray, &candidate, end.as_ref(), t_max));
             }
-            if blocked { -1.0 } else { t_max + self.coincidence_range_m }
+            if blocked { -1.0 } else { reach }
         });
         blocked
     }
@@ -132,7 +174,7 @@ impl Geometry {
         // The search for the next hit starts at the previous hit, as on a light path. Touching
         // surfaces therefore keep their order. A line crosses a primitive at most six times. This
         // bounds the number of iterations.
-        for _ in 0..6 * self.primitives.list.len() {
+        for _ in 0..6 * self.primitive_count() {
             let Some(mut hit) = self.intersect(&start, surface, f64::INFINITY) else { return };
             travelled += hit.t;
             hit.t = travelled;

@@ -60,7 +60,8 @@ impl Geometry {
 
     /// Returns the number of primitives: analytic shapes and triangles.
     pub fn primitive_count(&self) -> usize {
-        self.primitives.list.len()
+        let instances = &self.primitives.instances;
+        self.primitives.list.len() - instances.list.len() + instances.triangle_count()
     }
 
     /// Returns the memory of the geometry in bytes.

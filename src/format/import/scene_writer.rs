@@ -19,6 +19,7 @@ pub(super) struct SceneWriter {
     pub(super) atmosphere: Option<String>,
     media: Map<String, Value>,
     materials: Map<String, Value>,
+    shapes: Map<String, Value>,
     objects: Vec<Value>,
     lights: Vec<Value>,
     /// What was left out: a sentence, the place of its first occurrence, and the number of
@@ -40,6 +41,11 @@ impl SceneWriter {
     /// name.
     pub(super) fn add_medium(&mut self, wanted: &str, medium: Value) -> String {
         add(&mut self.media, wanted, medium)
+    }
+
+    /// Adds a shape that several objects share, and returns its name.
+    pub(super) fn add_shape(&mut self, wanted: &str, shape: Value) -> String {
+        add(&mut self.shapes, wanted, shape)
     }
 
     pub(super) fn add_object(&mut self, object: Value) {
@@ -83,12 +89,15 @@ impl SceneWriter {
 
     /// Returns the converted scene. Entries without a value are absent.
     pub(super) fn finish(self, title: &str) -> ImportedScene {
-        let Self { camera, film, atmosphere, media, materials, objects, lights, .. } = self;
+        let Self { camera, film, atmosphere, media, materials, shapes, objects, lights, .. } = self;
         let mut scene = json!({"title": title, "unit": "m", "camera": camera, "film": film});
         if !media.is_empty() {
             scene["media"] = media.into();
         }
         scene["materials"] = materials.into();
+        if !shapes.is_empty() {
+            scene["shapes"] = shapes.into();
+        }
         scene["objects"] = objects.into();
         if !lights.is_empty() {
             scene["lights"] = lights.into();

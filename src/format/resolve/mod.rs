@@ -17,6 +17,7 @@ mod lights;
 mod materials;
 mod media;
 mod mesh_materials;
+mod meshes;
 mod motion;
 mod objects;
 mod spectra;

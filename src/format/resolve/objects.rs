@@ -2,17 +2,16 @@
 
 use super::context::Resolver;
 use super::mesh_materials;
+use super::meshes::{LoadedMesh, LoadedPart, MeshCache};
 use super::motion::ResolvedMotion;
-use crate::error::Result;
-use crate::format::mesh::{self, MeshFile, MeshPart};
-use crate::format::{EmissionFile, JsonPath, MeshShapeFile, ObjectFile, ShapeFile};
+use crate::error::{Error, Result};
+use crate::format::{EmissionFile, JsonPath, ObjectFile, ShapeFile};
 use crate::geometry::shape::Shape;
 use crate::optics::bsdf::Bsdf;
 use crate::scene::Material;
 use crate::scene::builder::{ObjectSet, Placement};
 use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 /// The resolved objects, and the emission of their surfaces.
 #[derive(Default)]
@@ -21,6 +20,7 @@ pub(super) struct ResolvedObjects<'a> {
     pub(super) emitting: Vec<EmittingObject<'a>>,
     /// The material number for each material name.
     named: BTreeMap<&'a str, usize>,
+    meshes: MeshCache<'a>,
 }
 
 /// An object with emission.
@@ -79,54 +79,43 @@ impl<'a> Resolver<'a> {
         };
         let ResolvedMotion { start, motion } = self.motion(transform, motion);
         let frame = DAffine3 { matrix3: start.matrix3, translation: start.translation * self.metres };
-        let spd_at = at.key("shape");
-        let mut objects = Vec::new();
-        if let ShapeFile::Mesh(MeshShapeFile { path, reverse, flat, flip_v }) = shape {
-            let local = DAffine3::from_scale(DVec3::splat(self.metres));
-            let motion = motion.map(|motion| (motion, local));
-            let mesh_at = spd_at.key("mesh");
-            let file = self.source.file(path).and_then(|path| mesh::load(&path, self.source.file_access()));
-            let MeshFile { parts, ignored, has_lights } = self.at(&mesh_at.key("path"), file)?;
-            if has_lights && self.scene.lights.is_empty() {
-                let note = format!("mesh \"{path}\": its lights are not part of a mesh; `abbe import` reads them");
-                resolved.set.notes.push(note);
-            }
-            // A material of the scene replaces the materials of the file.
-            if let Some(ignored) = ignored.filter(|_| material.is_none()) {
-                let note = format!("mesh \"{path}\": {ignored}");
-                if !resolved.set.notes.contains(&note) {
-                    resolved.set.notes.push(note);
-                }
-            }
-            for part in parts {
-                let part_name = if part.name.is_empty() { name.clone() } else { format!("{name}/{}", part.name) };
-                let own_light = part.material.as_ref().map_or([0.0; 3], |own| own.emission);
-                let part_material = match material {
-                    Some(number) => number,
-                    None => self.own_material(&mesh_at, &part, resolved)?,
+        let placed = |local: DAffine3| Placement {
+            to_world: frame * local,
+            motion: motion.clone().map(|motion| (motion, local)),
+        };
+        let objects = self.shared_shape(&at.key("shape"), shape, |at, shape| {
+            if let Some((shape, local)) = self.analytic_shape(shape) {
+                let Some(material) = material else {
+                    let error =
+                        Error::input("the shape has no material").expected("a material for shapes other than meshes");
+                    return self.at(at, Err(error));
                 };
-                let placement = Placement { to_world: frame * local, motion: motion.clone() };
-                let mut mesh = part.mesh;
-                mesh = if *flat { mesh.without_normals() } else { mesh };
-                mesh = if *reverse { mesh.reversed() } else { mesh };
-                mesh = if *flip_v { mesh.with_flipped_v() } else { mesh };
-                let mesh = Shape::Mesh(Arc::new(mesh));
-                let object = self.at(&spd_at, resolved.set.add_object(part_name, part_material, mesh, placement))?;
+                return Ok(vec![self.at(at, resolved.set.add_object(name, material, shape, placed(local)))?]);
+            }
+            let Some(mesh) = self.mesh(at, shape, &mut resolved.meshes)? else { return Ok(Vec::new()) };
+            let local = DAffine3::from_scale(DVec3::splat(self.metres));
+            if let ShapeFile::Mesh(file) = shape {
+                self.note_ignored(&file.path, &mesh, material.is_none(), &mut resolved.set.notes);
+            }
+            let mut objects = Vec::new();
+            for part in &mesh.parts {
+                let name = if part.name.is_empty() { name.clone() } else { format!("{name}/{}", part.name) };
+                let own_light = Some(part.emission())
+                    .filter(|light| material.is_none() && emission.is_none() && light.iter().any(|&c| c > 0.0));
+                let shape = Shape::Mesh(part.mesh_for(emission.is_some() || own_light.is_some()));
+                let material = match material {
+                    Some(number) => number,
+                    None => self.own_material(at, part, resolved)?,
+                };
+                let object = self.at(at, resolved.set.add_object(name, material, shape, placed(local)))?;
                 objects.push(object);
-                if material.is_none() && emission.is_none() && own_light.iter().any(|&c| c > 0.0) {
-                    let emission = EmissionSource::Mesh(own_light);
+                if let Some(light) = own_light {
+                    let emission = EmissionSource::Mesh(light);
                     resolved.emitting.push(EmittingObject { file_index: number, objects: vec![object], emission });
                 }
             }
-        } else if let (Some(material), ShapeFile::Triangles(triangles)) = (material, shape) {
-            let local = DAffine3::from_scale(DVec3::splat(self.metres));
-            let placement = Placement { to_world: frame * local, motion: motion.map(|motion| (motion, local)) };
-            let mesh = Shape::Mesh(Arc::new(self.at(&spd_at.key("triangles"), triangles.mesh())?));
-            objects.push(self.at(&spd_at, resolved.set.add_object(name, material, mesh, placement))?);
-        } else if let (Some(material), Some((shape, local))) = (material, self.analytic_shape(shape)) {
-            let placement = Placement { to_world: frame * local, motion: motion.map(|motion| (motion, local)) };
-            objects.push(self.at(&spd_at, resolved.set.add_object(name, material, shape, placement))?);
-        }
+            Ok(objects)
+        })?;
         if let Some(emission) = emission {
             let emission = EmissionSource::Scene(emission);
             resolved.emitting.push(EmittingObject { file_index: number, objects, emission });
@@ -144,11 +133,30 @@ impl<'a> Resolver<'a> {
         Ok(number)
     }
 
-    /// Adds the material of a mesh part. If the part has no material, adds the default material.
-    fn own_material(&self, at: &JsonPath<'_>, part: &MeshPart, resolved: &mut ResolvedObjects<'_>) -> Result<usize> {
+    /// Returns the number of the material of a mesh part. If the part has no material, the material
+    /// is the default material.
+    fn own_material(&self, at: &JsonPath<'_>, part: &LoadedPart, resolved: &mut ResolvedObjects<'_>) -> Result<usize> {
+        if let Some(known) = part.material_number.get() {
+            return Ok(known);
+        }
         let textured = part.mesh.uvs().is_some();
         let material = mesh_materials::material(&part.material.clone().unwrap_or_default(), self.metres, textured);
-        Ok(resolved.set.add_material(self.at(at, material)?))
+        let number = resolved.set.add_material(self.at(at, material)?);
+        part.material_number.set(Some(number));
+        Ok(number)
+    }
+
+    /// Notes what the mesh reader ignored. A material of the scene replaces the materials of the
+    /// file.
+    fn note_ignored(&self, path: &str, mesh: &LoadedMesh, has_own_materials: bool, notes: &mut Vec<String>) {
+        let lights = (mesh.has_lights && self.scene.lights.is_empty())
+            .then(|| "its lights are not part of a mesh; `abbe import` reads them".to_string());
+        for what in lights.into_iter().chain(mesh.ignored.clone().filter(|_| has_own_materials)) {
+            let note = format!("mesh \"{path}\": {what}");
+            if !notes.contains(&note) {
+                notes.push(note);
+            }
+        }
     }
 
     /// Returns the shape in m, and the transform from the shape's frame to the object's frame.
@@ -173,7 +181,7 @@ impl<'a> Resolver<'a> {
                 thickness: thickness * m,
                 diameter: diameter * m,
             },
-            ShapeFile::Mesh(_) | ShapeFile::Triangles(_) => return None,
+            ShapeFile::Mesh(_) | ShapeFile::Triangles(_) | ShapeFile::Shared(_) => return None,
         };
         Some((shape, DAffine3::IDENTITY))
     }

@@ -4,6 +4,7 @@ mod alternation;
 mod bvh;
 mod closed_form;
 mod coincidences;
+mod instances;
 mod leaks;
 mod sampling;
 

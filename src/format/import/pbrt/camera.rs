@@ -120,6 +120,7 @@ pub(super) fn read_film(parameters: &Parameters, left_out: &mut Vec<String>) -> 
         left_out.push("the crop of the film is left out: the whole picture is rendered".into());
     }
     parameters.ignore(&["whitebalance"]);
-    let size = [parameters.number_or("xresolution", DEFAULT_FILM[0])?, parameters.number_or("yresolution", DEFAULT_FILM[1])?];
+    let size =
+        [parameters.number_or("xresolution", DEFAULT_FILM[0])?, parameters.number_or("yresolution", DEFAULT_FILM[1])?];
     Ok(size.map(|pixels| pixels.round().clamp(1.0, 100_000.0)))
 }

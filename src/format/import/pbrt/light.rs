@@ -170,10 +170,8 @@ pub(super) fn read_medium(
             let cells = |key| Ok(parameters.number_or(key, 1.0)?.clamp(1.0, 65536.0) as u32);
             let resolution: Vec<u32> = ["nx", "ny", "nz"].into_iter().map(cells).collect::<Result<_>>()?;
             let density = parameters.get("density").map(|parameter| parameter.numbers()).transpose()?;
-            let bounds = [
-                parameters.tuple::<3>("p0")?.unwrap_or([0.0; 3]),
-                parameters.tuple::<3>("p1")?.unwrap_or([1.0; 3]),
-            ];
+            let bounds =
+                [parameters.tuple::<3>("p0")?.unwrap_or([0.0; 3]), parameters.tuple::<3>("p1")?.unwrap_or([1.0; 3])];
             Ok(Some(json!({"grid": {
                 "bounds": bounds, "density": {"values": density.unwrap_or(&[1.0]), "resolution": resolution},
                 "absorption": absorption, "scattering": scattering, "phase": phase, "transform": to_world

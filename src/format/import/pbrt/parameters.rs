@@ -72,7 +72,9 @@ impl Parameters {
             let place = tokens.place();
             let mut words = declaration.split_whitespace();
             let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
-                return Err(place.error(format!("found \"{declaration}\"")).expected("the type and the name of a parameter"));
+                return Err(place
+                    .error(format!("found \"{declaration}\""))
+                    .expected("the type and the name of a parameter"));
             };
             let (kind, name) = (kind.to_string(), name.to_string());
             let values = read_values(tokens, &declaration)?;
@@ -134,7 +136,11 @@ impl Parameters {
     pub(super) fn tuples<const N: usize>(&self, name: &str) -> Result<Option<Vec<[f64; N]>>> {
         let Some(parameter) = self.get(name) else { return Ok(None) };
         let (groups, rest) = parameter.numbers()?.as_chunks::<N>();
-        if rest.is_empty() { Ok(Some(groups.to_vec())) } else { Err(parameter.fault(&format!("groups of {N} numbers"))) }
+        if rest.is_empty() {
+            Ok(Some(groups.to_vec()))
+        } else {
+            Err(parameter.fault(&format!("groups of {N} numbers")))
+        }
     }
 
     /// Returns whole numbers that are not negative.
@@ -192,7 +198,9 @@ fn read_values(tokens: &mut Tokens, declaration: &str) -> Result<Values> {
             Some(Token::Quoted(string)) => strings.push(string),
             Some(Token::Word(word)) if word == "true" || word == "false" => flags.push(word == "true"),
             Some(Token::Close) if is_list => break,
-            _ => return Err(tokens.place().error(format!("\"{declaration}\" has no value, or its list is not closed"))),
+            _ => {
+                return Err(tokens.place().error(format!("\"{declaration}\" has no value, or its list is not closed")));
+            }
         }
         if !is_list {
             break;

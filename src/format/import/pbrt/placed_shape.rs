@@ -22,7 +22,13 @@ pub(super) struct PlacedShape {
 }
 
 impl Reader<'_> {
-    pub(super) fn shape(&mut self, class: &str, parameters: &Parameters, place: &Place, left_out: &mut Vec<String>) -> Result<()> {
+    pub(super) fn shape(
+        &mut self,
+        class: &str,
+        parameters: &Parameters,
+        place: &Place,
+        left_out: &mut Vec<String>,
+    ) -> Result<()> {
         let mut reader = ShapeReader { folder: self.folder, reverse: self.state.reverse, left_out: Vec::new() };
         let shape = reader.read(class, parameters)?;
         left_out.extend(reader.left_out);
@@ -38,14 +44,21 @@ impl Reader<'_> {
         let lit = self.state.area_light.as_ref();
         let emission = lit.map(|light| read_emission(light, area, &spectra, left_out)).transpose()?;
         let (name, material) = self.state.material.clone();
-        let Some(material) = self.placed_material(&name, &material, emission.is_some(), left_out) else { return Ok(()) };
+        let Some(material) = self.placed_material(&name, &material, emission.is_some(), left_out) else {
+            return Ok(());
+        };
         let placed = PlacedShape { shape, to_world, material, emission };
         match self.defining.as_ref().and_then(|name| self.objects.get_mut(name)) {
             Some(shapes) => {
                 if placed.emission.is_some() {
                     self.scene.leave_out(place.text(), "an area light inside an object is left out");
                 }
-                shapes.push(PlacedShape { emission: None, ..placed });
+                let mut shape = placed.shape;
+                if shape.get("triangles").is_some() {
+                    let name = format!("{} {}", self.defining.as_deref().unwrap_or_default(), shapes.len() + 1);
+                    shape = json!({"shared": self.scene.add_shape(&name, shape)});
+                }
+                shapes.push(PlacedShape { shape, emission: None, ..placed });
             }
             None => self.add_object(placed),
         }
@@ -154,4 +167,3 @@ fn complement(amount: &Value) -> Value {
     }
     result
 }
-

@@ -97,7 +97,8 @@ impl<'a> Reader<'a> {
                     return Err(place.error("too many nested files"));
                 }
                 let path = self.file(&name)?;
-                let text = read_text(&path).map_err(|error| place.error(format!("cannot include \"{name}\": {error}")))?;
+                let text =
+                    read_text(&path).map_err(|error| place.error(format!("cannot include \"{name}\": {error}")))?;
                 let state = (directive == "Import").then(|| self.state.clone());
                 files.push((Tokens::new(text, path), state));
             } else {
@@ -230,7 +231,11 @@ impl<'a> Reader<'a> {
                 }
                 self.statement(directive, class, parameters, place)?;
             }
-            _ => return Err(place.error(format!("unknown directive \"{directive}\"")).expected("a directive of pbrt-v4")),
+            _ => {
+                return Err(place
+                    .error(format!("unknown directive \"{directive}\""))
+                    .expected("a directive of pbrt-v4"));
+            }
         }
         Ok(())
     }
@@ -251,7 +256,9 @@ impl<'a> Reader<'a> {
             "Sampler" | "PixelFilter" | "Accelerator" => return Ok(()),
             "Integrator" => {
                 if let Some(depth) = parameters.number("maxdepth")? {
-                    left_out.push(format!("the limit of {depth} interactions is left out: Abbe follows paths to their end"));
+                    left_out.push(format!(
+                        "the limit of {depth} interactions is left out: Abbe follows paths to their end"
+                    ));
                 }
                 left_out.into_iter().for_each(|what| self.scene.leave_out(place.text(), what));
                 return Ok(());
@@ -356,7 +363,8 @@ impl<'a> Reader<'a> {
             "Scale" => DMat4::from_scale(self.numbers::<3>(tokens, directive)?.into()),
             "Rotate" => {
                 let [degrees, axis @ ..] = self.numbers::<4>(tokens, directive)?;
-                let axis = DVec3::from(axis).try_normalize().ok_or_else(|| place.error("the axis of a rotation is 0"))?;
+                let axis =
+                    DVec3::from(axis).try_normalize().ok_or_else(|| place.error("the axis of a rotation is 0"))?;
                 DMat4::from_quat(quaternion(axis, degrees.to_radians()))
             }
             "LookAt" => {

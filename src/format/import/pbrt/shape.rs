@@ -184,7 +184,12 @@ impl ShapeReader<'_> {
 
 /// The rotation that maps +y to +z and keeps x.
 fn y_to_z() -> DMat4 {
-    DMat4::from_cols_array_2d(&[[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+    DMat4::from_cols_array_2d(&[
+        [1.0, 0.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0, 0.0],
+        [0.0, -1.0, 0.0, 0.0],
+        [0.0, 0.0, 0.0, 1.0],
+    ])
 }
 
 /// A corner of a bilinear patch.

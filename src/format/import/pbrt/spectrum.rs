@@ -112,7 +112,9 @@ impl SpectrumContext<'_> {
                 }
                 let path = self.file_access.file(self.folder, Path::new(name))?;
                 if !path.is_file() {
-                    return Err(parameter.place.error(format!("the spectrum \"{name}\" is not known, and is not a file")));
+                    return Err(parameter
+                        .place
+                        .error(format!("the spectrum \"{name}\" is not known, and is not a file")));
                 }
                 let mut tokens = Tokens::new(read_text(&path)?, path.clone());
                 let mut numbers = Vec::new();

@@ -61,13 +61,15 @@ impl TextureReader<'_> {
         if let Some(mapping) = parameters.string("mapping")?
             && mapping != "uv"
         {
-            self.left_out.push(format!("texture mapping \"{mapping}\" is replaced by the texture coordinates of the shape"));
+            self.left_out
+                .push(format!("texture mapping \"{mapping}\" is replaced by the texture coordinates of the shape"));
         }
         match class {
             "constant" => self.value(parameters, "value", is_scalar, 1.0),
             "imagemap" => self.picture(parameters, is_scalar),
             "checkerboard" => {
-                let [a, b] = [("tex1", 1.0), ("tex2", 0.0)].map(|(key, default)| self.value(parameters, key, is_scalar, default));
+                let [a, b] = [("tex1", 1.0), ("tex2", 0.0)]
+                    .map(|(key, default)| self.value(parameters, key, is_scalar, default));
                 let (a, b) = (a?, b?);
                 if parameters.number_or("dimension", 2.0)? != 2.0 {
                     self.left_out.push("a checkerboard in space is replaced by one over texture coordinates".into());

@@ -1,0 +1,129 @@
+//! Reads the meshes of objects. A mesh that several objects name is read once, and they share it.
+
+use std::cell::Cell;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use super::context::Resolver;
+use crate::error::{Error, Result};
+use crate::format::mesh::{self, MeshFile, MeshMaterial, MeshPart};
+use crate::format::{JsonPath, MeshShapeFile, ShapeFile};
+use crate::geometry::mesh::TriangleMesh;
+
+/// The largest number of shared shapes that refer to each other.
+const MAX_DEPTH: usize = 16;
+
+/// A mesh that was read.
+pub(super) struct LoadedMesh {
+    pub(super) parts: Vec<LoadedPart>,
+    /// What the file states about materials and the reader ignores.
+    pub(super) ignored: Option<String>,
+    /// True if the file also contains lights.
+    pub(super) has_lights: bool,
+}
+
+/// One part of a mesh: triangles with one material.
+pub(super) struct LoadedPart {
+    pub(super) mesh: Arc<TriangleMesh>,
+    /// The material in the file, if there is one.
+    pub(super) material: Option<MeshMaterial>,
+    /// The number of this material, after an object has used it.
+    pub(super) material_number: Cell<Option<usize>>,
+    /// Name of the part in the file. It may be empty.
+    pub(super) name: String,
+}
+
+/// The meshes that were read before, each with its form in the scene file.
+#[derive(Default)]
+pub(super) struct MeshCache<'a> {
+    list: Vec<(&'a ShapeFile, Rc<LoadedMesh>)>,
+}
+
+impl<'a> Resolver<'a> {
+    /// Returns the shape to which a shape refers, and its place in the file. Most shapes refer to
+    /// no other shape.
+    pub(super) fn shared_shape<T>(
+        &self,
+        at: &JsonPath<'_>,
+        shape: &'a ShapeFile,
+        then: impl FnOnce(&JsonPath<'_>, &'a ShapeFile) -> Result<T>,
+    ) -> Result<T> {
+        let ShapeFile::Shared(name) = shape else { return then(at, shape) };
+        let root = JsonPath::Root;
+        let shapes = root.key("shapes");
+        let (mut name, mut depth) = (name, 0);
+        loop {
+            let Some(found) = self.scene.shapes.get(name) else {
+                let known = self.scene.shapes.keys().map(String::as_str);
+                let error = Error::unknown_name("shape", name, known).expected("a name of the scene's `shapes`");
+                return self.at(&at.key("shared"), Err(error));
+            };
+            match found {
+                ShapeFile::Shared(next) if depth < MAX_DEPTH => (name, depth) = (next, depth + 1),
+                ShapeFile::Shared(_) => {
+                    return self.at(&at.key("shared"), Err(Error::input("this shape contains itself")));
+                }
+                shape => return then(&shapes.key(name), shape),
+            }
+        }
+    }
+
+    /// Returns a mesh. Returns `None` for other shapes.
+    pub(super) fn mesh(
+        &self,
+        at: &JsonPath<'_>,
+        shape: &'a ShapeFile,
+        cache: &mut MeshCache<'a>,
+    ) -> Result<Option<Rc<LoadedMesh>>> {
+        // Large meshes in the scene file are compared by their address only.
+        let same = |known: &ShapeFile| match (known, shape) {
+            (ShapeFile::Mesh(known), ShapeFile::Mesh(mesh)) => known == mesh,
+            _ => std::ptr::eq(known, shape),
+        };
+        if let Some((_, known)) = cache.list.iter().find(|(known, _)| same(known)) {
+            return Ok(Some(Rc::clone(known)));
+        }
+        let loaded = match shape {
+            ShapeFile::Mesh(file) => self.mesh_file(&at.key("mesh"), file)?,
+            ShapeFile::Triangles(triangles) => {
+                let mesh = self.at(&at.key("triangles"), triangles.mesh())?;
+                LoadedMesh { parts: vec![LoadedPart::new(mesh, None, String::new())], ignored: None, has_lights: false }
+            }
+            _ => return Ok(None),
+        };
+        let loaded = Rc::new(loaded);
+        cache.list.push((shape, Rc::clone(&loaded)));
+        Ok(Some(loaded))
+    }
+
+    fn mesh_file(&self, at: &JsonPath<'_>, file: &MeshShapeFile) -> Result<LoadedMesh> {
+        let MeshShapeFile { path, reverse, flat, flip_v } = file;
+        let read = self.source.file(path).and_then(|path| mesh::load(&path, self.source.file_access()));
+        let MeshFile { parts, ignored, has_lights } = self.at(&at.key("path"), read)?;
+        let changed = |part: MeshPart| {
+            let mut mesh = part.mesh;
+            mesh = if *flat { mesh.without_normals() } else { mesh };
+            mesh = if *reverse { mesh.reversed() } else { mesh };
+            mesh = if *flip_v { mesh.with_flipped_v() } else { mesh };
+            LoadedPart::new(mesh, part.material, part.name)
+        };
+        Ok(LoadedMesh { parts: parts.into_iter().map(changed).collect(), ignored, has_lights })
+    }
+}
+
+impl LoadedPart {
+    fn new(mesh: TriangleMesh, material: Option<MeshMaterial>, name: String) -> Self {
+        Self { mesh: Arc::new(mesh), material, material_number: Cell::new(None), name }
+    }
+
+    /// Returns the emission of the part's own material as linear RGB.
+    pub(super) fn emission(&self) -> [f64; 3] {
+        self.material.as_ref().map_or([0.0; 3], |own| own.emission)
+    }
+
+    /// Returns the mesh for an object. Luminous objects get a mesh of their own, because points are
+    /// sampled only on meshes that are not shared.
+    pub(super) fn mesh_for(&self, is_luminous: bool) -> Arc<TriangleMesh> {
+        if is_luminous { Arc::new(TriangleMesh::clone(&self.mesh)) } else { Arc::clone(&self.mesh) }
+    }
+}
