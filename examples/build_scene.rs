@@ -54,8 +54,8 @@ fn main() -> abbe::Result<()> {
             ("grey".to_string(), MaterialFile::Diffuse { reflectance }),
             ("glass".to_string(), MaterialFile::Dielectric(glass)),
         ]),
-        objects: vec![
         shapes: BTreeMap::new(),
+        objects: vec![
             object("floor", ShapeFile::Rectangle { width: 10.0, height: 10.0 }, "grey"),
             object("ball", ShapeFile::Sphere { center: [0.0, 0.8, 0.0], radius: 0.7 }, "glass"),
         ],
