@@ -83,6 +83,11 @@ pub enum IndexFile {
         #[schemars(skip_serializing_if = "forms::never")]
         formula: FormulaFile,
     },
+    /// Path of a file with measured indices, relative to the scene's folder: an entry of the
+    /// database refractiveindex.info (`.yml`), or a CSV file with a header row such as `nm,n` or
+    /// `um,n,k`.
+    #[schemars(example = json!({"file": "PMMA.yml"}))]
+    File(String),
 }
 
 /// The dispersion formula of a catalogue material.
@@ -143,7 +148,7 @@ impl IndexFile {
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Number(value) => index_number(at, *value),
-            Self::Name(_) | Self::Cauchy { .. } | Self::Glass { .. } => Ok(()),
+            Self::Name(_) | Self::Cauchy { .. } | Self::Glass { .. } | Self::File(_) => Ok(()),
             Self::Sellmeier { b, c } => {
                 let at = at.key("sellmeier");
                 check::entries(&at.key("b"), b.len(), 1, "at least one coefficient")?;

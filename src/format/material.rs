@@ -36,6 +36,7 @@ pub enum MaterialFile {
     /// A metal.
     #[schemars(example = json!({"conductor": {"metal": "gold", "roughness": 0.2}}))]
     #[schemars(example = json!({"conductor": {"eta": 0.2, "k": 3.4}}))]
+    #[schemars(example = json!({"conductor": {"file": "Au.yml", "roughness": 0.1}}))]
     #[schemars(example = json!({"conductor": {"reflectance": {"rgb": [0.9, 0.7, 0.4]}, "roughness": 0.3}}))]
     Conductor(ConductorFile),
     /// An ideal mirror with a given reflectance.
@@ -134,7 +135,7 @@ pub struct ThinDielectricFile {
     pub absorption: Option<SpectrumFile>,
 }
 
-/// A conductor. State one of three: `metal`; `eta` and `k`; or `reflectance`.
+/// A conductor. State one of four: `metal`; `eta` and `k`; `file`; or `reflectance`.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ConductorFile {
@@ -149,6 +150,10 @@ pub struct ConductorFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub k: Option<SpectrumFile>,
+    /// Path of a file with n and k, relative to the scene's folder: an entry of the database
+    /// refractiveindex.info (`.yml`), or a CSV file with a header row such as `nm,n,k`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
     /// Reflectance at normal incidence. At other angles, the reflectance follows Schlick's
     /// approximation, and it is 1 at grazing incidence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -261,13 +266,17 @@ impl ThinDielectricFile {
 impl ConductorFile {
     /// Checks that all values are in range and that the conductor has exactly one form.
     fn validate(&self, at: &JsonPath) -> Result<()> {
-        let Self { metal, eta, k, reflectance, roughness } = self;
-        let allowed = "one of `metal`, both `eta` and `k`, or `reflectance`";
+        let Self { metal, eta, k, file, reflectance, roughness } = self;
+        let allowed = "one of `metal`, both `eta` and `k`, `file`, or `reflectance`";
+        let others = metal.is_some() || eta.is_some() || k.is_some();
         let form = match (metal, eta, k) {
-            (None, None, None) if reflectance.is_some() => Ok(()),
-            _ if reflectance.is_some() => {
+            _ if reflectance.is_some() && (others || file.is_some()) => {
                 Err(check::fault(&at.key("reflectance"), "found together with an index of refraction", allowed))
             }
+            _ if file.is_some() && others => {
+                Err(check::fault(&at.key("file"), "found together with another index of refraction", allowed))
+            }
+            (None, None, None) if reflectance.is_some() || file.is_some() => Ok(()),
             (Some(_), None, None) | (None, Some(_), Some(_)) => Ok(()),
             (Some(_), Some(_), _) => Err(check::fault(&at.key("eta"), "found together with `metal`", allowed)),
             (Some(_), None, Some(_)) => Err(check::fault(&at.key("k"), "found together with `metal`", allowed)),

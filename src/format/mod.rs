@@ -86,6 +86,7 @@ use spectrum::SpectrumUse;
     "spectra": {"warm": {"blackbody": {"temperature": 2856}}},
     "media": {"mist": {"homogeneous": {"absorption": 0, "scattering": 0.05, "phase": "isotropic"}}},
     "materials": {"crown": {"dielectric": {"ior": "N-BK7"}}},
+    "shapes": {"plate": {"box": {"size": [1, 0.1, 1]}}},
     "objects": [{"shape": {"sphere": {"center": [0, 0.5, 0], "radius": 0.5}}, "material": "crown"}],
     "lights": [{"point": {"at": [0, 3, 0], "spectrum": "warm", "luminous_flux": 800}}],
     "atmosphere": "mist", "render": {"passes": 64}

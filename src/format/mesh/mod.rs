@@ -19,6 +19,8 @@ mod stl;
 
 #[cfg(feature = "meshes")]
 use glam::DAffine3;
+#[cfg(feature = "meshes")]
+use std::io::Read as _;
 use std::path::Path;
 
 use crate::error::{Error, Result};
@@ -78,16 +80,24 @@ struct PartsAndNotes {
 
 #[cfg(feature = "meshes")]
 fn read_parts(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes> {
-    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or("").to_lowercase();
+    let extension = |path: &Path| path.extension().and_then(|name| name.to_str()).unwrap_or("").to_lowercase();
+    let extension = match extension(path).as_str() {
+        "gz" => format!("{}.gz", extension(&path.with_extension(""))),
+        plain => plain.to_string(),
+    };
     match extension.as_str() {
         "obj" => obj::load(path, file_access),
         "ply" => {
             Ok(PartsAndNotes { parts: read(path).and_then(|bytes| ply::load(&bytes))?, ..PartsAndNotes::default() })
         }
+        "ply.gz" => {
+            let parts = read(path).and_then(|bytes| unpacked(&bytes)).and_then(|bytes| ply::load(&bytes))?;
+            Ok(PartsAndNotes { parts, ..PartsAndNotes::default() })
+        }
         "stl" => Ok(PartsAndNotes { parts: read(path).and_then(stl::load)?, ..PartsAndNotes::default() }),
         "gltf" | "glb" => read(path).and_then(|bytes| gltf::load(&bytes, path.parent(), file_access)),
         _ => Err(Error::input(format!("unknown kind of mesh file \"{extension}\""))
-            .expected("one of .obj, .ply, .stl, .gltf, .glb")),
+            .expected("one of .obj, .ply, .ply.gz, .stl, .gltf, .glb")),
     }
 }
 
@@ -99,6 +109,22 @@ fn read_parts(_: &Path, _: FileAccess) -> Result<PartsAndNotes> {
 #[cfg(feature = "meshes")]
 fn read(path: &Path) -> Result<Vec<u8>> {
     std::fs::read(path).map_err(|error| Error::input(format!("cannot read the mesh: {error}")))
+}
+
+/// The largest size in bytes of an unpacked mesh file (4 GiB).
+#[cfg(feature = "meshes")]
+const MAX_UNPACKED_BYTES: u64 = 4 << 30;
+
+/// Unpacks a file that was packed by gzip.
+#[cfg(feature = "meshes")]
+fn unpacked(bytes: &[u8]) -> Result<Vec<u8>> {
+    let mut unpacked = Vec::new();
+    let mut reader = flate2::read::GzDecoder::new(bytes).take(MAX_UNPACKED_BYTES + 1);
+    reader.read_to_end(&mut unpacked).map_err(|error| Error::input(format!("not a valid gzip file: {error}")))?;
+    if unpacked.len() as u64 > MAX_UNPACKED_BYTES {
+        return Err(Error::input("the unpacked mesh is above 4 GiB").expected("a smaller mesh"));
+    }
+    Ok(unpacked)
 }
 
 /// Calls `visit` for each node of the default scene of a glTF file. The second argument is the

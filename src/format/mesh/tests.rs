@@ -162,6 +162,12 @@ fn glb() -> Vec<u8> {
     bytes
 }
 
+fn packed(bytes: &[u8]) -> Vec<u8> {
+    let mut packed = Vec::new();
+    flate2::read::GzEncoder::new(bytes, flate2::Compression::fast()).read_to_end(&mut packed).unwrap();
+    packed
+}
+
 #[test]
 fn the_cube_is_the_same_from_every_format() {
     let folder = TempDir::new().unwrap();
@@ -171,6 +177,7 @@ fn the_cube_is_the_same_from_every_format() {
         write(&folder, "text.ply", ply_text()),
         write(&folder, "little.ply", ply_binary(false)),
         write(&folder, "big.PLY", ply_binary(true)),
+        write(&folder, "packed.ply.gz", packed(&ply_binary(false))),
         write(&folder, "binary.stl", stl_binary()),
         write(&folder, "text.stl", stl_text()),
     ];

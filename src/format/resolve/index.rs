@@ -2,7 +2,8 @@
 
 use crate::error::{Error, Result};
 use crate::format::{FormulaFile, IndexFile, JsonSource};
-use crate::optics::glass::{AgfCatalogue, RefractiveIndex};
+use crate::json::read_text;
+use crate::optics::glass::{AgfCatalogue, IndexFileData, RefractiveIndex};
 use std::path::Path;
 
 /// Reads a Zemax glass catalogue (`.agf`).
@@ -17,6 +18,12 @@ pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     std::fs::read(path).map_err(|error| Error::input(format!("cannot be read: {error}")).in_file(path))
 }
 
+/// Reads a file with measured indices of refraction. `path` is relative to the scene's folder.
+pub(super) fn index_file(path: &str, source: &JsonSource) -> Result<IndexFileData> {
+    let path = source.file(path)?;
+    IndexFileData::parse(&read_text(&path)?, &path)
+}
+
 /// Resolves a refractive index from a file.
 pub(super) fn index_of(file: &IndexFile, source: &JsonSource) -> Result<RefractiveIndex> {
     match file {
@@ -28,6 +35,7 @@ pub(super) fn index_of(file: &IndexFile, source: &JsonSource) -> Result<Refracti
         IndexFile::Table { nm, values } => RefractiveIndex::table(nm, values),
         IndexFile::Glass { path: None, name, formula: FormulaFile::Sellmeier } => RefractiveIndex::catalogue(name),
         IndexFile::Glass { path: None, name, formula: FormulaFile::Cauchy } => RefractiveIndex::catalogue_cauchy(name),
+        IndexFile::File(path) => index_file(path, source)?.index(),
         IndexFile::Glass { path: Some(path), name, formula } => {
             let glass = glass_file(&source.file(path)?)?.find(name)?;
             match formula {

@@ -127,7 +127,8 @@ fn surfaces(at: &JsonPath<'_>, files: &[LensSurfaceFile], source: &JsonSource) -
             | IndexFile::Sellmeier { .. }
             | IndexFile::Abbe { .. }
             | IndexFile::Table { .. }
-            | IndexFile::Glass { .. } => index_of(ior, source),
+            | IndexFile::Glass { .. }
+            | IndexFile::File(_) => index_of(ior, source),
         };
         let index = index.map_err(|error| source.error_at(&at.index(i).key("ior").to_string(), error))?;
         // The coefficients in the file begin with h⁴. The coefficients of a profile begin with h²,

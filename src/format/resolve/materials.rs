@@ -1,7 +1,7 @@
 //! Translates the materials of the scene file to surfaces and bodies.
 
 use super::context::Resolver;
-use super::index::index_of;
+use super::index::{index_file, index_of};
 use super::spectra::Role;
 use crate::error::{Error, Result, both};
 use crate::format::{ConductorFile, DielectricFile, IndexFile, JsonPath, MaterialFile, ScalarFile, ThinDielectricFile};
@@ -135,7 +135,7 @@ impl Resolver<'_> {
     }
 
     fn conductor(&self, at: &JsonPath<'_>, file: &ConductorFile) -> Result<Bsdf> {
-        let ConductorFile { metal, eta, k, reflectance, roughness } = file;
+        let ConductorFile { metal, eta, k, file, reflectance, roughness } = file;
         if let Some(reflectance) = reflectance {
             let reflectance = self.reflectance(&at.key("reflectance"), reflectance)?;
             return self.rough(at, roughness, |alpha| Bsdf::metal(reflectance.clone(), alpha));
@@ -147,8 +147,9 @@ impl Resolver<'_> {
                 both(eta, self.spectrum(&at.key("k"), k, Role::Coefficient))?
             }
             (None, _, _) => {
-                return self
-                    .at(at, Err(Error::input("found no metal").expected("`metal`, `eta` and `k`, or `reflectance`")));
+                let missing = || Error::input("found no metal").expected("`metal`, `eta` and `k`, `file` or `reflectance`");
+                let path = self.at(at, file.as_deref().ok_or_else(missing))?;
+                self.at(&at.key("file"), index_file(path, self.source).and_then(|data| data.n_and_k()))?
             }
         };
         self.rough(at, roughness, |alpha| Bsdf::conductor(n.clone(), k.clone(), alpha))

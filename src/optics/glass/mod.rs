@@ -10,6 +10,7 @@ pub mod catalogue;
 mod dispersion;
 mod extinction;
 mod index;
+mod index_file;
 pub mod lines;
 
 pub use agf::AgfCatalogue;
@@ -17,3 +18,4 @@ pub use catalogue::{CauchyFit, Glass, GlassKind};
 pub use dispersion::{Dispersion, PowerTerm, SellmeierTerm};
 pub use extinction::Extinction;
 pub use index::{ReferenceMedium, RefractiveIndex};
+pub use index_file::IndexFileData;
