@@ -37,6 +37,11 @@ impl SceneWriter {
         add(&mut self.materials, wanted, material)
     }
 
+    /// Returns a material.
+    pub(super) fn material(&self, name: &str) -> Option<&Value> {
+        self.materials.get(name)
+    }
+
     /// Adds a medium, and returns its name. The name is `wanted`, unless another medium has this
     /// name.
     pub(super) fn add_medium(&mut self, wanted: &str, medium: Value) -> String {

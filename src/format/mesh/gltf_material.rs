@@ -6,7 +6,7 @@ use ::gltf::texture::Info;
 use ::gltf::{Document, Material, Semantic};
 
 use super::gltf_texture::GltfPictures;
-use super::{MeshAttenuation, MeshMaterial, listed};
+use super::{MeshAttenuation, MeshMaterial, MeshOpacity, listed};
 use crate::error::{Error, Result};
 
 /// Converts a glTF material.
@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 /// range.
 pub(super) fn read_material(file: &Material<'_>, pictures: &mut GltfPictures<'_>) -> Result<MeshMaterial> {
     let surface = file.pbr_metallic_roughness();
-    let [r, g, b, _alpha] = surface.base_color_factor();
+    let [r, g, b, alpha] = surface.base_color_factor();
     let strength = f64::from(file.emissive_strength().unwrap_or(1.0));
     let volume = file.volume();
     let ior = f64::from(file.ior().unwrap_or(1.5));
@@ -25,6 +25,16 @@ pub(super) fn read_material(file: &Material<'_>, pictures: &mut GltfPictures<'_>
     }
     let base_colour_texture = surface.base_color_texture().and_then(|info| pictures.texture(&info));
     let metallic_roughness_texture = surface.metallic_roughness_texture().and_then(|info| pictures.texture(&info));
+    let opacity = match file.alpha_mode() {
+        AlphaMode::Opaque => MeshOpacity::Opaque,
+        AlphaMode::Mask => {
+            MeshOpacity::Cut { alpha: f64::from(alpha), cutoff: f64::from(file.alpha_cutoff().unwrap_or(0.5)) }
+        }
+        AlphaMode::Blend => MeshOpacity::Blend { alpha: f64::from(alpha) },
+    };
+    // An area light has the same radiance everywhere, so a picture of the emission is averaged.
+    let emission_picture = file.emissive_texture().and_then(|info| pictures.texture(&info));
+    let mean = emission_picture.map_or([1.0; 3], |texture| texture.picture.mean_rgb());
     Ok(MeshMaterial {
         name: file.name().unwrap_or_default().to_string(),
         base_colour: [r, g, b].map(f64::from),
@@ -41,7 +51,8 @@ pub(super) fn read_material(file: &Material<'_>, pictures: &mut GltfPictures<'_>
                 distance: f64::from(volume.attenuation_distance()),
             }
         }),
-        emission: file.emissive_factor().map(|c| strength * f64::from(c)),
+        opacity,
+        emission: std::array::from_fn(|i| strength * f64::from(file.emissive_factor()[i]) * mean[i]),
     })
 }
 
@@ -63,11 +74,9 @@ fn abbe_number(file: &Material<'_>) -> Result<Option<f64>> {
 pub(super) fn ignored(document: &Document) -> Vec<String> {
     let textures: Vec<&str> = document.materials().flat_map(|file| textures(&file)).collect();
     let extensions: Vec<String> = document.materials().flat_map(|file| unread_extensions(&file)).collect();
-    let is_blended = document.materials().any(|file| file.alpha_mode() != AlphaMode::Opaque);
     let mut primitives = document.meshes().flat_map(|mesh| mesh.primitives().collect::<Vec<_>>());
     let has_vertex_colours = primitives.any(|primitive| primitive.get(&Semantic::Colors(0)).is_some());
     let other = [
-        (is_blended, "opacity (alphaMode)"),
         (has_vertex_colours, "vertex colours"),
         (document.animations().next().is_some(), "animations"),
         (document.skins().next().is_some(), "skins"),
@@ -98,7 +107,7 @@ fn textures(file: &Material<'_>) -> Vec<&'static str> {
         ),
         (file.normal_texture().is_some(), "normalTexture"),
         (file.occlusion_texture().is_some(), "occlusionTexture"),
-        (file.emissive_texture().is_some(), "emissiveTexture"),
+        (file.emissive_texture().is_some(), "emissiveTexture (its mean colour is used)"),
         (transmission.is_some_and(|it| it.transmission_texture().is_some()), "transmissionTexture"),
         (volume.is_some_and(|it| it.thickness_texture().is_some()), "thicknessTexture"),
     ];

@@ -30,9 +30,42 @@ pub struct MeshMaterial {
     pub abbe_number: Option<f64>,
     /// Absorption inside, or `None` without absorption.
     pub attenuation: Option<MeshAttenuation>,
+    /// The opacity of the surface.
+    pub opacity: MeshOpacity,
     /// Emitted colour multiplied by the emissive strength. In glTF files, the unit is cd/m². Zero
     /// for a surface that does not emit.
     pub emission: [f64; 3],
+}
+
+/// The opacity of a surface: the part of the area that the surface covers. The alpha channel of the
+/// base colour's picture multiplies `alpha`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MeshOpacity {
+    /// The surface covers its whole area.
+    Opaque,
+    /// The surface has holes where the alpha value is below `cutoff`.
+    Cut {
+        /// Factor of the alpha values, from 0 to 1.
+        alpha: f64,
+        /// The smallest alpha value of the surface.
+        cutoff: f64,
+    },
+    /// The alpha value is the part of the area that the surface covers.
+    Blend {
+        /// Factor of the alpha values, from 0 to 1.
+        alpha: f64,
+    },
+}
+
+impl MeshOpacity {
+    /// Returns the part of the area that the surface covers, for an alpha value of the picture.
+    pub fn covered(self, picture_alpha: f64) -> f64 {
+        match self {
+            Self::Opaque => 1.0,
+            Self::Cut { alpha, cutoff } => f64::from(u8::from(alpha * picture_alpha >= cutoff)),
+            Self::Blend { alpha } => (alpha * picture_alpha).clamp(0.0, 1.0),
+        }
+    }
 }
 
 /// A picture over the texture coordinates of a mesh.
@@ -71,6 +104,7 @@ impl Default for MeshMaterial {
             ior: 1.5,
             abbe_number: None,
             attenuation: None,
+            opacity: MeshOpacity::Opaque,
             emission: [0.0; 3],
         }
     }

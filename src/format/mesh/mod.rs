@@ -27,7 +27,7 @@ use crate::error::{Error, Result};
 use crate::format::FileAccess;
 
 use crate::geometry::mesh::TriangleMesh;
-pub use material::{MeshAttenuation, MeshMaterial, MeshTexture};
+pub use material::{MeshAttenuation, MeshMaterial, MeshOpacity, MeshTexture};
 
 /// One part of a mesh file: triangles with one material.
 #[derive(Debug, Clone)]

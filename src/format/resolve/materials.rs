@@ -147,7 +147,8 @@ impl Resolver<'_> {
                 both(eta, self.spectrum(&at.key("k"), k, Role::Coefficient))?
             }
             (None, _, _) => {
-                let missing = || Error::input("found no metal").expected("`metal`, `eta` and `k`, `file` or `reflectance`");
+                let missing =
+                    || Error::input("found no metal").expected("`metal`, `eta` and `k`, `file` or `reflectance`");
                 let path = self.at(at, file.as_deref().ok_or_else(missing))?;
                 self.at(&at.key("file"), index_file(path, self.source).and_then(|data| data.n_and_k()))?
             }

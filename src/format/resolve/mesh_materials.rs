@@ -3,7 +3,7 @@
 use super::materials::alpha;
 use crate::error::Result;
 use crate::format::EncodingFile;
-use crate::format::mesh::{MeshMaterial, MeshTexture};
+use crate::format::mesh::{MeshMaterial, MeshOpacity, MeshTexture};
 use crate::math::elementary::ln;
 use crate::optics::bsdf::Bsdf;
 use crate::optics::glass::RefractiveIndex;
@@ -62,8 +62,26 @@ pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool) -> Resu
             Bsdf::textured_mix(vec![(metallic, metal()?), (rest, dielectric()?)])?
         }
     };
+    let surface = if body.is_none() { with_holes(surface, file, textured)? } else { surface };
     let name = if file.name.is_empty() { "mesh material".to_string() } else { file.name.clone() };
     Ok(Material { name, surface, body })
+}
+
+/// Returns the surface, mixed with nothing where it has holes. Light passes straight through a hole,
+/// which is a pane with the index of refraction 1.
+fn with_holes(surface: Bsdf, file: &MeshMaterial, textured: bool) -> Result<Bsdf> {
+    if file.opacity == MeshOpacity::Opaque {
+        return Ok(surface);
+    }
+    let texture = file.base_colour_texture.as_ref().filter(|_| textured);
+    let covered = |x: f32| file.opacity.covered(f64::from(x));
+    let shares = [map_channel(texture, 3, covered)?, map_channel(texture, 3, |x| 1.0 - covered(x))?];
+    if shares[0].range().0 > 1.0 - LEAST_SHARE {
+        return Ok(surface);
+    }
+    let [covered, open] = shares;
+    let hole = Bsdf::thin_dielectric(RefractiveIndex::constant(1.0)?, None)?;
+    if covered.range().1 < LEAST_SHARE { Ok(hole) } else { Bsdf::textured_mix(vec![(covered, surface), (open, hole)]) }
 }
 
 /// Returns the base colour: the product of a colour and a picture.
@@ -82,7 +100,11 @@ fn base_colour(file: &MeshMaterial, textured: bool) -> Result<SurfaceSpectrum> {
 /// Returns `offset` + `factor` × a channel of a picture. Without a picture, the channel is 1. The
 /// results are limited to the range from 0 to 1.
 fn channel(texture: Option<&MeshTexture>, number: usize, factor: f64, offset: f64) -> Result<SurfaceScalar> {
-    let value = |x: f32| (offset + factor * f64::from(x)).clamp(0.0, 1.0);
+    map_channel(texture, number, |x| (offset + factor * f64::from(x)).clamp(0.0, 1.0))
+}
+
+/// Returns `value` of a channel of a picture. Without a picture, the channel is 1.
+fn map_channel(texture: Option<&MeshTexture>, number: usize, value: impl Fn(f32) -> f64) -> Result<SurfaceScalar> {
     let Some(texture) = texture else { return Ok(SurfaceScalar::Uniform(value(1.0))) };
     let mut values = texture.picture.linear_channel(number, EncodingFile::Linear);
     values.iter_mut().for_each(|x| *x = value(*x) as f32);

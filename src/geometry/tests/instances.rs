@@ -13,15 +13,20 @@ fn places(count: u32) -> Vec<DAffine3> {
         .collect()
 }
 
+/// Returns a scene with one object at each place. `mesh` returns the mesh of an object.
+fn scene(places: &[DAffine3], mesh: impl Fn() -> Arc<TriangleMesh>) -> Geometry {
+    let shapes = (0..).zip(places).map(|(object, &to_world)| placed(Shape::Mesh(mesh()), to_world, object));
+    Geometry::build(shapes.collect(), DVec3::new(0.1, -0.2, 0.3)).unwrap()
+}
+
+fn shared(mesh: &TriangleMesh, places: &[DAffine3]) -> Geometry {
+    let one = Arc::new(mesh.clone());
+    scene(places, || Arc::clone(&one))
+}
+
 /// Returns the same scene twice: with one shared mesh, and with a copy of the mesh for each object.
 fn shared_and_copied(mesh: &TriangleMesh, places: &[DAffine3]) -> [Geometry; 2] {
-    let one = Arc::new(mesh.clone());
-    let centre = DVec3::new(0.1, -0.2, 0.3);
-    let build = |mesh: &dyn Fn() -> Arc<TriangleMesh>| {
-        let shapes = (0..).zip(places).map(|(object, &to_world)| placed(Shape::Mesh(mesh()), to_world, object));
-        Geometry::build(shapes.collect(), centre).unwrap()
-    };
-    [build(&|| Arc::clone(&one)), build(&|| Arc::new(mesh.clone()))]
+    [shared(mesh, places), scene(places, || Arc::new(mesh.clone()))]
 }
 
 fn same(a: &Hit, b: &Hit) -> bool {
@@ -81,7 +86,7 @@ fn instances_have_the_areas_and_the_bounds_of_copies() {
 #[test]
 fn an_instance_takes_less_than_a_kilobyte() {
     let mesh = icosphere(5);
-    let bytes = |count| shared_and_copied(&mesh, &places(count))[0].memory_bytes() as f64;
+    let bytes = |count| shared(&mesh, &places(count)).memory_bytes() as f64;
     let (two, many) = (bytes(2), bytes(1_000));
     assert!((many - two) / 998.0 < 1024.0, "{} bytes for each instance", (many - two) / 998.0);
     let triangles = mesh.triangles().len() as f64;
@@ -91,9 +96,6 @@ fn an_instance_takes_less_than_a_kilobyte() {
 /// Meshes with few triangles, and meshes that are placed once, are copied.
 #[test]
 fn small_meshes_are_copied() {
-    let shared = |mesh: &TriangleMesh, count| {
-        let [shared, _] = shared_and_copied(mesh, &places(count));
-        shared.primitives.instances.list.len()
-    };
-    assert_eq!([shared(&icosphere(1), 3), shared(&icosphere(2), 1), shared(&icosphere(2), 3)], [0, 0, 3]);
+    let instances = |levels, count| shared(&icosphere(levels), &places(count)).primitives.instances.list.len();
+    assert_eq!([instances(1, 3), instances(2, 1), instances(2, 3)], [0, 0, 3]);
 }

@@ -235,7 +235,8 @@ fn of_csv(text: &str) -> Result<IndexFileData> {
         if cells.len() != header.len() {
             return Err(fault(format!("found {} columns", cells.len())).expected(format!("{} columns", header.len())));
         }
-        let number = |cell: &str| cell.parse::<f64>().map_err(|_| fault(format!("found \"{cell}\"")).expected("a number"));
+        let number =
+            |cell: &str| cell.parse::<f64>().map_err(|_| fault(format!("found \"{cell}\"")).expected("a number"));
         let nm = scale * number(cells[0])?;
         for (name, cell) in header.iter().zip(&cells).skip(1) {
             let table = match name.as_str() {
@@ -326,7 +327,11 @@ mod tests {
             ("DATA: [", "a.yml", "not a valid YAML"),
             ("x: &a 1\ny: *a\n", "a.yml", "aliases"),
             ("x: 1", "a.yml", "no list DATA"),
-            ("DATA:\n  - type: formula 12\n    wavelength_range: 0.3 2\n    coefficients: 1", "a.yml", "unknown formula"),
+            (
+                "DATA:\n  - type: formula 12\n    wavelength_range: 0.3 2\n    coefficients: 1",
+                "a.yml",
+                "unknown formula",
+            ),
             ("DATA:\n  - type: formula 2\n    coefficients: 1", "a.yml", "no wavelength range"),
             ("DATA:\n  - type: tabulated nk\n    data: |\n        0.4 1.5\n", "a.yml", "2 numbers"),
             ("DATA:\n  - type: tabulated n\n    data: |\n        4 1.5\n        8 1.4\n", "a.yml", "360 to 830"),

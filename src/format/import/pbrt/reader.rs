@@ -307,7 +307,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Runs `read` with a reader of textures.
-    fn with_textures<T>(
+    pub(super) fn with_textures<T>(
         &self,
         left_out: &mut Vec<String>,
         read: impl FnOnce(&mut TextureReader<'_>) -> Result<T>,

@@ -42,9 +42,6 @@ impl ShapeReader<'_> {
     /// # Errors
     /// Returns an error if a parameter is missing, has a wrong type or a wrong number of values.
     pub(super) fn read(&mut self, class: &str, parameters: &Parameters) -> Result<Option<ReadShape>> {
-        if parameters.get("alpha").is_some() {
-            self.left_out.push("the opacity of a shape is left out".into());
-        }
         match class {
             "sphere" => self.sphere(parameters).map(Some),
             "disk" => self.disk(parameters).map(Some),

@@ -158,6 +158,23 @@ fn materials_become_those_of_abbe() {
     assert_eq!(materials["diffuse"]["diffuse"]["reflectance"]["table"]["nm"], json!([400.0, 700.0]));
 }
 
+/// Opacity becomes a mix with a pane of index 1.
+#[test]
+fn opacity_becomes_holes() {
+    let world = r#"
+        Texture "leaf" "float" "imagemap" "string filename" "leaf.png"
+        Material "diffuse" Shape "sphere" "texture alpha" "leaf" "float radius" .1
+        Shape "sphere" "float alpha" 0
+        Material "dielectric" Shape "sphere" "float alpha" .5"#;
+    let (_, imported) = imported(&scene(world));
+    let value: Value = serde_json::from_str(&imported.text).unwrap();
+    let mix = &value["materials"]["diffuse with holes"]["mix"];
+    assert_eq!(mix[0]["weight"]["image"]["range"], json!([0.0, 1.0]));
+    assert_eq!((&mix[1]["material"], &mix[1]["weight"]["image"]["range"]), (&json!("hole"), &json!([1.0, 0.0])));
+    assert_eq!(value["objects"][1]["material"], "hole");
+    assert_eq!((&value["objects"][2]["material"], imported.left_out.len()), (&json!("dielectric"), 1));
+}
+
 #[test]
 fn media_and_their_boundaries_are_read() {
     let world = r#"
