@@ -1,5 +1,5 @@
 //! Rays a second: from outside, from surfaces, and shadow rays, on scenes of few, twelve and many
-//! primitives.
+//! primitives. Time and memory of a mesh file.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::hint::black_box;
@@ -41,7 +41,7 @@ fn cube() -> Geometry {
 }
 
 /// A wavy sheet of 2·n² triangles.
-fn waves(n: u32) -> Geometry {
+fn sheet(n: u32) -> TriangleMesh {
     let side = n + 1;
     let at = |i: u32| {
         let (x, z) = (f64::from(i % side) / f64::from(n), f64::from(i / side) / f64::from(n));
@@ -53,8 +53,35 @@ fn waves(n: u32) -> Geometry {
             [[a, a + side, a + 1], [a + 1, a + side, a + side + 1]]
         })
         .collect();
-    let mesh = TriangleMesh::new((0..side * side).map(at).collect(), None, None, triangles).expect("a sheet");
-    build(vec![placed(Shape::Mesh(Arc::new(mesh)), DAffine3::IDENTITY, 0)])
+    TriangleMesh::new((0..side * side).map(at).collect(), None, None, triangles).expect("a sheet")
+}
+
+fn waves(n: u32) -> Geometry {
+    build(vec![placed(Shape::Mesh(Arc::new(sheet(n))), DAffine3::IDENTITY, 0)])
+}
+
+/// A thousand instances of a sheet of 100,352 triangles, one above the other.
+fn instances() -> Geometry {
+    let mesh = Arc::new(sheet(224));
+    let above = |i: u32| DAffine3::from_translation(f64::from(i) * DVec3::Y);
+    build((0..1000).map(|i| placed(Shape::Mesh(Arc::clone(&mesh)), above(i), i)).collect())
+}
+
+/// The bytes of a binary PLY file with a sheet of 2·n² triangles.
+fn ply(n: u32) -> Vec<u8> {
+    let mesh = sheet(n);
+    let (vertices, triangles) = (mesh.positions().len(), mesh.triangles().len());
+    let header = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {vertices}\nproperty float x\nproperty float y\n\
+         property float z\nelement face {triangles}\nproperty list uchar int vertex_indices\nend_header\n"
+    );
+    let mut bytes = header.into_bytes();
+    bytes.extend(mesh.positions().iter().flat_map(|p| p.to_array()).flat_map(|x| (x as f32).to_le_bytes()));
+    for corners in mesh.triangles() {
+        bytes.push(3);
+        bytes.extend(corners.iter().flat_map(|corner| corner.to_le_bytes()));
+    }
+    bytes
 }
 
 fn ball_on_floor() -> Geometry {
@@ -130,7 +157,31 @@ fn rays(criterion: &mut Criterion) {
     rates(criterion, "room of 8 shapes", &furnished_room());
     rates(criterion, "12 triangles", &cube());
     rates(criterion, "100,352 triangles", &waves(224));
+    rates(criterion, "1000 instances of 100,352 triangles", &instances());
 }
 
-criterion_group!(benches, rays);
+/// Reads a PLY file of 500,000 triangles and builds its hierarchy.
+fn load(criterion: &mut Criterion) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("sheet.ply");
+    std::fs::write(&path, ply(500)).expect("the file is written");
+    let load = || {
+        let file = abbe::format::mesh::load(&path, abbe::format::FileAccess::Anywhere).expect("a mesh");
+        let mesh = Arc::new(file.parts.into_iter().next().expect("one part").mesh);
+        build(vec![placed(Shape::Mesh(mesh), DAffine3::IDENTITY, 0)])
+    };
+    let geometry = load();
+    let triangles = geometry.primitive_count();
+    println!("memory: {} bytes for each triangle", geometry.memory_bytes() / triangles);
+    println!("memory: {} bytes for each triangle of 1000 instances", {
+        let geometry = instances();
+        geometry.memory_bytes() as f64 / geometry.primitive_count() as f64
+    });
+    let mut group = criterion.benchmark_group("mesh file");
+    group.sample_size(10).throughput(Throughput::Elements(triangles as u64));
+    group.bench_function("load", |bench| bench.iter(load));
+    group.finish();
+}
+
+criterion_group!(benches, rays, load);
 criterion_main!(benches);

@@ -104,7 +104,7 @@ pub enum FormulaFile {
 
 impl Forms for IndexFile {
     const EXPECTED: &'static str = "a number, a glass's name, or an object with one of the keys cauchy, sellmeier, \
-                                    abbe, table, glass";
+                                    abbe, table, glass, file";
 
     fn from_number(number: f64) -> Option<Self> {
         Some(Self::Number(number))
