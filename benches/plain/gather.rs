@@ -7,7 +7,7 @@ use abbe::map::kernel::DiskKernel;
 use abbe::map::radius::least;
 use abbe::map::{LightMaps, PixelRadii, SetMaps};
 use abbe::optics::bsdf::{BsdfClass, InterfaceIors, TransportMode};
-use abbe::plan::Tally;
+use abbe::plan::{LightOrigin, PathClass, Tally};
 use abbe::scene::light::{EmittedSpd, Light};
 use abbe::spectrum::{LANES, REFERENCE_NM};
 use abbe::walk::Sink;
@@ -15,6 +15,9 @@ use glam::DVec3;
 
 /// The kernel radius; kernels contain about 50 photons.
 const RADIUS_M: f32 = 0.2;
+
+/// The origin of all contributions. The sum of all light does not depend on it.
+const ORIGIN: LightOrigin = LightOrigin { class: PathClass::Direct, light: 0 };
 
 /// Gathers as the renderer does.
 pub(crate) fn general(prepared: &Prepared, maps: &SetMaps, count: u64) -> f64 {
@@ -49,7 +52,7 @@ pub(crate) fn plain(prepared: &Prepared, maps: &SetMaps, count: u64) -> f64 {
         if object.light.is_some() {
             let radiance = light.le_surface(ray.direction, &hit);
             each_wavelength(light, sampler.wavelength, |nm, share| {
-                total.biased(nm, share * light.spd_at(EmittedSpd::Own, nm) * radiance, 0.0);
+                total.biased(ORIGIN, nm, share * light.spd_at(EmittedSpd::Own, nm) * radiance, 0.0);
             });
         }
         let surface = scene.materials[object.material].surface.at(0.0);
@@ -72,7 +75,7 @@ pub(crate) fn plain(prepared: &Prepared, maps: &SetMaps, count: u64) -> f64 {
             {
                 each_wavelength(light, sampler.wavelength, |nm, share| {
                     let f = surface.eval(wo, wi, sides, TransportMode::Radiance, nm);
-                    total.biased(nm, share * light.spd_at(incident.spd, nm) * strength * f, 0.0);
+                    total.biased(ORIGIN, nm, share * light.spd_at(incident.spd, nm) * strength * f, 0.0);
                 });
             }
         }
@@ -85,7 +88,7 @@ pub(crate) fn plain(prepared: &Prepared, maps: &SetMaps, count: u64) -> f64 {
                 each_wavelength(light, sampler.wavelength, |nm, share| {
                     let response =
                         surface.eval_sample(wo, &scatter, sides, TransportMode::Radiance, nm) / scatter.probability;
-                    total.biased(nm, share * (light.spd_at(EmittedSpd::Own, nm) * radiance) * response, 0.0);
+                    total.biased(ORIGIN, nm, share * (light.spd_at(EmittedSpd::Own, nm) * radiance) * response, 0.0);
                 });
             }
         }
@@ -107,7 +110,7 @@ pub(crate) fn plain(prepared: &Prepared, maps: &SetMaps, count: u64) -> f64 {
             let kernels = disk.at(f64::from(found.distance2));
             for (nm, power) in found.photon.power.lanes(&prepared.spectra) {
                 let radiance = surface.eval(wo, wi, sides, TransportMode::Radiance, nm) * power;
-                total.biased(nm, radiance * kernels.estimate, radiance * kernels.bias());
+                total.biased(ORIGIN, nm, radiance * kernels.estimate, radiance * kernels.bias());
             }
         });
     }

@@ -9,7 +9,7 @@ use abbe::map::{ClassMaps, LightMaps, Photon, PhotonMap, PhotonPower, PhotonSpec
 use abbe::math::random::{Purpose, Stream};
 use abbe::plan::partition::PerSet;
 use abbe::plan::partition::{LightPath, kept_in_map};
-use abbe::plan::{Plan, prepare};
+use abbe::plan::{LightOrigin, PathClass, Plan, prepare};
 use abbe::scene::Scene;
 use abbe::walk::ledger::Ledger;
 use abbe::walk::{DepthLimit, SensorResponse, Sink};
@@ -39,7 +39,7 @@ impl Prepared {
         let choice = LightSampler::new(&scene).expect("a benchmark scene is lit");
         let selector = LightSelector::new(&scene, &choice.lights);
         let strata = EmissionStrata::plain(&choice.lights);
-        let spectra = PhotonSpectra::new(&scene.lights).expect("a benchmark scene has few spectra");
+        let spectra = PhotonSpectra::new(&scene.lights, false).expect("a benchmark scene has few spectra");
         Self { scene, plan, choice, selector, strata, spectra }
     }
 
@@ -113,15 +113,15 @@ impl PhotonVisitor for Harvest {
 pub(crate) struct Total(pub(crate) f64);
 
 impl Sink for Total {
-    fn radiance(&mut self, _: f64, weight: f64) {
+    fn radiance(&mut self, _: LightOrigin, _: f64, weight: f64) {
         self.0 += weight;
     }
 
-    fn biased(&mut self, _: f64, weight: f64, _: f64) {
+    fn biased(&mut self, _: LightOrigin, _: f64, weight: f64, _: f64) {
         self.0 += weight;
     }
 
-    fn respond(&mut self, radiance: SensorResponse, _: SensorResponse) {
+    fn respond(&mut self, _: PathClass, radiance: SensorResponse, _: SensorResponse) {
         self.0 += radiance.0.iter().sum::<f64>();
     }
 }

@@ -17,7 +17,7 @@ pub(crate) fn benches(c: &mut Criterion) {
         b.iter(|| {
             for mut row in film.rows() {
                 row.expose(0, 1, |pixel, sink| {
-                    (0..4).for_each(|k| sink.radiance(430.0 + 60.0 * f64::from(k), pixel as f64));
+                    (0..4).for_each(|k| sink.radiance((0, 0), 430.0 + 60.0 * f64::from(k), pixel as f64));
                 });
             }
         });
@@ -31,7 +31,7 @@ pub(crate) fn benches(c: &mut Criterion) {
             let mut sink = film.splat_sink();
             for i in 0..SPLATS {
                 let pixel = i.wrapping_mul(2_654_435_761) % pixels as u32;
-                sink.splat(pixel, (0..4).map(|k| (430.0 + 60.0 * f64::from(k), 1.0)));
+                sink.splat((0, 0), pixel, (0..4).map(|k| (430.0 + 60.0 * f64::from(k), 1.0)));
             }
             film.add_splats(1, &sink)
         });

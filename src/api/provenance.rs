@@ -64,8 +64,8 @@ pub fn finished(path: &Path, of_scene: &Metadata, request: Request, job: &Job) -
     let same =
         [names::VERSION, names::SCENE_HASH, names::INTEGRATOR].iter().all(|name| found.get(name) == of_scene.get(name));
     let passes = found.get(names::PASSES).and_then(|passes| passes.parse::<u64>().ok()).unwrap_or(0);
-    let is_preview = found.get(names::PREVIEW).is_some();
-    (same && !is_preview && passes >= request.stop.passes_wanted(&job.budget).unwrap_or(1)).then_some(found)
+    let is_other = [names::PREVIEW, names::RELIGHT].iter().any(|name| found.get(name).is_some());
+    (same && !is_other && passes >= request.stop.passes_wanted(&job.budget).unwrap_or(1)).then_some(found)
 }
 
 /// Hashes a scene and the files that it names. If two scenes have the same hash, their passes are

@@ -26,6 +26,16 @@ pub(crate) struct DevelopArgs {
     /// The PNG file
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
+    #[command(flatten)]
+    display: DisplayArgs,
+    /// Print only warnings and errors
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// The conversion of a picture to a PNG file.
+#[derive(Debug, clap::Args)]
+pub(crate) struct DisplayArgs {
     /// The exposure: auto, none, or a number of stops such as -7.5 [default: the setting of the
     /// picture's scene, else auto]
     #[arg(long, value_name = "auto|none|EV", value_parser = values::exposure, allow_negative_numbers = true)]
@@ -45,9 +55,6 @@ pub(crate) struct DevelopArgs {
     /// else srgb]
     #[arg(long, value_name = "NAME")]
     output_space: Option<String>,
-    /// Print only warnings and errors
-    #[arg(long)]
-    quiet: bool,
 }
 
 pub(crate) fn run(arguments: &DevelopArgs) -> Result<Outcome> {
@@ -57,7 +64,7 @@ pub(crate) fn run(arguments: &DevelopArgs) -> Result<Outcome> {
         return Err(Error::input(what).expected("a name that ends in .png"));
     }
     let file = read(&arguments.picture)?;
-    let settings = arguments.settings(&file.metadata)?;
+    let settings = arguments.display.settings(&file.metadata)?;
     let exposure = on_threads(None, || {
         let exposure = settings.factor(&file.picture);
         write_png(output, &settings.screen_at(&file.picture, exposure)).map(|()| exposure)
@@ -68,9 +75,9 @@ pub(crate) fn run(arguments: &DevelopArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-impl DevelopArgs {
+impl DisplayArgs {
     /// The settings in the header of the picture, with the changes from the options.
-    fn settings(&self, header: &Metadata) -> Result<DisplaySettings> {
+    pub(crate) fn settings(&self, header: &Metadata) -> Result<DisplaySettings> {
         let mut settings = DisplaySettings::of_header(header).unwrap_or(DisplaySettings::automatic());
         settings.exposure = self.exposure.unwrap_or(settings.exposure);
         let development = &mut settings.development;

@@ -32,6 +32,7 @@ mod preview;
 mod print;
 mod probe;
 mod progress;
+mod relight;
 mod render;
 mod scene_file;
 mod schema;
@@ -65,6 +66,8 @@ enum Command {
     /// Convert a picture to a PNG file with another exposure, white balance, tone curve, gamut
     /// mapping or colour space, without rendering
     Develop(develop::DevelopArgs),
+    /// Mix the light groups of a picture with other gains and colours, without rendering
+    Relight(relight::RelightArgs),
     /// Print which effects a scene needs, and why
     Explain(explain::ExplainArgs),
     /// Check scenes without rendering them
@@ -182,6 +185,7 @@ fn run(command: &Command) -> Result<Outcome> {
         Command::Render(arguments) => render::run(arguments),
         Command::Merge(arguments) => merge::run(arguments),
         Command::Develop(arguments) => develop::run(arguments),
+        Command::Relight(arguments) => relight::run(arguments),
         Command::Explain(arguments) => explain::run(arguments),
         Command::Check(arguments) => Ok(check::run(arguments)),
         #[cfg(feature = "meshes")]

@@ -74,6 +74,10 @@ pub(crate) struct RenderArgs {
     /// Store the spectrum of every pixel in this many bands
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1024))]
     spectral_bands: Option<u32>,
+    /// Store these layers in the EXR file in addition to the colours: albedo, normal, depth, object,
+    /// material, uv, samples, paths, lights
+    #[arg(long, value_name = "LAYER,...", value_delimiter = ',', value_parser = clap::builder::NonEmptyStringValueParser::new())]
+    layers: Option<Vec<String>>,
     /// Render only one of N parts: the passes whose index modulo N is I, with I from 0 to N-1.
     /// `abbe merge` merges the parts
     #[arg(long, value_name = "I/N", value_parser = values::part, default_value = "0/1", hide_default_value = true)]
@@ -290,6 +294,7 @@ impl RenderArgs {
         add("film.width", self.size.map(|(width, _)| width.to_string()));
         add("film.height", self.size.map(|(_, height)| height.to_string()));
         add("film.spectral_bands", self.spectral_bands.map(|bands| bands.to_string()));
+        add("film.layers", self.layers.as_ref().map(|layers| format!("{layers:?}")));
         add("render.photons", self.photons.map(|photons| photons.to_string()));
         add("render.seed", self.seed.map(|seed| seed.to_string()));
         add("render.threads", self.threads.map(|threads| threads.to_string()));

@@ -3,8 +3,10 @@
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
+use crate::colour::decode_srgb;
 use crate::output::compare::Region;
 use crate::output::gates::{Gate, GateSide};
+use crate::output::relight::LightGain;
 use crate::render::PassPart;
 use crate::scene::Exposure;
 
@@ -69,6 +71,30 @@ pub(crate) fn part(text: &str) -> Result<PassPart, String> {
     let numbers = text.split_once('/').and_then(|(i, n)| Some((i.trim().parse().ok()?, n.trim().parse().ok()?)));
     let (index, of) = numbers.ok_or_else(|| "expected a part such as 0/4, the first of four".to_string())?;
     PassPart::new(index, of).map_err(|error| error.to_string())
+}
+
+/// Parses a gain of a light group such as `lamp=2`, `lamp=#ff8800` or `lamp=1,0.5,0.2`.
+pub(crate) fn light_gain(text: &str) -> Result<LightGain, String> {
+    let wrong = || "expected a gain such as lamp=2, lamp=#ff8800 or lamp=1,0.5,0.2".to_string();
+    let (group, gain) = text.rsplit_once('=').ok_or_else(wrong)?;
+    let rgb = match gain.trim().strip_prefix('#') {
+        Some(hex) if hex.len() == 6 && hex.is_ascii() => {
+            let code = |c: usize| u8::from_str_radix(&hex[2 * c..2 * c + 2], 16);
+            let component = |c: usize| code(c).map(|code| decode_srgb(f64::from(code) / 255.0)).map_err(|_| wrong());
+            [component(0)?, component(1)?, component(2)?]
+        }
+        Some(_) => return Err(wrong()),
+        None => {
+            let factors: Option<Vec<f64>> = gain.split(',').map(|factor| factor.trim().parse().ok()).collect();
+            match factors.as_deref() {
+                Some(&[factor]) => [factor; 3],
+                Some(&[red, green, blue]) => [red, green, blue],
+                _ => return Err(wrong()),
+            }
+        }
+    };
+    let is_valid = rgb.iter().all(|factor| factor.is_finite() && *factor >= 0.0);
+    if is_valid { Ok(LightGain { group: group.trim().to_string(), rgb }) } else { Err(wrong()) }
 }
 
 /// Parses a region such as `0,0,64,32`: columns x0 to x1, and rows y0 to y1. Column x1 and row y1

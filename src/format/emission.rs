@@ -14,7 +14,7 @@ use crate::json::JsonPath;
 /// `luminous_flux`, `radiance` and `luminance`.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Emission", example = json!({"spectrum": "D65", "power": 20}))]
+#[schemars(title = "Emission", example = json!({"spectrum": "D65", "power": 20, "group": "lamps"}))]
 #[schemars(example = json!({"spectrum": "A", "luminous_flux": 800}))]
 #[schemars(example = json!({"spectrum": {"blackbody": {"temperature": 2856}}, "radiance": 10}))]
 #[schemars(example = json!({"spectrum": "D65", "luminance": 5000}))]
@@ -39,6 +39,11 @@ pub struct EmissionFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "cd/m²"))]
     pub luminance: Option<f64>,
+    /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
+    /// the picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "the light is its own group"))]
+    pub group: Option<String>,
 }
 
 impl EmissionFile {

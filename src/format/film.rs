@@ -14,7 +14,7 @@ use crate::json::JsonPath;
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Film", example = json!({
-    "width": 640, "height": 360, "observer": "cie1931", "spectral_bands": 0, "gamut": "desaturate", "tone": "roll_off",
+    "width": 640, "height": 360, "observer": "cie1931", "spectral_bands": 0, "layers": ["albedo", "paths"], "gamut": "desaturate", "tone": "roll_off",
     "white_balance": "none", "output_space": "srgb", "exposure": "auto"
 }))]
 pub struct FilmFile {
@@ -31,6 +31,10 @@ pub struct FilmFile {
     #[serde(default, skip_serializing_if = "is_default")]
     #[schemars(skip_serializing_if = "forms::never", range(min = 0, max = 1024))]
     pub spectral_bands: u32,
+    /// Layers that the EXR holds in addition to the colours.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub layers: Vec<LayerFile>,
     /// How colours outside the PNG's colour space are mapped into it. The EXR keeps colours outside
     /// the gamut.
     #[serde(default, skip_serializing_if = "is_default")]
@@ -74,6 +78,32 @@ pub enum ObserverFile {
     /// CIE 2015 (cone fundamentals), 10° field.
     #[serde(rename = "cie2015_10")]
     Cie2015Ten,
+}
+
+/// A layer of the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(title = "Layer")]
+pub enum LayerFile {
+    /// Albedo of the first surface on the camera ray: the share of light that it reflects or
+    /// transmits, in linear RGB under D65.
+    Albedo,
+    /// Normal of the first surface in world space, on the visible side.
+    Normal,
+    /// Distance to the first surface along the camera ray, in m.
+    Depth,
+    /// Identities and coverages of the objects, as Cryptomatte.
+    Object,
+    /// Identities and coverages of the materials, as Cryptomatte.
+    Material,
+    /// Texture coordinates of the first surface.
+    Uv,
+    /// Number of camera samples.
+    Samples,
+    /// Light of each class of paths: emission, direct, caustic, indirect and volume.
+    Paths,
+    /// Light of each group of lights.
+    Lights,
 }
 
 /// How colours outside the PNG's colour space are mapped into it.

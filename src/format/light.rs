@@ -25,7 +25,8 @@ use crate::json::JsonPath;
 pub enum LightFile {
     /// A point light with equal intensity in all directions.
     #[schemars(example = json!({"point": {
-        "at": [0, 2, 0], "spectrum": "D65", "power": 60, "transform": [{"translate": [0, 1, 0]}], "motion": []
+        "at": [0, 2, 0], "spectrum": "D65", "power": 60, "group": "lamps", "transform": [{"translate": [0, 1, 0]}],
+        "motion": []
     }}))]
     #[schemars(example = json!({"point": {"at": [0, 2, 0], "spectrum": "A", "luminous_flux": 800}}))]
     #[schemars(example = json!({"point": {"at": [0, 2, 0], "spectrum": 1, "intensity": 5}}))]
@@ -34,7 +35,7 @@ pub enum LightFile {
     /// A point light that shines into a cone.
     #[schemars(example = json!({"spot": {
         "at": [0, 3, 0], "to": [0, 0, 0], "half_angle": 20, "penumbra": 5, "spectrum": "D65", "power": 10,
-        "transform": [], "motion": []
+        "group": "lamps", "transform": [], "motion": []
     }}))]
     #[schemars(example = json!({"spot": {"at": [0, 3, 0], "to": [0, 0, 0], "half_angle": 20, "spectrum": "A", "luminous_flux": 800}}))]
     #[schemars(example = json!({"spot": {"at": [0, 3, 0], "to": [0, 0, 0], "half_angle": 20, "spectrum": 1, "intensity": 5}}))]
@@ -43,21 +44,22 @@ pub enum LightFile {
     /// A uniform disk of parallel or slightly divergent light, such as a laser beam.
     #[schemars(example = json!({"beam": {
         "from": [-2, 0.5, 0], "to": [0, 0.5, 0], "radius": 0.02, "divergence": 0.25, "spectrum": "D65", "power": 10,
-        "transform": [], "motion": []
+        "group": "lamps", "transform": [], "motion": []
     }}))]
     #[schemars(example = json!({"beam": {"from": [-2, 0.5, 0], "to": [0, 0.5, 0], "radius": 0.02, "spectrum": 1, "luminous_flux": 100}}))]
     Beam(BeamFile),
     /// Light from infinitely far away, such as sunlight.
     #[schemars(example = json!({"directional": {
         "toward": [1, -2, 0], "angular_diameter": 0.53, "spectrum": "D65", "irradiance": 1000,
-        "transform": [{"rotate": {"axis": [0, 1, 0], "degrees": 30}}], "motion": []
+        "group": "daylight", "transform": [{"rotate": {"axis": [0, 1, 0], "degrees": 30}}], "motion": []
     }}))]
     #[schemars(example = json!({"directional": {"toward": [1, -2, 0], "spectrum": 1, "illuminance": 100_000}}))]
     Directional(DirectionalFile),
     /// Light from all directions, constant or from a picture.
     #[schemars(example = json!({"environment": {"spectrum": "D65", "illuminance": 1000}}))]
     #[schemars(example = json!({"environment": {
-        "image": "sky.exr", "irradiance": 100, "transform": [{"rotate": {"axis": [0, 1, 0], "degrees": 90}}], "motion": []
+        "image": "sky.exr", "irradiance": 100, "group": "daylight",
+        "transform": [{"rotate": {"axis": [0, 1, 0], "degrees": 90}}], "motion": []
     }}))]
     #[schemars(example = json!({"environment": {"image": "sky.exr", "projection": "equal_area", "luminance": 1}}))]
     Environment(EnvironmentFile),
@@ -65,7 +67,7 @@ pub enum LightFile {
     #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.ies", "spectrum": "LED-B3"}}))]
     #[schemars(example = json!({"ies": {
         "at": [0, 3, 0], "toward": [0, -1, 0], "c0": [0, 0, 1], "path": "lamp.ldt", "area": true, "spectrum": "D65",
-        "luminous_flux": 800, "transform": [], "motion": []
+        "luminous_flux": 800, "group": "lamps", "transform": [], "motion": []
     }}))]
     #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.ies", "spectrum": 1, "power": 60}}))]
     Ies(IesFile),
@@ -98,6 +100,11 @@ pub struct PointFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "cd"))]
     pub luminous_intensity: Option<f64>,
+    /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
+    /// the picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "the light is its own group"))]
+    pub group: Option<String>,
     /// Placement of the light in the scene.
     #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
     #[schemars(skip_serializing_if = "forms::never")]
@@ -146,6 +153,11 @@ pub struct SpotFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "cd"))]
     pub luminous_intensity: Option<f64>,
+    /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
+    /// the picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "the light is its own group"))]
+    pub group: Option<String>,
     /// Placement of the light in the scene.
     #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
     #[schemars(skip_serializing_if = "forms::never")]
@@ -185,6 +197,11 @@ pub struct BeamFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "lm"))]
     pub luminous_flux: Option<f64>,
+    /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
+    /// the picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "the light is its own group"))]
+    pub group: Option<String>,
     /// Placement of the light in the scene.
     #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
     #[schemars(skip_serializing_if = "forms::never")]
@@ -249,6 +266,19 @@ impl LightFile {
             Self::Environment(light) => (&light.transform, &light.motion),
             Self::Ies(light) => (&light.transform, &light.motion),
         }
+    }
+
+    /// Returns the name of the light's group, if the light states one.
+    pub fn group(&self) -> Option<&str> {
+        let group = match self {
+            Self::Point(light) => &light.group,
+            Self::Spot(light) => &light.group,
+            Self::Beam(light) => &light.group,
+            Self::Directional(light) => &light.group,
+            Self::Environment(light) => &light.group,
+            Self::Ies(light) => &light.group,
+        };
+        group.as_deref()
     }
 
     /// Checks the keys of the light.

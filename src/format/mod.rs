@@ -53,7 +53,9 @@ use serde_json::json;
 pub use camera::{CameraFile, CameraKeyframeFile, ShutterFile};
 pub use emission::EmissionFile;
 pub use field::{ExponentialFieldFile, FieldFile, NoiseFieldFile, PlanetFile, SphereFieldFile};
-pub use film::{ExposureFile, FilmFile, GamutFile, ObserverFile, OutputSpaceFile, ToneFile, WhiteBalanceFile};
+pub use film::{
+    ExposureFile, FilmFile, GamutFile, LayerFile, ObserverFile, OutputSpaceFile, ToneFile, WhiteBalanceFile,
+};
 pub use index::{FormulaFile, IndexFile};
 pub use lens::{LensFile, LensSurfaceFile, PrescriptionFile, SystemLensFile, ThinLensFile, ThinLensForm};
 pub use light::LightFile;

@@ -16,7 +16,16 @@ pub(super) const CHAPTERS: [(&str, &[&str]); 15] = [
     ("Camera lenses", &["LensFile", "PrescriptionFile", "LensSurfaceFile"]),
     (
         "The film",
-        &["FilmFile", "ObserverFile", "GamutFile", "ToneFile", "WhiteBalanceFile", "OutputSpaceFile", "ExposureFile"],
+        &[
+            "FilmFile",
+            "ObserverFile",
+            "LayerFile",
+            "GamutFile",
+            "ToneFile",
+            "WhiteBalanceFile",
+            "OutputSpaceFile",
+            "ExposureFile",
+        ],
     ),
     ("Spectra", &["SpectrumFile", "LineFile", "WeightedSpectrumFile"]),
     (

@@ -15,11 +15,16 @@ pub struct WavelengthCode {
 }
 
 /// The spectra from which free photons sample their wavelengths. Lights of equal spectra have the
-/// same number.
+/// same number. If the picture separates the lights, lights of different groups have different
+/// numbers, so that a stored photon knows the group of its light.
 #[derive(Debug, Clone)]
 pub struct PhotonSpectra {
     distributions: Vec<WavelengthDistribution>,
     of_light: Vec<u16>,
+    /// For each number, the first light that has it.
+    first_lights: Vec<usize>,
+    /// The number of different spectra.
+    different: usize,
 }
 
 impl WavelengthCode {
@@ -35,27 +40,49 @@ impl WavelengthCode {
 }
 
 impl PhotonSpectra {
-    /// Numbers the spectra of the lights.
+    /// Numbers the spectra of the lights. If `by_group` is true, lights of different groups have
+    /// different numbers.
     ///
     /// # Errors
     /// Returns an input error if the lights have more different spectra than the numbers can
     /// distinguish.
-    pub fn new(lights: &[Light]) -> Result<Self> {
+    pub fn new(lights: &[Light], by_group: bool) -> Result<Self> {
         let mut distributions: Vec<WavelengthDistribution> = Vec::new();
-        let of_light = lights.iter().map(|light| {
-            let number = distributions.iter().position(|known| *known == light.wavelengths).unwrap_or_else(|| {
+        let mut first_lights: Vec<usize> = Vec::new();
+        let mut different = 0;
+        let of_light = lights.iter().enumerate().map(|(light_number, light)| {
+            let spectrum = |number: &usize| distributions[*number] == light.wavelengths;
+            let group = |number: &usize| !by_group || lights[first_lights[*number]].group == light.group;
+            let numbers = 0..distributions.len();
+            let known = numbers.clone().find(|number| group(number) && spectrum(number));
+            let is_new = known.is_none() && !numbers.clone().any(|number| spectrum(&number));
+            different += usize::from(is_new);
+            if known.is_none() {
                 distributions.push(light.wavelengths.clone());
-                distributions.len() - 1
-            });
+                first_lights.push(light_number);
+            }
+            let number = known.unwrap_or(numbers.end);
             u16::try_from(number).map_err(|_| {
                 Error::input("the lights have too many different spectra").expected("at most 65536 different spectra")
             })
         });
         let of_light = of_light.collect::<Result<_>>()?;
-        Ok(Self { distributions, of_light })
+        Ok(Self { distributions, of_light, first_lights, different })
     }
 
-    /// Returns the number of different spectra.
+    /// Returns the number of different spectra. It does not depend on the groups of the lights.
+    pub fn different(&self) -> usize {
+        self.different
+    }
+
+    /// Returns the number of a light that has the spectrum of a code. If the picture separates the
+    /// lights, it also has the group of the photon's light.
+    #[inline]
+    pub fn light_of(&self, code: WavelengthCode) -> usize {
+        self.first_lights[usize::from(code.spectrum)]
+    }
+
+    /// Returns the number of numbered spectra.
     pub fn len(&self) -> usize {
         self.distributions.len()
     }

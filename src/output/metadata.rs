@@ -36,6 +36,8 @@ pub mod names {
     pub const VERSION: &str = "abbe.version";
     /// Present in the preview of a running render.
     pub const PREVIEW: &str = "abbe.preview";
+    /// The gains of the light groups as JSON, in a picture that `abbe relight` wrote.
+    pub const RELIGHT: &str = "abbe.relight";
     /// Notes for the user as JSON, such as residuals of matched spectra, clamped indices and
     /// forbidden effects.
     pub const NOTES: &str = "abbe.notes";

@@ -29,6 +29,7 @@ pub mod page;
 pub mod plot;
 pub mod png;
 pub mod polar;
+pub mod relight;
 mod svg;
 
 pub use metadata::Metadata;

@@ -1,24 +1,31 @@
 //! Exposes the film: traces the camera paths of all pixels in parallel.
 
 use super::sums::PassSums;
-use crate::plan::Tally;
-use crate::sensor::PixelSink;
-use crate::sensor::film::FilmRow;
+use crate::plan::{LightOrigin, PathClass, Tally};
+use crate::sensor::{FilmRow, PixelSink};
 use crate::walk::{SensorResponse, Sink};
 use rayon::prelude::*;
 
 /// Adds the radiance of camera paths to a pixel.
 impl Sink for PixelSink<'_> {
-    fn radiance(&mut self, nm: f64, weight: f64) {
-        PixelSink::radiance(self, nm, weight);
+    fn radiance(&mut self, origin: LightOrigin, nm: f64, weight: f64) {
+        PixelSink::radiance(self, (origin.class.number(), origin.light), nm, weight);
     }
 
-    fn biased(&mut self, nm: f64, weight: f64, bias: f64) {
-        PixelSink::biased(self, nm, weight, bias);
+    fn biased(&mut self, origin: LightOrigin, nm: f64, weight: f64, bias: f64) {
+        PixelSink::biased(self, (origin.class.number(), origin.light), nm, weight, bias);
     }
 
-    fn respond(&mut self, radiance: SensorResponse, bias: SensorResponse) {
-        PixelSink::respond(self, radiance.0, bias.0);
+    fn respond(&mut self, class: PathClass, radiance: SensorResponse, bias: SensorResponse) {
+        PixelSink::respond(self, class.number(), radiance.0, bias.0);
+    }
+
+    fn separates_lights(&self) -> bool {
+        PixelSink::separates_lights(self)
+    }
+
+    fn respond_of_light(&mut self, light: usize, radiance: SensorResponse) {
+        PixelSink::respond_of_light(self, light, radiance.0);
     }
 }
 

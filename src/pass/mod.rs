@@ -11,6 +11,7 @@ mod coarse;
 mod context;
 mod deposits;
 mod exposure;
+mod first_surface;
 mod importance;
 mod keep_probability;
 mod openings;

@@ -2,6 +2,7 @@
 
 use super::context::PassContext;
 use super::exposure::expose_rows;
+use super::first_surface::first_surface;
 use super::sums::PassSums;
 use crate::error::Result;
 use crate::gather::{DirectLighting, PathTracer, PixelSampler};
@@ -23,9 +24,14 @@ pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Re
         wavelengths: &lights.wavelengths,
         depth_limit: context.depth_limit(),
     };
+    let records_surfaces = sums.film.records_surfaces();
     expose_rows(sums, |row, tally| {
         row.expose(pass, 1, |pixel, sink| {
-            tracer.sample(pixel as u64, PixelSampler::new(budget.seed, pass, pixel as u64), tally, sink);
+            let sampler = || PixelSampler::new(budget.seed, pass, pixel as u64);
+            tracer.sample(pixel as u64, sampler(), tally, sink);
+            if records_surfaces {
+                sink.add_surface(first_surface(&scene, pixel as u64, sampler()).as_ref());
+            }
         })
     });
     sums.film.count_pass(pass);

@@ -2,6 +2,7 @@
 
 use super::context::{EmissionRequest, PassContext};
 use super::exposure::expose_rows;
+use super::first_surface::first_surface;
 use super::pilot::Pilot;
 use super::sums::PassSums;
 use super::trace::trace_photons;
@@ -66,12 +67,16 @@ pub fn photon_pass<'a>(
         ..pilot.camera_pass(&context, (&scene, &selector), (&maps, light_maps), shared)
     };
     let samples = pilot.camera_samples;
+    let records_surfaces = sums.film.records_surfaces();
     expose_rows(sums, |row, tally| {
         let mut buffers = PathBuffers::default();
         row.expose(pass, samples, |pixel, sink| {
             for nth in 0..samples {
-                let sampler = PixelSampler::nth(budget.seed, pass, pixel as u64, (nth, samples));
-                camera_pass.sample(pixel as u64, sampler, &pilot.radii[pixel], &mut buffers, tally, sink);
+                let sampler = || PixelSampler::nth(budget.seed, pass, pixel as u64, (nth, samples));
+                camera_pass.sample(pixel as u64, sampler(), &pilot.radii[pixel], &mut buffers, tally, sink);
+                if records_surfaces {
+                    sink.add_surface(first_surface(&scene, pixel as u64, sampler()).as_ref());
+                }
             }
         })
     });

@@ -5,10 +5,10 @@ use super::keep_probability::KeepProbability;
 use crate::emit::{
     MediumCollision, MediumCrossing, PhotonState, PhotonVisitor, SurfaceArrival, connect::CameraConnection,
 };
-use crate::map::{Photon, PhotonBeam, PhotonPower, VolumePhoton};
+use crate::map::{Photon, PhotonBeam, PhotonPower, PhotonSpectra, VolumePhoton};
 use crate::math::random::Stream;
 use crate::plan::partition::{Estimator, PerClass, PhotonClass, PhotonSet, View, estimator, kept_in_map};
-use crate::plan::{AimPlan, AperturePlan, CausticPlan, IndirectPlan, Plan, Tally, WavelengthPlan};
+use crate::plan::{AimPlan, AperturePlan, CausticPlan, IndirectPlan, PathClass, Plan, Tally, WavelengthPlan};
 use crate::scene::Scene;
 use crate::sensor::SplatSink;
 use crate::walk::{LONG_PATH, NumberedMedium};
@@ -30,6 +30,7 @@ pub(super) struct RecordingOptions {
 #[derive(Debug)]
 pub(super) struct PhotonRecorder<'a> {
     scene: &'a Scene,
+    spectra: &'a PhotonSpectra,
     plan: &'a Plan,
     set: PhotonSet,
     options: RecordingOptions,
@@ -46,7 +47,7 @@ pub(super) struct PhotonRecorder<'a> {
 
 impl<'a> PhotonRecorder<'a> {
     pub(super) fn new(
-        scene: &'a Scene,
+        (scene, spectra): (&'a Scene, &'a PhotonSpectra),
         plan: &'a Plan,
         set: PhotonSet,
         options: RecordingOptions,
@@ -54,6 +55,7 @@ impl<'a> PhotonRecorder<'a> {
     ) -> Self {
         Self {
             scene,
+            spectra,
             plan,
             set,
             options,
@@ -94,7 +96,9 @@ impl<'a> PhotonRecorder<'a> {
             let radiance = splat.radiance.map(|radiance| radiance * factor);
             let lanes = arrival.photon.wavelengths.active().iter().copied().zip(radiance);
             let splats = if arrival.photon.lost { &mut self.lost_splats } else { &mut self.splats };
-            splats.splat(splat.pixel, lanes);
+            // Only caustic photons on directly visible surfaces are connected.
+            let light = self.spectra.light_of(arrival.photon.wavelength_code);
+            splats.splat((PathClass::Caustic.number(), light), splat.pixel, lanes);
         }
     }
 }

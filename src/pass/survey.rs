@@ -13,7 +13,7 @@ use crate::map::radius;
 use crate::map::{LightMaps, PhotonMap, PixelRadii};
 use crate::math::random::Purpose;
 use crate::plan::partition::{PerClass, PerSet, PhotonClass, PhotonSet, View};
-use crate::plan::{DirectPlan, Plan, Tally};
+use crate::plan::{DirectPlan, LightOrigin, PathClass, Plan, Tally};
 use crate::scene::Scene;
 use crate::sensor::Film;
 use crate::walk::{SensorResponse, Sink};
@@ -410,11 +410,11 @@ impl SurveyMaps {
 struct NullSink;
 
 impl Sink for NullSink {
-    fn radiance(&mut self, _nm: f64, _weight: f64) {}
+    fn radiance(&mut self, _origin: LightOrigin, _nm: f64, _weight: f64) {}
 
-    fn biased(&mut self, _nm: f64, _weight: f64, _bias: f64) {}
+    fn biased(&mut self, _origin: LightOrigin, _nm: f64, _weight: f64, _bias: f64) {}
 
-    fn respond(&mut self, _radiance: SensorResponse, _bias: SensorResponse) {}
+    fn respond(&mut self, _class: PathClass, _radiance: SensorResponse, _bias: SensorResponse) {}
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ pub mod explain;
 mod fields;
 mod negligible;
 pub mod partition;
+mod path_class;
 mod prepare;
 mod tally;
 
@@ -23,5 +24,6 @@ pub use fields::{
     AimPlan, AperturePlan, CausticPlan, DirectPlan, IndirectPlan, MediumPlan, MotionPlan, Plan, Rim,
     VolumeDirectLighting, VolumePlan, WavelengthPlan,
 };
+pub use path_class::{CameraEvents, LightOrigin, PathClass};
 pub use prepare::prepare;
 pub use tally::Tally;

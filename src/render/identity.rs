@@ -5,6 +5,7 @@ use super::request::Integrator;
 use super::scene_difference::first_difference;
 use crate::error::{Error, Result};
 use crate::output::metadata::{Metadata, names};
+use crate::sensor::LayerSet;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -19,6 +20,7 @@ pub struct RenderIdentity {
     /// The width and height in pixels.
     size: (u32, u32),
     spectral_bands: u32,
+    layers: LayerSet,
     /// The name and state of each effect.
     effects: Vec<String>,
     scene_hash: String,
@@ -39,6 +41,7 @@ impl RenderIdentity {
             photons: job.budget.photons,
             size: (film.width, film.height),
             spectral_bands: film.spectral_bands,
+            layers: job.layers.clone(),
             effects: job.rows.iter().map(|row| format!("{} {}", row.effect.name, row.state.word())).collect(),
             scene_hash: header.get(names::SCENE_HASH).unwrap_or_default().to_string(),
             scene: Value::Null,
@@ -58,10 +61,15 @@ impl RenderIdentity {
         ([width as usize, height as usize], self.spectral_bands as usize)
     }
 
+    /// Returns the layers of the film.
+    pub(super) fn layers(&self) -> &LayerSet {
+        &self.layers
+    }
+
     /// Finds the first difference from the expected identity. Returns the actual value and the
     /// expected value as text.
     fn difference(&self, expected: &Self) -> Option<(String, String)> {
-        let Self { integrator, seed, photons, size, spectral_bands, effects, scene_hash, scene } = self;
+        let Self { integrator, seed, photons, size, spectral_bands, layers, effects, scene_hash, scene } = self;
         let effects = effects.iter().find(|effect| !expected.effects.contains(effect));
         let other_effect = expected.effects.iter().find(|effect| !self.effects.contains(effect));
         let pixels = |(width, height): (u32, u32)| format!("{width} × {height} pixels");
@@ -76,6 +84,7 @@ impl RenderIdentity {
             (spectral_bands != &expected.spectral_bands).then(|| {
                 (format!("{spectral_bands} spectral bands"), format!("{} spectral bands", expected.spectral_bands))
             }),
+            (layers.words() != expected.layers.words()).then(|| (layers.words(), expected.layers.words())),
             (effects.is_some() || other_effect.is_some()).then(|| (effect(effects), effect(other_effect))),
             (scene_hash != &expected.scene_hash).then(|| match first_difference(scene, &expected.scene) {
                 Some([here, there]) => (format!("another scene: {here}"), format!("a scene in which {there}")),

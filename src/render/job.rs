@@ -1,6 +1,7 @@
 //! A scene that is ready to render.
 
 use super::diffraction::DiffractionSetup;
+use super::layers::layer_set;
 use crate::emit::LightSampler;
 use crate::error::{Error, Result};
 use crate::gather::{LightSelector, Openings, SensorResponses};
@@ -8,7 +9,7 @@ use crate::map::PhotonSpectra;
 use crate::pass::PassContext;
 use crate::plan::{Budget, EffectRow, IndirectPlan, Plan};
 use crate::scene::Scene;
-use crate::sensor::Film;
+use crate::sensor::{Film, LayerSet};
 
 /// A scene with its plan and its budget.
 #[derive(Debug)]
@@ -23,6 +24,8 @@ pub struct Job {
     pub budget: Budget,
     /// The diffraction at the camera's aperture, if the plan contains it.
     pub diffraction: Option<DiffractionSetup>,
+    /// The layers of the film.
+    pub layers: LayerSet,
     /// The lights of the scene, as one distribution.
     lights: LightSampler,
     /// Selects the lights that a point samples, when the shutter opens.
@@ -42,16 +45,21 @@ impl Job {
         let lights = LightSampler::new(&scene)
             .ok_or_else(|| Error::input("no light in the scene has power within 360–830 nm"))?;
         let selector = LightSelector::new(&scene, &lights.lights);
-        let spectra = PhotonSpectra::new(&scene.lights)?;
+        let layers = layer_set(&scene)?;
+        let spectra = PhotonSpectra::new(&scene.lights, !layers.light_groups.is_empty())?;
         let film = &scene.film;
         let diffraction = DiffractionSetup::of(&scene.camera, &plan, &lights);
         let slices = diffraction.as_ref().map_or(0, DiffractionSetup::slices);
         let [width, height, bands] = [film.width, film.height, film.spectral_bands].map(|count| count as usize);
-        let film_bytes = Film::memory_bytes(width, height, bands, slices);
+        let film_bytes = Film::memory_bytes(width.saturating_mul(height), bands, slices, &layers);
+        if slices > 0 && layers.separates_light() {
+            let error = Error::input("the layers `paths` and `lights` do not contain the diffraction at the aperture");
+            return Err(error.expected("other layers, or a render that forbids the effect `diffraction`"));
+        }
         // To save the film, the program needs two more blocks of the film's size: one for a copy in
         // words, and one for the file.
         let budget = Budget::of(&scene, &plan, (film_bytes as u64).saturating_mul(3));
-        Ok(Self { scene, plan, rows, budget, diffraction, lights, selector, spectra })
+        Ok(Self { scene, plan, rows, budget, diffraction, layers, lights, selector, spectra })
     }
 
     /// Returns the power of all lights between 360 nm and 830 nm in W. The power is computed in
@@ -63,7 +71,7 @@ impl Job {
     /// Returns the responses of the sensor to photons at diffuse surfaces. Returns `None` if the
     /// film needs the wavelengths, or if no photons are gathered.
     pub(super) fn responses(&self, film: &Film) -> Option<SensorResponses> {
-        let unused = film.has_channels() || self.plan.indirect == IndirectPlan::Absent;
+        let unused = film.needs_wavelengths() || self.plan.indirect == IndirectPlan::Absent;
         let observer = self.scene.film.observer;
         if unused { None } else { SensorResponses::new(&self.scene, &self.spectra, |nm| observer.xyz_bar(nm)) }
     }

@@ -10,6 +10,7 @@ mod display;
 mod forecast;
 mod identity;
 mod job;
+mod layers;
 mod merge;
 mod monitor;
 mod part;

@@ -29,7 +29,7 @@ impl Run {
         let [width, height, bands] = [film.width, film.height, film.spectral_bands].map(|count| count as usize);
         let diffraction = job.diffraction.as_ref().map(|diffraction| diffraction.for_film((width, height)).into());
         let sums = PassSums {
-            film: Film::new(width, height, film.observer, bands).with_diffraction(diffraction),
+            film: Film::new(width, height, film.observer, bands).with_diffraction(diffraction).with_layers(&job.layers),
             ledger: Ledger::new(job.scene.materials.len()),
             tally: Tally::default(),
             seconds: StageSeconds::default(),
@@ -49,6 +49,6 @@ impl Run {
 
     /// Returns the relative error of the picture, or `None` if it is unknown.
     pub fn relative_error(&self) -> Option<f64> {
-        self.sums.film.picture_and_error().1.map(|squares| squares.relative())
+        self.sums.film.error_squares().map(|squares| squares.relative())
     }
 }

@@ -120,14 +120,15 @@ impl SavedRun {
     /// Reads the film with its sums.
     pub(super) fn film(&self, path: &Path, observer: &'static Observer) -> Result<Film> {
         let ([width, height], bands) = self.identity.film_size();
+        let layers = self.identity.layers();
         // The size comes from a record that is not verified yet. The film is allocated only if this
         // size matches the file.
-        if !holds_sums_of(path, (width, height), bands)? {
+        if !holds_sums_of(path, (width, height), bands + layers.planes())? {
             return Err(Error::input("is damaged: its size differs from the size in its record").in_file(path));
         }
         let diffraction = self.diffraction.as_ref().map(|diffraction| diffraction.for_film((width, height)).into());
         let film = Film::new(width, height, observer, bands);
-        let mut film = film.with_diffraction(diffraction);
+        let mut film = film.with_diffraction(diffraction).with_layers(layers);
         add_sums(path, &mut film)?;
         if self.hash_with(&film) != self.hash {
             return Err(Error::input("is damaged: its sums have changed since they were written").in_file(path));

@@ -42,6 +42,7 @@
 //!     gamut: GamutMapping::Desaturate,
 //!     tone: ToneCurve::RollOff,
 //!     exposure: Exposure::Auto,
+//!     layers: Vec::new(),
 //! };
 //! let lamp = PointLight { position: DVec3::new(1.0, 3.0, 0.0) - centre, intensity: 10.0 };
 //! let tungsten = LightSpectrum::new(&Spectrum::blackbody(2856.0)?);

@@ -85,7 +85,9 @@ fn lights(
         let spectrum = LightSpectrum::new(volume.spectrum());
         let motion = volume.motion().cloned();
         let light = Light::new(name, Emitter::Volume(Box::new(volume)), &spectrum, observer)?;
-        Ok(Light { motion, ..light })
+        // A path that sees the emission of a medium does not know the body, so all lights of the
+        // medium have the same group.
+        Ok(Light { motion, group: format!("medium {}", medium.name), ..light })
     };
     volumes.into_iter().map(light).collect()
 }

@@ -12,6 +12,7 @@ mod emitting_media;
 mod enclosure;
 pub mod facts;
 mod initial_stack;
+mod layer;
 pub mod light;
 pub mod medium;
 pub mod medium_stack;
@@ -34,6 +35,8 @@ use medium_stack::{BodyPriority, MediumStack};
 use motion::SceneMotion;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+
+pub use layer::Layer;
 
 /// A scene at the moment when the shutter opens. All positions are relative to `centre`.
 #[derive(Debug, Clone)]
@@ -141,6 +144,8 @@ pub struct FilmSpec {
     pub tone: ToneCurve,
     /// The exposure of the PNG.
     pub exposure: Exposure,
+    /// The layers that the EXR contains in addition to the colours.
+    pub layers: Vec<Layer>,
 }
 
 /// The mapping from luminance to the brightness of the PNG.
@@ -259,11 +264,6 @@ impl Scene {
     /// The body that fills an object, or `None` for an opaque or a thin object.
     pub fn body_of(&self, object: u32) -> Option<&Body> {
         self.material_of(object).body.as_ref()
-    }
-
-    /// The first volume light of a medium, if the medium emits light.
-    pub fn light_of_medium(&self, number: usize) -> Option<&Light> {
-        self.medium_lights[number].map(|light| &self.lights[light])
     }
 
     /// The map from the unit cube to a box around a whole medium. A grid medium has its own box.

@@ -1,7 +1,8 @@
-//! The additional channels of a film: spectral bands, and slices of the spectrum. The slices have
-//! different diffraction patterns.
+//! The additional channels of a film: spectral bands, slices of the spectrum, and layers. The slices
+//! have different diffraction patterns.
 
 use super::diffraction::DiffractionPsf;
+use super::layers::{COMPONENTS, LayerSet};
 use crate::spectrum::BAND_NM;
 use std::sync::Arc;
 
@@ -9,17 +10,30 @@ use std::sync::Arc;
 const COMPONENTS_OF_SLICE: usize = 3;
 
 /// The additional channels of a pixel: radiance in each spectral band, then X, Y and Z of each
-/// slice.
+/// slice, then X, Y and Z of each path class and of each light group, and then the sums over first
+/// surfaces.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Channels {
     pub(super) bands: usize,
     pub(super) diffraction: Option<Arc<DiffractionPsf>>,
+    /// The layers. `None` if the film records no layers.
+    pub(super) layers: Option<Arc<LayerSet>>,
 }
 
 impl Channels {
     /// Returns the number of channels.
     pub(super) fn count(&self) -> usize {
+        self.first_surface_channel() + self.layers.as_ref().map_or(0, |layers| layers.surface_channels().len())
+    }
+
+    /// Returns the number of channels that need the wavelength of each contribution.
+    pub(super) fn spectral_count(&self) -> usize {
         self.bands + COMPONENTS_OF_SLICE * self.slices()
+    }
+
+    /// Returns the number of channels that contain light. The sums over first surfaces follow them.
+    pub(super) fn first_surface_channel(&self) -> usize {
+        self.spectral_count() + self.layers.as_ref().map_or(0, |layers| layers.light_channels())
     }
 
     fn slices(&self) -> usize {
@@ -34,10 +48,40 @@ impl Channels {
     /// Returns the names of the channels in their order.
     pub(super) fn names(&self) -> impl Iterator<Item = String> {
         let slices = (0..self.slices()).flat_map(|slice| ["X", "Y", "Z"].map(|c| format!("slice{slice}{c}")));
-        (0..self.bands).map(|band| format!("band{band}")).chain(slices)
+        let layers = self.layers.as_deref();
+        let paths = layers.map_or(0, |layers| layers.paths.len());
+        let groups = layers.map_or(0, |layers| layers.light_groups.len());
+        let xyz = |kind: &'static str, count| {
+            (0..count).flat_map(move |number| ["X", "Y", "Z"].map(|c| format!("{kind}{number}{c}")))
+        };
+        let surfaces = layers.map(LayerSet::surface_channels).unwrap_or_default().into_iter().map(String::from);
+        let bands = (0..self.bands).map(|band| format!("band{band}"));
+        bands.chain(slices).chain(xyz("path", paths)).chain(xyz("light", groups)).chain(surfaces)
     }
 
-    /// Distributes light of one wavelength to its channels: calls `add(channel, value)` for each
+    /// Returns true if the film separates the lights.
+    pub(super) fn separates_lights(&self) -> bool {
+        self.layers.as_ref().is_some_and(|layers| !layers.light_groups.is_empty())
+    }
+
+    /// Distributes light to the channels of its path class and of its light group: calls
+    /// `add(channel, value)` for each channel. `xyz` is the radiance times the colour-matching
+    /// functions. A class or a light that is `None` is left out.
+    pub(super) fn distribute_to_layers(
+        &self,
+        (class, light): (Option<usize>, Option<usize>),
+        xyz: [f64; 3],
+        mut add: impl FnMut(usize, f64),
+    ) {
+        let Some(layers) = self.layers.as_deref() else { return };
+        let of_class = class.and_then(|class| layers.channel_of_class(class));
+        let of_light = light.and_then(|light| layers.channel_of_light(light));
+        for channel in of_class.into_iter().chain(of_light) {
+            (0..COMPONENTS).for_each(|c| add(self.spectral_count() + channel + c, xyz[c]));
+        }
+    }
+
+    /// Distributes light of one wavelength to its spectral channels: calls `add(channel, value)` for each
     /// channel. `weight` is the radiance. `xyz` is the radiance times the colour-matching
     /// functions.
     pub(super) fn distribute(&self, nm: f64, weight: f64, xyz: [f64; 3], mut add: impl FnMut(usize, f64)) {

@@ -3,6 +3,9 @@
 use super::channels::{Channels, band_nm};
 use super::diffraction::{Convolution, DiffractionPsf, add_product};
 use super::error_bars::{ErrorBars, ErrorSquares, PixelMeans};
+use super::layers::{LayerSet, NameKind, NameLayer, PictureLayers};
+use super::sink::{FilmRow, PixelSink, SplatSink};
+use crate::colour::xyz_to_linear_srgb;
 use crate::math::random::REPLICATES;
 use crate::math::sum::ExactSum;
 use crate::sensor::picture::{Picture, SpectralBands};
@@ -11,14 +14,14 @@ use std::sync::Arc;
 
 /// The sums of one pixel over all passes. They take 192 bytes. Each channel takes 16 more bytes.
 #[derive(Debug, Clone, Copy, Default)]
-struct PixelSums {
-    x: ExactSum,
-    z: ExactSum,
+pub(super) struct PixelSums {
+    pub(super) x: ExactSum,
+    pub(super) z: ExactSum,
     /// Y of each replicate. The sum of the replicates is Y.
-    y: [ExactSum; REPLICATES],
+    pub(super) y: [ExactSum; REPLICATES],
     /// The bias of Y as two sums: over the even replicates, and over the odd replicates. The two
     /// estimates have independent noise.
-    bias: [ExactSum; 2],
+    pub(super) bias: [ExactSum; 2],
 }
 
 /// The light of a pixel summed over all passes, in W/m²/sr. Each value is radiance times a
@@ -51,6 +54,8 @@ pub struct Film {
     channels: Channels,
     /// The sums of the channels, pixel by pixel.
     by_channel: Vec<ExactSum>,
+    /// The names that camera samples hit: one layer for each requested kind of names.
+    names: Vec<NameLayer>,
     passes: [u64; REPLICATES],
 }
 
@@ -63,42 +68,31 @@ const FIRST_Y: usize = FIRST_BIAS + 2;
 /// The index of the first plane of a channel.
 const FIRST_CHANNEL: usize = FIRST_Y + REPLICATES;
 
-/// Collects the light of one pixel in one pass.
-#[derive(Debug)]
-pub struct PixelSink<'f> {
-    observer: &'static Observer,
-    xyz: [f64; 3],
-    bias_y: f64,
-    channels: &'f Channels,
-    by_channel: &'f mut [f64],
-    rejected: u64,
-}
-
-/// Collects splats: the contributions of photons to pixels anywhere on the film.
-#[derive(Debug)]
-pub struct SplatSink {
-    observer: &'static Observer,
-    channels: Channels,
-    splats: Vec<([f32; 3], u32)>,
-    channel_splats: Vec<(f32, u32, u32)>,
-    rejected: u64,
-}
-
 impl Film {
     /// Returns an unexposed film with `bands` spectral bands.
     pub fn new(width: usize, height: usize, observer: &'static Observer, bands: usize) -> Self {
         let pixels = vec![PixelSums::default(); width * height];
         let passes = [0; REPLICATES];
         let channels = Channels::default();
-        Self { width, height, observer, pixels, channels, by_channel: Vec::new(), passes }
-            .with_channels(Channels { bands, diffraction: None })
+        Self { width, height, observer, pixels, channels, by_channel: Vec::new(), names: Vec::new(), passes }
+            .with_channels(Channels { bands, diffraction: None, layers: None })
     }
 
     /// Adds this diffraction to the film. The film must still be unexposed.
     #[must_use]
     pub fn with_diffraction(self, diffraction: Option<Arc<DiffractionPsf>>) -> Self {
-        let bands = self.channels.bands;
-        self.with_channels(Channels { bands, diffraction })
+        let channels = Channels { diffraction, ..self.channels.clone() };
+        self.with_channels(channels)
+    }
+
+    /// Adds these layers to the film. The film must still be unexposed.
+    #[must_use]
+    pub fn with_layers(mut self, layers: &LayerSet) -> Self {
+        let pixels = self.pixels.len();
+        self.names = layers.name_tables().map(|(kind, names)| NameLayer::new(kind, names, pixels)).collect();
+        let layers = Some(layers.clone().into()).filter(|_| !layers.is_empty());
+        let channels = Channels { layers, ..self.channels.clone() };
+        self.with_channels(channels)
     }
 
     fn with_channels(mut self, channels: Channels) -> Self {
@@ -117,9 +111,15 @@ impl Film {
         self.height
     }
 
-    /// Returns true if the film has spectral bands or slices for diffraction.
-    pub fn has_channels(&self) -> bool {
-        self.channels.count() > 0
+    /// Returns true if the film has spectral bands or slices for diffraction. They need the
+    /// wavelength of each contribution.
+    pub fn needs_wavelengths(&self) -> bool {
+        self.channels.spectral_count() > 0
+    }
+
+    /// Returns true if the film records the first surfaces of camera rays.
+    pub fn records_surfaces(&self) -> bool {
+        self.channels.layers.as_ref().is_some_and(|layers| layers.has_surfaces())
     }
 
     /// Returns the number of passes that the film has counted.
@@ -127,18 +127,18 @@ impl Film {
         self.passes.iter().sum()
     }
 
-    /// Returns the memory of the sums in bytes, including spectral bands and slices for
-    /// diffraction.
-    pub fn memory_bytes(width: usize, height: usize, bands: usize, slices: usize) -> usize {
-        let pixel = size_of::<PixelSums>() + (bands + 3 * slices) * size_of::<ExactSum>();
-        width.saturating_mul(height).saturating_mul(pixel)
+    /// Returns the memory of the sums of a film of `pixels` pixels in bytes, including spectral
+    /// bands, slices for diffraction, and layers.
+    pub fn memory_bytes(pixels: usize, bands: usize, slices: usize, layers: &LayerSet) -> usize {
+        let channels = bands + 3 * slices + layers.planes();
+        let names = layers.name_tables().count() * NameLayer::BYTES_PER_PIXEL;
+        pixels.saturating_mul(size_of::<PixelSums>() + channels * size_of::<ExactSum>() + names)
     }
 
     /// Returns X, Y and Z (W/m²/sr) of the light that `expose` adds to a pixel.
     pub fn measure(observer: &'static Observer, expose: impl FnOnce(&mut PixelSink<'_>)) -> [f64; 3] {
         let channels = Channels::default();
-        let mut sink =
-            PixelSink { observer, xyz: [0.0; 3], bias_y: 0.0, channels: &channels, by_channel: &mut [], rejected: 0 };
+        let mut sink = PixelSink::new(observer, &channels, &mut []);
         expose(&mut sink);
         sink.xyz
     }
@@ -153,12 +153,14 @@ impl Film {
     pub fn rows(&mut self) -> impl Iterator<Item = FilmRow<'_>> {
         let (observer, width, channels) = (self.observer, self.width, &self.channels);
         let mut by_channel = self.by_channel.chunks_mut((width * channels.count()).max(1));
+        let mut names: Vec<_> = self.names.iter_mut().map(|layer| layer.rows(width)).collect();
         self.pixels.chunks_mut(width).enumerate().map(move |(row, pixels)| FilmRow {
             first_pixel: row * width,
             observer,
             pixels,
             by_channel: by_channel.next().unwrap_or_default(),
             channels,
+            names: names.iter_mut().filter_map(|rows| rows.next()).collect(),
         })
     }
 
@@ -194,7 +196,7 @@ impl Film {
     }
 
     /// Returns the names of the planes of sums: `X`, `Z`, the bias of both halves, Y of the
-    /// replicates, and the channels.
+    /// replicates, the channels, and the entries of the lists of names.
     pub fn plane_names(&self) -> Vec<String> {
         let replicates = (0..REPLICATES).map(|r| format!("Y{r}"));
         ["X", "Z", "bias0", "bias1"]
@@ -202,6 +204,7 @@ impl Film {
             .into_iter()
             .chain(replicates)
             .chain(self.channels.names())
+            .chain(self.names.iter().flat_map(|layer| (0..layer.ranks()).map(|place| layer.kind.plane_name(place))))
             .collect()
     }
 
@@ -209,7 +212,9 @@ impl Film {
     /// [`Self::plane_names`].
     pub fn plane(&self, plane: usize) -> impl Iterator<Item = ExactSum> {
         let count = self.channels.count();
+        let names = plane.checked_sub(FIRST_CHANNEL + count).and_then(|plane| self.list_of_names(plane));
         (0..self.pixels.len()).map(move |pixel| match plane {
+            _ if let Some((layer, place)) = names => layer.pixels[pixel].to_sum(place),
             0 => self.pixels[pixel].x,
             1 => self.pixels[pixel].z,
             _ if plane < FIRST_Y => self.pixels[pixel].bias[plane - FIRST_BIAS],
@@ -218,7 +223,33 @@ impl Film {
         })
     }
 
-    /// Adds sums to one plane, pixel by pixel. `plane` is an index into [`Self::plane_names`].
+    /// Returns the list of names of a plane, and the place of the plane's entries in the lists of
+    /// the pixels. `plane` counts the planes of names.
+    fn list_of_names(&self, mut plane: usize) -> Option<(&NameLayer, usize)> {
+        self.names.iter().find_map(|layer| {
+            let ranks = layer.ranks();
+            if plane < ranks {
+                return Some((layer, plane));
+            }
+            plane -= ranks;
+            None
+        })
+    }
+
+    /// Returns the kinds of the lists of names.
+    pub fn name_kinds(&self) -> Vec<NameKind> {
+        self.names.iter().map(|layer| layer.kind).collect()
+    }
+
+    /// Adds the entries of a plane of names, pixel by pixel.
+    pub fn add_names(&mut self, kind: NameKind, entries: impl Iterator<Item = ExactSum>) {
+        if let Some(layer) = self.names.iter_mut().find(|layer| layer.kind == kind) {
+            layer.pixels.iter_mut().zip(entries).for_each(|(names, entry)| names.add_sum(entry));
+        }
+    }
+
+    /// Adds sums to one plane, pixel by pixel. `plane` is an index into [`Self::plane_names`]. The
+    /// planes of names are left out: [`Self::add_names`] adds them.
     pub fn add_plane(&mut self, plane: usize, sums: impl Iterator<Item = ExactSum>) {
         let count = self.channels.count();
         for ((pixel, own), sum) in self.pixels.iter_mut().enumerate().zip(sums) {
@@ -232,9 +263,13 @@ impl Film {
         }
     }
 
-    /// Adds the passes of another film of the same size and bands.
+    /// Adds the passes of another film of the same size, bands and layers.
     pub fn add(&mut self, other: &Self) {
-        (0..self.plane_names().len()).for_each(|plane| self.add_plane(plane, other.plane(plane)));
+        let planes = FIRST_CHANNEL + self.channels.count();
+        (0..planes).for_each(|plane| self.add_plane(plane, other.plane(plane)));
+        for (own, more) in self.names.iter_mut().zip(&other.names) {
+            own.pixels.iter_mut().zip(&more.pixels).for_each(|(own, more)| own.add_all(more));
+        }
         self.passes.iter_mut().zip(other.passes).for_each(|(own, more)| *own += more);
     }
 
@@ -246,6 +281,17 @@ impl Film {
     /// Returns the picture so far, and the parts of the squared relative error of the picture. The
     /// parts are `None` if the error is unknown.
     pub fn picture_and_error(&self) -> (Picture, Option<ErrorSquares>) {
+        let (picture, squares) = self.picture_without_layers();
+        (Picture { layers: self.layers(), ..picture }, squares)
+    }
+
+    /// Returns the parts of the squared relative error of the picture so far, or `None` if the error
+    /// is unknown.
+    pub fn error_squares(&self) -> Option<ErrorSquares> {
+        self.picture_without_layers().1
+    }
+
+    fn picture_without_layers(&self) -> (Picture, Option<ErrorSquares>) {
         let passes = self.passes() as f64;
         let mut picture = Picture::black(self.width, self.height);
         let diffracted = self.channels.diffraction.as_deref().map(|diffraction| self.diffracted_light(diffraction));
@@ -264,11 +310,38 @@ impl Film {
             let scale = if passes > 0.0 { 1.0 / (passes * (to - from)) } else { 0.0 };
             let values = match diffracted {
                 Some((_, values)) => values.into_iter().map(|value| (value * scale) as f32).collect(),
-                None => self.by_channel.iter().map(|sum| (sum.value() * scale) as f32).collect(),
+                None => (0..self.pixels.len() * bands)
+                    .map(|i| (self.channel(i / bands, i % bands) * scale) as f32)
+                    .collect(),
             };
             picture.bands = Some(SpectralBands { centres_nm, values });
         }
         (picture, squares)
+    }
+
+    /// Returns the value of a channel at a pixel.
+    fn channel(&self, pixel: usize, channel: usize) -> f64 {
+        self.by_channel[pixel * self.channels.count() + channel].value()
+    }
+
+    /// Returns the layers of the picture so far.
+    fn layers(&self) -> PictureLayers {
+        let mut layers = PictureLayers::default();
+        let Some(set) = self.channels.layers.as_deref() else { return layers };
+        let scale = LUMENS_PER_WATT / self.passes().max(1) as f64;
+        let (light, surfaces) = (self.channels.spectral_count(), self.channels.first_surface_channel());
+        let names = set.paths.iter().map(|name| format!("path.{name}"));
+        let names = names.chain(set.light_groups.iter().map(|name| format!("light.{name}")));
+        for (number, name) in names.enumerate() {
+            let xyz = |pixel: usize| [0, 1, 2].map(|c| self.channel(pixel, light + 3 * number + c) * scale);
+            let rgb: Vec<_> = (0..self.pixels.len()).map(|pixel| xyz_to_linear_srgb(xyz(pixel))).collect();
+            layers.add_colours(&name, &rgb);
+        }
+        layers.add_surfaces(set, self.pixels.len(), |pixel, channel| self.channel(pixel, surfaces + channel));
+        for names in &self.names {
+            layers.add_names(names, |pixel| self.channel(pixel, surfaces));
+        }
+        layers
     }
 
     fn error_bars(&self, light: impl Fn(usize) -> PixelLight) -> ErrorBars {
@@ -345,147 +418,8 @@ impl Film {
     }
 }
 
-/// Returns whether a sample is finite and not negative. Other values indicate a bug. The caller
-/// counts and discards them.
-#[inline]
-fn is_valid_radiance(weight: f64) -> bool {
-    let is_valid_radiance = (0.0..f64::INFINITY).contains(&weight);
-    debug_assert!(is_valid_radiance, "a sample of {weight} W/m²/sr");
-    is_valid_radiance
-}
-
-fn replicate(pass: u64) -> usize {
+pub(super) fn replicate(pass: u64) -> usize {
     (pass % REPLICATES as u64) as usize
-}
-
-/// One row of the film.
-#[derive(Debug)]
-pub struct FilmRow<'f> {
-    /// The index of the first pixel of the row.
-    pub first_pixel: usize,
-    observer: &'static Observer,
-    pixels: &'f mut [PixelSums],
-    channels: &'f Channels,
-    by_channel: &'f mut [ExactSum],
-}
-
-impl FilmRow<'_> {
-    /// Exposes every pixel of the row in this pass: calls `expose(pixel, sink)` for each pixel. The
-    /// light of the pixel is the light in the sink, divided by the number of camera samples.
-    /// Returns the number of samples that were NaN, infinite or negative and were discarded.
-    pub fn expose(&mut self, pass: u64, samples: u64, mut expose: impl FnMut(usize, &mut PixelSink<'_>)) -> u64 {
-        let replicate = replicate(pass);
-        let weight = 1.0 / samples as f64;
-        let count = self.channels.count();
-        let mut values = vec![0.0; count];
-        let mut rejected = 0;
-        for (column, sums) in self.pixels.iter_mut().enumerate() {
-            values.fill(0.0);
-            let mut sink = PixelSink {
-                observer: self.observer,
-                xyz: [0.0; 3],
-                bias_y: 0.0,
-                channels: self.channels,
-                by_channel: &mut values,
-                rejected: 0,
-            };
-            expose(self.first_pixel + column, &mut sink);
-            sums.x += weight * sink.xyz[0];
-            sums.y[replicate] += weight * sink.xyz[1];
-            sums.z += weight * sink.xyz[2];
-            sums.bias[replicate % 2] += weight * sink.bias_y;
-            rejected += sink.rejected;
-            let by_channel = &mut self.by_channel[column * count..(column + 1) * count];
-            by_channel.iter_mut().zip(&values).for_each(|(sum, &value)| *sum += weight * value);
-        }
-        rejected
-    }
-}
-
-impl PixelSink<'_> {
-    fn add(&mut self, nm: f64, weight: f64) -> [f64; 3] {
-        if !is_valid_radiance(weight) {
-            self.rejected += 1;
-            return [0.0; 3];
-        }
-        let bar = self.observer.xyz_bar(nm);
-        (0..3).for_each(|c| self.xyz[c] += weight * bar[c]);
-        if !self.by_channel.is_empty() {
-            let by_channel = &mut *self.by_channel;
-            self.channels
-                .distribute(nm, weight, bar.map(|bar| weight * bar), |channel, value| by_channel[channel] += value);
-        }
-        bar
-    }
-
-    /// Adds radiance (W/m²/sr) at a wavelength in nm.
-    pub fn radiance(&mut self, nm: f64, weight: f64) {
-        self.add(nm, weight);
-    }
-
-    /// Adds a biased estimate of radiance at a wavelength (nm), and an estimate of the bias. Both
-    /// estimates are in W/m²/sr.
-    pub fn biased(&mut self, nm: f64, weight: f64, bias: f64) {
-        let bar = self.add(nm, weight);
-        if bias.is_finite() {
-            self.bias_y += bias * bar[1];
-        }
-    }
-
-    /// Adds the sum of many biased estimates. Each estimate of radiance (W/m²/sr) and of its bias
-    /// is already multiplied by x̄, ȳ and z̄. The film must not have spectral channels, because
-    /// these would need the wavelengths.
-    pub fn respond(&mut self, xyz: [f64; 3], bias_xyz: [f64; 3]) {
-        debug_assert!(self.by_channel.is_empty(), "spectral channels need wavelengths");
-        if !xyz.into_iter().all(is_valid_radiance) {
-            self.rejected += 1;
-            return;
-        }
-        (0..3).for_each(|c| self.xyz[c] += xyz[c]);
-        if bias_xyz[1].is_finite() {
-            self.bias_y += bias_xyz[1];
-        }
-    }
-}
-
-impl SplatSink {
-    fn new(observer: &'static Observer, channels: Channels) -> Self {
-        Self { observer, channels, splats: Vec::new(), channel_splats: Vec::new(), rejected: 0 }
-    }
-
-    /// Adds radiance (W/m²/sr) at several wavelengths to a pixel. The iterator yields pairs of a
-    /// wavelength (nm) and the radiance at that wavelength.
-    pub fn splat(&mut self, pixel: u32, light: impl Iterator<Item = (f64, f64)>) {
-        let mut xyz = [0.0; 3];
-        for (nm, weight) in light {
-            if !is_valid_radiance(weight) {
-                self.rejected += 1;
-                continue;
-            }
-            let bar = self.observer.xyz_bar(nm);
-            (0..3).for_each(|c| xyz[c] += weight * bar[c]);
-            let splats = &mut self.channel_splats;
-            self.channels.distribute(nm, weight, bar.map(|bar| weight * bar), |channel, value| {
-                splats.push((value as f32, pixel, channel as u32));
-            });
-        }
-        self.splats.push((xyz.map(|c| c as f32), pixel));
-    }
-
-    /// Returns the pixel of each splat, and X, Y and Z in W/m²/sr.
-    pub fn splats(&self) -> impl Iterator<Item = (u32, [f32; 3])> {
-        self.splats.iter().map(|&(xyz, pixel)| (pixel, xyz))
-    }
-
-    /// Returns the number of collected splats.
-    pub fn len(&self) -> usize {
-        self.splats.len()
-    }
-
-    /// Returns whether no splats were collected.
-    pub fn is_empty(&self) -> bool {
-        self.splats.is_empty()
-    }
 }
 
 #[cfg(test)]

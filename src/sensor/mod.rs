@@ -4,16 +4,21 @@
 //! with error bars, and images for a display.
 
 mod channels;
+pub mod cryptomatte;
 pub mod develop;
 pub mod diffraction;
 mod error_bars;
 pub mod error_distribution;
 pub mod exposure;
 pub mod film;
+pub mod layers;
 pub mod picture;
+mod sink;
 
 pub use develop::{Codes, Development, DisplayImage, develop};
 pub use diffraction::DiffractionPsf;
 pub use error_bars::ErrorSquares;
-pub use film::{Film, PixelSink, SplatSink};
+pub use film::Film;
+pub use layers::LayerSet;
 pub use picture::{Picture, SpectralBands};
+pub use sink::{FilmRow, PixelSink, SplatSink};

@@ -1,5 +1,6 @@
 //! A picture: XYZ with error bars.
 
+use super::layers::PictureLayers;
 use crate::math::elementary::hypot;
 
 /// The observer's XYZ of every pixel, row by row from the top.
@@ -20,6 +21,8 @@ pub struct Picture {
     pub edge: Vec<Option<bool>>,
     /// Spectral radiance, if it was recorded.
     pub bands: Option<SpectralBands>,
+    /// The layers that were recorded on request.
+    pub layers: PictureLayers,
 }
 
 /// Spectral radiance in bands of equal width.
@@ -73,6 +76,7 @@ impl Picture {
             bias: vec![None; count],
             edge: vec![None; count],
             bands: None,
+            layers: PictureLayers::default(),
         }
     }
 

@@ -9,6 +9,7 @@
 
 use super::sink::{SensorResponse, Sink};
 use crate::math::random::Stream;
+use crate::plan::{LightOrigin, PathClass};
 
 /// The cap: the largest number of surface events on a path, and the largest number of collisions
 /// with media between two surfaces. Only paths in almost lossless cavities and media are so long.
@@ -67,15 +68,15 @@ pub struct LostLight<'s> {
 }
 
 impl Sink for LostLight<'_> {
-    fn radiance(&mut self, nm: f64, weight: f64) {
-        self.sink.biased(nm, 0.0, -self.factor * weight);
+    fn radiance(&mut self, origin: LightOrigin, nm: f64, weight: f64) {
+        self.sink.biased(origin, nm, 0.0, -self.factor * weight);
     }
 
-    fn biased(&mut self, nm: f64, weight: f64, _bias: f64) {
-        self.radiance(nm, weight);
+    fn biased(&mut self, origin: LightOrigin, nm: f64, weight: f64, _bias: f64) {
+        self.radiance(origin, nm, weight);
     }
 
-    fn respond(&mut self, radiance: SensorResponse, _bias: SensorResponse) {
-        self.sink.respond(SensorResponse::default(), radiance.scaled(-self.factor));
+    fn respond(&mut self, class: PathClass, radiance: SensorResponse, _bias: SensorResponse) {
+        self.sink.respond(class, SensorResponse::default(), radiance.scaled(-self.factor));
     }
 }

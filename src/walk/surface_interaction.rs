@@ -5,6 +5,7 @@ use crate::geometry::{Hit, Ray, SurfaceId};
 use crate::math::frame::Frame;
 use crate::optics::bsdf::{Bsdf, InterfaceIors, LocalBsdf, ScatterEvent};
 use crate::scene::Scene;
+use crate::scene::camera::Camera;
 use crate::scene::medium_stack::MediumStack;
 use crate::texture::TexturePoint;
 use glam::DVec3;
@@ -26,6 +27,15 @@ impl SurfaceLookup {
     #[inline]
     pub fn of_line(u: f64) -> Self {
         Self { u, width_m: 0.0, spread: 0.0 }
+    }
+
+    /// Returns the lookup of a camera path of this length in m. The footprint is smaller than the
+    /// pixel, because the samples of a pixel already average over the pixel.
+    #[inline(always)]
+    pub fn of_camera(camera: &Camera, path_m: f64, u: f64) -> Self {
+        const SHARE_OF_PIXEL: f64 = 0.5;
+        let spread = SHARE_OF_PIXEL * camera.pixel_angle();
+        Self { u, width_m: path_m * spread, spread }
     }
 }
 

@@ -20,6 +20,7 @@ mod frames;
 mod gates;
 mod import;
 mod lamps;
+mod layers;
 mod lens;
 mod library;
 mod pages;

@@ -101,7 +101,7 @@ fn no_photon_grows_heavier_than_it_set_out() {
     let job = job(&white_ball(chromatic()));
     let choice = LightSampler::new(&job.scene).expect("the scene is lit");
     let strata = EmissionStrata::plain(&choice.lights);
-    let spectra = PhotonSpectra::new(&job.scene.lights).expect("the scene has one light");
+    let spectra = PhotonSpectra::new(&job.scene.lights, false).expect("the scene has one light");
     let emitters = PhotonSource {
         scene: &job.scene,
         spectra: &spectra,

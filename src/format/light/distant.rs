@@ -36,6 +36,11 @@ pub struct DirectionalFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "lx"))]
     pub illuminance: Option<f64>,
+    /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
+    /// the picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "the light is its own group"))]
+    pub group: Option<String>,
     /// Rotation of the light. Translations have no effect.
     #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
     #[schemars(skip_serializing_if = "forms::never")]
@@ -74,6 +79,11 @@ pub struct EnvironmentFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "cd/m²"))]
     pub luminance: Option<f64>,
+    /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
+    /// the picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "the light is its own group"))]
+    pub group: Option<String>,
     /// Rotation of the light. Translations have no effect.
     #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
     #[schemars(skip_serializing_if = "forms::never")]

@@ -50,6 +50,11 @@ pub struct IesFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "lm"))]
     pub luminous_flux: Option<f64>,
+    /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
+    /// the picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "the light is its own group"))]
+    pub group: Option<String>,
     /// Placement of the light in the scene.
     #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
     #[schemars(skip_serializing_if = "forms::never")]

@@ -8,19 +8,29 @@ use crate::colour::gamut::GamutMapping;
 use crate::colour::tone::ToneCurve;
 use crate::error::{Error, Result};
 use crate::format::{
-    CameraFile, ExposureFile, FilmFile, GamutFile, JsonPath, LensFile, ObserverFile, OutputSpaceFile, SpectrumFile,
-    ToneFile, WhiteBalanceFile,
+    CameraFile, ExposureFile, FilmFile, GamutFile, JsonPath, LayerFile, LensFile, ObserverFile, OutputSpaceFile,
+    SpectrumFile, ToneFile, WhiteBalanceFile,
 };
 use crate::scene::builder::WhiteBalance;
-use crate::scene::{Exposure, FilmSpec};
+use crate::scene::{Exposure, FilmSpec, Layer};
 use crate::spectrum::Observer;
 
 impl Resolver<'_> {
     /// Resolves the film. The scene builder determines the white of the film from the white
     /// balance.
     pub(super) fn film(&self, at: &JsonPath<'_>, film: &FilmFile) -> Result<FilmSpec> {
-        let FilmFile { width, height, observer, spectral_bands, gamut, tone, white_balance: _, output_space, exposure } =
-            film;
+        let FilmFile {
+            width,
+            height,
+            observer,
+            spectral_bands,
+            layers,
+            gamut,
+            tone,
+            white_balance: _,
+            output_space,
+            exposure,
+        } = film;
         let exposure = match exposure {
             ExposureFile::Auto => Exposure::Auto,
             ExposureFile::None => Exposure::None,
@@ -49,7 +59,19 @@ impl Resolver<'_> {
             OutputSpaceFile::Acescg => RgbSpace::AcesCg,
         };
         let (width, height, spectral_bands) = (*width, *height, *spectral_bands);
-        Ok(FilmSpec { width, height, observer, spectral_bands, space, white: None, gamut, tone, exposure })
+        let layers = layers.iter().map(|layer| match layer {
+            LayerFile::Albedo => Layer::Albedo,
+            LayerFile::Normal => Layer::Normal,
+            LayerFile::Depth => Layer::Depth,
+            LayerFile::Object => Layer::Object,
+            LayerFile::Material => Layer::Material,
+            LayerFile::Uv => Layer::Uv,
+            LayerFile::Samples => Layer::Samples,
+            LayerFile::Paths => Layer::Paths,
+            LayerFile::Lights => Layer::Lights,
+        });
+        let layers = layers.collect();
+        Ok(FilmSpec { width, height, observer, spectral_bands, space, white: None, gamut, tone, exposure, layers })
     }
 
     /// Returns the luminance L, in cd/m², that appears white on a film with the ISO speed S. S is

@@ -95,16 +95,22 @@ impl Resolver<'_> {
         builder: &mut SceneBuilder,
         observer: &'static Observer,
     ) -> Result<()> {
-        let EmittingObject { file_index: _, objects, emission } = emitting;
+        let EmittingObject { file_index, objects, emission } = emitting;
         let area: f64 = objects.iter().map(|&object| builder.area_m2(object)).sum();
         let (spectrum, radiance) = match emission {
             EmissionSource::Scene(file) => self.emission(&at.key("emission"), file, area, &mut builder.notes)?,
             EmissionSource::Mesh(rgb) => self.mesh_emission(at, *rgb)?,
         };
+        let stated = match emission {
+            EmissionSource::Scene(file) => file.group.clone(),
+            EmissionSource::Mesh(_) => None,
+        };
+        let object_name = || self.scene.objects[*file_index].name.clone();
+        let group = stated.or_else(object_name).unwrap_or_else(|| format!("object {file_index}"));
         for &object in objects {
             let name = builder.objects().name(object).to_owned();
             let emitter = Emitter::Area(AreaLight { object, radiance, area_m2: builder.area_m2(object) });
-            let light = self.at(at, Light::new(name, emitter, &spectrum, observer))?;
+            let light = Light { group: group.clone(), ..self.at(at, Light::new(name, emitter, &spectrum, observer))? };
             self.at(&at.key("emission"), builder.add_light(light))?;
         }
         Ok(())
@@ -135,7 +141,8 @@ impl Resolver<'_> {
         };
         let (emitter, spectrum) = resolved?;
         let light = self.at(at, Light::new(format!("{kind} {number}"), emitter, &spectrum, observer))?;
-        Ok(Light { motion, ..light })
+        let group = file.group().unwrap_or(&light.name).to_owned();
+        Ok(Light { motion, group, ..light })
     }
 
     /// Resolves the spectrum of a light.

@@ -5,6 +5,7 @@ use super::visible_point::{CameraSegment, VisiblePoint};
 use crate::gather::direct::light_tree::ReceivingPoint;
 use crate::gather::direct::lighting::HitWeighting;
 use crate::geometry::Ray;
+use crate::plan::CameraEvents;
 use crate::plan::partition::View;
 use crate::scene::medium_stack::MediumStack;
 use crate::spectrum::{Lanes, REFERENCE_NM};
@@ -52,6 +53,8 @@ pub(in crate::gather) struct CameraPath {
     pub(in crate::gather) ray_state: RayState,
     pub(in crate::gather) spectral_mode: SpectralMode,
     pub(in crate::gather) view: View,
+    /// The events that decide the class of the path's light.
+    pub(in crate::gather) events: CameraEvents,
     pub(in crate::gather) hit_weighting: HitWeighting,
     /// The throughput at the reference wavelength. Russian roulette uses this value.
     pub(in crate::gather) reference_throughput: f64,
@@ -70,6 +73,7 @@ impl CameraPath {
             ray_state: RayState { ray, from: None, medium_stack },
             spectral_mode: SpectralMode::Free,
             view: View::Direct,
+            events: CameraEvents::Specular,
             hit_weighting: HitWeighting::Full,
             reference_throughput: 1.0,
             distance_m: 0.0,
@@ -123,6 +127,7 @@ impl CameraPath {
             bsdf.pdf(*wo, sample.wi, sides, glossy.reference_nm)
         };
         self.view = View::Indirect;
+        self.events = if sample.delta { self.events.after_specular_event() } else { self.events.after_surface() };
         self.hit_weighting = match (sample.delta, self.hit_weighting) {
             (false, _) => {
                 HitWeighting::Mis { from: ReceivingPoint::on_surface(interaction), pdf, caustic: glossy.caustic }

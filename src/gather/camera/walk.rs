@@ -127,6 +127,7 @@ impl<'a> CameraPass<'a> {
             path.distance_m += interaction.distance_m;
             if interaction.crossed_hidden_face {
                 path.view = View::Indirect;
+                path.events = path.events.after_specular_event();
                 path.hit_weighting = path.hit_weighting.after_specular_event();
             }
             self.add_emitters_hit(&path, interaction.incoming, Some(&interaction.hit), context);
@@ -147,13 +148,10 @@ impl<'a> CameraPass<'a> {
         self.end_at_limit(&path, context);
     }
 
-    /// Returns the lookup of the material of the next surface. The footprint is smaller than the
-    /// pixel, because the samples of a pixel already average over the pixel.
+    /// Returns the lookup of the material of the next surface.
     #[inline(always)]
     pub(in crate::gather) fn lookup(&self, path: &CameraPath, u: f64) -> SurfaceLookup {
-        const SHARE_OF_PIXEL: f64 = 0.5;
-        let spread = SHARE_OF_PIXEL * self.scene.camera.pixel_angle();
-        SurfaceLookup { u, width_m: path.distance_m * spread, spread }
+        SurfaceLookup::of_camera(&self.scene.camera, path.distance_m, u)
     }
 
     /// Ends a path at the limit of its number of events. If the scene states the limit, some of the

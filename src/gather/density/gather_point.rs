@@ -7,6 +7,7 @@ use crate::map::kernel::{BoundaryCorrection, DiskKernel, KernelValues};
 use crate::map::{NearbyPhoton, PhotonPower, PhotonSpectra};
 use crate::math::frame::Frame;
 use crate::optics::bsdf::{InterfaceIors, LocalBsdf, TransportMode};
+use crate::plan::{LightOrigin, PathClass};
 use crate::walk::{CausticWeights, SensorResponse, Sink, SurfaceInteraction, bias_of_excess};
 use glam::DVec3;
 
@@ -105,7 +106,12 @@ impl<'e> GatherPoint<'e> {
 
     /// Adds the contribution of a nearby photon to the path.
     #[inline(always)]
-    pub(in crate::gather) fn add<S: Sink>(&self, nearby: &NearbyPhoton<'_>, spectra: &PhotonSpectra, sink: &mut S) {
+    pub(in crate::gather) fn add<S: Sink>(
+        &self,
+        nearby: &NearbyPhoton<'_>,
+        (spectra, class): (&PhotonSpectra, PathClass),
+        sink: &mut S,
+    ) {
         let photon = nearby.photon;
         let photon_normal = photon.normal();
         let Some(side) = self.side_of(photon_normal, nearby.position) else { return };
@@ -128,7 +134,7 @@ impl<'e> GatherPoint<'e> {
                 kernels.times(weights.of_photon(photon.ray_density(), pdf))
             }
         };
-        let light = PhotonLight { power: &photon.power, spectra };
+        let light = PhotonLight { power: &photon.power, spectra, class };
         let response = |nm: f64| self.bsdf.eval(self.wo, wi, self.sides, TransportMode::Radiance, nm);
         add_photon(light, kernels, self.bias, self.spectral_mode, self.factors, sink, response);
     }
@@ -143,21 +149,20 @@ impl<'e> GatherPoint<'e> {
 
     /// Does the same as [`Self::add`] at a diffuse surface, but adds the contribution as responses
     /// of the sensor. Photons at a diffuse surface arrive on the side of their normal, so their
-    /// directions have no influence.
+    /// directions have no influence. Returns the response to the photon's radiance.
     #[inline(always)]
     pub(in crate::gather) fn add_response(
         &self,
         nearby: &NearbyPhoton<'_>,
         surface: SurfaceResponses<'_>,
         sums: &mut ResponseSums,
-    ) {
-        if self.side_of(nearby.photon.normal_direction(), nearby.position).is_none() {
-            return;
-        }
+    ) -> Option<SensorResponse> {
+        self.side_of(nearby.photon.normal_direction(), nearby.position)?;
         let response = surface.of_photon(&nearby.photon.power);
         let kernels = self.kernel.at(f64::from(nearby.distance2));
         sums.estimate.add_scaled(response, kernels.estimate);
         sums.bias.add_scaled(response, biased_by(kernels, self.bias));
+        Some(SensorResponse(response).scaled(kernels.estimate))
     }
 }
 
@@ -175,6 +180,8 @@ pub(in crate::gather) struct ResponseSums {
 pub(in crate::gather) struct PhotonLight<'p> {
     pub(in crate::gather) power: &'p PhotonPower,
     pub(in crate::gather) spectra: &'p PhotonSpectra,
+    /// The class of the path from the light to the camera.
+    pub(in crate::gather) class: PathClass,
 }
 
 /// Returns the bias of a photon's contribution, per unit of power. `path_bias` is the relative bias
@@ -189,7 +196,7 @@ fn biased_by(kernels: KernelValues, path_bias: f64) -> f64 {
 /// per steradian. `path_bias` is the relative bias of all factors except the kernel.
 #[inline(always)]
 pub(in crate::gather) fn add_photon<S: Sink>(
-    PhotonLight { power, spectra }: PhotonLight<'_>,
+    PhotonLight { power, spectra, class }: PhotonLight<'_>,
     kernels: KernelValues,
     path_bias: f64,
     spectral_mode: SpectralMode,
@@ -198,7 +205,8 @@ pub(in crate::gather) fn add_photon<S: Sink>(
     response: impl Fn(f64) -> f64,
 ) {
     let (estimate, bias) = (kernels.estimate, biased_by(kernels, path_bias));
-    let mut add = |nm: f64, radiance: f64| sink.biased(nm, radiance * estimate, radiance * bias);
+    let origin = LightOrigin { class, light: spectra.light_of(power.wavelength_code()) };
+    let mut add = |nm: f64, radiance: f64| sink.biased(origin, nm, radiance * estimate, radiance * bias);
     match spectral_mode {
         SpectralMode::Free => {
             power.lanes(spectra).for_each(|(nm, power)| add(nm, response(nm) * product(factors, nm) * power));

@@ -58,7 +58,7 @@ impl SensorResponses {
         };
         let materials: Vec<Option<Spectrum>> =
             scene.materials.iter().map(|material| diffuse(&material.surface)).collect();
-        let tables = materials.iter().flatten().count() * spectra.len();
+        let tables = materials.iter().flatten().count() * spectra.different();
         if tables == 0 || tables > MOST_TABLES {
             return None;
         }

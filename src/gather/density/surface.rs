@@ -129,17 +129,30 @@ impl<'a> CameraPass<'a> {
             let (centre, radius) = (interaction.hit.position.as_vec3().to_array(), radius as f32);
             let contains = |position| outline.is_none_or(|outline| outline.contains(position));
             let responses = if gather_point.is_plain() { self.responses } else { None };
+            let path_class = path.events.class_at_surface(class.light_path());
             match responses.and_then(|responses| responses.of_surface(interaction)) {
                 Some(surface) => {
                     let mut sums = ResponseSums::default();
                     let mut tabulated = 0;
-                    map.within(centre, radius, |nearby| {
-                        tabulated += 1;
-                        if contains(nearby.position) {
-                            gather_point.add_response(&nearby, surface, &mut sums);
-                        }
-                    });
-                    context.sink.respond(sums.estimate, sums.bias);
+                    if context.sink.separates_lights() {
+                        map.within(centre, radius, |nearby| {
+                            tabulated += 1;
+                            if contains(nearby.position)
+                                && let Some(response) = gather_point.add_response(&nearby, surface, &mut sums)
+                            {
+                                let light = self.spectra.light_of(nearby.photon.power.wavelength_code());
+                                context.sink.respond_of_light(light, response);
+                            }
+                        });
+                    } else {
+                        map.within(centre, radius, |nearby| {
+                            tabulated += 1;
+                            if contains(nearby.position) {
+                                let _response = gather_point.add_response(&nearby, surface, &mut sums);
+                            }
+                        });
+                    }
+                    context.sink.respond(path_class, sums.estimate, sums.bias);
                     context.tally.tabulated += tabulated;
                 }
                 None => {
@@ -147,7 +160,7 @@ impl<'a> CameraPass<'a> {
                     map.within(centre, radius, |nearby| {
                         gathered += 1;
                         if contains(nearby.position) {
-                            gather_point.add(&nearby, self.spectra, context.sink);
+                            gather_point.add(&nearby, (self.spectra, path_class), context.sink);
                         }
                     });
                     context.tally.gathered += gathered;

@@ -7,6 +7,8 @@ use crate::gather::camera::throughput::each_wavelength;
 use crate::gather::camera_pass::{CameraPass, PathContext};
 use crate::geometry::{Hit, Ray};
 use crate::optics::bsdf::TransportMode;
+use crate::plan::LightOrigin;
+use crate::plan::partition::LightPath;
 use crate::walk::{BodyMode, Sink, SurfaceInteraction, bias_of_excess, excess_optical_depth, transmittance};
 use glam::DVec3;
 
@@ -25,7 +27,7 @@ impl<'a> CameraPass<'a> {
         for &number in self.direct.emitters_hit(hit) {
             let emitted = self.direct.emitted_by_hit(number, ray, hit.copied(), path.hit_weighting, context.tally);
             if let Some(emitter) = emitted {
-                add_emitter(*path, &emitter, context);
+                add_emitter(*path, number, &emitter, context);
             }
         }
     }
@@ -47,11 +49,12 @@ impl<'a> CameraPass<'a> {
                 self.direct.transmittance_from::<M>(interaction, sample.direction, sample.distance_m, selected.u);
             let bias = bias_of_excess(path.excess_depth + excess_optical_depth(&along, nm));
             let factors = &context.buffers.factors;
+            let origin = LightOrigin { class: path.events.class_at_surface(LightPath::Direct), light: selected.number };
             each_wavelength(path.spectral_mode, factors, sample.light, wavelength, |nm, throughput| {
                 let f = bsdf.eval(wo, sample.wi, sides, TransportMode::Radiance, nm);
                 let weight =
                     throughput * sample.light.spd_at(sample.spd, nm) * sample.strength * f * transmittance(&along, nm);
-                context.sink.biased(nm, weight, weight * bias);
+                context.sink.biased(origin, nm, weight, weight * bias);
             });
         }
     }
@@ -82,11 +85,12 @@ impl<'a> CameraPass<'a> {
             let along = self.direct.transmittance_from::<M>(interaction, direction, length_m, direction.to_array());
             let bias = bias_of_excess(path.excess_depth + excess_optical_depth(&along, nm));
             let (factors, wavelength) = (&context.buffers.factors, context.sampler.wavelength);
+            let origin = LightOrigin { class: path.events.class_at_surface(LightPath::Direct), light: number };
             each_wavelength(path.spectral_mode, factors, emitter.light, wavelength, |nm, throughput| {
                 let response = bsdf.eval_sample(wo, &sample, sides, TransportMode::Radiance, nm) / sample.probability;
                 let arriving = emitter.light.spd_at(emitter.spd, nm) * emitter.radiance * transmittance(&along, nm);
                 let weight = throughput * arriving * response;
-                context.sink.biased(nm, weight, weight * bias);
+                context.sink.biased(origin, nm, weight, weight * bias);
             });
         }
     }
@@ -94,11 +98,17 @@ impl<'a> CameraPass<'a> {
 
 /// Adds the radiance of a light that a path hit. The function takes a copy of the path, so that the
 /// path of the calling loop stays in registers.
-fn add_emitter<S: Sink>(path: CameraPath, emitter: &EmitterHit<'_>, context: &mut PathContext<'_, '_, S>) {
+fn add_emitter<S: Sink>(
+    path: CameraPath,
+    number: usize,
+    emitter: &EmitterHit<'_>,
+    context: &mut PathContext<'_, '_, S>,
+) {
     let bias = bias_of_excess(path.excess_depth);
     let (factors, wavelength) = (&context.buffers.factors, context.sampler.wavelength);
+    let origin = LightOrigin { class: path.events.class_of_emission(), light: number };
     each_wavelength(path.spectral_mode, factors, emitter.light, wavelength, |nm, throughput| {
         let weight = throughput * emitter.light.spd_at(emitter.spd, nm) * emitter.radiance;
-        context.sink.biased(nm, weight, weight * bias);
+        context.sink.biased(origin, nm, weight, weight * bias);
     });
 }

@@ -8,6 +8,7 @@ use crate::gather::camera_pass::{CameraPass, PathContext};
 use crate::gather::direct::light_tree::ReceivingSegment;
 use crate::gather::direct::lighting::VolumeLightSampleContext;
 use crate::geometry::Ray;
+use crate::plan::LightOrigin;
 use crate::walk::{
     MediumSegment, NumberedMedium, RayState, SegmentTransmittance, Sink, bias_of_excess, excess_optical_depth,
     transmittance,
@@ -49,11 +50,12 @@ impl<'a> CameraPass<'a> {
             let excess = |along: &[SegmentTransmittance<'_>]| excess_optical_depth(along, path.reference_nm());
             let bias = bias_of_excess(path.excess_depth + excess(&to_point) + excess(&sample.transmittance));
             let (factors, wavelength) = (&context.buffers.factors, context.sampler.wavelength);
+            let origin = LightOrigin { class: path.events.class_in_medium(), light: number };
             each_wavelength(path.spectral_mode, factors, sample.light, wavelength, |nm, throughput| {
                 let scattered = medium.scattering.at(nm) * medium.phase.eval(cosine, nm);
                 let passed = transmittance(&to_point, nm) * transmittance(&sample.transmittance, nm);
                 let weight = throughput * sample.light.spd_at(sample.spd, nm) * strength * scattered * passed;
-                context.sink.biased(nm, weight, weight * bias);
+                context.sink.biased(origin, nm, weight, weight * bias);
             });
         }
     }

@@ -16,7 +16,7 @@ use crate::gather::camera_pass::{CameraPass, PathContext};
 use crate::geometry::Ray;
 use crate::map::LightMap;
 use crate::math::elementary::exp;
-use crate::plan::Tally;
+use crate::plan::{LightOrigin, Tally};
 use crate::scene::Scene;
 use crate::scene::light::{EmittedSpd, LiSample};
 use crate::scene::medium::Medium;
@@ -94,8 +94,9 @@ impl<'a> CameraPass<'a> {
                 }
             });
             context.tally.light_map_looks += scattered.lookups as u64;
+            let origin = LightOrigin { class: path.events.class_in_medium(), light: map.light };
             for k in 0..count {
-                context.sink.biased(nm[k], weight[k] * scattered.sum[k], weight[k] * scattered.bias[k]);
+                context.sink.biased(origin, nm[k], weight[k] * scattered.sum[k], weight[k] * scattered.bias[k]);
             }
         }
     }

@@ -102,6 +102,7 @@ impl<'a> CameraPass<'a> {
     ) {
         let seed = segment_seed(context, segment.ray.origin);
         let (factors, sink) = (&context.buffers.factors, &mut *context.sink);
+        let class = path.events.class_in_medium();
         let mut gathered = 0;
         map.along(cone, |photon: PhotonNearRay<'_>| {
             if photon.medium != number {
@@ -130,7 +131,7 @@ impl<'a> CameraPass<'a> {
                     .map_or(1.0, |(along, density)| transmittance(along, nm) * medium.scattering.at(nm) * density);
                 scattered * medium.phase.eval(cosine, nm) * transmittance(&to_photon, nm)
             };
-            let light = PhotonLight { power: photon.power, spectra: self.spectra };
+            let light = PhotonLight { power: photon.power, spectra: self.spectra, class };
             add_photon(light, kernels, bias, path.spectral_mode, factors, sink, response);
         });
         context.tally.volume_gathered += gathered;

@@ -5,6 +5,7 @@ use crate::gather::camera::throughput::{Factor, each_wavelength};
 use crate::gather::camera_pass::{CameraPass, PathContext};
 use crate::gather::direct::lighting::HitWeighting;
 use crate::math::random::hash64;
+use crate::plan::LightOrigin;
 use crate::walk::{
     MediumSegment, NumberedMedium, Sink, SurfaceInteraction, bias_of_excess, excess_optical_depth,
     next_interaction_through_media, transmittance,
@@ -74,7 +75,9 @@ impl<'a> CameraPass<'a> {
         NumberedMedium { number, medium }: NumberedMedium<'a>,
         context: &mut PathContext<'_, 'a, S>,
     ) {
-        let Some(light) = self.scene.light_of_medium(number) else { return };
+        let Some(light_number) = self.scene.medium_lights[number] else { return };
+        let light = &self.scene.lights[light_number];
+        let origin = LightOrigin { class: path.events.class_of_emission(), light: light_number };
         let Some((from, to)) = medium.window(&segment.ray, segment.length_m) else { return };
         let step = (to - from) / f64::from(EMISSION_POSITIONS);
         let shift = context.sampler.stream.uniform();
@@ -86,7 +89,7 @@ impl<'a> CameraPass<'a> {
             let (factors, wavelength) = (&context.buffers.factors, context.sampler.wavelength);
             each_wavelength(path.spectral_mode, factors, light, wavelength, |nm, throughput| {
                 let weight = throughput * medium.emission_per_m(position, nm) * transmittance(&along, nm) * step;
-                context.sink.biased(nm, weight, weight * bias);
+                context.sink.biased(origin, nm, weight, weight * bias);
             });
         }
     }

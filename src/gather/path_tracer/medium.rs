@@ -10,7 +10,8 @@ use crate::gather::direct::lighting::{HitWeighting, VolumeLightSampleContext};
 use crate::geometry::Ray;
 use crate::math::elementary::{exp, ln_1p};
 use crate::optics::phase::PhaseMixture;
-use crate::plan::Tally;
+use crate::plan::{LightOrigin, Tally};
+use crate::scene::Scene;
 use crate::scene::medium::Medium;
 use crate::spectrum::LANES;
 use crate::walk::{
@@ -36,7 +37,7 @@ impl<'a> PathTracer<'a> {
             let lookup = SurfaceLookup::of_line(sampler.stream.uniform());
             let mut collision = None;
             let end = next_interaction_through_media(self.scene, path.ray_state, lookup, |segment| {
-                path.add_emission(segment, sampler, sink);
+                path.add_emission(self.scene, segment, sampler, sink);
                 collision = path.sample_segment(segment, sampler, tally).map(|t| (*segment, t));
                 if collision.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             });
@@ -72,10 +73,11 @@ impl<'a> PathTracer<'a> {
             let point = VolumeLightSampleContext { ray_state, phase: Some(mixture) };
             let Some(sample) = self.direct.sample_direct_in_medium(point, selected, tally) else { continue };
             let cosine = -sample.incoming.dot(incoming);
+            let origin = LightOrigin { class: path.events.class_in_medium(), light: selected.number };
             for (k, &nm) in path.wavelengths.active().iter().enumerate() {
                 let arriving =
                     sample.light.spd_at(sample.spd, nm) * sample.strength * transmittance(&sample.transmittance, nm);
-                sink.radiance(nm, path.throughput[k] * medium.phase.eval(cosine, nm) * arriving);
+                sink.radiance(origin, nm, path.throughput[k] * medium.phase.eval(cosine, nm) * arriving);
             }
         }
         let direction = mixture.sample(incoming, sampler.stream.pair());
@@ -84,6 +86,7 @@ impl<'a> PathTracer<'a> {
         for (k, &nm) in path.wavelengths.active().iter().enumerate() {
             path.throughput[k] *= medium.phase.eval(cosine, nm) / pdf;
         }
+        path.events = path.events.after_medium();
         path.hit_weighting = HitWeighting::Mis { from, pdf, caustic: None };
         path.ray_state = RayState { ray: Ray { origin: ray.origin, direction }, ..ray_state };
         path.survives_collision(sampler)
@@ -94,11 +97,20 @@ impl TracedPath {
     /// Adds the light that a medium emits into the path. The emission is evaluated at one random
     /// position of the segment. After a scattering event, next-event estimation counts this light
     /// instead.
-    fn add_emission<S: Sink>(&self, segment: &MediumSegment<'_>, sampler: &mut PixelSampler, sink: &mut S) {
-        let Some(NumberedMedium { medium, .. }) = segment.medium.filter(|filling| filling.medium.emission.is_some())
+    fn add_emission<S: Sink>(
+        &self,
+        scene: &Scene,
+        segment: &MediumSegment<'_>,
+        sampler: &mut PixelSampler,
+        sink: &mut S,
+    ) {
+        let Some(NumberedMedium { number, medium }) =
+            segment.medium.filter(|filling| filling.medium.emission.is_some())
         else {
             return;
         };
+        let Some(light) = scene.medium_lights[number] else { return };
+        let origin = LightOrigin { class: self.events.class_of_emission(), light };
         let Some((from, to)) = medium.window(&segment.ray, segment.length_m) else { return };
         if !matches!(self.hit_weighting, HitWeighting::Full) {
             return;
@@ -108,7 +120,7 @@ impl TracedPath {
         let along = segment.path_transmittance_tracked(t, position.x.to_bits());
         for (k, &nm) in self.wavelengths.active().iter().enumerate() {
             let emitted = medium.emission_per_m(position, nm) * transmittance(&along, nm) * (to - from);
-            sink.radiance(nm, self.throughput[k] * emitted);
+            sink.radiance(origin, nm, self.throughput[k] * emitted);
         }
     }
 

@@ -12,7 +12,8 @@ use crate::gather::direct::light_tree::ReceivingPoint;
 use crate::gather::direct::lighting::{DirectLighting, HitWeighting, LightSampleContext};
 use crate::geometry::{Hit, Ray};
 use crate::optics::bsdf::{BsdfClass, TransportMode};
-use crate::plan::{MediumPlan, Tally};
+use crate::plan::partition::LightPath;
+use crate::plan::{CameraEvents, LightOrigin, MediumPlan, Tally};
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Lanes, WavelengthDistribution, Wavelengths};
 use crate::walk::{
@@ -54,6 +55,8 @@ pub(super) struct TracedPath {
     /// The number of wavelengths at the start of the path.
     initial_count: usize,
     pub(super) hit_weighting: HitWeighting,
+    /// The events that decide the class of the path's light.
+    pub(super) events: CameraEvents,
 }
 
 impl<'a> PathTracer<'a> {
@@ -99,6 +102,7 @@ impl<'a> PathTracer<'a> {
                 // Shadow rays stop at hidden faces, so only the path can count a light behind a
                 // hidden face.
                 path.hit_weighting = HitWeighting::Full;
+                path.events = path.events.after_specular_event();
             }
             self.add_emitters_hit(path, interaction.incoming, Some(interaction.hit), tally, sink);
             if matches!(interaction.bsdf.class(), BsdfClass::Diffuse | BsdfClass::Glossy) {
@@ -163,6 +167,7 @@ impl<'a> PathTracer<'a> {
             throughput,
             initial_throughput: throughput,
             hit_weighting: HitWeighting::Full,
+            events: CameraEvents::Specular,
         })
     }
 
@@ -180,9 +185,10 @@ impl<'a> PathTracer<'a> {
             let ray = Ray { origin: path.ray_state.ray.origin, direction };
             let emitted = self.direct.emitted_by_hit(number, ray, hit, path.hit_weighting, tally);
             let Some(emitter) = emitted else { continue };
+            let origin = LightOrigin { class: path.events.class_of_emission(), light: number };
             for (k, &nm) in path.wavelengths.active().iter().enumerate() {
                 let radiance = path.throughput[k] * emitter.light.spd_at(emitter.spd, nm) * emitter.radiance;
-                sink.radiance(nm, radiance);
+                sink.radiance(origin, nm, radiance);
             }
         }
     }
@@ -202,10 +208,11 @@ impl<'a> PathTracer<'a> {
             let Some(sample) = self.direct.sample_direct(point, selected, tally) else { continue };
             let (direction, distance_m) = (sample.direction, sample.distance_m);
             let along = self.direct.transmittance_from::<WithBodies>(interaction, direction, distance_m, selected.u);
+            let origin = LightOrigin { class: path.events.class_at_surface(LightPath::Direct), light: selected.number };
             for (k, &nm) in path.wavelengths.active().iter().enumerate() {
                 let f = bsdf.eval(wo, sample.wi, sides, TransportMode::Radiance, nm);
                 let scattered = path.throughput[k] * f * sample.light.spd_at(sample.spd, nm);
-                sink.radiance(nm, scattered * sample.strength * transmittance(&along, nm));
+                sink.radiance(origin, nm, scattered * sample.strength * transmittance(&along, nm));
             }
         }
     }
@@ -220,6 +227,7 @@ impl TracedPath {
             let only = |lanes: Lanes| std::array::from_fn(|k| if k == 0 { lanes[kept] } else { 0.0 });
             (self.throughput, self.initial_throughput) = (only(self.throughput), only(self.initial_throughput));
         }
+        self.events = if scattered.delta { self.events.after_specular_event() } else { self.events.after_surface() };
         self.hit_weighting = if scattered.delta {
             // Shadow rays cannot sample a light behind mirrors or glass.
             HitWeighting::Full

@@ -12,5 +12,9 @@ pub(super) const BIAS: &str = "error.bias";
 /// The channel that marks pixels near an edge of the illumination.
 pub(super) const EDGE: &str = "error.edge";
 
+/// The names of the channels of layers begin with one of these prefixes.
+pub(super) const LAYER_PREFIXES: [&str; 9] =
+    ["albedo.", "normal.", "depth.", "uv.", "samples", "path.", "light.", "CryptoObject", "CryptoMaterial"];
+
 /// The names of the channels that contain exact sums begin with this prefix.
 pub(super) const SUMS_PREFIX: &str = "sums.";

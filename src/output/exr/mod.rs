@@ -8,12 +8,14 @@
 //! | `error.noise` `error.bias` | standard error and estimated bias of Y in cd/m²; −1 if unknown |
 //! | `error.edge` | 1 if kernels blur an edge of the illumination, so that the bias is probably larger than estimated; else 0; −1 if unknown |
 //! | `sums.<plane>.<word>` | in checkpoints and parts: the exact sums over passes, as 32-bit words |
+//! | `albedo.R` … | the layers that the film recorded on request |
 //! | `S0.<λ>nm` | spectral radiance in W/m²/sr/nm, λ in nm with a decimal comma |
 //!
 //! The spectral channels follow the layout of Alban Fichet, Romain Pacanowski and Alexander Wilkie,
 //! "An OpenEXR Layout for Spectral Images", Journal of Computer Graphics Techniques 10(3), 2021.
 
 mod channel_names;
+mod cryptomatte;
 mod open;
 mod read;
 mod sums;

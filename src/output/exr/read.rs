@@ -7,11 +7,13 @@ use ::exr::meta::attribute::Chromaticities;
 use ::exr::prelude::{AnyChannels, FlatSamples, Layer, Text, Vec2};
 use glam::{DMat3, DVec3};
 
-use super::channel_names::{BIAS, EDGE, NOISE, SUMS_PREFIX, XYZ};
+use super::channel_names::{BIAS, EDGE, LAYER_PREFIXES, NOISE, SUMS_PREFIX, XYZ};
+use super::cryptomatte;
 use super::open::{header_texts, read_layers};
 use crate::colour::RgbSpace;
 use crate::error::{Error, Result};
 use crate::output::Metadata;
+use crate::sensor::layers::{LayerChannel, PictureLayers};
 use crate::sensor::{Picture, SpectralBands};
 use crate::spectrum::emissive_wavelength_nm;
 
@@ -64,7 +66,9 @@ fn decode(path: &Path) -> Result<ExrFile> {
     }
     picture.bands = bands(&channels);
     let texts = image.attributes.other.iter().chain(&first.attributes.other);
-    Ok(ExrFile { picture, metadata: header_texts(texts, &first.attributes) })
+    let metadata = header_texts(texts, &first.attributes);
+    picture.layers = layers(&channels, &metadata);
+    Ok(ExrFile { picture, metadata })
 }
 
 /// Returns a sample of an error channel. Negative numbers and NaN mean that the error is unknown.
@@ -161,6 +165,16 @@ fn colours(channels: &BTreeMap<String, Vec<f32>>, rgb: &RgbToXyz) -> Result<Vec<
         channels.get("Y").ok_or_else(|| Error::input("contains no colour channels").expected(COLOUR_CHANNELS))?;
     let white = RgbSpace::Srgb.white();
     Ok(grey.iter().map(|&y| white.map(|value| value * f64::from(y))).collect())
+}
+
+/// Returns the layers of a picture that Abbe wrote. `header` contains the names of Cryptomatte layers.
+fn layers(channels: &BTreeMap<String, Vec<f32>>, header: &Metadata) -> PictureLayers {
+    let is_layer = |name: &str| LAYER_PREFIXES.iter().any(|prefix| name.starts_with(prefix));
+    let own = channels.iter().filter(|(name, _)| is_layer(name));
+    PictureLayers {
+        channels: own.map(|(name, values)| LayerChannel { name: name.clone(), values: values.clone() }).collect(),
+        mattes: cryptomatte::mattes(header),
+    }
 }
 
 fn bands(channels: &BTreeMap<String, Vec<f32>>) -> Option<SpectralBands> {

@@ -50,21 +50,21 @@ pub fn read_metadata(path: &Path) -> Result<Metadata> {
     read().map_err(|error: Error| error.in_file(path))
 }
 
-/// Returns true if the header can belong to a film of this width, height and number of spectral
-/// bands. Call this function before you allocate the film.
+/// Returns true if the header can belong to a film of this width, height and number of planes of
+/// bands and layers. Call this function before you allocate the film.
 ///
 /// # Errors
 /// Returns an input error if the file is missing or not an EXR.
-pub fn holds_sums_of(path: &Path, (width, height): (usize, usize), bands: usize) -> Result<bool> {
+pub fn holds_sums_of(path: &Path, (width, height): (usize, usize), planes: usize) -> Result<bool> {
     let meta = read_headers(path).map_err(|error| error.in_file(path))?;
     let fits = |header: &Header| {
-        header.layer_size == Vec2(width, height) && header.channels.list.len() / WORDS_PER_SUM >= bands
+        header.layer_size == Vec2(width, height) && header.channels.list.len() / WORDS_PER_SUM >= planes
     };
     Ok(meta.headers.first().is_some_and(fits))
 }
 
-/// Adds the exact sums in a file to a film. The file and the film must have the same size and the
-/// same spectral bands.
+/// Adds the exact sums in a file to a film. The file and the film must have the same size, the same
+/// spectral bands and the same layers.
 ///
 /// # Errors
 /// Returns an input error if the file is missing or not an EXR, or if its sums do not fit the size
@@ -89,15 +89,28 @@ fn decode(path: &Path, film: &mut Film) -> Result<()> {
         })
         .collect();
     for (plane, plane_name) in film.plane_names().iter().enumerate() {
-        let mut found = [[].as_slice(); WORDS_PER_SUM];
-        for (word, samples) in found.iter_mut().enumerate() {
-            let name = name(plane_name, word);
-            *samples = words.get(&name).ok_or_else(|| Error::input(format!("lacks the channel `{name}`")))?;
+        film.add_plane(plane, plane_of(&words, plane_name)?);
+    }
+    for kind in film.name_kinds() {
+        for place in 0.. {
+            let plane_name = kind.plane_name(place);
+            if !words.contains_key(&name(&plane_name, 0)) {
+                break;
+            }
+            film.add_names(kind, plane_of(&words, &plane_name)?);
         }
-        let pixels = film.width() * film.height();
-        film.add_plane(plane, (0..pixels).map(|pixel| sum(found.map(|words| words[pixel]))));
     }
     Ok(())
+}
+
+/// Returns the sums of a plane, pixel by pixel. `words` contains the channels of the file.
+fn plane_of<'w>(words: &BTreeMap<String, &'w [u32]>, plane: &str) -> Result<impl Iterator<Item = ExactSum> + use<'w>> {
+    let mut found = [[].as_slice(); WORDS_PER_SUM];
+    for (word, samples) in found.iter_mut().enumerate() {
+        let name = name(plane, word);
+        *samples = words.get(&name).ok_or_else(|| Error::input(format!("lacks the channel `{name}`")))?;
+    }
+    Ok((0..found[0].len()).map(move |pixel| sum(found.map(|words| words[pixel]))))
 }
 
 fn sum(words: [u32; WORDS_PER_SUM]) -> ExactSum {

@@ -10,7 +10,7 @@ use ::exr::prelude::{
 };
 
 use super::channel_names::{BIAS, EDGE, NOISE, XYZ};
-use super::sums;
+use super::{cryptomatte, sums};
 use crate::colour::{RgbSpace, xyz_to_linear_srgb};
 use crate::error::{Error, Result};
 use crate::output::{Metadata, file};
@@ -71,6 +71,9 @@ fn encode_channels(
     };
     for (name, value) in metadata.iter().chain(spectral_attributes(picture)) {
         attributes.other.insert(text(name), AttributeValue::Text(text(value)));
+    }
+    for (name, value) in picture.layers.mattes.iter().flat_map(cryptomatte::attributes) {
+        attributes.other.insert(text(&name), AttributeValue::Text(text(&value)));
     }
     let mut image = Image::from_layer(Layer::new(size, attributes, encoding, channels));
     image.attributes.chromaticities = Some(chromaticities());
@@ -136,6 +139,9 @@ fn channels(picture: &Picture) -> Vec<AnyChannel<FlatSamples>> {
             let samples = values.iter().skip(band).step_by(centres_nm.len()).copied().collect();
             channels.push(AnyChannel::new(text(&emissive_channel(nm)), FlatSamples::F32(samples)));
         }
+    }
+    for layer in &picture.layers.channels {
+        channels.push(AnyChannel::new(text(&layer.name), FlatSamples::F32(layer.values.clone())));
     }
     channels
 }

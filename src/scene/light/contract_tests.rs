@@ -90,6 +90,7 @@ fn light(emitter: Emitter, spectrum: Spectrum) -> Light {
     let wavelengths = WavelengthDistribution::new(&spectrum).unwrap();
     Light {
         name: String::new(),
+        group: String::new(),
         emitter,
         spectrum,
         wavelengths,

@@ -53,6 +53,8 @@ use std::collections::BTreeMap;
 pub struct Light {
     /// The name in reports.
     pub name: String,
+    /// The name of the group. Lights of a group share a layer of the picture.
+    pub group: String,
     /// The kind of light, with its position and radiometric quantity.
     pub emitter: Emitter,
     /// The relative spectral power distribution: a density per nm with integral 1 over the band.
@@ -126,8 +128,7 @@ impl Light {
     /// Creates a light at rest.
     ///
     /// `observer` is the observer of the film. Photon wavelengths are sampled in proportion to the
-    /// product of the spectrum and the visual importance. The visual importance depends on this
-    /// observer.
+    /// product of the spectrum and the visual importance for this observer.
     ///
     /// # Errors
     /// Returns an error if the spectrum has no power within the band.
@@ -137,6 +138,7 @@ impl Light {
             .ok_or_else(|| Error::input("the spectrum has no power within 360–830 nm"))?;
         let importance_per_watt = observer.xyz(spectrum).iter().sum();
         Ok(Self {
+            group: name.clone(),
             name,
             emitter,
             spectrum: spectrum.clone(),

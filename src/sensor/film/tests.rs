@@ -10,7 +10,7 @@ fn exposed(passes: &[u64], bias: impl Fn(u64) -> f64) -> Film {
     let mut film = Film::new(1, 1, Observer::cie1931(), 0);
     for &pass in passes {
         film.rows().for_each(|mut row| {
-            row.expose(pass, 1, |_, sink| sink.biased(NM, 1.0, bias(pass)));
+            row.expose(pass, 1, |_, sink| sink.biased((0, 0), NM, 1.0, bias(pass)));
         });
         film.count_pass(pass);
     }
@@ -41,10 +41,10 @@ fn samples_and_splats_have_the_colour_of_their_wavelength() {
         let bar = Observer::cie1931().xyz_bar(nm).map(|bar| 0.3 * bar * LUMENS_PER_WATT);
         let [mut samples, mut splats] = [0, 1].map(|_| Film::new(1, 1, Observer::cie1931(), 0));
         samples.rows().for_each(|mut row| {
-            row.expose(0, 1, |_, sink| sink.radiance(nm, 0.3));
+            row.expose(0, 1, |_, sink| sink.radiance((0, 0), nm, 0.3));
         });
         let mut sink = splats.splat_sink();
-        sink.splat(0, [(nm, 0.3)].into_iter());
+        sink.splat((0, 0), 0, [(nm, 0.3)].into_iter());
         splats.add_splats(0, &sink);
         for film in [&mut samples, &mut splats] {
             film.count_pass(0);
@@ -60,7 +60,7 @@ fn lost_splats_count_in_the_half_of_their_pass() {
     let mut film = exposed(&[0, 1, 2, 3], |_| 0.0);
     for pass in 0..4 {
         let mut sink = film.splat_sink();
-        sink.splat(0, [(NM, 0.3)].into_iter());
+        sink.splat((0, 0), 0, [(NM, 0.3)].into_iter());
         film.add_lost_splats(pass, &sink);
     }
     assert!((relative_bias(&film) - 0.3).abs() < 1e-6);
