@@ -81,7 +81,7 @@ impl<'a> Resolver<'a> {
         let frame = DAffine3 { matrix3: start.matrix3, translation: start.translation * self.metres };
         let spd_at = at.key("shape");
         let mut objects = Vec::new();
-        if let ShapeFile::Mesh(MeshShapeFile { path, reverse, flat, flip_v }) = shape {
+        if let ShapeFile::Mesh(MeshShapeFile { path, reverse, flat, smooth, flip_v }) = shape {
             let local = DAffine3::from_scale(DVec3::splat(self.metres));
             let motion = motion.map(|motion| (motion, local));
             let mesh_at = spd_at.key("mesh");
@@ -108,6 +108,7 @@ impl<'a> Resolver<'a> {
                 let placement = Placement { to_world: frame * local, motion: motion.clone() };
                 let mut mesh = part.mesh;
                 mesh = if *flat { mesh.without_normals() } else { mesh };
+                mesh = if *smooth { mesh.with_normals() } else { mesh };
                 mesh = if *reverse { mesh.reversed() } else { mesh };
                 mesh = if *flip_v { mesh.with_flipped_v() } else { mesh };
                 let mesh = Shape::Mesh(Arc::new(mesh));
