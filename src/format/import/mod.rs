@@ -4,6 +4,7 @@
 //! scene to a [`SceneWriter`], and states what it leaves out.
 
 mod gltf;
+mod mitsuba;
 mod scene_writer;
 
 use std::path::Path;
@@ -40,7 +41,7 @@ impl ImportedScene {
 type Reader = fn(&Path, &str, FileAccess) -> Result<ImportedScene>;
 
 /// The readers by file name extension.
-const READERS: [(&str, Reader); 2] = [("gltf", gltf::import), ("glb", gltf::import)];
+const READERS: [(&str, Reader); 3] = [("gltf", gltf::import), ("glb", gltf::import), ("xml", mitsuba::import)];
 
 fn reader(path: &Path) -> Option<Reader> {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();

@@ -36,11 +36,6 @@ impl SceneWriter {
         add(&mut self.materials, wanted, material)
     }
 
-    /// Returns a material.
-    pub(super) fn material(&self, name: &str) -> Option<&Value> {
-        self.materials.get(name)
-    }
-
     /// Adds a medium, and returns its name. The name is `wanted`, unless another medium has this
     /// name.
     pub(super) fn add_medium(&mut self, wanted: &str, medium: Value) -> String {
@@ -131,7 +126,7 @@ mod tests {
         let [white, black] = [1.0, 0.0].map(|r| json!({"diffuse": {"reflectance": r}}));
         let names = [&white, &black, &white, &black].map(|m| scene.add_material("paint", m.clone()));
         assert_eq!(names, ["paint", "paint 2", "paint", "paint 2"]);
-        assert_eq!(scene.material("paint 2"), Some(&black));
+        assert_eq!(scene.materials["paint 2"], black);
     }
 
     #[test]
