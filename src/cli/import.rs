@@ -10,7 +10,7 @@ use crate::output::file::write_whole;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct ImportArgs {
-    /// The glTF file (.gltf or .glb), or the pbrt file (.pbrt)
+    /// The glTF file (.gltf or .glb), Mitsuba scene (.xml) or pbrt scene (.pbrt)
     #[arg(value_name = "FILE")]
     file: PathBuf,
     /// The scene file to write, in the folder of FILE or in a folder above it [default: standard

@@ -72,7 +72,7 @@ enum Command {
     Explain(explain::ExplainArgs),
     /// Check scenes without rendering them
     Check(check::CheckArgs),
-    /// Convert a glTF file with its camera, lights and materials to a scene file
+    /// Convert a glTF file or a Mitsuba scene to a scene file
     #[cfg(feature = "meshes")]
     Import(import::ImportArgs),
     /// Print the JSON Schema of the scene file

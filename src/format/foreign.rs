@@ -15,13 +15,12 @@ enum Import {
 }
 
 /// File name extensions of other programs, the names of the formats, and the way to import them.
-const FOREIGN: [(&str, &str, Import); 13] = [
+const FOREIGN: [(&str, &str, Import); 12] = [
     ("obj", "a Wavefront OBJ mesh", Import::Mesh),
     ("ply", "a PLY mesh", Import::Mesh),
     ("stl", "an STL mesh", Import::Mesh),
     ("ies", "an IES luminaire", Import::Luminaire),
     ("ldt", "an EULUMDAT luminaire", Import::Luminaire),
-    ("xml", "an XML file, such as a Mitsuba scene", Import::Scene),
     ("blend", "a Blender file", Import::Scene),
     ("fbx", "an FBX file", Import::Scene),
     ("dae", "a COLLADA file", Import::Scene),

@@ -98,7 +98,9 @@ pub enum ShapeFile {
     },
     /// A triangle mesh from an OBJ, PLY, STL, glTF or GLB file.
     #[schemars(example = json!({"mesh": {"path": "bunny.ply"}}))]
-    #[schemars(example = json!({"mesh": {"path": "lamp.obj", "reverse": true, "flat": true, "flip_v": true}}))]
+    #[schemars(example = json!({"mesh": {
+        "path": "lamp.obj", "reverse": true, "flat": true, "smooth": false, "flip_v": true
+    }}))]
     Mesh(MeshShapeFile),
     /// A triangle mesh whose vertices are in the scene file.
     #[schemars(example = json!({"triangles": {
@@ -126,6 +128,10 @@ pub struct MeshShapeFile {
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "forms::never")]
     pub flat: bool,
+    /// True to compute smooth vertex normals if the file has none.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub smooth: bool,
     /// True to replace the texture coordinate v by 1 − v.
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "forms::never")]

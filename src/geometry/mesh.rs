@@ -3,6 +3,7 @@
 use glam::{DAffine3, DVec3};
 
 use crate::error::{Error, Result};
+use crate::math::elementary::atan2;
 
 /// Triangles over shared vertices. The vertices of a triangle are counter-clockwise seen from
 /// outside.
@@ -68,6 +69,29 @@ impl TriangleMesh {
     #[must_use]
     pub fn without_normals(self) -> Self {
         Self { normals: None, ..self }
+    }
+
+    /// Returns the mesh with vertex normals. If the mesh has none, each normal is the mean of the
+    /// normals of the triangles around the vertex, weighted by their angles at the vertex (Thürmer
+    /// and Wüthrich 1998).
+    #[must_use]
+    pub fn with_normals(self) -> Self {
+        if self.normals.is_some() {
+            return self;
+        }
+        let mut normals = vec![DVec3::ZERO; self.positions.len()];
+        for &triangle in &self.triangles {
+            let corners = self.corners(triangle);
+            let normal = triangle_normal(corners).normalize_or_zero();
+            for (i, &vertex) in triangle.iter().enumerate() {
+                let edges = [corners[(i + 1) % 3], corners[(i + 2) % 3]].map(|corner| corner - corners[i]);
+                let angle = atan2(edges[0].cross(edges[1]).length(), edges[0].dot(edges[1]));
+                normals[vertex as usize] += angle * normal;
+            }
+        }
+        // A vertex without triangles, or with triangles of opposite normals, has no mean normal.
+        normals.iter_mut().for_each(|normal| *normal = normal.normalize_or(DVec3::Z));
+        Self { normals: Some(normals), ..self }
     }
 
     /// Returns the mesh with the texture coordinate v replaced by 1 − v.
@@ -236,5 +260,20 @@ mod tests {
         assert!(fault.contains("times as long as wide"), "{fault}");
         let stretched = needle(1e-3).fault_as_body(&DAffine3::from_scale(DVec3::new(1.0, 1e6, 1.0)));
         assert!(stretched.is_some(), "the transform counts");
+    }
+
+    /// Computed normals are the means of the normals around a vertex, weighted by the angles. At the
+    /// first vertex, the triangle on the wall counts as much as the two triangles on the floor.
+    #[test]
+    fn computed_normals_are_weighted_by_angles() {
+        let positions = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(1.0, 1.0, 0.0)];
+        let triangles = vec![[0, 3, 1], [0, 1, 4], [0, 4, 2]];
+        let mesh = TriangleMesh::new(positions.to_vec(), None, None, triangles).unwrap().with_normals();
+        let normals = mesh.normals().unwrap();
+        assert!((normals[0] - DVec3::new(0.0, 1.0, 1.0).normalize()).length() < 1e-12, "{}", normals[0]);
+        assert!((normals[2] - DVec3::Z).length() < 1e-12, "{}", normals[2]);
+        let own = vec![DVec3::X; 5];
+        let with_own = TriangleMesh::new(positions.to_vec(), Some(own.clone()), None, vec![[0, 3, 1]]).unwrap();
+        assert_eq!(with_own.with_normals().normals(), Some(own.as_slice()));
     }
 }

@@ -1,4 +1,4 @@
-//! `abbe import`, and glTF files in the place of scene files.
+//! `abbe import`, and files of other programs in the place of scene files.
 
 use crate::abbe_command::abbe;
 use serde_json::Value;
@@ -32,7 +32,7 @@ fn a_gltf_file_is_rendered_by_one_command() {
     );
     assert!(folder.path().join("bare.png").is_file());
     abbe(folder.path(), &["import", "bare.gltf", "--strict"]).is_error(2, &["bare.gltf", "a uniform sky of 1000 lx"]);
-    abbe(folder.path(), &["import", "bare.obj"]).is_error(2, &["bare.obj", ".gltf or .glb"]);
+    abbe(folder.path(), &["import", "bare.obj"]).is_error(2, &["bare.obj", ".gltf, .glb"]);
 }
 
 /// An imported scene file names the glTF file relative to its own folder, and can be checked.
@@ -53,4 +53,23 @@ fn an_imported_scene_is_a_scene_file() {
     let below = ["import", "models/room.gltf", "-o", "models/below/room.json"];
     std::fs::create_dir(folder.path().join("models/below")).unwrap();
     abbe(folder.path(), &below).is_error(2, &["an output in the folder of the imported file"]);
+}
+
+/// A Mitsuba scene is rendered. The notes name the file and the line of what is left out.
+#[test]
+fn a_mitsuba_scene_is_rendered_by_one_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = r#"<scene version="3.0.0">
+        <sensor type="perspective"><transform name="to_world"><lookat origin="0, 0, 5" target="0, 0, 0"/></transform>
+            <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/></film></sensor>
+        <emitter type="constant"><rgb name="radiance" value="2"/></emitter>
+        <shape type="sphere"><bsdf type="plastic"><float name="gloss" value="1"/></bsdf></shape>
+    </scene>"#;
+    std::fs::write(folder.path().join("ball.xml"), scene).unwrap();
+    let said = abbe(folder.path(), &["render", "ball.xml", "--passes", "1", "--photons", "1000"]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(said.err.contains("note: ball.xml:5: `gloss` of <bsdf type=\"plastic\"> is left out"), "{}", said.err);
+    assert!(folder.path().join("ball.png").is_file());
+    std::fs::write(folder.path().join("drawing.xml"), "<svg/>").unwrap();
+    abbe(folder.path(), &["render", "drawing.xml"]).is_error(2, &["drawing.xml:1:1", "<svg>", "<scene>"]);
 }

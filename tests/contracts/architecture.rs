@@ -91,7 +91,7 @@ const CRATES: [(&str, &[&str]); 33] = [
     ("maud", &["output/", "study/"]),
     ("base64", &["output/data_uri.rs", "format/mesh/gltf_texture.rs"]),
     ("blake3", &["output/hash.rs"]),
-    ("roxmltree", &["spectrum/"]),
+    ("roxmltree", &["spectrum/", "format/import/mitsuba/xml.rs"]),
     ("yaml_rust2", &["optics/glass/index_file.rs"]),
     ("ctrlc", &["cli/"]),
     ("zip", &["format/volume_file.rs"]),

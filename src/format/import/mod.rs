@@ -4,6 +4,7 @@
 //! scene to a [`SceneWriter`], and states what it leaves out.
 
 mod gltf;
+mod mitsuba;
 mod pbrt;
 mod scene_writer;
 
@@ -41,7 +42,8 @@ impl ImportedScene {
 type Reader = fn(&Path, &str, FileAccess) -> Result<ImportedScene>;
 
 /// The readers by file name extension.
-const READERS: [(&str, Reader); 3] = [("gltf", gltf::import), ("glb", gltf::import), ("pbrt", pbrt::import)];
+const READERS: [(&str, Reader); 4] =
+    [("gltf", gltf::import), ("glb", gltf::import), ("xml", mitsuba::import), ("pbrt", pbrt::import)];
 
 fn reader(path: &Path) -> Option<Reader> {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();

@@ -97,12 +97,13 @@ impl<'a> Resolver<'a> {
     }
 
     fn mesh_file(&self, at: &JsonPath<'_>, file: &MeshShapeFile) -> Result<LoadedMesh> {
-        let MeshShapeFile { path, reverse, flat, flip_v } = file;
+        let MeshShapeFile { path, reverse, flat, smooth, flip_v } = file;
         let read = self.source.file(path).and_then(|path| mesh::load(&path, self.source.file_access()));
         let MeshFile { parts, ignored, has_lights } = self.at(&at.key("path"), read)?;
         let changed = |part: MeshPart| {
             let mut mesh = part.mesh;
             mesh = if *flat { mesh.without_normals() } else { mesh };
+            mesh = if *smooth { mesh.with_normals() } else { mesh };
             mesh = if *reverse { mesh.reversed() } else { mesh };
             mesh = if *flip_v { mesh.with_flipped_v() } else { mesh };
             LoadedPart::new(mesh, part.material, part.name)
