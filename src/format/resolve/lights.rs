@@ -277,9 +277,9 @@ impl Resolver<'_> {
                 return self.at(path, Err(Error::input("found neither").expected("one of `spectrum`, `image`")));
             }
         };
-        let quantity = file.quantity().map(|quantity| match quantity {
-            QuantityFile::Luminance(luminance) => QuantityFile::Illuminance(PI * mean * luminance),
-            other => other,
+        let quantity = file.quantity().map(|quantity| {
+            let of_white = file.luminance.map(|luminance| QuantityFile::Illuminance(PI * mean * luminance));
+            of_white.unwrap_or(quantity)
         });
         let irradiance = self.at(path, quantity.and_then(|q| radiometric(q, &spectrum)))?.value();
         Ok((Emitter::Environment(EnvironmentLight::new(irradiance / PI, map)), spectrum))

@@ -58,13 +58,11 @@ impl<'a> Resolver<'a> {
                 let error = Error::unknown_name("shape", name, known).expected("a name of the scene's `shapes`");
                 return self.at(&at.key("shared"), Err(error));
             };
-            match found {
-                ShapeFile::Shared(next) if depth < MAX_DEPTH => (name, depth) = (next, depth + 1),
-                ShapeFile::Shared(_) => {
-                    return self.at(&at.key("shared"), Err(Error::input("this shape contains itself")));
-                }
-                shape => return then(&shapes.key(name), shape),
+            let ShapeFile::Shared(next) = found else { return then(&shapes.key(name), found) };
+            if depth >= MAX_DEPTH {
+                return self.at(&at.key("shared"), Err(Error::input("this shape contains itself")));
             }
+            (name, depth) = (next, depth + 1);
         }
     }
 
@@ -83,13 +81,13 @@ impl<'a> Resolver<'a> {
         if let Some((_, known)) = cache.list.iter().find(|(known, _)| same(known)) {
             return Ok(Some(Rc::clone(known)));
         }
-        let loaded = match shape {
-            ShapeFile::Mesh(file) => self.mesh_file(&at.key("mesh"), file)?,
-            ShapeFile::Triangles(triangles) => {
-                let mesh = self.at(&at.key("triangles"), triangles.mesh())?;
-                LoadedMesh { parts: vec![LoadedPart::new(mesh, None, String::new())], ignored: None, has_lights: false }
-            }
-            _ => return Ok(None),
+        let loaded = if let ShapeFile::Mesh(file) = shape {
+            self.mesh_file(&at.key("mesh"), file)?
+        } else if let ShapeFile::Triangles(triangles) = shape {
+            let mesh = self.at(&at.key("triangles"), triangles.mesh())?;
+            LoadedMesh { parts: vec![LoadedPart::new(mesh, None, String::new())], ignored: None, has_lights: false }
+        } else {
+            return Ok(None);
         };
         let loaded = Rc::new(loaded);
         cache.list.push((shape, Rc::clone(&loaded)));

@@ -162,17 +162,21 @@ fn roughness(parameters: &Parameters, prefix: &str, default: f64, textures: &mut
         let number = |value: &Value| mean(value).as_f64().unwrap_or(default).max(0.0);
         value = json!((number(&u) * number(&v)).sqrt());
     }
-    let exponent: f64 = if remap { 0.25 } else { 0.5 };
+    let converted = |alpha: f64| {
+        let root = alpha.max(0.0).sqrt();
+        if remap { root.sqrt() } else { root }.min(1.0)
+    };
     if let Some(number) = value.as_f64() {
-        return Ok(json!(number.max(0.0).powf(exponent).min(1.0)));
+        return Ok(json!(converted(number)));
     }
     textures.left_out.push("a texture of roughness is interpolated between the roughness of its extreme values".into());
     for ends in ["/image/range", "/checker", "/noise"] {
         let Some(form) = value.pointer_mut(ends) else { continue };
-        let convert = |x: &mut Value| *x = json!(x.as_f64().unwrap_or(default).max(0.0).powf(exponent).min(1.0));
-        match form {
-            Value::Array(numbers) => numbers.iter_mut().for_each(convert),
-            pattern => ["a", "b"].iter().for_each(|key| convert(&mut pattern[*key])),
+        let convert = |x: &mut Value| *x = json!(converted(x.as_f64().unwrap_or(default)));
+        if let Some(numbers) = form.as_array_mut() {
+            numbers.iter_mut().for_each(convert);
+        } else {
+            ["a", "b"].iter().for_each(|key| convert(&mut form[*key]));
         }
     }
     Ok(value)

@@ -11,6 +11,7 @@ use super::shape::{ReadShape, ShapeReader};
 use super::state::{is_placement, transform};
 use super::token::{Place, Tokens};
 use crate::error::Result;
+use crate::math::elementary::cbrt;
 
 /// A shape with its material, before an instance places it.
 #[derive(Debug, Clone)]
@@ -38,7 +39,7 @@ impl Reader<'_> {
             left_out.push("a shape whose transform cannot be inverted is left out".into());
             return Ok(());
         }
-        let scale = self.state.ctm.determinant().abs().cbrt();
+        let scale = cbrt(self.state.ctm.determinant().abs());
         let spectra = self.spectra();
         let area = area.map(|area| area * scale * scale);
         let lit = self.state.area_light.as_ref();
