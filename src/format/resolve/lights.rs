@@ -270,9 +270,9 @@ impl Resolver<'_> {
                 return self.at(path, Err(Error::input("found neither").expected("one of `spectrum`, `image`")));
             }
         };
-        let quantity = file.quantity().map(|quantity| match quantity {
-            QuantityFile::Luminance(luminance) => QuantityFile::Illuminance(PI * mean * luminance),
-            other => other,
+        let quantity = file.quantity().map(|quantity| {
+            let QuantityFile::Luminance(luminance) = quantity else { return quantity };
+            QuantityFile::Illuminance(PI * mean * luminance)
         });
         let irradiance = self.at(path, quantity.and_then(|q| radiometric(q, &spectrum)))?.value();
         Ok((Emitter::Environment(EnvironmentLight::new(irradiance / PI, map)), spectrum))
