@@ -96,7 +96,7 @@ const CRATES: [(&str, &[&str]); 31] = [
     ("zip", &["format/volume_file.rs"]),
     ("tobj", &["format/mesh/"]),
     ("stl_io", &["format/mesh/"]),
-    ("gltf", &["format/mesh/", "format/import/gltf.rs"]),
+    ("gltf", &["format/mesh/", "format/import/"]),
     ("ply_rs_bw", &["format/mesh/"]),
     ("libm", &["math/elementary.rs"]),
 ];
