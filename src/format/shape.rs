@@ -117,6 +117,7 @@ pub enum ShapeFile {
 /// A triangle mesh from a file.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[expect(clippy::struct_excessive_bools, reason = "the keys of the scene file are independent switches")]
 pub struct MeshShapeFile {
     /// Path of the file, relative to the scene's folder.
     pub path: String,

@@ -290,9 +290,9 @@ impl PlacedSolid {
 
 /// Returns for each shape whether it is a mesh that is placed several times.
 fn shared_meshes(placed: &[PlacedShape]) -> Vec<bool> {
-    let mesh = |item: &PlacedShape| match &item.shape {
-        Shape::Mesh(mesh) if mesh.triangles().len() >= MIN_TRIANGLES => Some(Arc::as_ptr(mesh)),
-        _ => None,
+    let mesh = |item: &PlacedShape| {
+        let Shape::Mesh(mesh) = &item.shape else { return None };
+        (mesh.triangles().len() >= MIN_TRIANGLES).then_some(Arc::as_ptr(mesh))
     };
     let mut uses = std::collections::HashMap::<_, usize>::new();
     placed.iter().filter_map(mesh).for_each(|mesh| *uses.entry(mesh).or_default() += 1);

@@ -97,7 +97,7 @@ const CRATES: [(&str, &[&str]); 33] = [
     ("zip", &["format/volume_file.rs"]),
     ("tobj", &["format/mesh/"]),
     ("stl_io", &["format/mesh/"]),
-    ("gltf", &["format/mesh/", "format/import/gltf.rs"]),
+    ("gltf", &["format/mesh/", "format/import/"]),
     ("flate2", &["format/mesh/mod.rs"]),
     ("ply_rs_bw", &["format/mesh/"]),
     ("libm", &["math/elementary.rs"]),

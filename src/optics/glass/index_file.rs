@@ -96,10 +96,12 @@ fn of_yaml(text: &str) -> Result<IndexFileData> {
     // Aliases could expand to a text of any size, and the database uses none.
     let mut parser = Parser::new_from_str(text);
     loop {
-        match parser.next_token().map_err(malformed)?.0 {
-            Event::Alias(_) => return Err(Error::input("the YAML file uses aliases").expected("a file without them")),
-            Event::StreamEnd => break,
-            _ => {}
+        let event = parser.next_token().map_err(malformed)?.0;
+        if matches!(event, Event::Alias(_)) {
+            return Err(Error::input("the YAML file uses aliases").expected("a file without them"));
+        }
+        if event == Event::StreamEnd {
+            break;
         }
     }
     let documents = YamlLoader::load_from_str(text).map_err(malformed)?;
@@ -137,11 +139,10 @@ fn of_yaml(text: &str) -> Result<IndexFileData> {
 
 /// Returns a scalar of a YAML file as text.
 fn text_of(yaml: &Yaml) -> String {
-    match yaml {
-        Yaml::Real(text) | Yaml::String(text) => text.clone(),
-        Yaml::Integer(number) => number.to_string(),
-        _ => String::new(),
+    if let Yaml::Real(text) | Yaml::String(text) = yaml {
+        return text.clone();
     }
+    yaml.as_i64().map_or_else(String::new, |number| number.to_string())
 }
 
 fn numbers(text: &str) -> Result<Vec<f64>> {

@@ -65,7 +65,7 @@ impl VolumeGrid {
             Some("a grid of colours is not supported")
         } else if self.values.len() > MAX_CELLS {
             Some("a grid with more than 262144 cells is too large")
-        } else if low.iter().zip(high).any(|(low, high)| *low >= high) {
+        } else if !low.iter().zip(high).all(|(low, high)| *low < high) {
             Some("a grid with an empty box is not supported")
         } else {
             None
