@@ -37,9 +37,23 @@ impl SceneWriter {
         add(&mut self.materials, wanted, material)
     }
 
-    /// Returns a material.
-    pub(super) fn material(&self, name: &str) -> Option<&Value> {
-        self.materials.get(name)
+    /// Adds a material that covers the part `covered` of a surface, and returns its name. Light
+    /// passes straight through the part `open`, which is a pane with the index of refraction 1.
+    /// Returns `None` if the material encloses a space, or is a mix.
+    pub(super) fn with_holes(&mut self, material: &str, covered: &Value, open: &Value) -> Option<String> {
+        if covered.as_f64() == Some(1.0) {
+            return Some(material.to_string());
+        }
+        let encloses = |form: &Value| ["dielectric", "boundary", "mix"].iter().any(|key| form.get(key).is_some());
+        if self.materials.get(material).is_some_and(encloses) {
+            return None;
+        }
+        let hole = self.add_material("hole", json!({"thin_dielectric": {"ior": 1}}));
+        if covered.as_f64() == Some(0.0) {
+            return Some(hole);
+        }
+        let mix = json!({"mix": [{"material": material, "weight": covered}, {"material": hole, "weight": open}]});
+        Some(self.add_material(&format!("{material} with holes"), mix))
     }
 
     /// Adds a medium, and returns its name. The name is `wanted`, unless another medium has this

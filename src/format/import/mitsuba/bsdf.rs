@@ -6,7 +6,6 @@ use serde_json::{Value, json};
 
 use super::MitsubaReader;
 use super::properties::Properties;
-use super::texture::Textured;
 use super::xml::XmlElement;
 use crate::error::Result;
 use crate::optics::fresnel;
@@ -110,20 +109,20 @@ impl MitsubaReader<'_> {
         self.converted(inner, context)
     }
 
-    /// Converts a surface with partial opacity. It becomes opaque or invisible.
+    /// Converts a surface with partial opacity. It becomes a surface with holes.
     fn mask(&mut self, properties: &Properties<'_>, context: &BsdfContext<'_>) -> Result<MitsubaSurface> {
-        let opacity = self.textured(properties, "opacity")?;
+        let weights = self.weight(properties, "opacity")?;
         let nested = self.nested(properties);
         let place = properties.element.place();
-        match opacity {
-            Some(Textured::Spectrum(opacity)) if opacity.mean() >= 1.0 => self.first(properties, &nested, context),
-            Some(Textured::Spectrum(opacity)) if opacity.mean() < 0.5 => {
-                self.scene.leave_out(place, "a mask with an opacity below 0.5 becomes invisible");
-                Ok(MitsubaSurface::Invisible)
-            }
-            _ => {
-                self.scene.leave_out(place, "a mask is left out: the surface is opaque");
-                self.first(properties, &nested, context)
+        let surface = self.first(properties, &nested, context)?;
+        let (Some([covered, open]), MitsubaSurface::Material { name, one_sided }) = (weights, &surface) else {
+            return Ok(surface);
+        };
+        match self.scene.with_holes(name, &covered, &open) {
+            Some(name) => Ok(MitsubaSurface::Material { name, one_sided: *one_sided }),
+            None => {
+                self.scene.leave_out(place, "the mask of a body, or of a blend, is left out");
+                Ok(surface)
             }
         }
     }

@@ -141,13 +141,25 @@ fn simple_materials_keep_their_numbers() {
 }
 
 #[test]
+fn a_mask_cuts_holes() {
+    let (found, notes) =
+        material(r#"<bsdf type="mask"><bsdf type="diffuse"/><float name="opacity" value="0.75"/></bsdf>"#);
+    assert_eq!((&found["mix"][0]["weight"], &found["mix"][1]["weight"]), (&json!(0.75), &json!(0.25)));
+    assert_eq!((&found["mix"][1]["material"], notes.as_str()), (&json!("hole"), ""));
+}
+
+#[test]
 fn approximated_materials_are_noted() {
     for (bsdf, kind, note) in [
         (r#"<bsdf type="roughconductor"><float name="alpha" value="0.09"/></bsdf>"#, "conductor", "replaced by GGX"),
         (r#"<bsdf type="conductor"><string name="material" value="Hg"/></bsdf>"#, "conductor", "becomes chromium"),
         (r#"<bsdf type="hair"/>"#, "diffuse", "\"hair\" is not supported"),
         (r#"<bsdf type="bumpmap"><bsdf type="plastic"/></bsdf>"#, "glossy", "\"bumpmap\" is left out"),
-        (r#"<bsdf type="mask"><bsdf type="diffuse"/><float name="opacity" value="0.6"/></bsdf>"#, "diffuse", "mask"),
+        (
+            r#"<bsdf type="mask"><bsdf type="dielectric"/><float name="opacity" value="0.6"/></bsdf>"#,
+            "dielectric",
+            "mask",
+        ),
         (r#"<bsdf type="principled"><float name="spec_trans" value="1"/></bsdf>"#, "dielectric", "principled"),
         (r#"<bsdf type="principled"><float name="sheen" value="1"/></bsdf>"#, "glossy", "`sheen`"),
         (r#"<bsdf type="diffuse"><rgb name="reflectance" value="1.5"/></bsdf>"#, "diffuse", "above 1"),

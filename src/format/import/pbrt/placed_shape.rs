@@ -49,7 +49,10 @@ impl Reader<'_> {
             return Ok(());
         };
         let alpha = self.with_textures(left_out, |textures| textures.value(parameters, "alpha", true, 1.0))?;
-        let material = self.with_holes(material, &alpha, left_out);
+        let material = self.scene.with_holes(&material, &alpha, &complement(&alpha)).unwrap_or_else(|| {
+            left_out.push("the opacity of a body, or of a mix of materials, is left out".into());
+            material
+        });
         let placed = PlacedShape { shape, to_world, material, emission };
         match self.defining.as_ref().and_then(|name| self.objects.get_mut(name)) {
             Some(shapes) => {
@@ -122,27 +125,6 @@ impl Reader<'_> {
                 Some(self.scene.add_material(name, mix))
             }
         }
-    }
-
-    /// Returns the name of a material that covers the part `alpha` of the surface. Light passes
-    /// straight through the rest, which is a pane with the index of refraction 1.
-    fn with_holes(&mut self, material: String, alpha: &Value, left_out: &mut Vec<String>) -> String {
-        if alpha.as_f64() == Some(1.0) {
-            return material;
-        }
-        let encloses = |form: &Value| ["dielectric", "boundary", "mix"].iter().any(|key| form.get(key).is_some());
-        if self.scene.material(&material).is_some_and(encloses) {
-            left_out.push("the opacity of a body, or of a mix of materials, is left out".into());
-            return material;
-        }
-        let hole = self.scene.add_material("hole", json!({"thin_dielectric": {"ior": 1}}));
-        if alpha.as_f64() == Some(0.0) {
-            return hole;
-        }
-        let mix = json!({"mix": [
-            {"material": material, "weight": alpha}, {"material": hole, "weight": complement(alpha)}
-        ]});
-        self.scene.add_material(&format!("{material} with holes"), mix)
     }
 
     fn add_object(&mut self, placed: PlacedShape) {
