@@ -126,3 +126,42 @@ impl LoadedPart {
         if is_luminous { Arc::new(TriangleMesh::clone(&self.mesh)) } else { Arc::clone(&self.mesh) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use crate::format::{parse, resolve::resolve};
+
+    /// Returns the fault of a scene with these shapes and this object.
+    fn fault(shapes: &str, object: &str) -> String {
+        let text = format!(
+            r#"{{
+                "camera": {{"from": [0, 0, 5], "at": [0, 0, 0], "lens": {{"pinhole": {{"fov": 35}}}}}},
+                "film": {{"width": 4, "height": 4}}, "materials": {{"white": {{"diffuse": {{"reflectance": 0.8}}}}}},
+                "shapes": {shapes}, "objects": [{object}],
+                "lights": [{{"environment": {{"spectrum": 1, "irradiance": 1}}}}]
+            }}"#
+        );
+        let (file, source) = parse(&text, Path::new("scene.json"), &[]).unwrap();
+        resolve(&file, &source).map_or_else(|error| error.to_string(), |_| String::new())
+    }
+
+    #[test]
+    fn shared_shapes_need_a_known_name_and_a_material() {
+        let tree = r#"{"tree": {"sphere": {"radius": 1}}}"#;
+        assert_eq!(fault(tree, r#"{"shape": {"shared": "tree"}, "material": "white"}"#), "");
+        for (shapes, object, expected) in [
+            (tree, r#"{"shape": {"shared": "tre"}, "material": "white"}"#, "unknown shape \"tre\""),
+            (tree, r#"{"shape": {"shared": "tree"}}"#, "the shape has no material"),
+            (
+                r#"{"a": {"shared": "b"}, "b": {"shared": "a"}}"#,
+                r#"{"shape": {"shared": "a"}, "material": "white"}"#,
+                "contains itself",
+            ),
+        ] {
+            let found = fault(shapes, object);
+            assert!(found.contains(expected) && found.contains("objects[0]"), "{found}");
+        }
+    }
+}

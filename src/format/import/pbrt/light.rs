@@ -10,8 +10,8 @@ use super::spectrum::{LightSpectrum, SpectrumContext};
 use crate::error::Result;
 use crate::math::elementary::cos;
 
-/// The rotation from pbrt's directions of a picture to those of Abbe is part of the projection
-/// "equal_area", so the transform of the light is all that remains.
+/// Returns the transform of an infinite light, without its translation. The projection "equal_area"
+/// has pbrt's axes.
 fn rotation(to_world: &DMat4) -> Value {
     let rows: Vec<Vec<f64>> = (0..4)
         .map(|row| (0..4).map(|column| if row < 3 && column == 3 { 0.0 } else { to_world.col(column)[row] }).collect())
