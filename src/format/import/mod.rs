@@ -1,7 +1,7 @@
 //! Converts scenes of other programs to the text of a scene file.
 //!
 //! [`import`] selects the reader by the extension of the file. A reader hands the parts of the
-//! scene to a [`SceneWriter`], and states what it leaves out.
+//! scene to a `SceneWriter`, and states what it leaves out.
 
 mod gltf;
 mod mitsuba;
