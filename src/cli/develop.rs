@@ -48,7 +48,8 @@ pub(crate) struct DisplayArgs {
     /// desaturate]
     #[arg(long, value_name = "NAME")]
     gamut: Option<String>,
-    /// The tone curve: roll_off or clip [default: the setting of the scene, else roll_off]
+    /// The tone curve: roll_off, clip, pbr_neutral or agx [default: the setting of the scene, else
+    /// roll_off]
     #[arg(long, value_name = "NAME")]
     tone: Option<String>,
     /// The colour space: srgb, display-p3, rec2020 or acescg [default: the setting of the scene,

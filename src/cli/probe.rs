@@ -140,7 +140,7 @@ fn pixel(picture: &Picture, x: usize, y: usize) -> Result<PixelReport> {
         xyz,
         xy: (xyz.iter().sum::<f64>() > 0.0).then(|| xy(xyz)),
         linear_srgb: xyz_to_linear_srgb(xyz),
-        srgb_hex: srgb_hex(desaturate(ToneCurve::default().apply(exposed), RgbSpace::Srgb)),
+        srgb_hex: srgb_hex(desaturate(ToneCurve::default().apply(exposed, RgbSpace::Srgb), RgbSpace::Srgb)),
         noise: picture.noise[i].map(f64::from),
         bias: picture.bias[i].map(f64::from),
         edge: picture.edge[i],

@@ -79,7 +79,7 @@ pub fn develop(picture: &Picture, exposure: f64, development: &Development) -> D
         // EXR files have single precision. A picture and its file give the same codes.
         let xyz = xyz.map(|component| f64::from(component as f32));
         let rgb = matrix.map(|row| row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2]);
-        gamut.map(tone.apply(rgb), space)
+        gamut.map(tone.apply(rgb, space), space)
     };
     let codes = match space {
         RgbSpace::Srgb | RgbSpace::DisplayP3 => {

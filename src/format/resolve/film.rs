@@ -51,6 +51,8 @@ impl Resolver<'_> {
         let tone = match tone {
             ToneFile::RollOff => ToneCurve::RollOff,
             ToneFile::Clip => ToneCurve::Clip,
+            ToneFile::PbrNeutral => ToneCurve::PbrNeutral,
+            ToneFile::Agx => ToneCurve::Agx,
         };
         let space = match output_space {
             OutputSpaceFile::Srgb => RgbSpace::Srgb,
