@@ -6,7 +6,7 @@ use abbe::format::luminaire::{self, LuminaireSummary};
 use abbe::format::volume_file;
 use abbe::format::{self, FileAccess};
 use abbe::format::{mesh, resolve};
-use abbe::optics::glass::AgfCatalogue;
+use abbe::optics::glass::{AgfCatalogue, IndexFileData};
 use abbe::optics::phase;
 use abbe::output::Metadata;
 use abbe::output::exr;
@@ -51,6 +51,13 @@ pub(crate) fn all() -> Vec<Target> {
     let bytes = |text: &str| text.as_bytes().to_vec();
     vec![
         Target::new("scene", "json", 30, scenes(), plans),
+        Target::new("pbrt", "pbrt", 6, import_examples("pbrt", &["cornell.pbrt", "plates.pbrt", "prism.pbrt"]), plans),
+        Target {
+            beside: vec![("film.xml", import_examples("mitsuba", &["film.xml"]).remove(0))],
+            ..Target::new("mitsuba", "xml", 6, import_examples("mitsuba", &MITSUBA_SCENES), plans)
+        },
+        Target::new("index", "yml", 2, vec![bytes(INDEX)], is_index),
+        Target::new("index", "csv", 1, vec![bytes("nm,n,k\n400,1.5,2\n800,0.2,4\n")], is_index),
         Target::new("set", "txt", 12, SETS.iter().map(|set| bytes(set)).collect(), patches),
         Target { beside: beside.clone(), ..Target::new("obj", "obj", 8, vec![bytes(OBJ)], mesh) },
         Target::new("ply", "ply", 8, vec![bytes(PLY), binary_ply()], mesh),
@@ -90,6 +97,25 @@ fn scenes() -> Vec<Vec<u8>> {
     paths.sort();
     let texts = paths.iter().map(|path| std::fs::read_to_string(path).unwrap());
     texts.filter(|text| !text.contains("\"prescription\"")).map(String::into_bytes).collect()
+}
+
+/// Scenes of Mitsuba that name no other files than the film.
+const MITSUBA_SCENES: [&str; 5] = ["cornell.xml", "fog.xml", "lights.xml", "metal.xml", "plastic.xml"];
+
+/// Scenes of other programs.
+fn import_examples(program: &str, names: &[&str]) -> Vec<Vec<u8>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/import").join(program);
+    names.iter().map(|name| std::fs::read(folder.join(name)).unwrap()).collect()
+}
+
+/// An entry of refractiveindex.info.
+const INDEX: &str = "REFERENCES: a data sheet\nDATA:\n  - type: formula 2\n    wavelength_range: 0.3 2.5\n    \
+    coefficients: 0 1.03961212 0.00600069867 0.231792344 0.0200179144 1.01046945 103.560653\n  \
+    - type: tabulated k\n    data: |\n        0.300 2.8607E-06\n        2.5 8.1E-06\n";
+
+fn is_index(path: &Path) -> bool {
+    let text = String::from_utf8_lossy(&std::fs::read(path).unwrap()).into_owned();
+    IndexFileData::parse(&text, path).and_then(|data| data.index()).is_ok()
 }
 
 /// Reads, resolves and plans a scene.

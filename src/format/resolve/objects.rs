@@ -83,16 +83,16 @@ impl<'a> Resolver<'a> {
             to_world: frame * local,
             motion: motion.clone().map(|motion| (motion, local)),
         };
-        let objects = self.shared_shape(&at.key("shape"), shape, |at, shape| {
+        let objects = self.shared_shape(&at.key("shape"), shape, |shape_at, shape| {
             if let Some((shape, local)) = self.analytic_shape(shape) {
                 let Some(material) = material else {
                     let error =
                         Error::input("the shape has no material").expected("a material for shapes other than meshes");
                     return self.at(at, Err(error));
                 };
-                return Ok(vec![self.at(at, resolved.set.add_object(name, material, shape, placed(local)))?]);
+                return Ok(vec![self.at(shape_at, resolved.set.add_object(name, material, shape, placed(local)))?]);
             }
-            let Some(mesh) = self.mesh(at, shape, &mut resolved.meshes)? else { return Ok(Vec::new()) };
+            let Some(mesh) = self.mesh(shape_at, shape, &mut resolved.meshes)? else { return Ok(Vec::new()) };
             let local = DAffine3::from_scale(DVec3::splat(self.metres));
             if let ShapeFile::Mesh(file) = shape {
                 self.note_ignored(&file.path, &mesh, material.is_none(), &mut resolved.set.notes);
@@ -105,9 +105,9 @@ impl<'a> Resolver<'a> {
                 let shape = Shape::Mesh(part.mesh_for(emission.is_some() || own_light.is_some()));
                 let material = match material {
                     Some(number) => number,
-                    None => self.own_material(at, part, resolved)?,
+                    None => self.own_material(shape_at, part, resolved)?,
                 };
-                let object = self.at(at, resolved.set.add_object(name, material, shape, placed(local)))?;
+                let object = self.at(shape_at, resolved.set.add_object(name, material, shape, placed(local)))?;
                 objects.push(object);
                 if let Some(light) = own_light {
                     let emission = EmissionSource::Mesh(light);
