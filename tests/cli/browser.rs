@@ -71,6 +71,8 @@ pub(crate) fn open(browser: &str, page: &str, size: (u32, u32), scheme: Scheme) 
         .args(["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--no-first-run"])
         .args(["--disable-background-networking", "--disable-dev-shm-usage", "--no-proxy-server"])
         .args(["--force-color-profile=srgb", "--force-device-scale-factor=1", "--enable-logging=stderr"])
+        // The screenshot waits until the pictures are decoded and painted.
+        .args(["--run-all-compositor-stages-before-draw", "--virtual-time-budget=5000"])
         .arg(format!("--blink-settings=preferredColorScheme={preference}"))
         .arg(format!("--user-data-dir={}", folder.path().join("profile").display()))
         .arg(format!("--window-size={},{}", size.0, size.1))
