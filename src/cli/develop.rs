@@ -40,8 +40,9 @@ pub(crate) struct DisplayArgs {
     /// picture's scene, else auto]
     #[arg(long, value_name = "auto|none|EV", value_parser = values::exposure, allow_negative_numbers = true)]
     exposure: Option<Exposure>,
-    /// The light that is shown as white: none, scene (all lights together), or a spectrum: a name of
-    /// the scene or of the library, a file, or JSON [default: the setting of the scene, else none]
+    /// The light that is shown as white: none, scene (all lights together), or a spectrum: a name
+    /// of the scene or of the library, a file, or JSON [default: the setting of the scene, else
+    /// none]
     #[arg(long, value_name = "NAME")]
     white_balance: Option<String>,
     /// The gamut mapping: desaturate, oklab or clip [default: the setting of the scene, else

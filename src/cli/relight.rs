@@ -15,15 +15,16 @@ use super::{Outcome, print, values};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct RelightArgs {
-    /// The picture: an EXR file with the layers of light groups, which `abbe render --layers lights`
-    /// writes
+    /// The picture: an EXR file with the layers of light groups, which `abbe render --layers
+    /// lights` writes
     #[arg(value_name = "PICTURE.exr")]
     picture: PathBuf,
     /// The file of the new picture: a PNG file, or an EXR file with a PNG file beside it
     #[arg(short, long, value_name = "OUT.exr|OUT.png", required_unless_present = "list")]
     output: Option<PathBuf>,
-    /// The gain of a light group: a factor such as 2, a colour such as #ff8800, or three factors for
-    /// linear red, green and blue such as 1,0.5,0.2. Groups without a gain do not change (repeatable)
+    /// The gain of a light group: a factor such as 2, a colour such as #ff8800, or three factors
+    /// for linear red, green and blue such as 1,0.5,0.2. Groups without a gain do not change
+    /// (repeatable)
     #[arg(long, value_name = "GROUP=GAIN", value_parser = values::light_gain)]
     set: Vec<LightGain>,
     /// Print the names of the light groups instead of writing a picture

@@ -74,8 +74,8 @@ pub(crate) struct RenderArgs {
     /// Store the spectrum of every pixel in this many bands
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1024))]
     spectral_bands: Option<u32>,
-    /// Store these layers in the EXR file in addition to the colours: albedo, normal, depth, object,
-    /// material, uv, samples, paths, lights
+    /// Store these layers in the EXR file in addition to the colours: albedo, normal, depth,
+    /// object, material, uv, samples, paths, lights
     #[arg(long, value_name = "LAYER,...", value_delimiter = ',', value_parser = clap::builder::NonEmptyStringValueParser::new())]
     layers: Option<Vec<String>>,
     /// Render only one of N parts: the passes whose index modulo N is I, with I from 0 to N-1.

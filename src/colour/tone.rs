@@ -113,7 +113,8 @@ fn pbr_neutral(rgb: Rgb) -> Rgb {
     shifted.map(|component| compressed * (saturation * component / peak + 1.0 - saturation))
 }
 
-/// The inset of AgX for Rec. 2020 (E. Chow, `AgXBaseRec2020`, 2023). It moves the primaries inwards.
+/// The inset of AgX for Rec. 2020 (E. Chow, `AgXBaseRec2020`, 2023). It moves the primaries
+/// inwards.
 const AGX_INSET: Matrix3 = [
     [0.856_627_153_315_983, 0.095_121_240_538_158_8, 0.048_251_606_145_858_3],
     [0.137_318_972_929_847, 0.761_241_990_602_591, 0.101_439_036_467_562],

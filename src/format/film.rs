@@ -131,8 +131,8 @@ pub enum ToneFile {
     RollOff,
     /// Components are not changed. A component of 1 is the brightest that the display shows.
     Clip,
-    /// The Khronos PBR Neutral tone mapper, for colours of products. Components below 0.8 keep their
-    /// hue, and 0.04 is subtracted.
+    /// The Khronos PBR Neutral tone mapper, for colours of products. Components below 0.8 keep
+    /// their hue, and 0.04 is subtracted.
     PbrNeutral,
     /// AgX, as in Blender: a soft contrast curve on a logarithmic scale. Bright colours turn white.
     Agx,

@@ -237,7 +237,7 @@ impl PlacedSolid {
     fn face_area(&self, face: u32) -> f64 {
         let local = self.solid.area(face);
         let scale_at = |u: [f64; 2]| self.placed_surface(self.solid.sample(face, u), face).area_scale;
-        if self.is_similarity() || self.solid.has_flat_faces() {
+        if is_similarity(&self.to_world) || self.solid.has_flat_faces() {
             return local * scale_at([0.5, 0.5]);
         }
         // The area scale is averaged over the face, which `sample` covers uniformly. Around the
@@ -261,17 +261,9 @@ impl PlacedSolid {
         local * mean
     }
 
-    /// Returns whether the transform preserves angles.
-    fn is_similarity(&self) -> bool {
-        let [x, y, z] = [self.to_world.x_axis, self.to_world.y_axis, self.to_world.z_axis];
-        let scale = x.length_squared();
-        let deviations = [x.dot(y), y.dot(z), z.dot(x), y.length_squared() - scale, z.length_squared() - scale];
-        deviations.iter().all(|deviation| deviation.abs() <= 1e-12 * scale)
-    }
-
     fn sampling(&self) -> ShapeSampling {
         let [x, z] = [self.to_world.x_axis, self.to_world.z_axis];
-        if let Some(radius) = self.solid.sphere_radius().filter(|_| self.is_similarity()) {
+        if let Some(radius) = self.solid.sphere_radius().filter(|_| is_similarity(&self.to_world)) {
             return ShapeSampling::Sphere { centre: self.position, radius: radius * x.length() };
         }
         let right_angled = x.dot(z).abs() <= 1e-12 * x.length() * z.length();
@@ -286,6 +278,14 @@ impl PlacedSolid {
             height: 2.0 * half_height * z.length(),
         })
     }
+}
+
+/// Returns whether a linear map preserves angles.
+pub(super) fn is_similarity(map: &DMat3) -> bool {
+    let [x, y, z] = [map.x_axis, map.y_axis, map.z_axis];
+    let scale = x.length_squared();
+    let deviations = [x.dot(y), y.dot(z), z.dot(x), y.length_squared() - scale, z.length_squared() - scale];
+    deviations.iter().all(|deviation| deviation.abs() <= 1e-12 * scale)
 }
 
 /// Returns for each shape whether it is a mesh that is placed several times.

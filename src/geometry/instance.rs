@@ -13,10 +13,11 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
+use super::build::is_similarity;
 use super::bvh::Bvh;
 use super::hit::{Hit, SurfaceId};
 use super::mesh::{TriangleMesh, triangle_normal};
-use super::primitive::{Candidate, barycentric};
+use super::primitive::{Candidate, triangle_hit, triangle_uv};
 use super::ray::Ray;
 use super::shape::bounds_of;
 use super::trace::RayQuery;
@@ -106,11 +107,8 @@ impl Instance {
 
     /// Returns the area in m².
     pub(super) fn area(&self, shared: &SharedMesh) -> f64 {
-        let [x, y, z] = [self.to_world.x_axis, self.to_world.y_axis, self.to_world.z_axis];
-        let scale = x.length_squared();
-        let deviations = [x.dot(y), y.dot(z), z.dot(x), y.length_squared() - scale, z.length_squared() - scale];
-        if deviations.iter().all(|deviation| deviation.abs() <= 1e-12 * scale) {
-            return scale * shared.area;
+        if is_similarity(&self.to_world) {
+            return self.to_world.x_axis.length_squared() * shared.area;
         }
         let area = |number| 0.5 * triangle_normal(shared.triangle(self, number).corners).length();
         (0..shared.order.len() as u32).map(area).sum()
@@ -118,28 +116,16 @@ impl Instance {
 }
 
 impl InstancedTriangle<'_> {
-    fn hit(&self, t: f64, surface: SurfaceId, weights: [f64; 3], instance: &Instance) -> Hit {
-        let [a, b, c] = self.corners;
-        let normal = triangle_normal(self.corners).normalize();
-        let position = a + weights[1] * (b - a) + weights[2] * (c - a);
-        let shading_normal = self.mesh.normals().map_or(normal, |normals| {
-            let to_normal = instance.to_local.transpose();
-            let corner = |i: usize| {
-                let placed = (to_normal * normals[self.vertices[i] as usize]).normalize_or_zero();
-                weights[i] * placed.as_vec3().as_dvec3()
-            };
-            let mean = (corner(0) + corner(1) + corner(2)).normalize_or(normal);
-            if mean.dot(normal) < 0.0 { -mean } else { mean }
-        });
-        Hit { t: t.max(0.0), position, normal, shading_normal, object: instance.object, surface }
+    fn hit(&self, candidate: &Candidate, instance: &Instance) -> Hit {
+        let to_normal = instance.to_local.transpose();
+        let placed = |normal: DVec3| (to_normal * normal).normalize_or_zero().as_vec3().as_dvec3();
+        let normals = self.mesh.normals().map(|normals| self.vertices.map(|vertex| placed(normals[vertex as usize])));
+        triangle_hit(candidate, instance.object, self.corners, normals)
     }
 
     fn uv(&self, point: DVec3) -> [f64; 2] {
-        let [v, w] = barycentric(self.corners, point);
-        self.mesh.uvs().map_or([v, w], |uvs| {
-            let [p, q, r] = self.vertices.map(|vertex| uvs[vertex as usize]);
-            std::array::from_fn(|i| (1.0 - v - w) * p[i] + v * q[i] + w * r[i])
-        })
+        let uvs = self.mesh.uvs().map(|uvs| self.vertices.map(|vertex| uvs[vertex as usize]));
+        triangle_uv(self.corners, uvs, point)
     }
 }
 
@@ -176,7 +162,7 @@ impl Instances {
 
     pub(super) fn hit(&self, candidate: &Candidate) -> Hit {
         let (instance, triangle) = self.triangle(candidate.surface.primitive);
-        triangle.hit(candidate.t, candidate.surface, candidate.weights, instance)
+        triangle.hit(candidate, instance)
     }
 
     pub(super) fn uv(&self, primitive: u32, point: DVec3) -> [f64; 2] {

@@ -262,8 +262,8 @@ mod tests {
         assert!(stretched.is_some(), "the transform counts");
     }
 
-    /// Computed normals are the means of the normals around a vertex, weighted by the angles. At the
-    /// first vertex, the triangle on the wall counts as much as the two triangles on the floor.
+    /// Computed normals are the means of the normals around a vertex, weighted by the angles. At
+    /// the first vertex, the triangle on the wall counts as much as the two triangles on the floor.
     #[test]
     fn computed_normals_are_weighted_by_angles() {
         let positions = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(1.0, 1.0, 0.0)];

@@ -205,7 +205,7 @@ impl Primitives {
 
     /// Computes the hit that belongs to a crossing.
     pub(super) fn hit(&self, ray: &Ray, candidate: &Candidate) -> Hit {
-        let Candidate { t, surface, weights } = *candidate;
+        let Candidate { t, surface, weights: _ } = *candidate;
         match self.get(surface.primitive) {
             Some(Primitive::Analytic(index)) => {
                 let analytic = &self.analytic[*index as usize];
@@ -219,26 +219,19 @@ impl Primitives {
                     surface,
                 }
             }
-            Some(Primitive::Triangle(triangle)) => self.triangle_hit(t, surface, triangle, weights),
+            Some(Primitive::Triangle(triangle)) => self.triangle_hit(candidate, triangle),
             Some(Primitive::Instance(_)) | None => self.instances.hit(candidate),
         }
     }
 
-    fn triangle_hit(&self, t: f64, surface: SurfaceId, triangle: &Triangle, weights: [f64; 3]) -> Hit {
+    fn triangle_hit(&self, candidate: &Candidate, triangle: &Triangle) -> Hit {
         let mesh = &self.meshes[triangle.mesh as usize];
-        let corners = self.corners(triangle);
-        let normal = triangle_normal(corners).normalize();
-        let [a, b, c] = corners;
-        // Interpolating from one corner keeps the point in the triangle's plane, even if the sum of
-        // the rounded weights is not 1.
-        let position = a + weights[1] * (b - a) + weights[2] * (c - a);
-        let attribute = |first: u32, corner: usize| (triangle.vertices[corner] - mesh.first_vertex + first) as usize;
-        let shading_normal = mesh.first_normal.map_or(normal, |first| {
-            let corner = |i: usize| weights[i] * DVec3::from_array(self.normals[attribute(first, i)].map(f64::from));
-            let mean = (corner(0) + corner(1) + corner(2)).normalize_or(normal);
-            if mean.dot(normal) < 0.0 { -mean } else { mean }
+        let attribute = |first: u32, vertex: u32| (vertex - mesh.first_vertex + first) as usize;
+        let normals = mesh.first_normal.map(|first| {
+            let normal = |vertex| DVec3::from_array(self.normals[attribute(first, vertex)].map(f64::from));
+            triangle.vertices.map(normal)
         });
-        Hit { t: t.max(0.0), position, normal, shading_normal, object: mesh.object, surface }
+        triangle_hit(candidate, mesh.object, self.corners(triangle), normals)
     }
 
     /// Returns the texture coordinates of a point on a surface.
@@ -264,13 +257,10 @@ impl Primitives {
 
     fn triangle_uv(&self, triangle: &Triangle, point: DVec3) -> [f64; 2] {
         let mesh = &self.meshes[triangle.mesh as usize];
-        let [v, w] = barycentric(self.corners(triangle), point);
-        mesh.first_uv.map_or([v, w], |first| {
-            let corner =
-                |i: usize| self.uvs[(triangle.vertices[i] - mesh.first_vertex + first) as usize].map(f64::from);
-            let [p, q, r] = [corner(0), corner(1), corner(2)];
-            std::array::from_fn(|i| (1.0 - v - w) * p[i] + v * q[i] + w * r[i])
-        })
+        let uvs = mesh.first_uv.map(|first| {
+            triangle.vertices.map(|vertex| self.uvs[(vertex - mesh.first_vertex + first) as usize].map(f64::from))
+        });
+        triangle_uv(self.corners(triangle), uvs, point)
     }
 
     pub(super) fn shrink_to_fit(&mut self) {
@@ -292,12 +282,37 @@ impl Primitives {
     }
 }
 
-/// Returns the weights of the second and the third corner of a triangle at a point in its plane.
-pub(super) fn barycentric([a, b, c]: [DVec3; 3], point: DVec3) -> [f64; 2] {
+/// Computes the hit of a triangle. `normals` are the unit normals of the corners, if the mesh has
+/// normals.
+#[inline]
+pub(super) fn triangle_hit(
+    candidate: &Candidate,
+    object: u32,
+    corners: [DVec3; 3],
+    normals: Option<[DVec3; 3]>,
+) -> Hit {
+    let Candidate { t, surface, weights } = *candidate;
+    let normal = triangle_normal(corners).normalize();
+    let [a, b, c] = corners;
+    // Interpolating from one corner keeps the point in the triangle's plane, even if the sum of the
+    // rounded weights is not 1.
+    let position = a + weights[1] * (b - a) + weights[2] * (c - a);
+    let shading_normal = normals.map_or(normal, |normals| {
+        let corner = |i: usize| weights[i] * normals[i];
+        let mean = (corner(0) + corner(1) + corner(2)).normalize_or(normal);
+        if mean.dot(normal) < 0.0 { -mean } else { mean }
+    });
+    Hit { t: t.max(0.0), position, normal, shading_normal, object, surface }
+}
+
+/// Returns the texture coordinates of a point in the plane of a triangle. `uvs` are those of the
+/// corners. Without them, the result consists of the weights of the second and the third corner.
+pub(super) fn triangle_uv([a, b, c]: [DVec3; 3], uvs: Option<[[f64; 2]; 3]>, point: DVec3) -> [f64; 2] {
     let (to_b, to_c, to_point) = (b - a, c - a, point - a);
     // The weights solve the normal equations of point = a + v (b − a) + w (c − a).
     let (bb, bc, cc) = (to_b.length_squared(), to_b.dot(to_c), to_c.length_squared());
     let (pb, pc) = (to_point.dot(to_b), to_point.dot(to_c));
     let determinant = bb * cc - bc * bc;
-    [(cc * pb - bc * pc) / determinant, (bb * pc - bc * pb) / determinant]
+    let (v, w) = ((cc * pb - bc * pc) / determinant, (bb * pc - bc * pb) / determinant);
+    uvs.map_or([v, w], |[p, q, r]| std::array::from_fn(|i| (1.0 - v - w) * p[i] + v * q[i] + w * r[i]))
 }

@@ -1,5 +1,5 @@
-//! The additional channels of a film: spectral bands, slices of the spectrum, and layers. The slices
-//! have different diffraction patterns.
+//! The additional channels of a film: spectral bands, slices of the spectrum, and layers. The
+//! slices have different diffraction patterns.
 
 use super::diffraction::DiffractionPsf;
 use super::layers::{COMPONENTS, LayerSet};
@@ -81,8 +81,8 @@ impl Channels {
         }
     }
 
-    /// Distributes light of one wavelength to its spectral channels: calls `add(channel, value)` for each
-    /// channel. `weight` is the radiance. `xyz` is the radiance times the colour-matching
+    /// Distributes light of one wavelength to its spectral channels: calls `add(channel, value)`
+    /// for each channel. `weight` is the radiance. `xyz` is the radiance times the colour-matching
     /// functions.
     pub(super) fn distribute(&self, nm: f64, weight: f64, xyz: [f64; 3], mut add: impl FnMut(usize, f64)) {
         if self.bands > 0 {

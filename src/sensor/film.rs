@@ -285,8 +285,8 @@ impl Film {
         (Picture { layers: self.layers(), ..picture }, squares)
     }
 
-    /// Returns the parts of the squared relative error of the picture so far, or `None` if the error
-    /// is unknown.
+    /// Returns the parts of the squared relative error of the picture so far, or `None` if the
+    /// error is unknown.
     pub fn error_squares(&self) -> Option<ErrorSquares> {
         self.picture_without_layers().1
     }

@@ -8,8 +8,8 @@ use crate::plan::{LightOrigin, PathClass};
 /// One exception saves time: a table may hold the responses of the sensor to many wavelengths. The
 /// code of light transport adds and scales these responses, but it does not interpret them.
 pub trait Sink {
-    /// Adds unbiased radiance of this origin at the wavelength `nm`. `weight` (W/m²/sr) is already divided by all
-    /// densities, including the density of the wavelength.
+    /// Adds unbiased radiance of this origin at the wavelength `nm`. `weight` (W/m²/sr) is already
+    /// divided by all densities, including the density of the wavelength.
     fn radiance(&mut self, origin: LightOrigin, nm: f64, weight: f64);
 
     /// Adds radiance and an estimate of its bias. The bias comes from the kernels of density

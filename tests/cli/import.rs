@@ -76,8 +76,8 @@ fn a_mitsuba_scene_is_rendered_by_one_command() {
 }
 
 /// Mitsuba 3.9.1 (`scalar_spectral`, 512 samples per pixel) gives these mean luminances for
-/// `cornell.xml` and `prism.xml`. The pbrt files are translations of these scenes by hand. The mean of
-/// a few passes agrees within 2 %.
+/// `cornell.xml` and `prism.xml`. The pbrt files are translations of these scenes by hand. The mean
+/// of a few passes agrees within 2 %.
 #[test]
 fn pbrt_scenes_have_the_luminance_of_their_mitsuba_originals() {
     let folder = tempfile::tempdir().unwrap();

@@ -108,7 +108,8 @@ fn path_classes_and_light_groups_sum_to_the_picture() {
     }
 }
 
-/// The sums are exact with several camera samples per pass, a depth limit, spectral bands and a lens.
+/// The sums are exact with several camera samples per pass, a depth limit, spectral bands and a
+/// lens.
 #[test]
 fn layers_sum_to_the_picture_under_all_settings() {
     for sets in [

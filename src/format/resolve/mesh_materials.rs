@@ -67,8 +67,8 @@ pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool) -> Resu
     Ok(Material { name, surface, body })
 }
 
-/// Returns the surface, mixed with nothing where it has holes. Light passes straight through a hole,
-/// which is a pane with the index of refraction 1.
+/// Returns the surface, mixed with nothing where it has holes. Light passes straight through a
+/// hole, which is a pane with the index of refraction 1.
 fn with_holes(surface: Bsdf, file: &MeshMaterial, textured: bool) -> Result<Bsdf> {
     if file.opacity == MeshOpacity::Opaque {
         return Ok(surface);

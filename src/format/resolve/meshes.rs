@@ -16,7 +16,7 @@ const MAX_DEPTH: usize = 16;
 /// A mesh that was read.
 pub(super) struct LoadedMesh {
     pub(super) parts: Vec<LoadedPart>,
-    /// What the file states about materials and the reader ignores.
+    /// A sentence about the properties of materials that the reader ignores.
     pub(super) ignored: Option<String>,
     /// True if the file also contains lights.
     pub(super) has_lights: bool,

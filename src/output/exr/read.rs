@@ -167,7 +167,8 @@ fn colours(channels: &BTreeMap<String, Vec<f32>>, rgb: &RgbToXyz) -> Result<Vec<
     Ok(grey.iter().map(|&y| white.map(|value| value * f64::from(y))).collect())
 }
 
-/// Returns the layers of a picture that Abbe wrote. `header` contains the names of Cryptomatte layers.
+/// Returns the layers of a picture that Abbe wrote. `header` contains the names of Cryptomatte
+/// layers.
 fn layers(channels: &BTreeMap<String, Vec<f32>>, header: &Metadata) -> PictureLayers {
     let is_layer = |name: &str| LAYER_PREFIXES.iter().any(|prefix| name.starts_with(prefix));
     let own = channels.iter().filter(|(name, _)| is_layer(name));

@@ -51,7 +51,8 @@ impl MitsubaReader<'_> {
         Ok((!light.is_dark()).then(|| json!({"spectrum": light.spectrum, "luminance": light.quantity})))
     }
 
-    /// Reads the radiance, intensity or irradiance of an emitter. A texture is replaced by its mean.
+    /// Reads the radiance, intensity or irradiance of an emitter. A texture is replaced by its
+    /// mean.
     fn light_spectrum(&mut self, properties: &Properties<'_>, name: &str) -> Result<EmissionSpectrum> {
         properties.ignore(&["sampling_weight"]);
         let textured = self.textured(properties, name)?;

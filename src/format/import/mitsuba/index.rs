@@ -69,8 +69,8 @@ impl MitsubaReader<'_> {
         })
     }
 
-    /// Reads `int_ior` and `ext_ior`. Returns the index inside for a body, and the ratio of both for
-    /// a coat.
+    /// Reads `int_ior` and `ext_ior`. Returns the index inside for a body, and the ratio of both
+    /// for a coat.
     pub(super) fn indices(&mut self, properties: &Properties<'_>, default: f64) -> Result<(f64, f64)> {
         let inside = self.named_index(properties, "int_ior", default)?;
         let outside = self.named_index(properties, "ext_ior", 1.000277)?;

@@ -145,8 +145,8 @@ impl MitsubaReader<'_> {
     }
 }
 
-/// Parses the attribute `value` of a `<spectrum>`: a number, or pairs such as `400:0.5`. Mitsuba 0.x
-/// also has colours of three numbers.
+/// Parses the attribute `value` of a `<spectrum>`: a number, or pairs such as `400:0.5`. Mitsuba
+/// 0.x also has colours of three numbers.
 fn stated(element: &XmlElement, text: &str) -> Result<MitsubaSpectrum> {
     if !text.contains(':') {
         return match numbers(element, text)?.as_slice() {

@@ -180,7 +180,7 @@ fn approximated_materials_are_noted() {
     }
 }
 
-/// Of the light that enters the coat, Abbe states the fraction that leaves it. With `nonlinear`,
+/// Abbe states the fraction of the light in the coat that leaves it. With `nonlinear`,
 /// Mitsuba states the reflectance of the base below the coat.
 #[test]
 fn a_nonlinear_plastic_is_darker() {

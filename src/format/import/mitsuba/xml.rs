@@ -223,8 +223,8 @@ struct FileContext {
 }
 
 impl XmlLoader {
-    /// Reads a file, and returns its root. `folder` is the folder of the file relative to the folder
-    /// of the scene.
+    /// Reads a file, and returns its root. `folder` is the folder of the file relative to the
+    /// folder of the scene.
     fn file(&mut self, path: &Path, folder: &str, include_depth: usize) -> Result<XmlElement> {
         let text = read_text(path)?;
         let document = roxmltree::Document::parse(&text).map_err(|error| {

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::math::elementary::{atan2, sin_cos};
 
 /// The size of the film in pixels, if the file states none.
-const DEFAULT_FILM: [f64; 2] = [1280.0, 720.0];
+pub(super) const DEFAULT_FILM: [f64; 2] = [1280.0, 720.0];
 
 /// A camera, before the film is known.
 #[derive(Debug)]

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::parameters::Parameters;
 use super::spectrum::metal;
-use super::texture::{TextureReader, mean};
+use super::texture::{TextureReader, map_numbers, mean};
 use crate::error::Result;
 
 /// A converted material.
@@ -170,14 +170,5 @@ fn roughness(parameters: &Parameters, prefix: &str, default: f64, textures: &mut
         return Ok(json!(converted(number)));
     }
     textures.left_out.push("a texture of roughness is interpolated between the roughness of its extreme values".into());
-    for ends in ["/image/range", "/checker", "/noise"] {
-        let Some(form) = value.pointer_mut(ends) else { continue };
-        let convert = |x: &mut Value| *x = json!(converted(x.as_f64().unwrap_or(default)));
-        if let Some(numbers) = form.as_array_mut() {
-            numbers.iter_mut().for_each(convert);
-        } else {
-            ["a", "b"].iter().for_each(|key| convert(&mut form[*key]));
-        }
-    }
-    Ok(value)
+    Ok(map_numbers(value, &converted))
 }

@@ -9,6 +9,7 @@ use super::parameters::Parameters;
 use super::reader::Reader;
 use super::shape::{ReadShape, ShapeReader};
 use super::state::{is_placement, transform};
+use super::texture::map_numbers;
 use super::token::{Place, Tokens};
 use crate::error::Result;
 use crate::math::elementary::cbrt;
@@ -158,18 +159,5 @@ impl Reader<'_> {
 
 /// Returns 1 minus a number or a texture of numbers.
 fn complement(amount: &Value) -> Value {
-    let of = |x: &Value| json!(1.0 - x.as_f64().unwrap_or(0.5));
-    if amount.is_number() {
-        return of(amount);
-    }
-    let mut result = amount.clone();
-    if let Some(range) = result.pointer_mut("/image/range").and_then(Value::as_array_mut) {
-        range.iter_mut().for_each(|x| *x = of(x));
-    }
-    for pattern in ["checker", "noise"] {
-        if let Some(pattern) = result.get_mut(pattern) {
-            ["a", "b"].iter().for_each(|key| pattern[*key] = of(&pattern[*key]));
-        }
-    }
-    result
+    map_numbers(amount.clone(), &|x| 1.0 - x)
 }

@@ -7,7 +7,7 @@ use std::rc::Rc;
 use glam::{DMat4, DVec3};
 use serde_json::json;
 
-use super::camera::{ReadCamera, read_camera, read_film};
+use super::camera::{DEFAULT_FILM, ReadCamera, read_camera, read_film};
 use super::light::{read_light, read_medium};
 use super::material::{self, ReadMaterial};
 use super::parameters::Parameters;
@@ -62,7 +62,7 @@ impl<'a> Reader<'a> {
             state: GraphicsState::default(),
             saved: Vec::new(),
             camera: None,
-            film: [1280.0, 720.0],
+            film: DEFAULT_FILM,
             world: DMat4::IDENTITY,
             coordinate_systems: BTreeMap::new(),
             materials: BTreeMap::new(),

@@ -32,7 +32,7 @@ pub(super) struct ShapeReader<'a> {
     pub(super) folder: &'a str,
     /// True if the front and the back of the shape are exchanged.
     pub(super) reverse: bool,
-    /// What was left out.
+    /// Sentences about the parts that were left out.
     pub(super) left_out: Vec<String>,
 }
 

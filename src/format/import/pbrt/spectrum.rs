@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::format::FileAccess;
 use crate::json::read_text;
 
-/// What the converter needs to know to read a spectrum.
+/// The folder, the file access and the colour space with which spectra are read.
 #[derive(Debug, Clone)]
 pub(super) struct SpectrumContext<'a> {
     /// The folder of the main file.

@@ -46,7 +46,7 @@ pub(super) struct TextureReader<'a> {
     pub(super) folder: &'a str,
     /// Returns the texture of a name, and whether it is a texture of numbers.
     pub(super) named: &'a dyn Fn(&str, bool) -> Option<TextureValue>,
-    /// What was left out.
+    /// Sentences about the parts that were left out.
     pub(super) left_out: Vec<String>,
 }
 
@@ -186,14 +186,14 @@ impl TextureReader<'_> {
             self.left_out.push("a texture of factors is replaced by its mean value".into());
             return self.product(texture, &mean(factor), is_scalar);
         };
+        if is_scalar {
+            return map_numbers(texture, &|x| factor * x);
+        }
         match texture {
             Value::Number(number) => json!(factor * number.as_f64().unwrap_or(0.0)),
             Value::Object(mut form) => {
-                if let Some(image) = form.get_mut("image") {
-                    let key = if is_scalar { "range" } else { "factor" };
-                    if let Some(numbers) = image.get_mut(key).and_then(Value::as_array_mut) {
-                        numbers.iter_mut().for_each(|x| *x = json!(factor * x.as_f64().unwrap_or(1.0)));
-                    }
+                if let Some(factors) = form.get_mut("image").and_then(|image| image["factor"].as_array_mut()) {
+                    factors.iter_mut().for_each(|x| *x = json!(factor * x.as_f64().unwrap_or(1.0)));
                 } else if let Some(pattern) = form.get_mut("checker") {
                     for key in ["a", "b"] {
                         pattern[key] = self.product(pattern[key].take(), &json!(factor), is_scalar);
@@ -221,4 +221,21 @@ pub(super) fn mean(value: &Value) -> Value {
     let ends = [("/image/range/0", "/image/range/1"), ("/checker/a", "/checker/b"), ("/noise/a", "/noise/b")];
     let middle = ends.iter().find_map(|(a, b)| Some(0.5 * (number(a)? + number(b)?)));
     if value.is_number() { value.clone() } else { json!(middle.unwrap_or(0.5)) }
+}
+
+/// Applies a function to a number, or to the extreme values of a texture of numbers.
+pub(super) fn map_numbers(mut value: Value, f: &dyn Fn(f64) -> f64) -> Value {
+    let apply = |x: &mut Value| *x = json!(f(x.as_f64().unwrap_or(0.5)));
+    if value.is_number() {
+        apply(&mut value);
+    }
+    if let Some(range) = value.pointer_mut("/image/range").and_then(Value::as_array_mut) {
+        range.iter_mut().for_each(apply);
+    }
+    for pattern in ["checker", "noise"] {
+        if let Some(pattern) = value.get_mut(pattern) {
+            ["a", "b"].iter().for_each(|key| apply(&mut pattern[*key]));
+        }
+    }
+    value
 }
