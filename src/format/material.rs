@@ -7,6 +7,7 @@ use serde_json::json;
 use super::check;
 use super::forms;
 use super::index::IndexFile;
+use super::normal_map::NormalMapFile;
 use super::spectrum::{SpectrumFile, SpectrumUse};
 use super::texture::{ReflectanceFile, ScalarFile};
 use crate::error::Result;
@@ -82,6 +83,13 @@ pub enum MaterialFile {
     /// A random choice of one of several materials at each interaction.
     #[schemars(example = json!({"mix": [{"material": "gold", "weight": 3}, {"material": "paint", "weight": 1}]}))]
     Mix(#[schemars(length(min = 1))] Vec<WeightedMaterialFile>),
+    /// Another material, with shading normals from a picture.
+    #[schemars(example = json!({"normal_map": {"material": "wall", "path": "bricks_normal.png"}}))]
+    #[schemars(example = json!({"normal_map": {
+        "material": "wall", "path": "bricks_normal.png", "strength": 0.5, "green": "down", "wrap": "clamp",
+        "filter": "nearest", "uv": {"scale": [4, 4]}
+    }}))]
+    NormalMap(NormalMapFile),
     /// The boundary of a medium, without an optical surface.
     #[schemars(example = json!({"boundary": {"medium": "milk"}}))]
     Boundary {
@@ -202,6 +210,7 @@ impl MaterialFile {
                 check::entries(&at, parts.len(), 1, "at least one material with its weight")?;
                 validate_weights(&at, parts)
             }
+            Self::NormalMap(map) => check::not_negative(&at.key("normal_map").key("strength"), map.strength),
             Self::Boundary { medium: _ } | Self::Absorber => Ok(()),
         }
     }

@@ -22,6 +22,7 @@ pub mod luminaire;
 mod material;
 mod medium;
 pub mod mesh;
+mod normal_map;
 mod object;
 mod phase;
 mod picture;
@@ -61,6 +62,7 @@ pub use lens::{LensFile, LensSurfaceFile, PrescriptionFile, SystemLensFile, Thin
 pub use light::LightFile;
 pub use material::{ConductorFile, DielectricFile, MaterialFile, ThinDielectricFile, WeightedMaterialFile};
 pub use medium::{GridFile, HomogeneousFile, MediumBlackbodyFile, MediumEmissionFile, MediumFile, TransmittanceFile};
+pub use normal_map::{GreenFile, NormalMapFile};
 pub use object::ObjectFile;
 pub use phase::PhaseFile;
 pub use picture::{BandImageFile, ChannelFile, ColourImageFile, EncodingFile, FilterFile, ScalarImageFile, WrapFile};

@@ -45,7 +45,7 @@ pub(super) const CHAPTERS: [(&str, &[&str]); 15] = [
         ],
     ),
     ("Indices of refraction", &["IndexFile", "FormulaFile"]),
-    ("Materials", &["MaterialFile", "WeightedMaterialFile"]),
+    ("Materials", &["MaterialFile", "WeightedMaterialFile", "GreenFile"]),
     ("Media", &["MediumFile", "TransmittanceFile", "PhaseFile", "MediumEmissionFile", "MediumBlackbodyFile"]),
     (
         "Density and temperature fields",

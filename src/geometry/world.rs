@@ -6,6 +6,7 @@ use super::bvh::Bvh;
 use super::hit::Hit;
 use super::object::ObjectSurfaces;
 use super::primitive::Primitives;
+use crate::math::frame::Frame;
 
 /// All objects of a scene at one moment, in a bounding volume hierarchy.
 #[derive(Debug, Clone)]
@@ -51,6 +52,24 @@ impl Geometry {
         let (from, to) = (self.uv(hit), self.primitives.uv(hit.surface, hit.position + offset));
         let [u, v] = [to[0] - from[0], to[1] - from[1]];
         [if self.primitives.closes_around_axis(hit.surface) { u - u.round() } else { u }, v]
+    }
+
+    /// Returns the derivatives of the position by the texture coordinates u and v at a hit, in m.
+    /// Returns `None` if the texture coordinates do not determine them.
+    pub fn uv_tangents(&self, hit: &Hit) -> Option<[DVec3; 2]> {
+        /// The length in m of the steps that measure the extent of the texture coordinates.
+        const PROBE_M: f64 = 1e-6;
+        /// The change of the texture coordinates over which they are taken as linear.
+        const CHANGE: f64 = 1e-4;
+        let frame = Frame::new(hit.normal);
+        let axes = [DVec3::X, DVec3::Y].map(|axis| frame.to_world(axis));
+        let change = axes.map(|axis| self.uv_step(hit, PROBE_M * axis)).into_iter().flatten();
+        let change = change.fold(0.0_f64, |largest, step| largest.max(step.abs()));
+        let [x, y] = axes.map(|axis| axis * (PROBE_M * CHANGE / change));
+        let ([xu, xv], [yu, yv]) = (self.uv_step(hit, x), self.uv_step(hit, y));
+        let determinant = xu * yv - xv * yu;
+        let tangents = [(yv * x - xv * y) / determinant, (xu * y - yu * x) / determinant];
+        tangents.iter().all(|tangent| tangent.is_finite()).then_some(tangents)
     }
 
     /// Returns whether the scene has no primitives.

@@ -195,7 +195,7 @@ const fn row(id: EffectId) -> Effect {
             cost: "texture coordinates and a random texel for each arrival at a textured surface; no tabulated responses \
                    to photons there",
             absent: "each material is uniform, and no texture coordinates are computed",
-            called_by: "materials that vary over a surface",
+            called_by: "materials or normals that vary over a surface",
             uncalled: "no material varies over a surface",
             calls: |facts| facts.textured.clone(),
             set: |_, _, _| {},
@@ -204,6 +204,7 @@ const fn row(id: EffectId) -> Effect {
                 for material in &mut scene.materials {
                     let surface = std::mem::replace(&mut material.surface, Bsdf::Absorber);
                     material.surface = surface.without_textures();
+                    material.normal_map = None;
                 }
                 Ok(())
             }),

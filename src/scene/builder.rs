@@ -20,11 +20,11 @@
 //! // A glass ball on a grey floor, in metres.
 //! let mut objects = ObjectSet::default();
 //! let grey = Bsdf::diffuse(Spectrum::constant(0.5))?;
-//! let grey = objects.add_material(Material { name: "grey".into(), surface: grey, body: None });
+//! let grey = objects.add_material(Material { name: "grey".into(), surface: grey, normal_map: None, body: None });
 //! let crown = Some(RefractiveIndex::catalogue("N-BK7")?);
 //! let body = Some(Body { index: crown, absorption: None, medium: None, priority: 0 });
 //! let surface = Bsdf::dielectric(0.0)?;
-//! let glass = objects.add_material(Material { name: "glass".into(), surface, body });
+//! let glass = objects.add_material(Material { name: "glass".into(), surface, normal_map: None, body });
 //! let floor = Shape::Rectangle { width: 4.0, height: 4.0 };
 //! objects.add_object("floor", grey, floor, DAffine3::IDENTITY)?;
 //! let above = DAffine3::from_translation(DVec3::new(0.0, 1.0, 0.0));

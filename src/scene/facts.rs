@@ -131,7 +131,7 @@ impl Facts {
                     list.push(object.name.clone());
                 }
             }
-            if material.surface.is_textured() {
+            if material.is_textured() {
                 facts.textured.push(object.name.clone());
             }
             let absorption = material.body.iter().filter_map(|body| body.absorption.as_ref());

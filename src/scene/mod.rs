@@ -27,6 +27,7 @@ use crate::geometry::{Geometry, Hit, Ray};
 use crate::optics::bsdf::Bsdf;
 use crate::optics::glass::RefractiveIndex;
 use crate::spectrum::{Observer, Spectrum};
+use crate::texture::NormalMap;
 use camera::{Camera, Shutter};
 use glam::{DAffine3, DVec3};
 use light::{Light, SceneExtent};
@@ -104,6 +105,8 @@ pub struct Material {
     pub name: String,
     /// The scattering of light at the surface.
     pub surface: Bsdf,
+    /// The normal map, or `None` if the shading normals are those of the shape.
+    pub normal_map: Option<NormalMap>,
     /// The body that fills an object of this material, or `None` for an opaque or a thin object.
     pub body: Option<Body>,
 }
@@ -200,7 +203,13 @@ impl Material {
     pub fn boundary(name: &str, medium: usize, priority: i32) -> Self {
         let body = Body { index: None, absorption: None, medium: Some(medium), priority };
         // Rays cross such faces without an interaction, so the surface is never evaluated.
-        Self { name: name.to_owned(), surface: Bsdf::Absorber, body: Some(body) }
+        Self { name: name.to_owned(), surface: Bsdf::Absorber, normal_map: None, body: Some(body) }
+    }
+
+    /// Returns true if a property of the material varies over a surface.
+    #[inline(always)]
+    pub fn is_textured(&self) -> bool {
+        self.normal_map.is_some() || self.surface.is_textured()
     }
 
     /// Returns true if the material only bounds a medium.

@@ -15,6 +15,7 @@
 //! right, and v increases downwards, as in glTF.
 
 mod mapping;
+mod normal;
 mod palette;
 mod pattern;
 mod pyramid;
@@ -23,6 +24,7 @@ mod spectral;
 mod value;
 
 pub use mapping::UvTransform;
+pub use normal::NormalMap;
 pub use pattern::{NoisePattern, Pattern};
 pub use pyramid::{Filter, ImagePattern, ImageSize, Wrap};
 pub use scalar::ScalarTexture;
@@ -66,6 +68,13 @@ impl LookupRandom {
     /// Creates the sequence of the random number `u` in \[0, 1).
     pub fn new(u: f64) -> Self {
         Self { seed: u.to_bits(), count: 0 }
+    }
+
+    /// Returns an independent sequence of the same random number. Different values of `stream`
+    /// return different sequences.
+    #[must_use]
+    pub fn split(&self, stream: u64) -> Self {
+        Self { seed: hash64([self.seed, stream]), count: 0 }
     }
 
     /// Returns the next number, uniform in \[0, 1).

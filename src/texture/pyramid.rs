@@ -88,6 +88,13 @@ impl ImagePattern {
         }
     }
 
+    /// Returns the pattern without its reduced copies. A lookup then samples the whole footprint.
+    #[must_use]
+    pub fn without_copies(mut self) -> Self {
+        self.levels.truncate(1);
+        self
+    }
+
     /// Returns the number of texels of all levels.
     pub fn texel_count(&self) -> usize {
         let last = self.levels[self.levels.len() - 1];
@@ -142,7 +149,10 @@ impl ImagePattern {
             let shift = random.uniform() - 0.5;
             uv = if first > second { point.moved(shift, 0.0) } else { point.moved(0.0, shift) };
             let texels = first.min(second).max(first.max(second) / MOST_ANISOTROPY);
-            if texels > 1.0 {
+            if texels > 1.0 && self.levels.len() == 1 {
+                let other = random.uniform() - 0.5;
+                uv = if first > second { point.moved(shift, other) } else { point.moved(other, shift) };
+            } else if texels > 1.0 {
                 let level = log2(texels);
                 number = (random.round(level.floor(), level.fract()) as usize).min(self.levels.len() - 1);
             }

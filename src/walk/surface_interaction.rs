@@ -3,11 +3,11 @@
 use super::ray_state::RayState;
 use crate::geometry::{Hit, Ray, SurfaceId};
 use crate::math::frame::Frame;
-use crate::optics::bsdf::{Bsdf, InterfaceIors, LocalBsdf, ScatterEvent};
-use crate::scene::Scene;
+use crate::optics::bsdf::{InterfaceIors, LocalBsdf, ScatterEvent};
 use crate::scene::camera::Camera;
 use crate::scene::medium_stack::MediumStack;
-use crate::texture::TexturePoint;
+use crate::scene::{Material, Scene};
+use crate::texture::{LookupRandom, TexturePoint};
 use glam::DVec3;
 
 /// How a path looks up the material of the next surface.
@@ -83,10 +83,15 @@ impl<'a> SurfaceInteraction<'a> {
         lookup: SurfaceLookup,
     ) -> Self {
         let material = scene.objects[hit.object as usize].material;
-        let surface = &scene.materials[material].surface;
-        let textured = surface.is_textured();
-        let bsdf =
-            if textured { textured_bsdf(scene, surface, incoming, &{ hit }, lookup) } else { surface.at(lookup.u) };
+        let textured = scene.materials[material].is_textured();
+        let mut hit = hit;
+        let bsdf = if textured {
+            let (bsdf, shading_normal) = textured_bsdf(scene, material, incoming, &{ hit }, lookup);
+            hit.shading_normal = shading_normal;
+            bsdf
+        } else {
+            scene.materials[material].surface.at(lookup.u)
+        };
         let frame = hit.frame(incoming);
         Self {
             distance_m: hit.t,
@@ -178,15 +183,20 @@ impl<'a> SurfaceInteraction<'a> {
 /// smaller cosines, the footprint is limited, because the surface is seen at grazing incidence.
 const LEAST_FOOTPRINT_COSINE: f64 = 0.01;
 
-/// Returns the BSDF at a hit of a surface with textures.
+/// Separates the random numbers of normal maps from the random numbers of the other textures. If
+/// they were equal, the component of a mixture would depend on the texel of its normal.
+const NORMAL_MAP_SEED: u64 = 0x006e_6f72_6d61_6c00;
+
+/// Returns the BSDF and the shading normal at a hit of a surface with textures.
 #[inline(never)]
 fn textured_bsdf<'a>(
-    scene: &Scene,
-    surface: &'a Bsdf,
+    scene: &'a Scene,
+    material: usize,
     incoming: DVec3,
     hit: &Hit,
     lookup: SurfaceLookup,
-) -> LocalBsdf<'a> {
+) -> (LocalBsdf<'a>, DVec3) {
+    let Material { surface, normal_map, .. } = &scene.materials[material];
     let mut point = TexturePoint::new(scene.geometry.uv(hit));
     let width_m = lookup.width_m + hit.t * lookup.spread;
     if width_m > 0.0 {
@@ -198,5 +208,12 @@ fn textured_bsdf<'a>(
         let edges = [along * (width_m / cosine.abs().max(LEAST_FOOTPRINT_COSINE)), across * width_m];
         point.footprint = edges.map(|edge| scene.geometry.uv_step(hit, edge));
     }
-    surface.at_point(&point, lookup.u)
+    let shading_normal = normal_map.as_ref().map_or(hit.shading_normal, |map| {
+        let mut random = LookupRandom::new(lookup.u).split(NORMAL_MAP_SEED);
+        let tangents = scene.geometry.uv_tangents(hit);
+        tangents.map_or(hit.shading_normal, |tangents| {
+            map.shading_normal(&point, &mut random, hit.shading_normal, tangents)
+        })
+    });
+    (surface.at_point(&point, lookup.u), shading_normal)
 }

@@ -98,7 +98,7 @@ const CRATES: [(&str, &[&str]); 33] = [
     ("tobj", &["format/mesh/"]),
     ("stl_io", &["format/mesh/"]),
     ("gltf", &["format/mesh/", "format/import/"]),
-    ("flate2", &["format/mesh/mod.rs"]),
+    ("flate2", &["optics/embedded.rs", "format/mesh/mod.rs"]),
     ("ply_rs_bw", &["format/mesh/"]),
     ("libm", &["math/elementary.rs"]),
 ];

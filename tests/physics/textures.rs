@@ -113,3 +113,61 @@ fn photons_and_paths_agree_on_a_textured_floor_under_a_glass_ball() {
     let path = Measured::new(&scene, (Integrator::Path, 192), 100..108, colour_blocks(8));
     assert_same("textured floor under a glass ball, photon against path", &photon, &path, 1e-2);
 }
+
+/// A floor whose normal map leans by 30° shows the illuminance on a plane that leans by 30°. The
+/// lamp stands 20° from the zenith, in the direction of the lean or opposite to it. A floor without
+/// the map has the same noise, so the ratio has none.
+#[test]
+fn a_leaning_normal_map_shades_like_a_leaning_plane() {
+    let (lean, lamp) = (30.0_f64.to_radians(), 20.0_f64.to_radians());
+    // On a rectangle, u increases along x, and the top of a picture points along −z.
+    for (path, along) in [("textures/leaning_right.png", [1.0, 0.0]), ("textures/leaning_up.png", [0.0, -1.0])] {
+        for (sign, integrator) in [(1.0, Integrator::Photon), (-1.0, Integrator::Photon), (1.0, Integrator::Path)] {
+            let toward = [-sign * along[0] * lamp.sin(), -lamp.cos(), -sign * along[1] * lamp.sin()];
+            let luminance = |material: &str| {
+                let scene = json!({
+                    "camera": overhead_camera([0.0, 0.0], 10.0, 1.0),
+                    "film": { "width": 4, "height": 4 },
+                    "materials": { "grey": diffuse(json!(0.5)), "map": { "normal_map": { "material": "grey", "path": path } } },
+                    "objects": [{ "shape": { "rectangle": { "width": 2, "height": 2 } }, "material": material }],
+                    "lights": [{ "directional": { "toward": toward, "spectrum": "D65", "illuminance": 100.0 * PI } }],
+                    "render": { "photons": 100 }
+                });
+                render(&scene, integrator, 4).picture.xyz.iter().map(|xyz| xyz[1]).sum::<f64>()
+            };
+            let (found, expected) = (luminance("map") / luminance("grey"), (lean - sign * lamp).cos() / lamp.cos());
+            assert!((found / expected - 1.0).abs() < 1e-4, "{path}, {sign}: {found} for {expected}");
+        }
+    }
+}
+
+/// A floor and a glossy ball with waves in their normal maps, and a mirror ball.
+#[test]
+fn photons_and_paths_agree_on_a_floor_with_a_normal_map() {
+    let scene = json!({
+        "camera": { "from": [0, 2.2, 5], "at": [0.2, 0.6, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 32 } } },
+        "film": { "width": 32, "height": 32 },
+        "materials": {
+            "black": "absorber", "paint": { "glossy": { "reflectance": 0.5, "ior": 1.5, "roughness": 0.3 } },
+            "grey": diffuse(json!(0.6)), "mirror": { "mirror": { "reflectance": 0.9 } },
+            "floor": { "normal_map": { "material": "grey", "path": "textures/waves.png", "uv": { "scale": [5, 5] } } },
+            "ball": { "normal_map": { "material": "paint", "path": "textures/waves.png", "strength": 0.5, "green": "down" } }
+        },
+        "objects": [
+            { "shape": { "rectangle": { "width": 12, "height": 12 } }, "material": "floor" },
+            { "shape": { "sphere": { "radius": 0.6, "center": [-0.9, 0.61, 0] } }, "material": "ball" },
+            { "shape": { "sphere": { "radius": 0.6, "center": [0.9, 0.61, 0] } }, "material": "mirror" },
+            { "shape": { "disk": { "radius": 1.8 } }, "material": "black",
+              "emission": { "spectrum": "D65", "luminance": 10 },
+              "transform": [ { "rotate": { "axis": [1, 0, 0], "degrees": 180 } }, { "translate": [-0.4, 2.8, 0] } ] }
+        ],
+        "render": { "photons": 8000 }
+    });
+    let [whole, half] = [0.1, 0.05].map(|radius| {
+        let scene = crate::common::with_setting(&scene, "radius", radius);
+        Measured::new(&scene, (Integrator::Photon, 24), 0..8, colour_blocks(8))
+    });
+    let photon = Measured::extrapolated(&whole, &half);
+    let path = Measured::new(&scene, (Integrator::Path, 192), 100..108, colour_blocks(8));
+    assert_same("normal maps, photon against path", &photon, &path, 1e-2);
+}

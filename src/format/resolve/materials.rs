@@ -97,10 +97,26 @@ impl Resolver<'_> {
                             .expected("a material with a surface");
                         return self.at(&at.key("material"), Err(error));
                     }
+                    if part_material.normal_map.is_some() {
+                        let error = Error::input("found a material with a normal map inside a mix")
+                            .expected("a normal map of the whole mix");
+                        return self.at(&at.key("material"), Err(error));
+                    }
                     surfaces.push((self.scalar(&at.key("weight"), &part.weight)?, part_material.surface));
                     body = body.or(part_material.body);
                 }
                 (Bsdf::textured_mix(surfaces), body)
+            }
+            MaterialFile::NormalMap(file) => {
+                let at = at.key("normal_map");
+                let inner = self.material_at_depth(&at.key("material"), &file.material, notes, depth + 1)?;
+                if inner.is_boundary() || inner.normal_map.is_some() {
+                    let error = Error::input(format!("found the material \"{}\"", file.material))
+                        .expected("a material with a surface and without a normal map");
+                    return self.at(&at.key("material"), Err(error));
+                }
+                let map = self.at(&at, self.normal_map(file))?;
+                return Ok(Material { name: name.to_string(), normal_map: Some(map), ..inner });
             }
             MaterialFile::Boundary { medium } => {
                 let number = self.medium_number(&at.key("boundary").key("medium"), medium)?;
@@ -108,7 +124,7 @@ impl Resolver<'_> {
             }
             MaterialFile::Absorber => (Ok(Bsdf::Absorber), None),
         };
-        Ok(Material { name: name.to_string(), surface: self.at(&at, surface)?, body })
+        Ok(Material { name: name.to_string(), surface: self.at(&at, surface)?, normal_map: None, body })
     }
 
     fn body(&self, at: &JsonPath<'_>, file: &DielectricFile, name: &str, notes: &mut Vec<String>) -> Result<Body> {

@@ -64,7 +64,7 @@ pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool) -> Resu
     };
     let surface = if body.is_none() { with_holes(surface, file, textured)? } else { surface };
     let name = if file.name.is_empty() { "mesh material".to_string() } else { file.name.clone() };
-    Ok(Material { name, surface, body })
+    Ok(Material { name, surface, normal_map: None, body })
 }
 
 /// Returns the surface, mixed with nothing where it has holes. Light passes straight through a

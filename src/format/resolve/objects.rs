@@ -72,6 +72,7 @@ impl<'a> Resolver<'a> {
                 None => Some(resolved.set.add_material(Material {
                     name: name.clone(),
                     surface: Bsdf::Absorber,
+                    normal_map: None,
                     body: None,
                 })),
             },

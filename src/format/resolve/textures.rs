@@ -5,13 +5,14 @@ use super::spectra::Role;
 use crate::error::{Error, Result, both};
 use crate::format::picture_file::{BandPicture, PictureFile};
 use crate::format::{
-    BandImageFile, ChannelFile, ColourImageFile, FilterFile, JsonPath, NoisePatternFile, PatternFile, ReflectanceFile,
-    ScalarFile, ScalarImageFile, UvFile, WrapFile,
+    BandImageFile, ChannelFile, ColourImageFile, EncodingFile, FilterFile, GreenFile, JsonPath, NoisePatternFile,
+    NormalMapFile, PatternFile, ReflectanceFile, ScalarFile, ScalarImageFile, UvFile, WrapFile,
 };
 use crate::texture::{
-    Filter, ImagePattern, ImageSize, NoisePattern, Pattern, ScalarTexture, SpectralTexture, SurfaceScalar,
+    Filter, ImagePattern, ImageSize, NoisePattern, NormalMap, Pattern, ScalarTexture, SpectralTexture, SurfaceScalar,
     SurfaceSpectrum, UvTransform, Wrap,
 };
+use glam::Vec3;
 
 /// The amount by which a reflectance may exceed 1 because of rounding. It is then reduced to 1.
 const ROUNDING: f32 = 1e-3;
@@ -88,6 +89,21 @@ impl Resolver<'_> {
         values.iter_mut().for_each(|value| *value *= *factor as f32);
         fractions(&mut values, nm.len(), size).map_err(|error| error.in_file(&path))?;
         Ok(SpectralTexture::from_bands(pattern, nm, values))
+    }
+
+    /// Reads a normal map.
+    pub(super) fn normal_map(&self, file: &NormalMapFile) -> Result<NormalMap> {
+        let NormalMapFile { material: _, path, strength, green, wrap, filter, uv } = file;
+        let path = self.source.file(path)?;
+        let picture = PictureFile::read(&path)?;
+        let pattern = image_pattern(picture.size, *wrap, *filter, uv).map_err(|error| error.in_file(&path))?;
+        let (x, y) = match green {
+            GreenFile::Up => (*strength as f32, *strength as f32),
+            GreenFile::Down => (*strength as f32, -*strength as f32),
+        };
+        let encoded = picture.linear_rgb(Some(EncodingFile::Linear));
+        let normals = encoded.into_iter().map(|rgb| (2.0 * Vec3::from(rgb) - 1.0) * Vec3::new(x, y, 1.0));
+        Ok(NormalMap::new(pattern, normals))
     }
 
     fn scalar_image(&self, file: &ScalarImageFile) -> Result<ScalarTexture> {

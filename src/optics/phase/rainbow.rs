@@ -8,14 +8,16 @@
 //! rendered bows are blurred as in the sky.
 
 use super::table::{self, PhaseTable};
+use crate::optics::embedded::inflate;
 use std::sync::{Arc, OnceLock};
 
-static RAINBOW: &str = include_str!("../../../data/media/rainbow.csv");
+/// The file of the table, deflated.
+static RAINBOW: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/rainbow.csv.z"));
 
 /// Returns the phase function of rain.
 pub fn rainbow() -> Arc<PhaseTable> {
     static TABLE: OnceLock<Arc<PhaseTable>> = OnceLock::new();
-    TABLE.get_or_init(|| Arc::new(table::parse(RAINBOW).expect("the built-in table is valid"))).clone()
+    TABLE.get_or_init(|| Arc::new(table::parse(&inflate(RAINBOW)).expect("the built-in table is valid"))).clone()
 }
 
 #[cfg(test)]

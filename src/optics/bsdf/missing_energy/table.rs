@@ -7,10 +7,12 @@
 use super::FacetKind;
 use crate::math::cubic::CubicStencil;
 use crate::math::elementary::{asin, exp, ln, powf, sin};
+use crate::optics::embedded::inflate;
 use crate::optics::microfacet::{Ggx, MIN_ALPHA};
 use std::sync::OnceLock;
 
-static FILE: &str = include_str!("../../../../data/microfacets/missing_energy.csv");
+/// The file of the table, deflated.
+static FILE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/missing_energy.csv.z"));
 
 /// The number of roughnesses in the table.
 const ALPHAS: usize = 16;
@@ -57,7 +59,7 @@ impl MissingEnergyTable {
     /// Returns the table that is built into the program.
     pub(super) fn built_in() -> &'static Self {
         static TABLE: OnceLock<MissingEnergyTable> = OnceLock::new();
-        TABLE.get_or_init(|| Self { rows: FILE.lines().skip(1).map(parse).collect() })
+        TABLE.get_or_init(|| Self { rows: inflate(FILE).lines().skip(1).map(parse).collect() })
     }
 
     /// Interpolates the missing energy of an interface.
@@ -168,7 +170,7 @@ mod tests {
         let table = MissingEnergyTable::built_in();
         assert_eq!(table.rows.len(), ALPHAS * (INDICES + 1));
         let fields = 2 + ANGLES + 1;
-        assert!(FILE.lines().all(|line| line.split(',').count() == fields));
+        assert!(inflate(FILE).lines().all(|line| line.split(',').count() == fields));
         for node in 0..ALPHAS {
             assert!((alpha_position(alpha(node)) - node as f64).abs() < 1e-9);
         }
@@ -205,7 +207,7 @@ mod tests {
             let path = concat!(env!("CARGO_MANIFEST_DIR"), "/data/microfacets/missing_energy.csv");
             std::fs::write(path, text).expect("the table is written");
         } else {
-            assert!(text == FILE, "the table and the quadrature differ");
+            assert!(text == inflate(FILE), "the table and the quadrature differ");
         }
     }
 
