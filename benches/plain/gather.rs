@@ -50,7 +50,7 @@ pub(crate) fn plain(prepared: &Prepared, maps: &SetMaps, count: u64) -> f64 {
         let Some(hit) = scene.geometry.intersect(&ray, None, f64::INFINITY) else { continue };
         let object = &scene.objects[hit.object as usize];
         if object.light.is_some() {
-            let radiance = light.le_surface(ray.direction, &hit);
+            let radiance = light.le_surface(scene.extent(), ray.direction, &hit).0;
             each_wavelength(light, sampler.wavelength, |nm, share| {
                 total.biased(ORIGIN, nm, share * light.spd_at(EmittedSpd::Own, nm) * radiance, 0.0);
             });
@@ -84,7 +84,7 @@ pub(crate) fn plain(prepared: &Prepared, maps: &SetMaps, count: u64) -> f64 {
             let found = scene.geometry.intersect(&way, Some(hit.surface), f64::INFINITY);
             if let Some(found) = found.filter(|found| scene.objects[found.object as usize].light.is_some()) {
                 let share = power_heuristic(scatter.probability, light.pdf_li_surface(world, place, &found));
-                let radiance = light.le_surface(way.direction, &found) * share;
+                let radiance = light.le_surface(scene.extent(), way.direction, &found).0 * share;
                 each_wavelength(light, sampler.wavelength, |nm, share| {
                     let response =
                         surface.eval_sample(wo, &scatter, sides, TransportMode::Radiance, nm) / scatter.probability;

@@ -7,6 +7,7 @@ use serde_json::json;
 use super::check;
 use super::quantity::{QuantityFile, one_quantity, validate_quantity};
 use super::spectrum::{SpectrumFile, SpectrumUse};
+use super::texture::ReflectanceFile;
 use crate::error::Result;
 use crate::json::JsonPath;
 
@@ -17,7 +18,7 @@ use crate::json::JsonPath;
 #[schemars(title = "Emission", example = json!({"spectrum": "D65", "power": 20, "group": "lamps"}))]
 #[schemars(example = json!({"spectrum": "A", "luminous_flux": 800}))]
 #[schemars(example = json!({"spectrum": {"blackbody": {"temperature": 2856}}, "radiance": 10}))]
-#[schemars(example = json!({"spectrum": "D65", "luminance": 5000}))]
+#[schemars(example = json!({"spectrum": "D65", "luminance": 300, "slide": {"image": "screen.png"}}))]
 pub struct EmissionFile {
     /// Relative distribution of the light over wavelength. The given quantity (power or radiance)
     /// sets the scale.
@@ -39,6 +40,11 @@ pub struct EmissionFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "cd/m²"))]
     pub luminance: Option<f64>,
+    /// Transmittance of a slide in front of the surface, for example a picture. The stated quantity is
+    /// that of the light without the slide.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0, "maximum" = 1, "x-default" = "no slide"))]
+    pub slide: Option<ReflectanceFile>,
     /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
     /// the picture.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -64,6 +70,7 @@ impl EmissionFile {
     /// Checks the spectrum and the quantity.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let spectrum = self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative);
-        check::all([spectrum, validate_quantity(at, self.quantity())])
+        let slide = self.slide.as_ref().map_or(Ok(()), |slide| slide.validate(&at.key("slide")));
+        check::all([spectrum, validate_quantity(at, self.quantity()), slide])
     }
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::bvh::Bvh;
-use super::hit::Hit;
+use super::hit::{Hit, SurfaceId};
 use super::object::ObjectSurfaces;
 use super::primitive::Primitives;
 use crate::math::frame::Frame;
@@ -42,7 +42,12 @@ impl Geometry {
     /// barycentric weights. [`Hit`] does not contain texture coordinates because most surfaces have
     /// no texture.
     pub fn uv(&self, hit: &Hit) -> [f64; 2] {
-        self.primitives.uv(hit.surface, hit.position)
+        self.uv_at(hit.surface, hit.position)
+    }
+
+    /// Returns the texture coordinates at a point of a surface; see [`Self::uv`].
+    pub fn uv_at(&self, surface: SurfaceId, position: DVec3) -> [f64; 2] {
+        self.primitives.uv(surface, position)
     }
 
     /// Returns the change of the texture coordinates from a hit to the point at `offset` (m) from

@@ -9,7 +9,7 @@ use super::fields::{
 };
 use crate::optics::bsdf::Bsdf;
 use crate::optics::glass::RefractiveIndex;
-use crate::scene::light::Emitter;
+use crate::scene::light::{Emitter, Light};
 use crate::scene::{Body, Scene};
 
 impl EffectId {
@@ -195,8 +195,8 @@ const fn row(id: EffectId) -> Effect {
             cost: "texture coordinates and a random texel for each arrival at a textured surface; no tabulated responses \
                    to photons there",
             absent: "each material is uniform, and no texture coordinates are computed",
-            called_by: "materials or normals that vary over a surface",
-            uncalled: "no material varies over a surface",
+            called_by: "materials, normals or slides that vary over a surface",
+            uncalled: "no material, normal or slide varies over a surface",
             calls: |facts| facts.textured.clone(),
             set: |_, _, _| {},
             events: |tally, _| tally.texture_lookups,
@@ -206,6 +206,7 @@ const fn row(id: EffectId) -> Effect {
                     material.surface = surface.without_textures();
                     material.normal_map = None;
                 }
+                scene.lights.iter_mut().for_each(Light::remove_texture_of_slide);
                 Ok(())
             }),
         },

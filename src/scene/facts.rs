@@ -6,6 +6,7 @@ use super::{Object, Scene};
 use crate::optics::bsdf::{Bsdf, BsdfClass};
 use crate::optics::glass::RefractiveIndex;
 use crate::spectrum::Spectrum;
+use crate::texture::SurfaceSpectrum;
 
 /// A light counts as a line light if at least this share of its power is in spectral lines. If a
 /// line light illuminates a surface, the reflected light depends strongly on the reflectance at a
@@ -160,7 +161,10 @@ impl Facts {
             if !light.is_delta() {
                 facts.hittable_lights.push(light.name.clone());
             }
-            if light.spectrum.is_upsampled() {
+            if light.slide().is_some_and(SurfaceSpectrum::is_textured) {
+                facts.textured.push(light.name.clone());
+            }
+            if light.spectrum.is_upsampled() || light.slide().is_some_and(SurfaceSpectrum::is_upsampled) {
                 facts.upsampled.push(light.name.clone());
             }
             if light.spectrum.line_share() >= LINE_SHARE {

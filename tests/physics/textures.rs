@@ -85,6 +85,57 @@ fn a_textured_plane_has_the_mean_of_its_picture() {
     }
 }
 
+/// A lamp behind a slide shows the mean of the picture in XYZ within 0.5 %, if each pixel covers
+/// many texels.
+#[test]
+fn a_slide_has_the_mean_of_its_picture() {
+    let expected = mean_of_tiles();
+    let slide = json!({ "image": { "path": "textures/tiles.png", "uv": { "scale": [3, 3] } } });
+    let scene = json!({
+        "camera": overhead_camera([0.0, 0.0], 10.0, 2.0),
+        "film": { "width": 16, "height": 16 },
+        "materials": { "black": "absorber" },
+        "objects": [{ "shape": { "rectangle": { "width": 2, "height": 2 } }, "material": "black",
+                      "emission": { "spectrum": "D65", "luminance": 100, "slide": slide } }],
+        "render": { "photons": 100 }
+    });
+    for integrator in [Integrator::Photon, Integrator::Path] {
+        let picture = render(&scene, integrator, 192).picture;
+        for c in 0..3 {
+            let mean = picture.xyz.iter().map(|xyz| xyz[c]).sum::<f64>() / picture.xyz.len() as f64;
+            println!("{integrator:?}, channel {c}: {mean:.3} for {:.3}", expected[c]);
+            assert!((mean / expected[c] - 1.0).abs() < 0.005, "{integrator:?}: {mean} for {}", expected[c]);
+        }
+    }
+}
+
+/// A lamp with coloured stripes above a glass ball: the floor receives direct light, and the light
+/// that the ball focuses.
+#[test]
+fn photons_and_paths_agree_under_a_lamp_with_a_slide() {
+    let slide = json!({ "stripes": { "a": { "rgb": [0.9, 0.2, 0.1] }, "b": { "rgb": [0.1, 0.3, 0.9] }, "scale": 3 } });
+    let scene = json!({
+        "camera": { "from": [0, 2.2, 5], "at": [0.2, 0.6, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 32 } } },
+        "film": { "width": 32, "height": 32 },
+        "materials": { "grey": diffuse(json!(0.7)), "black": "absorber", "glass": glass(1.5) },
+        "objects": [
+            { "shape": { "rectangle": { "width": 12, "height": 12 } }, "material": "grey" },
+            { "shape": { "sphere": { "radius": 1, "center": [0, 1.01, 0] } }, "material": "glass" },
+            { "shape": { "disk": { "radius": 1.8 } }, "material": "black",
+              "emission": { "spectrum": "D65", "luminance": 10, "slide": slide },
+              "transform": [ { "rotate": { "axis": [1, 0, 0], "degrees": 180 } }, { "translate": [-0.4, 2.8, 0] } ] }
+        ],
+        "render": { "photons": 8000 }
+    });
+    let [whole, half] = [0.1, 0.05].map(|radius| {
+        let scene = crate::common::with_setting(&scene, "radius", radius);
+        Measured::new(&scene, (Integrator::Photon, 24), 0..8, colour_blocks(8))
+    });
+    let photon = Measured::extrapolated(&whole, &half);
+    let path = Measured::new(&scene, (Integrator::Path, 192), 100..108, colour_blocks(8));
+    assert_same("lamp with a slide, photon against path", &photon, &path, 1e-2);
+}
+
 /// A glass ball above a textured floor. The path tracer does not filter textures, so the comparison
 /// also tests the filter of the camera paths.
 #[test]

@@ -44,6 +44,11 @@ impl SceneWriter {
         if covered.as_f64() == Some(1.0) {
             return Some(material.to_string());
         }
+        if let Some(map) = self.materials.get(material).and_then(|form| form.get("normal_map")).cloned() {
+            let inner = self.without_normal_map(material);
+            let with_holes = self.with_holes(&inner, covered, open)?;
+            return self.with_normal_map(&with_holes, map);
+        }
         let encloses = |form: &Value| ["dielectric", "boundary", "mix"].iter().any(|key| form.get(key).is_some());
         if self.materials.get(material).is_some_and(encloses) {
             return None;
@@ -54,6 +59,23 @@ impl SceneWriter {
         }
         let mix = json!({"mix": [{"material": material, "weight": covered}, {"material": hole, "weight": open}]});
         Some(self.add_material(&format!("{material} with holes"), mix))
+    }
+
+    /// Adds a material with a normal map, and returns its name. `map` holds the keys of the normal
+    /// map besides `material`. Returns `None` if the material bounds a medium or has a normal map.
+    pub(super) fn with_normal_map(&mut self, material: &str, mut map: Value) -> Option<String> {
+        let has = |key: &str| self.materials.get(material).is_some_and(|form| form.get(key).is_some());
+        if has("boundary") || has("normal_map") {
+            return None;
+        }
+        map["material"] = json!(material);
+        Some(self.add_material(&format!("{material} with normals"), json!({"normal_map": map})))
+    }
+
+    /// Returns the name of a material without its normal map.
+    pub(super) fn without_normal_map(&self, material: &str) -> String {
+        let inner = self.materials.get(material).and_then(|form| form["normal_map"]["material"].as_str());
+        inner.unwrap_or(material).to_string()
     }
 
     /// Adds a medium, and returns its name. The name is `wanted`, unless another medium has this

@@ -101,15 +101,18 @@ impl Resolver<'_> {
             EmissionSource::Scene(file) => self.emission(&at.key("emission"), file, area, &mut builder.notes)?,
             EmissionSource::Mesh(rgb) => self.mesh_emission(at, *rgb)?,
         };
-        let stated = match emission {
-            EmissionSource::Scene(file) => file.group.clone(),
-            EmissionSource::Mesh(_) => None,
+        let (stated, slide) = match emission {
+            EmissionSource::Scene(file) => (file.group.clone(), file.slide.as_ref()),
+            EmissionSource::Mesh(_) => (None, None),
         };
+        let slide_at = at.key("emission");
+        let slide = slide.map(|slide| self.reflectance(&slide_at.key("slide"), slide)).transpose()?;
         let object_name = || self.scene.objects[*file_index].name.clone();
         let group = stated.or_else(object_name).unwrap_or_else(|| format!("object {file_index}"));
         for &object in objects {
             let name = builder.objects().name(object).to_owned();
-            let emitter = Emitter::Area(AreaLight { object, radiance, area_m2: builder.area_m2(object) });
+            let emitter =
+                Emitter::Area(AreaLight { object, radiance, area_m2: builder.area_m2(object), slide: slide.clone() });
             let light = Light { group: group.clone(), ..self.at(at, Light::new(name, emitter, &spectrum, observer))? };
             self.at(&at.key("emission"), builder.add_light(light))?;
         }

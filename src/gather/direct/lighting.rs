@@ -288,12 +288,13 @@ impl<'a> DirectLighting<'a> {
         }
         let (light, direction) = (&self.scene.lights[number], ray.direction);
         let (radiance, spd) = match &hit {
-            Some(hit) => (light.le_surface(direction, hit), EmittedSpd::Own),
+            Some(hit) => light.le_surface(self.scene.extent(), direction, hit),
             None => {
                 tally.environment_rays += 1;
                 light.le(direction)?
             }
         };
+        tally.texture_lookups += u64::from(matches!(spd, EmittedSpd::Filtered(_)));
         let weight = match weighting {
             HitWeighting::Ignored => 0.0,
             HitWeighting::Full => 1.0,

@@ -1,13 +1,16 @@
 //! An area light: the surface of an object that emits light. On the outer side of the surface, the
-//! radiance is the same in all directions.
+//! radiance is the same in all directions. A slide may filter the light, so that the spectrum and
+//! the radiance vary over the surface.
 
 use super::lit_interval::LitInterval;
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoint};
 use super::virtual_light::VirtualLight;
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, SurfaceId};
 use crate::math::frame::Frame;
+use crate::math::random::hash64;
 use crate::math::sphere::BoundingSphere;
 use crate::math::warp;
+use crate::texture::{LookupRandom, SurfaceSpectrum, Texel, TexturePoint};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -16,13 +19,31 @@ use std::f64::consts::PI;
 pub struct AreaLight {
     /// The object's number.
     pub object: u32,
-    /// The radiance in W/m²/sr over the band.
+    /// The radiance in W/m²/sr over the band, without the slide.
     pub radiance: f64,
     /// The object's area in m².
     pub area_m2: f64,
+    /// The transmittance of the slide in front of the surface, or `None` without a slide.
+    pub slide: Option<SurfaceSpectrum>,
 }
 
 impl AreaLight {
+    /// Returns the spectrum of the light from a point of the surface.
+    pub(super) fn spd(&self, geometry: &Geometry, surface: SurfaceId, position: DVec3) -> EmittedSpd {
+        self.slide.as_ref().map_or(EmittedSpd::Own, |slide| {
+            // All rays of a point see the same texel of the filter, and the texels of different
+            // points are independent.
+            let bits = position.to_array().map(f64::to_bits);
+            let mut random = LookupRandom::new(f64::from_bits(hash64(bits)));
+            EmittedSpd::Filtered(slide.texel(&TexturePoint::new(geometry.uv_at(surface, position)), &mut random))
+        })
+    }
+
+    /// Returns the transmittance of a texel of the slide at a wavelength (nm).
+    pub(super) fn transmittance(&self, texel: Texel, nm: f64) -> f64 {
+        self.slide.as_ref().map_or(1.0, |slide| slide.at(texel, nm))
+    }
+
     pub(super) fn power_w(&self) -> f64 {
         PI * self.area_m2 * self.radiance
     }
@@ -32,7 +53,8 @@ impl AreaLight {
         let direction = Frame::new(point.normal).to_world(warp::cosine_hemisphere(u.aim));
         // The flux is L cos θ divided by the two densities cos θ/π and pdf_area.
         let flux_w = self.radiance * PI / point.pdf_area;
-        LeSample { origin: point.position, direction, from: Some(point.surface), flux_w, spd: EmittedSpd::Own }
+        let spd = self.spd(geometry, point.surface, point.position);
+        LeSample { origin: point.position, direction, from: Some(point.surface), flux_w, spd }
     }
 
     pub(super) fn sample_le_through(&self, geometry: &Geometry, sphere: &BoundingSphere, u: LeRandoms) -> LeSample {
@@ -40,7 +62,8 @@ impl AreaLight {
         let (direction, solid_angle) = sphere.sample_direction(point.position, u.aim);
         let cosine = direction.dot(point.normal).max(0.0);
         let flux_w = self.radiance * cosine * solid_angle / point.pdf_area;
-        LeSample { origin: point.position, direction, from: Some(point.surface), flux_w, spd: EmittedSpd::Own }
+        let spd = self.spd(geometry, point.surface, point.position);
+        LeSample { origin: point.position, direction, from: Some(point.surface), flux_w, spd }
     }
 
     pub(super) fn sample_li(&self, geometry: &Geometry, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
@@ -55,7 +78,7 @@ impl AreaLight {
             target: Some(point.surface),
             irradiance: self.radiance / pdf,
             pdf_solid_angle: Some(pdf),
-            spd: EmittedSpd::Own,
+            spd: self.spd(geometry, point.surface, point.position),
         })
     }
 

@@ -118,7 +118,7 @@ fn area_case(name: &'static str, placed: PlacedShape) -> LightCase {
     let up = placed.to_world.transform_vector3(DVec3::Y).normalize();
     let middle = placed.to_world.translation;
     let geometry = Geometry::build(vec![placed], DVec3::ZERO).unwrap();
-    let emitter = Emitter::Area(AreaLight { object: 0, radiance: 3.0, area_m2: geometry.area(0) });
+    let emitter = Emitter::Area(AreaLight { object: 0, radiance: 3.0, area_m2: geometry.area(0), slide: None });
     let light = light(emitter, flat_spectrum());
     // The receiver is above the shape's front, to one side of it, and tilted.
     let way = (up + 0.4 * up.any_orthonormal_vector()).normalize();
@@ -324,7 +324,7 @@ fn sampled_directions_hit_the_light_with_the_stated_density() {
                 let hit = case.geometry.intersect(&Ray::new(from, incident.direction), None, f64::INFINITY);
                 let Some(hit) = hit.filter(|hit| hit.normal.dot(incident.direction) < -1e-5) else { continue };
                 assert!((hit.t - incident.distance).abs() < 1e-9, "{}: {} m", case.name, hit.t - incident.distance);
-                (case.light.pdf_li_surface(world, from, &hit), case.light.le_surface(incident.direction, &hit))
+                (case.light.pdf_li_surface(world, from, &hit), case.light.le_surface(world, incident.direction, &hit).0)
             };
             assert!((looked_up / pdf - 1.0).abs() < 1e-6, "{}: {looked_up} against {pdf}", case.name);
             let expected = incident.irradiance * pdf;
@@ -348,7 +348,7 @@ fn the_density_of_surfaces_integrates_to_the_lit_share() {
         let integral = SampleMean::of(400_000, || {
             let ray = Ray::new(from, frame.to_world(warp::cone(cone, uniform.pair())));
             let hit = case.geometry.intersect(&ray, None, f64::INFINITY);
-            let lit = hit.filter(|hit| case.light.le_surface(ray.direction, hit) > 0.0);
+            let lit = hit.filter(|hit| case.light.le_surface(world, ray.direction, hit).0 > 0.0);
             lit.map_or(0.0, |hit| {
                 TAU * cone * case.light.pdf_li_surface(world, from, &hit) * -hit.normal.dot(ray.direction)
             })

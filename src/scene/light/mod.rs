@@ -45,6 +45,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{Geometry, Hit, Ray};
 use crate::math::sphere::BoundingSphere;
 use crate::spectrum::{Observer, Spectrum, WavelengthDistribution};
+use crate::texture::SurfaceSpectrum;
 use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
 
@@ -259,19 +260,11 @@ impl Light {
         }
     }
 
-    /// The radiance (W/m²/sr over the band) that a ray along `direction` sees where it hits the
-    /// light's surface. 0 for lights that are not area lights.
-    pub fn le_surface(&self, direction: DVec3, hit: &Hit) -> f64 {
-        match &self.emitter {
-            Emitter::Area(light) => light.le(direction, hit.normal),
-            Emitter::Point(_)
-            | Emitter::Spot(_)
-            | Emitter::Goniometric(_)
-            | Emitter::Beam(_)
-            | Emitter::Directional(_)
-            | Emitter::Environment(_)
-            | Emitter::Volume(_) => 0.0,
-        }
+    /// The radiance (W/m²/sr over the band) and the spectrum that a ray along `direction` sees where
+    /// it hits the light's surface. The radiance is 0 for lights that are not area lights.
+    pub fn le_surface(&self, extent: SceneExtent<'_>, direction: DVec3, hit: &Hit) -> (f64, EmittedSpd) {
+        let Emitter::Area(light) = &self.emitter else { return (0.0, EmittedSpd::Own) };
+        (light.le(direction, hit.normal), light.spd(extent.geometry, hit.surface, hit.position))
     }
 
     /// The sampling density of [`Light::sample_li`] for the point `hit` on the light's surface. The
@@ -284,12 +277,17 @@ impl Light {
     }
 
     /// The relative spectral power distribution `spd` of this light at a wavelength in nm. It is a
-    /// density per nm, with integral 1 over the band.
+    /// density per nm. Its integral over the band is 1, or less if a slide absorbs light.
     pub fn spd_at(&self, spd: EmittedSpd, nm: f64) -> f64 {
         match (spd, &self.emitter) {
             (EmittedSpd::Mixed(weights), Emitter::Environment(light)) => light.mixture_at(weights, nm),
             (EmittedSpd::Thermal(temperature), Emitter::Volume(light)) => light.spd_at(temperature, nm),
-            (EmittedSpd::Own | EmittedSpd::Mixed(_) | EmittedSpd::Thermal(_), _) => self.spectrum.at(nm),
+            (EmittedSpd::Filtered(texel), Emitter::Area(light)) => {
+                self.spectrum.at(nm) * light.transmittance(texel, nm)
+            }
+            (EmittedSpd::Own | EmittedSpd::Mixed(_) | EmittedSpd::Filtered(_) | EmittedSpd::Thermal(_), _) => {
+                self.spectrum.at(nm)
+            }
         }
     }
 
@@ -324,7 +322,7 @@ impl Light {
             Emitter::Goniometric(light) => light.virtual_light(u),
             Emitter::Beam(light) => light.virtual_light(u),
             Emitter::Directional(light) => Some(light.virtual_light(u)),
-            Emitter::Area(light) => Some(light.virtual_light(extent.geometry, u)),
+            Emitter::Area(light) => light.slide.is_none().then(|| light.virtual_light(extent.geometry, u)),
             Emitter::Environment(_) | Emitter::Volume(_) => None,
         }
     }
@@ -334,11 +332,25 @@ impl Light {
         matches!(self.emitter, Emitter::Environment(_))
     }
 
+    /// Returns the slide in front of the light.
+    pub fn slide(&self) -> Option<&SurfaceSpectrum> {
+        if let Emitter::Area(light) = &self.emitter { light.slide.as_ref() } else { None }
+    }
+
+    /// Replaces the picture of a slide by its mean.
+    pub fn remove_texture_of_slide(&mut self) {
+        if let Emitter::Area(light) = &mut self.emitter {
+            light.slide = light.slide.take().map(SurfaceSpectrum::without_texture);
+        }
+    }
+
     /// Returns true if virtual lights can represent the light. For an environment, a volume light,
-    /// a divergent beam or a luminous opening, a single virtual light is too inaccurate.
+    /// a divergent beam, a luminous opening or a light with a slide, a single virtual light is too
+    /// inaccurate.
     pub fn has_virtual_lights(&self) -> bool {
         match &self.emitter {
-            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Directional(_) | Emitter::Area(_) => true,
+            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Directional(_) => true,
+            Emitter::Area(light) => light.slide.is_none(),
             Emitter::Goniometric(light) => light.is_point(),
             Emitter::Beam(light) => light.is_parallel(),
             Emitter::Environment(_) | Emitter::Volume(_) => false,
@@ -407,44 +419,17 @@ impl Light {
 
     /// The number of the object that emits the light. `None` if the light is not an area light.
     pub fn object(&self) -> Option<u32> {
-        match &self.emitter {
-            Emitter::Area(light) => Some(light.object),
-            Emitter::Point(_)
-            | Emitter::Spot(_)
-            | Emitter::Goniometric(_)
-            | Emitter::Beam(_)
-            | Emitter::Directional(_)
-            | Emitter::Environment(_)
-            | Emitter::Volume(_) => None,
-        }
+        if let Emitter::Area(light) = &self.emitter { Some(light.object) } else { None }
     }
 
     /// The name of the medium that emits the light. `None` if the light is not a volume light.
     pub fn medium_name(&self) -> Option<&str> {
-        match &self.emitter {
-            Emitter::Volume(light) => Some(light.medium_name()),
-            Emitter::Point(_)
-            | Emitter::Spot(_)
-            | Emitter::Goniometric(_)
-            | Emitter::Beam(_)
-            | Emitter::Directional(_)
-            | Emitter::Environment(_)
-            | Emitter::Area(_) => None,
-        }
+        if let Emitter::Volume(light) = &self.emitter { Some(light.medium_name()) } else { None }
     }
 
     /// The map from the unit cube to a box around a volume light. `None` for all other lights.
     pub(super) fn box_of_medium(&self) -> Option<DAffine3> {
-        match &self.emitter {
-            Emitter::Volume(light) => Some(light.box_map()),
-            Emitter::Point(_)
-            | Emitter::Spot(_)
-            | Emitter::Goniometric(_)
-            | Emitter::Beam(_)
-            | Emitter::Directional(_)
-            | Emitter::Environment(_)
-            | Emitter::Area(_) => None,
-        }
+        if let Emitter::Volume(light) = &self.emitter { Some(light.box_map()) } else { None }
     }
 
     /// The position of a point, spot, goniometric or beam light, relative to the scene's centre, in

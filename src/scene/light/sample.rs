@@ -1,6 +1,7 @@
 //! Samples of a light: emitted rays, and directions from a point to the light.
 
 use crate::geometry::{Geometry, SurfaceId};
+use crate::texture::Texel;
 use glam::DVec3;
 
 /// The relative spectral power distribution of one part of a light.
@@ -11,6 +12,8 @@ pub enum EmittedSpd {
     /// A mixture of the red, green and blue basis spectra of an environment map. The weights sum
     /// to 1.
     Mixed([f64; 3]),
+    /// The light's own spectrum behind a slide: the texel of the slide.
+    Filtered(Texel),
     /// The emission of hot matter at this temperature in K.
     Thermal(f64),
 }

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::MitsubaReader;
 use super::properties::Properties;
+use super::texture::Textured;
 use super::xml::XmlElement;
 use crate::error::Result;
 use crate::optics::fresnel;
@@ -66,9 +67,9 @@ impl MitsubaReader<'_> {
                 self.first(&properties, &sides, &BsdfContext { twosided: true, ..*context })?
             }
             "mask" => self.mask(&properties, context)?,
-            "bumpmap" | "normalmap" => {
-                let what = format!("\"{}\" is left out: the surface is smooth", bsdf.plugin());
-                self.scene.leave_out(bsdf.place(), what);
+            "normalmap" => self.normal_map(&properties, context)?,
+            "bumpmap" => {
+                self.scene.leave_out(bsdf.place(), "\"bumpmap\" is left out: the surface is smooth");
                 let sides = self.nested(&properties);
                 properties.take(|_| true);
                 self.first(&properties, &sides, context)?
@@ -127,6 +128,23 @@ impl MitsubaReader<'_> {
         }
     }
 
+    /// Converts a surface with a normal map.
+    fn normal_map(&mut self, properties: &Properties<'_>, context: &BsdfContext<'_>) -> Result<MitsubaSurface> {
+        let place = properties.element.place();
+        let map = self.textured(properties, "normalmap")?;
+        let nested = self.nested(properties);
+        let surface = self.first(properties, &nested, context)?;
+        let MitsubaSurface::Material { name, one_sided } = &surface else { return Ok(surface) };
+        let map = map.as_ref().and_then(Textured::normals);
+        match map.and_then(|map| self.scene.with_normal_map(name, map)) {
+            Some(name) => Ok(MitsubaSurface::Material { name, one_sided: *one_sided }),
+            None => {
+                self.scene.leave_out(place, "a normal map without a picture, or inside another one, is left out");
+                Ok(surface)
+            }
+        }
+    }
+
     /// Converts a mix of two BSDFs. The weight belongs to the second one.
     fn blend(&mut self, properties: &Properties<'_>, context: &BsdfContext<'_>) -> Result<MitsubaSurface> {
         let element = properties.element;
@@ -144,7 +162,11 @@ impl MitsubaReader<'_> {
             match self.converted(bsdf, &inner)? {
                 MitsubaSurface::Material { name, one_sided: one } => {
                     one_sided |= one;
-                    mix.push(json!({"material": name, "weight": weight}));
+                    let inner = self.scene.without_normal_map(&name);
+                    if inner != name {
+                        self.scene.leave_out(bsdf.place(), "the normal map of a part of a blend is left out");
+                    }
+                    mix.push(json!({"material": inner, "weight": weight}));
                 }
                 MitsubaSurface::Invisible => {
                     self.scene.leave_out(bsdf.place(), "an invisible part of a blend is left out");

@@ -46,6 +46,13 @@ impl MitsubaReader<'_> {
             return Ok(None);
         }
         let properties = Properties::new(emitter);
+        let textured = self.textured(&properties, "radiance")?;
+        if let Some((slide, peak)) = textured.as_ref().and_then(Textured::slide) {
+            properties.ignore(&["sampling_weight"]);
+            self.note_unread(&properties);
+            let white = MitsubaSpectrum::Rgb([peak; 3]).light().map_err(|error| emitter.locate(error))?;
+            return Ok(Some(json!({"spectrum": white.spectrum, "luminance": white.quantity, "slide": slide})));
+        }
         let light = self.light_spectrum(&properties, "radiance")?;
         self.note_unread(&properties);
         Ok((!light.is_dark()).then(|| json!({"spectrum": light.spectrum, "luminance": light.quantity})))

@@ -18,6 +18,8 @@ mod volume;
 mod xml;
 
 #[cfg(test)]
+mod picture_tests;
+#[cfg(test)]
 mod tests;
 
 use std::collections::BTreeMap;

@@ -11,7 +11,7 @@ const SENSOR: &str = r#"<sensor type="perspective"><float name="fov" value="40"/
 const QUAD: &str = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 3\n";
 
 /// A scene in its own folder.
-struct Imported {
+pub(super) struct Imported {
     folder: TempDir,
     result: Result<ImportedScene>,
 }
@@ -34,12 +34,12 @@ impl Imported {
         Self::with_files(body, &[])
     }
 
-    fn with_files(body: &str, files: &[(&str, &[u8])]) -> Self {
+    pub(super) fn with_files(body: &str, files: &[(&str, &[u8])]) -> Self {
         Self::whole(&format!("<scene version=\"3.0.0\">\n{SENSOR}\n{body}\n</scene>"), files)
     }
 
     /// Returns the scene file. Checks that Abbe can read it.
-    fn scene(&self) -> Value {
+    pub(super) fn scene(&self) -> Value {
         let imported = self.result.as_ref().unwrap_or_else(|error| panic!("{error}"));
         let path = self.folder.path().join("a.json");
         std::fs::write(&path, &imported.text).unwrap();
@@ -48,7 +48,7 @@ impl Imported {
         serde_json::from_str(&imported.text).unwrap()
     }
 
-    fn left_out(&self) -> String {
+    pub(super) fn left_out(&self) -> String {
         self.result.as_ref().unwrap().left_out.join("\n")
     }
 
@@ -76,7 +76,7 @@ fn object(shape: &str) -> (Value, String) {
     (imported.scene()["objects"][0].clone(), imported.left_out())
 }
 
-fn close(found: &Value, expected: f64) {
+pub(super) fn close(found: &Value, expected: f64) {
     let found = found.as_f64().unwrap_or_else(|| panic!("{found} is no number"));
     assert!((found - expected).abs() < 1e-6 * expected.abs().max(1.0), "{found} instead of {expected}");
 }
@@ -371,34 +371,6 @@ fn a_grid_of_densities_becomes_a_grid_medium() {
     });
     assert_eq!(imported.scene()["media"]["m"]["grid"], expected);
     assert!(Imported::with_files(body, &[("a.vol", b"VOL")]).error().contains("a.xml:5"));
-}
-
-#[test]
-fn textures_keep_their_place() {
-    let mut png = std::io::Cursor::new(Vec::new());
-    image::RgbImage::new(2, 2).write_to(&mut png, image::ImageFormat::Png).unwrap();
-    let body = r#"<shape type="rectangle"><bsdf type="roughconductor"><string name="distribution" value="ggx"/>
-        <texture name="alpha" type="checkerboard"><float name="color0" value="0.04"/><float name="color1" value="0.25"/>
-        </texture><texture name="specular_reflectance" type="bitmap"><string name="filename" value="a.png"/>
-        <boolean name="raw" value="true"/><string name="wrap_mode" value="clamp"/><string name="filter_type" value="nearest"/>
-        <transform name="to_uv"><scale x="2" y="-3"/><rotate z="1" angle="90"/><translate x="0.5"/></transform>
-        </texture></bsdf></shape>"#;
-    let imported = Imported::with_files(body, &[("a.png", &png.into_inner())]);
-    let scene = imported.scene();
-    let conductor = &scene["materials"]["roughconductor"]["conductor"];
-    // For numbers, Mitsuba exchanges the two values.
-    assert_eq!(conductor["roughness"], json!({"checker": {"a": 0.5, "b": 0.2, "scale": 2}}));
-    let image = &conductor["reflectance"]["image"];
-    assert_eq!(
-        (&image["encoding"], &image["wrap"], &image["filter"]),
-        (&json!("linear"), &json!("clamp"), &json!("nearest"))
-    );
-    let uv = &image["uv"];
-    close(&uv["scale"][0], 2.0);
-    close(&uv["scale"][1], -3.0);
-    close(&uv["rotate"], -90.0);
-    close(&uv["offset"][0], 0.5);
-    assert!(scene["objects"][0]["shape"]["triangles"]["uv"].is_array());
 }
 
 #[test]

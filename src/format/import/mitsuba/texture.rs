@@ -53,6 +53,24 @@ impl Textured {
         matches!(self, Self::Spectrum(_))
     }
 
+    /// Returns the picture of a normal map in the form of the scene file.
+    pub(super) fn normals(&self) -> Option<Value> {
+        if let Self::Bitmap(bitmap) = self { Some(bitmap.value("normals", true)) } else { None }
+    }
+
+    /// Returns the picture as a slide in the form of the scene file, and its largest component. The
+    /// slide is the picture divided by this component.
+    pub(super) fn slide(&self) -> Option<(Value, f64)> {
+        let Self::Bitmap(bitmap) = self else { return None };
+        let picture = PictureFile::read(&bitmap.file).ok()?;
+        let pixels = picture.linear_rgb(bitmap.raw.then_some(EncodingFile::Linear));
+        let peak = f64::from(pixels.as_flattened().iter().copied().fold(0.0, f32::max));
+        let mut image = bitmap.value("reflectance", bitmap.raw);
+        let factor = 1.0 / peak;
+        image["factor"] = json!([factor, factor, factor]);
+        (peak > 0.0 && peak.is_finite()).then(|| (json!({"image": image}), peak))
+    }
+
     /// Returns the spectrum or texture as a reflectance in the form of the scene file.
     fn reflectance(&self) -> Value {
         match self {

@@ -11,7 +11,12 @@ use crate::error::Result;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum ReadMaterial {
     /// A material of the scene file.
-    Surface(Value),
+    Surface {
+        /// The form in the scene file.
+        material: Value,
+        /// The normal map in the form of the scene file, without the key `material`.
+        normal_map: Option<Value>,
+    },
     /// The boundary of a medium, without an optical surface.
     Interface,
     /// A mix of two named materials. The number is the share of the second one.
@@ -23,11 +28,10 @@ pub(super) enum ReadMaterial {
 /// # Errors
 /// Returns an error if a parameter has a wrong type or a wrong number of values.
 pub(super) fn read(class: &str, parameters: &Parameters, textures: &mut TextureReader<'_>) -> Result<ReadMaterial> {
-    for (key, what) in [("displacement", "displacement"), ("normalmap", "normal map")] {
-        if parameters.get(key).is_some() {
-            textures.left_out.push(format!("a {what} is left out"));
-        }
+    if parameters.get("displacement").is_some() {
+        textures.left_out.push("a displacement is left out".into());
     }
+    let normal_map = parameters.string("normalmap")?.map(|file| json!({"path": format!("{}{file}", textures.folder)}));
     let surface = match class {
         "" | "interface" | "none" => return Ok(ReadMaterial::Interface),
         "mix" => {
@@ -88,7 +92,7 @@ pub(super) fn read(class: &str, parameters: &Parameters, textures: &mut TextureR
             json!({"diffuse": {"reflectance": 0.5}})
         }
     };
-    Ok(ReadMaterial::Surface(surface))
+    Ok(ReadMaterial::Surface { material: surface, normal_map })
 }
 
 /// Notes a scattering medium between a base and its coat.

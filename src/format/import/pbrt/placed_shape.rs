@@ -96,12 +96,13 @@ impl Reader<'_> {
                     None
                 }
             },
-            ReadMaterial::Surface(surface) => {
-                let mut surface = surface.clone();
+            ReadMaterial::Surface { material, normal_map } => {
+                let mut surface = material.clone();
                 if let (Some(dielectric), Some(medium)) = (surface.get_mut("dielectric"), inside) {
                     dielectric["medium"] = json!(medium);
                 }
-                Some(self.scene.add_material(name, surface))
+                let name = self.scene.add_material(name, surface);
+                normal_map.clone().and_then(|map| self.scene.with_normal_map(&name, map)).or(Some(name))
             }
             ReadMaterial::Mix(names, amount) => {
                 let mut parts = Vec::new();
@@ -110,8 +111,12 @@ impl Reader<'_> {
                         left_out.push(format!("the part \"{part}\" of a mix does not exist and is left out"));
                         continue;
                     };
-                    if let ReadMaterial::Surface(_) = *material {
-                        parts.extend(self.placed_material(part, &material, is_lit, left_out));
+                    if let ReadMaterial::Surface { material, normal_map } = &*material {
+                        if normal_map.is_some() {
+                            left_out.push(format!("the normal map of the part \"{part}\" of a mix is left out"));
+                        }
+                        let plain = ReadMaterial::Surface { material: material.clone(), normal_map: None };
+                        parts.extend(self.placed_material(part, &plain, is_lit, left_out));
                     } else {
                         left_out.push(format!("the part \"{part}\" of a mix is not a surface and is left out"));
                     }

@@ -32,7 +32,7 @@ pub(super) struct GraphicsState {
 
 impl Default for GraphicsState {
     fn default() -> Self {
-        let material = ReadMaterial::Surface(json!({"diffuse": {"reflectance": 0.5}}));
+        let material = ReadMaterial::Surface { material: json!({"diffuse": {"reflectance": 0.5}}), normal_map: None };
         Self {
             ctm: DMat4::IDENTITY,
             changes_start: true,

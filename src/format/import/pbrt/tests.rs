@@ -176,6 +176,20 @@ fn opacity_becomes_holes() {
 }
 
 #[test]
+fn normal_maps_keep_their_material() {
+    let world = r#"
+        MakeNamedMaterial "wall" "string type" "diffuse" "string normalmap" "n.png"
+        MakeNamedMaterial "both" "string type" "mix" "string materials" ["wall" "wall"]
+        NamedMaterial "wall" Shape "sphere" NamedMaterial "both" Shape "sphere" "float radius" .2"#;
+    let (_, imported) = imported(&scene(world));
+    let value: Value = serde_json::from_str(&imported.text).unwrap();
+    assert_eq!(value["materials"]["wall with normals"]["normal_map"], json!({"path": "n.png", "material": "wall"}));
+    assert_eq!(value["objects"][0]["material"], "wall with normals");
+    assert_eq!(value["materials"]["both"]["mix"][0]["material"], "wall");
+    assert!(imported.left_out[0].contains("the normal map of the part \"wall\" of a mix is left out"));
+}
+
+#[test]
 fn media_and_their_boundaries_are_read() {
     let world = r#"
         MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [0 0 0]

@@ -1,0 +1,74 @@
+//! Tests of the pictures of Mitsuba scenes.
+
+use super::tests::{Imported, close};
+use serde_json::{Value, json};
+
+/// Returns a PNG file of one colour.
+fn picture(colour: [u8; 3]) -> Vec<u8> {
+    let mut png = std::io::Cursor::new(Vec::new());
+    let image = image::RgbImage::from_pixel(2, 2, image::Rgb(colour));
+    image.write_to(&mut png, image::ImageFormat::Png).unwrap();
+    png.into_inner()
+}
+
+#[test]
+fn textures_keep_their_place() {
+    let body = r#"<shape type="rectangle"><bsdf type="roughconductor"><string name="distribution" value="ggx"/>
+        <texture name="alpha" type="checkerboard"><float name="color0" value="0.04"/><float name="color1" value="0.25"/>
+        </texture><texture name="specular_reflectance" type="bitmap"><string name="filename" value="a.png"/>
+        <boolean name="raw" value="true"/><string name="wrap_mode" value="clamp"/><string name="filter_type" value="nearest"/>
+        <transform name="to_uv"><scale x="2" y="-3"/><rotate z="1" angle="90"/><translate x="0.5"/></transform>
+        </texture></bsdf></shape>"#;
+    let imported = Imported::with_files(body, &[("a.png", &picture([0, 0, 0]))]);
+    let scene = imported.scene();
+    let conductor = &scene["materials"]["roughconductor"]["conductor"];
+    // For numbers, Mitsuba exchanges the two values.
+    assert_eq!(conductor["roughness"], json!({"checker": {"a": 0.5, "b": 0.2, "scale": 2}}));
+    let image = &conductor["reflectance"]["image"];
+    assert_eq!(
+        (&image["encoding"], &image["wrap"], &image["filter"]),
+        (&json!("linear"), &json!("clamp"), &json!("nearest"))
+    );
+    let uv = &image["uv"];
+    close(&uv["scale"][0], 2.0);
+    close(&uv["scale"][1], -3.0);
+    close(&uv["rotate"], -90.0);
+    close(&uv["offset"][0], 0.5);
+    assert!(scene["objects"][0]["shape"]["triangles"]["uv"].is_array());
+}
+
+/// The normal map of a surface with holes belongs to the whole mix. The normal map of a part of a
+/// blend is left out.
+#[test]
+fn normal_maps_keep_their_material() {
+    let normals = r#"<bsdf type="normalmap"><texture name="normalmap" type="bitmap"><boolean name="raw" value="true"/>
+        <string name="filename" value="n.png"/></texture><bsdf type="plastic"/></bsdf>"#;
+    let body = format!(
+        r#"<shape type="rectangle">{normals}</shape>
+        <shape type="rectangle"><bsdf type="mask"><float name="opacity" value="0.25"/>{normals}</bsdf></shape>
+        <shape type="rectangle"><bsdf type="blendbsdf"><float name="weight" value="0.5"/>
+        <bsdf type="diffuse"/>{normals}</bsdf></shape>"#
+    );
+    let imported = Imported::with_files(&body, &[("n.png", &picture([128, 128, 255]))]);
+    let scene = imported.scene();
+    let material = |object: usize| &scene["materials"][scene["objects"][object]["material"].as_str().unwrap()];
+    assert_eq!(material(0)["normal_map"], json!({"path": "n.png", "material": "plastic"}));
+    let inner = material(1)["normal_map"]["material"].as_str().unwrap();
+    assert_eq!(scene["materials"][inner]["mix"][0], json!({"material": "plastic", "weight": 0.25}));
+    assert_eq!(material(2)["mix"][0]["material"], "plastic");
+    assert!(imported.left_out().contains("the normal map of a part of a blend is left out"), "{}", imported.left_out());
+}
+
+/// A picture of radiance becomes a slide. The luminance belongs to its brightest component.
+#[test]
+fn pictures_of_radiance_become_slides() {
+    let body = r#"<shape type="rectangle"><emitter type="area"><texture name="radiance" type="bitmap">
+        <string name="filename" value="a.png"/></texture></emitter></shape>"#;
+    let imported = Imported::with_files(body, &[("a.png", &picture([188, 0, 0]))]);
+    let emission: Value = imported.scene()["objects"][0]["emission"].clone();
+    // The linear value of 188 / 255 in sRGB is 0.5029.
+    let peak = 0.502_886;
+    assert!((emission["luminance"].as_f64().unwrap() - peak).abs() < 1e-5, "{emission}");
+    assert!((emission["slide"]["image"]["factor"][0].as_f64().unwrap() - 1.0 / peak).abs() < 1e-4, "{emission}");
+    assert_eq!(imported.left_out(), "");
+}
