@@ -80,6 +80,7 @@
 //! | `render` | a render of many passes: stop rules, forecasts, checkpoints, merging |
 //! | `study` | error against time (feature `pages`) |
 //! | `api` | the items of this page |
+//! | `view` | the live view in the browser (feature `view`) |
 //! | `cli` | the `abbe` program (feature `cli`) |
 //!
 //! Only the items of this page are public interface. The modules are visible to the tests and
@@ -108,6 +109,7 @@
 //! | --- | --- | --- |
 //! | `cli` | yes | the `abbe` program; implies `pages` |
 //! | `pages` | | HTML pages that compare pictures or lamps, and studies of accuracy |
+//! | `view` | yes | the live view in the browser (`abbe view`); implies `cli` |
 //! | `meshes` | yes | OBJ, PLY, STL and glTF files |
 //!
 //! To use the renderer without the command line, depend on it as
@@ -157,6 +159,9 @@ pub mod spectrum;
 #[doc(hidden)]
 pub mod study;
 pub mod texture;
+#[cfg(feature = "view")]
+#[doc(hidden)]
+pub mod view;
 #[doc(hidden)]
 pub mod walk;
 

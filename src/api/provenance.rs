@@ -7,7 +7,7 @@ use crate::format::resolve;
 use crate::output::exr::read_metadata;
 use crate::output::hash::IdentityHash;
 use crate::output::metadata::{Metadata, names};
-use crate::render::{DisplaySettings, Integrator, Job, Request, Stats, scene_of_passes};
+use crate::render::{DisplaySettings, Integrator, Job, LedgerStats, Request, Stats, scene_of_passes};
 use serde_json::Value;
 
 use super::plan_report::PlanReport;
@@ -32,11 +32,17 @@ pub fn of_scene(source: Option<&JsonSource>, job: &Job, integrator: Integrator) 
 
 /// Adds the header entries that describe a finished render.
 pub fn of_render(of_scene: &Metadata, stats: &Stats) -> Metadata {
+    of_passes(of_scene, stats.passes, &stats.ledger_w, stats.seconds.total)
+}
+
+/// Adds the header entries that describe the passes of a render: their number, their mean energy
+/// balance, and their time in s.
+pub fn of_passes(of_scene: &Metadata, passes: u64, ledger_w: &LedgerStats, seconds: f64) -> Metadata {
     of_scene
         .clone()
-        .with(names::PASSES, &stats.passes.to_string())
-        .with_json(names::LEDGER, &stats.ledger_w)
-        .with(names::SECONDS, &format!("{:.3}", stats.seconds.total))
+        .with(names::PASSES, &passes.to_string())
+        .with_json(names::LEDGER, ledger_w)
+        .with(names::SECONDS, &format!("{seconds:.3}"))
 }
 
 /// Removes the times and the facts about the machine from a header. Two renders with equal results

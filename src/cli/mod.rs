@@ -39,6 +39,8 @@ mod schema;
 mod spectrum;
 mod study;
 mod values;
+#[cfg(feature = "view")]
+mod view;
 
 use std::ffi::OsString;
 use std::panic::{self, AssertUnwindSafe};
@@ -93,6 +95,9 @@ enum Command {
     Compare(compare::CompareArgs),
     /// Print the colour, the error bars and the spectrum of a pixel
     Probe(probe::ProbeArgs),
+    /// Render a scene and show it on a page in the browser, with the spectrum under the cursor
+    #[cfg(feature = "view")]
+    View(view::ViewArgs),
     /// Measure the error against time for a scene: tables, plots and an HTML page
     Study(study::StudyArgs),
     /// Print a completion script for a shell
@@ -198,6 +203,8 @@ fn run(command: &Command) -> Result<Outcome> {
         Command::Lamps(arguments) => lamps::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Probe(arguments) => probe::run(arguments),
+        #[cfg(feature = "view")]
+        Command::View(arguments) => view::run(arguments),
         Command::Study(arguments) => study::run(arguments),
         Command::Completions(arguments) => completions::run(arguments),
         Command::Man(arguments) => man::run(arguments),

@@ -106,6 +106,19 @@ impl Pilot {
         Ok(pilot)
     }
 
+    /// Renders only the coarse picture of a pilot. Returns `None` if the film is small.
+    ///
+    /// # Errors
+    /// See [`Self::run`].
+    pub fn coarse_picture(context: &PassContext<'_>) -> Result<Option<Picture>> {
+        let scenes = posed_scenes(context)?;
+        let mut pilot = Self::with_plain_aims(context);
+        if context.plan.aim == AimPlan::Learned {
+            pilot.set_aims(learn_aims(context, &scenes), context);
+        }
+        coarse_photon_picture(context, &scenes[0], &mut pilot)
+    }
+
     /// Returns a pilot that has measured nothing. The emitted rays follow the lights.
     fn with_plain_aims(context: &PassContext<'_>) -> Self {
         let LearnedAims { strata, unlit } = LearnedAims::plain(context);

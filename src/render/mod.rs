@@ -37,5 +37,5 @@ pub use run::Run;
 pub use saved_run::SavedRun;
 pub use scene_difference::scene_of_passes;
 pub use session::Rendered;
-pub use stats::{ErrorStats, ForecastStats, Stats};
+pub use stats::{EffectStats, ErrorStats, ForecastStats, LedgerStats, Stats};
 pub use threads::{current_threads, on_threads};

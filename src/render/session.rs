@@ -10,7 +10,7 @@ use super::stop::{RunClock, StopConditions};
 use crate::error::{Error, Result};
 use crate::gather::Openings;
 use crate::map::LightMaps;
-use crate::pass::{PassContext, Pilot, coarse_path_picture, find_openings, path_pass, photon_pass};
+use crate::pass::{PassContext, Pilot, StageSeconds, coarse_path_picture, find_openings, path_pass, photon_pass};
 use crate::sensor::Picture;
 use crate::walk::ledger::Ledger;
 use std::time::Instant;
@@ -37,6 +37,17 @@ impl Job {
     /// See [`Self::continue_run`].
     pub fn render(&self, request: Request, monitor: &mut dyn Monitor) -> Result<Rendered> {
         self.continue_run(request, Run::new(self, PassPart::WHOLE), monitor)
+    }
+
+    /// Renders a coarse picture in the size of the film on the current thread pool, without bands
+    /// and without errors. Returns `None` if the film is small.
+    ///
+    /// # Errors
+    /// Returns an error if the scene cannot be posed.
+    pub fn coarse_picture(&self) -> Result<Option<Picture>> {
+        let context = self.pass_context();
+        let openings = find_openings(&context, &mut StageSeconds::default());
+        Pilot::coarse_picture(&PassContext { openings: &openings, ..context })
     }
 
     /// Continues a run until a stop rule is satisfied. The run is either new or a saved run.

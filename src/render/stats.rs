@@ -130,9 +130,7 @@ impl Stats {
     /// Returns the statistics of a run and its picture. `unlit` contains the names of the specular
     /// objects that no pilot photon reached.
     pub(super) fn new(job: &Job, run: &Run, picture: &Picture, forecast: Option<Forecast>, unlit: &[String]) -> Self {
-        let PassSums { ledger, tally, seconds, .. } = &run.sums;
-        let mut ledger = ledger.clone();
-        ledger.scale(1.0 / run.done.max(1) as f64);
+        let PassSums { tally, seconds, .. } = &run.sums;
         Self {
             passes: run.done,
             photons_emitted: tally.photons,
@@ -142,7 +140,7 @@ impl Stats {
             seconds: *seconds,
             photons_per_second: if seconds.emit > 0.0 { tally.photons as f64 / seconds.emit } else { 0.0 },
             peak_memory_bytes: peak_memory_bytes(),
-            ledger_w: ledger_stats(job, &ledger),
+            ledger_w: run.ledger_stats(job),
             error: ErrorStats::of(picture),
             forecast: forecast.map(|forecast| ForecastStats::of(&forecast, seconds.total)),
             effects: effect_stats(job, tally),
@@ -189,6 +187,25 @@ impl Stats {
             threads: runs.iter().map(|run| run.threads).max().unwrap_or(0),
             notes: merged_notes(runs),
         }
+    }
+}
+
+impl Run {
+    /// Returns the mean energy balance of the passes so far.
+    pub fn ledger_stats(&self, job: &Job) -> LedgerStats {
+        let mut ledger = self.sums.ledger.clone();
+        ledger.scale(1.0 / self.done.max(1) as f64);
+        ledger_stats(job, &ledger)
+    }
+
+    /// Returns the states of all effects with their numbers of events so far.
+    pub fn effect_stats(&self, job: &Job) -> BTreeMap<String, EffectStats> {
+        effect_stats(job, &self.sums.tally)
+    }
+
+    /// Returns the wall-clock time of the passes so far in s.
+    pub fn seconds(&self) -> f64 {
+        self.sums.seconds.total
     }
 }
 

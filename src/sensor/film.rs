@@ -10,6 +10,7 @@ use crate::math::random::REPLICATES;
 use crate::math::sum::ExactSum;
 use crate::sensor::picture::{Picture, SpectralBands};
 use crate::spectrum::{LUMENS_PER_WATT, Observer};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// The sums of one pixel over all passes. They take 192 bytes. Each channel takes 16 more bytes.
@@ -311,6 +312,7 @@ impl Film {
             let values = match diffracted {
                 Some((_, values)) => values.into_iter().map(|value| (value * scale) as f32).collect(),
                 None => (0..self.pixels.len() * bands)
+                    .into_par_iter()
                     .map(|i| (self.channel(i / bands, i % bands) * scale) as f32)
                     .collect(),
             };

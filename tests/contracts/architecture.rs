@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// The modules in the order of imports, each with the modules directly below it. A module may
 /// import these and everything below them.
-const ORDER: [(&str, &[&str]); 22] = [
+const ORDER: [(&str, &[&str]); 23] = [
     ("error", &[]),
     ("math", &["error"]),
     ("spectrum", &["math"]),
@@ -31,7 +31,8 @@ const ORDER: [(&str, &[&str]); 22] = [
     ("render", &["pass", "output"]),
     ("study", &["render", "format"]),
     ("api", &["render", "format"]),
-    ("cli", &["study", "api"]),
+    ("view", &["api"]),
+    ("cli", &["study", "view"]),
 ];
 
 /// Modules whose code runs for every photon and every camera ray. They handle light by wavelength
@@ -39,7 +40,7 @@ const ORDER: [(&str, &[&str]); 22] = [
 const HOT: [&str; 5] = ["walk", "map", "emit", "gather", "pass"];
 
 /// The files or folders below src that may use each crate; an empty name means everywhere.
-const CRATES: [(&str, &[&str]); 33] = [
+const CRATES: [(&str, &[&str]); 35] = [
     ("glam", &[""]),
     ("serde", &[""]),
     ("obvhs", &["geometry/bvh.rs", "map/box_tree.rs"]),
@@ -78,12 +79,15 @@ const CRATES: [(&str, &[&str]); 33] = [
             "render/",
             "study/",
             "api/",
+            "view/",
             "cli/",
         ],
     ),
     ("serde_path_to_error", &["format/"]),
     ("schemars", &["format/"]),
     ("strsim", &["error.rs"]),
+    ("axum", &["view/"]),
+    ("tokio", &["view/"]),
     ("clap", &["cli/"]),
     ("clap_complete", &["cli/"]),
     ("clap_mangen", &["cli/"]),

@@ -1,0 +1,157 @@
+//! `abbe view`: renders a scene and shows it on a page in the browser.
+
+use std::net::{IpAddr, Ipv4Addr};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use crate::api::provenance;
+use crate::error::Result;
+use crate::format::resolve;
+use crate::output::exr::write as write_exr;
+use crate::output::file as files;
+use crate::render::{DisplaySettings, Integrator, Job, RenderIdentity, Rendered, StopRules};
+use crate::view::{LoadedScene, SessionEnd, View, ViewHost};
+
+use super::checkpoint::CheckpointFile;
+use super::outputs::OutputFiles;
+use super::scene_file::SceneFileArgs;
+use super::{Outcome, interrupt, memory, print, values};
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct ViewArgs {
+    /// The scene file. The view renders again when the file changes
+    #[arg(value_name = "SCENE")]
+    scene: PathBuf,
+    /// The port of the page; 0 chooses a free port
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    port: u16,
+    /// The IP address on which the page is served. Other machines can open the page if this is
+    /// not a loopback address and if they know the page's address with its token
+    #[arg(long, value_name = "ADDRESS", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
+    bind: IpAddr,
+    /// Print the address of the page, but do not open a browser
+    #[arg(long)]
+    no_open: bool,
+    /// Finish after this many passes. The page can continue the render
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    passes: Option<u64>,
+    /// The size of the picture in pixels
+    #[arg(long, value_name = "WxH", value_parser = values::size)]
+    size: Option<(u32, u32)>,
+    /// The number of worker threads [default: the number of logical processors]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    threads: Option<u32>,
+    /// The number of spectral bands of every pixel
+    #[arg(long, value_name = "N", default_value_t = 47, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    spectral_bands: u32,
+    #[arg(
+        long,
+        value_name = "PATH=JSON",
+        help = "Change a value of the scene, such as 'objects[0].material=\"crown\"' (repeatable)"
+    )]
+    set: Vec<String>,
+    /// The file of the picture that Ctrl-C saves, with a PNG file and a checkpoint beside it
+    /// [default: the name of the scene with `.view.exr`, in the working directory]
+    #[arg(short, long, value_name = "OUT.exr")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    scene_file: SceneFileArgs,
+}
+
+pub(crate) fn run(arguments: &ViewArgs) -> Result<Outcome> {
+    interrupt::watch()?;
+    let outputs = OutputFiles::new(arguments.exr(), None)?;
+    let view = View::listen(arguments.bind, arguments.port)?;
+    let url = view.url();
+    print::result(&format!("{url}\n"))?;
+    if !arguments.no_open && !open_browser(&url) {
+        print::remark("note: no browser could be opened; open the address above");
+    }
+    let stop = StopRules { passes: arguments.passes, ..StopRules::default() };
+    let SessionEnd { last } = view.run(arguments, stop)?;
+    match last {
+        Some((loaded, rendered)) => save(&outputs, &loaded, &rendered),
+        None => Ok(Outcome::Interrupted),
+    }
+}
+
+/// Saves the picture, and a checkpoint if the render has passes left.
+fn save(outputs: &OutputFiles, loaded: &LoadedScene, rendered: &Rendered) -> Result<Outcome> {
+    let LoadedScene { job, metadata: of_scene, .. } = loaded;
+    let identity = RenderIdentity::of(job, Integrator::Photon, of_scene);
+    let checkpoint = CheckpointFile { path: outputs.checkpoint(), job, identity: &identity, metadata: of_scene };
+    outputs.check()?;
+    files::check_writable(&checkpoint.path)?;
+    let metadata = provenance::reproducible(provenance::of_render(of_scene, &rendered.stats));
+    let write = |path: &Path| write_exr(path, &rendered.picture, &metadata);
+    let saved = outputs.save(write, &rendered.picture, &DisplaySettings::of(job), &rendered.stats);
+    checkpoint.finish(&rendered.run, rendered.interrupted || saved.is_err())?;
+    saved?;
+    let (passes, named) = (print::passes(rendered.stats.passes), outputs.named());
+    if rendered.interrupted {
+        let path = checkpoint.path.display();
+        print::remark(&format!("interrupted after {passes}; saved {named}, and {path} for `abbe render --resume`"));
+        return Ok(Outcome::Interrupted);
+    }
+    print::remark(&format!("saved {named}: {passes}"));
+    Ok(Outcome::Done)
+}
+
+impl ViewArgs {
+    fn exr(&self) -> PathBuf {
+        let name =
+            || PathBuf::from(self.scene.file_stem().unwrap_or("scene".as_ref())).with_added_extension("view.exr");
+        self.output.clone().unwrap_or_else(name)
+    }
+
+    /// Returns the changes to the scene, in the order of the changes of `abbe render`.
+    fn patches(&self, changes: &[String]) -> Vec<String> {
+        let mut patches = [&self.set[..], changes].concat();
+        let mut add = |path: &str, value: Option<u32>| patches.extend(value.map(|value| format!("{path}={value}")));
+        add("film.width", self.size.map(|(width, _)| width));
+        add("film.height", self.size.map(|(_, height)| height));
+        add("film.spectral_bands", Some(self.spectral_bands));
+        add("render.threads", self.threads);
+        patches
+    }
+}
+
+impl ViewHost for ViewArgs {
+    fn scene_path(&self) -> &Path {
+        &self.scene
+    }
+
+    fn load(&self, changes: &[String], forbidden: &[String]) -> Result<LoadedScene> {
+        let mut patches = self.patches(changes);
+        let (mut scene, mut source) = self.scene_file.read(&self.scene, &patches)?;
+        if !forbidden.is_empty() {
+            let all: Vec<&String> = scene.render.forbid.iter().chain(forbidden).collect();
+            let list = serde_json::to_string(&all).expect("a list of texts is JSON");
+            patches.push(format!("render.forbid={list}"));
+            (scene, source) = self.scene_file.read(&self.scene, &patches)?;
+        }
+        let resolved = resolve::resolve(&scene, &source)?;
+        let job = Job::new(resolved).map_err(|error| error.in_file(&self.scene))?;
+        memory::check(&job.budget)?;
+        let metadata = provenance::reproducible(provenance::of_scene(Some(&source), &job, Integrator::Photon));
+        Ok(LoadedScene { source, job, metadata })
+    }
+
+    fn interruption(&self) -> fn() -> bool {
+        interrupt::is_requested
+    }
+}
+
+/// Opens an address in the browser. Returns false if no program starts.
+fn open_browser(url: &str) -> bool {
+    let (program, arguments): (&str, &[&str]) = if cfg!(target_os = "macos") {
+        ("open", &[])
+    } else if cfg!(windows) {
+        ("cmd", &["/C", "start", ""])
+    } else {
+        ("xdg-open", &[])
+    };
+    let mut command = Command::new(program);
+    command.args(arguments).arg(url).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    command.spawn().is_ok()
+}

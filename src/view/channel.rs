@@ -1,0 +1,250 @@
+//! The state that the session, the server and the watch thread share.
+
+use super::scene_view::SceneView;
+use super::snapshot::Snapshot;
+use crate::render::Progress;
+use serde_json::{Value, json};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+use tokio::sync::watch;
+
+/// What the page wants from the session.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(super) struct Orders {
+    /// Counts the changes of the scene: of its file, and by the page.
+    pub(super) revision: u64,
+    /// True if the render waits.
+    pub(super) paused: bool,
+    /// Changes of the scene in the form `PATH=JSON`.
+    pub(super) changes: Vec<String>,
+    /// The names of forbidden effects.
+    pub(super) forbidden: Vec<String>,
+    /// True while the reader moves a slider or the camera. The session then renders only coarse
+    /// pictures.
+    pub(super) is_draft: bool,
+    /// Counts the wishes for more passes.
+    pub(super) extensions: u64,
+    /// True if the user interrupted the program.
+    pub(super) interrupted: bool,
+}
+
+/// The state of the session.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum SessionState {
+    /// The session loads the scene, or runs the pilot.
+    Starting,
+    /// The session renders passes.
+    Rendering,
+    /// The render has all its passes.
+    Finished,
+    /// The scene has a fault. The last picture stays.
+    Failed,
+}
+
+impl SessionState {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Starting => "starting",
+            Self::Rendering => "rendering",
+            Self::Finished => "finished",
+            Self::Failed => "failed",
+        }
+    }
+}
+
+/// The progress of the present render.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct ViewProgress {
+    pub(super) passes: u64,
+    pub(super) passes_wanted: Option<u64>,
+    /// The time of the render without pauses in s.
+    pub(super) elapsed_s: f64,
+    pub(super) photons_per_second: f64,
+    pub(super) relative_error: Option<f64>,
+}
+
+impl ViewProgress {
+    /// Returns the progress without the time of pauses.
+    pub(super) fn new(progress: &Progress, paused: Duration) -> Self {
+        let total_s = progress.elapsed.as_secs_f64();
+        let elapsed_s = (total_s - paused.as_secs_f64()).max(1e-3);
+        Self {
+            passes: progress.passes,
+            passes_wanted: progress.passes_wanted,
+            elapsed_s,
+            photons_per_second: progress.photons_per_second * total_s / elapsed_s,
+            relative_error: progress.relative_error,
+        }
+    }
+
+    /// Returns the time until the last pass in s, or `None` if it is unknown.
+    fn left_s(&self) -> Option<f64> {
+        let left = self.passes_wanted?.saturating_sub(self.passes);
+        (self.passes > 0).then(|| self.elapsed_s / self.passes as f64 * left as f64)
+    }
+}
+
+#[derive(Debug)]
+struct ViewState {
+    orders: Orders,
+    session: SessionState,
+    progress: ViewProgress,
+    error: Option<String>,
+    scene: Option<Arc<SceneView>>,
+    snapshot: Option<Arc<Snapshot>>,
+}
+
+/// The state that the threads share. Each lock is held only for a short time.
+#[derive(Debug)]
+pub(super) struct ViewChannel {
+    state: Mutex<ViewState>,
+    /// Wakes the session.
+    changed: Condvar,
+    /// Counts the changes that the page should see.
+    version: watch::Sender<u64>,
+}
+
+impl ViewChannel {
+    pub(super) fn new() -> Self {
+        let state = ViewState {
+            orders: Orders::default(),
+            session: SessionState::Starting,
+            progress: ViewProgress::default(),
+            error: None,
+            scene: None,
+            snapshot: None,
+        };
+        Self { state: Mutex::new(state), changed: Condvar::new(), version: watch::Sender::new(1) }
+    }
+
+    /// No thread leaves the state inconsistent, so a panic elsewhere does not matter here.
+    fn lock(&self) -> MutexGuard<'_, ViewState> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Changes the state, and tells the page.
+    fn update(&self, change: impl FnOnce(&mut ViewState)) {
+        change(&mut self.lock());
+        self.version.send_modify(|version| *version += 1);
+    }
+
+    /// Changes the orders, and wakes the session.
+    pub(super) fn order(&self, change: impl FnOnce(&mut Orders)) {
+        self.update(|state| change(&mut state.orders));
+        self.changed.notify_all();
+    }
+
+    pub(super) fn scene_file_changed(&self) {
+        self.order(|orders| orders.revision += 1);
+    }
+
+    pub(super) fn interrupt(&self) {
+        self.order(|orders| orders.interrupted = true);
+    }
+
+    pub(super) fn orders(&self) -> Orders {
+        self.lock().orders.clone()
+    }
+
+    /// Waits until `is_done` is true, or until the time is over. Returns the last orders.
+    pub(super) fn wait(&self, limit: Option<Duration>, is_done: impl Fn(&Orders) -> bool) -> Orders {
+        let end = limit.map(|limit| Instant::now() + limit);
+        let mut state = self.lock();
+        while !is_done(&state.orders) {
+            let Some(end) = end else {
+                state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+                continue;
+            };
+            let left = end.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                break;
+            }
+            state = self.changed.wait_timeout(state, left).unwrap_or_else(PoisonError::into_inner).0;
+        }
+        state.orders.clone()
+    }
+
+    /// Begins the render of a scene.
+    pub(super) fn begin(&self, scene: Arc<SceneView>) {
+        self.update(|state| {
+            state.session = SessionState::Starting;
+            state.progress = ViewProgress::default();
+            (state.error, state.scene) = (None, Some(scene));
+        });
+    }
+
+    /// Reports a fault of the scene. The last picture stays.
+    pub(super) fn fail(&self, error: String) {
+        self.update(|state| (state.session, state.error) = (SessionState::Failed, Some(error)));
+    }
+
+    pub(super) fn report(&self, session: SessionState, progress: ViewProgress) {
+        self.update(|state| (state.session, state.progress) = (session, progress));
+    }
+
+    pub(super) fn publish(&self, snapshot: Arc<Snapshot>) {
+        self.update(|state| state.snapshot = Some(snapshot));
+    }
+
+    pub(super) fn snapshot(&self) -> Option<Arc<Snapshot>> {
+        self.lock().snapshot.clone()
+    }
+
+    pub(super) fn scene(&self) -> Option<Arc<SceneView>> {
+        self.lock().scene.clone()
+    }
+
+    /// Returns a receiver of the version of the state.
+    pub(super) fn versions(&self) -> watch::Receiver<u64> {
+        self.version.subscribe()
+    }
+
+    /// Returns the state for the page.
+    pub(super) fn to_json(&self) -> Value {
+        // A change after this line has a newer version, so the page asks again.
+        let version = *self.version.borrow();
+        let state = self.lock();
+        let ViewState { orders, session, progress, error, scene, snapshot } = &*state;
+        json!({
+            "version": version,
+            "session": session.word(),
+            "paused": orders.paused,
+            "draft": orders.is_draft,
+            "changes": orders.changes,
+            "forbidden": orders.forbidden,
+            "error": error,
+            "scene": scene.as_ref().map(|scene| scene.number),
+            "passes": progress.passes,
+            "passes_wanted": progress.passes_wanted,
+            "elapsed_s": progress.elapsed_s,
+            "left_s": progress.left_s(),
+            "photons_per_second": progress.photons_per_second,
+            "relative_error": progress.relative_error,
+            "picture": snapshot.as_ref().map(|snapshot| snapshot.summary()),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn orders_wake_a_waiting_session() {
+        let channel = Arc::new(ViewChannel::new());
+        let other = Arc::clone(&channel);
+        let waiting = std::thread::spawn(move || other.wait(None, |orders| orders.revision > 0).revision);
+        channel.scene_file_changed();
+        assert_eq!(waiting.join().unwrap(), 1);
+        let orders = channel.wait(Some(Duration::from_millis(1)), |orders| orders.interrupted);
+        assert!(!orders.interrupted);
+        assert!(*channel.versions().borrow() > 1);
+    }
+
+    #[test]
+    fn the_time_left_counts_no_pauses() {
+        let progress = ViewProgress { passes: 4, passes_wanted: Some(6), elapsed_s: 8.0, ..ViewProgress::default() };
+        assert_eq!(progress.left_s(), Some(4.0));
+        assert_eq!(ViewProgress { passes: 0, ..progress }.left_s(), None);
+    }
+}

@@ -1,0 +1,68 @@
+//! The live view: renders a scene, and shows the picture on a page in the browser.
+//!
+//! Three threads work together. The session renders on the thread of the caller. The server answers
+//! requests on its own thread. The watch thread notices changes of the scene file and
+//! interruptions. They share a [`ViewChannel`]. The session replaces the published [`Snapshot`],
+//! and the server reads it. The session therefore never waits for a browser.
+
+mod access;
+mod channel;
+mod host;
+mod listener;
+mod probe;
+mod publisher;
+mod scene_view;
+mod server;
+mod session;
+mod snapshot;
+mod watch;
+
+pub use host::{LoadedScene, ViewHost};
+pub use session::SessionEnd;
+
+use crate::error::{Error, Result};
+use crate::render::StopRules;
+use channel::ViewChannel;
+use std::net::{IpAddr, SocketAddr};
+use std::sync::Arc;
+
+/// A view whose server listens, and whose session has not started.
+#[derive(Debug)]
+pub struct View {
+    channel: Arc<ViewChannel>,
+    address: SocketAddr,
+    token: String,
+}
+
+impl View {
+    /// Starts the server. If `port` is 0, the system chooses a free port.
+    ///
+    /// # Errors
+    /// Returns a machine error if the address cannot be used.
+    pub fn listen(bind: IpAddr, port: u16) -> Result<Self> {
+        let channel = Arc::new(ViewChannel::new());
+        let token = access::random_token();
+        let wanted = SocketAddr::new(bind, port);
+        let unusable = |error: std::io::Error| Error::machine(format!("cannot listen on {wanted}: {error}"));
+        let listener = std::net::TcpListener::bind(wanted).map_err(unusable)?;
+        let address = listener.local_addr().map_err(unusable)?;
+        let access = access::Access::new(&token, address);
+        server::start(listener, access, Arc::clone(&channel)).map_err(unusable)?;
+        Ok(Self { channel, address, token })
+    }
+
+    /// Returns the address of the page.
+    pub fn url(&self) -> String {
+        format!("http://{}/{}/", self.address, self.token)
+    }
+
+    /// Renders the scene until the host is interrupted. The page may pause the render and change
+    /// the scene.
+    ///
+    /// # Errors
+    /// Returns an error if the first load of the scene fails, or if a thread cannot be started.
+    pub fn run(&self, host: &dyn ViewHost, stop: StopRules) -> Result<SessionEnd> {
+        watch::start(host.scene_path(), host.interruption(), Arc::clone(&self.channel))?;
+        session::run(host, &self.channel, stop)
+    }
+}

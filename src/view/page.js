@@ -1,0 +1,257 @@
+// The page of `abbe view`. It asks the server for the state, and shows what changed.
+
+const $ = id => document.getElementById(id);
+const stage = $("stage"), canvas = $("canvas"), context = canvas.getContext("2d");
+let version = 0, state = {}, scene = null, spaces = [], planBefore = null;
+/// The shown picture: number, width, height, xyz, and the other planes that were fetched for it.
+let picture = null, image = document.createElement("canvas"), isFetching = false;
+/// Screen pixels per picture pixel, and the position of the picture's corner. `zoom` 0 fits the picture.
+let zoom = 0, offset = [0, 0];
+let area = null, pins = [], probes = new Map(), hovered = null, isProbing = false;
+
+// Requests.
+
+async function get(path) {
+  const answer = await fetch(path);
+  if (!answer.ok) throw new Error(path + ": " + answer.status);
+  return answer;
+}
+async function floats(path) {
+  const answer = await get(path), header = name => Number(answer.headers.get("x-abbe-" + name));
+  return { number: header("picture"), width: header("width"), height: header("height"), values: new Float32Array(await answer.arrayBuffer()) };
+}
+let sending = null, waiting = null;
+/// Sends orders one after another. While one is on its way, only the newest waits.
+function order(orders) {
+  if (sending) { waiting = { ...waiting, ...orders }; return; }
+  sending = fetch("orders", { method: "POST", body: JSON.stringify(orders) }).catch(() => {}).then(() => {
+    sending = null;
+    const next = waiting;
+    waiting = null;
+    if (next) order(next);
+  });
+}
+
+async function follow() {
+  for (;;) {
+    try {
+      const next = await (await get("state?after=" + version)).json();
+      version = next.version;
+      await show(next);
+    } catch (error) {
+      $("session").textContent = "not connected";
+      version = 0;
+      await new Promise(done => setTimeout(done, 1000));
+    }
+  }
+}
+
+const time = s => s == null ? "–" : s < 90 ? s.toFixed(0) + " s" : s < 5400 ? (s / 60).toFixed(0) + " min" : (s / 3600).toFixed(1) + " h";
+const percent = value => value == null ? "not known yet" : (100 * value).toPrecision(2) + " %";
+
+async function show(next) {
+  state = next;
+  if (next.scene !== null && next.scene !== scene?.number) await showScene();
+  $("passes").textContent = next.passes + (next.passes_wanted ? " of " + next.passes_wanted : "");
+  $("error").textContent = percent(next.relative_error);
+  $("left").textContent = next.session === "rendering" ? time(next.left_s) : "–";
+  $("rate").textContent = next.photons_per_second ? short(next.photons_per_second) : "–";
+  $("session").textContent = next.paused && next.session === "rendering" ? "paused" : next.session;
+  $("pause").textContent = next.paused ? "Continue" : "Pause";
+  $("fault").hidden = !next.error;
+  $("fault").textContent = next.error ?? "";
+  showEvents();
+  if (next.picture && next.picture.number !== picture?.number) fetchPicture();
+}
+
+async function fetchPicture() {
+  if (isFetching) return;
+  isFetching = true;
+  try {
+    const next = await floats("picture");
+    picture = { ...next, xyz: next.values, planes: new Map(), exposure: state.picture?.exposure ?? 1, passes: state.picture?.passes ?? 0 };
+    await draw();
+    refreshProbes();
+  } finally {
+    isFetching = false;
+  }
+  if (state.picture && state.picture.number > picture.number) fetchPicture();
+}
+
+// The picture.
+
+const space = () => spaces.find(space => space.name === $("space").value) ?? spaces[0];
+const ev = () => Number($("ev").value);
+
+/// Converts the picture to display codes, and paints it.
+async function draw() {
+  if (!picture || !scene) return;
+  const current = picture, { width, height } = current, mode = $("mode").value;
+  const pixels = new ImageData(width, height), factor = current.exposure * 2 ** ev();
+  let legend = current.passes ? "" : "coarse picture";
+  if (mode === "colour") {
+    develop(current.xyz, pixels.data, { space: space(), tone: $("tone").value, gamut: scene.gamut, factor });
+  } else if (mode === "band") {
+    const band = Number($("band").value), values = await plane("band?band=" + band);
+    if (values) {
+      // A surface that reflects the equal-energy spectrum is equally bright in each band.
+      tint(values, pixels.data, bandColour(band), factor * 683 * 106.857);
+      legend = $("band-value").textContent + ", radiance in W/m²/sr/nm";
+    } else legend = "The coarse picture has no spectrum";
+  } else {
+    const values = await valuesOf(mode, current);
+    const known = Float32Array.from(values.filter(value => value > 0 && isFinite(value))).sort();
+    const high = known.length ? known[Math.floor(0.995 * (known.length - 1))] * 2 ** -ev() : 1;
+    const low = high / (mode === "error" ? 100 : 1000), unitName = mode === "error" ? "" : " cd/m²";
+    heat(values, pixels.data, low, high);
+    const name = { luminance: "luminance", error: "relative error", noise: "noise of Y", bias: "bias of Y" }[mode];
+    legend = known.length ? `${name}: dark violet ${short(low)}${unitName}, yellow ${short(high)}${unitName}` : `${name}: not known yet`;
+  }
+  if (current !== picture) return;
+  $("legend").textContent = legend;
+  $("legend").hidden = !legend;
+  image.width = width; image.height = height;
+  image.getContext("2d", { colorSpace: space().name }).putImageData(new ImageData(pixels.data, width, height, { colorSpace: space().name }), 0, 0);
+  paint();
+}
+
+/// Fetches a plane of the shown picture. Returns null if the picture has no such plane.
+async function plane(path) {
+  const current = picture;
+  if (!current.planes.has(path)) {
+    const found = await floats(path).catch(() => null);
+    if (!found || found.width !== current.width || found.height !== current.height) return null;
+    current.planes.set(path, found.values);
+  }
+  return current.planes.get(path);
+}
+
+async function valuesOf(mode, { xyz }) {
+  const y = Float32Array.from({ length: xyz.length / 3 }, (_, i) => xyz[3 * i + 1]);
+  if (mode === "luminance") return y;
+  const errors = await plane("errors");
+  if (!errors) return y.fill(NaN);
+  return y.map((value, i) => mode === "noise" ? errors[2 * i] : mode === "bias" ? errors[2 * i + 1]
+    : value > 0 ? Math.hypot(errors[2 * i], errors[2 * i + 1]) / value : NaN);
+}
+
+/// The linear colour of a band, with the largest component 1.
+function bandColour(band) {
+  const { from_nm, to_nm, values } = scene.light, nm = from_nm + (band + 0.5) * (to_nm - from_nm) / values.length;
+  const near = scene.locus.reduce((best, point) => Math.abs(point[0] - nm) < Math.abs(best[0] - nm) ? point : best);
+  const [x, y] = near[1], rgb = apply(space().own_matrix, x / y, 1, (1 - x - y) / y);
+  const most = Math.max(...rgb), colour = rgb.map(value => value / most);
+  GAMUTS.desaturate(colour, space());
+  return colour;
+}
+
+function resize() {
+  const ratio = window.devicePixelRatio || 1;
+  canvas.width = Math.round(stage.clientWidth * ratio);
+  canvas.height = Math.round(stage.clientHeight * ratio);
+  paint();
+}
+
+/// The scale and the corner of the picture in CSS pixels of the stage.
+function placement() {
+  if (!picture) return { scale: 1, left: 0, top: 0 };
+  const [w, h] = [stage.clientWidth, stage.clientHeight];
+  const fit = Math.min(w / picture.width, h / picture.height), scale = zoom || fit;
+  const centre = [(w - picture.width * scale) / 2, (h - picture.height * scale) / 2];
+  return { scale, left: centre[0] + (zoom ? offset[0] : 0), top: centre[1] + (zoom ? offset[1] : 0) };
+}
+
+function paint() {
+  const ratio = window.devicePixelRatio || 1, { scale, left, top } = placement();
+  context.setTransform(1, 0, 0, 1, 0, 0);
+  context.clearRect(0, 0, canvas.width, canvas.height);
+  if (!picture || !image.width) return;
+  context.setTransform(ratio * scale, 0, 0, ratio * scale, ratio * left, ratio * top);
+  context.imageSmoothingEnabled = scale < 1;
+  context.drawImage(image, 0, 0, picture.width, picture.height);
+  context.setTransform(ratio, 0, 0, ratio, ratio * left, ratio * top);
+  const mark = ({ x0, y0, x1, y1 }, colour) => {
+    const grow = Math.max(0, 3 - scale);
+    for (const [width, style] of [[4, "#000"], [2, colour]]) {
+      context.lineWidth = width; context.strokeStyle = style;
+      context.strokeRect(x0 * scale - grow, y0 * scale - grow, (x1 - x0 + 1) * scale + 2 * grow, (y1 - y0 + 1) * scale + 2 * grow);
+    }
+  };
+  pins.forEach(pin => mark(pin.area, pin.colour));
+  if (area) mark(area, "#fff");
+}
+
+function setZoom(wanted, at = [stage.clientWidth / 2, stage.clientHeight / 2]) {
+  const before = placement(), point = [(at[0] - before.left) / before.scale, (at[1] - before.top) / before.scale];
+  zoom = Math.min(64, Math.max(0.1, wanted));
+  offset = [0, 0];
+  const after = placement();
+  offset = [at[0] - point[0] * zoom - after.left, at[1] - point[1] * zoom - after.top];
+  paint();
+}
+
+// Probes.
+
+const pixelAt = (x, y) => {
+  const { scale, left, top } = placement(), clamp = (value, most) => Math.min(most - 1, Math.max(0, Math.floor(value)));
+  return [clamp((x - left) / scale, picture.width), clamp((y - top) / scale, picture.height)];
+};
+const areaOf = ([ax, ay], [bx, by] = [ax, ay]) => ({ x0: Math.min(ax, bx), y0: Math.min(ay, by), x1: Math.max(ax, bx), y1: Math.max(ay, by) });
+const probePath = ({ x0, y0, x1, y1 }) => `probe?x0=${x0}&y0=${y0}&x1=${x1}&y1=${y1}`;
+
+function select(next) {
+  area = next;
+  paint();
+  probeCursor();
+}
+
+/// Asks for the values under the cursor. While a request is on its way, only the newest area waits.
+async function probeCursor() {
+  if (isProbing || !area || !picture) return;
+  isProbing = true;
+  const asked = area, begin = performance.now();
+  try {
+    hovered = await (await get(probePath(asked))).json();
+    hovered.delay_ms = performance.now() - begin;
+  } catch { hovered = null; }
+  isProbing = false;
+  showProbes();
+  if (area !== asked) probeCursor();
+}
+
+async function refreshProbes() {
+  const inside = ({ x1, y1 }) => x1 < picture.width && y1 < picture.height;
+  await Promise.all(pins.filter(pin => inside(pin.area)).map(async pin => {
+    pin.report = await get(probePath(pin.area)).then(answer => answer.json()).catch(() => pin.report);
+  }));
+  if (area && !inside(area)) area = null;
+  if (area) probeCursor(); else showProbes();
+}
+
+function pinArea() {
+  if (!area || !hovered) return;
+  const used = pins.map(pin => pin.colour), colour = PIN_COLOURS.find(colour => !used.includes(colour)) ?? PIN_COLOURS[0];
+  pins.push({ area: { ...area }, colour, report: hovered });
+  if (pins.length > PIN_COLOURS.length) pins.shift();
+  paint();
+  showProbes();
+}
+
+function showProbes() {
+  if (!scene) return;
+  const ink = getComputedStyle(document.documentElement).getPropertyValue("--ink").trim();
+  const curves = [...pins.filter(pin => pin.report).map(pin => ({ ...pin.report, colour: pin.colour }))];
+  if (hovered && area) curves.push({ ...hovered, colour: ink });
+  $("spectrum").innerHTML = spectrumPlot(curves, scene.light);
+  $("chromaticity").innerHTML = chromaticityPlot(curves, scene.locus, space());
+  const cell = value => value == null ? "unknown" : short(value);
+  const columns = curves.slice(-3);
+  const row = (name, of) => `<tr><th scope="row">${name}</th>${columns.map(curve => `<td>${of(curve)}</td>`).join("")}</tr>`;
+  $("values").innerHTML = columns.length ? "<table>" + row("pixels", c => `<span class="key" style="background:${c.colour}"></span>` +
+      (c.area[0] === c.area[2] && c.area[1] === c.area[3] ? `${c.area[0]}, ${c.area[1]}` : `${c.area[0]}–${c.area[2]}, ${c.area[1]}–${c.area[3]}`)) +
+    row("luminance Y in cd/m²", c => cell(c.xyz[1])) + row("X, Z", c => `${cell(c.xyz[0])}, ${cell(c.xyz[2])}`) +
+    row("x, y", c => c.xy ? c.xy.map(value => value.toFixed(4)).join(", ") : "–") +
+    row("noise of Y in cd/m²", c => cell(c.noise)) + row("bias of Y in cd/m²", c => cell(c.bias)) +
+    row("95 % interval in cd/m²", c => c.interval_95 ? c.interval_95.map(value => short(value)).join(" … ") : "unknown") + "</table>"
+    : `<p class="soft">Point at the picture, or use the arrow keys. Shift and drag selects a rectangle. A click or Enter pins it.</p>`;
+}

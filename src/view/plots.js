@@ -1,0 +1,66 @@
+// Plots as SVG texts. They contain only numbers and fixed words.
+
+const PIN_COLOURS = ["#1c7ed6", "#e8590c", "#2b9a3e", "#ae3ec9", "#c92a2a", "#0c8599"];
+const short = (value, digits = 3) => value === 0 ? "0" : Math.abs(value) >= 1e5 || Math.abs(value) < 1e-3
+  ? value.toExponential(digits - 1).replace("e", "·10^").replace("+", "") : String(Number(value.toPrecision(digits)));
+
+/// The spectra of the areas in `curves`, over the spectrum of the lights.
+function spectrumPlot(curves, light) {
+  const [left, right, top, foot] = [62, 508, 12, 196], [from, to] = [light.from_nm, light.to_nm];
+  const most = Math.max(0, ...curves.flatMap(curve => curve.values));
+  const scale = most > 0 ? most * 1.08 : 1;
+  const x = nm => (left + (nm - from) / (to - from) * (right - left)).toFixed(1);
+  const y = value => (foot - Math.min(Math.max(value / scale, -0.02), 1.1) * (foot - top)).toFixed(1);
+  const edge = (i, count) => from + i * (to - from) / count;
+  const steps = values => values.flatMap((value, i) => [[edge(i, values.length), value], [edge(i + 1, values.length), value]]);
+  const line = points => points.map(([nm, value]) => `${x(nm)} ${y(value)}`).join("L");
+  let svg = `<svg viewBox="0 0 520 236" role="img" aria-label="Spectral radiance by wavelength">`;
+  const brightest = Math.max(...light.values, 0);
+  if (brightest > 0) {
+    const shown = light.values.map(value => value / brightest * scale * 0.92);
+    svg += `<path class="light" d="M${x(from)} ${foot}L${line(steps(shown))}L${x(to)} ${foot}Z"/>`;
+  }
+  for (let nm = 400; nm <= 800; nm += 50) {
+    svg += `<path class="rule" d="M${x(nm)} ${foot}v5"/><text x="${x(nm)}" y="${foot + 18}" text-anchor="middle">${nm}</text>`;
+  }
+  for (let i = 0; i <= 2; i++) {
+    const value = scale * i / 2;
+    svg += `<path class="rule" d="M${left} ${y(value)}H${right}"/>`;
+    svg += `<text x="${left - 6}" y="${Number(y(value)) + 4}" text-anchor="end">${most > 0 ? short(value, 2) : i ? "" : "0"}</text>`;
+  }
+  for (const { values, errors, colour } of curves) {
+    if (errors) {
+      const high = steps(values.map((value, i) => value + 2 * errors[i]));
+      const low = steps(values.map((value, i) => Math.max(0, value - 2 * errors[i]))).reverse();
+      svg += `<path class="band" fill="${colour}" d="M${line(high)}L${line(low)}Z"/>`;
+    }
+    if (values.length) svg += `<path fill="none" stroke="${colour}" stroke-width="1.8" d="M${line(steps(values))}"/>`;
+  }
+  return svg + `<text x="285" y="232" text-anchor="middle">wavelength in nm</text>` +
+    `<text x="12" y="104" text-anchor="middle" transform="rotate(-90 12 104)">radiance in W/m²/sr/nm</text></svg>`;
+}
+
+/// The chromaticities of the areas in `curves`, with the spectral locus and the gamut of a space.
+function chromaticityPlot(curves, locus, space) {
+  const x = value => (50 + value * 560).toFixed(1), y = value => (470 - value * 520).toFixed(1);
+  const line = points => points.map(([a, b]) => `${x(a)} ${y(b)}`).join("L");
+  let svg = `<svg viewBox="0 0 520 520" role="img" aria-label="Chromaticity diagram">`;
+  for (let i = 0; i <= 8; i += 2) {
+    const v = i / 10;
+    svg += `<path class="rule" d="M${x(v)} ${y(0)}V${y(0.86)}M${x(0)} ${y(v)}H${x(0.8)}"/>`;
+    svg += `<text x="${x(v)}" y="490" text-anchor="middle">${v}</text><text x="42" y="${Number(y(v)) + 4}" text-anchor="end">${v}</text>`;
+  }
+  svg += `<path class="ink" d="M${line(locus.map(point => point[1]))}Z"/>`;
+  for (const [nm, [a, b]] of locus) {
+    if (nm % 20 || nm < 460 || nm > 620) continue;
+    const anchor = nm < 510 ? "end" : "start", shift = nm < 510 ? -6 : 6;
+    svg += `<circle cx="${x(a)}" cy="${y(b)}" r="2"/><text x="${Number(x(a)) + shift}" y="${Number(y(b)) + (nm < 510 ? 4 : -2)}" text-anchor="${anchor}">${nm}</text>`;
+  }
+  svg += `<path class="ink" stroke-dasharray="4 4" d="M${line(space.primaries_xy)}Z"/>`;
+  svg += `<circle class="ink" cx="${x(space.white_xy[0])}" cy="${y(space.white_xy[1])}" r="3"/>`;
+  for (const { xy, colour } of curves) {
+    if (xy) svg += `<circle cx="${x(xy[0])}" cy="${y(xy[1])}" r="6" fill="${colour}" stroke="#fff" stroke-width="1.5"/>`;
+  }
+  const name = { srgb: "sRGB", "display-p3": "Display P3" }[space.name];
+  return svg + `<text x="${x(0.42)}" y="512" text-anchor="middle">x (dashed: gamut of ${name}, ring: its white)</text><text x="14" y="${y(0.43)}">y</text></svg>`;
+}

@@ -1,0 +1,202 @@
+//! The session: loads the scene, renders it, and follows the orders of the page.
+
+use super::channel::{Orders, SessionState, ViewChannel, ViewProgress};
+use super::host::{LoadedScene, ViewHost};
+use super::publisher::Publisher;
+use super::scene_view::SceneView;
+use crate::error::{Error, Result};
+use crate::render::{Integrator, Monitor, PassPart, Progress, Rendered, Request, Run, StopRules, on_threads};
+use crate::sensor::Picture;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// The session renders all passes again when a slider has not moved for this time.
+const DRAFT_END: Duration = Duration::from_millis(400);
+
+/// The state of a view at its end.
+#[derive(Debug)]
+pub struct SessionEnd {
+    /// The last scene and its render. `None` if the last scene has a fault, or if no pass of it is
+    /// done.
+    pub last: Option<(LoadedScene, Box<Rendered>)>,
+}
+
+/// Renders until the host is interrupted.
+///
+/// # Errors
+/// Returns an error if the first load of the scene fails, or if a thread cannot be started.
+pub(super) fn run(host: &dyn ViewHost, channel: &ViewChannel, stop: StopRules) -> Result<SessionEnd> {
+    let mut number = 0;
+    loop {
+        let orders = channel.orders();
+        if orders.interrupted {
+            return Ok(SessionEnd { last: None });
+        }
+        let loaded = match host.load(&orders.changes, &orders.forbidden) {
+            Ok(loaded) => loaded,
+            Err(error) if number == 0 => return Err(error),
+            Err(error) => {
+                channel.fail(with_carets(&error, host.scene_path()));
+                wait_for_change(channel, &orders);
+                continue;
+            }
+        };
+        number += 1;
+        let scene = Arc::new(SceneView::new(number, &loaded));
+        channel.begin(Arc::clone(&scene));
+        let threads = loaded.job.scene.settings.threads;
+        let mut publisher = Publisher::new(channel, &loaded, scene);
+        if orders.is_draft && on_threads(threads, || draft(&loaded, &publisher))?? {
+            end_draft(channel, &orders);
+            continue;
+        }
+        let ended = on_threads(threads, || render(&loaded, channel, &mut publisher, &orders, stop))?;
+        match ended {
+            Ok(Some(rendered)) => return Ok(SessionEnd { last: Some((loaded, rendered)) }),
+            Ok(None) => {}
+            Err(error) => {
+                channel.fail(error.to_string());
+                wait_for_change(channel, &orders);
+            }
+        }
+    }
+}
+
+fn wait_for_change(channel: &ViewChannel, orders: &Orders) {
+    channel.wait(None, |now| now.revision != orders.revision || now.interrupted);
+}
+
+/// Publishes a coarse picture. Returns false if the picture is too small for one.
+fn draft(loaded: &LoadedScene, publisher: &Publisher<'_>) -> Result<bool> {
+    let coarse = loaded.job.coarse_picture()?;
+    coarse.iter().for_each(|picture| publisher.coarse(picture));
+    Ok(coarse.is_some())
+}
+
+/// Waits for the next change. If the reader pauses, the session renders the whole picture.
+fn end_draft(channel: &ViewChannel, orders: &Orders) {
+    let now = channel.wait(Some(DRAFT_END), |now| now.revision != orders.revision || now.interrupted);
+    if now.revision == orders.revision {
+        channel.order(|orders| orders.is_draft = false);
+    }
+}
+
+/// Renders passes until the scene changes or the user interrupts. Returns the render if the user
+/// interrupts.
+fn render(
+    loaded: &LoadedScene,
+    channel: &ViewChannel,
+    publisher: &mut Publisher<'_>,
+    orders: &Orders,
+    mut stop: StopRules,
+) -> Result<Option<Box<Rendered>>> {
+    let job = &loaded.job;
+    let mut run = Run::new(job, PassPart::WHOLE);
+    let mut extensions = orders.extensions;
+    loop {
+        let request = Request { integrator: Integrator::Photon, stop };
+        let mut monitor = ViewMonitor {
+            channel,
+            publisher: &mut *publisher,
+            revision: orders.revision,
+            paused: Duration::ZERO,
+            last: ViewProgress::default(),
+        };
+        let rendered = job.continue_run(request, run, &mut monitor)?;
+        let progress = ViewProgress {
+            passes: rendered.stats.passes,
+            passes_wanted: stop.passes_wanted(&job.budget),
+            relative_error: rendered.stats.error.relative.or(monitor.last.relative_error),
+            ..monitor.last
+        };
+        publisher.publish(&rendered.run, rendered.picture.clone());
+        if !rendered.interrupted {
+            channel.report(SessionState::Finished, progress);
+        }
+        let is_over = |now: &Orders| now.interrupted || now.revision != orders.revision;
+        let now = channel.wait(None, |now| is_over(now) || now.extensions != extensions);
+        if now.interrupted {
+            return Ok(Some(Box::new(rendered)));
+        }
+        if is_over(&now) {
+            return Ok(None);
+        }
+        extensions = now.extensions;
+        stop.passes = Some(2 * rendered.stats.passes);
+        run = rendered.run;
+    }
+}
+
+/// Reports the progress to the page, and follows its orders between the passes.
+struct ViewMonitor<'a, 'p> {
+    channel: &'a ViewChannel,
+    publisher: &'a mut Publisher<'p>,
+    /// The revision of the scene that is rendered.
+    revision: u64,
+    /// The time of all pauses.
+    paused: Duration,
+    last: ViewProgress,
+}
+
+impl Monitor for ViewMonitor<'_, '_> {
+    fn wants_coarse_picture(&self) -> bool {
+        true
+    }
+
+    fn show_coarse_picture(&mut self, picture: &Picture) {
+        self.publisher.coarse(picture);
+    }
+
+    fn after_pass(&mut self, progress: &Progress) -> bool {
+        self.last = ViewProgress::new(progress, self.paused);
+        self.channel.report(SessionState::Rendering, self.last);
+        let orders = self.channel.orders();
+        !orders.interrupted && orders.revision == self.revision
+    }
+
+    fn checkpoint(&mut self, run: &Run) {
+        if !self.channel.orders().paused {
+            self.publisher.update(run);
+            return;
+        }
+        self.publisher.publish(run, run.picture());
+        let begin = Instant::now();
+        self.channel.wait(None, |now| !now.paused || now.interrupted || now.revision != self.revision);
+        self.paused += begin.elapsed();
+    }
+}
+
+/// Returns an error as text, with the lines of the scene file to which it refers. A caret marks the
+/// column.
+fn with_carets(error: &Error, scene: &Path) -> String {
+    let text = std::fs::read_to_string(scene).unwrap_or_default();
+    let fault = |fault: Error| {
+        let place = fault.location.line_column.filter(|_| fault.location.file.as_deref() == Some(scene));
+        let line = place.and_then(|(line, column)| Some((text.lines().nth(line - 1)?, line, column)));
+        match line {
+            Some((content, line, column)) => {
+                let number = format!("{line} | ");
+                let indent = " ".repeat(number.chars().count() + column - 1);
+                format!("{fault}\n{number}{content}\n{indent}^")
+            }
+            None => fault.to_string(),
+        }
+    };
+    error.clone().into_faults().into_iter().map(fault).collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_caret_marks_the_column_of_a_fault() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.json");
+        std::fs::write(&path, "{\n  \"film\": 3\n}").unwrap();
+        let error = Error::input("found 3").in_file(&path).at(2, 11);
+        let text = with_carets(&error, &path);
+        assert!(text.ends_with("found 3\n2 |   \"film\": 3\n              ^"), "{text}");
+    }
+}

@@ -1,0 +1,121 @@
+//! A published picture.
+
+use super::scene_view::SceneView;
+use crate::output::Metadata;
+use crate::sensor::Picture;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::sync::{Arc, OnceLock};
+
+/// A picture that the page can show. It never changes.
+#[derive(Debug)]
+pub(super) struct Snapshot {
+    /// Counts the snapshots of the view.
+    pub(super) number: u64,
+    pub(super) scene: Arc<SceneView>,
+    pub(super) passes: u64,
+    pub(super) picture: Picture,
+    /// The exposure of the scene's settings in 1/(cd/m²).
+    pub(super) exposure: f64,
+    /// The noise of the bands, if several pictures of the render were published.
+    pub(super) band_noise: Option<BandNoise>,
+    /// The number of events of each effect.
+    pub(super) events: BTreeMap<String, u64>,
+    /// The header of the picture's file, or `None` for a coarse picture.
+    pub(super) metadata: Option<Metadata>,
+    /// The bytes of the XYZ values for the page.
+    pub(super) xyz_bytes: OnceLock<axum::body::Bytes>,
+}
+
+impl Snapshot {
+    /// Returns the numbers that the page needs with each picture.
+    pub(super) fn summary(&self) -> Value {
+        json!({
+            "number": self.number,
+            "scene": self.scene.number,
+            "width": self.picture.width,
+            "height": self.picture.height,
+            "passes": self.passes,
+            "exposure": self.exposure,
+            "events": self.events,
+        })
+    }
+
+    /// Returns X, Y and Z of all pixels as 32-bit floating-point numbers.
+    pub(super) fn xyz(&self) -> axum::body::Bytes {
+        let bytes = || float_bytes(self.picture.xyz.iter().flatten().map(|&value| value as f32));
+        self.xyz_bytes.get_or_init(|| bytes().into()).clone()
+    }
+
+    /// Returns the noise and the bias of all pixels in cd/m², and NaN if they are unknown.
+    pub(super) fn errors(&self) -> Vec<u8> {
+        let pairs = self.picture.noise.iter().zip(&self.picture.bias);
+        float_bytes(pairs.flat_map(|(noise, bias)| [noise, bias].map(|value| value.unwrap_or(f32::NAN))))
+    }
+
+    /// Returns the spectral radiance of a band at all pixels in W/m²/sr/nm. Returns `None` if the
+    /// picture does not have this band.
+    pub(super) fn band(&self, band: usize) -> Option<Vec<u8>> {
+        let bands = self.picture.bands.as_ref()?;
+        let count = bands.centres_nm.len();
+        (band < count).then(|| float_bytes(bands.values.iter().skip(band).step_by(count).copied()))
+    }
+}
+
+fn float_bytes(values: impl Iterator<Item = f32>) -> Vec<u8> {
+    values.flat_map(f32::to_le_bytes).collect()
+}
+
+/// The noise of spectral bands, from the differences between the pictures of one render.
+///
+/// The passes between two pictures are a batch. The method of batch means estimates the variance of
+/// a pass: the weighted squared deviations of the batch means, divided by the number of batches
+/// minus 1. The weight of a batch is its number of passes.
+#[derive(Debug, Clone)]
+pub(super) struct BandNoise {
+    batches: u32,
+    passes: u64,
+    /// The sums of the weighted squared deviations, pixel by pixel and band by band.
+    squares: Vec<f32>,
+}
+
+impl BandNoise {
+    /// Returns the noise after the first picture of a render.
+    pub(super) fn first(passes: u64, values: usize) -> Self {
+        Self { batches: 1, passes, squares: vec![0.0; values] }
+    }
+
+    /// Returns the noise after another picture. `before` and `after` are the means of the previous
+    /// and of the new picture.
+    pub(super) fn next(&self, before: &[f32], after: &[f32], passes: u64) -> Self {
+        let (first, second) = (self.passes as f32, (passes - self.passes) as f32);
+        let weight = first * passes as f32 / second;
+        let deviations = after.iter().zip(before).map(|(after, before)| after - before);
+        let squares = self.squares.iter().zip(deviations).map(|(sum, step)| sum + weight * step * step).collect();
+        Self { batches: self.batches + 1, passes, squares }
+    }
+
+    /// Returns the standard error of a value, or `None` if there are too few batches.
+    pub(super) fn at(&self, index: usize) -> Option<f64> {
+        const LEAST_BATCHES: u32 = 3;
+        let freedom = f64::from(self.batches - 1) * self.passes as f64;
+        (self.batches >= LEAST_BATCHES).then(|| (f64::from(self.squares[index]) / freedom).sqrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Batches of 1, 2 and 3 passes with the means 1, 4 and 3 have the weighted mean 3. The squared
+    /// deviations, weighted with the passes, sum to 4 + 2 + 0 = 6.
+    #[test]
+    fn band_noise_is_the_noise_of_batch_means() {
+        let means = [1.0, (1.0 + 2.0 * 4.0) / 3.0, (1.0 + 2.0 * 4.0 + 3.0 * 3.0) / 6.0];
+        let noise = BandNoise::first(1, 1);
+        assert_eq!(noise.at(0), None);
+        let noise = noise.next(&means[..1], &means[1..2], 3).next(&means[1..2], &means[2..], 6);
+        let expected = (6.0_f64 / (2.0 * 6.0)).sqrt();
+        assert!((noise.at(0).unwrap() - expected).abs() < 1e-6, "{:?}", noise.at(0));
+    }
+}

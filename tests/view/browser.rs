@@ -1,0 +1,150 @@
+//! A headless Chromium that shows the page of a view.
+
+use crate::client::PATIENCE;
+use crate::devtools::DevTools;
+use base64::Engine;
+use serde_json::{Value, json};
+use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "chrome"];
+
+/// A browser with one tab.
+pub(crate) struct Browser {
+    child: Child,
+    tools: DevTools,
+    _profile: TempDir,
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        // The process may have ended.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Browser {
+    /// Starts a browser with a window of this size. If none is installed, returns `None`, or
+    /// panics under `ABBE_REQUIRE_EXTERNAL`, which `tests/run --external` sets.
+    pub(crate) fn start((width, height): (u32, u32), is_dark: bool) -> Option<Self> {
+        let profile = tempfile::tempdir().unwrap();
+        let started = NAMES.iter().find_map(|name| {
+            Command::new(name)
+                .args(["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--no-first-run"])
+                .args(["--disable-background-networking", "--disable-dev-shm-usage", "--no-proxy-server"])
+                .args(["--force-color-profile=srgb", "--remote-debugging-port=0"])
+                .arg(format!("--user-data-dir={}", profile.path().display()))
+                .arg("about:blank")
+                .stdin(Stdio::null())
+                .stdout(Stdio::null())
+                .stderr(Stdio::piped())
+                .spawn()
+                .ok()
+        });
+        assert!(
+            started.is_some() || std::env::var_os("ABBE_REQUIRE_EXTERNAL").is_none(),
+            "no browser is installed; tests/run --external installs chromium"
+        );
+        let mut child = started?;
+        let mut said = BufReader::new(child.stderr.take().unwrap());
+        let mut line = String::new();
+        let port = loop {
+            line.clear();
+            assert!(said.read_line(&mut line).unwrap() > 0, "the browser ended");
+            if let Some(rest) = line.strip_prefix("DevTools listening on ws://127.0.0.1:") {
+                break rest.split('/').next().unwrap().parse().unwrap();
+            }
+        };
+        // The browser must be able to print more. The thread ends with the browser.
+        std::thread::spawn(move || said.lines().map_while(Result::ok).for_each(drop));
+        let mut tools = DevTools::connect(port);
+        for domain in ["Page", "Runtime", "Network", "Log"] {
+            tools.call(&format!("{domain}.enable"), &json!({}));
+        }
+        let is_phone = width < 600;
+        let screen = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": is_phone});
+        tools.call("Emulation.setDeviceMetricsOverride", &screen);
+        let scheme = if is_dark { "dark" } else { "light" };
+        let media = json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]});
+        tools.call("Emulation.setEmulatedMedia", &media);
+        Some(Self { child, tools, _profile: profile })
+    }
+
+    pub(crate) fn open(&mut self, url: &str) {
+        self.tools.call("Page.navigate", &json!({"url": url}));
+    }
+
+    /// Evaluates an expression on the page, and waits for its promise.
+    pub(crate) fn run(&mut self, expression: &str) -> Value {
+        let wanted = json!({"expression": expression, "awaitPromise": true, "returnByValue": true});
+        let result = self.tools.call("Runtime.evaluate", &wanted);
+        assert!(result["exceptionDetails"].is_null(), "{expression}: {}", result["exceptionDetails"]);
+        result["result"]["value"].clone()
+    }
+
+    /// Waits until an expression is true.
+    pub(crate) fn wait(&mut self, expression: &str) {
+        let start = Instant::now();
+        // Before the page is loaded, its names are unknown.
+        let guarded = format!("(() => {{ try {{ return Boolean({expression}); }} catch {{ return false; }} }})()");
+        while self.run(&guarded) != true {
+            assert!(start.elapsed() < PATIENCE, "waited for {expression}: {:?}", self.complaints());
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+
+    pub(crate) fn mouse(&mut self, kind: &str, (x, y): (f64, f64), shift: bool) {
+        let is_move = kind == "mouseMoved";
+        let event = json!({"type": kind, "x": x, "y": y, "button": if is_move { "none" } else { "left" },
+            "buttons": i32::from(kind != "mouseReleased"), "clickCount": i32::from(!is_move), "modifiers": if shift { 8 } else { 0 }});
+        self.tools.call("Input.dispatchMouseEvent", &event);
+    }
+
+    /// Moves the mouse without a pressed button.
+    pub(crate) fn hover(&mut self, (x, y): (f64, f64)) {
+        self.tools.call("Input.dispatchMouseEvent", &json!({"type": "mouseMoved", "x": x, "y": y}));
+    }
+
+    /// Presses a key. `text` is what the key types, or empty.
+    pub(crate) fn key(&mut self, key: &str, text: &str) {
+        let down = if text.is_empty() { "rawKeyDown" } else { "keyDown" };
+        self.tools.call("Input.dispatchKeyEvent", &json!({"type": down, "key": key, "text": text}));
+        self.tools.call("Input.dispatchKeyEvent", &json!({"type": "keyUp", "key": key}));
+    }
+
+    /// Saves a screenshot below the folder of the environment variable `ABBE_SCREENSHOTS`.
+    pub(crate) fn screenshot(&mut self, name: &str) {
+        let Some(folder) = std::env::var_os("ABBE_SCREENSHOTS") else { return };
+        let shot = self.tools.call("Page.captureScreenshot", &json!({}));
+        let bytes = base64::engine::general_purpose::STANDARD.decode(shot["data"].as_str().unwrap()).unwrap();
+        std::fs::write(PathBuf::from(folder).join(name), bytes).unwrap();
+    }
+
+    /// Returns the messages of the console, the exceptions of scripts, and the requests to other
+    /// servers.
+    pub(crate) fn complaints(&self) -> Vec<String> {
+        let of = |event: &Value| {
+            let parameters = &event["params"];
+            match event["method"].as_str()? {
+                "Runtime.exceptionThrown" | "Runtime.consoleAPICalled" | "Log.entryAdded" => {
+                    // Browsers ask for an icon by themselves.
+                    let text = parameters.to_string();
+                    (!text.contains("favicon.ico")).then_some(text)
+                }
+                "Network.requestWillBeSent" => {
+                    let url = parameters["request"]["url"].as_str()?;
+                    let is_own = ["http://127.0.0.1:", "blob:http://127.0.0.1:", "about:"]
+                        .iter()
+                        .any(|own| url.starts_with(own));
+                    (!is_own).then(|| url.to_string())
+                }
+                _ => None,
+            }
+        };
+        self.tools.events.iter().filter_map(of).collect()
+    }
+}

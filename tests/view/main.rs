@@ -1,0 +1,16 @@
+//! The live view: `abbe view` as a process, asked over HTTP and shown in a browser.
+
+#![cfg(feature = "view")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+#[path = "../cli/abbe_command/mod.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod abbe_command;
+mod browser;
+mod client;
+mod devtools;
+
+mod editing;
+mod page;
+mod rendering;
+mod safety;
