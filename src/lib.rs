@@ -81,6 +81,7 @@
 //! | `study` | error against time (feature `pages`) |
 //! | `api` | the items of this page |
 //! | `cli` | the `abbe` program (feature `cli`) |
+//! | `python` | the native module of the Python package (feature `python`) |
 //!
 //! Only the items of this page are public interface. The modules are visible to the tests and
 //! benchmarks of this package, and they may change in every release.
@@ -109,6 +110,7 @@
 //! | `cli` | yes | the `abbe` program; implies `pages` |
 //! | `pages` | | HTML pages that compare pictures or lamps, and studies of accuracy |
 //! | `meshes` | yes | OBJ, PLY, STL and glTF files |
+//! | `python` | | the native module of the Python package in `python/`; implies `cli` and `meshes` |
 //!
 //! To use the renderer without the command line, depend on it as
 //! `abbe = { version = "…", default-features = false }`.
@@ -145,6 +147,8 @@ pub mod output;
 pub mod pass;
 #[doc(hidden)]
 pub mod plan;
+#[cfg(feature = "python")]
+mod python;
 #[doc(hidden)]
 pub mod render;
 #[doc(hidden)]

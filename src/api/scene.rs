@@ -3,13 +3,14 @@
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use super::observer::{self, ProgressFunction, RenderObserver};
 use super::options::RenderOptions;
 use super::{Image, provenance};
 use crate::error::{Error, Result};
 use crate::format::resolve::resolve;
 use crate::format::{self, FileAccess, JsonSource, SceneFile};
 use crate::plan::explain;
-use crate::render::{Job, Monitor, Progress, on_threads};
+use crate::render::{Job, Progress, on_threads};
 use crate::scene as model;
 
 /// A scene that can be rendered.
@@ -55,8 +56,29 @@ impl Scene {
     /// a value of a wrong type or a value out of range. The error contains the file, the line, the
     /// column and the JSON path.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
-        let path = path.as_ref();
-        Self::of_text(format::read_scene_text(path, format::FileAccess::default())?.text, path)
+        Self::load_with_changes(path.as_ref(), &[], FileAccess::default())
+    }
+
+    /// Reads a scene file, applies changes of the form `PATH=JSON`, and checks the changed scene.
+    ///
+    /// # Errors
+    /// Returns the errors of [`load`](Self::load) and of [`with_change`](Self::with_change).
+    #[doc(hidden)]
+    pub fn load_with_changes(path: &Path, changes: &[String], access: FileAccess) -> Result<Self> {
+        let text = format::read_scene_text(path, access)?.text;
+        Self::parse_with_changes(&text, path, changes, access)
+    }
+
+    /// Reads a scene from JSON text, applies changes of the form `PATH=JSON`, and checks the changed
+    /// scene. Errors name the text `path`, and the folder of `path` contains the files of the scene.
+    ///
+    /// # Errors
+    /// Returns the errors of [`load`](Self::load) and of [`with_change`](Self::with_change).
+    #[doc(hidden)]
+    pub fn parse_with_changes(text: &str, path: &Path, changes: &[String], access: FileAccess) -> Result<Self> {
+        format::parse_with_access(text, path, changes, access)?;
+        let (text, path, changes) = (text.to_string(), path.to_path_buf(), changes.to_vec());
+        Ok(Self { origin: SceneOrigin::Text { text, path, changes, access } })
     }
 
     /// Reads and checks a scene from JSON text. The paths of files in the scene are relative to the
@@ -65,13 +87,7 @@ impl Scene {
     /// # Errors
     /// Returns the same errors as [`load`](Self::load).
     pub fn parse(text: &str) -> Result<Self> {
-        Self::of_text(text.to_string(), Path::new("scene"))
-    }
-
-    fn of_text(text: String, path: &Path) -> Result<Self> {
-        format::parse_with_access(&text, path, &[], FileAccess::default())?;
-        let path = path.to_path_buf();
-        Ok(Self { origin: SceneOrigin::Text { text, path, changes: Vec::new(), access: FileAccess::default() } })
+        Self::parse_with_changes(text, Path::new("scene"), &[], FileAccess::default())
     }
 
     /// Changes one value of the scene. `change` has the form `PATH=JSON`, such as
@@ -153,12 +169,34 @@ impl Scene {
         options: &RenderOptions,
         progress: impl FnMut(&Progress) -> ControlFlow<()> + Send,
     ) -> Result<Image> {
+        self.render_observed(options, &mut ProgressFunction(progress))
+    }
+
+    /// Renders the scene, and calls the methods of `observer`.
+    ///
+    /// # Errors
+    /// Returns the same errors as [`render`](Self::render), and the error of
+    /// [`RenderObserver::planned`].
+    #[doc(hidden)]
+    pub fn render_observed(&self, options: &RenderOptions, observer: &mut dyn RenderObserver) -> Result<Image> {
         let (job, source) = self.job(options)?;
-        let mut monitor = CallbackMonitor { progress };
-        let threads = job.scene.settings.threads;
-        let rendered = on_threads(threads, || job.render(options.request, &mut monitor))??;
+        observer.planned(&job.budget)?;
         let metadata = provenance::of_scene(source.as_ref(), &job, options.request.integrator);
+        let checkpoint =
+            options.checkpoint.as_deref().map(|path| observer::Checkpoint { path, resume: options.resume });
+        let threads = job.scene.settings.threads;
+        let rendered =
+            on_threads(threads, || observer::render(&job, options.request, &metadata, checkpoint, observer))?;
+        let rendered = rendered.map_err(|error| self.path().map_or_else(|| error.clone(), |path| error.clone().in_file(path)))?;
         Ok(Image::of_render(rendered, &job, &metadata))
+    }
+
+    /// The path of the scene's text.
+    fn path(&self) -> Option<&Path> {
+        match &self.origin {
+            SceneOrigin::Text { path, .. } => Some(path),
+            SceneOrigin::Model(_) => None,
+        }
     }
 
     /// Resolves and plans the scene. Also returns the text of the scene, if it has one.
@@ -201,17 +239,6 @@ impl From<model::Scene> for Scene {
     /// Creates a scene from a resolved scene model.
     fn from(scene: model::Scene) -> Self {
         Self { origin: SceneOrigin::Model(Box::new(scene)) }
-    }
-}
-
-/// Reports the progress of a render to a closure.
-struct CallbackMonitor<F> {
-    progress: F,
-}
-
-impl<F: FnMut(&Progress) -> ControlFlow<()> + Send> Monitor for CallbackMonitor<F> {
-    fn after_pass(&mut self, progress: &Progress) -> bool {
-        (self.progress)(progress).is_continue()
     }
 }
 
