@@ -31,6 +31,11 @@ from ._report import Report
 from ._spectrum import ColourReport, Spectrum, spectra, spectra_from_colour
 from ._study import StudyReport, study
 
+# Messages and pickles name the public classes by their public names.
+for _class in (Error, InputError, Interrupted, MachineError, Picture, Spectrum):
+    _class.__module__ = __name__
+del _class
+
 __all__ = [
     "ColourReport",
     "Error",

@@ -60,7 +60,7 @@ def glass(name: str, *, agf: Optional[Union[str, os.PathLike[str]]] = None) -> G
     >>> abbe.glass("N-BK8")
     Traceback (most recent call last):
     ...
-    abbe._errors.InputError: unknown glass "N-BK8"; expected the name of a built-in glass; did you mean "N-BK7"?
+    abbe.InputError: unknown glass "N-BK8"; expected a glass of the built-in catalogue; did you mean "N-BK7"?
     """
     return Glass(_native.Glass(name, None if agf is None else os.fspath(agf)))
 
@@ -100,7 +100,7 @@ def lens(
     first. `svg` is a file for the cross-section.
 
     >>> import abbe
-    >>> report = abbe.lens("Singlet")
+    >>> report = abbe.lens("singlet")
     >>> report.efl_mm > 0 and len(report.fields) > 0
     True
     """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -75,8 +76,8 @@ def test_renders_run_in_several_threads(scene: dict[str, Any]) -> None:
 
 def test_ctrl_c_stops_the_command_line(scene: dict[str, Any], tmp_path: Path) -> None:
     path = tmp_path / "scene.json"
-    path.write_text(abbe._scene.to_json(scene))
-    words = [sys.executable, "-m", "abbe", "render", path, "--passes", "1000000000", "-o", tmp_path / "a.exr"]
+    path.write_text(json.dumps(scene))
+    words = [sys.executable, "-m", "abbe", "render", str(path), "--passes", "1000000000", "-o", str(tmp_path / "a.exr")]
     process = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
     time.sleep(1.5)
     process.send_signal(signal.SIGINT)

@@ -90,7 +90,8 @@ pub(super) fn render(
         file::check_writable(saver.path)?;
     }
     let next = Instant::now() + SHORTEST_PAUSE;
-    let mut monitor = ObserverMonitor { observer, job, metadata, saver: saver.as_ref(), progress: None, next, failed: None };
+    let mut monitor =
+        ObserverMonitor { observer, job, metadata, saver: saver.as_ref(), progress: None, next, failed: None };
     let rendered = job.continue_run(request, begin, &mut monitor)?;
     let failed = monitor.failed;
     match &saver {

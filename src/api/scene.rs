@@ -187,7 +187,8 @@ impl Scene {
         let threads = job.scene.settings.threads;
         let rendered =
             on_threads(threads, || observer::render(&job, options.request, &metadata, checkpoint, observer))?;
-        let rendered = rendered.map_err(|error| self.path().map_or_else(|| error.clone(), |path| error.clone().in_file(path)))?;
+        let rendered =
+            rendered.map_err(|error| self.path().map_or_else(|| error.clone(), |path| error.clone().in_file(path)))?;
         Ok(Image::of_render(rendered, &job, &metadata))
     }
 

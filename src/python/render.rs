@@ -85,7 +85,9 @@ impl OptionArguments {
         let integrator = match self.integrator.as_str() {
             "photon" => Integrator::Photon,
             "path" => Integrator::Path,
-            other => return Err(Error::unknown_name("integrator", other, ["photon", "path"]).expected("photon or path")),
+            other => {
+                return Err(Error::unknown_name("integrator", other, ["photon", "path"]).expected("photon or path"));
+            }
         };
         let mut options = RenderOptions::default().integrator(integrator).resume(self.resume);
         if self.passes == Some(0) {
@@ -196,7 +198,9 @@ impl RenderTask {
             let _ = observer.sender.send(Event::End(Box::new(image)));
         };
         let name = std::thread::Builder::new().name("abbe render".to_string());
-        name.spawn(work).map_err(|error| Error::machine(format!("threads cannot be started: {error}"))).or_exception(py)?;
+        name.spawn(work)
+            .map_err(|error| Error::machine(format!("threads cannot be started: {error}")))
+            .or_exception(py)?;
         Ok(Self { receiver: Mutex::new(receiver), stop })
     }
 
@@ -209,9 +213,8 @@ impl RenderTask {
     /// missing. The last event has a picture without progress.
     fn next_event(&self, py: Python<'_>) -> PyResult<(Option<ProgressTuple>, Option<NativePicture>)> {
         loop {
-            let event = py.detach(|| {
-                self.receiver.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(SIGNAL_INTERVAL)
-            });
+            let event = py
+                .detach(|| self.receiver.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(SIGNAL_INTERVAL));
             match event {
                 Ok(Event::Progress(progress)) => return Ok((Some(progress_tuple(&progress)), None)),
                 Ok(Event::Picture(progress, image)) => {

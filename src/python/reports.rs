@@ -126,9 +126,8 @@ impl StudyTask {
     /// step, or the report. An interrupted study has no report.
     fn next_event(&self, py: Python<'_>) -> PyResult<(bool, Option<String>)> {
         loop {
-            let event = py.detach(|| {
-                self.receiver.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(SIGNAL_INTERVAL)
-            });
+            let event = py
+                .detach(|| self.receiver.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(SIGNAL_INTERVAL));
             match event {
                 Ok(StudyEvent::Step(step)) => return Ok((false, Some(step))),
                 Ok(StudyEvent::End(report)) => return Ok((true, report.or_exception(py)?)),
