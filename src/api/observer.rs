@@ -92,14 +92,15 @@ pub(super) fn render(
     let next = Instant::now() + SHORTEST_PAUSE;
     let mut monitor =
         ObserverMonitor { observer, job, metadata, saver: saver.as_ref(), progress: None, next, failed: None };
-    let rendered = job.continue_run(request, begin, &mut monitor)?;
-    let failed = monitor.failed;
+    let mut rendered = job.continue_run(request, begin, &mut monitor)?;
+    let note = |error: &Error| format!("a checkpoint could not be written during the render: {error}");
+    rendered.stats.notes.extend(monitor.failed.as_ref().map(note));
     match &saver {
         Some(saver) if rendered.interrupted => saver.save(&rendered.run)?,
         Some(saver) => file::remove_if_present(saver.path)?,
         None => {}
     }
-    failed.map_or(Ok(rendered), Err)
+    Ok(rendered)
 }
 
 /// The least time between two checkpoints.
@@ -132,14 +133,15 @@ struct ObserverMonitor<'a> {
     progress: Option<Progress>,
     /// The time of the next checkpoint.
     next: Instant,
-    /// The failure of a checkpoint, which ends the render.
+    /// The failure of the last checkpoint. The render continues, and it writes the next checkpoint
+    /// later.
     failed: Option<Error>,
 }
 
 impl Monitor for ObserverMonitor<'_> {
     fn after_pass(&mut self, progress: &Progress) -> bool {
         self.progress = Some(*progress);
-        self.observer.after_pass(progress).is_continue() && self.failed.is_none()
+        self.observer.after_pass(progress).is_continue()
     }
 
     fn checkpoint(&mut self, run: &Run) {

@@ -89,7 +89,8 @@ impl RenderOptions {
     }
 
     /// Saves the exact sums of an unfinished render in this EXR file: about once per minute, and when
-    /// the progress callback stops the render. A finished render removes the file.
+    /// the progress callback stops the render. A finished render removes the file. If a checkpoint
+    /// cannot be written during the render, the render continues, and the statistics contain a note.
     pub fn checkpoint(self, path: impl Into<PathBuf>) -> Self {
         Self { checkpoint: Some(path.into()), ..self }
     }

@@ -276,6 +276,45 @@ mod tests {
     }
 
     #[test]
+    fn a_checkpoint_continues_with_equal_bits() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.exr");
+        let scene = Scene::parse(TEXT).unwrap();
+        let options = RenderOptions::default().passes(5).photons(100);
+        let kept = options.clone().checkpoint(&path).resume(true);
+        let stop =
+            |progress: &Progress| if progress.passes < 2 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
+        let part = scene.render_with(&kept, stop).unwrap();
+        assert!(part.is_interrupted() && path.exists());
+        let whole = scene.render(&kept).unwrap();
+        assert!(!path.exists() && whole.stats().map(|stats| stats.passes) == Some(5));
+        let direct = scene.render(&options).unwrap();
+        let pixels = |image: &Image| (0..24).map(|i| image.xyz(i % 6, i / 6)).collect::<Vec<_>>();
+        assert_eq!(pixels(&whole), pixels(&direct));
+        // A file that is no checkpoint is an error.
+        std::fs::write(&path, "no picture").unwrap();
+        assert!(scene.render(&kept).is_err());
+    }
+
+    #[test]
+    fn an_observer_sees_the_unfinished_images() {
+        struct Shown(Vec<u64>);
+        impl RenderObserver for Shown {
+            fn after_pass(&mut self, _: &Progress) -> ControlFlow<()> {
+                ControlFlow::Continue(())
+            }
+            fn show(&mut self, unfinished: &crate::api::UnfinishedRender<'_>) {
+                assert_eq!(unfinished.image().width(), 6);
+                self.0.push(unfinished.progress().passes);
+            }
+        }
+        let mut shown = Shown(Vec::new());
+        let options = RenderOptions::default().passes(3).photons(100);
+        Scene::parse(TEXT).unwrap().render_observed(&options, &mut shown).unwrap();
+        assert_eq!(shown.0, [1, 2]);
+    }
+
+    #[test]
     fn text_structs_and_model_give_equal_pixels() {
         let (file, source) = format::parse(TEXT, Path::new("scene"), &[]).unwrap();
         let options = RenderOptions::default().passes(1).photons(100).seed(3);
