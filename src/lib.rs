@@ -82,6 +82,7 @@
 //! | `api` | the items of this page |
 //! | `view` | the live view in the browser (feature `view`) |
 //! | `cli` | the `abbe` program (feature `cli`) |
+//! | `python` | the native module of the Python package (feature `python`) |
 //!
 //! Only the items of this page are public interface. The modules are visible to the tests and
 //! benchmarks of this package, and they may change in every release.
@@ -111,6 +112,7 @@
 //! | `pages` | | HTML pages that compare pictures or lamps, and studies of accuracy |
 //! | `view` | yes | the live view in the browser (`abbe view`); implies `cli` |
 //! | `meshes` | yes | OBJ, PLY, STL and glTF files |
+//! | `python` | | the native module of the Python package in `python/`; implies `cli` and `meshes` |
 //!
 //! To use the renderer without the command line, depend on it as
 //! `abbe = { version = "…", default-features = false }`.
@@ -147,6 +149,8 @@ pub mod output;
 pub mod pass;
 #[doc(hidden)]
 pub mod plan;
+#[cfg(feature = "python")]
+mod python;
 #[doc(hidden)]
 pub mod render;
 #[doc(hidden)]

@@ -4,12 +4,14 @@
 //! helpers [`PlanReport`] and [`provenance`]. Therefore the library and the command line write the
 //! same files.
 
+mod observer;
 mod options;
 mod plan_report;
 pub mod provenance;
 mod rendered_image;
 mod scene;
 
+pub use observer::{RenderObserver, UnfinishedRender};
 pub use options::RenderOptions;
 pub use plan_report::PlanReport;
 pub use rendered_image::{Image, PixelSpectrum};

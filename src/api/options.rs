@@ -1,5 +1,6 @@
 //! The options of a render.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use crate::render::{Integrator, Request, StopRules};
@@ -29,6 +30,8 @@ pub struct RenderOptions {
     pub(super) seed: Option<u64>,
     pub(super) threads: Option<u32>,
     pub(super) spectral_bands: Option<u32>,
+    pub(super) checkpoint: Option<PathBuf>,
+    pub(super) resume: bool,
 }
 
 impl RenderOptions {
@@ -83,6 +86,20 @@ impl RenderOptions {
     /// every pixel in these bands.
     pub fn spectral_bands(self, bands: u32) -> Self {
         Self { spectral_bands: Some(bands), ..self }
+    }
+
+    /// Saves the exact sums of an unfinished render in this EXR file: about once per minute, and when
+    /// the progress callback stops the render. A finished render removes the file. If a checkpoint
+    /// cannot be written during the render, the render continues, and the statistics contain a note.
+    pub fn checkpoint(self, path: impl Into<PathBuf>) -> Self {
+        Self { checkpoint: Some(path.into()), ..self }
+    }
+
+    /// Continues from the file of [`checkpoint`](Self::checkpoint) if this file exists. All limits
+    /// count from the beginning of the first run, so the finished picture has the same bits as the
+    /// picture of an uninterrupted render.
+    pub fn resume(self, resume: bool) -> Self {
+        Self { resume, ..self }
     }
 
     /// Converts the options to changes of the scene's text. Each change has the form `PATH=JSON`.

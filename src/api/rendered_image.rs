@@ -7,8 +7,8 @@ use crate::colour::{RgbSpace, xyz_to_linear_srgb};
 use crate::error::Result;
 use crate::output::exr::{read, write};
 use crate::output::metadata::Metadata;
-use crate::output::png::write as write_png;
-use crate::render::{DisplaySettings, Job, Rendered, Stats};
+use crate::output::png::{encode as encode_png, write as write_png};
+use crate::render::{DisplaySettings, Job, Rendered, Run, Stats};
 use crate::sensor::{Codes, Picture};
 
 /// A picture in absolute units with an error estimate for every pixel.
@@ -48,6 +48,13 @@ impl Image {
             metadata,
             interrupted: rendered.interrupted,
         }
+    }
+
+    /// Creates the image of a render that is not finished. `metadata` contains the header entries
+    /// that describe the scene and the passes.
+    pub(super) fn of_run(run: &Run, job: &Job, metadata: Metadata) -> Self {
+        let (picture, display) = (run.picture(), DisplaySettings::of(job));
+        Self { picture, display, stats: None, metadata, interrupted: false }
     }
 
     /// Reads an image from an EXR file written by Abbe.
@@ -165,5 +172,25 @@ impl Image {
     /// Returns an error if the file cannot be written.
     pub fn write_png(&self, path: impl AsRef<Path>) -> Result<()> {
         write_png(path.as_ref(), &self.display.screen(&self.picture))
+    }
+
+    /// Returns the bytes of the PNG file that [`write_png`](Self::write_png) writes.
+    ///
+    /// # Errors
+    /// Returns an error if the picture is too large for a PNG file.
+    pub fn to_png(&self) -> Result<Vec<u8>> {
+        encode_png(&self.display.screen(&self.picture))
+    }
+
+    /// The picture with its error layers.
+    #[doc(hidden)]
+    pub fn picture(&self) -> &Picture {
+        &self.picture
+    }
+
+    /// The header of the EXR file.
+    #[doc(hidden)]
+    pub fn metadata(&self) -> &Metadata {
+        &self.metadata
     }
 }

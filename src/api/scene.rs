@@ -3,13 +3,14 @@
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use super::observer::{self, ProgressFunction, RenderObserver};
 use super::options::RenderOptions;
 use super::{Image, provenance};
 use crate::error::{Error, Result};
 use crate::format::resolve::resolve;
 use crate::format::{self, FileAccess, JsonSource, SceneFile};
 use crate::plan::explain;
-use crate::render::{Job, Monitor, Progress, on_threads};
+use crate::render::{Job, Progress, on_threads};
 use crate::scene as model;
 
 /// A scene that can be rendered.
@@ -55,8 +56,29 @@ impl Scene {
     /// a value of a wrong type or a value out of range. The error contains the file, the line, the
     /// column and the JSON path.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
-        let path = path.as_ref();
-        Self::of_text(format::read_scene_text(path, format::FileAccess::default())?.text, path)
+        Self::load_with_changes(path.as_ref(), &[], FileAccess::default())
+    }
+
+    /// Reads a scene file, applies changes of the form `PATH=JSON`, and checks the changed scene.
+    ///
+    /// # Errors
+    /// Returns the errors of [`load`](Self::load) and of [`with_change`](Self::with_change).
+    #[doc(hidden)]
+    pub fn load_with_changes(path: &Path, changes: &[String], access: FileAccess) -> Result<Self> {
+        let text = format::read_scene_text(path, access)?.text;
+        Self::parse_with_changes(&text, path, changes, access)
+    }
+
+    /// Reads a scene from JSON text, applies changes of the form `PATH=JSON`, and checks the changed
+    /// scene. Errors name the text `path`, and the folder of `path` contains the files of the scene.
+    ///
+    /// # Errors
+    /// Returns the errors of [`load`](Self::load) and of [`with_change`](Self::with_change).
+    #[doc(hidden)]
+    pub fn parse_with_changes(text: &str, path: &Path, changes: &[String], access: FileAccess) -> Result<Self> {
+        format::parse_with_access(text, path, changes, access)?;
+        let (text, path, changes) = (text.to_string(), path.to_path_buf(), changes.to_vec());
+        Ok(Self { origin: SceneOrigin::Text { text, path, changes, access } })
     }
 
     /// Reads and checks a scene from JSON text. The paths of files in the scene are relative to the
@@ -65,13 +87,7 @@ impl Scene {
     /// # Errors
     /// Returns the same errors as [`load`](Self::load).
     pub fn parse(text: &str) -> Result<Self> {
-        Self::of_text(text.to_string(), Path::new("scene"))
-    }
-
-    fn of_text(text: String, path: &Path) -> Result<Self> {
-        format::parse_with_access(&text, path, &[], FileAccess::default())?;
-        let path = path.to_path_buf();
-        Ok(Self { origin: SceneOrigin::Text { text, path, changes: Vec::new(), access: FileAccess::default() } })
+        Self::parse_with_changes(text, Path::new("scene"), &[], FileAccess::default())
     }
 
     /// Changes one value of the scene. `change` has the form `PATH=JSON`, such as
@@ -153,12 +169,35 @@ impl Scene {
         options: &RenderOptions,
         progress: impl FnMut(&Progress) -> ControlFlow<()> + Send,
     ) -> Result<Image> {
+        self.render_observed(options, &mut ProgressFunction(progress))
+    }
+
+    /// Renders the scene, and calls the methods of `observer`.
+    ///
+    /// # Errors
+    /// Returns the same errors as [`render`](Self::render), and the error of
+    /// [`RenderObserver::planned`].
+    #[doc(hidden)]
+    pub fn render_observed(&self, options: &RenderOptions, observer: &mut dyn RenderObserver) -> Result<Image> {
         let (job, source) = self.job(options)?;
-        let mut monitor = CallbackMonitor { progress };
-        let threads = job.scene.settings.threads;
-        let rendered = on_threads(threads, || job.render(options.request, &mut monitor))??;
+        observer.planned(&job.budget)?;
         let metadata = provenance::of_scene(source.as_ref(), &job, options.request.integrator);
+        let checkpoint =
+            options.checkpoint.as_deref().map(|path| observer::Checkpoint { path, resume: options.resume });
+        let threads = job.scene.settings.threads;
+        let rendered =
+            on_threads(threads, || observer::render(&job, options.request, &metadata, checkpoint, observer))?;
+        let rendered =
+            rendered.map_err(|error| self.path().map_or_else(|| error.clone(), |path| error.clone().in_file(path)))?;
         Ok(Image::of_render(rendered, &job, &metadata))
+    }
+
+    /// The path of the scene's text.
+    fn path(&self) -> Option<&Path> {
+        match &self.origin {
+            SceneOrigin::Text { path, .. } => Some(path),
+            SceneOrigin::Model(_) => None,
+        }
     }
 
     /// Resolves and plans the scene. Also returns the text of the scene, if it has one.
@@ -204,17 +243,6 @@ impl From<model::Scene> for Scene {
     }
 }
 
-/// Reports the progress of a render to a closure.
-struct CallbackMonitor<F> {
-    progress: F,
-}
-
-impl<F: FnMut(&Progress) -> ControlFlow<()> + Send> Monitor for CallbackMonitor<F> {
-    fn after_pass(&mut self, progress: &Progress) -> bool {
-        (self.progress)(progress).is_continue()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -245,6 +273,45 @@ mod tests {
         let image = Scene::parse(TEXT).unwrap().render_with(&options, |_| ControlFlow::Break(())).unwrap();
         assert!(image.is_interrupted());
         assert_eq!(image.stats().map(|stats| stats.passes), Some(1));
+    }
+
+    #[test]
+    fn a_checkpoint_continues_with_equal_bits() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.exr");
+        let scene = Scene::parse(TEXT).unwrap();
+        let options = RenderOptions::default().passes(5).photons(100);
+        let kept = options.clone().checkpoint(&path).resume(true);
+        let stop =
+            |progress: &Progress| if progress.passes < 2 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
+        let part = scene.render_with(&kept, stop).unwrap();
+        assert!(part.is_interrupted() && path.exists());
+        let whole = scene.render(&kept).unwrap();
+        assert!(!path.exists() && whole.stats().map(|stats| stats.passes) == Some(5));
+        let direct = scene.render(&options).unwrap();
+        let pixels = |image: &Image| (0..24).map(|i| image.xyz(i % 6, i / 6)).collect::<Vec<_>>();
+        assert_eq!(pixels(&whole), pixels(&direct));
+        // A file that is no checkpoint is an error.
+        std::fs::write(&path, "no picture").unwrap();
+        assert!(scene.render(&kept).is_err());
+    }
+
+    #[test]
+    fn an_observer_sees_the_unfinished_images() {
+        struct Shown(Vec<u64>);
+        impl RenderObserver for Shown {
+            fn after_pass(&mut self, _: &Progress) -> ControlFlow<()> {
+                ControlFlow::Continue(())
+            }
+            fn show(&mut self, unfinished: &crate::api::UnfinishedRender<'_>) {
+                assert_eq!(unfinished.image().width(), 6);
+                self.0.push(unfinished.progress().passes);
+            }
+        }
+        let mut shown = Shown(Vec::new());
+        let options = RenderOptions::default().passes(3).photons(100);
+        Scene::parse(TEXT).unwrap().render_observed(&options, &mut shown).unwrap();
+        assert_eq!(shown.0, [1, 2]);
     }
 
     #[test]

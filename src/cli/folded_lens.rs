@@ -48,6 +48,13 @@ pub(super) fn report(system: &FoldedSystem, half_field_deg: Option<f64>, as_json
     if as_json { print::json(&report) } else { print::result(&text(&report)) }
 }
 
+/// Analyses the system, and returns the figures as JSON.
+#[cfg(feature = "python")]
+pub(super) fn json(system: &FoldedSystem, half_field_deg: Option<f64>) -> Result<String> {
+    let analysis = system.analysis(half_field_deg)?;
+    Ok(serde_json::to_string(&figures(system, &analysis)).expect("reports have text keys and no fallible values"))
+}
+
 fn figures<'a>(system: &'a FoldedSystem, analysis: &FoldedAnalysis) -> FoldedReport<'a> {
     let spot = |(line, rms_mm): (&(&'static str, f64), f64)| FoldedSpotReport { line: line.0, rms_mm };
     let field = |field: &FoldedField| FoldedFieldReport {

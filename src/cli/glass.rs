@@ -37,7 +37,7 @@ pub(crate) struct GlassArgs {
 
 /// The optical data of a glass.
 #[derive(Debug, Serialize)]
-struct GlassReport<'a> {
+pub(super) struct GlassReport<'a> {
     name: &'a str,
     kind: &'static str,
     nd: f64,
@@ -115,16 +115,22 @@ pub(crate) fn run(arguments: &GlassArgs) -> Result<Outcome> {
 }
 
 fn one(glass: &Glass, arguments: &GlassArgs) -> Result<()> {
-    if let Some(bad) = arguments.at.iter().find(|&&nm| !(BAND_NM.0..=BAND_NM.1).contains(&nm) && !in_range(glass, nm)) {
-        let (from, to) = glass.index.range_nm();
-        let what = format!("the index of {} at {bad} nm", glass.name);
-        return Err(Error::input(what).expected(format!("wavelengths from {from} to {to} nm")));
-    }
+    check_wavelengths(glass, &arguments.at)?;
     if let Some(path) = &arguments.svg {
         file::write_whole(path, plot(glass).svg().as_bytes())?;
     }
     let report = report(glass, &arguments.at);
     if arguments.json { print::json(&report) } else { print::result(&text(&report)) }
+}
+
+/// Refuses wavelengths (nm) outside the visible band at which the data of the glass is not valid.
+pub(crate) fn check_wavelengths(glass: &Glass, at: &[f64]) -> Result<()> {
+    let Some(bad) = at.iter().find(|&&nm| !(BAND_NM.0..=BAND_NM.1).contains(&nm) && !in_range(glass, nm)) else {
+        return Ok(());
+    };
+    let (from, to) = glass.index.range_nm();
+    let what = format!("the index of {} at {bad} nm", glass.name);
+    Err(Error::input(what).expected(format!("wavelengths from {from} to {to} nm")))
 }
 
 fn in_range(glass: &Glass, nm: f64) -> bool {
@@ -148,7 +154,7 @@ fn list(glasses: &[Glass], json: bool) -> Result<()> {
     print::result(&glasses.iter().map(line).collect::<String>())
 }
 
-fn report<'a>(glass: &'a Glass, at: &[f64]) -> GlassReport<'a> {
+pub(super) fn report<'a>(glass: &'a Glass, at: &[f64]) -> GlassReport<'a> {
     let index = &glass.index;
     let (from, to) = index.range_nm();
     let CauchyFit { a, b, c, range_nm, max_error } = glass.cauchy;

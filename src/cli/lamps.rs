@@ -24,32 +24,32 @@ pub(crate) struct LampsArgs {
     /// spectrum in the JSON form of scenes; or a luminaire file (.ies or .ldt) whose figures and
     /// polar diagram are shown
     #[arg(value_name = "A")]
-    a: String,
+    pub(super) a: String,
     /// The second lamp [default: the match of A]
     #[arg(value_name = "B")]
-    b: Option<String>,
+    pub(super) b: Option<String>,
     /// A third lamp, which is compared with A
     #[arg(value_name = "C", requires = "b", conflicts_with = "html")]
-    c: Option<String>,
+    pub(super) c: Option<String>,
     /// Find the mix of these lights that has the colour closest to A; if B is missing, compare A
     /// with this mix
     #[arg(long = "match", value_name = "PRIMARY", num_args = 1..)]
-    primaries: Vec<String>,
+    pub(super) primaries: Vec<String>,
     /// The standard observer: cie1931, cie1964, cie2015_2 or cie2015_10
     #[arg(long, value_name = "O", default_value = "cie1931")]
-    observer: String,
+    pub(super) observer: String,
     /// Write an HTML page with spectra, colour swatches and all numbers; or with the polar diagram
     /// of a luminaire
     #[arg(long, value_name = "FILE")]
-    html: Option<PathBuf>,
+    pub(super) html: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 /// The comparison of two lamps.
 #[derive(Debug)]
-struct LampsCompared {
+pub(super) struct LampsCompared {
     observer: &'static Observer,
     /// The two lights: A, and either B or the match of A.
     lamps: [NamedSpectrum; 2],
@@ -94,7 +94,7 @@ pub(crate) fn run(arguments: &LampsArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn compared(arguments: &LampsArgs) -> Result<LampsCompared> {
+pub(super) fn compared(arguments: &LampsArgs) -> Result<LampsCompared> {
     let observer = Observer::by_name(&arguments.observer)?;
     let a = named::light(&arguments.a)?;
     let primaries =
@@ -156,7 +156,7 @@ impl PrimaryMix {
 
 impl LampsCompared {
     /// A warning if the mix does not match the lamp.
-    fn warning(&self) -> Option<String> {
+    pub(super) fn warning(&self) -> Option<String> {
         let mix = self.mix.as_ref().filter(|mix| !mix.found.is_reached())?;
         let left = difference_text(mix.difference);
         Some(format!(
@@ -172,7 +172,7 @@ fn lamp(NamedSpectrum { name, origin, spectrum }: &NamedSpectrum) -> NamedLamp<'
     NamedLamp { name, origin, spectrum }
 }
 
-fn html(compared: &LampsCompared, warning: Option<&str>) -> Result<String> {
+pub(super) fn html(compared: &LampsCompared, warning: Option<&str>) -> Result<String> {
     let LampsCompared { observer, lamps, comparison, third: _, mix } = compared;
     let primaries = mix.iter().flat_map(|mix| &mix.primaries).map(lamp).collect();
     page(&LampsPage { lamps: [lamp(&lamps[0]), lamp(&lamps[1])], comparison, observer, primaries, warning })
@@ -252,7 +252,7 @@ fn pairs_text(comparison: &LampComparison, other: &str) -> String {
 
 /// The JSON form of the comparison.
 #[derive(Debug, Serialize)]
-struct LampsJson<'a> {
+pub(super) struct LampsJson<'a> {
     a: ColourJson<'a>,
     b: ColourJson<'a>,
     /// The difference between the colours of the lamps. Both lamps have equal luminance, and the
@@ -365,7 +365,7 @@ struct MetamericPairJson<'a> {
     delta_e_2000: [f64; 2],
 }
 
-fn json(compared: &LampsCompared, warning: Option<String>) -> LampsJson<'_> {
+pub(super) fn json(compared: &LampsCompared, warning: Option<String>) -> LampsJson<'_> {
     let LampsCompared { observer, lamps, comparison, third, mix } = compared;
     let colour = |i: usize| ColourJson::new(&lamps[i].name, &comparison.reports[i], observer, None);
     let r#match = mix.as_ref().map(|PrimaryMix { primaries, found, difference: _ }| MatchJson {

@@ -42,7 +42,7 @@ pub(crate) struct LensArgs {
 
 /// The analysis of a lens. The documentation of [`LensAnalysis`] defines the quantities.
 #[derive(Debug, Serialize)]
-struct LensReport<'a> {
+pub(super) struct LensReport<'a> {
     name: &'a str,
     source: Option<&'a str>,
     surfaces: usize,
@@ -161,7 +161,7 @@ pub(crate) fn notes(notes: &[String]) {
 }
 
 /// Returns the lens given by an argument.
-fn named(name: &str, catalogues: &[AgfCatalogue]) -> Result<ZmxSystem> {
+pub(super) fn named(name: &str, catalogues: &[AgfCatalogue]) -> Result<ZmxSystem> {
     let unknown = match catalogue::find(name) {
         Ok(lens) => return Ok(ZmxSystem::Lens(lens.clone())),
         Err(unknown) => unknown,
@@ -200,7 +200,7 @@ fn list(json: bool) -> Result<()> {
     print::result(&lenses.iter().map(line).collect::<String>())
 }
 
-fn report<'a>(lens: &'a Lens, analysis: &LensAnalysis, quality: &[ImageQuality]) -> LensReport<'a> {
+pub(super) fn report<'a>(lens: &'a Lens, analysis: &LensAnalysis, quality: &[ImageQuality]) -> LensReport<'a> {
     let LensAnalysis { paraxial, lines, half_field_deg, fields } = analysis;
     let pupil = |Pupil { z_mm, diameter_mm }| PupilReport { z_mm, diameter_mm };
     let spot = |(line, rms_mm): (&(&'static str, f64), f64)| SpotReport { line: line.0, rms_mm };
@@ -311,7 +311,7 @@ fn quality_text(fields: &[FieldReport]) -> String {
     text + "\n"
 }
 
-fn drawing(lens: &Lens, analysis: &LensAnalysis, section: LensSection) -> LensDrawing {
+pub(super) fn drawing(lens: &Lens, analysis: &LensAnalysis, section: LensSection) -> LensDrawing {
     let LensSection { elements, stop, sensor, rays, foci } = section;
     let stroke = |ray: DrawnRay| RayStroke { colour: ray.line, window: ray.field, points: ray.points };
     let window = |focus: &FocusWindow| FocusInset {

@@ -5,6 +5,8 @@
 //! command line is wrong, and 3 if the limit of `compare --fail-above` was exceeded. The exit
 //! status is 130 if the user interrupted the command.
 
+#[cfg(feature = "python")]
+mod bindings;
 mod check;
 mod checkpoint;
 mod colour;
@@ -41,6 +43,15 @@ mod study;
 mod values;
 #[cfg(feature = "view")]
 mod view;
+
+#[cfg(feature = "python")]
+pub(crate) use bindings::{
+    ComparedLamps, StudyRequest, colour_json, glass_json, lamps_json, lens_json, named_spectrum, study_json,
+};
+#[cfg(feature = "python")]
+pub(crate) use glass::check_wavelengths as check_glass_wavelengths;
+#[cfg(feature = "python")]
+pub(crate) use memory::check as check_memory;
 
 use std::ffi::OsString;
 use std::panic::{self, AssertUnwindSafe};
