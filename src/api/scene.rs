@@ -56,7 +56,7 @@ impl Scene {
     /// column and the JSON path.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        Self::of_text(format::read_scene_text(path, format::FileAccess::default())?.text, path)
+        Self::of_text(format::read_scene_text(path, format::FileAccess::default(), None)?.text, path)
     }
 
     /// Reads and checks a scene from JSON text. The paths of files in the scene are relative to the
