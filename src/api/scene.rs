@@ -65,7 +65,7 @@ impl Scene {
     /// Returns the errors of [`load`](Self::load) and of [`with_change`](Self::with_change).
     #[doc(hidden)]
     pub fn load_with_changes(path: &Path, changes: &[String], access: FileAccess) -> Result<Self> {
-        let text = format::read_scene_text(path, access)?.text;
+        let text = format::read_scene_text(path, access, None)?.text;
         Self::parse_with_changes(&text, path, changes, access)
     }
 

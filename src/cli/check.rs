@@ -21,7 +21,7 @@ pub(crate) struct CheckArgs {
 pub(crate) fn run(arguments: &CheckArgs) -> Outcome {
     let mut worst = 0;
     for scene in &arguments.scenes {
-        if let Err(error) = check(scene, arguments.scene_file) {
+        if let Err(error) = check(scene, &arguments.scene_file) {
             print::error(&error);
             worst = worst.max(error.exit_status());
         }
@@ -29,7 +29,7 @@ pub(crate) fn run(arguments: &CheckArgs) -> Outcome {
     Outcome::Reported(worst)
 }
 
-fn check(path: &Path, scene_file: SceneFileArgs) -> Result<()> {
+fn check(path: &Path, scene_file: &SceneFileArgs) -> Result<()> {
     let (scene, source) = scene_file.read(path, &[])?;
     let job = Job::new(resolve(&scene, &source)?).map_err(|error| error.in_file(path))?;
     for note in &job.scene.notes {

@@ -17,14 +17,18 @@ pub(crate) struct ImportArgs {
     /// output, with paths relative to the folder of FILE]
     #[arg(short, long, value_name = "SCENE.json")]
     output: Option<PathBuf>,
+    /// Apply a JSON file with changes, such as new materials for the names of a glTF file
+    #[arg(long, value_name = "FILE.json")]
+    overlay: Option<PathBuf>,
     /// Fail if anything in FILE is left out, or if anything is added
     #[arg(long)]
     strict: bool,
 }
 
 pub(crate) fn run(arguments: &ImportArgs) -> Result<Outcome> {
-    let ImportArgs { file, output, strict } = arguments;
+    let ImportArgs { file, output, overlay, strict } = arguments;
     let imported = import(file, &folder_from(output.as_deref(), file)?, FileAccess::WithinFolder)?;
+    let imported = if let Some(overlay) = overlay { imported.with_overlay(overlay)? } else { imported };
     let notes: Vec<String> = imported.notes().into_iter().chain(imported.ignored_by_meshes).collect();
     if *strict && !notes.is_empty() {
         return Err(Error::input(notes.join("; ")).expected("nothing left out or added").in_file(file));

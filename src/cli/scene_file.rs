@@ -1,24 +1,28 @@
 //! Opens scene files for the commands.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::print;
 use crate::error::Result;
 use crate::format::{self, FileAccess, JsonSource, SceneFile, SceneText};
 
-#[derive(Debug, Clone, Copy, clap::Args)]
+#[derive(Debug, Clone, clap::Args)]
 pub(crate) struct SceneFileArgs {
     /// Let the scene name files outside its own folder
     #[arg(long)]
     allow_outside: bool,
+    /// Apply a JSON file with changes to a scene of another program, such as new materials for the
+    /// names of a glTF file
+    #[arg(long, value_name = "FILE.json")]
+    overlay: Option<PathBuf>,
 }
 
 impl SceneFileArgs {
     /// Reads a scene file. Prints what the conversion of another program's scene added and left
     /// out. Then applies `sets`, the patches in the form `PATH=JSON`.
-    pub(crate) fn read(self, path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
+    pub(crate) fn read(&self, path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
         let access = if self.allow_outside { FileAccess::Anywhere } else { FileAccess::WithinFolder };
-        let SceneText { text, notes } = format::read_scene_text(path, access)?;
+        let SceneText { text, notes } = format::read_scene_text(path, access, self.overlay.as_deref())?;
         notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
         format::parse_with_access(&text, path, sets, access)
     }

@@ -182,7 +182,7 @@ impl UnitFile {
 /// column and the JSON path. If the file has several faults, the error contains all of them, up to
 /// [`MAX_FAULTS`](crate::error::MAX_FAULTS).
 pub fn read(path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
-    parse(&read_scene_text(path, FileAccess::default())?.text, path, sets)
+    parse(&read_scene_text(path, FileAccess::default(), None)?.text, path, sets)
 }
 
 /// The text of a scene file.
@@ -196,20 +196,28 @@ pub struct SceneText {
 }
 
 /// Reads the text of a scene file. A scene of another program is converted ([`import`]).
-/// `file_access` states which other files such a scene may name.
+/// `file_access` states which other files such a scene may name. `overlay` is a file with changes of
+/// a converted scene.
 ///
 /// # Errors
 /// Returns an error if the file cannot be read, is too large, is not UTF-8, or is a file of another
 /// program that cannot be converted. In the last case, the error says how to bring the file into a
-/// scene.
-pub fn read_scene_text(path: &Path, file_access: FileAccess) -> Result<SceneText> {
+/// scene. Also returns an error if the overlay is wrong, or if there is an overlay for a file that
+/// is not converted.
+pub fn read_scene_text(path: &Path, file_access: FileAccess, overlay: Option<&Path>) -> Result<SceneText> {
     #[cfg(feature = "meshes")]
     if import::can_import(path) {
         let imported = import::import(path, "", file_access)?;
+        let imported = if let Some(overlay) = overlay { imported.with_overlay(overlay)? } else { imported };
         let notes = imported.notes();
         return Ok(SceneText { text: imported.text, notes });
     }
     foreign::refuse_foreign(path)?;
+    if let Some(overlay) = overlay {
+        return Err(Error::input("an overlay changes only scenes of other programs")
+            .expected("no overlay for a scene file; `--set` changes a scene file")
+            .in_file(overlay));
+    }
     Ok(SceneText { text: read_text(path)?, notes: Vec::new() })
 }
 

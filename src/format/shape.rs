@@ -99,7 +99,7 @@ pub enum ShapeFile {
     /// A triangle mesh from an OBJ, PLY, STL, glTF or GLB file.
     #[schemars(example = json!({"mesh": {"path": "bunny.ply"}}))]
     #[schemars(example = json!({"mesh": {
-        "path": "lamp.obj", "reverse": true, "flat": true, "smooth": false, "flip_v": true
+        "path": "lamp.obj", "part": 0, "reverse": true, "flat": true, "smooth": false, "flip_v": true
     }}))]
     Mesh(MeshShapeFile),
     /// A triangle mesh whose vertices are in the scene file.
@@ -121,6 +121,11 @@ pub enum ShapeFile {
 pub struct MeshShapeFile {
     /// Path of the file, relative to the scene's folder.
     pub path: String,
+    /// Number of one part of the file, from 0. In a glTF file, the parts are the primitives of all
+    /// meshes, in the order of the file and without the transforms of the nodes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "all parts, at their places"))]
+    pub part: Option<u32>,
     /// True to exchange the front and the back of the surface.
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "forms::never")]

@@ -11,6 +11,7 @@ mod common;
 mod golden;
 mod study_scene;
 
+mod blender_export;
 mod checkpoints;
 mod develop;
 mod diffraction;

@@ -62,7 +62,15 @@ pub(crate) fn all() -> Vec<Target> {
         Target { beside: beside.clone(), ..Target::new("obj", "obj", 8, vec![bytes(OBJ)], mesh) },
         Target::new("ply", "ply", 8, vec![bytes(PLY), binary_ply()], mesh),
         Target::new("stl", "stl", 8, vec![bytes(STL), binary_stl()], mesh),
-        Target { beside, ..Target::new("gltf", "gltf", 8, vec![bytes(&gltf("\"uri\": \"cube.bin\", "))], mesh) },
+        Target {
+            beside: beside.clone(),
+            ..Target::new("gltf", "gltf", 6, vec![bytes(&gltf("\"uri\": \"cube.bin\", "))], mesh)
+        },
+        Target { beside, ..Target::new("room", "gltf", 4, vec![bytes(&gltf("\"uri\": \"cube.bin\", "))], plans) },
+        Target {
+            beside: vec![("room.glb", glb())],
+            ..Target::new("overlay", "json", 2, vec![bytes(OVERLAY)], overlays)
+        },
         Target::new("glb", "glb", 6, vec![glb()], mesh),
         Target::new("spdx", "spdx", 5, vec![bytes(SPDX)], spectrum),
         Target::new("table", "csv", 4, vec![bytes("nm,value\n400,0.1\n500,0.5\n600,1\n700,0.2\n")], spectrum),
@@ -116,6 +124,18 @@ const INDEX: &str = "REFERENCES: a data sheet\nDATA:\n  - type: formula 2\n    w
 fn is_index(path: &Path) -> bool {
     let text = String::from_utf8_lossy(&std::fs::read(path).unwrap()).into_owned();
     IndexFileData::parse(&text, path).and_then(|data| data.index()).is_ok()
+}
+
+/// Changes the scene of another program.
+const OVERLAY: &str = r#"{"materials": {"glass": {"dielectric": {"ior": "N-SF10"}}},
+  "lights": {"sky": {"spectrum": "D65", "illuminance": 10}}, "objects": {"node 1": {"name": "cube"}},
+  "camera": {"lens": {"pinhole": {"fov": 20}}}, "film": {"width": 9}, "render": {"passes": 2}}"#;
+
+/// Applies a file to the scene beside it.
+fn overlays(path: &Path) -> bool {
+    let room = path.with_file_name("room.glb");
+    let text = format::read_scene_text(&room, FileAccess::WithinFolder, Some(path));
+    text.and_then(|scene| format::parse(&scene.text, &room, &[])).is_ok()
 }
 
 /// Reads, resolves and plans a scene.

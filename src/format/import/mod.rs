@@ -5,6 +5,7 @@
 
 mod gltf;
 mod mitsuba;
+mod overlay;
 mod pbrt;
 mod scene_writer;
 
@@ -12,7 +13,8 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::format::FileAccess;
-use scene_writer::SceneWriter;
+use overlay::ImportedNames;
+use scene_writer::{ADDED_SKY, SceneWriter};
 
 /// A converted scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +28,8 @@ pub struct ImportedScene {
     /// Sentences about what the mesh reader ignores. A reader of the converted scene finds them
     /// again.
     pub ignored_by_meshes: Vec<String>,
+    /// The names that an overlay may use.
+    names: ImportedNames,
 }
 
 impl ImportedScene {
@@ -33,6 +37,23 @@ impl ImportedScene {
     pub fn notes(&self) -> Vec<String> {
         let added = self.added.iter().map(|what| format!("added {what}"));
         self.left_out.iter().cloned().chain(added).collect()
+    }
+
+    /// Applies an overlay: a small JSON file that names materials, lights and objects of the
+    /// converted scene, and replaces or changes them. The file may also change the camera, the film
+    /// and the render settings, and add lights and objects. Paths in the overlay are relative to the
+    /// folder of the scene file.
+    ///
+    /// # Errors
+    /// Returns an error if the overlay cannot be read, or if it contains an unknown key or an
+    /// unknown name. The error contains the position in the overlay.
+    pub fn with_overlay(mut self, path: &Path) -> Result<Self> {
+        let overlaid = overlay::apply(&self.text, &self.names, path)?;
+        self.text = overlaid.text;
+        if overlaid.replaces_sky {
+            self.added.retain(|what| what != ADDED_SKY);
+        }
+        Ok(self)
     }
 }
 

@@ -3,10 +3,14 @@
 use serde_json::{Map, Value, json};
 
 use super::ImportedScene;
+use super::overlay::ImportedNames;
 use crate::json::pretty;
 
 /// The illuminance (lx) of the sky if the file has no light.
 const SKY_ILLUMINANCE: f64 = 1000.0;
+
+/// The note about a sky that was added.
+pub(super) const ADDED_SKY: &str = "a uniform sky of 1000 lx, because the file has no light";
 
 /// The parts of a scene file. All values have the form that the scene file has.
 #[derive(Debug, Default)]
@@ -22,6 +26,7 @@ pub(super) struct SceneWriter {
     shapes: Map<String, Value>,
     objects: Vec<Value>,
     lights: Vec<Value>,
+    names: ImportedNames,
     /// What was left out: a sentence, the place of its first occurrence, and the number of
     /// occurrences.
     left_out: Vec<(String, String, usize)>,
@@ -93,7 +98,26 @@ impl SceneWriter {
         self.objects.push(object);
     }
 
+    /// Notes that the object that was added last has a material of a mesh file, with this name.
+    pub(super) fn name_mesh_material(&mut self, name: &str) {
+        if let Some(object) = self.objects.len().checked_sub(1) {
+            self.names.mesh_materials.push((name.to_owned(), object));
+        }
+    }
+
+    /// Adds a light without a name.
     pub(super) fn add_light(&mut self, light: Value) {
+        self.add_named_light([], light);
+    }
+
+    /// Adds a light. An overlay finds the light by any of its names. A light without a name is found
+    /// by the word "light" and its position in the scene.
+    pub(super) fn add_named_light<'a>(&mut self, names: impl IntoIterator<Item = &'a str>, light: Value) {
+        let mut names: Vec<String> = names.into_iter().filter(|name| !name.is_empty()).map(str::to_owned).collect();
+        if names.is_empty() {
+            names.push(format!("light {}", self.lights.len()));
+        }
+        self.names.lights.push(names);
         self.lights.push(light);
     }
 
@@ -109,8 +133,10 @@ impl SceneWriter {
 
     /// Adds a uniform sky, because the file has no light.
     pub(super) fn add_sky(&mut self) {
-        self.note_added("a uniform sky of 1000 lx, because the file has no light");
-        self.add_light(json!({"environment": {"spectrum": "D65", "illuminance": SKY_ILLUMINANCE}}));
+        self.note_added(ADDED_SKY);
+        let sky = json!({"environment": {"spectrum": "D65", "illuminance": SKY_ILLUMINANCE}});
+        self.names.added_sky = Some(self.lights.len());
+        self.add_named_light(["sky"], sky);
     }
 
     /// Notes a part that the file lacks and that was added.
@@ -130,7 +156,7 @@ impl SceneWriter {
 
     /// Returns the converted scene. Entries without a value are absent.
     pub(super) fn finish(self, title: &str) -> ImportedScene {
-        let Self { camera, film, atmosphere, media, materials, shapes, objects, lights, .. } = self;
+        let Self { camera, film, atmosphere, media, materials, shapes, objects, lights, names, .. } = self;
         let mut scene = json!({"title": title, "unit": "m", "camera": camera, "film": film});
         if !media.is_empty() {
             scene["media"] = media.into();
@@ -156,6 +182,7 @@ impl SceneWriter {
             added: self.added,
             left_out: self.left_out.into_iter().map(sentence).collect(),
             ignored_by_meshes: self.ignored_by_meshes,
+            names,
         }
     }
 }

@@ -1,77 +1,155 @@
 //! Reads glTF 2.0 files in text form (`.gltf`) or in binary form (`.glb`). The result contains the
 //! triangles of the default scene after all node transforms.
 
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
-use ::gltf::accessor::{DataType, Dimensions};
-use ::gltf::buffer::Source;
+use ::gltf::buffer::{Data, Source};
 use ::gltf::mesh::Mode;
 use ::gltf::scene::Transform;
-use ::gltf::{Accessor, Document, Gltf, Node, Primitive, Semantic};
+use ::gltf::{Document, Gltf, Node, Primitive, Semantic};
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 
-use super::gltf_material::{ignored, read_material};
+use super::gltf_accessor::GltfAccessors;
+use super::gltf_extensions;
+use super::gltf_material::{ignored, read_material, uv_set};
 use super::gltf_texture::GltfPictures;
-use super::{MeshPart, PartsAndNotes, TriangleMesh};
+use super::{MeshPart, PartsAndNotes, TriangleMesh, UnplacedParts};
 use crate::error::{Error, Result};
 use crate::format::FileAccess;
 
-/// Reads the parts of a glTF file.
-pub(super) fn load(bytes: &[u8], folder: Option<&Path>, file_access: FileAccess) -> Result<PartsAndNotes> {
-    let (document, blob) = parse(bytes)?;
-    check_uris(&document, file_access)?;
-    let buffers = ::gltf::import_buffers(&document, folder, blob).map_err(|error| invalid(&error))?;
-    let pictures = GltfPictures::new(&buffers, folder, file_access, document.images().len());
-    let mut reader = SceneReader { buffers: &buffers, pictures, parts: Vec::new() };
-    for_each_node(&document, |node, to_world| reader.node(node, to_world))?;
-    let has_lights = document.lights().is_some_and(|mut lights| lights.next().is_some());
-    let SceneReader { parts, pictures, .. } = reader;
-    let ignored = [ignored(&document), pictures.unusable].concat();
+/// A glTF file whose geometry and pictures are not read yet.
+pub(in crate::format) struct GltfFile {
+    /// The document.
+    pub(in crate::format) document: Document,
+    blob: Option<Vec<u8>>,
+    folder: PathBuf,
+    file_access: FileAccess,
+}
+
+impl GltfFile {
+    /// Reads a glTF file, and checks the addresses of its buffers.
+    pub(in crate::format) fn open(path: &Path, file_access: FileAccess) -> Result<Self> {
+        let (document, blob) = parse(&super::read(path)?)?;
+        check_uris(&document, file_access)?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        Ok(Self { document, blob, folder, file_access })
+    }
+
+    /// Reads the buffers. This function is called once, because it moves the data of a binary file.
+    pub(in crate::format) fn buffers(&mut self) -> Result<Vec<Data>> {
+        ::gltf::import_buffers(&self.document, Some(&self.folder), self.blob.take()).map_err(|error| invalid(&error))
+    }
+}
+
+/// Reads the parts of a glTF file, each at its place in the default scene.
+pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes> {
+    let mut file = GltfFile::open(path, file_access)?;
+    let buffers = file.buffers()?;
+    let mut reader = SceneReader::new(&file, &buffers);
+    let mut parts = Vec::new();
+    for_each_node(&file.document, |node, _, to_world| {
+        let Some(mesh) = node.mesh() else { return Ok(()) };
+        let name = node.name().or(mesh.name()).unwrap_or_default();
+        for primitive in mesh.primitives() {
+            parts.extend(reader.primitive(&primitive, name, *to_world)?);
+        }
+        Ok(())
+    })?;
+    let has_lights = file.document.lights().is_some_and(|mut lights| lights.next().is_some());
+    let ignored = [ignored(&file.document, true), reader.pictures.unusable].concat();
     Ok(PartsAndNotes { parts, ignored, has_lights })
 }
 
+/// Reads the parts of a glTF file that the default scene uses, without the transforms of the nodes.
+/// The number of a part is the position of its primitive in the file. The names of the parts are
+/// empty.
+pub(super) fn load_unplaced(path: &Path, file_access: FileAccess) -> Result<UnplacedParts> {
+    let mut file = GltfFile::open(path, file_access)?;
+    let buffers = file.buffers()?;
+    let mut reader = SceneReader::new(&file, &buffers);
+    let firsts = first_parts(&file.document);
+    let mut parts = BTreeMap::new();
+    for_each_node(&file.document, |node, _, _| {
+        let Some(mesh) = node.mesh() else { return Ok(()) };
+        for (number, primitive) in (firsts[mesh.index()]..).zip(mesh.primitives()) {
+            if !parts.contains_key(&number) {
+                let read = reader.primitive(&primitive, mesh.name().unwrap_or_default(), DAffine3::IDENTITY)?;
+                parts.extend(read.map(|part| (number, MeshPart { name: String::new(), ..part })));
+            }
+        }
+        Ok(())
+    })?;
+    let ignored = [ignored(&file.document, false), reader.pictures.unusable].concat();
+    Ok(UnplacedParts { parts, ignored })
+}
+
+/// Returns the number of the first part of each mesh. The parts are the primitives of all meshes,
+/// in the order of the file.
+pub(in crate::format) fn first_parts(document: &Document) -> Vec<u32> {
+    let mut next = 0;
+    let first = |mesh: ::gltf::Mesh<'_>| {
+        let first = next;
+        next += mesh.primitives().len() as u32;
+        first
+    };
+    document.meshes().map(first).collect()
+}
+
+/// Returns true if a primitive consists of triangles.
+pub(in crate::format) fn has_triangles(primitive: &Primitive<'_>) -> bool {
+    match primitive.mode() {
+        Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => false,
+        Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan => true,
+    }
+}
+
+/// The extensions other than those of materials that Abbe reads, and that the crate `gltf` does not know.
+const OWN_EXTENSIONS: [&str; 1] = ["EXT_lights_ies"];
+
 /// Parses a glTF file. Returns the document, and the binary chunk of a `.glb` file.
-pub(super) fn parse(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>)> {
+fn parse(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>)> {
     if bytes.starts_with(b"glTF") {
         check_length(bytes)?;
     }
     let unchecked = Gltf::from_slice_without_validation(bytes).map_err(|error| invalid(&error))?;
     let mut root = unchecked.document.into_json();
-    // The crate refuses a file that requires an extension unknown to the crate. The module
-    // `gltf_material` reads the extension below.
-    root.extensions_required.retain(|name| name != "KHR_materials_dispersion");
+    // The crate refuses a file that requires an extension unknown to the crate.
+    root.extensions_required.retain(|name| !OWN_EXTENSIONS.iter().chain(&gltf_extensions::READ).any(|own| own == name));
     check_attributes(&root)?;
     let document = Document::from_json(root).map_err(|error| invalid(&error))?;
     Ok((document, unchecked.blob))
 }
 
-/// Calls `visit` for each node of the default scene. The second argument is the transform from the
-/// node to the scene. If the file has no scene, all nodes without a parent belong to the scene.
-pub(super) fn for_each_node(
-    document: &Document,
-    mut visit: impl FnMut(&Node<'_>, &DAffine3) -> Result<()>,
+/// Calls `visit` for each node of the default scene, parents first. The second argument is the
+/// number of the parent. The third argument is the transform from the node to the scene. If the
+/// file has no scene, all nodes without a parent belong to the scene.
+pub(in crate::format) fn for_each_node<'d>(
+    document: &'d Document,
+    mut visit: impl FnMut(&Node<'d>, Option<usize>, &DAffine3) -> Result<()>,
 ) -> Result<()> {
-    let mut open: Vec<(Node<'_>, DAffine3)> = match document.default_scene().or_else(|| document.scenes().next()) {
-        Some(scene) => scene.nodes().map(|node| (node, DAffine3::IDENTITY)).collect(),
+    let mut roots: Vec<Node<'d>> = match document.default_scene().or_else(|| document.scenes().next()) {
+        Some(scene) => scene.nodes().collect(),
         None => {
             let children: Vec<usize> = document
                 .nodes()
                 .flat_map(|node| node.children().map(|child| child.index()).collect::<Vec<_>>())
                 .collect();
-            let roots = document.nodes().filter(|node| !children.contains(&node.index()));
-            roots.map(|node| (node, DAffine3::IDENTITY)).collect()
+            document.nodes().filter(|node| !children.contains(&node.index())).collect()
         }
     };
-    open.reverse();
+    roots.reverse();
+    let mut open: Vec<(Node<'d>, Option<usize>, DAffine3)> =
+        roots.into_iter().map(|node| (node, None, DAffine3::IDENTITY)).collect();
     // It is an error to read a node twice, so a cycle of nodes cannot cause an endless loop.
     let mut visited = vec![false; document.nodes().len()];
-    while let Some((node, parent)) = open.pop() {
+    while let Some((node, parent, parent_to_world)) = open.pop() {
         if std::mem::replace(&mut visited[node.index()], true) {
             return Err(Error::input(format!("node {} of the glTF file has two parents", node.index())));
         }
-        let to_world = parent * affine(&node.transform());
-        visit(&node, &to_world)?;
-        open.extend(node.children().map(|child| (child, to_world)));
+        let to_world = parent_to_world * affine(&node.transform());
+        visit(&node, parent, &to_world)?;
+        open.extend(node.children().map(|child| (child, Some(node.index()), to_world)));
     }
     Ok(())
 }
@@ -115,7 +193,7 @@ fn check_uris(document: &Document, file_access: FileAccess) -> Result<()> {
 }
 
 /// Decodes the percent escapes of an address. Returns `None` if the result is not UTF-8.
-pub(super) fn decoded_address(uri: &str) -> Option<String> {
+pub(in crate::format) fn decoded_address(uri: &str) -> Option<String> {
     let mut decoded = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();
     while let [first, tail @ ..] = rest {
@@ -139,21 +217,20 @@ fn invalid(error: &::gltf::Error) -> Error {
 }
 
 struct SceneReader<'b> {
-    buffers: &'b [::gltf::buffer::Data],
+    accessors: GltfAccessors<'b>,
     pictures: GltfPictures<'b>,
-    parts: Vec<MeshPart>,
 }
 
-impl SceneReader<'_> {
-    fn node(&mut self, node: &Node<'_>, to_world: &DAffine3) -> Result<()> {
-        let Some(mesh) = node.mesh() else { return Ok(()) };
-        let name = node.name().or(mesh.name()).unwrap_or_default();
-        mesh.primitives().try_for_each(|primitive| self.primitive(&primitive, name, *to_world))
+impl<'b> SceneReader<'b> {
+    fn new(file: &GltfFile, buffers: &'b [Data]) -> Self {
+        let pictures = GltfPictures::new(buffers, &file.folder, file.file_access, file.document.images().len());
+        Self { accessors: GltfAccessors::new(buffers), pictures }
     }
 
-    fn primitive(&mut self, primitive: &Primitive<'_>, name: &str, placed: DAffine3) -> Result<()> {
-        if matches!(primitive.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
-            return Ok(());
+    /// Reads a primitive. Returns `None` if it does not consist of triangles.
+    fn primitive(&mut self, primitive: &Primitive<'_>, name: &str, placed: DAffine3) -> Result<Option<MeshPart>> {
+        if !has_triangles(primitive) {
+            return Ok(None);
         }
         let of_part = |mut error: Error| {
             error.what = format!("mesh \"{name}\": {}", error.what);
@@ -161,15 +238,14 @@ impl SceneReader<'_> {
         };
         let mesh = self.mesh(primitive, placed).map_err(of_part)?;
         let material = primitive.material();
-        let material =
-            material.index().map(|_| read_material(&material, &mut self.pictures)).transpose().map_err(of_part)?;
-        self.parts.push(MeshPart { mesh, material, name: name.to_string() });
-        Ok(())
+        let material_number = material.index();
+        let material = material_number.map(|_| read_material(&material, &mut self.pictures)).transpose();
+        Ok(Some(MeshPart { mesh, material: material.map_err(of_part)?, material_number, name: name.to_string() }))
     }
 
     fn mesh(&self, primitive: &Primitive<'_>, placed: DAffine3) -> Result<TriangleMesh> {
         let accessor = primitive.get(&Semantic::Positions).ok_or_else(|| Error::input("it has no positions"))?;
-        let positions: Vec<DVec3> = self.vectors(&accessor)?.map(|p| placed.transform_point3(p)).collect();
+        let positions: Vec<DVec3> = self.accessors.vectors(&accessor)?.map(|p| placed.transform_point3(p)).collect();
         // The cofactor matrix transforms the normals. Up to a factor, it equals the inverse
         // transpose, but it also exists for singular matrices.
         let [x, y, z] = [placed.matrix3.x_axis, placed.matrix3.y_axis, placed.matrix3.z_axis];
@@ -177,15 +253,15 @@ impl SceneReader<'_> {
         let mirrored = placed.matrix3.determinant() < 0.0;
         let outwards = if mirrored { -1.0 } else { 1.0 };
         let normals = match primitive.get(&Semantic::Normals) {
-            Some(accessor) => Some(self.vectors(&accessor)?.map(|n| outwards * (cofactors * n)).collect()),
+            Some(accessor) => Some(self.accessors.vectors(&accessor)?.map(|n| outwards * (cofactors * n)).collect()),
             None => None,
         };
-        let uvs = match primitive.get(&Semantic::TexCoords(0)) {
-            Some(accessor) => Some(self.pairs(&accessor)?),
+        let uvs = match primitive.get(&Semantic::TexCoords(uv_set(&primitive.material()))) {
+            Some(accessor) => Some(self.accessors.pairs(&accessor)?),
             None => None,
         };
         let indices = match primitive.indices() {
-            Some(accessor) => self.indices(&accessor)?,
+            Some(accessor) => self.accessors.indices(&accessor)?,
             None => (0..positions.len() as u32).collect(),
         };
         let mut triangles = triangles(primitive.mode(), &indices);
@@ -194,73 +270,6 @@ impl SceneReader<'_> {
         }
         TriangleMesh::new(positions, normals, uvs, triangles)
     }
-
-    /// Returns the items of an accessor after checking that all items are inside the buffer. Each
-    /// item has `size` bytes.
-    fn items<'a>(&'a self, accessor: &Accessor<'_>, size: usize) -> Result<impl Iterator<Item = &'a [u8]> + use<'a>> {
-        if accessor.sparse().is_some() {
-            return Err(Error::input("sparse glTF accessors are not supported"));
-        }
-        let short = || Error::input(format!("accessor {} reaches beyond its buffer", accessor.index()));
-        let view = accessor.view().ok_or_else(short)?;
-        let (stride, count) = (view.stride().unwrap_or(size), accessor.count());
-        if stride < size || count == 0 {
-            return Err(Error::input(format!("accessor {} has no items or too small a stride", accessor.index())));
-        }
-        let data = self.buffers.get(view.buffer().index()).ok_or_else(short)?;
-        let view_end = view.offset().checked_add(view.length()).ok_or_else(short)?;
-        let in_view = data.get(view.offset()..view_end).ok_or_else(short)?;
-        let length = (count - 1).checked_mul(stride).and_then(|length| length.checked_add(size)).ok_or_else(short)?;
-        let end = accessor.offset().checked_add(length).ok_or_else(short)?;
-        let items = in_view.get(accessor.offset()..end).ok_or_else(short)?;
-        Ok(items.chunks(stride).map(move |item| &item[..size]))
-    }
-
-    fn vectors<'a>(&'a self, accessor: &Accessor<'_>) -> Result<impl Iterator<Item = DVec3> + use<'a>> {
-        if accessor.data_type() != DataType::F32 || accessor.dimensions() != Dimensions::Vec3 {
-            return Err(Error::input(format!("accessor {} does not hold vectors of three floats", accessor.index())));
-        }
-        Ok(self.items(accessor, 12)?.map(|item| DVec3::new(float(item, 0), float(item, 4), float(item, 8))))
-    }
-
-    fn pairs(&self, accessor: &Accessor<'_>) -> Result<Vec<[f64; 2]>> {
-        let wrong = || Error::input(format!("accessor {} does not hold texture coordinates", accessor.index()));
-        if accessor.dimensions() != Dimensions::Vec2 {
-            return Err(wrong());
-        }
-        Ok(match accessor.data_type() {
-            DataType::F32 => self.items(accessor, 8)?.map(|item| [float(item, 0), float(item, 4)]).collect(),
-            DataType::U8 => {
-                self.items(accessor, 2)?.map(|item| [item[0], item[1]].map(|x| f64::from(x) / 255.0)).collect()
-            }
-            DataType::U16 => {
-                let word = |item: &[u8], at: usize| f64::from(u16::from_le_bytes([item[at], item[at + 1]])) / 65535.0;
-                self.items(accessor, 4)?.map(|item| [word(item, 0), word(item, 2)]).collect()
-            }
-            DataType::I8 | DataType::I16 | DataType::U32 => return Err(wrong()),
-        })
-    }
-
-    fn indices(&self, accessor: &Accessor<'_>) -> Result<Vec<u32>> {
-        let wrong = || Error::input(format!("accessor {} does not hold indices", accessor.index()));
-        if accessor.dimensions() != Dimensions::Scalar {
-            return Err(wrong());
-        }
-        Ok(match accessor.data_type() {
-            DataType::U8 => self.items(accessor, 1)?.map(|item| u32::from(item[0])).collect(),
-            DataType::U16 => {
-                self.items(accessor, 2)?.map(|item| u32::from(u16::from_le_bytes([item[0], item[1]]))).collect()
-            }
-            DataType::U32 => {
-                self.items(accessor, 4)?.map(|item| u32::from_le_bytes([item[0], item[1], item[2], item[3]])).collect()
-            }
-            DataType::I8 | DataType::I16 | DataType::F32 => return Err(wrong()),
-        })
-    }
-}
-
-fn float(item: &[u8], at: usize) -> f64 {
-    f64::from(f32::from_le_bytes([item[at], item[at + 1], item[at + 2], item[at + 3]]))
 }
 
 /// Converts a list of indices to triangles.
@@ -278,7 +287,7 @@ fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
 }
 
 /// Returns the transform of a node in double precision.
-fn affine(transform: &Transform) -> DAffine3 {
+pub(in crate::format) fn affine(transform: &Transform) -> DAffine3 {
     match transform {
         Transform::Matrix { matrix } => {
             DAffine3::from_mat4(DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from))))

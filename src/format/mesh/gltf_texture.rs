@@ -27,17 +27,15 @@ pub(super) struct GltfPictures<'b> {
 }
 
 impl<'b> GltfPictures<'b> {
-    pub(super) fn new(buffers: &'b [Data], folder: Option<&Path>, file_access: FileAccess, count: usize) -> Self {
-        let folder = folder.unwrap_or(Path::new("")).to_owned();
-        Self { buffers, folder, file_access, known: vec![None; count], unusable: Vec::new() }
+    pub(super) fn new(buffers: &'b [Data], folder: &Path, file_access: FileAccess, count: usize) -> Self {
+        Self { buffers, folder: folder.to_owned(), file_access, known: vec![None; count], unusable: Vec::new() }
     }
 
-    /// Reads a texture. Returns `None` if the picture cannot be used, or if the texture uses
-    /// another set of texture coordinates than the first one.
-    pub(super) fn texture(&mut self, info: &Info<'_>) -> Option<MeshTexture> {
+    /// Reads a texture over the set of texture coordinates `set`. Returns `None` if the picture cannot
+    /// be used, or if the texture uses another set.
+    pub(super) fn texture(&mut self, info: &Info<'_>, set: u32) -> Option<MeshTexture> {
         let transform = info.texture_transform();
-        let set = transform.as_ref().and_then(|transform| transform.tex_coord()).unwrap_or(info.tex_coord());
-        if set != 0 {
+        if uv_set_of(info) != set {
             return None;
         }
         let transform = transform.map_or(UvTransform::IDENTITY, |it| {
@@ -92,4 +90,9 @@ impl<'b> GltfPictures<'b> {
             },
         }
     }
+}
+
+/// Returns the number of the set of texture coordinates that a texture uses.
+pub(super) fn uv_set_of(info: &Info<'_>) -> u32 {
+    info.texture_transform().and_then(|transform| transform.tex_coord()).unwrap_or(info.tex_coord())
 }

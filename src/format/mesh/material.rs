@@ -24,6 +24,14 @@ pub struct MeshMaterial {
     pub metallic_roughness_texture: Option<MeshTexture>,
     /// The transmitted fraction of the light that enters the surface. 0 is opaque, and 1 is clear.
     pub transmission: f64,
+    /// A linear picture whose red channel multiplies `transmission`.
+    pub transmission_texture: Option<MeshTexture>,
+    /// The light that a surface without transmission transmits diffusely.
+    pub diffuse_transmission: Option<MeshDiffuseTransmission>,
+    /// A clear coat of the diffuse surface.
+    pub coat: Option<MeshCoat>,
+    /// Factor of the reflectance of the dielectric at normal incidence, from 0 to 1.
+    pub specular: f64,
     /// Index of refraction.
     pub ior: f64,
     /// Abbe number of the glass, or `None` if there is no dispersion.
@@ -91,6 +99,24 @@ pub struct MeshAttenuation {
     pub distance: f64,
 }
 
+/// Diffuse transmission of a thin sheet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeshDiffuseTransmission {
+    /// The transmitted fraction of the light that is scattered diffusely, from 0 to 1.
+    pub factor: f64,
+    /// Colour of the transmitted light in linear sRGB. Each component is from 0 to 1.
+    pub colour: [f64; 3],
+}
+
+/// A clear coat over a diffuse surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeshCoat {
+    /// The part of the area that the coat covers, from 0 to 1.
+    pub factor: f64,
+    /// Perceptual roughness of the coat.
+    pub roughness: f64,
+}
+
 impl Default for MeshMaterial {
     fn default() -> Self {
         Self {
@@ -101,6 +127,10 @@ impl Default for MeshMaterial {
             roughness: 1.0,
             metallic_roughness_texture: None,
             transmission: 0.0,
+            transmission_texture: None,
+            diffuse_transmission: None,
+            coat: None,
+            specular: 1.0,
             ior: 1.5,
             abbe_number: None,
             attenuation: None,

@@ -6,6 +6,10 @@
 #[cfg(feature = "meshes")]
 mod gltf;
 #[cfg(feature = "meshes")]
+mod gltf_accessor;
+#[cfg(feature = "meshes")]
+mod gltf_extensions;
+#[cfg(feature = "meshes")]
 mod gltf_material;
 #[cfg(feature = "meshes")]
 mod gltf_texture;
@@ -17,8 +21,7 @@ mod ply;
 #[cfg(feature = "meshes")]
 mod stl;
 
-#[cfg(feature = "meshes")]
-use glam::DAffine3;
+use std::collections::BTreeMap;
 #[cfg(feature = "meshes")]
 use std::io::Read as _;
 use std::path::Path;
@@ -26,8 +29,12 @@ use std::path::Path;
 use crate::error::{Error, Result};
 use crate::format::FileAccess;
 
+#[cfg(feature = "meshes")]
+pub(in crate::format) use self::gltf::{GltfFile, affine, decoded_address, first_parts, for_each_node, has_triangles};
 use crate::geometry::mesh::TriangleMesh;
-pub use material::{MeshAttenuation, MeshMaterial, MeshOpacity, MeshTexture};
+#[cfg(feature = "meshes")]
+pub(in crate::format) use gltf_accessor::GltfAccessors;
+pub use material::{MeshAttenuation, MeshCoat, MeshDiffuseTransmission, MeshMaterial, MeshOpacity, MeshTexture};
 
 /// One part of a mesh file: triangles with one material.
 #[derive(Debug, Clone)]
@@ -36,6 +43,8 @@ pub struct MeshPart {
     pub mesh: TriangleMesh,
     /// The material in the file, if there is one.
     pub material: Option<MeshMaterial>,
+    /// The number of the material in a glTF file. Parts with the same number have equal materials.
+    pub material_number: Option<usize>,
     /// Name of the part in the file. The string is empty if the part has no name.
     pub name: String,
 }
@@ -69,6 +78,31 @@ pub fn load(path: &Path, file_access: FileAccess) -> Result<MeshFile> {
     Ok(MeshFile { parts, ignored, has_lights })
 }
 
+/// The parts of a mesh file by their number.
+#[derive(Debug, Clone)]
+pub struct UnplacedParts {
+    /// The parts. In a glTF file, the parts are the primitives of all meshes, in the order of the
+    /// file and without the transforms of the nodes. Primitives without triangles, and primitives
+    /// outside the default scene, are absent.
+    pub parts: BTreeMap<u32, MeshPart>,
+    /// Sentences about what the reader ignores.
+    pub ignored: Vec<String>,
+}
+
+/// Reads the parts of a mesh file, for scenes that name them one by one. `file_access` states which
+/// other files the file may name.
+///
+/// # Errors
+/// Returns the same errors as [`load`].
+pub fn load_unplaced(path: &Path, file_access: FileAccess) -> Result<UnplacedParts> {
+    #[cfg(feature = "meshes")]
+    if matches!(extension_of(path).as_str(), "gltf" | "glb") {
+        return gltf::load_unplaced(path, file_access).map_err(|error| error.in_file(path));
+    }
+    let MeshFile { parts, ignored, has_lights: _ } = load(path, file_access)?;
+    Ok(UnplacedParts { parts: (0..).zip(parts).collect(), ignored: ignored.into_iter().collect() })
+}
+
 /// What the reader of a format returns.
 #[derive(Debug, Default)]
 struct PartsAndNotes {
@@ -80,11 +114,7 @@ struct PartsAndNotes {
 
 #[cfg(feature = "meshes")]
 fn read_parts(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes> {
-    let extension = |path: &Path| path.extension().and_then(|name| name.to_str()).unwrap_or("").to_lowercase();
-    let extension = match extension(path).as_str() {
-        "gz" => format!("{}.gz", extension(&path.with_extension(""))),
-        plain => plain.to_string(),
-    };
+    let extension = extension_of(path);
     match extension.as_str() {
         "obj" => obj::load(path, file_access),
         "ply" => {
@@ -95,9 +125,20 @@ fn read_parts(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes> {
             Ok(PartsAndNotes { parts, ..PartsAndNotes::default() })
         }
         "stl" => Ok(PartsAndNotes { parts: read(path).and_then(stl::load)?, ..PartsAndNotes::default() }),
-        "gltf" | "glb" => read(path).and_then(|bytes| gltf::load(&bytes, path.parent(), file_access)),
+        "gltf" | "glb" => gltf::load(path, file_access),
         _ => Err(Error::input(format!("unknown kind of mesh file \"{extension}\""))
             .expected("one of .obj, .ply, .ply.gz, .stl, .gltf, .glb")),
+    }
+}
+
+/// Returns the extension of a file name in lower case. The extension of a packed file has two parts,
+/// such as "ply.gz".
+#[cfg(feature = "meshes")]
+fn extension_of(path: &Path) -> String {
+    let extension = |path: &Path| path.extension().and_then(|name| name.to_str()).unwrap_or("").to_lowercase();
+    match extension(path).as_str() {
+        "gz" => format!("{}.gz", extension(&path.with_extension(""))),
+        plain => plain.to_string(),
     }
 }
 
@@ -125,20 +166,6 @@ fn unpacked(bytes: &[u8]) -> Result<Vec<u8>> {
         return Err(Error::input("the unpacked mesh is above 4 GiB").expected("a smaller mesh"));
     }
     Ok(unpacked)
-}
-
-/// Calls `visit` for each node of the default scene of a glTF file. The second argument is the
-/// transform from the node to the scene.
-///
-/// # Errors
-/// Returns an error if the file cannot be read or is not a valid glTF file.
-#[cfg(feature = "meshes")]
-pub(super) fn gltf_nodes(path: &Path, mut visit: impl FnMut(&::gltf::Node<'_>, &DAffine3)) -> Result<()> {
-    let (document, _) = gltf::parse(&read(path)?)?;
-    gltf::for_each_node(&document, |node, to_world| {
-        visit(node, to_world);
-        Ok(())
-    })
 }
 
 /// Lists names in the order of their first occurrence, each once. Of many names, the list states

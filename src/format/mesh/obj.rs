@@ -56,7 +56,7 @@ pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes
         .filter(|model| !model.mesh.indices.is_empty())
         .map(|model| {
             let material = model.mesh.material_id.and_then(|index| textured.get(index)).cloned();
-            Ok(MeshPart { mesh: mesh(model.mesh)?, material, name: model.name })
+            Ok(MeshPart { mesh: mesh(model.mesh)?, material, material_number: None, name: model.name })
         })
         .collect();
     Ok(PartsAndNotes { parts: parts?, ignored, has_lights: false })
@@ -201,7 +201,8 @@ fn material(file: &tobj::Material) -> MeshMaterial {
         base_colour: file.diffuse.unwrap_or(MeshMaterial::default().base_colour),
         metallic: extension("Pm").unwrap_or(0.0).clamp(0.0, 1.0),
         roughness: roughness.clamp(0.0, 1.0),
-        transmission,
+        // A surface of an OBJ file is either glass or opaque.
+        transmission: if transmission >= 0.5 { 1.0 } else { 0.0 },
         ior: file.optical_density.filter(|&ni| ni >= 1.0).unwrap_or(MeshMaterial::default().ior),
         emission: file.emissive.unwrap_or([0.0; 3]),
         ..MeshMaterial::default()

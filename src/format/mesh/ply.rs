@@ -154,7 +154,7 @@ pub(super) fn load(bytes: &[u8]) -> Result<Vec<MeshPart>> {
     let uvs = has_uv.then(|| vertices.iter().map(|vertex| [vertex.uv[0], 1.0 - vertex.uv[1]]).collect());
     let positions = vertices.iter().map(|vertex| vertex.position).collect();
     let mesh = TriangleMesh::new(positions, normals, uvs, triangles)?;
-    Ok(vec![MeshPart { mesh, material: None, name: String::new() }])
+    Ok(vec![MeshPart { mesh, material: None, material_number: None, name: String::new() }])
 }
 
 fn elements<E: PropertyAccess>(

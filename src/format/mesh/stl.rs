@@ -34,7 +34,7 @@ pub(super) fn load(mut bytes: Vec<u8>) -> Result<Vec<MeshPart>> {
         triangles.push([index(a)?, index(b)?, index(c)?]);
     }
     let mesh = TriangleMesh::new(positions, None, None, triangles)?;
-    Ok(vec![MeshPart { mesh, material: None, name: String::new() }])
+    Ok(vec![MeshPart { mesh, material: None, material_number: None, name: String::new() }])
 }
 
 /// Returns whether the file is binary. The header of a binary file states the number of triangles,

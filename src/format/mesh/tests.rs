@@ -237,7 +237,7 @@ fn an_obj_has_its_materials_or_a_note_that_they_are_missing() {
     );
     let part = &load(&path).unwrap()[0];
     let material = part.material.as_ref().unwrap();
-    assert_eq!((material.base_colour, material.ior, material.transmission), ([0.5, 0.5, 1.0], 1.5168, 0.75));
+    assert_eq!((material.base_colour, material.ior, material.transmission), ([0.5, 0.5, 1.0], 1.5168, 1.0));
     assert_eq!((material.emission, part.name.as_str(), ignored(&path)), ([1.0, 2.0, 3.0], "cube", None));
     // The roughness is the square root of α, and α = √(2/2048) = 1/32.
     assert!((material.roughness - 32.0_f64.sqrt().recip()).abs() < 1e-15);

@@ -3,7 +3,7 @@
 use super::materials::alpha;
 use crate::error::Result;
 use crate::format::EncodingFile;
-use crate::format::mesh::{MeshMaterial, MeshOpacity, MeshTexture};
+use crate::format::mesh::{MeshCoat, MeshDiffuseTransmission, MeshMaterial, MeshOpacity, MeshTexture};
 use crate::math::elementary::ln;
 use crate::optics::bsdf::Bsdf;
 use crate::optics::glass::RefractiveIndex;
@@ -14,6 +14,9 @@ use crate::texture::{ImagePattern, ScalarTexture, SpectralTexture, SurfaceScalar
 /// A surface has no coat if its roughness is at least this value.
 const MATT: f64 = 0.95;
 
+/// The index of refraction of a clear coat in glTF.
+const COAT_IOR: f64 = 1.5;
+
 /// A component of a mixture is left out if its weight is nowhere above this value.
 const LEAST_SHARE: f64 = 0.005;
 
@@ -21,8 +24,8 @@ const LEAST_SHARE: f64 = 0.005;
 /// states whether the mesh has texture coordinates.
 ///
 /// The material mixes a metal and a dielectric, weighted by `metallic`, as in the
-/// metallic-roughness model of glTF 2.0. If `transmission` is at least 0.5, the dielectric is
-/// glass. Otherwise, it is a coated diffuse surface.
+/// metallic-roughness model of glTF 2.0. The dielectric mixes glass and a coated diffuse surface,
+/// weighted by `transmission`.
 pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool) -> Result<Material> {
     let base = base_colour(file, textured)?;
     let texture = file.metallic_roughness_texture.as_ref().filter(|_| textured);
@@ -32,27 +35,27 @@ pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool) -> Resu
         Some(vd) => RefractiveIndex::abbe(file.ior, vd)?,
         None => RefractiveIndex::constant(file.ior)?,
     };
-    let rough = |of_alpha: &dyn Fn(f64) -> Result<Bsdf>| match &roughness {
-        SurfaceScalar::Uniform(roughness) => of_alpha(alpha(*roughness)),
-        SurfaceScalar::Textured(texture) => {
-            Bsdf::textured_roughness(texture.clone(), |roughness| of_alpha(alpha(roughness)))
-        }
-    };
-    let metal = || rough(&|alpha| Bsdf::metal(base.clone(), alpha));
+    let metal = || rough(&roughness, &|alpha| Bsdf::metal(base.clone(), alpha));
+    let opaque = || opaque(file, &base, &index, &roughness);
     let mut body = None;
     let mut dielectric = || {
-        if file.transmission >= 0.5 {
-            let absorption = match &file.attenuation {
-                None => None,
-                Some(attenuation) => Some(absorption(attenuation.colour, attenuation.distance * metres)?),
-            };
-            body = Some(Body { index: Some(index.clone()), absorption, medium: None, priority: 0 });
-            rough(&Bsdf::dielectric)
-        } else if matches!(roughness, SurfaceScalar::Uniform(roughness) if roughness >= MATT) {
-            Bsdf::diffuse(base.clone())
-        } else {
-            rough(&|alpha| Bsdf::glossy(base.clone(), index.clone(), alpha))
+        let texture = file.transmission_texture.as_ref().filter(|_| textured);
+        let transmission = channel(texture, 0, file.transmission, 0.0)?;
+        let (least, most) = transmission.range();
+        if most < LEAST_SHARE {
+            return opaque();
         }
+        let absorption = match &file.attenuation {
+            None => None,
+            Some(attenuation) => Some(absorption(attenuation.colour, attenuation.distance * metres)?),
+        };
+        body = Some(Body { index: Some(index.clone()), absorption, medium: None, priority: 0 });
+        let glass = rough(&roughness, &Bsdf::dielectric)?;
+        if least > 1.0 - LEAST_SHARE {
+            return Ok(glass);
+        }
+        let rest = channel(texture, 0, -file.transmission, 1.0)?;
+        Bsdf::textured_mix(vec![(transmission, glass), (rest, opaque()?)])
     };
     let surface = match metallic.range() {
         (_, most) if most < LEAST_SHARE => dielectric()?,
@@ -65,6 +68,63 @@ pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool) -> Resu
     let surface = if body.is_none() { with_holes(surface, file, textured)? } else { surface };
     let name = if file.name.is_empty() { "mesh material".to_string() } else { file.name.clone() };
     Ok(Material { name, surface, normal_map: None, body })
+}
+
+/// Returns a surface with a roughness. `of_alpha` creates the surface of a microfacet parameter α.
+fn rough(roughness: &SurfaceScalar, of_alpha: &dyn Fn(f64) -> Result<Bsdf>) -> Result<Bsdf> {
+    match roughness {
+        SurfaceScalar::Uniform(roughness) => of_alpha(alpha(*roughness)),
+        SurfaceScalar::Textured(texture) => {
+            Bsdf::textured_roughness(texture.clone(), |roughness| of_alpha(alpha(roughness)))
+        }
+    }
+}
+
+/// Returns the surface of a dielectric that transmits no light, or transmits it diffusely. The
+/// diffuse base has a clear coat unless it is matt. A further coat replaces this coat on a part of
+/// the area.
+fn opaque(
+    file: &MeshMaterial,
+    base: &SurfaceSpectrum,
+    index: &RefractiveIndex,
+    roughness: &SurfaceScalar,
+) -> Result<Bsdf> {
+    let index = if file.specular < 1.0 { RefractiveIndex::constant(reduced_ior(file))? } else { index.clone() };
+    let is_matt = matches!(roughness, SurfaceScalar::Uniform(roughness) if *roughness >= MATT);
+    let mut surface = if is_matt || file.specular < LEAST_SHARE {
+        Bsdf::diffuse(base.clone())?
+    } else {
+        rough(roughness, &|alpha| Bsdf::glossy(base.clone(), index.clone(), alpha))?
+    };
+    if let Some(MeshDiffuseTransmission { factor, colour }) = file.diffuse_transmission {
+        let sheet = Bsdf::translucent(Spectrum::constant(0.0), Spectrum::rgb_reflectance(colour)?)?;
+        surface = mixed(sheet, factor, surface)?;
+    }
+    if let Some(MeshCoat { factor, roughness }) = file.coat {
+        let coat = RefractiveIndex::constant(COAT_IOR)?;
+        surface = mixed(Bsdf::glossy(base.clone(), coat, alpha(roughness))?, factor, surface)?;
+    }
+    Ok(surface)
+}
+
+/// Returns the index of refraction whose reflectance at normal incidence is the stated part of the
+/// reflectance of the file's index.
+fn reduced_ior(file: &MeshMaterial) -> f64 {
+    let reflectance = ((file.ior - 1.0) / (file.ior + 1.0)).powi(2) * file.specular.clamp(0.0, 1.0);
+    let root = reflectance.sqrt();
+    (1.0 + root) / (1.0 - root)
+}
+
+/// Mixes the part `share` of one surface with the rest of another one.
+fn mixed(one: Bsdf, share: f64, other: Bsdf) -> Result<Bsdf> {
+    if share > 1.0 - LEAST_SHARE {
+        return Ok(one);
+    }
+    if share < LEAST_SHARE {
+        return Ok(other);
+    }
+    let [share, rest] = [share, 1.0 - share].map(SurfaceScalar::Uniform);
+    Bsdf::textured_mix(vec![(share, one), (rest, other)])
 }
 
 /// Returns the surface, mixed with nothing where it has holes. Light passes straight through a
@@ -127,4 +187,48 @@ fn mapped(spectrum: &Spectrum, f: impl Fn(f64) -> f64) -> Result<Spectrum> {
     let nm: Vec<f64> = (BAND_NM.0 as u32..=BAND_NM.1 as u32).map(f64::from).collect();
     let values: Vec<f64> = nm.iter().map(|&nm| f(spectrum.at(nm)).max(0.0)).collect();
     Ok(Spectrum::table(&nm, &values, Outside::Hold)?.with_origin_of(spectrum))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns the components of the surface of a material, and whether it encloses a body.
+    fn components(file: &MeshMaterial) -> (Vec<Bsdf>, bool) {
+        let material = material(file, 1.0, false).unwrap();
+        (material.surface.components().cloned().collect(), material.body.is_some())
+    }
+
+    fn glass(transmission: f64) -> MeshMaterial {
+        MeshMaterial { transmission, roughness: 0.0, ..MeshMaterial::default() }
+    }
+
+    #[test]
+    fn a_part_of_transmission_is_a_mix() {
+        let (parts, has_body) = components(&glass(1.0));
+        assert!(matches!(parts.as_slice(), [Bsdf::Dielectric(_)]) && has_body);
+        let (parts, has_body) = components(&glass(0.3));
+        assert!(matches!(parts.as_slice(), [Bsdf::Dielectric(_), Bsdf::Glossy(_)]) && has_body, "{parts:?}");
+        let (parts, has_body) = components(&glass(0.0));
+        assert!(matches!(parts.as_slice(), [Bsdf::Glossy(_)]) && !has_body);
+    }
+
+    #[test]
+    fn coats_and_sheets_are_mixed_with_the_base() {
+        let coat = Some(MeshCoat { factor: 0.5, roughness: 0.1 });
+        let (parts, _) = components(&MeshMaterial { coat, ..MeshMaterial::default() });
+        assert!(matches!(parts.as_slice(), [Bsdf::Glossy(_), Bsdf::Diffuse(_)]), "{parts:?}");
+        let diffuse_transmission = Some(MeshDiffuseTransmission { factor: 0.4, colour: [0.2, 0.8, 0.1] });
+        let (parts, has_body) = components(&MeshMaterial { diffuse_transmission, ..MeshMaterial::default() });
+        assert!(matches!(parts.as_slice(), [Bsdf::Translucent(_), Bsdf::Diffuse(_)]) && !has_body, "{parts:?}");
+    }
+
+    /// The reflectance at normal incidence is 4 % × the factor.
+    #[test]
+    fn the_specular_factor_scales_the_reflectance() {
+        let ior = reduced_ior(&MeshMaterial { specular: 0.25, ..MeshMaterial::default() });
+        assert!((((ior - 1.0) / (ior + 1.0)).powi(2) - 0.01).abs() < 1e-15);
+        let (parts, _) = components(&MeshMaterial { specular: 0.0, ..glass(0.0) });
+        assert!(matches!(parts.as_slice(), [Bsdf::Diffuse(_)]), "{parts:?}");
+    }
 }

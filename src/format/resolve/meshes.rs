@@ -1,12 +1,13 @@
 //! Reads the meshes of objects. A mesh that several objects name is read once, and they share it.
 
 use std::cell::Cell;
+use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
 use super::context::Resolver;
 use crate::error::{Error, Result};
-use crate::format::mesh::{self, MeshFile, MeshMaterial, MeshPart};
+use crate::format::mesh::{self, MeshFile, MeshMaterial, MeshPart, UnplacedParts};
 use crate::format::{JsonPath, MeshShapeFile, ShapeFile};
 use crate::geometry::mesh::TriangleMesh;
 
@@ -23,12 +24,14 @@ pub(super) struct LoadedMesh {
 }
 
 /// One part of a mesh: triangles with one material.
+#[derive(Clone)]
 pub(super) struct LoadedPart {
     pub(super) mesh: Arc<TriangleMesh>,
     /// The material in the file, if there is one.
     pub(super) material: Option<MeshMaterial>,
-    /// The number of this material, after an object has used it.
-    pub(super) material_number: Cell<Option<usize>>,
+    /// The number of this material in the scene, after an object has used it. Parts with the same
+    /// material share the cell.
+    pub(super) material_number: Rc<Cell<Option<usize>>>,
     /// Name of the part in the file. It may be empty.
     pub(super) name: String,
 }
@@ -37,6 +40,14 @@ pub(super) struct LoadedPart {
 #[derive(Default)]
 pub(super) struct MeshCache<'a> {
     list: Vec<(&'a ShapeFile, Rc<LoadedMesh>)>,
+    /// The files whose parts are named one by one, by their path in the scene file.
+    files: BTreeMap<&'a str, LoadedFile>,
+}
+
+/// A file whose parts are named one by one.
+struct LoadedFile {
+    parts: BTreeMap<u32, LoadedPart>,
+    ignored: Option<String>,
 }
 
 impl<'a> Resolver<'a> {
@@ -75,14 +86,15 @@ impl<'a> Resolver<'a> {
     ) -> Result<Option<Rc<LoadedMesh>>> {
         // Large meshes in the scene file are compared by their address only.
         let same = |known: &ShapeFile| match (known, shape) {
-            (ShapeFile::Mesh(known), ShapeFile::Mesh(mesh)) => known == mesh,
+            // The parts of a large file differ in their number only.
+            (ShapeFile::Mesh(known), ShapeFile::Mesh(mesh)) => known.part == mesh.part && known == mesh,
             _ => std::ptr::eq(known, shape),
         };
         if let Some((_, known)) = cache.list.iter().find(|(known, _)| same(known)) {
             return Ok(Some(Rc::clone(known)));
         }
         let loaded = if let ShapeFile::Mesh(file) = shape {
-            self.mesh_file(&at.key("mesh"), file)?
+            self.mesh_file(&at.key("mesh"), file, cache)?
         } else if let ShapeFile::Triangles(triangles) = shape {
             let mesh = self.at(&at.key("triangles"), triangles.mesh())?;
             LoadedMesh { parts: vec![LoadedPart::new(mesh, None, String::new())], ignored: None, has_lights: false }
@@ -94,25 +106,61 @@ impl<'a> Resolver<'a> {
         Ok(Some(loaded))
     }
 
-    fn mesh_file(&self, at: &JsonPath<'_>, file: &MeshShapeFile) -> Result<LoadedMesh> {
-        let MeshShapeFile { path, reverse, flat, smooth, flip_v } = file;
-        let read = self.source.file(path).and_then(|path| mesh::load(&path, self.source.file_access()));
-        let MeshFile { parts, ignored, has_lights } = self.at(&at.key("path"), read)?;
-        let changed = |part: MeshPart| {
-            let mut mesh = part.mesh;
+    fn mesh_file(&self, at: &JsonPath<'_>, file: &'a MeshShapeFile, cache: &mut MeshCache<'a>) -> Result<LoadedMesh> {
+        let MeshShapeFile { path, part, reverse, flat, smooth, flip_v } = file;
+        let changed = |part: LoadedPart| {
+            if !(*flat || *smooth || *reverse || *flip_v) {
+                return part;
+            }
+            let mut mesh = Arc::unwrap_or_clone(part.mesh);
             mesh = if *flat { mesh.without_normals() } else { mesh };
             mesh = if *smooth { mesh.with_normals() } else { mesh };
             mesh = if *reverse { mesh.reversed() } else { mesh };
             mesh = if *flip_v { mesh.with_flipped_v() } else { mesh };
-            LoadedPart::new(mesh, part.material, part.name)
+            LoadedPart { mesh: Arc::new(mesh), ..part }
         };
-        Ok(LoadedMesh { parts: parts.into_iter().map(changed).collect(), ignored, has_lights })
+        let Some(number) = part else {
+            let read = self.source.file(path).and_then(|path| mesh::load(&path, self.source.file_access()));
+            let MeshFile { parts, ignored, has_lights } = self.at(&at.key("path"), read)?;
+            let loaded = |part: MeshPart| changed(LoadedPart::new(part.mesh, part.material, part.name));
+            return Ok(LoadedMesh { parts: parts.into_iter().map(loaded).collect(), ignored, has_lights });
+        };
+        if !cache.files.contains_key(path.as_str()) {
+            let read = self.source.file(path).and_then(|path| mesh::load_unplaced(&path, self.source.file_access()));
+            cache.files.insert(path, LoadedFile::new(self.at(&at.key("path"), read)?));
+        }
+        let LoadedFile { parts, ignored } = &cache.files[path.as_str()];
+        let missing = || {
+            let last =
+                parts.keys().last().map_or_else(|| "no part".to_owned(), |last| format!("a part from 0 to {last}"));
+            Error::input(format!("the mesh has no part {number}")).expected(last)
+        };
+        let part = self.at(&at.key("part"), parts.get(number).cloned().ok_or_else(missing))?;
+        Ok(LoadedMesh { parts: vec![changed(part)], ignored: ignored.clone(), has_lights: false })
+    }
+}
+
+impl LoadedFile {
+    fn new(file: UnplacedParts) -> Self {
+        let UnplacedParts { parts, ignored } = file;
+        // A material with textures differs from the same material on a mesh without texture
+        // coordinates.
+        let mut numbers: BTreeMap<(usize, bool), Rc<Cell<Option<usize>>>> = BTreeMap::new();
+        let loaded = |(number, part): (u32, MeshPart)| {
+            let textured = part.mesh.uvs().is_some();
+            let material_number =
+                part.material_number.map(|known| Rc::clone(numbers.entry((known, textured)).or_default()));
+            let loaded = LoadedPart::new(part.mesh, part.material, part.name);
+            (number, LoadedPart { material_number: material_number.unwrap_or_default(), ..loaded })
+        };
+        let parts = parts.into_iter().map(loaded).collect();
+        Self { parts, ignored: (!ignored.is_empty()).then(|| ignored.join("; ")) }
     }
 }
 
 impl LoadedPart {
     fn new(mesh: TriangleMesh, material: Option<MeshMaterial>, name: String) -> Self {
-        Self { mesh: Arc::new(mesh), material, material_number: Cell::new(None), name }
+        Self { mesh: Arc::new(mesh), material, material_number: Rc::default(), name }
     }
 
     /// Returns the emission of the part's own material as linear RGB.

@@ -1,0 +1,182 @@
+//! Reads glTF scenes.
+//!
+//! Each primitive of a node becomes an object that names one part of the glTF file. The mesh reader
+//! reads the geometry and the materials of this part. This module adds the transforms and the motion
+//! of the nodes, the camera, the lights and the film.
+
+mod animation;
+mod camera;
+mod light;
+mod node;
+#[cfg(test)]
+mod tests;
+
+use std::path::Path;
+
+use ::gltf::{Document, Node};
+use glam::{DAffine3, DVec3};
+use serde_json::{Value, json};
+
+use self::animation::Animations;
+use self::camera::{DEFAULT_ASPECT, perspective_camera, whole_view};
+use self::light::{ies_light, punctual_light};
+use self::node::{NodeTree, PlacedNode, steps};
+use super::{ImportedScene, SceneWriter};
+use crate::error::{Error, Result};
+use crate::format::FileAccess;
+use crate::format::mesh::{GltfFile, first_parts, for_each_node, has_triangles};
+
+/// The width of the film in pixels.
+const WIDTH: f64 = 960.0;
+
+/// Reads a glTF file. The geometry and the pictures are not read.
+pub(super) fn import(path: &Path, folder: &str, file_access: FileAccess) -> Result<ImportedScene> {
+    let mut file = GltfFile::open(path, file_access)?;
+    let mut scene = SceneWriter::default();
+    let animations = Animations::read(&mut file, &mut scene)?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let mut reader = NodeReader {
+        document: &file.document,
+        path: format!("{folder}{name}"),
+        folder,
+        tree: NodeTree::new(animations),
+        first_parts: first_parts(&file.document),
+        camera: None,
+        bounds: (DVec3::INFINITY, DVec3::NEG_INFINITY),
+        has_emission: false,
+        scene,
+    };
+    for_each_node(&file.document, |node, parent, to_world| {
+        reader.tree.add(node, parent);
+        reader.node(node, to_world);
+        Ok(())
+    })?;
+    if !reader.scene.has_objects() {
+        return Err(Error::input("the file has no triangles"));
+    }
+    let NodeReader { camera, bounds, has_emission, mut scene, .. } = reader;
+    let (camera, aspect) = camera.unwrap_or_else(|| {
+        scene.note_added("a camera that sees the whole scene, because the file has none");
+        (whole_view(bounds), DEFAULT_ASPECT)
+    });
+    if !scene.has_light() && !has_emission {
+        scene.add_sky();
+    }
+    scene.camera = camera;
+    scene.film = json!({"width": WIDTH as u32, "height": (WIDTH / aspect).round().clamp(1.0, 8.0 * WIDTH) as u32});
+    Ok(scene.finish(&name))
+}
+
+/// Converts the nodes of a file.
+struct NodeReader<'d> {
+    document: &'d Document,
+    /// The path of the file in the scene.
+    path: String,
+    /// The path from the scene file to the folder of the file.
+    folder: &'d str,
+    tree: NodeTree,
+    /// The number of the first part of each mesh.
+    first_parts: Vec<u32>,
+    /// The camera, and the ratio of the film's width to its height.
+    camera: Option<(Value, f64)>,
+    /// The lowest and the highest coordinates of the objects.
+    bounds: (DVec3, DVec3),
+    /// True if an object has emission.
+    has_emission: bool,
+    scene: SceneWriter,
+}
+
+impl NodeReader<'_> {
+    fn node(&mut self, node: &Node<'_>, to_world: &DAffine3) {
+        let name = node.name().map_or_else(|| format!("node {}", node.index()), str::to_owned);
+        let has_light = node.light().is_some() || node.extension_value("EXT_lights_ies").is_some();
+        if node.mesh().is_none() && node.camera().is_none() && !has_light {
+            return;
+        }
+        let placed = self.tree.place(node.index(), to_world);
+        let place = format!("node \"{name}\"");
+        if placed.is_sheared {
+            let what = "the animation shears the node, which a motion cannot represent; the node stays at its place \
+                        at 0 s";
+            self.scene.leave_out(&place, what);
+        }
+        if let Some(camera) = node.camera() {
+            if self.camera.is_some() {
+                self.scene.leave_out(&place, "a further camera is left out, because a scene has one camera");
+            } else if let Some(found) = perspective_camera(&camera.projection(), &placed) {
+                self.camera = Some(found);
+            } else {
+                let what = "the orthographic camera is left out, because the lenses of a camera are perspective; \
+                            another camera of the file or a camera that sees the whole scene replaces it";
+                self.scene.leave_out(&place, what);
+            }
+        }
+        if let Some(light) = node.light() {
+            if light.range().is_some() {
+                let what = "the range of a light is left out; the light falls with the square of the distance";
+                self.scene.leave_out(&place, what);
+            }
+            self.scene.add_named_light(node.name().into_iter().chain(light.name()), punctual_light(&light, &placed));
+        }
+        if let Some(extension) = node.extension_value("EXT_lights_ies") {
+            match ies_light(extension, self.document, self.folder, &placed) {
+                Ok((profile, light)) => self.scene.add_named_light(node.name().into_iter().chain(profile), light),
+                Err(reason) => self.scene.leave_out(&place, format!("the IES light is left out: {reason}")),
+            }
+        }
+        self.mesh(node, &name, &placed);
+    }
+
+    /// Adds one object for each primitive of a node's mesh.
+    fn mesh(&mut self, node: &Node<'_>, name: &str, placed: &PlacedNode) {
+        let Some(mesh) = node.mesh() else { return };
+        let place = format!("node \"{name}\"");
+        if node.extension_value("EXT_mesh_gpu_instancing").is_some() {
+            let what = "EXT_mesh_gpu_instancing is left out; one instance is at the place of the node";
+            self.scene.leave_out(&place, what);
+        }
+        if node.skin().is_some() {
+            self.scene.leave_out(&place, "the skin is left out; the mesh has its rest pose");
+        }
+        if !placed.is_invertible() {
+            self.scene.leave_out(&place, "a node with a scale of 0 is left out, because its triangles have no area");
+            return;
+        }
+        let first = self.first_parts[mesh.index()];
+        for (part, primitive) in (first..).zip(mesh.primitives()) {
+            if !has_triangles(&primitive) {
+                self.scene.leave_out(&place, "points and lines are left out, because they have no area");
+                continue;
+            }
+            let mut object = json!({"name": name, "shape": {"mesh": {"path": self.path, "part": part}}});
+            let transform = steps(&placed.own);
+            if transform != json!([]) {
+                object["transform"] = transform;
+            }
+            if !placed.motion.is_empty() {
+                object["motion"] =
+                    placed.motion.iter().map(|(time, at)| json!({"time": time, "transform": steps(at)})).collect();
+            }
+            self.scene.add_object(object);
+            let material = primitive.material();
+            self.has_emission |= material.emissive_factor().iter().any(|&c| c > 0.0);
+            if let Some(name) = material.name() {
+                self.scene.name_mesh_material(name);
+            }
+            let corners = |value: Option<Value>| {
+                let numbers: Vec<f64> = value?.as_array()?.iter().filter_map(Value::as_f64).collect();
+                <[f64; 3]>::try_from(numbers).ok().map(DVec3::from)
+            };
+            let positions = primitive.get(&::gltf::Semantic::Positions);
+            let bounds = positions.and_then(|it| Some((corners(it.min())?, corners(it.max())?)));
+            if let Some((low, high)) = bounds {
+                let to_world = placed.at_start();
+                for corner in 0..8 {
+                    let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
+                    let point = to_world.transform_point3(DVec3::new(pick(0), pick(1), pick(2)));
+                    self.bounds = (self.bounds.0.min(point), self.bounds.1.max(point));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,278 @@
+//! Tests of the glTF importer on small files in text form.
+
+use super::*;
+use crate::format::{read, resolve::resolve};
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use tempfile::TempDir;
+
+/// Returns a glTF file with one textured triangle. `nodes` are further nodes of the scene, and
+/// `rest` contains further parts of the file.
+fn gltf(nodes: &str, rest: &str) -> String {
+    let floats = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0];
+    let buffer = STANDARD.encode(floats.map(f32::to_le_bytes).as_flattened());
+    let mut png = std::io::Cursor::new(Vec::new());
+    let picture = image::RgbImage::from_fn(2, 2, |x, y| image::Rgb([200 * x as u8, 200 * y as u8, 50]));
+    picture.write_to(&mut png, image::ImageFormat::Png).unwrap();
+    let picture = STANDARD.encode(png.into_inner());
+    format!(
+        r#"{{"asset": {{"version": "2.0"}}, "scene": 0,
+          "nodes": [{{"mesh": 0, "translation": [0, 0, -3]}}{nodes}],
+          "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0, "TEXCOORD_0": 1}}, "material": 0}}]}}],
+          "materials": [{{"pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0}}, "metallicFactor": 0.5}}}}],
+          "textures": [{{"source": 0}}], "images": [{{"uri": "data:image/png;base64,{picture}"}}],
+          "buffers": [{{"uri": "data:application/octet-stream;base64,{buffer}", "byteLength": 60}}],
+          "bufferViews": [{{"buffer": 0, "byteLength": 36}}, {{"buffer": 0, "byteOffset": 36, "byteLength": 24}}],
+          "accessors": [
+            {{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}},
+            {{"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2"}}
+          ]{rest}}}"#
+    )
+}
+
+fn imported(text: &str) -> (TempDir, std::path::PathBuf, ImportedScene) {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("a.gltf");
+    std::fs::write(&path, text).unwrap();
+    let imported = import(&path, "", FileAccess::WithinFolder).unwrap();
+    (folder, path, imported)
+}
+
+/// The camera and the lights of a file are those of the scene, and the material is textured.
+#[test]
+fn a_gltf_scene_keeps_its_camera_its_lights_and_its_texture() {
+    let turned = "[0, 0.707106781, 0, 0.707106781]";
+    let nodes = format!(
+        r#", {{"camera": 0, "translation": [1, 2, 3], "rotation": {turned}}},
+          {{"translation": [0, 5, 0], "extensions": {{"KHR_lights_punctual": {{"light": 0}}}}}},
+          {{"rotation": {turned}, "extensions": {{"KHR_lights_punctual": {{"light": 1}}}}}}"#
+    );
+    let rest = r#", "scenes": [{"nodes": [0, 1, 2, 3]}], "extensionsUsed": ["KHR_lights_punctual"],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "aspectRatio": 2, "znear": 0.1}}],
+        "extensions": {"KHR_lights_punctual": {"lights": [
+            {"type": "spot", "intensity": 100, "color": [1, 0, 0], "spot": {"innerConeAngle": 0.1, "outerConeAngle": 0.3}},
+            {"type": "directional", "intensity": 7}]}}"#;
+    let (_folder, path, imported) = imported(&gltf(&nodes, rest));
+    assert!(imported.added.is_empty() && imported.left_out.is_empty(), "{imported:?}");
+    let value: Value = serde_json::from_str(&imported.text).unwrap();
+    let close = |value: &Value, expected: [f64; 3]| {
+        let numbers = value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap());
+        assert!(numbers.zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{value} instead of {expected:?}");
+    };
+    // A turn of 90° about +y maps −z to −x.
+    close(&value["camera"]["from"], [1.0, 2.0, 3.0]);
+    close(&value["camera"]["at"], [0.0, 2.0, 3.0]);
+    assert!((value["camera"]["lens"]["pinhole"]["fov"].as_f64().unwrap() - 0.5_f64.to_degrees()).abs() < 1e-5);
+    assert_eq!((&value["film"]["width"], &value["film"]["height"]), (&json!(960), &json!(480)));
+    let spot = &value["lights"][0]["spot"];
+    assert!((spot["luminous_intensity"].as_f64().unwrap() - 21.26).abs() < 1e-4, "{spot}");
+    assert!((spot["penumbra"].as_f64().unwrap() - 0.2_f64.to_degrees()).abs() < 1e-4, "{spot}");
+    close(&spot["to"], [0.0, 5.0, -1.0]);
+    close(&value["lights"][1]["directional"]["toward"], [-1.0, 0.0, 0.0]);
+
+    let (file, source) = read(&path, &[]).unwrap();
+    let scene = resolve(&file, &source).unwrap();
+    let surface = &scene.materials[scene.objects[0].material].surface;
+    assert!(surface.is_textured() && surface.components().count() == 2, "half metal, half matt");
+}
+
+/// A buffer outside the folder of the file is not read.
+#[test]
+fn a_gltf_scene_names_no_files_outside_its_folder() {
+    let folder = TempDir::new().unwrap();
+    std::fs::create_dir(folder.path().join("below")).unwrap();
+    let path = folder.path().join("below/a.gltf");
+    let whole = gltf("", r#", "scenes": [{"nodes": [0]}]"#);
+    let (start, rest) = whole.split_once("data:application/octet-stream;base64,").unwrap();
+    let (data, end) = rest.split_once('"').unwrap();
+    std::fs::write(folder.path().join("a.bin"), STANDARD.decode(data).unwrap()).unwrap();
+    std::fs::write(&path, format!("{start}../a.bin\"{end}")).unwrap();
+    let [within, anywhere] = [FileAccess::WithinFolder, FileAccess::Anywhere].map(|access| import(&path, "", access));
+    assert!(within.unwrap_err().to_string().contains("leads out of the folder") && anywhere.is_ok());
+}
+
+/// A file without a camera and without a light gets both.
+#[test]
+fn a_bare_gltf_scene_gets_a_camera_and_a_sky() {
+    let (_folder, path, imported) = imported(&gltf("", r#", "scenes": [{"nodes": [0]}]"#));
+    assert_eq!(imported.added.len(), 2);
+    let (file, source) = read(&path, &[]).unwrap();
+    let scene = resolve(&file, &source).unwrap();
+    assert_eq!(scene.lights.len(), 1);
+    // The ray through the middle of the film hits the triangle.
+    let middle = glam::DVec2::new(480.0, 320.0);
+    let ray = scene.camera.ray(middle, [0.5; 2]);
+    assert!(scene.geometry.intersect(&ray, None, f64::INFINITY).is_some());
+}
+
+/// The buffer view and the accessors of an animation: the times 0, 1 and 2 s, and three positions.
+/// The first accessor has the number 2.
+fn with_animation(text: &str, channels: &str, samplers: &str) -> String {
+    let half = 0.5_f32.sqrt();
+    let floats = [
+        &[0.0_f32, 1.0, 2.0][..],
+        &[0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 2.0, 4.0, 0.0],
+        &[0.0, 0.0, 0.0, 1.0, 0.0, half, 0.0, half, 0.0, 1.0, 0.0, 0.0],
+    ]
+    .concat();
+    let bytes: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).collect();
+    let buffer = STANDARD.encode(&bytes);
+    let text = text.replace(
+        r#""byteLength": 60}]"#,
+        &format!(
+            r#""byteLength": 60}}, {{"uri": "data:application/octet-stream;base64,{buffer}", "byteLength": 96}}]"#
+        ),
+    );
+    let text = text.replace(
+        r#""byteLength": 24}]"#,
+        r#""byteLength": 24}, {"buffer": 1, "byteLength": 12}, {"buffer": 1, "byteOffset": 12, "byteLength": 36},
+           {"buffer": 1, "byteOffset": 48, "byteLength": 48}]"#,
+    );
+    let accessors = r#""count": 3, "type": "VEC2"},
+        {"bufferView": 2, "componentType": 5126, "count": 3, "type": "SCALAR", "min": [0], "max": [2]},
+        {"bufferView": 3, "componentType": 5126, "count": 3, "type": "VEC3"},
+        {"bufferView": 4, "componentType": 5126, "count": 3, "type": "VEC4"}"#;
+    let text = text.replace(r#""count": 3, "type": "VEC2"}"#, accessors);
+    let end = text.rfind('}').unwrap();
+    format!("{}, \"animations\": [{{\"channels\": [{channels}], \"samplers\": [{samplers}]}}]}}", &text[..end])
+}
+
+/// A channel of the sampler `sampler`, which moves the property `path` of a node.
+fn channel(sampler: usize, node: usize, path: &str) -> String {
+    format!(r#"{{"sampler": {sampler}, "target": {{"node": {node}, "path": "{path}"}}}}"#)
+}
+
+fn sampler(output: usize, interpolation: &str) -> String {
+    format!(r#"{{"input": 2, "output": {output}, "interpolation": "{interpolation}"}}"#)
+}
+
+/// Resolves an imported file.
+fn resolved(path: &Path) -> crate::scene::Scene {
+    let (file, source) = read(path, &[]).unwrap();
+    resolve(&file, &source).unwrap()
+}
+
+/// Nodes with the same mesh name the same part, so that they share its triangles and its material.
+#[test]
+fn nodes_with_one_mesh_name_the_same_part() {
+    let nodes =
+        r#", {"name": "Copy", "mesh": 0, "scale": [2, 2, 2], "children": [2]}, {"mesh": 0, "translation": [1, 0, 0]}"#;
+    let (_folder, path, imported) = imported(&gltf(nodes, r#", "scenes": [{"nodes": [0, 1]}]"#));
+    let value: Value = serde_json::from_str(&imported.text).unwrap();
+    let shapes: Vec<&Value> = value["objects"].as_array().unwrap().iter().map(|object| &object["shape"]).collect();
+    assert_eq!(shapes, [&json!({"mesh": {"path": "a.gltf", "part": 0}}); 3]);
+    assert_eq!(value["objects"][1]["name"], "Copy");
+    assert_eq!(value["objects"][2]["transform"][0]["matrix"][0], json!([2.0, 0.0, 0.0, 2.0]));
+    let scene = resolved(&path);
+    assert_eq!(scene.objects.len(), 3);
+    assert!(scene.objects.iter().all(|object| object.material == scene.objects[0].material));
+}
+
+/// A linear translation is exact, and its keyframes are those of the file.
+#[test]
+fn the_motion_of_a_node_has_the_keyframes_of_the_file() {
+    let text = gltf("", r#", "scenes": [{"nodes": [0]}]"#);
+    let text = with_animation(&text, &channel(0, 0, "translation"), &sampler(3, "LINEAR"));
+    let (_folder, path, imported) = imported(&text);
+    assert!(imported.left_out.is_empty(), "{imported:?}");
+    let value: Value = serde_json::from_str(&imported.text).unwrap();
+    let motion = json!([
+        {"time": 0.0, "transform": []},
+        {"time": 1.0, "transform": [{"translate": [2.0, 0.0, 0.0]}]},
+        {"time": 2.0, "transform": [{"translate": [2.0, 4.0, 0.0]}]}
+    ]);
+    assert_eq!(value["objects"][0]["motion"], motion);
+    resolved(&path);
+}
+
+/// A step has two keyframes, and a rotation of 180° has one in the middle.
+#[test]
+fn steps_and_half_turns_are_unambiguous() {
+    let text = gltf("", r#", "scenes": [{"nodes": [0]}]"#);
+    let times = |interpolation: &str, path: &str, output: usize| {
+        let text = with_animation(&text, &channel(0, 0, path), &sampler(output, interpolation));
+        let (_folder, path, imported) = imported(&text);
+        resolved(&path);
+        let value: Value = serde_json::from_str(&imported.text).unwrap();
+        let motion = value["objects"][0]["motion"].as_array().unwrap();
+        motion.iter().map(|key| key["time"].as_f64().unwrap()).collect::<Vec<_>>()
+    };
+    assert_eq!(times("STEP", "translation", 3), [0.0, 1.0 - 1e-6, 1.0, 2.0 - 1e-6, 2.0]);
+    assert_eq!(times("LINEAR", "rotation", 4), [0.0, 1.0, 2.0]);
+}
+
+/// The camera and the lights below an animated node move with it.
+#[test]
+fn cameras_and_lights_move_with_their_parents() {
+    let nodes = r#", {"children": [2, 3]}, {"camera": 0, "translation": [0, 0, 5]},
+        {"name": "Lamp", "translation": [0, 3, 0], "extensions": {"KHR_lights_punctual": {"light": 0}}}"#;
+    let rest = r#", "scenes": [{"nodes": [0, 1]}], "extensionsUsed": ["KHR_lights_punctual"],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}],
+        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 100}]}}"#;
+    let text = with_animation(&gltf(nodes, rest), &channel(0, 1, "rotation"), &sampler(4, "LINEAR"));
+    let (_folder, path, imported) = imported(&text);
+    let value: Value = serde_json::from_str(&imported.text).unwrap();
+    let number = |value: &Value| value.as_f64().unwrap();
+    // After a turn of 90° about +y, the camera is on +x and looks along −x.
+    let key = &value["camera"]["motion"][1];
+    assert!((number(&key["from"][0]) - 5.0).abs() < 1e-6 && (number(&key["at"][0]) - 4.0).abs() < 1e-6, "{key}");
+    let light = &value["lights"][0]["point"];
+    assert_eq!((&light["at"], light["motion"].as_array().unwrap().len()), (&json!([0.0, 3.0, 0.0]), 3));
+    resolved(&path);
+}
+
+/// A curve of third order is sampled, and passes through its keyframes.
+#[test]
+fn a_cubic_spline_is_sampled() {
+    let text = gltf("", r#", "scenes": [{"nodes": [0]}]"#);
+    // Three values make one keyframe of a spline: tangent, value, tangent.
+    let text = with_animation(
+        &text,
+        &channel(0, 0, "translation"),
+        r#"{"input": 5, "output": 3, "interpolation": "CUBICSPLINE"}"#,
+    );
+    let accessor = r#""type": "VEC4"}, {"bufferView": 2, "componentType": 5126, "count": 1, "type": "SCALAR", "min": [0], "max": [0]}"#;
+    let (_folder, _path, imported) = imported(&text.replace(r#""type": "VEC4"}"#, accessor));
+    let value: Value = serde_json::from_str(&imported.text).unwrap();
+    // One keyframe is no motion, but it replaces the translation at rest, (0, 0, -3).
+    assert_eq!(value["objects"][0]["transform"], json!([{"translate": [2.0, 0.0, 0.0]}]));
+}
+
+/// What has no counterpart is named with the node and the consequence.
+#[test]
+fn what_is_left_out_is_listed() {
+    let nodes = r#", {"name": "Ortho", "camera": 0}, {"name": "Flat", "mesh": 0, "scale": [0, 1, 1]},
+        {"name": "Down", "extensions": {"EXT_lights_ies": {"light": 0}}},
+        {"name": "Dim", "extensions": {"EXT_lights_ies": {"light": 0, "multiplier": 0.5}}}"#;
+    let rest = r#", "scenes": [{"nodes": [0, 1, 2, 3, 4]}], "extensionsUsed": ["EXT_lights_ies"],
+        "extensionsRequired": ["EXT_lights_ies"], "extensions": {"EXT_lights_ies": {"lights": [{"uri": "a%20b.ies"}]}},
+        "cameras": [{"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 9, "znear": 0.1}}]"#;
+    let (_folder, _path, imported) = imported(&gltf(nodes, rest));
+    let listed = |part: &str| imported.left_out.iter().any(|what| what.contains(part));
+    assert!(listed("node \"Ortho\": the orthographic camera"), "{imported:?}");
+    assert!(listed("node \"Flat\": a node with a scale of 0") && listed("node \"Dim\": the IES light"), "{imported:?}");
+    let value: Value = serde_json::from_str(&imported.text).unwrap();
+    let expected = json!({"at": [0.0, 0.0, 0.0], "toward": [0.0, 0.0, -1.0], "path": "a b.ies", "spectrum": {"rgb": [1.0, 1.0, 1.0]}});
+    assert_eq!(value["lights"], json!([{ "ies": expected }]));
+}
+
+/// An overlay finds the names of materials, nodes and lights.
+#[test]
+fn an_overlay_replaces_parts_of_a_gltf_scene() {
+    let text = gltf("", r#", "scenes": [{"nodes": [0]}]"#)
+        .replace(r#"[{"pbrMetallicRoughness""#, r#"[{"name": "Glass", "pbrMetallicRoughness""#);
+    let (folder, path, imported) = imported(&text);
+    let overlay = folder.path().join("overlay.json");
+    std::fs::write(
+        &overlay,
+        r#"{"materials": {"Glass": {"dielectric": {"ior": "N-SF10"}}},
+        "add": {"lights": [{"environment": {"spectrum": "D65", "illuminance": 5}}]}}"#,
+    )
+    .unwrap();
+    let imported = imported.with_overlay(&overlay).unwrap();
+    assert_eq!(imported.added.len(), 1, "the sky is replaced: {:?}", imported.added);
+    let (file, source) = crate::format::parse(&imported.text, &path, &[]).unwrap();
+    let scene = resolve(&file, &source).unwrap();
+    assert_eq!(scene.materials[scene.objects[0].material].name, "Glass");
+    assert_eq!(scene.lights.len(), 1);
+}
