@@ -150,7 +150,9 @@ pub(in crate::format) fn for_each_node<'d>(
         }
         let to_world = parent_to_world * affine(&node.transform());
         visit(&node, parent, &to_world)?;
+        let first = open.len();
         open.extend(node.children().map(|child| (child, Some(node.index()), to_world)));
+        open[first..].reverse();
     }
     Ok(())
 }

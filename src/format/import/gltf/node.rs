@@ -161,17 +161,40 @@ fn with_small_rotations(keys: Vec<(f64, DAffine3)>) -> Vec<(f64, DAffine3)> {
             let [from, to] = [before, &at].map(DecomposedTransform::of);
             let middle = 0.5 * (before_time + time);
             if angle_between(from.rotation, to.rotation) > MAX_ROTATION && *before_time < middle && middle < time {
-                let rotation = slerp(from.rotation, to.rotation, 0.5);
-                let halfway = DAffine3::from_scale_rotation_translation(
-                    from.scale.lerp(to.scale, 0.5),
-                    rotation,
-                    from.translation.lerp(to.translation, 0.5),
-                );
+                let halfway = between(&from, &to, 0.5);
                 all.push((middle, halfway));
             }
         }
         all.push((time, at));
     }
+    all
+}
+
+/// Returns the transform between `from` (`share` = 0) and `to` (`share` = 1).
+fn between(from: &DecomposedTransform, to: &DecomposedTransform, share: f64) -> DAffine3 {
+    DAffine3::from_scale_rotation_translation(
+        from.scale.lerp(to.scale, share),
+        slerp(from.rotation, to.rotation, share),
+        from.translation.lerp(to.translation, share),
+    )
+}
+
+/// Divides each interval between keyframes. The result serves motions whose points go straight from
+/// keyframe to keyframe.
+pub(super) fn subdivided(keys: &[(f64, DAffine3)]) -> Vec<(f64, DAffine3)> {
+    let inside = |pair: &[(f64, DAffine3)]| {
+        let times = (pair[0].0, pair[1].0);
+        let [from, to] = [pair[0].1, pair[1].1].map(|at| DecomposedTransform::of(&at));
+        let at = move |i: u32| {
+            let share = f64::from(i) / f64::from(SUBDIVISIONS);
+            (times.0 + share * (times.1 - times.0), between(&from, &to, share))
+        };
+        let first = pair[0];
+        std::iter::once(first).chain((1..SUBDIVISIONS).map(at)).filter(move |key| key.0 < times.1)
+    };
+    let mut all: Vec<(f64, DAffine3)> = keys.windows(2).flat_map(inside).collect();
+    all.extend(keys.last());
+    all.dedup_by(|later, earlier| later.0 <= earlier.0);
     all
 }
 
