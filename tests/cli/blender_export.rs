@@ -87,7 +87,7 @@ pub(crate) fn blender_export() -> Vec<u8> {
     file.mesh(2, 1, square);
     file.mesh(3, 24, sphere);
     let mut png = std::io::Cursor::new(Vec::new());
-    let tile = |x: u32, y: u32| if (x / 8 + y / 8) % 2 == 0 { [205, 200, 190] } else { [60, 75, 95] };
+    let tile = |x: u32, y: u32| if (x / 8 + y / 8).is_multiple_of(2) { [205, 200, 190] } else { [60, 75, 95] };
     let picture = image::RgbImage::from_fn(64, 64, |x, y| image::Rgb(tile(x, y)));
     picture.write_to(&mut png, image::ImageFormat::Png).unwrap();
     let picture = file.view(png.get_ref());
