@@ -196,8 +196,8 @@ pub struct SceneText {
 }
 
 /// Reads the text of a scene file. A scene of another program is converted ([`import`]).
-/// `file_access` states which other files such a scene may name. `overlay` is a file with changes of
-/// a converted scene.
+/// `file_access` states which other files such a scene may name. `overlay` is a file with changes
+/// of a converted scene.
 ///
 /// # Errors
 /// Returns an error if the file cannot be read, is too large, is not UTF-8, or is a file of another

@@ -1,6 +1,6 @@
 //! A glTF file like the exports of Blender: a glass ball with dispersion and a tinted volume, a
-//! textured floor, a glowing panel, copies of one mesh, a camera and three lights, below a node that
-//! turns the scene.
+//! textured floor, a glowing panel, copies of one mesh, a camera and three lights, below a node
+//! that turns the scene.
 
 use std::f64::consts::{PI, TAU};
 

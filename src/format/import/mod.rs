@@ -41,8 +41,8 @@ impl ImportedScene {
 
     /// Applies an overlay: a small JSON file that names materials, lights and objects of the
     /// converted scene, and replaces or changes them. The file may also change the camera, the film
-    /// and the render settings, and add lights and objects. Paths in the overlay are relative to the
-    /// folder of the scene file.
+    /// and the render settings, and add lights and objects. Paths in the overlay are relative to
+    /// the folder of the scene file.
     ///
     /// # Errors
     /// Returns an error if the overlay cannot be read, or if it contains an unknown key or an

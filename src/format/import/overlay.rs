@@ -376,7 +376,7 @@ mod tests {
     /// An error names the position in the overlay and a similar name. All faults are reported.
     #[test]
     fn unknown_names_are_errors_with_suggestions() {
-        let error = applied("{\"materials\": {\"Glas\": \"absorber\"},\n \"lights\": {\"Son\": {\"spectrum\": 1}}}");
+        let error = applied("{\"materials\": {\"Glas\": \"absorber\"},\n \"lights\": {\"Sunn\": {\"spectrum\": 1}}}");
         let error = error.unwrap_err();
         let text = error.to_string();
         assert!(text.contains("overlay.json:1:24") && text.contains("did you mean \"Glass\"?"), "{text}");

@@ -110,8 +110,8 @@ impl SceneWriter {
         self.add_named_light([], light);
     }
 
-    /// Adds a light. An overlay finds the light by any of its names. A light without a name is found
-    /// by the word "light" and its position in the scene.
+    /// Adds a light. An overlay finds the light by any of its names. A light without a name is
+    /// found by the word "light" and its position in the scene.
     pub(super) fn add_named_light<'a>(&mut self, names: impl IntoIterator<Item = &'a str>, light: Value) {
         let mut names: Vec<String> = names.into_iter().filter(|name| !name.is_empty()).map(str::to_owned).collect();
         if names.is_empty() {

@@ -104,7 +104,8 @@ pub(in crate::format) fn has_triangles(primitive: &Primitive<'_>) -> bool {
     }
 }
 
-/// The extensions other than those of materials that Abbe reads, and that the crate `gltf` does not know.
+/// The extensions other than those of materials that Abbe reads, and that the crate `gltf` does not
+/// know.
 const OWN_EXTENSIONS: [&str; 1] = ["EXT_lights_ies"];
 
 /// Parses a glTF file. Returns the document, and the binary chunk of a `.glb` file.
@@ -149,7 +150,9 @@ pub(in crate::format) fn for_each_node<'d>(
         }
         let to_world = parent_to_world * affine(&node.transform());
         visit(&node, parent, &to_world)?;
+        let first = open.len();
         open.extend(node.children().map(|child| (child, Some(node.index()), to_world)));
+        open[first..].reverse();
     }
     Ok(())
 }
@@ -289,9 +292,9 @@ fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
 /// Returns the transform of a node in double precision.
 pub(in crate::format) fn affine(transform: &Transform) -> DAffine3 {
     match transform {
-        Transform::Matrix { matrix } => {
-            DAffine3::from_mat4(DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from))))
-        }
+        Transform::Matrix { matrix } => without_rounding(DAffine3::from_mat4(DMat4::from_cols_array_2d(
+            &matrix.map(|column| column.map(f64::from)),
+        ))),
         Transform::Decomposed { translation, rotation, scale } => {
             let rotation = DQuat::from_array(rotation.map(f64::from));
             let rotation = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
@@ -299,4 +302,19 @@ pub(in crate::format) fn affine(transform: &Transform) -> DAffine3 {
             DAffine3::from_scale_rotation_translation(scale, rotation, translation)
         }
     }
+}
+
+/// Removes the rounding of a matrix in single precision, which looks like a shear or like unequal
+/// scales. A matrix that differs by more than rounding stays unchanged.
+fn without_rounding(whole: DAffine3) -> DAffine3 {
+    const ROUNDING: f64 = 2e-6;
+    let (mut scale, rotation, translation) = whole.to_scale_rotation_translation();
+    let size = scale.abs().max_element();
+    if (scale.abs() - DVec3::splat(size)).abs().max_element() < ROUNDING * size {
+        scale = scale.signum() * size;
+    }
+    let again = DAffine3::from_scale_rotation_translation(scale, rotation, translation);
+    let deviation = [0, 1, 2].map(|i| (again.matrix3.col(i) - whole.matrix3.col(i)).abs().max_element());
+    let deviation = deviation.into_iter().fold(0.0, f64::max);
+    if deviation > 1e-12 * size && deviation < ROUNDING * size { again } else { whole }
 }

@@ -65,8 +65,8 @@ pub(super) fn read_material(file: &Material<'_>, pictures: &mut GltfPictures<'_>
     })
 }
 
-/// Returns the number of the set of texture coordinates of a material. A material whose textures use
-/// several sets has the set of its first texture.
+/// Returns the number of the set of texture coordinates of a material. A material whose textures
+/// use several sets has the set of its first texture.
 pub(super) fn uv_set(file: &Material<'_>) -> u32 {
     let surface = file.pbr_metallic_roughness();
     let transmission = file.transmission().and_then(|it| it.transmission_texture());

@@ -31,8 +31,8 @@ impl<'b> GltfPictures<'b> {
         Self { buffers, folder: folder.to_owned(), file_access, known: vec![None; count], unusable: Vec::new() }
     }
 
-    /// Reads a texture over the set of texture coordinates `set`. Returns `None` if the picture cannot
-    /// be used, or if the texture uses another set.
+    /// Reads a texture over the set of texture coordinates `set`. Returns `None` if the picture
+    /// cannot be used, or if the texture uses another set.
     pub(super) fn texture(&mut self, info: &Info<'_>, set: u32) -> Option<MeshTexture> {
         let transform = info.texture_transform();
         if uv_set_of(info) != set {

@@ -131,8 +131,8 @@ fn read_parts(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes> {
     }
 }
 
-/// Returns the extension of a file name in lower case. The extension of a packed file has two parts,
-/// such as "ply.gz".
+/// Returns the extension of a file name in lower case. The extension of a packed file has two
+/// parts, such as "ply.gz".
 #[cfg(feature = "meshes")]
 fn extension_of(path: &Path) -> String {
     let extension = |path: &Path| path.extension().and_then(|name| name.to_str()).unwrap_or("").to_lowercase();

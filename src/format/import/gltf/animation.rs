@@ -129,8 +129,8 @@ impl Track {
         Ok(Self { times, values, interpolation, is_rotation })
     }
 
-    /// Returns the value at a time in s. Before the first keyframe and after the last one, the value
-    /// is constant.
+    /// Returns the value at a time in s. Before the first keyframe and after the last one, the
+    /// value is constant.
     pub(super) fn at(&self, time: f64) -> [f64; 4] {
         let value = |key: usize| match self.interpolation {
             Interpolation::CubicSpline => self.values[3 * key + 1],

@@ -4,7 +4,7 @@ use ::gltf::camera::Projection;
 use glam::{DAffine3, DVec3};
 use serde_json::{Value, json};
 
-use super::node::PlacedNode;
+use super::node::{PlacedNode, subdivided};
 
 /// The ratio of width to height if the file states none.
 pub(super) const DEFAULT_ASPECT: f64 = 1.5;
@@ -28,7 +28,7 @@ pub(super) fn perspective_camera(projection: &Projection<'_>, placed: &PlacedNod
             pose["time"] = json!(time);
             pose
         };
-        camera["motion"] = placed.motion.iter().map(keyframe).collect();
+        camera["motion"] = subdivided(&placed.motion).iter().map(keyframe).collect();
     }
     Some((camera, aspect))
 }

@@ -1,8 +1,8 @@
 //! Reads glTF scenes.
 //!
 //! Each primitive of a node becomes an object that names one part of the glTF file. The mesh reader
-//! reads the geometry and the materials of this part. This module adds the transforms and the motion
-//! of the nodes, the camera, the lights and the film.
+//! reads the geometry and the materials of this part. This module adds the transforms and the
+//! motion of the nodes, the camera, the lights and the film.
 
 mod animation;
 mod camera;

@@ -1,6 +1,7 @@
 //! The tree of nodes of a glTF file, with the motion of each node.
 
 use ::gltf::Node;
+use ::gltf::scene::Transform;
 use glam::{DAffine3, DQuat, DVec3};
 use serde_json::{Value, json};
 
@@ -72,7 +73,15 @@ impl NodeTree {
             self.nodes.resize(node.index() + 1, None);
         }
         let whole = affine(&node.transform());
-        let local = LocalTransform { whole, parts: DecomposedTransform::of(&whole) };
+        let parts = match node.transform() {
+            Transform::Matrix { .. } => DecomposedTransform::of(&whole),
+            Transform::Decomposed { translation, rotation, scale } => DecomposedTransform {
+                translation: DVec3::from(translation.map(f64::from)),
+                rotation: unit(DQuat::from_array(rotation.map(f64::from))),
+                scale: DVec3::from(scale.map(f64::from)),
+            },
+        };
+        let local = LocalTransform { whole, parts };
         self.nodes[node.index()] = Some((parent, local));
     }
 
@@ -103,24 +112,19 @@ impl NodeTree {
     fn local(&self, node: usize, time: Option<f64>) -> DAffine3 {
         let Some((_, rest)) = &self.nodes[node] else { return DAffine3::IDENTITY };
         let (Some(time), Some(tracks)) = (time, self.animations.tracks(node)) else {
-            // Rounding in a file with single precision looks like a shear.
-            let again = recomposed(&rest.parts);
-            let size = rest.whole.matrix3.to_cols_array().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-            return if again.abs_diff_eq(rest.whole, 1e-5 * size.max(1e-12)) { again } else { rest.whole };
+            return rest.whole;
         };
         let NodeTracks { translation, rotation, scale } = tracks;
         let vector = |values: [f64; 4]| DVec3::new(values[0], values[1], values[2]);
         let moved = DecomposedTransform {
             translation: translation.as_ref().map_or(rest.parts.translation, |track| vector(track.at(time))),
-            rotation: rotation.as_ref().map_or(rest.parts.rotation, |track| {
-                let quaternion = DQuat::from_array(track.at(time));
-                if quaternion.length_squared() > 0.0 { quaternion.normalize() } else { DQuat::IDENTITY }
-            }),
-            scale: scale.as_ref().map_or(rest.parts.scale, |track| {
-                vector(track.at(time)).map(|s| if s.abs() < MIN_SCALE { MIN_SCALE } else { s })
-            }),
+            rotation: rotation.as_ref().map_or(rest.parts.rotation, |track| unit(DQuat::from_array(track.at(time)))),
+            scale: scale
+                .as_ref()
+                .map_or(rest.parts.scale, |track| vector(track.at(time)))
+                .map(|s| if s.abs() < MIN_SCALE { MIN_SCALE } else { s }),
         };
-        recomposed(&moved)
+        DAffine3::from_scale_rotation_translation(moved.scale, moved.rotation, moved.translation)
     }
 
     /// Returns the times of the keyframes of a chain of nodes.
@@ -144,9 +148,9 @@ impl NodeTree {
     }
 }
 
-/// Returns the transform that scales, rotates and then translates.
-fn recomposed(parts: &DecomposedTransform) -> DAffine3 {
-    DAffine3::from_scale_rotation_translation(parts.scale, parts.rotation, parts.translation)
+/// Returns a quaternion of length 1.
+fn unit(rotation: DQuat) -> DQuat {
+    if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY }
 }
 
 /// Inserts keyframes, so that the rotation between two keyframes stays below 180°.
@@ -157,17 +161,40 @@ fn with_small_rotations(keys: Vec<(f64, DAffine3)>) -> Vec<(f64, DAffine3)> {
             let [from, to] = [before, &at].map(DecomposedTransform::of);
             let middle = 0.5 * (before_time + time);
             if angle_between(from.rotation, to.rotation) > MAX_ROTATION && *before_time < middle && middle < time {
-                let rotation = slerp(from.rotation, to.rotation, 0.5);
-                let halfway = DAffine3::from_scale_rotation_translation(
-                    from.scale.lerp(to.scale, 0.5),
-                    rotation,
-                    from.translation.lerp(to.translation, 0.5),
-                );
+                let halfway = between(&from, &to, 0.5);
                 all.push((middle, halfway));
             }
         }
         all.push((time, at));
     }
+    all
+}
+
+/// Returns the transform between `from` (`share` = 0) and `to` (`share` = 1).
+fn between(from: &DecomposedTransform, to: &DecomposedTransform, share: f64) -> DAffine3 {
+    DAffine3::from_scale_rotation_translation(
+        from.scale.lerp(to.scale, share),
+        slerp(from.rotation, to.rotation, share),
+        from.translation.lerp(to.translation, share),
+    )
+}
+
+/// Divides each interval between keyframes. The result serves motions whose points go straight from
+/// keyframe to keyframe.
+pub(super) fn subdivided(keys: &[(f64, DAffine3)]) -> Vec<(f64, DAffine3)> {
+    let inside = |pair: &[(f64, DAffine3)]| {
+        let times = (pair[0].0, pair[1].0);
+        let [from, to] = [pair[0].1, pair[1].1].map(|at| DecomposedTransform::of(&at));
+        let at = move |i: u32| {
+            let share = f64::from(i) / f64::from(SUBDIVISIONS);
+            (times.0 + share * (times.1 - times.0), between(&from, &to, share))
+        };
+        let first = pair[0];
+        std::iter::once(first).chain((1..SUBDIVISIONS).map(at)).filter(move |key| key.0 < times.1)
+    };
+    let mut all: Vec<(f64, DAffine3)> = keys.windows(2).flat_map(inside).collect();
+    all.extend(keys.last());
+    all.dedup_by(|later, earlier| later.0 <= earlier.0);
     all
 }
 

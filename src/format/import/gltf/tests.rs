@@ -214,8 +214,12 @@ fn cameras_and_lights_move_with_their_parents() {
     let value: Value = serde_json::from_str(&imported.text).unwrap();
     let number = |value: &Value| value.as_f64().unwrap();
     // After a turn of 90° about +y, the camera is on +x and looks along −x.
-    let key = &value["camera"]["motion"][1];
+    let key = &value["camera"]["motion"][8];
     assert!((number(&key["from"][0]) - 5.0).abs() < 1e-6 && (number(&key["at"][0]) - 4.0).abs() < 1e-6, "{key}");
+    // On the way, the camera stays at the same distance from the axis.
+    let between = &value["camera"]["motion"][4];
+    let (x, z) = (number(&between["from"][0]), number(&between["from"][2]));
+    assert!((x * x + z * z - 25.0).abs() < 1e-6, "{between}");
     let light = &value["lights"][0]["point"];
     assert_eq!((&light["at"], light["motion"].as_array().unwrap().len()), (&json!([0.0, 3.0, 0.0]), 3));
     resolved(&path);
