@@ -10,7 +10,7 @@ use crate::format::resolve;
 use crate::output::exr::write as write_exr;
 use crate::output::file as files;
 use crate::render::{DisplaySettings, Integrator, Job, RenderIdentity, Rendered, StopRules};
-use crate::view::{LoadedScene, SessionEnd, View, ViewHost};
+use crate::view::{LiveView, LoadedScene, SessionEnd, ViewHost};
 
 use super::checkpoint::CheckpointFile;
 use super::outputs::OutputFiles;
@@ -61,7 +61,7 @@ pub(crate) struct ViewArgs {
 pub(crate) fn run(arguments: &ViewArgs) -> Result<Outcome> {
     interrupt::watch()?;
     let outputs = OutputFiles::new(arguments.exr(), None)?;
-    let view = View::listen(arguments.bind, arguments.port)?;
+    let view = LiveView::listen(arguments.bind, arguments.port)?;
     let url = view.url();
     print::result(&format!("{url}\n"))?;
     if !arguments.no_open && !open_browser(&url) {

@@ -1,6 +1,6 @@
 //! The state that the session, the server and the watch thread share.
 
-use super::scene_view::SceneView;
+use super::scene_panels::ScenePanels;
 use super::snapshot::Snapshot;
 use crate::render::Progress;
 use serde_json::{Value, json};
@@ -90,7 +90,7 @@ struct ViewState {
     session: SessionState,
     progress: ViewProgress,
     error: Option<String>,
-    scene: Option<Arc<SceneView>>,
+    scene: Option<Arc<ScenePanels>>,
     snapshot: Option<Arc<Snapshot>>,
 }
 
@@ -165,7 +165,7 @@ impl ViewChannel {
     }
 
     /// Begins the render of a scene.
-    pub(super) fn begin(&self, scene: Arc<SceneView>) {
+    pub(super) fn begin(&self, scene: Arc<ScenePanels>) {
         self.update(|state| {
             state.session = SessionState::Starting;
             state.progress = ViewProgress::default();
@@ -174,23 +174,37 @@ impl ViewChannel {
     }
 
     /// Reports a fault of the scene. The last picture stays.
-    pub(super) fn fail(&self, error: String) {
-        self.update(|state| (state.session, state.error) = (SessionState::Failed, Some(error)));
+    pub(super) fn fail(&self, revision: u64, error: String) {
+        self.update(|state| {
+            if state.orders.revision == revision {
+                (state.session, state.error) = (SessionState::Failed, Some(error));
+            }
+        });
     }
 
-    pub(super) fn report(&self, session: SessionState, progress: ViewProgress) {
-        self.update(|state| (state.session, state.progress) = (session, progress));
+    /// Reports the progress of the render of a revision. The channel ignores abandoned renders.
+    pub(super) fn report(&self, revision: u64, session: SessionState, progress: ViewProgress) {
+        self.update(|state| {
+            if state.orders.revision == revision {
+                (state.session, state.progress) = (session, progress);
+            }
+        });
     }
 
-    pub(super) fn publish(&self, snapshot: Arc<Snapshot>) {
-        self.update(|state| state.snapshot = Some(snapshot));
+    /// Publishes a picture of a revision. The channel ignores abandoned renders.
+    pub(super) fn publish(&self, revision: u64, snapshot: Arc<Snapshot>) {
+        self.update(|state| {
+            if state.orders.revision == revision {
+                state.snapshot = Some(snapshot);
+            }
+        });
     }
 
     pub(super) fn snapshot(&self) -> Option<Arc<Snapshot>> {
         self.lock().snapshot.clone()
     }
 
-    pub(super) fn scene(&self) -> Option<Arc<SceneView>> {
+    pub(super) fn scene(&self) -> Option<Arc<ScenePanels>> {
         self.lock().scene.clone()
     }
 

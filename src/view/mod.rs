@@ -1,9 +1,9 @@
 //! The live view: renders a scene, and shows the picture on a page in the browser.
 //!
-//! Three threads work together. The session renders on the thread of the caller. The server answers
-//! requests on its own thread. The watch thread notices changes of the scene file and
-//! interruptions. They share a [`ViewChannel`]. The session replaces the published [`Snapshot`],
-//! and the server reads it. The session therefore never waits for a browser.
+//! Several threads work together. The session loads the scene on the thread of the caller, and
+//! starts a thread for each render. The server answers requests on its own thread. The watch thread
+//! notices changes of the scene file and interruptions. They share a channel. A render replaces the
+//! published picture, and the server reads it. A render therefore never waits for a browser.
 
 mod access;
 mod channel;
@@ -11,7 +11,7 @@ mod host;
 mod listener;
 mod probe;
 mod publisher;
-mod scene_view;
+mod scene_panels;
 mod server;
 mod session;
 mod snapshot;
@@ -28,13 +28,13 @@ use std::sync::Arc;
 
 /// A view whose server listens, and whose session has not started.
 #[derive(Debug)]
-pub struct View {
+pub struct LiveView {
     channel: Arc<ViewChannel>,
     address: SocketAddr,
     token: String,
 }
 
-impl View {
+impl LiveView {
     /// Starts the server. If `port` is 0, the system chooses a free port.
     ///
     /// # Errors

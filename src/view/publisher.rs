@@ -2,7 +2,7 @@
 
 use super::channel::ViewChannel;
 use super::host::LoadedScene;
-use super::scene_view::SceneView;
+use super::scene_panels::ScenePanels;
 use super::snapshot::{BandNoise, Snapshot};
 use crate::api::provenance;
 use crate::render::Run;
@@ -22,19 +22,26 @@ const SHORTEST_PAUSE: Duration = Duration::from_millis(250);
 pub(super) struct Publisher<'a> {
     channel: &'a ViewChannel,
     loaded: &'a LoadedScene,
-    scene: Arc<SceneView>,
+    scene: Arc<ScenePanels>,
+    /// The revision of the scene that is rendered.
+    revision: u64,
     last: Option<Arc<Snapshot>>,
     schedule: PublicationSchedule,
 }
 
 impl<'a> Publisher<'a> {
-    pub(super) fn new(channel: &'a ViewChannel, loaded: &'a LoadedScene, scene: Arc<SceneView>) -> Self {
-        Self { channel, loaded, scene, last: None, schedule: PublicationSchedule::new() }
+    pub(super) fn new(
+        channel: &'a ViewChannel,
+        loaded: &'a LoadedScene,
+        scene: Arc<ScenePanels>,
+        revision: u64,
+    ) -> Self {
+        Self { channel, loaded, scene, revision, last: None, schedule: PublicationSchedule::new() }
     }
 
     /// Publishes a coarse picture.
     pub(super) fn coarse(&self, picture: &Picture) {
-        self.channel.publish(self.snapshot(picture.clone(), None));
+        self.channel.publish(self.revision, self.snapshot(picture.clone(), None));
     }
 
     /// Publishes the picture of a run if it is due.
@@ -51,7 +58,7 @@ impl<'a> Publisher<'a> {
         if self.last.as_ref().is_none_or(|last| last.passes < run.passes()) {
             let snapshot = self.snapshot(picture, Some(run));
             self.last = Some(Arc::clone(&snapshot));
-            self.channel.publish(snapshot);
+            self.channel.publish(self.revision, snapshot);
         }
     }
 

@@ -3,10 +3,11 @@
 use super::channel::{Orders, SessionState, ViewChannel, ViewProgress};
 use super::host::{LoadedScene, ViewHost};
 use super::publisher::Publisher;
-use super::scene_view::SceneView;
+use super::scene_panels::ScenePanels;
 use crate::error::{Error, Result};
 use crate::render::{Integrator, Monitor, PassPart, Progress, Rendered, Request, Run, StopRules, on_threads};
 use crate::sensor::Picture;
+use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -19,14 +20,17 @@ const DRAFT_END: Duration = Duration::from_millis(400);
 pub struct SessionEnd {
     /// The last scene and its render. `None` if the last scene has a fault, or if no pass of it is
     /// done.
-    pub last: Option<(LoadedScene, Box<Rendered>)>,
+    pub last: Option<(Arc<LoadedScene>, Box<Rendered>)>,
 }
 
 /// Renders until the host is interrupted.
 ///
+/// Each render has its own thread. If the scene changes, the session abandons the render, and
+/// starts the next one at once. The abandoned render ends after its pass.
+///
 /// # Errors
 /// Returns an error if the first load of the scene fails, or if a thread cannot be started.
-pub(super) fn run(host: &dyn ViewHost, channel: &ViewChannel, stop: StopRules) -> Result<SessionEnd> {
+pub(super) fn run(host: &dyn ViewHost, channel: &Arc<ViewChannel>, stop: StopRules) -> Result<SessionEnd> {
     let mut number = 0;
     loop {
         let orders = channel.orders();
@@ -34,37 +38,56 @@ pub(super) fn run(host: &dyn ViewHost, channel: &ViewChannel, stop: StopRules) -
             return Ok(SessionEnd { last: None });
         }
         let loaded = match host.load(&orders.changes, &orders.forbidden) {
-            Ok(loaded) => loaded,
+            Ok(loaded) => Arc::new(loaded),
             Err(error) if number == 0 => return Err(error),
             Err(error) => {
-                channel.fail(with_carets(&error, host.scene_path()));
+                channel.fail(orders.revision, with_carets(&error, host.scene_path()));
                 wait_for_change(channel, &orders);
                 continue;
             }
         };
         number += 1;
-        let scene = Arc::new(SceneView::new(number, &loaded));
+        let scene = Arc::new(ScenePanels::new(number, &loaded));
         channel.begin(Arc::clone(&scene));
         let threads = loaded.job.scene.settings.threads;
-        let mut publisher = Publisher::new(channel, &loaded, scene);
-        if orders.is_draft && on_threads(threads, || draft(&loaded, &publisher))?? {
-            end_draft(channel, &orders);
-            continue;
-        }
-        let ended = on_threads(threads, || render(&loaded, channel, &mut publisher, &orders, stop))?;
-        match ended {
-            Ok(Some(rendered)) => return Ok(SessionEnd { last: Some((loaded, rendered)) }),
-            Ok(None) => {}
-            Err(error) => {
-                channel.fail(error.to_string());
-                wait_for_change(channel, &orders);
+        if orders.is_draft {
+            let publisher = Publisher::new(channel, &loaded, Arc::clone(&scene), orders.revision);
+            match on_threads(threads, || draft(&loaded, &publisher))? {
+                Ok(true) => {
+                    end_draft(channel, &orders);
+                    continue;
+                }
+                Ok(false) => {}
+                Err(error) => {
+                    channel.fail(orders.revision, error.to_string());
+                    wait_for_change(channel, &orders);
+                    continue;
+                }
             }
+        }
+        let (of_thread, own_channel, own_orders) = (Arc::clone(&loaded), Arc::clone(channel), orders.clone());
+        let work = move || {
+            let mut publisher = Publisher::new(&own_channel, &of_thread, scene, own_orders.revision);
+            let render = || render(&of_thread, &own_channel, &mut publisher, &own_orders, stop);
+            let ended = panic::catch_unwind(AssertUnwindSafe(|| on_threads(threads, render)?));
+            let failed = || Error::machine("the render failed; this is a bug in abbe, please report it");
+            ended.unwrap_or_else(|_| Err(failed())).unwrap_or_else(|error| {
+                own_channel.fail(own_orders.revision, error.to_string());
+                None
+            })
+        };
+        let render = std::thread::Builder::new().name("abbe-render".to_string()).spawn(work);
+        let render = render.map_err(|error| Error::machine(format!("a thread cannot be started: {error}")))?;
+        let now = wait_for_change(channel, &orders);
+        if now.interrupted {
+            let rendered = render.join().map_err(|_| Error::machine("the render failed; this is a bug in abbe"))?;
+            return Ok(SessionEnd { last: rendered.map(|rendered| (loaded, rendered)) });
         }
     }
 }
 
-fn wait_for_change(channel: &ViewChannel, orders: &Orders) {
-    channel.wait(None, |now| now.revision != orders.revision || now.interrupted);
+fn wait_for_change(channel: &ViewChannel, orders: &Orders) -> Orders {
+    channel.wait(None, |now| now.revision != orders.revision || now.interrupted)
 }
 
 /// Publishes a coarse picture. Returns false if the picture is too small for one.
@@ -112,7 +135,7 @@ fn render(
         };
         publisher.publish(&rendered.run, rendered.picture.clone());
         if !rendered.interrupted {
-            channel.report(SessionState::Finished, progress);
+            channel.report(orders.revision, SessionState::Finished, progress);
         }
         let is_over = |now: &Orders| now.interrupted || now.revision != orders.revision;
         let now = channel.wait(None, |now| is_over(now) || now.extensions != extensions);
@@ -150,7 +173,7 @@ impl Monitor for ViewMonitor<'_, '_> {
 
     fn after_pass(&mut self, progress: &Progress) -> bool {
         self.last = ViewProgress::new(progress, self.paused);
-        self.channel.report(SessionState::Rendering, self.last);
+        self.channel.report(self.revision, SessionState::Rendering, self.last);
         let orders = self.channel.orders();
         !orders.interrupted && orders.revision == self.revision
     }

@@ -1,6 +1,6 @@
 //! A published picture.
 
-use super::scene_view::SceneView;
+use super::scene_panels::ScenePanels;
 use crate::output::Metadata;
 use crate::sensor::Picture;
 use serde_json::{Value, json};
@@ -12,7 +12,7 @@ use std::sync::{Arc, OnceLock};
 pub(super) struct Snapshot {
     /// Counts the snapshots of the view.
     pub(super) number: u64,
-    pub(super) scene: Arc<SceneView>,
+    pub(super) scene: Arc<ScenePanels>,
     pub(super) passes: u64,
     pub(super) picture: Picture,
     /// The exposure of the scene's settings in 1/(cd/m²).

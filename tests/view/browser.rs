@@ -131,9 +131,10 @@ impl Browser {
             let parameters = &event["params"];
             match event["method"].as_str()? {
                 "Runtime.exceptionThrown" | "Runtime.consoleAPICalled" | "Log.entryAdded" => {
-                    // Browsers ask for an icon by themselves.
+                    // Browsers ask for an icon by themselves. Only the tests read the canvas.
                     let text = parameters.to_string();
-                    (!text.contains("favicon.ico")).then_some(text)
+                    let is_own = text.contains("favicon.ico") || text.contains("willReadFrequently");
+                    (!is_own).then_some(text)
                 }
                 "Network.requestWillBeSent" => {
                     let url = parameters["request"]["url"].as_str()?;

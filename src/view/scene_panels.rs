@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 /// A loaded scene as the page sees it.
 #[derive(Debug)]
-pub(super) struct SceneView {
+pub(super) struct ScenePanels {
     /// Counts the loaded scenes of the view.
     pub(super) number: u64,
     pub(super) display: DisplaySettings,
@@ -22,7 +22,7 @@ pub(super) struct SceneView {
 /// The spectral locus is drawn for this range of wavelengths in nm.
 const LOCUS_NM: (u32, u32) = (390, 700);
 
-impl SceneView {
+impl ScenePanels {
     pub(super) fn new(number: u64, loaded: &LoadedScene) -> Self {
         let job = &loaded.job;
         let display = DisplaySettings::of(job);
