@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,14 @@ import numpy as np
 import pytest
 
 import abbe
+
+
+@pytest.fixture(autouse=True)
+def handled_interrupts() -> Iterator[None]:
+    """Handles Ctrl-C as usual, also where the shell that started the tests ignores it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 def interrupt_after(seconds: float) -> threading.Timer:
@@ -28,7 +37,7 @@ def test_ctrl_c_keeps_the_passes_and_saves_a_checkpoint(scene: dict[str, Any], t
     checkpoint = tmp_path / "run.exr"
     interrupt_after(0.5)
     with pytest.raises(abbe.Interrupted) as caught:
-        abbe.render(scene, passes=10**9, checkpoint=checkpoint)
+        abbe.render(scene, passes=10**9, time=60, checkpoint=checkpoint)
     picture = caught.value.picture
     assert isinstance(caught.value, KeyboardInterrupt)
     assert picture.interrupted and picture.passes > 0
@@ -40,7 +49,7 @@ def test_ctrl_c_during_the_iterator(scene: dict[str, Any]) -> None:
     interrupt_after(0.5)
     last = None
     with pytest.raises(KeyboardInterrupt):
-        for last in abbe.passes(scene, passes=10**9):
+        for last in abbe.passes(scene, passes=10**9, time=60):
             pass
     assert last is not None and last.passes > 0
 

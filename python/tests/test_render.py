@@ -80,7 +80,7 @@ def test_the_iterator_ends_with_the_picture_of_render(scene: dict[str, Any]) -> 
 
 def test_leaving_the_loop_stops_the_render(scene: dict[str, Any], tmp_path: Path) -> None:
     checkpoint = tmp_path / "run.exr"
-    for picture in abbe.passes(scene, passes=10**9, checkpoint=checkpoint):
+    for picture in abbe.passes(scene, passes=10**9, time=60, checkpoint=checkpoint):
         if picture.passes >= 3:
             break
     del picture
@@ -109,7 +109,7 @@ def test_an_exception_of_the_progress_function_ends_the_render(scene: dict[str, 
         raise RuntimeError("enough")
 
     with pytest.raises(RuntimeError, match="enough"):
-        abbe.render(scene, passes=10**9, progress=fail)
+        abbe.render(scene, passes=10**9, time=60, progress=fail)
 
 
 def test_errors_have_the_text_of_the_command_line(tmp_path: Path) -> None:

@@ -88,9 +88,10 @@ impl RenderOptions {
         Self { spectral_bands: Some(bands), ..self }
     }
 
-    /// Saves the exact sums of an unfinished render in this EXR file: about once per minute, and when
-    /// the progress callback stops the render. A finished render removes the file. If a checkpoint
-    /// cannot be written during the render, the render continues, and the statistics contain a note.
+    /// Saves the exact sums of an unfinished render in this EXR file: about once per minute, and
+    /// when the progress callback stops the render. A finished render removes the file. If a
+    /// checkpoint cannot be written during the render, the render continues, and the statistics
+    /// contain a note.
     pub fn checkpoint(self, path: impl Into<PathBuf>) -> Self {
         Self { checkpoint: Some(path.into()), ..self }
     }

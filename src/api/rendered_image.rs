@@ -165,8 +165,8 @@ impl Image {
         write(path.as_ref(), &self.picture, &self.metadata)
     }
 
-    /// Writes a PNG file. The scene sets colour space, exposure, white balance, tone curve and gamut
-    /// mapping. A picture of another program is written in sRGB with automatic exposure.
+    /// Writes a PNG file. The scene sets colour space, exposure, white balance, tone curve and
+    /// gamut mapping. A picture of another program is written in sRGB with automatic exposure.
     ///
     /// # Errors
     /// Returns an error if the file cannot be written.

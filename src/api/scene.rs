@@ -69,8 +69,9 @@ impl Scene {
         Self::parse_with_changes(&text, path, changes, access)
     }
 
-    /// Reads a scene from JSON text, applies changes of the form `PATH=JSON`, and checks the changed
-    /// scene. Errors name the text `path`, and the folder of `path` contains the files of the scene.
+    /// Reads a scene from JSON text, applies changes of the form `PATH=JSON`, and checks the
+    /// changed scene. Errors name the text `path`, and the folder of `path` contains the files of
+    /// the scene.
     ///
     /// # Errors
     /// Returns the errors of [`load`](Self::load) and of [`with_change`](Self::with_change).

@@ -56,8 +56,8 @@ pub(crate) fn colour_json(
     Ok(json(&ColourJson::new(name, &report, observer, under.map(|(name, _)| name))))
 }
 
-/// Analyses a lens, and draws its cross-section to the file `svg`. `field` is half the field of view
-/// in degrees.
+/// Analyses a lens, and draws its cross-section to the file `svg`. `field` is half the field of
+/// view in degrees.
 pub(crate) fn lens_json(name: &str, field: Option<f64>, glasses: &[PathBuf], svg: Option<&Path>) -> Result<String> {
     let catalogues = glasses.iter().map(|path| resolve::glass_file(path)).collect::<Result<Vec<_>>>()?;
     match lens::named(name, &catalogues)? {
