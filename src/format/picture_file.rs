@@ -46,15 +46,6 @@ impl PictureFile {
         self.pixels.iter().map(|&[r, g, b, _]| [r, g, b].map(|component| decode.linear(component))).collect()
     }
 
-    /// Returns the mean of the linear components of red, green and blue.
-    pub fn mean_rgb(&self) -> [f64; 3] {
-        let mut sums = [0.0; 3];
-        for pixel in self.linear_rgb(None) {
-            sums.iter_mut().zip(pixel).for_each(|(sum, component)| *sum += f64::from(component));
-        }
-        sums.map(|sum| sum / self.pixels.len().max(1) as f64)
-    }
-
     /// Returns the linear values of a channel. The channels are numbered from 0: red, green, blue
     /// and alpha. Alpha is always linear.
     pub fn linear_channel(&self, channel: usize, encoding: EncodingFile) -> Vec<f32> {

@@ -26,6 +26,12 @@ impl NormalMap {
         Self { pattern: pattern.without_copies(), normals: normals.map(unit).collect() }
     }
 
+    /// Creates the map of a picture whose components from 0 to 1 encode the vectors from −1 to 1.
+    /// `scale` multiplies the vectors.
+    pub fn from_picture(pattern: ImagePattern, colours: &[[f32; 3]], scale: Vec3) -> Self {
+        Self::new(pattern, colours.iter().map(|&colour| (2.0 * Vec3::from(colour) - 1.0) * scale))
+    }
+
     /// Returns the unit normal of a texel in tangent space.
     fn sample(&self, point: &TexturePoint, random: &mut LookupRandom) -> DVec3 {
         self.normals[self.pattern.texel(point, random) as usize].as_dvec3()

@@ -6,7 +6,7 @@ use ::gltf::texture::Info;
 use ::gltf::{Document, Material, Semantic};
 
 use super::gltf_extensions::{abbe_number, coat, diffuse_transmission, specular, unread};
-use super::gltf_texture::{GltfPictures, uv_set_of};
+use super::gltf_texture::{GltfPictures, normal_uv_set_of, uv_set_of};
 use super::{MeshAttenuation, MeshMaterial, MeshOpacity, listed};
 use crate::error::{Error, Result};
 
@@ -37,9 +37,9 @@ pub(super) fn read_material(file: &Material<'_>, pictures: &mut GltfPictures<'_>
         }
         AlphaMode::Blend => MeshOpacity::Blend { alpha: f64::from(alpha) },
     };
-    // An area light has the same radiance everywhere, so a picture of the emission is averaged.
-    let emission_picture = file.emissive_texture().and_then(|info| pictures.texture(&info, set));
-    let mean = emission_picture.map_or([1.0; 3], |texture| texture.picture.mean_rgb());
+    let emission_texture = file.emissive_texture().and_then(|info| pictures.texture(&info, set));
+    let normals = file.normal_texture();
+    let normal_texture = normals.as_ref().and_then(|normals| pictures.normal_map(normals, set));
     Ok(MeshMaterial {
         name: file.name().unwrap_or_default().to_string(),
         base_colour: [r, g, b].map(f64::from),
@@ -61,7 +61,10 @@ pub(super) fn read_material(file: &Material<'_>, pictures: &mut GltfPictures<'_>
             }
         }),
         opacity,
-        emission: std::array::from_fn(|i| strength * f64::from(file.emissive_factor()[i]) * mean[i]),
+        emission: std::array::from_fn(|i| strength * f64::from(file.emissive_factor()[i])),
+        emission_texture,
+        normal_texture,
+        normal_strength: normals.map_or(1.0, |normals| f64::from(normals.scale())),
     })
 }
 
@@ -72,7 +75,8 @@ pub(super) fn uv_set(file: &Material<'_>) -> u32 {
     let transmission = file.transmission().and_then(|it| it.transmission_texture());
     let used =
         [surface.base_color_texture(), surface.metallic_roughness_texture(), transmission, file.emissive_texture()];
-    used.into_iter().flatten().next().map_or(0, |info| uv_set_of(&info))
+    let normals = file.normal_texture().map_or(0, |normals| normal_uv_set_of(&normals));
+    used.into_iter().flatten().next().map_or(normals, |info| uv_set_of(&info))
 }
 
 /// Describes what a glTF file states and the reader ignores. `whole` is false if a scene names the
@@ -122,9 +126,12 @@ fn textures(file: &Material<'_>) -> Vec<&'static str> {
             surface.metallic_roughness_texture().is_some_and(other),
             "metallicRoughnessTexture (another set of coordinates)",
         ),
-        (file.normal_texture().is_some(), "normalTexture"),
+        (
+            file.normal_texture().is_some_and(|normals| normal_uv_set_of(&normals) != set),
+            "normalTexture (another set of coordinates)",
+        ),
         (file.occlusion_texture().is_some(), "occlusionTexture"),
-        (file.emissive_texture().is_some(), "emissiveTexture (its mean colour is used)"),
+        (file.emissive_texture().is_some_and(other), "emissiveTexture (another set of coordinates)"),
         (
             transmission.and_then(|it| it.transmission_texture()).is_some_and(other),
             "transmissionTexture (another set of coordinates)",

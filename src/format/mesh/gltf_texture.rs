@@ -3,11 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use ::gltf::Texture;
 use ::gltf::buffer::Data;
 use ::gltf::image::Source;
+use ::gltf::material::NormalTexture;
 use ::gltf::texture::{Info, MagFilter, WrappingMode};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use serde_json::Value;
 
 use super::MeshTexture;
 use super::gltf::decoded_address;
@@ -34,15 +37,29 @@ impl<'b> GltfPictures<'b> {
     /// Reads a texture over the set of texture coordinates `set`. Returns `None` if the picture
     /// cannot be used, or if the texture uses another set.
     pub(super) fn texture(&mut self, info: &Info<'_>, set: u32) -> Option<MeshTexture> {
-        let transform = info.texture_transform();
-        if uv_set_of(info) != set {
-            return None;
-        }
-        let transform = transform.map_or(UvTransform::IDENTITY, |it| {
+        let transform = info.texture_transform().map_or(UvTransform::IDENTITY, |it| {
             let pair = |pair: [f32; 2]| pair.map(f64::from);
             UvTransform::new(pair(it.scale()), f64::from(it.rotation()), pair(it.offset()))
         });
-        let sampler = info.texture().sampler();
+        if uv_set_of(info) == set { self.placed(&info.texture(), transform) } else { None }
+    }
+
+    /// Reads a normal map over the set of texture coordinates `set`. Returns `None` if the picture
+    /// cannot be used, or if the map uses another set.
+    pub(super) fn normal_map(&mut self, file: &NormalTexture<'_>, set: u32) -> Option<MeshTexture> {
+        let stated = file.extension_value("KHR_texture_transform");
+        let number = |value: Option<&Value>, default: f64| value.and_then(Value::as_f64).unwrap_or(default);
+        let transform = stated.map_or(UvTransform::IDENTITY, |it| {
+            let pair =
+                |key: &str, default: f64| [0, 1].map(|i| number(it.get(key).and_then(|pair| pair.get(i)), default));
+            UvTransform::new(pair("scale", 1.0), number(it.get("rotation"), 0.0), pair("offset", 0.0))
+        });
+        if normal_uv_set_of(file) == set { self.placed(&file.texture(), transform) } else { None }
+    }
+
+    /// Reads a texture with a map of texture coordinates.
+    fn placed(&mut self, texture: &Texture<'_>, transform: UvTransform) -> Option<MeshTexture> {
+        let sampler = texture.sampler();
         let wrap = [sampler.wrap_s(), sampler.wrap_t()].map(|mode| match mode {
             WrappingMode::ClampToEdge => Wrap::Clamp,
             WrappingMode::MirroredRepeat => Wrap::Mirror,
@@ -52,7 +69,7 @@ impl<'b> GltfPictures<'b> {
             Some(MagFilter::Nearest) => Filter::Nearest,
             Some(MagFilter::Linear) | None => Filter::Bilinear,
         };
-        let image = info.texture().source();
+        let image = texture.source();
         let picture = match &self.known[image.index()] {
             Some(known) => known.clone(),
             None => match self.read(image.source()) {
@@ -95,4 +112,10 @@ impl<'b> GltfPictures<'b> {
 /// Returns the number of the set of texture coordinates that a texture uses.
 pub(super) fn uv_set_of(info: &Info<'_>) -> u32 {
     info.texture_transform().and_then(|transform| transform.tex_coord()).unwrap_or(info.tex_coord())
+}
+
+/// Returns the number of the set of texture coordinates that a normal map uses.
+pub(super) fn normal_uv_set_of(file: &NormalTexture<'_>) -> u32 {
+    let stated = file.extension_value("KHR_texture_transform").and_then(|it| it.get("texCoord"));
+    stated.and_then(Value::as_u64).and_then(|set| u32::try_from(set).ok()).unwrap_or(file.tex_coord())
 }

@@ -43,6 +43,12 @@ pub struct MeshMaterial {
     /// Emitted colour multiplied by the emissive strength. In glTF files, the unit is cd/m². Zero
     /// for a surface that does not emit.
     pub emission: [f64; 3],
+    /// A picture of colours that multiplies the emission.
+    pub emission_texture: Option<MeshTexture>,
+    /// A picture of normals.
+    pub normal_texture: Option<MeshTexture>,
+    /// Factor of the components of the normals along the surface.
+    pub normal_strength: f64,
 }
 
 /// The opacity of a surface: the part of the area that the surface covers. The alpha channel of the
@@ -136,6 +142,9 @@ impl Default for MeshMaterial {
             attenuation: None,
             opacity: MeshOpacity::Opaque,
             emission: [0.0; 3],
+            emission_texture: None,
+            normal_texture: None,
+            normal_strength: 1.0,
         }
     }
 }

@@ -99,14 +99,14 @@ impl Resolver<'_> {
         let area: f64 = objects.iter().map(|&object| builder.area_m2(object)).sum();
         let (spectrum, radiance) = match emission {
             EmissionSource::Scene(file) => self.emission(&at.key("emission"), file, area, &mut builder.notes)?,
-            EmissionSource::Mesh(rgb) => self.mesh_emission(at, *rgb)?,
-        };
-        let (stated, slide) = match emission {
-            EmissionSource::Scene(file) => (file.group.clone(), file.slide.as_ref()),
-            EmissionSource::Mesh(_) => (None, None),
+            EmissionSource::Mesh(rgb, _) => self.mesh_emission(at, *rgb)?,
         };
         let slide_at = at.key("emission");
-        let slide = slide.map(|slide| self.reflectance(&slide_at.key("slide"), slide)).transpose()?;
+        let of_scene = |slide| self.reflectance(&slide_at.key("slide"), slide);
+        let (stated, slide) = match emission {
+            EmissionSource::Scene(file) => (file.group.clone(), file.slide.as_ref().map(of_scene).transpose()?),
+            EmissionSource::Mesh(_, slide) => (None, slide.clone()),
+        };
         let object_name = || self.scene.objects[*file_index].name.clone();
         let group = stated.or_else(object_name).unwrap_or_else(|| format!("object {file_index}"));
         for &object in objects {

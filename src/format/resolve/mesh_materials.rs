@@ -9,7 +9,8 @@ use crate::optics::bsdf::Bsdf;
 use crate::optics::glass::RefractiveIndex;
 use crate::scene::{Body, Material};
 use crate::spectrum::{BAND_NM, Outside, Spectrum};
-use crate::texture::{ImagePattern, ScalarTexture, SpectralTexture, SurfaceScalar, SurfaceSpectrum};
+use crate::texture::{ImagePattern, NormalMap, ScalarTexture, SpectralTexture, SurfaceScalar, SurfaceSpectrum};
+use glam::Vec3;
 
 /// A surface has no coat if its roughness is at least this value.
 const MATT: f64 = 0.95;
@@ -67,7 +68,9 @@ pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool) -> Resu
     };
     let surface = if body.is_none() { with_holes(surface, file, textured)? } else { surface };
     let name = if file.name.is_empty() { "mesh material".to_string() } else { file.name.clone() };
-    Ok(Material { name, surface, normal_map: None, body })
+    let normals = file.normal_texture.as_ref().filter(|_| textured);
+    let normal_map = normals.map(|texture| normal_map(texture, file.normal_strength)).transpose()?;
+    Ok(Material { name, surface, normal_map, body })
 }
 
 /// Returns a surface with a roughness. `of_alpha` creates the surface of a microfacet parameter α.
@@ -169,6 +172,24 @@ fn map_channel(texture: Option<&MeshTexture>, number: usize, value: impl Fn(f32)
     let mut values = texture.picture.linear_channel(number, EncodingFile::Linear);
     values.iter_mut().for_each(|x| *x = value(*x) as f32);
     Ok(SurfaceScalar::Textured(ScalarTexture::from_values(pattern(texture)?, values)))
+}
+
+fn normal_map(texture: &MeshTexture, strength: f64) -> Result<NormalMap> {
+    let scale = Vec3::new(strength as f32, strength as f32, 1.0);
+    Ok(NormalMap::from_picture(pattern(texture)?, &texture.picture.linear_rgb(Some(EncodingFile::Linear)), scale))
+}
+
+/// Returns the light of a surface that emits: its colour as linear RGB, and the slide in front of
+/// it. Without a picture, there is no slide.
+pub(super) fn emission(file: &MeshMaterial, textured: bool) -> Result<([f64; 3], Option<SurfaceSpectrum>)> {
+    let Some(texture) = file.emission_texture.as_ref().filter(|_| textured) else { return Ok((file.emission, None)) };
+    let most = file.emission.into_iter().fold(0.0, f64::max);
+    let mut pixels = texture.picture.linear_rgb(None);
+    for pixel in &mut pixels {
+        let scaled = pixel.iter_mut().zip(file.emission);
+        scaled.for_each(|(c, factor)| *c = (*c * (factor / most) as f32).clamp(0.0, 1.0));
+    }
+    Ok(([most; 3], Some(SpectralTexture::from_colours(pattern(texture)?, pixels).into())))
 }
 
 fn pattern(texture: &MeshTexture) -> Result<ImagePattern> {

@@ -163,9 +163,9 @@ impl LoadedPart {
         Self { mesh: Arc::new(mesh), material, material_number: Rc::default(), name }
     }
 
-    /// Returns the emission of the part's own material as linear RGB.
-    pub(super) fn emission(&self) -> [f64; 3] {
-        self.material.as_ref().map_or([0.0; 3], |own| own.emission)
+    /// Returns the part's own material if it emits light.
+    pub(super) fn emitter(&self) -> Option<&MeshMaterial> {
+        self.material.as_ref().filter(|own| own.emission.iter().any(|&component| component > 0.0))
     }
 
     /// Returns the mesh for an object. Luminous objects get a mesh of their own, because points are

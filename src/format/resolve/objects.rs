@@ -10,6 +10,7 @@ use crate::geometry::shape::Shape;
 use crate::optics::bsdf::Bsdf;
 use crate::scene::Material;
 use crate::scene::builder::{ObjectSet, Placement};
+use crate::texture::SurfaceSpectrum;
 use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
 
@@ -36,8 +37,9 @@ pub(super) struct EmittingObject<'a> {
 pub(super) enum EmissionSource<'a> {
     /// The emission in the scene file.
     Scene(&'a EmissionFile),
-    /// The emission in a mesh file, as linear RGB. White, (1, 1, 1), has a luminance of 1 cd/m².
-    Mesh([f64; 3]),
+    /// The emission in a mesh file. The colour is linear RGB, and white, (1, 1, 1), has a luminance
+    /// of 1 cd/m². The slide is a picture that multiplies the colour.
+    Mesh([f64; 3], Option<SurfaceSpectrum>),
 }
 
 impl<'a> Resolver<'a> {
@@ -101,8 +103,7 @@ impl<'a> Resolver<'a> {
             let mut objects = Vec::new();
             for part in &mesh.parts {
                 let name = if part.name.is_empty() { name.clone() } else { format!("{name}/{}", part.name) };
-                let own_light = Some(part.emission())
-                    .filter(|light| material.is_none() && emission.is_none() && light.iter().any(|&c| c > 0.0));
+                let own_light = part.emitter().filter(|_| material.is_none() && emission.is_none());
                 let shape = Shape::Mesh(part.mesh_for(emission.is_some() || own_light.is_some()));
                 let material = match material {
                     Some(number) => number,
@@ -111,7 +112,9 @@ impl<'a> Resolver<'a> {
                 let object = self.at(shape_at, resolved.set.add_object(name, material, shape, placed(local)))?;
                 objects.push(object);
                 if let Some(light) = own_light {
-                    let emission = EmissionSource::Mesh(light);
+                    let light = super::mesh_materials::emission(light, part.mesh.uvs().is_some());
+                    let (rgb, slide) = self.at(shape_at, light)?;
+                    let emission = EmissionSource::Mesh(rgb, slide);
                     resolved.emitting.push(EmittingObject { file_index: number, objects: vec![object], emission });
                 }
             }

@@ -102,8 +102,7 @@ impl Resolver<'_> {
             GreenFile::Down => (*strength as f32, -*strength as f32),
         };
         let encoded = picture.linear_rgb(Some(EncodingFile::Linear));
-        let normals = encoded.into_iter().map(|rgb| (2.0 * Vec3::from(rgb) - 1.0) * Vec3::new(x, y, 1.0));
-        Ok(NormalMap::new(pattern, normals))
+        Ok(NormalMap::from_picture(pattern, &encoded, Vec3::new(x, y, 1.0)))
     }
 
     fn scalar_image(&self, file: &ScalarImageFile) -> Result<ScalarTexture> {
