@@ -356,12 +356,12 @@ fn a_gltf_says_what_is_ignored() {
         .replace("\"metallicFactor\": 0", "\"metallicFactor\": 0, \"baseColorTexture\": {\"index\": 0}")
         .replace(
             "\"name\": \"flint\"",
-            "\"name\": \"flint\", \"alphaMode\": \"BLEND\", \"normalTexture\": {\"index\": 0}",
+            "\"name\": \"flint\", \"alphaMode\": \"BLEND\", \"occlusionTexture\": {\"index\": 0}",
         )
         .replace("\"KHR_materials_ior\": {", "\"KHR_materials_sheen\": {}, \"KHR_materials_ior\": {")
         .replace("\"buffers\"", "\"textures\": [{\"source\": 0}], \"images\": [{\"uri\": \"a.png\"}], \"buffers\"")
         .replace("\"NORMAL\": 0", "\"NORMAL\": 0, \"COLOR_0\": 0");
-    let expected = "textures are ignored: normalTexture; material extensions are ignored: KHR_materials_sheen (cloth has no bright rim); ignored \
+    let expected = "textures are ignored: occlusionTexture; material extensions are ignored: KHR_materials_sheen (cloth has no bright rim); ignored \
                     as well: vertex colours; base colours of clear glass are ignored; state the colour as attenuation of \
                     the volume; the image 0 cannot be used (";
     let found = ignored(&write(&folder, "textured.gltf", &textured)).unwrap();

@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::format::{read, resolve::resolve};
+use crate::scene::light::Emitter;
+use crate::spectrum::Observer;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use tempfile::TempDir;
@@ -74,6 +76,28 @@ fn a_gltf_scene_keeps_its_camera_its_lights_and_its_texture() {
     let scene = resolve(&file, &source).unwrap();
     let surface = &scene.materials[scene.objects[0].material].surface;
     assert!(surface.is_textured() && surface.components().count() == 2, "half metal, half matt");
+}
+
+/// The picture of the emission is a slide, and the brightest component of the factor gives the
+/// luminance. A normal map keeps its transform.
+#[test]
+fn pictures_of_normals_and_of_emission_are_read() {
+    let base = r#""pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0.5}"#;
+    let maps = r#""emissiveTexture": {"index": 0}, "emissiveFactor": [0.5, 0.25, 0.125], "normalTexture": {"index": 0,
+        "scale": 0.5, "extensions": {"KHR_texture_transform": {"scale": [4, 4]}}}"#;
+    let text = gltf("", r#", "scenes": [{"nodes": [0]}]"#).replace(base, &format!("{base}, {maps}"));
+    let (_folder, path, imported) = imported(&text);
+    assert!(imported.left_out.is_empty(), "{imported:?}");
+    let scene = resolved(&path);
+    let map = scene.materials[scene.objects[0].material].normal_map.as_ref().unwrap();
+    assert_eq!(map.memory_bytes(), 4 * 12, "four texels of three numbers");
+    let light = scene.lights.iter().find(|light| light.object().is_some()).unwrap();
+    let Emitter::Area(emitter) = &light.emitter else { panic!("{light:?}") };
+    let luminance = 683.002 * Observer::cie1931().xyz(&light.spectrum)[1] * emitter.radiance;
+    assert!((luminance - 0.5).abs() < 1e-4, "{luminance}");
+    // Under the factor (1, ½, ¼), the blue of the upper left texel is 50 / 255 · ¼ in linear sRGB.
+    let blue = light.slide().unwrap().at(0, 450.0);
+    assert!(blue > 0.003 && blue < 0.02, "{blue}");
 }
 
 /// A buffer outside the folder of the file is not read.
