@@ -69,8 +69,10 @@ impl GlbBuilder {
     }
 }
 
+/// A sphere whose seam and poles are closed without rounding.
 fn sphere(u: f64, v: f64) -> ([f64; 3], [f64; 3]) {
-    let (sin, cos) = (PI * v).sin_cos();
+    let u = u.fract();
+    let (sin, cos) = if v <= 0.0 || v >= 1.0 { (0.0, 1.0 - 2.0 * v) } else { (PI * v).sin_cos() };
     let normal = [sin * (TAU * u).sin(), cos, sin * (TAU * u).cos()];
     (normal, normal)
 }
