@@ -12,7 +12,6 @@ use super::texture::UvFile;
 /// along u, and z along the surface normal.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Normal map")]
 pub struct NormalMapFile {
     /// Name of the material, from the scene's `materials`.
     pub material: String,
