@@ -118,7 +118,7 @@ pub(crate) fn study_json(request: StudyRequest, monitor: &mut (dyn StudyMonitor 
     let StudyRequest { text, path, changes, access, folder, budget, reference, threads } = request;
     let text = match text {
         Some(text) => text,
-        None => format::read_scene_text(&path, access)?.text,
+        None => format::read_scene_text(&path, access, None)?.text,
     };
     let (scene, source) = format::parse_with_access(&text, &path, &changes, access)?;
     let reference = match &reference {
