@@ -309,7 +309,16 @@ pub fn parse_prescription(text: &str, name: &Path) -> Result<(PrescriptionFile, 
 ///
 /// Three keys extend the schema: `x-unit` is the unit of a number, `x-default` describes a default
 /// that is not a JSON value, and `x-range` describes a range that JSON Schema cannot express.
+///
+/// The program embeds the file that [`generated_schema`] describes. The functions that generate the
+/// schema would be a twelfth of the program.
 pub fn schema() -> serde_json::Value {
+    serde_json::from_str(include_str!("../../scenes/scene.schema.json")).expect("a test generates the file")
+}
+
+/// Generates the JSON Schema of the scene file from the types of this module. Only tests call this
+/// function: they compare it with the file `scenes/scene.schema.json`, which [`schema`] returns.
+pub fn generated_schema() -> serde_json::Value {
     schemars::generate::SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<SceneFile>().into()
 }
 

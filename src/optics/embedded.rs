@@ -1,13 +1,23 @@
-//! Reads the tables that `build.rs` deflates and the program embeds.
+//! Reads the packed tables that the program embeds. Unpacked, they would be a thirtieth of the
+//! program.
 
 use std::io::Read;
 
-/// Inflates an embedded table.
+/// Unpacks an embedded gzip file.
 ///
 /// # Panics
-/// Panics if `deflated` was not written by `build.rs`.
-pub(super) fn inflate(deflated: &[u8]) -> String {
+/// Panics if `packed` is not a gzip file of UTF-8 text.
+pub(super) fn unpack(packed: &[u8]) -> String {
     let mut text = String::new();
-    flate2::read::ZlibDecoder::new(deflated).read_to_string(&mut text).expect("build.rs deflated the table");
+    flate2::read::GzDecoder::new(packed).read_to_string(&mut text).expect("the file is packed text");
     text
+}
+
+/// Packs a table for embedding.
+#[cfg(test)]
+pub(super) fn pack(text: &str) -> Vec<u8> {
+    let mut packed = Vec::new();
+    let mut encoder = flate2::read::GzEncoder::new(text.as_bytes(), flate2::Compression::best());
+    encoder.read_to_end(&mut packed).expect("memory does not fail");
+    packed
 }

@@ -8,7 +8,6 @@ use super::dispersion::{Dispersion, PowerTerm, SellmeierTerm};
 use super::extinction::Extinction;
 use super::index::{ReferenceMedium, RefractiveIndex};
 use crate::error::{Error, Result};
-use crate::optics::embedded::inflate;
 use crate::spectrum::BAND_NM;
 use glam::{DMat3, DVec3};
 
@@ -165,8 +164,8 @@ pub fn find(name: &str) -> Result<&'static Glass> {
 }
 
 static GLASSES: LazyLock<Vec<Glass>> = LazyLock::new(|| {
-    let text = inflate(include_bytes!(concat!(env!("OUT_DIR"), "/glasses.json.z")));
-    let file: GlassesFile = serde_json::from_str(&text).expect("a test parses the embedded catalogue");
+    let text = include_str!("../../../data/glass/glasses.json");
+    let file: GlassesFile = serde_json::from_str(text).expect("a test parses the embedded catalogue");
     file.glasses.into_iter().map(Glass::from).collect()
 });
 

@@ -1,4 +1,4 @@
-//! The phase function of rain, read from `data/media/rainbow.csv`. The table was computed by the
+//! The phase function of rain, read from `data/media/rainbow.csv.gz`. The table was computed by the
 //! series of [`mie`](super::mie).
 //!
 //! The radii of the drops lie between 0.16 and 1 mm. The radii follow a lognormal distribution with
@@ -8,16 +8,16 @@
 //! rendered bows are blurred as in the sky.
 
 use super::table::{self, PhaseTable};
-use crate::optics::embedded::inflate;
+use crate::optics::embedded::unpack;
 use std::sync::{Arc, OnceLock};
 
-/// The file of the table, deflated.
-static RAINBOW: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/rainbow.csv.z"));
+/// The packed file of the table.
+static RAINBOW: &[u8] = include_bytes!("../../../data/media/rainbow.csv.gz");
 
 /// Returns the phase function of rain.
 pub fn rainbow() -> Arc<PhaseTable> {
     static TABLE: OnceLock<Arc<PhaseTable>> = OnceLock::new();
-    TABLE.get_or_init(|| Arc::new(table::parse(&inflate(RAINBOW)).expect("the built-in table is valid"))).clone()
+    TABLE.get_or_init(|| Arc::new(table::parse(&unpack(RAINBOW)).expect("the built-in table is valid"))).clone()
 }
 
 #[cfg(test)]
@@ -25,6 +25,7 @@ mod tests {
     use super::super::PhaseFunction;
     use super::super::mie::{MieSpheres, lognormal};
     use super::*;
+    use crate::optics::embedded::pack;
     use crate::optics::glass::RefractiveIndex;
     use std::fmt::Write;
 
@@ -87,7 +88,7 @@ mod tests {
                 write!(text, ",{}", digits.parse::<f64>().unwrap()).unwrap();
             }
         }
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data/media/rainbow.csv");
-        std::fs::write(path, text + "\n").unwrap();
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data/media/rainbow.csv.gz");
+        std::fs::write(path, pack(&(text + "\n"))).unwrap();
     }
 }

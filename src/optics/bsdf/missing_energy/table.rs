@@ -1,5 +1,5 @@
 //! The table of the missing energy for all roughnesses, indices and angles, read from
-//! `data/microfacets/missing_energy.csv`.
+//! `data/microfacets/missing_energy.csv.gz`.
 //!
 //! The nodes are dense where the missing energy changes fast: at indices near 1, and at grazing
 //! angles of smooth surfaces. The interpolation is cubic in all three dimensions.
@@ -7,12 +7,12 @@
 use super::FacetKind;
 use crate::math::cubic::CubicStencil;
 use crate::math::elementary::{asin, exp, ln, powf, sin};
-use crate::optics::embedded::inflate;
+use crate::optics::embedded::unpack;
 use crate::optics::microfacet::{Ggx, MIN_ALPHA};
 use std::sync::OnceLock;
 
-/// The file of the table, deflated.
-static FILE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/missing_energy.csv.z"));
+/// The packed file of the table.
+static FILE: &[u8] = include_bytes!("../../../../data/microfacets/missing_energy.csv.gz");
 
 /// The number of roughnesses in the table.
 const ALPHAS: usize = 16;
@@ -59,7 +59,7 @@ impl MissingEnergyTable {
     /// Returns the table that is built into the program.
     pub(super) fn built_in() -> &'static Self {
         static TABLE: OnceLock<MissingEnergyTable> = OnceLock::new();
-        TABLE.get_or_init(|| Self { rows: inflate(FILE).lines().skip(1).map(parse).collect() })
+        TABLE.get_or_init(|| Self { rows: unpack(FILE).lines().skip(1).map(parse).collect() })
     }
 
     /// Interpolates the missing energy of an interface.
@@ -141,6 +141,7 @@ fn angle_position(cos: f64, alpha: f64) -> f64 {
 mod tests {
     use super::super::quadrature::{mean_transmitted, missing_and_transmitted};
     use super::*;
+    use crate::optics::embedded::pack;
     use rayon::prelude::*;
     use std::fmt::Write;
 
@@ -170,7 +171,7 @@ mod tests {
         let table = MissingEnergyTable::built_in();
         assert_eq!(table.rows.len(), ALPHAS * (INDICES + 1));
         let fields = 2 + ANGLES + 1;
-        assert!(inflate(FILE).lines().all(|line| line.split(',').count() == fields));
+        assert!(unpack(FILE).lines().all(|line| line.split(',').count() == fields));
         for node in 0..ALPHAS {
             assert!((alpha_position(alpha(node)) - node as f64).abs() < 1e-9);
         }
@@ -204,10 +205,10 @@ mod tests {
         let lines: Vec<String> = (0..ALPHAS * (INDICES + 1)).into_par_iter().map(line).collect();
         let text = format!("{header},transmitted_1e-6\n{}\n", lines.join("\n"));
         if std::env::var_os("ABBE_BLESS").is_some() {
-            let path = concat!(env!("CARGO_MANIFEST_DIR"), "/data/microfacets/missing_energy.csv");
-            std::fs::write(path, text).expect("the table is written");
+            let path = concat!(env!("CARGO_MANIFEST_DIR"), "/data/microfacets/missing_energy.csv.gz");
+            std::fs::write(path, pack(&text)).expect("the table is written");
         } else {
-            assert!(text == inflate(FILE), "the table and the quadrature differ");
+            assert!(text == unpack(FILE), "the table and the quadrature differ");
         }
     }
 
