@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use crate::api::provenance;
 use crate::colour::ColourReport;
 use crate::error::{Error, Result};
 use crate::format::resolve::{self, Role};
@@ -13,17 +12,15 @@ use crate::optics::lens::LensAnalysis;
 use crate::optics::lens::image_quality::ImageQuality;
 use crate::optics::lens::section::section;
 use crate::optics::lens::zemax::ZmxSystem;
-use crate::output::exr::read;
 use crate::output::file;
-use crate::output::metadata::names;
-use crate::render::{Integrator, Job, on_threads};
 use crate::spectrum::{Observer, Spectrum};
-use crate::study::{self, StudyMonitor, StudyOptions, StudyOutcome, StudyScene};
+use crate::study::{StudyMonitor, StudyOutcome};
 use serde::Serialize;
 
 use super::colour::ColourJson;
 use super::lamps::LampsArgs;
-use super::{folded_lens, glass, lamps, lens, memory, named};
+use super::study::{StudyFiles, study_of};
+use super::{folded_lens, glass, lamps, lens, named};
 
 fn json<T: Serialize>(value: &T) -> String {
     serde_json::to_string(value).expect("reports have text keys and no fallible values")
@@ -121,18 +118,8 @@ pub(crate) fn study_json(request: StudyRequest, monitor: &mut (dyn StudyMonitor 
         None => format::read_scene_text(&path, access, None)?.text,
     };
     let (scene, source) = format::parse_with_access(&text, &path, &changes, access)?;
-    let reference = match &reference {
-        Some(path) => Some((path.display().to_string(), read(path)?.picture)),
-        None => None,
-    };
-    let job = Job::new(resolve::resolve(&scene, &source)?).map_err(|error| error.in_file(&path))?;
-    memory::check(&job.budget)?;
-    let of_scene = provenance::of_scene(Some(&source), &job, Integrator::Photon);
-    let hash = of_scene.get(names::SCENE_HASH).unwrap_or_default().to_string();
-    let study_scene = StudyScene { path, text: source.text.clone(), reach: source.file_access(), hash };
-    let options = StudyOptions { folder, budget, reference };
-    let threads = threads.or(job.scene.settings.threads);
-    match on_threads(threads, || study::run(&study_scene, &options, monitor))?? {
+    let files = StudyFiles { scene: &path, output: &folder, reference: reference.as_deref() };
+    match study_of(&scene, &source, &files, budget, threads, monitor)? {
         StudyOutcome::Finished(report) => Ok(Some(json(&report))),
         StudyOutcome::Interrupted => Ok(None),
     }

@@ -1,10 +1,11 @@
 //! `abbe study`: measures error against time.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crate::error::Result;
 use crate::format::resolve::resolve;
+use crate::format::{JsonSource, SceneFile};
 use crate::output::exr::read;
 use crate::output::metadata::names;
 use crate::render::{Integrator, Job, Monitor, Progress, on_threads};
@@ -66,28 +67,53 @@ impl StudyMonitor for StudyDisplay {
     }
 }
 
-pub(crate) fn run(arguments: &StudyArgs) -> Result<Outcome> {
-    interrupt::watch()?;
-    let (scene, source) = arguments.scene_file.read(&arguments.scene, &[])?;
-    let reference = match &arguments.reference {
+/// The files of a study.
+pub(super) struct StudyFiles<'a> {
+    /// The scene file, which errors and the report name.
+    pub(super) scene: &'a Path,
+    /// The folder of the results.
+    pub(super) output: &'a Path,
+    /// The EXR file of the reference, if it is given.
+    pub(super) reference: Option<&'a Path>,
+}
+
+/// Runs a study of a scene. The number of threads is `threads`, or the one of the scene.
+///
+/// # Errors
+/// Returns an error if a file cannot be read or written, or if the scene cannot be rendered.
+pub(super) fn study_of(
+    scene: &SceneFile,
+    source: &JsonSource,
+    files: &StudyFiles<'_>,
+    budget: Duration,
+    threads: Option<u32>,
+    monitor: &mut (dyn StudyMonitor + Send),
+) -> Result<StudyOutcome> {
+    let reference = match files.reference {
         Some(path) => Some((path.display().to_string(), read(path)?.picture)),
         None => None,
     };
-    let job = Job::new(resolve(&scene, &source)?).map_err(|error| error.in_file(&arguments.scene))?;
+    let job = Job::new(resolve(scene, source)?).map_err(|error| error.in_file(files.scene))?;
     memory::check(&job.budget)?;
-    let of_scene = provenance::of_scene(Some(&source), &job, Integrator::Photon);
+    let of_scene = provenance::of_scene(Some(source), &job, Integrator::Photon);
     let study_scene = StudyScene {
-        path: arguments.scene.clone(),
+        path: files.scene.to_owned(),
         text: source.text.clone(),
         reach: source.file_access(),
         hash: of_scene.get(names::SCENE_HASH).unwrap_or_default().to_string(),
     };
-    let options = StudyOptions { folder: arguments.output.clone(), budget: arguments.budget, reference };
+    let options = StudyOptions { folder: files.output.to_owned(), budget, reference };
+    on_threads(threads.or(job.scene.settings.threads), || study::run(&study_scene, &options, monitor))?
+}
+
+pub(crate) fn run(arguments: &StudyArgs) -> Result<Outcome> {
+    interrupt::watch()?;
+    let (scene, source) = arguments.scene_file.read(&arguments.scene, &[])?;
     let quiet = arguments.quiet;
     let mut steps = StudyDisplay { display: ProgressDisplay::new(true, None), quiet };
-    let ending = on_threads(arguments.threads.or(job.scene.settings.threads), || {
-        study::run(&study_scene, &options, &mut steps)
-    })?;
+    let StudyArgs { scene: path, output, budget, reference, threads, .. } = arguments;
+    let files = StudyFiles { scene: path, output, reference: reference.as_deref() };
+    let ending = study_of(&scene, &source, &files, *budget, *threads, &mut steps);
     steps.display.finish();
     let folder = arguments.output.display();
     match ending? {

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::forms;
-use super::picture::{FilterFile, WrapFile};
+use super::picture::{FilterFile, WrapFile, is_one, one};
 use super::texture::UvFile;
 
 /// A material with shading normals from a picture. The red, green and blue components of the
@@ -37,14 +37,6 @@ pub struct NormalMapFile {
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(extend("x-default" = "no change"))]
     pub uv: UvFile,
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-fn is_one(value: &f64) -> bool {
-    *value == 1.0
 }
 
 /// The direction of the green component of a normal map.

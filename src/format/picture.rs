@@ -90,11 +90,11 @@ pub struct BandImageFile {
     pub uv: UvFile,
 }
 
-fn one() -> f64 {
+pub(super) fn one() -> f64 {
     1.0
 }
 
-fn is_one(value: &f64) -> bool {
+pub(super) fn is_one(value: &f64) -> bool {
     *value == 1.0
 }
 

@@ -8,7 +8,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tokio::sync::watch;
 
-/// What the page wants from the session.
+/// The orders of the page to the session.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Orders {
     /// Counts the changes of the scene: of its file, and by the page.

@@ -1,4 +1,4 @@
-//! What the page knows about the scene: its text, plan, colours and lights.
+//! The data of a scene for the page: its text, plan, colours and lights.
 
 use super::host::LoadedScene;
 use crate::api::PlanReport;

@@ -196,7 +196,7 @@ async fn pictured(channel: &ViewChannel, path: &str, query: &str) -> Result<Resp
     }
 }
 
-/// What the page wants. Absent fields do not change.
+/// The changes that the page asks for. Absent fields do not change.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PageOrders {

@@ -70,6 +70,15 @@ fn mean_of_tiles() -> [f64; 3] {
     ]
 }
 
+/// Checks that the mean of the pixels is within 0.5 % of the expected XYZ values.
+fn assert_mean(name: &str, pixels: &[[f64; 3]], expected: [f64; 3]) {
+    for c in 0..3 {
+        let mean = pixels.iter().map(|xyz| xyz[c]).sum::<f64>() / pixels.len() as f64;
+        println!("{name}, channel {c}: {mean:.3} for {:.3}", expected[c]);
+        assert!((mean / expected[c] - 1.0).abs() < 0.005, "{name}: {mean} for {}", expected[c]);
+    }
+}
+
 /// The mean of a rendered textured plane equals the mean of the picture in XYZ within 0.5 %. The
 /// texels are larger than a pixel, about as large, or much smaller.
 #[test]
@@ -77,11 +86,7 @@ fn a_textured_plane_has_the_mean_of_its_picture() {
     let expected = mean_of_tiles();
     for (pixels, repeats, passes) in [(96, 1.0, 24), (32, 1.0, 48), (16, 8.0, 96)] {
         let picture = render(&textured_plane(pixels, repeats), Integrator::Photon, passes).picture;
-        for c in 0..3 {
-            let mean = picture.xyz.iter().map(|xyz| xyz[c]).sum::<f64>() / picture.xyz.len() as f64;
-            println!("{pixels} pixels, {repeats} repeats, channel {c}: {mean:.3} for {:.3}", expected[c]);
-            assert!((mean / expected[c] - 1.0).abs() < 0.005, "{pixels}: {mean} for {}", expected[c]);
-        }
+        assert_mean(&format!("{pixels} pixels, {repeats} repeats"), &picture.xyz, expected);
     }
 }
 
@@ -101,12 +106,20 @@ fn a_slide_has_the_mean_of_its_picture() {
     });
     for integrator in [Integrator::Photon, Integrator::Path] {
         let picture = render(&scene, integrator, 192).picture;
-        for c in 0..3 {
-            let mean = picture.xyz.iter().map(|xyz| xyz[c]).sum::<f64>() / picture.xyz.len() as f64;
-            println!("{integrator:?}, channel {c}: {mean:.3} for {:.3}", expected[c]);
-            assert!((mean / expected[c] - 1.0).abs() < 0.005, "{integrator:?}: {mean} for {}", expected[c]);
-        }
+        assert_mean(&format!("{integrator:?}"), &picture.xyz, expected);
     }
+}
+
+/// Checks that photons and camera paths see the same light. The kernels of the photons are
+/// extrapolated to radius 0.
+fn assert_integrators_agree(name: &str, scene: &Value) {
+    let [whole, half] = [0.1, 0.05].map(|radius| {
+        let scene = crate::common::with_setting(scene, "radius", radius);
+        Measured::new(&scene, (Integrator::Photon, 24), 0..8, colour_blocks(8))
+    });
+    let photon = Measured::extrapolated(&whole, &half);
+    let path = Measured::new(scene, (Integrator::Path, 192), 100..108, colour_blocks(8));
+    assert_same(&format!("{name}, photon against path"), &photon, &path, 1e-2);
 }
 
 /// A lamp with coloured stripes above a glass ball: the floor receives direct light, and the light
@@ -127,20 +140,13 @@ fn photons_and_paths_agree_under_a_lamp_with_a_slide() {
         ],
         "render": { "photons": 8000 }
     });
-    let [whole, half] = [0.1, 0.05].map(|radius| {
-        let scene = crate::common::with_setting(&scene, "radius", radius);
-        Measured::new(&scene, (Integrator::Photon, 24), 0..8, colour_blocks(8))
-    });
-    let photon = Measured::extrapolated(&whole, &half);
-    let path = Measured::new(&scene, (Integrator::Path, 192), 100..108, colour_blocks(8));
-    assert_same("lamp with a slide, photon against path", &photon, &path, 1e-2);
+    assert_integrators_agree("lamp with a slide", &scene);
 }
 
 /// A glass ball above a textured floor. The path tracer does not filter textures, so the comparison
 /// also tests the filter of the camera paths.
 #[test]
 fn photons_and_paths_agree_on_a_textured_floor_under_a_glass_ball() {
-    const RADIUS: f64 = 0.1;
     let floor =
         json!({ "image": { "path": "textures/tiles.png", "wrap": "mirror", "uv": { "scale": [3, 3], "rotate": 20 } } });
     let scene = json!({
@@ -156,13 +162,7 @@ fn photons_and_paths_agree_on_a_textured_floor_under_a_glass_ball() {
         ],
         "render": { "photons": 8000 }
     });
-    let [whole, half] = [RADIUS, 0.5 * RADIUS].map(|radius| {
-        let scene = crate::common::with_setting(&scene, "radius", radius);
-        Measured::new(&scene, (Integrator::Photon, 24), 0..8, colour_blocks(8))
-    });
-    let photon = Measured::extrapolated(&whole, &half);
-    let path = Measured::new(&scene, (Integrator::Path, 192), 100..108, colour_blocks(8));
-    assert_same("textured floor under a glass ball, photon against path", &photon, &path, 1e-2);
+    assert_integrators_agree("textured floor under a glass ball", &scene);
 }
 
 /// A floor whose normal map leans by 30° shows the illuminance on a plane that leans by 30°. The
@@ -214,11 +214,5 @@ fn photons_and_paths_agree_on_a_floor_with_a_normal_map() {
         ],
         "render": { "photons": 8000 }
     });
-    let [whole, half] = [0.1, 0.05].map(|radius| {
-        let scene = crate::common::with_setting(&scene, "radius", radius);
-        Measured::new(&scene, (Integrator::Photon, 24), 0..8, colour_blocks(8))
-    });
-    let photon = Measured::extrapolated(&whole, &half);
-    let path = Measured::new(&scene, (Integrator::Path, 192), 100..108, colour_blocks(8));
-    assert_same("normal maps, photon against path", &photon, &path, 1e-2);
+    assert_integrators_agree("normal maps", &scene);
 }

@@ -4,7 +4,6 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 #[path = "../cli/abbe_command/mod.rs"]
-#[allow(dead_code, reason = "other tests use the rest")]
 mod abbe_command;
 mod browser;
 mod client;

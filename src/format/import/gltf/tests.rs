@@ -266,7 +266,7 @@ fn a_cubic_spline_is_sampled() {
     assert_eq!(value["objects"][0]["transform"], json!([{"translate": [2.0, 0.0, 0.0]}]));
 }
 
-/// What has no counterpart is named with the node and the consequence.
+/// A remark names each part without a counterpart, with its node and the consequence.
 #[test]
 fn what_is_left_out_is_listed() {
     let nodes = r#", {"name": "Ortho", "camera": 0}, {"name": "Flat", "mesh": 0, "scale": [0, 1, 1]},

@@ -46,14 +46,13 @@ impl MitsubaReader<'_> {
             return Ok(None);
         }
         let properties = Properties::new(emitter);
-        let textured = self.textured(&properties, "radiance")?;
-        if let Some((slide, peak)) = textured.as_ref().and_then(Textured::slide) {
-            properties.ignore(&["sampling_weight"]);
+        let textured = self.light_texture(&properties, "radiance")?;
+        if let Some((slide, peak)) = textured.slide() {
             self.note_unread(&properties);
             let white = MitsubaSpectrum::Rgb([peak; 3]).light().map_err(|error| emitter.locate(error))?;
             return Ok(Some(json!({"spectrum": white.spectrum, "luminance": white.quantity, "slide": slide})));
         }
-        let light = self.light_spectrum(&properties, "radiance")?;
+        let light = self.mean_light(&properties, "radiance", &textured)?;
         self.note_unread(&properties);
         Ok((!light.is_dark()).then(|| json!({"spectrum": light.spectrum, "luminance": light.quantity})))
     }
@@ -61,9 +60,19 @@ impl MitsubaReader<'_> {
     /// Reads the radiance, intensity or irradiance of an emitter. A texture is replaced by its
     /// mean.
     fn light_spectrum(&mut self, properties: &Properties<'_>, name: &str) -> Result<EmissionSpectrum> {
+        let textured = self.light_texture(properties, name)?;
+        self.mean_light(properties, name, &textured)
+    }
+
+    /// Reads the spectrum or the texture of an emitter. The default is 1.
+    fn light_texture(&mut self, properties: &Properties<'_>, name: &str) -> Result<Textured> {
         properties.ignore(&["sampling_weight"]);
         let textured = self.textured(properties, name)?;
-        let textured = textured.unwrap_or(Textured::Spectrum(MitsubaSpectrum::Number(1.0)));
+        Ok(textured.unwrap_or(Textured::Spectrum(MitsubaSpectrum::Number(1.0))))
+    }
+
+    /// Returns the light of a spectrum, or of the mean of a texture.
+    fn mean_light(&mut self, properties: &Properties<'_>, name: &str, textured: &Textured) -> Result<EmissionSpectrum> {
         if !textured.is_uniform() {
             let what = format!("the texture of \"{name}\" is replaced by its mean");
             self.scene.leave_out(properties.element.place(), what);
