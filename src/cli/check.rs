@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::scene_file::SceneFileArgs;
 use super::{Outcome, print};
 use crate::error::Result;
-use crate::format::resolve::resolve;
+use crate::format::resolve::resolve_any;
 use crate::render::Job;
 
 #[derive(Debug, clap::Args)]
@@ -31,7 +31,7 @@ pub(crate) fn run(arguments: &CheckArgs) -> Outcome {
 
 fn check(path: &Path, scene_file: &SceneFileArgs) -> Result<()> {
     let (scene, source) = scene_file.read(path, &[])?;
-    let job = Job::new(resolve(&scene, &source)?).map_err(|error| error.in_file(path))?;
+    let job = Job::new(resolve_any(&scene, &source)?).map_err(|error| error.in_file(path))?;
     for note in &job.scene.notes {
         print::remark(&format!("{}: note: {note}", path.display()));
     }

@@ -25,6 +25,7 @@ mod lamps;
 mod lens;
 mod luminaire;
 mod man;
+mod measure;
 mod memory;
 mod merge;
 mod metal;
@@ -102,6 +103,8 @@ enum Command {
     /// Compare two lamps, or a lamp and its best match from primaries: their colours and the
     /// colours of surfaces under them
     Lamps(lamps::LampsArgs),
+    /// Measure the light at the meters of a scene: illuminance, spectra, flux, and other quantities
+    Measure(measure::MeasureArgs),
     /// Compare a picture with a reference
     Compare(compare::CompareArgs),
     /// Print the colour, the error bars and the spectrum of a pixel
@@ -212,6 +215,7 @@ fn run(command: &Command) -> Result<Outcome> {
         Command::Metal(arguments) => metal::run(arguments),
         Command::Lens(arguments) => lens::run(arguments),
         Command::Lamps(arguments) => lamps::run(arguments),
+        Command::Measure(arguments) => measure::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Probe(arguments) => probe::run(arguments),
         #[cfg(feature = "view")]

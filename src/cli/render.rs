@@ -123,10 +123,19 @@ impl HeaderArgs {
 }
 
 #[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
-enum IntegratorName {
+pub(crate) enum IntegratorName {
     #[default]
     Photon,
     Path,
+}
+
+impl IntegratorName {
+    pub(crate) fn integrator(self) -> Integrator {
+        match self {
+            Self::Photon => Integrator::Photon,
+            Self::Path => Integrator::Path,
+        }
+    }
 }
 
 pub(crate) fn run(arguments: &RenderArgs) -> Result<Outcome> {
@@ -261,10 +270,7 @@ impl RenderArgs {
     }
 
     fn request(&self) -> Request {
-        let integrator = match self.integrator {
-            IntegratorName::Photon => Integrator::Photon,
-            IntegratorName::Path => Integrator::Path,
-        };
+        let integrator = self.integrator.integrator();
         let stop = StopRules { passes: self.passes, time: self.time, target_error: self.target_error };
         Request { integrator, stop }
     }

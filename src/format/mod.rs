@@ -22,6 +22,7 @@ pub mod luminaire;
 mod material;
 mod medium;
 pub mod mesh;
+mod meter;
 mod normal_map;
 mod object;
 mod phase;
@@ -62,6 +63,9 @@ pub use lens::{LensFile, LensSurfaceFile, PrescriptionFile, SystemLensFile, Thin
 pub use light::LightFile;
 pub use material::{ConductorFile, DielectricFile, MaterialFile, ThinDielectricFile, WeightedMaterialFile};
 pub use medium::{GridFile, HomogeneousFile, MediumBlackbodyFile, MediumEmissionFile, MediumFile, TransmittanceFile};
+pub use meter::{
+    MeterCylinderFile, MeterFile, MeterGridFile, MeterSphereFile, MeterSpotFile, QuantityKindFile, SideFile,
+};
 pub use normal_map::{GreenFile, NormalMapFile};
 pub use object::ObjectFile;
 pub use phase::PhaseFile;
@@ -106,10 +110,14 @@ pub struct SceneFile {
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "forms::never")]
     pub unit: UnitFile,
-    /// The camera.
-    pub camera: CameraFile,
-    /// The film: size and colours of the picture.
-    pub film: FilmFile,
+    /// The camera. Only a scene with `meters` may leave it out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "no camera, if the scene has `meters`"))]
+    pub camera: Option<CameraFile>,
+    /// The film: size and colours of the picture. Only a scene with `meters` may leave it out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "no film, if the scene has `meters`"))]
+    pub film: Option<FilmFile>,
     /// Spectra by name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(skip_serializing_if = "forms::never")]
@@ -132,6 +140,10 @@ pub struct SceneFile {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(skip_serializing_if = "forms::never")]
     pub lights: Vec<LightFile>,
+    /// The meters, which `abbe measure` reads. A picture does not show them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub meters: Vec<MeterFile>,
     /// Name of the medium outside all objects, from `media`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no medium"))]
@@ -244,7 +256,7 @@ pub fn parse_with_access(
     access: FileAccess,
 ) -> Result<(SceneFile, JsonSource)> {
     let source = JsonSource::patched(text, path, sets)?.with_file_access(access);
-    parse_source(source, |scene, source| resolve::resolve(scene, source).err())
+    parse_source(source, |scene, source| resolve::resolve_any(scene, source).err())
 }
 
 /// Reads a scene and checks single values. If the text has faults, `look_further` returns further
@@ -323,6 +335,23 @@ pub fn generated_schema() -> serde_json::Value {
 }
 
 impl SceneFile {
+    /// Keeps only the meters with these names. An empty list keeps all meters.
+    ///
+    /// # Errors
+    /// Returns an error if the scene has no meter of a name.
+    pub fn select_meters(&mut self, names: &[String]) -> Result<()> {
+        for name in names {
+            if !self.meters.iter().any(|meter| meter.name == *name) {
+                let known = self.meters.iter().map(|meter| meter.name.as_str());
+                return Err(Error::unknown_name("meter", name, known));
+            }
+        }
+        if !names.is_empty() {
+            self.meters.retain(|meter| names.contains(&meter.name));
+        }
+        Ok(())
+    }
+
     /// Checks all rules that concern a single value or object.
     ///
     /// # Errors
@@ -336,7 +365,17 @@ impl SceneFile {
     fn check(&self) -> Result<()> {
         let Self { schema: _, title: _, unit: _, camera, film, spectra, media, materials, shapes, .. } = self;
         let root = JsonPath::Root;
-        let mut results = vec![camera.validate(&root.key("camera")), film.validate(&root.key("film"))];
+        let absent = |key: &str, present: bool| {
+            let missing = !present && self.meters.is_empty();
+            let error = || check::fault(&root, format!("missing key \"{key}\""), format!("`{key}`, or `meters` for `abbe measure`"));
+            if missing { Err(error()) } else { Ok(()) }
+        };
+        let mut results = vec![
+            camera.as_ref().map_or_else(|| absent("camera", false), |camera| camera.validate(&root.key("camera"))),
+            film.as_ref().map_or_else(|| absent("film", false), |film| film.validate(&root.key("film"))),
+        ];
+        let at = root.key("meters");
+        results.extend(self.meters.iter().enumerate().map(|(i, meter)| meter.validate(&at.index(i))));
         let at = root.key("spectra");
         results.extend(spectra.iter().map(|(name, spectrum)| spectrum.validate(&at.key(name), SpectrumUse::Any)));
         let at = root.key("media");

@@ -22,6 +22,6 @@ pub use density::gather_point::{NORMAL_TOLERANCE, PLANE_TOLERANCE};
 pub use density::outline::{Outline, OutlineSurvey, Outlines};
 pub use density::responses::SensorResponses;
 pub use direct::lighting::{DirectLighting, power_heuristic};
-pub use direct::openings::{OPENINGS_SHARE, Openings};
+pub use direct::openings::{OPENINGS_SHARE, OpeningSpheres, Openings};
 pub use direct::selection::LightSelector;
 pub use path_tracer::tracer::PathTracer;

@@ -57,7 +57,7 @@ impl LearnedAims {
 /// Learns the emission distribution of each light from photons traced in the scene at several
 /// times.
 pub(super) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -> LearnedAims {
-    let (targets, lights) = (aim_targets(scenes, &context.openings.spheres), &context.lights.lights);
+    let (targets, lights) = (aim_targets(scenes, &context.openings.all()), &context.lights.lights);
     let around = surroundings(context.scene);
     let (extent, count) = (context.scene.extent(), context.scene.lights.len() as f64);
     // Half of the pilot's paths belong to all lights in equal parts, so that it finds the dim ones.

@@ -11,7 +11,7 @@ use crate::walk::{SurfaceInteraction, SurfaceLookup, next_interaction};
 /// The ray is the ray of the camera path with the same random numbers. If the camera has a lens
 /// system, it is the ray at the reference wavelength.
 pub(super) fn first_surface(scene: &Scene, pixel: u64, mut sampler: PixelSampler) -> Option<FirstSurface> {
-    let ray_state = sampler.ray_at(&scene.camera, pixel, REFERENCE_NM)?;
+    let (ray_state, _) = sampler.ray_at(scene, pixel, REFERENCE_NM)?;
     let lookup = SurfaceLookup::of_camera(&scene.camera, 0.0, sampler.stream.uniform());
     let interaction = next_interaction(scene, ray_state, lookup)?;
     let normal = interaction.frame.normal();

@@ -9,7 +9,7 @@
 
 use super::context::PassContext;
 use super::sums::StageSeconds;
-use crate::gather::{OPENINGS_SHARE, Openings, PixelSampler};
+use crate::gather::{OPENINGS_SHARE, OpeningSpheres, Openings, PixelSampler};
 use crate::geometry::Ray;
 use crate::math::elementary::ln;
 use crate::math::random::hash64;
@@ -70,6 +70,8 @@ struct EscapedLine {
     ray: Ray,
     /// The density (1/sr) with which next-event estimation without openings finds this ray.
     density: f64,
+    /// True if the line passes through glass that does not bend it.
+    glazed: bool,
 }
 
 /// Finds the openings of the scene. The result is empty if no light surrounds the scene, or if most
@@ -79,9 +81,16 @@ pub fn find_openings(context: &PassContext<'_>, seconds: &mut StageSeconds) -> O
     let (scene, seed) = (context.scene, context.budget.seed ^ SEED_MASK);
     let Some(sky) = scene.lights.iter().find(|light| light.surrounds()) else { return Openings::default() };
     let lines = escaped_lines(scene, seed, |direction| sky.pdf_li_escaped(direction));
-    let openings = Openings { spheres: fit_spheres(&lines, seed) };
+    let (open, glazed): (Vec<_>, Vec<_>) = lines.into_iter().partition(|line| !line.glazed);
+    let fit = |lines: &[EscapedLine]| OpeningSpheres(fit_spheres(&thinned(lines), seed));
+    let openings = Openings { open: fit(&open), glazed: fit(&glazed) };
     seconds.pilot += start.elapsed().as_secs_f64();
     openings
+}
+
+/// Returns at most [`MAX_LINES`] of the lines.
+fn thinned(lines: &[EscapedLine]) -> Vec<EscapedLine> {
+    lines.iter().copied().step_by(lines.len().div_ceil(MAX_LINES).max(1)).collect()
 }
 
 /// Traces paths from the camera, and returns the lines along which they leave the scene. `density`
@@ -97,12 +106,15 @@ fn escaped_lines(scene: &Scene, seed: u64, density: impl Fn(DVec3) -> f64 + Sync
             break;
         }
     }
-    let step = lines.len().div_ceil(MAX_LINES).max(1);
-    lines.into_iter().step_by(step).collect()
+    lines
 }
 
 /// Traces the paths with these indices, and returns the lines along which they leave the scene.
 fn trace_lines(scene: &Scene, seed: u64, paths: Range<u64>, density: impl Fn(DVec3) -> f64) -> Vec<EscapedLine> {
+    /// The largest squared distance of the directions before and after glass that does not bend a
+    /// ray.
+    const UNBENT: f64 = 1e-20;
+    let measures = !scene.camera.receptors().is_empty();
     let pixels = scene.camera.pixel_count() as u64;
     let wavelengths = Wavelengths::single(REFERENCE_NM);
     let mut lines = Vec::new();
@@ -110,20 +122,30 @@ fn trace_lines(scene: &Scene, seed: u64, paths: Range<u64>, density: impl Fn(DVe
         // The paths of a batch are distributed evenly over the pixels.
         let pixel = if pixels < BATCH { path % pixels } else { path % BATCH * pixels / BATCH };
         let mut sampler = PixelSampler::new(seed, path, pixel);
-        let Some(mut ray_state) = sampler.ray_at(&scene.camera, pixel, REFERENCE_NM) else { continue };
-        let mut pdf = None;
+        let Some((mut ray_state, pdf)) = sampler.ray_at(scene, pixel, REFERENCE_NM) else { continue };
+        // The last vertex that scatters into many directions, and the density of the direction
+        // there. A receptor is such a vertex.
+        let mut last = pdf.map(|pdf| (ray_state.ray, pdf));
+        let mut glazed = false;
         for _ in 0..MAX_SURFACES {
             let stream = &mut sampler.stream;
             let lookup = SurfaceLookup::of_line(stream.uniform());
             let Some(interaction) = WithBodies::next_interaction(scene, ray_state, lookup) else {
-                let ray = ray_state.ray;
-                let found = |pdf: f64| EscapedLine { ray, density: pdf.max(density(ray.direction)) };
-                lines.extend(pdf.map(found));
+                let found = |(ray, pdf): (Ray, f64)| {
+                    EscapedLine { ray, density: pdf.max(density(ray.direction)), glazed }
+                };
+                lines.extend(last.map(found));
                 break;
             };
             let Some(scattered) = scatter(&interaction, &wavelengths, TransportMode::Radiance, stream) else { break };
-            pdf = (!scattered.delta).then_some(scattered.pdf);
             ray_state = interaction.spawn_scattered(&scattered);
+            if !scattered.delta {
+                (last, glazed) = (Some((ray_state.ray, scattered.pdf)), false);
+            } else if measures && ray_state.ray.direction.distance_squared(interaction.incoming) < UNBENT {
+                glazed = true;
+            } else {
+                last = None;
+            }
         }
     }
     lines
@@ -264,7 +286,7 @@ mod tests {
             let floor = DVec3::new(6.0 * u[0] - 3.0, 0.0, 6.0 * u[1] - 3.0);
             let window = centre + size * DVec3::new(u[2] - 0.5, 0.0, u[3] - 0.5);
             let direction = (window - floor).normalize();
-            EscapedLine { ray: Ray { origin: floor, direction }, density: FRAC_1_PI * direction.y }
+            EscapedLine { ray: Ray { origin: floor, direction }, density: FRAC_1_PI * direction.y, glazed: false }
         };
         (0..400).map(line).collect()
     }

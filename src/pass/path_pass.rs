@@ -25,12 +25,16 @@ pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Re
         depth_limit: context.depth_limit(),
     };
     let records_surfaces = sums.film.records_surfaces();
+    // A picture has one sample per pixel and pass, so that the first picture appears early.
+    let samples = if sums.film.measures() { budget.camera_samples.unwrap_or(1) } else { 1 };
     expose_rows(sums, |row, tally| {
-        row.expose(pass, 1, |pixel, sink| {
-            let sampler = || PixelSampler::new(budget.seed, pass, pixel as u64);
-            tracer.sample(pixel as u64, sampler(), tally, sink);
-            if records_surfaces {
-                sink.add_surface(first_surface(&scene, pixel as u64, sampler()).as_ref());
+        row.expose(pass, samples, |pixel, sink| {
+            for nth in 0..samples {
+                let sampler = || PixelSampler::nth(budget.seed, pass, pixel as u64, (nth, samples));
+                tracer.sample(pixel as u64, sampler(), tally, sink);
+                if records_surfaces {
+                    sink.add_surface(first_surface(&scene, pixel as u64, sampler()).as_ref());
+                }
             }
         })
     });

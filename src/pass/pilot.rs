@@ -249,14 +249,15 @@ impl Pilot {
 }
 
 /// Returns true if photons and camera paths find the same light: the light of lamps that glossy
-/// surfaces receive through mirrors or glass.
+/// surfaces or meters receive through mirrors or glass.
 fn has_competition(context: &PassContext<'_>) -> bool {
     let PassContext { scene, plan, .. } = context;
     let glossy = scene
         .materials
         .iter()
         .any(|material| material.surface.components().any(|component| component.class() == BsdfClass::Glossy));
-    plan.caustics != CausticPlan::Absent && !plan.direct.is_absent() && glossy
+    let receives = glossy || !scene.meters.is_empty();
+    plan.caustics != CausticPlan::Absent && !plan.direct.is_absent() && receives
 }
 
 /// Divides the photons evenly between the sets that are in use.

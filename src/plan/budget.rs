@@ -95,6 +95,13 @@ fn photons_per_pass(passes: u64, pixels: u64) -> u64 {
     (photons_for_film(pixels) * DEFAULT_PASSES / passes).max(MIN_PHOTONS)
 }
 
+/// Returns the number of samples of each row of receptors in a pass of a measurement. A pass takes
+/// some milliseconds, so that the stop rules are checked often.
+fn receptor_samples(rows: u64) -> u64 {
+    const SAMPLES_PER_PASS: u64 = 1 << 15;
+    (SAMPLES_PER_PASS / rows.max(1)).clamp(16, 1 << 12).next_power_of_two()
+}
+
 /// Returns an upper bound for the memory in bytes that the light maps need in any pass. The bound
 /// assumes that each medium's box is a cube.
 fn light_map_bytes(scene: &Scene, cells: u32, passes: u64) -> u64 {
@@ -129,6 +136,7 @@ impl Budget {
         let pixels = u64::from(scene.film.width).saturating_mul(u64::from(scene.film.height));
         let (passes, photons) =
             (settings.passes.unwrap_or(enough), settings.photons.unwrap_or_else(|| photons_per_pass(enough, pixels)));
+        let measures = !scene.meters.is_empty();
         let light_map_cells = settings.light_map.unwrap_or(DEFAULT_LIGHT_MAP_CELLS);
         let memory_bytes = film_bytes
             .saturating_add(PILOT_PIXEL_BYTES.saturating_mul(pixels))
@@ -142,8 +150,9 @@ impl Budget {
         Self {
             passes,
             photons,
-            photons_stated: settings.photons.is_some(),
-            camera_samples: settings.camera_samples.map(u64::from),
+            // The balance of photons and camera samples is measured on pictures.
+            photons_stated: settings.photons.is_some() || measures,
+            camera_samples: settings.camera_samples.map(u64::from).or(measures.then(|| receptor_samples(pixels))),
             max_depth: settings.max_depth,
             nearest: settings.nearest.unwrap_or(DEFAULT_NEAREST),
             radius_m: settings.radius_m,

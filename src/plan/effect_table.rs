@@ -83,8 +83,8 @@ const fn row(id: EffectId) -> Effect {
             cost: "per photon: a path through the glass, a shadow ray to the camera and 56 bytes in the map",
             absent: "photons that come from mirrors or through glass are neither stored nor connected to the camera",
             called_by: "mirrors or glass",
-            uncalled: "there is no mirror or glass, or no surface that could receive its light",
-            calls: |facts| if facts.scatters() { facts.specular.clone() } else { Vec::new() },
+            uncalled: "there is no mirror or glass, or no surface or meter that could receive its light",
+            calls: |facts| if facts.receives() { facts.specular.clone() } else { Vec::new() },
             set: |plan, _, on| plan.caustics = if on { CausticPlan::Photons } else { CausticPlan::Absent },
             events: |tally, _| tally.connections,
             removal: Removal::FromPlan,
@@ -110,10 +110,10 @@ const fn row(id: EffectId) -> Effect {
                    for one light that a light tree selects",
             absent: "no shadow rays are traced",
             called_by: "lights that shadow rays can reach",
-            uncalled: "there is no light, or no surface or medium that it could light",
+            uncalled: "there is no light, or no surface, medium or meter that it could light",
             calls: |facts| {
                 let media = facts.dense_media.iter().chain(&facts.thin_media).next();
-                if facts.scatters() || media.is_some() { facts.lights.clone() } else { Vec::new() }
+                if facts.receives() || media.is_some() { facts.lights.clone() } else { Vec::new() }
             },
             set: |plan, facts, on| {
                 plan.direct = match (on, facts.hittable_lights.is_empty()) {
@@ -335,8 +335,8 @@ const fn row(id: EffectId) -> Effect {
             cost: "some pilot photons, and a table lookup per photon",
             absent: "photons follow the emission distributions of the lights",
             called_by: "mirrors, glass, media, several lights or distant lights",
-            uncalled: "there is one light and nothing to aim it at, or no surface that could receive its light",
-            calls: |facts| if facts.scatters() { facts.aimed() } else { Vec::new() },
+            uncalled: "there is one light and nothing to aim it at, or no surface or meter that could receive its light",
+            calls: |facts| if facts.receives() { facts.aimed() } else { Vec::new() },
             set: |plan, _, on| plan.aim = if on { AimPlan::Learned } else { AimPlan::Plain },
             events: |tally, _| tally.aimed,
             removal: Removal::FromPlan,
@@ -357,6 +357,19 @@ const fn row(id: EffectId) -> Effect {
                 scene.stop();
                 Ok(())
             }),
+        },
+        EffectId::Meters => Effect {
+            id,
+            name: "meters",
+            field: "scene.meters",
+            cost: "a path and a shadow ray for each light, for each sample of a receptor; no camera ray",
+            absent: "the film records a picture",
+            called_by: "a measurement with meters",
+            uncalled: "`abbe measure` reads the meters of a scene, and this is a picture",
+            calls: |facts| facts.meters.clone(),
+            set: |_, _, _| {},
+            events: |tally, _| tally.receptor_samples,
+            removal: Removal::Refused { alternative: "`abbe render`, which ignores meters" },
         },
     }
 }

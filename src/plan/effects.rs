@@ -49,6 +49,8 @@ pub enum EffectId {
     Aim,
     /// Objects, lights or the camera move.
     Motion,
+    /// Meters take the place of the camera.
+    Meters,
 }
 
 /// The properties of one effect.
@@ -97,7 +99,7 @@ pub(super) enum Removal {
 
 impl EffectId {
     /// All effects, in the order of decision.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Dispersion,
         Self::Shared,
         Self::Caustics,
@@ -116,6 +118,7 @@ impl EffectId {
         Self::PhotonBeams,
         Self::Aim,
         Self::Motion,
+        Self::Meters,
     ];
 }
 

@@ -127,7 +127,9 @@ fn dispersion(scene: &Scene, facts: &Facts) -> Option<String> {
     /// intervals. Within an interval, a refractive index is assumed to be monotonic.
     const INTERVALS: u32 = 64;
     let (from, to) = light_range_nm(scene);
-    if facts.dispersive.is_empty() || facts.lens_system.is_some() || from > to {
+    // The bound is in pixels, and a meter has none.
+    let bounded = facts.lens_system.is_none() && facts.meters.is_empty();
+    if facts.dispersive.is_empty() || !bounded || from > to {
         return None;
     }
     let spread = |index: &RefractiveIndex| {

@@ -40,6 +40,9 @@ pub struct Tally {
     pub environment_rays: u64,
     /// Rays through a lens of finite aperture.
     pub lens_rays: u64,
+    /// Samples of the receptors of meters.
+    #[serde(default)]
+    pub receptor_samples: u64,
     /// Arrivals of camera paths at surfaces with textures.
     #[serde(default)]
     pub texture_lookups: u64,
@@ -88,6 +91,7 @@ impl Tally {
         self.shadow_rays += other.shadow_rays;
         self.environment_rays += other.environment_rays;
         self.lens_rays += other.lens_rays;
+        self.receptor_samples += other.receptor_samples;
         self.texture_lookups += other.texture_lookups;
         self.rough_events += other.rough_events;
         self.body_events += other.body_events;

@@ -9,7 +9,9 @@ use crate::map::PhotonSpectra;
 use crate::pass::PassContext;
 use crate::plan::{Budget, EffectRow, IndirectPlan, Plan};
 use crate::scene::Scene;
-use crate::sensor::{Film, LayerSet};
+use crate::scene::meter::Meter;
+use crate::sensor::{Film, LayerSet, ReadingLayout, ReadingOwner};
+use std::sync::Arc;
 
 /// A scene with its plan and its budget.
 #[derive(Debug)]
@@ -26,6 +28,8 @@ pub struct Job {
     pub diffraction: Option<DiffractionSetup>,
     /// The layers of the film.
     pub layers: LayerSet,
+    /// The readings of the film, if the scene has meters.
+    pub readings: Option<Arc<ReadingLayout>>,
     /// The lights of the scene, as one distribution.
     lights: LightSampler,
     /// Selects the lights that a point samples, when the shutter opens.
@@ -59,7 +63,8 @@ impl Job {
         // To save the film, the program needs two more blocks of the film's size: one for a copy in
         // words, and one for the file.
         let budget = Budget::of(&scene, &plan, (film_bytes as u64).saturating_mul(3));
-        Ok(Self { scene, plan, rows, budget, diffraction, layers, lights, selector, spectra })
+        let readings = reading_layout(&scene).map(Arc::new);
+        Ok(Self { scene, plan, rows, budget, diffraction, layers, readings, lights, selector, spectra })
     }
 
     /// Returns the power of all lights between 360 nm and 830 nm in W. The power is computed in
@@ -89,4 +94,14 @@ impl Job {
             openings: Openings::NONE,
         }
     }
+}
+
+/// Returns the readings of the scene's meters, or `None` if the scene has a picture.
+fn reading_layout(scene: &Scene) -> Option<ReadingLayout> {
+    let owners = |(meter, data): (usize, &Meter)| {
+        let observer = data.quantity.observer();
+        std::iter::repeat_n(ReadingOwner { meter, observer }, data.readings.len())
+    };
+    let readings: Vec<ReadingOwner> = scene.meters.iter().enumerate().flat_map(owners).collect();
+    (!readings.is_empty()).then(|| ReadingLayout { rows: scene.camera.pixel_count() / readings.len(), readings })
 }

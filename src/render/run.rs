@@ -4,7 +4,7 @@ use super::job::Job;
 use super::part::PassPart;
 use crate::pass::{PassSums, StageSeconds};
 use crate::plan::Tally;
-use crate::sensor::{Film, Picture};
+use crate::sensor::{Film, Picture, Reading};
 use crate::walk::ledger::Ledger;
 
 /// The state of a render between two passes. From this state, the render can continue later or
@@ -28,8 +28,12 @@ impl Run {
         let film = &job.scene.film;
         let [width, height, bands] = [film.width, film.height, film.spectral_bands].map(|count| count as usize);
         let diffraction = job.diffraction.as_ref().map(|diffraction| diffraction.for_film((width, height)).into());
+        let blank = Film::new(width, height, film.observer, bands).with_diffraction(diffraction).with_layers(&job.layers);
         let sums = PassSums {
-            film: Film::new(width, height, film.observer, bands).with_diffraction(diffraction).with_layers(&job.layers),
+            film: match &job.readings {
+                Some(layout) => blank.with_readings(layout.clone()),
+                None => blank,
+            },
             ledger: Ledger::new(job.scene.materials.len()),
             tally: Tally::default(),
             seconds: StageSeconds::default(),
@@ -40,6 +44,11 @@ impl Run {
     /// Develops the picture of the completed passes.
     pub fn picture(&self) -> Picture {
         self.sums.film.picture()
+    }
+
+    /// Returns the readings of the meters, if the job has any.
+    pub fn readings(&self) -> Vec<Reading> {
+        self.sums.film.readings()
     }
 
     /// Returns the number of passes that are done.

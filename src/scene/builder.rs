@@ -54,7 +54,7 @@
 //! let camera = Camera::new(origin, axes, f64::tan(0.4), size, Aperture::Pinhole);
 //! let shutter = Shutter::new(0.0, 0.0, None);
 //! let white_balance = WhiteBalance::None;
-//! let view = SceneView { camera, camera_motion: None, shutter, film, white_balance };
+//! let view = SceneView { camera, camera_motion: None, shutter, film, white_balance, meters: Vec::new() };
 //! let scene = builder.build(view)?;
 //! assert_eq!(scene.objects[1].name, "ball");
 //! assert_eq!(scene.lights.len(), 1);
@@ -64,6 +64,7 @@
 use super::camera::{Camera, Shutter};
 use super::light::Light;
 use super::medium::Medium;
+use super::meter::{Meter, Receptor};
 use super::motion::{AnimatedLookAt, AnimatedShape, AnimatedTransform, SceneMotion};
 use super::{FilmSpec, Material, Object, Scene, Settings};
 use crate::colour::{AdaptationTransform, Xyz};
@@ -192,6 +193,8 @@ pub struct SceneView {
     pub film: FilmSpec,
     /// The light that the picture shows as white. It determines [`FilmSpec::white`].
     pub white_balance: WhiteBalance,
+    /// The meters, if the camera consists of their receptors.
+    pub meters: Vec<Meter>,
 }
 
 /// The light that the picture shows as white.
@@ -313,6 +316,23 @@ impl SceneBuilder {
         self.geometry.area(object)
     }
 
+    /// The names of the objects, in the order of their numbers.
+    pub fn object_names(&self) -> impl Iterator<Item = &str> {
+        self.objects.objects.iter().map(|object| object.name.as_str())
+    }
+
+    /// The middle of the bounding box of an object in the world, in m. Returns the scene's centre
+    /// if the object has no surface.
+    pub fn middle_of(&self, object: u32) -> DVec3 {
+        let around = self.geometry.object_bounds().get(&object).copied();
+        self.centre + around.map_or(DVec3::ZERO, |(low, high)| 0.5 * (low + high))
+    }
+
+    /// The radius in m of a sphere around the scene's centre that contains all surfaces.
+    pub fn extent_m(&self) -> f64 {
+        self.geometry.radius_m()
+    }
+
     /// Adds a medium and returns its number. Bodies refer to media by these numbers.
     ///
     /// If `power_w` is given and the emission is uniform, [`build`](Self::build) scales the
@@ -363,7 +383,7 @@ impl SceneBuilder {
     /// or is inside a moving body. Also returns an error if the camera and the film have different
     /// sizes, or if the light of the white balance is too saturated.
     pub fn build(mut self, view: SceneView) -> std::result::Result<Scene, SceneError> {
-        let SceneView { camera, camera_motion, shutter, film, white_balance } = view;
+        let SceneView { camera, camera_motion, shutter, film, white_balance, meters } = view;
         self.check_numbers(&camera, &film)?;
         self.add_volume_lights(film.observer)?;
         if self.lights.is_empty() {
@@ -393,6 +413,7 @@ impl SceneBuilder {
             shutter,
             motions: SceneMotion { shapes, camera: camera_motion },
             film,
+            meters,
             geometry: Arc::new(self.geometry),
             boundaries: Arc::new(boundaries),
             body_ranks: Vec::new(),
@@ -441,7 +462,8 @@ impl SceneBuilder {
     /// camera, and the positions of point, spot and beam lights.
     fn inner_radius_m(&self, camera: &Camera) -> f64 {
         let positions = self.lights.iter().filter_map(Light::position);
-        positions.chain([camera.origin()]).map(DVec3::length).fold(self.geometry.radius_m(), f64::max)
+        let receptors = camera.receptors().iter().filter_map(Receptor::position);
+        positions.chain(receptors).chain([camera.origin()]).map(DVec3::length).fold(self.geometry.radius_m(), f64::max)
     }
 
     /// Adds a sphere around the scene and fills it with the atmosphere's medium. `inner_m` is the

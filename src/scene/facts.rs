@@ -58,6 +58,8 @@ pub struct Facts {
     /// The size of the diffraction pattern of the aperture. `None` for a pinhole, or if the scene
     /// does not enable diffraction.
     pub diffracting: Option<String>,
+    /// The meters of a measurement.
+    pub meters: Vec<String>,
     /// Everything that moves while the shutter is open: objects, lights, media and the camera.
     pub moving: Vec<String>,
 }
@@ -95,6 +97,12 @@ impl Facts {
     /// Returns true if any surface has a diffuse or glossy component.
     pub fn scatters(&self) -> bool {
         !(self.diffuse.is_empty() && self.glossy.is_empty())
+    }
+
+    /// Returns true if light from any direction counts somewhere: at a surface that scatters it, or
+    /// at a meter.
+    pub fn receives(&self) -> bool {
+        self.scatters() || !self.meters.is_empty()
     }
 
     /// Returns what photons are aimed at or divided among: objects that focus light, media, and the
@@ -182,6 +190,7 @@ impl Facts {
         facts.diffracting = ApertureDiffraction::of(&scene.camera)
             .filter(|_| scene.camera.diffracts)
             .map(|diffraction| format!("an Airy disk of {:.2} pixels in green light", diffraction.airy_diameter_px()));
+        facts.meters = scene.meters.iter().map(|meter| meter.name.clone()).collect();
         let moving = scene.motions.shapes.iter().filter(|shape| shape.motion.is_some());
         facts.moving.extend(moving.map(|shape| scene.objects[shape.placed.object as usize].name.clone()));
         facts.moving.extend(scene.moving_lights().map(|light| light.name.clone()));

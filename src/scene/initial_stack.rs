@@ -4,6 +4,7 @@
 use super::Scene;
 use super::light::{Light, RepresentativePoint};
 use super::medium_stack::MediumStack;
+use super::meter::Receptor;
 use crate::geometry::{Hit, Ray, SurfaceId};
 use glam::{DAffine3, DVec3};
 use smallvec::SmallVec;
@@ -12,11 +13,27 @@ impl Scene {
     /// Finds the bodies that contain the camera and each light.
     pub(super) fn find_medium_stacks(&mut self) {
         self.camera.medium_stack = self.medium_stack_at(self.camera.origin());
+        self.find_medium_stacks_of_receptors();
         let of_light = |light: &Light| (self.medium_stack_of_light(light), self.crosses_bodies(light));
         let of_lights: Vec<(MediumStack, bool)> = self.lights.iter().map(of_light).collect();
         for (light, (medium_stack, crosses_bodies)) in self.lights.iter_mut().zip(of_lights) {
             (light.medium_stack, light.crosses_bodies) = (medium_stack, crosses_bodies);
         }
+    }
+
+    /// Finds the bodies that contain each receptor of the camera.
+    fn find_medium_stacks_of_receptors(&mut self) {
+        let around = |receptor: &Receptor| match receptor.position() {
+            Some(position) => Receptor { medium_stack: self.medium_stack_at(position), ..*receptor },
+            None => *receptor,
+        };
+        let receptors = self.camera.receptors().iter().map(around).collect();
+        self.camera.set_receptors(receptors);
+    }
+
+    /// The bodies that contain the origin of a ray that starts on this surface.
+    pub fn medium_stack_on(&self, ray: Ray, surface: SurfaceId) -> MediumStack {
+        self.medium_stack_along(ray, [Some(surface), None])
     }
 
     /// The bodies that contain the origin of a ray that the light emits. `from` is the surface that

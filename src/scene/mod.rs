@@ -16,6 +16,7 @@ mod layer;
 pub mod light;
 pub mod medium;
 pub mod medium_stack;
+pub mod meter;
 pub mod motion;
 pub mod sweep;
 mod view;
@@ -33,6 +34,7 @@ use glam::{DAffine3, DVec3};
 use light::{Light, SceneExtent};
 use medium::{Density, Medium};
 use medium_stack::{BodyPriority, MediumStack};
+use meter::Meter;
 use motion::SceneMotion;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -57,6 +59,8 @@ pub struct Scene {
     pub motions: SceneMotion,
     /// The film.
     pub film: FilmSpec,
+    /// The meters. A picture does not show them; see [`meter`].
+    pub meters: Vec<Meter>,
     /// All surfaces.
     pub geometry: Arc<Geometry>,
     /// The faces of bodies without a surface. These faces only bound a medium. Rays cross them

@@ -1,6 +1,7 @@
 //! The part of a scene that the camera sees.
 
 use super::Scene;
+use super::meter::Receptor;
 use crate::math::sphere::BoundingSphere;
 use glam::{DVec2, DVec3};
 
@@ -18,6 +19,9 @@ const FARTHEST_VIEW: f64 = 256.0;
 impl Scene {
     /// Visible points, sampled over the whole picture at the moment when the shutter opens.
     pub(super) fn visible_points(&self) -> Vec<DVec3> {
+        if !self.camera.receptors().is_empty() {
+            return self.points_of_receptors();
+        }
         let (width, pixels) = (self.camera.width(), self.camera.pixel_count());
         if pixels == 0 {
             return Vec::new();
@@ -30,6 +34,19 @@ impl Scene {
             self.geometry.intersect(&ray, None, f64::INFINITY).map(|hit| hit.position)
         };
         (0..VISIBLE_GRID * VISIBLE_GRID).filter_map(visible).collect()
+    }
+
+    /// The receptors of a measurement: points on them.
+    pub(super) fn points_of_receptors(&self) -> Vec<DVec3> {
+        let corner = |i: u32, bit: u32| if i >> bit & 1 == 0 { 0.25 } else { 0.75 };
+        let points = |receptor: &Receptor| {
+            let on_surface = |i: u32| {
+                let u = [0, 1, 2, 0].map(|bit| corner(i, bit));
+                self.receptor_point(receptor, u).position
+            };
+            receptor.position().map_or_else(|| (0..8).map(on_surface).collect(), |position| vec![position])
+        };
+        self.camera.receptors().iter().flat_map(points).collect()
     }
 
     /// A sphere around most of the visible points, or `None` if no surface is visible.

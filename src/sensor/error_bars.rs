@@ -150,7 +150,7 @@ impl PixelMeans {
     /// Returns the variance of the mean of Y. The variance is computed from the means of all
     /// replicates that have at least one pass. Returns `None` if there are fewer than two such
     /// replicates. The weight of a mean is its number of passes.
-    fn variance(&self, passes: [u64; REPLICATES]) -> Option<f64> {
+    pub(super) fn variance(&self, passes: [u64; REPLICATES]) -> Option<f64> {
         let means = || passes.into_iter().zip(self.y).filter(|(n, _)| *n > 0).map(|(n, mean)| (n as f64, mean));
         let degrees = means().count().checked_sub(1).filter(|&degrees| degrees > 0)?;
         let total: f64 = means().map(|(n, _)| n).sum();
@@ -165,7 +165,7 @@ impl PixelMeans {
     /// Returns an estimate of the squared bias. The estimate is unbiased if both halves have
     /// passes. If only one half has passes (as in some parts of a picture), the estimate also
     /// contains the variance of the measured bias.
-    fn squared_bias(&self, halves: [bool; 2]) -> Option<f64> {
+    pub(super) fn squared_bias(&self, halves: [bool; 2]) -> Option<f64> {
         let [even, odd] = self.bias;
         match halves {
             [true, true] => Some(even * odd),

@@ -3,6 +3,7 @@
 use super::channels::{Channels, band_nm};
 use super::diffraction::{Convolution, DiffractionPsf, add_product};
 use super::error_bars::{ErrorBars, ErrorSquares, PixelMeans};
+use super::readings::{Measurement, ReadingLayout};
 use super::layers::{LayerSet, NameKind, NameLayer, PictureLayers};
 use super::sink::{FilmRow, PixelSink, SplatSink};
 use crate::colour::xyz_to_linear_srgb;
@@ -57,7 +58,9 @@ pub struct Film {
     by_channel: Vec<ExactSum>,
     /// The names that camera samples hit: one layer for each requested kind of names.
     names: Vec<NameLayer>,
-    passes: [u64; REPLICATES],
+    /// The data of a measurement with meters. `None` if the film records a picture.
+    pub(super) measurement: Option<Measurement>,
+    pub(super) passes: [u64; REPLICATES],
 }
 
 /// The index of the first plane of the bias, after X and Z.
@@ -75,7 +78,7 @@ impl Film {
         let pixels = vec![PixelSums::default(); width * height];
         let passes = [0; REPLICATES];
         let channels = Channels::default();
-        Self { width, height, observer, pixels, channels, by_channel: Vec::new(), names: Vec::new(), passes }
+        Self { width, height, observer, pixels, channels, by_channel: Vec::new(), names: Vec::new(), measurement: None, passes }
             .with_channels(Channels { bands, diffraction: None, layers: None })
     }
 
@@ -96,6 +99,15 @@ impl Film {
         self.with_channels(channels)
     }
 
+    /// Turns the film into the film of a measurement. The film must still be unexposed. Its width
+    /// must be 1, and `rows` must cover all its rows.
+    #[must_use]
+    pub fn with_readings(mut self, layout: Arc<ReadingLayout>) -> Self {
+        let by_replicate = vec![0.0; self.pixels.len() * self.channels.bands * REPLICATES];
+        self.measurement = Some(Measurement { layout, by_replicate });
+        self
+    }
+
     fn with_channels(mut self, channels: Channels) -> Self {
         self.by_channel = vec![ExactSum::default(); self.pixels.len() * channels.count()];
         self.channels = channels;
@@ -112,15 +124,20 @@ impl Film {
         self.height
     }
 
-    /// Returns true if the film has spectral bands or slices for diffraction. They need the
-    /// wavelength of each contribution.
+    /// Returns true if the film has spectral bands, slices for diffraction or readings. They need
+    /// the wavelength of each contribution.
     pub fn needs_wavelengths(&self) -> bool {
-        self.channels.spectral_count() > 0
+        self.channels.spectral_count() > 0 || self.measurement.is_some()
     }
 
     /// Returns true if the film records the first surfaces of camera rays.
     pub fn records_surfaces(&self) -> bool {
         self.channels.layers.as_ref().is_some_and(|layers| layers.has_surfaces())
+    }
+
+    /// Returns true if the film belongs to a measurement with meters.
+    pub fn measures(&self) -> bool {
+        self.measurement.is_some()
     }
 
     /// Returns the number of passes that the film has counted.
@@ -155,9 +172,15 @@ impl Film {
         let (observer, width, channels) = (self.observer, self.width, &self.channels);
         let mut by_channel = self.by_channel.chunks_mut((width * channels.count()).max(1));
         let mut names: Vec<_> = self.names.iter_mut().map(|layer| layer.rows(width)).collect();
+        let bands = self.channels.bands * REPLICATES;
+        let (layout, mut by_replicate) = match &mut self.measurement {
+            Some(measurement) => (Some(&measurement.layout), measurement.by_replicate.chunks_mut(bands.max(1))),
+            None => (None, [].chunks_mut(1)),
+        };
         self.pixels.chunks_mut(width).enumerate().map(move |(row, pixels)| FilmRow {
             first_pixel: row * width,
-            observer,
+            observer: layout.map_or(observer, |layout| layout.observer(row)),
+            by_replicate: by_replicate.next().unwrap_or_default(),
             pixels,
             by_channel: by_channel.next().unwrap_or_default(),
             channels,
@@ -289,7 +312,10 @@ impl Film {
     /// Returns the parts of the squared relative error of the picture so far, or `None` if the
     /// error is unknown.
     pub fn error_squares(&self) -> Option<ErrorSquares> {
-        self.picture_without_layers().1
+        match &self.measurement {
+            Some(measurement) => measurement.layout.largest_error(&self.readings()),
+            None => self.picture_without_layers().1,
+        }
     }
 
     fn picture_without_layers(&self) -> (Picture, Option<ErrorSquares>) {
@@ -305,8 +331,7 @@ impl Film {
         (picture.noise, picture.bias, picture.edge) = (bars.noise, bars.bias, bars.edge);
         let bands = self.channels.bands;
         if bands > 0 {
-            let range_nm = (0..bands).map(|band| band_nm(band, bands));
-            let centres_nm: Vec<f64> = range_nm.map(|(from, to)| 0.5 * (from + to)).collect();
+            let centres_nm = SpectralBands::centres_nm(bands);
             let (from, to) = band_nm(0, bands);
             let scale = if passes > 0.0 { 1.0 / (passes * (to - from)) } else { 0.0 };
             let values = match diffracted {
@@ -344,6 +369,16 @@ impl Film {
             layers.add_names(names, |pixel| self.channel(pixel, surfaces));
         }
         layers
+    }
+
+    /// Returns the sums of a pixel and the number of passes of each replicate.
+    pub(super) fn sums_of(&self, pixel: usize) -> &PixelSums {
+        &self.pixels[pixel]
+    }
+
+    /// Returns the number of spectral bands.
+    pub(super) fn bands(&self) -> usize {
+        self.channels.bands
     }
 
     fn error_bars(&self, light: impl Fn(usize) -> PixelLight) -> ErrorBars {

@@ -1,7 +1,7 @@
 //! The sensor: film sums, noise, bias, diffraction, exposure and display encoding.
 //!
 //! Each input sample consists of a pixel, a wavelength and a weight. The results are XYZ pictures
-//! with error bars, and images for a display.
+//! with error bars, images for a display, and the readings of meters.
 
 mod channels;
 pub mod cryptomatte;
@@ -13,6 +13,7 @@ pub mod exposure;
 pub mod film;
 pub mod layers;
 pub mod picture;
+mod readings;
 mod sink;
 
 pub use develop::{Codes, Development, DisplayImage, develop};
@@ -21,4 +22,5 @@ pub use error_bars::ErrorSquares;
 pub use film::Film;
 pub use layers::LayerSet;
 pub use picture::{Picture, SpectralBands};
+pub use readings::{Reading, ReadingLayout, ReadingOwner, ReadingSpectrum};
 pub use sink::{FilmRow, PixelSink, SplatSink};

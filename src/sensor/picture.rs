@@ -1,5 +1,6 @@
 //! A picture: XYZ with error bars.
 
+use super::channels::band_nm;
 use super::layers::PictureLayers;
 use crate::math::elementary::hypot;
 
@@ -32,6 +33,14 @@ pub struct SpectralBands {
     pub centres_nm: Vec<f64>,
     /// Radiance in W/m²/sr/nm, pixel by pixel and band by band.
     pub values: Vec<f32>,
+}
+
+impl SpectralBands {
+    /// Returns the centres of the bands in nm if the simulated range is divided into `count` bands.
+    pub fn centres_nm(count: usize) -> Vec<f64> {
+        let centre = |(from_nm, to_nm): (f64, f64)| 0.5 * (from_nm + to_nm);
+        (0..count).map(|band| centre(band_nm(band, count))).collect()
+    }
 }
 
 /// Means of the error layers over the pixels with known errors.

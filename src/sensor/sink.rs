@@ -39,6 +39,8 @@ pub struct FilmRow<'f> {
     pub(super) pixels: &'f mut [PixelSums],
     pub(super) channels: &'f Channels,
     pub(super) by_channel: &'f mut [ExactSum],
+    /// The bands of each replicate, if the film belongs to a measurement.
+    pub(super) by_replicate: &'f mut [f64],
     pub(super) names: Vec<NameRow<'f>>,
 }
 
@@ -85,6 +87,10 @@ impl FilmRow<'_> {
             hits = sink.hits;
             let (of_light, of_surfaces) = self.by_channel[column * count..(column + 1) * count].split_at_mut(surfaces);
             of_light.iter_mut().zip(&values).for_each(|(sum, &value)| *sum += weight * value);
+            let bands = self.channels.bands();
+            if let Some(sums) = self.by_replicate.get_mut(replicate * bands..(replicate + 1) * bands) {
+                sums.iter_mut().zip(&values).for_each(|(sum, &value)| *sum += weight * value);
+            }
             // The means over camera samples divide by the number of samples, so these sums have no
             // weight.
             of_surfaces.iter_mut().zip(&values[surfaces..]).for_each(|(sum, &value)| *sum += value);

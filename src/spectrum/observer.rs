@@ -52,6 +52,38 @@ impl Observer {
         OBSERVER.get_or_init(|| Self::parse("cie2015_10", include_str!("../../data/cie/cie2015_10deg_1nm.csv")))
     }
 
+    /// Returns the observer with ȳ = 1 at all wavelengths. With it, Y is the radiant quantity over
+    /// the band. It is not one of the named observers, because it describes no eye.
+    pub fn radiometric() -> &'static Self {
+        static OBSERVER: OnceLock<Observer> = OnceLock::new();
+        OBSERVER.get_or_init(|| Self::with_luminosity("radiometric", |_| 1.0))
+    }
+
+    /// Returns five observers: their functions ȳ are the action spectra of the S, M and L cones, of
+    /// the rods and of melanopsin (CIE S 026:2018, table 2).
+    pub fn alpha_opic() -> [&'static Self; 5] {
+        static OBSERVERS: OnceLock<[Observer; 5]> = OnceLock::new();
+        let observers = OBSERVERS.get_or_init(|| {
+            let [nm, s, m, l, rod, melanopsin] =
+                library::columns(include_str!("../../data/cie/alpha_opic_1nm.csv"));
+            let of = |name, values: Vec<f64>| {
+                let at = |wanted: f64| nm.iter().position(|&nm| nm == wanted).map_or(0.0, |i| values[i]);
+                Self::with_luminosity(name, at)
+            };
+            [of("s_cone", s), of("m_cone", m), of("l_cone", l), of("rod", rod), of("melanopsin", melanopsin)]
+        });
+        observers.each_ref()
+    }
+
+    /// Returns the CIE 1931 observer with another function ȳ. `luminosity` returns its value at a
+    /// whole number of nm.
+    pub fn with_luminosity(name: &'static str, luminosity: impl Fn(f64) -> f64) -> Self {
+        let mut every_nm = Self::cie1931().every_nm.clone();
+        let last = every_nm.len() - 1;
+        every_nm[..last].iter_mut().zip(BAND_NM.0 as u32..).for_each(|(bar, nm)| bar[1] = luminosity(f64::from(nm)));
+        Self::from_table(name, every_nm)
+    }
+
     /// Returns an observer by its name: `cie1931`, `cie1964`, `cie2015_2` or `cie2015_10`.
     ///
     /// # Errors
@@ -112,6 +144,11 @@ impl Observer {
         for (i, nm) in nm.iter().enumerate() {
             every_nm[(nm - BAND_NM.0) as usize] = [x[i], y[i], z[i]];
         }
+        Self::from_table(name, every_nm)
+    }
+
+    /// Creates an observer from its table. The last entry of the table has no meaning.
+    fn from_table(name: &'static str, mut every_nm: Vec<[f64; 3]>) -> Self {
         let last = every_nm.len() - 1;
         every_nm[last] = every_nm[last - 1];
         let spectrum = |value: &dyn Fn(&[f64; 3]) -> f64| {

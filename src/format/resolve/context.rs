@@ -1,12 +1,22 @@
 //! The data that all parts of `Resolver` share: the scene file, its source, and its unit of length.
 
 use crate::error::{Error, Result};
-use crate::format::{ColourImageFile, SceneFile};
+use super::motion;
+use crate::format::{CameraFile, ColourImageFile, FilmFile, SceneFile};
 use crate::json::{JsonPath, JsonSource};
 use crate::scene::camera::Shutter;
 use crate::texture::SpectralTexture;
 use glam::DVec3;
 use std::cell::RefCell;
+
+/// What a scene is resolved for.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum View<'a> {
+    /// A picture with this camera and this film.
+    Picture(&'a CameraFile, &'a FilmFile),
+    /// The readings of the scene's meters.
+    Meters,
+}
 
 /// Translates the scene file to the scene. Contains the parsed file and the data that every step of
 /// the translation needs.
@@ -15,6 +25,8 @@ pub(super) struct Resolver<'a> {
     pub(super) source: &'a JsonSource,
     /// The length of one scene unit in metres.
     pub(super) metres: f64,
+    /// The camera and the film, or meters in their place.
+    pub(super) view: View<'a>,
     /// The shutter. The scene is resolved at the moment when the shutter opens.
     pub(super) shutter: Shutter,
     /// The scene's centre in m, or `None` for the middle of the objects.
@@ -29,11 +41,19 @@ pub(super) struct Resolver<'a> {
 impl<'a> Resolver<'a> {
     /// Creates a resolver. `centre` is the scene's centre in m, or `None` for the middle of the
     /// objects.
-    pub(super) fn new(scene: &'a SceneFile, source: &'a JsonSource, shutter: Shutter, centre: Option<DVec3>) -> Self {
+    pub(super) fn new(
+        scene: &'a SceneFile,
+        source: &'a JsonSource,
+        view: View<'a>,
+        centre: Option<DVec3>,
+    ) -> Self {
+        // Meters read the scene while the shutter of its camera is open.
+        let shutter = scene.camera.as_ref().map_or(Shutter::new(0.0, 0.0, None), motion::shutter);
         Self {
             scene,
             source,
             metres: scene.unit.metres(),
+            view,
             shutter,
             centre,
             faults: RefCell::default(),

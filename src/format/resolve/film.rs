@@ -18,7 +18,7 @@ use crate::spectrum::Observer;
 impl Resolver<'_> {
     /// Resolves the film. The scene builder determines the white of the film from the white
     /// balance.
-    pub(super) fn film(&self, at: &JsonPath<'_>, film: &FilmFile) -> Result<FilmSpec> {
+    pub(super) fn film(&self, at: &JsonPath<'_>, film: &FilmFile, camera: &CameraFile) -> Result<FilmSpec> {
         let FilmFile {
             width,
             height,
@@ -35,7 +35,9 @@ impl Resolver<'_> {
             ExposureFile::Auto => Exposure::Auto,
             ExposureFile::None => Exposure::None,
             ExposureFile::Ev(ev) => Exposure::Ev(*ev),
-            ExposureFile::Iso(iso) => Exposure::White(self.white_luminance(&at.key("exposure").key("iso"), *iso)?),
+            ExposureFile::Iso(iso) => {
+                Exposure::White(self.white_luminance(&at.key("exposure").key("iso"), *iso, &camera.lens)?)
+            }
         };
         let observer = match observer {
             ObserverFile::Cie1931 => Observer::cie1931(),
@@ -82,8 +84,7 @@ impl Resolver<'_> {
     /// If the shutter time is t in s and the f-number is N, the exposure in the middle of the film
     /// is q·L·t/N² in lx·s. The factor q = 0.65 accounts for the losses of the lens. An exposure of
     /// 78/S lx·s gives white.
-    fn white_luminance(&self, at: &JsonPath<'_>, iso: f64) -> Result<f64> {
-        let CameraFile { lens, .. } = &self.scene.camera;
+    fn white_luminance(&self, at: &JsonPath<'_>, iso: f64, lens: &LensFile) -> Result<f64> {
         let f_number = match lens {
             LensFile::Pinhole { fov: _ } => None,
             LensFile::Thin(lens) => lens.f_number,
@@ -99,8 +100,8 @@ impl Resolver<'_> {
     }
 
     /// Resolves the white balance.
-    pub(super) fn white_balance(&self, at: &JsonPath<'_>) -> Result<WhiteBalance> {
-        Ok(match &self.scene.film.white_balance {
+    pub(super) fn white_balance(&self, at: &JsonPath<'_>, file: &WhiteBalanceFile) -> Result<WhiteBalance> {
+        Ok(match file {
             WhiteBalanceFile::None => WhiteBalance::None,
             WhiteBalanceFile::Scene => WhiteBalance::SceneLights,
             WhiteBalanceFile::Illuminant(name) => {

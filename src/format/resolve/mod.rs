@@ -18,6 +18,7 @@ mod materials;
 mod media;
 mod mesh_materials;
 mod meshes;
+mod meters;
 mod motion;
 mod objects;
 mod spectra;
@@ -31,10 +32,11 @@ pub use spectra::Role;
 use super::{MediumFile, RenderFile, SceneFile, SpectrumFile};
 use crate::error::{Error, Result};
 use crate::json::{JsonPath, JsonSource};
-use crate::scene::builder::{SceneBuilder, SceneError, ScenePart, SceneView};
+use crate::scene::builder::{SceneBuilder, SceneError, ScenePart, SceneView, WhiteBalance};
 use crate::scene::{Scene, Settings};
 use crate::spectrum::{Observer, Spectrum};
-use context::Resolver;
+use context::{Resolver, View};
+use glam::DVec3;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -55,12 +57,43 @@ pub fn load(path: &Path, sets: &[String]) -> Result<Scene> {
 /// other, or if a feature is not supported yet. The error contains the faults of all parts of the
 /// scene, and states the place of each in `source`.
 pub fn resolve(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
-    let shutter = || motion::shutter(&scene.camera);
-    let resolved = Resolver::new(scene, source, shutter(), None).run()?;
+    let (Some(camera), Some(film)) = (&scene.camera, &scene.film) else {
+        let key = if scene.camera.is_none() { "camera" } else { "film" };
+        let error = Error::input(format!("missing key \"{key}\""));
+        return Err(source.error_at("", error.expected("a camera and a film; `abbe measure` reads only the meters")));
+    };
+    about_view(|centre| Resolver::new(scene, source, View::Picture(camera, film), centre))
+}
+
+/// Resolves the meters of a scene. The camera and the film of the scene are not used.
+///
+/// # Errors
+/// Returns the errors of [`resolve`]. Also returns an error if the scene has no meters.
+pub fn resolve_meters(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
+    if scene.meters.is_empty() {
+        let error = Error::input("the scene has no meters");
+        return Err(source.error_at("", error.expected("at least one entry in `meters`")));
+    }
+    about_view(|centre| Resolver::new(scene, source, View::Meters, centre))
+}
+
+/// Resolves a scene for its picture, or for its meters if it has no camera.
+///
+/// # Errors
+/// See [`resolve`] and [`resolve_meters`].
+pub fn resolve_any(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
+    let only_meters = scene.camera.is_none() && !scene.meters.is_empty();
+    if only_meters { resolve_meters(scene, source) } else { resolve(scene, source) }
+}
+
+/// Resolves a scene. `resolver` takes the scene's centre in m, or `None` for the middle of the
+/// objects.
+fn about_view<'a>(resolver: impl Fn(Option<DVec3>) -> Resolver<'a>) -> Result<Scene> {
+    let resolved = resolver(None).run()?;
     // If the camera looks at a small part of a large world, the centre of the view is a better
     // origin for positions in single precision.
     match resolved.distant_view() {
-        Some(centre) => Resolver::new(scene, source, shutter(), Some(centre)).run(),
+        Some(centre) => resolver(Some(centre)).run(),
         None => Ok(resolved),
     }
 }
@@ -77,8 +110,8 @@ pub fn lone_spectrum(spectrum: &SpectrumFile, source: &JsonSource, role: Role) -
 
 impl Resolver<'_> {
     fn run(&self) -> Result<Scene> {
-        let SceneFile { schema: _, title, unit: _, camera, film, spectra, media: _, materials: _, .. } = self.scene;
-        let SceneFile { objects: _, lights: _, atmosphere, render, .. } = self.scene;
+        let SceneFile { schema: _, title, unit: _, camera: _, film: _, spectra, media: _, materials: _, .. } = self.scene;
+        let SceneFile { objects: _, lights: _, meters: _, atmosphere, render, .. } = self.scene;
         let root = JsonPath::Root;
         // Unused spectra are checked as well.
         for name in spectra.keys() {
@@ -94,13 +127,9 @@ impl Resolver<'_> {
             // The fault may only follow from an object that was left out.
             Err(fault) => return Err(self.kept_faults().unwrap_or(fault)),
         };
-        let centre = builder.centre();
         self.media(&mut builder);
-        let film_at = root.key("film");
-        let size = (film.width, film.height);
-        let film = self.keep(self.film(&film_at, film));
-        let camera = self.keep(self.camera(&root.key("camera"), camera, size, centre, &mut builder.notes));
-        let observer = film.as_ref().map_or(Observer::cie1931(), |film| film.observer);
+        let view = self.view(&mut builder);
+        let observer = view.as_ref().map_or(Observer::cie1931(), |view| view.film.observer);
         self.lights(&objects.emitting, &mut builder, observer);
         if let Some(number) =
             atmosphere.as_ref().and_then(|name| self.keep(self.medium_number(&root.key("atmosphere"), name)))
@@ -110,14 +139,28 @@ impl Resolver<'_> {
         builder.title = title.clone().unwrap_or_else(|| stem(&self.source.path));
         builder.settings = self.settings(render);
         builder.notes.extend(self.note_without_motion());
-        let white_balance = self.keep(self.white_balance(&film_at.key("white_balance")));
-        let shutter = self.shutter.clone();
-        match (self.kept_faults(), camera, film, white_balance) {
-            (None, Some((camera, camera_motion)), Some(film), Some(white_balance)) => builder
-                .build(SceneView { camera, camera_motion, shutter, film, white_balance })
-                .map_err(|error| self.placed(error)),
-            (faults, ..) => Err(faults.unwrap_or_else(|| Error::input("the scene has a fault"))),
+        match (self.kept_faults(), view) {
+            (None, Some(view)) => builder.build(view).map_err(|error| self.placed(error)),
+            (faults, _) => Err(faults.unwrap_or_else(|| Error::input("the scene has a fault"))),
         }
+    }
+
+    /// Resolves the camera and the film, or the meters that take their place.
+    fn view(&self, builder: &mut SceneBuilder) -> Option<SceneView> {
+        let (root, shutter) = (JsonPath::Root, self.shutter.clone());
+        let View::Picture(camera, film) = self.view else {
+            let (camera, film, meters) = self.keep(self.meters(builder))?;
+            let (camera_motion, white_balance) = (None, WhiteBalance::None);
+            return Some(SceneView { camera, camera_motion, shutter, film, white_balance, meters });
+        };
+        let film_at = root.key("film");
+        let size = (film.width, film.height);
+        let white_balance = self.keep(self.white_balance(&film_at.key("white_balance"), &film.white_balance));
+        let centre = builder.centre();
+        let film = self.keep(self.film(&film_at, film, camera));
+        let camera = self.keep(self.camera(&root.key("camera"), camera, size, centre, &mut builder.notes));
+        let ((camera, camera_motion), film, white_balance) = (camera?, film?, white_balance?);
+        Some(SceneView { camera, camera_motion, shutter, film, white_balance, meters: Vec::new() })
     }
 
     /// Adds the place in the file to an error of the scene model.

@@ -68,11 +68,11 @@ impl Resolver<'_> {
         let media = self.scene.media.values().map(MediumFile::transform_and_motion);
         let motions: Vec<AnimatedTransform> =
             objects.chain(lights).chain(media).filter_map(|(transform, keys)| motion(transform, keys)).collect();
-        let camera = self.scene.camera.camera_motion();
+        let camera = self.scene.camera.as_ref().and_then(CameraFile::camera_motion);
         let any = !motions.is_empty() || camera.is_some();
         let moves = motions.iter().any(|motion| motion.moves(open_s, close_s))
             || camera.is_some_and(|camera| camera.moves(open_s, close_s));
-        let when = match &self.scene.camera.shutter {
+        let when = match self.scene.camera.as_ref().and_then(|camera| camera.shutter.as_ref()) {
             None => "there is no `camera.shutter`, so the picture shows the time 0 s".to_owned(),
             Some(_) if open_s == close_s => format!("the shutter opens and closes at {open_s} s"),
             Some(_) => format!("the shutter is open from {open_s} s to {close_s} s"),

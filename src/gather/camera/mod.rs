@@ -2,6 +2,7 @@
 //! diffuse surface.
 
 pub(super) mod path;
+mod receptor;
 pub(super) mod sampler;
 mod scatter;
 pub(super) mod throughput;

@@ -1,16 +1,35 @@
 //! The random numbers of camera samples.
 
+use crate::gather::direct::openings::{OPENINGS_SHARE, Openings};
 use crate::geometry::Ray;
 use crate::math::kronecker::golden_ratio;
 use crate::math::random::{Purpose, REPLICATES, Stream, hash64};
 use crate::math::sobol::{DIMENSIONS, Sobol};
+use crate::scene::Scene;
 use crate::scene::camera::{Aperture, Camera, SystemAt};
+use crate::scene::meter::{Receptor, ReceptorPoint};
 use crate::walk::RayState;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 /// The shift of a pixel's wavelength sequence is a hash. This constant is one of the hashed values,
 /// so that the wavelength sequence is independent of the pixel's Sobol points.
 const WAVELENGTH_SEQUENCE: u64 = 0x5eed;
+
+/// Separates the random numbers of receptors from the others. The bytes of this number are the word
+/// "meter" in ASCII.
+const RECEPTOR_SEQUENCE: u64 = 0x6d_6574_6572;
+
+/// The start of a path at a receptor.
+pub(in crate::gather) struct ReceptorSample {
+    /// The point of the receptor.
+    pub(in crate::gather) point: ReceptorPoint,
+    /// The ray from the point.
+    pub(in crate::gather) ray_state: RayState,
+    /// The density with which the direction was sampled, per steradian.
+    pub(in crate::gather) pdf: f64,
+    /// The density of the receptor's response, divided by `pdf`.
+    pub(in crate::gather) weight: f64,
+}
 
 /// The random numbers of one camera sample. Within one replicate, the samples of a pixel form a
 /// low-discrepancy sequence over all passes. Each replicate has its own scrambling.
@@ -57,6 +76,38 @@ impl PixelSampler {
         [self.point[4], self.point[5], self.point[6]]
     }
 
+    /// Samples a point of a receptor, and a direction from which it receives light. Some directions
+    /// lead through the glazed openings of `openings`, because shadow rays do not pass through
+    /// glass.
+    pub(in crate::gather) fn receptor_sample(
+        &self,
+        scene: &Scene,
+        receptor: &Receptor,
+        openings: &Openings,
+    ) -> ReceptorSample {
+        let more = |number: u64| {
+            let word = hash64([hash64(self.point.map(f64::to_bits)), RECEPTOR_SEQUENCE, number]);
+            (word >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
+        };
+        let ([u, v], [across, along]) = (self.film(), self.lens());
+        let point = scene.receptor_point(receptor, [more(0), across, along, more(1)]);
+        let (response, choice) = (point.response, more(2));
+        let direction = if openings.glazed.count() > 0 && choice < OPENINGS_SHARE {
+            openings.glazed.sample(point.position, choice / OPENINGS_SHARE, [u, v])
+        } else {
+            response.sample([u, v, across])
+        };
+        let pdf = receptor_pdf(&point, openings, direction);
+        let ray = Ray { origin: point.position, direction };
+        let weight = if pdf > 0.0 { response.pdf(direction) / pdf } else { 0.0 };
+        ReceptorSample {
+            point,
+            ray_state: RayState { ray, from: point.from, medium_stack: point.medium_stack },
+            pdf,
+            weight,
+        }
+    }
+
     /// Returns the camera ray through a pixel.
     pub fn ray(&self, camera: &Camera, pixel: u64) -> Ray {
         let lens = match camera.aperture() {
@@ -66,14 +117,20 @@ impl PixelSampler {
         camera.ray(corner(camera, pixel) + DVec2::from(self.film()), lens)
     }
 
-    /// Returns a camera ray at one wavelength (nm), with the bodies around the camera. Returns
-    /// `None` if a lens system stops the ray.
-    pub fn ray_at(&self, camera: &Camera, pixel: u64, nm: f64) -> Option<RayState> {
+    /// Returns a ray from the camera, or from a receptor of a measurement, at one wavelength (nm),
+    /// with the bodies around its origin. At a receptor, also returns the density of the direction,
+    /// per steradian. Returns `None` if a lens system stops the ray.
+    pub fn ray_at(&self, scene: &Scene, pixel: u64, nm: f64) -> Option<(RayState, Option<f64>)> {
+        let camera = &scene.camera;
+        if let Some(receptor) = camera.receptor(pixel) {
+            let start = self.receptor_sample(scene, receptor, Openings::NONE);
+            return Some((start.ray_state, Some(start.pdf)));
+        }
         let ray = match camera.system() {
             Some(system) => self.ray_through_lens(&system.at(nm), camera, pixel)?.0,
             None => self.ray(camera, pixel),
         };
-        Some(RayState { ray, from: None, medium_stack: camera.medium_stack })
+        Some((RayState { ray, from: None, medium_stack: camera.medium_stack }, None))
     }
 
     /// Returns a camera ray and its weight. The ray passes through a pixel and a lens system at one
@@ -86,6 +143,15 @@ impl PixelSampler {
     ) -> Option<(Ray, f64)> {
         camera.ray_through(system, corner(camera, pixel) + DVec2::from(self.film()), self.lens())
     }
+}
+
+/// Returns the density with which paths from a receptor start in a direction, per steradian.
+pub(in crate::gather) fn receptor_pdf(point: &ReceptorPoint, openings: &Openings, direction: DVec3) -> f64 {
+    let pdf = point.response.pdf(direction);
+    if openings.glazed.count() == 0 {
+        return pdf;
+    }
+    OPENINGS_SHARE * openings.glazed.pdf(point.position, direction) + (1.0 - OPENINGS_SHARE) * pdf
 }
 
 /// Returns the top left corner of a pixel.

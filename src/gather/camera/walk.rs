@@ -38,6 +38,10 @@ impl<'a> CameraPass<'a> {
         let path = |ray| CameraPath::new(ray, camera.medium_stack);
         let events = self.depth_limit.events();
         let mut context = PathContext { pixel, events, sampler: &mut sampler, radii, buffers, sink, tally };
+        if let Some(receptor) = camera.receptor(pixel) {
+            self.sample_receptor(receptor, &mut context);
+            return;
+        }
         match (&self.lens_systems, self.plan.wavelengths) {
             (Some(systems), _) => {
                 for (lane, system) in systems.iter().enumerate() {
@@ -60,7 +64,7 @@ impl<'a> CameraPass<'a> {
     }
 
     /// Follows a path once for each shared wavelength.
-    fn follow_each_shared<S: Sink>(&self, path: CameraPath, context: &mut PathContext<'_, 'a, S>) {
+    pub(super) fn follow_each_shared<S: Sink>(&self, path: CameraPath, context: &mut PathContext<'_, 'a, S>) {
         for lane in 0..LANES {
             if let Some(single) = self.to_shared_wavelength(path, lane, context) {
                 self.follow_shared(&single, context);
@@ -88,6 +92,12 @@ impl<'a> CameraPass<'a> {
     /// Follows a path to its end, at one shared wavelength. This function is called from several
     /// places and compiled once for all of them.
     pub(in crate::gather) fn follow_shared<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
+        self.follow(path, context);
+    }
+
+    /// Follows a free path from a receptor to its end.
+    #[inline(never)]
+    pub(super) fn follow_free<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
         self.follow(path, context);
     }
 

@@ -13,6 +13,7 @@ use crate::optics::phase::PhaseMixture;
 use crate::plan::{MediumPlan, Tally};
 use crate::scene::Scene;
 use crate::scene::light::{EmittedSpd, LiSample, Light};
+use crate::scene::meter::ReceptorPoint;
 use crate::walk::{
     BodyMode, CausticWeights, PathTransmittance, RayDensities, RayDensity, RayState, SurfaceInteraction,
     path_transmittance, path_transmittance_tracked,
@@ -26,7 +27,7 @@ pub struct DirectLighting<'a> {
     selector: &'a LightSelector,
     attenuation: ShadowAttenuation,
     /// The openings of the scene.
-    openings: &'a Openings,
+    pub(in crate::gather) openings: &'a Openings,
     /// The densities of the emitted rays. `None` if no photon competes with camera paths.
     pub(in crate::gather) ray_densities: Option<&'a RayDensities>,
 }
@@ -88,6 +89,17 @@ pub(in crate::gather) struct VolumeLightSample<'a> {
     pub(in crate::gather) strength: f64,
     pub(in crate::gather) spd: EmittedSpd,
     /// The transmittance between the light and the point.
+    pub(in crate::gather) transmittance: PathTransmittance<'a>,
+}
+
+/// Direct light at a receptor of a meter.
+pub(in crate::gather) struct ReceptorLightSample<'a> {
+    pub(in crate::gather) light: &'a Light,
+    /// Without attenuation, the mean radiance at a wavelength is `strength` × S(λ), where S is the
+    /// light's spectrum.
+    pub(in crate::gather) strength: f64,
+    pub(in crate::gather) spd: EmittedSpd,
+    /// The transmittance between the light and the receptor.
     pub(in crate::gather) transmittance: PathTransmittance<'a>,
 }
 
@@ -195,6 +207,35 @@ impl<'a> DirectLighting<'a> {
     #[inline]
     pub(in crate::gather) fn select_lights<R: Receiver>(&self, receiver: R, u: [f64; 3]) -> LightSelection<'a, R> {
         self.selector.select(receiver, u)
+    }
+
+    /// Samples the direct light of one light at a receptor of a meter. `pdf` is the density with
+    /// which a path from the receptor starts in a direction. Returns `None` if the light does not
+    /// reach the receptor.
+    pub(in crate::gather) fn sample_direct_at_receptor(
+        &self,
+        point: &ReceptorPoint,
+        pdf: impl Fn(DVec3) -> f64,
+        selected: SelectedLight,
+        tally: &mut Tally,
+    ) -> Option<ReceptorLightSample<'a>> {
+        let SelectedLight { number, u, probability } = selected;
+        let light = &self.scene.lights[number];
+        let incident = self.sample_li(light, point.position, u)?;
+        let LiSample { direction, distance, spd, .. } = incident;
+        let mis_weight =
+            incident.pdf_solid_angle.map_or(1.0, |density| power_heuristic(density * probability, pdf(direction)));
+        let strength = incident.irradiance * point.response.pdf(direction) * mis_weight / probability;
+        if strength <= 0.0 {
+            return None;
+        }
+        tally.shadow_rays += 1;
+        let ray = Ray { origin: point.position, direction };
+        let reaches = !self.scene.geometry.occluded(&ray, point.from, incident.target, distance);
+        reaches.then(|| {
+            let start = RayState { ray, from: point.from, medium_stack: point.medium_stack };
+            ReceptorLightSample { light, strength, spd, transmittance: self.path_transmittance(start, distance, u) }
+        })
     }
 
     /// Samples the direct light of one light at a point in a medium. Returns `None` if the light
@@ -316,7 +357,7 @@ impl<'a> DirectLighting<'a> {
     /// Samples a direction from a point towards a light; see [`Light::sample_li`].
     #[inline(always)]
     fn sample_li(&self, light: &Light, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
-        if self.openings.spheres.is_empty() || !light.surrounds() {
+        if self.openings.open.count() == 0 || !light.surrounds() {
             return light.sample_li(self.scene.extent(), from, u);
         }
         self.sample_li_through_openings(light, from, u)
@@ -327,7 +368,7 @@ impl<'a> DirectLighting<'a> {
     #[inline(never)]
     fn sample_li_through_openings(&self, light: &Light, from: DVec3, [u, v, choice]: [f64; 3]) -> Option<LiSample> {
         let mut sample = if choice < OPENINGS_SHARE {
-            let direction = self.openings.sample(from, choice / OPENINGS_SHARE, [u, v]);
+            let direction = self.openings.open.sample(from, choice / OPENINGS_SHARE, [u, v]);
             let (radiance, spd) = light.le(direction)?;
             let (distance, target) = (f64::INFINITY, None);
             LiSample { direction, distance, target, irradiance: radiance, pdf_solid_angle: None, spd }
@@ -344,10 +385,10 @@ impl<'a> DirectLighting<'a> {
     /// Returns the density of [`Self::sample_li`] for the direction of a ray that leaves the scene.
     fn pdf_li_escaped(&self, light: &Light, from: DVec3, direction: DVec3) -> f64 {
         let pdf = light.pdf_li_escaped(direction);
-        if self.openings.spheres.is_empty() || !light.surrounds() {
+        if self.openings.open.count() == 0 || !light.surrounds() {
             return pdf;
         }
-        (1.0 - OPENINGS_SHARE) * pdf + OPENINGS_SHARE * self.openings.pdf(from, direction)
+        (1.0 - OPENINGS_SHARE) * pdf + OPENINGS_SHARE * self.openings.open.pdf(from, direction)
     }
 
     /// Returns the density of a light's rays along a camera ray that hit the light. `radiance` is

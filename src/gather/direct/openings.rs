@@ -15,25 +15,47 @@ pub const OPENINGS_SHARE: f64 = 0.75;
 /// The openings of a scene.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Openings {
-    /// The spheres around the openings. Rays are sent to all of them with equal probability.
-    pub spheres: Vec<BoundingSphere>,
+    /// The openings without glass. Shadow rays pass through them.
+    pub open: OpeningSpheres,
+    /// The openings of which at least some have glass. Only the paths of meters use them.
+    pub glazed: OpeningSpheres,
 }
+
+/// The spheres around openings. Rays are sent to all of them with equal probability.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct OpeningSpheres(pub Vec<BoundingSphere>);
 
 impl Openings {
     /// The openings of a scene without any.
-    pub const NONE: &'static Self = &Self { spheres: Vec::new() };
+    pub const NONE: &'static Self =
+        &Self { open: OpeningSpheres(Vec::new()), glazed: OpeningSpheres(Vec::new()) };
+}
+
+impl Openings {
+    /// Returns the spheres around all openings.
+    pub fn all(&self) -> Vec<BoundingSphere> {
+        [self.open.0.as_slice(), &self.glazed.0].concat()
+    }
+}
+
+impl OpeningSpheres {
+    /// Returns the number of spheres.
+    #[inline]
+    pub(in crate::gather) fn count(&self) -> usize {
+        self.0.len()
+    }
 
     /// Samples a direction from a point through an opening. `choice` in [0, 1) selects the opening.
-    pub(super) fn sample(&self, from: DVec3, choice: f64, u: [f64; 2]) -> DVec3 {
-        let count = self.spheres.len();
+    pub(in crate::gather) fn sample(&self, from: DVec3, choice: f64, u: [f64; 2]) -> DVec3 {
+        let count = self.0.len();
         let number = ((choice * count as f64) as usize).min(count - 1);
-        self.spheres[number].sample_direction(from, u).0
+        self.0[number].sample_direction(from, u).0
     }
 
     /// Returns the density of [`Self::sample`] per steradian.
     pub fn pdf(&self, from: DVec3, direction: DVec3) -> f64 {
-        let sum: f64 = self.spheres.iter().map(|sphere| sphere.pdf_direction(from, direction)).sum();
-        sum / self.spheres.len() as f64
+        let sum: f64 = self.0.iter().map(|sphere| sphere.pdf_direction(from, direction)).sum();
+        sum / self.0.len() as f64
     }
 }
 
@@ -46,7 +68,7 @@ mod tests {
     #[test]
     fn samples_have_the_stated_density() {
         let sphere = |x: f64, radius_m: f64| BoundingSphere { centre: DVec3::new(x, 2.0, 0.0), radius_m };
-        let openings = Openings { spheres: vec![sphere(0.0, 0.5), sphere(0.2, 0.6), sphere(5.0, 1.0)] };
+        let openings = OpeningSpheres(vec![sphere(0.0, 0.5), sphere(0.2, 0.6), sphere(5.0, 1.0)]);
         let (sobol, n) = (Sobol::new(3), 1 << 14);
         let (mut sampled, mut uniform) = (0.0, 0.0);
         for i in 0..n {

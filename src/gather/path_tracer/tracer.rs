@@ -6,15 +6,16 @@
 //! without extent is behind glass, photon mapping finds the light from this source, but the path
 //! tracer does not.
 
-use crate::gather::camera::sampler::PixelSampler;
+use crate::gather::camera::sampler::{PixelSampler, receptor_pdf};
 use crate::gather::camera::throughput::relative_n2;
 use crate::gather::direct::light_tree::ReceivingPoint;
 use crate::gather::direct::lighting::{DirectLighting, HitWeighting, LightSampleContext};
 use crate::geometry::{Hit, Ray};
 use crate::optics::bsdf::{BsdfClass, TransportMode};
 use crate::plan::partition::LightPath;
-use crate::plan::{CameraEvents, LightOrigin, MediumPlan, Tally};
+use crate::plan::{CameraEvents, LightOrigin, MediumPlan, PathClass, Tally};
 use crate::scene::Scene;
+use crate::scene::meter::Receptor;
 use crate::spectrum::{LANES, Lanes, WavelengthDistribution, Wavelengths};
 use crate::walk::{
     DepthLimit, LostLight, MAX_EVENTS, RayState, ScatteredRay, SegmentEnd, Sink, SurfaceInteraction, SurfaceLookup,
@@ -63,7 +64,11 @@ impl<'a> PathTracer<'a> {
     /// Estimates the radiance of one sample of a pixel and adds it to the sink.
     pub fn sample<S: Sink>(&self, pixel: u64, mut sampler: PixelSampler, tally: &mut Tally, sink: &mut S) {
         tally.camera_samples += 1;
-        let Some(mut path) = self.start_path(pixel, &sampler) else {
+        let started = match self.scene.camera.receptor(pixel) {
+            Some(receptor) => Some(self.start_at_receptor(receptor, &sampler, tally, sink)),
+            None => self.start_path(pixel, &sampler),
+        };
+        let Some(mut path) = started else {
             return;
         };
         let limit = self.depth_limit.events();
@@ -106,7 +111,9 @@ impl<'a> PathTracer<'a> {
             }
             self.add_emitters_hit(path, interaction.incoming, Some(interaction.hit), tally, sink);
             if matches!(interaction.bsdf.class(), BsdfClass::Diffuse | BsdfClass::Glossy) {
-                let u = if depth == 0 { sampler.light() } else { sampler.stream.triple() };
+                // A path from a receptor has used these numbers at the receptor.
+                let first = depth == 0 && path.events == CameraEvents::Specular;
+                let u = if first { sampler.light() } else { sampler.stream.triple() };
                 self.sample_lights(path, &interaction, u, tally, sink);
             }
             let Some(scattered) =
@@ -143,21 +150,15 @@ impl<'a> PathTracer<'a> {
     /// if the camera has a lens system. Returns `None` if the lens system stops the ray.
     fn start_path(&self, pixel: u64, sampler: &PixelSampler) -> Option<TracedPath> {
         let camera = &self.scene.camera;
-        let (mut nm, mut throughput) = ([0.0; LANES], [0.0; LANES]);
-        let (ray, wavelengths) = match camera.system() {
+        let (ray, wavelengths, throughput) = match camera.system() {
             Some(system) => {
                 let (sampled, pdf) = self.wavelengths.sample(sampler.wavelength);
                 let (ray, weight) = sampler.ray_through_lens(&system.at(sampled), camera, pixel)?;
-                throughput[0] = weight / pdf;
-                (ray, Wavelengths::single(sampled))
+                (ray, Wavelengths::single(sampled), std::array::from_fn(|k| if k == 0 { weight / pdf } else { 0.0 }))
             }
             None => {
-                for k in 0..LANES {
-                    let (sampled, pdf) = self.wavelengths.sample((sampler.wavelength + k as f64) / LANES as f64);
-                    nm[k] = sampled;
-                    throughput[k] = 1.0 / (pdf * LANES as f64);
-                }
-                (sampler.ray(camera, pixel), Wavelengths::new(nm))
+                let (nm, throughput) = self.stratified_wavelengths(sampler);
+                (sampler.ray(camera, pixel), Wavelengths::new(nm), throughput)
             }
         };
         Some(TracedPath {
@@ -169,6 +170,51 @@ impl<'a> PathTracer<'a> {
             hit_weighting: HitWeighting::Full,
             events: CameraEvents::Specular,
         })
+    }
+
+    /// Samples four stratified wavelengths (nm). Returns them, and the inverses of their densities.
+    fn stratified_wavelengths(&self, sampler: &PixelSampler) -> (Lanes, Lanes) {
+        let (mut nm, mut throughput) = ([0.0; LANES], [0.0; LANES]);
+        for k in 0..LANES {
+            let (sampled, pdf) = self.wavelengths.sample((sampler.wavelength + k as f64) / LANES as f64);
+            nm[k] = sampled;
+            throughput[k] = 1.0 / (pdf * LANES as f64);
+        }
+        (nm, throughput)
+    }
+
+    /// Adds direct light at a receptor of a meter, and starts a path there. The receptor is the
+    /// first scattering event of the path.
+    fn start_at_receptor<S: Sink>(
+        &self,
+        receptor: &Receptor,
+        sampler: &PixelSampler,
+        tally: &mut Tally,
+        sink: &mut S,
+    ) -> TracedPath {
+        tally.receptor_samples += 1;
+        let (nm, inverse_pdf) = self.stratified_wavelengths(sampler);
+        let start = sampler.receptor_sample(self.scene, receptor, self.direct.openings);
+        let from = ReceivingPoint::on_receptor(&start.point);
+        let pdf = |direction| receptor_pdf(&start.point, self.direct.openings, direction);
+        for selected in self.direct.select_lights(from, sampler.light()) {
+            let sample = self.direct.sample_direct_at_receptor(&start.point, pdf, selected, tally);
+            let Some(sample) = sample else { continue };
+            let origin = LightOrigin { class: PathClass::Direct, light: selected.number };
+            for (k, &nm) in nm.iter().enumerate() {
+                let arriving = sample.light.spd_at(sample.spd, nm) * sample.strength;
+                sink.radiance(origin, nm, inverse_pdf[k] * arriving * transmittance(&sample.transmittance, nm));
+            }
+        }
+        TracedPath {
+            ray_state: start.ray_state,
+            initial_count: LANES,
+            wavelengths: Wavelengths::new(nm),
+            throughput: inverse_pdf.map(|throughput| throughput * start.weight),
+            initial_throughput: inverse_pdf,
+            hit_weighting: HitWeighting::Mis { from, pdf: start.pdf, caustic: None },
+            events: CameraEvents::Surface,
+        }
     }
 
     /// Adds the radiance of the lights at the end of a path segment. These lights are on a surface

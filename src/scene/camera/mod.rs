@@ -20,8 +20,10 @@ pub use system::{SystemAt, SystemLens};
 use crate::geometry::Ray;
 use crate::math::elementary::atan;
 use crate::scene::medium_stack::MediumStack;
+use crate::scene::meter::Receptor;
 use crate::scene::motion::LookAt;
 use glam::{DVec2, DVec3};
+use std::sync::Arc;
 
 /// The aperture of a camera.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,6 +42,9 @@ pub enum Aperture {
 }
 
 /// A camera: its pose, field of view, aperture and resolution.
+///
+/// The camera of a measurement has no lens and no field of view. Each of its pixels is a receptor of
+/// a meter, and paths start at the receptors.
 #[derive(Debug, Clone)]
 pub struct Camera {
     origin: DVec3,
@@ -50,6 +55,8 @@ pub struct Camera {
     size: DVec2,
     /// The side length of a pixel after its projection to the plane at distance 1 from the camera.
     pixel: f64,
+    /// The receptors of meters. Empty for a camera with a picture.
+    receptors: Arc<[Receptor]>,
     /// The bodies that contain the camera.
     pub medium_stack: MediumStack,
     /// True if the scene enables diffraction at the aperture. A pinhole ignores this value.
@@ -86,7 +93,40 @@ impl Camera {
         let size = DVec2::new(f64::from(width), f64::from(height));
         let pixel = 2.0 * tan_half_height / size.y;
         let (right, medium_stack, diffracts) = (forward.cross(up), MediumStack::AIR, false);
-        Self { origin, right, up, forward, aperture, size, pixel, medium_stack, diffracts }
+        let receptors = Arc::default();
+        Self { origin, right, up, forward, aperture, size, pixel, receptors, medium_stack, diffracts }
+    }
+
+    /// Creates the camera of a measurement. Its film has one column, and each receptor has `rows`
+    /// consecutive rows.
+    pub fn of_receptors(receptors: Arc<[Receptor]>, rows: u32) -> Self {
+        /// The angle (rad) of the cone that a path from a receptor represents. It sets the footprint
+        /// of textures and the largest kernels.
+        const PATH_ANGLE: f64 = 0.02;
+        let height = receptors.len() as u32 * rows;
+        let axes = (DVec3::NEG_Z, DVec3::Y);
+        let half = 0.5 * PATH_ANGLE * f64::from(height);
+        Self { receptors, ..Self::new(DVec3::ZERO, axes, half, (1, height), Aperture::Pinhole) }
+    }
+
+    /// The receptors of a measurement. Empty for a camera with a picture.
+    pub fn receptors(&self) -> &Arc<[Receptor]> {
+        &self.receptors
+    }
+
+    /// Replaces the receptors by others. Their number must be the same.
+    pub fn set_receptors(&mut self, receptors: Arc<[Receptor]>) {
+        self.receptors = receptors;
+    }
+
+    /// The receptor of a pixel, or `None` if the camera has a picture.
+    #[inline]
+    pub fn receptor(&self, pixel: u64) -> Option<&Receptor> {
+        if self.receptors.is_empty() {
+            return None;
+        }
+        let rows = self.pixel_count() / self.receptors.len();
+        self.receptors.get(pixel as usize / rows)
     }
 
     /// The centre of the lens, relative to the scene's centre, in m.
@@ -192,11 +232,14 @@ impl Camera {
     }
 
     /// Connects a point of the scene to the film. Returns `None` if the image of the point is
-    /// outside the film.
+    /// outside the film, or if the camera has no picture.
     ///
     /// The random numbers `lens` sample the opening of a thin lens. A lens system is treated as an
     /// ideal lens, as in [`ray`](Self::ray).
     pub fn connect(&self, point: DVec3, lens: [f64; 2]) -> Option<CameraConnection> {
+        if !self.receptors.is_empty() {
+            return None;
+        }
         let (shift, focus_m) = match self.aperture {
             Aperture::Pinhole | Aperture::System(_) => (DVec2::ZERO, 1.0),
             Aperture::ThinLens { stop, focus_m } => (stop.sample(lens), focus_m),

@@ -2,6 +2,7 @@
 //! (Conty Estévez & Kulla 2018, section 4).
 
 use crate::math::elementary::{atan2, cos, sin_cos};
+use crate::scene::meter::ReceptorPoint;
 use crate::walk::SurfaceInteraction;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -217,6 +218,12 @@ impl ReceivingPoint {
         let normal = interaction.frame.normal() * interaction.wo.z.signum();
         let normal = if interaction.bsdf.is_transmissive() { DVec3::ZERO } else { normal };
         Self { position: interaction.hit.position, normal }
+    }
+
+    /// A point of a meter.
+    #[inline]
+    pub(in crate::gather) fn on_receptor(point: &ReceptorPoint) -> Self {
+        Self { position: point.position, normal: point.response.normal() }
     }
 
     /// A point in a medium, which scatters light from all directions.

@@ -1,0 +1,266 @@
+//! Measurements: the readings of a scene's meters, in their units and with their errors.
+
+use super::job::Job;
+use super::monitor::Monitor;
+use super::request::{Integrator, Request, StopRules};
+use super::session::Rendered;
+use crate::colour::{cct_duv, cri};
+use crate::error::{Error, Result};
+use crate::plan::CausticPlan;
+use crate::scene::light::{Emitter, Light};
+use crate::scene::meter::{Meter, MeterReading, Quantity, QuantityKind};
+use crate::sensor::{Reading, ReadingSpectrum};
+use crate::spectrum::{LUMENS_PER_WATT, Observer, Outside, Spectrum};
+use glam::DVec3;
+use serde::Serialize;
+use std::f64::consts::{PI, TAU};
+
+/// The readings of all meters.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeasurementReport {
+    /// The meters, in the order of the scene file.
+    pub meters: Vec<MeterReport>,
+    /// The integrator: `path` or `photon`.
+    pub integrator: &'static str,
+    /// The number of passes.
+    pub passes: u64,
+    /// The time in s.
+    pub seconds: f64,
+    /// Remarks, for example about light that is missing.
+    pub notes: Vec<String>,
+}
+
+/// The readings of a meter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeterReport {
+    /// The name.
+    pub name: String,
+    /// The name of the quantity.
+    pub quantity: &'static str,
+    /// The unit of all values.
+    pub unit: &'static str,
+    /// The centres of the spectral bands in nm, if the quantity is a spectrum.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wavelength_nm: Option<Vec<f64>>,
+    /// The readings.
+    pub points: Vec<PointReport>,
+    /// The mean of the readings. `None` for spectra.
+    pub mean: Option<f64>,
+    /// The least reading divided by the mean reading. `None` for spectra, and if the mean is 0.
+    pub uniformity: Option<f64>,
+}
+
+/// A reading.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PointReport {
+    /// The position in the unit of the scene file.
+    pub position: [f64; 3],
+    /// The normal, the axis or the direction of view.
+    pub normal: Option<[f64; 3]>,
+    /// The value.
+    pub value: Value,
+    /// The standard error.
+    pub noise: Option<Value>,
+    /// The magnitude of the estimated bias. `None` if the quantity is not an integral of the
+    /// spectrum.
+    pub bias: Option<Value>,
+    /// The interval that contains the true value with a probability of 95 %.
+    pub interval_95: Option<[Value; 2]>,
+    /// The flux through the surface, if the meter is a surface: lm for illuminance, W for
+    /// irradiance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flux: Option<f64>,
+    /// The area of the surface in m².
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub area_m2: Option<f64>,
+}
+
+/// A number, or one number for each spectral band.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Value {
+    /// A number.
+    Number(f64),
+    /// One number for each spectral band.
+    Spectrum(Vec<f64>),
+}
+
+/// The stop rules of a measurement if the request has none: every reading has this relative error,
+/// or this number of passes is done.
+const DEFAULT_STOP: StopRules = StopRules { passes: Some(1024), time: None, target_error: Some(0.004) };
+
+impl Job {
+    /// Returns the integrator that suits the meters.
+    ///
+    /// The path tracer has no bias. It does not find the light of lamps without extent behind glass
+    /// or mirrors, and seldom finds the sun there.
+    pub fn integrator_for_meters(&self) -> Integrator {
+        let needs_photons = |light: &Light| light.is_delta() || matches!(light.emitter, Emitter::Directional(_));
+        let hidden = self.plan.caustics != CausticPlan::Absent && self.scene.lights.iter().any(needs_photons);
+        if hidden { Integrator::Photon } else { Integrator::Path }
+    }
+
+    /// Measures with all meters of the scene, on the current thread pool. `integrator` is the
+    /// integrator, or `None` for the integrator that suits the meters. Also returns true if the
+    /// monitor ended the measurement before a stop rule was satisfied.
+    ///
+    /// # Errors
+    /// See [`Self::continue_run`].
+    pub fn measure(
+        &self,
+        integrator: Option<Integrator>,
+        stop: StopRules,
+        monitor: &mut dyn Monitor,
+    ) -> Result<(MeasurementReport, bool)> {
+        let sky_lx = sky_illuminance_lx(&self.scene.lights);
+        if sky_lx <= 0.0 && self.scene.meters.iter().any(|meter| meter.quantity == Quantity::DaylightFactor) {
+            let error = Error::input("a meter measures the daylight factor, but the scene has no sky");
+            return Err(error.expected("a light `sky` or `environment`"));
+        }
+        let stop = if stop == StopRules::default() { DEFAULT_STOP } else { stop };
+        let integrator = integrator.unwrap_or_else(|| self.integrator_for_meters());
+        let Rendered { stats, run, interrupted, .. } = self.render(Request { integrator, stop }, monitor)?;
+        let mut readings = run.readings().into_iter();
+        let meters = self.scene.meters.iter().map(|meter| {
+            let own = readings.by_ref().take(meter.readings.len());
+            report(meter, &own.collect::<Vec<_>>(), sky_lx)
+        });
+        let meters = meters.collect();
+        let (passes, seconds) = (stats.passes, stats.seconds.total);
+        let notes = [self.scene.notes.as_slice(), &stats.notes].concat();
+        Ok((MeasurementReport { meters, integrator: integrator.word(), passes, seconds, notes }, interrupted))
+    }
+}
+
+/// Returns the report of a meter.
+fn report(meter: &Meter, readings: &[Reading], sky_lx: f64) -> MeterReport {
+    let points: Vec<PointReport> =
+        meter.readings.iter().zip(readings).map(|(known, reading)| point(meter.quantity, known, reading, sky_lx)).collect();
+    let numbers: Option<Vec<f64>> = points
+        .iter()
+        .map(|point| match point.value {
+            Value::Number(number) => Some(number),
+            Value::Spectrum(_) => None,
+        })
+        .collect();
+    let mean = numbers.as_ref().map(|numbers| numbers.iter().sum::<f64>() / numbers.len() as f64);
+    let least = numbers.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+    let wavelength_nm = match meter.quantity.kind() {
+        QuantityKind::Spectrum => {
+            readings.first().and_then(|reading| Some(reading.spectrum.as_ref()?.centres_nm.clone()))
+        }
+        QuantityKind::Integral | QuantityKind::OfSpectrum => None,
+    };
+    MeterReport {
+        name: meter.name.clone(),
+        quantity: meter.quantity.name(),
+        unit: meter.quantity.unit(),
+        wavelength_nm,
+        points,
+        mean,
+        uniformity: mean.filter(|&mean| mean > 0.0).map(|mean| least / mean),
+    }
+}
+
+/// Returns the report of a reading.
+fn point(quantity: Quantity, known: &MeterReading, reading: &Reading, sky_lx: f64) -> PointReport {
+    let (mean, flux) = (known.factor * quantity.scale(), known.area_m2);
+    let per_value = match quantity {
+        Quantity::LuminousFlux | Quantity::RadiantFlux => mean * flux.unwrap_or(1.0),
+        Quantity::DaylightFactor => 100.0 * mean / sky_lx,
+        _ => mean,
+    };
+    let half_interval = reading.half_interval_95();
+    let mut report = PointReport {
+        position: known.position.to_array(),
+        normal: known.normal.map(|normal| normal.to_array()),
+        value: Value::Number(reading.value * per_value),
+        noise: reading.noise.map(|noise| Value::Number(noise * per_value)),
+        bias: reading.bias.map(|bias| Value::Number(bias * per_value)),
+        interval_95: half_interval.map(|half| {
+            let ends = [reading.value - half, reading.value + half];
+            ends.map(|end| Value::Number(end.max(0.0) * per_value))
+        }),
+        flux: flux.filter(|_| !quantity.is_flux()).map(|area| reading.value * mean * area),
+        area_m2: flux,
+    };
+    let Some(spectrum) = &reading.spectrum else { return report };
+    match quantity.kind() {
+        QuantityKind::Integral => {}
+        QuantityKind::Spectrum => with_spectrum(&mut report, spectrum, known.factor, reading),
+        QuantityKind::OfSpectrum => with_function_of_spectrum(&mut report, spectrum, quantity, reading),
+    }
+    report
+}
+
+/// Writes the spectrum of a reading into its report.
+fn with_spectrum(report: &mut PointReport, spectrum: &ReadingSpectrum, factor: f64, reading: &Reading) {
+    let scaled = |values: &[f64]| values.iter().map(|value| value * factor).collect::<Vec<f64>>();
+    let values = scaled(&spectrum.values);
+    report.value = Value::Spectrum(values.clone());
+    let noise: Option<Vec<f64>> =
+        (0..values.len()).map(|band| spectrum.noise_of(|values| Some(values[band] * factor))).collect();
+    // The bias is known only for the sum of all bands. Every band gets the same relative bias.
+    let relative_bias = reading.bias.filter(|_| reading.value > 0.0).map_or(0.0, |bias| bias / reading.value);
+    let bias: Vec<f64> = values.iter().map(|value| value * relative_bias).collect();
+    report.interval_95 = noise.as_ref().map(|noise| {
+        let half = |band: usize| {
+            let (value, noise, bias) = (values[band], noise[band], bias[band]);
+            Reading { value, noise: Some(noise), bias: Some(bias), ..reading.clone() }.half_interval_95().unwrap_or(0.0)
+        };
+        let halves: Vec<f64> = (0..values.len()).map(half).collect();
+        [-1.0, 1.0].map(|sign| {
+            Value::Spectrum(values.iter().zip(&halves).map(|(value, half)| (value + sign * half).max(0.0)).collect())
+        })
+    });
+    (report.noise, report.bias) = (noise.map(Value::Spectrum), Some(Value::Spectrum(bias)));
+}
+
+/// Writes a function of the spectrum of a reading into its report.
+fn with_function_of_spectrum(
+    report: &mut PointReport,
+    spectrum: &ReadingSpectrum,
+    quantity: Quantity,
+    reading: &Reading,
+) {
+    let of = |values: &[f64]| {
+        let light = Spectrum::table(&spectrum.centres_nm, values, Outside::Zero).ok()?;
+        let temperature = cct_duv(Observer::cie1931().xyz(&light))?;
+        match quantity {
+            Quantity::ColourRendering => cri(&light, temperature).map(|rendering| rendering.ra),
+            _ => Some(temperature.cct_k),
+        }
+    };
+    let (value, noise) = (of(&spectrum.values), spectrum.noise_of(of));
+    report.value = Value::Number(value.unwrap_or(f64::NAN));
+    report.noise = noise.map(Value::Number);
+    report.bias = None;
+    report.interval_95 = value.zip(noise).and_then(|(value, noise)| {
+        let half = Reading { value, noise: Some(noise), bias: None, ..reading.clone() }.half_interval_95()?;
+        Some([value - half, value + half].map(Value::Number))
+    });
+}
+
+/// Returns the horizontal illuminance in lx of all lights that surround the scene, without
+/// obstacles: the integral of L cos θ over the upper hemisphere.
+fn sky_illuminance_lx(lights: &[Light]) -> f64 {
+    /// The numbers of directions in elevation and in azimuth. The rule is exact to 10⁻⁵ for skies
+    /// without steps.
+    const STEPS: [u32; 2] = [512, 512];
+    let mut sum = 0.0;
+    for light in lights.iter().filter(|light| light.surrounds()) {
+        let photometric = LUMENS_PER_WATT * Observer::cie1931().xyz(&light.spectrum)[1];
+        for i in 0..STEPS[0] {
+            // Equal steps of sin² θ have equal integrals of cos θ.
+            let sin2 = (f64::from(i) + 0.5) / f64::from(STEPS[0]);
+            let (sin, cos) = (sin2.sqrt(), (1.0 - sin2).sqrt());
+            for j in 0..STEPS[1] {
+                let azimuth = TAU * (f64::from(j) + 0.5) / f64::from(STEPS[1]);
+                let (across, along) = crate::math::elementary::sin_cos(azimuth);
+                let direction = DVec3::new(sin * across, cos, sin * along);
+                sum += photometric * light.le(direction).map_or(0.0, |(radiance, _)| radiance);
+            }
+        }
+    }
+    sum * PI / (f64::from(STEPS[0]) * f64::from(STEPS[1]))
+}

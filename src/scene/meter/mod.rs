@@ -1,0 +1,41 @@
+//! Meters: what they measure, and the receptors that receive their light.
+//!
+//! A measurement has no picture. Its camera consists of the receptors of all meters
+//! ([`Camera::of_receptors`](super::camera::Camera::of_receptors)), and each row of its film belongs
+//! to one receptor. Paths start at the receptors, so direct light needs one shadow ray, and light
+//! from surfaces needs one path.
+
+mod quantity;
+mod receptor;
+
+pub use quantity::{Quantity, QuantityKind};
+pub use receptor::{ReceivingSide, Receptor, ReceptorPoint, ReceptorShape, Response};
+
+use glam::DVec3;
+
+/// A meter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Meter {
+    /// The name in reports.
+    pub name: String,
+    /// The quantity.
+    pub quantity: Quantity,
+    /// The readings, one for each receptor, in the order of the receptors.
+    pub readings: Vec<MeterReading>,
+}
+
+/// What is known about a reading before the measurement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeterReading {
+    /// The position in the world, in the unit of the scene file. For a surface, it is the middle of
+    /// its bounding box.
+    pub position: DVec3,
+    /// The normal, the axis or the direction of view. `None` for a sphere and for a surface.
+    pub normal: Option<DVec3>,
+    /// The factor from the mean radiance of the receptor to the reading, apart from the factor of
+    /// the quantity: π for illuminance and all its relatives, 1 for luminance.
+    pub factor: f64,
+    /// The area in m², if the receptor is a surface. The flux is the mean illuminance times this
+    /// area.
+    pub area_m2: Option<f64>,
+}
