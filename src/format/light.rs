@@ -2,8 +2,10 @@
 
 mod distant;
 mod ies;
+mod sky;
 
 pub use distant::{DirectionalFile, EnvironmentFile, ProjectionFile};
+pub use sky::SkyFile;
 pub use ies::IesFile;
 
 use schemars::JsonSchema;
@@ -63,6 +65,13 @@ pub enum LightFile {
     }}))]
     #[schemars(example = json!({"environment": {"image": "sky.exr", "projection": "equal_area", "luminance": 1}}))]
     Environment(EnvironmentFile),
+    /// A CIE standard sky (ISO 15469, CIE S 011) above a uniform ground. The zenith is +y.
+    #[schemars(example = json!({"sky": {
+        "type": 12, "sun_elevation": 60, "sun_azimuth": 180, "illuminance": 10_000, "ground_reflectance": 0.2,
+        "spectrum": "D65", "group": "daylight"
+    }}))]
+    #[schemars(example = json!({"sky": {"type": 1, "illuminance": 10_000}}))]
+    Sky(SkyFile),
     /// A luminaire with a measured distribution of intensity, from an IES LM-63 or EULUMDAT file.
     #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.ies", "spectrum": "LED-B3"}}))]
     #[schemars(example = json!({"ies": {
@@ -264,6 +273,7 @@ impl LightFile {
             Self::Beam(light) => (&light.transform, &light.motion),
             Self::Directional(light) => (&light.transform, &light.motion),
             Self::Environment(light) => (&light.transform, &light.motion),
+            Self::Sky(_) => (SkyFile::TRANSFORM, &[]),
             Self::Ies(light) => (&light.transform, &light.motion),
         }
     }
@@ -276,6 +286,7 @@ impl LightFile {
             Self::Beam(light) => &light.group,
             Self::Directional(light) => &light.group,
             Self::Environment(light) => &light.group,
+            Self::Sky(light) => &light.group,
             Self::Ies(light) => &light.group,
         };
         group.as_deref()
@@ -289,6 +300,7 @@ impl LightFile {
             Self::Beam(light) => light.validate(&at.key("beam")),
             Self::Directional(light) => light.validate(&at.key("directional")),
             Self::Environment(light) => light.validate(&at.key("environment")),
+            Self::Sky(light) => light.validate(&at.key("sky")),
             Self::Ies(light) => light.validate(&at.key("ies")),
         }
     }

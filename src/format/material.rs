@@ -33,6 +33,9 @@ pub enum MaterialFile {
     /// A thin pane: light passes straight through or is reflected.
     #[schemars(example = json!({"thin_dielectric": {"ior": 1.5}}))]
     #[schemars(example = json!({"thin_dielectric": {"ior": 1.52, "thickness": 0.006, "absorption": 7.3}}))]
+    #[schemars(example = json!({"thin_dielectric": {
+        "ior": 1.52, "transmittance": {"cosine_polynomial": [-0.028, 3.156, -3.058, -1.429, 4.014, -1.776]}
+    }}))]
     ThinDielectric(ThinDielectricFile),
     /// A metal.
     #[schemars(example = json!({"conductor": {"metal": "gold", "roughness": 0.2}}))]
@@ -126,11 +129,13 @@ pub struct DielectricFile {
     pub priority: i32,
 }
 
-/// A thin pane. A pane that absorbs states `thickness` and `absorption`.
+/// A thin pane. A pane that absorbs states `thickness` and `absorption`, or its measured
+/// `transmittance`.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ThinDielectricFile {
     /// Index of refraction relative to air.
+    #[serde(default = "glass_index", skip_serializing_if = "is_glass_index")]
     #[schemars(extend("minimum" = 1))]
     pub ior: IndexFile,
     /// Thickness of the pane. It only decides how much light is absorbed.
@@ -141,6 +146,30 @@ pub struct ThinDielectricFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "x-unit" = "1/scene unit", "x-default" = "no absorption"))]
     pub absorption: Option<SpectrumFile>,
+    /// Measured transmittance of the pane. It replaces the transmittance that follows from `ior`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "computed from `ior`"))]
+    pub transmittance: Option<PaneTransmittanceFile>,
+}
+
+/// A measured transmittance of a pane for unpolarised light.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(title = "Transmittance of a pane")]
+pub enum PaneTransmittanceFile {
+    /// Coefficients of a polynomial in the cosine of the angle of incidence, beginning with the
+    /// constant term. Values below 0 count as 0, and values above 1 as 1.
+    #[schemars(example = json!({"cosine_polynomial": [0, 0.9]}))]
+    CosinePolynomial(#[schemars(length(min = 1))] Vec<f64>),
+}
+
+/// Returns the index of float glass.
+fn glass_index() -> IndexFile {
+    IndexFile::Number(1.52)
+}
+
+fn is_glass_index(index: &IndexFile) -> bool {
+    *index == glass_index()
 }
 
 /// A conductor. State one of four: `metal`; `eta` and `k`; `file`; or `reflectance`.
@@ -257,8 +286,18 @@ impl DielectricFile {
 impl ThinDielectricFile {
     /// Checks that all values are in range and that an absorbing pane has a thickness.
     fn validate(&self, at: &JsonPath) -> Result<()> {
-        let Self { ior, thickness, absorption } = self;
+        let Self { ior, thickness, absorption, transmittance } = self;
         let allowed = "both `thickness` and `absorption`, or neither";
+        let measured = match transmittance {
+            Some(_) if thickness.is_some() => {
+                Err(check::fault(at, "found both `thickness` and `transmittance`", "one of them"))
+            }
+            Some(PaneTransmittanceFile::CosinePolynomial(coefficients)) => {
+                let at = at.key("transmittance");
+                check::entries(&at.key("cosine_polynomial"), coefficients.len(), 1, "at least one coefficient")
+            }
+            None => Ok(()),
+        };
         let layer = match (thickness, absorption) {
             (None, None) => Ok(()),
             (Some(_), None) => Err(check::fault(at, "found `thickness` without `absorption`", allowed)),
@@ -268,7 +307,7 @@ impl ThinDielectricFile {
                 absorption.validate(&at.key("absorption"), SpectrumUse::NotNegative),
             ]),
         };
-        check::all([ior.validate(&at.key("ior")), layer])
+        check::all([ior.validate(&at.key("ior")), layer, measured])
     }
 }
 

@@ -61,7 +61,9 @@ pub use film::{
 pub use index::{FormulaFile, IndexFile};
 pub use lens::{LensFile, LensSurfaceFile, PrescriptionFile, SystemLensFile, ThinLensFile, ThinLensForm};
 pub use light::LightFile;
-pub use material::{ConductorFile, DielectricFile, MaterialFile, ThinDielectricFile, WeightedMaterialFile};
+pub use material::{
+    ConductorFile, DielectricFile, MaterialFile, PaneTransmittanceFile, ThinDielectricFile, WeightedMaterialFile,
+};
 pub use medium::{GridFile, HomogeneousFile, MediumBlackbodyFile, MediumEmissionFile, MediumFile, TransmittanceFile};
 pub use meter::{
     MeterCylinderFile, MeterFile, MeterGridFile, MeterSphereFile, MeterSpotFile, QuantityKindFile, SideFile,

@@ -45,7 +45,7 @@ pub(super) const CHAPTERS: [(&str, &[&str]); 16] = [
         ],
     ),
     ("Indices of refraction", &["IndexFile", "FormulaFile"]),
-    ("Materials", &["MaterialFile", "WeightedMaterialFile", "GreenFile"]),
+    ("Materials", &["MaterialFile", "PaneTransmittanceFile", "WeightedMaterialFile", "GreenFile"]),
     ("Media", &["MediumFile", "TransmittanceFile", "PhaseFile", "MediumEmissionFile", "MediumBlackbodyFile"]),
     (
         "Density and temperature fields",

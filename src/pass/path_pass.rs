@@ -17,9 +17,11 @@ pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Re
     let scene = context.scene_of_pass(pass, sums)?;
     let start = Instant::now();
     let selector = context.light_selector(&scene);
+    let direct = DirectLighting::tracked(&scene, &selector, plan.media_plan);
+    let without_glass = direct.passes_panes().then(|| context.openings.without_glass());
     let tracer = PathTracer {
         scene: &scene,
-        direct: DirectLighting::tracked(&scene, &selector, plan.media_plan).with_openings(context.openings),
+        direct: direct.with_openings(without_glass.as_ref().unwrap_or(context.openings)),
         media_plan: plan.media_plan,
         wavelengths: &lights.wavelengths,
         depth_limit: context.depth_limit(),

@@ -5,6 +5,8 @@ use super::ray_state::RayState;
 use crate::geometry::Ray;
 use crate::math::elementary::{exp, exp_m1, ln_1p};
 use crate::math::random::{Purpose, Stream, hash64};
+use crate::optics::bsdf::ThinDielectric;
+use crate::optics::glass::RefractiveIndex;
 use crate::scene::Scene;
 use crate::scene::medium::{Medium, TransmittanceEstimator};
 use crate::spectrum::Spectrum;
@@ -49,6 +51,15 @@ pub enum SegmentTransmittance<'a> {
         /// The seed of the random positions.
         seed: u64,
     },
+    /// A thin pane that the path crosses in a straight line.
+    Pane {
+        /// The pane.
+        pane: &'a ThinDielectric,
+        /// The cosine of the angle of incidence.
+        cosine: f64,
+        /// The refractive index around the pane.
+        outside: &'a RefractiveIndex,
+    },
 }
 
 /// The transmittances of the segments along a path. Paths with more than three segments are rare.
@@ -81,6 +92,7 @@ impl<'a> SegmentTransmittance<'a> {
             Self::Tracked { medium, ray, length_m, seed } => {
                 ratio_tracked(medium, &ray, length_m, medium.extinction.at(nm), seed)
             }
+            Self::Pane { pane, cosine, outside } => pane.transmittance(cosine, outside, nm),
         }
     }
 }
@@ -93,7 +105,9 @@ pub fn excess_optical_depth(path_transmittance: &[SegmentTransmittance<'_>], nm:
         SegmentTransmittance::Column { medium, excess_m, .. } => {
             excess_m.signum() * medium.optical_depth(nm, excess_m.abs())
         }
-        SegmentTransmittance::Clear { .. } | SegmentTransmittance::Tracked { .. } => 0.0,
+        SegmentTransmittance::Clear { .. }
+        | SegmentTransmittance::Tracked { .. }
+        | SegmentTransmittance::Pane { .. } => 0.0,
     };
     path_transmittance.iter().map(of_segment).sum()
 }

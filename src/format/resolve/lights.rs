@@ -6,14 +6,16 @@ use super::motion::ResolvedMotion;
 use super::objects::{EmissionSource, EmittingObject};
 use super::spectra::Role;
 use crate::error::{Error, Result};
-use crate::format::light::{BeamFile, DirectionalFile, EnvironmentFile, IesFile, LightFile, PointFile, SpotFile};
+use crate::format::light::{
+    BeamFile, DirectionalFile, EnvironmentFile, IesFile, LightFile, PointFile, SkyFile, SpotFile,
+};
 use crate::format::luminaire::{self, Photometry};
 use crate::format::{EmissionFile, JsonPath, QuantityFile, SpectrumFile};
 use crate::math::elementary::acos;
 use crate::scene::builder::SceneBuilder;
 use crate::scene::light::{
-    AreaLight, BeamLight, DirectionalLight, Emitter, EnvironmentLight, GoniometricLight, Light, LightSpectrum,
-    LuminousOpening, OpeningShape, PointLight, SpotLight, mean_scale,
+    AreaLight, BeamLight, DirectionalLight, Emitter, EnvironmentLight, EnvironmentPattern, GoniometricLight, Light,
+    LightSpectrum, LuminousOpening, OpeningShape, PointLight, SpotLight, StandardSky, SunDirection, mean_scale,
 };
 use crate::spectrum::{Observer, Spectrum};
 use glam::{DAffine3, DVec3};
@@ -140,6 +142,7 @@ impl Resolver<'_> {
             LightFile::Environment(file) => {
                 ("environment", self.environment_light(&at.key("environment"), file, &mut context))
             }
+            LightFile::Sky(file) => ("sky", self.sky_light(&at.key("sky"), file, &mut context)),
             LightFile::Ies(file) => ("ies", self.luminaire(&at.key("ies"), file, &mut context)),
         };
         let (emitter, spectrum) = resolved?;
@@ -267,15 +270,17 @@ impl Resolver<'_> {
         context: &mut LightContext<'_>,
     ) -> Result<EmitterAndSpectrum> {
         let EnvironmentFile { spectrum, image, projection, .. } = file;
-        let (spectrum, map, mean) = match (spectrum, image) {
+        let (spectrum, pattern, mean) = match (spectrum, image) {
             (_, Some(image)) => {
                 let at = path.key("image");
                 let map = self.source.file(&image.path);
                 let image = map.and_then(|path| environment_image::load(&path, *projection, context.to_world));
                 let EnvironmentImage { map, mean_luminance } = self.at(&at.key("path"), image)?;
-                (LightSpectrum::new(&map.mean_spectrum()), Some(Arc::new(map)), mean_luminance)
+                (LightSpectrum::new(&map.mean_spectrum()), EnvironmentPattern::Image(Arc::new(map)), mean_luminance)
             }
-            (Some(spectrum), None) => (self.light_spectrum(path, spectrum, context.notes)?, None, 1.0),
+            (Some(spectrum), None) => {
+                (self.light_spectrum(path, spectrum, context.notes)?, EnvironmentPattern::Uniform, 1.0)
+            }
             (None, None) => {
                 return self.at(path, Err(Error::input("found neither").expected("one of `spectrum`, `image`")));
             }
@@ -285,7 +290,26 @@ impl Resolver<'_> {
             of_white.unwrap_or(quantity)
         });
         let irradiance = self.at(path, quantity.and_then(|q| radiometric(q, &spectrum)))?.value();
-        Ok((Emitter::Environment(EnvironmentLight::new(irradiance / PI, map)), spectrum))
+        Ok((Emitter::Environment(EnvironmentLight::new(irradiance / PI, pattern)), spectrum))
+    }
+
+    fn sky_light(
+        &self,
+        path: &JsonPath<'_>,
+        file: &SkyFile,
+        context: &mut LightContext<'_>,
+    ) -> Result<EmitterAndSpectrum> {
+        let SkyFile { kind, sun_elevation, sun_azimuth, illuminance, ground_reflectance, spectrum, group: _ } = file;
+        let spectrum = self.light_spectrum(path, spectrum, context.notes)?;
+        let elevation = sun_elevation.unwrap_or(90.0).to_radians();
+        let sun = SunDirection { elevation, azimuth: sun_azimuth.to_radians() };
+        let sky = StandardSky::new(*kind, sun, *ground_reflectance);
+        let unknown = || Error::input(format!("found {kind}")).expected("a whole number from 1 to 16");
+        let sky = self.at(&path.key("type"), sky.ok_or_else(unknown))?;
+        let quantity = QuantityFile::Illuminance(illuminance / sky.horizontal_illuminance());
+        let mean_radiance = self.at(path, radiometric(quantity, &spectrum))?.value();
+        let pattern = EnvironmentPattern::Sky(Arc::new(sky));
+        Ok((Emitter::Environment(EnvironmentLight::new(mean_radiance, pattern)), spectrum))
     }
 
     /// Resolves the emission of an object. Returns the spectrum, and the radiance over the band in

@@ -4,8 +4,11 @@ use super::context::Resolver;
 use super::index::{index_file, index_of};
 use super::spectra::Role;
 use crate::error::{Error, Result, both};
-use crate::format::{ConductorFile, DielectricFile, IndexFile, JsonPath, MaterialFile, ScalarFile, ThinDielectricFile};
-use crate::optics::bsdf::{Bsdf, Glossy};
+use crate::format::{
+    ConductorFile, DielectricFile, IndexFile, JsonPath, MaterialFile, PaneTransmittanceFile, ScalarFile,
+    ThinDielectricFile,
+};
+use crate::optics::bsdf::{Bsdf, CosinePolynomial, Glossy, ThinDielectric};
 use crate::optics::glass::RefractiveIndex;
 use crate::scene::{Body, Material};
 use crate::spectrum::library;
@@ -140,14 +143,20 @@ impl Resolver<'_> {
     }
 
     fn pane(&self, at: &JsonPath<'_>, file: &ThinDielectricFile, name: &str, notes: &mut Vec<String>) -> Result<Bsdf> {
-        let ThinDielectricFile { ior, thickness, absorption } = file;
+        let ThinDielectricFile { ior, thickness, absorption, transmittance } = file;
         let index = self.index(&at.key("ior"), ior, name, notes)?;
         let mut optical_depth = None;
         if let (Some(thickness), Some(absorption)) = (thickness, absorption) {
             let per_unit = self.spectrum(&at.key("absorption"), absorption, Role::Coefficient)?;
             optical_depth = (per_unit.max() > 0.0).then(|| per_unit.scaled(*thickness));
         }
-        Bsdf::thin_dielectric(index, optical_depth)
+        let pane = ThinDielectric::new(index, optical_depth)?;
+        Ok(Bsdf::ThinDielectric(match transmittance {
+            Some(PaneTransmittanceFile::CosinePolynomial(coefficients)) => {
+                pane.with_transmittance(CosinePolynomial::new(coefficients.clone()))
+            }
+            None => pane,
+        }))
     }
 
     fn conductor(&self, at: &JsonPath<'_>, file: &ConductorFile) -> Result<Bsdf> {

@@ -6,16 +6,17 @@
 use super::light_tree::{Receiver, ReceivingPoint};
 use super::openings::{OPENINGS_SHARE, Openings};
 use super::selection::{LightSelection, LightSelector, SelectedLight};
-use crate::geometry::{Hit, Ray};
+use crate::geometry::{Hit, Ray, SurfaceId};
 use crate::math::random::hash64;
-use crate::optics::bsdf::TransportMode;
+use crate::optics::bsdf::{Bsdf, TransportMode};
 use crate::optics::phase::PhaseMixture;
 use crate::plan::{MediumPlan, Tally};
 use crate::scene::Scene;
 use crate::scene::light::{EmittedSpd, LiSample, Light};
 use crate::scene::meter::ReceptorPoint;
 use crate::walk::{
-    BodyMode, CausticWeights, PathTransmittance, RayDensities, RayDensity, RayState, SurfaceInteraction,
+    BodyMode, CausticWeights, PathTransmittance, RayDensities, RayDensity, RayState, SegmentTransmittance,
+    SurfaceInteraction,
     path_transmittance, path_transmittance_tracked,
 };
 use glam::DVec3;
@@ -39,8 +40,8 @@ enum ShadowAttenuation {
     Absent,
     /// Each medium uses its own transmittance estimator.
     AsStated,
-    /// Ratio tracking in all media.
-    Tracked,
+    /// Ratio tracking in all media. Shadow rays pass through thin panes.
+    Tracked { panes: bool },
 }
 
 /// A surface point where direct light is sampled.
@@ -74,6 +75,8 @@ pub(in crate::gather) struct LightSample<'a> {
     pub(in crate::gather) spd: EmittedSpd,
     /// The unit direction towards the light, in world space.
     pub(in crate::gather) direction: DVec3,
+    /// The surface of the light, if the light has a surface.
+    pub(in crate::gather) target: Option<SurfaceId>,
     /// The distance to the light in m.
     pub(in crate::gather) distance_m: f64,
 }
@@ -149,8 +152,50 @@ impl<'a> DirectLighting<'a> {
     }
 
     /// Creates the estimator of the reference path tracer, which uses ratio tracking in all media.
+    /// Its shadow rays pass through thin panes.
     pub fn tracked(scene: &'a Scene, selector: &'a LightSelector, media_plan: MediumPlan) -> Self {
-        Self::attenuated(scene, selector, media_plan, ShadowAttenuation::Tracked)
+        let panes = scene.materials.iter().any(|material| matches!(material.surface, Bsdf::ThinDielectric(_)));
+        let tracked = ShadowAttenuation::Tracked { panes };
+        let direct = Self::attenuated(scene, selector, media_plan, tracked);
+        if panes { Self { attenuation: tracked, ..direct } } else { direct }
+    }
+
+    /// Returns true if shadow rays pass through thin panes. Paths that cross a pane in a straight
+    /// line are then weighted as if the pane were not there.
+    #[inline]
+    pub fn passes_panes(&self) -> bool {
+        matches!(self.attenuation, ShadowAttenuation::Tracked { panes: true })
+    }
+
+    /// Returns true if nothing blocks the straight line from the ray's origin to a light. `from` is
+    /// the surface that the ray leaves, and `target` is the surface of the light.
+    #[inline(always)]
+    fn reaches(&self, ray: Ray, from: Option<SurfaceId>, target: Option<SurfaceId>, length_m: f64) -> bool {
+        let geometry = &self.scene.geometry;
+        !geometry.occluded(&ray, from, target, length_m)
+            || (self.passes_panes() && self.cross_panes(ray, from, target, length_m, |_| ()))
+    }
+
+    /// Follows a straight line through thin panes to a light. Calls `visit` for each pane. Returns
+    /// false if another surface blocks the line.
+    #[inline(never)]
+    fn cross_panes(
+        &self,
+        mut ray: Ray,
+        mut from: Option<SurfaceId>,
+        target: Option<SurfaceId>,
+        mut length_m: f64,
+        mut visit: impl FnMut(SegmentTransmittance<'a>),
+    ) -> bool {
+        let (scene, outside) = (self.scene, &self.scene.air);
+        while scene.geometry.occluded(&ray, from, target, length_m) {
+            let Some(hit) = scene.geometry.intersect(&ray, from, length_m) else { return false };
+            let Bsdf::ThinDielectric(pane) = &scene.material_of(hit.object).surface else { return false };
+            visit(SegmentTransmittance::Pane { pane, cosine: ray.direction.dot(hit.normal).abs(), outside });
+            (ray.origin, from) = (hit.position, Some(hit.surface));
+            length_m -= hit.t;
+        }
+        true
     }
 
     /// Adds the densities of the emitted rays, for a scene in which photons compete with camera
@@ -182,7 +227,7 @@ impl<'a> DirectLighting<'a> {
     pub(in crate::gather) fn transmittance_from<M: BodyMode>(
         &self,
         interaction: &SurfaceInteraction<'_>,
-        direction: DVec3,
+        (direction, target): (DVec3, Option<SurfaceId>),
         length_m: f64,
         u: [f64; 3],
     ) -> PathTransmittance<'a> {
@@ -190,15 +235,29 @@ impl<'a> DirectLighting<'a> {
             return PathTransmittance::new();
         }
         let ray_state = interaction.spawn_ray(direction, interaction.medium_stack_towards(direction));
-        self.path_transmittance(ray_state, length_m, u)
+        self.path_transmittance(ray_state, target, length_m, u)
     }
 
-    fn path_transmittance(&self, ray_state: RayState, length_m: f64, u: [f64; 3]) -> PathTransmittance<'a> {
+    /// Returns the transmittance along a ray of this length. `target` is the surface at its end, if
+    /// the ray ends at the surface of a light.
+    fn path_transmittance(
+        &self,
+        ray_state: RayState,
+        target: Option<SurfaceId>,
+        length_m: f64,
+        u: [f64; 3],
+    ) -> PathTransmittance<'a> {
         let seed = || hash64(u.map(f64::to_bits));
         match self.attenuation {
             ShadowAttenuation::Absent => PathTransmittance::new(),
             ShadowAttenuation::AsStated => path_transmittance(self.scene, ray_state, length_m, seed()),
-            ShadowAttenuation::Tracked => path_transmittance_tracked(self.scene, ray_state, length_m, seed()),
+            ShadowAttenuation::Tracked { panes } => {
+                let mut along = path_transmittance_tracked(self.scene, ray_state, length_m, seed());
+                if panes {
+                    self.cross_panes(ray_state.ray, ray_state.from, target, length_m, |pane| along.push(pane));
+                }
+                along
+            }
         }
     }
 
@@ -231,10 +290,10 @@ impl<'a> DirectLighting<'a> {
         }
         tally.shadow_rays += 1;
         let ray = Ray { origin: point.position, direction };
-        let reaches = !self.scene.geometry.occluded(&ray, point.from, incident.target, distance);
-        reaches.then(|| {
+        self.reaches(ray, point.from, incident.target, distance).then(|| {
             let start = RayState { ray, from: point.from, medium_stack: point.medium_stack };
-            ReceptorLightSample { light, strength, spd, transmittance: self.path_transmittance(start, distance, u) }
+            let transmittance = self.path_transmittance(start, incident.target, distance, u);
+            ReceptorLightSample { light, strength, spd, transmittance }
         })
     }
 
@@ -263,9 +322,10 @@ impl<'a> DirectLighting<'a> {
         let strength = incident.irradiance * mis_weight / probability;
         tally.shadow_rays += 1;
         let ray = Ray { origin: ray_state.ray.origin, direction: incident.direction };
-        let reaches = strength > 0.0 && !self.scene.geometry.occluded(&ray, None, incident.target, incident.distance);
+        let reaches = strength > 0.0 && self.reaches(ray, None, incident.target, incident.distance);
         reaches.then(|| {
-            let transmittance = self.path_transmittance(RayState { ray, ..ray_state }, incident.distance, u);
+            let start = RayState { ray, ..ray_state };
+            let transmittance = self.path_transmittance(start, incident.target, incident.distance, u);
             VolumeLightSample { light, incoming, strength, spd: incident.spd, transmittance }
         })
     }
@@ -294,13 +354,12 @@ impl<'a> DirectLighting<'a> {
         let mis_weight = incident.pdf_solid_angle.map_or(1.0, |pdf| power_heuristic(pdf * probability, pdf_bsdf));
         let strength = incident.irradiance * wi.z.abs() * mis_weight / probability;
         tally.shadow_rays += 1;
-        if !(strength > 0.0
-            && interaction.is_unoccluded(self.scene, incident.direction, incident.distance, incident.target))
-        {
+        let LiSample { direction, distance, target, spd, .. } = incident;
+        let ray = Ray { origin: interaction.hit.position, direction };
+        if !(strength > 0.0 && self.reaches(ray, Some(interaction.hit.surface), target, distance)) {
             return None;
         }
-        let LiSample { direction, distance, spd, .. } = incident;
-        Some(LightSample { light, wi, strength, spd, direction, distance_m: distance })
+        Some(LightSample { light, wi, strength, spd, direction, target, distance_m: distance })
     }
 
     /// Returns the numbers of the lights at the end of a ray: the light of the surface there, or

@@ -38,6 +38,14 @@ impl Openings {
     }
 }
 
+impl Openings {
+    /// Returns the openings for an estimator whose shadow rays pass through panes.
+    #[must_use]
+    pub fn without_glass(&self) -> Self {
+        Self { open: OpeningSpheres(self.all()), glazed: OpeningSpheres::default() }
+    }
+}
+
 impl OpeningSpheres {
     /// Returns the number of spheres.
     #[inline]

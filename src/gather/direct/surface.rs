@@ -46,7 +46,10 @@ impl<'a> CameraPass<'a> {
             let point = LightSampleContext { interaction, nm };
             let Some(sample) = self.direct.sample_direct(point, selected, context.tally) else { continue };
             let along =
-                self.direct.transmittance_from::<M>(interaction, sample.direction, sample.distance_m, selected.u);
+                {
+                    let towards = (sample.direction, sample.target);
+                    self.direct.transmittance_from::<M>(interaction, towards, sample.distance_m, selected.u)
+                };
             let bias = bias_of_excess(path.excess_depth + excess_optical_depth(&along, nm));
             let factors = &context.buffers.factors;
             let origin = LightOrigin { class: path.events.class_at_surface(LightPath::Direct), light: selected.number };
@@ -82,7 +85,10 @@ impl<'a> CameraPass<'a> {
             let emitted = self.direct.emitted_by_hit(number, ray, hit, weighting, context.tally);
             let Some(emitter) = emitted else { continue };
             let length_m = hit.map_or(f64::INFINITY, |hit| hit.t);
-            let along = self.direct.transmittance_from::<M>(interaction, direction, length_m, direction.to_array());
+            let along = {
+                let towards = (direction, hit.map(|hit| hit.surface));
+                self.direct.transmittance_from::<M>(interaction, towards, length_m, direction.to_array())
+            };
             let bias = bias_of_excess(path.excess_depth + excess_optical_depth(&along, nm));
             let (factors, wavelength) = (&context.buffers.factors, context.sampler.wavelength);
             let origin = LightOrigin { class: path.events.class_at_surface(LightPath::Direct), light: number };

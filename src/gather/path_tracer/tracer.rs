@@ -11,7 +11,7 @@ use crate::gather::camera::throughput::relative_n2;
 use crate::gather::direct::light_tree::ReceivingPoint;
 use crate::gather::direct::lighting::{DirectLighting, HitWeighting, LightSampleContext};
 use crate::geometry::{Hit, Ray};
-use crate::optics::bsdf::{BsdfClass, TransportMode};
+use crate::optics::bsdf::{Bsdf, BsdfClass, TransportMode};
 use crate::plan::partition::LightPath;
 use crate::plan::{CameraEvents, LightOrigin, MediumPlan, PathClass, Tally};
 use crate::scene::Scene;
@@ -121,7 +121,11 @@ impl<'a> PathTracer<'a> {
             else {
                 return false;
             };
-            path.apply_scattering(&interaction, &scattered);
+            let through_pane = scattered.delta
+                && self.direct.passes_panes()
+                && matches!(interaction.bsdf.model, Bsdf::ThinDielectric(_))
+                && !interaction.leads_back(scattered.direction);
+            path.apply_scattering(&interaction, &scattered, through_pane);
             if !path.survives(self.scene, depth, sampler) {
                 return false;
             }
@@ -252,8 +256,8 @@ impl<'a> PathTracer<'a> {
         for selected in self.direct.select_lights(ReceivingPoint::on_surface(interaction), u) {
             let point = LightSampleContext { interaction, nm: path.wavelengths.hero() };
             let Some(sample) = self.direct.sample_direct(point, selected, tally) else { continue };
-            let (direction, distance_m) = (sample.direction, sample.distance_m);
-            let along = self.direct.transmittance_from::<WithBodies>(interaction, direction, distance_m, selected.u);
+            let (towards, distance_m) = ((sample.direction, sample.target), sample.distance_m);
+            let along = self.direct.transmittance_from::<WithBodies>(interaction, towards, distance_m, selected.u);
             let origin = LightOrigin { class: path.events.class_at_surface(LightPath::Direct), light: selected.number };
             for (k, &nm) in path.wavelengths.active().iter().enumerate() {
                 let f = bsdf.eval(wo, sample.wi, sides, TransportMode::Radiance, nm);
@@ -265,13 +269,23 @@ impl<'a> PathTracer<'a> {
 }
 
 impl TracedPath {
-    /// Applies a scattering event to the path.
-    fn apply_scattering(&mut self, interaction: &SurfaceInteraction<'_>, scattered: &ScatteredRay) {
+    /// Applies a scattering event to the path. If the path passes through a pane that shadow rays
+    /// pass too, the path continues as if there were no event.
+    fn apply_scattering(
+        &mut self,
+        interaction: &SurfaceInteraction<'_>,
+        scattered: &ScatteredRay,
+        through_pane: bool,
+    ) {
         (0..LANES).for_each(|k| self.throughput[k] *= scattered.weight[k]);
         if let Some(kept) = scattered.kept {
             self.wavelengths = Wavelengths::single(self.wavelengths.nm[kept]);
             let only = |lanes: Lanes| std::array::from_fn(|k| if k == 0 { lanes[kept] } else { 0.0 });
             (self.throughput, self.initial_throughput) = (only(self.throughput), only(self.initial_throughput));
+        }
+        self.ray_state = interaction.spawn_scattered(scattered);
+        if through_pane {
+            return;
         }
         self.events = if scattered.delta { self.events.after_specular_event() } else { self.events.after_surface() };
         self.hit_weighting = if scattered.delta {
@@ -280,7 +294,6 @@ impl TracedPath {
         } else {
             HitWeighting::Mis { from: ReceivingPoint::on_surface(interaction), pdf: scattered.pdf, caustic: None }
         };
-        self.ray_state = interaction.spawn_scattered(scattered);
     }
 
     /// Returns the throughput at each wavelength, relative to the throughput at the start of the

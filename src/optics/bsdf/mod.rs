@@ -49,7 +49,7 @@ pub use local::{LocalBsdf, Texels};
 pub use mirror::Mirror;
 pub use mix::MixBsdf;
 pub use sample::{BsdfClass, BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
-pub use thin::ThinDielectric;
+pub use thin::{CosinePolynomial, ThinDielectric};
 pub use translucent::Translucent;
 
 /// A BSDF.

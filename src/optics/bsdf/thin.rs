@@ -23,6 +23,25 @@ pub struct ThinDielectric {
     index: RefractiveIndex,
     /// The optical depth of a passage along the normal: absorption coefficient times thickness.
     pub(super) optical_depth: Option<Spectrum>,
+    /// The measured transmittance as a function of the angle of incidence. It replaces the
+    /// computed transmittance.
+    transmittance: Option<CosinePolynomial>,
+}
+
+/// A polynomial in the cosine of the angle of incidence, limited to values from 0 to 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CosinePolynomial(Vec<f64>);
+
+impl CosinePolynomial {
+    /// Creates a polynomial from its coefficients, beginning with the constant term.
+    pub fn new(coefficients: Vec<f64>) -> Self {
+        Self(coefficients)
+    }
+
+    /// Returns the value at a cosine.
+    fn at(&self, cosine: f64) -> f64 {
+        self.0.iter().rev().fold(0.0, |sum, coefficient| sum * cosine + coefficient).clamp(0.0, 1.0)
+    }
 }
 
 /// In a slab that absorbs, reflection and transmission each have at least this probability. A slab
@@ -35,17 +54,34 @@ impl ThinDielectric {
     /// negative.
     pub fn new(index: RefractiveIndex, optical_depth: Option<Spectrum>) -> Result<Self> {
         optical_depth.iter().try_for_each(|depth| check_within("optical depth", depth, f64::INFINITY))?;
-        Ok(Self { index, optical_depth })
+        Ok(Self { index, optical_depth, transmittance: None })
+    }
+
+    /// Replaces the computed transmittance by a measured one. The reflectance is that of a clear
+    /// pane, but at most the rest.
+    #[must_use]
+    pub fn with_transmittance(self, transmittance: CosinePolynomial) -> Self {
+        Self { transmittance: Some(transmittance), ..self }
+    }
+
+    /// Returns true if the pane absorbs light.
+    fn absorbs(&self) -> bool {
+        self.optical_depth.is_some() || self.transmittance.is_some()
+    }
+
+    /// Returns the transmittance of the pane for unpolarised light. `cosine` is the cosine of the
+    /// angle of incidence, and `outside` is the refractive index on both sides.
+    pub fn transmittance(&self, cosine: f64, outside: &RefractiveIndex, nm: f64) -> f64 {
+        self.reflected_and_transmitted_at(cosine, outside.n(nm), nm).1
     }
 
     pub(super) fn sample(&self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64, u: [f64; 3]) -> BsdfSample {
         let (reflected, transmitted) = self.reflected_and_transmitted(wo, iors, nm);
-        let probability = match self.optical_depth {
-            None => reflected,
-            Some(_) => {
-                let either = (reflected + transmitted).max(f64::MIN_POSITIVE);
-                (reflected / either).clamp(MIN_PROBABILITY, 1.0 - MIN_PROBABILITY)
-            }
+        let probability = if self.absorbs() {
+            let either = (reflected + transmitted).max(f64::MIN_POSITIVE);
+            (reflected / either).clamp(MIN_PROBABILITY, 1.0 - MIN_PROBABILITY)
+        } else {
+            reflected
         };
         if u[2] < probability {
             BsdfSample::delta(DVec3::new(-wo.x, -wo.y, wo.z), ScatterEvent::Reflection, probability)
@@ -63,7 +99,7 @@ impl ThinDielectric {
     }
 
     pub(super) fn absorbed_fraction(&self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
-        if self.optical_depth.is_none() {
+        if !self.absorbs() {
             return 0.0;
         }
         let (reflected, transmitted) = self.reflected_and_transmitted(wo, iors, nm);
@@ -72,13 +108,23 @@ impl ThinDielectric {
 
     /// Returns R′ and T′ of unpolarised light.
     fn reflected_and_transmitted(&self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64) -> (f64, f64) {
-        let (outside, inside) = (iors.here.n(nm), self.index.n(nm));
-        let (s, p) = fresnel::dielectric_sp(wo.z, outside, inside);
+        self.reflected_and_transmitted_at(wo.z, iors.here.n(nm), nm)
+    }
+
+    /// Does the same for a cosine of the angle of incidence, and the refractive index `outside`.
+    fn reflected_and_transmitted_at(&self, cosine: f64, outside: f64, nm: f64) -> (f64, f64) {
+        let inside = self.index.n(nm);
+        let (s, p) = fresnel::dielectric_sp(cosine, outside, inside);
+        if let Some(polynomial) = &self.transmittance {
+            let reflected = s / (1.0 + s) + p / (1.0 + p);
+            let transmitted = polynomial.at(cosine.abs());
+            return (reflected.min(1.0 - transmitted), transmitted);
+        }
         let Some(depth) = &self.optical_depth else {
             let reflected = s / (1.0 + s) + p / (1.0 + p);
             return (reflected, 1.0 - reflected);
         };
-        let passage = exp(-depth.at(nm) / fresnel::cos_transmitted(wo.z, outside, inside));
+        let passage = exp(-depth.at(nm) / fresnel::cos_transmitted(cosine, outside, inside));
         let ((rs, ts), (rp, tp)) = (slab(s, passage), slab(p, passage));
         (0.5 * (rs + rp), 0.5 * (ts + tp))
     }

@@ -266,7 +266,7 @@ fn shadow_rays_find_the_closed_form_irradiance() {
     let others = [
         (local_case("directional", Emitter::Directional(DirectionalLight::new(axis, 0.0, 4.0))), 4.0),
         (local_case("sun", Emitter::Directional(DirectionalLight::new(axis, 0.5, 4.0))), 4.0),
-        (local_case("sky", Emitter::Environment(EnvironmentLight::new(2.0, None))), 2.0 * PI),
+        (local_case("sky", Emitter::Environment(EnvironmentLight::new(2.0, EnvironmentPattern::Uniform))), 2.0 * PI),
         (area(Shape::Sphere { radius }), PI * radiance * (radius / distance).powi(2)),
         (area(Shape::Disk { radius }), PI * radiance * radius * radius / (radius * radius + distance * distance)),
     ];

@@ -1,6 +1,7 @@
-//! The environment: distant light from all directions. The light is uniform, or an image gives its
-//! radiance.
+//! The environment: distant light from all directions. The light is uniform, or an image or a
+//! standard sky gives its radiance.
 
+use super::sky::StandardSky;
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, distant_origin};
 use crate::math::distribution::PiecewiseConstant2d;
 use crate::math::elementary::{acos, atan2, cos, sin, sin_cos};
@@ -17,10 +18,21 @@ use std::sync::Arc;
 pub struct EnvironmentLight {
     /// The mean radiance of all directions, in W/m²/sr over the band.
     pub mean_radiance: f64,
-    /// The image, or `None` for a uniform environment.
-    pub map: Option<Arc<EnvironmentMap>>,
-    /// The rotation from directions of the image to directions of the world.
+    /// The distribution of the radiance over the directions.
+    pub pattern: EnvironmentPattern,
+    /// The rotation from directions of the pattern to directions of the world.
     rotation: DMat3,
+}
+
+/// The distribution of the radiance of an environment over the directions.
+#[derive(Debug, Clone)]
+pub enum EnvironmentPattern {
+    /// The same radiance from all directions.
+    Uniform,
+    /// An image.
+    Image(Arc<EnvironmentMap>),
+    /// A standard sky with its ground.
+    Sky(Arc<StandardSky>),
 }
 
 /// A latitude–longitude image with mean radiance 1. The rows go from +y (top) to −y, and the
@@ -126,10 +138,14 @@ fn row_solid_angle(row: usize, height: usize) -> f64 {
 }
 
 impl EnvironmentLight {
-    /// Creates an environment with this mean radiance (W/m²/sr over the band). Without an image,
-    /// the environment is uniform.
-    pub fn new(mean_radiance: f64, map: Option<Arc<EnvironmentMap>>) -> Self {
-        Self { mean_radiance, map, rotation: DMat3::IDENTITY }
+    /// Creates an environment with this mean radiance (W/m²/sr over the band).
+    pub fn new(mean_radiance: f64, pattern: EnvironmentPattern) -> Self {
+        Self { mean_radiance, pattern, rotation: DMat3::IDENTITY }
+    }
+
+    /// Returns true if the radiance is the same from all directions.
+    pub fn is_uniform(&self) -> bool {
+        matches!(self.pattern, EnvironmentPattern::Uniform)
     }
 
     /// The environment rotated around the scene.
@@ -137,10 +153,15 @@ impl EnvironmentLight {
         Self { rotation: DMat3::from_quat(by) * self.rotation, ..self.clone() }
     }
 
-    /// The point of the image that lies in a direction of the world. The transpose of a rotation is
-    /// its inverse.
+    /// The direction of the pattern that corresponds to a direction of the world. The transpose of
+    /// a rotation is its inverse.
+    fn in_pattern(&self, direction: DVec3) -> DVec3 {
+        self.rotation.transpose() * direction
+    }
+
+    /// The point of the image that lies in a direction of the world.
     fn point(&self, direction: DVec3) -> [f64; 2] {
-        EnvironmentMap::point(self.rotation.transpose() * direction)
+        EnvironmentMap::point(self.in_pattern(direction))
     }
 
     pub(super) fn power_w(&self, world_radius_m: f64) -> f64 {
@@ -150,40 +171,47 @@ impl EnvironmentLight {
     /// The radiance (W/m²/sr over the band) and the spectrum that a ray sees if it leaves the scene
     /// along `direction`.
     pub(super) fn le(&self, direction: DVec3) -> (f64, EmittedSpd) {
-        match &self.map {
-            None => (self.mean_radiance, EmittedSpd::Own),
-            Some(map) => {
+        match &self.pattern {
+            EnvironmentPattern::Uniform => (self.mean_radiance, EmittedSpd::Own),
+            EnvironmentPattern::Image(map) => {
                 let (relative, spd) = map.le(self.point(direction));
                 (self.mean_radiance * relative, spd)
+            }
+            EnvironmentPattern::Sky(sky) => {
+                (self.mean_radiance * sky.relative_radiance(self.in_pattern(direction)), EmittedSpd::Own)
             }
         }
     }
 
     /// The sampling density of [`sample_li`](Self::sample_li) for `direction`, per steradian.
     pub(super) fn pdf_li(&self, direction: DVec3) -> f64 {
-        self.map.as_ref().map_or(0.25 * FRAC_1_PI, |map| map.pdf_solid_angle(self.point(direction)))
+        match &self.pattern {
+            EnvironmentPattern::Uniform => 0.25 * FRAC_1_PI,
+            EnvironmentPattern::Image(map) => map.pdf_solid_angle(self.point(direction)),
+            EnvironmentPattern::Sky(sky) => sky.pdf(self.in_pattern(direction)),
+        }
     }
 
     /// Samples a direction towards the environment. Returns `None` if the density of the sampled
     /// direction is 0.
     fn sample(&self, u: [f64; 2]) -> Option<EnvironmentSample> {
-        let Some(map) = &self.map else {
-            return Some(EnvironmentSample {
-                direction: warp::sphere(u),
-                pdf: 0.25 * FRAC_1_PI,
-                radiance: self.mean_radiance,
-                spd: EmittedSpd::Own,
-            });
+        let (direction, pdf, (radiance, spd)) = match &self.pattern {
+            EnvironmentPattern::Uniform => {
+                (warp::sphere(u), 0.25 * FRAC_1_PI, (self.mean_radiance, EmittedSpd::Own))
+            }
+            EnvironmentPattern::Image(map) => {
+                let (point, _) = map.pixels.sample(u);
+                let (relative, spd) = map.le(point);
+                let direction = self.rotation * EnvironmentMap::direction(point);
+                (direction, map.pdf_solid_angle(point), (self.mean_radiance * relative, spd))
+            }
+            EnvironmentPattern::Sky(sky) => {
+                let direction = sky.sample(u);
+                let radiance = self.mean_radiance * sky.relative_radiance(direction);
+                (self.rotation * direction, sky.pdf(direction), (radiance, EmittedSpd::Own))
+            }
         };
-        let (point, _) = map.pixels.sample(u);
-        let pdf = map.pdf_solid_angle(point);
-        let (relative, spd) = map.le(point);
-        (pdf > 0.0).then(|| EnvironmentSample {
-            direction: self.rotation * EnvironmentMap::direction(point),
-            pdf,
-            radiance: self.mean_radiance * relative,
-            spd,
-        })
+        (pdf > 0.0).then_some(EnvironmentSample { direction, pdf, radiance, spd })
     }
 
     /// Samples a direction towards the environment for an emitted ray. If the density of the
@@ -224,6 +252,9 @@ impl EnvironmentLight {
     /// The value of a mixture of the basis spectra at a wavelength in nm. The value is a density
     /// per nm.
     pub(super) fn mixture_at(&self, weights: [f64; 3], nm: f64) -> f64 {
-        self.map.as_ref().map_or(0.0, |map| (0..3).map(|c| weights[c] * map.basis[c].at(nm)).sum())
+        match &self.pattern {
+            EnvironmentPattern::Image(map) => (0..3).map(|c| weights[c] * map.basis[c].at(nm)).sum(),
+            EnvironmentPattern::Uniform | EnvironmentPattern::Sky(_) => 0.0,
+        }
     }
 }

@@ -18,6 +18,7 @@ mod intensity_table;
 mod lit_interval;
 mod point;
 mod sample;
+mod sky;
 mod spectrum;
 mod virtual_light;
 mod volume;
@@ -28,13 +29,14 @@ mod contract_tests;
 pub use area::AreaLight;
 pub use beam::{BeamLight, mean_scale};
 pub use directional::DirectionalLight;
-pub use environment::{EnvironmentLight, EnvironmentMap};
+pub use environment::{EnvironmentLight, EnvironmentMap, EnvironmentPattern};
 pub use goniometric::{GoniometricLight, LuminousOpening, OpeningShape};
 pub use intensity_bounds::IntensityBounds;
 pub use intensity_table::{IntensityTable, PhotometricType};
 pub use lit_interval::LitInterval;
 pub use point::{PointLight, SpotLight};
 pub use sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoint, SceneExtent};
+pub use sky::{StandardSky, SunDirection};
 pub use spectrum::LightSpectrum;
 pub use virtual_light::{LightConnection, VirtualLight};
 pub use volume::VolumeLight;
@@ -406,7 +408,7 @@ impl Light {
     /// Returns true if the light is a uniform environment, which a rotation does not change.
     pub fn is_rotation_invariant(&self) -> bool {
         match &self.emitter {
-            Emitter::Environment(light) => light.map.is_none(),
+            Emitter::Environment(light) => light.is_uniform(),
             Emitter::Point(_)
             | Emitter::Spot(_)
             | Emitter::Goniometric(_)

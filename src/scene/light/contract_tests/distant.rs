@@ -13,11 +13,14 @@ pub(super) fn distant_cases() -> Vec<LightCase> {
     };
     let map = Arc::new(image());
     let mean = map.mean_spectrum();
+    let environment = |pattern| Emitter::Environment(EnvironmentLight::new(2.0, pattern));
+    let sky = StandardSky::new(12, SunDirection { elevation: 0.8, azimuth: 2.0 }, 0.3).unwrap();
     vec![
         case("directional", Emitter::Directional(DirectionalLight::new(toward, 0.0, 4.0)), flat_spectrum()),
         case("sun", Emitter::Directional(DirectionalLight::new(toward, 0.3, 4.0)), flat_spectrum()),
-        case("sky", Emitter::Environment(EnvironmentLight::new(2.0, None)), flat_spectrum()),
-        case("image", Emitter::Environment(EnvironmentLight::new(2.0, Some(map))), mean),
+        case("uniform", environment(EnvironmentPattern::Uniform), flat_spectrum()),
+        case("image", environment(EnvironmentPattern::Image(map)), mean),
+        case("sky", environment(EnvironmentPattern::Sky(Arc::new(sky))), flat_spectrum()),
     ]
 }
 
@@ -29,7 +32,7 @@ fn a_rotated_image_is_sampled_where_it_shines() {
     let bright = |i: u32| if i < 8 { [1.0; 3] } else { [1e-3; 3] };
     let pixels: Vec<[f32; 3]> = (0..48).map(bright).collect();
     let map = EnvironmentMap::new(8, 6, &pixels, [&basis[0], &basis[1], &basis[2]]).unwrap();
-    let upright = EnvironmentLight::new(2.0, Some(Arc::new(map)));
+    let upright = EnvironmentLight::new(2.0, EnvironmentPattern::Image(Arc::new(map)));
     let lying = upright.rotated(DQuat::from_rotation_arc(DVec3::Y, DVec3::X));
     assert_eq!([upright.le(DVec3::Y).0, upright.le(DVec3::X).0], [lying.le(DVec3::X).0, lying.le(DVec3::NEG_Y).0]);
     let (mut stream, mut towards_x) = (stream(0), 0);
