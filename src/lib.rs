@@ -163,6 +163,8 @@ pub mod spectrum;
 #[doc(hidden)]
 pub mod study;
 pub mod texture;
+#[cfg(feature = "cli")]
+pub mod validate;
 #[cfg(feature = "view")]
 #[doc(hidden)]
 pub mod view;

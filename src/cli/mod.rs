@@ -41,6 +41,7 @@ mod scene_file;
 mod schema;
 mod spectrum;
 mod study;
+mod validate;
 mod values;
 #[cfg(feature = "view")]
 mod view;
@@ -105,6 +106,8 @@ enum Command {
     Lamps(lamps::LampsArgs),
     /// Measure the light at the meters of a scene: illuminance, spectra, flux, and other quantities
     Measure(measure::MeasureArgs),
+    /// Measure public test cases with known results, and write a report
+    Validate(validate::ValidateArgs),
     /// Compare a picture with a reference
     Compare(compare::CompareArgs),
     /// Print the colour, the error bars and the spectrum of a pixel
@@ -216,6 +219,7 @@ fn run(command: &Command) -> Result<Outcome> {
         Command::Lens(arguments) => lens::run(arguments),
         Command::Lamps(arguments) => lamps::run(arguments),
         Command::Measure(arguments) => measure::run(arguments),
+        Command::Validate(arguments) => validate::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Probe(arguments) => probe::run(arguments),
         #[cfg(feature = "view")]

@@ -8,7 +8,7 @@
 //! weight of this wavelength is at most 1/f, even if the extinction varies strongly over the band.
 
 use super::photon_path::PhotonPath;
-use super::visitor::{MediumCollision, MediumCrossing, PhotonVisitor};
+use super::visitor::{MediumCollision, MediumCrossing, PhotonFlight, PhotonVisitor};
 use crate::geometry::Ray;
 use crate::math::elementary::{exp, exp_m1, ln_1p};
 use crate::math::random::Stream;
@@ -74,6 +74,8 @@ impl PhotonPath {
         ledger: &mut Ledger,
     ) -> Option<f64> {
         let mut collision = None;
+        let (ray, length_m) = (segment.ray, segment.length_m);
+        visitor.on_flight(&PhotonFlight { ray, length_m, photon: &self.photon, segment: Some(segment) });
         if let Some(medium) = segment.medium {
             visitor.on_medium_crossing(&MediumCrossing { segment, medium, photon: &self.photon }, stream);
             collision = self.sample_free_flight(medium.medium, segment, stream, ledger);

@@ -16,4 +16,4 @@ pub use photon_path::PhotonState;
 pub use source::{PhotonSource, WavelengthSampling};
 pub use strata::{EmissionStrata, Stratum};
 pub use trace::trace;
-pub use visitor::{MediumCollision, MediumCrossing, PhotonVisitor, SurfaceArrival};
+pub use visitor::{MediumCollision, MediumCrossing, PhotonFlight, PhotonVisitor, SurfaceArrival};

@@ -3,7 +3,7 @@
 use super::medium::advance_through_media;
 use super::photon_path::PhotonPath;
 use super::source::PhotonSource;
-use super::visitor::{PhotonVisitor, SurfaceArrival};
+use super::visitor::{PhotonFlight, PhotonVisitor, SurfaceArrival};
 use crate::math::random::Stream;
 use crate::math::sobol::Sobol;
 use crate::optics::bsdf::{BsdfClass, TransportMode};
@@ -98,7 +98,7 @@ fn follow<M: BodyMode, V: PhotonVisitor>(
         let Some(interaction) = &next else {
             return false;
         };
-        visitor.on_arrival(interaction.hit.object);
+        visitor.on_arrival(&SurfaceArrival { interaction, photon: &path.photon, depth });
         if M::HAS_BODIES && scene.body_of(interaction.hit.object).is_some() {
             visitor.on_body_face();
         }
@@ -140,6 +140,8 @@ fn advance<'a, M: BodyMode, V: PhotonVisitor>(
     }
     let lookup = SurfaceLookup::of_line(stream.uniform());
     let interaction = M::next_interaction(source.scene, path.ray_state, lookup);
+    let length_m = interaction.as_ref().map_or(f64::INFINITY, |interaction| interaction.distance_m);
+    visitor.on_flight(&PhotonFlight { ray: path.ray_state.ray, length_m, photon: &path.photon, segment: None });
     if interaction.is_none() {
         let inside = M::HAS_BODIES && !path.ray_state.medium_stack.is_air();
         ledger.add_escaped(path.total_w(), inside);

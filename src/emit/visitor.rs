@@ -1,8 +1,9 @@
 //! The interface between photon tracing and the code that stores or connects photons.
 
 use super::photon_path::PhotonState;
+use crate::geometry::Ray;
 use crate::math::random::Stream;
-use crate::walk::{MediumSegment, NumberedMedium, SurfaceInteraction};
+use crate::walk::{MediumSegment, NumberedMedium, PathTransmittance, SurfaceInteraction};
 use glam::DVec3;
 
 /// A photon that arrives at a surface.
@@ -14,6 +15,27 @@ pub struct SurfaceArrival<'a> {
     pub photon: &'a PhotonState,
     /// The number of surface events on the path, including this arrival.
     pub depth: u32,
+}
+
+/// A straight part of a photon path. No surface interrupts it.
+#[derive(Debug)]
+pub struct PhotonFlight<'a> {
+    /// The ray.
+    pub ray: Ray,
+    /// The length in m. It is infinite if the photon leaves the scene.
+    pub length_m: f64,
+    /// The photon at the start.
+    pub photon: &'a PhotonState,
+    /// The media along the flight. `None` if nothing absorbs or scatters.
+    pub(super) segment: Option<&'a MediumSegment<'a>>,
+}
+
+impl<'a> PhotonFlight<'a> {
+    /// Returns the transmittance along the first `length_m` metres.
+    pub fn transmittance(&self, length_m: f64) -> PathTransmittance<'a> {
+        let seed = length_m.to_bits();
+        self.segment.map_or_else(PathTransmittance::new, |segment| segment.path_transmittance(length_m, seed))
+    }
 }
 
 /// A photon that enters a path segment in a medium.
@@ -48,9 +70,14 @@ pub trait PhotonVisitor {
     /// first ray. `aim` is the path's point in the aiming grid of the stratum.
     fn on_emission(&mut self, stratum: usize, aim: [f64; 2]);
 
-    /// A photon arrives at a surface of this object.
+    /// A photon arrives at a surface.
     #[inline]
-    fn on_arrival(&mut self, _object: u32) {}
+    fn on_arrival(&mut self, _arrival: &SurfaceArrival<'_>) {}
+
+    /// A photon flies along a straight line to a surface or to the end of a medium. In a medium, the
+    /// photon may collide before the end.
+    #[inline]
+    fn on_flight(&mut self, _flight: &PhotonFlight<'_>) {}
 
     /// A photon arrives at a diffuse or glossy surface. Photons straight from a light are not
     /// reported, because direct lighting already includes their light.

@@ -12,7 +12,7 @@ use crate::plan::{Plan, Tally};
 use crate::scene::Scene;
 use crate::scene::camera::SystemAt;
 use crate::spectrum::{LANES, Lanes};
-use crate::walk::{DepthLimit, LostLight, MAX_EVENTS, Sink};
+use crate::walk::{CausticWeights, DepthLimit, LostLight, MAX_EVENTS, Sink};
 
 /// The inputs common to all camera paths of one pass.
 #[derive(Debug)]
@@ -45,6 +45,8 @@ pub struct CameraPass<'a> {
     pub responses: Option<&'a SensorResponses>,
     /// The outlines of directly visible surfaces.
     pub outlines: &'a Outlines,
+    /// The weights of paths from receptors, if photons find the same light. Empty if no photon does.
+    pub receptors: &'a [CausticWeights],
     /// The factors by which this pass scales the first kernel radii.
     pub scales: RadiusScales,
     /// The first kernel radius (m) from the scene file. If the value is `None`, each pixel has its

@@ -15,7 +15,7 @@ mod media;
 mod path_tracer;
 
 pub use camera::path::PathBuffers;
-pub use camera::sampler::PixelSampler;
+pub use camera::sampler::{PixelSampler, receptor_pdf};
 pub use camera::visible_point::{CameraSegment, VisiblePoint};
 pub use camera_pass::{CameraPass, MissingLight};
 pub use density::gather_point::{NORMAL_TOLERANCE, PLANE_TOLERANCE};

@@ -7,7 +7,7 @@ use std::io::Read;
 ///
 /// # Panics
 /// Panics if `packed` is not a gzip file of UTF-8 text.
-pub(super) fn unpack(packed: &[u8]) -> String {
+pub(crate) fn unpack(packed: &[u8]) -> String {
     let mut text = String::new();
     flate2::read::GzDecoder::new(packed).read_to_string(&mut text).expect("the file is packed text");
     text

@@ -12,7 +12,7 @@
 
 pub mod aperture;
 pub mod bsdf;
-mod embedded;
+pub(crate) mod embedded;
 pub mod fresnel;
 pub mod glass;
 pub mod lens;

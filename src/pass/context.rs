@@ -127,6 +127,7 @@ impl<'a> PassContext<'a> {
             spectra: self.spectra,
             responses: self.responses,
             outlines,
+            receptors: &[],
             depth_limit: self.depth_limit(),
         }
     }

@@ -234,7 +234,8 @@ impl PhotonVisitor for Importance<'_> {
         self.halves[self.half].paths[self.current] += 1.0;
     }
 
-    fn on_arrival(&mut self, object: u32) {
+    fn on_arrival(&mut self, arrival: &SurfaceArrival<'_>) {
+        let object = arrival.interaction.hit.object;
         self.reached[object as usize] = true;
     }
 }

@@ -19,6 +19,7 @@ mod outlines;
 mod path_pass;
 mod photon_pass;
 mod pilot;
+mod receptors;
 mod recorder;
 mod sums;
 mod survey;

@@ -4,6 +4,8 @@ use super::context::{EmissionRequest, PassContext};
 use super::exposure::expose_rows;
 use super::first_surface::first_surface;
 use super::pilot::Pilot;
+use super::receptors::ReceptorKernels;
+use super::recorder::RecordingOptions;
 use super::sums::PassSums;
 use super::trace::trace_photons;
 use crate::error::Result;
@@ -37,6 +39,9 @@ pub fn photon_pass<'a>(
     let start = Instant::now();
     let shared = context.shared_wavelengths(pass);
     let film = &sums.film;
+    let scales = RadiusScales::after(pass as f64 * pilot.photon_share);
+    let first = (pilot.receptor_radii.as_slice(), scales);
+    let receptors = ReceptorKernels::of_pass(&context, &scene, first, pilot.photons_per_sample().free);
     let traced = PerSet::from_fn(|set| {
         let purpose = match set {
             PhotonSet::Free => Purpose::FreePhoton,
@@ -44,7 +49,10 @@ pub fn photon_pass<'a>(
         };
         let request = EmissionRequest { wavelengths: shared.sampling(set), count: pilot.photons[set], purpose, pass };
         let source = pilot.photon_source(&context, &scene, request);
-        trace_photons(&source, plan, set, pilot.recording(set), || film.splat_sink())
+        // Only free photons have wavelengths of their own, which are all the wavelengths of the lights.
+        let received = receptors.as_ref().filter(|_| set == PhotonSet::Free);
+        let recording = RecordingOptions { receptors: received, ..pilot.recording(set) };
+        trace_photons(&source, plan, set, recording, || film.splat_sink())
     });
     sums.seconds.emit += start.elapsed().as_secs_f64();
 
@@ -61,9 +69,11 @@ pub fn photon_pass<'a>(
 
     let start = Instant::now();
     let selector = context.light_selector(&scene);
+    let weights = receptors.as_ref().map(ReceptorKernels::weights).unwrap_or_default();
     let camera_pass = CameraPass {
         missing: missing_light(&context, [&free.ledger, &on_shared.ledger], &maps, &lost),
-        scales: RadiusScales::after(pass as f64 * pilot.photon_share),
+        scales,
+        receptors: &weights,
         ..pilot.camera_pass(&context, (&scene, &selector), (&maps, light_maps), shared)
     };
     let samples = pilot.camera_samples;

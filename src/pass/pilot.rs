@@ -16,6 +16,7 @@ use super::coarse::coarse_photon_picture;
 use super::context::{EmissionRequest, PassContext, SharedWavelengths};
 use super::keep_probability::{KEEP_ALL, KeepProbability};
 use super::outlines::outlines;
+use super::receptors::first_radii;
 use super::recorder::RecordingOptions;
 use super::sums::StageSeconds;
 use super::survey::PixelSurvey;
@@ -51,6 +52,8 @@ pub struct Pilot {
     pub(super) ray_densities: Option<RayDensities>,
     /// The first kernel radii of each pixel.
     pub(super) radii: Vec<PixelRadii>,
+    /// The first kernel radius of each receptor in m. Empty if there are no receptors or caustics.
+    pub(super) receptor_radii: Vec<f64>,
     /// The outlines of directly visible surfaces.
     pub(super) outlines: Outlines,
     /// The number of photon paths of each set.
@@ -102,6 +105,7 @@ impl Pilot {
         pilot.show_coarse_picture(context, &scenes[0], after)?;
         pilot.measure(context, &scenes);
         pilot.balance(context, &scenes[0]);
+        pilot.receptor_radii = first_radii(context, &scenes[0], &pilot.strata, pilot.photons.free);
         seconds.pilot += start.elapsed().as_secs_f64();
         Ok(pilot)
     }
@@ -127,6 +131,7 @@ impl Pilot {
             unlit,
             ray_densities: None,
             radii: Vec::new(),
+            receptor_radii: Vec::new(),
             outlines: Outlines::default(),
             photons: PerSet::default(),
             camera_samples: 1,
@@ -177,7 +182,8 @@ impl Pilot {
         for (radii, counts) in radii.iter_mut().zip(volume) {
             counts.set_radii(radii, self.keep, &widths);
         }
-        self.radii = with_medians(&radii);
+        let measures = !context.scene.camera.receptors().is_empty();
+        self.radii = with_medians(&radii, measures);
         drop(radii);
         // If the camera moves, the visible point of a pixel changes from pass to pass, so no
         // outlines are stored.
@@ -197,8 +203,8 @@ impl Pilot {
     }
 
     /// Returns how the photons of a set are recorded.
-    pub(super) fn recording(&self, set: PhotonSet) -> RecordingOptions {
-        RecordingOptions { keep: self.keep, photons_per_sample: self.photons_per_sample()[set] }
+    pub(super) fn recording(&self, set: PhotonSet) -> RecordingOptions<'static> {
+        RecordingOptions { keep: self.keep, photons_per_sample: self.photons_per_sample()[set], receptors: None }
     }
 
     /// Returns a source of the photons of a pass.
@@ -278,8 +284,9 @@ fn divided(photons: u64, readers: PerSet<u64>) -> PerSet<u64> {
 }
 
 /// Replaces the unknown radii. An unknown radius becomes the median of the radii that have the same
-/// kind and are known in other pixels.
-fn with_medians(radii: &[PixelRadii<Option<f32>>]) -> Vec<PixelRadii> {
+/// kind and are known in other pixels. If `all` is true, all radii become the median: the paths of a
+/// receptor reach surfaces everywhere, so the radius of one of its paths does not suit the others.
+fn with_medians(radii: &[PixelRadii<Option<f32>>], all: bool) -> Vec<PixelRadii> {
     let mut known: [Vec<f32>; 8] = Default::default();
     for radii in radii {
         known.iter_mut().zip(radii.all()).for_each(|(known, radius)| known.extend(radius));
@@ -291,7 +298,8 @@ fn with_medians(radii: &[PixelRadii<Option<f32>>]) -> Vec<PixelRadii> {
             *median = *known.select_nth_unstable_by(middle, f32::total_cmp).1;
         }
     }
-    radii.iter().map(|radii| radii.zip_with(medians, |radius, median| radius.unwrap_or(median))).collect()
+    let filled = |radius: Option<f32>, median| radius.filter(|_| !all).unwrap_or(median);
+    radii.iter().map(|radii| radii.zip_with(medians, filled)).collect()
 }
 
 #[cfg(test)]
@@ -304,7 +312,7 @@ mod tests {
         for (pixel, radius) in [(0, 3.0), (1, 1.0), (3, 2.0)] {
             radii[pixel].surface.free.caustic = Some(radius);
         }
-        let filled = with_medians(&radii);
+        let filled = with_medians(&radii, false);
         let caustic: Vec<f32> = filled.iter().map(|radii| radii.surface.free.caustic).collect();
         assert_eq!(caustic, [3.0, 1.0, 2.0, 2.0]);
         assert!(

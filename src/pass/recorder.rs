@@ -2,8 +2,9 @@
 
 use super::deposits::PhotonDeposits;
 use super::keep_probability::KeepProbability;
+use super::receptors::ReceptorKernels;
 use crate::emit::{
-    MediumCollision, MediumCrossing, PhotonState, PhotonVisitor, SurfaceArrival, connect::CameraConnection,
+    MediumCollision, MediumCrossing, PhotonFlight, PhotonState, PhotonVisitor, SurfaceArrival, connect::CameraConnection,
 };
 use crate::map::{Photon, PhotonBeam, PhotonPower, PhotonSpectra, VolumePhoton};
 use crate::math::random::Stream;
@@ -19,11 +20,13 @@ const EVENTS_RECORDED_ALWAYS: u32 = 8;
 
 /// How the photons of a set are recorded.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct RecordingOptions {
+pub(super) struct RecordingOptions<'r> {
     /// The probabilities of storing photons.
     pub(super) keep: PerClass<KeepProbability>,
     /// The number of photon paths in the set, divided by the number of camera samples per pixel.
     pub(super) photons_per_sample: f64,
+    /// The kernels of the receptors of meters. `None` if the set has no receptors.
+    pub(super) receptors: Option<&'r ReceptorKernels<'r>>,
 }
 
 /// Records the photons of one parallel task.
@@ -33,7 +36,7 @@ pub(super) struct PhotonRecorder<'a> {
     spectra: &'a PhotonSpectra,
     plan: &'a Plan,
     set: PhotonSet,
-    options: RecordingOptions,
+    options: RecordingOptions<'a>,
     /// The photons for the maps.
     pub(super) deposits: PhotonDeposits,
     /// The contributions of connections to the camera.
@@ -50,7 +53,7 @@ impl<'a> PhotonRecorder<'a> {
         (scene, spectra): (&'a Scene, &'a PhotonSpectra),
         plan: &'a Plan,
         set: PhotonSet,
-        options: RecordingOptions,
+        options: RecordingOptions<'a>,
         splat_sink: impl Fn() -> SplatSink,
     ) -> Self {
         Self {
@@ -131,8 +134,22 @@ impl PhotonVisitor for PhotonRecorder<'_> {
         }
     }
 
-    fn on_arrival(&mut self, _object: u32) {
+    fn on_arrival(&mut self, arrival: &SurfaceArrival<'_>) {
         self.tally.photon_segments += 1;
+        if let Some(receptors) = self.options.receptors {
+            let light = self.spectra.light_of(arrival.photon.wavelength_code);
+            let splats = if arrival.photon.lost { &mut self.lost_splats } else { &mut self.splats };
+            receptors.add_arrival(arrival, light, splats);
+        }
+    }
+
+    #[inline]
+    fn on_flight(&mut self, flight: &PhotonFlight<'_>) {
+        if let Some(receptors) = self.options.receptors {
+            let light = self.spectra.light_of(flight.photon.wavelength_code);
+            let splats = if flight.photon.lost { &mut self.lost_splats } else { &mut self.splats };
+            receptors.add_flight(flight, light, splats);
+        }
     }
 
     fn on_body_face(&mut self) {

@@ -38,7 +38,7 @@ pub(super) fn trace_photons(
     source: &PhotonSource<'_>,
     plan: &Plan,
     set: PhotonSet,
-    options: RecordingOptions,
+    options: RecordingOptions<'_>,
     splat_sink: impl Fn() -> SplatSink + Sync,
 ) -> TracedPhotons {
     let points = source.points();

@@ -223,15 +223,17 @@ fn with_function_of_spectrum(
     quantity: Quantity,
     reading: &Reading,
 ) {
-    let of = |values: &[f64]| {
+    // The bands approximate the spectrum, but the colour is known exactly.
+    let of = |values: &[f64], xyz: Option<[f64; 3]>| {
         let light = Spectrum::table(&spectrum.centres_nm, values, Outside::Zero).ok()?;
-        let temperature = cct_duv(Observer::cie1931().xyz(&light))?;
+        let temperature = cct_duv(xyz.unwrap_or_else(|| Observer::cie1931().xyz(&light)))?;
         match quantity {
             Quantity::ColourRendering => cri(&light, temperature).map(|rendering| rendering.ra),
             _ => Some(temperature.cct_k),
         }
     };
-    let (value, noise) = (of(&spectrum.values), spectrum.noise_of(of));
+    let value = of(&spectrum.values, Some(reading.xyz));
+    let noise = spectrum.noise_of(|values| of(values, None));
     report.value = Value::Number(value.unwrap_or(f64::NAN));
     report.noise = noise.map(Value::Number);
     report.bias = None;

@@ -190,7 +190,8 @@ impl Film {
 
     /// Returns a sink for splats. A splat can contribute to any pixel of the film.
     pub fn splat_sink(&self) -> SplatSink {
-        SplatSink::new(self.observer, self.channels.clone())
+        let layout = self.measurement.as_ref().map(|measurement| measurement.layout.clone());
+        SplatSink::new(self.observer, self.channels.clone()).with_layout(layout)
     }
 
     /// Adds the light of a sink. Returns the number of samples that were NaN, infinite or negative
@@ -206,6 +207,13 @@ impl Film {
         let count = self.channels.count();
         for &(value, pixel, channel) in &sink.channel_splats {
             self.by_channel[pixel as usize * count + channel as usize] += f64::from(value);
+            if let Some(measurement) = self.measurement.as_mut().filter(|_| (channel as usize) < self.channels.bands) {
+                let place = (pixel as usize * REPLICATES + replicate) * self.channels.bands + channel as usize;
+                measurement.by_replicate[place] += f64::from(value);
+            }
+        }
+        for &(bias, pixel) in &sink.bias_splats {
+            self.pixels[pixel as usize].bias[replicate % 2] += f64::from(bias);
         }
         sink.rejected
     }

@@ -48,6 +48,9 @@ pub struct Reading {
     pub noise: Option<f64>,
     /// The magnitude of the estimated bias of the value, if it is known.
     pub bias: Option<f64>,
+    /// X, Y and Z of the mean radiance, in W/m²/sr. Y is meaningless unless the observer is one of the
+    /// colour-matching observers.
+    pub xyz: [f64; 3],
     /// The number of degrees of freedom of the noise.
     pub degrees: usize,
     /// The spectrum. `None` if the film has no bands.
@@ -133,9 +136,10 @@ impl Film {
         let half = |parity: usize| self.passes.iter().skip(parity).step_by(2).sum::<u64>();
         let (all, halves) = (self.passes.iter().sum::<u64>(), [half(0), half(1)]);
         let mean = |sum: f64, passes: u64| sum * LUMENS_PER_WATT / (passes.max(1) as f64 * count);
-        let mut total = 0.0;
+        let (mut total, mut xz) = (0.0, [0.0; 2]);
         for row in rows.clone() {
             let sums = self.sums_of(row);
+            xz = [xz[0] + sums.x.value(), xz[1] + sums.z.value()];
             let y = sums.y.map(|sum| sum.value());
             total += y.iter().sum::<f64>();
             (0..REPLICATES).for_each(|r| means.y[r] += mean(y[r], self.passes[r]));
@@ -144,6 +148,7 @@ impl Film {
         let known = halves.map(|passes| passes > 0);
         Reading {
             value: mean(total, all),
+            xyz: [xz[0], total, xz[1]].map(|sum| mean(sum, all) / LUMENS_PER_WATT),
             noise: means.variance(self.passes).map(f64::sqrt),
             bias: means.squared_bias(known).map(|square| square.max(0.0).sqrt()),
             degrees: self.passes.iter().filter(|&&passes| passes > 0).count().saturating_sub(1),

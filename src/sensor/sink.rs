@@ -4,8 +4,10 @@ use super::channels::Channels;
 use super::cryptomatte::NameCounts;
 use super::film::{PixelSums, replicate};
 use super::layers::{FirstSurface, NameKind};
+use super::readings::ReadingLayout;
 use crate::math::sum::ExactSum;
 use crate::spectrum::Observer;
+use std::sync::Arc;
 
 /// Collects the light of one pixel in one pass.
 #[derive(Debug)]
@@ -27,6 +29,10 @@ pub struct SplatSink {
     channels: Channels,
     pub(super) splats: Vec<([f32; 3], u32)>,
     pub(super) channel_splats: Vec<(f32, u32, u32)>,
+    /// The biases of Y, and their pixels.
+    pub(super) bias_splats: Vec<(f32, u32)>,
+    /// The readings of the film, if it belongs to a measurement.
+    layout: Option<Arc<ReadingLayout>>,
     pub(super) rejected: u64,
 }
 
@@ -198,7 +204,28 @@ impl<'f> PixelSink<'f> {
 
 impl SplatSink {
     pub(super) fn new(observer: &'static Observer, channels: Channels) -> Self {
-        Self { observer, channels, splats: Vec::new(), channel_splats: Vec::new(), rejected: 0 }
+        let (splats, channel_splats, bias_splats) = (Vec::new(), Vec::new(), Vec::new());
+        Self { observer, channels, splats, channel_splats, bias_splats, layout: None, rejected: 0 }
+    }
+
+    /// Sets the readings of the film.
+    pub(super) fn with_layout(self, layout: Option<Arc<ReadingLayout>>) -> Self {
+        Self { layout, ..self }
+    }
+
+    /// Returns the observer of a pixel.
+    fn observer_of(&self, pixel: u32) -> &'static Observer {
+        self.layout.as_ref().map_or(self.observer, |layout| layout.observer(pixel as usize))
+    }
+
+    /// Adds the bias of a splat to a pixel. The iterator yields pairs of a wavelength (nm) and the
+    /// bias (W/m²/sr) at that wavelength.
+    pub fn bias(&mut self, pixel: u32, bias: impl Iterator<Item = (f64, f64)>) {
+        let observer = self.observer_of(pixel);
+        let sum: f64 = bias.map(|(nm, bias)| bias * observer.xyz_bar(nm)[1]).sum();
+        if sum.is_finite() {
+            self.bias_splats.push((sum as f32, pixel));
+        }
     }
 
     /// Adds radiance (W/m²/sr) at several wavelengths to a pixel. `origin` consists of the number
@@ -206,13 +233,14 @@ impl SplatSink {
     /// (nm) and the radiance at that wavelength.
     pub fn splat(&mut self, origin: (usize, usize), pixel: u32, light: impl Iterator<Item = (f64, f64)>) {
         let mut xyz = [0.0; 3];
+        let observer = self.observer_of(pixel);
         let splats = &mut self.channel_splats;
         for (nm, weight) in light {
             if !is_valid_radiance(weight) {
                 self.rejected += 1;
                 continue;
             }
-            let bar = self.observer.xyz_bar(nm);
+            let bar = observer.xyz_bar(nm);
             (0..3).for_each(|c| xyz[c] += weight * bar[c]);
             self.channels.distribute(nm, weight, bar.map(|bar| weight * bar), |channel, value| {
                 splats.push((value as f32, pixel, channel as u32));

@@ -30,9 +30,10 @@ const ORDER: [(&str, &[&str]); 24] = [
     ("pass", &["emit", "gather", "sensor"]),
     ("render", &["pass", "output"]),
     ("study", &["render", "format"]),
+    ("validate", &["render", "format"]),
     ("api", &["render", "format"]),
     ("view", &["api"]),
-    ("cli", &["study", "view", "api"]),
+    ("cli", &["study", "validate", "view", "api"]),
     ("python", &["cli"]),
 ];
 

@@ -17,7 +17,11 @@ use crate::walk::{CausticWeights, Sink, bias_of_excess, excess_optical_depth, tr
 
 impl<'a> CameraPass<'a> {
     /// Estimates the mean radiance of one sample of a receptor and adds it to the sink.
-    pub(super) fn sample_receptor<S: Sink>(&self, receptor: &Receptor, context: &mut PathContext<'_, 'a, S>) {
+    pub(super) fn sample_receptor<S: Sink>(
+        &self,
+        (number, receptor): (usize, &Receptor),
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
         context.tally.receptor_samples += 1;
         let openings = self.direct.openings;
         let start = context.sampler.receptor_sample(self.scene, receptor, openings);
@@ -41,9 +45,8 @@ impl<'a> CameraPass<'a> {
         let mut path = CameraPath::new(start.ray_state.ray, start.ray_state.medium_stack);
         path.ray_state = start.ray_state;
         (path.view, path.events) = (View::Indirect, CameraEvents::Surface);
-        // No photon is stored at a receptor.
-        let alone = Some(CausticWeights { photons_m2: 0.0 });
-        path.hit_weighting = HitWeighting::Mis { from, pdf: start.pdf, caustic: alone };
+        let weights = self.receptors.get(number).copied().unwrap_or(CausticWeights { photons_m2: 0.0 });
+        path.hit_weighting = HitWeighting::Mis { from, pdf: start.pdf, caustic: Some(weights) };
         path.multiply(Factor::Grey(start.weight), context.buffers);
         match self.plan.wavelengths {
             WavelengthPlan::Shared => self.follow_each_shared(path, context),

@@ -122,7 +122,7 @@ impl PixelSampler {
     /// per steradian. Returns `None` if a lens system stops the ray.
     pub fn ray_at(&self, scene: &Scene, pixel: u64, nm: f64) -> Option<(RayState, Option<f64>)> {
         let camera = &scene.camera;
-        if let Some(receptor) = camera.receptor(pixel) {
+        if let Some((_, receptor)) = camera.receptor(pixel) {
             let start = self.receptor_sample(scene, receptor, Openings::NONE);
             return Some((start.ray_state, Some(start.pdf)));
         }
@@ -146,7 +146,7 @@ impl PixelSampler {
 }
 
 /// Returns the density with which paths from a receptor start in a direction, per steradian.
-pub(in crate::gather) fn receptor_pdf(point: &ReceptorPoint, openings: &Openings, direction: DVec3) -> f64 {
+pub fn receptor_pdf(point: &ReceptorPoint, openings: &Openings, direction: DVec3) -> f64 {
     let pdf = point.response.pdf(direction);
     if openings.glazed.count() == 0 {
         return pdf;

@@ -65,7 +65,7 @@ impl<'a> PathTracer<'a> {
     pub fn sample<S: Sink>(&self, pixel: u64, mut sampler: PixelSampler, tally: &mut Tally, sink: &mut S) {
         tally.camera_samples += 1;
         let started = match self.scene.camera.receptor(pixel) {
-            Some(receptor) => Some(self.start_at_receptor(receptor, &sampler, tally, sink)),
+            Some((_, receptor)) => Some(self.start_at_receptor(receptor, &sampler, tally, sink)),
             None => self.start_path(pixel, &sampler),
         };
         let Some(mut path) = started else {

@@ -119,14 +119,14 @@ impl Camera {
         self.receptors = receptors;
     }
 
-    /// The receptor of a pixel, or `None` if the camera has a picture.
+    /// The receptor of a pixel and its number, or `None` if the camera has a picture.
     #[inline]
-    pub fn receptor(&self, pixel: u64) -> Option<&Receptor> {
+    pub fn receptor(&self, pixel: u64) -> Option<(usize, &Receptor)> {
         if self.receptors.is_empty() {
             return None;
         }
-        let rows = self.pixel_count() / self.receptors.len();
-        self.receptors.get(pixel as usize / rows)
+        let number = pixel as usize / (self.pixel_count() / self.receptors.len());
+        self.receptors.get(number).map(|receptor| (number, receptor))
     }
 
     /// The centre of the lens, relative to the scene's centre, in m.

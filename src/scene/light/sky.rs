@@ -32,7 +32,7 @@ const TYPES: [[f64; 5]; 15] = [
 
 /// The number of the traditional overcast sky of Moon and Spencer, which the standard lists after
 /// its 15 types.
-pub const TRADITIONAL_OVERCAST: u32 = 16;
+const TRADITIONAL_OVERCAST: u32 = 16;
 
 /// The size of the table of the sampling distribution. The horizon is an edge between two rows.
 const TABLE: (usize, usize) = (256, 256);

@@ -1,0 +1,246 @@
+//! Light that reaches the receptors of meters through glass or from mirrors.
+//!
+//! A path from a receptor finds a lamp behind glass only if the lamp has an extent. Photons find the
+//! light of every lamp, but no photon hits a point. At a point receptor, a kernel therefore averages
+//! over a small disk; this is the only biased estimate of a meter. A receptor that is a surface
+//! needs no kernel, because photons arrive at the surface itself. Both techniques are combined by
+//! multiple importance sampling ([`CausticWeights`]).
+
+use super::context::{EmissionRequest, PassContext};
+use crate::emit::{
+    EmissionStrata, PhotonFlight, PhotonState, PhotonVisitor, SurfaceArrival, WavelengthSampling, trace,
+};
+use crate::gather::{Openings, receptor_pdf};
+use crate::map::kernel::DiskKernel;
+use crate::map::radius::RadiusScales;
+use crate::math::random::{Purpose, Stream};
+use crate::optics::bsdf::BsdfClass;
+use crate::plan::partition::LightPath;
+use crate::plan::{CausticPlan, PathClass};
+use crate::scene::Scene;
+use crate::scene::medium_stack::MediumStack;
+use crate::scene::meter::{ReceivingSide, Receptor, ReceptorPoint, ReceptorShape, Response};
+use crate::sensor::SplatSink;
+use crate::spectrum::LANES;
+use crate::walk::ledger::Ledger;
+use crate::walk::{CausticWeights, RayDensity, transmittance};
+use glam::DVec3;
+use std::f64::consts::{FRAC_1_PI, PI};
+
+/// The number of photon paths that measure the first radii.
+const PILOT_PATHS: u64 = 1 << 16;
+
+/// The pass number of the random streams of these paths.
+const PILOT_PASS: u64 = 1 << 40;
+
+/// The largest first radius, as a fraction of the radius of the largest specular object.
+const LARGEST_RADIUS: f64 = 0.5;
+
+/// The kernels of the receptors in one pass.
+#[derive(Debug, Clone)]
+pub(super) struct ReceptorKernels<'a> {
+    scene: &'a Scene,
+    openings: &'a Openings,
+    /// The radius of each receptor in this pass, in m.
+    radii_m: Vec<f64>,
+    /// The number of photon paths, divided by the number of samples of each row.
+    photons_per_sample: f64,
+    /// The number of rows of each receptor.
+    rows: usize,
+}
+
+/// The part of a photon's power that a receptor receives.
+struct Received {
+    /// The factor from the photon's power to the mean radiance of the receptor.
+    estimate: f64,
+    /// The factor from the photon's power to the bias of the mean radiance.
+    bias: f64,
+}
+
+/// Returns the first kernel radii of all receptors in m. Returns no radii if there are no receptors,
+/// or if the plan has no caustics.
+pub(super) fn first_radii(context: &PassContext<'_>, scene: &Scene, strata: &EmissionStrata, photons: u64) -> Vec<f64> {
+    let receptors = scene.camera.receptors();
+    if receptors.is_empty() || context.plan.caustics == CausticPlan::Absent {
+        return Vec::new();
+    }
+    let specular = |object: u32| {
+        let mut components = scene.material_of(object).surface.components();
+        components.any(|component| component.class() == BsdfClass::Specular)
+    };
+    let bounds = scene.geometry.object_bounds();
+    let radius = |(low, high): &(DVec3, DVec3)| 0.5 * (*high - *low).length();
+    let largest = bounds.iter().filter(|(object, _)| specular(**object)).map(|(_, around)| radius(around));
+    let most_m = LARGEST_RADIUS * largest.fold(0.0, f64::max).min(scene.radius_m.max(f64::MIN_POSITIVE));
+    let paths = PILOT_PATHS.min(photons.max(1));
+    let wavelengths = WavelengthSampling::Free;
+    let request = EmissionRequest { wavelengths, count: paths, purpose: Purpose::Pilot, pass: PILOT_PASS };
+    let source = context.photon_source(scene, strata, request);
+    let mut survey = ReceptorSurvey { receptors, most_m, distances2: vec![Vec::new(); receptors.len()] };
+    let mut ledger = Ledger::new(scene.materials.len());
+    trace(&source, &source.points(), 0..paths, &mut survey, &mut ledger);
+    // A pass has more photon paths than the survey.
+    let nearest = (context.budget.nearest as f64 * paths as f64 / photons.max(1) as f64).max(1.0) as usize;
+    let radius_m = |mut distances2: Vec<f64>| {
+        if distances2.len() < nearest {
+            return most_m;
+        }
+        distances2.select_nth_unstable_by(nearest - 1, f64::total_cmp).1.sqrt()
+    };
+    survey.distances2.into_iter().map(radius_m).collect()
+}
+
+impl<'a> ReceptorKernels<'a> {
+    /// Creates the kernels of a pass. Returns `None` if there are no first radii.
+    pub(super) fn of_pass(
+        context: &PassContext<'a>,
+        scene: &'a Scene,
+        (first_m, scales): (&[f64], RadiusScales),
+        photons_per_sample: f64,
+    ) -> Option<Self> {
+        let count = scene.camera.receptors().len();
+        let radii_m: Vec<f64> = first_m.iter().map(|radius| radius * scales.surface).collect();
+        let rows = scene.camera.pixel_count() / count.max(1);
+        let openings = context.openings;
+        (!radii_m.is_empty()).then_some(Self { scene, openings, radii_m, photons_per_sample, rows })
+    }
+
+    /// Returns the weights of photons and of paths at each receptor.
+    pub(super) fn weights(&self) -> Vec<CausticWeights> {
+        (0..self.radii_m.len()).map(|number| self.weights_of(number)).collect()
+    }
+
+    fn weights_of(&self, number: usize) -> CausticWeights {
+        let area_m2 = match self.scene.camera.receptors()[number].shape {
+            ReceptorShape::Point(..) => PI * self.radii_m[number].powi(2),
+            ReceptorShape::Surface(object, _) => self.scene.geometry.area(object),
+        };
+        CausticWeights { photons_m2: self.photons_per_sample * area_m2 }
+    }
+
+    /// Adds the light that a photon brings to the point receptors along a straight line.
+    pub(super) fn add_flight(&self, flight: &PhotonFlight<'_>, light: usize, splats: &mut SplatSink) {
+        if flight.photon.light_path != LightPath::Caustic {
+            return;
+        }
+        for (number, receptor) in self.scene.camera.receptors().iter().enumerate() {
+            let ReceptorShape::Point(position, response) = receptor.shape else { continue };
+            let Some((t, d2)) = crossing(flight, position, response, self.radii_m[number]) else { continue };
+            let kernels = DiskKernel::new(self.radii_m[number].powi(2)).at(d2);
+            let to_light = -flight.ray.direction;
+            // The disk of a plane lies in the plane, so it catches the flux through the plane. The
+            // other disks are perpendicular to the ray, so they catch the fluence.
+            let per_flux = match response {
+                Response::Plane(_) => FRAC_1_PI,
+                Response::Sphere | Response::Cylinder(_) | Response::Cone(..) => response.pdf(to_light),
+            };
+            let weight = per_flux * self.mis_weight(number, (position, response), flight.photon.ray_density, to_light);
+            let received = Received { estimate: weight * kernels.estimate, bias: weight * kernels.bias() };
+            self.splat(number, &received, flight.photon, (t, Some(flight)), light, splats);
+        }
+    }
+
+    /// Adds the light that a photon brings to the receptors on the surface where it arrives.
+    pub(super) fn add_arrival(&self, arrival: &SurfaceArrival<'_>, light: usize, splats: &mut SplatSink) {
+        if arrival.photon.light_path != LightPath::Caustic {
+            return;
+        }
+        let hit = &arrival.interaction.hit;
+        for (number, receptor) in self.scene.camera.receptors().iter().enumerate() {
+            let ReceptorShape::Surface(object, side) = receptor.shape else { continue };
+            let to_light = arrival.to_light();
+            let front = to_light.dot(hit.normal) > 0.0;
+            let (counts, sides) = match side {
+                ReceivingSide::Front => (front, 1.0),
+                ReceivingSide::Back => (!front, 1.0),
+                ReceivingSide::Both => (true, 2.0),
+            };
+            if object != hit.object || !counts {
+                continue;
+            }
+            let facing = if front { hit.normal } else { -hit.normal };
+            let response = Response::Plane(facing);
+            let weight = self.mis_weight(number, (hit.position, response), arrival.photon.ray_density, to_light);
+            let estimate = weight * FRAC_1_PI / (sides * self.scene.geometry.area(object));
+            let received = Received { estimate, bias: 0.0 };
+            self.splat(number, &received, arrival.photon, (0.0, None), light, splats);
+        }
+    }
+
+    fn mis_weight(
+        &self,
+        number: usize,
+        (position, response): (DVec3, Response),
+        density: RayDensity,
+        to_light: DVec3,
+    ) -> f64 {
+        let point = ReceptorPoint { position, from: None, response, medium_stack: MediumStack::AIR };
+        self.weights_of(number).of_photon(density, receptor_pdf(&point, self.openings, to_light))
+    }
+
+    fn splat(
+        &self,
+        number: usize,
+        received: &Received,
+        photon: &PhotonState,
+        (t, flight): (f64, Option<&PhotonFlight<'_>>),
+        light: usize,
+        splats: &mut SplatSink,
+    ) {
+        let along = flight.map(|flight| flight.transmittance(t));
+        // The reading is the mean of its rows, and only the first row gets the splat.
+        let rows = self.rows as f64;
+        let pixel = (number * self.rows) as u32;
+        let mut lanes = [(0.0, 0.0); LANES];
+        for (k, &nm) in photon.wavelengths.active().iter().enumerate() {
+            let passed = along.as_ref().map_or(1.0, |along| transmittance(along, nm));
+            lanes[k] = (nm, photon.power[k] * passed * rows);
+        }
+        let lanes = &lanes[..photon.wavelengths.count];
+        let of = |factor: f64| lanes.iter().map(move |&(nm, power)| (nm, power * factor));
+        splats.splat((PathClass::Caustic.number(), light), pixel, of(received.estimate));
+        splats.bias(pixel, of(received.bias));
+    }
+}
+
+/// Returns the distance along the flight at which the photon crosses the disk of a receptor, and the
+/// squared distance from the middle of the disk in m². `None` if the photon misses the disk.
+fn crossing(flight: &PhotonFlight<'_>, position: DVec3, response: Response, radius_m: f64) -> Option<(f64, f64)> {
+    let (ray, offset) = (flight.ray, position - flight.ray.origin);
+    let t = match response {
+        Response::Plane(normal) => {
+            let cosine = ray.direction.dot(normal);
+            if cosine >= 0.0 {
+                return None;
+            }
+            offset.dot(normal) / cosine
+        }
+        Response::Sphere | Response::Cylinder(_) | Response::Cone(..) => offset.dot(ray.direction),
+    };
+    let d2 = ray.at(t).distance_squared(position);
+    (t >= 0.0 && t <= flight.length_m && d2 < radius_m * radius_m).then_some((t, d2))
+}
+
+/// Collects the distances of caustic photons from the receptors.
+struct ReceptorSurvey<'a> {
+    receptors: &'a [Receptor],
+    most_m: f64,
+    distances2: Vec<Vec<f64>>,
+}
+
+impl PhotonVisitor for ReceptorSurvey<'_> {
+    fn on_emission(&mut self, _stratum: usize, _aim: [f64; 2]) {}
+
+    fn on_surface(&mut self, _arrival: &SurfaceArrival<'_>, _stream: &mut Stream) {}
+
+    fn on_flight(&mut self, flight: &PhotonFlight<'_>) {
+        if flight.photon.light_path != LightPath::Caustic {
+            return;
+        }
+        for (receptor, distances2) in self.receptors.iter().zip(&mut self.distances2) {
+            let ReceptorShape::Point(position, response) = receptor.shape else { continue };
+            let found = crossing(flight, position, response, self.most_m);
+            distances2.extend(found.map(|(_, d2)| d2));
+        }
+    }
+}

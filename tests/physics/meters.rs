@@ -1,0 +1,234 @@
+//! Meters against closed forms, against the camera, and against rays traced by hand.
+
+use crate::common::{example, render};
+use abbe::format::resolve::resolve_meters;
+use abbe::format::{FileAccess, parse_with_access};
+use abbe::render::{Integrator, Job, MeasurementReport, NoMonitor, PointReport, StopRules, Value, on_threads};
+use abbe::validate::{CaseResult, cie171, run};
+use serde_json::{Value as Json, json};
+use std::f64::consts::PI;
+use std::path::Path;
+
+fn job(scene: &Json) -> Job {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/scene.json");
+    let (file, source) = parse_with_access(&scene.to_string(), &folder, &[], FileAccess::default()).unwrap();
+    Job::new(resolve_meters(&file, &source).unwrap()).unwrap()
+}
+
+fn measure(scene: &Json, integrator: Option<Integrator>, passes: u64) -> MeasurementReport {
+    let stop = StopRules { passes: Some(passes), ..StopRules::default() };
+    job(scene).measure(integrator, stop, &mut NoMonitor).unwrap().0
+}
+
+fn number(value: &Value) -> f64 {
+    match value {
+        Value::Number(number) => *number,
+        Value::Spectrum(_) => panic!("a spectrum"),
+    }
+}
+
+/// The value, its noise and its bias.
+fn reading(point: &PointReport) -> [f64; 3] {
+    let of = |value: &Option<Value>| value.as_ref().map_or(0.0, number);
+    [number(&point.value), of(&point.noise), of(&point.bias)]
+}
+
+/// All points of all meters.
+fn readings(report: &MeasurementReport) -> Vec<[f64; 3]> {
+    report.meters.iter().flat_map(|meter| meter.points.iter().map(reading)).collect()
+}
+
+/// An area lamp over points on black ground: each kind of receptor has a closed form for a lamp that
+/// is small compared with its distance.
+#[test]
+fn planes_spheres_cylinders_and_spots_have_their_closed_forms() {
+    let at = |form: Json| {
+        let mut meter = form;
+        meter["name"] = json!("meter");
+        json!({
+            "objects": [],
+            "lights": [{"point": {"at": [3, 4, 0], "spectrum": "E", "luminous_intensity": 100}}],
+            "meters": [meter]
+        })
+    };
+    let (distance2, to) = (25.0, [0.6, 0.8]);
+    let cases = [
+        (json!({"points": [[0, 0, 0]]}), 100.0 / distance2 * to[1]),
+        (json!({"points": [[0, 0, 0]], "normal": [1, 0, 0]}), 100.0 / distance2 * to[0]),
+        (json!({"points": [[0, 0, 0]], "normal": [0, -1, 0]}), 0.0),
+        (json!({"sphere": {"at": [0, 0, 0]}}), 0.25 * 100.0 / distance2),
+        (json!({"cylinder": {"at": [0, 0, 0]}}), 100.0 / distance2 * to[0] / PI),
+        // A lamp without extent in the cone: its illuminance, divided by the solid angle.
+        (json!({"spot": {"from": [0, 0, 0], "to": [3, 4, 0], "angle": 2}}),
+         100.0 / distance2 / (2.0 * PI * (1.0 - 1.0_f64.to_radians().cos()))),
+    ];
+    for integrator in [Integrator::Path, Integrator::Photon] {
+        for (form, expected) in &cases {
+            let [value, noise, _] = readings(&measure(&at(form.clone()), Some(integrator), 16))[0];
+            assert!((value - expected).abs() <= 4.0 * noise + 1e-9 * expected, "{form}: {value} for {expected}");
+            assert!(noise <= 1e-3 * expected, "{form}: noise {noise}");
+        }
+    }
+}
+
+/// A quick selection of CIE 171's cases: lamps, panes, interreflection, skies and glazing.
+#[test]
+fn cie_171_cases_are_within_their_tolerances() {
+    let chosen = ["5.2/lambertian-3m", "5.3/square-ceiling", "5.5/pane", "5.6/s2-4m", "5.9/roof-4x4/type-12"];
+    check_cases(|id| chosen.contains(&id), StopRules::default());
+}
+
+/// All cases of CIE 171.
+#[test]
+#[ignore = "takes some minutes: all 130 cases of CIE 171"]
+fn all_cie_171_cases_are_within_their_tolerances() {
+    let results = check_cases(|_| true, StopRules::default());
+    let (covered, values) =
+        results.iter().fold((0, 0), |sum, result| (sum.0 + result.covered(), sum.1 + result.values.len()));
+    let share = covered as f64 / values as f64;
+    println!("{covered} of {values} values are inside their intervals");
+    assert!(share > 0.92, "{share}");
+}
+
+fn check_cases(chosen: impl Fn(&str) -> bool, stop: StopRules) -> Vec<CaseResult> {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in cie171::LAMPS {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let cases = cie171::cases().unwrap();
+    let results: Vec<CaseResult> =
+        cases.iter().filter(|case| chosen(&case.id)).map(|case| run(case, folder.path(), stop).unwrap()).collect();
+    assert!(!results.is_empty());
+    for result in &results {
+        println!("{}: {:.2} of the tolerance", result.id, result.largest_deviation());
+        assert_eq!(result.failures(), 0, "{result:#?}");
+    }
+    results
+}
+
+/// The luminance of a diffuse plane times π, divided by its reflectance, is the illuminance that a
+/// meter on the plane reads.
+#[test]
+fn a_meter_agrees_with_the_camera() {
+    const REFLECTANCE: f64 = 0.6;
+    let mut scene = json!({
+        "camera": {"from": [0, 2, 0.01], "at": [0, 0, 0], "lens": {"pinhole": {"fov": 1}}},
+        "film": {"width": 1, "height": 1},
+        "materials": {"grey": {"diffuse": {"reflectance": REFLECTANCE}}, "white": {"diffuse": {"reflectance": 0.8}}},
+        "objects": [
+            {"name": "floor", "shape": {"rectangle": {"width": 4, "height": 4}}, "material": "grey"},
+            {"name": "wall", "shape": {"rectangle": {"width": 4, "height": 2}}, "material": "white",
+             "transform": [{"rotate": {"axis": [1, 0, 0], "degrees": 90}}, {"translate": [0, 1, -1]}]}
+        ],
+        "lights": [{"point": {"at": [1, 1.5, 0.5], "spectrum": "D65", "luminous_flux": 1000}}]
+    });
+    let rendered = render(&scene, Integrator::Path, 1024);
+    let (luminance, noise) = (rendered.picture.xyz[0][1], f64::from(rendered.picture.noise[0].unwrap()));
+    scene["meters"] = json!([{"name": "floor", "points": [[0, 0, 0]]}]);
+    for integrator in [Integrator::Path, Integrator::Photon] {
+        let [value, of_meter, bias] = readings(&measure(&scene, Some(integrator), 32))[0];
+        let (camera, of_camera) = (luminance * PI / REFLECTANCE, noise * PI / REFLECTANCE);
+        let z = (value - camera) / (of_meter.hypot(of_camera) + bias);
+        assert!(z.abs() < 3.5, "{value} and {camera}: z = {z}");
+    }
+}
+
+/// Parallel light falls along −y through a glass ball onto black ground. The illuminance at a
+/// distance from the axis follows from rays that this test refracts itself.
+#[test]
+fn a_meter_reads_the_caustic_of_a_glass_ball() {
+    const N: f64 = 1.5;
+    const RADIUS: f64 = 0.5;
+    const HEIGHT: f64 = 0.9;
+    const LUX: f64 = 1000.0;
+    let landing = |h: f64| {
+        let (outside, inside) = ((h / RADIUS).asin(), (h / (RADIUS * N)).asin());
+        let turned = 2.0 * (outside - inside);
+        // The ray leaves the ball at this angle from the axis below the centre.
+        let place = 2.0 * inside - outside;
+        let (x, y) = (-RADIUS * place.sin(), HEIGHT - RADIUS * place.cos());
+        let fresnel = |i: f64, t: f64| {
+            let (s, p) = ((i - t).sin() / (i + t).sin(), (i - t).tan() / (i + t).tan());
+            0.5 * (s * s + p * p)
+        };
+        let faces = |i: f64, t: f64| {
+            let (s, p) = (((i - t).sin() / (i + t).sin()).powi(2), ((i - t).tan() / (i + t).tan()).powi(2));
+            0.5 * ((1.0 - s).powi(2) + (1.0 - p).powi(2))
+        };
+        let transmitted = if h < 1e-6 { 0.96 * 0.96 } else { faces(outside, inside) };
+        let _ = fresnel;
+        (h.signum() * (x * -1.0 + 0.0) - y * turned.tan() * h.signum(), transmitted)
+    };
+    // The light between two neighbouring rays falls on the ring between their landing points.
+    let expected = |r: f64| {
+        let steps = 200_000;
+        let width = 0.004;
+        let (mut flux, area) = (0.0, PI * ((r + width).powi(2) - (r - width).powi(2)));
+        for i in 0..steps {
+            let h = (f64::from(i) + 0.5) / f64::from(steps) * RADIUS * 0.999_99;
+            let (x, transmitted) = landing(h);
+            if (x.abs() - r).abs() < width {
+                flux += LUX * transmitted * 2.0 * PI * h * RADIUS * 0.999_99 / f64::from(steps);
+            }
+        }
+        flux / area
+    };
+    let distances = [0.04, 0.08, 0.12];
+    let points: Vec<Json> = distances.iter().map(|r| json!([r, 0, 0])).collect();
+    let scene = json!({
+        "materials": {"glass": {"dielectric": {"ior": N}}, "black": {"diffuse": {"reflectance": 0}}},
+        "objects": [
+            {"name": "ball", "shape": {"sphere": {"center": [0, HEIGHT, 0], "radius": RADIUS}}, "material": "glass"},
+            {"name": "ground", "shape": {"rectangle": {"width": 20, "height": 20}}, "material": "black"}
+        ],
+        "lights": [{"directional": {"toward": [0, -1, 0], "spectrum": "D65", "illuminance": LUX}}],
+        "meters": [{"name": "caustic", "points": points}]
+    });
+    let report = measure(&scene, None, 64);
+    assert_eq!(report.integrator, "photon");
+    for (r, point) in distances.into_iter().zip(&report.meters[0].points) {
+        let ([value, noise, bias], expected) = (reading(point), expected(r));
+        println!("{r}: {value} ± {noise} ± {bias} for {expected}");
+        assert!((value - expected).abs() < 4.0 * noise + 2.0 * bias + 0.02 * expected, "{r}: {value} for {expected}");
+        assert!(noise + bias < 0.05 * expected, "{r}: noise {noise}, bias {bias}");
+    }
+}
+
+/// The flux through surfaces: a lamp in a closed black box, and parallel light through a glass ball
+/// onto the ground, by both integrators that find the light.
+#[test]
+fn surfaces_receive_the_flux_of_their_lamps() {
+    let scene = json!({
+        "materials": {"black": {"diffuse": {"reflectance": 0}}},
+        "objects": [{"name": "box", "shape": {"box": {"size": [2, 3, 4]}}, "material": "black"}],
+        "lights": [{"point": {"at": [0.3, 0.2, -0.5], "spectrum": "D65", "luminous_flux": 800}}],
+        "meters": [
+            {"name": "inside", "quantity": "luminous_flux", "surface": "box", "side": "back"},
+            {"name": "outside", "quantity": "luminous_flux", "surface": "box", "side": "front"},
+            {"name": "mean", "surface": "box"}
+        ]
+    });
+    let report = measure(&scene, None, 64);
+    let [inside, outside, mean] = readings(&report)[..] else { panic!("three readings") };
+    assert!((inside[0] - 800.0).abs() < 4.0 * inside[1] && inside[1] < 4.0, "{inside:?}");
+    assert_eq!(outside[0], 0.0);
+    let point = &report.meters[2].points[0];
+    assert!((point.area_m2.unwrap() - 52.0).abs() < 1e-9);
+    assert!((mean[0] * 52.0 / 800.0 - 1.0).abs() < 0.02 && (point.flux.unwrap() / mean[0] - 52.0).abs() < 1e-9);
+}
+
+/// The readings do not depend on the number of threads, and photons agree with paths in a daylit
+/// room with a pane.
+#[test]
+fn readings_are_deterministic_and_both_integrators_agree() {
+    let scene = example("daylit_room");
+    let once = |threads| on_threads(Some(threads), || measure(&scene, None, 16)).unwrap();
+    let (one, two) = (once(1), once(3));
+    assert_eq!(one.meters, two.meters);
+    let photon = measure(&scene, Some(Integrator::Photon), 64);
+    let path = measure(&scene, Some(Integrator::Path), 64);
+    for (a, b) in readings(&photon).into_iter().zip(readings(&path)) {
+        let z = (a[0] - b[0]) / (a[1].hypot(b[1]) + a[2]);
+        assert!(z.abs() < 4.0, "{a:?} and {b:?}: z = {z}");
+    }
+}
