@@ -13,6 +13,7 @@ mod colour;
 mod compare;
 mod completions;
 mod develop;
+mod display_server;
 mod expectation;
 mod explain;
 mod folded_lens;
