@@ -92,6 +92,8 @@ struct ViewState {
     error: Option<String>,
     scene: Option<Arc<ScenePanels>>,
     snapshot: Option<Arc<Snapshot>>,
+    /// The picture with which the page compares the published one.
+    reference: Option<Arc<Snapshot>>,
 }
 
 /// The state that the threads share. Each lock is held only for a short time.
@@ -113,6 +115,7 @@ impl ViewChannel {
             error: None,
             scene: None,
             snapshot: None,
+            reference: None,
         };
         Self { state: Mutex::new(state), changed: Condvar::new(), version: watch::Sender::new(1) }
     }
@@ -204,6 +207,24 @@ impl ViewChannel {
         self.lock().snapshot.clone()
     }
 
+    /// Sets the picture with which the page compares the published one.
+    pub(super) fn set_reference(&self, reference: Arc<Snapshot>) {
+        self.update(|state| state.reference = Some(reference));
+    }
+
+    /// Keeps the published picture as the reference, unless it is coarse.
+    pub(super) fn keep_as_reference(&self) {
+        self.update(|state| {
+            if let Some(snapshot) = state.snapshot.as_ref().filter(|snapshot| snapshot.metadata.is_some()) {
+                state.reference = Some(Arc::clone(snapshot));
+            }
+        });
+    }
+
+    pub(super) fn reference(&self) -> Option<Arc<Snapshot>> {
+        self.lock().reference.clone()
+    }
+
     pub(super) fn scene(&self) -> Option<Arc<ScenePanels>> {
         self.lock().scene.clone()
     }
@@ -218,7 +239,7 @@ impl ViewChannel {
         // A change after this line has a newer version, so the page asks again.
         let version = *self.version.borrow();
         let state = self.lock();
-        let ViewState { orders, session, progress, error, scene, snapshot } = &*state;
+        let ViewState { orders, session, progress, error, scene, snapshot, reference } = &*state;
         json!({
             "version": version,
             "session": session.word(),
@@ -235,6 +256,7 @@ impl ViewChannel {
             "photons_per_second": progress.photons_per_second,
             "relative_error": progress.relative_error,
             "picture": snapshot.as_ref().map(|snapshot| snapshot.summary()),
+            "reference": reference.as_ref().map(|reference| reference.reference_summary()),
         })
     }
 }

@@ -17,8 +17,11 @@ async function showScene() {
     fill($("tone"), scene.tones, scene.tone);
     fill($("space"), spaces.map(space => space.name), scene.space);
   }
+  ["pause", "extend", "orbit", "tab-plan", "tab-scene"].forEach(id => { $(id).hidden = !scene.live; });
+  $("keep").disabled = !scene.live;
   $("band").max = scene.light.values.length - 1;
   showBand();
+  if (!scene.live) { showProbes(); return; }
   showPlan();
   if (!document.activeElement?.closest("#tree")) showTree();
   showCamera();
@@ -154,7 +157,7 @@ stage.addEventListener("pointerdown", event => {
   if (!picture) return;
   stage.setPointerCapture(event.pointerId);
   pointers.set(event.pointerId, local(event));
-  press = { at: local(event), pixel: pixelAt(...local(event)), last: local(event), spread: spread(), zoom: placement().scale, moved: false };
+  press = { at: local(event), pixel: pixelAt(...local(event)), last: local(event), spread: spread(), zoom: placement().scale, moved: false, wipe: pointers.size === 1 && isNearWipe(local(event)[0]) };
 });
 stage.addEventListener("pointermove", event => {
   if (!picture) return;
@@ -165,6 +168,7 @@ stage.addEventListener("pointermove", event => {
   press.moved ||= Math.hypot(at[0] - press.at[0], at[1] - press.at[1]) > 4;
   if (!press.moved) return;
   press.last = at;
+  if (press.wipe) { setWipe(100 * at[0] / stage.clientWidth); return; }
   if (pointers.size > 1) {
     const ratio = spread() / press.spread;
     if (isOrbiting) { if (Math.abs(ratio - 1) > 0.05) { dolly(1 / ratio); press.spread = spread(); } else panCamera(dx / size, dy / size); }
@@ -202,7 +206,7 @@ function moveProbe(dx, dy) {
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 stage.addEventListener("keydown", event => {
   const arrow = ARROWS[event.key];
-  const keys = { Enter: pinArea, Delete: () => { pins.pop(); paint(); showProbes(); }, "0": fit, "1": () => setZoom(1), c: toggleOrbit, " ": togglePause,
+  const keys = { Enter: pinArea, Delete: () => { pins.pop(); paint(); showProbes(); }, "0": fit, "1": () => setZoom(1), b: flip, c: toggleOrbit, " ": togglePause,
     "+": () => isOrbiting ? dolly(0.9) : setZoom(placement().scale * 1.25), "-": () => isOrbiting ? dolly(1 / 0.9) : setZoom(placement().scale / 1.25),
     "[": () => nudge("ev", -1), "]": () => nudge("ev", 1), ",": () => nudge("band", -1), ".": () => nudge("band", 1) };
   if (arrow) {
@@ -252,11 +256,13 @@ async function save(name) {
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
+const PANELS = ["spectrum", "plan", "scene", "compare"];
 function showTab(name) {
-  for (const panel of ["spectrum", "plan", "scene"]) {
+  for (const panel of PANELS) {
     $("panel-" + panel).hidden = panel !== name;
     $("tab-" + panel).setAttribute("aria-selected", String(panel === name));
   }
+  if (name === "compare") showFigures();
 }
 $("pause").onclick = togglePause;
 $("extend").onclick = () => order({ extend: true });
@@ -268,15 +274,16 @@ $("orbit").onclick = toggleOrbit;
 $("play").onclick = play;
 $("pin").onclick = pinArea;
 $("unpin").onclick = () => { pins = []; paint(); showProbes(); };
+["tone", "space"].forEach(id => { $(id).onchange = () => { draw(); showProbes(); }; });
+$("mode").onchange = () => { if (comparison() === "off") draw(); else setComparison("off"); };
 $("ev").oninput = () => { $("ev-value").textContent = (ev() < 0 ? "−" : "+") + Math.abs(ev()).toFixed(1) + " EV"; draw(); };
 $("band").oninput = () => { showBand(); $("mode").value = "band"; draw(); };
-["tone", "space", "mode"].forEach(id => { $(id).onchange = () => { draw(); showProbes(); }; });
 $("copy").onclick = async () => {
   $("camera").select();
   await navigator.clipboard?.writeText($("camera").value).catch(() => {});
 };
 $("reset").onclick = () => { changes.clear(); forbidden = []; sendChanges(false); };
-["spectrum", "plan", "scene"].forEach(name => { $("tab-" + name).onclick = () => showTab(name); });
+PANELS.forEach(name => { $("tab-" + name).onclick = () => showTab(name); });
 new ResizeObserver(resize).observe(stage);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", showProbes);
 resize();

@@ -7,7 +7,7 @@ let version = 0, state = {}, scene = null, spaces = [], planBefore = null;
 let picture = null, image = document.createElement("canvas"), isFetching = false;
 /// Screen pixels per picture pixel, and the position of the picture's corner. `zoom` 0 fits the picture.
 let zoom = 0, offset = [0, 0];
-let area = null, pins = [], probes = new Map(), hovered = null, isProbing = false;
+let area = null, pins = [], hovered = null, hoveredB = null, isProbing = false;
 
 // Requests.
 
@@ -61,6 +61,7 @@ async function show(next) {
   $("fault").hidden = !next.error;
   $("fault").textContent = next.error ?? "";
   showEvents();
+  showReference(next.reference);
   if (next.picture && next.picture.number !== picture?.number) fetchPicture();
 }
 
@@ -72,6 +73,7 @@ async function fetchPicture() {
     picture = { ...next, xyz: next.values, planes: new Map(), exposure: state.picture?.exposure ?? 1, passes: state.picture?.passes ?? 0 };
     await draw();
     refreshProbes();
+    showReference(state.reference);
   } finally {
     isFetching = false;
   }
@@ -88,10 +90,11 @@ async function draw() {
   if (!picture || !scene) return;
   const current = picture, { width, height } = current, mode = $("mode").value;
   const pixels = new ImageData(width, height), factor = current.exposure * 2 ** ev();
+  const how = { space: space(), tone: $("tone").value, gamut: scene.gamut, factor };
   let legend = current.passes ? "" : "coarse picture";
-  if (mode === "colour") {
-    develop(current.xyz, pixels.data, { space: space(), tone: $("tone").value, gamut: scene.gamut, factor });
-  } else if (mode === "band") {
+  if (comparison() !== "off") legend = await compare(current, pixels, how);
+  else if (mode === "colour") develop(current.xyz, pixels.data, how);
+  else if (mode === "band") {
     const band = Number($("band").value), values = await plane("band?band=" + band);
     if (values) {
       // A surface that reflects the equal-energy spectrum is equally bright in each band.
@@ -166,9 +169,13 @@ function paint() {
   context.setTransform(1, 0, 0, 1, 0, 0);
   context.clearRect(0, 0, canvas.width, canvas.height);
   if (!picture || !image.width) return;
-  context.setTransform(ratio * scale, 0, 0, ratio * scale, ratio * left, ratio * top);
-  context.imageSmoothingEnabled = scale < 1;
+  const place = () => {
+    context.setTransform(ratio * scale, 0, 0, ratio * scale, ratio * left, ratio * top);
+    context.imageSmoothingEnabled = scale < 1;
+  };
+  place();
   context.drawImage(image, 0, 0, picture.width, picture.height);
+  paintReference(place);
   context.setTransform(ratio, 0, 0, ratio, ratio * left, ratio * top);
   const mark = ({ x0, y0, x1, y1 }, colour) => {
     const grow = Math.max(0, 3 - scale);
@@ -197,7 +204,7 @@ const pixelAt = (x, y) => {
   return [clamp((x - left) / scale, picture.width), clamp((y - top) / scale, picture.height)];
 };
 const areaOf = ([ax, ay], [bx, by] = [ax, ay]) => ({ x0: Math.min(ax, bx), y0: Math.min(ay, by), x1: Math.max(ax, bx), y1: Math.max(ay, by) });
-const probePath = ({ x0, y0, x1, y1 }) => `probe?x0=${x0}&y0=${y0}&x1=${x1}&y1=${y1}`;
+const probePath = ({ x0, y0, x1, y1 }, of = "") => `${of}probe?x0=${x0}&y0=${y0}&x1=${x1}&y1=${y1}`;
 
 function select(next) {
   area = next;
@@ -213,6 +220,7 @@ async function probeCursor() {
   try {
     hovered = await (await get(probePath(asked))).json();
     hovered.delay_ms = performance.now() - begin;
+    hoveredB = comparison() === "off" ? null : await get(probePath(asked, "reference_")).then(answer => answer.json()).catch(() => null);
   } catch { hovered = null; }
   isProbing = false;
   showProbes();
@@ -241,13 +249,14 @@ function showProbes() {
   if (!scene) return;
   const ink = getComputedStyle(document.documentElement).getPropertyValue("--ink").trim();
   const curves = [...pins.filter(pin => pin.report).map(pin => ({ ...pin.report, colour: pin.colour }))];
-  if (hovered && area) curves.push({ ...hovered, colour: ink });
+  if (hovered && area) curves.push({ ...hovered, colour: ink, name: hoveredB ? "A: " : "" });
+  if (hoveredB && area) curves.push({ ...hoveredB, colour: REFERENCE_COLOUR, name: "B: ", dash: "6 3" });
   $("spectrum").innerHTML = spectrumPlot(curves, scene.light);
   $("chromaticity").innerHTML = chromaticityPlot(curves, scene.locus, space());
   const cell = value => value == null ? "unknown" : short(value);
   const columns = curves.slice(-2);
   const row = (name, of) => `<tr><th scope="row">${name}</th>${columns.map(curve => `<td>${of(curve)}</td>`).join("")}</tr>`;
-  $("values").innerHTML = columns.length ? "<table>" + row("pixels", c => `<span class="key" style="background:${c.colour}"></span>` +
+  $("values").innerHTML = columns.length ? "<table>" + row("pixels", c => `<span class="key" style="background:${c.colour}"></span>` + (c.name ?? "") +
       (c.area[0] === c.area[2] && c.area[1] === c.area[3] ? `${c.area[0]}, ${c.area[1]}` : `${c.area[0]}–${c.area[2]}, ${c.area[1]}–${c.area[3]}`)) +
     row("Y in cd/m²", c => cell(c.xyz[1])) + row("X, Z", c => `${cell(c.xyz[0])}, ${cell(c.xyz[2])}`) +
     row("x, y", c => c.xy ? c.xy.map(value => value.toFixed(4)).join(", ") : "–") +

@@ -74,6 +74,7 @@ impl<'a> Publisher<'a> {
         let passes = run.map_or(0, Run::passes);
         Arc::new(Snapshot {
             number,
+            name: self.loaded.source.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
             passes,
             exposure: scene.display.factor(&picture),
             band_noise: self.band_noise(&picture, passes),

@@ -2,7 +2,8 @@
 
 use super::scene_panels::ScenePanels;
 use crate::output::Metadata;
-use crate::sensor::Picture;
+use crate::output::metadata::names;
+use crate::sensor::{Picture, exposure};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -12,6 +13,8 @@ use std::sync::{Arc, OnceLock};
 pub(super) struct Snapshot {
     /// Counts the snapshots of the view.
     pub(super) number: u64,
+    /// The name of the scene file or of the picture file.
+    pub(super) name: String,
     pub(super) scene: Arc<ScenePanels>,
     pub(super) passes: u64,
     pub(super) picture: Picture,
@@ -28,10 +31,46 @@ pub(super) struct Snapshot {
 }
 
 impl Snapshot {
+    /// Creates the snapshot of a saved picture.
+    pub(super) fn of_file(
+        number: u64,
+        name: &str,
+        scene: Arc<ScenePanels>,
+        picture: Picture,
+        metadata: Metadata,
+    ) -> Self {
+        Self {
+            number,
+            name: name.to_string(),
+            passes: metadata.get(names::PASSES).and_then(|passes| passes.parse().ok()).unwrap_or(0),
+            exposure: scene.display.factor(&picture),
+            scene,
+            picture,
+            band_noise: None,
+            events: BTreeMap::new(),
+            metadata: Some(metadata),
+            xyz_bytes: OnceLock::new(),
+        }
+    }
+
+    /// Returns the numbers that the page needs if this is the reference of a comparison. The
+    /// exposure is that of `abbe compare`.
+    pub(super) fn reference_summary(&self) -> Value {
+        json!({
+            "number": self.number,
+            "name": self.name,
+            "width": self.picture.width,
+            "height": self.picture.height,
+            "passes": self.passes,
+            "exposure": exposure::automatic(&self.picture),
+        })
+    }
+
     /// Returns the numbers that the page needs with each picture.
     pub(super) fn summary(&self) -> Value {
         json!({
             "number": self.number,
+            "name": self.name,
             "scene": self.scene.number,
             "width": self.picture.width,
             "height": self.picture.height,
@@ -62,7 +101,7 @@ impl Snapshot {
     }
 }
 
-fn float_bytes(values: impl Iterator<Item = f32>) -> Vec<u8> {
+pub(super) fn float_bytes(values: impl Iterator<Item = f32>) -> Vec<u8> {
     values.flat_map(f32::to_le_bytes).collect()
 }
 

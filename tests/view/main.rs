@@ -9,6 +9,7 @@ mod browser;
 mod client;
 mod devtools;
 
+mod comparing;
 mod editing;
 mod page;
 mod rendering;
