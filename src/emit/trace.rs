@@ -54,6 +54,7 @@ fn trace_one<M: BodyMode, V: PhotonVisitor>(
         return;
     }
     ledger.emitted += emitted;
+    visitor.on_start(&path.ray_state.ray, &path.photon);
     if !follow::<M, V>(source, &mut path, 1..source.depth_limit.events() + 1, &mut stream, visitor, ledger) {
         return;
     }
@@ -98,7 +99,7 @@ fn follow<M: BodyMode, V: PhotonVisitor>(
         let Some(interaction) = &next else {
             return false;
         };
-        visitor.on_arrival(interaction.hit.object);
+        visitor.on_arrival(interaction, &path.photon);
         if M::HAS_BODIES && scene.body_of(interaction.hit.object).is_some() {
             visitor.on_body_face();
         }
@@ -143,6 +144,7 @@ fn advance<'a, M: BodyMode, V: PhotonVisitor>(
     if interaction.is_none() {
         let inside = M::HAS_BODIES && !path.ray_state.medium_stack.is_air();
         ledger.add_escaped(path.total_w(), inside);
+        visitor.on_escape(&path.ray_state.ray, &path.photon);
     }
     interaction
 }

@@ -1,6 +1,7 @@
 //! The interface between photon tracing and the code that stores or connects photons.
 
 use super::photon_path::PhotonState;
+use crate::geometry::Ray;
 use crate::math::random::Stream;
 use crate::walk::{MediumSegment, NumberedMedium, SurfaceInteraction};
 use glam::DVec3;
@@ -48,9 +49,17 @@ pub trait PhotonVisitor {
     /// first ray. `aim` is the path's point in the aiming grid of the stratum.
     fn on_emission(&mut self, stratum: usize, aim: [f64; 2]);
 
-    /// A photon arrives at a surface of this object.
+    /// A photon with power starts along this ray.
     #[inline]
-    fn on_arrival(&mut self, _object: u32) {}
+    fn on_start(&mut self, _ray: &Ray, _photon: &PhotonState) {}
+
+    /// A photon arrives at a surface.
+    #[inline]
+    fn on_arrival(&mut self, _interaction: &SurfaceInteraction<'_>, _photon: &PhotonState) {}
+
+    /// A photon leaves the scene along this ray.
+    #[inline]
+    fn on_escape(&mut self, _ray: &Ray, _photon: &PhotonState) {}
 
     /// A photon arrives at a diffuse or glossy surface. Photons straight from a light are not
     /// reported, because direct lighting already includes their light.

@@ -1,10 +1,11 @@
 //! The importance of photons: how much the photons of each part of a light contribute to the
 //! picture.
 
-use crate::emit::{Aim, CELLS, EmissionStrata, MediumCrossing, PhotonVisitor, SurfaceArrival};
+use crate::emit::{Aim, CELLS, EmissionStrata, MediumCrossing, PhotonState, PhotonVisitor, SurfaceArrival};
 use crate::math::random::Stream;
 use crate::plan::partition::{LightPath, PhotonClass};
 use crate::scene::Scene;
+use crate::walk::SurfaceInteraction;
 use std::iter;
 use std::ops::Range;
 
@@ -234,8 +235,8 @@ impl PhotonVisitor for Importance<'_> {
         self.halves[self.half].paths[self.current] += 1.0;
     }
 
-    fn on_arrival(&mut self, object: u32) {
-        self.reached[object as usize] = true;
+    fn on_arrival(&mut self, interaction: &SurfaceInteraction<'_>, _photon: &PhotonState) {
+        self.reached[interaction.hit.object as usize] = true;
     }
 }
 

@@ -11,7 +11,7 @@ use crate::plan::partition::{Estimator, PerClass, PhotonClass, PhotonSet, View, 
 use crate::plan::{AimPlan, AperturePlan, CausticPlan, IndirectPlan, PathClass, Plan, Tally, WavelengthPlan};
 use crate::scene::Scene;
 use crate::sensor::SplatSink;
-use crate::walk::{LONG_PATH, NumberedMedium};
+use crate::walk::{LONG_PATH, NumberedMedium, SurfaceInteraction};
 
 /// The number of surface events of a photon path after which only some of its photons are recorded.
 /// The photons of one path are alike, so a long path needs only some of them.
@@ -131,7 +131,7 @@ impl PhotonVisitor for PhotonRecorder<'_> {
         }
     }
 
-    fn on_arrival(&mut self, _object: u32) {
+    fn on_arrival(&mut self, _interaction: &SurfaceInteraction<'_>, _photon: &PhotonState) {
         self.tally.photon_segments += 1;
     }
 

@@ -1,5 +1,6 @@
 //! The state that the session, the server and the watch thread share.
 
+use super::host::LoadedScene;
 use super::scene_panels::ScenePanels;
 use super::snapshot::Snapshot;
 use crate::render::Progress;
@@ -91,6 +92,8 @@ struct ViewState {
     progress: ViewProgress,
     error: Option<String>,
     scene: Option<Arc<ScenePanels>>,
+    /// The scene that is rendered, or `None` if a saved picture is shown.
+    loaded: Option<Arc<LoadedScene>>,
     snapshot: Option<Arc<Snapshot>>,
     /// The picture with which the page compares the published one.
     reference: Option<Arc<Snapshot>>,
@@ -114,6 +117,7 @@ impl ViewChannel {
             progress: ViewProgress::default(),
             error: None,
             scene: None,
+            loaded: None,
             snapshot: None,
             reference: None,
         };
@@ -167,12 +171,12 @@ impl ViewChannel {
         state.orders.clone()
     }
 
-    /// Begins the render of a scene.
-    pub(super) fn begin(&self, scene: Arc<ScenePanels>) {
+    /// Begins the render of a scene, or shows a saved picture.
+    pub(super) fn begin(&self, scene: Arc<ScenePanels>, loaded: Option<Arc<LoadedScene>>) {
         self.update(|state| {
             state.session = SessionState::Starting;
             state.progress = ViewProgress::default();
-            (state.error, state.scene) = (None, Some(scene));
+            (state.error, state.scene, state.loaded) = (None, Some(scene), loaded);
         });
     }
 
@@ -225,6 +229,12 @@ impl ViewChannel {
         self.lock().reference.clone()
     }
 
+    /// Returns the scene that is rendered, with its number.
+    pub(super) fn loaded(&self) -> Option<(Arc<LoadedScene>, u64)> {
+        let state = self.lock();
+        Some((state.loaded.clone()?, state.scene.as_ref()?.number))
+    }
+
     pub(super) fn scene(&self) -> Option<Arc<ScenePanels>> {
         self.lock().scene.clone()
     }
@@ -239,7 +249,7 @@ impl ViewChannel {
         // A change after this line has a newer version, so the page asks again.
         let version = *self.version.borrow();
         let state = self.lock();
-        let ViewState { orders, session, progress, error, scene, snapshot, reference } = &*state;
+        let ViewState { orders, session, progress, error, scene, snapshot, reference, .. } = &*state;
         json!({
             "version": version,
             "session": session.word(),

@@ -17,12 +17,13 @@ async function showScene() {
     fill($("tone"), scene.tones, scene.tone);
     fill($("space"), spaces.map(space => space.name), scene.space);
   }
-  ["pause", "extend", "orbit", "tab-plan", "tab-scene"].forEach(id => { $(id).hidden = !scene.live; });
+  ["pause", "extend", "orbit", "tab-plan", "tab-scene", "tab-photons"].forEach(id => { $(id).hidden = !scene.live; });
   $("keep").disabled = !scene.live;
   $("band").max = scene.light.values.length - 1;
   showBand();
   if (!scene.live) { showProbes(); return; }
   showPlan();
+  showLights();
   if (!document.activeElement?.closest("#tree")) showTree();
   showCamera();
   showProbes();
@@ -206,7 +207,7 @@ function moveProbe(dx, dy) {
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 stage.addEventListener("keydown", event => {
   const arrow = ARROWS[event.key];
-  const keys = { Enter: pinArea, Delete: () => { pins.pop(); paint(); showProbes(); }, "0": fit, "1": () => setZoom(1), b: flip, c: toggleOrbit, " ": togglePause,
+  const keys = { Enter: pinArea, Delete: () => { pins.pop(); paint(); showProbes(); }, "0": fit, "1": () => setZoom(1), b: flip, c: toggleOrbit, p: togglePhotons, " ": togglePause,
     "+": () => isOrbiting ? dolly(0.9) : setZoom(placement().scale * 1.25), "-": () => isOrbiting ? dolly(1 / 0.9) : setZoom(placement().scale / 1.25),
     "[": () => nudge("ev", -1), "]": () => nudge("ev", 1), ",": () => nudge("band", -1), ".": () => nudge("band", 1) };
   if (arrow) {
@@ -256,7 +257,7 @@ async function save(name) {
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
-const PANELS = ["spectrum", "plan", "scene", "compare"];
+const PANELS = ["spectrum", "photons", "plan", "scene", "compare"];
 function showTab(name) {
   for (const panel of PANELS) {
     $("panel-" + panel).hidden = panel !== name;
@@ -274,7 +275,7 @@ $("orbit").onclick = toggleOrbit;
 $("play").onclick = play;
 $("pin").onclick = pinArea;
 $("unpin").onclick = () => { pins = []; paint(); showProbes(); };
-["tone", "space"].forEach(id => { $(id).onchange = () => { draw(); showProbes(); }; });
+["tone", "space"].forEach(id => { $(id).onchange = () => { if (photons) colourPhotons(); draw(); showProbes(); }; });
 $("mode").onchange = () => { if (comparison() === "off") draw(); else setComparison("off"); };
 $("ev").oninput = () => { $("ev-value").textContent = (ev() < 0 ? "−" : "+") + Math.abs(ev()).toFixed(1) + " EV"; draw(); };
 $("band").oninput = () => { showBand(); $("mode").value = "band"; draw(); };

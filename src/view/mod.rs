@@ -9,6 +9,7 @@ mod access;
 mod channel;
 mod host;
 mod listener;
+mod photons;
 mod pictures;
 mod probe;
 mod publisher;

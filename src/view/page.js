@@ -176,6 +176,7 @@ function paint() {
   place();
   context.drawImage(image, 0, 0, picture.width, picture.height);
   paintReference(place);
+  paintPhotons(scale);
   context.setTransform(ratio, 0, 0, ratio, ratio * left, ratio * top);
   const mark = ({ x0, y0, x1, y1 }, colour) => {
     const grow = Math.max(0, 3 - scale);
@@ -239,6 +240,8 @@ async function refreshProbes() {
 function pinArea() {
   if (!area || !hovered) return;
   const used = pins.map(pin => pin.colour), colour = PIN_COLOURS.find(colour => !used.includes(colour)) ?? PIN_COLOURS[0];
+  photonPixel = [area.x0, area.y0];
+  if ($("photon-reach").checked) tracePhotons();
   pins.push({ area: { ...area }, colour, report: hovered });
   if (pins.length > PIN_COLOURS.length) pins.shift();
   paint();

@@ -30,7 +30,7 @@ pub(super) fn run(channel: &Arc<ViewChannel>, path: &Path, is_interrupted: fn() 
                     relative_error: snapshot.picture.error_means().relative,
                     ..ViewProgress::default()
                 };
-                channel.begin(Arc::clone(&snapshot.scene));
+                channel.begin(Arc::clone(&snapshot.scene), None);
                 channel.publish(orders.revision, Arc::new(snapshot));
                 channel.report(orders.revision, SessionState::Finished, progress);
             }

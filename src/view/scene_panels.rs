@@ -33,6 +33,7 @@ impl ScenePanels {
             "live": true,
             "scene": scene,
             "plan": PlanReport::of(job),
+            "lights": job.scene.lights.iter().map(|light| &light.name).collect::<Vec<_>>(),
             "light": light_spectrum(job),
         });
         Self::with_colours(number, display, job.scene.film.observer, content)

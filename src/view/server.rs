@@ -3,6 +3,7 @@
 use super::access::Access;
 use super::channel::ViewChannel;
 use super::listener::LimitedListener;
+use super::photons::{self, PhotonQuery};
 use super::probe::{self, ProbeArea};
 use super::snapshot::{Snapshot, float_bytes};
 use crate::output::compare::{Selection, compare, delta_e_map};
@@ -36,7 +37,7 @@ const BODY_TIME: Duration = Duration::from_secs(5);
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:; \
                       connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-const PAGE: [&str; 9] = [
+const PAGE: [&str; 10] = [
     include_str!("page_head.html"),
     include_str!("page.css"),
     include_str!("page_body.html"),
@@ -44,6 +45,7 @@ const PAGE: [&str; 9] = [
     include_str!("plots.js"),
     include_str!("page.js"),
     include_str!("compare.js"),
+    include_str!("photons.js"),
     include_str!("controls.js"),
     "</script></body></html>\n",
 ];
@@ -51,6 +53,8 @@ const PAGE: [&str; 9] = [
 struct ViewServer {
     access: Access,
     channel: Arc<ViewChannel>,
+    /// Held while photon paths are traced, so that one page cannot take all processors.
+    tracing: tokio::sync::Mutex<()>,
 }
 
 /// Starts the thread of the server.
@@ -60,7 +64,11 @@ struct ViewServer {
 pub(super) fn start(listener: std::net::TcpListener, access: Access, channel: Arc<ViewChannel>) -> io::Result<()> {
     listener.set_nonblocking(true)?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build()?;
-    let app = Router::new().fallback(answer).with_state(Arc::new(ViewServer { access, channel }));
+    let app = Router::new().fallback(answer).with_state(Arc::new(ViewServer {
+        access,
+        channel,
+        tracing: tokio::sync::Mutex::default(),
+    }));
     let listener = runtime.block_on(async { tokio::net::TcpListener::from_std(listener) })?;
     let serve = move || {
         // The server ends with the process: `LimitedListener` survives all errors.
@@ -106,11 +114,12 @@ async fn checked_answer(server: &ViewServer, request: Request) -> Result<Respons
         (&Method::GET, "reference" | "reference_probe" | "delta_e" | "comparison") => {
             compared(channel, path, query).await
         }
+        (&Method::GET, "photons") => traced(server, numbers(query)?).await,
         (&Method::POST, "orders") => {
             let body = body_of(&parts.headers, body).await?;
             follow(channel, serde_json::from_slice(&body).map_err(|_| StatusCode::BAD_REQUEST)?)
         }
-        (_, "" | "state" | "scene" | "orders") => Err(StatusCode::METHOD_NOT_ALLOWED),
+        (_, "" | "state" | "scene" | "orders" | "photons") => Err(StatusCode::METHOD_NOT_ALLOWED),
         (_, "picture" | "errors" | "band" | "probe" | "save.exr" | "save.png") => Err(StatusCode::METHOD_NOT_ALLOWED),
         (_, "reference" | "reference_probe" | "delta_e" | "comparison") => Err(StatusCode::METHOD_NOT_ALLOWED),
         (_, _) => Err(StatusCode::NOT_FOUND),
@@ -204,6 +213,15 @@ async fn compared(channel: &ViewChannel, path: &str, query: &str) -> Result<Resp
         json(serde_json::to_string(&comparison).map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?)
     });
     work.await.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?
+}
+
+/// Traces photon paths in the present scene.
+async fn traced(server: &ViewServer, query: PhotonQuery) -> Result<Response, StatusCode> {
+    let _turn = server.tracing.lock().await;
+    let (loaded, scene) = server.channel.loaded().ok_or(StatusCode::NOT_FOUND)?;
+    let found = tokio::task::spawn_blocking(move || photons::paths(&loaded, scene, query)).await;
+    let found = found.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?.ok_or(StatusCode::BAD_REQUEST)?;
+    json(found.to_string())
 }
 
 /// Answers a request about the published picture.

@@ -48,7 +48,7 @@ pub(super) fn run(host: &dyn ViewHost, channel: &Arc<ViewChannel>, stop: StopRul
         };
         number += 1;
         let scene = Arc::new(ScenePanels::new(number, &loaded));
-        channel.begin(Arc::clone(&scene));
+        channel.begin(Arc::clone(&scene), Some(Arc::clone(&loaded)));
         let threads = loaded.job.scene.settings.threads;
         if orders.is_draft {
             let publisher = Publisher::new(channel, &loaded, Arc::clone(&scene), orders.revision);

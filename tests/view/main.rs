@@ -12,5 +12,6 @@ mod devtools;
 mod comparing;
 mod editing;
 mod page;
+mod photons;
 mod rendering;
 mod safety;
