@@ -198,6 +198,12 @@ impl ViewChannel {
         });
     }
 
+    /// Publishes a coarse picture while the reader moves a slider or the camera. The slider may have
+    /// moved on, but the picture still shows its way.
+    pub(super) fn publish_draft(&self, snapshot: Arc<Snapshot>) {
+        self.update(|state| state.snapshot = Some(snapshot));
+    }
+
     /// Publishes a picture of a revision. The channel ignores abandoned renders.
     pub(super) fn publish(&self, revision: u64, snapshot: Arc<Snapshot>) {
         self.update(|state| {

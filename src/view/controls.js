@@ -22,45 +22,18 @@ async function showScene() {
   $("band").max = scene.light.values.length - 1;
   showBand();
   if (!scene.live) { showProbes(); return; }
-  showPlan();
-  showLights();
-  if (!document.activeElement?.closest("#tree")) showTree();
   showCamera();
+  // While a slider moves, the panels would change too often.
+  hasOldPanels = state.draft;
+  if (!hasOldPanels) {
+    showPlan();
+    showLights();
+    if (!document.activeElement?.closest("#tree")) showTree();
+  }
   showProbes();
 }
 
-// The plan.
-
 const element = (name, text, properties = {}) => Object.assign(document.createElement(name), { textContent: text }, properties);
-
-function showPlan() {
-  const table = $("plan"), head = element("tr", "");
-  ["", "effect", "events", "reason"].forEach(name => head.append(element("th", name)));
-  const rows = scene.plan.effects.map(effect => {
-    const row = element("tr", ""), box = element("input", "", { type: "checkbox", checked: !forbidden.includes(effect.name),
-      disabled: effect.state === "off", onchange() {
-        forbidden = forbidden.filter(name => name !== effect.name).concat(this.checked ? [] : [effect.name]);
-        sendChanges(false);
-      } });
-    box.setAttribute("aria-label", "allow " + effect.name);
-    const cells = [element("td", ""), element("td", `${effect.name} (${effect.state})`), element("td", "", { className: "number" }), element("td", effect.because)];
-    cells[0].append(box); cells[2].dataset.effect = effect.name;
-    row.append(...cells);
-    return row;
-  });
-  table.replaceChildren(head, ...rows);
-  const now = new Map(scene.plan.effects.map(effect => [effect.name, effect.state]));
-  if (planBefore) {
-    const changed = [...now].filter(([name, word]) => planBefore.get(name) !== word).map(([name, word]) => `${name}: ${planBefore.get(name)} → ${word}`);
-    if (changed.length) $("plan-change").textContent = "Last change of the plan: " + changed.join("; ");
-  }
-  planBefore = now;
-}
-
-function showEvents() {
-  const events = state.picture?.events ?? {};
-  document.querySelectorAll("#plan [data-effect]").forEach(cell => { cell.textContent = events[cell.dataset.effect]?.toLocaleString("en") ?? ""; });
-}
 
 // The numbers of the scene.
 
@@ -283,7 +256,7 @@ $("copy").onclick = async () => {
   $("camera").select();
   await navigator.clipboard?.writeText($("camera").value).catch(() => {});
 };
-$("reset").onclick = () => { changes.clear(); forbidden = []; sendChanges(false); };
+$("reset").onclick = () => { changes.clear(); forbidden = []; withoutEffect = null; sendChanges(false); };
 PANELS.forEach(name => { $("tab-" + name).onclick = () => showTab(name); });
 new ResizeObserver(resize).observe(stage);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", showProbes);

@@ -8,6 +8,7 @@
 mod access;
 mod channel;
 mod host;
+mod layers;
 mod listener;
 mod photons;
 mod pictures;

@@ -2,9 +2,11 @@
 
 const $ = id => document.getElementById(id);
 const stage = $("stage"), canvas = $("canvas"), context = canvas.getContext("2d");
-let version = 0, state = {}, scene = null, spaces = [], planBefore = null;
+let version = 0, state = {}, scene = null, spaces = [];
 /// The shown picture: number, width, height, xyz, and the other planes that were fetched for it.
 let picture = null, image = document.createElement("canvas"), isFetching = false;
+/// True if the panels were not refreshed while a slider moved.
+let hasOldPanels = false;
 /// Screen pixels per picture pixel, and the position of the picture's corner. `zoom` 0 fits the picture.
 let zoom = 0, offset = [0, 0];
 let area = null, pins = [], hovered = null, hoveredB = null, isProbing = false;
@@ -51,7 +53,7 @@ const percent = value => value == null ? "not known yet" : (100 * value).toPreci
 
 async function show(next) {
   state = next;
-  if (next.scene !== null && next.scene !== scene?.number) await showScene();
+  if (next.scene !== null && (next.scene !== scene?.number || hasOldPanels && !next.draft)) await showScene();
   $("passes").textContent = next.passes + (next.passes_wanted ? " of " + next.passes_wanted : "");
   $("error").textContent = percent(next.relative_error);
   $("left").textContent = next.session === "rendering" ? time(next.left_s) : "–";
@@ -101,13 +103,14 @@ async function draw() {
       tint(values, pixels.data, bandColour(band), factor * 683 * 106.857);
       legend = $("band-value").textContent + ", radiance in W/m²/sr/nm";
     } else legend = "The coarse picture has no spectrum";
-  } else {
+  } else if (mode === "classes") legend = await drawClasses(current, pixels.data);
+  else {
     const values = await valuesOf(mode, current);
     const known = Float32Array.from(values.filter(value => value > 0 && isFinite(value))).sort();
     const high = known.length ? known[Math.floor(0.995 * (known.length - 1))] * 2 ** -ev() : 1;
-    const low = high / (mode === "error" ? 100 : 1000), unitName = mode === "error" ? "" : " cd/m²";
+    const low = mode === "samples" ? (known[0] ?? 1) / 2 : high / (mode === "error" ? 100 : 1000), unitName = mode === "error" || mode === "samples" ? "" : " cd/m²";
     heat(values, pixels.data, low, high);
-    const name = { luminance: "luminance", error: "relative error", noise: "noise of Y", bias: "bias of Y" }[mode];
+    const name = { luminance: "luminance", error: "relative error", noise: "noise of Y", bias: "bias of Y", samples: "camera samples per pixel" }[mode];
     legend = known.length ? `${name}: dark violet ${short(low)}${unitName}, yellow ${short(high)}${unitName}` : `${name}: not known yet`;
   }
   if (current !== picture) return;
@@ -132,6 +135,7 @@ async function plane(path) {
 async function valuesOf(mode, { xyz }) {
   const y = Float32Array.from({ length: xyz.length / 3 }, (_, i) => xyz[3 * i + 1]);
   if (mode === "luminance") return y;
+  if (mode === "samples") return await plane("samples") ?? y.fill(NaN);
   const errors = await plane("errors");
   if (!errors) return y.fill(NaN);
   return y.map((value, i) => mode === "noise" ? errors[2 * i] : mode === "bias" ? errors[2 * i + 1]

@@ -37,7 +37,7 @@ const BODY_TIME: Duration = Duration::from_secs(5);
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:; \
                       connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-const PAGE: [&str; 10] = [
+const PAGE: [&str; 11] = [
     include_str!("page_head.html"),
     include_str!("page.css"),
     include_str!("page_body.html"),
@@ -46,6 +46,7 @@ const PAGE: [&str; 10] = [
     include_str!("page.js"),
     include_str!("compare.js"),
     include_str!("photons.js"),
+    include_str!("plan.js"),
     include_str!("controls.js"),
     "</script></body></html>\n",
 ];
@@ -108,7 +109,7 @@ async fn checked_answer(server: &ViewServer, request: Request) -> Result<Respons
         (&Method::GET, "") => Ok(typed("text/html; charset=utf-8", PAGE.concat())),
         (&Method::GET, "state") => Ok(state(channel, query).await),
         (&Method::GET, "scene") => json(channel.scene().ok_or(StatusCode::NOT_FOUND)?.text.clone()),
-        (&Method::GET, "picture" | "errors" | "band" | "probe" | "save.exr" | "save.png") => {
+        (&Method::GET, "picture" | "errors" | "samples" | "classes" | "band" | "probe" | "save.exr" | "save.png") => {
             pictured(channel, path, query).await
         }
         (&Method::GET, "reference" | "reference_probe" | "delta_e" | "comparison") => {
@@ -120,7 +121,9 @@ async fn checked_answer(server: &ViewServer, request: Request) -> Result<Respons
             follow(channel, serde_json::from_slice(&body).map_err(|_| StatusCode::BAD_REQUEST)?)
         }
         (_, "" | "state" | "scene" | "orders" | "photons") => Err(StatusCode::METHOD_NOT_ALLOWED),
-        (_, "picture" | "errors" | "band" | "probe" | "save.exr" | "save.png") => Err(StatusCode::METHOD_NOT_ALLOWED),
+        (_, "picture" | "errors" | "samples" | "classes" | "band" | "probe" | "save.exr" | "save.png") => {
+            Err(StatusCode::METHOD_NOT_ALLOWED)
+        }
         (_, "reference" | "reference_probe" | "delta_e" | "comparison") => Err(StatusCode::METHOD_NOT_ALLOWED),
         (_, _) => Err(StatusCode::NOT_FOUND),
     }
@@ -230,6 +233,8 @@ async fn pictured(channel: &ViewChannel, path: &str, query: &str) -> Result<Resp
     match path {
         "picture" => Ok(plane(&snapshot, snapshot.xyz())),
         "errors" => Ok(plane(&snapshot, snapshot.errors())),
+        "samples" => Ok(plane(&snapshot, snapshot.samples().ok_or(StatusCode::NOT_FOUND)?)),
+        "classes" => Ok(plane(&snapshot, snapshot.classes().ok_or(StatusCode::NOT_FOUND)?)),
         "band" => {
             let BandQuery { band } = numbers(query)?;
             Ok(plane(&snapshot, snapshot.band(band).ok_or(StatusCode::NOT_FOUND)?))

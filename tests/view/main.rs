@@ -11,6 +11,8 @@ mod devtools;
 
 mod comparing;
 mod editing;
+mod explaining;
+mod gestures;
 mod page;
 mod photons;
 mod rendering;
