@@ -20,6 +20,7 @@ function showPlan() {
       onchange() { forbid(effect.name, !this.checked); } });
     box.setAttribute("aria-label", "allow " + effect.name);
     const button = element("button", "Difference", { disabled: effect.state === "off", onclick() { showDifference(effect.name); } });
+    button.dataset.state = effect.state;
     button.setAttribute("aria-label", "show the difference that " + effect.name + " makes");
     button.setAttribute("aria-pressed", String(withoutEffect === effect.name));
     const cells = ["", `${effect.name} (${effect.state})`, "", "", "", ""].map(text => element("td", text));
@@ -29,7 +30,10 @@ function showPlan() {
     below.append(element("td", ""), element("td", effect.because, { colSpan: 5 }));
     return [row, below];
   });
+  // The keyboard stays where it is.
+  const focused = document.activeElement?.closest("#plan") ? document.activeElement.getAttribute("aria-label") : null;
   $("plan").replaceChildren(head, ...rows);
+  if (focused) document.querySelector(`#plan [aria-label="${focused}"]`)?.focus({ preventScroll: true });
   const now = new Map(scene.plan.effects.map(effect => [effect.name, effect.state]));
   if (planBefore) {
     const changed = [...now].filter(([name, word]) => planBefore.get(name) !== word).map(([name, word]) => `${name}: ${planBefore.get(name)} → ${word}`);
@@ -68,15 +72,20 @@ function measureEffect() {
 }
 
 function showEvents() {
+  const { events = {}, passes = 0, seconds, ledger_w: ledger, classes = [], samples } = state.picture ?? {};
+  for (const option of $("mode").options) {
+    if (option.value === "classes") option.disabled = !classes.length;
+    if (option.value === "samples") option.disabled = !samples;
+  }
   if (!scene?.live) return;
   measureEffect();
-  const { events = {}, passes = 0, seconds, ledger_w: ledger, classes = [], samples } = state.picture ?? {};
   document.querySelectorAll("#plan [data-effect]").forEach(cell => {
     const { effect, column } = cell.dataset, known = measured.get(effect);
     cell.textContent = column === "events" ? events[effect]?.toLocaleString("en") ?? ""
       : !known ? "–" : column === "time" ? share(known.time, known.seconds) : share(known.light, known.y);
   });
-  document.querySelectorAll("#plan button").forEach(button => { button.classList.toggle("waits", !passes); });
+  // The first difference needs a picture with all effects.
+  document.querySelectorAll("#plan button").forEach(button => { button.disabled = button.dataset.state === "off" || !(passes || withoutEffect); });
   const table = (id, rows) => $(id).replaceChildren(...rows.map(([name, value, colour]) => {
     const row = element("tr", ""), title = element("th", name, { scope: "row" });
     if (colour) title.prepend(element("span", "", { className: "key", style: `background: rgb(${colour})` }));
@@ -92,10 +101,6 @@ function showEvents() {
     ...Object.entries(ledger.by_material).map(([name, w]) => ["absorbed by " + name, w]), ["leaves the scene", ledger.escaped]] : [];
   table("ledger", [["emitted by the lights", ledger ? short(ledger.emitted) + " W" : "–"],
     ...gone.filter(([, w]) => w > 1e-9 * ledger.emitted).map(([name, w]) => [name, share(w, ledger.emitted)])]);
-  for (const option of $("mode").options) {
-    if (option.value === "classes") option.disabled = !classes.length;
-    if (option.value === "samples") option.disabled = !samples;
-  }
 }
 
 /// Writes the colours of the path classes, mixed in proportion to their light. Returns the legend.

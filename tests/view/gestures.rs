@@ -109,7 +109,7 @@ fn the_save_buttons_save_files() {
         let path = folder.path().join(format!("ball.{}", &name[5..]));
         let known = view.get(name).body;
         let start = Instant::now();
-        while std::fs::read(&path).is_ok_and(|saved| saved == known) == false {
+        while !std::fs::read(&path).is_ok_and(|saved| saved == known) {
             assert!(start.elapsed() < Duration::from_secs(20), "{} is not saved", path.display());
             std::thread::sleep(Duration::from_millis(50));
         }
