@@ -85,7 +85,7 @@ impl CheckpointInterval {
 pub(crate) struct RenderMonitor<'a> {
     pub(crate) display: ProgressDisplay,
     checkpoint: &'a CheckpointFile<'a>,
-    preview: Preview<'a>,
+    pub(crate) preview: Preview<'a>,
     start: Instant,
     interval: CheckpointInterval,
     next: Instant,

@@ -13,6 +13,7 @@ mod colour;
 mod compare;
 mod completions;
 mod develop;
+mod display_server;
 mod expectation;
 mod explain;
 mod folded_lens;
@@ -75,7 +76,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Render a scene to an EXR file with error bars, and to a PNG file beside it
-    Render(render::RenderArgs),
+    Render(Box<render::RenderArgs>),
     /// Merge the parts of a picture that several machines rendered
     Merge(merge::MergeArgs),
     /// Convert a picture to a PNG file with another exposure, white balance, tone curve, gamut
@@ -112,7 +113,8 @@ enum Command {
     Compare(compare::CompareArgs),
     /// Print the colour, the error bars and the spectrum of a pixel
     Probe(probe::ProbeArgs),
-    /// Render a scene and show it on a page in the browser, with the spectrum under the cursor
+    /// Render a scene and show it on a page in the browser, with the spectrum under the cursor. Or
+    /// compare two pictures
     #[cfg(feature = "view")]
     View(view::ViewArgs),
     /// Measure the error against time for a scene: tables, plots and an HTML page

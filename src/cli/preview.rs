@@ -1,4 +1,5 @@
-//! The preview of a running render: its EXR and PNG files are refreshed from time to time.
+//! The preview of a running render: its EXR and PNG files are refreshed from time to time, and a
+//! display server receives the picture.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -7,9 +8,11 @@ use crate::error::Result;
 use crate::output::Metadata;
 use crate::output::exr::write_uncompressed;
 use crate::output::metadata::names;
+use crate::output::tev::TevImage;
 use crate::render::{DisplaySettings, Run};
 use crate::sensor::Picture;
 
+use super::display_server::DisplayServer;
 use super::outputs::OutputFiles;
 use super::print;
 
@@ -25,24 +28,31 @@ const GROWTH: f64 = 1.5;
 /// The largest share of the render's time that previews take.
 const LARGEST_SHARE: f64 = 0.03;
 
-/// Writes the picture of a running render to its output files.
+/// Writes the picture of a running render to its output files, and sends it to a display server.
 #[derive(Debug)]
 pub(crate) struct Preview<'a> {
     outputs: &'a OutputFiles,
     metadata: Metadata,
     display: DisplaySettings,
+    server: Option<&'a DisplayServer>,
     schedule: PreviewSchedule,
     has_failed: bool,
 }
 
 impl<'a> Preview<'a> {
-    /// A preview in these files. `of_scene` contains the header entries that describe the scene.
-    pub(crate) fn new(outputs: &'a OutputFiles, of_scene: &Metadata, display: DisplaySettings) -> Self {
+    /// A preview in these files, and on a display server if there is one. `of_scene` contains the
+    /// header entries that describe the scene.
+    pub(crate) fn new(
+        outputs: &'a OutputFiles,
+        of_scene: &Metadata,
+        display: DisplaySettings,
+        server: Option<&'a DisplayServer>,
+    ) -> Self {
         let metadata = of_scene.clone().with(names::PREVIEW, "true");
-        Self { outputs, metadata, display, schedule: PreviewSchedule::new(), has_failed: false }
+        Self { outputs, metadata, display, server, schedule: PreviewSchedule::new(), has_failed: false }
     }
 
-    /// Writes the files if a preview is due.
+    /// Shows the picture if a preview is due.
     pub(crate) fn update(&mut self, start: Instant, run: &Run) {
         let elapsed = start.elapsed();
         if self.schedule.is_due(elapsed) && self.is_possible() {
@@ -51,18 +61,29 @@ impl<'a> Preview<'a> {
         }
     }
 
-    /// Returns true if the output files can be replaced.
+    /// Returns true if there is a display server, or if the output files can be replaced.
     pub(crate) fn is_possible(&self) -> bool {
-        self.outputs.can_be_refreshed()
+        self.server.is_some() || self.outputs.can_be_refreshed()
     }
 
-    /// Writes the files. A failure is reported once, and the render continues.
+    /// Sends the picture to the display server, and writes the files. A failure is reported once,
+    /// and the render continues.
     pub(crate) fn show(&mut self, picture: &Picture, passes: u64) {
-        if let Err(error) = self.write(picture, passes)
+        self.send(picture);
+        if self.outputs.can_be_refreshed()
+            && let Err(error) = self.write(picture, passes)
             && !self.has_failed
         {
             self.has_failed = true;
             print::remark(&format!("warning: the preview cannot be written: {error}; the render continues"));
+        }
+    }
+
+    /// Sends the picture to the display server.
+    pub(crate) fn send(&self, picture: &Picture) {
+        if let Some(server) = self.server {
+            let exposure = self.display.factor(picture);
+            server.show(TevImage::new(&self.outputs.name(), picture, exposure, &self.display.development));
         }
     }
 

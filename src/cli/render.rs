@@ -15,6 +15,7 @@ use crate::render::{
 };
 
 use super::checkpoint::{CheckpointFile, CheckpointInterval, RenderMonitor};
+use super::display_server::{DisplayServer, ServerAddress};
 use super::frames::{SequenceArgs, SequenceFrame};
 use super::outputs::OutputFiles;
 use super::preview::Preview;
@@ -100,6 +101,10 @@ pub(crate) struct RenderArgs {
     /// Write the statistics of the render as JSON
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
+    /// Send the growing picture to a running tev (https://github.com/Tom94/tev) at this address. The
+    /// port is 14158 unless the address contains another one
+    #[arg(long, value_name = "HOST:PORT", value_parser = ServerAddress::parse)]
+    display_server: Option<ServerAddress>,
     #[command(flatten)]
     header: HeaderArgs,
     /// Print only warnings and errors
@@ -140,11 +145,19 @@ impl IntegratorName {
 
 pub(crate) fn run(arguments: &RenderArgs) -> Result<Outcome> {
     interrupt::watch()?;
+    let server = arguments.display_server.as_ref().map(DisplayServer::connect).transpose()?;
+    let outcome = pictures(arguments, server.as_ref());
+    server.iter().for_each(DisplayServer::finish);
+    outcome
+}
+
+/// Renders the picture, or all frames of an image sequence.
+fn pictures(arguments: &RenderArgs, server: Option<&DisplayServer>) -> Result<Outcome> {
     let Some(frames) = arguments.sequence.frames() else {
-        return picture(arguments, None);
+        return picture(arguments, None, server);
     };
     for frame in frames {
-        let outcome = picture(&arguments.of_frame(&frame)?, Some(&frame))?;
+        let outcome = picture(&arguments.of_frame(&frame)?, Some(&frame), server)?;
         if outcome != Outcome::Done {
             return Ok(outcome);
         }
@@ -154,7 +167,7 @@ pub(crate) fn run(arguments: &RenderArgs) -> Result<Outcome> {
 
 /// Renders one picture. `frame` is the frame of the image sequence that this picture shows, or
 /// `None` if the picture is not part of a sequence.
-fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>) -> Result<Outcome> {
+fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>, server: Option<&DisplayServer>) -> Result<Outcome> {
     let outputs = arguments.outputs()?;
     let (source, job) = plan(arguments)?;
     memory::check(&job.budget)?;
@@ -200,12 +213,13 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>) -> Result<Outc
     let mut watch = RenderMonitor::new(
         ProgressDisplay::new(arguments.quiet, label),
         &checkpoint,
-        Preview::new(&outputs, &of_scene, DisplaySettings::of(&job)),
+        Preview::new(&outputs, &of_scene, DisplaySettings::of(&job), server),
         arguments.checkpoint_interval(&job),
     );
     let rendered = on_threads(threads, || job.continue_run(request, begin, &mut watch));
     watch.display.finish();
     let rendered = rendered?.map_err(|error| error.in_file(&arguments.scene))?;
+    watch.preview.send(&rendered.picture);
     let exposure = on_threads(threads, || save(arguments, &outputs, &checkpoint, &rendered))??;
     if rendered.stats.rejected_samples > 0 {
         let count = rendered.stats.rejected_samples;

@@ -1,4 +1,4 @@
-//! `abbe view`: renders a scene and shows it on a page in the browser.
+//! `abbe view`: renders a scene and shows it on a page in the browser, or shows saved pictures.
 
 use std::net::{IpAddr, Ipv4Addr};
 use std::path::{Path, PathBuf};
@@ -19,9 +19,12 @@ use super::{Outcome, interrupt, memory, print, values};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct ViewArgs {
-    /// The scene file. The view renders again when the file changes
-    #[arg(value_name = "SCENE")]
+    /// The scene file, which the view renders again when it changes; or the EXR file of a picture
+    #[arg(value_name = "SCENE|A.exr")]
     scene: PathBuf,
+    /// The EXR file of a reference with which the page compares the render, or the picture A
+    #[arg(value_name = "B.exr")]
+    reference: Option<PathBuf>,
     /// The port of the page; 0 chooses a free port
     #[arg(long, value_name = "N", default_value_t = 0)]
     port: u16,
@@ -60,12 +63,20 @@ pub(crate) struct ViewArgs {
 
 pub(crate) fn run(arguments: &ViewArgs) -> Result<Outcome> {
     interrupt::watch()?;
+    let is_exr = |path: &Path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
+    let picture = Some(arguments.scene.as_path()).filter(|path| is_exr(path));
     let outputs = OutputFiles::new(arguments.exr(), None)?;
     let view = LiveView::listen(arguments.bind, arguments.port)?;
+    if let Some(reference) = &arguments.reference {
+        view.compare_with(reference, picture)?;
+    }
     let url = view.url();
     print::result(&format!("{url}\n"))?;
     if !arguments.no_open && !open_browser(&url) {
         print::remark("note: no browser could be opened; open the address above");
+    }
+    if let Some(picture) = picture {
+        return view.show(picture, interrupt::is_requested).map(|()| Outcome::Done);
     }
     let stop = StopRules { passes: arguments.passes, ..StopRules::default() };
     let SessionEnd { last } = view.run(arguments, stop)?;

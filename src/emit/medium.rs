@@ -48,6 +48,7 @@ pub(super) fn advance_through_media<'a, V: PhotonVisitor>(
             ControlFlow::Continue(Some(interaction)) => return Some(interaction),
             ControlFlow::Continue(None) => {
                 ledger.add_escaped(path.total_w(), inside);
+                visitor.on_escape(&path.ray_state.ray, &path.photon);
                 return None;
             }
             ControlFlow::Break(()) => {}

@@ -54,6 +54,7 @@ fn trace_one<M: BodyMode, V: PhotonVisitor>(
         return;
     }
     ledger.emitted += emitted;
+    visitor.on_start(&path.ray_state.ray, &path.photon);
     if !follow::<M, V>(source, &mut path, 1..source.depth_limit.events() + 1, &mut stream, visitor, ledger) {
         return;
     }
@@ -145,6 +146,7 @@ fn advance<'a, M: BodyMode, V: PhotonVisitor>(
     if interaction.is_none() {
         let inside = M::HAS_BODIES && !path.ray_state.medium_stack.is_air();
         ledger.add_escaped(path.total_w(), inside);
+        visitor.on_escape(&path.ray_state.ray, &path.photon);
     }
     interaction
 }

@@ -70,9 +70,17 @@ pub trait PhotonVisitor {
     /// first ray. `aim` is the path's point in the aiming grid of the stratum.
     fn on_emission(&mut self, stratum: usize, aim: [f64; 2]);
 
+    /// A photon with power starts along this ray.
+    #[inline]
+    fn on_start(&mut self, _ray: &Ray, _photon: &PhotonState) {}
+
     /// A photon arrives at a surface.
     #[inline]
     fn on_arrival(&mut self, _arrival: &SurfaceArrival<'_>) {}
+
+    /// A photon leaves the scene along this ray.
+    #[inline]
+    fn on_escape(&mut self, _ray: &Ray, _photon: &PhotonState) {}
 
     /// A photon flies along a straight line to a surface or to the end of a medium. In a medium, the
     /// photon may collide before the end.

@@ -33,6 +33,8 @@ pub enum Purpose {
     Moment,
     /// The virtual lights of the light maps of a pass.
     LightMap,
+    /// Photons whose paths are shown to the user.
+    ShownPhoton,
 }
 
 /// Mixes the bits of a 64-bit word (the finaliser of SplitMix64, Steele, Lea & Flood 2014).

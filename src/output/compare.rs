@@ -224,7 +224,7 @@ fn trimmed_mean(mut values: Vec<f64>) -> f64 {
 
 /// Returns CIEDE2000 for every pixel. The luminance of both pictures is multiplied by `exposure`.
 /// The white point has the chromaticity of D65 and the luminance 1.
-pub(super) fn delta_e_map(picture: &Picture, reference: &Picture, exposure: f64) -> Vec<f64> {
+pub fn delta_e_map(picture: &Picture, reference: &Picture, exposure: f64) -> Vec<f64> {
     let white = RgbSpace::Srgb.white();
     let seen = |xyz: &[f64; 3]| lab(xyz.map(|value| value * exposure), white);
     picture.xyz.iter().zip(&reference.xyz).map(|(a, b)| delta_e_2000(seen(a), seen(b))).collect()

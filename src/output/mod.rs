@@ -31,5 +31,6 @@ pub mod png;
 pub mod polar;
 pub mod relight;
 mod svg;
+pub mod tev;
 
 pub use metadata::Metadata;

@@ -38,6 +38,10 @@ use std::time::Instant;
 /// If both sets are in use, each set receives at least this share of the photons.
 const MIN_SET_SHARE: f64 = 0.08;
 
+/// The emission distributions of a single coarse picture are learned as if a pass had this number of
+/// photon paths.
+const COARSE_AIM_PHOTONS: u64 = 40_000;
+
 /// The number of shutter times in the pilot's survey of a moving scene.
 const MOMENTS: usize = 4;
 
@@ -110,11 +114,15 @@ impl Pilot {
         Ok(pilot)
     }
 
-    /// Renders only the coarse picture of a pilot. Returns `None` if the film is small.
+    /// Renders only the coarse picture of a pilot, with fewer photons for the emission
+    /// distributions. Returns `None` if the film is small.
     ///
     /// # Errors
     /// See [`Self::run`].
     pub fn coarse_picture(context: &PassContext<'_>) -> Result<Option<Picture>> {
+        let photons = context.budget.photons.min(COARSE_AIM_PHOTONS);
+        let budget = Budget { photons, ..context.budget.clone() };
+        let context = &PassContext { budget: &budget, ..*context };
         let scenes = posed_scenes(context)?;
         let mut pilot = Self::with_plain_aims(context);
         if context.plan.aim == AimPlan::Learned {

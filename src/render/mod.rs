@@ -15,6 +15,7 @@ mod measure;
 mod merge;
 mod monitor;
 mod part;
+mod photon_paths;
 mod request;
 mod run;
 mod saved_run;
@@ -24,7 +25,7 @@ mod stats;
 mod stop;
 mod threads;
 
-pub use crate::pass::StageSeconds;
+pub use crate::pass::{PathQuery, PhotonPaths, RecordedPath, RecordedSegment, StageSeconds};
 pub use diffraction::DiffractionSetup;
 pub use display::DisplaySettings;
 pub use forecast::{ErrorMilestone, Forecast, RunTimes};

@@ -203,6 +203,11 @@ impl Run {
         effect_stats(job, &self.sums.tally)
     }
 
+    /// Returns the wall-clock time of each stage so far in s.
+    pub fn stage_seconds(&self) -> StageSeconds {
+        self.sums.seconds
+    }
+
     /// Returns the wall-clock time of the passes so far in s.
     pub fn seconds(&self) -> f64 {
         self.sums.seconds.total

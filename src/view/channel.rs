@@ -1,5 +1,6 @@
 //! The state that the session, the server and the watch thread share.
 
+use super::host::LoadedScene;
 use super::scene_panels::ScenePanels;
 use super::snapshot::Snapshot;
 use crate::render::Progress;
@@ -91,7 +92,11 @@ struct ViewState {
     progress: ViewProgress,
     error: Option<String>,
     scene: Option<Arc<ScenePanels>>,
+    /// The scene that is rendered, or `None` if a saved picture is shown.
+    loaded: Option<Arc<LoadedScene>>,
     snapshot: Option<Arc<Snapshot>>,
+    /// The picture with which the page compares the published one.
+    reference: Option<Arc<Snapshot>>,
 }
 
 /// The state that the threads share. Each lock is held only for a short time.
@@ -112,7 +117,9 @@ impl ViewChannel {
             progress: ViewProgress::default(),
             error: None,
             scene: None,
+            loaded: None,
             snapshot: None,
+            reference: None,
         };
         Self { state: Mutex::new(state), changed: Condvar::new(), version: watch::Sender::new(1) }
     }
@@ -164,12 +171,12 @@ impl ViewChannel {
         state.orders.clone()
     }
 
-    /// Begins the render of a scene.
-    pub(super) fn begin(&self, scene: Arc<ScenePanels>) {
+    /// Begins the render of a scene, or shows a saved picture.
+    pub(super) fn begin(&self, scene: Arc<ScenePanels>, loaded: Option<Arc<LoadedScene>>) {
         self.update(|state| {
             state.session = SessionState::Starting;
             state.progress = ViewProgress::default();
-            (state.error, state.scene) = (None, Some(scene));
+            (state.error, state.scene, state.loaded) = (None, Some(scene), loaded);
         });
     }
 
@@ -191,6 +198,12 @@ impl ViewChannel {
         });
     }
 
+    /// Publishes a coarse picture while the reader moves a slider or the camera. The slider may have
+    /// moved on, but the picture still shows its way.
+    pub(super) fn publish_draft(&self, snapshot: Arc<Snapshot>) {
+        self.update(|state| state.snapshot = Some(snapshot));
+    }
+
     /// Publishes a picture of a revision. The channel ignores abandoned renders.
     pub(super) fn publish(&self, revision: u64, snapshot: Arc<Snapshot>) {
         self.update(|state| {
@@ -202,6 +215,30 @@ impl ViewChannel {
 
     pub(super) fn snapshot(&self) -> Option<Arc<Snapshot>> {
         self.lock().snapshot.clone()
+    }
+
+    /// Sets the picture with which the page compares the published one.
+    pub(super) fn set_reference(&self, reference: Arc<Snapshot>) {
+        self.update(|state| state.reference = Some(reference));
+    }
+
+    /// Keeps the published picture as the reference, unless it is coarse.
+    pub(super) fn keep_as_reference(&self) {
+        self.update(|state| {
+            if let Some(snapshot) = state.snapshot.as_ref().filter(|snapshot| snapshot.metadata.is_some()) {
+                state.reference = Some(Arc::clone(snapshot));
+            }
+        });
+    }
+
+    pub(super) fn reference(&self) -> Option<Arc<Snapshot>> {
+        self.lock().reference.clone()
+    }
+
+    /// Returns the scene that is rendered, with its number.
+    pub(super) fn loaded(&self) -> Option<(Arc<LoadedScene>, u64)> {
+        let state = self.lock();
+        Some((state.loaded.clone()?, state.scene.as_ref()?.number))
     }
 
     pub(super) fn scene(&self) -> Option<Arc<ScenePanels>> {
@@ -218,7 +255,7 @@ impl ViewChannel {
         // A change after this line has a newer version, so the page asks again.
         let version = *self.version.borrow();
         let state = self.lock();
-        let ViewState { orders, session, progress, error, scene, snapshot } = &*state;
+        let ViewState { orders, session, progress, error, scene, snapshot, reference, .. } = &*state;
         json!({
             "version": version,
             "session": session.word(),
@@ -235,6 +272,7 @@ impl ViewChannel {
             "photons_per_second": progress.photons_per_second,
             "relative_error": progress.relative_error,
             "picture": snapshot.as_ref().map(|snapshot| snapshot.summary()),
+            "reference": reference.as_ref().map(|reference| reference.reference_summary()),
         })
     }
 }

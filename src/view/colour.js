@@ -122,13 +122,18 @@ function tint(values, codes, rgb, factor) {
 // Viridis at nine equal steps.
 const HEAT = [[68, 1, 84], [71, 44, 122], [59, 81, 139], [44, 113, 142], [33, 144, 141], [39, 173, 129], [92, 200, 99], [170, 220, 50], [253, 231, 37]];
 
+/// Writes the colour at a place on the scale, from 0 to 1.
+function ramp(place, codes, j) {
+  const t = 8 * unit(place), n = Math.min(7, t | 0), s = t - n;
+  for (let c = 0; c < 3; c++) codes[j + c] = HEAT[n][c] + s * (HEAT[n + 1][c] - HEAT[n][c]);
+  codes[j + 3] = 255;
+}
+
 /// Writes one value per pixel on a logarithmic colour scale. Unknown values are grey.
 function heat(values, codes, low, high) {
   const start = Math.log(low), span = Math.log(high) - start;
   for (let i = 0, j = 0; i < values.length; i++, j += 4) {
-    codes[j + 3] = 255;
-    if (!(values[i] >= 0)) { codes[j] = codes[j + 1] = codes[j + 2] = 96; continue; }
-    const t = 8 * unit((Math.log(Math.max(values[i], 1e-30)) - start) / span), n = Math.min(7, t | 0), s = t - n;
-    for (let c = 0; c < 3; c++) codes[j + c] = HEAT[n][c] + s * (HEAT[n + 1][c] - HEAT[n][c]);
+    if (values[i] >= 0) ramp((Math.log(Math.max(values[i], 1e-30)) - start) / span, codes, j);
+    else codes.fill(96, j, j + 3), codes[j + 3] = 255;
   }
 }

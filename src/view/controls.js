@@ -17,46 +17,23 @@ async function showScene() {
     fill($("tone"), scene.tones, scene.tone);
     fill($("space"), spaces.map(space => space.name), scene.space);
   }
+  ["pause", "extend", "orbit", "tab-plan", "tab-scene", "tab-photons"].forEach(id => { $(id).hidden = !scene.live; });
+  $("keep").disabled = !scene.live;
   $("band").max = scene.light.values.length - 1;
   showBand();
-  showPlan();
-  if (!document.activeElement?.closest("#tree")) showTree();
+  if (!scene.live) { showProbes(); return; }
   showCamera();
+  // While a slider moves, the panels would change too often.
+  hasOldPanels = state.draft;
+  if (!hasOldPanels) {
+    showPlan();
+    showLights();
+    if (!document.activeElement?.closest("#tree")) showTree();
+  }
   showProbes();
 }
 
-// The plan.
-
 const element = (name, text, properties = {}) => Object.assign(document.createElement(name), { textContent: text }, properties);
-
-function showPlan() {
-  const table = $("plan"), head = element("tr", "");
-  ["", "effect", "events", "reason"].forEach(name => head.append(element("th", name)));
-  const rows = scene.plan.effects.map(effect => {
-    const row = element("tr", ""), box = element("input", "", { type: "checkbox", checked: !forbidden.includes(effect.name),
-      disabled: effect.state === "off", onchange() {
-        forbidden = forbidden.filter(name => name !== effect.name).concat(this.checked ? [] : [effect.name]);
-        sendChanges(false);
-      } });
-    box.setAttribute("aria-label", "allow " + effect.name);
-    const cells = [element("td", ""), element("td", `${effect.name} (${effect.state})`), element("td", "", { className: "number" }), element("td", effect.because)];
-    cells[0].append(box); cells[2].dataset.effect = effect.name;
-    row.append(...cells);
-    return row;
-  });
-  table.replaceChildren(head, ...rows);
-  const now = new Map(scene.plan.effects.map(effect => [effect.name, effect.state]));
-  if (planBefore) {
-    const changed = [...now].filter(([name, word]) => planBefore.get(name) !== word).map(([name, word]) => `${name}: ${planBefore.get(name)} → ${word}`);
-    if (changed.length) $("plan-change").textContent = "Last change of the plan: " + changed.join("; ");
-  }
-  planBefore = now;
-}
-
-function showEvents() {
-  const events = state.picture?.events ?? {};
-  document.querySelectorAll("#plan [data-effect]").forEach(cell => { cell.textContent = events[cell.dataset.effect]?.toLocaleString("en") ?? ""; });
-}
 
 // The numbers of the scene.
 
@@ -154,7 +131,7 @@ stage.addEventListener("pointerdown", event => {
   if (!picture) return;
   stage.setPointerCapture(event.pointerId);
   pointers.set(event.pointerId, local(event));
-  press = { at: local(event), pixel: pixelAt(...local(event)), last: local(event), spread: spread(), zoom: placement().scale, moved: false };
+  press = { at: local(event), pixel: pixelAt(...local(event)), last: local(event), spread: spread(), zoom: placement().scale, moved: false, wipe: pointers.size === 1 && isNearWipe(local(event)[0]) };
 });
 stage.addEventListener("pointermove", event => {
   if (!picture) return;
@@ -165,6 +142,7 @@ stage.addEventListener("pointermove", event => {
   press.moved ||= Math.hypot(at[0] - press.at[0], at[1] - press.at[1]) > 4;
   if (!press.moved) return;
   press.last = at;
+  if (press.wipe) { setWipe(100 * at[0] / stage.clientWidth); return; }
   if (pointers.size > 1) {
     const ratio = spread() / press.spread;
     if (isOrbiting) { if (Math.abs(ratio - 1) > 0.05) { dolly(1 / ratio); press.spread = spread(); } else panCamera(dx / size, dy / size); }
@@ -202,7 +180,7 @@ function moveProbe(dx, dy) {
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 stage.addEventListener("keydown", event => {
   const arrow = ARROWS[event.key];
-  const keys = { Enter: pinArea, Delete: () => { pins.pop(); paint(); showProbes(); }, "0": fit, "1": () => setZoom(1), c: toggleOrbit, " ": togglePause,
+  const keys = { Enter: pinArea, Delete: () => { pins.pop(); paint(); showProbes(); }, "0": fit, "1": () => setZoom(1), b: flip, c: toggleOrbit, p: togglePhotons, " ": togglePause,
     "+": () => isOrbiting ? dolly(0.9) : setZoom(placement().scale * 1.25), "-": () => isOrbiting ? dolly(1 / 0.9) : setZoom(placement().scale / 1.25),
     "[": () => nudge("ev", -1), "]": () => nudge("ev", 1), ",": () => nudge("band", -1), ".": () => nudge("band", 1) };
   if (arrow) {
@@ -252,11 +230,13 @@ async function save(name) {
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
+const PANELS = ["spectrum", "photons", "plan", "scene", "compare"];
 function showTab(name) {
-  for (const panel of ["spectrum", "plan", "scene"]) {
+  for (const panel of PANELS) {
     $("panel-" + panel).hidden = panel !== name;
     $("tab-" + panel).setAttribute("aria-selected", String(panel === name));
   }
+  if (name === "compare") showFigures();
 }
 $("pause").onclick = togglePause;
 $("extend").onclick = () => order({ extend: true });
@@ -268,15 +248,16 @@ $("orbit").onclick = toggleOrbit;
 $("play").onclick = play;
 $("pin").onclick = pinArea;
 $("unpin").onclick = () => { pins = []; paint(); showProbes(); };
+["tone", "space"].forEach(id => { $(id).onchange = () => { if (photons) colourPhotons(); draw(); showProbes(); }; });
+$("mode").onchange = () => { if (comparison() === "off") draw(); else setComparison("off"); };
 $("ev").oninput = () => { $("ev-value").textContent = (ev() < 0 ? "−" : "+") + Math.abs(ev()).toFixed(1) + " EV"; draw(); };
 $("band").oninput = () => { showBand(); $("mode").value = "band"; draw(); };
-["tone", "space", "mode"].forEach(id => { $(id).onchange = () => { draw(); showProbes(); }; });
 $("copy").onclick = async () => {
   $("camera").select();
   await navigator.clipboard?.writeText($("camera").value).catch(() => {});
 };
-$("reset").onclick = () => { changes.clear(); forbidden = []; sendChanges(false); };
-["spectrum", "plan", "scene"].forEach(name => { $("tab-" + name).onclick = () => showTab(name); });
+$("reset").onclick = () => { changes.clear(); forbidden = []; withoutEffect = null; sendChanges(false); };
+PANELS.forEach(name => { $("tab-" + name).onclick = () => showTab(name); });
 new ResizeObserver(resize).observe(stage);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", showProbes);
 resize();

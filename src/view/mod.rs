@@ -8,7 +8,10 @@
 mod access;
 mod channel;
 mod host;
+mod layers;
 mod listener;
+mod photons;
+mod pictures;
 mod probe;
 mod publisher;
 mod scene_panels;
@@ -24,6 +27,7 @@ use crate::error::{Error, Result};
 use crate::render::StopRules;
 use channel::ViewChannel;
 use std::net::{IpAddr, SocketAddr};
+use std::path::Path;
 use std::sync::Arc;
 
 /// A view whose server listens, and whose session has not started.
@@ -54,6 +58,24 @@ impl LiveView {
     /// Returns the address of the page.
     pub fn url(&self) -> String {
         format!("http://{}/{}/", self.address, self.token)
+    }
+
+    /// Reads a picture with which the page compares the render, or the picture in the file
+    /// `picture`.
+    ///
+    /// # Errors
+    /// Returns an error if a file cannot be read, or if the pictures in both files have different
+    /// sizes.
+    pub fn compare_with(&self, reference: &Path, picture: Option<&Path>) -> Result<()> {
+        pictures::set_reference(&self.channel, reference, picture)
+    }
+
+    /// Shows the picture in an EXR file until the user interrupts the program.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be read at first, or if a thread cannot be started.
+    pub fn show(&self, picture: &Path, is_interrupted: fn() -> bool) -> Result<()> {
+        pictures::run(&self.channel, picture, is_interrupted)
     }
 
     /// Renders the scene until the host is interrupted. The page may pause the render and change

@@ -2,12 +2,14 @@
 
 const $ = id => document.getElementById(id);
 const stage = $("stage"), canvas = $("canvas"), context = canvas.getContext("2d");
-let version = 0, state = {}, scene = null, spaces = [], planBefore = null;
+let version = 0, state = {}, scene = null, spaces = [];
 /// The shown picture: number, width, height, xyz, and the other planes that were fetched for it.
 let picture = null, image = document.createElement("canvas"), isFetching = false;
+/// True if the panels were not refreshed while a slider moved.
+let hasOldPanels = false;
 /// Screen pixels per picture pixel, and the position of the picture's corner. `zoom` 0 fits the picture.
 let zoom = 0, offset = [0, 0];
-let area = null, pins = [], probes = new Map(), hovered = null, isProbing = false;
+let area = null, pins = [], hovered = null, hoveredB = null, isProbing = false;
 
 // Requests.
 
@@ -51,7 +53,7 @@ const percent = value => value == null ? "not known yet" : (100 * value).toPreci
 
 async function show(next) {
   state = next;
-  if (next.scene !== null && next.scene !== scene?.number) await showScene();
+  if (next.scene !== null && (next.scene !== scene?.number || hasOldPanels && !next.draft)) await showScene();
   $("passes").textContent = next.passes + (next.passes_wanted ? " of " + next.passes_wanted : "");
   $("error").textContent = percent(next.relative_error);
   $("left").textContent = next.session === "rendering" ? time(next.left_s) : "–";
@@ -61,6 +63,7 @@ async function show(next) {
   $("fault").hidden = !next.error;
   $("fault").textContent = next.error ?? "";
   showEvents();
+  showReference(next.reference);
   if (next.picture && next.picture.number !== picture?.number) fetchPicture();
 }
 
@@ -72,6 +75,7 @@ async function fetchPicture() {
     picture = { ...next, xyz: next.values, planes: new Map(), exposure: state.picture?.exposure ?? 1, passes: state.picture?.passes ?? 0 };
     await draw();
     refreshProbes();
+    showReference(state.reference);
   } finally {
     isFetching = false;
   }
@@ -88,23 +92,25 @@ async function draw() {
   if (!picture || !scene) return;
   const current = picture, { width, height } = current, mode = $("mode").value;
   const pixels = new ImageData(width, height), factor = current.exposure * 2 ** ev();
+  const how = { space: space(), tone: $("tone").value, gamut: scene.gamut, factor };
   let legend = current.passes ? "" : "coarse picture";
-  if (mode === "colour") {
-    develop(current.xyz, pixels.data, { space: space(), tone: $("tone").value, gamut: scene.gamut, factor });
-  } else if (mode === "band") {
+  if (comparison() !== "off") legend = await compare(current, pixels, how);
+  else if (mode === "colour") develop(current.xyz, pixels.data, how);
+  else if (mode === "band") {
     const band = Number($("band").value), values = await plane("band?band=" + band);
     if (values) {
       // A surface that reflects the equal-energy spectrum is equally bright in each band.
       tint(values, pixels.data, bandColour(band), factor * 683 * 106.857);
       legend = $("band-value").textContent + ", radiance in W/m²/sr/nm";
     } else legend = "The coarse picture has no spectrum";
-  } else {
+  } else if (mode === "classes") legend = await drawClasses(current, pixels.data);
+  else {
     const values = await valuesOf(mode, current);
     const known = Float32Array.from(values.filter(value => value > 0 && isFinite(value))).sort();
     const high = known.length ? known[Math.floor(0.995 * (known.length - 1))] * 2 ** -ev() : 1;
-    const low = high / (mode === "error" ? 100 : 1000), unitName = mode === "error" ? "" : " cd/m²";
+    const low = mode === "samples" ? (known[0] ?? 1) / 2 : high / (mode === "error" ? 100 : 1000), unitName = mode === "error" || mode === "samples" ? "" : " cd/m²";
     heat(values, pixels.data, low, high);
-    const name = { luminance: "luminance", error: "relative error", noise: "noise of Y", bias: "bias of Y" }[mode];
+    const name = { luminance: "luminance", error: "relative error", noise: "noise of Y", bias: "bias of Y", samples: "camera samples per pixel" }[mode];
     legend = known.length ? `${name}: dark violet ${short(low)}${unitName}, yellow ${short(high)}${unitName}` : `${name}: not known yet`;
   }
   if (current !== picture) return;
@@ -129,6 +135,7 @@ async function plane(path) {
 async function valuesOf(mode, { xyz }) {
   const y = Float32Array.from({ length: xyz.length / 3 }, (_, i) => xyz[3 * i + 1]);
   if (mode === "luminance") return y;
+  if (mode === "samples") return await plane("samples") ?? y.fill(NaN);
   const errors = await plane("errors");
   if (!errors) return y.fill(NaN);
   return y.map((value, i) => mode === "noise" ? errors[2 * i] : mode === "bias" ? errors[2 * i + 1]
@@ -166,9 +173,14 @@ function paint() {
   context.setTransform(1, 0, 0, 1, 0, 0);
   context.clearRect(0, 0, canvas.width, canvas.height);
   if (!picture || !image.width) return;
-  context.setTransform(ratio * scale, 0, 0, ratio * scale, ratio * left, ratio * top);
-  context.imageSmoothingEnabled = scale < 1;
+  const place = () => {
+    context.setTransform(ratio * scale, 0, 0, ratio * scale, ratio * left, ratio * top);
+    context.imageSmoothingEnabled = scale < 1;
+  };
+  place();
   context.drawImage(image, 0, 0, picture.width, picture.height);
+  paintReference(place);
+  paintPhotons(scale);
   context.setTransform(ratio, 0, 0, ratio, ratio * left, ratio * top);
   const mark = ({ x0, y0, x1, y1 }, colour) => {
     const grow = Math.max(0, 3 - scale);
@@ -197,7 +209,7 @@ const pixelAt = (x, y) => {
   return [clamp((x - left) / scale, picture.width), clamp((y - top) / scale, picture.height)];
 };
 const areaOf = ([ax, ay], [bx, by] = [ax, ay]) => ({ x0: Math.min(ax, bx), y0: Math.min(ay, by), x1: Math.max(ax, bx), y1: Math.max(ay, by) });
-const probePath = ({ x0, y0, x1, y1 }) => `probe?x0=${x0}&y0=${y0}&x1=${x1}&y1=${y1}`;
+const probePath = ({ x0, y0, x1, y1 }, of = "") => `${of}probe?x0=${x0}&y0=${y0}&x1=${x1}&y1=${y1}`;
 
 function select(next) {
   area = next;
@@ -213,6 +225,7 @@ async function probeCursor() {
   try {
     hovered = await (await get(probePath(asked))).json();
     hovered.delay_ms = performance.now() - begin;
+    hoveredB = comparison() === "off" ? null : await get(probePath(asked, "reference_")).then(answer => answer.json()).catch(() => null);
   } catch { hovered = null; }
   isProbing = false;
   showProbes();
@@ -231,6 +244,8 @@ async function refreshProbes() {
 function pinArea() {
   if (!area || !hovered) return;
   const used = pins.map(pin => pin.colour), colour = PIN_COLOURS.find(colour => !used.includes(colour)) ?? PIN_COLOURS[0];
+  photonPixel = [area.x0, area.y0];
+  if ($("photon-reach").checked) tracePhotons();
   pins.push({ area: { ...area }, colour, report: hovered });
   if (pins.length > PIN_COLOURS.length) pins.shift();
   paint();
@@ -241,13 +256,14 @@ function showProbes() {
   if (!scene) return;
   const ink = getComputedStyle(document.documentElement).getPropertyValue("--ink").trim();
   const curves = [...pins.filter(pin => pin.report).map(pin => ({ ...pin.report, colour: pin.colour }))];
-  if (hovered && area) curves.push({ ...hovered, colour: ink });
+  if (hovered && area) curves.push({ ...hovered, colour: ink, name: hoveredB ? "A: " : "" });
+  if (hoveredB && area) curves.push({ ...hoveredB, colour: REFERENCE_COLOUR, name: "B: ", dash: "6 3" });
   $("spectrum").innerHTML = spectrumPlot(curves, scene.light);
   $("chromaticity").innerHTML = chromaticityPlot(curves, scene.locus, space());
   const cell = value => value == null ? "unknown" : short(value);
   const columns = curves.slice(-2);
   const row = (name, of) => `<tr><th scope="row">${name}</th>${columns.map(curve => `<td>${of(curve)}</td>`).join("")}</tr>`;
-  $("values").innerHTML = columns.length ? "<table>" + row("pixels", c => `<span class="key" style="background:${c.colour}"></span>` +
+  $("values").innerHTML = columns.length ? "<table>" + row("pixels", c => `<span class="key" style="background:${c.colour}"></span>` + (c.name ?? "") +
       (c.area[0] === c.area[2] && c.area[1] === c.area[3] ? `${c.area[0]}, ${c.area[1]}` : `${c.area[0]}–${c.area[2]}, ${c.area[1]}–${c.area[3]}`)) +
     row("Y in cd/m²", c => cell(c.xyz[1])) + row("X, Z", c => `${cell(c.xyz[0])}, ${cell(c.xyz[2])}`) +
     row("x, y", c => c.xy ? c.xy.map(value => value.toFixed(4)).join(", ") : "–") +

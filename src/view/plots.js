@@ -1,15 +1,15 @@
 // Plots as SVG texts. They contain only numbers and fixed words.
 
 const PIN_COLOURS = ["#1c7ed6", "#e8590c", "#2b9a3e", "#ae3ec9", "#c92a2a", "#0c8599"];
+const raised = power => String(power).replace(/./g, digit => digit === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit]);
 const short = (value, digits = 3) => value === 0 ? "0" : Math.abs(value) >= 1e5 || Math.abs(value) < 1e-3
-  ? value.toExponential(digits - 1).replace("e", "·10^").replace("+", "") : String(Number(value.toPrecision(digits)));
+  ? value.toExponential(digits - 1).replace(/e(.*)/, (_, power) => "·10" + raised(Number(power))) : String(Number(value.toPrecision(digits)));
 
 /// The spectra of the areas in `curves`, over the spectrum of the lights.
 function spectrumPlot(curves, light) {
   const [left, right, top, foot] = [62, 508, 12, 196], [from, to] = [light.from_nm, light.to_nm];
   const most = Math.max(0, ...curves.flatMap(curve => curve.values));
   const scale = most > 0 ? most * 1.08 : 1, power = most > 0 ? Math.floor(Math.log10(scale)) : 0;
-  const raised = String(power).replace(/./g, digit => digit === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit]);
   const x = nm => (left + (nm - from) / (to - from) * (right - left)).toFixed(1);
   const y = value => (foot - Math.min(Math.max(value / scale, -0.02), 1.1) * (foot - top)).toFixed(1);
   const edge = (i, count) => from + i * (to - from) / count;
@@ -29,16 +29,16 @@ function spectrumPlot(curves, light) {
     svg += `<path class="rule" d="M${left} ${y(value)}H${right}"/>`;
     svg += `<text x="${left - 6}" y="${Number(y(value)) + 4}" text-anchor="end">${most > 0 ? short(value / 10 ** power, 2) : i ? "" : "0"}</text>`;
   }
-  for (const { values, errors, colour } of curves) {
+  for (const { values, errors, colour, dash } of curves) {
     if (errors) {
       const high = steps(values.map((value, i) => value + 2 * errors[i]));
       const low = steps(values.map((value, i) => Math.max(0, value - 2 * errors[i]))).reverse();
       svg += `<path class="band" fill="${colour}" d="M${line(high)}L${line(low)}Z"/>`;
     }
-    if (values.length) svg += `<path fill="none" stroke="${colour}" stroke-width="1.8" d="M${line(steps(values))}"/>`;
+    if (values.length) svg += `<path fill="none" stroke="${colour}" stroke-width="1.8" stroke-dasharray="${dash ?? "none"}" d="M${line(steps(values))}"/>`;
   }
   return svg + `<text x="285" y="232" text-anchor="middle">wavelength in nm</text>` +
-    `<text x="12" y="104" text-anchor="middle" transform="rotate(-90 12 104)">radiance in ${power ? "10" + raised + " " : ""}W/m²/sr/nm</text></svg>`;
+    `<text x="12" y="104" text-anchor="middle" transform="rotate(-90 12 104)">radiance in ${power ? "10" + raised(power) + " " : ""}W/m²/sr/nm</text></svg>`;
 }
 
 /// The chromaticities of the areas in `curves`, with the spectral locus and the gamut of a space.

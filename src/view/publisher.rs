@@ -2,9 +2,11 @@
 
 use super::channel::ViewChannel;
 use super::host::LoadedScene;
+use super::layers;
 use super::scene_panels::ScenePanels;
 use super::snapshot::{BandNoise, Snapshot};
 use crate::api::provenance;
+use crate::plan::EffectState;
 use crate::render::Run;
 use crate::sensor::Picture;
 use std::sync::{Arc, OnceLock};
@@ -44,6 +46,11 @@ impl<'a> Publisher<'a> {
         self.channel.publish(self.revision, self.snapshot(picture.clone(), None));
     }
 
+    /// Publishes a coarse picture while the reader moves a slider or the camera.
+    pub(super) fn draft(&self, picture: &Picture) {
+        self.channel.publish_draft(self.snapshot(picture.clone(), None));
+    }
+
     /// Publishes the picture of a run if it is due.
     pub(super) fn update(&mut self, run: &Run) {
         let start = Instant::now();
@@ -74,15 +81,24 @@ impl<'a> Publisher<'a> {
         let passes = run.map_or(0, Run::passes);
         Arc::new(Snapshot {
             number,
+            name: self.loaded.source.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
             passes,
             exposure: scene.display.factor(&picture),
             band_noise: self.band_noise(&picture, passes),
+            without: self.forbidden(),
+            class_means: layers::class_means(&picture),
+            effort: run.map(|run| (run.stage_seconds(), run.ledger_stats(job))),
             events: events.into_iter().map(|(name, effect)| (name, effect.events)).collect(),
             metadata,
             xyz_bytes: OnceLock::new(),
             scene,
             picture,
         })
+    }
+
+    fn forbidden(&self) -> Vec<&'static str> {
+        let rows = self.loaded.job.rows.iter();
+        rows.filter(|row| row.state == EffectState::Forbidden).map(|row| row.effect.name).collect()
     }
 
     fn band_noise(&self, picture: &Picture, passes: u64) -> Option<BandNoise> {

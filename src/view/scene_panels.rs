@@ -4,9 +4,10 @@ use super::host::LoadedScene;
 use crate::api::PlanReport;
 use crate::colour::tone::ToneCurve;
 use crate::colour::{RgbSpace, xy};
+use crate::output::Metadata;
 use crate::render::{DisplaySettings, Job};
-use crate::sensor::Development;
-use crate::spectrum::{BAND_NM, Outside, Spectrum};
+use crate::sensor::{Development, Picture};
+use crate::spectrum::{BAND_NM, Observer, Outside, Spectrum};
 use serde_json::{Value, json};
 
 /// A loaded scene as the page sees it.
@@ -26,26 +27,43 @@ impl ScenePanels {
     pub(super) fn new(number: u64, loaded: &LoadedScene) -> Self {
         let job = &loaded.job;
         let display = DisplaySettings::of(job);
-        let observer = job.scene.film.observer;
-        let locus: Vec<_> =
-            (LOCUS_NM.0..=LOCUS_NM.1).step_by(5).map(|nm| (nm, xy(observer.xyz_bar(f64::from(nm))))).collect();
         let scene: Value = serde_json::from_str(&loaded.source.text).unwrap_or(Value::Null);
-        let spaces = [RgbSpace::Srgb, RgbSpace::DisplayP3].map(|space| space_json(space, &display.development));
-        let (plan, tones) = (PlanReport::of(job), ToneCurve::ALL.map(ToneCurve::name));
-        let text = json!({
-            "number": number,
+        let content = json!({
             "file": loaded.source.path.file_name().map(|name| name.to_string_lossy()),
+            "live": true,
             "scene": scene,
-            "plan": plan,
-            "spaces": spaces,
-            "space": display.development.space.name(),
-            "tone": display.development.tone.name(),
-            "tones": tones,
-            "gamut": display.development.gamut.name(),
-            "locus": locus,
+            "plan": PlanReport::of(job),
+            "lights": job.scene.lights.iter().map(|light| &light.name).collect::<Vec<_>>(),
             "light": light_spectrum(job),
         });
-        Self { number, display, text: text.to_string() }
+        Self::with_colours(number, display, job.scene.film.observer, content)
+    }
+
+    /// The panels of a saved picture. Its lights are unknown.
+    pub(super) fn of_file(number: u64, name: &str, picture: &Picture, metadata: &Metadata) -> Self {
+        let display = DisplaySettings::of_header(metadata).unwrap_or_else(DisplaySettings::automatic);
+        let bands = picture.bands.as_ref().map_or(1, |bands| bands.centres_nm.len());
+        let content = json!({
+            "file": name,
+            "live": false,
+            "light": {"from_nm": BAND_NM.0, "to_nm": BAND_NM.1, "values": vec![0.0; bands]},
+        });
+        Self::with_colours(number, display, Observer::cie1931(), content)
+    }
+
+    /// Adds the colour spaces, tone curves and the spectral locus to the content.
+    fn with_colours(number: u64, display: DisplaySettings, observer: &Observer, mut content: Value) -> Self {
+        let locus: Vec<_> =
+            (LOCUS_NM.0..=LOCUS_NM.1).step_by(5).map(|nm| (nm, xy(observer.xyz_bar(f64::from(nm))))).collect();
+        let development = &display.development;
+        content["number"] = json!(number);
+        content["spaces"] = json!([RgbSpace::Srgb, RgbSpace::DisplayP3].map(|space| space_json(space, development)));
+        content["space"] = json!(development.space.name());
+        content["tone"] = json!(development.tone.name());
+        content["tones"] = json!(ToneCurve::ALL.map(ToneCurve::name));
+        content["gamut"] = json!(development.gamut.name());
+        content["locus"] = json!(locus);
+        Self { number, display, text: content.to_string() }
     }
 }
 

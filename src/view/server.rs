@@ -3,9 +3,13 @@
 use super::access::Access;
 use super::channel::ViewChannel;
 use super::listener::LimitedListener;
+use super::photons::{self, PhotonQuery};
 use super::probe::{self, ProbeArea};
+use super::snapshot::{Snapshot, float_bytes};
+use crate::output::compare::{Selection, compare, delta_e_map};
 use crate::output::exr::encode as encode_exr;
 use crate::output::png::encode as encode_png;
+use crate::sensor::exposure;
 use axum::Router;
 use axum::body::{Body, to_bytes};
 use axum::extract::{Request, State};
@@ -33,13 +37,16 @@ const BODY_TIME: Duration = Duration::from_secs(5);
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:; \
                       connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-const PAGE: [&str; 8] = [
+const PAGE: [&str; 11] = [
     include_str!("page_head.html"),
     include_str!("page.css"),
     include_str!("page_body.html"),
     include_str!("colour.js"),
     include_str!("plots.js"),
     include_str!("page.js"),
+    include_str!("compare.js"),
+    include_str!("photons.js"),
+    include_str!("plan.js"),
     include_str!("controls.js"),
     "</script></body></html>\n",
 ];
@@ -47,6 +54,8 @@ const PAGE: [&str; 8] = [
 struct ViewServer {
     access: Access,
     channel: Arc<ViewChannel>,
+    /// Held while photon paths are traced, so that one page cannot take all processors.
+    tracing: tokio::sync::Mutex<()>,
 }
 
 /// Starts the thread of the server.
@@ -56,7 +65,11 @@ struct ViewServer {
 pub(super) fn start(listener: std::net::TcpListener, access: Access, channel: Arc<ViewChannel>) -> io::Result<()> {
     listener.set_nonblocking(true)?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build()?;
-    let app = Router::new().fallback(answer).with_state(Arc::new(ViewServer { access, channel }));
+    let app = Router::new().fallback(answer).with_state(Arc::new(ViewServer {
+        access,
+        channel,
+        tracing: tokio::sync::Mutex::default(),
+    }));
     let listener = runtime.block_on(async { tokio::net::TcpListener::from_std(listener) })?;
     let serve = move || {
         // The server ends with the process: `LimitedListener` survives all errors.
@@ -96,16 +109,22 @@ async fn checked_answer(server: &ViewServer, request: Request) -> Result<Respons
         (&Method::GET, "") => Ok(typed("text/html; charset=utf-8", PAGE.concat())),
         (&Method::GET, "state") => Ok(state(channel, query).await),
         (&Method::GET, "scene") => json(channel.scene().ok_or(StatusCode::NOT_FOUND)?.text.clone()),
-        (&Method::GET, "picture" | "errors" | "band" | "probe" | "save.exr" | "save.png") => {
+        (&Method::GET, "picture" | "errors" | "samples" | "classes" | "band" | "probe" | "save.exr" | "save.png") => {
             pictured(channel, path, query).await
         }
+        (&Method::GET, "reference" | "reference_probe" | "delta_e" | "comparison") => {
+            compared(channel, path, query).await
+        }
+        (&Method::GET, "photons") => traced(server, numbers(query)?).await,
         (&Method::POST, "orders") => {
             let body = body_of(&parts.headers, body).await?;
             follow(channel, serde_json::from_slice(&body).map_err(|_| StatusCode::BAD_REQUEST)?)
         }
-        (_, "" | "state" | "scene" | "picture" | "errors" | "band" | "probe" | "save.exr" | "save.png" | "orders") => {
+        (_, "" | "state" | "scene" | "orders" | "photons") => Err(StatusCode::METHOD_NOT_ALLOWED),
+        (_, "picture" | "errors" | "samples" | "classes" | "band" | "probe" | "save.exr" | "save.png") => {
             Err(StatusCode::METHOD_NOT_ALLOWED)
         }
+        (_, "reference" | "reference_probe" | "delta_e" | "comparison") => Err(StatusCode::METHOD_NOT_ALLOWED),
         (_, _) => Err(StatusCode::NOT_FOUND),
     }
 }
@@ -157,28 +176,70 @@ struct BandQuery {
     band: usize,
 }
 
+/// Returns values of all pixels, with the number and the size of the picture in the header.
+fn plane(snapshot: &Snapshot, body: impl Into<Body>) -> Response {
+    let [number, width, height] =
+        [snapshot.number, snapshot.picture.width as u64, snapshot.picture.height as u64].map(|n| n.to_string());
+    let names = ["x-abbe-picture", "x-abbe-width", "x-abbe-height"];
+    let headers = [(names[0], number), (names[1], width), (names[2], height)];
+    (headers, typed("application/octet-stream", body)).into_response()
+}
+
+/// Returns the mean values of an area.
+fn probed(snapshot: &Snapshot, query: &str) -> Result<Response, StatusCode> {
+    let area: ProbeArea = numbers(query)?;
+    let report = probe::report(snapshot, area).ok_or(StatusCode::BAD_REQUEST)?;
+    json(serde_json::to_string(&report).map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?)
+}
+
+/// Answers a request about the reference, or about its difference from the published picture.
+async fn compared(channel: &ViewChannel, path: &str, query: &str) -> Result<Response, StatusCode> {
+    let reference = channel.reference().ok_or(StatusCode::NOT_FOUND)?;
+    match path {
+        "reference" => return Ok(plane(&reference, reference.xyz())),
+        "reference_probe" => return probed(&reference, query),
+        _ => {}
+    }
+    let snapshot = channel.snapshot().ok_or(StatusCode::NOT_FOUND)?;
+    let (a, b) = (&snapshot.picture, &reference.picture);
+    if (a.width, a.height) != (b.width, b.height) {
+        return Err(StatusCode::CONFLICT);
+    }
+    let is_map = path == "delta_e";
+    let work = tokio::task::spawn_blocking(move || {
+        let (a, b) = (&snapshot.picture, &reference.picture);
+        if is_map {
+            let values = delta_e_map(a, b, exposure::automatic(b));
+            return Ok(plane(&snapshot, float_bytes(values.into_iter().map(|value| value as f32))));
+        }
+        let comparison = compare(a, b, &Selection::default()).map_err(|_| StatusCode::CONFLICT)?;
+        json(serde_json::to_string(&comparison).map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?)
+    });
+    work.await.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?
+}
+
+/// Traces photon paths in the present scene.
+async fn traced(server: &ViewServer, query: PhotonQuery) -> Result<Response, StatusCode> {
+    let _turn = server.tracing.lock().await;
+    let (loaded, scene) = server.channel.loaded().ok_or(StatusCode::NOT_FOUND)?;
+    let found = tokio::task::spawn_blocking(move || photons::paths(&loaded, scene, query)).await;
+    let found = found.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?.ok_or(StatusCode::BAD_REQUEST)?;
+    json(found.to_string())
+}
+
 /// Answers a request about the published picture.
 async fn pictured(channel: &ViewChannel, path: &str, query: &str) -> Result<Response, StatusCode> {
-    const BINARY: &str = "application/octet-stream";
     let snapshot = channel.snapshot().ok_or(StatusCode::NOT_FOUND)?;
-    let numbered = |body: Body| {
-        let [number, width, height] =
-            [snapshot.number, snapshot.picture.width as u64, snapshot.picture.height as u64].map(|n| n.to_string());
-        let names = ["x-abbe-picture", "x-abbe-width", "x-abbe-height"];
-        ([(names[0], number), (names[1], width), (names[2], height)], typed(BINARY, body)).into_response()
-    };
     match path {
-        "picture" => Ok(numbered(snapshot.xyz().into())),
-        "errors" => Ok(numbered(snapshot.errors().into())),
+        "picture" => Ok(plane(&snapshot, snapshot.xyz())),
+        "errors" => Ok(plane(&snapshot, snapshot.errors())),
+        "samples" => Ok(plane(&snapshot, snapshot.samples().ok_or(StatusCode::NOT_FOUND)?)),
+        "classes" => Ok(plane(&snapshot, snapshot.classes().ok_or(StatusCode::NOT_FOUND)?)),
         "band" => {
             let BandQuery { band } = numbers(query)?;
-            Ok(numbered(snapshot.band(band).ok_or(StatusCode::NOT_FOUND)?.into()))
+            Ok(plane(&snapshot, snapshot.band(band).ok_or(StatusCode::NOT_FOUND)?))
         }
-        "probe" => {
-            let area: ProbeArea = numbers(query)?;
-            let report = probe::report(&snapshot, area).ok_or(StatusCode::BAD_REQUEST)?;
-            json(serde_json::to_string(&report).map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?)
-        }
+        "probe" => probed(&snapshot, query),
         _ => {
             let is_exr = path == "save.exr";
             let file = tokio::task::spawn_blocking(move || {
@@ -211,12 +272,18 @@ struct PageOrders {
     /// True while the reader moves a slider or the camera.
     #[serde(default)]
     draft: bool,
+    /// True to keep the published picture as the reference of comparisons.
+    #[serde(default)]
+    keep: bool,
 }
 
 fn follow(channel: &ViewChannel, wanted: PageOrders) -> Result<Response, StatusCode> {
     let count = |list: &Option<Vec<String>>| list.as_ref().map_or(0, Vec::len);
     if count(&wanted.changes).max(count(&wanted.forbidden)) > MAX_CHANGES {
         return Err(StatusCode::PAYLOAD_TOO_LARGE);
+    }
+    if wanted.keep {
+        channel.keep_as_reference();
     }
     channel.order(|orders| {
         orders.paused = wanted.paused.unwrap_or(orders.paused);

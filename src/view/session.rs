@@ -48,7 +48,7 @@ pub(super) fn run(host: &dyn ViewHost, channel: &Arc<ViewChannel>, stop: StopRul
         };
         number += 1;
         let scene = Arc::new(ScenePanels::new(number, &loaded));
-        channel.begin(Arc::clone(&scene));
+        channel.begin(Arc::clone(&scene), Some(Arc::clone(&loaded)));
         let threads = loaded.job.scene.settings.threads;
         if orders.is_draft {
             let publisher = Publisher::new(channel, &loaded, Arc::clone(&scene), orders.revision);
@@ -57,7 +57,8 @@ pub(super) fn run(host: &dyn ViewHost, channel: &Arc<ViewChannel>, stop: StopRul
                     end_draft(channel, &orders);
                     continue;
                 }
-                Ok(false) => {}
+                // The whole picture is small enough.
+                Ok(false) => channel.order(|orders| orders.is_draft = false),
                 Err(error) => {
                     channel.fail(orders.revision, error.to_string());
                     wait_for_change(channel, &orders);
@@ -93,7 +94,7 @@ fn wait_for_change(channel: &ViewChannel, orders: &Orders) -> Orders {
 /// Publishes a coarse picture. Returns false if the picture is too small for one.
 fn draft(loaded: &LoadedScene, publisher: &Publisher<'_>) -> Result<bool> {
     let coarse = loaded.job.coarse_picture()?;
-    coarse.iter().for_each(|picture| publisher.coarse(picture));
+    coarse.iter().for_each(|picture| publisher.draft(picture));
     Ok(coarse.is_some())
 }
 

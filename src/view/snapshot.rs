@@ -1,8 +1,11 @@
 //! A published picture.
 
+use super::layers;
 use super::scene_panels::ScenePanels;
 use crate::output::Metadata;
-use crate::sensor::Picture;
+use crate::output::metadata::names;
+use crate::render::{LedgerStats, StageSeconds};
+use crate::sensor::{Picture, exposure};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -12,11 +15,19 @@ use std::sync::{Arc, OnceLock};
 pub(super) struct Snapshot {
     /// Counts the snapshots of the view.
     pub(super) number: u64,
+    /// The name of the scene file or of the picture file.
+    pub(super) name: String,
     pub(super) scene: Arc<ScenePanels>,
     pub(super) passes: u64,
     pub(super) picture: Picture,
     /// The exposure of the scene's settings in 1/(cd/m²).
     pub(super) exposure: f64,
+    /// The forbidden effects.
+    pub(super) without: Vec<&'static str>,
+    /// The mean Y of each path class in cd/m², if the picture separates them.
+    pub(super) class_means: Vec<f64>,
+    /// The time of the stages and the energy balance of the render. `None` for a coarse picture.
+    pub(super) effort: Option<(StageSeconds, LedgerStats)>,
     /// The noise of the bands, if several pictures of the render were published.
     pub(super) band_noise: Option<BandNoise>,
     /// The number of events of each effect.
@@ -28,17 +39,83 @@ pub(super) struct Snapshot {
 }
 
 impl Snapshot {
+    /// Creates the snapshot of a saved picture.
+    pub(super) fn of_file(
+        number: u64,
+        name: &str,
+        scene: Arc<ScenePanels>,
+        picture: Picture,
+        metadata: Metadata,
+    ) -> Self {
+        Self {
+            number,
+            name: name.to_string(),
+            passes: metadata.get(names::PASSES).and_then(|passes| passes.parse().ok()).unwrap_or(0),
+            exposure: scene.display.factor(&picture),
+            class_means: layers::class_means(&picture),
+            without: Vec::new(),
+            effort: None,
+            scene,
+            picture,
+            band_noise: None,
+            events: BTreeMap::new(),
+            metadata: Some(metadata),
+            xyz_bytes: OnceLock::new(),
+        }
+    }
+
+    /// Returns the numbers that the page needs if this is the reference of a comparison. The
+    /// exposure is that of `abbe compare`.
+    pub(super) fn reference_summary(&self) -> Value {
+        json!({
+            "number": self.number,
+            "name": self.name,
+            "width": self.picture.width,
+            "height": self.picture.height,
+            "passes": self.passes,
+            "exposure": exposure::automatic(&self.picture),
+            "without": self.without,
+            "mean_y": self.picture.mean_y(),
+            "pass_seconds": self.pass_seconds(),
+        })
+    }
+
     /// Returns the numbers that the page needs with each picture.
     pub(super) fn summary(&self) -> Value {
         json!({
             "number": self.number,
+            "name": self.name,
             "scene": self.scene.number,
             "width": self.picture.width,
             "height": self.picture.height,
             "passes": self.passes,
             "exposure": self.exposure,
             "events": self.events,
+            "without": self.without,
+            "mean_y": self.picture.mean_y(),
+            "pass_seconds": self.pass_seconds(),
+            "seconds": self.effort.as_ref().map(|(seconds, _)| seconds),
+            "ledger_w": self.effort.as_ref().map(|(_, ledger)| ledger),
+            "classes": self.class_means,
+            "samples": layers::samples(&self.picture).is_some(),
         })
+    }
+
+    /// Returns the mean time of a pass in s, without the pilot.
+    fn pass_seconds(&self) -> Option<f64> {
+        let (StageSeconds { pose, emit, map, gather, .. }, _) = self.effort.as_ref()?;
+        (self.passes > 0).then(|| (pose + emit + map + gather) / self.passes as f64)
+    }
+
+    /// Returns the number of camera samples of all pixels. Returns `None` if it was not recorded.
+    pub(super) fn samples(&self) -> Option<Vec<u8>> {
+        layers::samples(&self.picture).map(|samples| float_bytes(samples.iter().copied()))
+    }
+
+    /// Returns Y of each path class at all pixels in cd/m², class by class. Returns `None` if the
+    /// picture does not separate the path classes.
+    pub(super) fn classes(&self) -> Option<Vec<u8>> {
+        layers::class_luminance(&self.picture).map(|classes| float_bytes(classes.into_iter().flatten()))
     }
 
     /// Returns X, Y and Z of all pixels as 32-bit floating-point numbers.
@@ -62,7 +139,7 @@ impl Snapshot {
     }
 }
 
-fn float_bytes(values: impl Iterator<Item = f32>) -> Vec<u8> {
+pub(super) fn float_bytes(values: impl Iterator<Item = f32>) -> Vec<u8> {
     values.flat_map(f32::to_le_bytes).collect()
 }
 

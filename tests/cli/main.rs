@@ -15,6 +15,7 @@ mod blender_export;
 mod checkpoints;
 mod develop;
 mod diffraction;
+mod display_server;
 mod explain;
 mod film;
 mod frames;

@@ -5,7 +5,7 @@ use crate::devtools::DevTools;
 use base64::Engine;
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
@@ -68,6 +68,7 @@ impl Browser {
         let is_phone = width < 600;
         let screen = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": is_phone});
         tools.call("Emulation.setDeviceMetricsOverride", &screen);
+        tools.call("Emulation.setTouchEmulationEnabled", &json!({"enabled": is_phone}));
         let scheme = if is_dark { "dark" } else { "light" };
         let media = json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]});
         tools.call("Emulation.setEmulatedMedia", &media);
@@ -102,6 +103,25 @@ impl Browser {
         let event = json!({"type": kind, "x": x, "y": y, "button": if is_move { "none" } else { "left" },
             "buttons": i32::from(kind != "mouseReleased"), "clickCount": i32::from(!is_move), "modifiers": if shift { 8 } else { 0 }});
         self.tools.call("Input.dispatchMouseEvent", &event);
+    }
+
+    /// Turns the wheel of the mouse. Negative values move nearer.
+    pub(crate) fn wheel(&mut self, (x, y): (f64, f64), delta: f64) {
+        let event = json!({"type": "mouseWheel", "x": x, "y": y, "deltaX": 0, "deltaY": delta});
+        self.tools.call("Input.dispatchMouseEvent", &event);
+    }
+
+    /// Touches the screen with these fingers.
+    pub(crate) fn touch(&mut self, kind: &str, fingers: &[(f64, f64)]) {
+        let points: Vec<Value> =
+            (0..).zip(fingers).map(|(id, (x, y)): (i32, _)| json!({"x": x, "y": y, "id": id})).collect();
+        self.tools.call("Input.dispatchTouchEvent", &json!({"type": kind, "touchPoints": points}));
+    }
+
+    /// Saves downloads in a folder.
+    pub(crate) fn download_to(&mut self, folder: &Path) {
+        let wanted = json!({"behavior": "allow", "downloadPath": folder});
+        self.tools.call("Browser.setDownloadBehavior", &wanted);
     }
 
     /// Moves the mouse without a pressed button.

@@ -55,3 +55,24 @@ fn the_page_forbids_an_effect() {
     let row = plan.as_array().unwrap().iter().find(|row| row["name"] == "dispersion").unwrap().clone();
     assert_eq!(row["state"], "forbidden");
 }
+
+/// A view that separates the light by paths serves the shares of the classes and the samples.
+#[test]
+fn path_classes_and_samples_are_served() {
+    let folder = with_ball(SCENE);
+    let view = View::start(folder.path(), &["ball.json"]);
+    let plain = view.finished();
+    assert_eq!((&plain["picture"]["classes"], &plain["picture"]["samples"]), (&json!([]), &json!(false)));
+    assert_eq!([view.get("classes").status, view.get("samples").status], [404, 404]);
+    assert!(plain["picture"]["pass_seconds"].as_f64().unwrap() > 0.0);
+    view.post(&json!({"changes": ["film.layers=[\"paths\", \"samples\"]"]}));
+    let state = view.wait("layers", |state| state["session"] == "finished" && state["picture"]["samples"] == true);
+    let means: Vec<f64> = serde_json::from_value(state["picture"]["classes"].clone()).unwrap();
+    let (sum, whole) = (means.iter().sum::<f64>(), state["picture"]["mean_y"].as_f64().unwrap());
+    assert!((sum - whole).abs() < 1e-4 * whole, "{means:?} {whole}");
+    // The floor is lit straight from the lamp, and by the caustic of the ball. There is no medium.
+    assert!(means[1] > means[2] && means[2] > 0.0 && means[4] == 0.0, "{means:?}");
+    assert_eq!(view.get("classes").body.len(), 5 * 4 * 48 * 32);
+    let samples = view.get("samples").body;
+    assert!(samples.chunks(4).all(|value| f32::from_le_bytes(value.try_into().unwrap()) >= 12.0));
+}

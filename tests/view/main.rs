@@ -9,7 +9,11 @@ mod browser;
 mod client;
 mod devtools;
 
+mod comparing;
 mod editing;
+mod explaining;
+mod gestures;
 mod page;
+mod photons;
 mod rendering;
 mod safety;

@@ -7,10 +7,10 @@ use crate::browser::Browser;
 use crate::client::{SCENE, View};
 use std::time::Instant;
 
-const DESKTOP: (u32, u32) = (1280, 800);
+pub(crate) const DESKTOP: (u32, u32) = (1280, 800);
 
 /// Opens the page of a finished view, whose picture is larger than the coarse picture.
-fn finished(size: (u32, u32), is_dark: bool) -> Option<(tempfile::TempDir, View, Browser)> {
+pub(crate) fn finished(size: (u32, u32), is_dark: bool) -> Option<(tempfile::TempDir, View, Browser)> {
     let mut browser = Browser::start(size, is_dark)?;
     let folder = with_ball(SCENE);
     let view = View::start(folder.path(), &["ball.json", "--size", "240x160"]);
@@ -21,7 +21,7 @@ fn finished(size: (u32, u32), is_dark: bool) -> Option<(tempfile::TempDir, View,
 }
 
 /// Returns the position of a pixel of the picture in the window.
-fn position(browser: &mut Browser, pixel: (u32, u32)) -> (f64, f64) {
+pub(crate) fn position(browser: &mut Browser, pixel: (u32, u32)) -> (f64, f64) {
     let (x, y) = pixel;
     let place = browser.run(&format!(
         "(() => {{ const p = placement(), b = stage.getBoundingClientRect();
@@ -30,7 +30,7 @@ fn position(browser: &mut Browser, pixel: (u32, u32)) -> (f64, f64) {
     (place[0].as_f64().unwrap(), place[1].as_f64().unwrap())
 }
 
-fn is_clean(browser: &Browser) {
+pub(crate) fn is_clean(browser: &Browser) {
     assert!(browser.complaints().is_empty(), "{:?}", browser.complaints());
 }
 

@@ -1,0 +1,34 @@
+//! The layers of a picture that the page shows as false colours.
+
+use crate::colour::RgbSpace;
+use crate::plan::PathClass;
+use crate::sensor::Picture;
+
+/// Returns Y of each path class at all pixels in cd/m², class by class. Returns `None` if the
+/// picture does not separate the path classes.
+pub(super) fn class_luminance(picture: &Picture) -> Option<Vec<Vec<f32>>> {
+    PathClass::NAMES.iter().map(|class| luminance(picture, class)).collect()
+}
+
+/// Returns the mean Y of each path class in cd/m². Empty if the picture does not separate the path
+/// classes.
+pub(super) fn class_means(picture: &Picture) -> Vec<f64> {
+    let mean = |values: Vec<f32>| values.iter().map(|&value| f64::from(value)).sum::<f64>() / values.len() as f64;
+    class_luminance(picture).map_or_else(Vec::new, |classes| classes.into_iter().map(mean).collect())
+}
+
+/// Returns the number of camera samples of all pixels, or `None` if it was not recorded.
+pub(super) fn samples(picture: &Picture) -> Option<&[f32]> {
+    channel(picture, "samples")
+}
+
+fn luminance(picture: &Picture, class: &str) -> Option<Vec<f32>> {
+    let [r, g, b] = ["R", "G", "B"].map(|component| channel(picture, &format!("path.{class}.{component}")));
+    let weights = RgbSpace::Srgb.luminance_weights().map(|weight| weight as f32);
+    let rgb = r?.iter().zip(g?).zip(b?);
+    Some(rgb.map(|((r, g), b)| weights[0] * r + weights[1] * g + weights[2] * b).collect())
+}
+
+fn channel<'p>(picture: &'p Picture, name: &str) -> Option<&'p [f32]> {
+    picture.layers.channels.iter().find(|channel| channel.name == name).map(|channel| channel.values.as_slice())
+}
