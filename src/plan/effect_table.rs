@@ -210,6 +210,25 @@ const fn row(id: EffectId) -> Effect {
                 Ok(())
             }),
         },
+        EffectId::ThinFilms => Effect {
+            id,
+            name: "thin-films",
+            field: "scene.materials",
+            cost: "the amplitudes of all films for each arrival and wavelength at a surface with films",
+            absent: "no surface has thin films, so no amplitudes are computed",
+            called_by: "coatings and free-standing films",
+            uncalled: "no surface has thin films",
+            calls: |facts| facts.films.clone(),
+            set: |_, _, _| {},
+            events: |tally, _| tally.film_events,
+            removal: Removal::FromScene(|scene, _| {
+                for material in &mut scene.materials {
+                    let surface = std::mem::replace(&mut material.surface, Bsdf::Absorber);
+                    material.surface = surface.without_films()?;
+                }
+                Ok(())
+            }),
+        },
         EffectId::Roughness => Effect {
             id,
             name: "roughness",

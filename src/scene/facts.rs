@@ -25,6 +25,8 @@ pub struct Facts {
     pub glossy: Vec<String>,
     /// Objects with a material that varies over the surface.
     pub textured: Vec<String>,
+    /// Objects with thin films.
+    pub films: Vec<String>,
     /// Objects with a diffuse component.
     pub diffuse: Vec<String>,
     /// Objects with a body. The body consists of glass or liquid, or it is filled with a medium.
@@ -131,6 +133,9 @@ impl Facts {
                 if list.last() != Some(&object.name) {
                     list.push(object.name.clone());
                 }
+            }
+            if material.surface.components().any(|part| part.films().is_some()) {
+                facts.films.push(object.name.clone());
             }
             if material.is_textured() {
                 facts.textured.push(object.name.clone());

@@ -17,6 +17,7 @@ mod develop;
 mod diffraction;
 mod explain;
 mod film;
+mod films_and_gratings;
 mod frames;
 mod gates;
 mod import;

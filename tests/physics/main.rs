@@ -43,5 +43,6 @@ mod shading_normals;
 mod sky;
 mod spectral_linearity;
 mod textures;
+mod thin_films;
 mod thin_lens;
 mod walls;

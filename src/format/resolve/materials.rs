@@ -5,8 +5,9 @@ use super::index::{index_file, index_of};
 use super::spectra::Role;
 use crate::error::{Error, Result, both};
 use crate::format::{ConductorFile, DielectricFile, IndexFile, JsonPath, MaterialFile, ScalarFile, ThinDielectricFile};
-use crate::optics::bsdf::{Bsdf, Glossy};
+use crate::optics::bsdf::{Bsdf, Conductor, Glossy, ThinDielectric};
 use crate::optics::glass::RefractiveIndex;
+use crate::optics::thin_film::OpticalIndex;
 use crate::scene::{Body, Material};
 use crate::spectrum::library;
 use crate::texture::SurfaceScalar;
@@ -59,10 +60,20 @@ impl Resolver<'_> {
             MaterialFile::Dielectric(file) => {
                 let at = at.key("dielectric");
                 let body = self.body(&at, file, name, notes)?;
-                let surface = self.rough(&at, &file.roughness, Bsdf::dielectric);
+                let surface = match (&file.coating, &body.index) {
+                    (Some(coating), Some(index)) => {
+                        let glass = OpticalIndex::Transparent(index.clone());
+                        Ok(Bsdf::coated_dielectric(self.coating(&at.key("coating"), coating, &glass)?))
+                    }
+                    (None, _) | (_, None) => self.rough(&at, &file.roughness, Bsdf::dielectric),
+                };
                 (surface, Some(body))
             }
             MaterialFile::ThinDielectric(file) => (self.pane(&at.key("thin_dielectric"), file, name, notes), None),
+            MaterialFile::ThinFilm(file) => {
+                let air = OpticalIndex::Transparent(self.at(&at, RefractiveIndex::constant(1.0))?);
+                (Ok(Bsdf::thin_film(self.coating(&at.key("thin_film"), file, &air)?)), None)
+            }
             MaterialFile::Conductor(file) => (self.conductor(&at.key("conductor"), file), None),
             MaterialFile::Mirror { reflectance } => {
                 let at = at.key("mirror");
@@ -128,7 +139,7 @@ impl Resolver<'_> {
     }
 
     fn body(&self, at: &JsonPath<'_>, file: &DielectricFile, name: &str, notes: &mut Vec<String>) -> Result<Body> {
-        let DielectricFile { ior, roughness: _, absorption, medium, priority } = file;
+        let DielectricFile { ior, roughness: _, absorption, coating: _, medium, priority } = file;
         let medium = medium.as_ref().map(|name| self.medium_number(&at.key("medium"), name)).transpose();
         let index = self.index(&at.key("ior"), ior, name, notes);
         let resolve = |file| self.spectrum(&at.key("absorption"), file, Role::Coefficient);
@@ -140,18 +151,20 @@ impl Resolver<'_> {
     }
 
     fn pane(&self, at: &JsonPath<'_>, file: &ThinDielectricFile, name: &str, notes: &mut Vec<String>) -> Result<Bsdf> {
-        let ThinDielectricFile { ior, thickness, absorption } = file;
+        let ThinDielectricFile { ior, thickness, absorption, coating } = file;
         let index = self.index(&at.key("ior"), ior, name, notes)?;
         let mut optical_depth = None;
         if let (Some(thickness), Some(absorption)) = (thickness, absorption) {
             let per_unit = self.spectrum(&at.key("absorption"), absorption, Role::Coefficient)?;
             optical_depth = (per_unit.max() > 0.0).then(|| per_unit.scaled(*thickness));
         }
-        Bsdf::thin_dielectric(index, optical_depth)
+        let Some(coating) = coating else { return Bsdf::thin_dielectric(index, optical_depth) };
+        let films = self.coating(&at.key("coating"), coating, &OpticalIndex::Transparent(index.clone()))?;
+        Ok(Bsdf::ThinDielectric(ThinDielectric::new(index, optical_depth)?.with_coating(films)))
     }
 
     fn conductor(&self, at: &JsonPath<'_>, file: &ConductorFile) -> Result<Bsdf> {
-        let ConductorFile { metal, eta, k, file, reflectance, roughness } = file;
+        let ConductorFile { metal, eta, k, file, reflectance, roughness, coating } = file;
         if let Some(reflectance) = reflectance {
             let reflectance = self.reflectance(&at.key("reflectance"), reflectance)?;
             return self.rough(at, roughness, |alpha| Bsdf::metal(reflectance.clone(), alpha));
@@ -169,7 +182,13 @@ impl Resolver<'_> {
                 self.at(&at.key("file"), index_file(path, self.source).and_then(|data| data.n_and_k()))?
             }
         };
-        self.rough(at, roughness, |alpha| Bsdf::conductor(n.clone(), k.clone(), alpha))
+        let Some(coating) = coating else {
+            return self.rough(at, roughness, |alpha| Bsdf::conductor(n.clone(), k.clone(), alpha));
+        };
+        let substrate = self.at(at, OpticalIndex::absorbing(n.clone(), k.clone()))?;
+        let films = self.coating(&at.key("coating"), coating, &substrate)?;
+        let coated = |alpha| Conductor::coated(n.clone(), k.clone(), films.clone(), alpha).map(Bsdf::Conductor);
+        self.rough(at, roughness, coated)
     }
 
     /// Creates a BSDF whose roughness may vary over the surface. `of_alpha` creates the BSDF of a

@@ -28,6 +28,7 @@ impl<'a> CameraPass<'a> {
         interaction: &SurfaceInteraction<'a>,
         context: &mut PathContext<'_, 'a, S>,
     ) -> Option<CameraPath> {
+        context.tally.film_events += u64::from(interaction.bsdf.model.films().is_some());
         let glossy = self.glossy_event(path, interaction, context);
         let mut path = *path;
         let continues = if let (SpectralMode::Free, true) = (path.spectral_mode, self.disperses(interaction)) {
@@ -56,7 +57,7 @@ impl<'a> CameraPass<'a> {
     /// Returns true if refraction at this surface depends on the wavelength.
     fn disperses(&self, interaction: &SurfaceInteraction<'a>) -> bool {
         self.plan.wavelengths != WavelengthPlan::Free
-            && matches!(interaction.bsdf.model, Bsdf::Dielectric(_))
+            && matches!(interaction.bsdf.model, Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_))
             && (interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive())
     }
 
@@ -93,9 +94,21 @@ impl<'a> CameraPass<'a> {
         self.scatter_forced(path, interaction, ScatterEvent::Reflection, probability, context)
     }
 
-    /// Returns the reflectance of a smooth interface at the path's reference wavelength.
+    /// Returns the reflectance of a smooth interface at the path's reference wavelength. The films
+    /// of a coated interface may reflect other wavelengths only, so a free path uses the mean over
+    /// the band.
     fn reflectance(&self, path: &CameraPath, interaction: &SurfaceInteraction<'a>) -> f64 {
         let (sides, nm) = (interaction.sides, path.reference_nm());
+        if let Bsdf::CoatedDielectric(coated) = interaction.bsdf.model {
+            let thickness_nm = interaction.bsdf.texels.thickness_nm;
+            return match path.spectral_mode {
+                SpectralMode::Free => coated.mean_reflection_probability(interaction.wo, sides, thickness_nm),
+                SpectralMode::Shared { .. } => {
+                    let powers = coated.powers(interaction.wo, sides, thickness_nm, nm);
+                    powers.reflected / (powers.reflected + powers.transmitted).max(f64::MIN_POSITIVE)
+                }
+            };
+        }
         fresnel::dielectric(interaction.wo.z.abs(), sides.here.n(nm), sides.there.n(nm))
     }
 
@@ -201,7 +214,8 @@ impl<'a> CameraPass<'a> {
 
 /// Returns true if the surface is a smooth interface between two dielectrics.
 fn is_smooth_interface(interaction: &SurfaceInteraction<'_>) -> bool {
-    matches!(interaction.bsdf.model, Bsdf::Dielectric(_)) && interaction.bsdf.class() == BsdfClass::Specular
+    matches!(interaction.bsdf.model, Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_))
+        && interaction.bsdf.class() == BsdfClass::Specular
 }
 
 /// How a free path continues at dispersive glass, once for each shared wavelength.

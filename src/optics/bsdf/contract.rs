@@ -4,6 +4,7 @@
 //! wavelengths. The random numbers have fixed seeds. With random seeds, the χ² tests and the mean
 //! tests would have about 10⁻⁵ false alarms per comparison.
 
+mod films;
 mod grid;
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
@@ -83,7 +84,7 @@ fn cases() -> Vec<BsdfCase> {
         (0.3, Bsdf::mirror(ramp(0.9, 0.7)).unwrap()),
         (0.2, Bsdf::mix(vec![(1.0, Bsdf::Absorber), (3.0, leaf())]).unwrap()),
     ]);
-    vec![
+    let mut cases = vec![
         in_air("absorber", Bsdf::Absorber),
         in_air("diffuse", Bsdf::diffuse(ramp(0.0, 1.0)).unwrap()),
         in_air("white diffuse", Bsdf::diffuse(Spectrum::constant(1.0)).unwrap()),
@@ -115,7 +116,9 @@ fn cases() -> Vec<BsdfCase> {
         in_air("metal of a given reflectance", Bsdf::metal(ramp(0.4, 0.9), 0.3).unwrap()),
         in_air("polished metal of a given reflectance", Bsdf::metal(ramp(0.4, 0.9), 0.0).unwrap()),
         in_air("mixture", mixture.unwrap()),
-    ]
+    ];
+    cases.extend(films::cases());
+    cases
 }
 
 /// Returns view directions on both sides of the surface. Their angles to the normal lie between 0

@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::math::elementary::exp;
 use crate::optics::fresnel;
 use crate::optics::glass::RefractiveIndex;
+use crate::optics::thin_film::{CoatedPlate, FilmStack};
 use crate::spectrum::Spectrum;
 
 /// A dielectric slab of index n(λ) whose thickness is negligible compared with the scene.
@@ -20,9 +21,11 @@ use crate::spectrum::Spectrum;
 /// `wo` is assumed to be on the other side too.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThinDielectric {
-    index: RefractiveIndex,
+    pub(super) index: RefractiveIndex,
     /// The optical depth of a passage along the normal: absorption coefficient times thickness.
     pub(super) optical_depth: Option<Spectrum>,
+    /// The thin films on both faces, from the outside to the slab.
+    pub(super) coating: Option<FilmStack>,
 }
 
 /// In a slab that absorbs, reflection and transmission each have at least this probability. A slab
@@ -35,14 +38,27 @@ impl ThinDielectric {
     /// negative.
     pub fn new(index: RefractiveIndex, optical_depth: Option<Spectrum>) -> Result<Self> {
         optical_depth.iter().try_for_each(|depth| check_within("optical depth", depth, f64::INFINITY))?;
-        Ok(Self { index, optical_depth })
+        Ok(Self { index, optical_depth, coating: None })
     }
 
-    pub(super) fn sample(&self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64, u: [f64; 3]) -> BsdfSample {
-        let (reflected, transmitted) = self.reflected_and_transmitted(wo, iors, nm);
-        let probability = match self.optical_depth {
-            None => reflected,
-            Some(_) => {
+    /// Returns the pane with thin films on both faces. The list of films starts at the outside.
+    #[must_use]
+    pub fn with_coating(self, films: FilmStack) -> Self {
+        Self { coating: Some(films), ..self }
+    }
+
+    pub(super) fn sample(
+        &self,
+        wo: DVec3,
+        iors: InterfaceIors<'_>,
+        thickness_nm: f32,
+        nm: f64,
+        u: [f64; 3],
+    ) -> BsdfSample {
+        let (reflected, transmitted) = self.reflected_and_transmitted(wo, iors, thickness_nm, nm);
+        let probability = match (&self.optical_depth, &self.coating) {
+            (None, None) => reflected,
+            (Some(_), _) | (_, Some(_)) => {
                 let either = (reflected + transmitted).max(f64::MIN_POSITIVE);
                 (reflected / either).clamp(MIN_PROBABILITY, 1.0 - MIN_PROBABILITY)
             }
@@ -54,25 +70,35 @@ impl ThinDielectric {
         }
     }
 
-    pub(super) fn coefficient(&self, wo: DVec3, event: ScatterEvent, iors: InterfaceIors<'_>, nm: f64) -> f64 {
-        let (reflected, transmitted) = self.reflected_and_transmitted(wo, iors, nm);
+    pub(super) fn coefficient(
+        &self,
+        wo: DVec3,
+        event: ScatterEvent,
+        iors: InterfaceIors<'_>,
+        thickness_nm: f32,
+        nm: f64,
+    ) -> f64 {
+        let (reflected, transmitted) = self.reflected_and_transmitted(wo, iors, thickness_nm, nm);
         match event {
             ScatterEvent::Reflection => reflected,
             ScatterEvent::Transmission => transmitted,
         }
     }
 
-    pub(super) fn absorbed_fraction(&self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
-        if self.optical_depth.is_none() {
+    pub(super) fn absorbed_fraction(&self, wo: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> f64 {
+        if self.optical_depth.is_none() && !self.coating.as_ref().is_some_and(FilmStack::absorbs) {
             return 0.0;
         }
-        let (reflected, transmitted) = self.reflected_and_transmitted(wo, iors, nm);
+        let (reflected, transmitted) = self.reflected_and_transmitted(wo, iors, thickness_nm, nm);
         (1.0 - reflected - transmitted).max(0.0)
     }
 
     /// Returns R′ and T′ of unpolarised light.
-    fn reflected_and_transmitted(&self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64) -> (f64, f64) {
+    fn reflected_and_transmitted(&self, wo: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> (f64, f64) {
         let (outside, inside) = (iors.here.n(nm), self.index.n(nm));
+        if let Some(films) = &self.coating {
+            return self.between_films(films, wo.z, [outside, inside], thickness_nm, nm);
+        }
         let (s, p) = fresnel::dielectric_sp(wo.z, outside, inside);
         let Some(depth) = &self.optical_depth else {
             let reflected = s / (1.0 + s) + p / (1.0 + p);
@@ -81,6 +107,32 @@ impl ThinDielectric {
         let passage = exp(-depth.at(nm) / fresnel::cos_transmitted(wo.z, outside, inside));
         let ((rs, ts), (rp, tp)) = (slab(s, passage), slab(p, passage));
         (0.5 * (rs + rp), 0.5 * (ts + tp))
+    }
+}
+
+impl ThinDielectric {
+    /// Returns R′ and T′ of unpolarised light, for a slab with films on both faces. Only the waves
+    /// inside the films interfere. `indices` are those of the medium and of the slab.
+    fn between_films(
+        &self,
+        films: &FilmStack,
+        cos: f64,
+        [outside, inside]: [f64; 2],
+        thickness_nm: f32,
+        nm: f64,
+    ) -> (f64, f64) {
+        let (thickness, cos_inside) = (f64::from(thickness_nm), fresnel::cos_transmitted(cos, outside, inside));
+        let face = films.response_reversed(cos_inside, inside, outside.into(), nm, thickness);
+        let passage = self.optical_depth.as_ref().map_or(1.0, |depth| exp(-depth.at(nm) / cos_inside));
+        let plate = CoatedPlate {
+            front: films.response(cos, outside, inside.into(), nm, thickness),
+            front_inside: face,
+            back_inside: face,
+            passage,
+        };
+        let [reflected, transmitted] = plate.response().mean();
+        let clear = self.optical_depth.is_none() && !films.absorbs();
+        (reflected, if clear { 1.0 - reflected } else { transmitted.min(1.0 - reflected) })
     }
 }
 
@@ -102,7 +154,7 @@ mod tests {
         let air = RefractiveIndex::constant(1.0).unwrap();
         let (sin, cos) = degrees.to_radians().sin_cos();
         let iors = InterfaceIors { here: &air, there: &air };
-        pane.coefficient(DVec3::new(sin, 0.0, cos), ScatterEvent::Transmission, iors, 500.0)
+        pane.coefficient(DVec3::new(sin, 0.0, cos), ScatterEvent::Transmission, iors, 0.0, 500.0)
     }
 
     #[test]
@@ -111,8 +163,8 @@ mod tests {
         let pane = ThinDielectric::new(glass, None).unwrap();
         let iors = InterfaceIors { here: &air, there: &air };
         // One face reflects 0.04. The sum over all internal reflections is 2·0.04/1.04.
-        assert!((pane.coefficient(DVec3::Z, ScatterEvent::Reflection, iors, 500.0) - 0.08 / 1.04).abs() < 1e-15);
-        assert!((pane.coefficient(DVec3::Z, ScatterEvent::Transmission, iors, 500.0) - 0.96 / 1.04).abs() < 1e-15);
+        assert!((pane.coefficient(DVec3::Z, ScatterEvent::Reflection, iors, 0.0, 500.0) - 0.08 / 1.04).abs() < 1e-15);
+        assert!((pane.coefficient(DVec3::Z, ScatterEvent::Transmission, iors, 0.0, 500.0) - 0.96 / 1.04).abs() < 1e-15);
     }
 
     /// The transmittances of case 5.5 of CIE 171:2006. The values are from an independent

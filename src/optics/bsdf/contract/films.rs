@@ -1,0 +1,35 @@
+//! Cases of surfaces with thin films.
+
+use super::{BsdfCase, glass, ramp};
+use crate::optics::bsdf::{Bsdf, Conductor, ThinDielectric};
+use crate::optics::glass::RefractiveIndex;
+use crate::optics::thin_film::{FilmLayer, FilmStack, OpticalIndex};
+use crate::texture::SurfaceScalar;
+
+/// Returns a stack with a clear layer, or with the clear layer on a thin layer of a metal.
+fn stack(thickness_nm: f64, with_metal: bool) -> FilmStack {
+    let layer = |index, thickness_nm| FilmLayer { index, thickness_nm: SurfaceScalar::Uniform(thickness_nm) };
+    let metal = OpticalIndex::absorbing(ramp(0.1, 0.3), ramp(2.0, 5.0)).unwrap();
+    let clear = layer(OpticalIndex::Transparent(glass("water 20C")), thickness_nm);
+    let layers = if with_metal { vec![clear, layer(metal, 25.0)] } else { vec![clear] };
+    FilmStack::new(layers).unwrap()
+}
+
+pub(super) fn cases() -> Vec<BsdfCase> {
+    let air = || RefractiveIndex::constant(1.0).unwrap();
+    let into = |name, bsdf, behind| BsdfCase { name, bsdf, front: air(), behind };
+    let in_air = |name, bsdf| into(name, bsdf, air());
+    let pane = |films| Bsdf::ThinDielectric(ThinDielectric::new(glass("N-BK7"), None).unwrap().with_coating(films));
+    let metal =
+        |alpha| Bsdf::Conductor(Conductor::coated(ramp(1.3, 2.2), ramp(1.8, 4.0), stack(300.0, false), alpha).unwrap());
+    vec![
+        into("coated glass", Bsdf::coated_dielectric(stack(600.0, false)), glass("N-SF10")),
+        into("silvered glass", Bsdf::coated_dielectric(stack(100.0, true)), glass("N-SF10")),
+        in_air("soap film", Bsdf::thin_film(stack(900.0, false))),
+        in_air("silvered film", Bsdf::thin_film(stack(50.0, true))),
+        in_air("coated pane", pane(stack(100.0, false))),
+        in_air("silvered pane", pane(stack(100.0, true))),
+        in_air("coated metal", metal(0.0)),
+        in_air("coated rough metal", metal(0.3)),
+    ]
+}
