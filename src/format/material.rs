@@ -7,6 +7,7 @@ use serde_json::json;
 use super::check;
 use super::coating::CoatingFile;
 use super::forms;
+use super::grating::GratingFile;
 use super::index::IndexFile;
 use super::normal_map::NormalMapFile;
 use super::spectrum::{SpectrumFile, SpectrumUse};
@@ -45,6 +46,13 @@ pub enum MaterialFile {
     /// reflected. The surrounding medium is on both sides.
     #[schemars(example = json!({"thin_film": {"layers": [{"ior": "water", "thickness_nm": 300}]}}))]
     ThinFilm(CoatingFile),
+    /// A diffraction grating.
+    #[schemars(example = json!({"grating": {
+        "lines_per_mm": 600, "profile": {"blazed": {"order": 1, "nm": 550}}, "transmittance": 0.9, "reflectance": 0.05,
+        "angle": 90
+    }}))]
+    #[schemars(example = json!({"grating": {"lines_per_mm": 625, "grooves": "circular"}}))]
+    Grating(GratingFile),
     /// A metal.
     #[schemars(example = json!({"conductor": {"metal": "gold", "roughness": 0.2}}))]
     #[schemars(example = json!({"conductor": {"eta": 0.2, "k": 3.4}}))]
@@ -220,6 +228,7 @@ impl MaterialFile {
             Self::Dielectric(dielectric) => dielectric.validate(&at.key("dielectric")),
             Self::ThinDielectric(pane) => pane.validate(&at.key("thin_dielectric")),
             Self::ThinFilm(film) => film.validate(&at.key("thin_film")),
+            Self::Grating(grating) => grating.validate(&at.key("grating")),
             Self::Conductor(conductor) => conductor.validate(&at.key("conductor")),
             Self::Mirror { reflectance } => reflectance.validate(&at.key("mirror").key("reflectance")),
             Self::Glossy { reflectance, ior, roughness, interreflection: _ } => {

@@ -14,6 +14,7 @@ mod field;
 mod film;
 mod foreign;
 mod forms;
+mod grating;
 #[cfg(feature = "meshes")]
 pub mod import;
 mod index;
@@ -59,6 +60,7 @@ pub use field::{ExponentialFieldFile, FieldFile, NoiseFieldFile, PlanetFile, Sph
 pub use film::{
     ExposureFile, FilmFile, GamutFile, LayerFile, ObserverFile, OutputSpaceFile, ToneFile, WhiteBalanceFile,
 };
+pub use grating::{GratingFile, GratingProfileFile, GroovesFile};
 pub use index::{FormulaFile, IndexFile};
 pub use lens::{LensFile, LensSurfaceFile, PrescriptionFile, SystemLensFile, ThinLensFile, ThinLensForm};
 pub use light::LightFile;

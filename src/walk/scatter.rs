@@ -50,6 +50,9 @@ pub fn scatter(
     transport: TransportMode,
     stream: &mut Stream,
 ) -> Option<ScatteredRay> {
+    if matches!(interaction.bsdf.model, Bsdf::Grating(_)) && wavelengths.count > 1 {
+        return split_at_dispersive_facets(interaction, wavelengths, transport, stream);
+    }
     if let Bsdf::CoatedDielectric(coated) = interaction.bsdf.model {
         return scatter_at_coated_interface(interaction, coated, wavelengths, transport, stream);
     }
@@ -93,8 +96,8 @@ pub fn scatter_all_wavelengths(
     })
 }
 
-/// Scatters at a rough interface of dispersive media. The facets scatter each wavelength into a
-/// different direction. The path therefore first selects one wavelength, and then samples a
+/// Scatters at a rough interface of dispersive media, or at a grating. Each wavelength is scattered
+/// into a different direction. The path therefore first selects one wavelength, and then samples a
 /// direction.
 #[inline(never)]
 fn split_at_dispersive_facets(

@@ -19,6 +19,7 @@ mod competing_techniques;
 mod diffraction;
 mod free_and_shared;
 mod furnace;
+mod gratings;
 mod irradiance;
 mod large_worlds;
 mod lens_foci;

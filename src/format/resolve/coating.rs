@@ -116,7 +116,8 @@ fn named_index(name: &str) -> Result<OpticalIndex> {
         Ok(glass) => Ok(OpticalIndex::Transparent(glass.index.clone())),
         Err(_) => {
             let metals = library::metals().flat_map(|metal| [metal.symbol, metal.name]);
-            let known = catalogue::names().chain(metals).chain([AIR]);
+            let short = catalogue::names().filter_map(|name| name.split_once(" (")).map(|(name, _)| name);
+            let known = catalogue::names().chain(short).chain(metals).chain([AIR]);
             Err(Error::unknown_name("material", name, known)
                 .expected(format!("{}, a metal, or \"{AIR}\"", catalogue::EXPECTED_NAME)))
         }

@@ -4,12 +4,16 @@ use super::context::Resolver;
 use super::index::{index_file, index_of};
 use super::spectra::Role;
 use crate::error::{Error, Result, both};
-use crate::format::{ConductorFile, DielectricFile, IndexFile, JsonPath, MaterialFile, ScalarFile, ThinDielectricFile};
-use crate::optics::bsdf::{Bsdf, Conductor, Glossy, ThinDielectric};
+use crate::format::{
+    ConductorFile, DielectricFile, GratingFile, GratingProfileFile, GroovesFile, IndexFile, JsonPath, MaterialFile,
+    ScalarFile, SpectrumFile, ThinDielectricFile,
+};
+use crate::optics::bsdf::{Bsdf, Conductor, DiffractionGrating, Glossy, Grooves, ThinDielectric};
 use crate::optics::glass::RefractiveIndex;
+use crate::optics::grating::{Grating, GratingProfile};
 use crate::optics::thin_film::OpticalIndex;
 use crate::scene::{Body, Material};
-use crate::spectrum::library;
+use crate::spectrum::{Spectrum, library};
 use crate::texture::SurfaceScalar;
 
 /// The largest allowed depth of nested mixed materials. If the nesting is deeper, the references
@@ -74,6 +78,7 @@ impl Resolver<'_> {
                 let air = OpticalIndex::Transparent(self.at(&at, RefractiveIndex::constant(1.0))?);
                 (Ok(Bsdf::thin_film(self.coating(&at.key("thin_film"), file, &air)?)), None)
             }
+            MaterialFile::Grating(file) => (self.grating(&at.key("grating"), file), None),
             MaterialFile::Conductor(file) => (self.conductor(&at.key("conductor"), file), None),
             MaterialFile::Mirror { reflectance } => {
                 let at = at.key("mirror");
@@ -161,6 +166,32 @@ impl Resolver<'_> {
         let Some(coating) = coating else { return Bsdf::thin_dielectric(index, optical_depth) };
         let films = self.coating(&at.key("coating"), coating, &OpticalIndex::Transparent(index.clone()))?;
         Ok(Bsdf::ThinDielectric(ThinDielectric::new(index, optical_depth)?.with_coating(films)))
+    }
+
+    fn grating(&self, at: &JsonPath<'_>, file: &GratingFile) -> Result<Bsdf> {
+        let GratingFile { lines_per_mm, profile, reflectance, transmittance, grooves, angle } = file;
+        let profile = match *profile {
+            GratingProfileFile::Blazed { order, nm } => GratingProfile::Blazed { order, blaze_nm: nm },
+            GratingProfileFile::Sinusoidal { amplitude, nm } => {
+                GratingProfile::Sinusoidal { amplitude_rad: amplitude, at_nm: nm }
+            }
+            GratingProfileFile::Lamellar { phase, nm, duty } => {
+                GratingProfile::BinaryPhase { phase_rad: phase, at_nm: nm, duty }
+            }
+            GratingProfileFile::Slits { duty } => GratingProfile::BinaryAmplitude { duty },
+        };
+        let fraction = |key: &str, file: &Option<SpectrumFile>, default: f64| match file {
+            Some(file) => self.spectrum(&at.key(key), file, Role::Reflectance),
+            None => Ok(Spectrum::constant(default)),
+        };
+        let reflected = fraction("reflectance", reflectance, if transmittance.is_some() { 0.0 } else { 1.0 });
+        let (reflected, transmitted) = both(reflected, fraction("transmittance", transmittance, 0.0))?;
+        let grooves = match grooves {
+            GroovesFile::Parallel => Grooves::Parallel(angle.to_radians()),
+            GroovesFile::Circular => Grooves::Circular,
+        };
+        let grating = Grating::new(*lines_per_mm, profile)?;
+        DiffractionGrating::new(grating, reflected, transmitted, grooves).map(Bsdf::Grating)
     }
 
     fn conductor(&self, at: &JsonPath<'_>, file: &ConductorFile) -> Result<Bsdf> {

@@ -55,6 +55,7 @@ impl SensorResponses {
             | Bsdf::CoatedDielectric(_)
             | Bsdf::ThinDielectric(_)
             | Bsdf::ThinFilm(_)
+            | Bsdf::Grating(_)
             | Bsdf::Glossy(_)
             | Bsdf::Mix(_) => None,
         };

@@ -77,21 +77,6 @@ impl CoatedDielectric {
         FilmPowers::of(&oriented(&self.films, wo, here, there, thickness_nm, nm), self.films.absorbs())
     }
 
-    /// Returns the probability with which a path that carries the whole band is reflected. It is 1
-    /// under total reflection, and otherwise from 0.1 to 0.9.
-    pub fn mean_reflection_probability(&self, wo: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32) -> f64 {
-        /// Wavelengths (nm) at the ends of the band, where the critical angles are extreme, and
-        /// wavelengths over its visible part.
-        const PROBES_NM: [f64; 6] = [BAND_NM.0, 440.0, 500.0, 560.0, 630.0, BAND_NM.1];
-        let powers = PROBES_NM.map(|nm| self.powers(wo, iors, thickness_nm, nm));
-        if powers.iter().all(|powers| powers.transmitted == 0.0) {
-            return 1.0;
-        }
-        let sum = |of: fn(&FilmPowers) -> f64| powers.iter().map(of).sum::<f64>();
-        let (reflected, transmitted) = (sum(|powers| powers.reflected), sum(|powers| powers.transmitted));
-        FilmPowers { reflected, transmitted }.reflection_probability()
-    }
-
     pub(super) fn sample(
         &self,
         wo: DVec3,
@@ -166,6 +151,26 @@ impl ThinFilm {
             BsdfSample::delta(-wo, ScatterEvent::Transmission, 1.0 - probability)
         }
     }
+}
+
+/// Returns the probability with which a path of the wavelength `nm` is reflected. `None` stands for a
+/// path that carries the whole band: the probability is then 1 under total reflection, and otherwise
+/// from 0.1 to 0.9. `powers` returns R and T at a wavelength in nm.
+pub(super) fn reflection_probability(nm: Option<f64>, powers: impl Fn(f64) -> FilmPowers) -> f64 {
+    /// Wavelengths (nm) at the ends of the band, where the critical angles are extreme, and
+    /// wavelengths over its visible part.
+    const PROBES_NM: [f64; 6] = [BAND_NM.0, 440.0, 500.0, 560.0, 630.0, BAND_NM.1];
+    if let Some(nm) = nm {
+        let FilmPowers { reflected, transmitted } = powers(nm);
+        return reflected / (reflected + transmitted).max(f64::MIN_POSITIVE);
+    }
+    let powers = PROBES_NM.map(powers);
+    if powers.iter().all(|powers| powers.transmitted == 0.0) {
+        return 1.0;
+    }
+    let sum = |of: fn(&FilmPowers) -> f64| powers.iter().map(of).sum::<f64>();
+    let (reflected, transmitted) = (sum(|powers| powers.reflected), sum(|powers| powers.transmitted));
+    FilmPowers { reflected, transmitted }.reflection_probability()
 }
 
 /// Returns the response of films to light that arrives from the side of `wo`. If `wo` points to the

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::sample::{BsdfClass, BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
-use super::{Bsdf, MixBsdf, dielectric, diffuse};
+use super::{Bsdf, MixBsdf, coated, dielectric, diffuse};
 use crate::spectrum::{LANES, Lanes};
 use crate::texture::Texel;
 
@@ -16,11 +16,14 @@ pub struct Texels {
     pub transmittance: Texel,
     /// The thickness in nm of the thin film that varies over the surface.
     pub thickness_nm: f32,
+    /// The angle in rad from the first axis of the local frame to the direction across the grooves
+    /// of a grating.
+    pub groove_angle: f32,
 }
 
 impl Texels {
     /// The texels of a surface without textures.
-    pub const NONE: Self = Self { reflectance: 0, transmittance: 0, thickness_nm: 0.0 };
+    pub const NONE: Self = Self { reflectance: 0, transmittance: 0, thickness_nm: 0.0, groove_angle: 0.0 };
 
     pub(super) fn of_reflectance(reflectance: Texel) -> Self {
         Self { reflectance, ..Self::NONE }
@@ -83,6 +86,7 @@ impl<'a> LocalBsdf<'a> {
             Bsdf::CoatedDielectric(coated) => Some(coated.sample(wo, iors, self.texels.thickness_nm, nm, u)),
             Bsdf::ThinDielectric(thin) => Some(thin.sample(wo, iors, self.texels.thickness_nm, nm, u)),
             Bsdf::ThinFilm(film) => Some(film.sample(wo, iors, self.texels.thickness_nm, nm, u)),
+            Bsdf::Grating(grating) => grating.sample(wo, iors, self.texels.groove_angle, nm, u),
             Bsdf::Glossy(glossy) => Some(glossy.sample(wo, reflectance, nm, u)),
             Bsdf::Mix(mix) => {
                 let mut choice = u[2];
@@ -110,6 +114,9 @@ impl<'a> LocalBsdf<'a> {
     ) -> f64 {
         if let Bsdf::Mix(mix) = self.model {
             return self.component(mix, sample.component).eval_sample(wo, sample, iors, mode, nm);
+        }
+        if let Bsdf::Grating(grating) = self.model {
+            return grating.coefficient(wo, sample, iors, self.texels.groove_angle, (mode, nm));
         }
         if sample.delta {
             return self.coefficient(wo, sample.event, iors, mode, nm);
@@ -139,6 +146,7 @@ impl<'a> LocalBsdf<'a> {
             Bsdf::CoatedDielectric(coated) => coated.powers(wo, iors, self.texels.thickness_nm, nm).absorbed(),
             Bsdf::ThinDielectric(thin) => thin.absorbed_fraction(wo, iors, self.texels.thickness_nm, nm),
             Bsdf::ThinFilm(film) => film.powers(wo, iors, self.texels.thickness_nm, nm).absorbed(),
+            Bsdf::Grating(grating) => grating.absorbed_fraction(nm),
             Bsdf::Glossy(glossy) => glossy.absorbed_fraction(wo, reflectance, nm),
             Bsdf::Mix(mix) => self.component(mix, sample.component).absorbed_fraction(wo, sample, iors, nm),
         }
@@ -184,7 +192,8 @@ impl<'a> LocalBsdf<'a> {
             | Bsdf::Mirror(_)
             | Bsdf::CoatedDielectric(_)
             | Bsdf::ThinDielectric(_)
-            | Bsdf::ThinFilm(_) => 0.0,
+            | Bsdf::ThinFilm(_)
+            | Bsdf::Grating(_) => 0.0,
             Bsdf::Diffuse(diffuse) => diffuse.eval(wo, wi, reflectance, nm),
             Bsdf::Translucent(translucent) => translucent.eval(wo, wi, self.texels, nm),
             Bsdf::Conductor(conductor) => conductor.eval(wo, wi, iors, self.texels, nm),
@@ -207,7 +216,8 @@ impl<'a> LocalBsdf<'a> {
             | Bsdf::Mirror(_)
             | Bsdf::CoatedDielectric(_)
             | Bsdf::ThinDielectric(_)
-            | Bsdf::ThinFilm(_) => 0.0,
+            | Bsdf::ThinFilm(_)
+            | Bsdf::Grating(_) => 0.0,
             Bsdf::Diffuse(diffuse) => diffuse.pdf(wo, wi),
             Bsdf::Translucent(translucent) => translucent.pdf(wo, wi, self.texels, nm),
             Bsdf::Conductor(conductor) => conductor.pdf(wo, wi),
@@ -217,6 +227,31 @@ impl<'a> LocalBsdf<'a> {
                 .weighted_components()
                 .map(|(weight, model)| weight * Self { model, ..self }.pdf(wo, wi, iors, nm))
                 .sum(),
+        }
+    }
+
+    /// Returns the probability with which a path of the wavelength `nm` should be reflected by a
+    /// coated interface or by a film. `None` stands for a path that carries the whole band. Returns
+    /// `None` for all other surfaces.
+    pub fn film_reflection_probability(self, wo: DVec3, iors: InterfaceIors<'_>, nm: Option<f64>) -> Option<f64> {
+        let thickness_nm = self.texels.thickness_nm;
+        match self.model {
+            Bsdf::CoatedDielectric(coated) => {
+                Some(coated::reflection_probability(nm, |nm| coated.powers(wo, iors, thickness_nm, nm)))
+            }
+            Bsdf::ThinFilm(film) => {
+                Some(coated::reflection_probability(nm, |nm| film.powers(wo, iors, thickness_nm, nm)))
+            }
+            Bsdf::Absorber
+            | Bsdf::Diffuse(_)
+            | Bsdf::Translucent(_)
+            | Bsdf::Mirror(_)
+            | Bsdf::Conductor(_)
+            | Bsdf::Dielectric(_)
+            | Bsdf::ThinDielectric(_)
+            | Bsdf::Grating(_)
+            | Bsdf::Glossy(_)
+            | Bsdf::Mix(_) => None,
         }
     }
 
@@ -231,7 +266,12 @@ impl<'a> LocalBsdf<'a> {
             Bsdf::CoatedDielectric(coated) => coated.coefficient(wo, event, iors, self.texels.thickness_nm, (mode, nm)),
             Bsdf::ThinDielectric(thin) => thin.coefficient(wo, event, iors, self.texels.thickness_nm, nm),
             Bsdf::ThinFilm(film) => film.powers(wo, iors, self.texels.thickness_nm, nm).of_event(event),
-            Bsdf::Absorber | Bsdf::Diffuse(_) | Bsdf::Translucent(_) | Bsdf::Glossy(_) | Bsdf::Mix(_) => 0.0,
+            Bsdf::Absorber
+            | Bsdf::Diffuse(_)
+            | Bsdf::Translucent(_)
+            | Bsdf::Grating(_)
+            | Bsdf::Glossy(_)
+            | Bsdf::Mix(_) => 0.0,
         }
     }
 }

@@ -28,6 +28,7 @@ mod contract;
 mod dielectric;
 mod diffuse;
 mod glossy;
+mod grating;
 mod hemisphere;
 mod local;
 mod mirror;
@@ -48,6 +49,7 @@ pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use glossy::Glossy;
+pub use grating::{DiffractionGrating, Grooves};
 pub use local::{LocalBsdf, Texels};
 pub use mirror::Mirror;
 pub use mix::MixBsdf;
@@ -76,6 +78,8 @@ pub enum Bsdf {
     ThinDielectric(ThinDielectric),
     /// See [`ThinFilm`].
     ThinFilm(ThinFilm),
+    /// See [`DiffractionGrating`].
+    Grating(DiffractionGrating),
     /// See [`Glossy`].
     Glossy(Glossy),
     /// See [`MixBsdf`].
@@ -157,9 +161,11 @@ impl Bsdf {
     pub fn class(&self) -> BsdfClass {
         match self {
             Self::Absorber => BsdfClass::Absorbing,
-            Self::Mirror(_) | Self::CoatedDielectric(_) | Self::ThinDielectric(_) | Self::ThinFilm(_) => {
-                BsdfClass::Specular
-            }
+            Self::Mirror(_)
+            | Self::CoatedDielectric(_)
+            | Self::ThinDielectric(_)
+            | Self::ThinFilm(_)
+            | Self::Grating(_) => BsdfClass::Specular,
             Self::Conductor(conductor) => rough_class(conductor.is_rough()),
             Self::Dielectric(dielectric) => rough_class(dielectric.is_rough()),
             Self::Glossy(_) => BsdfClass::Glossy,
@@ -178,6 +184,7 @@ impl Bsdf {
             | Self::ThinDielectric(_)
             | Self::ThinFilm(_) => true,
             Self::Mix(mix) => mix.components().iter().any(Self::is_transmissive),
+            Self::Grating(grating) => grating.transmits(),
             Self::Absorber | Self::Diffuse(_) | Self::Mirror(_) | Self::Conductor(_) | Self::Glossy(_) => false,
         }
     }
@@ -195,6 +202,7 @@ impl Bsdf {
             | Self::Translucent(_)
             | Self::Mirror(_)
             | Self::Dielectric(_)
+            | Self::Grating(_)
             | Self::Glossy(_)
             | Self::Mix(_) => None,
         };
@@ -214,6 +222,32 @@ impl Bsdf {
             | Self::Translucent(_)
             | Self::Mirror(_)
             | Self::Dielectric(_)
+            | Self::Grating(_)
+            | Self::Glossy(_) => self,
+        })
+    }
+
+    /// Returns the grating of the BSDF. A mixture returns `None`.
+    #[inline]
+    pub fn grating(&self) -> Option<&DiffractionGrating> {
+        if let Self::Grating(grating) = self { Some(grating) } else { None }
+    }
+
+    /// Returns the BSDF with each grating replaced by one that diffracts all light like light of the
+    /// wavelength `nm`.
+    pub fn without_dispersion(self, nm: f64) -> Result<Self> {
+        Ok(match self {
+            Self::Grating(grating) => Self::Grating(grating.without_dispersion(nm)),
+            Self::Mix(mix) => Self::Mix(mix.with_components(|part| part.without_dispersion(nm))?),
+            Self::Absorber
+            | Self::Diffuse(_)
+            | Self::Translucent(_)
+            | Self::Mirror(_)
+            | Self::Conductor(_)
+            | Self::Dielectric(_)
+            | Self::CoatedDielectric(_)
+            | Self::ThinDielectric(_)
+            | Self::ThinFilm(_)
             | Self::Glossy(_) => self,
         })
     }
@@ -226,7 +260,8 @@ impl Bsdf {
             | Self::Dielectric(_)
             | Self::CoatedDielectric(_)
             | Self::ThinDielectric(_)
-            | Self::ThinFilm(_) => Vec::new(),
+            | Self::ThinFilm(_)
+            | Self::Grating(_) => Vec::new(),
             Self::Diffuse(diffuse) => vec![&diffuse.reflectance],
             Self::Translucent(sheet) => vec![&sheet.reflectance, &sheet.transmittance],
             Self::Mirror(mirror) => vec![&mirror.reflectance],
@@ -241,6 +276,7 @@ impl Bsdf {
         match self {
             Self::ThinDielectric(thin) => thin.optical_depth.iter().any(Spectrum::is_upsampled),
             Self::Conductor(metal) => metal.is_upsampled(),
+            Self::Grating(grating) => grating.is_upsampled(),
             Self::Mix(mix) => mix.components().iter().any(Self::is_upsampled),
             Self::Absorber
             | Self::Diffuse(_)
@@ -257,7 +293,7 @@ impl Bsdf {
     #[inline]
     pub fn is_textured(&self) -> bool {
         match self {
-            Self::Absorber | Self::Dielectric(_) => false,
+            Self::Absorber | Self::Dielectric(_) | Self::Grating(_) => false,
             Self::CoatedDielectric(coated) => coated.films.is_textured(),
             Self::ThinDielectric(pane) => pane.coating.as_ref().is_some_and(FilmStack::is_textured),
             Self::ThinFilm(film) => film.films.is_textured(),
@@ -286,7 +322,7 @@ impl Bsdf {
                 Self::ThinDielectric(ThinDielectric { coating, ..pane })
             }
             Self::ThinFilm(film) => Self::thin_film(film.films.without_textures()),
-            Self::Absorber | Self::Dielectric(_) => self,
+            Self::Absorber | Self::Dielectric(_) | Self::Grating(_) => self,
         }
     }
 
@@ -327,6 +363,7 @@ impl Bsdf {
             | Self::CoatedDielectric(_)
             | Self::ThinDielectric(_)
             | Self::ThinFilm(_)
+            | Self::Grating(_)
             | Self::Mix(_) => Texels::NONE,
         };
         LocalBsdf { model, texels }
@@ -346,6 +383,7 @@ impl Bsdf {
             | Self::CoatedDielectric(_)
             | Self::ThinDielectric(_)
             | Self::ThinFilm(_)
+            | Self::Grating(_)
             | Self::Glossy(_) => std::slice::from_ref(self),
         };
         components.iter()

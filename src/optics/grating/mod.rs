@@ -105,6 +105,40 @@ impl Grating {
         number(-widest).ceil() as i32..=number(widest).floor() as i32
     }
 
+    /// Returns the sum of the scalar efficiencies of all orders that propagate.
+    fn scalar_sum(&self, incident: DVec3, index: f64, nm: f64) -> f64 {
+        self.propagating(incident, [index; 2], nm).map(|order| self.profile.efficiency(order, nm)).sum()
+    }
+
+    /// Returns the efficiency of one order; see [`Self::orders`]. The medium of the index `index` is
+    /// on both sides. The order must propagate.
+    pub fn efficiency(&self, incident: DVec3, order: i32, index: f64, nm: f64) -> f64 {
+        let sum = self.scalar_sum(incident, index, nm);
+        let share = if sum > 0.0 { self.profile.efficiency(order, nm) / sum } else { f64::from(u8::from(order == 0)) };
+        self.profile.total() * share
+    }
+
+    /// Selects an order that propagates in proportion to its efficiency, by the random number `u` in
+    /// \[0, 1). Returns the order and its probability.
+    pub fn sample_order(&self, incident: DVec3, index: f64, nm: f64, u: f64) -> (i32, f64) {
+        let sum = self.scalar_sum(incident, index, nm);
+        if sum <= 0.0 {
+            return (0, 1.0);
+        }
+        let (mut rest, mut chosen) = (u * sum, (0, 1.0));
+        for order in self.propagating(incident, [index; 2], nm) {
+            let efficiency = self.profile.efficiency(order, nm);
+            if efficiency > 0.0 {
+                chosen = (order, efficiency / sum);
+                rest -= efficiency;
+                if rest < 0.0 {
+                    break;
+                }
+            }
+        }
+        chosen
+    }
+
     /// Returns all orders that propagate, with their efficiencies. The arguments are those of
     /// [`Self::direction`].
     ///
