@@ -10,6 +10,7 @@ mod common;
 mod coarse_picture;
 mod example_scenes;
 mod layers;
+mod plan_films;
 mod plan_forced;
 mod plan_light_map;
 mod plan_negligible;

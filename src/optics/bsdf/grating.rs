@@ -153,3 +153,44 @@ impl DiffractionGrating {
         (1.0 - kept).max(0.0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::glass::RefractiveIndex;
+    use crate::optics::grating::GratingProfile;
+
+    /// The efficiencies of order −1 of a blazed grating, and of the light that is sent back along
+    /// it, are golden values (grating.json, `reciprocity`). A camera path sees the efficiency of the
+    /// light that travels against it.
+    #[test]
+    fn camera_paths_use_the_efficiency_of_the_light() {
+        let air = RefractiveIndex::constant(1.0).unwrap();
+        let iors = InterfaceIors { here: &air, there: &air };
+        let profile = GratingProfile::Blazed { order: 1, blaze_nm: 550.0 };
+        let grating = Grating::new(1200.0, profile).unwrap();
+        let [white, black] = [1.0, 0.0].map(Spectrum::constant);
+        let grating = DiffractionGrating::new(grating, white, black, Grooves::Parallel(0.0)).unwrap();
+        let at = |degrees: f64| DVec3::new(degrees.to_radians().sin(), 0.0, degrees.to_radians().cos());
+        // Light that travels towards +x at 5° to the normal leaves at −43.86°.
+        let (lamp, out) = (at(-5.0), at(-43.855_680_335));
+        let coefficient = |wo: DVec3, wi: DVec3, mode| {
+            let sample = BsdfSample::delta(wi, ScatterEvent::Reflection, 1.0);
+            grating.coefficient(wo, &sample, iors, 0.0, (mode, 650.0))
+        };
+        let (forward, reverse) = (0.006_677_335_687_88, 0.161_784_138_71);
+        let close = |found: f64, known: f64| assert!((found - known).abs() < 1e-9, "{found} for {known}");
+        close(coefficient(lamp, out, TransportMode::Importance), forward);
+        close(coefficient(out, lamp, TransportMode::Radiance), forward);
+        close(coefficient(out, lamp, TransportMode::Importance), reverse);
+        close(coefficient(lamp, out, TransportMode::Radiance), reverse);
+    }
+
+    #[test]
+    fn fractions_with_a_sum_above_1_are_refused() {
+        let grating = Grating::new(600.0, GratingProfile::BinaryAmplitude { duty: 0.5 }).unwrap();
+        let half = || Spectrum::constant(0.6);
+        let message = DiffractionGrating::new(grating, half(), half(), Grooves::Circular).unwrap_err().to_string();
+        assert!(message.contains("a sum of 1.2"), "{message}");
+    }
+}

@@ -9,6 +9,10 @@ use crate::math::complex::Complex;
 /// of n·cos θ, so this bound changes them by less than 10⁻¹¹.
 const LEAST_NORMAL_INDEX: f64 = 1e-6;
 
+/// At smaller cosines of the angle of incidence, all light is reflected. The bound avoids an
+/// underflow of the transmitted power.
+const LEAST_COSINE: f64 = 1e-100;
+
 /// The response of a stack to s or p polarised light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PolarisedResponse {
@@ -135,7 +139,7 @@ pub fn response(
     nm: f64,
 ) -> StackResponse {
     let cos = cos.abs().min(1.0);
-    if cos == 0.0 {
+    if cos < LEAST_COSINE {
         let mirror = |sign: f64| PolarisedResponse {
             reflected: Complex::from(sign),
             transmitted: Complex::default(),
