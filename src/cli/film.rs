@@ -48,6 +48,16 @@ struct Polarised {
     mean: Vec<f64>,
 }
 
+impl Polarised {
+    /// Adds the values at one wavelength.
+    fn push(&mut self, found: &StackResponse, of: impl Fn(&PolarisedResponse) -> f64) {
+        let (s, p) = (of(&found.s), of(&found.p));
+        self.s.push(s);
+        self.p.push(p);
+        self.mean.push(0.5 * (s + p));
+    }
+}
+
 /// CIE 1931 chromaticities of unpolarised light. Null if there is no light.
 #[derive(Debug, Serialize)]
 struct FilmColours {
@@ -116,14 +126,8 @@ fn at_angle(system: &FilmSystem, degrees: f64, wavelengths: &[f64], lamp: &Spect
     let (mut reflectance, mut transmittance) = (Polarised::default(), Polarised::default());
     for &nm in wavelengths {
         let found = response(system, degrees, nm);
-        let parts: [(&mut Polarised, fn(&PolarisedResponse) -> f64); 2] =
-            [(&mut reflectance, |it| it.reflectance), (&mut transmittance, |it| it.transmittance)];
-        for (lists, of) in parts {
-            let (s, p) = (of(&found.s), of(&found.p));
-            lists.s.push(s);
-            lists.p.push(p);
-            lists.mean.push(0.5 * (s + p));
-        }
+        reflectance.push(&found, |it| it.reflectance);
+        transmittance.push(&found, |it| it.transmittance);
     }
     let colour = |of: fn(&StackResponse) -> f64| chromaticity(lamp, |nm| of(&response(system, degrees, nm)));
     let xy = FilmColours {
@@ -172,15 +176,15 @@ fn text(report: &FilmReport, lamp: &str) -> String {
 fn plot(system: &FilmSystem, angles: &[f64]) -> SpectralPlot {
     let mut curves = Vec::new();
     for &degrees in angles {
-        let parts: [(&str, fn(&StackResponse) -> f64); 2] =
-            [("reflectance", StackResponse::reflectance), ("transmittance", StackResponse::transmittance)];
-        for (name, of) in parts {
+        let mut add = |name: &str, of: fn(&StackResponse) -> f64| {
             let nm = (0..=470).map(|i| BAND_NM.0 + f64::from(i));
             let points: Vec<(f64, f64)> = nm.map(|nm| (nm, of(&response(system, degrees, nm)))).collect();
             if points.iter().any(|point| point.1 > 0.0) {
                 curves.push(SpectralCurve { name: format!("{name} at {degrees}°"), points });
             }
-        }
+        };
+        add("reflectance", StackResponse::reflectance);
+        add("transmittance", StackResponse::transmittance);
     }
     SpectralPlot {
         title: "Thin films".to_string(),

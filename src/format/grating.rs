@@ -79,7 +79,7 @@ pub enum GratingProfileFile {
         nm: f64,
     },
     /// Rectangular grooves: a phase with two values.
-    #[schemars(example = json!({"lamellar": {"phase": 3.14, "nm": 550, "duty": 0.4}}))]
+    #[schemars(example = json!({"lamellar": {"phase": 3, "nm": 550, "duty": 0.4}}))]
     Lamellar {
         /// Difference of the two phases.
         #[serde(default = "half_a_turn")]

@@ -55,9 +55,9 @@ fn orders_leave_in_the_golden_directions() {
 }
 
 fn profile(case: &Value) -> GratingProfile {
-    let parameter = |key: &str| match &case["parameters"][key] {
-        Value::String(text) => text.parse().unwrap(),
-        value => number(value),
+    let parameter = |key: &str| {
+        let value = &case["parameters"][key];
+        value.as_str().map_or_else(|| number(value), |text| text.parse().unwrap())
     };
     match case["profile"].as_str().unwrap() {
         "blazed" => blazed(parameter("order") as i32, parameter("blaze_nm")),
