@@ -39,8 +39,8 @@ pub(crate) struct GratingArgs {
     /// The wavelength of the blaze in nm
     #[arg(long, value_name = "NM", default_value_t = 500.0, value_parser = values::wavelength_nm)]
     blaze: f64,
-    /// The amplitude of a sinusoidal phase, or the step of a lamellar phase, in rad [default: 1.8412
-    /// for sinusoidal, which sends most light to the first orders; π for lamellar]
+    /// The amplitude of a sinusoidal phase, or the step of a lamellar phase, in rad [default:
+    /// 1.8412 for sinusoidal, which sends most light to the first orders; π for lamellar]
     #[arg(long, value_name = "RAD")]
     phase: Option<f64>,
     /// The wavelength in nm at which `--phase` holds

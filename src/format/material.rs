@@ -201,8 +201,8 @@ pub struct ConductorFile {
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "forms::never", extend("minimum" = 0, "maximum" = 1))]
     pub roughness: ScalarFile,
-    /// Thin films on the metal, from the outside to the metal. They need an index of refraction, and no
-    /// `reflectance`.
+    /// Thin films on the metal, from the outside to the metal. They need an index of refraction,
+    /// and no `reflectance`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no coating"))]
     pub coating: Option<CoatingFile>,

@@ -297,8 +297,8 @@ pub fn parse_spectrum(text: &str, name: &Path) -> Result<(SpectrumFile, JsonSour
     Ok((spectrum, source))
 }
 
-/// Reads a stack of thin films from its text, in the form of a coating in a scene. Errors use `name`
-/// as the name of the text. Paths in the stack may name any file.
+/// Reads a stack of thin films from its text, in the form of a coating in a scene. Errors use
+/// `name` as the name of the text. Paths in the stack may name any file.
 ///
 /// # Errors
 /// If the text is not a stack, returns an error with its position in the text.

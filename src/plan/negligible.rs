@@ -120,8 +120,9 @@ fn indirect(scene: &Scene, facts: &Facts) -> Option<String> {
 /// Returns the reason if dispersion is negligible: the lights emit at nearly one wavelength, or the
 /// glass has nearly the same refractive index at all wavelengths of the lights.
 ///
-/// The distance between two wavelengths grows along the path after the refraction. The bound assumes
-/// the longest path in the scene, to a surface as near to the camera as the nearest surface.
+/// The distance between two wavelengths grows along the path after the refraction. The bound
+/// assumes the longest path in the scene, to a surface as near to the camera as the nearest
+/// surface.
 fn dispersion(scene: &Scene, facts: &Facts) -> Option<String> {
     /// The number of wavelength intervals. Refractive indices are compared at the ends of the
     /// intervals. Within an interval, a refractive index is assumed to be monotonic.

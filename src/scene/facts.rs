@@ -29,8 +29,8 @@ pub struct Facts {
     pub films: Vec<String>,
     /// Objects with a diffuse component.
     pub diffuse: Vec<String>,
-    /// Objects with a body, and gratings. The body consists of glass or liquid, or it is filled with a
-    /// medium. Paths keep a single wavelength behind these objects.
+    /// Objects with a body, and gratings. The body consists of glass or liquid, or it is filled
+    /// with a medium. Paths keep a single wavelength behind these objects.
     pub bodies: Vec<String>,
     /// Objects with a body that has an absorption coefficient.
     pub absorbing_bodies: Vec<String>,

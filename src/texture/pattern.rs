@@ -101,9 +101,9 @@ impl Pattern {
         }
     }
 
-    /// Returns the interpolated value at a point. `value` returns the value of a texel. The point is
-    /// selected at random within the footprint. A function of the value that is not linear, such as
-    /// the colour of a film, needs this interpolation instead of a selected texel.
+    /// Returns the interpolated value at a point. `value` returns the value of a texel. The point
+    /// is selected at random within the footprint. A function of the value that is not linear, such
+    /// as the colour of a film, needs this interpolation instead of a selected texel.
     pub fn interpolated(&self, point: &TexturePoint, random: &mut LookupRandom, value: impl Fn(usize) -> f64) -> f64 {
         let mixed = |weight: f64| value(0) + weight * (value(1) - value(0));
         match self {

@@ -87,8 +87,8 @@ impl<'a> CameraPass<'a> {
     ) -> bool {
         let bsdf = interaction.bsdf;
         if bsdf.class() == BsdfClass::Glossy || matches!(bsdf.model, Bsdf::Grating(_)) {
-            // At rough dispersive glass and at a grating, each wavelength samples its own direction,
-            // also for reflection.
+            // At rough dispersive glass and at a grating, each wavelength samples its own
+            // direction, also for reflection.
             context.tally.dispersions += 1;
             self.split(*path, interaction, SplitEvent::Glossy(glossy), context);
             return false;

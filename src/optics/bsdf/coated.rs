@@ -116,8 +116,8 @@ impl CoatedDielectric {
     }
 }
 
-/// A free-standing film, such as a soap bubble: a surface without thickness, with the same medium on
-/// both sides. Transmitted light continues straight on.
+/// A free-standing film, such as a soap bubble: a surface without thickness, with the same medium
+/// on both sides. Transmitted light continues straight on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThinFilm {
     pub(super) films: FilmStack,
@@ -153,9 +153,9 @@ impl ThinFilm {
     }
 }
 
-/// Returns the probability with which a path of the wavelength `nm` is reflected. `None` stands for a
-/// path that carries the whole band: the probability is then 1 under total reflection, and otherwise
-/// from 0.1 to 0.9. `powers` returns R and T at a wavelength in nm.
+/// Returns the probability with which a path of the wavelength `nm` is reflected. `None` stands for
+/// a path that carries the whole band: the probability is then 1 under total reflection, and
+/// otherwise from 0.1 to 0.9. `powers` returns R and T at a wavelength in nm.
 pub(super) fn reflection_probability(nm: Option<f64>, powers: impl Fn(f64) -> FilmPowers) -> f64 {
     /// Wavelengths (nm) at the ends of the band, where the critical angles are extreme, and
     /// wavelengths over its visible part.

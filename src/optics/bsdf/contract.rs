@@ -411,8 +411,8 @@ fn extreme_random_numbers_and_angles_stay_finite() {
     }
 }
 
-/// Only refraction and diffraction can restrict a path to one wavelength. For refraction, at least one
-/// of the two media must be dispersive.
+/// Only refraction and diffraction can restrict a path to one wavelength. For refraction, at least
+/// one of the two media must be dispersive.
 #[test]
 fn only_dispersive_refraction_sets_disperses() {
     each_view(|case, wo, nm, seed| {

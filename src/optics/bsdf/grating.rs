@@ -122,8 +122,8 @@ impl DiffractionGrating {
         Some(BsdfSample { disperses: self.fixed_nm.is_none(), ..sample })
     }
 
-    /// Returns the efficiency of the order that leads from `wo` to the sampled direction, or back if
-    /// the path transports radiance.
+    /// Returns the efficiency of the order that leads from `wo` to the sampled direction, or back
+    /// if the path transports radiance.
     pub(super) fn coefficient(
         &self,
         wo: DVec3,
@@ -161,8 +161,8 @@ mod tests {
     use crate::optics::grating::GratingProfile;
 
     /// The efficiencies of order −1 of a blazed grating, and of the light that is sent back along
-    /// it, are golden values (grating.json, `reciprocity`). A camera path sees the efficiency of the
-    /// light that travels against it.
+    /// it, are golden values (grating.json, `reciprocity`). A camera path sees the efficiency of
+    /// the light that travels against it.
     #[test]
     fn camera_paths_use_the_efficiency_of_the_light() {
         let air = RefractiveIndex::constant(1.0).unwrap();

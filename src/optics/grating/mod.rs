@@ -29,8 +29,8 @@ pub struct DiffractedOrder {
     pub direction: DVec3,
     /// The fraction of the incident power. The orders of a phase grating sum to 1.
     pub efficiency: f64,
-    /// The fraction of the incident power by scalar theory, before the power of evanescent orders is
-    /// divided among the orders that propagate.
+    /// The fraction of the incident power by scalar theory, before the power of evanescent orders
+    /// is divided among the orders that propagate.
     pub scalar_efficiency: f64,
 }
 
@@ -110,16 +110,16 @@ impl Grating {
         self.propagating(incident, [index; 2], nm).map(|order| self.profile.efficiency(order, nm)).sum()
     }
 
-    /// Returns the efficiency of one order; see [`Self::orders`]. The medium of the index `index` is
-    /// on both sides. The order must propagate.
+    /// Returns the efficiency of one order; see [`Self::orders`]. The medium of the index `index`
+    /// is on both sides. The order must propagate.
     pub fn efficiency(&self, incident: DVec3, order: i32, index: f64, nm: f64) -> f64 {
         let sum = self.scalar_sum(incident, index, nm);
         let share = if sum > 0.0 { self.profile.efficiency(order, nm) / sum } else { f64::from(u8::from(order == 0)) };
         self.profile.total() * share
     }
 
-    /// Selects an order that propagates in proportion to its efficiency, by the random number `u` in
-    /// \[0, 1). Returns the order and its probability.
+    /// Selects an order that propagates in proportion to its efficiency, by the random number `u`
+    /// in \[0, 1). Returns the order and its probability.
     pub fn sample_order(&self, incident: DVec3, index: f64, nm: f64, u: f64) -> (i32, f64) {
         let sum = self.scalar_sum(incident, index, nm);
         if sum <= 0.0 {
