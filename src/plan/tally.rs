@@ -48,7 +48,7 @@ pub struct Tally {
     pub film_events: u64,
     /// Scattering events at rough or coated surfaces.
     pub rough_events: u64,
-    /// Arrivals at the faces of bodies, and segments of camera paths inside bodies.
+    /// Arrivals at the faces of bodies and at gratings, and segments of camera paths inside bodies.
     pub body_events: u64,
     /// Segments of camera paths in absorbing glass or liquid.
     pub absorptions: u64,
