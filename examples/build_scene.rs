@@ -22,6 +22,7 @@ fn main() -> abbe::Result<()> {
         ior: IndexFile::Name("N-BK7".to_string()),
         roughness: ScalarFile::Number(0.0),
         absorption: None,
+        coating: None,
         medium: None,
         priority: 0,
     };

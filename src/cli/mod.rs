@@ -16,9 +16,11 @@ mod develop;
 mod display_server;
 mod expectation;
 mod explain;
+mod film;
 mod folded_lens;
 mod frames;
 mod glass;
+mod grating;
 #[cfg(feature = "meshes")]
 mod import;
 mod interrupt;
@@ -100,6 +102,10 @@ enum Command {
     Glass(glass::GlassArgs),
     /// Print the complex refractive index of a metal
     Metal(metal::MetalArgs),
+    /// Print the reflectance, the transmittance and the colours of a stack of thin films
+    Film(film::FilmArgs),
+    /// Print the orders of a diffraction grating: their angles and efficiencies
+    Grating(grating::GratingArgs),
     /// Analyse a lens of several elements: focal length, pupils, aberrations, spots, cross-section
     Lens(lens::LensArgs),
     /// Compare two lamps, or a lamp and its best match from primaries: their colours and the
@@ -218,6 +224,8 @@ fn run(command: &Command) -> Result<Outcome> {
         Command::Spectrum(arguments) => spectrum::run(arguments),
         Command::Glass(arguments) => glass::run(arguments),
         Command::Metal(arguments) => metal::run(arguments),
+        Command::Film(arguments) => film::run(arguments),
+        Command::Grating(arguments) => grating::run(arguments),
         Command::Lens(arguments) => lens::run(arguments),
         Command::Lamps(arguments) => lamps::run(arguments),
         Command::Measure(arguments) => measure::run(arguments),

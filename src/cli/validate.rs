@@ -7,6 +7,7 @@ use crate::output::file as files;
 use crate::render::{StopRules, on_threads};
 use crate::validate::{CaseResult, cie171, markdown, run as measure};
 
+use super::progress::ProgressDisplay;
 use super::{Outcome, interrupt, print, values};
 
 #[derive(Debug, Clone, clap::Args)]
@@ -95,10 +96,11 @@ fn measure_cases(arguments: &ValidateArgs, folder: &std::path::Path) -> Result<(
     };
     let mut results = Vec::new();
     for case in cie171::cases()?.iter().filter(|case| selected(&case.id) && (case.quick || !arguments.quick)) {
+        let mut monitor = ProgressDisplay::new(true, None);
+        let result = on_threads(arguments.threads, || measure(case, folder, stop, &mut monitor))??;
         if interrupt::is_requested() {
             return Ok((results, true));
         }
-        let result = on_threads(arguments.threads, || measure(case, folder, stop))??;
         if !arguments.json {
             let (count, failures) = (result.values.len(), result.failures());
             let verdict = if failures == 0 { "passes".to_string() } else { format!("{failures} of {count} fail") };

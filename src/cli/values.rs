@@ -115,6 +115,39 @@ pub(crate) fn wavelength_nm(text: &str) -> Result<f64, String> {
     }
 }
 
+/// The wavelengths of an option, in nm.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct WavelengthList(pub(crate) Vec<f64>);
+
+/// Parses wavelengths in nm within 360–830 nm: a list such as `450,589.3`, or a range with its step
+/// such as `400:700:50`.
+pub(crate) fn wavelengths(text: &str) -> Result<WavelengthList, String> {
+    /// The largest number of wavelengths.
+    const MOST: f64 = 1e5;
+    let wrong = || "expected wavelengths in nm from 360 to 830, such as 450,550 or 400:700:50".to_string();
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|nm| nm.is_finite());
+    let parts: Vec<&str> = text.split(':').collect();
+    let list: Option<Vec<f64>> = match parts.as_slice() {
+        [list] => list.split(',').map(number).collect(),
+        [from, to, step] => match (number(from), number(to), number(step)) {
+            (Some(from), Some(to), Some(step)) if from <= to && step > 0.0 && (to - from) / step < MOST => {
+                let count = ((to - from) / step + 1e-9).floor() as u32;
+                Some((0..=count).map(|i| from + f64::from(i) * step).collect())
+            }
+            _ => None,
+        },
+        _ => None,
+    };
+    let inside = |list: &Vec<f64>| list.iter().all(|nm| (360.0..=830.0).contains(nm));
+    list.filter(inside).map(WavelengthList).ok_or_else(wrong)
+}
+
+/// Parses an angle of incidence in degrees, from 0 to 90.
+pub(crate) fn incidence_deg(text: &str) -> Result<f64, String> {
+    let angle = text.trim().parse().ok().filter(|degrees| (0.0..=90.0).contains(degrees));
+    angle.ok_or_else(|| "expected degrees from 0 to 90".to_string())
+}
+
 /// Parses a limit on a figure of a comparison, such as `delta_e_2000.p95=2` or `relative_mse=1%`. A
 /// number without a name limits `relative_mse`.
 pub(crate) fn gate_above(text: &str) -> Result<Gate, String> {
@@ -220,6 +253,18 @@ mod tests {
     fn parts() {
         assert_eq!(part("3/4").map(|part| part.to_string()), Ok("3/4".to_string()));
         assert!(["4/4", "1", "0/0", "-1/2", "a/b", "1/2/3"].iter().all(|text| part(text).is_err()));
+    }
+
+    #[test]
+    fn lists_and_ranges_of_wavelengths() {
+        let list = |text| wavelengths(text).map(|list| list.0);
+        assert_eq!(list("450, 589.3"), Ok(vec![450.0, 589.3]));
+        assert_eq!(list("400:700:100"), Ok(vec![400.0, 500.0, 600.0, 700.0]));
+        assert_eq!(list("400:401:0.1").map(|list| list.len()), Ok(11));
+        assert!(
+            ["", "300", "400:300:1", "400:500:0", "400:500", "1:2:3:4", "a"].iter().all(|text| list(text).is_err())
+        );
+        assert!(incidence_deg("91").is_err() && incidence_deg("-1").is_err() && incidence_deg("90") == Ok(90.0));
     }
 
     #[test]

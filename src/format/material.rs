@@ -5,7 +5,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::check;
+use super::coating::CoatingFile;
 use super::forms;
+use super::grating::GratingFile;
 use super::index::IndexFile;
 use super::normal_map::NormalMapFile;
 use super::spectrum::{SpectrumFile, SpectrumUse};
@@ -29,6 +31,9 @@ pub enum MaterialFile {
     #[schemars(example = json!({"dielectric": {
         "ior": "N-BK7", "roughness": 0, "absorption": 0.1, "medium": "milk", "priority": 0
     }}))]
+    #[schemars(example = json!({"dielectric": {
+        "ior": "N-BK7", "coating": {"layers": [{"ior": "MgF2", "thickness_nm": 100}]}
+    }}))]
     Dielectric(DielectricFile),
     /// A thin pane: light passes straight through or is reflected.
     #[schemars(example = json!({"thin_dielectric": {"ior": 1.5}}))]
@@ -36,10 +41,27 @@ pub enum MaterialFile {
     #[schemars(example = json!({"thin_dielectric": {
         "ior": 1.52, "transmittance": {"cosine_polynomial": [-0.028, 3.156, -3.058, -1.429, 4.014, -1.776]}
     }}))]
+    #[schemars(example = json!({"thin_dielectric": {
+        "ior": 1.52, "coating": {"layers": [{"ior": "MgF2", "thickness_nm": 100}]}
+    }}))]
     ThinDielectric(ThinDielectricFile),
+    /// A free-standing thin film, such as a soap bubble. Light passes straight through or is
+    /// reflected. The surrounding medium is on both sides.
+    #[schemars(example = json!({"thin_film": {"layers": [{"ior": "water", "thickness_nm": 300}]}}))]
+    ThinFilm(CoatingFile),
+    /// A diffraction grating.
+    #[schemars(example = json!({"grating": {
+        "lines_per_mm": 600, "profile": {"blazed": {"order": 1, "nm": 550}}, "transmittance": 0.9, "reflectance": 0.05,
+        "angle": 90
+    }}))]
+    #[schemars(example = json!({"grating": {"lines_per_mm": 625, "grooves": "circular"}}))]
+    Grating(GratingFile),
     /// A metal.
     #[schemars(example = json!({"conductor": {"metal": "gold", "roughness": 0.2}}))]
     #[schemars(example = json!({"conductor": {"eta": 0.2, "k": 3.4}}))]
+    #[schemars(example = json!({"conductor": {
+        "metal": "titanium", "coating": {"layers": [{"ior": "rutile TiO2", "thickness_nm": 60}]}
+    }}))]
     #[schemars(example = json!({"conductor": {"file": "Au.yml", "roughness": 0.1}}))]
     #[schemars(example = json!({"conductor": {"reflectance": {"rgb": [0.9, 0.7, 0.4]}, "roughness": 0.3}}))]
     Conductor(ConductorFile),
@@ -118,6 +140,10 @@ pub struct DielectricFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "x-unit" = "1/scene unit", "x-default" = "no absorption"))]
     pub absorption: Option<SpectrumFile>,
+    /// Thin films on the surface, from the outside to the glass. The surface must be polished.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "no coating"))]
+    pub coating: Option<CoatingFile>,
     /// Name of the medium inside, from the scene's `media`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no medium"))]
@@ -150,6 +176,10 @@ pub struct ThinDielectricFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "computed from `ior`"))]
     pub transmittance: Option<PaneTransmittanceFile>,
+    /// Thin films on both faces, from the outside to the pane.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "no coating"))]
+    pub coating: Option<CoatingFile>,
 }
 
 /// A measured transmittance of a pane for unpolarised light.
@@ -200,6 +230,11 @@ pub struct ConductorFile {
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "forms::never", extend("minimum" = 0, "maximum" = 1))]
     pub roughness: ScalarFile,
+    /// Thin films on the metal, from the outside to the metal. They need an index of refraction,
+    /// and no `reflectance`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "no coating"))]
+    pub coating: Option<CoatingFile>,
 }
 
 /// One part of a mix of materials.
@@ -221,6 +256,8 @@ impl MaterialFile {
             Self::Diffuse { reflectance } => reflectance.validate(&at.key("diffuse").key("reflectance")),
             Self::Dielectric(dielectric) => dielectric.validate(&at.key("dielectric")),
             Self::ThinDielectric(pane) => pane.validate(&at.key("thin_dielectric")),
+            Self::ThinFilm(film) => film.validate(&at.key("thin_film")),
+            Self::Grating(grating) => grating.validate(&at.key("grating")),
             Self::Conductor(conductor) => conductor.validate(&at.key("conductor")),
             Self::Mirror { reflectance } => reflectance.validate(&at.key("mirror").key("reflectance")),
             Self::Glossy { reflectance, ior, roughness, interreflection: _ } => {
@@ -274,23 +311,34 @@ fn validate_translucent(at: &JsonPath, reflectance: &ReflectanceFile, transmitta
 impl DielectricFile {
     /// Checks the ranges of numbers and the lengths of lists.
     fn validate(&self, at: &JsonPath) -> Result<()> {
-        let Self { ior, roughness, absorption, medium: _, priority: _ } = self;
+        let Self { ior, roughness, absorption, coating, medium: _, priority: _ } = self;
         check::all([
             ior.validate(&at.key("ior")),
             roughness.validate(&at.key("roughness"), check::fraction),
             absorption.as_ref().map_or(Ok(()), |it| it.validate(&at.key("absorption"), SpectrumUse::NotNegative)),
+            coating_on(at, coating.as_ref(), *roughness != ScalarFile::Number(0.0)),
         ])
     }
+}
+
+/// Checks the coating of a surface, which may be rough.
+fn coating_on(at: &JsonPath, coating: Option<&CoatingFile>, rough: bool) -> Result<()> {
+    let (Some(coating), at) = (coating, at.key("coating")) else { return Ok(()) };
+    if rough {
+        return Err(check::fault(&at, "found a coating on rough glass", "a coating, or a roughness above 0"));
+    }
+    coating.validate(&at)
 }
 
 impl ThinDielectricFile {
     /// Checks that all values are in range and that an absorbing pane has a thickness.
     fn validate(&self, at: &JsonPath) -> Result<()> {
-        let Self { ior, thickness, absorption, transmittance } = self;
+        let Self { ior, thickness, absorption, transmittance, coating } = self;
         let allowed = "both `thickness` and `absorption`, or neither";
         let measured = match transmittance {
-            Some(_) if thickness.is_some() => {
-                Err(check::fault(at, "found both `thickness` and `transmittance`", "one of them"))
+            Some(_) if thickness.is_some() || coating.is_some() => {
+                let what = "found `transmittance` together with `thickness` or `coating`";
+                Err(check::fault(at, what, "only one of them"))
             }
             Some(PaneTransmittanceFile::CosinePolynomial(coefficients)) => {
                 let at = at.key("transmittance");
@@ -307,17 +355,20 @@ impl ThinDielectricFile {
                 absorption.validate(&at.key("absorption"), SpectrumUse::NotNegative),
             ]),
         };
-        check::all([ior.validate(&at.key("ior")), layer, measured])
+        check::all([ior.validate(&at.key("ior")), layer, measured, coating_on(at, coating.as_ref(), false)])
     }
 }
 
 impl ConductorFile {
     /// Checks that all values are in range and that the conductor has exactly one form.
     fn validate(&self, at: &JsonPath) -> Result<()> {
-        let Self { metal, eta, k, file, reflectance, roughness } = self;
+        let Self { metal, eta, k, file, reflectance, roughness, coating } = self;
         let allowed = "one of `metal`, both `eta` and `k`, `file`, or `reflectance`";
         let others = metal.is_some() || eta.is_some() || k.is_some();
         let form = match (metal, eta, k) {
+            _ if reflectance.is_some() && coating.is_some() => {
+                Err(check::fault(&at.key("coating"), "found together with `reflectance`", "a metal with an index"))
+            }
             _ if reflectance.is_some() && (others || file.is_some()) => {
                 Err(check::fault(&at.key("reflectance"), "found together with an index of refraction", allowed))
             }
@@ -338,6 +389,7 @@ impl ConductorFile {
             k.as_ref().map_or(Ok(()), |it| it.validate(&at.key("k"), SpectrumUse::NotNegative)),
             reflectance.as_ref().map_or(Ok(()), |it| it.validate(&at.key("reflectance"))),
             roughness.validate(&at.key("roughness"), check::fraction),
+            coating_on(at, coating.as_ref(), false),
         ])
     }
 }

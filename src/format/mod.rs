@@ -8,11 +8,13 @@
 
 mod camera;
 mod check;
+mod coating;
 mod emission;
 mod field;
 mod film;
 mod foreign;
 mod forms;
+mod grating;
 #[cfg(feature = "meshes")]
 pub mod import;
 mod index;
@@ -53,11 +55,13 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 pub use camera::{CameraFile, CameraKeyframeFile, ShutterFile};
+pub use coating::{CoatingFile, CoatingIndexFile, CoatingLayerFile, ComplexIndexFile};
 pub use emission::EmissionFile;
 pub use field::{ExponentialFieldFile, FieldFile, NoiseFieldFile, PlanetFile, SphereFieldFile};
 pub use film::{
     ExposureFile, FilmFile, GamutFile, LayerFile, ObserverFile, OutputSpaceFile, ToneFile, WhiteBalanceFile,
 };
+pub use grating::{GratingFile, GratingProfileFile, GroovesFile};
 pub use index::{FormulaFile, IndexFile};
 pub use lens::{LensFile, LensSurfaceFile, PrescriptionFile, SystemLensFile, ThinLensFile, ThinLensForm};
 pub use light::LightFile;
@@ -79,7 +83,7 @@ pub use render::{LightMapFile, RenderFile};
 pub use shape::{MeshShapeFile, ShapeFile, TrianglesFile};
 pub use spectrum::{ImageFile, LineFile, SpectrumFile, WeightedSpectrumFile};
 pub use srgb::{SrgbFile, is_hex_colour, linear_of_hex};
-pub use texture::{NoisePatternFile, PatternFile, ReflectanceFile, ScalarFile, UvFile};
+pub use texture::{GradientFile, NoisePatternFile, PatternFile, ReflectanceFile, ScalarFile, UvFile};
 pub use transform::{KeyframeFile, ScaleFile, TransformFile, TransformStepFile};
 
 use crate::error::{Error, Result};
@@ -305,6 +309,18 @@ pub fn parse_spectrum(text: &str, name: &Path) -> Result<(SpectrumFile, JsonSour
     let spectrum: SpectrumFile = source.deserialize()?;
     spectrum.validate(&JsonPath::Root, SpectrumUse::Any).map_err(|error| source.with_position(error))?;
     Ok((spectrum, source))
+}
+
+/// Reads a stack of thin films from its text, in the form of a coating in a scene. Errors use
+/// `name` as the name of the text. Paths in the stack may name any file.
+///
+/// # Errors
+/// If the text is not a stack, returns an error with its position in the text.
+pub fn parse_coating(text: &str, name: &Path) -> Result<(CoatingFile, JsonSource)> {
+    let source = JsonSource::patched(text, name, &[])?.with_file_access(FileAccess::Anywhere);
+    let coating: CoatingFile = source.deserialize()?;
+    coating.validate(&JsonPath::Root).map_err(|error| source.with_position(error))?;
+    Ok((coating, source))
 }
 
 /// Reads a lens prescription from its text, in any form that a scene may contain. Errors use `name`

@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 /// definitions in the schema that this chapter describes. The empty name stands for the scene
 /// itself. A definition without a title has no section. The text of such a definition appears
 /// wherever the definition is used.
-pub(super) const CHAPTERS: [(&str, &[&str]); 16] = [
+pub(super) const CHAPTERS: [(&str, &[&str]); 18] = [
     ("The scene", &["", "UnitFile"]),
     ("The camera", &["CameraFile", "CameraKeyframeFile", "ShutterFile"]),
     ("Camera lenses", &["LensFile", "PrescriptionFile", "LensSurfaceFile"]),
@@ -46,6 +46,8 @@ pub(super) const CHAPTERS: [(&str, &[&str]); 16] = [
     ),
     ("Indices of refraction", &["IndexFile", "FormulaFile"]),
     ("Materials", &["MaterialFile", "PaneTransmittanceFile", "WeightedMaterialFile", "GreenFile"]),
+    ("Thin films", &["CoatingFile", "CoatingLayerFile", "CoatingIndexFile", "ComplexIndexFile"]),
+    ("Gratings", &["GratingProfileFile", "GroovesFile"]),
     ("Media", &["MediumFile", "TransmittanceFile", "PhaseFile", "MediumEmissionFile", "MediumBlackbodyFile"]),
     (
         "Density and temperature fields",

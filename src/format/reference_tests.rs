@@ -15,7 +15,7 @@ const MINIMAL_SCENE: &str = r#"{
 
 /// For each definition with examples, the patch that puts an example into the minimal scene. In the
 /// patch, `%` stands for the example.
-const PLACES: [(&str, &str); 39] = [
+const PLACES: [(&str, &str); 44] = [
     ("CameraFile", "camera=%"),
     ("CameraKeyframeFile", "camera.motion=[%]"),
     ("ShutterFile", "camera.shutter=%"),
@@ -40,6 +40,11 @@ const PLACES: [(&str, &str); 39] = [
     ("ImageFile", r#"lights=[{"environment": {"image": %, "irradiance": 1}}]"#),
     ("IndexFile", "materials.x.thin_dielectric.ior=%"),
     ("MaterialFile", "materials.x=%"),
+    ("CoatingFile", "materials.x.thin_film=%"),
+    ("CoatingLayerFile", r#"materials.x={"thin_film": {"layers": [%]}}"#),
+    ("CoatingIndexFile", r#"materials.x={"thin_film": {"layers": [{"ior": %, "thickness_nm": 10}]}}"#),
+    ("ComplexIndexFile", r#"materials.x={"thin_film": {"layers": [{"ior": %, "thickness_nm": 10}]}}"#),
+    ("GratingProfileFile", r#"materials.x={"grating": {"lines_per_mm": 600, "profile": %}}"#),
     ("WeightedMaterialFile", r#"materials.x={"mix": [%]}"#),
     ("MediumFile", "media.x=%"),
     ("PhaseFile", r#"media.x.homogeneous={"absorption": 0, "scattering": 1, "phase": %}"#),

@@ -8,7 +8,7 @@ use std::borrow::Cow;
 
 use super::check;
 use super::forms::{self, Form, Forms};
-use super::picture::{BandImageFile, ColourImageFile, ScalarImageFile};
+use super::picture::{BandImageFile, ColourImageFile, ScalarImageFile, is_one, one};
 use super::spectrum::{SpectrumFile, SpectrumUse};
 use crate::error::Result;
 use crate::json::JsonPath;
@@ -162,6 +162,11 @@ pub enum ScalarFile {
         "a": 0.1, "b": 0.5, "scale": 5, "octaves": 6, "seed": 1, "uv": {"scale": [1, 4]}
     }}))]
     Noise(NoisePatternFile<f64>),
+    /// A gradient along v, or from the centre of the unit square of uv.
+    #[schemars(example = json!({"gradient": {
+        "a": 0, "b": 0.8, "power": 2, "radial": true, "uv": {"offset": [0, 0.1]}
+    }}))]
+    Gradient(GradientFile),
 }
 
 impl Default for ScalarFile {
@@ -171,7 +176,8 @@ impl Default for ScalarFile {
 }
 
 impl Forms for ScalarFile {
-    const EXPECTED: &'static str = "a number, or an object with one of the keys image, checker, stripes, noise";
+    const EXPECTED: &'static str =
+        "a number, or an object with one of the keys image, checker, stripes, noise, gradient";
 
     fn from_number(number: f64) -> Option<Self> {
         Some(Self::Number(number))
@@ -237,6 +243,29 @@ pub struct NoisePatternFile<T> {
     #[schemars(skip_serializing_if = "forms::never")]
     pub seed: u32,
     /// The map of texture coordinates. It is applied before the scale.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(extend("x-default" = "no change"))]
+    pub uv: UvFile,
+}
+
+/// A gradient a + (b − a) · t^power, where t is limited to the range from 0 to 1.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GradientFile {
+    /// The value at t = 0.
+    pub a: f64,
+    /// The value at t = 1.
+    pub b: f64,
+    /// Exponent of t. The thickness of a film that drains under gravity has the power 0.5.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    #[schemars(skip_serializing_if = "forms::never", extend("exclusiveMinimum" = 0))]
+    pub power: f64,
+    /// True if t is twice the distance from the centre of the unit square of uv. False if t is v,
+    /// which increases downwards in a picture.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub radial: bool,
+    /// The map of texture coordinates.
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(extend("x-default" = "no change"))]
     pub uv: UvFile,
@@ -330,6 +359,11 @@ impl ScalarFile {
             Self::Noise(noise) => {
                 let at = at.key("noise");
                 check::all([number(&at.key("a"), noise.a), number(&at.key("b"), noise.b), noise.validate(&at)])
+            }
+            Self::Gradient(gradient) => {
+                let at = at.key("gradient");
+                let power = check::positive(&at.key("power"), gradient.power);
+                check::all([number(&at.key("a"), gradient.a), number(&at.key("b"), gradient.b), power])
             }
         }
     }

@@ -183,6 +183,11 @@ pub fn atan2_f32(y: f32, x: f32) -> f32 {
     angle.copysign(y)
 }
 
+/// Returns the Bessel function of the first kind J of a whole order.
+pub fn bessel_j(order: i32, x: f64) -> f64 {
+    libm::jn(order, x)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,61 +5,15 @@
 //! (Van Loan 1992, *Computational Frameworks for the Fast Fourier Transform*, §1.7). All other
 //! lengths are transformed by a convolution with a chirp (Bluestein 1970).
 
-use super::elementary::sin_cos;
+pub use super::complex::Complex;
 use std::f64::consts::{PI, TAU};
-use std::ops::{Add, AddAssign, Mul, Sub};
+use std::ops::{Add, Mul, Sub};
 
 /// The largest prime factor of a length that is transformed without a chirp.
 const LARGEST_RADIX: usize = 31;
 
 /// The number of lines that are transformed together, so that the compiler can vectorise.
 pub const LINES: usize = 4;
-
-/// A complex number.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Complex {
-    pub re: f64,
-    pub im: f64,
-}
-
-impl Complex {
-    /// Returns the unit number with an angle in radians.
-    fn unit(angle: f64) -> Self {
-        let (im, re) = sin_cos(angle);
-        Self { re, im }
-    }
-}
-
-impl From<f64> for Complex {
-    fn from(re: f64) -> Self {
-        Self { re, im: 0.0 }
-    }
-}
-
-impl AddAssign for Complex {
-    #[inline]
-    fn add_assign(&mut self, other: Self) {
-        *self = Self { re: self.re + other.re, im: self.im + other.im };
-    }
-}
-
-impl Mul for Complex {
-    type Output = Self;
-
-    #[inline]
-    fn mul(self, other: Self) -> Self {
-        Self { re: self.re * other.re - self.im * other.im, im: self.re * other.im + self.im * other.re }
-    }
-}
-
-impl Mul<f64> for Complex {
-    type Output = Self;
-
-    #[inline]
-    fn mul(self, factor: f64) -> Self {
-        Self { re: self.re * factor, im: self.im * factor }
-    }
-}
 
 /// The numbers at one place of several lines.
 #[derive(Debug, Clone, Copy, Default)]

@@ -1,7 +1,8 @@
 //! General mathematics that does not deal with light: elementary functions, random streams,
 //! low-discrepancy points, sampling routines and their densities, distributions, quadrature,
-//! Fourier transforms, gradient noise, exact sums, frames and rotations.
+//! complex numbers, Fourier transforms, gradient noise, exact sums, frames and rotations.
 
+pub mod complex;
 pub mod cubic;
 pub mod distribution;
 pub mod elementary;

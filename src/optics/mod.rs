@@ -4,6 +4,8 @@
 //! - [`fresnel`]: reflectance and refraction at a smooth interface.
 //! - [`glass`]: the refractive index n(λ) and the catalogue of glasses.
 //! - [`microfacet`]: the GGX distribution of rough interfaces.
+//! - [`grating`]: directions and efficiencies of diffraction gratings.
+//! - [`thin_film`]: interference in stacks of thin films.
 //! - [`bsdf`]: the scattering functions of surfaces.
 //! - [`phase`]: the phase functions of media.
 //! - [`aperture`]: polygonal apertures and their Fraunhofer diffraction.
@@ -15,8 +17,10 @@ pub mod bsdf;
 pub(crate) mod embedded;
 pub mod fresnel;
 pub mod glass;
+pub mod grating;
 pub mod lens;
 pub mod microfacet;
 pub mod phase;
 pub mod prism;
+pub mod thin_film;
 mod zemax_text;

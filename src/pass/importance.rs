@@ -1,11 +1,10 @@
 //! The importance of photons: how much the photons of each part of a light contribute to the
 //! picture.
 
-use crate::emit::{Aim, CELLS, EmissionStrata, MediumCrossing, PhotonState, PhotonVisitor, SurfaceArrival};
+use crate::emit::{Aim, CELLS, EmissionStrata, MediumCrossing, PhotonVisitor, SurfaceArrival};
 use crate::math::random::Stream;
 use crate::plan::partition::{LightPath, PhotonClass};
 use crate::scene::Scene;
-use crate::walk::SurfaceInteraction;
 use std::iter;
 use std::ops::Range;
 

@@ -14,7 +14,6 @@ use crate::math::sphere::BoundingSphere;
 use crate::plan::AimPlan;
 use crate::scene::Scene;
 use crate::spectrum::{Lanes, Wavelengths};
-use crate::walk::SurfaceInteraction;
 use crate::walk::ledger::Ledger;
 use glam::DVec3;
 use rayon::prelude::*;

@@ -12,7 +12,7 @@ use crate::plan::partition::{Estimator, PerClass, PhotonClass, PhotonSet, View, 
 use crate::plan::{AimPlan, AperturePlan, CausticPlan, IndirectPlan, PathClass, Plan, Tally, WavelengthPlan};
 use crate::scene::Scene;
 use crate::sensor::SplatSink;
-use crate::walk::{LONG_PATH, NumberedMedium, SurfaceInteraction};
+use crate::walk::{LONG_PATH, NumberedMedium};
 
 /// The number of surface events of a photon path after which only some of its photons are recorded.
 /// The photons of one path are alike, so a long path needs only some of them.

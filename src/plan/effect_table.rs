@@ -42,12 +42,16 @@ const fn row(id: EffectId) -> Effect {
             cost: "four camera paths instead of one behind dispersive glass, and a second photon set at the wavelengths \
                    that the pass shares",
             absent: "there is one photon set, and camera paths keep all their wavelengths",
-            called_by: "dispersive glass",
-            uncalled: "no glass has an index that depends on the wavelength",
+            called_by: "dispersive glass or gratings",
+            uncalled: "no glass has an index that depends on the wavelength, and there is no grating",
             calls: |facts| facts.dispersive.clone(),
             set: |plan, _, on| plan.wavelengths = if on { WavelengthPlan::Both } else { WavelengthPlan::Free },
             events: |tally, _| tally.dispersions,
             removal: Removal::FromScene(|scene, nm| {
+                for material in &mut scene.materials {
+                    let surface = std::mem::replace(&mut material.surface, Bsdf::Absorber);
+                    material.surface = surface.without_dispersion(nm)?;
+                }
                 for body in bodies(scene) {
                     body.index = body.index.as_ref().map(|index| RefractiveIndex::constant(index.n(nm))).transpose()?;
                 }
@@ -210,6 +214,25 @@ const fn row(id: EffectId) -> Effect {
                 Ok(())
             }),
         },
+        EffectId::ThinFilms => Effect {
+            id,
+            name: "thin-films",
+            field: "scene.materials",
+            cost: "the amplitudes of all films for each arrival and wavelength at a surface with films",
+            absent: "no surface has thin films, so no amplitudes are computed",
+            called_by: "coatings and free-standing films",
+            uncalled: "no surface has thin films",
+            calls: |facts| facts.films.clone(),
+            set: |_, _, _| {},
+            events: |tally, _| tally.film_events,
+            removal: Removal::FromScene(|scene, _| {
+                for material in &mut scene.materials {
+                    let surface = std::mem::replace(&mut material.surface, Bsdf::Absorber);
+                    material.surface = surface.without_films()?;
+                }
+                Ok(())
+            }),
+        },
         EffectId::Roughness => Effect {
             id,
             name: "roughness",
@@ -229,7 +252,7 @@ const fn row(id: EffectId) -> Effect {
             field: "media_plan",
             cost: "a medium stack per ray, a visibility test per face, and a count of wavelengths per path",
             absent: "every surface has air on both sides, and every photon keeps its wavelengths",
-            called_by: "objects with an interior",
+            called_by: "objects with an interior, or gratings",
             uncalled: "no object has an interior: there is no glass, no liquid and no medium",
             calls: |facts| facts.bodies.clone(),
             set: |plan, _, on| plan.media_plan = if on { MediumPlan::Clear } else { MediumPlan::Air },

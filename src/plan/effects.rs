@@ -31,6 +31,8 @@ pub enum EffectId {
     Environment,
     /// Properties of materials vary over surfaces.
     Textures,
+    /// Light interferes in thin films.
+    ThinFilms,
     /// Camera paths continue at rough and coated surfaces.
     Roughness,
     /// Objects have interiors.
@@ -99,7 +101,7 @@ pub(super) enum Removal {
 
 impl EffectId {
     /// All effects, in the order of decision.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::Dispersion,
         Self::Shared,
         Self::Caustics,
@@ -109,6 +111,7 @@ impl EffectId {
         Self::Diffraction,
         Self::Environment,
         Self::Textures,
+        Self::ThinFilms,
         Self::Roughness,
         Self::Bodies,
         Self::Absorption,

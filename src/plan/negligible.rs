@@ -11,10 +11,10 @@ use crate::math::elementary::tan;
 use crate::math::random::ONE_MINUS_ULP;
 use crate::optics::bsdf::BsdfClass;
 use crate::optics::glass::RefractiveIndex;
-use crate::scene::Scene;
 use crate::scene::camera::{Aperture, DepthOfField};
 use crate::scene::facts::Facts;
 use crate::scene::light::Light;
+use crate::scene::{Material, Scene};
 
 /// An effect that cannot be seen.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -120,8 +120,9 @@ fn indirect(scene: &Scene, facts: &Facts) -> Option<String> {
 /// Returns the reason if dispersion is negligible: the lights emit at nearly one wavelength, or the
 /// glass has nearly the same refractive index at all wavelengths of the lights.
 ///
-/// The distance between two wavelengths grows along the path after the refraction. The bound assumes
-/// the longest path in the scene, to a surface as near to the camera as the nearest surface.
+/// The distance between two wavelengths grows along the path after the refraction. The bound
+/// assumes the longest path in the scene, to a surface as near to the camera as the nearest
+/// surface.
 fn dispersion(scene: &Scene, facts: &Facts) -> Option<String> {
     /// The number of wavelength intervals. Refractive indices are compared at the ends of the
     /// intervals. Within an interval, a refractive index is assumed to be monotonic.
@@ -138,7 +139,11 @@ fn dispersion(scene: &Scene, facts: &Facts) -> Option<String> {
         high - low
     };
     let indices = scene.materials.iter().filter_map(|material| material.body.as_ref()?.index.as_ref());
-    let spread = indices.map(spread).fold(0.0, f64::max);
+    // In any order of a grating, the component of the direction across the grooves is at most 1 in
+    // each medium. Between two wavelengths, it differs by at most twice their relative difference.
+    let diffracts = |material: &Material| material.surface.components().any(|part| part.grating().is_some());
+    let by_gratings = if scene.materials.iter().any(diffracts) { 2.0 * (to - from) / from } else { 0.0 };
+    let spread = indices.map(spread).fold(by_gratings, f64::max);
     let near_m = scene.geometry.clearance_m(scene.camera.origin());
     let arm_m = scene.camera.origin().length() + scene.radius_m;
     let lever = (2.0 * arm_m / near_m).max(1.0);

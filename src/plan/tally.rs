@@ -46,9 +46,12 @@ pub struct Tally {
     /// Arrivals of camera paths at surfaces with textures.
     #[serde(default)]
     pub texture_lookups: u64,
+    /// Scattering events of camera paths at surfaces with thin films.
+    #[serde(default)]
+    pub film_events: u64,
     /// Scattering events at rough or coated surfaces.
     pub rough_events: u64,
-    /// Arrivals at the faces of bodies, and segments of camera paths inside bodies.
+    /// Arrivals at the faces of bodies and at gratings, and segments of camera paths inside bodies.
     pub body_events: u64,
     /// Segments of camera paths in absorbing glass or liquid.
     pub absorptions: u64,
@@ -93,6 +96,7 @@ impl Tally {
         self.lens_rays += other.lens_rays;
         self.receptor_samples += other.receptor_samples;
         self.texture_lookups += other.texture_lookups;
+        self.film_events += other.film_events;
         self.rough_events += other.rough_events;
         self.body_events += other.body_events;
         self.absorptions += other.absorptions;

@@ -17,7 +17,7 @@ const LINE_SHARE: f64 = 0.1;
 /// denotes a part of the scene for which the fact is true. If the list is empty, the fact is false.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Facts {
-    /// Objects whose refractive index depends on wavelength.
+    /// Objects whose refractive index depends on wavelength, and gratings.
     pub dispersive: Vec<String>,
     /// Objects with a specular component. They reflect or refract light into one direction.
     pub specular: Vec<String>,
@@ -25,9 +25,12 @@ pub struct Facts {
     pub glossy: Vec<String>,
     /// Objects with a material that varies over the surface.
     pub textured: Vec<String>,
+    /// Objects with thin films.
+    pub films: Vec<String>,
     /// Objects with a diffuse component.
     pub diffuse: Vec<String>,
-    /// Objects with a body. The body consists of glass or liquid, or it is filled with a medium.
+    /// Objects with a body, and gratings. The body consists of glass or liquid, or it is filled
+    /// with a medium. Paths keep a single wavelength behind these objects.
     pub bodies: Vec<String>,
     /// Objects with a body that has an absorption coefficient.
     pub absorbing_bodies: Vec<String>,
@@ -139,6 +142,13 @@ impl Facts {
                 if list.last() != Some(&object.name) {
                     list.push(object.name.clone());
                 }
+            }
+            if material.surface.components().any(|part| part.films().is_some()) {
+                facts.films.push(object.name.clone());
+            }
+            if material.surface.components().any(|part| part.grating().is_some()) {
+                facts.dispersive.push(object.name.clone());
+                facts.bodies.push(object.name.clone());
             }
             if material.is_textured() {
                 facts.textured.push(object.name.clone());

@@ -25,7 +25,7 @@ mod value;
 
 pub use mapping::UvTransform;
 pub use normal::NormalMap;
-pub use pattern::{NoisePattern, Pattern};
+pub use pattern::{GradientPattern, NoisePattern, Pattern};
 pub use pyramid::{Filter, ImagePattern, ImageSize, Wrap};
 pub use scalar::ScalarTexture;
 pub use spectral::{SpectralTexture, Texel};

@@ -3,6 +3,7 @@
 use super::mapping::UvTransform;
 use super::pyramid::ImagePattern;
 use super::{LookupRandom, TexturePoint};
+use crate::math::elementary::{hypot, powf};
 use crate::math::noise::gradient_noise;
 use glam::DVec3;
 
@@ -20,6 +21,28 @@ pub enum Pattern {
     /// Noise from 0 to 1. A lookup returns the texel 1 with the probability of the noise, and the
     /// texel 0 otherwise.
     Noise(NoisePattern, UvTransform),
+    /// A gradient from 0 to 1. A lookup returns the texel 1 with the probability of the gradient,
+    /// and the texel 0 otherwise.
+    Gradient(GradientPattern, UvTransform),
+}
+
+/// A gradient t^`power`. The coordinate t is limited to the range from 0 to 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GradientPattern {
+    /// True if t is the distance from the centre (0.5, 0.5) of the unit square, and 1 at a distance
+    /// of 0.5. False if t is v.
+    pub radial: bool,
+    /// The exponent, above 0.
+    pub power: f64,
+}
+
+impl GradientPattern {
+    /// Returns the gradient at a point, from 0 to 1.
+    pub fn at(&self, [u, v]: [f64; 2]) -> f64 {
+        let t = if self.radial { 2.0 * hypot(u - 0.5, v - 0.5) } else { v };
+        let t = t.clamp(0.0, 1.0);
+        if self.power == 1.0 { t } else { powf(t, self.power) }
+    }
 }
 
 /// Fractal gradient noise (Perlin 2002). The wavelength of the first octave is about 1 in uv. Each
@@ -59,8 +82,7 @@ impl Pattern {
         if let Self::Image(image) = self {
             return image.texel(point, random);
         }
-        let mut at =
-            |transform: &UvTransform| transform.apply(point).moved(random.uniform() - 0.5, random.uniform() - 0.5);
+        let mut at = |transform: &UvTransform| jittered(transform, point, random);
         match self {
             Self::Image(_) => 0,
             Self::Checker(transform) => {
@@ -72,6 +94,23 @@ impl Pattern {
                 let value = noise.at(at(transform));
                 u32::from(random.uniform() < value)
             }
+            Self::Gradient(gradient, transform) => {
+                let value = gradient.at(at(transform));
+                u32::from(random.uniform() < value)
+            }
+        }
+    }
+
+    /// Returns the interpolated value at a point. `value` returns the value of a texel. The point
+    /// is selected at random within the footprint. A function of the value that is not linear, such
+    /// as the colour of a film, needs this interpolation instead of a selected texel.
+    pub fn interpolated(&self, point: &TexturePoint, random: &mut LookupRandom, value: impl Fn(usize) -> f64) -> f64 {
+        let mixed = |weight: f64| value(0) + weight * (value(1) - value(0));
+        match self {
+            Self::Image(image) => image.interpolated(point, random, value),
+            Self::Checker(_) | Self::Stripes(_) => value(self.texel(point, random) as usize),
+            Self::Noise(noise, transform) => mixed(noise.at(jittered(transform, point, random))),
+            Self::Gradient(gradient, transform) => mixed(gradient.at(jittered(transform, point, random))),
         }
     }
 
@@ -79,9 +118,14 @@ impl Pattern {
     pub fn texel_count(&self) -> usize {
         match self {
             Self::Image(image) => image.texel_count(),
-            Self::Checker(_) | Self::Stripes(_) | Self::Noise(..) => 2,
+            Self::Checker(_) | Self::Stripes(_) | Self::Noise(..) | Self::Gradient(..) => 2,
         }
     }
+}
+
+/// Returns a point that is selected at random within the footprint of another point.
+fn jittered(transform: &UvTransform, point: &TexturePoint, random: &mut LookupRandom) -> [f64; 2] {
+    transform.apply(point).moved(random.uniform() - 0.5, random.uniform() - 0.5)
 }
 
 /// Returns 1 for an odd whole number, and 0 for an even one.
@@ -92,6 +136,7 @@ fn odd(number: f64) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::texture::{Filter, ImageSize, Wrap};
 
     const SAME: UvTransform = UvTransform::IDENTITY;
 
@@ -121,6 +166,27 @@ mod tests {
         let count = 100_000;
         let second = (0..count).filter(|_| Pattern::Stripes(SAME).texel(&point, &mut random) == 1).count();
         assert!((second as f64 / f64::from(count) - 0.25).abs() < 0.005, "{second}");
+    }
+
+    /// A picture of two rows interpolates between them, and a gradient has its value at each point.
+    #[test]
+    fn values_are_interpolated_at_a_point() {
+        let (size, random) = (ImageSize { width: 1, height: 2 }, &mut LookupRandom::new(0.4));
+        let image = ImagePattern::new(size, [Wrap::Clamp; 2], Filter::Bilinear, SAME).unwrap();
+        let picture = Pattern::Image(image);
+        let gradient = |radial, power| Pattern::Gradient(GradientPattern { radial, power }, SAME);
+        for (pattern, uv, known) in [
+            (&picture, [0.5, 0.1], 100.0),
+            (&picture, [0.5, 0.25], 100.0),
+            (&picture, [0.5, 0.4], 160.0),
+            (&gradient(false, 1.0), [0.2, 0.3], 160.0),
+            (&gradient(false, 0.5), [0.2, 0.25], 200.0),
+            (&gradient(true, 2.0), [0.75, 0.5], 150.0),
+            (&gradient(true, 2.0), [0.0, 0.0], 300.0),
+        ] {
+            let found = pattern.interpolated(&TexturePoint::new(uv), random, |texel| [100.0, 300.0][texel]);
+            assert!((found - known).abs() < 1e-9, "{pattern:?} at {uv:?}: {found}");
+        }
     }
 
     /// Noise has a mean of one half, varies over most of its range, and its texels follow it.

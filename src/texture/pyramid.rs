@@ -163,6 +163,29 @@ impl ImagePattern {
         (first + y * size.width + x) as u32
     }
 
+    /// Returns the interpolated value at a point. `value` returns the value of a texel. The point is
+    /// selected at random within the footprint.
+    pub(super) fn interpolated(
+        &self,
+        point: &TexturePoint,
+        random: &mut LookupRandom,
+        value: impl Fn(usize) -> f64,
+    ) -> f64 {
+        let uv = self.transform.apply(point).moved(random.uniform() - 0.5, random.uniform() - 0.5);
+        let ImageSize { width, height } = self.levels[0].size;
+        let texel = |x: f64, y: f64| value(wrapped(y, height, self.wrap[1]) * width + wrapped(x, width, self.wrap[0]));
+        let (x, y) = (uv[0] * width as f64, uv[1] * height as f64);
+        match self.filter {
+            Filter::Nearest => texel(x.floor(), y.floor()),
+            Filter::Bilinear => {
+                let (left, top) = ((x - 0.5).floor(), (y - 0.5).floor());
+                let (s, t) = (x - 0.5 - left, y - 0.5 - top);
+                let row = |y: f64| (1.0 - s) * texel(left, y) + s * texel(left + 1.0, y);
+                (1.0 - t) * row(top) + t * row(top + 1.0)
+            }
+        }
+    }
+
     /// Selects a row or a column of a level with `count` rows or columns.
     fn index(&self, coordinate: f64, count: usize, wrap: Wrap, random: &mut LookupRandom) -> usize {
         let place = coordinate * count as f64;
@@ -173,18 +196,23 @@ impl ImagePattern {
                 random.round(place.floor(), place - place.floor())
             }
         };
-        let sides = count as f64;
-        let inside = match wrap {
-            Wrap::Repeat => index.rem_euclid(sides),
-            Wrap::Mirror => {
-                let twice = index.rem_euclid(2.0 * sides);
-                if twice < sides { twice } else { 2.0 * sides - 1.0 - twice }
-            }
-            Wrap::Clamp => index,
-        };
-        // Coordinates that are not finite become 0.
-        (inside.max(0.0) as usize).min(count - 1)
+        wrapped(index, count, wrap)
     }
+}
+
+/// Returns the number of the row or the column `index` of a level with `count` rows or columns.
+fn wrapped(index: f64, count: usize, wrap: Wrap) -> usize {
+    let sides = count as f64;
+    let inside = match wrap {
+        Wrap::Repeat => index.rem_euclid(sides),
+        Wrap::Mirror => {
+            let twice = index.rem_euclid(2.0 * sides);
+            if twice < sides { twice } else { 2.0 * sides - 1.0 - twice }
+        }
+        Wrap::Clamp => index,
+    };
+    // Coordinates that are not finite become 0.
+    (inside.max(0.0) as usize).min(count - 1)
 }
 
 /// Divides `from` cells evenly into `to` parts. Returns the cells of each part, with their shares

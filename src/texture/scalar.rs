@@ -31,6 +31,11 @@ impl ScalarTexture {
         f64::from(self.values[self.pattern.texel(point, random) as usize])
     }
 
+    /// Returns the interpolated value at a point. A footprint is sampled at one point of it.
+    pub fn value_at(&self, point: &TexturePoint, random: &mut LookupRandom) -> f64 {
+        self.pattern.interpolated(point, random, |texel| f64::from(self.values[texel]))
+    }
+
     /// Returns the smallest and the largest value.
     pub fn range(&self) -> (f64, f64) {
         let start = (f64::INFINITY, f64::NEG_INFINITY);
@@ -41,7 +46,7 @@ impl ScalarTexture {
     pub fn mean(&self) -> f64 {
         match self.pattern {
             Pattern::Image(_) => self.values.last().map_or(0.0, |&value| f64::from(value)),
-            Pattern::Checker(_) | Pattern::Stripes(_) | Pattern::Noise(..) => {
+            Pattern::Checker(_) | Pattern::Stripes(_) | Pattern::Noise(..) | Pattern::Gradient(..) => {
                 self.values.iter().map(|&value| f64::from(value)).sum::<f64>() / self.values.len() as f64
             }
         }

@@ -124,6 +124,14 @@ impl SurfaceScalar {
         }
     }
 
+    /// Returns the interpolated value at a point. A footprint is sampled at one point of it.
+    pub fn value_at(&self, point: &TexturePoint, random: &mut LookupRandom) -> f64 {
+        match self {
+            Self::Uniform(value) => *value,
+            Self::Textured(texture) => texture.value_at(point, random),
+        }
+    }
+
     /// Returns the smallest and the largest value.
     pub fn range(&self) -> (f64, f64) {
         match self {

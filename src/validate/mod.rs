@@ -11,7 +11,7 @@ pub use report::markdown;
 use crate::error::Result;
 use crate::format::resolve::resolve_meters;
 use crate::format::{FileAccess, parse_with_access};
-use crate::render::{Job, NoMonitor, StopRules, Value};
+use crate::render::{Job, Monitor, StopRules, Value};
 use serde::Serialize;
 use std::path::Path;
 
@@ -108,17 +108,18 @@ impl CaseResult {
     }
 }
 
-/// Measures a case. The folder `files` contains the files that the scene names.
+/// Measures a case. The folder `files` contains the files that the scene names. `monitor` may end a
+/// measurement early.
 ///
 /// # Errors
 /// Returns an error if the scene has a fault. This is a bug of the case.
-pub fn run(case: &Case, files: &Path, stop: StopRules) -> Result<CaseResult> {
+pub fn run(case: &Case, files: &Path, stop: StopRules, monitor: &mut dyn Monitor) -> Result<CaseResult> {
     let (mut values, mut seconds) = (Vec::new(), 0.0);
     for (text, expected) in &case.scenes {
         let path = files.join("case.json");
         let (scene, source) = parse_with_access(text, &path, &[], FileAccess::default())?;
         let job = Job::new(resolve_meters(&scene, &source)?)?;
-        let (report, _) = job.measure(None, stop, &mut NoMonitor)?;
+        let (report, _) = job.measure(None, stop, monitor)?;
         seconds += report.seconds;
         let points = report.meters.iter().flat_map(|meter| &meter.points);
         for (expected, point) in expected.iter().zip(points) {

@@ -9,6 +9,7 @@ mod medium_segment;
 mod next_interaction;
 mod ray_state;
 mod scatter;
+mod scatter_coated;
 mod sink;
 mod surface_interaction;
 mod transmittance;

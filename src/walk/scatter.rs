@@ -4,6 +4,7 @@
 //! refraction, the path keeps one wavelength.
 
 use super::ray_state::RayState;
+use super::scatter_coated::scatter_at_coated_interface;
 use super::surface_interaction::SurfaceInteraction;
 use crate::math::frame::Frame;
 use crate::math::random::Stream;
@@ -49,6 +50,12 @@ pub fn scatter(
     transport: TransportMode,
     stream: &mut Stream,
 ) -> Option<ScatteredRay> {
+    if matches!(interaction.bsdf.model, Bsdf::Grating(_)) && wavelengths.count > 1 {
+        return split_at_dispersive_facets(interaction, wavelengths, transport, stream);
+    }
+    if let Bsdf::CoatedDielectric(coated) = interaction.bsdf.model {
+        return scatter_at_coated_interface(interaction, coated, wavelengths, transport, stream);
+    }
     if let Bsdf::Dielectric(dielectric) = interaction.bsdf.model {
         let disperses = interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive();
         match (wavelengths.count > 1 && disperses, dielectric.is_rough()) {
@@ -89,8 +96,8 @@ pub fn scatter_all_wavelengths(
     })
 }
 
-/// Scatters at a rough interface of dispersive media. The facets scatter each wavelength into a
-/// different direction. The path therefore first selects one wavelength, and then samples a
+/// Scatters at a rough interface of dispersive media, or at a grating. Each wavelength is scattered
+/// into a different direction. The path therefore first selects one wavelength, and then samples a
 /// direction.
 #[inline(never)]
 fn split_at_dispersive_facets(
@@ -143,7 +150,7 @@ fn scatter_at_smooth_interface(
 }
 
 /// Returns the factor by which refraction scales the transported quantity.
-fn transmitted_scale(transport: TransportMode, n_here: f64, n_there: f64) -> f64 {
+pub(super) fn transmitted_scale(transport: TransportMode, n_here: f64, n_there: f64) -> f64 {
     match transport {
         TransportMode::Radiance => (n_here / n_there) * (n_here / n_there),
         TransportMode::Importance => 1.0,
@@ -240,7 +247,7 @@ pub fn sample_consistently(
 
 /// Scatters all wavelengths in the shading frame. If the direction is on the wrong side of the
 /// geometric surface, scatters again in the frame of the geometric normal.
-fn scatter_consistently<'a>(
+pub(super) fn scatter_consistently<'a>(
     interaction: &SurfaceInteraction<'a>,
     scatter: impl Fn(&SurfaceInteraction<'a>) -> Option<ScatteredRay>,
 ) -> Option<ScatteredRay> {
@@ -254,7 +261,7 @@ fn scatter_consistently<'a>(
 }
 
 /// Returns lanes with `value` in one lane and 0 in the others.
-fn single_lane(lane: usize, value: f64) -> Lanes {
+pub(super) fn single_lane(lane: usize, value: f64) -> Lanes {
     let mut lanes = [0.0; LANES];
     lanes[lane] = value;
     lanes

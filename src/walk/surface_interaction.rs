@@ -2,8 +2,9 @@
 
 use super::ray_state::RayState;
 use crate::geometry::{Hit, Ray, SurfaceId};
+use crate::math::elementary::atan2;
 use crate::math::frame::Frame;
-use crate::optics::bsdf::{InterfaceIors, LocalBsdf, ScatterEvent};
+use crate::optics::bsdf::{DiffractionGrating, Grooves, InterfaceIors, LocalBsdf, ScatterEvent, Texels};
 use crate::scene::camera::Camera;
 use crate::scene::medium_stack::MediumStack;
 use crate::scene::{Material, Scene};
@@ -93,6 +94,10 @@ impl<'a> SurfaceInteraction<'a> {
             scene.materials[material].surface.at(lookup.u)
         };
         let frame = hit.frame(incoming);
+        let bsdf = match bsdf.model.grating() {
+            Some(grating) => with_grooves(scene, bsdf, grating, &hit, &frame),
+            None => bsdf,
+        };
         Self {
             distance_m: hit.t,
             crossed_hidden_face: false,
@@ -177,6 +182,31 @@ impl<'a> SurfaceInteraction<'a> {
     pub fn adjoint_correction(&self, to_light: DVec3, to_camera: DVec3) -> f64 {
         self.hit.adjoint_correction(&self.frame, to_light, to_camera)
     }
+}
+
+/// Returns the BSDF of a grating with the direction of its grooves at a hit. If the texture
+/// coordinates do not determine the direction, it is that of the frame.
+#[inline(never)]
+fn with_grooves<'a>(
+    scene: &Scene,
+    bsdf: LocalBsdf<'a>,
+    grating: &DiffractionGrating,
+    hit: &Hit,
+    frame: &Frame,
+) -> LocalBsdf<'a> {
+    let Some([along_u, along_v]) = scene.geometry.uv_tangents(hit) else { return bsdf };
+    let (across, turn) = match grating.grooves() {
+        Grooves::Parallel(turn) => (along_u, turn),
+        Grooves::Circular => {
+            let [u, v] = scene.geometry.uv(hit);
+            ((u - 0.5) * along_u + (v - 0.5) * along_v, 0.0)
+        }
+    };
+    let local = frame.to_local(across);
+    // Seen from the outside, the angle runs from u towards −v, which points upwards in a picture.
+    let outwards = if frame.to_local(along_u.cross(along_v)).z > 0.0 { -turn } else { turn };
+    let groove_angle = (atan2(local.y, local.x) + outwards) as f32;
+    LocalBsdf { texels: Texels { groove_angle, ..bsdf.texels }, ..bsdf }
 }
 
 /// The smallest cosine of incidence for which the footprint of a ray is computed exactly. At

@@ -18,6 +18,7 @@ mod diffraction;
 mod display_server;
 mod explain;
 mod film;
+mod films_and_gratings;
 mod frames;
 mod gates;
 mod import;

@@ -7,11 +7,14 @@ use abbe::emit::{Aim, CELLS, LightSampler};
 use abbe::math::distribution::{DiscreteDistribution, PiecewiseConstant2d};
 use abbe::math::random::{ONE_MINUS_ULP, Purpose, Stream};
 use abbe::math::warp;
-use abbe::optics::bsdf::{Bsdf, InterfaceIors, TransportMode};
+use abbe::optics::bsdf::{Bsdf, DiffractionGrating, Grooves, InterfaceIors, TransportMode};
 use abbe::optics::glass::RefractiveIndex;
+use abbe::optics::grating::{Grating, GratingProfile};
+use abbe::optics::thin_film::{FilmLayer, FilmStack, OpticalIndex};
 use abbe::scene::Scene;
 use abbe::scene::light::LeRandoms;
 use abbe::spectrum::Spectrum;
+use abbe::texture::SurfaceScalar;
 
 use super::common::job;
 use super::table::{Bound, Case, Pace};
@@ -131,6 +134,18 @@ fn surfaces() -> f64 {
         Bsdf::thin_dielectric(index(1.5), None).unwrap(),
         Bsdf::thin_dielectric(index(1.5), Some(Spectrum::constant(0.3))).unwrap(),
     ];
+    let films = |n: f64, k: f64| {
+        let index = OpticalIndex::absorbing(Spectrum::constant(n), Spectrum::constant(k)).unwrap();
+        FilmStack::new(vec![FilmLayer { index, thickness_nm: SurfaceScalar::Uniform(100.0) }]).unwrap()
+    };
+    all.extend([Bsdf::coated_dielectric(films(1.3, 0.0)), Bsdf::coated_dielectric(films(0.1, 4.0))]);
+    all.extend([Bsdf::thin_film(films(1.3, 0.0)), Bsdf::thin_film(films(0.1, 4.0))]);
+    for profile in [GratingProfile::Blazed { order: 1, blaze_nm: 550.0 }, GratingProfile::BinaryAmplitude { duty: 0.5 }]
+    {
+        let grating = Grating::new(600.0, profile).unwrap();
+        let grating = DiffractionGrating::new(grating, half(), Spectrum::constant(0.4), Grooves::Circular);
+        all.push(Bsdf::Grating(grating.unwrap()));
+    }
     for alpha in [0.0, 1e-3, 0.3, 1.0] {
         all.push(Bsdf::conductor(Spectrum::constant(0.2), Spectrum::constant(3.0), alpha).unwrap());
         all.push(Bsdf::dielectric(alpha).unwrap());

@@ -97,7 +97,7 @@ fn check_cases(chosen: impl Fn(&str) -> bool, stop: StopRules) -> Vec<CaseResult
     }
     let cases = cie171::cases().unwrap();
     let results: Vec<CaseResult> =
-        cases.iter().filter(|case| chosen(&case.id)).map(|case| run(case, folder.path(), stop).unwrap()).collect();
+        cases.iter().filter(|case| chosen(&case.id)).map(|case| run(case, folder.path(), stop, &mut NoMonitor).unwrap()).collect();
     assert!(!results.is_empty());
     for result in &results {
         println!("{}: {:.2} of the tolerance", result.id, result.largest_deviation());

@@ -112,7 +112,7 @@ fn a_slide_has_the_mean_of_its_picture() {
 
 /// Checks that photons and camera paths see the same light. The kernels of the photons are
 /// extrapolated to radius 0.
-fn assert_integrators_agree(name: &str, scene: &Value) {
+pub(crate) fn assert_integrators_agree(name: &str, scene: &Value) {
     let [whole, half] = [0.1, 0.05].map(|radius| {
         let scene = crate::common::with_setting(scene, "radius", radius);
         Measured::new(&scene, (Integrator::Photon, 24), 0..8, colour_blocks(8))

@@ -11,6 +11,7 @@ mod coarse_picture;
 mod example_scenes;
 mod layers;
 mod photon_paths;
+mod plan_films;
 mod plan_forced;
 mod plan_light_map;
 mod plan_negligible;

@@ -5,13 +5,17 @@ use super::index::{index_file, index_of};
 use super::spectra::Role;
 use crate::error::{Error, Result, both};
 use crate::format::{
-    ConductorFile, DielectricFile, IndexFile, JsonPath, MaterialFile, PaneTransmittanceFile, ScalarFile,
-    ThinDielectricFile,
+    ConductorFile, DielectricFile, GratingFile, GratingProfileFile, GroovesFile, IndexFile, JsonPath, MaterialFile,
+    PaneTransmittanceFile, ScalarFile, SpectrumFile, ThinDielectricFile,
 };
-use crate::optics::bsdf::{Bsdf, CosinePolynomial, Glossy, ThinDielectric};
+use crate::optics::bsdf::{
+    Bsdf, Conductor, CosinePolynomial, DiffractionGrating, Glossy, Grooves, ThinDielectric,
+};
 use crate::optics::glass::RefractiveIndex;
+use crate::optics::grating::{Grating, GratingProfile};
+use crate::optics::thin_film::OpticalIndex;
 use crate::scene::{Body, Material};
-use crate::spectrum::library;
+use crate::spectrum::{Spectrum, library};
 use crate::texture::SurfaceScalar;
 
 /// The largest allowed depth of nested mixed materials. If the nesting is deeper, the references
@@ -62,10 +66,21 @@ impl Resolver<'_> {
             MaterialFile::Dielectric(file) => {
                 let at = at.key("dielectric");
                 let body = self.body(&at, file, name, notes)?;
-                let surface = self.rough(&at, &file.roughness, Bsdf::dielectric);
+                let surface = match (&file.coating, &body.index) {
+                    (Some(coating), Some(index)) => {
+                        let glass = OpticalIndex::Transparent(index.clone());
+                        Ok(Bsdf::coated_dielectric(self.coating(&at.key("coating"), coating, &glass)?))
+                    }
+                    (None, _) | (_, None) => self.rough(&at, &file.roughness, Bsdf::dielectric),
+                };
                 (surface, Some(body))
             }
             MaterialFile::ThinDielectric(file) => (self.pane(&at.key("thin_dielectric"), file, name, notes), None),
+            MaterialFile::ThinFilm(file) => {
+                let air = OpticalIndex::Transparent(self.at(&at, RefractiveIndex::constant(1.0))?);
+                (Ok(Bsdf::thin_film(self.coating(&at.key("thin_film"), file, &air)?)), None)
+            }
+            MaterialFile::Grating(file) => (self.grating(&at.key("grating"), file), None),
             MaterialFile::Conductor(file) => (self.conductor(&at.key("conductor"), file), None),
             MaterialFile::Mirror { reflectance } => {
                 let at = at.key("mirror");
@@ -131,7 +146,7 @@ impl Resolver<'_> {
     }
 
     fn body(&self, at: &JsonPath<'_>, file: &DielectricFile, name: &str, notes: &mut Vec<String>) -> Result<Body> {
-        let DielectricFile { ior, roughness: _, absorption, medium, priority } = file;
+        let DielectricFile { ior, roughness: _, absorption, coating: _, medium, priority } = file;
         let medium = medium.as_ref().map(|name| self.medium_number(&at.key("medium"), name)).transpose();
         let index = self.index(&at.key("ior"), ior, name, notes);
         let resolve = |file| self.spectrum(&at.key("absorption"), file, Role::Coefficient);
@@ -143,24 +158,51 @@ impl Resolver<'_> {
     }
 
     fn pane(&self, at: &JsonPath<'_>, file: &ThinDielectricFile, name: &str, notes: &mut Vec<String>) -> Result<Bsdf> {
-        let ThinDielectricFile { ior, thickness, absorption, transmittance } = file;
+        let ThinDielectricFile { ior, thickness, absorption, transmittance, coating } = file;
         let index = self.index(&at.key("ior"), ior, name, notes)?;
         let mut optical_depth = None;
         if let (Some(thickness), Some(absorption)) = (thickness, absorption) {
             let per_unit = self.spectrum(&at.key("absorption"), absorption, Role::Coefficient)?;
             optical_depth = (per_unit.max() > 0.0).then(|| per_unit.scaled(*thickness));
         }
-        let pane = ThinDielectric::new(index, optical_depth)?;
-        Ok(Bsdf::ThinDielectric(match transmittance {
-            Some(PaneTransmittanceFile::CosinePolynomial(coefficients)) => {
-                pane.with_transmittance(CosinePolynomial::new(coefficients.clone()))
+        let mut pane = ThinDielectric::new(index.clone(), optical_depth)?;
+        if let Some(PaneTransmittanceFile::CosinePolynomial(coefficients)) = transmittance {
+            pane = pane.with_transmittance(CosinePolynomial::new(coefficients.clone()));
+        }
+        if let Some(coating) = coating {
+            pane = pane.with_coating(self.coating(&at.key("coating"), coating, &OpticalIndex::Transparent(index))?);
+        }
+        Ok(Bsdf::ThinDielectric(pane))
+    }
+
+    fn grating(&self, at: &JsonPath<'_>, file: &GratingFile) -> Result<Bsdf> {
+        let GratingFile { lines_per_mm, profile, reflectance, transmittance, grooves, angle } = file;
+        let profile = match *profile {
+            GratingProfileFile::Blazed { order, nm } => GratingProfile::Blazed { order, blaze_nm: nm },
+            GratingProfileFile::Sinusoidal { amplitude, nm } => {
+                GratingProfile::Sinusoidal { amplitude_rad: amplitude, at_nm: nm }
             }
-            None => pane,
-        }))
+            GratingProfileFile::Lamellar { phase, nm, duty } => {
+                GratingProfile::BinaryPhase { phase_rad: phase, at_nm: nm, duty }
+            }
+            GratingProfileFile::Slits { duty } => GratingProfile::BinaryAmplitude { duty },
+        };
+        let fraction = |key: &str, file: &Option<SpectrumFile>, default: f64| match file {
+            Some(file) => self.spectrum(&at.key(key), file, Role::Reflectance),
+            None => Ok(Spectrum::constant(default)),
+        };
+        let reflected = fraction("reflectance", reflectance, if transmittance.is_some() { 0.0 } else { 1.0 });
+        let (reflected, transmitted) = both(reflected, fraction("transmittance", transmittance, 0.0))?;
+        let grooves = match grooves {
+            GroovesFile::Parallel => Grooves::Parallel(angle.to_radians()),
+            GroovesFile::Circular => Grooves::Circular,
+        };
+        let grating = Grating::new(*lines_per_mm, profile)?;
+        DiffractionGrating::new(grating, reflected, transmitted, grooves).map(Bsdf::Grating)
     }
 
     fn conductor(&self, at: &JsonPath<'_>, file: &ConductorFile) -> Result<Bsdf> {
-        let ConductorFile { metal, eta, k, file, reflectance, roughness } = file;
+        let ConductorFile { metal, eta, k, file, reflectance, roughness, coating } = file;
         if let Some(reflectance) = reflectance {
             let reflectance = self.reflectance(&at.key("reflectance"), reflectance)?;
             return self.rough(at, roughness, |alpha| Bsdf::metal(reflectance.clone(), alpha));
@@ -178,7 +220,13 @@ impl Resolver<'_> {
                 self.at(&at.key("file"), index_file(path, self.source).and_then(|data| data.n_and_k()))?
             }
         };
-        self.rough(at, roughness, |alpha| Bsdf::conductor(n.clone(), k.clone(), alpha))
+        let Some(coating) = coating else {
+            return self.rough(at, roughness, |alpha| Bsdf::conductor(n.clone(), k.clone(), alpha));
+        };
+        let substrate = self.at(at, OpticalIndex::absorbing(n.clone(), k.clone()))?;
+        let films = self.coating(&at.key("coating"), coating, &substrate)?;
+        let coated = |alpha| Conductor::coated(n.clone(), k.clone(), films.clone(), alpha).map(Bsdf::Conductor);
+        self.rough(at, roughness, coated)
     }
 
     /// Creates a BSDF whose roughness may vary over the surface. `of_alpha` creates the BSDF of a

@@ -7,6 +7,7 @@
 //! field.
 
 mod camera;
+mod coating;
 mod context;
 mod emission;
 mod environment_image;
@@ -24,6 +25,7 @@ mod objects;
 mod spectra;
 mod textures;
 
+pub use coating::{FilmSystem, lone_coating};
 pub use index::glass_file;
 pub use lens::{catalogues_beside, lens_file, lens_system_file, lone_lens};
 pub use media::DEFAULT_MARCH_STEPS;

@@ -50,7 +50,7 @@ pub(super) struct Spectra<'a> {
 }
 
 impl Resolver<'_> {
-    fn spectra(&self) -> Spectra<'_> {
+    pub(super) fn spectra(&self) -> Spectra<'_> {
         Spectra { named: &self.scene.spectra, source: self.source }
     }
 
@@ -93,7 +93,7 @@ impl Spectra<'_> {
     }
 
     /// Adds the place in the file to an error.
-    fn at<T>(&self, path: &JsonPath<'_>, result: Result<T>) -> Result<T> {
+    pub(super) fn at<T>(&self, path: &JsonPath<'_>, result: Result<T>) -> Result<T> {
         result.map_err(|error| self.source.error_at(&path.to_string(), error))
     }
 

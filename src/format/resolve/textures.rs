@@ -5,12 +5,12 @@ use super::spectra::Role;
 use crate::error::{Error, Result, both};
 use crate::format::picture_file::{BandPicture, PictureFile};
 use crate::format::{
-    BandImageFile, ChannelFile, ColourImageFile, EncodingFile, FilterFile, GreenFile, JsonPath, NoisePatternFile,
-    NormalMapFile, PatternFile, ReflectanceFile, ScalarFile, ScalarImageFile, UvFile, WrapFile,
+    BandImageFile, ChannelFile, ColourImageFile, EncodingFile, FilterFile, GradientFile, GreenFile, JsonPath,
+    NoisePatternFile, NormalMapFile, PatternFile, ReflectanceFile, ScalarFile, ScalarImageFile, UvFile, WrapFile,
 };
 use crate::texture::{
-    Filter, ImagePattern, ImageSize, NoisePattern, NormalMap, Pattern, ScalarTexture, SpectralTexture, SurfaceScalar,
-    SurfaceSpectrum, UvTransform, Wrap,
+    Filter, GradientPattern, ImagePattern, ImageSize, NoisePattern, NormalMap, Pattern, ScalarTexture, SpectralTexture,
+    SurfaceScalar, SurfaceSpectrum, UvTransform, Wrap,
 };
 use glam::Vec3;
 
@@ -57,6 +57,10 @@ impl Resolver<'_> {
                 ScalarTexture::from_pair(Pattern::Stripes(pattern_transform(file)), [file.a, file.b])
             }
             ScalarFile::Noise(file) => ScalarTexture::from_pair(noise_pattern(file), [file.a, file.b]),
+            ScalarFile::Gradient(GradientFile { a, b, power, radial, uv }) => {
+                let gradient = GradientPattern { radial: *radial, power: *power };
+                ScalarTexture::from_pair(Pattern::Gradient(gradient, transform(uv)), [*a, *b])
+            }
         };
         Ok(SurfaceScalar::Textured(texture))
     }

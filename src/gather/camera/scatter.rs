@@ -28,6 +28,7 @@ impl<'a> CameraPass<'a> {
         interaction: &SurfaceInteraction<'a>,
         context: &mut PathContext<'_, 'a, S>,
     ) -> Option<CameraPath> {
+        context.tally.film_events += u64::from(interaction.bsdf.model.films().is_some());
         let glossy = self.glossy_event(path, interaction, context);
         let mut path = *path;
         let continues = if let (SpectralMode::Free, true) = (path.spectral_mode, self.disperses(interaction)) {
@@ -53,11 +54,26 @@ impl<'a> CameraPass<'a> {
         GlossyEvent { caustic, reference_nm: path.reference_nm() }
     }
 
-    /// Returns true if refraction at this surface depends on the wavelength.
+    /// Returns true if refraction or diffraction at this surface depends on the wavelength.
     fn disperses(&self, interaction: &SurfaceInteraction<'a>) -> bool {
-        self.plan.wavelengths != WavelengthPlan::Free
-            && matches!(interaction.bsdf.model, Bsdf::Dielectric(_))
-            && (interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive())
+        if self.plan.wavelengths == WavelengthPlan::Free {
+            return false;
+        }
+        match interaction.bsdf.model {
+            Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_) => {
+                interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive()
+            }
+            Bsdf::Grating(_) => true,
+            Bsdf::Absorber
+            | Bsdf::Diffuse(_)
+            | Bsdf::Translucent(_)
+            | Bsdf::Mirror(_)
+            | Bsdf::Conductor(_)
+            | Bsdf::ThinDielectric(_)
+            | Bsdf::ThinFilm(_)
+            | Bsdf::Glossy(_)
+            | Bsdf::Mix(_) => false,
+        }
     }
 
     /// Scatters a free path at dispersive glass. The reflected path stays free. The refracted path
@@ -70,9 +86,9 @@ impl<'a> CameraPass<'a> {
         context: &mut PathContext<'_, 'a, S>,
     ) -> bool {
         let bsdf = interaction.bsdf;
-        if bsdf.class() == BsdfClass::Glossy {
-            // At rough dispersive glass each wavelength samples its own direction, also for
-            // reflection.
+        if bsdf.class() == BsdfClass::Glossy || matches!(bsdf.model, Bsdf::Grating(_)) {
+            // At rough dispersive glass and at a grating, each wavelength samples its own
+            // direction, also for reflection.
             context.tally.dispersions += 1;
             self.split(*path, interaction, SplitEvent::Glossy(glossy), context);
             return false;
@@ -93,9 +109,19 @@ impl<'a> CameraPass<'a> {
         self.scatter_forced(path, interaction, ScatterEvent::Reflection, probability, context)
     }
 
-    /// Returns the reflectance of a smooth interface at the path's reference wavelength.
+    /// Returns the reflectance of a smooth interface at the path's reference wavelength. The films
+    /// of a coated interface may reflect other wavelengths only, so a free path uses the mean over
+    /// the band.
     fn reflectance(&self, path: &CameraPath, interaction: &SurfaceInteraction<'a>) -> f64 {
-        let (sides, nm) = (interaction.sides, path.reference_nm());
+        let sides = interaction.sides;
+        let nm = match path.spectral_mode {
+            SpectralMode::Free => None,
+            SpectralMode::Shared { nm, .. } => Some(nm),
+        };
+        if let Some(probability) = interaction.bsdf.film_reflection_probability(interaction.wo, sides, nm) {
+            return probability;
+        }
+        let nm = path.reference_nm();
         fresnel::dielectric(interaction.wo.z.abs(), sides.here.n(nm), sides.there.n(nm))
     }
 
@@ -199,9 +225,10 @@ impl<'a> CameraPass<'a> {
     }
 }
 
-/// Returns true if the surface is a smooth interface between two dielectrics.
+/// Returns true if the surface is a smooth interface between two dielectrics, or a film.
 fn is_smooth_interface(interaction: &SurfaceInteraction<'_>) -> bool {
-    matches!(interaction.bsdf.model, Bsdf::Dielectric(_)) && interaction.bsdf.class() == BsdfClass::Specular
+    matches!(interaction.bsdf.model, Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_) | Bsdf::ThinFilm(_))
+        && interaction.bsdf.class() == BsdfClass::Specular
 }
 
 /// How a free path continues at dispersive glass, once for each shared wavelength.
@@ -210,7 +237,7 @@ enum SplitEvent {
     /// The path is refracted. The value is the probability with which the caller selected this
     /// event.
     Refraction(f64),
-    /// Each wavelength samples the BSDF of rough glass.
+    /// Each wavelength samples the BSDF of rough glass or of a grating.
     Glossy(GlossyEvent),
 }
 

@@ -127,7 +127,9 @@ impl<'a> CameraPass<'a> {
             };
             context.tally.camera_segments += 1;
             if M::HAS_BODIES {
-                let face = next.as_ref().is_some_and(|next| self.scene.body_of(next.hit.object).is_some());
+                let face = next.as_ref().is_some_and(|next| {
+                    self.scene.body_of(next.hit.object).is_some() || next.bsdf.model.grating().is_some()
+                });
                 context.tally.body_events += u64::from(face);
             }
             let Some(interaction) = next else {

@@ -52,7 +52,10 @@ impl SensorResponses {
             | Bsdf::Mirror(_)
             | Bsdf::Conductor(_)
             | Bsdf::Dielectric(_)
+            | Bsdf::CoatedDielectric(_)
             | Bsdf::ThinDielectric(_)
+            | Bsdf::ThinFilm(_)
+            | Bsdf::Grating(_)
             | Bsdf::Glossy(_)
             | Bsdf::Mix(_) => None,
         };

@@ -154,7 +154,7 @@ impl<'a> DirectLighting<'a> {
     /// Creates the estimator of the reference path tracer, which uses ratio tracking in all media.
     /// Its shadow rays pass through thin panes.
     pub fn tracked(scene: &'a Scene, selector: &'a LightSelector, media_plan: MediumPlan) -> Self {
-        let panes = scene.materials.iter().any(|material| matches!(material.surface, Bsdf::ThinDielectric(_)));
+        let panes = scene.materials.iter().any(|material| matches!(&material.surface, Bsdf::ThinDielectric(pane) if pane.is_uniform()));
         let tracked = ShadowAttenuation::Tracked { panes };
         let direct = Self::attenuated(scene, selector, media_plan, tracked);
         if panes { Self { attenuation: tracked, ..direct } } else { direct }
@@ -191,6 +191,9 @@ impl<'a> DirectLighting<'a> {
         while scene.geometry.occluded(&ray, from, target, length_m) {
             let Some(hit) = scene.geometry.intersect(&ray, from, length_m) else { return false };
             let Bsdf::ThinDielectric(pane) = &scene.material_of(hit.object).surface else { return false };
+            if !pane.is_uniform() {
+                return false;
+            }
             visit(SegmentTransmittance::Pane { pane, cosine: ray.direction.dot(hit.normal).abs(), outside });
             (ray.origin, from) = (hit.position, Some(hit.surface));
             length_m -= hit.t;

@@ -123,7 +123,7 @@ impl<'a> PathTracer<'a> {
             };
             let through_pane = scattered.delta
                 && self.direct.passes_panes()
-                && matches!(interaction.bsdf.model, Bsdf::ThinDielectric(_))
+                && matches!(interaction.bsdf.model, Bsdf::ThinDielectric(pane) if pane.is_uniform())
                 && !interaction.leads_back(scattered.direction);
             path.apply_scattering(&interaction, &scattered, through_pane);
             if !path.survives(self.scene, depth, sampler) {

@@ -2,16 +2,19 @@
 
 use glam::DVec3;
 
+use super::Texels;
 use super::check::{check_alpha, check_fraction, check_within};
 use super::compensation::ConductorCompensation;
 use super::hemisphere::{flip_z, same_side, z_sign};
 use super::sample::{BsdfSample, InterfaceIors, ScatterEvent};
 use crate::error::Result;
+use crate::math::complex::Complex;
 use crate::math::quadrature::gauss4;
 use crate::optics::fresnel;
 use crate::optics::microfacet::{Ggx, MIN_ALPHA};
+use crate::optics::thin_film::FilmStack;
 use crate::spectrum::Spectrum;
-use crate::texture::{SurfaceSpectrum, Texel};
+use crate::texture::SurfaceSpectrum;
 
 /// A metal.
 ///
@@ -42,6 +45,8 @@ enum MetalFresnel {
     Index { n: Spectrum, k: Spectrum },
     /// The reflectance at normal incidence.
     Reflectance(SurfaceSpectrum),
+    /// The complex index n + ik under thin films.
+    Coated { n: Spectrum, k: Spectrum, films: FilmStack },
 }
 
 /// Returns the reflectance of a metal at the cosine `cos` of the angle of incidence. `normal` is
@@ -74,6 +79,17 @@ impl Conductor {
         Self::with_fresnel(MetalFresnel::Reflectance(reflectance), alpha)
     }
 
+    /// Creates a metal of index `n` + i`k` and GGX roughness `alpha` under thin films. The list of
+    /// films starts at the outside. Each microfacet of a rough metal has these films.
+    ///
+    /// # Errors
+    /// Returns an error if `n` or `k` is negative, or `alpha` lies outside \[0, 1\].
+    pub fn coated(n: Spectrum, k: Spectrum, films: FilmStack, alpha: f64) -> Result<Self> {
+        check_within("refractive index", &n, f64::INFINITY)?;
+        check_within("extinction coefficient", &k, f64::INFINITY)?;
+        Self::with_fresnel(MetalFresnel::Coated { n, k, films }, alpha)
+    }
+
     fn with_fresnel(fresnel: MetalFresnel, alpha: f64) -> Result<Self> {
         check_alpha(alpha)?;
         let rough = |ggx: Ggx| RoughMetal { ggx, compensation: ConductorCompensation::new(&ggx) };
@@ -83,15 +99,43 @@ impl Conductor {
     /// Returns the reflectance at normal incidence, if it was stated.
     pub(super) fn reflectance(&self) -> Option<&SurfaceSpectrum> {
         match &self.fresnel {
-            MetalFresnel::Index { .. } => None,
+            MetalFresnel::Index { .. } | MetalFresnel::Coated { .. } => None,
             MetalFresnel::Reflectance(reflectance) => Some(reflectance),
+        }
+    }
+
+    /// Returns the thin films on the metal.
+    pub(super) fn films(&self) -> Option<&FilmStack> {
+        match &self.fresnel {
+            MetalFresnel::Index { .. } | MetalFresnel::Reflectance(_) => None,
+            MetalFresnel::Coated { films, .. } => Some(films),
+        }
+    }
+
+    /// Returns the metal without thin films.
+    pub(super) fn without_films(self) -> Self {
+        let fresnel = match self.fresnel {
+            MetalFresnel::Coated { n, k, films: _ } => MetalFresnel::Index { n, k },
+            other @ (MetalFresnel::Index { .. } | MetalFresnel::Reflectance(_)) => other,
+        };
+        Self { fresnel, ..self }
+    }
+
+    /// Returns true if the reflectance varies over the surface.
+    pub(super) fn is_textured(&self) -> bool {
+        match &self.fresnel {
+            MetalFresnel::Index { .. } => false,
+            MetalFresnel::Reflectance(reflectance) => reflectance.is_textured(),
+            MetalFresnel::Coated { films, .. } => films.is_textured(),
         }
     }
 
     /// Returns true if a spectrum of the metal was made from an RGB colour.
     pub(super) fn is_upsampled(&self) -> bool {
         match &self.fresnel {
-            MetalFresnel::Index { n, k } => n.is_upsampled() || k.is_upsampled(),
+            MetalFresnel::Index { n, k } | MetalFresnel::Coated { n, k, films: _ } => {
+                n.is_upsampled() || k.is_upsampled()
+            }
             MetalFresnel::Reflectance(reflectance) => reflectance.is_upsampled(),
         }
     }
@@ -100,6 +144,7 @@ impl Conductor {
     pub(super) fn without_textures(self) -> Self {
         let fresnel = match self.fresnel {
             MetalFresnel::Reflectance(reflectance) => MetalFresnel::Reflectance(reflectance.without_texture()),
+            MetalFresnel::Coated { n, k, films } => MetalFresnel::Coated { n, k, films: films.without_textures() },
             index @ MetalFresnel::Index { .. } => index,
         };
         Self { fresnel, ..self }
@@ -110,15 +155,19 @@ impl Conductor {
         self.facets.is_some()
     }
 
-    pub(super) fn fresnel(&self, cos: f64, iors: InterfaceIors<'_>, texel: Texel, nm: f64) -> f64 {
+    pub(super) fn fresnel(&self, cos: f64, iors: InterfaceIors<'_>, texels: Texels, nm: f64) -> f64 {
         match &self.fresnel {
             MetalFresnel::Index { n, k } => fresnel::conductor(cos, n.at(nm), k.at(nm), iors.here.n(nm)),
-            MetalFresnel::Reflectance(reflectance) => schlick(reflectance.at(texel, nm), cos),
+            MetalFresnel::Reflectance(reflectance) => schlick(reflectance.at(texels.reflectance, nm), cos),
+            MetalFresnel::Coated { n, k, films } => {
+                let metal = Complex::new(n.at(nm), k.at(nm));
+                films.response(cos, iors.here.n(nm), metal, nm, f64::from(texels.thickness_nm)).reflectance()
+            }
         }
     }
 
     /// Returns the cosine-weighted mean of the reflectance, F̄ = ∫ 2μ·F(μ) dμ.
-    fn mean_reflectance(&self, iors: InterfaceIors<'_>, texel: Texel, nm: f64) -> f64 {
+    fn mean_reflectance(&self, iors: InterfaceIors<'_>, texels: Texels, nm: f64) -> f64 {
         match &self.fresnel {
             MetalFresnel::Index { n, k } => {
                 let (n, k, outside) = (n.at(nm), k.at(nm), iors.here.n(nm));
@@ -126,9 +175,10 @@ impl Conductor {
             }
             // 2∫ μ (1 − μ)⁵ dμ = 1/21.
             MetalFresnel::Reflectance(reflectance) => {
-                let normal = reflectance.at(texel, nm);
+                let normal = reflectance.at(texels.reflectance, nm);
                 normal + (1.0 - normal) / 21.0
             }
+            MetalFresnel::Coated { .. } => gauss4((0.0, 1.0), |cos| 2.0 * cos * self.fresnel(cos, iors, texels, nm)),
         }
     }
 
@@ -149,8 +199,8 @@ impl Conductor {
         BsdfSample { cos_microfacet: up.dot(m), shadowed, ..sample }
     }
 
-    pub(super) fn coefficient(&self, wo: DVec3, iors: InterfaceIors<'_>, texel: Texel, nm: f64) -> f64 {
-        self.fresnel(wo.z, iors, texel, nm)
+    pub(super) fn coefficient(&self, wo: DVec3, iors: InterfaceIors<'_>, texels: Texels, nm: f64) -> f64 {
+        self.fresnel(wo.z, iors, texels, nm)
     }
 
     pub(super) fn absorbed_fraction(
@@ -158,25 +208,25 @@ impl Conductor {
         wo: DVec3,
         sample: &BsdfSample,
         iors: InterfaceIors<'_>,
-        texel: Texel,
+        texels: Texels,
         nm: f64,
     ) -> f64 {
         let Some(facets) = &self.facets else {
-            return 1.0 - self.fresnel(wo.z, iors, texel, nm);
+            return 1.0 - self.fresnel(wo.z, iors, texels, nm);
         };
-        let kept = facets.compensation.reflected(self.mean_reflectance(iors, texel, nm));
-        let absorbed_once = 1.0 - self.fresnel(sample.cos_microfacet, iors, texel, nm);
+        let kept = facets.compensation.reflected(self.mean_reflectance(iors, texels, nm));
+        let absorbed_once = 1.0 - self.fresnel(sample.cos_microfacet, iors, texels, nm);
         absorbed_once * (1.0 - sample.shadowed) + sample.shadowed * (1.0 - kept)
     }
 
-    pub(super) fn eval(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, texel: Texel, nm: f64) -> f64 {
+    pub(super) fn eval(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, texels: Texels, nm: f64) -> f64 {
         let Some(facets) = self.facets.as_ref().filter(|_| same_side(wo, wi)) else {
             return 0.0;
         };
         let m = (wo + wi).normalize_or_zero();
         let lobe = facets.ggx.reflection_lobe(flip_z(m, z_sign(wo)), wo.z.abs(), wi.z.abs());
-        let kept = facets.compensation.reflected(self.mean_reflectance(iors, texel, nm));
-        self.fresnel(wo.dot(m), iors, texel, nm) * lobe + kept * facets.compensation.eval(wo.z.abs(), wi.z.abs())
+        let kept = facets.compensation.reflected(self.mean_reflectance(iors, texels, nm));
+        self.fresnel(wo.dot(m), iors, texels, nm) * lobe + kept * facets.compensation.eval(wo.z.abs(), wi.z.abs())
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
@@ -215,7 +265,7 @@ mod tests {
         let known = (0..steps).map(|i| 2.0 * at(i) * reflectance(at(i)) / f64::from(steps)).sum::<f64>();
         let rough = Conductor::new(Spectrum::constant(n), Spectrum::constant(k), 0.5).unwrap();
         let index = RefractiveIndex::constant(1.0).unwrap();
-        let found = rough.mean_reflectance(InterfaceIors { here: &index, there: &index }, 0, 550.0);
+        let found = rough.mean_reflectance(InterfaceIors { here: &index, there: &index }, Texels::NONE, 550.0);
         assert!((found - known).abs() < 2e-3, "{found} for {known}");
     }
 
@@ -229,7 +279,10 @@ mod tests {
             let index = RefractiveIndex::constant(outside).unwrap();
             let iors = InterfaceIors { here: &index, there: &index };
             let known = ((n - outside).powi(2) + k * k) / ((n + outside).powi(2) + k * k);
-            assert!((smooth.coefficient(DVec3::Z, iors, 0, 550.0) - known).abs() < 1e-12, "outside index {outside}");
+            assert!(
+                (smooth.coefficient(DVec3::Z, iors, Texels::NONE, 550.0) - known).abs() < 1e-12,
+                "outside index {outside}"
+            );
         }
     }
 }

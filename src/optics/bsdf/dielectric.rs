@@ -198,7 +198,7 @@ pub(super) fn coefficient(
 
 /// Returns the factor by which the change of index scales transmitted light. The factor is
 /// (n_i/n_t)² for radiance and 1 for power (Veach 1997, §5.2).
-fn radiance_scale(iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
+pub(super) fn radiance_scale(iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
     match mode {
         TransportMode::Radiance => {
             let ratio = iors.here.n(nm) / iors.there.n(nm);

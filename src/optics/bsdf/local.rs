@@ -3,25 +3,34 @@
 use glam::DVec3;
 
 use super::sample::{BsdfClass, BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
-use super::{Bsdf, MixBsdf, dielectric, diffuse};
+use super::{Bsdf, MixBsdf, coated, dielectric, diffuse};
 use crate::spectrum::{LANES, Lanes};
 use crate::texture::Texel;
 
 /// The texels that a path selected at a point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Texels {
     /// The texel of the reflectance.
     pub reflectance: Texel,
     /// The texel of the transmittance.
     pub transmittance: Texel,
+    /// The thickness in nm of the thin film that varies over the surface.
+    pub thickness_nm: f32,
+    /// The angle in rad from the first axis of the local frame to the direction across the grooves
+    /// of a grating.
+    pub groove_angle: f32,
 }
 
 impl Texels {
     /// The texels of a surface without textures.
-    pub const NONE: Self = Self { reflectance: 0, transmittance: 0 };
+    pub const NONE: Self = Self { reflectance: 0, transmittance: 0, thickness_nm: 0.0, groove_angle: 0.0 };
 
     pub(super) fn of_reflectance(reflectance: Texel) -> Self {
         Self { reflectance, ..Self::NONE }
+    }
+
+    pub(super) fn of_thickness(thickness_nm: f64) -> Self {
+        Self { thickness_nm: thickness_nm as f32, ..Self::NONE }
     }
 }
 
@@ -74,7 +83,10 @@ impl<'a> LocalBsdf<'a> {
             Bsdf::Mirror(mirror) => Some(mirror.sample(wo)),
             Bsdf::Conductor(conductor) => Some(conductor.sample(wo, u)),
             Bsdf::Dielectric(dielectric) => dielectric.sample(wo, iors, nm, u),
-            Bsdf::ThinDielectric(thin) => Some(thin.sample(wo, iors, nm, u)),
+            Bsdf::CoatedDielectric(coated) => Some(coated.sample(wo, iors, self.texels.thickness_nm, nm, u)),
+            Bsdf::ThinDielectric(thin) => Some(thin.sample(wo, iors, self.texels.thickness_nm, nm, u)),
+            Bsdf::ThinFilm(film) => Some(film.sample(wo, iors, self.texels.thickness_nm, nm, u)),
+            Bsdf::Grating(grating) => grating.sample(wo, iors, self.texels.groove_angle, nm, u),
             Bsdf::Glossy(glossy) => Some(glossy.sample(wo, reflectance, nm, u)),
             Bsdf::Mix(mix) => {
                 let mut choice = u[2];
@@ -103,6 +115,9 @@ impl<'a> LocalBsdf<'a> {
         if let Bsdf::Mix(mix) = self.model {
             return self.component(mix, sample.component).eval_sample(wo, sample, iors, mode, nm);
         }
+        if let Bsdf::Grating(grating) = self.model {
+            return grating.coefficient(wo, sample, iors, self.texels.groove_angle, (mode, nm));
+        }
         if sample.delta {
             return self.coefficient(wo, sample.event, iors, mode, nm);
         }
@@ -126,9 +141,12 @@ impl<'a> LocalBsdf<'a> {
             Bsdf::Diffuse(diffuse) => diffuse.absorbed_fraction(reflectance, nm),
             Bsdf::Translucent(translucent) => translucent.absorbed_fraction(self.texels, nm),
             Bsdf::Mirror(mirror) => mirror.absorbed_fraction(reflectance, nm),
-            Bsdf::Conductor(conductor) => conductor.absorbed_fraction(wo, sample, iors, reflectance, nm),
+            Bsdf::Conductor(conductor) => conductor.absorbed_fraction(wo, sample, iors, self.texels, nm),
             Bsdf::Dielectric(_) => 0.0,
-            Bsdf::ThinDielectric(thin) => thin.absorbed_fraction(wo, iors, nm),
+            Bsdf::CoatedDielectric(coated) => coated.powers(wo, iors, self.texels.thickness_nm, nm).absorbed(),
+            Bsdf::ThinDielectric(thin) => thin.absorbed_fraction(wo, iors, self.texels.thickness_nm, nm),
+            Bsdf::ThinFilm(film) => film.powers(wo, iors, self.texels.thickness_nm, nm).absorbed(),
+            Bsdf::Grating(grating) => grating.absorbed_fraction(nm),
             Bsdf::Glossy(glossy) => glossy.absorbed_fraction(wo, reflectance, nm),
             Bsdf::Mix(mix) => self.component(mix, sample.component).absorbed_fraction(wo, sample, iors, nm),
         }
@@ -170,10 +188,15 @@ impl<'a> LocalBsdf<'a> {
     pub fn eval(self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
         let reflectance = self.texels.reflectance;
         match self.model {
-            Bsdf::Absorber | Bsdf::Mirror(_) | Bsdf::ThinDielectric(_) => 0.0,
+            Bsdf::Absorber
+            | Bsdf::Mirror(_)
+            | Bsdf::CoatedDielectric(_)
+            | Bsdf::ThinDielectric(_)
+            | Bsdf::ThinFilm(_)
+            | Bsdf::Grating(_) => 0.0,
             Bsdf::Diffuse(diffuse) => diffuse.eval(wo, wi, reflectance, nm),
             Bsdf::Translucent(translucent) => translucent.eval(wo, wi, self.texels, nm),
-            Bsdf::Conductor(conductor) => conductor.eval(wo, wi, iors, reflectance, nm),
+            Bsdf::Conductor(conductor) => conductor.eval(wo, wi, iors, self.texels, nm),
             Bsdf::Dielectric(dielectric) => dielectric.eval(wo, wi, iors, mode, nm),
             Bsdf::Glossy(glossy) => glossy.eval(wo, wi, reflectance, nm),
             Bsdf::Mix(mix) => mix
@@ -189,7 +212,12 @@ impl<'a> LocalBsdf<'a> {
     pub fn pdf(self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
         let reflectance = self.texels.reflectance;
         match self.model {
-            Bsdf::Absorber | Bsdf::Mirror(_) | Bsdf::ThinDielectric(_) => 0.0,
+            Bsdf::Absorber
+            | Bsdf::Mirror(_)
+            | Bsdf::CoatedDielectric(_)
+            | Bsdf::ThinDielectric(_)
+            | Bsdf::ThinFilm(_)
+            | Bsdf::Grating(_) => 0.0,
             Bsdf::Diffuse(diffuse) => diffuse.pdf(wo, wi),
             Bsdf::Translucent(translucent) => translucent.pdf(wo, wi, self.texels, nm),
             Bsdf::Conductor(conductor) => conductor.pdf(wo, wi),
@@ -202,16 +230,48 @@ impl<'a> LocalBsdf<'a> {
         }
     }
 
+    /// Returns the probability with which a path of the wavelength `nm` should be reflected by a
+    /// coated interface or by a film. `None` stands for a path that carries the whole band. Returns
+    /// `None` for all other surfaces.
+    pub fn film_reflection_probability(self, wo: DVec3, iors: InterfaceIors<'_>, nm: Option<f64>) -> Option<f64> {
+        let thickness_nm = self.texels.thickness_nm;
+        match self.model {
+            Bsdf::CoatedDielectric(coated) => {
+                Some(coated::reflection_probability(nm, |nm| coated.powers(wo, iors, thickness_nm, nm)))
+            }
+            Bsdf::ThinFilm(film) => {
+                Some(coated::reflection_probability(nm, |nm| film.powers(wo, iors, thickness_nm, nm)))
+            }
+            Bsdf::Absorber
+            | Bsdf::Diffuse(_)
+            | Bsdf::Translucent(_)
+            | Bsdf::Mirror(_)
+            | Bsdf::Conductor(_)
+            | Bsdf::Dielectric(_)
+            | Bsdf::ThinDielectric(_)
+            | Bsdf::Grating(_)
+            | Bsdf::Glossy(_)
+            | Bsdf::Mix(_) => None,
+        }
+    }
+
     /// Returns the coefficient of the delta distribution at `nm`. If the BSDF has no delta
     /// distribution, returns 0.
     fn coefficient(self, wo: DVec3, event: ScatterEvent, iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
         let reflectance = self.texels.reflectance;
         match self.model {
             Bsdf::Mirror(mirror) => mirror.coefficient(reflectance, nm),
-            Bsdf::Conductor(conductor) => conductor.coefficient(wo, iors, reflectance, nm),
+            Bsdf::Conductor(conductor) => conductor.coefficient(wo, iors, self.texels, nm),
             Bsdf::Dielectric(_) => dielectric::coefficient(wo, event, iors, mode, nm),
-            Bsdf::ThinDielectric(thin) => thin.coefficient(wo, event, iors, nm),
-            Bsdf::Absorber | Bsdf::Diffuse(_) | Bsdf::Translucent(_) | Bsdf::Glossy(_) | Bsdf::Mix(_) => 0.0,
+            Bsdf::CoatedDielectric(coated) => coated.coefficient(wo, event, iors, self.texels.thickness_nm, (mode, nm)),
+            Bsdf::ThinDielectric(thin) => thin.coefficient(wo, event, iors, self.texels.thickness_nm, nm),
+            Bsdf::ThinFilm(film) => film.powers(wo, iors, self.texels.thickness_nm, nm).of_event(event),
+            Bsdf::Absorber
+            | Bsdf::Diffuse(_)
+            | Bsdf::Translucent(_)
+            | Bsdf::Grating(_)
+            | Bsdf::Glossy(_)
+            | Bsdf::Mix(_) => 0.0,
         }
     }
 }

@@ -147,6 +147,12 @@ impl MixBsdf {
         Self::of_components(components, &weights, None)
     }
 
+    /// Returns the mixture with each component replaced. The replacements are no mixtures.
+    pub(super) fn with_components(self, replace: impl Fn(Bsdf) -> Result<Bsdf>) -> Result<Self> {
+        let components = self.components.into_iter().map(replace).collect::<Result<_>>()?;
+        Ok(Self { components, ..self })
+    }
+
     /// Iterates over the components, each with its normalised weight.
     pub(super) fn weighted_components(&self) -> impl Iterator<Item = (f64, &Bsdf)> {
         self.weights().zip(&self.components)

@@ -20,6 +20,7 @@
 
 mod albedo;
 mod check;
+mod coated;
 mod compensation;
 mod conductor;
 #[cfg(test)]
@@ -27,6 +28,7 @@ mod contract;
 mod dielectric;
 mod diffuse;
 mod glossy;
+mod grating;
 mod hemisphere;
 mod local;
 mod mirror;
@@ -37,14 +39,17 @@ mod thin;
 mod translucent;
 
 use super::glass::RefractiveIndex;
+use super::thin_film::FilmStack;
 use crate::error::Result;
 use crate::spectrum::Spectrum;
 use crate::texture::{LookupRandom, ScalarTexture, SurfaceScalar, SurfaceSpectrum, TexturePoint};
 
+pub use coated::{CoatedDielectric, FilmPowers, ThinFilm};
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use glossy::Glossy;
+pub use grating::{DiffractionGrating, Grooves};
 pub use local::{LocalBsdf, Texels};
 pub use mirror::Mirror;
 pub use mix::MixBsdf;
@@ -67,8 +72,14 @@ pub enum Bsdf {
     Conductor(Conductor),
     /// See [`Dielectric`].
     Dielectric(Dielectric),
+    /// See [`CoatedDielectric`].
+    CoatedDielectric(CoatedDielectric),
     /// See [`ThinDielectric`].
     ThinDielectric(ThinDielectric),
+    /// See [`ThinFilm`].
+    ThinFilm(ThinFilm),
+    /// See [`DiffractionGrating`].
+    Grating(DiffractionGrating),
     /// See [`Glossy`].
     Glossy(Glossy),
     /// See [`MixBsdf`].
@@ -114,6 +125,16 @@ impl Bsdf {
         ThinDielectric::new(index, optical_depth).map(Self::ThinDielectric)
     }
 
+    /// Creates a [`CoatedDielectric`] BSDF; see [`CoatedDielectric::new`].
+    pub fn coated_dielectric(films: FilmStack) -> Self {
+        Self::CoatedDielectric(CoatedDielectric::new(films))
+    }
+
+    /// Creates a [`ThinFilm`] BSDF; see [`ThinFilm::new`].
+    pub fn thin_film(films: FilmStack) -> Self {
+        Self::ThinFilm(ThinFilm::new(films))
+    }
+
     /// Creates a [`Glossy`] BSDF; see [`Glossy::new`].
     pub fn glossy(reflectance: impl Into<SurfaceSpectrum>, index: RefractiveIndex, alpha: f64) -> Result<Self> {
         Glossy::new(reflectance, index, alpha).map(Self::Glossy)
@@ -140,7 +161,11 @@ impl Bsdf {
     pub fn class(&self) -> BsdfClass {
         match self {
             Self::Absorber => BsdfClass::Absorbing,
-            Self::Mirror(_) | Self::ThinDielectric(_) => BsdfClass::Specular,
+            Self::Mirror(_)
+            | Self::CoatedDielectric(_)
+            | Self::ThinDielectric(_)
+            | Self::ThinFilm(_)
+            | Self::Grating(_) => BsdfClass::Specular,
             Self::Conductor(conductor) => rough_class(conductor.is_rough()),
             Self::Dielectric(dielectric) => rough_class(dielectric.is_rough()),
             Self::Glossy(_) => BsdfClass::Glossy,
@@ -153,17 +178,90 @@ impl Bsdf {
     #[inline]
     pub fn is_transmissive(&self) -> bool {
         match self {
-            Self::Translucent(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => true,
+            Self::Translucent(_)
+            | Self::Dielectric(_)
+            | Self::CoatedDielectric(_)
+            | Self::ThinDielectric(_)
+            | Self::ThinFilm(_) => true,
             Self::Mix(mix) => mix.components().iter().any(Self::is_transmissive),
+            Self::Grating(grating) => grating.transmits(),
             Self::Absorber | Self::Diffuse(_) | Self::Mirror(_) | Self::Conductor(_) | Self::Glossy(_) => false,
         }
+    }
+
+    /// Returns the thin films of the BSDF. A mixture and an empty stack return `None`.
+    #[inline]
+    pub fn films(&self) -> Option<&FilmStack> {
+        let films = match self {
+            Self::CoatedDielectric(coated) => Some(&coated.films),
+            Self::ThinFilm(film) => Some(&film.films),
+            Self::ThinDielectric(pane) => pane.coating.as_ref(),
+            Self::Conductor(metal) => metal.films(),
+            Self::Absorber
+            | Self::Diffuse(_)
+            | Self::Translucent(_)
+            | Self::Mirror(_)
+            | Self::Dielectric(_)
+            | Self::Grating(_)
+            | Self::Glossy(_)
+            | Self::Mix(_) => None,
+        };
+        films.filter(|films| !films.layers().is_empty())
+    }
+
+    /// Returns the BSDF without its thin films. A free-standing film lets all light pass.
+    pub fn without_films(self) -> Result<Self> {
+        Ok(match self {
+            Self::CoatedDielectric(_) => Self::dielectric(0.0)?,
+            Self::ThinFilm(_) => Self::thin_film(FilmStack::new(Vec::new())?),
+            Self::ThinDielectric(pane) => Self::ThinDielectric(ThinDielectric { coating: None, ..pane }),
+            Self::Conductor(metal) => Self::Conductor(metal.without_films()),
+            Self::Mix(mix) => Self::Mix(mix.with_components(Self::without_films)?),
+            Self::Absorber
+            | Self::Diffuse(_)
+            | Self::Translucent(_)
+            | Self::Mirror(_)
+            | Self::Dielectric(_)
+            | Self::Grating(_)
+            | Self::Glossy(_) => self,
+        })
+    }
+
+    /// Returns the grating of the BSDF. A mixture returns `None`.
+    #[inline]
+    pub fn grating(&self) -> Option<&DiffractionGrating> {
+        if let Self::Grating(grating) = self { Some(grating) } else { None }
+    }
+
+    /// Returns the BSDF with each grating replaced by one that diffracts all light like light of the
+    /// wavelength `nm`.
+    pub fn without_dispersion(self, nm: f64) -> Result<Self> {
+        Ok(match self {
+            Self::Grating(grating) => Self::Grating(grating.without_dispersion(nm)),
+            Self::Mix(mix) => Self::Mix(mix.with_components(|part| part.without_dispersion(nm))?),
+            Self::Absorber
+            | Self::Diffuse(_)
+            | Self::Translucent(_)
+            | Self::Mirror(_)
+            | Self::Conductor(_)
+            | Self::Dielectric(_)
+            | Self::CoatedDielectric(_)
+            | Self::ThinDielectric(_)
+            | Self::ThinFilm(_)
+            | Self::Glossy(_) => self,
+        })
     }
 
     /// Returns the spectra of the BSDF that may vary over the surface: reflectances and
     /// transmittances.
     pub fn surface_spectra(&self) -> Vec<&SurfaceSpectrum> {
         match self {
-            Self::Absorber | Self::Dielectric(_) | Self::ThinDielectric(_) => Vec::new(),
+            Self::Absorber
+            | Self::Dielectric(_)
+            | Self::CoatedDielectric(_)
+            | Self::ThinDielectric(_)
+            | Self::ThinFilm(_)
+            | Self::Grating(_) => Vec::new(),
             Self::Diffuse(diffuse) => vec![&diffuse.reflectance],
             Self::Translucent(sheet) => vec![&sheet.reflectance, &sheet.transmittance],
             Self::Mirror(mirror) => vec![&mirror.reflectance],
@@ -178,12 +276,15 @@ impl Bsdf {
         match self {
             Self::ThinDielectric(thin) => thin.optical_depth.iter().any(Spectrum::is_upsampled),
             Self::Conductor(metal) => metal.is_upsampled(),
+            Self::Grating(grating) => grating.is_upsampled(),
             Self::Mix(mix) => mix.components().iter().any(Self::is_upsampled),
             Self::Absorber
             | Self::Diffuse(_)
             | Self::Translucent(_)
             | Self::Mirror(_)
             | Self::Dielectric(_)
+            | Self::CoatedDielectric(_)
+            | Self::ThinFilm(_)
             | Self::Glossy(_) => self.surface_spectra().into_iter().any(SurfaceSpectrum::is_upsampled),
         }
     }
@@ -192,11 +293,14 @@ impl Bsdf {
     #[inline]
     pub fn is_textured(&self) -> bool {
         match self {
-            Self::Absorber | Self::Dielectric(_) | Self::ThinDielectric(_) => false,
+            Self::Absorber | Self::Dielectric(_) | Self::Grating(_) => false,
+            Self::CoatedDielectric(coated) => coated.films.is_textured(),
+            Self::ThinDielectric(pane) => pane.coating.as_ref().is_some_and(FilmStack::is_textured),
+            Self::ThinFilm(film) => film.films.is_textured(),
             Self::Diffuse(diffuse) => diffuse.reflectance.is_textured(),
             Self::Translucent(sheet) => sheet.reflectance.is_textured() || sheet.transmittance.is_textured(),
             Self::Mirror(mirror) => mirror.reflectance.is_textured(),
-            Self::Conductor(metal) => metal.reflectance().is_some_and(SurfaceSpectrum::is_textured),
+            Self::Conductor(metal) => metal.is_textured(),
             Self::Glossy(glossy) => glossy.reflectance.is_textured(),
             Self::Mix(mix) => mix.is_textured(),
         }
@@ -212,7 +316,13 @@ impl Bsdf {
             Self::Conductor(metal) => Self::Conductor(metal.without_textures()),
             Self::Glossy(glossy) => Self::Glossy(glossy.without_textures()),
             Self::Mix(mix) => Self::Mix(mix.without_textures()),
-            Self::Absorber | Self::Dielectric(_) | Self::ThinDielectric(_) => self,
+            Self::CoatedDielectric(coated) => Self::coated_dielectric(coated.films.without_textures()),
+            Self::ThinDielectric(pane) => {
+                let coating = pane.coating.map(FilmStack::without_textures);
+                Self::ThinDielectric(ThinDielectric { coating, ..pane })
+            }
+            Self::ThinFilm(film) => Self::thin_film(film.films.without_textures()),
+            Self::Absorber | Self::Dielectric(_) | Self::Grating(_) => self,
         }
     }
 
@@ -232,16 +342,29 @@ impl Bsdf {
     pub fn at_point(&self, point: &TexturePoint, u: f64) -> LocalBsdf<'_> {
         let mut random = LookupRandom::new(u);
         let model = if let Self::Mix(mix) = self { mix.component_at(point, &mut random) } else { self };
+        if let Some(films) = model.films()
+            && films.is_textured()
+        {
+            return LocalBsdf { model, texels: Texels::of_thickness(films.thickness_at(point, &mut random)) };
+        }
         let mut texel = |spectrum: &SurfaceSpectrum| spectrum.texel(point, &mut random);
         let texels = match model {
             Self::Diffuse(diffuse) => Texels::of_reflectance(texel(&diffuse.reflectance)),
-            Self::Translucent(sheet) => {
-                Texels { reflectance: texel(&sheet.reflectance), transmittance: texel(&sheet.transmittance) }
-            }
+            Self::Translucent(sheet) => Texels {
+                reflectance: texel(&sheet.reflectance),
+                transmittance: texel(&sheet.transmittance),
+                ..Texels::NONE
+            },
             Self::Mirror(mirror) => Texels::of_reflectance(texel(&mirror.reflectance)),
             Self::Conductor(metal) => Texels::of_reflectance(metal.reflectance().map_or(0, &mut texel)),
             Self::Glossy(glossy) => Texels::of_reflectance(texel(&glossy.reflectance)),
-            Self::Absorber | Self::Dielectric(_) | Self::ThinDielectric(_) | Self::Mix(_) => Texels::NONE,
+            Self::Absorber
+            | Self::Dielectric(_)
+            | Self::CoatedDielectric(_)
+            | Self::ThinDielectric(_)
+            | Self::ThinFilm(_)
+            | Self::Grating(_)
+            | Self::Mix(_) => Texels::NONE,
         };
         LocalBsdf { model, texels }
     }
@@ -257,7 +380,10 @@ impl Bsdf {
             | Self::Mirror(_)
             | Self::Conductor(_)
             | Self::Dielectric(_)
+            | Self::CoatedDielectric(_)
             | Self::ThinDielectric(_)
+            | Self::ThinFilm(_)
+            | Self::Grating(_)
             | Self::Glossy(_) => std::slice::from_ref(self),
         };
         components.iter()

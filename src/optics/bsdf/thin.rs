@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::math::elementary::exp;
 use crate::optics::fresnel;
 use crate::optics::glass::RefractiveIndex;
+use crate::optics::thin_film::{CoatedPlate, FilmStack};
 use crate::spectrum::Spectrum;
 
 /// A dielectric slab of index n(λ) whose thickness is negligible compared with the scene.
@@ -20,12 +21,14 @@ use crate::spectrum::Spectrum;
 /// `wo` is assumed to be on the other side too.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThinDielectric {
-    index: RefractiveIndex,
+    pub(super) index: RefractiveIndex,
     /// The optical depth of a passage along the normal: absorption coefficient times thickness.
     pub(super) optical_depth: Option<Spectrum>,
     /// The measured transmittance as a function of the angle of incidence. It replaces the
     /// computed transmittance.
     transmittance: Option<CosinePolynomial>,
+    /// The thin films on both faces, from the outside to the slab.
+    pub(super) coating: Option<FilmStack>,
 }
 
 /// A polynomial in the cosine of the angle of incidence, limited to values from 0 to 1.
@@ -54,7 +57,13 @@ impl ThinDielectric {
     /// negative.
     pub fn new(index: RefractiveIndex, optical_depth: Option<Spectrum>) -> Result<Self> {
         optical_depth.iter().try_for_each(|depth| check_within("optical depth", depth, f64::INFINITY))?;
-        Ok(Self { index, optical_depth, transmittance: None })
+        Ok(Self { index, optical_depth, transmittance: None, coating: None })
+    }
+
+    /// Returns the pane with thin films on both faces. The list of films starts at the outside.
+    #[must_use]
+    pub fn with_coating(self, films: FilmStack) -> Self {
+        Self { coating: Some(films), ..self }
     }
 
     /// Replaces the computed transmittance by a measured one. The reflectance is that of a clear
@@ -66,18 +75,31 @@ impl ThinDielectric {
 
     /// Returns true if the pane absorbs light.
     fn absorbs(&self) -> bool {
-        self.optical_depth.is_some() || self.transmittance.is_some()
+        let in_films = self.coating.as_ref().is_some_and(FilmStack::absorbs);
+        self.optical_depth.is_some() || self.transmittance.is_some() || in_films
     }
 
-    /// Returns the transmittance of the pane for unpolarised light. `cosine` is the cosine of the
-    /// angle of incidence, and `outside` is the refractive index on both sides.
+    /// Returns true if the pane is the same everywhere, so that shadow rays can pass through it.
+    pub fn is_uniform(&self) -> bool {
+        self.coating.is_none()
+    }
+
+    /// Returns the transmittance of a uniform pane for unpolarised light. `cosine` is the cosine of
+    /// the angle of incidence, and `outside` is the refractive index on both sides.
     pub fn transmittance(&self, cosine: f64, outside: &RefractiveIndex, nm: f64) -> f64 {
-        self.reflected_and_transmitted_at(cosine, outside.n(nm), nm).1
+        self.reflected_and_transmitted_at(cosine, outside.n(nm), 0.0, nm).1
     }
 
-    pub(super) fn sample(&self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64, u: [f64; 3]) -> BsdfSample {
-        let (reflected, transmitted) = self.reflected_and_transmitted(wo, iors, nm);
-        let probability = if self.absorbs() {
+    pub(super) fn sample(
+        &self,
+        wo: DVec3,
+        iors: InterfaceIors<'_>,
+        thickness_nm: f32,
+        nm: f64,
+        u: [f64; 3],
+    ) -> BsdfSample {
+        let (reflected, transmitted) = self.reflected_and_transmitted(wo, iors, thickness_nm, nm);
+        let probability = if self.absorbs() || self.coating.is_some() {
             let either = (reflected + transmitted).max(f64::MIN_POSITIVE);
             (reflected / either).clamp(MIN_PROBABILITY, 1.0 - MIN_PROBABILITY)
         } else {
@@ -90,30 +112,40 @@ impl ThinDielectric {
         }
     }
 
-    pub(super) fn coefficient(&self, wo: DVec3, event: ScatterEvent, iors: InterfaceIors<'_>, nm: f64) -> f64 {
-        let (reflected, transmitted) = self.reflected_and_transmitted(wo, iors, nm);
+    pub(super) fn coefficient(
+        &self,
+        wo: DVec3,
+        event: ScatterEvent,
+        iors: InterfaceIors<'_>,
+        thickness_nm: f32,
+        nm: f64,
+    ) -> f64 {
+        let (reflected, transmitted) = self.reflected_and_transmitted(wo, iors, thickness_nm, nm);
         match event {
             ScatterEvent::Reflection => reflected,
             ScatterEvent::Transmission => transmitted,
         }
     }
 
-    pub(super) fn absorbed_fraction(&self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
+    pub(super) fn absorbed_fraction(&self, wo: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> f64 {
         if !self.absorbs() {
             return 0.0;
         }
-        let (reflected, transmitted) = self.reflected_and_transmitted(wo, iors, nm);
+        let (reflected, transmitted) = self.reflected_and_transmitted(wo, iors, thickness_nm, nm);
         (1.0 - reflected - transmitted).max(0.0)
     }
 
     /// Returns R′ and T′ of unpolarised light.
-    fn reflected_and_transmitted(&self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64) -> (f64, f64) {
-        self.reflected_and_transmitted_at(wo.z, iors.here.n(nm), nm)
+    fn reflected_and_transmitted(&self, wo: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> (f64, f64) {
+        self.reflected_and_transmitted_at(wo.z, iors.here.n(nm), thickness_nm, nm)
     }
 
     /// Does the same for a cosine of the angle of incidence, and the refractive index `outside`.
-    fn reflected_and_transmitted_at(&self, cosine: f64, outside: f64, nm: f64) -> (f64, f64) {
+    fn reflected_and_transmitted_at(&self, cosine: f64, outside: f64, thickness_nm: f32, nm: f64) -> (f64, f64) {
         let inside = self.index.n(nm);
+        if let Some(films) = &self.coating {
+            return self.between_films(films, cosine, [outside, inside], thickness_nm, nm);
+        }
         let (s, p) = fresnel::dielectric_sp(cosine, outside, inside);
         if let Some(polynomial) = &self.transmittance {
             let reflected = s / (1.0 + s) + p / (1.0 + p);
@@ -127,6 +159,32 @@ impl ThinDielectric {
         let passage = exp(-depth.at(nm) / fresnel::cos_transmitted(cosine, outside, inside));
         let ((rs, ts), (rp, tp)) = (slab(s, passage), slab(p, passage));
         (0.5 * (rs + rp), 0.5 * (ts + tp))
+    }
+}
+
+impl ThinDielectric {
+    /// Returns R′ and T′ of unpolarised light, for a slab with films on both faces. Only the waves
+    /// inside the films interfere. `indices` are those of the medium and of the slab.
+    fn between_films(
+        &self,
+        films: &FilmStack,
+        cos: f64,
+        [outside, inside]: [f64; 2],
+        thickness_nm: f32,
+        nm: f64,
+    ) -> (f64, f64) {
+        let (thickness, cos_inside) = (f64::from(thickness_nm), fresnel::cos_transmitted(cos, outside, inside));
+        let face = films.response_reversed(cos_inside, inside, outside.into(), nm, thickness);
+        let passage = self.optical_depth.as_ref().map_or(1.0, |depth| exp(-depth.at(nm) / cos_inside));
+        let plate = CoatedPlate {
+            front: films.response(cos, outside, inside.into(), nm, thickness),
+            front_inside: face,
+            back_inside: face,
+            passage,
+        };
+        let [reflected, transmitted] = plate.response().mean();
+        let clear = self.optical_depth.is_none() && !films.absorbs();
+        (reflected, if clear { 1.0 - reflected } else { transmitted.min(1.0 - reflected) })
     }
 }
 
@@ -148,7 +206,7 @@ mod tests {
         let air = RefractiveIndex::constant(1.0).unwrap();
         let (sin, cos) = degrees.to_radians().sin_cos();
         let iors = InterfaceIors { here: &air, there: &air };
-        pane.coefficient(DVec3::new(sin, 0.0, cos), ScatterEvent::Transmission, iors, 500.0)
+        pane.coefficient(DVec3::new(sin, 0.0, cos), ScatterEvent::Transmission, iors, 0.0, 500.0)
     }
 
     #[test]
@@ -157,8 +215,8 @@ mod tests {
         let pane = ThinDielectric::new(glass, None).unwrap();
         let iors = InterfaceIors { here: &air, there: &air };
         // One face reflects 0.04. The sum over all internal reflections is 2·0.04/1.04.
-        assert!((pane.coefficient(DVec3::Z, ScatterEvent::Reflection, iors, 500.0) - 0.08 / 1.04).abs() < 1e-15);
-        assert!((pane.coefficient(DVec3::Z, ScatterEvent::Transmission, iors, 500.0) - 0.96 / 1.04).abs() < 1e-15);
+        assert!((pane.coefficient(DVec3::Z, ScatterEvent::Reflection, iors, 0.0, 500.0) - 0.08 / 1.04).abs() < 1e-15);
+        assert!((pane.coefficient(DVec3::Z, ScatterEvent::Transmission, iors, 0.0, 500.0) - 0.96 / 1.04).abs() < 1e-15);
     }
 
     /// The transmittances of case 5.5 of CIE 171:2006. The values are from an independent

@@ -1,0 +1,170 @@
+//! `abbe grating`: the angles and the efficiencies of the orders of a diffraction grating.
+
+use std::f64::consts::PI;
+
+use super::{Outcome, print, values};
+use crate::error::{Error, Result};
+use crate::math::elementary::{atan2, sin_cos};
+use crate::optics::bsdf::ScatterEvent;
+use crate::optics::glass::RefractiveIndex;
+use crate::optics::grating::{DiffractedOrder, Grating, GratingProfile};
+use glam::DVec3;
+use serde::Serialize;
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct GratingArgs {
+    /// The number of grooves per mm
+    #[arg(long, value_name = "N")]
+    lines_per_mm: f64,
+    /// The wavelength in nm
+    #[arg(long, value_name = "NM", value_parser = values::wavelength_nm)]
+    wavelength: f64,
+    /// The angle of incidence in degrees, from -90 to 90
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true)]
+    angle: f64,
+    /// The angle in degrees between the plane of incidence and the plane across the grooves. If it
+    /// is not 0, the orders lie on a cone, and their angles are those to the normal
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true)]
+    azimuth: f64,
+    /// The fraction of the light that is reflected, from 0 to 1. The rest is transmitted. 1 stands
+    /// for a reflection grating and 0 for a transmission grating
+    #[arg(long, value_name = "R", default_value_t = 0.5)]
+    reflectance: f64,
+    /// The profile of the grooves
+    #[arg(long, value_enum, default_value_t = ProfileName::Blazed)]
+    profile: ProfileName,
+    /// The order of the blaze
+    #[arg(long, value_name = "M", default_value_t = 1, allow_negative_numbers = true)]
+    blaze_order: i32,
+    /// The wavelength of the blaze in nm
+    #[arg(long, value_name = "NM", default_value_t = 500.0, value_parser = values::wavelength_nm)]
+    blaze: f64,
+    /// The amplitude of a sinusoidal phase, or the step of a lamellar phase, in rad [default:
+    /// 1.8412 for sinusoidal, which sends most light to the first orders; π for lamellar]
+    #[arg(long, value_name = "RAD")]
+    phase: Option<f64>,
+    /// The wavelength in nm at which `--phase` holds
+    #[arg(long, value_name = "NM", default_value_t = 550.0, value_parser = values::wavelength_nm)]
+    phase_at: f64,
+    /// The fraction of the period that is raised (lamellar) or clear (slits), from 0 to 1
+    #[arg(long, value_name = "D", default_value_t = 0.5)]
+    duty: f64,
+    /// The index of the medium behind the grating: a number or the name of a glass
+    #[arg(long, value_name = "N|NAME", default_value = "1")]
+    substrate: String,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// The name of a profile.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum ProfileName {
+    /// A sawtooth
+    Blazed,
+    /// A sinusoidal phase
+    Sinusoidal,
+    /// Rectangular grooves: a phase with two values
+    Lamellar,
+    /// Opaque lines with clear gaps, which absorb the rest of the light
+    Slits,
+}
+
+/// An order. If the incidence is conical, `degrees` is the angle to the normal.
+#[derive(Debug, Serialize)]
+struct OrderReport {
+    order: i32,
+    side: &'static str,
+    degrees: f64,
+    /// The angle around the normal. Omitted if the orders lie in the plane of incidence.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    azimuth_degrees: Option<f64>,
+    efficiency: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct GratingReport {
+    orders: Vec<OrderReport>,
+}
+
+/// The amplitude in rad for which J₁ is largest.
+const BEST_AMPLITUDE: f64 = 1.8412;
+
+pub(crate) fn run(arguments: &GratingArgs) -> Result<Outcome> {
+    let report = report(arguments)?;
+    if arguments.json {
+        print::json(&report)?;
+    } else {
+        print::result(&text(&report))?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// Refuses a value of an option that lies outside a range.
+fn within(option: &str, value: f64, (low, high): (f64, f64)) -> Result<()> {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(Error::input(format!("{option} {value}")).expected(format!("from {low} to {high}")))
+}
+
+fn profile(arguments: &GratingArgs) -> Result<GratingProfile> {
+    within("--duty", arguments.duty, (0.0, 1.0))?;
+    let phase = |default: f64| arguments.phase.unwrap_or(default);
+    Ok(match arguments.profile {
+        ProfileName::Blazed => GratingProfile::Blazed { order: arguments.blaze_order, blaze_nm: arguments.blaze },
+        ProfileName::Sinusoidal => {
+            GratingProfile::Sinusoidal { amplitude_rad: phase(BEST_AMPLITUDE), at_nm: arguments.phase_at }
+        }
+        ProfileName::Lamellar => {
+            GratingProfile::BinaryPhase { phase_rad: phase(PI), at_nm: arguments.phase_at, duty: arguments.duty }
+        }
+        ProfileName::Slits => GratingProfile::BinaryAmplitude { duty: arguments.duty },
+    })
+}
+
+fn report(arguments: &GratingArgs) -> Result<GratingReport> {
+    let GratingArgs { lines_per_mm, wavelength, angle, azimuth, reflectance, substrate, .. } = arguments;
+    within("--angle", *angle, (-90.0, 90.0))?;
+    within("--azimuth", *azimuth, (-360.0, 360.0))?;
+    within("--reflectance", *reflectance, (0.0, 1.0))?;
+    let grating = Grating::new(*lines_per_mm, profile(arguments)?)?;
+    let behind = match substrate.trim().parse() {
+        Ok(n) => RefractiveIndex::constant(n)?,
+        Err(_) if substrate.eq_ignore_ascii_case("air") => RefractiveIndex::constant(1.0)?,
+        Err(_) => RefractiveIndex::catalogue(substrate)?,
+    };
+    let ((sin, cos), (sin_azimuth, cos_azimuth)) = (sin_cos(angle.to_radians()), sin_cos(azimuth.to_radians()));
+    let incident = DVec3::new(sin * cos_azimuth, sin * sin_azimuth, -cos);
+    let sides = [
+        ("reflected", ScatterEvent::Reflection, 1.0, *reflectance),
+        ("transmitted", ScatterEvent::Transmission, behind.n(*wavelength), 1.0 - reflectance),
+    ];
+    let mut orders = Vec::new();
+    for (side, event, index, share) in sides.into_iter().filter(|side| side.3 > 0.0) {
+        for order in grating.orders(incident, event, [1.0, index], *wavelength) {
+            let (degrees, azimuth_degrees) = angles(&order, *azimuth != 0.0);
+            let efficiency = share * order.efficiency;
+            orders.push(OrderReport { order: order.order, side, degrees, azimuth_degrees, efficiency });
+        }
+    }
+    Ok(GratingReport { orders })
+}
+
+/// Returns the angles of an order in degrees.
+fn angles(order: &DiffractedOrder, conical: bool) -> (f64, Option<f64>) {
+    if conical {
+        (order.polar_deg(), Some(atan2(order.direction.y, order.direction.x).to_degrees()))
+    } else {
+        (order.signed_deg(), None)
+    }
+}
+
+fn text(report: &GratingReport) -> String {
+    let mut text = " order  side            degrees  efficiency\n".to_string();
+    for OrderReport { order, side, degrees, azimuth_degrees, efficiency } in &report.orders {
+        let azimuth = azimuth_degrees.map_or(String::new(), |azimuth| format!("  azimuth {azimuth:.4}"));
+        text += &format!("{order:>6}  {side:<12} {degrees:>10.5} {:>9.4} %{azimuth}\n", 100.0 * efficiency);
+    }
+    text
+}

@@ -1,0 +1,156 @@
+//! Diffraction gratings in scenes: the angles of the orders, their share of the light, and the two
+//! integrators.
+
+use crate::common::near::number;
+use crate::common::{diffuse, render};
+use crate::golden::golden;
+use crate::textures::assert_integrators_agree;
+use abbe::render::Integrator;
+use glam::{DVec2, DVec3};
+use serde_json::{Value, json};
+
+/// The distance from the grating to the screen, the visible width of the screen and the radius of
+/// the beam, in m.
+const THROW: f64 = 2.0;
+const VIEW: f64 = 0.024;
+const BEAM: f64 = 0.003;
+
+/// Pixels across the view: 0.5 mm or 0.014° each, seen from the grating.
+const PIXELS: u32 = 48;
+
+/// A horizontal grating with its grooves along z. A beam arrives from above along `way_in`, and a
+/// screen stands across the direction `out`, in the plane z = 0.
+fn spot_scene(grating: &Value, nm: f64, way_in: DVec2, out: DVec2) -> Value {
+    let at = |v: DVec2| [v.x, v.y, 0.0];
+    let middle = out * THROW;
+    // The screen's +y faces the grating.
+    let turn = (-out).to_angle().to_degrees() - 90.0;
+    json!({
+        "camera": { "from": at(middle - out * 0.5), "at": at(middle), "up": [0, 0, 1],
+                    "lens": { "pinhole": { "fov": 2.0 * (VIEW / 2.0 / 0.5_f64).atan().to_degrees() } } },
+        "film": { "width": PIXELS, "height": PIXELS },
+        "materials": { "grating": { "grating": grating }, "white": diffuse(0.8) },
+        "objects": [
+            { "shape": { "rectangle": { "width": 0.1, "height": 0.1 } }, "material": "grating" },
+            { "shape": { "rectangle": { "width": 0.06, "height": 0.06 } }, "material": "white",
+              "transform": [ { "rotate": { "axis": [0, 0, 1], "degrees": turn } }, { "translate": at(middle) } ] }
+        ],
+        "lights": [ { "beam": { "from": at(-way_in * 0.3), "to": [0, 0, 0], "radius": BEAM, "power": 1,
+                                "spectrum": { "lines": [ { "nm": nm, "power": 1, "fwhm_nm": 0.001 } ] } } } ],
+        "render": { "photons": 20000, "forbid": ["aim"] }
+    })
+}
+
+/// Returns the sum of the pixels, and the angle in degrees between the spot's centroid and the
+/// middle of the screen, in the plane of incidence and across it.
+fn spot(scene: &Value, integrator: Integrator) -> (f64, [f64; 2]) {
+    let rendered = render(scene, integrator, 1);
+    let (mut sum, mut moment) = (0.0, DVec2::ZERO);
+    for (index, xyz) in rendered.picture.xyz.iter().enumerate() {
+        let weight = xyz[1];
+        let place = DVec2::new(f64::from(index as u32 % PIXELS), f64::from(index as u32 / PIXELS)) + 0.5;
+        sum += weight;
+        moment += weight * (place / f64::from(PIXELS) - 0.5) * VIEW;
+    }
+    assert!(sum > 0.0, "the spot is not in view");
+    (sum, (moment / sum).to_array().map(|metres| (metres / THROW).atan().to_degrees()))
+}
+
+/// Each order of the golden file lies within 0.02° of its angle. The spots of the orders share the
+/// light as the golden efficiencies say.
+#[test]
+fn orders_lie_where_the_grating_equation_says() {
+    let file = golden("grating.json");
+    let case = file["efficiencies"].as_array().unwrap().iter().find(|case| {
+        case["profile"] == "blazed" && number(&case["lines_per_mm"]) == 600.0 && number(&case["incidence_deg"]) == 30.0
+    });
+    let case = case.unwrap();
+    let nm = number(&case["wavelength_nm"]);
+    let (sin, cos) = 30.0_f64.to_radians().sin_cos();
+    let profile = json!({ "blazed": { "order": 1, "nm": 500 } });
+    for (key, sign) in [("reflectance", 1.0), ("transmittance", -1.0)] {
+        let grating = json!({ "lines_per_mm": 600, "profile": profile, key: 1 });
+        let mut brightness = Vec::new();
+        for (i, order) in case["orders"].as_array().unwrap().iter().enumerate() {
+            let x = sin + number(order) * nm * 600e-6;
+            // Grazing orders would need a larger grating. The reflected beam of the order that
+            // returns would hit the camera's side of the screen.
+            let efficiency = number(&case["efficiency"][i]);
+            if x.abs() > 0.9 || efficiency < 1e-3 || (sign > 0.0 && (x + sin).abs() < 0.05) {
+                continue;
+            }
+            let out = DVec2::new(x, sign * (1.0 - x * x).sqrt());
+            let scene = spot_scene(&grating, nm, DVec2::new(sin, -cos), out);
+            let (sum, offset) = spot(&scene, Integrator::Photon);
+            println!("{key}, order {order}: off by {offset:?} degrees, brightness {sum}");
+            assert!(offset.iter().all(|offset| offset.abs() < 0.02), "{key}, order {order}: off by {offset:?} degrees");
+            // The beam keeps its power but not its width.
+            brightness.push((sum, efficiency));
+        }
+        assert!(brightness.len() >= 2, "{key}: {brightness:?}");
+        let (whole, all): (f64, f64) = brightness.iter().fold((0.0, 0.0), |(a, b), (sum, e)| (a + sum, b + e));
+        for (sum, efficiency) in &brightness {
+            let (found, known) = (sum / whole, efficiency / all);
+            assert!((found - known).abs() < 0.01, "{key}: {found} for {known}");
+        }
+    }
+}
+
+/// Grooves that are turned by 90° diffract along z, and circular grooves diffract along the radius.
+#[test]
+fn grooves_follow_the_texture_coordinates() {
+    let out = DVec3::new(0.0, 0.5, 0.75_f64.sqrt());
+    let centre = json!([0.0, 0.0, 0.0]);
+    for (grooves, place) in
+        [(json!({ "angle": -90 }), centre.clone()), (json!({ "grooves": "circular" }), json!([0.0, 0.0, -2.0]))]
+    {
+        // 1000 lines per mm and 866.03 nm would be out of range: 1732 lines per mm and 500 nm.
+        let mut grating = json!({ "lines_per_mm": 0.75_f64.sqrt() / 500e-6 });
+        grating.as_object_mut().unwrap().extend(grooves.as_object().unwrap().clone());
+        let middle = out * THROW;
+        let scene = json!({
+            "camera": { "from": (0.75 * middle).to_array(), "at": middle.to_array(), "up": [1, 0, 0],
+                        "lens": { "pinhole": { "fov": 2.75 } } },
+            "film": { "width": PIXELS, "height": PIXELS },
+            "materials": { "grating": { "grating": grating }, "white": diffuse(0.8) },
+            "objects": [
+                { "shape": { "disk": { "radius": 8 } }, "material": "grating", "transform": [{ "translate": place }] },
+                { "shape": { "sphere": { "radius": 50, "center": (middle + 50.0 * out).to_array() } }, "material": "white" }
+            ],
+            "lights": [ { "beam": { "from": [0, 0.3, 0], "to": [0, 0, 0], "radius": BEAM, "power": 1,
+                                    "spectrum": { "lines": [ { "nm": 500, "power": 1 } ] } } } ],
+            "render": { "photons": 20000, "forbid": ["aim"] }
+        });
+        let (_, offset) = spot(&scene, Integrator::Photon);
+        println!("{grooves}: off by {offset:?} degrees");
+        assert!(offset.iter().all(|offset| offset.abs() < 0.02), "{grooves}: off by {offset:?}");
+    }
+}
+
+/// Light reaches a floor and the camera through a grating and from a disc with grooves.
+#[test]
+fn photons_and_paths_agree_on_gratings() {
+    let scene = json!({
+        "camera": { "from": [0, 2.2, 5], "at": [0.2, 0.6, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 32 } } },
+        "film": { "width": 32, "height": 32 },
+        "materials": {
+            "grey": diffuse(0.6), "black": "absorber",
+            "sheet": { "grating": { "lines_per_mm": 300, "transmittance": 0.7, "reflectance": 0.2,
+                                    "profile": { "sinusoidal": { "amplitude": 1.2, "nm": 550 } } } },
+            "disc": { "grating": { "lines_per_mm": 625, "grooves": "circular",
+                                   "profile": { "blazed": { "order": 1, "nm": 500 } } } }
+        },
+        "objects": [
+            { "shape": { "rectangle": { "width": 12, "height": 12 } }, "material": "grey" },
+            { "shape": { "rectangle": { "width": 1.2, "height": 1.2 } }, "material": "sheet",
+              "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": 60 } }, { "translate": [-0.8, 0.8, 0] }] },
+            { "shape": { "disk": { "radius": 0.7 } }, "material": "disc",
+              "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": 30 } }, { "translate": [0.9, 0.5, 0] }] },
+            { "shape": { "disk": { "radius": 1.8 } }, "material": "black",
+              "emission": { "spectrum": "D65", "luminance": 10 },
+              "transform": [ { "rotate": { "axis": [1, 0, 0], "degrees": 180 } }, { "translate": [-0.4, 2.8, 0] } ] }
+        ],
+        "render": { "photons": 8000 }
+    });
+    assert_integrators_agree("gratings", &scene);
+}
