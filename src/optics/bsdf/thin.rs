@@ -26,7 +26,7 @@ pub struct ThinDielectric {
     pub(super) optical_depth: Option<Spectrum>,
     /// The measured transmittance as a function of the angle of incidence. It replaces the
     /// computed transmittance.
-    transmittance: Option<CosinePolynomial>,
+    pub(super) transmittance: Option<CosinePolynomial>,
     /// The thin films on both faces, from the outside to the slab.
     pub(super) coating: Option<FilmStack>,
 }
