@@ -85,7 +85,7 @@ impl ViewProgress {
     }
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct ViewState {
     orders: Orders,
     session: SessionState,
@@ -254,8 +254,8 @@ impl ViewChannel {
     pub(super) fn to_json(&self) -> Value {
         // A change after this line has a newer version, so the page asks again.
         let version = *self.version.borrow();
-        let state = self.lock();
-        let ViewState { orders, session, progress, error, scene, snapshot, reference, .. } = &*state;
+        // The summaries take time for large pictures, and the render must not wait for them.
+        let ViewState { orders, session, progress, error, scene, snapshot, reference, .. } = self.lock().clone();
         json!({
             "version": version,
             "session": session.word(),

@@ -86,6 +86,8 @@ impl<'a> Publisher<'a> {
             exposure: scene.display.factor(&picture),
             band_noise: self.band_noise(&picture, passes),
             without: self.forbidden(),
+            mean_y: picture.mean_y(),
+            comparison_exposure: OnceLock::new(),
             class_means: layers::class_means(&picture),
             effort: run.map(|run| (run.stage_seconds(), run.ledger_stats(job))),
             events: events.into_iter().map(|(name, effect)| (name, effect.events)).collect(),

@@ -34,6 +34,10 @@ pub(super) struct Snapshot {
     pub(super) events: BTreeMap<String, u64>,
     /// The header of the picture's file, or `None` for a coarse picture.
     pub(super) metadata: Option<Metadata>,
+    /// The mean Y in cd/m².
+    pub(super) mean_y: f64,
+    /// The exposure at which `abbe compare` compares with this picture, in 1/(cd/m²).
+    pub(super) comparison_exposure: OnceLock<f64>,
     /// The bytes of the XYZ values for the page.
     pub(super) xyz_bytes: OnceLock<axum::body::Bytes>,
 }
@@ -55,6 +59,8 @@ impl Snapshot {
             class_means: layers::class_means(&picture),
             without: Vec::new(),
             effort: None,
+            mean_y: picture.mean_y(),
+            comparison_exposure: OnceLock::new(),
             scene,
             picture,
             band_noise: None,
@@ -73,9 +79,9 @@ impl Snapshot {
             "width": self.picture.width,
             "height": self.picture.height,
             "passes": self.passes,
-            "exposure": exposure::automatic(&self.picture),
+            "exposure": self.comparison_exposure.get_or_init(|| exposure::automatic(&self.picture)),
             "without": self.without,
-            "mean_y": self.picture.mean_y(),
+            "mean_y": self.mean_y,
             "pass_seconds": self.pass_seconds(),
         })
     }
@@ -92,7 +98,7 @@ impl Snapshot {
             "exposure": self.exposure,
             "events": self.events,
             "without": self.without,
-            "mean_y": self.picture.mean_y(),
+            "mean_y": self.mean_y,
             "pass_seconds": self.pass_seconds(),
             "seconds": self.effort.as_ref().map(|(seconds, _)| seconds),
             "ledger_w": self.effort.as_ref().map(|(_, ledger)| ledger),
