@@ -113,13 +113,19 @@ fn a_slide_has_the_mean_of_its_picture() {
 /// Checks that photons and camera paths see the same light. The kernels of the photons are
 /// extrapolated to radius 0.
 pub(crate) fn assert_integrators_agree(name: &str, scene: &Value) {
+    assert_integrators_agree_within(name, scene, 1e-2);
+}
+
+/// Does the same as [`assert_integrators_agree`]. The standard errors relative to the mean must be
+/// below `noise`.
+pub(crate) fn assert_integrators_agree_within(name: &str, scene: &Value, noise: f64) {
     let [whole, half] = [0.1, 0.05].map(|radius| {
         let scene = crate::common::with_setting(scene, "radius", radius);
         Measured::new(&scene, (Integrator::Photon, 24), 0..8, colour_blocks(8))
     });
     let photon = Measured::extrapolated(&whole, &half);
     let path = Measured::new(scene, (Integrator::Path, 192), 100..108, colour_blocks(8));
-    assert_same(&format!("{name}, photon against path"), &photon, &path, 1e-2);
+    assert_same(&format!("{name}, photon against path"), &photon, &path, noise);
 }
 
 /// A lamp with coloured stripes above a glass ball: the floor receives direct light, and the light
