@@ -52,6 +52,7 @@ impl Prepared {
             ray_densities: None,
             wavelengths: WavelengthSampling::Free,
             count,
+            receptors: &[],
             depth_limit: DepthLimit::default(),
             seed: 1,
             purpose: Purpose::FreePhoton,

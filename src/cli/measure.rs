@@ -29,7 +29,8 @@ pub(crate) struct MeasureArgs {
     /// Measure only with these meters [default: all meters]
     #[arg(long, value_name = "NAME")]
     meter: Vec<String>,
-    /// Stop after this many passes [default: 1024, unless another limit is given]
+    /// Stop after this many passes [default: 1024, or 128 with photons, unless another
+    /// limit is given]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     passes: Option<u64>,
     /// Stop after this time, such as 90s, 5m or 1h30m
@@ -50,7 +51,7 @@ pub(crate) struct MeasureArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     threads: Option<u32>,
     /// The integrator [default: the path tracer, or photon mapping if light of the sun or of a lamp
-    /// without extent passes mirrors or glass]
+    /// without extent meets mirrors or glass other than thin panes]
     #[arg(long, value_enum)]
     integrator: Option<IntegratorName>,
     /// Leave out an effect even if the scene needs it (repeatable)
@@ -119,9 +120,15 @@ fn table(report: &MeasurementReport) -> String {
     let mut text = String::new();
     for meter in &report.meters {
         let _ = writeln!(text, "{}: {} ({})", meter.name, meter.quantity.replace('_', " "), meter.unit);
-        let _ = writeln!(text, "  {:>26}  {:>12}  {:>23}  {:>9}  {:>9}", "position", "value", "95 % interval", "noise", "bias");
+        let _ = writeln!(
+            text,
+            "  {:>26}  {:>12}  {:>23}  {:>9}  {:>9}",
+            "position", "value", "95 % interval", "noise", "bias"
+        );
         for point in &meter.points {
-            let position = point.position.map(|value| format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_string());
+            let position = point
+                .position
+                .map(|value| format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_string());
             let _ = writeln!(text, "  {:>26}  {}", position.join(", "), row(meter, point));
         }
         if let (Some(mean), Some(uniformity), true) = (meter.mean, meter.uniformity, meter.points.len() > 1) {
@@ -144,8 +151,15 @@ fn row(meter: &MeterReport, point: &PointReport) -> String {
         Some([Value::Number(low), Value::Number(high)]) => format!("{} to {}", significant(*low), significant(*high)),
         _ => "-".to_string(),
     };
-    let flux = point.flux.map_or(String::new(), |flux| format!("  flux {} over {} m²", significant(flux), significant(point.area_m2.unwrap_or(0.0))));
-    format!("{:>12}  {interval:>23}  {:>9}  {:>9}{flux}", significant(*value), number(&point.noise), number(&point.bias))
+    let flux = point.flux.map_or(String::new(), |flux| {
+        format!("  flux {} over {} m²", significant(flux), significant(point.area_m2.unwrap_or(0.0)))
+    });
+    format!(
+        "{:>12}  {interval:>23}  {:>9}  {:>9}{flux}",
+        significant(*value),
+        number(&point.noise),
+        number(&point.bias)
+    )
 }
 
 /// Returns the spectrum of a reading, one band on each line.
@@ -182,12 +196,18 @@ fn csv(report: &MeasurementReport) -> String {
                 };
                 let nm = meter.wavelength_nm.as_ref().map_or(String::new(), |nm| nm[band].to_string());
                 let [x, y, z] = point.position;
-                let (low, high) = (point.interval_95.as_ref().map(|ends| &ends[0]), point.interval_95.as_ref().map(|ends| &ends[1]));
-                let (value, noise, bias) = (cell(Some(&point.value)), cell(point.noise.as_ref()), cell(point.bias.as_ref()));
+                let (low, high) =
+                    (point.interval_95.as_ref().map(|ends| &ends[0]), point.interval_95.as_ref().map(|ends| &ends[1]));
+                let (value, noise, bias) =
+                    (cell(Some(&point.value)), cell(point.noise.as_ref()), cell(point.bias.as_ref()));
                 let _ = writeln!(
                     text,
                     "{},{},{},{x},{y},{z},{nm},{value},{noise},{bias},{},{}",
-                    quoted(&meter.name), meter.quantity, meter.unit, cell(low), cell(high)
+                    quoted(&meter.name),
+                    meter.quantity,
+                    meter.unit,
+                    cell(low),
+                    cell(high)
                 );
             }
         }

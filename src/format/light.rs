@@ -5,8 +5,8 @@ mod ies;
 mod sky;
 
 pub use distant::{DirectionalFile, EnvironmentFile, ProjectionFile};
-pub use sky::SkyFile;
 pub use ies::IesFile;
+pub use sky::SkyFile;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

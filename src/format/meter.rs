@@ -248,16 +248,17 @@ impl MeterFile {
         };
         check::all([
             fits,
-            points.as_ref().map_or(Ok(()), |points| {
-                check::entries(&at.key("points"), points.len(), 1, "at least one point")
-            }),
+            points
+                .as_ref()
+                .map_or(Ok(()), |points| check::entries(&at.key("points"), points.len(), 1, "at least one point")),
             grid.as_ref().map_or(Ok(()), |grid| grid.validate(&at.key("grid"))),
             normal.map_or(Ok(()), |normal| check::direction(&at.key("normal"), normal)),
             unused("normal", normal.is_some() && !flat, "`points` or `grid`"),
             unused("side", side.is_some() && surface.is_none(), "`surface`"),
-            cylinder.as_ref().and_then(|cylinder| cylinder.axis).map_or(Ok(()), |axis| {
-                check::direction(&at.key("cylinder").key("axis"), axis)
-            }),
+            cylinder
+                .as_ref()
+                .and_then(|cylinder| cylinder.axis)
+                .map_or(Ok(()), |axis| check::direction(&at.key("cylinder").key("axis"), axis)),
             spot.as_ref().map_or(Ok(()), |spot| spot.validate(&at.key("spot"))),
         ])
     }
@@ -266,9 +267,10 @@ impl MeterFile {
 impl MeterGridFile {
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { origin: _, u, v, count } = self;
-        let counts = count.iter().enumerate().map(|(i, &count)| {
-            check::count(&at.key("count").index(i), u64::from(count), 1, 10_000)
-        });
+        let counts = count
+            .iter()
+            .enumerate()
+            .map(|(i, &count)| check::count(&at.key("count").index(i), u64::from(count), 1, 10_000));
         check::all([check::direction(&at.key("u"), *u), check::direction(&at.key("v"), *v)].into_iter().chain(counts))
     }
 

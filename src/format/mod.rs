@@ -385,7 +385,13 @@ impl SceneFile {
         let root = JsonPath::Root;
         let absent = |key: &str, present: bool| {
             let missing = !present && self.meters.is_empty();
-            let error = || check::fault(&root, format!("missing key \"{key}\""), format!("`{key}`, or `meters` for `abbe measure`"));
+            let error = || {
+                check::fault(
+                    &root,
+                    format!("missing key \"{key}\""),
+                    format!("`{key}`, or `meters` for `abbe measure`"),
+                )
+            };
             if missing { Err(error()) } else { Ok(()) }
         };
         let mut results = vec![

@@ -131,9 +131,8 @@ fn trace_lines(scene: &Scene, seed: u64, paths: Range<u64>, density: impl Fn(DVe
             let stream = &mut sampler.stream;
             let lookup = SurfaceLookup::of_line(stream.uniform());
             let Some(interaction) = WithBodies::next_interaction(scene, ray_state, lookup) else {
-                let found = |(ray, pdf): (Ray, f64)| {
-                    EscapedLine { ray, density: pdf.max(density(ray.direction)), glazed }
-                };
+                let found =
+                    |(ray, pdf): (Ray, f64)| EscapedLine { ray, density: pdf.max(density(ray.direction)), glazed };
                 lines.extend(last.map(found));
                 break;
             };

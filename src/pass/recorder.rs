@@ -4,7 +4,8 @@ use super::deposits::PhotonDeposits;
 use super::keep_probability::KeepProbability;
 use super::receptors::ReceptorKernels;
 use crate::emit::{
-    MediumCollision, MediumCrossing, PhotonFlight, PhotonState, PhotonVisitor, SurfaceArrival, connect::CameraConnection,
+    MediumCollision, MediumCrossing, PhotonFlight, PhotonState, PhotonVisitor, SurfaceArrival,
+    connect::CameraConnection,
 };
 use crate::map::{Photon, PhotonBeam, PhotonPower, PhotonSpectra, VolumePhoton};
 use crate::math::random::Stream;

@@ -105,7 +105,8 @@ impl PixelSurvey {
             let count = (share * photons[set] as f64) as u64;
             let request = EmissionRequest { wavelengths, count, purpose: Purpose::Pilot, pass };
             let source = context.photon_source(scene, strata, request);
-            let recording = RecordingOptions { keep: KEEP_ALL, photons_per_sample: photons[set] as f64, receptors: None };
+            let recording =
+                RecordingOptions { keep: KEEP_ALL, photons_per_sample: photons[set] as f64, receptors: None };
             let deposits = trace_photons(&source, plan, set, recording, || blank.splat_sink()).deposits;
             let here = PerClass::from_fn(|class| DepositCounts::of(&deposits.volume[class], share.recip()));
             stored = stored.zip_with(here, DepositCounts::max);

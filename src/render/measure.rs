@@ -6,6 +6,7 @@ use super::request::{Integrator, Request, StopRules};
 use super::session::Rendered;
 use crate::colour::{cct_duv, cri};
 use crate::error::{Error, Result};
+use crate::optics::bsdf::{Bsdf, BsdfClass};
 use crate::plan::CausticPlan;
 use crate::scene::light::{Emitter, Light};
 use crate::scene::meter::{Meter, MeterReading, Quantity, QuantityKind};
@@ -85,19 +86,49 @@ pub enum Value {
     Spectrum(Vec<f64>),
 }
 
-/// The stop rules of a measurement if the request has none: every reading has this relative error,
-/// or this number of passes is done.
-const DEFAULT_STOP: StopRules = StopRules { passes: Some(1024), time: None, target_error: Some(0.004) };
+/// The relative error of every reading at which a measurement stops if the request has no stop rule.
+const DEFAULT_ERROR: f64 = 0.004;
+
+/// Returns the stop rules of a measurement without stop rules of its own. A pass with photons takes
+/// much longer than a pass of the path tracer.
+fn default_stop(integrator: Integrator) -> StopRules {
+    let passes = match integrator {
+        Integrator::Path => 1024,
+        Integrator::Photon => 128,
+    };
+    StopRules { passes: Some(passes), time: None, target_error: Some(DEFAULT_ERROR) }
+}
 
 impl Job {
     /// Returns the integrator that suits the meters.
     ///
     /// The path tracer has no bias. It does not find the light of lamps without extent behind glass
-    /// or mirrors, and seldom finds the sun there.
+    /// or mirrors, and seldom finds the sun there. Its shadow rays pass through thin panes, so panes
+    /// alone need no photons.
     pub fn integrator_for_meters(&self) -> Integrator {
-        let needs_photons = |light: &Light| light.is_delta() || matches!(light.emitter, Emitter::Directional(_));
-        let hidden = self.plan.caustics != CausticPlan::Absent && self.scene.lights.iter().any(needs_photons);
-        if hidden { Integrator::Photon } else { Integrator::Path }
+        let caustics = self.plan.caustics != CausticPlan::Absent;
+        let focuses = |bsdf: &Bsdf| bsdf.class() == BsdfClass::Specular && !is_pane(bsdf);
+        let focusing = self.scene.materials.iter().any(|material| material.surface.components().any(focuses));
+        if caustics && focusing && self.hidden_lamps().next().is_some() { Integrator::Photon } else { Integrator::Path }
+    }
+
+    /// Returns the lamps whose light the path tracer does not find after a mirror: those without
+    /// extent, and the sun.
+    fn hidden_lamps(&self) -> impl Iterator<Item = &Light> {
+        let hidden = |light: &&Light| light.is_delta() || matches!(light.emitter, Emitter::Directional(_));
+        self.scene.lights.iter().filter(hidden)
+    }
+
+    /// Returns a note if the path tracer leaves out light that is reflected by panes or mirrors.
+    fn note_of_missing_light(&self, integrator: Integrator) -> Option<String> {
+        if integrator == Integrator::Photon || self.plan.caustics == CausticPlan::Absent {
+            return None;
+        }
+        let lamp = &self.hidden_lamps().next()?.name;
+        Some(format!(
+            "the path tracer does not find the light of {lamp} that mirrors or panes reflect or that glass refracts; \
+             `--integrator photon` finds it"
+        ))
     }
 
     /// Measures with all meters of the scene, on the current thread pool. `integrator` is the
@@ -117,8 +148,8 @@ impl Job {
             let error = Error::input("a meter measures the daylight factor, but the scene has no sky");
             return Err(error.expected("a light `sky` or `environment`"));
         }
-        let stop = if stop == StopRules::default() { DEFAULT_STOP } else { stop };
         let integrator = integrator.unwrap_or_else(|| self.integrator_for_meters());
+        let stop = if stop == StopRules::default() { default_stop(integrator) } else { stop };
         let Rendered { stats, run, interrupted, .. } = self.render(Request { integrator, stop }, monitor)?;
         let mut readings = run.readings().into_iter();
         let meters = self.scene.meters.iter().map(|meter| {
@@ -127,15 +158,25 @@ impl Job {
         });
         let meters = meters.collect();
         let (passes, seconds) = (stats.passes, stats.seconds.total);
-        let notes = [self.scene.notes.as_slice(), &stats.notes].concat();
+        let missing: Vec<String> = self.note_of_missing_light(integrator).into_iter().collect();
+        let notes = [self.scene.notes.as_slice(), &stats.notes, &missing].concat();
         Ok((MeasurementReport { meters, integrator: integrator.word(), passes, seconds, notes }, interrupted))
     }
 }
 
+/// Returns true if shadow rays pass through the surface.
+fn is_pane(bsdf: &Bsdf) -> bool {
+    matches!(bsdf, Bsdf::ThinDielectric(pane) if pane.is_uniform())
+}
+
 /// Returns the report of a meter.
 fn report(meter: &Meter, readings: &[Reading], sky_lx: f64) -> MeterReport {
-    let points: Vec<PointReport> =
-        meter.readings.iter().zip(readings).map(|(known, reading)| point(meter.quantity, known, reading, sky_lx)).collect();
+    let points: Vec<PointReport> = meter
+        .readings
+        .iter()
+        .zip(readings)
+        .map(|(known, reading)| point(meter.quantity, known, reading, sky_lx))
+        .collect();
     let numbers: Option<Vec<f64>> = points
         .iter()
         .map(|point| match point.value {
@@ -165,10 +206,12 @@ fn report(meter: &Meter, readings: &[Reading], sky_lx: f64) -> MeterReport {
 /// Returns the report of a reading.
 fn point(quantity: Quantity, known: &MeterReading, reading: &Reading, sky_lx: f64) -> PointReport {
     let (mean, flux) = (known.factor * quantity.scale(), known.area_m2);
-    let per_value = match quantity {
-        Quantity::LuminousFlux | Quantity::RadiantFlux => mean * flux.unwrap_or(1.0),
-        Quantity::DaylightFactor => 100.0 * mean / sky_lx,
-        _ => mean,
+    let per_value = if quantity.is_flux() {
+        mean * flux.unwrap_or(1.0)
+    } else if quantity == Quantity::DaylightFactor {
+        100.0 * mean / sky_lx
+    } else {
+        mean
     };
     let half_interval = reading.half_interval_95();
     let mut report = PointReport {
@@ -227,9 +270,10 @@ fn with_function_of_spectrum(
     let of = |values: &[f64], xyz: Option<[f64; 3]>| {
         let light = Spectrum::table(&spectrum.centres_nm, values, Outside::Zero).ok()?;
         let temperature = cct_duv(xyz.unwrap_or_else(|| Observer::cie1931().xyz(&light)))?;
-        match quantity {
-            Quantity::ColourRendering => cri(&light, temperature).map(|rendering| rendering.ra),
-            _ => Some(temperature.cct_k),
+        if quantity == Quantity::ColourRendering {
+            cri(&light, temperature).map(|rendering| rendering.ra)
+        } else {
+            Some(temperature.cct_k)
         }
     };
     let value = of(&spectrum.values, Some(reading.xyz));

@@ -28,7 +28,8 @@ impl Run {
         let film = &job.scene.film;
         let [width, height, bands] = [film.width, film.height, film.spectral_bands].map(|count| count as usize);
         let diffraction = job.diffraction.as_ref().map(|diffraction| diffraction.for_film((width, height)).into());
-        let blank = Film::new(width, height, film.observer, bands).with_diffraction(diffraction).with_layers(&job.layers);
+        let blank =
+            Film::new(width, height, film.observer, bands).with_diffraction(diffraction).with_layers(&job.layers);
         let sums = PassSums {
             film: match &job.readings {
                 Some(layout) => blank.with_readings(layout.clone()),

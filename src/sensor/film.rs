@@ -3,8 +3,8 @@
 use super::channels::{Channels, band_nm};
 use super::diffraction::{Convolution, DiffractionPsf, add_product};
 use super::error_bars::{ErrorBars, ErrorSquares, PixelMeans};
-use super::readings::{Measurement, ReadingLayout};
 use super::layers::{LayerSet, NameKind, NameLayer, PictureLayers};
+use super::readings::{Measurement, ReadingLayout};
 use super::sink::{FilmRow, PixelSink, SplatSink};
 use crate::colour::xyz_to_linear_srgb;
 use crate::math::random::REPLICATES;
@@ -78,8 +78,18 @@ impl Film {
         let pixels = vec![PixelSums::default(); width * height];
         let passes = [0; REPLICATES];
         let channels = Channels::default();
-        Self { width, height, observer, pixels, channels, by_channel: Vec::new(), names: Vec::new(), measurement: None, passes }
-            .with_channels(Channels { bands, diffraction: None, layers: None })
+        Self {
+            width,
+            height,
+            observer,
+            pixels,
+            channels,
+            by_channel: Vec::new(),
+            names: Vec::new(),
+            measurement: None,
+            passes,
+        }
+        .with_channels(Channels { bands, diffraction: None, layers: None })
     }
 
     /// Adds this diffraction to the film. The film must still be unexposed.

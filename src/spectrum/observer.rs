@@ -64,8 +64,7 @@ impl Observer {
     pub fn alpha_opic() -> [&'static Self; 5] {
         static OBSERVERS: OnceLock<[Observer; 5]> = OnceLock::new();
         let observers = OBSERVERS.get_or_init(|| {
-            let [nm, s, m, l, rod, melanopsin] =
-                library::columns(include_str!("../../data/cie/alpha_opic_1nm.csv"));
+            let [nm, s, m, l, rod, melanopsin] = library::columns(include_str!("../../data/cie/alpha_opic_1nm.csv"));
             let of = |name, values: Vec<f64>| {
                 let at = |wanted: f64| nm.iter().position(|&nm| nm == wanted).map_or(0.0, |i| values[i]);
                 Self::with_luminosity(name, at)

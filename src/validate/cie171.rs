@@ -101,11 +101,18 @@ impl Scene {
     }
 
     /// Adds a quadrilateral. It faces `towards` if the point is given.
-    fn quadrilateral(&mut self, name: &str, corners: &[[f64; 3]], material: &str, towards: Option<[f64; 3]>) -> &mut Json {
+    fn quadrilateral(
+        &mut self,
+        name: &str,
+        corners: &[[f64; 3]],
+        material: &str,
+        towards: Option<[f64; 3]>,
+    ) -> &mut Json {
         let edge = |i: usize| std::array::from_fn::<f64, 3, _>(|k| corners[i][k] - corners[0][k]);
         let (a, b) = (edge(1), edge(2));
         let normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-        let away = towards.is_some_and(|point| (0..3).map(|k| normal[k] * (point[k] - corners[0][k])).sum::<f64>() < 0.0);
+        let away =
+            towards.is_some_and(|point| (0..3).map(|k| normal[k] * (point[k] - corners[0][k])).sum::<f64>() < 0.0);
         let indices = if away { json!([[0, 2, 1], [0, 3, 2]]) } else { json!([[0, 1, 2], [0, 2, 3]]) };
         let shape = json!({"triangles": {"positions": corners, "indices": indices}});
         self.objects.push(json!({"name": name, "shape": shape, "material": material}));
@@ -361,7 +368,9 @@ impl Scenario {
             scene.materials.insert("pane".to_string(), json!({"thin_dielectric": pane}));
             let corners = [[-50.0, 1.0, 50.0], [50.0, 1.0, 50.0], [50.0, 1.0, -50.0], [-50.0, 1.0, -50.0]];
             scene.quadrilateral("pane", &corners, "pane", None);
-            scene.lights.push(json!({"directional": {"toward": [sin, -cos, 0.0], "spectrum": "D65", "illuminance": LX}}));
+            scene
+                .lights
+                .push(json!({"directional": {"toward": [sin, -cos, 0.0], "spectrum": "D65", "illuminance": LX}}));
             // The meter faces the light, so that it reads the light at any angle.
             let meter = json!({"name": value.id, "points": [[0, 0, 0]], "normal": [-sin, cos, 0.0]});
             let (id, scale) = (value.id.clone(), 1.0 / LX);

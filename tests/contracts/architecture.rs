@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// The modules in the order of imports, each with the modules directly below it. A module may
 /// import these and everything below them.
-const ORDER: [(&str, &[&str]); 24] = [
+const ORDER: [(&str, &[&str]); 25] = [
     ("error", &[]),
     ("math", &["error"]),
     ("spectrum", &["math"]),

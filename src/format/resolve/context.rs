@@ -1,7 +1,7 @@
 //! The data that all parts of `Resolver` share: the scene file, its source, and its unit of length.
 
-use crate::error::{Error, Result};
 use super::motion;
+use crate::error::{Error, Result};
 use crate::format::{CameraFile, ColourImageFile, FilmFile, SceneFile};
 use crate::json::{JsonPath, JsonSource};
 use crate::scene::camera::Shutter;
@@ -41,12 +41,7 @@ pub(super) struct Resolver<'a> {
 impl<'a> Resolver<'a> {
     /// Creates a resolver. `centre` is the scene's centre in m, or `None` for the middle of the
     /// objects.
-    pub(super) fn new(
-        scene: &'a SceneFile,
-        source: &'a JsonSource,
-        view: View<'a>,
-        centre: Option<DVec3>,
-    ) -> Self {
+    pub(super) fn new(scene: &'a SceneFile, source: &'a JsonSource, view: View<'a>, centre: Option<DVec3>) -> Self {
         // Meters read the scene while the shutter of its camera is open.
         let shutter = scene.camera.as_ref().map_or(Shutter::new(0.0, 0.0, None), motion::shutter);
         Self {

@@ -8,9 +8,7 @@ use crate::format::{
     ConductorFile, DielectricFile, GratingFile, GratingProfileFile, GroovesFile, IndexFile, JsonPath, MaterialFile,
     PaneTransmittanceFile, ScalarFile, SpectrumFile, ThinDielectricFile,
 };
-use crate::optics::bsdf::{
-    Bsdf, Conductor, CosinePolynomial, DiffractionGrating, Glossy, Grooves, ThinDielectric,
-};
+use crate::optics::bsdf::{Bsdf, Conductor, CosinePolynomial, DiffractionGrating, Glossy, Grooves, ThinDielectric};
 use crate::optics::glass::RefractiveIndex;
 use crate::optics::grating::{Grating, GratingProfile};
 use crate::optics::thin_film::OpticalIndex;

@@ -112,7 +112,8 @@ pub fn lone_spectrum(spectrum: &SpectrumFile, source: &JsonSource, role: Role) -
 
 impl Resolver<'_> {
     fn run(&self) -> Result<Scene> {
-        let SceneFile { schema: _, title, unit: _, camera: _, film: _, spectra, media: _, materials: _, .. } = self.scene;
+        let SceneFile { schema: _, title, unit: _, camera: _, film: _, spectra, media: _, materials: _, .. } =
+            self.scene;
         let SceneFile { objects: _, lights: _, meters: _, atmosphere, render, .. } = self.scene;
         let root = JsonPath::Root;
         // Unused spectra are checked as well.

@@ -16,8 +16,7 @@ use crate::scene::light::{EmittedSpd, LiSample, Light};
 use crate::scene::meter::ReceptorPoint;
 use crate::walk::{
     BodyMode, CausticWeights, PathTransmittance, RayDensities, RayDensity, RayState, SegmentTransmittance,
-    SurfaceInteraction,
-    path_transmittance, path_transmittance_tracked,
+    SurfaceInteraction, path_transmittance, path_transmittance_tracked,
 };
 use glam::DVec3;
 
@@ -154,7 +153,10 @@ impl<'a> DirectLighting<'a> {
     /// Creates the estimator of the reference path tracer, which uses ratio tracking in all media.
     /// Its shadow rays pass through thin panes.
     pub fn tracked(scene: &'a Scene, selector: &'a LightSelector, media_plan: MediumPlan) -> Self {
-        let panes = scene.materials.iter().any(|material| matches!(&material.surface, Bsdf::ThinDielectric(pane) if pane.is_uniform()));
+        let panes = scene
+            .materials
+            .iter()
+            .any(|material| matches!(&material.surface, Bsdf::ThinDielectric(pane) if pane.is_uniform()));
         let tracked = ShadowAttenuation::Tracked { panes };
         let direct = Self::attenuated(scene, selector, media_plan, tracked);
         if panes { Self { attenuation: tracked, ..direct } } else { direct }

@@ -27,8 +27,7 @@ pub struct OpeningSpheres(pub Vec<BoundingSphere>);
 
 impl Openings {
     /// The openings of a scene without any.
-    pub const NONE: &'static Self =
-        &Self { open: OpeningSpheres(Vec::new()), glazed: OpeningSpheres(Vec::new()) };
+    pub const NONE: &'static Self = &Self { open: OpeningSpheres(Vec::new()), glazed: OpeningSpheres(Vec::new()) };
 }
 
 impl Openings {

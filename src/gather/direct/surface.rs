@@ -45,11 +45,10 @@ impl<'a> CameraPass<'a> {
         for selected in self.direct.select_lights(ReceivingPoint::on_surface(interaction), u) {
             let point = LightSampleContext { interaction, nm };
             let Some(sample) = self.direct.sample_direct(point, selected, context.tally) else { continue };
-            let along =
-                {
-                    let towards = (sample.direction, sample.target);
-                    self.direct.transmittance_from::<M>(interaction, towards, sample.distance_m, selected.u)
-                };
+            let along = {
+                let towards = (sample.direction, sample.target);
+                self.direct.transmittance_from::<M>(interaction, towards, sample.distance_m, selected.u)
+            };
             let bias = bias_of_excess(path.excess_depth + excess_optical_depth(&along, nm));
             let factors = &context.buffers.factors;
             let origin = LightOrigin { class: path.events.class_at_surface(LightPath::Direct), light: selected.number };

@@ -271,12 +271,7 @@ impl<'a> PathTracer<'a> {
 impl TracedPath {
     /// Applies a scattering event to the path. If the path passes through a pane that shadow rays
     /// pass too, the path continues as if there were no event.
-    fn apply_scattering(
-        &mut self,
-        interaction: &SurfaceInteraction<'_>,
-        scattered: &ScatteredRay,
-        through_pane: bool,
-    ) {
+    fn apply_scattering(&mut self, interaction: &SurfaceInteraction<'_>, scattered: &ScatteredRay, through_pane: bool) {
         (0..LANES).for_each(|k| self.throughput[k] *= scattered.weight[k]);
         if let Some(kept) = scattered.kept {
             self.wavelengths = Wavelengths::single(self.wavelengths.nm[kept]);

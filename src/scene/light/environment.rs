@@ -1,8 +1,8 @@
 //! The environment: distant light from all directions. The light is uniform, or an image or a
 //! standard sky gives its radiance.
 
-use super::sky::StandardSky;
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, distant_origin};
+use super::sky::StandardSky;
 use crate::math::distribution::PiecewiseConstant2d;
 use crate::math::elementary::{acos, atan2, cos, sin, sin_cos};
 use crate::math::frame::Frame;
@@ -196,9 +196,7 @@ impl EnvironmentLight {
     /// direction is 0.
     fn sample(&self, u: [f64; 2]) -> Option<EnvironmentSample> {
         let (direction, pdf, (radiance, spd)) = match &self.pattern {
-            EnvironmentPattern::Uniform => {
-                (warp::sphere(u), 0.25 * FRAC_1_PI, (self.mean_radiance, EmittedSpd::Own))
-            }
+            EnvironmentPattern::Uniform => (warp::sphere(u), 0.25 * FRAC_1_PI, (self.mean_radiance, EmittedSpd::Own)),
             EnvironmentPattern::Image(map) => {
                 let (point, _) = map.pixels.sample(u);
                 let (relative, spd) = map.le(point);

@@ -153,16 +153,20 @@ impl StandardSky {
     /// is left out.
     fn sampling_table(&self) -> Option<PiecewiseConstant2d> {
         let (columns, rows) = TABLE;
-        let corner = |column: usize, row: f64| {
-            EnvironmentMap::direction([column as f64 / columns as f64, row / rows as f64])
-        };
+        let corner =
+            |column: usize, row: f64| EnvironmentMap::direction([column as f64 / columns as f64, row / rows as f64]);
         let edge = |row: usize| cos(PI * row as f64 / rows as f64);
         // Rows at the horizon are sampled just inside themselves.
         let inset = |row: usize, column: usize| {
-            [(column, row as f64 + 1e-3), (column + 1, row as f64 + 1e-3), (column, row as f64 + 0.999), (column + 1, row as f64 + 0.999)]
-                .map(|(column, row)| self.relative_radiance(corner(column, row)))
-                .into_iter()
-                .fold(0.0, f64::max)
+            [
+                (column, row as f64 + 1e-3),
+                (column + 1, row as f64 + 1e-3),
+                (column, row as f64 + 0.999),
+                (column + 1, row as f64 + 0.999),
+            ]
+            .map(|(column, row)| self.relative_radiance(corner(column, row)))
+            .into_iter()
+            .fold(0.0, f64::max)
         };
         let masses: Vec<f64> = (0..rows)
             .flat_map(|row| (0..columns).map(move |column| (row, column)))

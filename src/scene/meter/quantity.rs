@@ -204,26 +204,27 @@ fn photosynthetic() -> &'static Observer {
     static OBSERVER: OnceLock<Observer> = OnceLock::new();
     OBSERVER.get_or_init(|| {
         let micromoles_per_joule = |nm: f64| 1e6 * nm * 1e-9 / MOLAR_PLANCK;
-        Observer::with_luminosity("ppfd", |nm| {
-            if (400.0..=700.0).contains(&nm) { micromoles_per_joule(nm) } else { 0.0 }
-        })
+        Observer::with_luminosity(
+            "ppfd",
+            |nm| {
+                if (400.0..=700.0).contains(&nm) { micromoles_per_joule(nm) } else { 0.0 }
+            },
+        )
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectrum::Spectrum;
+    use crate::spectrum::library;
 
     /// Light of 1 W at 555 nm has 4.64 µmol/s of photons, and D65 has 1 lx of melanopic EDI per lx.
     #[test]
     fn quantities_have_their_units() {
         let line = Observer::xyz_bar(Quantity::Ppfd.observer(), 555.0)[1];
         assert!((line - 4.639_5).abs() < 1e-3, "{line}");
-        let d65 = Spectrum::named("D65").unwrap();
-        let lux = |quantity: Quantity| {
-            quantity.observer().xyz(&d65)[1] * LUMENS_PER_WATT * quantity.scale()
-        };
+        let d65 = library::find("D65").unwrap().spectrum;
+        let lux = |quantity: Quantity| quantity.observer().xyz(&d65)[1] * LUMENS_PER_WATT * quantity.scale();
         let ratio = lux(Quantity::MelanopicEdi) / lux(Quantity::Illuminance);
         assert!((ratio - 1.0).abs() < 1e-3, "{ratio}");
         for quantity in Quantity::ALL {

@@ -177,9 +177,7 @@ mod tests {
     fn responses_sample_their_densities() {
         let axis = DVec3::new(0.3, -0.5, 0.8).normalize();
         let (sobol, n) = (Sobol::new(5), 1 << 15);
-        for response in
-            [Response::Plane(axis), Response::Sphere, Response::Cylinder(axis), Response::Cone(axis, 0.4)]
-        {
+        for response in [Response::Plane(axis), Response::Sphere, Response::Cylinder(axis), Response::Cone(axis, 0.4)] {
             let test = |direction: DVec3| 1.0 + direction.dot(axis).powi(2) + direction.x;
             let (mut sampled, mut integrated) = (0.0, [0.0; 2]);
             for i in 0..n {
