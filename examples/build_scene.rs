@@ -30,15 +30,15 @@ fn main() -> abbe::Result<()> {
         schema: None,
         title: Some("A glass ball".to_string()),
         unit: UnitFile::Metre,
-        camera: CameraFile {
+        camera: Some(CameraFile {
             from: [0.0, 2.0, 5.0],
             at: [0.0, 0.6, 0.0],
             up: [0.0, 1.0, 0.0],
             lens: LensFile::Pinhole { fov: 40.0 },
             shutter: None,
             motion: Vec::new(),
-        },
-        film: FilmFile {
+        }),
+        film: Some(FilmFile {
             width: 64,
             height: 48,
             observer: ObserverFile::Cie1931,
@@ -49,7 +49,7 @@ fn main() -> abbe::Result<()> {
             white_balance: WhiteBalanceFile::None,
             output_space: OutputSpaceFile::Srgb,
             exposure: ExposureFile::Auto,
-        },
+        }),
         spectra: BTreeMap::new(),
         media: BTreeMap::new(),
         materials: BTreeMap::from([
@@ -61,6 +61,7 @@ fn main() -> abbe::Result<()> {
             object("floor", ShapeFile::Rectangle { width: 10.0, height: 10.0 }, "grey"),
             object("ball", ShapeFile::Sphere { center: [0.0, 0.8, 0.0], radius: 0.7 }, "glass"),
         ],
+        meters: Vec::new(),
         lights: vec![LightFile::Point(PointFile {
             at: [2.0, 4.0, 1.0],
             spectrum: SpectrumFile::Name("D65".to_string()),
