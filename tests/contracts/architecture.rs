@@ -80,6 +80,7 @@ const CRATES: [(&str, &[&str]); 37] = [
             "output/",
             "render/",
             "study/",
+            "validate/",
             "api/",
             "view/",
             "cli/",

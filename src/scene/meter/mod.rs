@@ -5,6 +5,7 @@
 //! to one receptor. Paths start at the receptors, so direct light needs one shadow ray, and light
 //! from surfaces needs one path.
 
+mod placement;
 mod quantity;
 mod receptor;
 
