@@ -70,7 +70,7 @@ pub enum LightFile {
         "type": 12, "sun_elevation": 60, "sun_azimuth": 180, "illuminance": 10_000, "ground_reflectance": 0.2,
         "spectrum": "D65", "group": "daylight"
     }}))]
-    #[schemars(example = json!({"sky": {"type": 1, "illuminance": 10_000}}))]
+    #[schemars(example = json!({"sky": {"type": 1, "illuminance": 10_000, "spectrum": 1}}))]
     Sky(SkyFile),
     /// A luminaire with a measured distribution of intensity, from an IES LM-63 or EULUMDAT file.
     #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.ies", "spectrum": "LED-B3"}}))]

@@ -63,6 +63,7 @@ pub struct MeterFile {
 /// A grid of points in the middles of the cells of a parallelogram.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(title = "Grid of a meter", example = json!({"origin": [0, 0, 0], "u": [4, 0, 0], "v": [0, 0, 4], "count": [8, 8]}))]
 pub struct MeterGridFile {
     /// A corner of the parallelogram.
     #[schemars(extend("x-unit" = "scene unit"))]
@@ -81,6 +82,7 @@ pub struct MeterGridFile {
 /// The position of a spherical receptor.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(title = "Spherical receptor", example = json!({"at": [0, 1.2, 0]}))]
 pub struct MeterSphereFile {
     /// Position of the sphere. The sphere has no extent.
     #[schemars(extend("x-unit" = "scene unit"))]
@@ -90,6 +92,7 @@ pub struct MeterSphereFile {
 /// The position and the axis of a cylindrical receptor.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(title = "Cylindrical receptor", example = json!({"at": [0, 1.2, 0], "axis": [0, 1, 0]}))]
 pub struct MeterCylinderFile {
     /// Position of the cylinder. The cylinder has no extent.
     #[schemars(extend("x-unit" = "scene unit"))]
@@ -103,6 +106,7 @@ pub struct MeterCylinderFile {
 /// The cone of view of a luminance meter.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(title = "Luminance spot", example = json!({"from": [0, 1, 3], "to": [0, 1, 0], "angle": 1}))]
 pub struct MeterSpotFile {
     /// Position of the meter.
     #[schemars(extend("x-unit" = "scene unit"))]

@@ -88,6 +88,7 @@ pub use transform::{KeyframeFile, ScaleFile, TransformFile, TransformStepFile};
 
 use crate::error::{Error, Result};
 pub use crate::json::{FileAccess, JsonPath, JsonSource, MAX_BYTES, PATCH_LABEL, read_text};
+use crate::optics::embedded::unpack;
 use spectrum::SpectrumUse;
 
 /// A scene.
@@ -103,6 +104,7 @@ use spectrum::SpectrumUse;
     "shapes": {"plate": {"box": {"size": [1, 0.1, 1]}}},
     "objects": [{"shape": {"sphere": {"center": [0, 0.5, 0], "radius": 0.5}}, "material": "crown"}],
     "lights": [{"point": {"at": [0, 3, 0], "spectrum": "warm", "luminous_flux": 800}}],
+    "meters": [{"name": "table", "points": [[0, 0, 1]]}],
     "atmosphere": "mist", "render": {"passes": 64}
 }))]
 pub struct SceneFile {
@@ -340,10 +342,11 @@ pub fn parse_prescription(text: &str, name: &Path) -> Result<(PrescriptionFile, 
 /// Three keys extend the schema: `x-unit` is the unit of a number, `x-default` describes a default
 /// that is not a JSON value, and `x-range` describes a range that JSON Schema cannot express.
 ///
-/// The program embeds the file that [`generated_schema`] describes. The functions that generate the
+/// The program embeds the packed file that [`generated_schema`] describes. The functions that generate the
 /// schema would be a twelfth of the program.
 pub fn schema() -> serde_json::Value {
-    serde_json::from_str(include_str!("../../scenes/scene.schema.json")).expect("a test generates the file")
+    let text = unpack(include_bytes!("../../data/scene.schema.json.gz"));
+    serde_json::from_str(&text).expect("a test generates the file")
 }
 
 /// Generates the JSON Schema of the scene file from the types of this module. Only tests call this

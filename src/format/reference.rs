@@ -57,7 +57,18 @@ pub(super) const CHAPTERS: [(&str, &[&str]); 18] = [
     ("Shapes", &["ShapeFile"]),
     ("Transforms and motion", &["TransformFile", "TransformStepFile", "ScaleFile", "KeyframeFile"]),
     ("Lights", &["LightFile", "ProjectionFile"]),
-    ("Meters", &["MeterFile", "QuantityKindFile", "SideFile"]),
+    (
+        "Meters",
+        &[
+            "MeterFile",
+            "MeterGridFile",
+            "MeterSphereFile",
+            "MeterCylinderFile",
+            "MeterSpotFile",
+            "QuantityKindFile",
+            "SideFile",
+        ],
+    ),
     ("Rendering", &["RenderFile", "LightMapFile"]),
 ];
 

@@ -15,7 +15,7 @@ const MINIMAL_SCENE: &str = r#"{
 
 /// For each definition with examples, the patch that puts an example into the minimal scene. In the
 /// patch, `%` stands for the example.
-const PLACES: [(&str, &str); 44] = [
+const PLACES: [(&str, &str); 50] = [
     ("CameraFile", "camera=%"),
     ("CameraKeyframeFile", "camera.motion=[%]"),
     ("ShutterFile", "camera.shutter=%"),
@@ -41,6 +41,12 @@ const PLACES: [(&str, &str); 44] = [
     ("IndexFile", "materials.x.thin_dielectric.ior=%"),
     ("MaterialFile", "materials.x=%"),
     ("CoatingFile", "materials.x.thin_film=%"),
+    ("PaneTransmittanceFile", "materials.x.thin_dielectric.transmittance=%"),
+    ("MeterFile", "meters=[%]"),
+    ("MeterGridFile", r#"meters=[{"name": "m", "grid": %}]"#),
+    ("MeterSphereFile", r#"meters=[{"name": "m", "sphere": %}]"#),
+    ("MeterCylinderFile", r#"meters=[{"name": "m", "cylinder": %}]"#),
+    ("MeterSpotFile", r#"meters=[{"name": "m", "spot": %}]"#),
     ("CoatingLayerFile", r#"materials.x={"thin_film": {"layers": [%]}}"#),
     ("CoatingIndexFile", r#"materials.x={"thin_film": {"layers": [{"ior": %, "thickness_nm": 10}]}}"#),
     ("ComplexIndexFile", r#"materials.x={"thin_film": {"layers": [{"ior": %, "thickness_nm": 10}]}}"#),

@@ -1,5 +1,4 @@
-//! Reads the packed tables that the program embeds. Unpacked, they would be a thirtieth of the
-//! program.
+//! Reads the packed files that the program embeds. Unpacked, they would be a twentieth of the program.
 
 use std::io::Read;
 

@@ -1,6 +1,9 @@
 //! The scene file: all scenes of the package are valid, and the generated schema and reference are
 //! up to date.
 
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use abbe::format::{self, SceneFile};
@@ -44,7 +47,15 @@ fn the_schema_in_scenes_is_up_to_date() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/scene.schema.json");
     if std::env::var_os("ABBE_BLESS").is_some() {
         std::fs::write(&path, &generated).expect("the schema is written");
+        let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+        encoder.write_all(generated.as_bytes()).expect("memory does not fail");
+        let packed = encoder.finish().expect("memory does not fail");
+        std::fs::write(path.with_file_name("../data/scene.schema.json.gz"), packed).expect("the schema is written");
     }
+    assert!(
+        format!("{:#}\n", format::schema()) == generated,
+        "the packed schema is out of date; run: ABBE_BLESS=1 tests/run --test contracts schema, and build again"
+    );
     let kept = std::fs::read_to_string(&path).expect("the schema");
     assert!(
         kept == generated,
