@@ -29,7 +29,7 @@ pub(crate) struct MeasureArgs {
     /// Measure only with these meters [default: all meters]
     #[arg(long, value_name = "NAME")]
     meter: Vec<String>,
-    /// Stop after this many passes [default: 1024, or 128 with photons, unless another
+    /// Stop after this many passes [default: 2048, or 128 with photons, unless another
     /// limit is given]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     passes: Option<u64>,
@@ -38,7 +38,7 @@ pub(crate) struct MeasureArgs {
     time: Option<Duration>,
     /// Stop when the relative error of every reading falls to this value, such as 1%. Readings below
     /// a tenth of the largest reading of their meter are judged relative to that tenth [default:
-    /// 0.4%, unless another limit is given]
+    /// 0.3%, unless another limit is given]
     #[arg(long, value_name = "RATIO", value_parser = values::share)]
     target_error: Option<f64>,
     /// The number of photon paths in a pass

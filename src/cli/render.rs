@@ -101,8 +101,8 @@ pub(crate) struct RenderArgs {
     /// Write the statistics of the render as JSON
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
-    /// Send the growing picture to a running tev (https://github.com/Tom94/tev) at this address. The
-    /// port is 14158 unless the address contains another one
+    /// Send the growing picture to a running tev at this address. The port is 14158 unless the
+    /// address contains another one
     #[arg(long, value_name = "HOST:PORT", value_parser = ServerAddress::parse)]
     display_server: Option<ServerAddress>,
     #[command(flatten)]

@@ -87,13 +87,13 @@ pub enum Value {
 }
 
 /// The relative error of every reading at which a measurement stops if the request has no stop rule.
-const DEFAULT_ERROR: f64 = 0.004;
+const DEFAULT_ERROR: f64 = 0.003;
 
 /// Returns the stop rules of a measurement without stop rules of its own. A pass with photons takes
 /// much longer than a pass of the path tracer.
 fn default_stop(integrator: Integrator) -> StopRules {
     let passes = match integrator {
-        Integrator::Path => 1024,
+        Integrator::Path => 2048,
         Integrator::Photon => 128,
     };
     StopRules { passes: Some(passes), time: None, target_error: Some(DEFAULT_ERROR) }
