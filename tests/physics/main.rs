@@ -34,6 +34,7 @@ mod media_kernels;
 mod media_light_map;
 mod media_methods;
 mod media_single_scattering;
+mod meters;
 mod motion;
 mod nesting;
 mod photon_and_path;
