@@ -1,5 +1,7 @@
 //! Meters against closed forms, against the camera, and against rays traced by hand.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use crate::common::{example, render};
 use abbe::format::resolve::resolve_meters;
 use abbe::format::{FileAccess, parse_with_access};
