@@ -36,9 +36,9 @@ pub(crate) struct MeasureArgs {
     /// Stop after this time, such as 90s, 5m or 1h30m
     #[arg(long, value_name = "TIME", value_parser = values::duration)]
     time: Option<Duration>,
-    /// Stop when the relative error of every reading falls to this value, such as 1%. Readings below
-    /// a tenth of the largest reading of their meter are judged relative to that tenth [default:
-    /// 0.3%, unless another limit is given]
+    /// Stop when the relative error of every reading falls to this value, such as 1%. Readings
+    /// below a tenth of the largest reading of their meter are judged relative to that tenth
+    /// [default: 0.3%, unless another limit is given]
     #[arg(long, value_name = "RATIO", value_parser = values::share)]
     target_error: Option<f64>,
     /// The number of photon paths in a pass

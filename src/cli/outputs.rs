@@ -67,8 +67,8 @@ impl OutputFiles {
         format!("{} and {}", self.exr.display(), self.png.display())
     }
 
-    /// Returns true if the pictures can be refreshed during a render. Pipes and devices receive only
-    /// the finished picture.
+    /// Returns true if the pictures can be refreshed during a render. Pipes and devices receive
+    /// only the finished picture.
     pub(crate) fn can_be_refreshed(&self) -> bool {
         [&self.exr, &self.png].into_iter().all(|path| !std::fs::metadata(path).is_ok_and(|found| !found.is_file()))
     }
@@ -87,8 +87,8 @@ impl OutputFiles {
         Ok(exposure)
     }
 
-    /// Saves a picture and its statistics. `write_picture` writes the EXR file. Returns the exposure of
-    /// the PNG file in 1/(cd/m²).
+    /// Saves a picture and its statistics. `write_picture` writes the EXR file. Returns the
+    /// exposure of the PNG file in 1/(cd/m²).
     pub(crate) fn save(
         &self,
         write_picture: impl FnOnce(&Path) -> Result<()>,

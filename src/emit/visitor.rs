@@ -82,8 +82,8 @@ pub trait PhotonVisitor {
     #[inline]
     fn on_escape(&mut self, _ray: &Ray, _photon: &PhotonState) {}
 
-    /// A photon flies along a straight line to a surface or to the end of a medium. In a medium, the
-    /// photon may collide before the end.
+    /// A photon flies along a straight line to a surface or to the end of a medium. In a medium,
+    /// the photon may collide before the end.
     #[inline]
     fn on_flight(&mut self, _flight: &PhotonFlight<'_>) {}
 

@@ -342,8 +342,8 @@ pub fn parse_prescription(text: &str, name: &Path) -> Result<(PrescriptionFile, 
 /// Three keys extend the schema: `x-unit` is the unit of a number, `x-default` describes a default
 /// that is not a JSON value, and `x-range` describes a range that JSON Schema cannot express.
 ///
-/// The program embeds the packed file that [`generated_schema`] describes. The functions that generate the
-/// schema would be a twelfth of the program.
+/// The program embeds the packed file that [`generated_schema`] describes. The functions that
+/// generate the schema would be a twelfth of the program.
 pub fn schema() -> serde_json::Value {
     let text = unpack(include_bytes!("../../data/scene.schema.json.gz"));
     serde_json::from_str(&text).expect("a test generates the file")

@@ -45,7 +45,8 @@ pub struct CameraPass<'a> {
     pub responses: Option<&'a SensorResponses>,
     /// The outlines of directly visible surfaces.
     pub outlines: &'a Outlines,
-    /// The weights of paths from receptors, if photons find the same light. Empty if no photon does.
+    /// The weights of paths from receptors, if photons find the same light. Empty if no photon
+    /// does.
     pub receptors: &'a [CausticWeights],
     /// The factors by which this pass scales the first kernel radii.
     pub scales: RadiusScales,

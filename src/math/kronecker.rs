@@ -8,6 +8,8 @@
 //! correlated than independent random numbers. The pair φ and √2 would be worse. Because 1/φ + √2 ≈
 //! 2.03 is close to an integer, a dozen consecutive points would lie close to one line.
 
+use super::random::unit_interval;
+
 /// Returns point `index` of the golden-ratio sequence, shifted by the hash `shift`.
 pub fn golden_ratio(index: u32, shift: u64) -> f64 {
     // 2⁶⁴/φ.
@@ -24,7 +26,7 @@ pub fn sqrt3(index: u32, shift: u64) -> f64 {
 /// 2⁻⁶⁴. The integer product wraps around. This wrapping is the reduction modulo 1.
 fn kronecker_point(step: u64, index: u32, shift: u64) -> f64 {
     let turned = u64::from(index).wrapping_mul(step).wrapping_add(shift);
-    (turned >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
+    unit_interval(turned)
 }
 
 #[cfg(test)]

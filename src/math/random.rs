@@ -50,6 +50,11 @@ pub fn hash64<const N: usize>(words: [u64; N]) -> u64 {
     words.into_iter().fold(0x243f_6a88_85a3_08d3, |state, word| mix64(state ^ word))
 }
 
+/// Converts a word to a number in [0, 1). The number consists of the upper 53 bits of the word.
+pub fn unit_interval(word: u64) -> f64 {
+    (word >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
+}
+
 /// A stream of uniform random numbers for one path.
 #[derive(Debug, Clone)]
 pub struct Stream(Pcg32);

@@ -1,4 +1,5 @@
-//! Reads the packed files that the program embeds. Unpacked, they would be a twentieth of the program.
+//! Reads the packed files that the program embeds. Unpacked, they would be a twentieth of the
+//! program.
 
 use std::io::Read;
 

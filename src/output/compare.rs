@@ -48,8 +48,8 @@ pub struct ZTest {
     /// expected fraction is 0.95. The expected fraction is slightly smaller if the standard errors
     /// were estimated from few replicates.
     pub share: f64,
-    /// The probability that noise alone causes a block of 8 × 8 pixels with a difference as large as
-    /// the largest measured one. Student's t-test of each block, with Šidák's correction.
+    /// The probability that noise alone causes a block of 8 × 8 pixels with a difference as large
+    /// as the largest measured one. Student's t-test of each block, with Šidák's correction.
     pub p: f64,
     /// The number of pixels whose standard error is known in both pictures.
     pub pixels: usize,

@@ -98,8 +98,8 @@ impl<'a> PassContext<'a> {
     }
 
     /// Returns the inputs of camera paths in `scene` with the first kernel radii. No light is
-    /// missing, and no photon competes with camera paths. `scene` is the scene of this context, or a
-    /// posed copy of this scene. `photons_per_sample` is the number of photon paths of each set,
+    /// missing, and no photon competes with camera paths. `scene` is the scene of this context, or
+    /// a posed copy of this scene. `photons_per_sample` is the number of photon paths of each set,
     /// divided by the number of camera samples per pixel.
     pub(super) fn camera_pass<'s>(
         &self,

@@ -114,7 +114,7 @@ fn trace_lines(scene: &Scene, seed: u64, paths: Range<u64>, density: impl Fn(DVe
     /// The largest squared distance of the directions before and after glass that does not bend a
     /// ray.
     const UNBENT: f64 = 1e-20;
-    let measures = !scene.camera.receptors().is_empty();
+    let measures = scene.measures();
     let pixels = scene.camera.pixel_count() as u64;
     let wavelengths = Wavelengths::single(REFERENCE_NM);
     let mut lines = Vec::new();

@@ -49,7 +49,8 @@ pub fn photon_pass<'a>(
         };
         let request = EmissionRequest { wavelengths: shared.sampling(set), count: pilot.photons[set], purpose, pass };
         let source = pilot.photon_source(&context, &scene, request);
-        // Only free photons have wavelengths of their own, which are all the wavelengths of the lights.
+        // Only free photons have wavelengths of their own, which are all the wavelengths of the
+        // lights.
         let received = receptors.as_ref().filter(|_| set == PhotonSet::Free);
         let recording = RecordingOptions { receptors: received, ..pilot.recording(set) };
         trace_photons(&source, plan, set, recording, || film.splat_sink())
@@ -69,11 +70,10 @@ pub fn photon_pass<'a>(
 
     let start = Instant::now();
     let selector = context.light_selector(&scene);
-    let weights = receptors.as_ref().map(ReceptorKernels::weights).unwrap_or_default();
     let camera_pass = CameraPass {
         missing: missing_light(&context, [&free.ledger, &on_shared.ledger], &maps, &lost),
         scales,
-        receptors: &weights,
+        receptors: receptors.as_ref().map_or(&[], ReceptorKernels::weights),
         ..pilot.camera_pass(&context, (&scene, &selector), (&maps, light_maps), shared)
     };
     let samples = pilot.camera_samples;

@@ -76,8 +76,8 @@ pub struct RecordedSegment {
 }
 
 /// Traces photons and records their paths on the current thread pool. The photons are aimed like
-/// those of a pass. The same query returns the same paths. If anything moves, the scene is that at the time when the shutter opens. Returns no
-/// paths if the light does not exist or emits no light.
+/// those of a pass. The same query returns the same paths. If anything moves, the scene is that at
+/// the time when the shutter opens. Returns no paths if the light does not exist or emits no light.
 pub fn photon_paths(context: &PassContext<'_>, query: &PathQuery) -> PhotonPaths {
     let aims = match context.plan.aim {
         AimPlan::Learned => learn_aims(context, &[Cow::Borrowed(context.scene)]),

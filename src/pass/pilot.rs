@@ -38,8 +38,8 @@ use std::time::Instant;
 /// If both sets are in use, each set receives at least this share of the photons.
 const MIN_SET_SHARE: f64 = 0.08;
 
-/// The emission distributions of a single coarse picture are learned as if a pass had this number of
-/// photon paths.
+/// The emission distributions of a single coarse picture are learned as if a pass had this number
+/// of photon paths.
 const COARSE_AIM_PHOTONS: u64 = 40_000;
 
 /// The number of shutter times in the pilot's survey of a moving scene.
@@ -190,8 +190,7 @@ impl Pilot {
         for (radii, counts) in radii.iter_mut().zip(volume) {
             counts.set_radii(radii, self.keep, &widths);
         }
-        let measures = !context.scene.camera.receptors().is_empty();
-        self.radii = with_medians(&radii, measures);
+        self.radii = with_medians(&radii, context.scene.measures());
         drop(radii);
         // If the camera moves, the visible point of a pixel changes from pass to pass, so no
         // outlines are stored.
@@ -270,7 +269,7 @@ fn has_competition(context: &PassContext<'_>) -> bool {
         .materials
         .iter()
         .any(|material| material.surface.components().any(|component| component.class() == BsdfClass::Glossy));
-    let receives = glossy || !scene.meters.is_empty();
+    let receives = glossy || scene.measures();
     plan.caustics != CausticPlan::Absent && !plan.direct.is_absent() && receives
 }
 
@@ -292,8 +291,9 @@ fn divided(photons: u64, readers: PerSet<u64>) -> PerSet<u64> {
 }
 
 /// Replaces the unknown radii. An unknown radius becomes the median of the radii that have the same
-/// kind and are known in other pixels. If `all` is true, all radii become the median: the paths of a
-/// receptor reach surfaces everywhere, so the radius of one of its paths does not suit the others.
+/// kind and are known in other pixels. If `all` is true, all radii become the median: the paths of
+/// a receptor reach surfaces everywhere, so the radius of one of its paths does not suit the
+/// others.
 fn with_medians(radii: &[PixelRadii<Option<f32>>], all: bool) -> Vec<PixelRadii> {
     let mut known: [Vec<f32>; 8] = Default::default();
     for radii in radii {

@@ -1,10 +1,10 @@
 //! Light that reaches the receptors of meters through glass or from mirrors.
 //!
-//! A path from a receptor finds a lamp behind glass only if the lamp has an extent. Photons find the
-//! light of every lamp, but no photon hits a point. At a point receptor, a kernel therefore averages
-//! over a small disk; this is the only biased estimate of a meter. A receptor that is a surface
-//! needs no kernel, because photons arrive at the surface itself. Both techniques are combined by
-//! multiple importance sampling ([`CausticWeights`]).
+//! A path from a receptor finds a lamp behind glass only if the lamp has an extent. Photons find
+//! the light of every lamp, but no photon hits a point. At a point receptor, a kernel therefore
+//! averages over a small disk; this is the only biased estimate of a meter. A receptor that is a
+//! surface needs no kernel, because photons arrive at the surface itself. Both techniques are
+//! combined by multiple importance sampling ([`CausticWeights`]).
 
 use super::context::{EmissionRequest, PassContext};
 use crate::emit::{
@@ -18,8 +18,7 @@ use crate::optics::bsdf::BsdfClass;
 use crate::plan::partition::LightPath;
 use crate::plan::{CausticPlan, PathClass};
 use crate::scene::Scene;
-use crate::scene::medium_stack::MediumStack;
-use crate::scene::meter::{ReceivingSide, Receptor, ReceptorPoint, ReceptorShape, Response};
+use crate::scene::meter::{ReceivingSide, Receptor, ReceptorShape, Response};
 use crate::sensor::SplatSink;
 use crate::spectrum::LANES;
 use crate::walk::ledger::Ledger;
@@ -43,8 +42,8 @@ pub(super) struct ReceptorKernels<'a> {
     openings: &'a Openings,
     /// The radius of each receptor in this pass, in m.
     radii_m: Vec<f64>,
-    /// The number of photon paths, divided by the number of samples of each row.
-    photons_per_sample: f64,
+    /// The weights of photons and of paths at each receptor.
+    weights: Vec<CausticWeights>,
     /// The number of rows of each receptor.
     rows: usize,
 }
@@ -57,8 +56,8 @@ struct Received {
     bias: f64,
 }
 
-/// Returns the first kernel radii of all receptors in m. Returns no radii if there are no receptors,
-/// or if the plan has no caustics.
+/// Returns the first kernel radii of all receptors in m. Returns no radii if there are no
+/// receptors, or if the plan has no caustics.
 pub(super) fn first_radii(context: &PassContext<'_>, scene: &Scene, strata: &EmissionStrata, photons: u64) -> Vec<f64> {
     let receptors = scene.camera.receptors();
     if receptors.is_empty() || context.plan.caustics == CausticPlan::Absent {
@@ -98,24 +97,26 @@ impl<'a> ReceptorKernels<'a> {
         (first_m, scales): (&[f64], RadiusScales),
         photons_per_sample: f64,
     ) -> Option<Self> {
-        let count = scene.camera.receptors().len();
+        if first_m.is_empty() {
+            return None;
+        }
+        let receptors = scene.camera.receptors();
         let radii_m: Vec<f64> = first_m.iter().map(|radius| radius * scales.surface).collect();
-        let rows = scene.camera.pixel_count() / count.max(1);
-        let openings = context.openings;
-        (!radii_m.is_empty()).then_some(Self { scene, openings, radii_m, photons_per_sample, rows })
+        let weights = |(receptor, radius_m): (&Receptor, &f64)| {
+            let area_m2 = match receptor.shape {
+                ReceptorShape::Point(..) => PI * radius_m.powi(2),
+                ReceptorShape::Surface(object, _) => scene.geometry.area(object),
+            };
+            CausticWeights { photons_m2: photons_per_sample * area_m2 }
+        };
+        let weights = receptors.iter().zip(&radii_m).map(weights).collect();
+        let rows = scene.camera.pixel_count() / receptors.len();
+        Some(Self { scene, openings: context.openings, radii_m, weights, rows })
     }
 
     /// Returns the weights of photons and of paths at each receptor.
-    pub(super) fn weights(&self) -> Vec<CausticWeights> {
-        (0..self.radii_m.len()).map(|number| self.weights_of(number)).collect()
-    }
-
-    fn weights_of(&self, number: usize) -> CausticWeights {
-        let area_m2 = match self.scene.camera.receptors()[number].shape {
-            ReceptorShape::Point(..) => PI * self.radii_m[number].powi(2),
-            ReceptorShape::Surface(object, _) => self.scene.geometry.area(object),
-        };
-        CausticWeights { photons_m2: self.photons_per_sample * area_m2 }
+    pub(super) fn weights(&self) -> &[CausticWeights] {
+        &self.weights
     }
 
     /// Adds the light that a photon brings to the point receptors along a straight line.
@@ -167,15 +168,8 @@ impl<'a> ReceptorKernels<'a> {
         }
     }
 
-    fn mis_weight(
-        &self,
-        number: usize,
-        (position, response): (DVec3, Response),
-        density: RayDensity,
-        to_light: DVec3,
-    ) -> f64 {
-        let point = ReceptorPoint { position, from: None, response, medium_stack: MediumStack::AIR };
-        self.weights_of(number).of_photon(density, receptor_pdf(&point, self.openings, to_light))
+    fn mis_weight(&self, number: usize, point: (DVec3, Response), density: RayDensity, to_light: DVec3) -> f64 {
+        self.weights[number].of_photon(density, receptor_pdf(point, self.openings, to_light))
     }
 
     fn splat(
@@ -203,8 +197,8 @@ impl<'a> ReceptorKernels<'a> {
     }
 }
 
-/// Returns the distance along the flight at which the photon crosses the disk of a receptor, and the
-/// squared distance from the middle of the disk in m². `None` if the photon misses the disk.
+/// Returns the distance along the flight at which the photon crosses the disk of a receptor, and
+/// the squared distance from the middle of the disk in m². `None` if the photon misses the disk.
 fn crossing(flight: &PhotonFlight<'_>, position: DVec3, response: Response, radius_m: f64) -> Option<(f64, f64)> {
     let (ray, offset) = (flight.ray, position - flight.ray.origin);
     let t = match response {

@@ -136,7 +136,7 @@ impl Budget {
         let pixels = u64::from(scene.film.width).saturating_mul(u64::from(scene.film.height));
         let (passes, photons) =
             (settings.passes.unwrap_or(enough), settings.photons.unwrap_or_else(|| photons_per_pass(enough, pixels)));
-        let measures = !scene.meters.is_empty();
+        let measures = scene.measures();
         let light_map_cells = settings.light_map.unwrap_or(DEFAULT_LIGHT_MAP_CELLS);
         let memory_bytes = film_bytes
             .saturating_add(PILOT_PIXEL_BYTES.saturating_mul(pixels))

@@ -86,7 +86,8 @@ pub enum Value {
     Spectrum(Vec<f64>),
 }
 
-/// The relative error of every reading at which a measurement stops if the request has no stop rule.
+/// The relative error of every reading at which a measurement stops if the request has no stop
+/// rule.
 const DEFAULT_ERROR: f64 = 0.003;
 
 /// Returns the stop rules of a measurement without stop rules of its own. A pass with photons takes
@@ -103,11 +104,11 @@ impl Job {
     /// Returns the integrator that suits the meters.
     ///
     /// The path tracer has no bias. It does not find the light of lamps without extent behind glass
-    /// or mirrors, and seldom finds the sun there. Its shadow rays pass through thin panes, so panes
-    /// alone need no photons.
+    /// or mirrors, and seldom finds the sun there. Its shadow rays pass through thin panes, so
+    /// panes alone need no photons.
     pub fn integrator_for_meters(&self) -> Integrator {
         let caustics = self.plan.caustics != CausticPlan::Absent;
-        let focuses = |bsdf: &Bsdf| bsdf.class() == BsdfClass::Specular && !is_pane(bsdf);
+        let focuses = |bsdf: &Bsdf| bsdf.class() == BsdfClass::Specular && bsdf.uniform_pane().is_none();
         let focusing = self.scene.materials.iter().any(|material| material.surface.components().any(focuses));
         if caustics && focusing && self.hidden_lamps().next().is_some() { Integrator::Photon } else { Integrator::Path }
     }
@@ -143,8 +144,9 @@ impl Job {
         stop: StopRules,
         monitor: &mut dyn Monitor,
     ) -> Result<(MeasurementReport, bool)> {
-        let sky_lx = sky_illuminance_lx(&self.scene.lights);
-        if sky_lx <= 0.0 && self.scene.meters.iter().any(|meter| meter.quantity == Quantity::DaylightFactor) {
+        let needs_sky = self.scene.meters.iter().any(|meter| meter.quantity == Quantity::DaylightFactor);
+        let sky_lx = if needs_sky { sky_illuminance_lx(&self.scene.lights) } else { 0.0 };
+        if needs_sky && sky_lx <= 0.0 {
             let error = Error::input("a meter measures the daylight factor, but the scene has no sky");
             return Err(error.expected("a light `sky` or `environment`"));
         }
@@ -162,11 +164,6 @@ impl Job {
         let notes = [self.scene.notes.as_slice(), &stats.notes, &missing].concat();
         Ok((MeasurementReport { meters, integrator: integrator.word(), passes, seconds, notes }, interrupted))
     }
-}
-
-/// Returns true if shadow rays pass through the surface.
-fn is_pane(bsdf: &Bsdf) -> bool {
-    matches!(bsdf, Bsdf::ThinDielectric(pane) if pane.is_uniform())
 }
 
 /// Returns the report of a meter.

@@ -9,7 +9,8 @@ impl Scene {
     /// Maps the number of each enclosed object to the number of the enclosing object.
     ///
     /// An object is enclosed if it lies inside an opaque convex body that contains neither a light
-    /// nor the camera nor a receptor. The result is empty if anything moves or a medium emits light.
+    /// nor the camera nor a receptor. The result is empty if anything moves or a medium emits
+    /// light.
     pub fn enclosures(&self) -> BTreeMap<u32, u32> {
         let mut enclosures = BTreeMap::new();
         let opaque = |object: u32| !self.material_of(object).surface.is_transmissive();
@@ -38,10 +39,8 @@ impl Scene {
     /// One box around the camera or each point of a receptor, and one box around each local light.
     /// `None` if a local light has no box.
     fn boxes_of_camera_and_lights(&self, object_bounds: &BTreeMap<u32, (DVec3, DVec3)>) -> Option<Vec<(DVec3, DVec3)>> {
-        let boxes_of_views = match self.camera.receptors().is_empty() {
-            true => vec![(self.camera.origin(), self.camera.origin())],
-            false => self.points_of_receptors().into_iter().map(|point| (point, point)).collect(),
-        };
+        let views = if self.measures() { self.points_of_receptors() } else { vec![self.camera.origin()] };
+        let boxes_of_views = views.into_iter().map(|point| (point, point)).collect();
         let local = self.lights.iter().filter(|light| !light.is_distant());
         let of_lights: Option<Vec<_>> = local.map(|light| light.bounds(object_bounds)).collect();
         Some([boxes_of_views, of_lights?].concat())

@@ -242,6 +242,12 @@ impl Scene {
         sum
     }
 
+    /// Returns true if the scene is measured: the receptors of its meters take the place of a
+    /// camera with a picture.
+    pub fn measures(&self) -> bool {
+        !self.meters.is_empty()
+    }
+
     /// Returns the surfaces and the bounding sphere. The methods of lights need them.
     pub fn extent(&self) -> SceneExtent<'_> {
         SceneExtent { geometry: &self.geometry, radius_m: self.radius_m }

@@ -19,7 +19,7 @@ const FARTHEST_VIEW: f64 = 256.0;
 impl Scene {
     /// Visible points, sampled over the whole picture at the moment when the shutter opens.
     pub(super) fn visible_points(&self) -> Vec<DVec3> {
-        if !self.camera.receptors().is_empty() {
+        if self.measures() {
             return self.points_of_receptors();
         }
         let (width, pixels) = (self.camera.width(), self.camera.pixel_count());

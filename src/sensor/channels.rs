@@ -31,11 +31,6 @@ impl Channels {
         self.bands + COMPONENTS_OF_SLICE * self.slices()
     }
 
-    /// Returns the number of spectral bands.
-    pub(super) fn bands(&self) -> usize {
-        self.bands
-    }
-
     /// Returns the number of channels that contain light. The sums over first surfaces follow them.
     pub(super) fn first_surface_channel(&self) -> usize {
         self.spectral_count() + self.layers.as_ref().map_or(0, |layers| layers.light_channels())

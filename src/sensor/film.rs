@@ -110,7 +110,7 @@ impl Film {
     }
 
     /// Turns the film into the film of a measurement. The film must still be unexposed. Its width
-    /// must be 1, and `rows` must cover all its rows.
+    /// must be 1, and the layout must cover all its rows.
     #[must_use]
     pub fn with_readings(mut self, layout: Arc<ReadingLayout>) -> Self {
         let by_replicate = vec![0.0; self.pixels.len() * self.channels.bands * REPLICATES];
@@ -389,9 +389,14 @@ impl Film {
         layers
     }
 
-    /// Returns the sums of a pixel and the number of passes of each replicate.
+    /// Returns the sums of a pixel.
     pub(super) fn sums_of(&self, pixel: usize) -> &PixelSums {
         &self.pixels[pixel]
+    }
+
+    /// Returns the number of passes of the even replicates and of the odd replicates.
+    pub(super) fn passes_by_half(&self) -> [u64; 2] {
+        [0, 1].map(|parity| self.passes.iter().skip(parity).step_by(2).sum())
     }
 
     /// Returns the number of spectral bands.
@@ -400,8 +405,7 @@ impl Film {
     }
 
     fn error_bars(&self, light: impl Fn(usize) -> PixelLight) -> ErrorBars {
-        let half = |parity: usize| self.passes.iter().skip(parity).step_by(2).sum::<u64>();
-        let passes_by_half = [half(0), half(1)];
+        let passes_by_half = self.passes_by_half();
         let mean = |sum: f64, passes: u64| sum * LUMENS_PER_WATT / passes.max(1) as f64;
         let measured = |pixel: usize| {
             let PixelLight { xyz, y, bias } = light(pixel);

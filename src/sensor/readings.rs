@@ -1,8 +1,8 @@
 //! The readings of meters.
 //!
 //! The film of a measurement has one column. Each reading has the same number of rows, so that few
-//! readings keep all threads busy. The noise of a reading is the standard error of the mean over the
-//! replicates. It uses no neighbours, because these are other readings.
+//! readings keep all threads busy. The noise of a reading is the standard error of the mean over
+//! the replicates. It uses no neighbours, because these are other readings.
 
 use super::channels::band_nm;
 use super::error_bars::{ErrorSquares, PixelMeans};
@@ -48,8 +48,8 @@ pub struct Reading {
     pub noise: Option<f64>,
     /// The magnitude of the estimated bias of the value, if it is known.
     pub bias: Option<f64>,
-    /// X, Y and Z of the mean radiance, in W/m²/sr. Y is meaningless unless the observer is one of the
-    /// colour-matching observers.
+    /// X, Y and Z of the mean radiance, in W/m²/sr. Y is meaningless unless the observer is one of
+    /// the colour-matching observers.
     pub xyz: [f64; 3],
     /// The number of degrees of freedom of the noise.
     pub degrees: usize,
@@ -133,8 +133,7 @@ impl Film {
     fn reading(&self, rows: std::ops::Range<usize>) -> Reading {
         let count = rows.len() as f64;
         let mut means = PixelMeans { y: [0.0; REPLICATES], bias: [0.0; 2] };
-        let half = |parity: usize| self.passes.iter().skip(parity).step_by(2).sum::<u64>();
-        let (all, halves) = (self.passes.iter().sum::<u64>(), [half(0), half(1)]);
+        let (all, halves) = (self.passes(), self.passes_by_half());
         let mean = |sum: f64, passes: u64| sum * LUMENS_PER_WATT / (passes.max(1) as f64 * count);
         let (mut total, mut xz) = (0.0, [0.0; 2]);
         for row in rows.clone() {
@@ -181,8 +180,8 @@ impl Film {
             by_replicate.push(sums.into_iter().map(|sum| sum * scale).collect());
         }
         let scale = 1.0 / (self.passes().max(1) as f64 * rows.len() as f64 * width_nm);
-        let centres_nm = SpectralBands::centres_nm(bands);
-        Some(ReadingSpectrum { centres_nm, values: total.into_iter().map(|sum| sum * scale).collect(), by_replicate })
+        let values = total.into_iter().map(|sum| sum * scale).collect();
+        Some(ReadingSpectrum { centres_nm: SpectralBands::centres_nm(bands), values, by_replicate })
     }
 }
 

@@ -163,8 +163,8 @@ impl ImagePattern {
         (first + y * size.width + x) as u32
     }
 
-    /// Returns the interpolated value at a point. `value` returns the value of a texel. The point is
-    /// selected at random within the footprint.
+    /// Returns the interpolated value at a point. `value` returns the value of a texel. The point
+    /// is selected at random within the footprint.
     pub(super) fn interpolated(
         &self,
         point: &TexturePoint,

@@ -1,5 +1,5 @@
-//! The analytical test cases 5.2–5.14 of CIE 171:2006, "Test cases to assess the accuracy of lighting
-//! computer programs".
+//! The analytical test cases 5.2–5.14 of CIE 171:2006, "Test cases to assess the accuracy of
+//! lighting computer programs".
 //!
 //! The room is the box x 0…4, y 0…3, z −4…0 in m, with y up. Its surfaces have no thickness. The
 //! expected values are computed from first principles; `data/SOURCES.md` names their source.
@@ -11,7 +11,8 @@ use crate::optics::embedded;
 use serde::Deserialize;
 use serde_json::{Value as Json, json};
 
-/// The lamps of case 5.2 that have a table of intensities: their names and the texts of their files.
+/// The lamps of case 5.2 that have a table of intensities: their names and the texts of their
+/// files.
 pub const LAMPS: [(&str, &str); 2] = [
     ("lamp_axial.ies", include_str!("../../data/validation/lamp_axial.ies")),
     ("lamp_asymmetric.ies", include_str!("../../data/validation/lamp_asymmetric.ies")),
@@ -190,6 +191,18 @@ fn corners(part: &Json) -> Vec<[f64; 3]> {
     serde_json::from_value(part["corners"].clone()).unwrap_or_default()
 }
 
+/// Returns the material of a glazing.
+fn pane(glazing: &Json) -> Json {
+    let data = match glazing["model"].as_str().unwrap_or_default() {
+        model if model.starts_with("clear") => json!({"ior": glazing["index"]}),
+        model if model.starts_with("absorbing") => json!({
+            "ior": glazing["index"], "thickness": glazing["thickness_m"], "absorption": glazing["absorption_per_m"]
+        }),
+        _ => json!({"transmittance": {"cosine_polynomial": glazing["coefficients"]}}),
+    };
+    json!({"thin_dielectric": data})
+}
+
 impl Scenario {
     fn case(&self) -> Case {
         let scenes = match self.id.split('/').next() {
@@ -327,16 +340,8 @@ impl Scenario {
         let opening = corners(&geometry["opening"]);
         scene.room(room, |_| 0.0, Some(&opening));
         let glazing = &geometry["opening"]["glazing"];
-        let pane = match glazing["model"].as_str() {
-            None => None,
-            Some(model) if model.starts_with("clear") => Some(json!({"ior": glazing["index"]})),
-            Some(model) if model.starts_with("absorbing") => Some(json!({
-                "ior": glazing["index"], "thickness": glazing["thickness_m"], "absorption": glazing["absorption_per_m"]
-            })),
-            Some(_) => Some(json!({"transmittance": {"cosine_polynomial": glazing["coefficients"]}})),
-        };
-        if let Some(pane) = pane {
-            scene.materials.insert("pane".to_string(), json!({"thin_dielectric": pane}));
+        if glazing.is_object() {
+            scene.materials.insert("pane".to_string(), pane(glazing));
             scene.quadrilateral("pane", &opening, "pane", None);
         }
         let mask = &geometry["mask"];
@@ -354,18 +359,10 @@ impl Scenario {
     /// without the pane.
     fn panes(&self) -> Vec<(String, Vec<Expected>)> {
         const LX: f64 = 1000.0;
-        let glazing = &self.geometry["glazing"];
-        let pane = match glazing["model"].as_str().unwrap_or_default() {
-            model if model.starts_with("clear") => json!({"ior": glazing["index"]}),
-            model if model.starts_with("absorbing") => json!({
-                "ior": glazing["index"], "thickness": glazing["thickness_m"], "absorption": glazing["absorption_per_m"]
-            }),
-            _ => json!({"transmittance": {"cosine_polynomial": glazing["coefficients"]}}),
-        };
         let of_angle = |value: &SurfaceValue| {
             let (sin, cos) = sin_cos(value.incidence_deg.unwrap_or(0.0).to_radians());
             let mut scene = Scene::new();
-            scene.materials.insert("pane".to_string(), json!({"thin_dielectric": pane}));
+            scene.materials.insert("pane".to_string(), pane(&self.geometry["glazing"]));
             let corners = [[-50.0, 1.0, 50.0], [50.0, 1.0, 50.0], [50.0, 1.0, -50.0], [-50.0, 1.0, -50.0]];
             scene.quadrilateral("pane", &corners, "pane", None);
             scene

@@ -1,7 +1,7 @@
 //! Validation: measurements of public test cases with known results.
 //!
-//! `abbe validate` runs the cases and writes a report. Each case states its expected values, and the
-//! module [`cie171`] builds its scene.
+//! `abbe validate` runs the cases and writes a report. Each case states its expected values, and
+//! the module [`cie171`] builds its scene.
 
 pub mod cie171;
 mod report;

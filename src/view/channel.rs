@@ -198,8 +198,8 @@ impl ViewChannel {
         });
     }
 
-    /// Publishes a coarse picture while the reader moves a slider or the camera. The slider may have
-    /// moved on, but the picture still shows its way.
+    /// Publishes a coarse picture while the reader moves a slider or the camera. The slider may
+    /// have moved on, but the picture still shows its way.
     pub(super) fn publish_draft(&self, snapshot: Arc<Snapshot>) {
         self.update(|state| state.snapshot = Some(snapshot));
     }

@@ -40,8 +40,8 @@ fn readings(report: &MeasurementReport) -> Vec<[f64; 3]> {
     report.meters.iter().flat_map(|meter| meter.points.iter().map(reading)).collect()
 }
 
-/// An area lamp over points on black ground: each kind of receptor has a closed form for a lamp that
-/// is small compared with its distance.
+/// An area lamp over points on black ground: each kind of receptor has a closed form for a lamp
+/// that is small compared with its distance.
 #[test]
 fn planes_spheres_cylinders_and_spots_have_their_closed_forms() {
     let at = |form: Json| {

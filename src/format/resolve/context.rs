@@ -9,7 +9,7 @@ use crate::texture::SpectralTexture;
 use glam::DVec3;
 use std::cell::RefCell;
 
-/// What a scene is resolved for.
+/// The purpose for which a scene is resolved.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum View<'a> {
     /// A picture with this camera and this film.

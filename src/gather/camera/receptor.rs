@@ -26,7 +26,7 @@ impl<'a> CameraPass<'a> {
         let openings = self.direct.openings;
         let start = context.sampler.receptor_sample(self.scene, receptor, openings);
         let (from, wavelength) = (ReceivingPoint::on_receptor(&start.point), context.sampler.wavelength);
-        let pdf = |direction| receptor_pdf(&start.point, openings, direction);
+        let pdf = |direction| receptor_pdf((start.point.position, start.point.response), openings, direction);
         for selected in self.direct.select_lights(from, context.sampler.light()) {
             let sample = self.direct.sample_direct_at_receptor(&start.point, pdf, selected, context.tally);
             let Some(sample) = sample else { continue };

@@ -3,11 +3,11 @@
 use crate::gather::direct::openings::{OPENINGS_SHARE, Openings};
 use crate::geometry::Ray;
 use crate::math::kronecker::golden_ratio;
-use crate::math::random::{Purpose, REPLICATES, Stream, hash64};
+use crate::math::random::{Purpose, REPLICATES, Stream, hash64, unit_interval};
 use crate::math::sobol::{DIMENSIONS, Sobol};
 use crate::scene::Scene;
 use crate::scene::camera::{Aperture, Camera, SystemAt};
-use crate::scene::meter::{Receptor, ReceptorPoint};
+use crate::scene::meter::{Receptor, ReceptorPoint, Response};
 use crate::walk::RayState;
 use glam::{DVec2, DVec3};
 
@@ -85,10 +85,8 @@ impl PixelSampler {
         receptor: &Receptor,
         openings: &Openings,
     ) -> ReceptorSample {
-        let more = |number: u64| {
-            let word = hash64([hash64(self.point.map(f64::to_bits)), RECEPTOR_SEQUENCE, number]);
-            (word >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
-        };
+        let more =
+            |number: u64| unit_interval(hash64([hash64(self.point.map(f64::to_bits)), RECEPTOR_SEQUENCE, number]));
         let ([u, v], [across, along]) = (self.film(), self.lens());
         let point = scene.receptor_point(receptor, [more(0), across, along, more(1)]);
         let (response, choice) = (point.response, more(2));
@@ -97,7 +95,7 @@ impl PixelSampler {
         } else {
             response.sample([u, v, across])
         };
-        let pdf = receptor_pdf(&point, openings, direction);
+        let pdf = receptor_pdf((point.position, response), openings, direction);
         let ray = Ray { origin: point.position, direction };
         let weight = if pdf > 0.0 { response.pdf(direction) / pdf } else { 0.0 };
         ReceptorSample {
@@ -146,12 +144,12 @@ impl PixelSampler {
 }
 
 /// Returns the density with which paths from a receptor start in a direction, per steradian.
-pub fn receptor_pdf(point: &ReceptorPoint, openings: &Openings, direction: DVec3) -> f64 {
-    let pdf = point.response.pdf(direction);
+pub fn receptor_pdf((position, response): (DVec3, Response), openings: &Openings, direction: DVec3) -> f64 {
+    let pdf = response.pdf(direction);
     if openings.glazed.count() == 0 {
         return pdf;
     }
-    OPENINGS_SHARE * openings.glazed.pdf(point.position, direction) + (1.0 - OPENINGS_SHARE) * pdf
+    OPENINGS_SHARE * openings.glazed.pdf(position, direction) + (1.0 - OPENINGS_SHARE) * pdf
 }
 
 /// Returns the top left corner of a pixel.

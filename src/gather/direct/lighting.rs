@@ -8,7 +8,7 @@ use super::openings::{OPENINGS_SHARE, Openings};
 use super::selection::{LightSelection, LightSelector, SelectedLight};
 use crate::geometry::{Hit, Ray, SurfaceId};
 use crate::math::random::hash64;
-use crate::optics::bsdf::{Bsdf, TransportMode};
+use crate::optics::bsdf::{ThinDielectric, TransportMode};
 use crate::optics::phase::PhaseMixture;
 use crate::plan::{MediumPlan, Tally};
 use crate::scene::Scene;
@@ -43,6 +43,16 @@ enum ShadowAttenuation {
     Tracked { panes: bool },
 }
 
+/// The straight line of a shadow ray that reaches its light.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::gather) enum ShadowLine {
+    /// No surface is on the line.
+    Clear,
+    /// Thin panes are on the line, and no other surface. The value is the surface of the light, if
+    /// the light has a surface.
+    ThroughPanes(Option<SurfaceId>),
+}
+
 /// A surface point where direct light is sampled.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct LightSampleContext<'e, 'a> {
@@ -74,8 +84,8 @@ pub(in crate::gather) struct LightSample<'a> {
     pub(in crate::gather) spd: EmittedSpd,
     /// The unit direction towards the light, in world space.
     pub(in crate::gather) direction: DVec3,
-    /// The surface of the light, if the light has a surface.
-    pub(in crate::gather) target: Option<SurfaceId>,
+    /// The straight line to the light.
+    pub(in crate::gather) line: ShadowLine,
     /// The distance to the light in m.
     pub(in crate::gather) distance_m: f64,
 }
@@ -153,10 +163,7 @@ impl<'a> DirectLighting<'a> {
     /// Creates the estimator of the reference path tracer, which uses ratio tracking in all media.
     /// Its shadow rays pass through thin panes.
     pub fn tracked(scene: &'a Scene, selector: &'a LightSelector, media_plan: MediumPlan) -> Self {
-        let panes = scene
-            .materials
-            .iter()
-            .any(|material| matches!(&material.surface, Bsdf::ThinDielectric(pane) if pane.is_uniform()));
+        let panes = scene.materials.iter().any(|material| material.surface.uniform_pane().is_some());
         let tracked = ShadowAttenuation::Tracked { panes };
         let direct = Self::attenuated(scene, selector, media_plan, tracked);
         if panes { Self { attenuation: tracked, ..direct } } else { direct }
@@ -169,17 +176,25 @@ impl<'a> DirectLighting<'a> {
         matches!(self.attenuation, ShadowAttenuation::Tracked { panes: true })
     }
 
-    /// Returns true if nothing blocks the straight line from the ray's origin to a light. `from` is
-    /// the surface that the ray leaves, and `target` is the surface of the light.
+    /// Returns the straight line from the ray's origin to a light, or `None` if a surface blocks
+    /// it. `from` is the surface that the ray leaves, and `target` is the surface of the light.
     #[inline(always)]
-    fn reaches(&self, ray: Ray, from: Option<SurfaceId>, target: Option<SurfaceId>, length_m: f64) -> bool {
-        let geometry = &self.scene.geometry;
-        !geometry.occluded(&ray, from, target, length_m)
-            || (self.passes_panes() && self.cross_panes(ray, from, target, length_m, |_| ()))
+    fn line_to_light(
+        &self,
+        ray: Ray,
+        from: Option<SurfaceId>,
+        target: Option<SurfaceId>,
+        length_m: f64,
+    ) -> Option<ShadowLine> {
+        if !self.scene.geometry.occluded(&ray, from, target, length_m) {
+            return Some(ShadowLine::Clear);
+        }
+        let passes = self.passes_panes() && self.cross_panes(ray, from, target, length_m, |_, _| ());
+        passes.then_some(ShadowLine::ThroughPanes(target))
     }
 
-    /// Follows a straight line through thin panes to a light. Calls `visit` for each pane. Returns
-    /// false if another surface blocks the line.
+    /// Follows a straight line through thin panes to a light. Calls `visit` for each pane with the
+    /// cosine of the angle of incidence. Returns false if another surface blocks the line.
     #[inline(never)]
     fn cross_panes(
         &self,
@@ -187,16 +202,14 @@ impl<'a> DirectLighting<'a> {
         mut from: Option<SurfaceId>,
         target: Option<SurfaceId>,
         mut length_m: f64,
-        mut visit: impl FnMut(SegmentTransmittance<'a>),
+        mut visit: impl FnMut(&'a ThinDielectric, f64),
     ) -> bool {
-        let (scene, outside) = (self.scene, &self.scene.air);
+        let scene = self.scene;
         while scene.geometry.occluded(&ray, from, target, length_m) {
-            let Some(hit) = scene.geometry.intersect(&ray, from, length_m) else { return false };
-            let Bsdf::ThinDielectric(pane) = &scene.material_of(hit.object).surface else { return false };
-            if !pane.is_uniform() {
-                return false;
-            }
-            visit(SegmentTransmittance::Pane { pane, cosine: ray.direction.dot(hit.normal).abs(), outside });
+            let hit = scene.geometry.intersect(&ray, from, length_m);
+            let pane = hit.and_then(|hit| Some((hit, scene.material_of(hit.object).surface.uniform_pane()?)));
+            let Some((hit, pane)) = pane else { return false };
+            visit(pane, ray.direction.dot(hit.normal).abs());
             (ray.origin, from) = (hit.position, Some(hit.surface));
             length_m -= hit.t;
         }
@@ -232,7 +245,7 @@ impl<'a> DirectLighting<'a> {
     pub(in crate::gather) fn transmittance_from<M: BodyMode>(
         &self,
         interaction: &SurfaceInteraction<'_>,
-        (direction, target): (DVec3, Option<SurfaceId>),
+        (direction, line): (DVec3, ShadowLine),
         length_m: f64,
         u: [f64; 3],
     ) -> PathTransmittance<'a> {
@@ -240,15 +253,14 @@ impl<'a> DirectLighting<'a> {
             return PathTransmittance::new();
         }
         let ray_state = interaction.spawn_ray(direction, interaction.medium_stack_towards(direction));
-        self.path_transmittance(ray_state, target, length_m, u)
+        self.path_transmittance(ray_state, line, length_m, u)
     }
 
-    /// Returns the transmittance along a ray of this length. `target` is the surface at its end, if
-    /// the ray ends at the surface of a light.
+    /// Returns the transmittance along a straight line of this length.
     fn path_transmittance(
         &self,
         ray_state: RayState,
-        target: Option<SurfaceId>,
+        line: ShadowLine,
         length_m: f64,
         u: [f64; 3],
     ) -> PathTransmittance<'a> {
@@ -256,10 +268,14 @@ impl<'a> DirectLighting<'a> {
         match self.attenuation {
             ShadowAttenuation::Absent => PathTransmittance::new(),
             ShadowAttenuation::AsStated => path_transmittance(self.scene, ray_state, length_m, seed()),
-            ShadowAttenuation::Tracked { panes } => {
+            ShadowAttenuation::Tracked { .. } => {
                 let mut along = path_transmittance_tracked(self.scene, ray_state, length_m, seed());
-                if panes {
-                    self.cross_panes(ray_state.ray, ray_state.from, target, length_m, |pane| along.push(pane));
+                if let ShadowLine::ThroughPanes(target) = line {
+                    let RayState { ray, from, medium_stack } = ray_state;
+                    let outside = self.scene.index_in(&medium_stack);
+                    self.cross_panes(ray, from, target, length_m, |pane, cosine| {
+                        along.push(SegmentTransmittance::Pane { pane, cosine, outside });
+                    });
                 }
                 along
             }
@@ -295,11 +311,10 @@ impl<'a> DirectLighting<'a> {
         }
         tally.shadow_rays += 1;
         let ray = Ray { origin: point.position, direction };
-        self.reaches(ray, point.from, incident.target, distance).then(|| {
-            let start = RayState { ray, from: point.from, medium_stack: point.medium_stack };
-            let transmittance = self.path_transmittance(start, incident.target, distance, u);
-            ReceptorLightSample { light, strength, spd, transmittance }
-        })
+        let line = self.line_to_light(ray, point.from, incident.target, distance)?;
+        let start = RayState { ray, from: point.from, medium_stack: point.medium_stack };
+        let transmittance = self.path_transmittance(start, line, distance, u);
+        Some(ReceptorLightSample { light, strength, spd, transmittance })
     }
 
     /// Samples the direct light of one light at a point in a medium. Returns `None` if the light
@@ -327,12 +342,12 @@ impl<'a> DirectLighting<'a> {
         let strength = incident.irradiance * mis_weight / probability;
         tally.shadow_rays += 1;
         let ray = Ray { origin: ray_state.ray.origin, direction: incident.direction };
-        let reaches = strength > 0.0 && self.reaches(ray, None, incident.target, incident.distance);
-        reaches.then(|| {
-            let start = RayState { ray, ..ray_state };
-            let transmittance = self.path_transmittance(start, incident.target, incident.distance, u);
-            VolumeLightSample { light, incoming, strength, spd: incident.spd, transmittance }
-        })
+        if strength <= 0.0 {
+            return None;
+        }
+        let line = self.line_to_light(ray, None, incident.target, incident.distance)?;
+        let transmittance = self.path_transmittance(RayState { ray, ..ray_state }, line, incident.distance, u);
+        Some(VolumeLightSample { light, incoming, strength, spd: incident.spd, transmittance })
     }
 
     /// Samples the direct light of one light at a surface. The sample does not include the
@@ -361,10 +376,11 @@ impl<'a> DirectLighting<'a> {
         tally.shadow_rays += 1;
         let LiSample { direction, distance, target, spd, .. } = incident;
         let ray = Ray { origin: interaction.hit.position, direction };
-        if !(strength > 0.0 && self.reaches(ray, Some(interaction.hit.surface), target, distance)) {
+        if strength <= 0.0 {
             return None;
         }
-        Some(LightSample { light, wi, strength, spd, direction, target, distance_m: distance })
+        let line = self.line_to_light(ray, Some(interaction.hit.surface), target, distance)?;
+        Some(LightSample { light, wi, strength, spd, direction, line, distance_m: distance })
     }
 
     /// Returns the numbers of the lights at the end of a ray: the light of the surface there, or

@@ -28,16 +28,12 @@ pub struct OpeningSpheres(pub Vec<BoundingSphere>);
 impl Openings {
     /// The openings of a scene without any.
     pub const NONE: &'static Self = &Self { open: OpeningSpheres(Vec::new()), glazed: OpeningSpheres(Vec::new()) };
-}
 
-impl Openings {
     /// Returns the spheres around all openings.
     pub fn all(&self) -> Vec<BoundingSphere> {
         [self.open.0.as_slice(), &self.glazed.0].concat()
     }
-}
 
-impl Openings {
     /// Returns the openings for an estimator whose shadow rays pass through panes.
     #[must_use]
     pub fn without_glass(&self) -> Self {

@@ -1,7 +1,7 @@
 //! Direct light at surfaces on a camera path.
 
 use super::light_tree::ReceivingPoint;
-use super::lighting::{EmitterHit, HitWeighting, LightSampleContext};
+use super::lighting::{EmitterHit, HitWeighting, LightSampleContext, ShadowLine};
 use crate::gather::camera::path::CameraPath;
 use crate::gather::camera::throughput::each_wavelength;
 use crate::gather::camera_pass::{CameraPass, PathContext};
@@ -45,10 +45,8 @@ impl<'a> CameraPass<'a> {
         for selected in self.direct.select_lights(ReceivingPoint::on_surface(interaction), u) {
             let point = LightSampleContext { interaction, nm };
             let Some(sample) = self.direct.sample_direct(point, selected, context.tally) else { continue };
-            let along = {
-                let towards = (sample.direction, sample.target);
-                self.direct.transmittance_from::<M>(interaction, towards, sample.distance_m, selected.u)
-            };
+            let towards = (sample.direction, sample.line);
+            let along = self.direct.transmittance_from::<M>(interaction, towards, sample.distance_m, selected.u);
             let bias = bias_of_excess(path.excess_depth + excess_optical_depth(&along, nm));
             let factors = &context.buffers.factors;
             let origin = LightOrigin { class: path.events.class_at_surface(LightPath::Direct), light: selected.number };
@@ -84,10 +82,8 @@ impl<'a> CameraPass<'a> {
             let emitted = self.direct.emitted_by_hit(number, ray, hit, weighting, context.tally);
             let Some(emitter) = emitted else { continue };
             let length_m = hit.map_or(f64::INFINITY, |hit| hit.t);
-            let along = {
-                let towards = (direction, hit.map(|hit| hit.surface));
-                self.direct.transmittance_from::<M>(interaction, towards, length_m, direction.to_array())
-            };
+            let towards = (direction, ShadowLine::Clear);
+            let along = self.direct.transmittance_from::<M>(interaction, towards, length_m, direction.to_array());
             let bias = bias_of_excess(path.excess_depth + excess_optical_depth(&along, nm));
             let (factors, wavelength) = (&context.buffers.factors, context.sampler.wavelength);
             let origin = LightOrigin { class: path.events.class_at_surface(LightPath::Direct), light: number };

@@ -11,7 +11,7 @@ use crate::gather::camera::throughput::relative_n2;
 use crate::gather::direct::light_tree::ReceivingPoint;
 use crate::gather::direct::lighting::{DirectLighting, HitWeighting, LightSampleContext};
 use crate::geometry::{Hit, Ray};
-use crate::optics::bsdf::{Bsdf, BsdfClass, TransportMode};
+use crate::optics::bsdf::{BsdfClass, ScatterEvent, TransportMode};
 use crate::plan::partition::LightPath;
 use crate::plan::{CameraEvents, LightOrigin, MediumPlan, PathClass, Tally};
 use crate::scene::Scene;
@@ -121,10 +121,9 @@ impl<'a> PathTracer<'a> {
             else {
                 return false;
             };
-            let through_pane = scattered.delta
-                && self.direct.passes_panes()
-                && matches!(interaction.bsdf.model, Bsdf::ThinDielectric(pane) if pane.is_uniform())
-                && !interaction.leads_back(scattered.direction);
+            let through_pane = self.direct.passes_panes()
+                && scattered.event == ScatterEvent::Transmission
+                && self.scene.materials[interaction.material].surface.uniform_pane().is_some();
             path.apply_scattering(&interaction, &scattered, through_pane);
             if !path.survives(self.scene, depth, sampler) {
                 return false;
@@ -200,7 +199,8 @@ impl<'a> PathTracer<'a> {
         let (nm, inverse_pdf) = self.stratified_wavelengths(sampler);
         let start = sampler.receptor_sample(self.scene, receptor, self.direct.openings);
         let from = ReceivingPoint::on_receptor(&start.point);
-        let pdf = |direction| receptor_pdf(&start.point, self.direct.openings, direction);
+        let pdf =
+            |direction| receptor_pdf((start.point.position, start.point.response), self.direct.openings, direction);
         for selected in self.direct.select_lights(from, sampler.light()) {
             let sample = self.direct.sample_direct_at_receptor(&start.point, pdf, selected, tally);
             let Some(sample) = sample else { continue };
@@ -256,7 +256,7 @@ impl<'a> PathTracer<'a> {
         for selected in self.direct.select_lights(ReceivingPoint::on_surface(interaction), u) {
             let point = LightSampleContext { interaction, nm: path.wavelengths.hero() };
             let Some(sample) = self.direct.sample_direct(point, selected, tally) else { continue };
-            let (towards, distance_m) = ((sample.direction, sample.target), sample.distance_m);
+            let (towards, distance_m) = ((sample.direction, sample.line), sample.distance_m);
             let along = self.direct.transmittance_from::<WithBodies>(interaction, towards, distance_m, selected.u);
             let origin = LightOrigin { class: path.events.class_at_surface(LightPath::Direct), light: selected.number };
             for (k, &nm) in path.wavelengths.active().iter().enumerate() {

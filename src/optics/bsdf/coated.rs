@@ -4,56 +4,12 @@ use glam::DVec3;
 
 use super::dielectric::radiance_scale;
 use super::hemisphere::{flip_z, z_sign};
+use super::power::PowerFractions;
 use super::sample::{BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
 use crate::math::complex::Complex;
 use crate::optics::fresnel;
 use crate::optics::thin_film::{FilmStack, StackResponse};
 use crate::spectrum::BAND_NM;
-
-/// Reflection and transmission each have at least this probability, because other wavelengths than
-/// the hero may be reflected or transmitted.
-const MIN_PROBABILITY: f64 = 0.1;
-
-/// The reflected and the transmitted fraction of the power. The films absorb the rest.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FilmPowers {
-    /// The reflectance R for unpolarised light.
-    pub reflected: f64,
-    /// The transmittance T for unpolarised light. R + T is at most 1.
-    pub transmitted: f64,
-}
-
-impl FilmPowers {
-    /// Returns the powers of a stack. If the stack is clear, R + T is exactly 1.
-    pub(super) fn of(response: &StackResponse, absorbs: bool) -> Self {
-        let (reflected, transmitted) = (response.reflectance(), response.transmittance());
-        if absorbs {
-            return Self { reflected, transmitted: transmitted.min(1.0 - reflected) };
-        }
-        // Under total reflection, the transmittance is exactly 0.
-        let reflected = if transmitted == 0.0 { 1.0 } else { reflected };
-        Self { reflected, transmitted: 1.0 - reflected }
-    }
-
-    /// Returns the probability with which a sample reflects.
-    pub(super) fn reflection_probability(self) -> f64 {
-        let either = (self.reflected + self.transmitted).max(f64::MIN_POSITIVE);
-        (self.reflected / either).clamp(MIN_PROBABILITY, 1.0 - MIN_PROBABILITY)
-    }
-
-    /// Returns the fraction for one event.
-    pub(super) fn of_event(self, event: ScatterEvent) -> f64 {
-        match event {
-            ScatterEvent::Reflection => self.reflected,
-            ScatterEvent::Transmission => self.transmitted,
-        }
-    }
-
-    /// Returns the fraction that the films absorb.
-    pub fn absorbed(self) -> f64 {
-        (1.0 - self.reflected - self.transmitted).max(0.0)
-    }
-}
 
 /// A polished interface between two dielectrics under thin films.
 ///
@@ -72,9 +28,9 @@ impl CoatedDielectric {
 
     /// Returns R and T at the wavelength `nm`. `thickness_nm` is the thickness of the film that
     /// varies over the surface.
-    pub fn powers(&self, wo: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> FilmPowers {
+    pub fn powers(&self, wo: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> PowerFractions {
         let (here, there) = (iors.here.n(nm), Complex::from(iors.there.n(nm)));
-        FilmPowers::of(&oriented(&self.films, wo, here, there, thickness_nm, nm), self.films.absorbs())
+        powers_of(&oriented(&self.films, wo, here, there, thickness_nm, nm), self.films.absorbs())
     }
 
     pub(super) fn sample(
@@ -130,10 +86,10 @@ impl ThinFilm {
     }
 
     /// Returns R and T at the wavelength `nm`; see [`CoatedDielectric::powers`].
-    pub fn powers(&self, wo: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> FilmPowers {
+    pub fn powers(&self, wo: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> PowerFractions {
         let outside = iors.here.n(nm);
         let response = oriented(&self.films, wo, outside, outside.into(), thickness_nm, nm);
-        FilmPowers::of(&response, self.films.absorbs())
+        powers_of(&response, self.films.absorbs())
     }
 
     pub(super) fn sample(
@@ -145,32 +101,39 @@ impl ThinFilm {
         u: [f64; 3],
     ) -> BsdfSample {
         let probability = self.powers(wo, iors, thickness_nm, nm).reflection_probability();
-        if u[2] < probability {
-            BsdfSample::delta(DVec3::new(-wo.x, -wo.y, wo.z), ScatterEvent::Reflection, probability)
-        } else {
-            BsdfSample::delta(-wo, ScatterEvent::Transmission, 1.0 - probability)
-        }
+        PowerFractions::sample_straight(wo, probability, u[2])
     }
+}
+
+/// Returns the powers of a stack. If the stack is clear, R + T is exactly 1.
+fn powers_of(response: &StackResponse, absorbs: bool) -> PowerFractions {
+    let (reflected, transmitted) = (response.reflectance(), response.transmittance());
+    if absorbs {
+        return PowerFractions { reflected, transmitted: transmitted.min(1.0 - reflected) };
+    }
+    // Under total reflection, the transmittance is exactly 0.
+    let reflected = if transmitted == 0.0 { 1.0 } else { reflected };
+    PowerFractions { reflected, transmitted: 1.0 - reflected }
 }
 
 /// Returns the probability with which a path of the wavelength `nm` is reflected. `None` stands for
 /// a path that carries the whole band: the probability is then 1 under total reflection, and
 /// otherwise from 0.1 to 0.9. `powers` returns R and T at a wavelength in nm.
-pub(super) fn reflection_probability(nm: Option<f64>, powers: impl Fn(f64) -> FilmPowers) -> f64 {
+pub(super) fn reflection_probability(nm: Option<f64>, powers: impl Fn(f64) -> PowerFractions) -> f64 {
     /// Wavelengths (nm) at the ends of the band, where the critical angles are extreme, and
     /// wavelengths over its visible part.
     const PROBES_NM: [f64; 6] = [BAND_NM.0, 440.0, 500.0, 560.0, 630.0, BAND_NM.1];
     if let Some(nm) = nm {
-        let FilmPowers { reflected, transmitted } = powers(nm);
+        let PowerFractions { reflected, transmitted } = powers(nm);
         return reflected / (reflected + transmitted).max(f64::MIN_POSITIVE);
     }
     let powers = PROBES_NM.map(powers);
     if powers.iter().all(|powers| powers.transmitted == 0.0) {
         return 1.0;
     }
-    let sum = |of: fn(&FilmPowers) -> f64| powers.iter().map(of).sum::<f64>();
+    let sum = |of: fn(&PowerFractions) -> f64| powers.iter().map(of).sum::<f64>();
     let (reflected, transmitted) = (sum(|powers| powers.reflected), sum(|powers| powers.transmitted));
-    FilmPowers { reflected, transmitted }.reflection_probability()
+    PowerFractions { reflected, transmitted }.reflection_probability()
 }
 
 /// Returns the response of films to light that arrives from the side of `wo`. If `wo` points to the

@@ -264,7 +264,7 @@ impl<'a> LocalBsdf<'a> {
             Bsdf::Conductor(conductor) => conductor.coefficient(wo, iors, self.texels, nm),
             Bsdf::Dielectric(_) => dielectric::coefficient(wo, event, iors, mode, nm),
             Bsdf::CoatedDielectric(coated) => coated.coefficient(wo, event, iors, self.texels.thickness_nm, (mode, nm)),
-            Bsdf::ThinDielectric(thin) => thin.coefficient(wo, event, iors, self.texels.thickness_nm, nm),
+            Bsdf::ThinDielectric(thin) => thin.powers(wo, iors, self.texels.thickness_nm, nm).of_event(event),
             Bsdf::ThinFilm(film) => film.powers(wo, iors, self.texels.thickness_nm, nm).of_event(event),
             Bsdf::Absorber
             | Bsdf::Diffuse(_)

@@ -34,6 +34,7 @@ mod local;
 mod mirror;
 mod missing_energy;
 mod mix;
+mod power;
 mod sample;
 mod thin;
 mod translucent;
@@ -44,7 +45,7 @@ use crate::error::Result;
 use crate::spectrum::Spectrum;
 use crate::texture::{LookupRandom, ScalarTexture, SurfaceScalar, SurfaceSpectrum, TexturePoint};
 
-pub use coated::{CoatedDielectric, FilmPowers, ThinFilm};
+pub use coated::{CoatedDielectric, ThinFilm};
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
@@ -53,6 +54,7 @@ pub use grating::{DiffractionGrating, Grooves};
 pub use local::{LocalBsdf, Texels};
 pub use mirror::Mirror;
 pub use mix::MixBsdf;
+pub use power::PowerFractions;
 pub use sample::{BsdfClass, BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
 pub use thin::{CosinePolynomial, ThinDielectric};
 pub use translucent::Translucent;
@@ -233,8 +235,8 @@ impl Bsdf {
         if let Self::Grating(grating) = self { Some(grating) } else { None }
     }
 
-    /// Returns the BSDF with each grating replaced by one that diffracts all light like light of the
-    /// wavelength `nm`.
+    /// Returns the BSDF with each grating replaced by one that diffracts all light like light of
+    /// the wavelength `nm`.
     pub fn without_dispersion(self, nm: f64) -> Result<Self> {
         Ok(match self {
             Self::Grating(grating) => Self::Grating(grating.without_dispersion(nm)),
@@ -367,6 +369,13 @@ impl Bsdf {
             | Self::Mix(_) => Texels::NONE,
         };
         LocalBsdf { model, texels }
+    }
+
+    /// Returns the pane that covers the whole surface and is the same everywhere, so that shadow
+    /// rays can pass through it. Returns `None` for all other surfaces, also for mixtures with
+    /// panes.
+    pub fn uniform_pane(&self) -> Option<&ThinDielectric> {
+        if let Self::ThinDielectric(pane) = self { Some(pane).filter(|pane| pane.coating.is_none()) } else { None }
     }
 
     /// Iterates over the components of a mixture, which are never mixtures themselves. Any other

@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::check::check_within;
-use super::sample::{BsdfSample, InterfaceIors, ScatterEvent};
+use super::power::PowerFractions;
+use super::sample::{BsdfSample, InterfaceIors};
 use crate::error::Result;
 use crate::math::elementary::exp;
 use crate::optics::fresnel;
@@ -47,10 +48,6 @@ impl CosinePolynomial {
     }
 }
 
-/// In a slab that absorbs, reflection and transmission each have at least this probability. A slab
-/// that is opaque at the hero wavelength may transmit other wavelengths.
-const MIN_PROBABILITY: f64 = 0.1;
-
 impl ThinDielectric {
     /// Creates a pane from its refractive index. An absorbing pane has an optical depth: the
     /// absorption coefficient times the thickness. Returns an error if the optical depth is
@@ -79,15 +76,10 @@ impl ThinDielectric {
         self.optical_depth.is_some() || self.transmittance.is_some() || in_films
     }
 
-    /// Returns true if the pane is the same everywhere, so that shadow rays can pass through it.
-    pub fn is_uniform(&self) -> bool {
-        self.coating.is_none()
-    }
-
-    /// Returns the transmittance of a uniform pane for unpolarised light. `cosine` is the cosine of
-    /// the angle of incidence, and `outside` is the refractive index on both sides.
+    /// Returns the transmittance of a pane without films for unpolarised light. `cosine` is the
+    /// cosine of the angle of incidence, and `outside` is the refractive index on both sides.
     pub fn transmittance(&self, cosine: f64, outside: &RefractiveIndex, nm: f64) -> f64 {
-        self.reflected_and_transmitted_at(cosine, outside.n(nm), 0.0, nm).1
+        self.powers_at(cosine, outside.n(nm), 0.0, nm).transmitted
     }
 
     pub(super) fn sample(
@@ -98,50 +90,26 @@ impl ThinDielectric {
         nm: f64,
         u: [f64; 3],
     ) -> BsdfSample {
-        let (reflected, transmitted) = self.reflected_and_transmitted(wo, iors, thickness_nm, nm);
-        let probability = if self.absorbs() || self.coating.is_some() {
-            let either = (reflected + transmitted).max(f64::MIN_POSITIVE);
-            (reflected / either).clamp(MIN_PROBABILITY, 1.0 - MIN_PROBABILITY)
-        } else {
-            reflected
-        };
-        if u[2] < probability {
-            BsdfSample::delta(DVec3::new(-wo.x, -wo.y, wo.z), ScatterEvent::Reflection, probability)
-        } else {
-            BsdfSample::delta(-wo, ScatterEvent::Transmission, 1.0 - probability)
-        }
-    }
-
-    pub(super) fn coefficient(
-        &self,
-        wo: DVec3,
-        event: ScatterEvent,
-        iors: InterfaceIors<'_>,
-        thickness_nm: f32,
-        nm: f64,
-    ) -> f64 {
-        let (reflected, transmitted) = self.reflected_and_transmitted(wo, iors, thickness_nm, nm);
-        match event {
-            ScatterEvent::Reflection => reflected,
-            ScatterEvent::Transmission => transmitted,
-        }
+        let powers = self.powers(wo, iors, thickness_nm, nm);
+        let probability =
+            if self.absorbs() || self.coating.is_some() { powers.reflection_probability() } else { powers.reflected };
+        PowerFractions::sample_straight(wo, probability, u[2])
     }
 
     pub(super) fn absorbed_fraction(&self, wo: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> f64 {
         if !self.absorbs() {
             return 0.0;
         }
-        let (reflected, transmitted) = self.reflected_and_transmitted(wo, iors, thickness_nm, nm);
-        (1.0 - reflected - transmitted).max(0.0)
+        self.powers(wo, iors, thickness_nm, nm).absorbed()
     }
 
     /// Returns R′ and T′ of unpolarised light.
-    fn reflected_and_transmitted(&self, wo: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> (f64, f64) {
-        self.reflected_and_transmitted_at(wo.z, iors.here.n(nm), thickness_nm, nm)
+    pub(super) fn powers(&self, wo: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> PowerFractions {
+        self.powers_at(wo.z, iors.here.n(nm), thickness_nm, nm)
     }
 
     /// Does the same for a cosine of the angle of incidence, and the refractive index `outside`.
-    fn reflected_and_transmitted_at(&self, cosine: f64, outside: f64, thickness_nm: f32, nm: f64) -> (f64, f64) {
+    fn powers_at(&self, cosine: f64, outside: f64, thickness_nm: f32, nm: f64) -> PowerFractions {
         let inside = self.index.n(nm);
         if let Some(films) = &self.coating {
             return self.between_films(films, cosine, [outside, inside], thickness_nm, nm);
@@ -150,15 +118,15 @@ impl ThinDielectric {
         if let Some(polynomial) = &self.transmittance {
             let reflected = s / (1.0 + s) + p / (1.0 + p);
             let transmitted = polynomial.at(cosine.abs());
-            return (reflected.min(1.0 - transmitted), transmitted);
+            return PowerFractions { reflected: reflected.min(1.0 - transmitted), transmitted };
         }
         let Some(depth) = &self.optical_depth else {
             let reflected = s / (1.0 + s) + p / (1.0 + p);
-            return (reflected, 1.0 - reflected);
+            return PowerFractions { reflected, transmitted: 1.0 - reflected };
         };
         let passage = exp(-depth.at(nm) / fresnel::cos_transmitted(cosine, outside, inside));
         let ((rs, ts), (rp, tp)) = (slab(s, passage), slab(p, passage));
-        (0.5 * (rs + rp), 0.5 * (ts + tp))
+        PowerFractions { reflected: 0.5 * (rs + rp), transmitted: 0.5 * (ts + tp) }
     }
 }
 
@@ -172,7 +140,7 @@ impl ThinDielectric {
         [outside, inside]: [f64; 2],
         thickness_nm: f32,
         nm: f64,
-    ) -> (f64, f64) {
+    ) -> PowerFractions {
         let (thickness, cos_inside) = (f64::from(thickness_nm), fresnel::cos_transmitted(cos, outside, inside));
         let face = films.response_reversed(cos_inside, inside, outside.into(), nm, thickness);
         let passage = self.optical_depth.as_ref().map_or(1.0, |depth| exp(-depth.at(nm) / cos_inside));
@@ -184,7 +152,8 @@ impl ThinDielectric {
         };
         let [reflected, transmitted] = plate.response().mean();
         let clear = self.optical_depth.is_none() && !films.absorbs();
-        (reflected, if clear { 1.0 - reflected } else { transmitted.min(1.0 - reflected) })
+        let transmitted = if clear { 1.0 - reflected } else { transmitted.min(1.0 - reflected) };
+        PowerFractions { reflected, transmitted }
     }
 }
 
@@ -206,7 +175,7 @@ mod tests {
         let air = RefractiveIndex::constant(1.0).unwrap();
         let (sin, cos) = degrees.to_radians().sin_cos();
         let iors = InterfaceIors { here: &air, there: &air };
-        pane.coefficient(DVec3::new(sin, 0.0, cos), ScatterEvent::Transmission, iors, 0.0, 500.0)
+        pane.powers(DVec3::new(sin, 0.0, cos), iors, 0.0, 500.0).transmitted
     }
 
     #[test]
@@ -215,8 +184,8 @@ mod tests {
         let pane = ThinDielectric::new(glass, None).unwrap();
         let iors = InterfaceIors { here: &air, there: &air };
         // One face reflects 0.04. The sum over all internal reflections is 2·0.04/1.04.
-        assert!((pane.coefficient(DVec3::Z, ScatterEvent::Reflection, iors, 0.0, 500.0) - 0.08 / 1.04).abs() < 1e-15);
-        assert!((pane.coefficient(DVec3::Z, ScatterEvent::Transmission, iors, 0.0, 500.0) - 0.96 / 1.04).abs() < 1e-15);
+        assert!((pane.powers(DVec3::Z, iors, 0.0, 500.0).reflected - 0.08 / 1.04).abs() < 1e-15);
+        assert!((pane.powers(DVec3::Z, iors, 0.0, 500.0).transmitted - 0.96 / 1.04).abs() < 1e-15);
     }
 
     /// The transmittances of case 5.5 of CIE 171:2006. The values are from an independent

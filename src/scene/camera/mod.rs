@@ -43,8 +43,8 @@ pub enum Aperture {
 
 /// A camera: its pose, field of view, aperture and resolution.
 ///
-/// The camera of a measurement has no lens and no field of view. Each of its pixels is a receptor of
-/// a meter, and paths start at the receptors.
+/// The camera of a measurement has no lens and no field of view. Each of its pixels is a receptor
+/// of a meter, and paths start at the receptors.
 #[derive(Debug, Clone)]
 pub struct Camera {
     origin: DVec3,
@@ -100,8 +100,8 @@ impl Camera {
     /// Creates the camera of a measurement. Its film has one column, and each receptor has `rows`
     /// consecutive rows.
     pub fn of_receptors(receptors: Arc<[Receptor]>, rows: u32) -> Self {
-        /// The angle (rad) of the cone that a path from a receptor represents. It sets the footprint
-        /// of textures and the largest kernels.
+        /// The angle (rad) of the cone that a path from a receptor represents. It sets the
+        /// footprint of textures and the largest kernels.
         const PATH_ANGLE: f64 = 0.02;
         let height = receptors.len() as u32 * rows;
         let axes = (DVec3::NEG_Z, DVec3::Y);

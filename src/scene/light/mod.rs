@@ -262,8 +262,8 @@ impl Light {
         }
     }
 
-    /// The radiance (W/m²/sr over the band) and the spectrum that a ray along `direction` sees where
-    /// it hits the light's surface. The radiance is 0 for lights that are not area lights.
+    /// The radiance (W/m²/sr over the band) and the spectrum that a ray along `direction` sees
+    /// where it hits the light's surface. The radiance is 0 for lights that are not area lights.
     pub fn le_surface(&self, extent: SceneExtent<'_>, direction: DVec3, hit: &Hit) -> (f64, EmittedSpd) {
         let Emitter::Area(light) = &self.emitter else { return (0.0, EmittedSpd::Own) };
         (light.le(direction, hit.normal), light.spd(extent.geometry, hit.surface, hit.position))

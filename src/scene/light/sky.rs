@@ -48,6 +48,9 @@ pub struct StandardSky {
     scale: f64,
     /// The radiance of the ground divided by the mean radiance.
     ground: f64,
+    /// The horizontal illuminance from the unobstructed sky, divided by the mean luminance of all
+    /// directions.
+    horizontal_illuminance: f64,
     /// The sampling distribution over latitude and longitude.
     table: PiecewiseConstant2d,
 }
@@ -81,11 +84,12 @@ impl StandardSky {
             _ => return None,
         };
         let (to_sun, table) = (sun.to_vector(), PiecewiseConstant2d::new(1, &[1.0])?);
-        let unscaled = Self { parameters, to_sun, scale: 1.0, ground: 0.0, table };
+        let unscaled = Self { parameters, to_sun, scale: 1.0, ground: 0.0, horizontal_illuminance: 0.0, table };
         let illuminance = unscaled.upper_integral(|cos_zenith| cos_zenith);
         let ground = ground_reflectance * illuminance * FRAC_1_PI;
         let mean = (unscaled.upper_integral(|_| 1.0) + TAU * ground) / (4.0 * PI);
-        let scaled = Self { scale: 1.0 / mean, ground: ground / mean, ..unscaled };
+        let (scale, ground, horizontal_illuminance) = (1.0 / mean, ground / mean, illuminance / mean);
+        let scaled = Self { scale, ground, horizontal_illuminance, ..unscaled };
         Some(Self { table: scaled.sampling_table()?, ..scaled })
     }
 
@@ -97,7 +101,7 @@ impl StandardSky {
     /// Returns the horizontal illuminance from the unobstructed sky, divided by the mean luminance
     /// of all directions.
     pub fn horizontal_illuminance(&self) -> f64 {
-        self.upper_integral(|cos_zenith| cos_zenith)
+        self.horizontal_illuminance
     }
 
     /// Returns the radiance in a direction, divided by the mean radiance of all directions.

@@ -1,9 +1,9 @@
-//! Meters: what they measure, and the receptors that receive their light.
+//! Meters: their quantities, and the receptors that receive their light.
 //!
 //! A measurement has no picture. Its camera consists of the receptors of all meters
-//! ([`Camera::of_receptors`](super::camera::Camera::of_receptors)), and each row of its film belongs
-//! to one receptor. Paths start at the receptors, so direct light needs one shadow ray, and light
-//! from surfaces needs one path.
+//! ([`Camera::of_receptors`](super::camera::Camera::of_receptors)), and each row of its film
+//! belongs to one receptor. Paths start at the receptors, so direct light needs one shadow ray, and
+//! light from surfaces needs one path.
 
 mod placement;
 mod quantity;
@@ -25,7 +25,7 @@ pub struct Meter {
     pub readings: Vec<MeterReading>,
 }
 
-/// What is known about a reading before the measurement.
+/// The data of a reading that do not depend on the measured light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeterReading {
     /// The position in the world, in the unit of the scene file. For a surface, it is the middle of

@@ -1,4 +1,4 @@
-//! What the positions of meters depend on: the names, the places and the size of the objects.
+//! The facts about objects that place the meters: names, middles and the size of the scene.
 
 use crate::scene::builder::SceneBuilder;
 use glam::DVec3;

@@ -172,7 +172,7 @@ mod tests {
     use super::*;
     use crate::math::sobol::Sobol;
 
-    /// Of each response, the samples have the stated density, and the density has the integral 1.
+    /// Each response samples its stated density, and this density has the integral 1.
     #[test]
     fn responses_sample_their_densities() {
         let axis = DVec3::new(0.3, -0.5, 0.8).normalize();
