@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use super::scene_file::SceneFileArgs;
 use super::{Outcome, print};
 use crate::error::{Error, Result};
-use crate::format::FileAccess;
 use crate::format::import::import;
 use crate::output::file::write_whole;
 
@@ -13,22 +13,22 @@ pub(crate) struct ImportArgs {
     /// The glTF file (.gltf or .glb), Mitsuba scene (.xml) or pbrt scene (.pbrt)
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// The scene file to write, in the folder of FILE or in a folder above it [default: standard
-    /// output, with paths relative to the folder of FILE]
+    /// The scene file to write, in the folder of FILE or in a folder above it, or anywhere with
+    /// --allow-outside [default: standard output, with paths relative to the folder of FILE]
     #[arg(short, long, value_name = "SCENE.json")]
     output: Option<PathBuf>,
-    /// Apply a JSON file with changes, such as new materials for the names of a glTF file
-    #[arg(long, value_name = "FILE.json")]
-    overlay: Option<PathBuf>,
+    #[command(flatten)]
+    scene_file: SceneFileArgs,
     /// Fail if anything in FILE is left out, or if anything is added
     #[arg(long)]
     strict: bool,
 }
 
 pub(crate) fn run(arguments: &ImportArgs) -> Result<Outcome> {
-    let ImportArgs { file, output, overlay, strict } = arguments;
-    let imported = import(file, &folder_from(output.as_deref(), file)?, FileAccess::WithinFolder)?;
-    let imported = if let Some(overlay) = overlay { imported.with_overlay(overlay)? } else { imported };
+    let ImportArgs { file, output, scene_file, strict } = arguments;
+    let folder = folder_from(output.as_deref(), file, scene_file.allow_outside)?;
+    let imported = import(file, &folder, scene_file.file_access())?;
+    let imported = if let Some(overlay) = &scene_file.overlay { imported.with_overlay(overlay)? } else { imported };
     let notes: Vec<String> = imported.notes().into_iter().chain(imported.ignored_by_meshes).collect();
     if *strict && !notes.is_empty() {
         return Err(Error::input(notes.join("; ")).expected("nothing left out or added").in_file(file));
@@ -45,19 +45,23 @@ pub(crate) fn run(arguments: &ImportArgs) -> Result<Outcome> {
 }
 
 /// Returns the path from the folder of the scene file `scene` to the folder of a file. Without a
-/// scene file, both folders are the same.
-fn folder_from(scene: Option<&Path>, file: &Path) -> Result<String> {
+/// scene file, both folders are the same. The path leads out of the folder of the scene file only
+/// if `allow_outside` is true.
+fn folder_from(scene: Option<&Path>, file: &Path, allow_outside: bool) -> Result<String> {
     let folder = |path: &Path| {
         let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         parent.canonicalize().map_err(|error| Error::input(format!("the folder cannot be read: {error}")).in_file(path))
     };
     let Some(scene) = scene else { return Ok(String::new()) };
     let (from, to) = (folder(scene)?, folder(file)?);
-    let below = to.strip_prefix(&from).map_err(|_| {
-        Error::input("the scene could not name the imported file")
-            .expected("an output in the folder of the imported file or in a folder above it")
-            .in_file(scene)
-    })?;
-    let parts: Vec<_> = below.iter().map(|part| part.to_string_lossy().into_owned()).collect();
-    Ok(parts.join("/"))
+    let shared = from.components().zip(to.components()).take_while(|(from, to)| from == to).count();
+    let outside = from.components().count() - shared;
+    if outside > 0 && !allow_outside {
+        return Err(Error::input("the scene could not name the imported file")
+            .expected("an output in the folder of the imported file or in a folder above it, or --allow-outside")
+            .in_file(scene));
+    }
+    let up = std::iter::repeat_n("..".to_owned(), outside);
+    let down = to.components().skip(shared).map(|part| part.as_os_str().to_string_lossy().into_owned());
+    Ok(up.chain(down).collect::<Vec<_>>().join("/"))
 }

@@ -10,18 +10,23 @@ use crate::format::{self, FileAccess, JsonSource, SceneFile, SceneText};
 pub(crate) struct SceneFileArgs {
     /// Let the scene name files outside its own folder
     #[arg(long)]
-    allow_outside: bool,
+    pub(super) allow_outside: bool,
     /// Apply a JSON file with changes to a scene of another program, such as new materials for the
     /// names of a glTF file
     #[arg(long, value_name = "FILE.json")]
-    overlay: Option<PathBuf>,
+    pub(super) overlay: Option<PathBuf>,
 }
 
 impl SceneFileArgs {
+    /// Returns which files the scene may name.
+    pub(super) fn file_access(&self) -> FileAccess {
+        if self.allow_outside { FileAccess::Anywhere } else { FileAccess::WithinFolder }
+    }
+
     /// Reads a scene file. Prints what the conversion of another program's scene added and left
     /// out. Then applies `sets`, the patches in the form `PATH=JSON`.
     pub(crate) fn read(&self, path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
-        let access = if self.allow_outside { FileAccess::Anywhere } else { FileAccess::WithinFolder };
+        let access = self.file_access();
         let SceneText { text, notes } = format::read_scene_text(path, access, self.overlay.as_deref())?;
         notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
         format::parse_with_access(&text, path, sets, access)

@@ -122,7 +122,8 @@ pub struct MeshShapeFile {
     /// Path of the file, relative to the scene's folder.
     pub path: String,
     /// Number of one part of the file, from 0. In a glTF file, the parts are the primitives of all
-    /// meshes, in the order of the file and without the transforms of the nodes.
+    /// meshes, in the order of the file and without the transforms of the nodes. In a serialized
+    /// file of Mitsuba, the parts are the meshes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "all parts, at their places"))]
     pub part: Option<u32>,

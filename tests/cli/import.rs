@@ -53,7 +53,12 @@ fn an_imported_scene_is_a_scene_file() {
     assert_eq!(abbe(folder.path(), &["check", "room.json"]).status, 0);
     let below = ["import", "models/room.gltf", "-o", "models/below/room.json"];
     std::fs::create_dir(folder.path().join("models/below")).unwrap();
-    abbe(folder.path(), &below).is_error(2, &["an output in the folder of the imported file"]);
+    abbe(folder.path(), &below).is_error(2, &["an output in the folder of the imported file", "--allow-outside"]);
+    // With this option, the scene names the file by a path that leads out of its folder.
+    assert_eq!(abbe(folder.path(), &[&below[..], &["--allow-outside"]].concat()).status, 0);
+    let text = std::fs::read_to_string(folder.path().join("models/below/room.json")).unwrap();
+    assert!(text.contains("\"../room.gltf\""), "{text}");
+    assert_eq!(abbe(folder.path(), &["check", "models/below/room.json", "--allow-outside"]).status, 0);
 }
 
 /// A Mitsuba scene is rendered. The notes name the file and the line of what is left out.

@@ -62,6 +62,7 @@ pub(crate) fn all() -> Vec<Target> {
         Target { beside: beside.clone(), ..Target::new("obj", "obj", 8, vec![bytes(OBJ)], mesh) },
         Target::new("ply", "ply", 8, vec![bytes(PLY), binary_ply()], mesh),
         Target::new("stl", "stl", 8, vec![bytes(STL), binary_stl()], mesh),
+        Target::new("serialized", "serialized", 4, vec![serialized()], mesh),
         Target {
             beside: beside.clone(),
             ..Target::new("gltf", "gltf", 6, vec![bytes(&gltf("\"uri\": \"cube.bin\", "))], mesh)
@@ -286,6 +287,22 @@ fn binary_ply() -> Vec<u8> {
         bytes.extend(face.iter().flat_map(|&index| i32::from(index).to_le_bytes()));
     }
     bytes
+}
+
+/// A serialized mesh of Mitsuba: one triangle in single precision.
+fn serialized() -> Vec<u8> {
+    let floats = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let mut data = 0x1000_u32.to_le_bytes().to_vec();
+    data.extend(b"a\0");
+    data.extend([3_u64, 1].map(u64::to_le_bytes).as_flattened());
+    data.extend(floats.map(f32::to_le_bytes).as_flattened());
+    data.extend([0_u32, 1, 2].map(u32::to_le_bytes).as_flattened());
+    let mut encoder = flate2::write::ZlibEncoder::new(vec![0x1C, 4, 4, 0], flate2::Compression::none());
+    std::io::Write::write_all(&mut encoder, &data).unwrap();
+    let mut file = encoder.finish().unwrap();
+    file.extend([0; 8]);
+    file.extend(1_u32.to_le_bytes());
+    file
 }
 
 fn binary_stl() -> Vec<u8> {

@@ -1,14 +1,17 @@
 //! Reads glTF 2.0 files in text form (`.gltf`) or in binary form (`.glb`). The result contains the
 //! triangles of the default scene after all node transforms.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use ::gltf::buffer::{Data, Source};
+use ::gltf::json::Root;
 use ::gltf::mesh::Mode;
 use ::gltf::scene::Transform;
-use ::gltf::{Document, Gltf, Node, Primitive, Semantic};
+use ::gltf::{Document, Glb, Node, Primitive, Semantic};
 use glam::{DAffine3, DMat4, DQuat, DVec3};
+use serde_json::Value;
 
 use super::gltf_accessor::GltfAccessors;
 use super::gltf_extensions;
@@ -22,6 +25,8 @@ use crate::format::FileAccess;
 pub(in crate::format) struct GltfFile {
     /// The document.
     pub(in crate::format) document: Document,
+    /// True if the file animates other properties than those of nodes (KHR_animation_pointer).
+    pub(in crate::format) has_property_animations: bool,
     blob: Option<Vec<u8>>,
     folder: PathBuf,
     file_access: FileAccess,
@@ -30,10 +35,15 @@ pub(in crate::format) struct GltfFile {
 impl GltfFile {
     /// Reads a glTF file, and checks the addresses of its buffers.
     pub(in crate::format) fn open(path: &Path, file_access: FileAccess) -> Result<Self> {
-        let (document, blob) = parse(&super::read(path)?)?;
+        let (mut value, blob) = parse(&super::read(path)?)?;
+        let has_property_animations = add_optional_keys(&mut value);
+        let mut root: Root = serde_json::from_value(value).map_err(malformed)?;
+        check_extensions(&mut root)?;
+        check_attributes(&root)?;
+        let document = Document::from_json(root).map_err(|error| invalid(&error))?;
         check_uris(&document, file_access)?;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        Ok(Self { document, blob, folder, file_access })
+        Ok(Self { document, has_property_animations, blob, folder, file_access })
     }
 
     /// Reads the buffers. This function is called once, because it moves the data of a binary file.
@@ -57,7 +67,8 @@ pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes
         Ok(())
     })?;
     let has_lights = file.document.lights().is_some_and(|mut lights| lights.next().is_some());
-    let ignored = [ignored(&file.document, true), reader.pictures.unusable].concat();
+    let animations = file.document.animations().next().map(|_| "ignored as well: animations".to_owned());
+    let ignored = [ignored(&file.document), animations.into_iter().collect(), reader.pictures.unusable].concat();
     Ok(PartsAndNotes { parts, ignored, has_lights })
 }
 
@@ -80,7 +91,7 @@ pub(super) fn load_unplaced(path: &Path, file_access: FileAccess) -> Result<Unpl
         }
         Ok(())
     })?;
-    let ignored = [ignored(&file.document, false), reader.pictures.unusable].concat();
+    let ignored = [ignored(&file.document), reader.pictures.unusable].concat();
     Ok(UnplacedParts { parts, ignored })
 }
 
@@ -106,20 +117,66 @@ pub(in crate::format) fn has_triangles(primitive: &Primitive<'_>) -> bool {
 
 /// The extensions other than those of materials that Abbe reads, and that the crate `gltf` does not
 /// know.
-const OWN_EXTENSIONS: [&str; 1] = ["EXT_lights_ies"];
+const OWN_EXTENSIONS: [&str; 3] = ["EXT_lights_ies", "EXT_mesh_gpu_instancing", "KHR_mesh_quantization"];
 
-/// Parses a glTF file. Returns the document, and the binary chunk of a `.glb` file.
-fn parse(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>)> {
-    if bytes.starts_with(b"glTF") {
-        check_length(bytes)?;
+/// The extensions that pack geometry. Abbe does not read them.
+const PACKED: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
+
+/// Parses a glTF file. Returns the JSON text, and the binary chunk of a `.glb` file.
+fn parse(bytes: &[u8]) -> Result<(Value, Option<Vec<u8>>)> {
+    if !bytes.starts_with(b"glTF") {
+        return Ok((serde_json::from_slice(bytes).map_err(malformed)?, None));
     }
-    let unchecked = Gltf::from_slice_without_validation(bytes).map_err(|error| invalid(&error))?;
-    let mut root = unchecked.document.into_json();
-    // The crate refuses a file that requires an extension unknown to the crate.
-    root.extensions_required.retain(|name| !OWN_EXTENSIONS.iter().chain(&gltf_extensions::READ).any(|own| own == name));
-    check_attributes(&root)?;
-    let document = Document::from_json(root).map_err(|error| invalid(&error))?;
-    Ok((document, unchecked.blob))
+    check_length(bytes)?;
+    let file = Glb::from_slice(bytes).map_err(|error| invalid(&error))?;
+    Ok((serde_json::from_slice(&file.json).map_err(malformed)?, file.bin.map(Cow::into_owned)))
+}
+
+fn malformed(error: serde_json::Error) -> Error {
+    Error::input(format!("not a valid glTF file: {error}"))
+}
+
+/// Adds keys that are optional in glTF, and that the crate `gltf` requires. Removes the channels of
+/// animations that move no node. Returns true if there are such channels.
+fn add_optional_keys(value: &mut Value) -> bool {
+    let list = |value: &mut Value, key: &str| value.get_mut(key).and_then(Value::as_array_mut).map(std::mem::take);
+    let mut scenes = list(value, "scenes").unwrap_or_default();
+    for scene in scenes.iter_mut().filter_map(Value::as_object_mut) {
+        scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
+    }
+    let mut removed = false;
+    let mut animations = list(value, "animations").unwrap_or_default();
+    for animation in &mut animations {
+        let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) else { continue };
+        let all = channels.len();
+        channels.retain(|channel| channel.get("target").is_none_or(|target| target.get("node").is_some()));
+        removed |= channels.len() < all;
+    }
+    for (key, entries) in [("scenes", scenes), ("animations", animations)] {
+        if !entries.is_empty() {
+            value[key] = Value::Array(entries);
+        }
+    }
+    removed
+}
+
+/// Checks the extensions that a file requires. The crate `gltf` refuses a file that requires an
+/// extension unknown to the crate, so the known ones are removed from the list.
+fn check_extensions(root: &mut Root) -> Result<()> {
+    let packed = |name: &&String| PACKED.contains(&name.as_str());
+    let is_packed = |primitive: &::gltf::json::mesh::Primitive| {
+        let names = primitive.extensions.iter().flat_map(|extensions| extensions.others.keys());
+        names.into_iter().any(|name| PACKED.contains(&name.as_str()))
+    };
+    let by_primitive = root.meshes.iter().flat_map(|mesh| &mesh.primitives).any(is_packed);
+    let name = root.extensions_required.iter().find(packed).map(String::as_str);
+    if let Some(name) = name.or(by_primitive.then_some(PACKED[0])) {
+        return Err(Error::input(format!("the geometry is compressed by {name}"))
+            .expected("a file without compression of meshes; switch it off in the export"));
+    }
+    let known = |name: &String| OWN_EXTENSIONS.iter().chain(&gltf_extensions::KNOWN).any(|own| own == name);
+    root.extensions_required.retain(|name| !known(name));
+    Ok(())
 }
 
 /// Calls `visit` for each node of the default scene, parents first. The second argument is the
@@ -225,8 +282,8 @@ struct SceneReader<'b> {
 }
 
 impl<'b> SceneReader<'b> {
-    fn new(file: &GltfFile, buffers: &'b [Data]) -> Self {
-        let pictures = GltfPictures::new(buffers, &file.folder, file.file_access, file.document.images().len());
+    fn new(file: &'b GltfFile, buffers: &'b [Data]) -> Self {
+        let pictures = GltfPictures::new(&file.document, buffers, &file.folder, file.file_access);
         Self { accessors: GltfAccessors::new(buffers), pictures }
     }
 

@@ -38,31 +38,41 @@ impl<'b> GltfAccessors<'b> {
         Ok(items.chunks(stride).map(move |item| &item[..size]))
     }
 
-    /// Returns vectors of three floats.
+    /// Returns vectors of three numbers. The numbers may be integers (KHR_mesh_quantization).
     pub(in crate::format) fn vectors(&self, accessor: &Accessor<'_>) -> Result<impl Iterator<Item = DVec3> + use<'b>> {
-        if accessor.data_type() != DataType::F32 || accessor.dimensions() != Dimensions::Vec3 {
-            return Err(Error::input(format!("accessor {} does not hold vectors of three floats", accessor.index())));
+        if accessor.dimensions() != Dimensions::Vec3 {
+            return Err(Error::input(format!("accessor {} does not hold vectors of three numbers", accessor.index())));
         }
-        Ok(self.items(accessor, 12)?.map(|item| DVec3::new(float(item, 0), float(item, 4), float(item, 8))))
+        Ok(self.numbers::<3>(accessor)?.map(DVec3::from_array))
     }
 
     /// Returns texture coordinates.
     pub(super) fn pairs(&self, accessor: &Accessor<'_>) -> Result<Vec<[f64; 2]>> {
-        let wrong = || Error::input(format!("accessor {} does not hold texture coordinates", accessor.index()));
         if accessor.dimensions() != Dimensions::Vec2 {
-            return Err(wrong());
+            return Err(Error::input(format!("accessor {} does not hold texture coordinates", accessor.index())));
         }
-        Ok(match accessor.data_type() {
-            DataType::F32 => self.items(accessor, 8)?.map(|item| [float(item, 0), float(item, 4)]).collect(),
-            DataType::U8 => {
-                self.items(accessor, 2)?.map(|item| [item[0], item[1]].map(|x| f64::from(x) / 255.0)).collect()
-            }
-            DataType::U16 => {
-                let word = |item: &[u8], at: usize| f64::from(u16::from_le_bytes([item[at], item[at + 1]])) / 65535.0;
-                self.items(accessor, 4)?.map(|item| [word(item, 0), word(item, 2)]).collect()
-            }
-            DataType::I8 | DataType::I16 | DataType::U32 => return Err(wrong()),
-        })
+        Ok(self.numbers::<2>(accessor)?.collect())
+    }
+
+    /// Returns arrays of `N` numbers. If the accessor says so, integers are divided by the largest
+    /// integer of their type.
+    fn numbers<const N: usize>(&self, accessor: &Accessor<'_>) -> Result<impl Iterator<Item = [f64; N]> + use<'b, N>> {
+        let (kind, normalized) = (accessor.data_type(), accessor.normalized());
+        if kind == DataType::U32 {
+            return Err(Error::input(format!("accessor {} holds integers of 32 bits", accessor.index())));
+        }
+        let size = kind.size();
+        let number = move |item: &[u8], i: usize| {
+            let (value, largest) = match kind {
+                DataType::U8 => (f64::from(item[i]), 255.0),
+                DataType::I8 => (f64::from(item[i] as i8), 127.0),
+                DataType::U16 => (f64::from(u16::from_le_bytes([item[2 * i], item[2 * i + 1]])), 65535.0),
+                DataType::I16 => (f64::from(i16::from_le_bytes([item[2 * i], item[2 * i + 1]])), 32767.0),
+                DataType::F32 | DataType::U32 => return float(item, 4 * i),
+            };
+            if normalized { (value / largest).max(-1.0) } else { value }
+        };
+        Ok(self.items(accessor, N * size)?.map(move |item| std::array::from_fn(|i| number(item, i))))
     }
 
     /// Returns indices of vertices.
@@ -83,20 +93,18 @@ impl<'b> GltfAccessors<'b> {
         })
     }
 
-    /// Returns the floats of an accessor of scalars, vectors of three floats, or quaternions. Each
+    /// Returns the numbers of an accessor of scalars, vectors of three numbers, or quaternions. Each
     /// item is filled up with zeros.
     pub(in crate::format) fn floats(&self, accessor: &Accessor<'_>) -> Result<Vec<[f64; 4]>> {
-        let size = match accessor.dimensions() {
-            Dimensions::Scalar => 1,
-            Dimensions::Vec3 => 3,
-            Dimensions::Vec4 => 4,
-            Dimensions::Vec2 | Dimensions::Mat2 | Dimensions::Mat3 | Dimensions::Mat4 => 0,
-        };
-        if accessor.data_type() != DataType::F32 || size == 0 {
-            return Err(Error::input(format!("accessor {} does not hold floats of an animation", accessor.index())));
+        match accessor.dimensions() {
+            Dimensions::Scalar => Ok(self.numbers(accessor)?.map(|[x]| [x, 0.0, 0.0, 0.0]).collect()),
+            Dimensions::Vec3 => Ok(self.numbers(accessor)?.map(|[x, y, z]| [x, y, z, 0.0]).collect()),
+            Dimensions::Vec4 => Ok(self.numbers(accessor)?.collect()),
+            Dimensions::Vec2 | Dimensions::Mat2 | Dimensions::Mat3 | Dimensions::Mat4 => Err(Error::input(format!(
+                "accessor {} does not hold numbers, vectors or quaternions",
+                accessor.index()
+            ))),
         }
-        let value = |item: &[u8], i: usize| if i < size { float(item, 4 * i) } else { 0.0 };
-        Ok(self.items(accessor, 4 * size)?.map(|item| std::array::from_fn(|i| value(item, i))).collect())
     }
 }
 

@@ -8,11 +8,30 @@ use super::{MeshCoat, MeshDiffuseTransmission};
 use crate::error::{Error, Result};
 
 /// The extensions that this module reads.
-pub(super) const READ: [&str; 4] = [
+pub(super) const READ: [&str; 5] = [
     "KHR_materials_dispersion",
     "KHR_materials_clearcoat",
     "KHR_materials_specular",
     "KHR_materials_diffuse_transmission",
+    SPECULAR_GLOSSINESS,
+];
+
+/// The extension for the specular-glossiness model.
+pub(super) const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
+
+/// The extensions without which a file is readable: those that this module reads, and those whose
+/// absence a note states.
+pub(super) const KNOWN: [&str; 10] = [
+    READ[0],
+    READ[1],
+    READ[2],
+    READ[3],
+    READ[4],
+    CONSEQUENCES[0].0,
+    CONSEQUENCES[1].0,
+    CONSEQUENCES[2].0,
+    CONSEQUENCES[3].0,
+    "KHR_materials_variants",
 ];
 
 /// The consequences of extensions that are not read.
@@ -73,7 +92,11 @@ pub(super) fn unread(file: &Material<'_>) -> Vec<String> {
             unread.push(consequence.map_or_else(|| name.clone(), |(name, what)| format!("{name} ({what})")));
         }
         let textures = extension.as_object().into_iter().flatten().filter(|(key, _)| key.ends_with("Texture"));
-        unread.extend(textures.map(|(key, _)| format!("{key} of {name} (its factor applies everywhere)")));
+        if name != SPECULAR_GLOSSINESS {
+            unread.extend(textures.map(|(key, _)| format!("{key} of {name} (its factor applies everywhere)")));
+        } else if extension.get("specularGlossinessTexture").is_some() {
+            unread.push("specularGlossinessTexture (its mean applies everywhere)".to_owned());
+        }
     }
     let metallic = file.pbr_metallic_roughness().metallic_factor() > 0.5;
     if coat(file).is_some() && metallic && file.pbr_metallic_roughness().metallic_roughness_texture().is_none() {
@@ -89,12 +112,12 @@ pub(super) fn unread(file: &Material<'_>) -> Vec<String> {
 }
 
 /// Returns a number from 0 to 1.
-fn share(extension: &Value, key: &str, default: f64) -> f64 {
+pub(super) fn share(extension: &Value, key: &str, default: f64) -> f64 {
     extension[key].as_f64().unwrap_or(default).clamp(0.0, 1.0)
 }
 
 /// Returns a colour, which is white by default. Its components are at least 0.
-fn colour(extension: &Value, key: &str) -> [f64; 3] {
+pub(super) fn colour(extension: &Value, key: &str) -> [f64; 3] {
     let numbers: Vec<f64> = extension[key].as_array().into_iter().flatten().filter_map(Value::as_f64).collect();
     <[f64; 3]>::try_from(numbers).unwrap_or([1.0; 3]).map(|c| c.max(0.0))
 }

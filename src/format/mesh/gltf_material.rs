@@ -6,6 +6,7 @@ use ::gltf::texture::Info;
 use ::gltf::{Document, Material, Semantic};
 
 use super::gltf_extensions::{abbe_number, coat, diffuse_transmission, specular, unread};
+use super::gltf_specular_glossiness::{self, ConvertedMaterial};
 use super::gltf_texture::{GltfPictures, normal_uv_set_of, uv_set_of};
 use super::{MeshAttenuation, MeshMaterial, MeshOpacity, listed};
 use crate::error::{Error, Result};
@@ -18,36 +19,42 @@ use crate::error::{Error, Result};
 pub(super) fn read_material(file: &Material<'_>, pictures: &mut GltfPictures<'_>) -> Result<MeshMaterial> {
     let set = uv_set(file);
     let surface = file.pbr_metallic_roughness();
-    let [r, g, b, alpha] = surface.base_color_factor();
+    let mut base = surface.base_color_factor().map(f64::from);
     let strength = f64::from(file.emissive_strength().unwrap_or(1.0));
     let volume = file.volume();
     let ior = f64::from(file.ior().unwrap_or(1.5));
     if !(ior.is_finite() && ior >= 1.0) {
         return Err(Error::input(format!("a material's ior is {ior}")).expected("at least 1"));
     }
-    let base_colour_texture = surface.base_color_texture().and_then(|info| pictures.texture(&info, set));
+    let mut base_colour_texture = surface.base_color_texture().and_then(|info| pictures.texture(&info, set));
     let metallic_roughness_texture = surface.metallic_roughness_texture().and_then(|info| pictures.texture(&info, set));
+    let [mut metallic, mut roughness] = [surface.metallic_factor(), surface.roughness_factor()].map(f64::from);
+    let converted = gltf_specular_glossiness::convert(file, pictures, set);
+    let metallic_roughness_texture = metallic_roughness_texture.filter(|_| converted.is_none());
+    if let Some(ConvertedMaterial { base: colour, base_texture, metallic: metal, roughness: rough }) = converted {
+        (base, base_colour_texture, metallic, roughness) = (colour, base_texture, metal, rough);
+    }
+    let [r, g, b, alpha] = base;
     let transmission = file.transmission();
     let transmission_texture = transmission.as_ref().and_then(|it| it.transmission_texture());
     let transmission_texture = transmission_texture.and_then(|info| pictures.texture(&info, set));
     let opacity = match file.alpha_mode() {
         AlphaMode::Opaque => MeshOpacity::Opaque,
-        AlphaMode::Mask => {
-            MeshOpacity::Cut { alpha: f64::from(alpha), cutoff: f64::from(file.alpha_cutoff().unwrap_or(0.5)) }
-        }
-        AlphaMode::Blend => MeshOpacity::Blend { alpha: f64::from(alpha) },
+        AlphaMode::Mask => MeshOpacity::Cut { alpha, cutoff: f64::from(file.alpha_cutoff().unwrap_or(0.5)) },
+        AlphaMode::Blend => MeshOpacity::Blend { alpha },
     };
     let emission_texture = file.emissive_texture().and_then(|info| pictures.texture(&info, set));
     let normals = file.normal_texture();
     let normal_texture = normals.as_ref().and_then(|normals| pictures.normal_map(normals, set));
     Ok(MeshMaterial {
         name: file.name().unwrap_or_default().to_string(),
-        base_colour: [r, g, b].map(f64::from),
+        base_colour: [r, g, b],
         base_colour_texture,
-        metallic: f64::from(surface.metallic_factor()),
-        roughness: f64::from(surface.roughness_factor()),
+        metallic,
+        roughness,
         metallic_roughness_texture,
         transmission: transmission.map_or(0.0, |it| f64::from(it.transmission_factor())),
+        is_sheet: volume.as_ref().is_none_or(|volume| volume.thickness_factor() <= 0.0),
         transmission_texture,
         diffuse_transmission: diffuse_transmission(file),
         coat: coat(file),
@@ -79,9 +86,8 @@ pub(super) fn uv_set(file: &Material<'_>) -> u32 {
     used.into_iter().flatten().next().map_or(normals, |info| uv_set_of(&info))
 }
 
-/// Describes what a glTF file states and the reader ignores. `whole` is false if a scene names the
-/// parts of the file one by one, and states their motion.
-pub(super) fn ignored(document: &Document, whole: bool) -> Vec<String> {
+/// Describes what a glTF file states and the reader ignores.
+pub(in crate::format) fn ignored(document: &Document) -> Vec<String> {
     let textures: Vec<&str> = document.materials().flat_map(|file| textures(&file)).collect();
     let extensions: Vec<String> = document.materials().flat_map(|file| unread(&file)).collect();
     let mut primitives = document.meshes().flat_map(|mesh| mesh.primitives().collect::<Vec<_>>());
@@ -90,7 +96,6 @@ pub(super) fn ignored(document: &Document, whole: bool) -> Vec<String> {
     let has_morph_targets = primitives.any(|primitive| primitive.morph_targets().next().is_some());
     let other = [
         (has_vertex_colours, "vertex colours"),
-        (whole && document.animations().next().is_some(), "animations"),
         (has_morph_targets, "morph targets"),
         (document.skins().next().is_some(), "skins"),
     ];
@@ -102,13 +107,24 @@ pub(super) fn ignored(document: &Document, whole: bool) -> Vec<String> {
         is_clear && (r.min(g).min(b) < 0.99 || surface.base_color_texture().is_some())
     };
     let tints = document.materials().any(|file| is_tinted(&file));
+    let is_rough_sheet = |file: &Material<'_>| {
+        let is_sheet = file.volume().is_none_or(|volume| volume.thickness_factor() <= 0.0);
+        let is_clear = file.transmission().is_some_and(|it| it.transmission_factor() > 0.0);
+        is_sheet && is_clear && file.pbr_metallic_roughness().roughness_factor() > 0.1
+    };
     let sentences = [
         listed(textures).map(|names| format!("textures are ignored: {names}")),
         listed(extensions.iter().map(String::as_str)).map(|names| format!("material extensions are ignored: {names}")),
         listed(other).map(|names| format!("ignored as well: {names}")),
         tints.then(|| {
-            "base colours of clear glass are ignored; state the colour as attenuation of the volume".to_owned()
+            "base colours of clear glass that encloses a volume are ignored; state the colour as attenuation of the \
+             volume"
+                .to_owned()
         }),
+        document
+            .materials()
+            .any(|file| is_rough_sheet(&file))
+            .then(|| "open sheets of rough glass are smooth".to_owned()),
     ];
     sentences.into_iter().flatten().collect()
 }

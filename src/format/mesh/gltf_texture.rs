@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use ::gltf::Texture;
 use ::gltf::buffer::Data;
 use ::gltf::image::Source;
 use ::gltf::material::NormalTexture;
 use ::gltf::texture::{Info, MagFilter, WrappingMode};
+use ::gltf::{Document, Texture};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
@@ -20,6 +20,7 @@ use crate::texture::{Filter, UvTransform, Wrap};
 
 /// Reads the pictures of a glTF file, each once.
 pub(super) struct GltfPictures<'b> {
+    document: &'b Document,
     buffers: &'b [Data],
     folder: PathBuf,
     file_access: FileAccess,
@@ -30,8 +31,9 @@ pub(super) struct GltfPictures<'b> {
 }
 
 impl<'b> GltfPictures<'b> {
-    pub(super) fn new(buffers: &'b [Data], folder: &Path, file_access: FileAccess, count: usize) -> Self {
-        Self { buffers, folder: folder.to_owned(), file_access, known: vec![None; count], unusable: Vec::new() }
+    pub(super) fn new(document: &'b Document, buffers: &'b [Data], folder: &Path, file_access: FileAccess) -> Self {
+        let known = vec![None; document.images().len()];
+        Self { document, buffers, folder: folder.to_owned(), file_access, known, unusable: Vec::new() }
     }
 
     /// Reads a texture over the set of texture coordinates `set`. Returns `None` if the picture
@@ -47,14 +49,19 @@ impl<'b> GltfPictures<'b> {
     /// Reads a normal map over the set of texture coordinates `set`. Returns `None` if the picture
     /// cannot be used, or if the map uses another set.
     pub(super) fn normal_map(&mut self, file: &NormalTexture<'_>, set: u32) -> Option<MeshTexture> {
-        let stated = file.extension_value("KHR_texture_transform");
-        let number = |value: Option<&Value>, default: f64| value.and_then(Value::as_f64).unwrap_or(default);
-        let transform = stated.map_or(UvTransform::IDENTITY, |it| {
-            let pair =
-                |key: &str, default: f64| [0, 1].map(|i| number(it.get(key).and_then(|pair| pair.get(i)), default));
-            UvTransform::new(pair("scale", 1.0), number(it.get("rotation"), 0.0), pair("offset", 0.0))
-        });
+        let transform = stated_transform(file.extension_value("KHR_texture_transform"));
         if normal_uv_set_of(file) == set { self.placed(&file.texture(), transform) } else { None }
+    }
+
+    /// Reads the texture that the JSON of an extension states, over the set of texture coordinates
+    /// `set`. Returns `None` if there is no such texture, if the picture cannot be used, or if the
+    /// texture uses another set.
+    pub(super) fn stated(&mut self, info: &Value, set: u32) -> Option<MeshTexture> {
+        let transform = info.get("extensions").and_then(|it| it.get("KHR_texture_transform"));
+        let number = |value: Option<&Value>| value.and_then(Value::as_u64);
+        let used = number(transform.and_then(|it| it.get("texCoord"))).or(number(info.get("texCoord"))).unwrap_or(0);
+        let texture = self.document.textures().nth(usize::try_from(number(info.get("index"))?).ok()?)?;
+        if used == u64::from(set) { self.placed(&texture, stated_transform(transform)) } else { None }
     }
 
     /// Reads a texture with a map of texture coordinates.
@@ -107,6 +114,15 @@ impl<'b> GltfPictures<'b> {
             },
         }
     }
+}
+
+/// Returns the map of texture coordinates in the JSON of KHR_texture_transform.
+fn stated_transform(stated: Option<&Value>) -> UvTransform {
+    let number = |value: Option<&Value>, default: f64| value.and_then(Value::as_f64).unwrap_or(default);
+    stated.map_or(UvTransform::IDENTITY, |it| {
+        let pair = |key: &str, default: f64| [0, 1].map(|i| number(it.get(key).and_then(|pair| pair.get(i)), default));
+        UvTransform::new(pair("scale", 1.0), number(it.get("rotation"), 0.0), pair("offset", 0.0))
+    })
 }
 
 /// Returns the number of the set of texture coordinates that a texture uses.

@@ -24,6 +24,9 @@ pub struct MeshMaterial {
     pub metallic_roughness_texture: Option<MeshTexture>,
     /// The transmitted fraction of the light that enters the surface. 0 is opaque, and 1 is clear.
     pub transmission: f64,
+    /// True if the transmitting surface has no thickness, so that it is a pane unless it encloses a
+    /// volume.
+    pub is_sheet: bool,
     /// A linear picture whose red channel multiplies `transmission`.
     pub transmission_texture: Option<MeshTexture>,
     /// The light that a surface without transmission transmits diffusely.
@@ -133,6 +136,7 @@ impl Default for MeshMaterial {
             roughness: 1.0,
             metallic_roughness_texture: None,
             transmission: 0.0,
+            is_sheet: false,
             transmission_texture: None,
             diffuse_transmission: None,
             coat: None,

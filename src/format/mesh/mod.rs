@@ -1,4 +1,4 @@
-//! Reads triangle meshes from OBJ, PLY, STL and glTF files.
+//! Reads triangle meshes from OBJ, PLY, STL, glTF and Mitsuba's serialized files.
 //!
 //! Every reader checks its input. If a file is missing, truncated or malformed, the error names the
 //! file. The reader never panics.
@@ -12,12 +12,16 @@ mod gltf_extensions;
 #[cfg(feature = "meshes")]
 mod gltf_material;
 #[cfg(feature = "meshes")]
+mod gltf_specular_glossiness;
+#[cfg(feature = "meshes")]
 mod gltf_texture;
 mod material;
 #[cfg(feature = "meshes")]
 mod obj;
 #[cfg(feature = "meshes")]
 mod ply;
+#[cfg(feature = "meshes")]
+mod serialized;
 #[cfg(feature = "meshes")]
 mod stl;
 
@@ -34,6 +38,8 @@ pub(in crate::format) use self::gltf::{GltfFile, affine, decoded_address, first_
 use crate::geometry::mesh::TriangleMesh;
 #[cfg(feature = "meshes")]
 pub(in crate::format) use gltf_accessor::GltfAccessors;
+#[cfg(feature = "meshes")]
+pub(in crate::format) use gltf_material::ignored;
 pub use material::{MeshAttenuation, MeshCoat, MeshDiffuseTransmission, MeshMaterial, MeshOpacity, MeshTexture};
 
 /// One part of a mesh file: triangles with one material.
@@ -62,7 +68,7 @@ pub struct MeshFile {
 }
 
 /// Reads a mesh file. The file extension determines the format: `.obj` (with its `.mtl`), `.ply`,
-/// `.stl`, `.gltf` or `.glb`. `file_access` states which other files the file may name.
+/// `.stl`, `.serialized`, `.gltf` or `.glb`. `file_access` states which other files the file may name.
 ///
 /// # Errors
 /// Returns an error if the file is missing, has an unknown format, or is truncated or malformed.
@@ -113,21 +119,27 @@ struct PartsAndNotes {
 }
 
 #[cfg(feature = "meshes")]
+impl PartsAndNotes {
+    /// Returns parts without notes.
+    fn of(parts: Vec<MeshPart>) -> Self {
+        Self { parts, ..Self::default() }
+    }
+}
+
+#[cfg(feature = "meshes")]
 fn read_parts(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes> {
     let extension = extension_of(path);
     match extension.as_str() {
         "obj" => obj::load(path, file_access),
-        "ply" => {
-            Ok(PartsAndNotes { parts: read(path).and_then(|bytes| ply::load(&bytes))?, ..PartsAndNotes::default() })
-        }
+        "ply" => read(path).and_then(|bytes| ply::load(&bytes)).map(PartsAndNotes::of),
         "ply.gz" => {
-            let parts = read(path).and_then(|bytes| unpacked(&bytes)).and_then(|bytes| ply::load(&bytes))?;
-            Ok(PartsAndNotes { parts, ..PartsAndNotes::default() })
+            read(path).and_then(|bytes| unpacked(&bytes)).and_then(|bytes| ply::load(&bytes)).map(PartsAndNotes::of)
         }
-        "stl" => Ok(PartsAndNotes { parts: read(path).and_then(stl::load)?, ..PartsAndNotes::default() }),
+        "stl" => read(path).and_then(stl::load).map(PartsAndNotes::of),
+        "serialized" => read(path).and_then(|bytes| serialized::load(&bytes)).map(PartsAndNotes::of),
         "gltf" | "glb" => gltf::load(path, file_access),
         _ => Err(Error::input(format!("unknown kind of mesh file \"{extension}\""))
-            .expected("one of .obj, .ply, .ply.gz, .stl, .gltf, .glb")),
+            .expected("one of .obj, .ply, .ply.gz, .stl, .serialized, .gltf, .glb")),
     }
 }
 

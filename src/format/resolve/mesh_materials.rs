@@ -22,12 +22,12 @@ const COAT_IOR: f64 = 1.5;
 const LEAST_SHARE: f64 = 0.005;
 
 /// Resolves a material of a mesh file. `metres` is the length of the mesh's unit in m. `textured`
-/// states whether the mesh has texture coordinates.
+/// states whether the mesh has texture coordinates, and `closed` whether it encloses a volume.
 ///
 /// The material mixes a metal and a dielectric, weighted by `metallic`, as in the
 /// metallic-roughness model of glTF 2.0. The dielectric mixes glass and a coated diffuse surface,
-/// weighted by `transmission`.
-pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool) -> Result<Material> {
+/// weighted by `transmission`. Glass without a thickness is a pane where the mesh is open.
+pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool, closed: bool) -> Result<Material> {
     let base = base_colour(file, textured)?;
     let texture = file.metallic_roughness_texture.as_ref().filter(|_| textured);
     let roughness = channel(texture, 1, file.roughness, 0.0)?;
@@ -46,6 +46,15 @@ pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool) -> Resu
         if most < LEAST_SHARE {
             return opaque();
         }
+        let rest = || channel(texture, 0, -file.transmission, 1.0);
+        if file.is_sheet && !closed {
+            let pane = pane(file, &index)?;
+            return if least > 1.0 - LEAST_SHARE {
+                Ok(pane)
+            } else {
+                Bsdf::textured_mix(vec![(transmission, pane), (rest()?, opaque()?)])
+            };
+        }
         let absorption = match &file.attenuation {
             None => None,
             Some(attenuation) => Some(absorption(attenuation.colour, attenuation.distance * metres)?),
@@ -55,8 +64,7 @@ pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool) -> Resu
         if least > 1.0 - LEAST_SHARE {
             return Ok(glass);
         }
-        let rest = channel(texture, 0, -file.transmission, 1.0)?;
-        Bsdf::textured_mix(vec![(transmission, glass), (rest, opaque()?)])
+        Bsdf::textured_mix(vec![(transmission, glass), (rest()?, opaque()?)])
     };
     let surface = match metallic.range() {
         (_, most) if most < LEAST_SHARE => dielectric()?,
@@ -71,6 +79,13 @@ pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool) -> Resu
     let normals = file.normal_texture.as_ref().filter(|_| textured);
     let normal_map = normals.map(|texture| normal_map(texture, file.normal_strength)).transpose()?;
     Ok(Material { name, surface, normal_map, body })
+}
+
+/// Returns a pane of glass. The base colour is the transmittance of one passage along the normal.
+fn pane(file: &MeshMaterial, index: &RefractiveIndex) -> Result<Bsdf> {
+    let colour = file.base_colour.map(|c| c.clamp(0.0, 1.0));
+    let depth = if colour == [1.0; 3] { None } else { Some(absorption(colour, 1.0)?) };
+    Bsdf::thin_dielectric(index.clone(), depth)
 }
 
 /// Returns a surface with a roughness. `of_alpha` creates the surface of a microfacet parameter α.
@@ -216,7 +231,7 @@ mod tests {
 
     /// Returns the components of the surface of a material, and whether it encloses a body.
     fn components(file: &MeshMaterial) -> (Vec<Bsdf>, bool) {
-        let material = material(file, 1.0, false).unwrap();
+        let material = material(file, 1.0, false, true).unwrap();
         (material.surface.components().cloned().collect(), material.body.is_some())
     }
 
@@ -232,6 +247,21 @@ mod tests {
         assert!(matches!(parts.as_slice(), [Bsdf::Dielectric(_), Bsdf::Glossy(_)]) && has_body, "{parts:?}");
         let (parts, has_body) = components(&glass(0.0));
         assert!(matches!(parts.as_slice(), [Bsdf::Glossy(_)]) && !has_body);
+    }
+
+    /// Glass without a thickness is a pane if the mesh is open. Its base colour is the colour of the
+    /// transmitted light.
+    #[test]
+    fn sheets_of_glass_are_panes() {
+        let sheet = MeshMaterial { is_sheet: true, base_colour: [1.0, 0.5, 0.25], ..glass(1.0) };
+        let open = material(&sheet, 1.0, false, false).unwrap();
+        assert!(open.body.is_none());
+        let Bsdf::ThinDielectric(pane) = &open.surface else { panic!("{open:?}") };
+        let air = RefractiveIndex::constant(1.0).unwrap();
+        let [red, blue] = [620.0, 450.0].map(|nm| pane.transmittance(1.0, &air, nm));
+        assert!(red > 0.75 && (0.15..0.35).contains(&blue), "{red} {blue}");
+        assert!(material(&sheet, 1.0, false, true).unwrap().body.is_some());
+        assert!(material(&glass(1.0), 1.0, false, false).unwrap().body.is_some());
     }
 
     #[test]

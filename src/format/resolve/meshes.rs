@@ -144,12 +144,12 @@ impl LoadedFile {
     fn new(file: UnplacedParts) -> Self {
         let UnplacedParts { parts, ignored } = file;
         // A material with textures differs from the same material on a mesh without texture
-        // coordinates.
-        let mut numbers: BTreeMap<(usize, bool), Rc<Cell<Option<usize>>>> = BTreeMap::new();
+        // coordinates, and glass differs from the same glass on an open mesh.
+        let mut numbers: BTreeMap<(usize, bool, bool), Rc<Cell<Option<usize>>>> = BTreeMap::new();
         let loaded = |(number, part): (u32, MeshPart)| {
-            let textured = part.mesh.uvs().is_some();
+            let (textured, closed) = (part.mesh.uvs().is_some(), part.mesh.is_closed());
             let material_number =
-                part.material_number.map(|known| Rc::clone(numbers.entry((known, textured)).or_default()));
+                part.material_number.map(|known| Rc::clone(numbers.entry((known, textured, closed)).or_default()));
             let loaded = LoadedPart::new(part.mesh, part.material, part.name);
             (number, LoadedPart { material_number: material_number.unwrap_or_default(), ..loaded })
         };

@@ -144,7 +144,12 @@ impl<'a> Resolver<'a> {
             return Ok(known);
         }
         let textured = part.mesh.uvs().is_some();
-        let material = mesh_materials::material(&part.material.clone().unwrap_or_default(), self.metres, textured);
+        let material = mesh_materials::material(
+            &part.material.clone().unwrap_or_default(),
+            self.metres,
+            textured,
+            part.mesh.is_closed(),
+        );
         let number = resolved.set.add_material(self.at(at, material)?);
         part.material_number.set(Some(number));
         Ok(number)

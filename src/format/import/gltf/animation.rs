@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use ::gltf::animation::{Channel, Interpolation, Property};
 use glam::{DQuat, DVec4};
 
-use crate::error::Result;
 use crate::format::import::SceneWriter;
 use crate::format::mesh::{GltfAccessors, GltfFile};
 use crate::math::rotation::slerp;
@@ -42,16 +41,11 @@ pub(super) struct Track {
 impl Animations {
     /// Reads the animations of a file. If several animations move the same property of a node, the
     /// first one counts.
-    ///
-    /// # Errors
-    /// Returns an error if the buffers of the file cannot be read.
-    pub(super) fn read(file: &mut GltfFile, scene: &mut SceneWriter) -> Result<Self> {
+    pub(super) fn read(file: &GltfFile, accessors: &GltfAccessors<'_>, scene: &mut SceneWriter) -> Self {
         let mut animations = Self::default();
-        if file.document.animations().next().is_none() {
-            return Ok(animations);
+        if file.has_property_animations {
+            scene.leave_out("", "animations of other properties than those of nodes are left out");
         }
-        let buffers = file.buffers()?;
-        let accessors = GltfAccessors::new(&buffers);
         for animation in file.document.animations() {
             let place = animation
                 .name()
@@ -72,14 +66,14 @@ impl Animations {
                     scene.leave_out(&place, what);
                     continue;
                 }
-                match Track::read(&channel, &accessors) {
+                match Track::read(&channel, accessors) {
                     Ok(track) => *slot = Some(track),
                     Err(reason) => scene.leave_out(&place, format!("a channel is left out: {reason}")),
                 }
             }
         }
         animations.tracks.retain(|_, tracks| tracks.all().next().is_some());
-        Ok(animations)
+        animations
     }
 
     /// Returns the animation of a node.

@@ -14,17 +14,20 @@ mod tests;
 use std::path::Path;
 
 use ::gltf::{Document, Node};
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DQuat, DVec3};
 use serde_json::{Value, json};
 
 use self::animation::Animations;
 use self::camera::{DEFAULT_ASPECT, perspective_camera, whole_view};
 use self::light::{ies_light, punctual_light};
-use self::node::{NodeTree, PlacedNode, steps};
+use self::node::{NodeTree, PlacedNode, steps, unit};
 use super::{ImportedScene, SceneWriter};
 use crate::error::{Error, Result};
 use crate::format::FileAccess;
-use crate::format::mesh::{GltfFile, first_parts, for_each_node, has_triangles};
+use crate::format::mesh::{GltfAccessors, GltfFile, first_parts, for_each_node, has_triangles, ignored};
+
+/// The extension for instances of a mesh.
+const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
 /// The width of the film in pixels.
 const WIDTH: f64 = 960.0;
@@ -33,10 +36,16 @@ const WIDTH: f64 = 960.0;
 pub(super) fn import(path: &Path, folder: &str, file_access: FileAccess) -> Result<ImportedScene> {
     let mut file = GltfFile::open(path, file_access)?;
     let mut scene = SceneWriter::default();
-    let animations = Animations::read(&mut file, &mut scene)?;
+    let has_instances = file.document.nodes().any(|node| node.extension_value(INSTANCING).is_some());
+    let reads_buffers = has_instances || file.document.animations().next().is_some();
+    let buffers = if reads_buffers { file.buffers()? } else { Vec::new() };
+    let accessors = GltfAccessors::new(&buffers);
+    let animations = Animations::read(&file, &accessors, &mut scene);
+    scene.ignored_by_meshes = ignored(&file.document);
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let mut reader = NodeReader {
         document: &file.document,
+        accessors,
         path: format!("{folder}{name}"),
         folder,
         tree: NodeTree::new(animations),
@@ -70,6 +79,7 @@ pub(super) fn import(path: &Path, folder: &str, file_access: FileAccess) -> Resu
 /// Converts the nodes of a file.
 struct NodeReader<'d> {
     document: &'d Document,
+    accessors: GltfAccessors<'d>,
     /// The path of the file in the scene.
     path: String,
     /// The path from the scene file to the folder of the file.
@@ -131,10 +141,10 @@ impl NodeReader<'_> {
     fn mesh(&mut self, node: &Node<'_>, name: &str, placed: &PlacedNode) {
         let Some(mesh) = node.mesh() else { return };
         let place = format!("node \"{name}\"");
-        if node.extension_value("EXT_mesh_gpu_instancing").is_some() {
-            let what = "EXT_mesh_gpu_instancing is left out; one instance is at the place of the node";
-            self.scene.leave_out(&place, what);
-        }
+        let instances = instances(node, self.document, &self.accessors).unwrap_or_else(|reason| {
+            self.scene.leave_out(&place, format!("all instances but one are left out: {reason}"));
+            vec![DAffine3::IDENTITY]
+        });
         if node.skin().is_some() {
             self.scene.leave_out(&place, "the skin is left out; the mesh has its rest pose");
         }
@@ -148,16 +158,18 @@ impl NodeReader<'_> {
                 self.scene.leave_out(&place, "points and lines are left out, because they have no area");
                 continue;
             }
-            let mut object = json!({"name": name, "shape": {"mesh": {"path": self.path, "part": part}}});
-            let transform = steps(&placed.own);
-            if transform != json!([]) {
-                object["transform"] = transform;
+            for instance in &instances {
+                let mut object = json!({"name": name, "shape": {"mesh": {"path": self.path, "part": part}}});
+                let transform = steps(&(placed.own * *instance));
+                if transform != json!([]) {
+                    object["transform"] = transform;
+                }
+                if !placed.motion.is_empty() {
+                    object["motion"] =
+                        placed.motion.iter().map(|(time, at)| json!({"time": time, "transform": steps(at)})).collect();
+                }
+                self.scene.add_object(object);
             }
-            if !placed.motion.is_empty() {
-                object["motion"] =
-                    placed.motion.iter().map(|(time, at)| json!({"time": time, "transform": steps(at)})).collect();
-            }
-            self.scene.add_object(object);
             let material = primitive.material();
             self.has_emission |= material.emissive_factor().iter().any(|&c| c > 0.0);
             if let Some(name) = material.name() {
@@ -170,13 +182,44 @@ impl NodeReader<'_> {
             let positions = primitive.get(&::gltf::Semantic::Positions);
             let bounds = positions.and_then(|it| Some((corners(it.min())?, corners(it.max())?)));
             if let Some((low, high)) = bounds {
-                let to_world = placed.at_start();
-                for corner in 0..8 {
-                    let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
-                    let point = to_world.transform_point3(DVec3::new(pick(0), pick(1), pick(2)));
-                    self.bounds = (self.bounds.0.min(point), self.bounds.1.max(point));
+                for to_world in instances.iter().map(|instance| placed.at_start() * *instance) {
+                    for corner in 0..8 {
+                        let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
+                        let point = to_world.transform_point3(DVec3::new(pick(0), pick(1), pick(2)));
+                        self.bounds = (self.bounds.0.min(point), self.bounds.1.max(point));
+                    }
                 }
             }
         }
     }
+}
+
+/// Returns the transforms of the instances of a node (EXT_mesh_gpu_instancing). Other nodes have one
+/// instance.
+///
+/// # Errors
+/// Returns an error if the attributes of the instances cannot be read.
+fn instances(node: &Node<'_>, document: &Document, accessors: &GltfAccessors<'_>) -> Result<Vec<DAffine3>> {
+    let Some(extension) = node.extension_value(INSTANCING) else { return Ok(vec![DAffine3::IDENTITY]) };
+    let read = |name: &str| -> Result<Option<Vec<[f64; 4]>>> {
+        let Some(index) = extension.get("attributes").and_then(|attributes| attributes.get(name)) else {
+            return Ok(None);
+        };
+        let index = index.as_u64().and_then(|index| usize::try_from(index).ok());
+        let accessor = index.and_then(|index| document.accessors().nth(index));
+        accessors.floats(&accessor.ok_or_else(|| Error::input(format!("{name} names no accessor")))?).map(Some)
+    };
+    let [translation, rotation, scale] = [read("TRANSLATION")?, read("ROTATION")?, read("SCALE")?];
+    let counts: Vec<usize> = [&translation, &rotation, &scale].into_iter().flatten().map(Vec::len).collect();
+    if counts.is_empty() || counts.iter().any(|&count| count != counts[0]) {
+        return Err(Error::input("its attributes do not have one value for each instance"));
+    }
+    let vector = |values: &Option<Vec<[f64; 4]>>, i: usize, default: f64| {
+        values.as_ref().map_or(DVec3::splat(default), |values| DVec3::new(values[i][0], values[i][1], values[i][2]))
+    };
+    let transform = |i: usize| {
+        let turn = rotation.as_ref().map_or(DQuat::IDENTITY, |turns| unit(DQuat::from_array(turns[i])));
+        DAffine3::from_scale_rotation_translation(vector(&scale, i, 1.0), turn, vector(&translation, i, 0.0))
+    };
+    Ok((0..counts[0]).map(transform).collect())
 }

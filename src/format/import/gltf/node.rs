@@ -149,7 +149,7 @@ impl NodeTree {
 }
 
 /// Returns a quaternion of length 1.
-fn unit(rotation: DQuat) -> DQuat {
+pub(super) fn unit(rotation: DQuat) -> DQuat {
     if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY }
 }
 

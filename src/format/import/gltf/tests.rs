@@ -304,3 +304,107 @@ fn an_overlay_replaces_parts_of_a_gltf_scene() {
     assert_eq!(scene.materials[scene.objects[0].material].name, "Glass");
     assert_eq!(scene.lights.len(), 1);
 }
+
+/// Files in the wild leave out optional keys, animate other properties, and require extensions that
+/// change only the look.
+#[test]
+fn optional_keys_and_harmless_extensions_are_accepted() {
+    let rest = r#", "scenes": [{"nodes": [0]}, {"name": "empty"}],
+        "extensionsUsed": ["KHR_materials_unlit", "KHR_materials_variants"],
+        "extensionsRequired": ["KHR_materials_unlit", "KHR_materials_variants", "KHR_mesh_quantization"],
+        "animations": [{"samplers": [{"input": 0, "output": 0}], "channels": [{"sampler": 0, "target": {"path": "pointer",
+            "extensions": {"KHR_animation_pointer": {"pointer": "/materials/0"}}}}]}]"#;
+    let unlit = r#"[{"extensions": {"KHR_materials_unlit": {}}, "pbrMetallicRoughness""#;
+    let text = gltf("", rest).replace(r#"[{"pbrMetallicRoughness""#, unlit);
+    let (_folder, path, imported) = imported(&text);
+    assert_eq!(imported.left_out, ["animations of other properties than those of nodes are left out"]);
+    assert!(imported.ignored_by_meshes.iter().any(|what| what.contains("KHR_materials_unlit")), "{imported:?}");
+    resolved(&path);
+}
+
+/// Compressed geometry is refused with the name of the compression.
+#[test]
+fn compressed_geometry_is_refused() {
+    for (rest, name) in [
+        (
+            r#", "scenes": [{"nodes": [0]}], "extensionsRequired": ["EXT_meshopt_compression"]"#,
+            "EXT_meshopt_compression",
+        ),
+        (r#", "scenes": [{"nodes": [0]}]"#, "KHR_draco_mesh_compression"),
+    ] {
+        let mut text = gltf("", rest);
+        if name.contains("draco") {
+            let packed = r#""material": 0, "extensions": {"KHR_draco_mesh_compression": {"bufferView": 0}}"#;
+            text = text.replace(r#""material": 0"#, packed);
+        }
+        let folder = TempDir::new().unwrap();
+        let path = folder.path().join("a.gltf");
+        std::fs::write(&path, text).unwrap();
+        let error = import(&path, "", FileAccess::WithinFolder).unwrap_err().to_string();
+        assert!(error.contains(&format!("compressed by {name}")), "{error}");
+    }
+}
+
+/// Each instance is an object. The transform of an instance is applied before that of the node.
+#[test]
+fn instances_of_a_node_become_objects() {
+    let node = r#"{"mesh": 0, "translation": [0, 0, -3]"#;
+    let instances = r#"{"mesh": 0, "translation": [0, 0, -3], "scale": [2, 2, 2],
+        "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0}}}"#;
+    let text = gltf("", r#", "scenes": [{"nodes": [0]}], "extensionsUsed": ["EXT_mesh_gpu_instancing"]"#);
+    let (_folder, path, imported) = imported(&text.replace(node, instances));
+    assert!(imported.left_out.is_empty(), "{imported:?}");
+    let scene = resolved(&path);
+    assert_eq!(scene.objects.len(), 3);
+    // The accessor of the translations holds the corners (0, 0, 0), (1, 0, 0) and (0, 1, 0).
+    let value: Value = serde_json::from_str(&imported.text).unwrap();
+    let second = &value["objects"][1]["transform"][0]["matrix"];
+    assert_eq!((&second[0], &second[2]), (&json!([2.0, 0.0, 0.0, 2.0]), &json!([0.0, 0.0, 2.0, -3.0])));
+    // An attribute that does not exist leaves one instance, and a note says so.
+    let missing = instances.replace("TRANSLATION\": 0", "TRANSLATION\": 9");
+    let (_folder, _path, imported) = self::imported(&text.replace(node, &missing));
+    assert!(imported.left_out[0].contains("all instances but one are left out"), "{imported:?}");
+}
+
+/// Positions in normalized integers of 16 bits are the numbers divided by 32767.
+#[test]
+fn quantized_positions_are_read() {
+    let words = [0_i16, 0, 0, 0, 32767, 0, 0, 0, 0, 16384, 0, 0];
+    let buffer = STANDARD.encode(words.map(i16::to_le_bytes).as_flattened());
+    let text = gltf("", r#", "scenes": [{"nodes": [0]}], "extensionsRequired": ["KHR_mesh_quantization"]"#);
+    let (start, rest) = text.split_once("data:application/octet-stream;base64,").unwrap();
+    let (_, rest) = rest.split_once('"').unwrap();
+    let text = format!("{start}data:application/octet-stream;base64,{buffer}\"{rest}")
+        .replace(r#""byteLength": 60"#, r#""byteLength": 24"#)
+        .replace(
+            r#""byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 24}"#,
+            r#""byteLength": 24, "byteStride": 8}"#,
+        )
+        .replace(r#", "TEXCOORD_0": 1"#, "")
+        .replace(
+            r#""componentType": 5126, "count": 3, "type": "VEC3""#,
+            r#""componentType": 5122, "normalized": true, "count": 3, "type": "VEC3""#,
+        )
+        .replace(
+            r#",
+            {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2"}"#,
+            "",
+        );
+    let (_folder, path, _) = imported(&text);
+    let scene = resolved(&path);
+    let area = scene.geometry.area(0);
+    assert!((area - 0.5 * 16384.0 / 32767.0).abs() < 1e-9, "{area}");
+}
+
+/// The diffuse colour of the specular-glossiness model is kept.
+#[test]
+fn specular_glossiness_is_converted() {
+    let old = r#"[{"extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [0.2, 0.4, 0.6, 1],
+        "specularFactor": [0.04, 0.04, 0.04], "glossinessFactor": 0, "diffuseTexture": {"index": 0}}}, "pbrMetallicRoughness""#;
+    let rest = r#", "scenes": [{"nodes": [0]}], "extensionsRequired": ["KHR_materials_pbrSpecularGlossiness"]"#;
+    let (_folder, path, imported) = imported(&gltf("", rest).replace(r#"[{"pbrMetallicRoughness""#, old));
+    assert!(imported.ignored_by_meshes.is_empty(), "{imported:?}");
+    let scene = resolved(&path);
+    let surface = &scene.materials[scene.objects[0].material].surface;
+    assert!(surface.is_textured() && surface.components().count() == 1, "matt, and not half metal: {surface:?}");
+}

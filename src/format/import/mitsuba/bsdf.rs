@@ -330,8 +330,13 @@ impl MitsubaReader<'_> {
             let what = format!("the microfacet distribution \"{distribution}\" is replaced by GGX with the same α");
             self.scene.leave_out(place.clone(), what);
         }
-        let [along, across] = [properties.optional_number("alpha_u"), properties.optional_number("alpha_v")];
+        let [along, across] = ["alpha_u", "alpha_v"].map(|name| self.textured(properties, name));
         if let (Some(along), Some(across)) = (along?, across?) {
+            if !(along.is_uniform() && across.is_uniform()) {
+                let what = "textures of the roughness along u and v are replaced by their means";
+                self.scene.leave_out(place.clone(), what);
+            }
+            let [along, across] = [along, across].map(|alpha| alpha.mean().mean());
             if along != across {
                 self.scene.leave_out(place, "different roughnesses along u and v are replaced by their geometric mean");
             }

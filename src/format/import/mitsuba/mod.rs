@@ -85,6 +85,8 @@ impl MitsubaReader<'_> {
         for child in &children {
             match child.tag.as_str() {
                 "shape" => self.shape(child, DMat4::IDENTITY)?,
+                // Shapes refer to this element.
+                "emitter" if child.plugin() == "area" && child.attribute("id").is_some() => {}
                 "emitter" => self.emitter(child)?,
                 "integrator" => self.integrator(child)?,
                 // Shapes and sensors refer to these elements.

@@ -83,6 +83,11 @@ impl<'a> Properties<'a> {
         self.find(name).map(|child| transform::vector(child, 0.0)).transpose()
     }
 
+    /// Returns true if the property is a vector.
+    pub(super) fn is_vector(&self, name: &str) -> bool {
+        self.find(name).is_some_and(|child| child.tag == "vector")
+    }
+
     /// Returns a transform. It is the identity if the property is absent.
     pub(super) fn transform(&self, name: &str) -> Result<DMat4> {
         self.find(name).map_or(Ok(DMat4::IDENTITY), |child| transform::transform(child))

@@ -49,6 +49,8 @@ impl MitsubaReader<'_> {
             let defocus = 2.0 * atan(radius.max(0.0) / focus).to_degrees();
             json!({"thin": {"fov": fov, "focus_distance": focus, "defocus_angle": defocus}})
         } else {
+            // A pinhole camera has no focus.
+            properties.ignore(&["focus_distance"]);
             json!({"pinhole": {"fov": fov}})
         };
         self.scene.camera = json!({

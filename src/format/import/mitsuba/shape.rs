@@ -140,7 +140,7 @@ impl MitsubaReader<'_> {
                 let cylinder = primitives::cylinder(from, to, self.radius(properties)?, form.flipped);
                 cylinder.ok_or_else(|| shape.error("the two ends of a cylinder are equal"))?
             }
-            "obj" | "ply" => self.mesh(properties, form)?,
+            "obj" | "ply" | "serialized" => self.mesh(properties, form)?,
             other => {
                 let what = format!("a shape of the type \"{other}\" is not supported and is left out");
                 self.scene.leave_out(shape.place(), what);
@@ -168,7 +168,12 @@ impl MitsubaReader<'_> {
         let flat = properties.boolean("face_normals", false)?;
         // OBJ files have v = 0 at the lower edge of a picture. Mitsuba takes the coordinates of PLY
         // files as they are, and Abbe reads them like those of OBJ files.
-        let flip_v = !properties.boolean("flip_tex_coords", shape.plugin() == "obj")?;
+        // The coordinates of serialized files have their meaning in both programs.
+        let flip_v = match shape.plugin() {
+            "serialized" => properties.boolean("flip_tex_coords", false)?,
+            plugin => !properties.boolean("flip_tex_coords", plugin == "obj")?,
+        };
+        let part = (shape.plugin() == "serialized").then(|| properties.number("shape_index", 0.0)).transpose()?;
         // Abbe keeps the front of a mirrored mesh. In Mitsuba, the vertex normals decide, and
         // without them the order of the corners.
         let mirrored = form.to_world.determinant() < 0.0;
@@ -178,6 +183,9 @@ impl MitsubaReader<'_> {
         };
         let reverse = form.flipped != (mirrored && by_corners()?);
         let mut mesh = json!({"path": format!("{}{path}", self.folder)});
+        if let Some(part) = part {
+            mesh["part"] = json!(part as u32);
+        }
         for (key, value) in [("reverse", reverse), ("flat", flat), ("smooth", !flat), ("flip_v", flip_v)] {
             if value {
                 mesh[key] = json!(true);

@@ -76,6 +76,9 @@ impl MitsubaReader<'_> {
     fn spectrum_plugin(&mut self, element: &XmlElement) -> Result<MitsubaSpectrum> {
         let properties = Properties::new(element);
         let spectrum = match element.plugin() {
+            "rawconstant" if properties.is_vector("value") => {
+                MitsubaSpectrum::Rgb(properties.vector("value")?.unwrap_or_default().to_array())
+            }
             "uniform" | "rawconstant" => MitsubaSpectrum::Uniform(properties.number("value", 1.0)?),
             "d65" => self.d65(&properties)?,
             "srgb" => match properties.find("color") {
