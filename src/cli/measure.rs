@@ -1,16 +1,15 @@
 //! `abbe measure`: measures the light at the meters of a scene.
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::format::resolve::resolve_meters;
-use crate::math::elementary::log10;
 use crate::output::file as files;
-use crate::render::{Job, MeasurementReport, MeterReport, PointReport, StopRules, Value, on_threads};
+use crate::render::{Job, StopRules, on_threads};
 
 use super::progress::{ProgressDisplay, time};
+use super::readings::{csv, page, table};
 use super::render::IntegratorName;
 use super::scene_file::SceneFileArgs;
 use super::{Outcome, interrupt, memory, print, values};
@@ -26,6 +25,10 @@ pub(crate) struct MeasureArgs {
     /// Write the readings as a CSV file, with one line for each reading
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
+    /// Write an HTML page with all readings, and with a plan of every grid in false colours with
+    /// isolines
+    #[arg(long, value_name = "FILE.html")]
+    html: Option<PathBuf>,
     /// Measure only with these meters [default: all meters]
     #[arg(long, value_name = "NAME")]
     meter: Vec<String>,
@@ -36,11 +39,12 @@ pub(crate) struct MeasureArgs {
     /// Stop after this time, such as 90s, 5m or 1h30m
     #[arg(long, value_name = "TIME", value_parser = values::duration)]
     time: Option<Duration>,
-    /// Stop when the relative error of every reading falls to this value, such as 1%. Readings
-    /// below a tenth of the largest reading of their meter are judged relative to that tenth
-    /// [default: 0.3%, unless another limit is given]
-    #[arg(long, value_name = "RATIO", value_parser = values::share)]
-    target_error: Option<f64>,
+    /// Stop when the relative error of every reading falls to this value, such as 1%, or the
+    /// relative error of every reading of one meter, such as desk=1%. Readings below a tenth of the
+    /// largest reading of their meter are judged relative to that tenth [default: 0.3%, unless
+    /// another limit is given]
+    #[arg(long, value_name = "[METER=]RATIO", value_parser = target_error)]
+    target_error: Option<TargetError>,
     /// The number of photon paths in a pass
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     photons: Option<u64>,
@@ -70,14 +74,29 @@ pub(crate) struct MeasureArgs {
     quiet: bool,
 }
 
+/// The relative error at which a measurement stops.
+#[derive(Debug, Clone, PartialEq)]
+struct TargetError {
+    /// The name of the meter, or `None` for all meters.
+    meter: Option<String>,
+    ratio: f64,
+}
+
+/// Parses a target error such as `1%` or `desk=1%`. The name of a meter may contain `=`.
+fn target_error(text: &str) -> std::result::Result<TargetError, String> {
+    let (meter, ratio) = text.rsplit_once('=').map_or((None, text), |(meter, ratio)| (Some(meter), ratio));
+    values::share(ratio).map(|ratio| TargetError { meter: meter.map(str::to_string), ratio })
+}
+
 pub(crate) fn run(arguments: &MeasureArgs) -> Result<Outcome> {
     interrupt::watch()?;
     let job = plan(arguments)?;
     memory::check(&job.budget)?;
-    if let Some(path) = &arguments.csv {
+    for path in [&arguments.csv, &arguments.html].into_iter().flatten() {
         files::check_writable(path)?;
     }
-    let stop = StopRules { passes: arguments.passes, time: arguments.time, target_error: arguments.target_error };
+    let target_error = arguments.target_error.as_ref().map(|target| target.ratio);
+    let stop = StopRules { passes: arguments.passes, time: arguments.time, target_error };
     let integrator = arguments.integrator.map(IntegratorName::integrator);
     let mut display = ProgressDisplay::new(arguments.quiet, None);
     let measured = on_threads(job.scene.settings.threads, || job.measure(integrator, stop, &mut display))?;
@@ -85,6 +104,9 @@ pub(crate) fn run(arguments: &MeasureArgs) -> Result<Outcome> {
     let (report, interrupted) = measured.map_err(|error| error.in_file(&arguments.scene))?;
     if let Some(path) = &arguments.csv {
         files::write_whole(path, csv(&report).as_bytes())?;
+    }
+    if let Some(path) = &arguments.html {
+        files::write_whole(path, page(&report, &arguments.scene).as_bytes())?;
     }
     if arguments.json {
         print::json(&report)?;
@@ -111,111 +133,14 @@ fn plan(arguments: &MeasureArgs) -> Result<Job> {
     let (mut scene, source) = arguments.scene_file.read(path, &patches)?;
     scene.render.forbid.extend(arguments.forbid.iter().cloned());
     scene.select_meters(&arguments.meter).map_err(|error| error.in_file(path))?;
-    let resolved = resolve_meters(&scene, &source)?;
+    let mut resolved = resolve_meters(&scene, &source)?;
+    if let Some(name) = arguments.target_error.as_ref().and_then(|target| target.meter.as_ref()) {
+        if !resolved.meters.iter().any(|meter| meter.name == *name) {
+            let known = resolved.meters.iter().map(|meter| meter.name.as_str());
+            let expected = format!("one of {}", known.clone().collect::<Vec<_>>().join(", "));
+            return Err(Error::unknown_name("meter", name, known).expected(expected).on_path("--target-error"));
+        }
+        resolved.meters.iter_mut().for_each(|meter| meter.decides_stop = meter.name == *name);
+    }
     Job::new(resolved).map_err(|error| error.in_file(path))
-}
-
-/// Returns the readings as a table.
-fn table(report: &MeasurementReport) -> String {
-    let mut text = String::new();
-    for meter in &report.meters {
-        let _ = writeln!(text, "{}: {} ({})", meter.name, meter.quantity.replace('_', " "), meter.unit);
-        let _ = writeln!(
-            text,
-            "  {:>26}  {:>12}  {:>23}  {:>9}  {:>9}",
-            "position", "value", "95 % interval", "noise", "bias"
-        );
-        for point in &meter.points {
-            let position = point
-                .position
-                .map(|value| format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_string());
-            let _ = writeln!(text, "  {:>26}  {}", position.join(", "), row(meter, point));
-        }
-        if let (Some(mean), Some(uniformity), true) = (meter.mean, meter.uniformity, meter.points.len() > 1) {
-            let _ = writeln!(text, "  mean {}, least/mean {uniformity:.3}", significant(mean));
-        }
-    }
-    text
-}
-
-/// Returns the columns of a reading.
-fn row(meter: &MeterReport, point: &PointReport) -> String {
-    let Value::Number(value) = &point.value else {
-        return spectrum_rows(meter, point);
-    };
-    let number = |value: &Option<Value>| match value {
-        Some(Value::Number(value)) => significant(*value),
-        Some(Value::Spectrum(_)) | None => "-".to_string(),
-    };
-    let interval = match &point.interval_95 {
-        Some([Value::Number(low), Value::Number(high)]) => format!("{} to {}", significant(*low), significant(*high)),
-        _ => "-".to_string(),
-    };
-    let flux = point.flux.map_or(String::new(), |flux| {
-        format!("  flux {} over {} m²", significant(flux), significant(point.area_m2.unwrap_or(0.0)))
-    });
-    format!(
-        "{:>12}  {interval:>23}  {:>9}  {:>9}{flux}",
-        significant(*value),
-        number(&point.noise),
-        number(&point.bias)
-    )
-}
-
-/// Returns the spectrum of a reading, one band on each line.
-fn spectrum_rows(meter: &MeterReport, point: &PointReport) -> String {
-    let (Value::Spectrum(values), Some(nm)) = (&point.value, &meter.wavelength_nm) else { return String::new() };
-    let lines = nm.iter().zip(values).map(|(nm, value)| format!("\n  {nm:>26} nm  {:>9}", significant(*value)));
-    lines.collect()
-}
-
-/// Returns a number with five significant digits.
-fn significant(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return value.to_string();
-    }
-    let digits = (4.0 - log10(value.abs()).floor()).clamp(0.0, 12.0) as usize;
-    let text = format!("{value:.digits$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
-}
-
-/// Returns the readings as CSV.
-fn csv(report: &MeasurementReport) -> String {
-    let mut text = "meter,quantity,unit,x,y,z,wavelength_nm,value,noise,bias,low_95,high_95\n".to_string();
-    for meter in &report.meters {
-        for point in &meter.points {
-            let bands = match &point.value {
-                Value::Number(_) => 1,
-                Value::Spectrum(values) => values.len(),
-            };
-            for band in 0..bands {
-                let cell = |value: Option<&Value>| match value {
-                    Some(Value::Number(value)) => value.to_string(),
-                    Some(Value::Spectrum(values)) => values[band].to_string(),
-                    None => String::new(),
-                };
-                let nm = meter.wavelength_nm.as_ref().map_or(String::new(), |nm| nm[band].to_string());
-                let [x, y, z] = point.position;
-                let (low, high) =
-                    (point.interval_95.as_ref().map(|ends| &ends[0]), point.interval_95.as_ref().map(|ends| &ends[1]));
-                let (value, noise, bias) =
-                    (cell(Some(&point.value)), cell(point.noise.as_ref()), cell(point.bias.as_ref()));
-                let _ = writeln!(
-                    text,
-                    "{},{},{},{x},{y},{z},{nm},{value},{noise},{bias},{},{}",
-                    quoted(&meter.name),
-                    meter.quantity,
-                    meter.unit,
-                    cell(low),
-                    cell(high)
-                );
-            }
-        }
-    }
-    text
-}
-
-/// Returns a text as a CSV cell.
-fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_string() }
 }

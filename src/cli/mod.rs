@@ -38,6 +38,7 @@ mod preview;
 mod print;
 mod probe;
 mod progress;
+mod readings;
 mod relight;
 mod render;
 mod scene_file;

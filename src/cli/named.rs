@@ -67,6 +67,7 @@ fn described(file: &SpectrumFile, text: &str) -> String {
             _ => text.to_string(),
         },
         SpectrumFile::Blackbody { temperature } => format!("a black body at {temperature} K"),
+        SpectrumFile::Daylight { temperature } => format!("daylight of {temperature} K"),
         SpectrumFile::Gaussian { peak_nm, fwhm_nm } => format!("a Gaussian band at {peak_nm} nm, {fwhm_nm} nm wide"),
         SpectrumFile::Number(_)
         | SpectrumFile::Table { .. }

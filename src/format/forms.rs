@@ -282,7 +282,7 @@ mod tests {
     fn errors_list_the_forms_that_the_types_have() {
         let ends_with = |expected: &str, forms: &[String]| expected.ends_with(&forms.join(", "));
         let spectrum = object_forms::<SpectrumFile>();
-        assert_eq!(spectrum.len(), 10);
+        assert_eq!(spectrum.len(), 11);
         assert!(ends_with(SpectrumFile::EXPECTED, &spectrum));
         let reflectance = [spectrum, object_forms::<ReflectanceFile>()].concat();
         assert_eq!(reflectance, REFLECTANCE_FORMS);

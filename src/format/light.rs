@@ -6,7 +6,7 @@ mod sky;
 
 pub use distant::{DirectionalFile, EnvironmentFile, ProjectionFile};
 pub use ies::IesFile;
-pub use sky::SkyFile;
+pub use sky::{PlaceFile, SkyFile, SunFile};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -71,6 +71,10 @@ pub enum LightFile {
         "spectrum": "D65", "group": "daylight"
     }}))]
     #[schemars(example = json!({"sky": {"type": 1, "illuminance": 10_000, "spectrum": 1}}))]
+    #[schemars(example = json!({"sky": {
+        "type": 12, "place": {"latitude": 52.52, "longitude": 13.405}, "time": "2026-06-21T12:00:00+02:00",
+        "illuminance": 20_000, "sun": {"illuminance": 90_000}
+    }}))]
     Sky(SkyFile),
     /// A luminaire with a measured distribution of intensity, from an IES LM-63 or EULUMDAT file.
     #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.ies", "spectrum": "LED-B3"}}))]

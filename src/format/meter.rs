@@ -7,7 +7,7 @@ use serde_json::json;
 use super::check;
 use crate::error::Result;
 use crate::json::JsonPath;
-use crate::scene::meter::{Quantity, ReceivingSide};
+use crate::scene::meter::{MeterGrid, Quantity, ReceivingSide};
 
 /// A meter, which `abbe measure` reads. State exactly one of `points`, `grid`, `surface`, `sphere`,
 /// `cylinder` and `spot`.
@@ -276,6 +276,12 @@ impl MeterGridFile {
             .enumerate()
             .map(|(i, &count)| check::count(&at.key("count").index(i), u64::from(count), 1, 10_000));
         check::all([check::direction(&at.key("u"), *u), check::direction(&at.key("v"), *v)].into_iter().chain(counts))
+    }
+
+    /// Returns the grid of the scene model.
+    pub fn grid(&self) -> MeterGrid {
+        let Self { origin, u, v, count } = *self;
+        MeterGrid { origin, u, v, count }
     }
 
     /// Returns the points of the grid, in the scene's unit.

@@ -9,6 +9,7 @@
 mod camera;
 mod check;
 mod coating;
+mod date_time;
 mod emission;
 mod field;
 mod film;

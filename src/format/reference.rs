@@ -56,7 +56,7 @@ pub(super) const CHAPTERS: [(&str, &[&str]); 18] = [
     ("Objects", &["ObjectFile", "EmissionFile"]),
     ("Shapes", &["ShapeFile"]),
     ("Transforms and motion", &["TransformFile", "TransformStepFile", "ScaleFile", "KeyframeFile"]),
-    ("Lights", &["LightFile", "ProjectionFile"]),
+    ("Lights", &["LightFile", "ProjectionFile", "PlaceFile", "SunFile"]),
     (
         "Meters",
         &[

@@ -15,7 +15,7 @@ const MINIMAL_SCENE: &str = r#"{
 
 /// For each definition with examples, the patch that puts an example into the minimal scene. In the
 /// patch, `%` stands for the example.
-const PLACES: [(&str, &str); 50] = [
+const PLACES: [(&str, &str); 52] = [
     ("CameraFile", "camera=%"),
     ("CameraKeyframeFile", "camera.motion=[%]"),
     ("ShutterFile", "camera.shutter=%"),
@@ -75,6 +75,11 @@ const PLACES: [(&str, &str); 50] = [
     ("ScaleFile", r#"objects=[{"shape": {"disk": {"radius": 1}}, "material": "white", "transform": [{"scale": %}]}]"#),
     ("KeyframeFile", r#"objects=[{"shape": {"disk": {"radius": 1}}, "material": "white", "motion": [%]}]"#),
     ("LightFile", "lights=[%]"),
+    (
+        "PlaceFile",
+        r#"lights=[{"sky": {"type": 12, "illuminance": 1, "time": "2026-06-21T12:00:00+02:00", "place": %}}]"#,
+    ),
+    ("SunFile", r#"lights=[{"sky": {"type": 12, "illuminance": 1, "sun_elevation": 30, "sun": %}}]"#),
 ];
 
 /// The patches for the render settings. The entries have the same form as in [`PLACES`].

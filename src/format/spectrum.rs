@@ -11,7 +11,7 @@ use super::srgb::SrgbFile;
 use crate::error::Result;
 use crate::json::JsonPath;
 use crate::optics::phase::MAX_MEAN_COSINE;
-use crate::spectrum::DEFAULT_LINE_WIDTH_NM;
+use crate::spectrum::{DAYLIGHT_K, DEFAULT_LINE_WIDTH_NM};
 
 /// A function of wavelength: a constant number, the name of a spectrum in the scene's `spectra` or
 /// in the built-in library, an sRGB colour such as `"#ff8800"`, or an object with one key. `abbe
@@ -49,6 +49,13 @@ pub enum SpectrumFile {
     Blackbody {
         /// Temperature.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "K"))]
+        temperature: f64,
+    },
+    /// A phase of daylight by its correlated colour temperature (CIE 15, D series).
+    #[schemars(example = json!({"daylight": {"temperature": 5500}}))]
+    Daylight {
+        /// Correlated colour temperature.
+        #[schemars(range(min = DAYLIGHT_K.0, max = DAYLIGHT_K.1), extend("x-unit" = "K"))]
         temperature: f64,
     },
     /// A Gaussian band with the value 1 at its peak.
@@ -126,7 +133,7 @@ pub struct WeightedSpectrumFile {
 
 impl Forms for SpectrumFile {
     const EXPECTED: &'static str = "a number, a spectrum's name, a colour such as \"#ff8800\", or an object with one of the \
-                                    keys table, file, lines, blackbody, gaussian, rgb, srgb, mix, power_law, match";
+                                    keys table, file, lines, blackbody, daylight, gaussian, rgb, srgb, mix, power_law, match";
 
     fn from_number(number: f64) -> Option<Self> {
         Some(Self::Number(number))
@@ -233,6 +240,11 @@ impl SpectrumFile {
             }
             Self::Lines(lines) => validate_lines(&at.key("lines"), lines),
             Self::Blackbody { temperature } => check::positive(&at.key("blackbody").key("temperature"), *temperature),
+            Self::Daylight { temperature } => {
+                let inside = (DAYLIGHT_K.0..=DAYLIGHT_K.1).contains(temperature);
+                let at = at.key("daylight");
+                check::rule(&at.key("temperature"), *temperature, inside, "a number from 4000 to 25000")
+            }
             Self::Gaussian { peak_nm, fwhm_nm } => {
                 let at = at.key("gaussian");
                 check::all([

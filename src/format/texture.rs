@@ -80,11 +80,12 @@ impl JsonSchema for ReflectanceFile {
 const TEXTURE_FORMS: [&str; 5] = ["image", "bands", "checker", "stripes", "noise"];
 
 /// The keys of a reflectance that is written as an object.
-pub(super) const REFLECTANCE_FORMS: [&str; 15] = [
+pub(super) const REFLECTANCE_FORMS: [&str; 16] = [
     "table",
     "file",
     "lines",
     "blackbody",
+    "daylight",
     "gaussian",
     "rgb",
     "srgb",
@@ -100,7 +101,7 @@ pub(super) const REFLECTANCE_FORMS: [&str; 15] = [
 
 impl Forms for ReflectanceFile {
     const EXPECTED: &'static str = "a number from 0 to 1, a spectrum's name, a colour such as \"#ff8800\", or an object \
-                                    with one of the keys table, file, lines, blackbody, gaussian, rgb, srgb, mix, \
+                                    with one of the keys table, file, lines, blackbody, daylight, gaussian, rgb, srgb, mix, \
                                     power_law, match, image, bands, checker, stripes, noise";
 
     fn from_number(number: f64) -> Option<Self> {

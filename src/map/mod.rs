@@ -11,6 +11,7 @@ mod point_tree;
 mod query_cone;
 pub mod radius;
 mod set_maps;
+mod sphere_tree;
 mod volume;
 
 pub use photon::{Photon, PhotonPower};
@@ -19,6 +20,7 @@ pub use photon_spectra::{PhotonSpectra, WavelengthCode};
 pub use query_cone::{KernelWidth, QueryCone};
 pub use radius::PixelRadii;
 pub use set_maps::{ClassMaps, SetMaps};
+pub use sphere_tree::SphereTree;
 pub use volume::{
     BeamPath, LightMap, LightMapLookup, LightMaps, PhotonBeam, PhotonNearRay, VolumeMap, VolumeMaps, VolumePhoton,
 };

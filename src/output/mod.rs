@@ -25,7 +25,11 @@ pub mod lamps_page;
 pub mod luminaire_page;
 pub mod metadata;
 #[cfg(feature = "pages")]
+pub mod meters_page;
+#[cfg(feature = "pages")]
 pub mod page;
+#[cfg(feature = "pages")]
+pub mod plan_map;
 pub mod plot;
 pub mod png;
 pub mod polar;

@@ -5,13 +5,18 @@
 //! averages over a small disk; this is the only biased estimate of a meter. A receptor that is a
 //! surface needs no kernel, because photons arrive at the surface itself. Both techniques are
 //! combined by multiple importance sampling ([`CausticWeights`]).
+//!
+//! No photon crosses the part of a disk behind a wall. Beside walls, each kernel is therefore
+//! divided by its mass on the line through the photon and the receptor, between the walls.
 
 use super::context::{EmissionRequest, PassContext};
 use crate::emit::{
     EmissionStrata, PhotonFlight, PhotonState, PhotonVisitor, SurfaceArrival, WavelengthSampling, trace,
 };
 use crate::gather::{Openings, receptor_pdf};
-use crate::map::kernel::DiskKernel;
+use crate::geometry::Ray;
+use crate::map::SphereTree;
+use crate::map::kernel::{DiskKernel, KernelDomain, KernelValues};
 use crate::map::radius::RadiusScales;
 use crate::math::random::{Purpose, Stream};
 use crate::optics::bsdf::BsdfClass;
@@ -36,7 +41,7 @@ const PILOT_PASS: u64 = 1 << 40;
 const LARGEST_RADIUS: f64 = 0.5;
 
 /// The kernels of the receptors in one pass.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct ReceptorKernels<'a> {
     scene: &'a Scene,
     openings: &'a Openings,
@@ -46,6 +51,36 @@ pub(super) struct ReceptorKernels<'a> {
     weights: Vec<CausticWeights>,
     /// The number of rows of each receptor.
     rows: usize,
+    /// The index of the disks of point receptors.
+    disks: PointDisks,
+    /// The receptors that are surfaces, as pairs of the object and the number of the receptor. They
+    /// are sorted.
+    surfaces: Vec<(u32, u32)>,
+}
+
+/// An index of the disks of point receptors.
+#[derive(Debug)]
+struct PointDisks {
+    tree: SphereTree,
+    /// The numbers of the receptors, in the order of the spheres of the tree.
+    receptors: Vec<u32>,
+}
+
+impl PointDisks {
+    /// Creates the index. `radius_m` returns the radius of the disk of a receptor in m.
+    fn new(receptors: &[Receptor], radius_m: impl Fn(usize) -> f64) -> Self {
+        let points = || {
+            let numbered = receptors.iter().enumerate();
+            numbered.filter_map(|(number, receptor)| Some((number, receptor.position()?)))
+        };
+        let tree = SphereTree::build(points().map(|(number, position)| (position, radius_m(number))));
+        Self { tree, receptors: points().map(|(number, _)| number as u32).collect() }
+    }
+
+    /// Calls `visit` with the number of each receptor whose disk the flight may cross.
+    fn visit(&self, flight: &PhotonFlight<'_>, mut visit: impl FnMut(usize)) {
+        self.tree.visit(flight.ray, flight.length_m, |sphere| visit(self.receptors[sphere] as usize));
+    }
 }
 
 /// The part of a photon's power that a receptor receives.
@@ -75,7 +110,8 @@ pub(super) fn first_radii(context: &PassContext<'_>, scene: &Scene, strata: &Emi
     let wavelengths = WavelengthSampling::Free;
     let request = EmissionRequest { wavelengths, count: paths, purpose: Purpose::Pilot, pass: PILOT_PASS };
     let source = context.photon_source(scene, strata, request);
-    let mut survey = ReceptorSurvey { receptors, most_m, distances2: vec![Vec::new(); receptors.len()] };
+    let disks = PointDisks::new(receptors, |_| most_m);
+    let mut survey = ReceptorSurvey { receptors, disks, most_m, distances2: vec![Vec::new(); receptors.len()] };
     let mut ledger = Ledger::new(scene.materials.len());
     trace(&source, &source.points(), 0..paths, &mut survey, &mut ledger);
     // A pass has more photon paths than the survey.
@@ -111,7 +147,14 @@ impl<'a> ReceptorKernels<'a> {
         };
         let weights = receptors.iter().zip(&radii_m).map(weights).collect();
         let rows = scene.camera.pixel_count() / receptors.len();
-        Some(Self { scene, openings: context.openings, radii_m, weights, rows })
+        let disks = PointDisks::new(receptors, |number| radii_m[number]);
+        let surface = |(number, receptor): (usize, &Receptor)| match receptor.shape {
+            ReceptorShape::Point(..) => None,
+            ReceptorShape::Surface(object, _) => Some((object, number as u32)),
+        };
+        let mut surfaces: Vec<(u32, u32)> = receptors.iter().enumerate().filter_map(surface).collect();
+        surfaces.sort_unstable();
+        Some(Self { scene, openings: context.openings, radii_m, weights, rows, disks, surfaces })
     }
 
     /// Returns the weights of photons and of paths at each receptor.
@@ -124,10 +167,13 @@ impl<'a> ReceptorKernels<'a> {
         if flight.photon.light_path != LightPath::Caustic {
             return;
         }
-        for (number, receptor) in self.scene.camera.receptors().iter().enumerate() {
-            let ReceptorShape::Point(position, response) = receptor.shape else { continue };
-            let Some((t, d2)) = crossing(flight, position, response, self.radii_m[number]) else { continue };
+        let receptors = self.scene.camera.receptors();
+        self.disks.visit(flight, |number| {
+            let ReceptorShape::Point(position, response) = receptors[number].shape else { return };
+            let Some((t, d2)) = crossing(flight, position, response, self.radii_m[number]) else { return };
             let kernels = DiskKernel::new(self.radii_m[number].powi(2)).at(d2);
+            let offset = flight.ray.at(t) - position;
+            let Some(kernels) = self.between_walls(kernels, position, offset, self.radii_m[number]) else { return };
             let to_light = -flight.ray.direction;
             // The disk of a plane lies in the plane, so it catches the flux through the plane. The
             // other disks are perpendicular to the ray, so they catch the fluence.
@@ -138,7 +184,30 @@ impl<'a> ReceptorKernels<'a> {
             let weight = per_flux * self.mis_weight(number, (position, response), flight.photon.ray_density, to_light);
             let received = Received { estimate: weight * kernels.estimate, bias: weight * kernels.bias() };
             self.splat(number, &received, flight.photon, (t, Some(flight)), light, splats);
+        });
+    }
+
+    /// Corrects the kernels of a photon beside walls. `offset` leads from the receptor to the
+    /// photon. Returns `None` if a wall is between them.
+    fn between_walls(
+        &self,
+        kernels: KernelValues,
+        position: DVec3,
+        offset: DVec3,
+        radius_m: f64,
+    ) -> Option<KernelValues> {
+        let distance_m = offset.length();
+        let towards = if distance_m > 0.0 { offset / distance_m } else { return Some(kernels) };
+        let extent_m = |direction: DVec3| {
+            let hit = self.scene.geometry.intersect(&Ray::new(position, direction), None, radius_m);
+            hit.map_or(radius_m, |hit| hit.t)
+        };
+        let ahead_m = extent_m(towards);
+        if ahead_m < distance_m {
+            return None;
         }
+        let extents = [ahead_m, extent_m(-towards)].map(|extent_m| extent_m / radius_m);
+        Some(kernels.between_faces(KernelDomain::Disk, extents))
     }
 
     /// Adds the light that a photon brings to the receptors on the surface where it arrives.
@@ -147,8 +216,10 @@ impl<'a> ReceptorKernels<'a> {
             return;
         }
         let hit = &arrival.interaction.hit;
-        for (number, receptor) in self.scene.camera.receptors().iter().enumerate() {
-            let ReceptorShape::Surface(object, side) = receptor.shape else { continue };
+        let first = self.surfaces.partition_point(|(object, _)| *object < hit.object);
+        let on_object = self.surfaces[first..].iter().take_while(|(object, _)| *object == hit.object);
+        for number in on_object.map(|(_, number)| *number as usize) {
+            let ReceptorShape::Surface(object, side) = self.scene.camera.receptors()[number].shape else { continue };
             let to_light = arrival.to_light();
             let front = to_light.dot(hit.normal) > 0.0;
             let (counts, sides) = match side {
@@ -156,7 +227,7 @@ impl<'a> ReceptorKernels<'a> {
                 ReceivingSide::Back => (!front, 1.0),
                 ReceivingSide::Both => (true, 2.0),
             };
-            if object != hit.object || !counts {
+            if !counts {
                 continue;
             }
             let facing = if front { hit.normal } else { -hit.normal };
@@ -218,6 +289,7 @@ fn crossing(flight: &PhotonFlight<'_>, position: DVec3, response: Response, radi
 /// Collects the distances of caustic photons from the receptors.
 struct ReceptorSurvey<'a> {
     receptors: &'a [Receptor],
+    disks: PointDisks,
     most_m: f64,
     distances2: Vec<Vec<f64>>,
 }
@@ -231,10 +303,11 @@ impl PhotonVisitor for ReceptorSurvey<'_> {
         if flight.photon.light_path != LightPath::Caustic {
             return;
         }
-        for (receptor, distances2) in self.receptors.iter().zip(&mut self.distances2) {
-            let ReceptorShape::Point(position, response) = receptor.shape else { continue };
-            let found = crossing(flight, position, response, self.most_m);
-            distances2.extend(found.map(|(_, d2)| d2));
-        }
+        let (receptors, most_m, distances2) = (self.receptors, self.most_m, &mut self.distances2);
+        self.disks.visit(flight, |number| {
+            let ReceptorShape::Point(position, response) = receptors[number].shape else { return };
+            let found = crossing(flight, position, response, most_m);
+            distances2[number].extend(found.map(|(_, d2)| d2));
+        });
     }
 }

@@ -100,7 +100,8 @@ impl Job {
 fn reading_layout(scene: &Scene) -> Option<ReadingLayout> {
     let owners = |(meter, data): (usize, &Meter)| {
         let observer = data.quantity.observer();
-        std::iter::repeat_n(ReadingOwner { meter, observer }, data.readings.len())
+        let decides_stop = data.decides_stop;
+        std::iter::repeat_n(ReadingOwner { meter, observer, decides_stop }, data.readings.len())
     };
     let readings: Vec<ReadingOwner> = scene.meters.iter().enumerate().flat_map(owners).collect();
     (!readings.is_empty()).then(|| ReadingLayout { rows: scene.camera.pixel_count() / readings.len(), readings })

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::optics::bsdf::{Bsdf, BsdfClass};
 use crate::plan::CausticPlan;
 use crate::scene::light::{Emitter, Light};
-use crate::scene::meter::{Meter, MeterReading, Quantity, QuantityKind};
+use crate::scene::meter::{Meter, MeterGrid, MeterReading, Quantity, QuantityKind};
 use crate::sensor::{Reading, ReadingSpectrum};
 use crate::spectrum::{LUMENS_PER_WATT, Observer, Outside, Spectrum};
 use glam::DVec3;
@@ -45,10 +45,16 @@ pub struct MeterReport {
     pub wavelength_nm: Option<Vec<f64>>,
     /// The readings.
     pub points: Vec<PointReport>,
+    /// The grid of the readings, if the meter is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grid: Option<MeterGrid>,
     /// The mean of the readings. `None` for spectra.
     pub mean: Option<f64>,
-    /// The least reading divided by the mean reading. `None` for spectra, and if the mean is 0.
+    /// The uniformity U0: the least reading divided by the mean reading. `None` for spectra, and if
+    /// the mean is 0.
     pub uniformity: Option<f64>,
+    /// The least reading divided by the largest reading. `None` for spectra, and if the mean is 0.
+    pub least_to_largest: Option<f64>,
 }
 
 /// A reading.
@@ -183,6 +189,7 @@ fn report(meter: &Meter, readings: &[Reading], sky_lx: f64) -> MeterReport {
         .collect();
     let mean = numbers.as_ref().map(|numbers| numbers.iter().sum::<f64>() / numbers.len() as f64);
     let least = numbers.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+    let largest = numbers.iter().flatten().copied().fold(0.0, f64::max);
     let wavelength_nm = match meter.quantity.kind() {
         QuantityKind::Spectrum => {
             readings.first().and_then(|reading| Some(reading.spectrum.as_ref()?.centres_nm.clone()))
@@ -196,7 +203,9 @@ fn report(meter: &Meter, readings: &[Reading], sky_lx: f64) -> MeterReport {
         wavelength_nm,
         points,
         mean,
+        grid: meter.grid,
         uniformity: mean.filter(|&mean| mean > 0.0).map(|mean| least / mean),
+        least_to_largest: mean.filter(|&mean| mean > 0.0).map(|_| least / largest),
     }
 }
 

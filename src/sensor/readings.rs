@@ -28,6 +28,8 @@ pub struct ReadingOwner {
     pub meter: usize,
     /// The observer whose function ȳ weights the wavelengths of the reading.
     pub observer: &'static Observer,
+    /// True if a stop rule for the error waits for the reading.
+    pub decides_stop: bool,
 }
 
 /// The data of a measurement in the film.
@@ -84,8 +86,9 @@ impl ReadingLayout {
         self.readings[row / self.rows].observer
     }
 
-    /// Returns the squared relative error of the reading with the largest relative error. Returns
-    /// `None` if an error is unknown or if all readings are 0.
+    /// Returns the squared relative error of the reading with the largest relative error, among the
+    /// readings that decide when a measurement stops. Returns `None` if an error is unknown or if
+    /// all of these readings are 0.
     pub(super) fn largest_error(&self, readings: &[Reading]) -> Option<ErrorSquares> {
         let meters = self.readings.last()?.meter + 1;
         let mut largest = vec![0.0_f64; meters];
@@ -95,7 +98,7 @@ impl ReadingLayout {
         let mut worst = None::<ErrorSquares>;
         for (owner, reading) in self.readings.iter().zip(readings) {
             let scale = reading.value.max(LEAST_SHARE * largest[owner.meter]);
-            if scale <= 0.0 {
+            if scale <= 0.0 || !owner.decides_stop {
                 continue;
             }
             let square = |error: f64| (error / scale).powi(2);

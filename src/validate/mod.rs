@@ -1,9 +1,10 @@
 //! Validation: measurements of public test cases with known results.
 //!
 //! `abbe validate` runs the cases and writes a report. Each case states its expected values, and
-//! the module [`cie171`] builds its scene.
+//! the modules [`cie171`] and [`closed_forms`] build its scenes.
 
 pub mod cie171;
+pub mod closed_forms;
 mod report;
 
 pub use report::markdown;

@@ -26,6 +26,7 @@ mod lamps;
 mod layers;
 mod lens;
 mod library;
+mod measure;
 mod pages;
 mod pictures;
 mod preview;

@@ -34,6 +34,7 @@ mod media_kernels;
 mod media_light_map;
 mod media_methods;
 mod media_single_scattering;
+mod meter_closed_forms;
 mod meters;
 mod motion;
 mod nesting;

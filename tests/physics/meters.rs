@@ -17,8 +17,11 @@ fn job(scene: &Json) -> Job {
     Job::new(resolve_meters(&file, &source).unwrap()).unwrap()
 }
 
-fn measure(scene: &Json, integrator: Option<Integrator>, passes: u64) -> MeasurementReport {
-    let stop = StopRules { passes: Some(passes), ..StopRules::default() };
+pub(crate) fn measure(scene: &Json, integrator: Option<Integrator>, passes: u64) -> MeasurementReport {
+    measure_until(scene, integrator, StopRules { passes: Some(passes), ..StopRules::default() })
+}
+
+pub(crate) fn measure_until(scene: &Json, integrator: Option<Integrator>, stop: StopRules) -> MeasurementReport {
     job(scene).measure(integrator, stop, &mut NoMonitor).unwrap().0
 }
 

@@ -7,7 +7,7 @@ use super::objects::{EmissionSource, EmittingObject};
 use super::spectra::Role;
 use crate::error::{Error, Result};
 use crate::format::light::{
-    BeamFile, DirectionalFile, EnvironmentFile, IesFile, LightFile, PointFile, SkyFile, SpotFile,
+    BeamFile, DirectionalFile, EnvironmentFile, IesFile, LightFile, PointFile, SkyFile, SpotFile, SunFile,
 };
 use crate::format::luminaire::{self, Photometry};
 use crate::format::{EmissionFile, JsonPath, QuantityFile, SpectrumFile};
@@ -15,7 +15,8 @@ use crate::math::elementary::acos;
 use crate::scene::builder::SceneBuilder;
 use crate::scene::light::{
     AreaLight, BeamLight, DirectionalLight, Emitter, EnvironmentLight, EnvironmentPattern, GoniometricLight, Light,
-    LightSpectrum, LuminousOpening, OpeningShape, PointLight, SpotLight, StandardSky, SunDirection, mean_scale,
+    LightSpectrum, LuminousOpening, OpeningShape, PointLight, SpotLight, StandardSky, SunDirection, SunPosition,
+    clear_beam_lx, mean_scale,
 };
 use crate::spectrum::{Observer, Spectrum};
 use glam::{DAffine3, DVec3};
@@ -81,6 +82,10 @@ impl Resolver<'_> {
             let at = at.index(number);
             let light = self.light(&at, number, file, builder, observer);
             self.keep(light.and_then(|light| self.at(&at, builder.add_light(light))));
+            if let LightFile::Sky(sky @ SkyFile { sun: Some(sun), .. }) = file {
+                let light = self.sun(&at.key("sky"), number, (sky, sun), &mut builder.notes, observer);
+                self.keep(light.and_then(|light| self.at(&at, builder.add_light(light))));
+            }
         }
         let at = root.key("objects");
         for emitting in emitting {
@@ -299,10 +304,10 @@ impl Resolver<'_> {
         file: &SkyFile,
         context: &mut LightContext<'_>,
     ) -> Result<EmitterAndSpectrum> {
-        let SkyFile { kind, sun_elevation, sun_azimuth, illuminance, ground_reflectance, spectrum, group: _ } = file;
+        let SkyFile { kind, illuminance, ground_reflectance, spectrum, .. } = file;
         let spectrum = self.light_spectrum(path, spectrum, context.notes)?;
-        let elevation = sun_elevation.unwrap_or(90.0).to_radians();
-        let sun = SunDirection { elevation, azimuth: sun_azimuth.to_radians() };
+        let position = self.at(path, file.sun_position())?;
+        let sun = position.map_or(SunDirection::ZENITH, |position| position.direction);
         let sky = StandardSky::new(*kind, sun, *ground_reflectance);
         let unknown = || Error::input(format!("found {kind}")).expected("a whole number from 1 to 16");
         let sky = self.at(&path.key("type"), sky.ok_or_else(unknown))?;
@@ -310,6 +315,28 @@ impl Resolver<'_> {
         let mean_radiance = self.at(path, radiometric(quantity, &spectrum))?.value();
         let pattern = EnvironmentPattern::Sky(Arc::new(sky));
         Ok((Emitter::Environment(EnvironmentLight::new(mean_radiance, pattern)), spectrum))
+    }
+
+    /// Resolves the sun of a sky.
+    fn sun(
+        &self,
+        path: &JsonPath<'_>,
+        number: usize,
+        (sky, file): (&SkyFile, &SunFile),
+        notes: &mut Vec<String>,
+        observer: &'static Observer,
+    ) -> Result<Light> {
+        let at = path.key("sun");
+        let spectrum = self.light_spectrum(&at, &file.spectrum, notes)?;
+        let unknown = || Error::input("missing key \"sun_elevation\"").expected("the elevation of the sun in degrees");
+        let SunPosition { direction, distance_au } = self.at(path, sky.sun_position()?.ok_or_else(unknown))?;
+        let illuminance = file.illuminance.unwrap_or_else(|| clear_beam_lx(direction.elevation, distance_au));
+        let irradiance = self.at(&at, spectrum.watts_from_lumens(illuminance))?;
+        let angular_radius = 0.5 * file.angular_diameter.to_radians();
+        let emitter = Emitter::Directional(DirectionalLight::new(-direction.to_vector(), angular_radius, irradiance));
+        let light = self.at(&at, Light::new(format!("sky {number} sun"), emitter, &spectrum, observer))?;
+        let group = file.group.as_ref().or(sky.group.as_ref()).unwrap_or(&light.name).clone();
+        Ok(Light { group, ..light })
     }
 
     /// Resolves the emission of an object. Returns the spectrum, and the radiance over the band in

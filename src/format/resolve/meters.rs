@@ -5,7 +5,7 @@ use crate::colour::RgbSpace;
 use crate::colour::gamut::GamutMapping;
 use crate::colour::tone::ToneCurve;
 use crate::error::{Error, Result};
-use crate::format::{JsonPath, MeterFile};
+use crate::format::{JsonPath, MeterFile, MeterGridFile};
 use crate::math::warp;
 use crate::scene::builder::SceneBuilder;
 use crate::scene::camera::Camera;
@@ -45,7 +45,9 @@ impl Resolver<'_> {
                 let error = Error::input(format!("found more than {MOST_READINGS} readings"));
                 return self.at(&at, Err(error.expected("fewer points")));
             }
-            meters.push(Meter { name: file.name.clone(), quantity: file.quantity(), readings });
+            let (name, quantity) = (file.name.clone(), file.quantity());
+            let grid = file.grid.as_ref().map(MeterGridFile::grid);
+            meters.push(Meter { name, quantity, readings, grid, decides_stop: true });
         }
         let rows = LEAST_ROWS.div_ceil(receptors.len()) as u32;
         let height = receptors.len() as u32 * rows;

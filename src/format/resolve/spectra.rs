@@ -114,6 +114,7 @@ impl Spectra<'_> {
             }
             SpectrumFile::Lines(lines) => Spectrum::lines(&lines.iter().map(line).collect::<Vec<_>>()),
             SpectrumFile::Blackbody { temperature } => Spectrum::blackbody(*temperature),
+            SpectrumFile::Daylight { temperature } => Spectrum::daylight(*temperature),
             SpectrumFile::Gaussian { peak_nm, fwhm_nm } => Spectrum::gaussian(*peak_nm, *fwhm_nm),
             SpectrumFile::Rgb(rgb) => upsampled(*rgb, role),
             SpectrumFile::Srgb(colour) => colour.linear().and_then(|rgb| upsampled(rgb, role)),

@@ -20,6 +20,7 @@ mod point;
 mod sample;
 mod sky;
 mod spectrum;
+mod sun;
 mod virtual_light;
 mod volume;
 
@@ -38,6 +39,7 @@ pub use point::{PointLight, SpotLight};
 pub use sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoint, SceneExtent};
 pub use sky::{StandardSky, SunDirection};
 pub use spectrum::LightSpectrum;
+pub use sun::{GeographicPlace, SunPosition, clear_beam_lx};
 pub use virtual_light::{LightConnection, VirtualLight};
 pub use volume::VolumeLight;
 

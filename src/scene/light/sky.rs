@@ -65,6 +65,9 @@ pub struct SunDirection {
 }
 
 impl SunDirection {
+    /// The zenith.
+    pub const ZENITH: Self = Self { elevation: FRAC_PI_2, azimuth: 0.0 };
+
     /// Returns the unit vector towards the sun.
     pub fn to_vector(self) -> DVec3 {
         let (sin_azimuth, cos_azimuth) = sin_cos(self.azimuth);

@@ -13,6 +13,7 @@ pub use quantity::{Quantity, QuantityKind};
 pub use receptor::{ReceivingSide, Receptor, ReceptorPoint, ReceptorShape, Response};
 
 use glam::DVec3;
+use serde::Serialize;
 
 /// A meter.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +24,24 @@ pub struct Meter {
     pub quantity: Quantity,
     /// The readings, one for each receptor, in the order of the receptors.
     pub readings: Vec<MeterReading>,
+    /// The grid of the readings, if the meter is one.
+    pub grid: Option<MeterGrid>,
+    /// True if a measurement with a target error waits for the readings of this meter.
+    pub decides_stop: bool,
+}
+
+/// The grid of a meter: points in the middles of the cells of a parallelogram. All positions are in
+/// the unit of the scene file.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MeterGrid {
+    /// A corner of the parallelogram.
+    pub origin: [f64; 3],
+    /// The edge along the first index, which changes fastest.
+    pub u: [f64; 3],
+    /// The edge along the second index.
+    pub v: [f64; 3],
+    /// The numbers of cells along `u` and along `v`.
+    pub count: [u32; 2],
 }
 
 /// The data of a reading that do not depend on the measured light.

@@ -1,0 +1,206 @@
+//! The readings of meters as a table, as CSV, and as an HTML page.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use glam::DVec3;
+
+use crate::math::elementary::log10;
+use crate::output::meters_page::{self, MeterSection};
+use crate::output::plan_map::PlanMap;
+use crate::render::{MeasurementReport, MeterReport, PointReport, Value};
+
+/// Returns the readings as a table.
+pub(super) fn table(report: &MeasurementReport) -> String {
+    let mut text = String::new();
+    for meter in &report.meters {
+        let _ = writeln!(text, "{}", title(meter));
+        let _ = writeln!(
+            text,
+            "  {:>26}  {:>12}  {:>23}  {:>9}  {:>9}",
+            "position", "value", "95 % interval", "noise", "bias"
+        );
+        for point in &meter.points {
+            let _ = writeln!(text, "  {:>26}  {}", position(point), row(meter, point));
+        }
+        if let Some(summary) = summary(meter) {
+            let _ = writeln!(text, "  {summary}");
+        }
+    }
+    text
+}
+
+/// Returns the name of a meter, its quantity and its unit.
+fn title(meter: &MeterReport) -> String {
+    format!("{}: {} ({})", meter.name, meter.quantity.replace('_', " "), meter.unit)
+}
+
+/// Returns the position of a reading.
+fn position(point: &PointReport) -> String {
+    let short = |value: f64| format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_string();
+    point.position.map(short).join(", ")
+}
+
+/// Returns the mean and the uniformity of a meter with several readings.
+fn summary(meter: &MeterReport) -> Option<String> {
+    let (mean, uniformity, least_to_largest) = (meter.mean?, meter.uniformity?, meter.least_to_largest?);
+    let several = meter.points.len() > 1;
+    several.then(|| {
+        format!("mean {}, least/mean (U0) {uniformity:.3}, least/largest {least_to_largest:.3}", significant(mean))
+    })
+}
+
+/// Returns the columns of a reading.
+fn row(meter: &MeterReport, point: &PointReport) -> String {
+    let Value::Number(value) = &point.value else {
+        return spectrum_rows(meter, point);
+    };
+    let number = |value: &Option<Value>| match value {
+        Some(Value::Number(value)) => significant(*value),
+        Some(Value::Spectrum(_)) | None => "-".to_string(),
+    };
+    let interval = match &point.interval_95 {
+        Some([Value::Number(low), Value::Number(high)]) => format!("{} to {}", significant(*low), significant(*high)),
+        _ => "-".to_string(),
+    };
+    let flux = point.flux.map_or(String::new(), |flux| {
+        format!("  flux {} over {} m²", significant(flux), significant(point.area_m2.unwrap_or(0.0)))
+    });
+    format!(
+        "{:>12}  {interval:>23}  {:>9}  {:>9}{flux}",
+        significant(*value),
+        number(&point.noise),
+        number(&point.bias)
+    )
+}
+
+/// Returns the spectrum of a reading, one band on each line.
+fn spectrum_rows(meter: &MeterReport, point: &PointReport) -> String {
+    let (Value::Spectrum(values), Some(nm)) = (&point.value, &meter.wavelength_nm) else { return String::new() };
+    let lines = nm.iter().zip(values).map(|(nm, value)| format!("\n  {nm:>26} nm  {:>9}", significant(*value)));
+    lines.collect()
+}
+
+/// Returns a number with five significant digits.
+fn significant(value: f64) -> String {
+    rounded(value, 5.0)
+}
+
+/// Returns a number with this count of significant digits, without trailing zeros.
+fn rounded(value: f64, count: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let digits = (count - 1.0 - log10(value.abs()).floor()).clamp(0.0, 12.0) as usize;
+    let text = format!("{value:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
+}
+
+/// Returns the readings as CSV.
+pub(super) fn csv(report: &MeasurementReport) -> String {
+    let mut text = "meter,quantity,unit,x,y,z,wavelength_nm,value,noise,bias,low_95,high_95\n".to_string();
+    for meter in &report.meters {
+        for point in &meter.points {
+            let bands = match &point.value {
+                Value::Number(_) => 1,
+                Value::Spectrum(values) => values.len(),
+            };
+            for band in 0..bands {
+                let cell = |value: Option<&Value>| match value {
+                    Some(Value::Number(value)) => value.to_string(),
+                    Some(Value::Spectrum(values)) => values[band].to_string(),
+                    None => String::new(),
+                };
+                let nm = meter.wavelength_nm.as_ref().map_or(String::new(), |nm| nm[band].to_string());
+                let [x, y, z] = point.position;
+                let (low, high) =
+                    (point.interval_95.as_ref().map(|ends| &ends[0]), point.interval_95.as_ref().map(|ends| &ends[1]));
+                let (value, noise, bias) =
+                    (cell(Some(&point.value)), cell(point.noise.as_ref()), cell(point.bias.as_ref()));
+                let _ = writeln!(
+                    text,
+                    "{},{},{},{x},{y},{z},{nm},{value},{noise},{bias},{},{}",
+                    quoted(&meter.name),
+                    meter.quantity,
+                    meter.unit,
+                    cell(low),
+                    cell(high)
+                );
+            }
+        }
+    }
+    text
+}
+
+/// Returns a text as a CSV cell.
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_string() }
+}
+
+/// Returns the readings as an HTML page. `scene` is the scene file.
+pub(super) fn page(report: &MeasurementReport, scene: &Path) -> String {
+    let name =
+        scene.file_name().map_or_else(|| scene.display().to_string(), |name| name.to_string_lossy().into_owned());
+    let sections: Vec<MeterSection> = report.meters.iter().map(section).collect();
+    meters_page::page(&format!("Light in {name}"), &sections, &report.notes)
+}
+
+/// Returns the section of a meter on the page.
+fn section(meter: &MeterReport) -> MeterSection {
+    let bands = meter.wavelength_nm.as_deref();
+    let mut columns: Vec<&str> = vec!["position"];
+    columns.extend(bands.map(|_| "wavelength in nm"));
+    columns.extend(["value", "95 % interval", "noise", "bias"]);
+    let with_flux = meter.points.iter().any(|point| point.flux.is_some());
+    columns.extend(with_flux.then_some("flux"));
+    let rows = meter.points.iter().flat_map(|point| {
+        let count = bands.map_or(1, <[f64]>::len);
+        (0..count).map(move |band| {
+            let number = |value: Option<&Value>| match value {
+                Some(Value::Number(value)) => significant(*value),
+                Some(Value::Spectrum(values)) => values.get(band).map_or_else(String::new, |value| significant(*value)),
+                None => "–".to_string(),
+            };
+            let ends = point.interval_95.as_ref();
+            let interval = ends.map_or_else(
+                || "–".to_string(),
+                |[low, high]| format!("{} to {}", number(Some(low)), number(Some(high))),
+            );
+            let mut cells = vec![position(point)];
+            cells.extend(bands.map(|nm| nm[band].to_string()));
+            cells.extend([number(Some(&point.value)), interval]);
+            cells.extend([number(point.noise.as_ref()), number(point.bias.as_ref())]);
+            cells.extend(with_flux.then(|| point.flux.map_or_else(String::new, significant)));
+            cells
+        })
+    });
+    MeterSection {
+        title: title(meter),
+        plan: plan(meter),
+        columns: columns.into_iter().map(str::to_string).collect(),
+        rows: rows.collect(),
+        summary: summary(meter),
+    }
+}
+
+/// Returns the plan of a grid. `None` for other meters and for spectra.
+fn plan(meter: &MeterReport) -> Option<PlanMap> {
+    let grid = meter.grid.as_ref()?;
+    let values = meter.points.iter().map(|point| match point.value {
+        Value::Number(value) => Some(value),
+        Value::Spectrum(_) => None,
+    });
+    let normal = meter.points.first()?.normal.unwrap_or([0.0, 1.0, 0.0]);
+    Some(PlanMap {
+        frame: [grid.u, grid.v, normal].map(DVec3::from),
+        count: grid.count.map(|count| count as usize),
+        values: values.collect::<Option<_>>()?,
+        unit: meter.unit,
+        number: three_digits,
+    })
+}
+
+/// Returns a number with three significant digits.
+fn three_digits(value: f64) -> String {
+    rounded(value, 3.0)
+}

@@ -1,0 +1,96 @@
+//! `abbe measure`: the target error of one meter, the uniformity of a grid, and the page.
+
+use crate::abbe_command::abbe;
+use crate::browser::{Scheme, Seen, open};
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// A point lamp over a grid and beside a wall. A meter in a shadow is much noisier than the grid.
+fn write_scene(folder: &Path) {
+    let scene = json!({
+        "materials": {"grey": {"diffuse": {"reflectance": 0.6}}},
+        "objects": [
+            {"name": "floor", "shape": {"rectangle": {"width": 4, "height": 4}}, "material": "grey"},
+            {"name": "wall", "shape": {"rectangle": {"width": 4, "height": 3}}, "material": "grey",
+             "transform": [{"rotate": {"axis": [1, 0, 0], "degrees": 90}}, {"translate": [0, 1.5, -2]}]},
+            {"name": "shade", "shape": {"disk": {"radius": 0.5}}, "material": "grey",
+             "transform": [{"translate": [0, 0.4, 0]}]}
+        ],
+        "lights": [{"point": {"at": [0, 2, 0], "spectrum": "D65", "luminous_intensity": 400}}],
+        "meters": [
+            {"name": "desk", "grid": {"origin": [-1, 0.5, -1], "u": [2, 0, 0], "v": [0, 0, 2], "count": [5, 4]}},
+            {"name": "shadow", "points": [[0, 0.2, 0]]},
+            {"name": "spectrum", "quantity": "spectral_irradiance", "points": [[0, 1, 0]]}
+        ]
+    });
+    std::fs::write(folder.join("scene.json"), scene.to_string()).unwrap();
+}
+
+fn measured(folder: &Path, arguments: &[&str]) -> Value {
+    let arguments = [&["measure", "scene.json", "--json", "--quiet"], arguments].concat();
+    abbe(folder, &arguments).json()
+}
+
+/// The relative noise of the least exact reading of a meter.
+fn noise(meter: &Value) -> f64 {
+    let number = |value: &Value| value.as_f64().unwrap();
+    let points = meter["points"].as_array().unwrap();
+    points.iter().map(|point| number(&point["noise"]) / number(&point["value"])).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_target_error_may_name_a_meter() {
+    let folder = tempfile::tempdir().unwrap();
+    write_scene(folder.path());
+    let arguments = ["--meter", "desk", "--meter", "shadow", "--passes", "4096", "--target-error"];
+    let of_shadow = measured(folder.path(), &[&arguments[..], &["shadow=0.3%"]].concat());
+    let of_desk = measured(folder.path(), &[&arguments[..], &["desk=0.3%"]].concat());
+    // The grid receives the light of the lamp directly, so it needs fewer passes.
+    let passes = |report: &Value| report["passes"].as_u64().unwrap();
+    assert!(passes(&of_desk) < passes(&of_shadow) && passes(&of_shadow) < 4096, "{of_desk} {of_shadow}");
+    assert!(noise(&of_shadow["meters"][1]) <= 0.003 && noise(&of_desk["meters"][1]) > 0.003, "{of_desk} {of_shadow}");
+    let unknown = abbe(folder.path(), &["measure", "scene.json", "--target-error", "shado=2%"]);
+    unknown.is_error(2, &["unknown meter \"shado\"", "did you mean \"shadow\"?"]);
+    let zero = abbe(folder.path(), &["measure", "scene.json", "--target-error", "desk=0"]);
+    assert!(zero.status == 2 && zero.err.contains("expected a ratio above 0"), "{}", zero.err);
+}
+
+#[test]
+fn a_grid_has_its_mean_and_its_uniformity() {
+    let folder = tempfile::tempdir().unwrap();
+    write_scene(folder.path());
+    let report = measured(folder.path(), &["--passes", "8", "--meter", "desk"]);
+    let desk = &report["meters"][0];
+    let values: Vec<f64> =
+        desk["points"].as_array().unwrap().iter().map(|point| point["value"].as_f64().unwrap()).collect();
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    let near = |key: &str, expected: f64| (desk[key].as_f64().unwrap() / expected - 1.0).abs() < 1e-12;
+    assert!(values.len() == 20 && near("mean", mean), "{desk}");
+    assert!(near("uniformity", least / mean) && near("least_to_largest", least / largest), "{desk}");
+    assert_eq!(
+        desk["grid"],
+        json!({"origin": [-1.0, 0.5, -1.0], "u": [2.0, 0.0, 0.0], "v": [0.0, 0.0, 2.0], "count": [5, 4]})
+    );
+}
+
+#[test]
+fn the_page_shows_plans_and_readings() {
+    let folder = tempfile::tempdir().unwrap();
+    write_scene(folder.path());
+    measured(folder.path(), &["--passes", "8", "--html", "page.html"]);
+    let page = std::fs::read_to_string(folder.path().join("page.html")).unwrap();
+    assert_eq!(page.matches("<svg").count(), 1);
+    // One cell for each of 20 readings and the outline; each isoline has two strokes.
+    assert_eq!(page.matches("<polygon").count(), 21);
+    let isolines = page.matches("class=\"isoline\"").count();
+    assert!(isolines >= 4 && isolines.is_multiple_of(2), "{isolines}");
+    for text in ["desk: illuminance (lx)", "least/mean (U0)", "95 % interval", "94 readings", "wavelength in nm"] {
+        assert!(page.contains(text), "{text}");
+    }
+    let Some(browser) = crate::browser::find() else { return };
+    let size = (1000, 1600);
+    let Seen { picture, console, requests } = open(browser, &page, size, Scheme::Light);
+    assert_eq!((picture.dimensions(), console, requests), (size, Vec::new(), Vec::new()));
+}
