@@ -21,8 +21,10 @@ Arrays of pixels have the shape (rows, columns, ...). The first row is the top r
 in cd/m², wavelengths in nm, spectral radiances in W/m²/sr/nm.
 """
 
+from . import regress
 from ._errors import Error, InputError, Interrupted, MachineError
 from ._lamps import LampsReport, compare_lamps
+from ._measure import Measurement, MeterReport, measure
 from ._native import __version__
 from ._optics import Glass, LensReport, glass, glasses, lens, lenses
 from ._picture import Picture, read
@@ -45,6 +47,8 @@ __all__ = [
     "LampsReport",
     "LensReport",
     "MachineError",
+    "Measurement",
+    "MeterReport",
     "Picture",
     "Progress",
     "Report",
@@ -58,8 +62,10 @@ __all__ = [
     "glasses",
     "lens",
     "lenses",
+    "measure",
     "passes",
     "read",
+    "regress",
     "render",
     "spectra",
     "spectra_from_colour",

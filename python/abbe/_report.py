@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, Callable, Optional
+
+from . import _native
 
 
 class Report(Mapping[str, Any]):
@@ -75,3 +77,19 @@ def _plain(value: Any) -> Any:
     if isinstance(value, list):
         return [_plain(item) for item in value]
     return value
+
+
+def finished_report(task: _native.ReportTask, progress: Optional[Callable[[str], object]] = None) -> str:
+    """Waits for the report of a task. `progress` receives the name of each step."""
+    try:
+        while True:
+            ended, text = task.next_event()
+            if ended and text is not None:
+                return text
+            if ended:
+                raise KeyboardInterrupt
+            if progress is not None and text is not None:
+                progress(text)
+    except BaseException:
+        task.stop()
+        raise

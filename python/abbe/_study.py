@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import Any, Callable, Optional, Union
 
 from . import _native
-from ._report import Report
+from ._report import Report, finished_report
 from ._scene import Scene, scene_arguments
 
 
@@ -47,22 +47,11 @@ def study(
     Ctrl-C stops the study, and the same call continues from the finished steps.
     """
     seconds = budget.total_seconds() if isinstance(budget, datetime.timedelta) else budget
-    task = _native.StudyTask(
+    task = _native.ReportTask.study(
         scene_arguments(scene, set, folder, allow_outside),
         os.fspath(output),
         seconds,
         None if reference is None else os.fspath(reference),
         threads,
     )
-    try:
-        while True:
-            ended, text = task.next_event()
-            if ended and text is not None:
-                return StudyReport(json.loads(text))
-            if ended:
-                raise KeyboardInterrupt
-            if progress is not None and text is not None:
-                progress(text)
-    except BaseException:
-        task.stop()
-        raise
+    return StudyReport(json.loads(finished_report(task, progress)))

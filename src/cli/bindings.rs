@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crate::colour::ColourReport;
+use crate::colour::regress::{RegressionTolerances, judge_given};
 use crate::error::{Error, Result};
 use crate::format::resolve::{self, Role};
 use crate::format::{self, FileAccess};
@@ -12,15 +13,17 @@ use crate::optics::lens::LensAnalysis;
 use crate::optics::lens::image_quality::ImageQuality;
 use crate::optics::lens::section::section;
 use crate::optics::lens::zemax::ZmxSystem;
-use crate::output::file;
+use crate::output::{file, regress_page};
+use crate::render::{Integrator, Job, Monitor, StopRules, on_threads};
 use crate::spectrum::{Observer, Spectrum};
 use crate::study::{StudyMonitor, StudyOutcome};
 use serde::Serialize;
 
 use super::colour::ColourJson;
 use super::lamps::LampsArgs;
+use super::regress_files::{colours_of_json, set_json};
 use super::study::{StudyFiles, study_of};
-use super::{folded_lens, glass, lamps, lens, named};
+use super::{folded_lens, glass, lamps, lens, memory, named};
 
 fn json<T: Serialize>(value: &T) -> String {
     serde_json::to_string(value).expect("reports have text keys and no fallible values")
@@ -123,4 +126,59 @@ pub(crate) fn study_json(request: StudyRequest, monitor: &mut (dyn StudyMonitor 
         StudyOutcome::Finished(report) => Ok(Some(json(&report))),
         StudyOutcome::Interrupted => Ok(None),
     }
+}
+
+/// The scene and the options of a measurement.
+#[derive(Debug)]
+pub(crate) struct MeasureRequest {
+    /// The text of the scene, or `None` if `path` names a scene file.
+    pub(crate) text: Option<String>,
+    pub(crate) path: PathBuf,
+    pub(crate) changes: Vec<String>,
+    pub(crate) access: FileAccess,
+    /// The names of the meters. An empty list means all meters.
+    pub(crate) meters: Vec<String>,
+    pub(crate) integrator: Option<Integrator>,
+    pub(crate) stop: StopRules,
+}
+
+/// Measures with the meters of a scene. Returns `None` if the monitor stopped the measurement.
+pub(crate) fn measure_json(request: MeasureRequest, monitor: &mut (dyn Monitor + Send)) -> Result<Option<String>> {
+    let MeasureRequest { text, path, changes, access, meters, integrator, stop } = request;
+    let text = match text {
+        Some(text) => text,
+        None => format::read_scene_text(&path, access, None)?.text,
+    };
+    let (mut scene, source) = format::parse_with_access(&text, &path, &changes, access)?;
+    scene.select_meters(&meters).map_err(|error| error.in_file(&path))?;
+    let job = Job::new(resolve::resolve_meters(&scene, &source)?).map_err(|error| error.in_file(&path))?;
+    memory::check(&job.budget)?;
+    let measured = on_threads(job.scene.settings.threads, || job.measure(integrator, stop, monitor))?;
+    let (report, interrupted) = measured.map_err(|error| error.in_file(&path))?;
+    Ok((!interrupted).then(|| json(&report)))
+}
+
+/// Returns the regression set.
+pub(crate) fn regression_set_json() -> String {
+    json(&set_json())
+}
+
+/// Judges the colours of a converter, and writes the HTML page of the judgement to the file `page`.
+/// `None` stands for the default tolerance.
+pub(crate) fn regression_json(
+    colours: &str,
+    delta_e_2000: Option<f64>,
+    component: Option<f64>,
+    page: Option<&Path>,
+) -> Result<String> {
+    let defaults = RegressionTolerances::default();
+    let tolerances = RegressionTolerances {
+        delta_e_2000: delta_e_2000.unwrap_or(defaults.delta_e_2000),
+        component: component.unwrap_or(defaults.component),
+    };
+    let report = judge_given(&colours_of_json(colours)?, tolerances)?;
+    if let Some(path) = page {
+        file::write_whole(path, regress_page::page(&report, "converter").as_bytes())?;
+    }
+    Ok(json(&report))
 }

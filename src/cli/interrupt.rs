@@ -12,7 +12,7 @@ static SIGNALS: AtomicUsize = AtomicUsize::new(0);
 pub(crate) fn watch() -> Result<()> {
     let installed = ctrlc::set_handler(|| {
         if SIGNALS.fetch_add(1, Ordering::SeqCst) == 0 {
-            print::remark("interrupted: finishing this pass and saving; interrupt again to quit at once");
+            print::remark("interrupted: finishing this step and saving; interrupt again to quit at once");
         } else {
             std::process::exit(130);
         }

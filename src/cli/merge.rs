@@ -1,25 +1,34 @@
 //! `abbe merge`: merges parts of a picture. The result equals the picture of a single run.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use crate::error::{Error, Result};
 use crate::output::exr::write;
-use crate::render::{PartSet, on_threads};
+use crate::render::{PartSet, Stats, on_threads};
 
 use super::outputs::OutputFiles;
-use super::{Outcome, print};
+use super::{Outcome, interrupt, print, values};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct MergeArgs {
     /// The parts, written by `abbe render --part`; checkpoints are parts too
-    #[arg(value_name = "PART.exr", required = true)]
+    #[arg(value_name = "PART.exr", required_unless_present = "watch", conflicts_with = "watch")]
     parts: Vec<PathBuf>,
+    /// Merge the parts and checkpoints in this folder again and again while they grow, until all
+    /// parts are complete
+    #[arg(long, value_name = "FOLDER")]
+    watch: Option<PathBuf>,
     /// The file of the picture; a PNG file is written beside it
     #[arg(short, long, value_name = "OUT.exr")]
     output: PathBuf,
     /// Merge even if passes are missing, and print which ones
-    #[arg(long)]
+    #[arg(long, conflicts_with = "watch")]
     allow_gaps: bool,
+    /// Exit with status 3 if the relative error of the picture is above this value, such as 2%.
+    /// With --watch: continue until the error is at or below this value
+    #[arg(long, value_name = "RATIO", value_parser = values::share)]
+    target_error: Option<f64>,
     /// Write the statistics of all parts together as JSON
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
@@ -30,9 +39,14 @@ pub(crate) struct MergeArgs {
 
 pub(crate) fn run(arguments: &MergeArgs) -> Result<Outcome> {
     let outputs = OutputFiles::new(arguments.output.clone(), arguments.stats.clone())?;
-    let same =
-        |part: &&PathBuf| part.canonicalize().is_ok_and(|part| outputs.exr.canonicalize().is_ok_and(|out| out == part));
-    if let Some(part) = arguments.parts.iter().find(same) {
+    match &arguments.watch {
+        Some(folder) => watch(arguments, folder, &outputs),
+        None => once(arguments, &outputs),
+    }
+}
+
+fn once(arguments: &MergeArgs, outputs: &OutputFiles) -> Result<Outcome> {
+    if let Some(part) = arguments.parts.iter().find(|part| is_output(part, outputs)) {
         return Err(Error::input("the file is both a part and the output")
             .expected("a different output file")
             .in_file(part));
@@ -50,14 +64,109 @@ pub(crate) fn run(arguments: &MergeArgs) -> Result<Outcome> {
         print::remark(&format!("note: merged without {gaps}"));
     }
     outputs.check()?;
-    let merged = on_threads(None, || merging.merge())??;
-    let write_exr = |path: &std::path::Path| write(path, &merged.picture, &merged.metadata);
-    let exposure = on_threads(None, || outputs.save(write_exr, &merged.picture, &merged.display, &merged.stats))??;
+    let (stats, exposure) = save(merging, outputs)?;
     if !arguments.quiet {
-        let error = print::picture_error(&merged.stats.error);
-        let (parts, passes) = (print::counted(arguments.parts.len(), "part"), print::passes(merged.stats.passes));
+        let error = print::picture_error(&stats.error);
+        let (parts, passes) = (print::counted(arguments.parts.len(), "part"), print::passes(stats.passes));
         let exposure = print::exposure(exposure);
         print::remark(&format!("wrote {}: {passes} from {parts}, exposure {exposure}\n{error}", outputs.named()));
     }
-    Ok(Outcome::Done)
+    let Some(target) = arguments.target_error.filter(|target| !is_reached(&stats, *target)) else {
+        return Ok(Outcome::Done);
+    };
+    let found = stats.error.relative.map_or("unknown".to_string(), |error| format!("{error:.6}"));
+    print::remark(&format!("failed: the relative error is {found}, which is above the target {target}"));
+    Ok(Outcome::Exceeded)
+}
+
+/// Returns true if the path names the output file.
+fn is_output(part: &Path, outputs: &OutputFiles) -> bool {
+    part.canonicalize().is_ok_and(|part| outputs.exr.canonicalize().is_ok_and(|out| out == part))
+}
+
+/// Merges the parts, and saves the picture. Returns the statistics and the exposure.
+fn save(parts: PartSet, outputs: &OutputFiles) -> Result<(Stats, f64)> {
+    let merged = on_threads(None, || parts.merge())??;
+    let write_exr = |path: &Path| write(path, &merged.picture, &merged.metadata);
+    let exposure = on_threads(None, || outputs.save(write_exr, &merged.picture, &merged.display, &merged.stats))??;
+    Ok((merged.stats, exposure))
+}
+
+fn is_reached(stats: &Stats, target: f64) -> bool {
+    stats.error.relative.is_some_and(|error| error <= target)
+}
+
+/// The shortest time between two merges of `--watch`. The time is longer if merging takes long.
+const SHORTEST_PAUSE: Duration = Duration::from_millis(500);
+
+/// The pause is at least the time of the last merge multiplied by this number.
+const PAUSE_RATIO: u32 = 4;
+
+/// The watch ends after more consecutive failures than this number.
+const FAILURES: u32 = 10;
+
+/// Merges the files in a folder whenever they have changed, until all parts are complete.
+fn watch(arguments: &MergeArgs, folder: &Path, outputs: &OutputFiles) -> Result<Outcome> {
+    if !folder.is_dir() {
+        return Err(Error::input("is not a folder").expected("the folder of the parts").in_file(folder));
+    }
+    interrupt::watch()?;
+    outputs.check()?;
+    let (mut merged, mut next, mut failures) = (Vec::new(), Instant::now(), 0);
+    loop {
+        if interrupt::is_requested() {
+            return Ok(Outcome::Interrupted);
+        }
+        if Instant::now() < next {
+            std::thread::sleep(Duration::from_millis(50));
+            continue;
+        }
+        let start = Instant::now();
+        let files: Vec<PathBuf> = exr_files(folder)?.into_iter().filter(|path| !is_output(path, outputs)).collect();
+        let newest = PartSet::newest(&files);
+        if !newest.is_empty() {
+            match refresh(arguments, &newest, &mut merged, outputs) {
+                Ok(true) => return Ok(Outcome::Done),
+                Ok(false) => failures = 0,
+                // A job may have renamed or replaced a file in the meantime.
+                Err(_) if failures < FAILURES => failures += 1,
+                Err(error) => return Err(error),
+            }
+        }
+        next = Instant::now() + SHORTEST_PAUSE.max(start.elapsed() * PAUSE_RATIO);
+    }
+}
+
+/// Merges the parts if they differ from the parts in `merged`. Returns true if nothing is left to
+/// wait for.
+fn refresh(
+    arguments: &MergeArgs,
+    files: &[PathBuf],
+    merged: &mut Vec<(PathBuf, u64)>,
+    outputs: &OutputFiles,
+) -> Result<bool> {
+    let parts = PartSet::new(files)?;
+    let found: Vec<(PathBuf, u64)> = parts.parts().map(|(path, _, done)| (path.to_path_buf(), done)).collect();
+    if found == *merged {
+        return Ok(false);
+    }
+    let gaps = parts.gaps().map(str::to_string);
+    let (stats, _) = save(parts, outputs)?;
+    if !arguments.quiet {
+        let (passes, count) = (print::passes(stats.passes), print::counted(found.len(), "part"));
+        let missing = gaps.as_ref().map_or(String::new(), |gaps| format!(", without {gaps}"));
+        print::remark(&format!("{passes} from {count}{missing}; {}", print::picture_error(&stats.error)));
+    }
+    *merged = found;
+    Ok(gaps.is_none() && arguments.target_error.is_none_or(|target| is_reached(&stats, target)))
+}
+
+/// Returns the EXR files in a folder in the order of their names.
+fn exr_files(folder: &Path) -> Result<Vec<PathBuf>> {
+    let unreadable = |error: std::io::Error| Error::machine(format!("cannot be read: {error}")).in_file(folder);
+    let entries = std::fs::read_dir(folder).map_err(unreadable)?;
+    let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")));
+    paths.sort();
+    Ok(paths)
 }

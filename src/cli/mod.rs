@@ -39,10 +39,13 @@ mod print;
 mod probe;
 mod progress;
 mod readings;
+mod regress;
+mod regress_files;
 mod relight;
 mod render;
 mod scene_file;
 mod schema;
+mod slurm;
 mod spectrum;
 mod study;
 mod validate;
@@ -52,7 +55,8 @@ mod view;
 
 #[cfg(feature = "python")]
 pub(crate) use bindings::{
-    ComparedLamps, StudyRequest, colour_json, glass_json, lamps_json, lens_json, named_spectrum, study_json,
+    ComparedLamps, MeasureRequest, StudyRequest, colour_json, glass_json, lamps_json, lens_json, measure_json,
+    named_spectrum, regression_json, regression_set_json, study_json,
 };
 #[cfg(feature = "python")]
 pub(crate) use glass::check_wavelengths as check_glass_wavelengths;
@@ -82,6 +86,8 @@ enum Command {
     Render(Box<render::RenderArgs>),
     /// Merge the parts of a picture that several machines rendered
     Merge(merge::MergeArgs),
+    /// Write the scripts of Slurm jobs that render a picture in parts on many machines
+    Slurm(slurm::SlurmArgs),
     /// Convert a picture to a PNG file with another exposure, white balance, tone curve, gamut
     /// mapping or colour space, without rendering
     Develop(develop::DevelopArgs),
@@ -112,6 +118,9 @@ enum Command {
     /// Compare two lamps, or a lamp and its best match from primaries: their colours and the
     /// colours of surfaces under them
     Lamps(lamps::LampsArgs),
+    /// Test code that converts spectra to colours: export spectra with known colours, and judge the
+    /// results of the code
+    Regress(regress::RegressArgs),
     /// Measure the light at the meters of a scene: illuminance, spectra, flux, and other quantities
     Measure(measure::MeasureArgs),
     /// Measure public test cases with known results, and write a report
@@ -215,6 +224,7 @@ fn run(command: &Command) -> Result<Outcome> {
     match command {
         Command::Render(arguments) => render::run(arguments),
         Command::Merge(arguments) => merge::run(arguments),
+        Command::Slurm(arguments) => slurm::run(arguments),
         Command::Develop(arguments) => develop::run(arguments),
         Command::Relight(arguments) => relight::run(arguments),
         Command::Explain(arguments) => explain::run(arguments),
@@ -229,6 +239,7 @@ fn run(command: &Command) -> Result<Outcome> {
         Command::Grating(arguments) => grating::run(arguments),
         Command::Lens(arguments) => lens::run(arguments),
         Command::Lamps(arguments) => lamps::run(arguments),
+        Command::Regress(arguments) => regress::run(arguments),
         Command::Measure(arguments) => measure::run(arguments),
         Command::Validate(arguments) => validate::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),

@@ -151,6 +151,36 @@ pub(crate) fn run(arguments: &RenderArgs) -> Result<Outcome> {
     outcome
 }
 
+/// Checks the scene and the options of a render whose parts are jobs of a cluster. Returns the number
+/// of passes of the scene.
+///
+/// # Errors
+/// Returns an input error if the scene is wrong, or if an option is given that the scripts of the
+/// jobs set themselves.
+pub(crate) fn check_part_options(arguments: &RenderArgs) -> Result<Option<u64>> {
+    let owned = [
+        ("--output", arguments.output.is_some()),
+        ("--passes", arguments.passes.is_some()),
+        ("--time", arguments.time.is_some()),
+        ("--target-error", arguments.target_error.is_some()),
+        ("--threads", arguments.threads.is_some()),
+        ("--part", arguments.part != PassPart::WHOLE),
+        ("--resume", arguments.resume),
+        ("--keep-checkpoint", arguments.keep_checkpoint),
+        ("--frames", arguments.sequence.frames().is_some()),
+        ("--stats", arguments.stats.is_some()),
+        ("--display-server", arguments.display_server.is_some()),
+        ("--reproducible", arguments.header.reproducible),
+        ("--quiet", arguments.quiet),
+    ];
+    if let Some((option, _)) = owned.iter().find(|(_, is_given)| *is_given) {
+        let what = format!("{option} after --: the scripts of the jobs do not allow this option");
+        return Err(Error::input(what).expected("options that change the picture, such as --size"));
+    }
+    let (_, job) = plan(arguments)?;
+    Ok(arguments.request().stop.passes_wanted(&job.budget))
+}
+
 /// Renders the picture, or all frames of an image sequence.
 fn pictures(arguments: &RenderArgs, server: Option<&DisplayServer>) -> Result<Outcome> {
     let Some(frames) = arguments.sequence.frames() else {

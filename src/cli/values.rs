@@ -162,6 +162,11 @@ pub(crate) fn gate_below(text: &str) -> Result<Gate, String> {
     gate(figure, limit, GateSide::Below)
 }
 
+/// Parses a limit of 0 or more, such as `0.05` or `0.1%`.
+pub(crate) fn limit(text: &str) -> Result<f64, String> {
+    gate("", text, GateSide::Above).map(|gate| gate.limit)
+}
+
 fn gate(figure: &str, limit: &str, fails: GateSide) -> Result<Gate, String> {
     let (number, unit) = match limit.trim().strip_suffix('%') {
         Some(percent) => (percent.trim_end(), 0.01),

@@ -12,6 +12,7 @@ pub mod gamut;
 pub mod lamps;
 pub mod matching;
 mod matrix;
+pub mod regress;
 pub mod rendering;
 pub mod report;
 pub mod space;

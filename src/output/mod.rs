@@ -19,6 +19,7 @@ pub mod graph;
 pub mod hash;
 pub mod heat;
 pub mod icc;
+pub mod junit;
 #[cfg(feature = "pages")]
 pub mod lamps_page;
 #[cfg(feature = "pages")]
@@ -33,6 +34,8 @@ pub mod plan_map;
 pub mod plot;
 pub mod png;
 pub mod polar;
+#[cfg(feature = "pages")]
+pub mod regress_page;
 pub mod relight;
 mod svg;
 pub mod tev;

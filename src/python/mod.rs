@@ -33,9 +33,11 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(render::explain_scene, module)?)?;
     module.add_function(wrap_pyfunction!(optics::glass_names, module)?)?;
     module.add_function(wrap_pyfunction!(spectrum::spectrum_names, module)?)?;
+    module.add_function(wrap_pyfunction!(reports::regression_set, module)?)?;
+    module.add_function(wrap_pyfunction!(reports::regression_report, module)?)?;
     module.add_function(wrap_pyfunction!(reports::lens_report, module)?)?;
     module.add_function(wrap_pyfunction!(reports::lens_names, module)?)?;
     module.add_function(wrap_pyfunction!(reports::lamps_report, module)?)?;
-    module.add_class::<reports::StudyTask>()?;
+    module.add_class::<reports::ReportTask>()?;
     Ok(())
 }

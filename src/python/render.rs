@@ -82,13 +82,7 @@ struct OptionArguments {
 
 impl OptionArguments {
     fn options(&self) -> Result<RenderOptions> {
-        let integrator = match self.integrator.as_str() {
-            "photon" => Integrator::Photon,
-            "path" => Integrator::Path,
-            other => {
-                return Err(Error::unknown_name("integrator", other, ["photon", "path"]).expected("photon or path"));
-            }
-        };
+        let integrator = integrator(&self.integrator)?;
         let mut options = RenderOptions::default().integrator(integrator).resume(self.resume);
         if self.passes == Some(0) {
             return Err(Error::input("0 passes").expected("at least 1 pass"));
@@ -125,6 +119,15 @@ impl OptionArguments {
             options = options.checkpoint(path);
         }
         Ok(options)
+    }
+}
+
+/// Returns the integrator with this name.
+pub(super) fn integrator(name: &str) -> Result<Integrator> {
+    match name {
+        "photon" => Ok(Integrator::Photon),
+        "path" => Ok(Integrator::Path),
+        other => Err(Error::unknown_name("integrator", other, ["photon", "path"]).expected("photon or path")),
     }
 }
 

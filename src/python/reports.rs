@@ -1,4 +1,4 @@
-//! Reports as JSON text: lenses, comparisons of lamps, and studies.
+//! Reports as JSON text: lenses, comparisons of lamps, regression tests, measurements and studies.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,11 +10,11 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
 use super::errors::OrException;
-use super::render::{SIGNAL_INTERVAL, SceneArguments};
-use crate::cli::{self, ComparedLamps, StudyRequest};
+use super::render::{SIGNAL_INTERVAL, SceneArguments, integrator};
+use crate::cli::{self, ComparedLamps, MeasureRequest, StudyRequest};
 use crate::error::{Error, Result};
 use crate::optics::lens::catalogue;
-use crate::render::{Monitor, Progress};
+use crate::render::{Monitor, Progress, StopRules};
 use crate::study::StudyMonitor;
 
 /// Analyses a lens.
@@ -50,22 +50,40 @@ pub(super) fn lamps_report(
     py.detach(|| cli::lamps_json(lamps, html.as_deref())).or_exception(py)
 }
 
-/// An event of a study.
-enum StudyEvent {
+/// The regression set.
+#[pyfunction]
+pub(super) fn regression_set(py: Python<'_>) -> String {
+    py.detach(cli::regression_set_json)
+}
+
+/// Judges the colours of a converter.
+#[pyfunction]
+pub(super) fn regression_report(
+    py: Python<'_>,
+    colours: &str,
+    delta_e: Option<f64>,
+    component: Option<f64>,
+    page: Option<PathBuf>,
+) -> PyResult<String> {
+    py.detach(|| cli::regression_json(colours, delta_e, component, page.as_deref())).or_exception(py)
+}
+
+/// An event of a long computation that ends with a report.
+enum ReportEvent {
     Step(String),
     End(Result<Option<String>>),
 }
 
-/// A study that runs in a thread of its own.
+/// A study or a measurement that runs in a thread of its own.
 #[pyclass(module = "abbe._native", frozen)]
-pub(super) struct StudyTask {
-    receiver: Mutex<Receiver<StudyEvent>>,
+pub(super) struct ReportTask {
+    receiver: Mutex<Receiver<ReportEvent>>,
     stop: Arc<AtomicBool>,
 }
 
-/// Sends the steps of a study to the thread of the caller.
+/// Sends the steps of the computation to the thread of the caller.
 struct StepSender {
-    sender: Sender<StudyEvent>,
+    sender: Sender<ReportEvent>,
     stop: Arc<AtomicBool>,
 }
 
@@ -77,17 +95,61 @@ impl Monitor for StepSender {
 
 impl StudyMonitor for StepSender {
     fn begin(&mut self, step: &str, _: bool) {
-        if self.sender.send(StudyEvent::Step(step.to_string())).is_err() {
+        if self.sender.send(ReportEvent::Step(step.to_string())).is_err() {
             self.stop.store(true, Ordering::SeqCst);
         }
     }
 }
 
+/// Returns a duration in seconds.
+fn duration(seconds: f64) -> Result<Duration> {
+    let fault = |_| Error::input(format!("a time of {seconds} s")).expected("a positive number of seconds");
+    Duration::try_from_secs_f64(seconds).map_err(fault)
+}
+
+/// The meters and the limits of a measurement.
+#[derive(FromPyObject)]
+struct MeasureArguments {
+    #[pyo3(item)]
+    meters: Vec<String>,
+    #[pyo3(item)]
+    integrator: Option<String>,
+    #[pyo3(item)]
+    passes: Option<u64>,
+    #[pyo3(item)]
+    seconds: Option<f64>,
+    #[pyo3(item)]
+    target_error: Option<f64>,
+}
+
+impl ReportTask {
+    /// Runs `work` in a thread.
+    fn start(
+        py: Python<'_>,
+        work: impl FnOnce(&mut StepSender) -> Result<Option<String>> + Send + 'static,
+    ) -> PyResult<Self> {
+        let (sender, receiver) = channel();
+        let stop = Arc::new(AtomicBool::new(false));
+        let mut steps = StepSender { sender, stop: Arc::clone(&stop) };
+        let run = move || {
+            let report = work(&mut steps);
+            // The caller may have lost interest in the report.
+            let _ = steps.sender.send(ReportEvent::End(report));
+        };
+        std::thread::Builder::new()
+            .name("abbe report".to_string())
+            .spawn(run)
+            .map_err(|error| Error::machine(format!("threads cannot be started: {error}")))
+            .or_exception(py)?;
+        Ok(Self { receiver: Mutex::new(receiver), stop })
+    }
+}
+
 #[pymethods]
-impl StudyTask {
+impl ReportTask {
     /// Starts a study. `seconds` is the time that the study may take.
-    #[new]
-    fn new(
+    #[staticmethod]
+    fn study(
         py: Python<'_>,
         scene: SceneArguments,
         folder: PathBuf,
@@ -95,45 +157,43 @@ impl StudyTask {
         reference: Option<PathBuf>,
         threads: Option<u32>,
     ) -> PyResult<Self> {
-        let budget = Duration::try_from_secs_f64(seconds)
-            .map_err(|_| Error::input(format!("a time of {seconds} s")).expected("a positive number of seconds"))
-            .or_exception(py)?;
+        let budget = duration(seconds).or_exception(py)?;
         let SceneArguments { text, path, changes, allow_outside } = scene;
         let access = SceneArguments::access(allow_outside);
         let request = StudyRequest { text, path, changes, access, folder, budget, reference, threads };
-        let (sender, receiver) = channel();
-        let stop = Arc::new(AtomicBool::new(false));
-        let mut steps = StepSender { sender, stop: Arc::clone(&stop) };
-        let work = move || {
-            let report = cli::study_json(request, &mut steps);
-            // The caller may have lost interest in the report.
-            let _ = steps.sender.send(StudyEvent::End(report));
-        };
-        std::thread::Builder::new()
-            .name("abbe study".to_string())
-            .spawn(work)
-            .map_err(|error| Error::machine(format!("threads cannot be started: {error}")))
-            .or_exception(py)?;
-        Ok(Self { receiver: Mutex::new(receiver), stop })
+        Self::start(py, move |steps| cli::study_json(request, steps))
     }
 
-    /// Asks the study to stop after the current pass.
+    /// Starts a measurement with the meters of a scene.
+    #[staticmethod]
+    fn measure(py: Python<'_>, scene: SceneArguments, options: MeasureArguments) -> PyResult<Self> {
+        let MeasureArguments { meters, integrator: name, passes, seconds, target_error } = options;
+        let integrator = name.map(|name| integrator(&name)).transpose().or_exception(py)?;
+        let time = seconds.map(duration).transpose().or_exception(py)?;
+        let SceneArguments { text, path, changes, allow_outside } = scene;
+        let access = SceneArguments::access(allow_outside);
+        let stop = StopRules { passes, time, target_error };
+        let request = MeasureRequest { text, path, changes, access, meters, integrator, stop };
+        Self::start(py, move |steps| cli::measure_json(request, steps))
+    }
+
+    /// Asks the task to stop after the current pass.
     fn stop(&self) {
         self.stop.store(true, Ordering::SeqCst);
     }
 
     /// Waits for the next event. Returns whether the study has ended, and a text: the name of a
-    /// step, or the report. An interrupted study has no report.
+    /// step, or the report. An interrupted task has no report.
     fn next_event(&self, py: Python<'_>) -> PyResult<(bool, Option<String>)> {
         loop {
             let event = py
                 .detach(|| self.receiver.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(SIGNAL_INTERVAL));
             match event {
-                Ok(StudyEvent::Step(step)) => return Ok((false, Some(step))),
-                Ok(StudyEvent::End(report)) => return Ok((true, report.or_exception(py)?)),
+                Ok(ReportEvent::Step(step)) => return Ok((false, Some(step))),
+                Ok(ReportEvent::End(report)) => return Ok((true, report.or_exception(py)?)),
                 Err(RecvTimeoutError::Timeout) => py.check_signals()?,
                 Err(RecvTimeoutError::Disconnected) => {
-                    let message = "internal error: the study ended without a report; this is a bug in abbe";
+                    let message = "internal error: the computation ended without a report; this is a bug in abbe";
                     return Err(PyRuntimeError::new_err(message));
                 }
             }

@@ -59,6 +59,21 @@ impl PartSet {
         Ok(Self { parts, header, gaps })
     }
 
+    /// Returns the files to merge while the parts grow. If several files contain the same part, the
+    /// file with the most passes is chosen. Files without exact sums are left out, such as previews.
+    pub fn newest(paths: &[PathBuf]) -> Vec<PathBuf> {
+        let mut newest: Vec<(&PathBuf, PassPart, u64)> = Vec::new();
+        for path in paths {
+            let Ok((saved, _)) = SavedRun::read(path) else { continue };
+            match newest.iter_mut().find(|(_, part, _)| *part == saved.part) {
+                Some(known) if known.2 < saved.done => *known = (path, saved.part, saved.done),
+                Some(_) => {}
+                None => newest.push((path, saved.part, saved.done)),
+            }
+        }
+        newest.into_iter().map(|(path, ..)| path.clone()).collect()
+    }
+
     /// Returns the missing passes in words, or `None` if the parts are complete.
     pub fn gaps(&self) -> Option<&str> {
         self.gaps.as_deref()
@@ -69,22 +84,31 @@ impl PartSet {
         self.parts.iter().map(|(path, saved)| (path.as_path(), saved.part, saved.done))
     }
 
-    /// Adds the sums of all parts.
+    /// Adds the sums of all parts. Only the film and a few rows of a part are in memory.
+    ///
+    /// A job may have replaced a file by one with more passes of the same part. Then the new file is
+    /// merged.
     ///
     /// # Errors
-    /// Returns an input error if a file is damaged.
-    pub fn merge(self) -> Result<MergedPicture> {
+    /// Returns an input error if a file is damaged, or was replaced by another part.
+    pub fn merge(mut self) -> Result<MergedPicture> {
         // The sums already contain the observer's response, so developing them ignores the
         // observer.
         let observer = Observer::cie1931();
         let mut sum: Option<Film> = None;
-        for (path, saved) in &self.parts {
-            let film = saved.film(path, observer)?;
-            match &mut sum {
-                None => sum = Some(film),
-                Some(sum) => sum.add(&film),
+        for (path, saved) in &mut self.parts {
+            let (now, _) = SavedRun::read(path)?;
+            if now.part != saved.part || now.identity.check(&saved.identity).is_err() {
+                return Err(Error::input("was replaced by another part in the meantime").in_file(path));
             }
+            *saved = now;
+            let film = match sum.take() {
+                None => saved.blank_film(path, observer)?,
+                Some(film) => film,
+            };
+            saved.add_to(path, sum.insert(film))?;
         }
+        self.gaps = gaps(&self.parts)?;
         let (picture, squares) = sum.ok_or_else(|| Error::input("no parts to merge"))?.picture_and_error();
         let stats: Vec<&Stats> = self.parts.iter().map(|(_, saved)| &saved.stats).collect();
         let stats = Stats::merged(&stats, &picture, squares);

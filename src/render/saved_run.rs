@@ -12,8 +12,8 @@ use super::part::PassPart;
 use super::run::Run;
 use super::stats::Stats;
 use crate::error::{Error, Result};
-use crate::output::exr::{add_sums, holds_sums_of, read_metadata, write_with_sums};
-use crate::output::hash::IdentityHash;
+use crate::output::exr::{add_sums, hash_sums, holds_sums_of, read_metadata, write_with_sums};
+use crate::output::hash::{IdentityHash, SumsHash};
 use crate::output::metadata::{Metadata, names};
 use crate::pass::PassSums;
 use crate::plan::Tally;
@@ -69,7 +69,7 @@ impl SavedRun {
             diffraction: job.diffraction.clone(),
             hash: String::new(),
         };
-        record.hash = record.hash_with(film);
+        record.hash = record.hash_with(hash_sums(film));
         write_with_sums(path, film, &picture, &metadata.with_json(RECORD, &record))
     }
 
@@ -118,7 +118,17 @@ impl SavedRun {
     }
 
     /// Reads the film with its sums.
-    pub(super) fn film(&self, path: &Path, observer: &'static Observer) -> Result<Film> {
+    fn film(&self, path: &Path, observer: &'static Observer) -> Result<Film> {
+        let mut film = self.blank_film(path, observer)?;
+        self.add_to(path, &mut film)?;
+        Ok(film)
+    }
+
+    /// Returns an unexposed film for the sums of the file.
+    ///
+    /// # Errors
+    /// Returns an input error if the file is damaged.
+    pub(super) fn blank_film(&self, path: &Path, observer: &'static Observer) -> Result<Film> {
         let ([width, height], bands) = self.identity.film_size();
         let layers = self.identity.layers();
         // The size comes from a record that is not verified yet. The film is allocated only if this
@@ -128,22 +138,27 @@ impl SavedRun {
         }
         let diffraction = self.diffraction.as_ref().map(|diffraction| diffraction.for_film((width, height)).into());
         let film = Film::new(width, height, observer, bands);
-        let mut film = film.with_diffraction(diffraction).with_layers(layers);
-        add_sums(path, &mut film)?;
-        if self.hash_with(&film) != self.hash {
+        Ok(film.with_diffraction(diffraction).with_layers(layers))
+    }
+
+    /// Adds the sums of the file to a film, and counts its passes.
+    ///
+    /// # Errors
+    /// Returns an input error if the file is damaged. The film is then useless.
+    pub(super) fn add_to(&self, path: &Path, film: &mut Film) -> Result<()> {
+        let hash = add_sums(path, film)?;
+        if self.hash_with(hash) != self.hash {
             return Err(Error::input("is damaged: its sums have changed since they were written").in_file(path));
         }
         (0..self.done).for_each(|nth| film.count_pass(self.part.pass(nth)));
-        Ok(film)
+        Ok(())
     }
 
-    fn hash_with(&self, film: &Film) -> String {
+    fn hash_with(&self, sums: SumsHash) -> String {
         let record = Self { hash: String::new(), ..self.clone() };
         let mut hash = IdentityHash::default();
         hash.add_part(&serde_json::to_vec(&record).expect("a record has text keys and no fallible values"));
-        for plane in 0..film.plane_names().len() {
-            film.plane(plane).for_each(|sum| hash.add(&sum.bits().to_le_bytes()));
-        }
+        hash.add(&sums.bytes());
         hash.hex()
     }
 }

@@ -49,11 +49,6 @@ impl NameCounts {
         }
     }
 
-    /// Adds the counts of another list.
-    pub(super) fn add_all(&mut self, other: &Self) {
-        other.0.iter().for_each(|&(hash, samples)| self.add(hash, samples));
-    }
-
     /// Returns the number of names.
     pub(super) fn len(&self) -> usize {
         self.0.len()

@@ -240,14 +240,16 @@ impl Film {
     /// Returns the names of the planes of sums: `X`, `Z`, the bias of both halves, Y of the
     /// replicates, the channels, and the entries of the lists of names.
     pub fn plane_names(&self) -> Vec<String> {
+        let names = self.names.iter().flat_map(|layer| (0..layer.ranks()).map(|place| layer.kind.plane_name(place)));
+        self.light_plane_names().into_iter().chain(names).collect()
+    }
+
+    /// Returns the names of the planes of sums without the entries of the lists of names. These
+    /// planes come first in [`Self::plane_names`], and they do not depend on the passes.
+    pub fn light_plane_names(&self) -> Vec<String> {
         let replicates = (0..REPLICATES).map(|r| format!("Y{r}"));
-        ["X", "Z", "bias0", "bias1"]
-            .map(String::from)
-            .into_iter()
-            .chain(replicates)
-            .chain(self.channels.names())
-            .chain(self.names.iter().flat_map(|layer| (0..layer.ranks()).map(|place| layer.kind.plane_name(place))))
-            .collect()
+        let first = ["X", "Z", "bias0", "bias1"].map(String::from);
+        first.into_iter().chain(replicates).chain(self.channels.names()).collect()
     }
 
     /// Returns the sums of one plane, pixel by pixel. `plane` is an index into
@@ -283,18 +285,18 @@ impl Film {
         self.names.iter().map(|layer| layer.kind).collect()
     }
 
-    /// Adds the entries of a plane of names, pixel by pixel.
-    pub fn add_names(&mut self, kind: NameKind, entries: impl Iterator<Item = ExactSum>) {
+    /// Adds the entries of a plane of names, pixel by pixel from the pixel `first`.
+    pub fn add_names(&mut self, kind: NameKind, first: usize, entries: impl Iterator<Item = ExactSum>) {
         if let Some(layer) = self.names.iter_mut().find(|layer| layer.kind == kind) {
-            layer.pixels.iter_mut().zip(entries).for_each(|(names, entry)| names.add_sum(entry));
+            layer.pixels.iter_mut().skip(first).zip(entries).for_each(|(names, entry)| names.add_sum(entry));
         }
     }
 
-    /// Adds sums to one plane, pixel by pixel. `plane` is an index into [`Self::plane_names`]. The
-    /// planes of names are left out: [`Self::add_names`] adds them.
-    pub fn add_plane(&mut self, plane: usize, sums: impl Iterator<Item = ExactSum>) {
+    /// Adds sums to one plane, pixel by pixel from the pixel `first`. `plane` is an index into
+    /// [`Self::light_plane_names`]. [`Self::add_names`] adds the planes of names.
+    pub fn add_plane(&mut self, plane: usize, first: usize, sums: impl Iterator<Item = ExactSum>) {
         let count = self.channels.count();
-        for ((pixel, own), sum) in self.pixels.iter_mut().enumerate().zip(sums) {
+        for ((pixel, own), sum) in self.pixels.iter_mut().enumerate().skip(first).zip(sums) {
             *match plane {
                 0 => &mut own.x,
                 1 => &mut own.z,
@@ -303,16 +305,6 @@ impl Film {
                 _ => &mut self.by_channel[pixel * count + plane - FIRST_CHANNEL],
             } += sum;
         }
-    }
-
-    /// Adds the passes of another film of the same size, bands and layers.
-    pub fn add(&mut self, other: &Self) {
-        let planes = FIRST_CHANNEL + self.channels.count();
-        (0..planes).for_each(|plane| self.add_plane(plane, other.plane(plane)));
-        for (own, more) in self.names.iter_mut().zip(&other.names) {
-            own.pixels.iter_mut().zip(&more.pixels).for_each(|(own, more)| own.add_all(more));
-        }
-        self.passes.iter_mut().zip(other.passes).for_each(|(own, more)| *own += more);
     }
 
     /// Returns the picture so far: means over the passes, with error bars.

@@ -31,6 +31,8 @@ mod pages;
 mod pictures;
 mod preview;
 mod processors;
+mod regress;
 mod render;
+mod slurm;
 mod spectral_exr;
 mod study;

@@ -22,6 +22,7 @@ mod media_golden;
 mod media_scene;
 mod optics_golden;
 mod pure_properties;
+mod regress_golden;
 mod scene_file;
 mod spectrum_contract;
 mod srgb_colours;

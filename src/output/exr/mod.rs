@@ -22,7 +22,7 @@ mod sums;
 mod write;
 
 pub use read::{ExrFile, read};
-pub use sums::{add_sums, holds_sums_of, read_metadata};
+pub use sums::{add_sums, hash_sums, holds_sums_of, read_metadata};
 pub use write::{encode, write, write_uncompressed, write_with_sums};
 
 #[cfg(test)]

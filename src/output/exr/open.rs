@@ -2,8 +2,11 @@
 //! headers.
 
 use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufReader;
 use std::path::Path;
 
+use ::exr::block::reader::Reader;
 use ::exr::prelude::{AttributeValue, FlatImage, LayerAttributes, MetaData, ReadChannels, ReadLayers, Text, Vec2};
 
 use crate::error::{Error, Result};
@@ -16,7 +19,8 @@ pub(super) fn read_layers(path: &Path) -> Result<FlatImage> {
     reader.all_layers().all_attributes().from_file(path).map_err(unreadable)
 }
 
-fn unreadable(error: ::exr::error::Error) -> Error {
+/// Converts an error of the crate.
+pub(super) fn unreadable(error: ::exr::error::Error) -> Error {
     match error {
         ::exr::error::Error::Io(error) => Error::input(format!("cannot be read: {error}")),
         ::exr::error::Error::Invalid(what) => Error::input(format!("is not a valid EXR file: {what}")),
@@ -25,6 +29,13 @@ fn unreadable(error: ::exr::error::Error) -> Error {
         }
         ::exr::error::Error::Aborted => Error::input("was not read completely"),
     }
+}
+
+/// Opens a file for reading its blocks after a check of its size.
+pub(super) fn open_blocks(path: &Path) -> Result<Reader<BufReader<File>>> {
+    read_headers(path)?;
+    let file = File::open(path).map_err(|error| unreadable(error.into()))?;
+    ::exr::block::read(BufReader::new(file), false).map_err(unreadable)
 }
 
 /// Reads the headers. Returns an error if the pixels that the headers describe need far more memory

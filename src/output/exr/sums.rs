@@ -4,18 +4,22 @@
 //! The channels are named `sums.<plane>.<word>`. The upper words are almost always 0, and the lower
 //! words of splats are often 0. Therefore ZIP compresses the channels well.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
+use ::exr::block::lines::LineRef;
+use ::exr::block::reader::ChunksReader;
+use ::exr::meta::attribute::{ChannelList, SampleType};
 use ::exr::meta::header::Header;
 use ::exr::prelude::{AnyChannel, FlatSamples, Vec2};
 
 use super::channel_names::SUMS_PREFIX;
-use super::open::{header_texts, read_headers, read_layers};
+use super::open::{header_texts, open_blocks, read_headers, unreadable};
 use crate::error::{Error, Result};
 use crate::math::sum::ExactSum;
 use crate::output::Metadata;
+use crate::output::hash::SumsHash;
 use crate::sensor::Film;
+use crate::sensor::layers::NameKind;
 
 /// The number of 32-bit words of a sum.
 const WORDS_PER_SUM: usize = 4;
@@ -63,59 +67,115 @@ pub fn holds_sums_of(path: &Path, (width, height): (usize, usize), planes: usize
     Ok(meta.headers.first().is_some_and(fits))
 }
 
+/// Returns the hash of a film's sums.
+pub fn hash_sums(film: &Film) -> SumsHash {
+    let mut hash = SumsHash::default();
+    for (plane, plane_name) in film.plane_names().iter().enumerate() {
+        let mut sums = film.plane(plane);
+        for row in 0..film.height() {
+            let words: Vec<u8> = sums.by_ref().take(film.width()).flat_map(|sum| sum.bits().to_le_bytes()).collect();
+            hash.add_row(plane_name, row, &words);
+        }
+    }
+    hash
+}
+
 /// Adds the exact sums in a file to a film. The file and the film must have the same size, the same
-/// spectral bands and the same layers.
+/// spectral bands and the same layers. Returns the hash of the sums in the file.
+///
+/// The file is decoded in blocks of rows, so it needs little memory in addition to the film.
 ///
 /// # Errors
 /// Returns an input error if the file is missing or not an EXR, or if its sums do not fit the size
-/// and the bands of the film.
-pub fn add_sums(path: &Path, film: &mut Film) -> Result<()> {
+/// and the bands of the film. The film may then contain a part of the file.
+pub fn add_sums(path: &Path, film: &mut Film) -> Result<SumsHash> {
     decode(path, film).map_err(|error| error.in_file(path))
 }
 
-fn decode(path: &Path, film: &mut Film) -> Result<()> {
-    let image = read_layers(path)?;
-    let layer = image.layer_data.first().ok_or_else(|| Error::input("contains no picture"))?;
-    if layer.size != Vec2(film.width(), film.height()) {
+/// The target of a plane in a film.
+#[derive(Debug, Clone, Copy)]
+enum PlaneTarget {
+    Light(usize),
+    Names(NameKind),
+}
+
+/// A plane of a file: its name, its target, and the indices of its channels.
+type FilePlane = (String, PlaneTarget, [usize; WORDS_PER_SUM]);
+
+fn decode(path: &Path, film: &mut Film) -> Result<SumsHash> {
+    let reader = open_blocks(path)?;
+    let header = reader.headers().first().ok_or_else(|| Error::input("contains no picture"))?;
+    if header.layer_size != Vec2(film.width(), film.height()) {
         return Err(Error::input("is damaged: its size differs from the recorded size"));
     }
-    let words: BTreeMap<String, &[u32]> = layer
-        .channel_data
-        .list
-        .iter()
-        .filter_map(|channel| match &channel.sample_data {
-            FlatSamples::U32(samples) => Some((channel.name.to_string(), samples.as_slice())),
-            FlatSamples::F16(_) | FlatSamples::F32(_) => None,
-        })
-        .collect();
-    for (plane, plane_name) in film.plane_names().iter().enumerate() {
-        film.add_plane(plane, plane_of(&words, plane_name)?);
+    let planes = planes(&header.channels, film)?;
+    let (channels, width) = (header.channels.clone(), film.width());
+    let mut hash = SumsHash::default();
+    let blocks = reader.all_chunks(false).map_err(unreadable)?;
+    let added = blocks.decompress_parallel(false, |_, block| {
+        let lines: Vec<LineRef<'_>> = block.lines(&channels).collect();
+        // The lines of one row follow each other, one for each channel.
+        for row in lines.chunks(channels.list.len()).filter(|_| block.index.layer == 0) {
+            let place = row[0].location;
+            let first = place.position.y() * width + place.position.x();
+            for (name, target, words) in &planes {
+                let bytes: Vec<u8> = (0..place.sample_count)
+                    .flat_map(|pixel| words.map(|channel| word(row[channel].value, pixel).to_le_bytes()))
+                    .flatten()
+                    .collect();
+                hash.add_row(name, place.position.y(), &bytes);
+                let bits = bytes.chunks_exact(size_of::<i128>()).filter_map(|bits| bits.try_into().ok());
+                let sums = bits.map(|bits| ExactSum::from_bits(i128::from_le_bytes(bits)));
+                match target {
+                    PlaneTarget::Light(plane) => film.add_plane(*plane, first, sums),
+                    PlaneTarget::Names(kind) => film.add_names(*kind, first, sums),
+                }
+            }
+        }
+        Ok(())
+    });
+    added.map_err(unreadable)?;
+    Ok(hash)
+}
+
+/// Returns the planes of a file: those of the film's light, and those of names as far as the file
+/// has them.
+fn planes(channels: &ChannelList, film: &Film) -> Result<Vec<FilePlane>> {
+    if channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
+        return Err(Error::input("is damaged: it has subsampled channels"));
+    }
+    let channel = |name: &str| {
+        channels.list.iter().position(|channel| channel.sample_type == SampleType::U32 && channel.name.eq(name))
+    };
+    let words = |plane: &str| -> Result<[usize; WORDS_PER_SUM]> {
+        let mut found = [0; WORDS_PER_SUM];
+        for (word, place) in found.iter_mut().enumerate() {
+            let name = name(plane, word);
+            *place = channel(&name).ok_or_else(|| Error::input(format!("lacks the channel `{name}`")))?;
+        }
+        Ok(found)
+    };
+    let mut planes = Vec::new();
+    for (plane, plane_name) in film.light_plane_names().into_iter().enumerate() {
+        let words = words(&plane_name)?;
+        planes.push((plane_name, PlaneTarget::Light(plane), words));
     }
     for kind in film.name_kinds() {
-        for place in 0.. {
-            let plane_name = kind.plane_name(place);
-            if !words.contains_key(&name(&plane_name, 0)) {
+        for plane_name in (0..).map(|place| kind.plane_name(place)) {
+            if channel(&name(&plane_name, 0)).is_none() {
                 break;
             }
-            film.add_names(kind, plane_of(&words, &plane_name)?);
+            let words = words(&plane_name)?;
+            planes.push((plane_name, PlaneTarget::Names(kind), words));
         }
     }
-    Ok(())
+    Ok(planes)
 }
 
-/// Returns the sums of a plane, pixel by pixel. `words` contains the channels of the file.
-fn plane_of<'w>(words: &BTreeMap<String, &'w [u32]>, plane: &str) -> Result<impl Iterator<Item = ExactSum> + use<'w>> {
-    let mut found = [[].as_slice(); WORDS_PER_SUM];
-    for (word, samples) in found.iter_mut().enumerate() {
-        let name = name(plane, word);
-        *samples = words.get(&name).ok_or_else(|| Error::input(format!("lacks the channel `{name}`")))?;
-    }
-    Ok((0..found[0].len()).map(move |pixel| sum(found.map(|words| words[pixel]))))
-}
-
-fn sum(words: [u32; WORDS_PER_SUM]) -> ExactSum {
-    let bits = words.iter().rev().fold(0_u128, |bits, &word| bits << 32 | u128::from(word));
-    ExactSum::from_bits(bits as i128)
+/// Returns a sample of a line. The samples have the byte order of the machine.
+fn word(line: &[u8], pixel: usize) -> u32 {
+    let bytes = line.get(size_of::<u32>() * pixel..).and_then(|rest| rest.first_chunk());
+    bytes.map_or(0, |bytes| u32::from_ne_bytes(*bytes))
 }
 
 #[cfg(test)]
@@ -135,13 +195,13 @@ mod tests {
                 sum += values[(pixel + plane) % values.len()] * (plane + 1) as f64;
                 sum
             });
-            film.add_plane(plane, terms);
+            film.add_plane(plane, 0, terms);
         }
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
         super::super::write_with_sums(&path, &film, &film.picture(), &Metadata::new().with("abbe.seed", "7")).unwrap();
         let mut back = blank();
-        add_sums(&path, &mut back).unwrap();
+        assert_eq!(add_sums(&path, &mut back).unwrap(), hash_sums(&film));
         for plane in 0..film.plane_names().len() {
             assert!(film.plane(plane).eq(back.plane(plane)), "plane {plane}");
         }
