@@ -145,7 +145,7 @@ impl LoadedFile {
         let UnplacedParts { parts, ignored } = file;
         // A material with textures differs from the same material on a mesh without texture
         // coordinates, and glass differs from the same glass on an open mesh.
-        let mut numbers: BTreeMap<(usize, bool, bool), Rc<Cell<Option<usize>>>> = BTreeMap::new();
+        let mut numbers: BTreeMap<_, Rc<Cell<Option<usize>>>> = BTreeMap::new();
         let loaded = |(number, part): (u32, MeshPart)| {
             let (textured, closed) = (part.mesh.uvs().is_some(), part.mesh.is_closed());
             let material_number =
