@@ -36,7 +36,15 @@ pub(crate) fn benches(c: &mut Criterion) {
     let scene = load("s3_box.json", &[]);
     let direct = DirectLighting::new(&scene, &prepared.selector, prepared.plan.media_plan);
     let (wavelengths, media_plan) = (&prepared.choice.wavelengths, prepared.plan.media_plan);
-    let tracer = PathTracer { scene: &scene, direct, wavelengths, depth_limit: DepthLimit::default(), media_plan };
+    let tracer = PathTracer {
+        scene: &scene,
+        direct,
+        wavelengths,
+        spectra: &prepared.spectra,
+        excitation: &[],
+        depth_limit: DepthLimit::default(),
+        media_plan,
+    };
     let pixels: Vec<u64> = (0..scene.camera.pixel_count() as u64).step_by(STEP).collect();
     group.throughput(Throughput::Elements(pixels.len() as u64));
     group.bench_function("path tracer/s3_box", |b| {

@@ -39,7 +39,7 @@ impl Prepared {
         let choice = LightSampler::new(&scene).expect("a benchmark scene is lit");
         let selector = LightSelector::new(&scene, &choice.lights);
         let strata = EmissionStrata::plain(&choice.lights);
-        let spectra = PhotonSpectra::new(&scene.lights, false).expect("a benchmark scene has few spectra");
+        let spectra = PhotonSpectra::new(&scene, false).expect("a benchmark scene has few spectra");
         Self { scene, plan, choice, selector, strata, spectra }
     }
 
@@ -51,6 +51,7 @@ impl Prepared {
             strata: &self.strata,
             ray_densities: None,
             wavelengths: WavelengthSampling::Free,
+            fluorescent: false,
             count,
             depth_limit: DepthLimit::default(),
             seed: 1,

@@ -3,14 +3,16 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::colour::lamps::{ALIKE, DIFFERENT, LampComparison, PatchDifference, SplitPair};
-use crate::colour::{LightDifference, PrimaryMatch, light_difference, match_primaries, report};
+use crate::colour::lamps::{ALIKE, DIFFERENT, LampComparison, PatchDifference, SplitPair, compare_returned_light};
+use crate::colour::{LightDifference, PrimaryMatch, Xyz, light_difference, match_primaries, report};
 use crate::error::{Error, Result};
 use crate::format::luminaire::is_luminaire;
+use crate::optics::bsdf::Fluorescent;
+use crate::optics::fluorescent_samples;
 use crate::output::figures::{difference_text, report_rows};
 use crate::output::file;
 use crate::output::lamps_page::{LampsPage, NamedLamp, page};
-use crate::spectrum::Observer;
+use crate::spectrum::{Observer, Spectrum};
 use serde::Serialize;
 
 use super::colour::ColourJson;
@@ -54,6 +56,8 @@ pub(super) struct LampsCompared {
     /// The two lights: A, and either B or the match of A.
     lamps: [NamedSpectrum; 2],
     comparison: LampComparison,
+    /// Fluorescent surfaces under A and B.
+    fluorescent: Vec<PatchDifference>,
     /// The third lamp, and its comparison with A.
     third: Option<(NamedSpectrum, LampComparison)>,
     /// The match of A, if primaries were given.
@@ -116,7 +120,22 @@ pub(super) fn compared(arguments: &LampsArgs) -> Result<LampsCompared> {
             Some((c, comparison))
         }
     };
-    Ok(LampsCompared { observer, lamps: [a, b], comparison, third, mix })
+    let surfaces = fluorescent_samples::surfaces()?;
+    let returned = |light: &Spectrum| {
+        let colours = surfaces.iter().map(|surface| xyz_of_fluorescent(surface, light, observer));
+        fluorescent_samples::NAMES.into_iter().zip(colours).collect()
+    };
+    let fluorescent = compare_returned_light([&a.spectrum, &b.spectrum], returned, observer);
+    Ok(LampsCompared { observer, lamps: [a, b], comparison, fluorescent, third, mix })
+}
+
+/// Returns the XYZ of the light that a fluorescent surface returns, on the scale of the light.
+fn xyz_of_fluorescent(surface: &Fluorescent, light: &Spectrum, observer: &Observer) -> Xyz {
+    let reflected = report::xyz_under(surface.reflectance(), light, observer);
+    let fluorophore = &surface.fluorophore;
+    let [_, excitation, _] = report::xyz_under(fluorophore.excitation_spectrum(), light, Observer::radiometric());
+    let emitted = report::xyz(fluorophore.emitted_power(), observer);
+    std::array::from_fn(|c| reflected[c] + excitation * fluorophore.quantum_yield() * emitted[c])
 }
 
 impl PrimaryMix {
@@ -173,16 +192,17 @@ fn lamp(NamedSpectrum { name, origin, spectrum }: &NamedSpectrum) -> NamedLamp<'
 }
 
 pub(super) fn html(compared: &LampsCompared, warning: Option<&str>) -> Result<String> {
-    let LampsCompared { observer, lamps, comparison, third: _, mix } = compared;
+    let LampsCompared { observer, lamps, comparison, fluorescent, third: _, mix } = compared;
     let primaries = mix.iter().flat_map(|mix| &mix.primaries).map(lamp).collect();
-    page(&LampsPage { lamps: [lamp(&lamps[0]), lamp(&lamps[1])], comparison, observer, primaries, warning })
+    let lamps = [lamp(&lamps[0]), lamp(&lamps[1])];
+    page(&LampsPage { lamps, comparison, fluorescent, observer, primaries, warning })
 }
 
 /// The largest number of surface pairs that the printed text lists.
 const SHOWN_PAIRS: usize = 12;
 
 fn text(compared: &LampsCompared) -> String {
-    let LampsCompared { observer, lamps: [a, b], comparison, third, mix } = compared;
+    let LampsCompared { observer, lamps: [a, b], comparison, fluorescent, third, mix } = compared;
     let third = third.as_ref();
     let mut text = format!("A  {}\n   {}\nB  {}\n   {}\n", a.name, a.origin, b.name, b.origin);
     text += &third.map_or(String::new(), |(c, _)| format!("C  {}\n   {}\n", c.name, c.origin));
@@ -211,6 +231,7 @@ fn text(compared: &LampsCompared) -> String {
         text += &format!("              {state}: {left}, luminance {:+.4} %\n", 100.0 * found.delta_y);
     }
     text += &patches_text(comparison, "B");
+    text += &fluorescent_text(fluorescent);
     text += &pairs_text(comparison, "B");
     if let Some((_, with_c)) = third {
         text += &patches_text(with_c, "C");
@@ -229,6 +250,16 @@ fn patches_text(comparison: &LampComparison, other: &str) -> String {
     }
     let (mean, largest) = (comparison.mean(), comparison.worst().delta_e_2000);
     text + &format!("  {:<15} {mean:6.2}\n  {:<15} {largest:6.2}\n", "mean", "largest")
+}
+
+/// Returns the table of the fluorescent surfaces under A and B.
+fn fluorescent_text(surfaces: &[PatchDifference]) -> String {
+    let mut text = "\nFluorescent surfaces: Y (a perfect diffuser has 100), and ΔE2000 between A and B\n".to_string();
+    for surface in surfaces {
+        let [a, b] = surface.xyz.map(|xyz| xyz[1]);
+        text += &format!("  {:<28} A {a:6.1}   B {b:6.1}   ΔE2000 {:6.2}\n", surface.name, surface.delta_e_2000);
+    }
+    text
 }
 
 fn pairs_text(comparison: &LampComparison, other: &str) -> String {
@@ -261,6 +292,8 @@ pub(super) struct LampsJson<'a> {
     /// The match of A, if primaries were given.
     r#match: Option<MatchJson<'a>>,
     patches: Vec<PatchJson<'a>>,
+    /// Fluorescent surfaces under A and B.
+    fluorescent: Vec<PatchJson<'a>>,
     /// The mean and the maximum of the colour differences of all patches.
     delta_e_2000: DeltaESummary,
     metameric_pairs: MetamericPairsJson<'a>,
@@ -366,7 +399,7 @@ struct MetamericPairJson<'a> {
 }
 
 pub(super) fn json(compared: &LampsCompared, warning: Option<String>) -> LampsJson<'_> {
-    let LampsCompared { observer, lamps, comparison, third, mix } = compared;
+    let LampsCompared { observer, lamps, comparison, fluorescent, third, mix } = compared;
     let colour = |i: usize| ColourJson::new(&lamps[i].name, &comparison.reports[i], observer, None);
     let r#match = mix.as_ref().map(|PrimaryMix { primaries, found, difference: _ }| MatchJson {
         primaries: primaries.iter().map(|primary| primary.name.as_str()).collect(),
@@ -389,6 +422,7 @@ pub(super) fn json(compared: &LampsCompared, warning: Option<String>) -> LampsJs
         lights: comparison.lights.into(),
         r#match,
         patches: comparison.patches.iter().map(PatchJson::from).collect(),
+        fluorescent: fluorescent.iter().map(PatchJson::from).collect(),
         delta_e_2000: comparison.into(),
         metameric_pairs: comparison.into(),
         verdict: comparison.verdict([&lamps[0].name, &lamps[1].name]),

@@ -139,6 +139,15 @@ pub struct PatchDifference {
 }
 
 impl PatchDifference {
+    /// Compares the colours of a surface under two lights. `xyz` is the light from the surface, and
+    /// `whites` is the light from a perfect diffuser, on the same scale.
+    fn between(name: &str, xyz: [Xyz; 2], whites: [Xyz; 2]) -> Self {
+        let scaled = |values: [Xyz; 2]| [0, 1].map(|i| values[i].map(|value| 100.0 * value / whites[i][1]));
+        let (xyz, whites) = (scaled(xyz), scaled(whites));
+        let lab = [0, 1].map(|i| lab(xyz[i], whites[i]));
+        Self { name: name.to_string(), xyz, lab, delta_e_2000: delta_e_2000(lab[0], lab[1]) }
+    }
+
     /// Returns the name of the surface without the prefix `colorchecker/`.
     pub fn short_name(&self) -> &str {
         self.name.strip_prefix(CHART).unwrap_or(&self.name)
@@ -154,13 +163,23 @@ pub fn compare_lights(
 ) -> Vec<PatchDifference> {
     let whites = lights.map(|light| report::xyz(light, observer));
     let compare = |(name, surface): &(&str, Spectrum)| {
-        let xyz: [Xyz; 2] = std::array::from_fn(|i| {
-            report::xyz_under(surface, lights[i], observer).map(|value| 100.0 * value / whites[i][1])
-        });
-        let lab = [0, 1].map(|i| lab(xyz[i], whites[i].map(|value| 100.0 * value / whites[i][1])));
-        PatchDifference { name: name.to_string(), xyz, lab, delta_e_2000: delta_e_2000(lab[0], lab[1]) }
+        let xyz = lights.map(|light| report::xyz_under(surface, light, observer));
+        PatchDifference::between(name, xyz, whites)
     };
     surfaces.iter().map(compare).collect()
+}
+
+/// Compares surfaces that return light of other wavelengths than they receive. `returned` takes a
+/// light, and returns the names of the surfaces and the XYZ of the light from each of them, on the
+/// scale of the light.
+pub fn compare_returned_light(
+    lights: [&Spectrum; 2],
+    returned: impl Fn(&Spectrum) -> Vec<(&'static str, Xyz)>,
+    observer: &Observer,
+) -> Vec<PatchDifference> {
+    let whites = lights.map(|light| report::xyz(light, observer));
+    let [a, b] = lights.map(returned);
+    a.iter().zip(&b).map(|((name, a), (_, b))| PatchDifference::between(name, [*a, *b], whites)).collect()
 }
 
 /// Two surfaces that look alike under one light and different under the other.

@@ -1,12 +1,13 @@
 //! Connection of photons to the camera (light tracing). A connection needs no kernel and has no
 //! bias.
 
+use super::photon_path::PhotonState;
 use super::visitor::SurfaceArrival;
 use crate::math::random::hash64;
-use crate::optics::bsdf::{BsdfClass, TransportMode};
+use crate::optics::bsdf::{BsdfClass, Fluorescent, TransportMode};
 use crate::plan::MediumPlan;
 use crate::scene::Scene;
-use crate::spectrum::{LANES, Lanes, REFERENCE_NM};
+use crate::spectrum::{LANES, REFERENCE_NM};
 use crate::walk::{CausticWeights, RayDensity, path_transmittance, transmittance};
 
 /// The contribution of a connected photon to one pixel.
@@ -14,9 +15,19 @@ use crate::walk::{CausticWeights, RayDensity, path_transmittance, transmittance}
 pub struct Splat {
     /// The pixel.
     pub pixel: u32,
-    /// The radiance at each wavelength of the photon, in W/m²/sr. This radiance is already divided
-    /// by all probability densities.
-    pub radiance: Lanes,
+    /// The wavelengths in nm, and the radiance at each of them in W/m²/sr. This radiance is already
+    /// divided by all probability densities. The first entries are for the wavelengths of the
+    /// photon. At a fluorescent surface, the other entries are for wavelengths of the emission.
+    lanes: [(f64, f64); 2 * LANES],
+    /// The number of entries in use.
+    count: usize,
+}
+
+impl Splat {
+    /// Iterates over the wavelengths (nm) and the radiance at each of them.
+    pub fn lanes(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        self.lanes[..self.count].iter().copied()
+    }
 }
 
 /// Connects photons to the camera.
@@ -32,8 +43,9 @@ pub struct CameraConnection<'a> {
 
 impl CameraConnection<'_> {
     /// Connects a photon at a surface to the camera. `lens` in [0, 1)² selects the point of the
-    /// aperture. Returns `None` if the camera does not see the photon.
-    pub fn connect(&self, arrival: &SurfaceArrival<'_>, lens: [f64; 2]) -> Option<Splat> {
+    /// aperture. At a fluorescent surface, `emission` in [0, 1) selects the wavelengths of the
+    /// emission. Returns `None` if the camera does not see the photon.
+    pub fn connect(&self, arrival: &SurfaceArrival<'_>, lens: [f64; 2], emission: f64) -> Option<Splat> {
         let Self { scene, media_plan, photons_per_sample } = *self;
         let SurfaceArrival { interaction, photon, .. } = arrival;
         let sighting = scene.camera.connect(interaction.hit.position, lens)?;
@@ -51,13 +63,20 @@ impl CameraConnection<'_> {
             let pdf = interaction.bsdf.pdf(to_camera, to_light, sides, REFERENCE_NM);
             geometry * weights.of_photon(photon.ray_density, pdf)
         };
-        let mut radiance = [0.0; LANES];
-        let mut any = false;
+        let mut lanes = [(0.0, 0.0); 2 * LANES];
+        let mut count = photon.wavelengths.count;
         for (k, &nm) in photon.wavelengths.active().iter().enumerate() {
             let f = interaction.bsdf.eval(to_camera, to_light, sides, TransportMode::Radiance, nm);
-            radiance[k] = f * photon.power[k] * geometry;
-            any |= radiance[k] > 0.0;
+            lanes[k] = (nm, f * photon.power[k] * geometry);
         }
+        if let Some(surface) = interaction.bsdf.model.as_fluorescent()
+            && interaction.bsdf.pdf(to_camera, to_light, sides, photon.wavelengths.hero()) > 0.0
+        {
+            let emitted = emission_into_camera(surface, photon, emission);
+            lanes[count..count + LANES].copy_from_slice(&emitted.map(|(nm, radiance)| (nm, radiance * geometry)));
+            count += LANES;
+        }
+        let any = lanes[..count].iter().any(|(_, radiance)| *radiance > 0.0);
         if !(any && interaction.is_unoccluded(scene, sighting.direction, sighting.distance, None)) {
             return None;
         }
@@ -66,9 +85,19 @@ impl CameraConnection<'_> {
             let ray_state = interaction.spawn_ray(sighting.direction, medium_stack);
             let seed = hash64([u64::from(sighting.pixel), lens[0].to_bits()]);
             let along = path_transmittance(scene, ray_state, sighting.distance, seed);
-            let active = photon.wavelengths.active().iter().zip(&mut radiance);
-            active.for_each(|(&nm, radiance)| *radiance *= transmittance(&along, nm));
+            lanes[..count].iter_mut().for_each(|(nm, radiance)| *radiance *= transmittance(&along, *nm));
         }
-        Some(Splat { pixel: sighting.pixel, radiance })
+        Some(Splat { pixel: sighting.pixel, lanes, count })
     }
+}
+
+/// Returns wavelengths (nm) of the emission that a photon excites, and the emitted radiance per unit
+/// of area, divided by the density of the wavelengths. `u` in [0, 1) selects the wavelengths.
+fn emission_into_camera(surface: &Fluorescent, photon: &PhotonState, u: f64) -> [(f64, f64); LANES] {
+    let powers = photon.wavelengths.active().iter().zip(photon.power);
+    let excitation: f64 = powers.map(|(&nm, power)| power * surface.fluorophore.excitation(nm)).sum();
+    std::array::from_fn(|k| {
+        let (nm, pdf) = surface.fluorophore.wavelengths().sample((u + k as f64) / LANES as f64);
+        (nm, excitation * surface.emitted_radiance(nm) / (pdf * LANES as f64))
+    })
 }

@@ -15,7 +15,11 @@ pub struct LightSampler {
     /// wavelengths of the path tracer. The distribution is a mixture. Half of the wavelengths are
     /// sampled from the power of all lights together. The other half is divided equally among the
     /// different spectra, so that a dim light with a line spectrum is sampled beside a bright light.
+    /// The emission spectra of fluorophores count among the different spectra.
     pub wavelengths: WavelengthDistribution,
+    /// For each fluorophore, the distribution of the wavelengths that excite it. `None` if it absorbs
+    /// no light of the scene. The path tracer samples excitation wavelengths from it.
+    pub excitation: Vec<Option<WavelengthDistribution>>,
     /// The power of all lights together, in W over the band.
     pub power_w: f64,
 }
@@ -38,10 +42,12 @@ impl LightSampler {
         }
         let probability =
             |i: usize| (1.0 - RADIANT_FRACTION) * visible[i] / visible_sum + RADIANT_FRACTION * powers[i] / power_w;
-        let mixture = Spectrum::mix(&defensive_mixture(&scene.lights, &powers, visible_sum));
+        let emissions = emission_spectra(scene);
+        let mixture = Spectrum::mix(&defensive_mixture(&scene.lights, &powers, visible_sum, &emissions));
         Some(Self {
             lights: DiscreteDistribution::new((0..powers.len()).map(probability))?,
             wavelengths: WavelengthDistribution::visually_weighted(&mixture, scene.film.observer)?,
+            excitation: scene.fluorescent().map(|surface| surface.fluorophore.absorbed_wavelengths(&mixture)).collect(),
             power_w,
         })
     }
@@ -49,7 +55,13 @@ impl LightSampler {
 
 /// Returns the different spectra of the lights, and their weights in the mixture from which
 /// wavelengths are sampled. `visible_sum` is the visual importance of all lights together.
-fn defensive_mixture<'a>(lights: &'a [Light], powers: &[f64], visible_sum: f64) -> Vec<(f64, &'a Spectrum)> {
+/// `emissions` contains the emission spectra of fluorophores, each with its visual importance.
+fn defensive_mixture<'a>(
+    lights: &'a [Light],
+    powers: &[f64],
+    visible_sum: f64,
+    emissions: &'a [(f64, Spectrum)],
+) -> Vec<(f64, &'a Spectrum)> {
     let mut groups: Vec<(f64, &Light)> = Vec::new();
     for (light, &power_w) in lights.iter().zip(powers) {
         match groups.iter_mut().find(|(_, known)| known.spectrum == light.spectrum) {
@@ -58,10 +70,19 @@ fn defensive_mixture<'a>(lights: &'a [Light], powers: &[f64], visible_sum: f64) 
         }
     }
     let visible = |(power_w, light): &&(f64, &Light)| *power_w > 0.0 && light.importance_per_watt > 0.0;
-    let count = groups.iter().filter(visible).count() as f64;
+    let count = (groups.iter().filter(visible).count() + emissions.len()) as f64;
     let weight = |group: &(f64, &Light)| {
         let equal = if visible(&group) { EQUAL_SHARE / (count * group.1.importance_per_watt) } else { 0.0 };
         (1.0 - EQUAL_SHARE) * group.0 / visible_sum + equal
     };
-    groups.iter().map(|group| (weight(group), &group.1.spectrum)).collect()
+    let of_emissions = emissions.iter().map(|(visible, spectrum)| (EQUAL_SHARE / (count * visible), spectrum));
+    groups.iter().map(|group| (weight(group), &group.1.spectrum)).chain(of_emissions).collect()
+}
+
+/// Returns the emission spectra of the fluorophores of a scene that the observer can see, each with
+/// its visual importance X + Y + Z.
+fn emission_spectra(scene: &Scene) -> Vec<(f64, Spectrum)> {
+    let spectra = scene.fluorescent().map(|surface| surface.fluorophore.emitted_power().clone());
+    let weighed = spectra.map(|spectrum| (scene.film.observer.xyz(&spectrum).iter().sum::<f64>(), spectrum));
+    weighed.filter(|(visible, _)| *visible > 0.0).collect()
 }

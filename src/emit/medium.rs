@@ -78,7 +78,9 @@ impl PhotonPath {
         let (ray, length_m) = (segment.ray, segment.length_m);
         visitor.on_flight(&PhotonFlight { ray, length_m, photon: &self.photon, segment: Some(segment) });
         if let Some(medium) = segment.medium {
-            visitor.on_medium_crossing(&MediumCrossing { segment, medium, photon: &self.photon }, stream);
+            if !self.photon.excitation {
+                visitor.on_medium_crossing(&MediumCrossing { segment, medium, photon: &self.photon }, stream);
+            }
             collision = self.sample_free_flight(medium.medium, segment, stream, ledger);
         }
         if let Some(absorption) = segment.absorption {
@@ -148,7 +150,9 @@ impl PhotonPath {
         let scattered = self.total_w();
         let (position, incoming) = (segment.ray.at(distance), segment.ray.direction);
         let collision = MediumCollision { position, incoming, medium: numbered, photon: &self.photon };
-        visitor.on_medium_collision(&collision, stream);
+        if !self.photon.excitation {
+            visitor.on_medium_collision(&collision, stream);
+        }
         // The survival probability is the mean albedo.
         let survival = if before > 0.0 { scattered / before } else { 0.0 };
         if survival <= 0.0 || stream.uniform() >= survival {

@@ -2,6 +2,7 @@
 
 mod aim;
 pub mod connect;
+mod fluorescence;
 mod light_sampler;
 mod medium;
 mod photon_path;

@@ -24,6 +24,9 @@ pub struct PhotonState {
     /// The only remaining lane after a dispersive refraction, or `None` while the photon carries
     /// all its wavelengths. For shared photons, the lane is the index of the shared wavelength.
     pub lane: Option<usize>,
+    /// True if the photon belongs to the shared set, has wavelengths of its own, and serves only to
+    /// excite fluorophores. Such a photon is not recorded.
+    pub excitation: bool,
     /// The density of the light's rays around the photon's first ray. It is 0 if the plan does not
     /// compare photons with camera paths (see [`crate::walk::CausticWeights`]).
     pub ray_density: RayDensity,

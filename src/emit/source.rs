@@ -1,5 +1,6 @@
 //! The emission of a set of photons.
 
+use super::fluorescence::EXCITATION_SHARE;
 use super::photon_path::{PhotonPath, PhotonState};
 use super::strata::EmissionStrata;
 use super::visitor::PhotonVisitor;
@@ -42,6 +43,8 @@ pub struct PhotonSource<'a> {
     pub ray_densities: Option<&'a RayDensities>,
     /// The wavelengths of the photons.
     pub wavelengths: WavelengthSampling,
+    /// True if the scene has fluorophores.
+    pub fluorescent: bool,
     /// The number of photon paths in the set.
     pub count: u64,
     /// The number of surface events after which a path ends.
@@ -69,7 +72,15 @@ impl PhotonSource<'_> {
 
     /// Emits the photon with this index and reports its emission to the visitor.
     #[inline(always)]
-    pub(super) fn emit<M: BodyMode>(&self, points: &Sobol, index: u32, visitor: &mut impl PhotonVisitor) -> PhotonPath {
+    pub(super) fn emit<M: BodyMode>(
+        &self,
+        points: &Sobol,
+        index: u32,
+        stream: &mut Stream,
+        visitor: &mut impl PhotonVisitor,
+    ) -> PhotonPath {
+        let mixed = self.has_excitation_photons();
+        let excitation = mixed && stream.uniform() < EXCITATION_SHARE;
         let u = points.point(index);
         let mut u_light = u[1];
         let number = self.strata.choice.sample(&mut u_light);
@@ -79,8 +90,11 @@ impl PhotonSource<'_> {
         visitor.on_emission(number, aim);
         let randoms = LeRandoms { aim, rest: [u[4], u[5], u[6]] };
         let emission = self.strata.sample_le(stratum, light, self.scene.extent(), randoms);
-        let (wavelengths, power_of_watt) = self.sample_wavelengths(light, &emission, u[0]);
-        let flux = emission.flux_w / (self.count as f64 * self.strata.choice.probability(number) * density);
+        let (wavelengths, power_of_watt) = self.sample_wavelengths(light, &emission, excitation, u[0]);
+        let mut flux = emission.flux_w / (self.count as f64 * self.strata.choice.probability(number) * density);
+        if mixed {
+            flux /= if excitation { EXCITATION_SHARE } else { 1.0 - EXCITATION_SHARE };
+        }
         let ray = Ray { origin: emission.origin, direction: emission.direction };
         let medium_stack = M::initial_medium_stack(|| self.scene.medium_stack_of_emission(light, ray, emission.from));
         PhotonPath {
@@ -92,11 +106,12 @@ impl PhotonSource<'_> {
                 power: power_of_watt.map(|s| s * flux),
                 wavelength_code: self.spectra.code(stratum.light, u[0]),
                 lane: None,
+                excitation,
                 ray_density: self
                     .ray_densities
                     .map_or(RayDensity::NONE, |densities| densities.of_stratum(number, light.radiance_of(&emission))),
             },
-            watts: self.watts(),
+            watts: self.watts(excitation),
         }
     }
 
@@ -104,9 +119,12 @@ impl PhotonSource<'_> {
     /// a photon with a total power of 1 W. For free photons, this power is S(λ)/(n p(λ)) in W,
     /// where n is the number of lanes. For shared photons, it is S(λ) in W/nm.
     #[inline(always)]
-    fn sample_wavelengths(&self, light: &Light, emission: &LeSample, u: f64) -> (Wavelengths, Lanes) {
+    fn sample_wavelengths(&self, light: &Light, emission: &LeSample, excitation: bool, u: f64) -> (Wavelengths, Lanes) {
         match self.wavelengths {
-            WavelengthSampling::Free => {
+            WavelengthSampling::Shared { nm, .. } if !excitation => {
+                (Wavelengths::new(nm), nm.map(|nm| light.spd_at(emission.spd, nm)))
+            }
+            WavelengthSampling::Free | WavelengthSampling::Shared { .. } => {
                 let mut nm = [0.0; LANES];
                 let mut power = [0.0; LANES];
                 for k in 0..LANES {
@@ -116,20 +134,26 @@ impl PhotonSource<'_> {
                 }
                 (Wavelengths::new(nm), power)
             }
-            WavelengthSampling::Shared { nm, .. } => {
-                (Wavelengths::new(nm), nm.map(|nm| light.spd_at(emission.spd, nm)))
-            }
         }
     }
 
-    /// Returns the factor that converts the power of a lane to W. The energy ledger needs this
-    /// factor.
+    /// Returns true if a part of the photons are excitation photons.
     #[inline]
-    fn watts(&self) -> Lanes {
+    fn has_excitation_photons(&self) -> bool {
+        self.fluorescent && matches!(self.wavelengths, WavelengthSampling::Shared { .. })
+    }
+
+    /// Returns the factor that converts the power of a lane to W. The energy ledger needs this
+    /// factor. If a part of the photons are excitation photons, both parts represent the whole
+    /// emission. Each part then counts in the ledger by its share of the photons.
+    #[inline]
+    pub(super) fn watts(&self, excitation: bool) -> Lanes {
         match self.wavelengths {
             WavelengthSampling::Free => [1.0; LANES],
+            WavelengthSampling::Shared { .. } if excitation => [EXCITATION_SHARE; LANES],
             WavelengthSampling::Shared { pdf, .. } => {
-                pdf.map(|pdf| if pdf > 0.0 { 1.0 / (pdf * LANES as f64) } else { 0.0 })
+                let share = if self.has_excitation_photons() { 1.0 - EXCITATION_SHARE } else { 1.0 };
+                pdf.map(|pdf| if pdf > 0.0 { share / (pdf * LANES as f64) } else { 0.0 })
             }
         }
     }

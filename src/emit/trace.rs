@@ -1,5 +1,6 @@
 //! Tracing of photon paths from emission to absorption.
 
+use super::fluorescence::scatter_at_fluorescent_surface;
 use super::medium::advance_through_media;
 use super::photon_path::PhotonPath;
 use super::source::PhotonSource;
@@ -48,7 +49,7 @@ fn trace_one<M: BodyMode, V: PhotonVisitor>(
     lost: Option<&mut Ledger>,
 ) {
     let mut stream = source.stream(index);
-    let mut path = source.emit::<M>(points, index as u32, visitor);
+    let mut path = source.emit::<M>(points, index as u32, &mut stream, visitor);
     let emitted = path.total_w();
     if emitted <= 0.0 {
         return;
@@ -110,9 +111,16 @@ fn follow<M: BodyMode, V: PhotonVisitor>(
         // select a component independently. Photons straight from a light are not reported, because
         // direct lighting already includes their light.
         if path.photon.light_path != LightPath::Direct
+            && !path.photon.excitation
             && scene.materials[interaction.material].surface.class() >= BsdfClass::Glossy
         {
             visitor.on_surface(&SurfaceArrival { interaction, photon: &path.photon, depth }, stream);
+        }
+        if let Some(surface) = interaction.bsdf.model.as_fluorescent() {
+            if scatter_at_fluorescent_surface(source, path, interaction, surface, depth, ledger, stream) {
+                continue;
+            }
+            return false;
         }
         let scattered = M::scatter(interaction, &path.photon.wavelengths, TransportMode::Importance, stream);
         let Some(scattered) = scattered else {

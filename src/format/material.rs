@@ -27,6 +27,26 @@ pub enum MaterialFile {
         #[schemars(extend("minimum" = 0, "maximum" = 1))]
         reflectance: ReflectanceFile,
     },
+    /// A Lambertian surface with a fluorophore: it absorbs light and emits light of other
+    /// wavelengths. The number of photons does not grow.
+    #[schemars(example = json!({"fluorescent": {
+        "reflectance": 0.9, "absorptance": {"table": {"nm": [400, 450, 500], "values": [0, 0.85, 0]}},
+        "emission": {"gaussian": {"peak_nm": 560, "fwhm_nm": 90}}, "quantum_yield": 0.9
+    }}))]
+    Fluorescent {
+        /// Reflectance of the substrate for the light that the fluorophore does not absorb.
+        #[schemars(extend("minimum" = 0, "maximum" = 1))]
+        reflectance: SpectrumFile,
+        /// Fraction of the photons that the fluorophore absorbs. Outside a table, it is 0.
+        #[schemars(extend("minimum" = 0, "maximum" = 1))]
+        absorptance: SpectrumFile,
+        /// Relative number of emitted photons per nm, at any scale. Outside a table, it is 0.
+        #[schemars(extend("minimum" = 0))]
+        emission: SpectrumFile,
+        /// Number of emitted photons, divided by the number of absorbed photons.
+        #[schemars(range(min = 0, max = 1))]
+        quantum_yield: f64,
+    },
     /// Glass, water or gems: refraction and reflection by Fresnel's equations.
     #[schemars(example = json!({"dielectric": {
         "ior": "N-BK7", "roughness": 0, "absorption": 0.1, "medium": "milk", "priority": 0
@@ -254,6 +274,15 @@ impl MaterialFile {
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Diffuse { reflectance } => reflectance.validate(&at.key("diffuse").key("reflectance")),
+            Self::Fluorescent { reflectance, absorptance, emission, quantum_yield } => {
+                let at = at.key("fluorescent");
+                check::all([
+                    reflectance.validate(&at.key("reflectance"), SpectrumUse::Fraction),
+                    absorptance.validate(&at.key("absorptance"), SpectrumUse::Fraction),
+                    emission.validate(&at.key("emission"), SpectrumUse::NotNegative),
+                    check::fraction(&at.key("quantum_yield"), *quantum_yield),
+                ])
+            }
             Self::Dielectric(dielectric) => dielectric.validate(&at.key("dielectric")),
             Self::ThinDielectric(pane) => pane.validate(&at.key("thin_dielectric")),
             Self::ThinFilm(film) => film.validate(&at.key("thin_film")),

@@ -4,6 +4,7 @@
 //!   surface.
 //! - `direct`: light straight from the lights, by next-event estimation.
 //! - `density`: light that photons brought to surfaces, by density estimation.
+//! - `luminescence`: light that fluorophores emit into camera paths.
 //! - `media`: emission, scattering and attenuation along the path.
 //! - `path_tracer`: the reference path tracer, which uses no photons.
 
@@ -11,6 +12,7 @@ mod camera;
 mod camera_pass;
 mod density;
 mod direct;
+mod luminescence;
 mod media;
 mod path_tracer;
 

@@ -1,11 +1,13 @@
 //! The wavelengths of stored photons, in a compact form.
 
 use crate::error::{Error, Result};
-use crate::scene::light::Light;
+use crate::optics::bsdf::Fluorescent;
+use crate::scene::Scene;
 use crate::spectrum::{LANES, WavelengthDistribution};
 
 /// The wavelengths of a free photon. The photon's light sampled all of them from one random number.
-/// The code consists of this number and of the number of the light's spectrum.
+/// The code consists of this number and of the number of the light's spectrum. If a fluorophore
+/// emitted the photon, its spectrum takes the place of the light's spectrum.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct WavelengthCode {
     /// The random number, rounded down to 16 bits.
@@ -16,13 +18,22 @@ pub struct WavelengthCode {
 
 /// The spectra from which free photons sample their wavelengths. Lights of equal spectra have the
 /// same number. If the picture separates the lights, lights of different groups have different
-/// numbers, so that a stored photon knows the group of its light.
+/// numbers, so that a stored photon knows the group of its light. The spectra of the fluorophores
+/// follow: each fluorophore has a number for each group.
 #[derive(Debug, Clone)]
 pub struct PhotonSpectra {
     distributions: Vec<WavelengthDistribution>,
     of_light: Vec<u16>,
-    /// For each number, the first light that has it.
+    /// For each number, the first light that has it. For a fluorophore, a light of the group.
     first_lights: Vec<usize>,
+    /// For each number of a light's spectrum, the group of the light.
+    groups: Vec<usize>,
+    /// The number of groups, and the number of spectra of the lights.
+    group_count: usize,
+    light_spectra: usize,
+    /// For each fluorophore and each number of a light's spectrum, the distribution of the photons
+    /// that the fluorophore absorbs. `None` if it absorbs nothing.
+    excitation: Vec<Option<WavelengthDistribution>>,
     /// The number of different spectra.
     different: usize,
 }
@@ -40,13 +51,14 @@ impl WavelengthCode {
 }
 
 impl PhotonSpectra {
-    /// Numbers the spectra of the lights. If `by_group` is true, lights of different groups have
-    /// different numbers.
+    /// Numbers the spectra of the lights and of the fluorophores. If `by_group` is true, lights of
+    /// different groups have different numbers.
     ///
     /// # Errors
-    /// Returns an input error if the lights have more different spectra than the numbers can
+    /// Returns an input error if the scene has more different spectra than the numbers can
     /// distinguish.
-    pub fn new(lights: &[Light], by_group: bool) -> Result<Self> {
+    pub fn new(scene: &Scene, by_group: bool) -> Result<Self> {
+        let lights = &scene.lights;
         let mut distributions: Vec<WavelengthDistribution> = Vec::new();
         let mut first_lights: Vec<usize> = Vec::new();
         let mut different = 0;
@@ -61,13 +73,60 @@ impl PhotonSpectra {
                 distributions.push(light.wavelengths.clone());
                 first_lights.push(light_number);
             }
-            let number = known.unwrap_or(numbers.end);
-            u16::try_from(number).map_err(|_| {
-                Error::input("the lights have too many different spectra").expected("at most 65536 different spectra")
-            })
+            code_number(known.unwrap_or(numbers.end))
         });
         let of_light = of_light.collect::<Result<_>>()?;
-        Ok(Self { distributions, of_light, first_lights, different })
+        let (light_spectra, mut groups, mut group_lights) = (distributions.len(), Vec::new(), Vec::<usize>::new());
+        for &light in &first_lights {
+            let same = |other: &usize| !by_group || lights[*other].group == lights[light].group;
+            let group = group_lights.iter().position(same).unwrap_or(group_lights.len());
+            if group == group_lights.len() {
+                group_lights.push(light);
+            }
+            groups.push(group);
+        }
+        for surface in scene.fluorescent() {
+            distributions.extend(group_lights.iter().map(|_| surface.fluorophore.wavelengths().clone()));
+            first_lights.extend(&group_lights);
+            different += 1;
+        }
+        let excited =
+            |surface: &Fluorescent, light: &usize| surface.fluorophore.absorbed_wavelengths(&lights[*light].spectrum);
+        let lights_of_spectra = &first_lights[..light_spectra];
+        let excitation =
+            scene.fluorescent().flat_map(|surface| lights_of_spectra.iter().map(move |light| excited(surface, light)));
+        let excitation = excitation.collect();
+        let _last = code_number(distributions.len().saturating_sub(1))?;
+        Ok(Self {
+            distributions,
+            of_light,
+            first_lights,
+            groups,
+            group_count: group_lights.len(),
+            light_spectra,
+            excitation,
+            different,
+        })
+    }
+
+    /// Returns the distribution of the photons that a fluorophore absorbs in the light with the number
+    /// `light`. Returns `None` if it absorbs nothing.
+    pub fn excitation(&self, light: usize, fluorophore: usize) -> Option<&WavelengthDistribution> {
+        self.excitation[fluorophore * self.light_spectra + usize::from(self.of_light[light])].as_ref()
+    }
+
+    /// Returns the code of the wavelengths that a fluorophore samples from the number `u` in
+    /// [0, 1). `excited_by` is the code of the absorbed photon. `fluorophore` is the number of the
+    /// fluorophore in the scene.
+    #[inline]
+    pub fn code_of_emission(&self, fluorophore: usize, excited_by: WavelengthCode, u: f64) -> WavelengthCode {
+        let spectrum = usize::from(excited_by.spectrum);
+        let group = match spectrum.checked_sub(self.light_spectra) {
+            None => self.groups[spectrum],
+            Some(emission) => emission % self.group_count,
+        };
+        let number = self.light_spectra + fluorophore * self.group_count + group;
+        WavelengthCode { quantile: quantile(u), spectrum: number as u16 }
     }
 
     /// Returns the number of different spectra. It does not depend on the groups of the lights.
@@ -95,7 +154,7 @@ impl PhotonSpectra {
     /// Returns the code of the wavelengths that a light samples from the number `u` in [0, 1).
     #[inline]
     pub fn code(&self, light: usize, u: f64) -> WavelengthCode {
-        WavelengthCode { quantile: (u * WavelengthCode::QUANTILES as f64) as u16, spectrum: self.of_light[light] }
+        WavelengthCode { quantile: quantile(u), spectrum: self.of_light[light] }
     }
 
     /// Returns the wavelength (nm) of one lane. The wavelength belongs to the middle of the
@@ -112,4 +171,18 @@ impl PhotonSpectra {
     pub fn wavelength_at(&self, spectrum: usize, u: f64, lane: usize) -> f64 {
         self.distributions[spectrum].sample((u + lane as f64) / LANES as f64).0
     }
+}
+
+/// Rounds a random number in [0, 1) down to a quantile.
+#[inline]
+fn quantile(u: f64) -> u16 {
+    (u * WavelengthCode::QUANTILES as f64) as u16
+}
+
+/// Returns the number of a spectrum in a code.
+fn code_number(number: usize) -> Result<u16> {
+    u16::try_from(number).map_err(|_| {
+        Error::input("the lights and fluorophores have too many different spectra")
+            .expected("at most 65536 different spectra")
+    })
 }

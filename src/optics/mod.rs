@@ -6,6 +6,8 @@
 //! - [`microfacet`]: the GGX distribution of rough interfaces.
 //! - [`grating`]: directions and efficiencies of diffraction gratings.
 //! - [`thin_film`]: interference in stacks of thin films.
+//! - [`fluorophore`]: absorption and emission of fluorescent materials.
+//! - [`fluorescent_samples`]: fluorescent surfaces for the comparison of lamps.
 //! - [`bsdf`]: the scattering functions of surfaces.
 //! - [`phase`]: the phase functions of media.
 //! - [`aperture`]: polygonal apertures and their Fraunhofer diffraction.
@@ -15,6 +17,8 @@
 pub mod aperture;
 pub mod bsdf;
 pub(crate) mod embedded;
+pub mod fluorescent_samples;
+pub mod fluorophore;
 pub mod fresnel;
 pub mod glass;
 pub mod grating;

@@ -31,6 +31,8 @@ pub struct LampsPage<'a> {
     pub lamps: [NamedLamp<'a>; 2],
     /// The comparison of the lamps.
     pub comparison: &'a LampComparison,
+    /// Fluorescent surfaces under the lamps.
+    pub fluorescent: &'a [PatchDifference],
     /// The observer.
     pub observer: &'a Observer,
     /// The primaries that are mixed to match A, or an empty list if A is not matched.
@@ -50,7 +52,7 @@ const LONGEST_TITLE: usize = 70;
 /// # Errors
 /// Returns a machine error if an image cannot be encoded as PNG.
 pub fn page(page: &LampsPage<'_>) -> Result<String> {
-    let LampsPage { lamps: [a, b], comparison, observer, primaries: _, warning } = page;
+    let LampsPage { lamps: [a, b], comparison, fluorescent, observer, primaries: _, warning } = page;
     let title = format!("{} against {}", a.name, b.name);
     let body = html! {
         h1 { (title) }
@@ -68,7 +70,10 @@ pub fn page(page: &LampsPage<'_>) -> Result<String> {
         (charts(comparison))
         (pairs(comparison))
         h2 { "All patches" }
-        (table(comparison))
+        (table(&comparison.patches, comparison.worst().delta_e_2000))
+        h2 { "Fluorescent surfaces" }
+        p { "These surfaces absorb light and emit light of longer wavelengths. The spectra are typical." }
+        (table(fluorescent, fluorescent.iter().map(|surface| surface.delta_e_2000).fold(0.0, f64::max)))
         (notes(observer))
     };
     Ok(document(&title, include_str!("lamps_page.css"), &body))
@@ -200,8 +205,9 @@ fn split(comparison: &LampComparison, pair: &SplitPair) -> Markup {
     }
 }
 
-fn table(comparison: &LampComparison) -> Markup {
-    let widest = comparison.worst().delta_e_2000.max(1.0);
+/// Returns the table of surfaces. `largest` is the largest ΔE2000 in the table.
+fn table(patches: &[PatchDifference], largest: f64) -> Markup {
+    let widest = largest.max(1.0);
     html! {
         div.table { table.patches {
             thead {
@@ -212,7 +218,7 @@ fn table(comparison: &LampComparison) -> Markup {
                     th.bar {}
                 }
             }
-            tbody { @for patch in &comparison.patches { tr {
+            tbody { @for patch in patches { tr {
                 th scope="row" { (patch.short_name()) }
                 td { (halves("swatch", &adapted(patch))) }
                 @for value in patch.lab.as_flattened() { td.number { (signed(*value)) } }

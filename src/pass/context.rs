@@ -88,6 +88,7 @@ impl<'a> PassContext<'a> {
             spectra: self.spectra,
             ray_densities: None,
             wavelengths,
+            fluorescent: self.plan.fluorescence,
             count,
             depth_limit: self.depth_limit(),
             seed: self.budget.seed,

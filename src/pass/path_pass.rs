@@ -24,6 +24,8 @@ pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Re
         direct: direct.with_openings(without_glass.as_ref().unwrap_or(context.openings)),
         media_plan: plan.media_plan,
         wavelengths: &lights.wavelengths,
+        spectra: context.spectra,
+        excitation: &lights.excitation,
         depth_limit: context.depth_limit(),
     };
     let records_surfaces = sums.film.records_surfaces();

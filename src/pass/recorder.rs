@@ -95,10 +95,10 @@ impl<'a> PhotonRecorder<'a> {
         let media_plan = self.plan.media_plan;
         let photons_per_sample = self.options.photons_per_sample;
         let camera = CameraConnection { scene: self.scene, media_plan, photons_per_sample };
-        if let Some(splat) = camera.connect(arrival, lens) {
+        let emission = arrival.interaction.bsdf.model.as_fluorescent().map_or(0.0, |_| stream.uniform());
+        if let Some(splat) = camera.connect(arrival, lens, emission) {
             self.tally.connections += 1;
-            let radiance = splat.radiance.map(|radiance| radiance * factor);
-            let lanes = arrival.photon.wavelengths.active().iter().copied().zip(radiance);
+            let lanes = splat.lanes().map(|(nm, radiance)| (nm, radiance * factor));
             let splats = if arrival.photon.lost { &mut self.lost_splats } else { &mut self.splats };
             // Only caustic photons on directly visible surfaces are connected.
             let light = self.spectra.light_of(arrival.photon.wavelength_code);

@@ -219,12 +219,10 @@ impl BandSurvey<'_> {
                         PixelVolumeCounts::along(segments, media, samples, &widths)
                     });
                 }
-                let on_surfaces = buffers.visible_points.iter().map(|point| point.shared);
-                let in_media = buffers.camera_segments.iter().map(|segment| segment.shared);
-                let mut reads = PerSet { free: false, shared: false };
-                on_surfaces.chain(in_media).for_each(|shared| {
-                    reads.shared |= shared;
-                    reads.free |= !shared;
+                let reads = PerSet::from_fn(|set| {
+                    let mut in_media = buffers.camera_segments.iter();
+                    buffers.visible_points.iter().any(|point| point.reads(set))
+                        || in_media.any(|segment| PhotonSet::of_path(segment.shared) == set)
                 });
                 self.readers.free += u64::from(reads.free);
                 self.readers.shared += u64::from(reads.shared);
@@ -259,9 +257,9 @@ impl BlockSurvey {
         for set in [PhotonSet::Free, PhotonSet::Shared] {
             // Paths read more photons at diffuse surfaces than at glossy surfaces.
             let points = || visible_points.iter().rev();
-            let is_of_set = |point: &&VisiblePoint| PhotonSet::of_path(point.shared) == set;
-            let diffuse = points().filter(|point| point.is_diffuse).find(is_of_set);
-            let Some(point) = diffuse.or_else(|| points().find(is_of_set)) else { continue };
+            let reads_set = |point: &&VisiblePoint| point.reads(set);
+            let diffuse = points().filter(|point| point.is_diffuse).find(reads_set);
+            let Some(point) = diffuse.or_else(|| points().find(reads_set)) else { continue };
             let known = self.surface[set].filter(|(known, _)| is_alike(known, point));
             let (_, found) = known.unwrap_or_else(|| {
                 let extent_m = extents[point.object as usize];

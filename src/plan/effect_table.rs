@@ -233,6 +233,26 @@ const fn row(id: EffectId) -> Effect {
                 Ok(())
             }),
         },
+        EffectId::Fluorescence => Effect {
+            id,
+            name: "fluorescence",
+            field: "fluorescence",
+            cost: "at fluorescent surfaces, four wavelengths of the excitation for each light; half of the photons of a \
+                   shared set",
+            absent: "no surface is fluorescent, so light keeps its wavelength",
+            called_by: "fluorescent surfaces",
+            uncalled: "no surface is fluorescent",
+            calls: |facts| facts.fluorescent.clone(),
+            set: |plan, facts, on| plan.fluorescence = on && !facts.fluorescent.is_empty(),
+            events: |tally, _| tally.fluorescent_events,
+            removal: Removal::FromScene(|scene, _| {
+                for material in &mut scene.materials {
+                    let surface = std::mem::replace(&mut material.surface, Bsdf::Absorber);
+                    material.surface = surface.without_fluorescence()?;
+                }
+                Ok(())
+            }),
+        },
         EffectId::Roughness => Effect {
             id,
             name: "roughness",

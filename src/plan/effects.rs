@@ -33,6 +33,8 @@ pub enum EffectId {
     Textures,
     /// Light interferes in thin films.
     ThinFilms,
+    /// Surfaces emit light at other wavelengths than they absorb.
+    Fluorescence,
     /// Camera paths continue at rough and coated surfaces.
     Roughness,
     /// Objects have interiors.
@@ -101,7 +103,7 @@ pub(super) enum Removal {
 
 impl EffectId {
     /// All effects, in the order of decision.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::Dispersion,
         Self::Shared,
         Self::Caustics,
@@ -112,6 +114,7 @@ impl EffectId {
         Self::Environment,
         Self::Textures,
         Self::ThinFilms,
+        Self::Fluorescence,
         Self::Roughness,
         Self::Bodies,
         Self::Absorption,

@@ -25,6 +25,8 @@ pub struct Plan {
     pub aim: AimPlan,
     /// Objects, lights and cameras that move.
     pub motion: MotionPlan,
+    /// True if surfaces are fluorescent.
+    pub fluorescence: bool,
 }
 
 impl Plan {
@@ -39,6 +41,7 @@ impl Plan {
         volume: VolumePlan::Absent,
         aim: AimPlan::Plain,
         motion: MotionPlan::Still,
+        fluorescence: false,
     };
 }
 

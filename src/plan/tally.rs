@@ -49,6 +49,9 @@ pub struct Tally {
     /// Scattering events of camera paths at surfaces with thin films.
     #[serde(default)]
     pub film_events: u64,
+    /// Arrivals of camera paths at fluorescent surfaces.
+    #[serde(default)]
+    pub fluorescent_events: u64,
     /// Scattering events at rough or coated surfaces.
     pub rough_events: u64,
     /// Arrivals at the faces of bodies and at gratings, and segments of camera paths inside bodies.
@@ -97,6 +100,7 @@ impl Tally {
         self.receptor_samples += other.receptor_samples;
         self.texture_lookups += other.texture_lookups;
         self.film_events += other.film_events;
+        self.fluorescent_events += other.fluorescent_events;
         self.rough_events += other.rough_events;
         self.body_events += other.body_events;
         self.absorptions += other.absorptions;

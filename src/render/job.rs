@@ -50,7 +50,7 @@ impl Job {
             .ok_or_else(|| Error::input("no light in the scene has power within 360–830 nm"))?;
         let selector = LightSelector::new(&scene, &lights.lights);
         let layers = layer_set(&scene)?;
-        let spectra = PhotonSpectra::new(&scene.lights, !layers.light_groups.is_empty())?;
+        let spectra = PhotonSpectra::new(&scene, !layers.light_groups.is_empty())?;
         let film = &scene.film;
         let diffraction = DiffractionSetup::of(&scene.camera, &plan, &lights);
         let slices = diffraction.as_ref().map_or(0, DiffractionSetup::slices);

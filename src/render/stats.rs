@@ -21,6 +21,13 @@ pub struct LedgerStats {
     pub sampling: f64,
     /// The power absorbed by surfaces and bodies.
     pub absorbed: f64,
+    /// The power that fluorophores absorbed and did not emit, because the emitted photons have less
+    /// energy.
+    #[serde(default)]
+    pub stokes_loss: f64,
+    /// The power of the photons that fluorophores absorbed without emitting a photon.
+    #[serde(default)]
+    pub quantum_loss: f64,
     /// The power that left the scene.
     pub escaped: f64,
     /// The part of `escaped` that left the scene inside a body.
@@ -289,6 +296,8 @@ impl LedgerStats {
             emitted: mean(&|ledger| ledger.emitted),
             sampling: mean(&|ledger| ledger.sampling),
             absorbed: mean(&|ledger| ledger.absorbed),
+            stokes_loss: mean(&|ledger| ledger.stokes_loss),
+            quantum_loss: mean(&|ledger| ledger.quantum_loss),
             escaped: mean(&|ledger| ledger.escaped),
             escaped_inside: mean(&|ledger| ledger.escaped_inside),
             depth_limit: mean(&|ledger| ledger.depth_limit),
@@ -332,6 +341,8 @@ fn ledger_stats(job: &Job, ledger: &Ledger) -> LedgerStats {
         emitted: ledger.emitted,
         sampling: ledger.sampling,
         absorbed: ledger.absorbed_total(),
+        stokes_loss: ledger.stokes_loss,
+        quantum_loss: ledger.quantum_loss,
         escaped: ledger.escaped,
         escaped_inside: ledger.escaped_inside,
         depth_limit: ledger.depth_limit,

@@ -385,7 +385,9 @@ impl SceneBuilder {
         if self.atmosphere.is_none() && !boundaries.is_empty() {
             radius_m = radius_m.max(boundaries.radius_m());
         }
-        let ObjectSet { shapes, objects, materials, .. } = self.objects;
+        let ObjectSet { shapes, objects, mut materials, .. } = self.objects;
+        let mut fluorophores = 0;
+        materials.iter_mut().for_each(|material| material.surface.number_fluorophores(&mut fluorophores));
         let shapes = if shapes.iter().any(|shape| shape.motion.is_some()) { shapes.into() } else { Arc::default() };
         let air = RefractiveIndex::constant(1.0).map_err(|error| ScenePart::Whole.error(error))?;
         let mut scene = Scene {

@@ -27,6 +27,8 @@ pub struct Facts {
     pub textured: Vec<String>,
     /// Objects with thin films.
     pub films: Vec<String>,
+    /// Objects with a fluorescent component.
+    pub fluorescent: Vec<String>,
     /// Objects with a diffuse component.
     pub diffuse: Vec<String>,
     /// Objects with a body, and gratings. The body consists of glass or liquid, or it is filled
@@ -145,6 +147,9 @@ impl Facts {
             }
             if material.surface.components().any(|part| part.films().is_some()) {
                 facts.films.push(object.name.clone());
+            }
+            if material.surface.fluorescent().next().is_some() {
+                facts.fluorescent.push(object.name.clone());
             }
             if material.surface.components().any(|part| part.grating().is_some()) {
                 facts.dispersive.push(object.name.clone());

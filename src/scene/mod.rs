@@ -25,7 +25,7 @@ use crate::colour::gamut::GamutMapping;
 use crate::colour::tone::ToneCurve;
 use crate::colour::{RgbSpace, Xyz};
 use crate::geometry::{Geometry, Hit, Ray};
-use crate::optics::bsdf::Bsdf;
+use crate::optics::bsdf::{Bsdf, Fluorescent};
 use crate::optics::glass::RefractiveIndex;
 use crate::spectrum::{Observer, Spectrum};
 use crate::texture::NormalMap;
@@ -240,6 +240,12 @@ impl Scene {
             sum.iter_mut().zip(xyz).for_each(|(sum, value)| *sum += power_w * value);
         }
         sum
+    }
+
+    /// Returns the fluorescent surfaces of the materials, in the order of the numbers of their
+    /// fluorophores.
+    pub fn fluorescent(&self) -> impl Iterator<Item = &Fluorescent> {
+        self.materials.iter().flat_map(|material| material.surface.fluorescent())
     }
 
     /// Returns true if the scene is measured: the receptors of its meters take the place of a

@@ -31,6 +31,15 @@ impl Spectrum {
         Self::mix(&[(1.0, &Self::from_continuum(Continuum::from_pieces(&pieces))), (1.0, &lines)])
     }
 
+    /// Returns 1 minus the continuum of the spectrum: the transmittance of an absorptance.
+    #[must_use]
+    pub fn complement(&self) -> Self {
+        let complement =
+            |piece: LinearPiece| LinearPiece { values: (1.0 - piece.values.0, 1.0 - piece.values.1), ..piece };
+        let pieces: Vec<LinearPiece> = self.continuum().map(complement).collect();
+        Self::from_continuum(Continuum::from_pieces(&pieces))
+    }
+
     /// Returns the sum of weighted black-body radiances in W m⁻² sr⁻¹ nm⁻¹. `bodies` lists pairs of
     /// a temperature in K (above 0) and a weight.
     pub fn blackbodies(bodies: &[(f64, f64)]) -> Self {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// The power (W) of the photons of one pass, summed over the band. The balance is: emitted +
-/// sampling = absorbed + escaped + depth limit.
+/// sampling = absorbed + Stokes loss + quantum loss + escaped + depth limit.
 ///
 /// The absorbed power is computed from the albedo and from Beer's law, never as a difference.
 /// Therefore an error in a path weight has one of two effects: the ledger is not balanced, or the
@@ -20,6 +20,13 @@ pub struct Ledger {
     pub absorbed: Vec<f64>,
     /// Power absorbed by bodies of glass, liquid or fog.
     pub absorbed_inside: f64,
+    /// Power that fluorophores absorbed and did not emit, because the emitted photons have less
+    /// energy than the absorbed photons.
+    #[serde(default)]
+    pub stokes_loss: f64,
+    /// Power of the photons that fluorophores absorbed without emitting a photon.
+    #[serde(default)]
+    pub quantum_loss: f64,
     /// Power that left the scene.
     pub escaped: f64,
     /// The part of `escaped` that left the scene inside a body. The body is open, or a path hit one
@@ -44,10 +51,11 @@ impl Ledger {
         self.absorbed.iter().sum::<f64>() + self.absorbed_inside
     }
 
-    /// Returns emitted + sampling − absorbed − escaped − depth limit. The result is divided by the
-    /// emitted power.
+    /// Returns emitted + sampling − absorbed − Stokes loss − quantum loss − escaped − depth limit.
+    /// The result is divided by the emitted power.
     pub fn balance(&self) -> f64 {
-        let left = self.emitted + self.sampling - self.absorbed_total() - self.escaped - self.depth_limit;
+        let lost = self.absorbed_total() + self.stokes_loss + self.quantum_loss;
+        let left = self.emitted + self.sampling - lost - self.escaped - self.depth_limit;
         if self.emitted > 0.0 { left / self.emitted } else { left }
     }
 
@@ -65,6 +73,8 @@ impl Ledger {
             &mut self.emitted,
             &mut self.sampling,
             &mut self.absorbed_inside,
+            &mut self.stokes_loss,
+            &mut self.quantum_loss,
             &mut self.escaped,
             &mut self.escaped_inside,
             &mut self.depth_limit,
@@ -81,6 +91,8 @@ impl Ledger {
         self.emitted += other.emitted;
         self.sampling += other.sampling;
         self.absorbed_inside += other.absorbed_inside;
+        self.stokes_loss += other.stokes_loss;
+        self.quantum_loss += other.quantum_loss;
         self.escaped += other.escaped;
         self.escaped_inside += other.escaped_inside;
         self.depth_limit += other.depth_limit;

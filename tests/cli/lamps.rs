@@ -156,10 +156,10 @@ fn the_lamp_page_is_complete_and_self_contained() {
         assert!(page.contains(words), "{words}");
     }
     // Two spectra and the chromaticity diagram; 24 patches with and without adaptation, 12 pairs
-    // under two lamps, 24 in the table.
+    // under two lamps, 24 in the table, and two fluorescent surfaces.
     assert_eq!(page.matches("<svg ").count(), 3);
     assert_eq!(page.matches("class=\"pair\"").count(), 2 * 24 + 2 * 12);
-    assert_eq!(page.matches("class=\"swatch\"").count(), 24);
+    assert_eq!(page.matches("class=\"swatch\"").count(), 24 + 2);
     let elsewhere = page.replace("http://www.w3.org/2000/svg", "");
     assert!(!elsewhere.contains("http") && !page.contains("<script") && !page.contains("NaN"));
     // Text from the user is escaped and never becomes markup.
@@ -247,4 +247,28 @@ fn the_rendering_of_red_is_stated() {
     let json = abbe(folder.path(), &["lamps", "FL2", "D65", "--json"]).json();
     assert!(json["a"]["r9"].as_f64().unwrap() < 0.0 && json["b"]["r9"].as_f64().unwrap() > 99.0, "{json}");
     assert!(abbe(folder.path(), &["lamps", "FL2", "D65"]).out.contains("\nR9            -"));
+}
+
+/// The colours of the fluorescent surfaces have their golden values for a single reflection.
+#[test]
+fn fluorescent_surfaces_have_golden_colours() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["lamps", "D65", "A"];
+    let found = abbe(folder.path(), &[&arguments[..], &["--json"]].concat()).json();
+    let file = golden("fluorescence.json");
+    let names = ["optical brightener on paper", "red day-glow"];
+    for (surface, name) in found["fluorescent"].as_array().unwrap().iter().zip(names) {
+        for (i, light) in ["D65", "A"].into_iter().enumerate() {
+            let cases = file["single_reflection"].as_array().unwrap();
+            let matches = |case: &&serde_json::Value| {
+                case["material"] == name && case["light"] == light && case["band_from_nm"] == 360
+            };
+            let known = &cases.iter().find(matches).unwrap()["XYZ"];
+            for c in 0..3 {
+                let value = 100.0 * known[c].as_f64().unwrap();
+                assert_near(name, &surface["xyz"][i][c], &json!(value), 1e-5 * value);
+            }
+        }
+    }
+    assert!(abbe(folder.path(), &arguments).out.contains("\n  red day-glow                 A"));
 }

@@ -101,13 +101,14 @@ fn no_photon_grows_heavier_than_it_set_out() {
     let job = job(&white_ball(chromatic()));
     let choice = LightSampler::new(&job.scene).expect("the scene is lit");
     let strata = EmissionStrata::plain(&choice.lights);
-    let spectra = PhotonSpectra::new(&job.scene.lights, false).expect("the scene has one light");
+    let spectra = PhotonSpectra::new(&job.scene, false).expect("the scene has one light");
     let emitters = PhotonSource {
         scene: &job.scene,
         spectra: &spectra,
         strata: &strata,
         ray_densities: None,
         wavelengths: WavelengthSampling::Free,
+        fluorescent: false,
         count: PHOTONS,
         depth_limit: DepthLimit::default(),
         seed: 1,

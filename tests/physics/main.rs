@@ -17,6 +17,7 @@ mod chart;
 mod chromatic_media;
 mod competing_techniques;
 mod diffraction;
+mod fluorescence;
 mod free_and_shared;
 mod furnace;
 mod gratings;

@@ -8,7 +8,10 @@ use crate::format::{
     ConductorFile, DielectricFile, GratingFile, GratingProfileFile, GroovesFile, IndexFile, JsonPath, MaterialFile,
     PaneTransmittanceFile, ScalarFile, SpectrumFile, ThinDielectricFile,
 };
-use crate::optics::bsdf::{Bsdf, Conductor, CosinePolynomial, DiffractionGrating, Glossy, Grooves, ThinDielectric};
+use crate::optics::bsdf::{
+    Bsdf, Conductor, CosinePolynomial, DiffractionGrating, Fluorescent, Glossy, Grooves, ThinDielectric,
+};
+use crate::optics::fluorophore::Fluorophore;
 use crate::optics::glass::RefractiveIndex;
 use crate::optics::grating::{Grating, GratingProfile};
 use crate::optics::thin_film::OpticalIndex;
@@ -60,6 +63,15 @@ impl Resolver<'_> {
             MaterialFile::Diffuse { reflectance } => {
                 let at = at.key("diffuse");
                 (Bsdf::diffuse(self.reflectance(&at.key("reflectance"), reflectance)?), None)
+            }
+            MaterialFile::Fluorescent { reflectance, absorptance, emission, quantum_yield } => {
+                let at = at.key("fluorescent");
+                let substrate = self.spectrum(&at.key("reflectance"), reflectance, Role::Reflectance);
+                let absorptance = self.spectrum(&at.key("absorptance"), absorptance, Role::Absorptance);
+                let emission = self.spectrum(&at.key("emission"), emission, Role::Light);
+                let (substrate, (absorptance, emission)) = both(substrate, both(absorptance, emission))?;
+                let fluorophore = self.at(&at, Fluorophore::new(absorptance, &emission, *quantum_yield))?;
+                (Fluorescent::new(substrate, fluorophore).map(|surface| Bsdf::Fluorescent(Box::new(surface))), None)
             }
             MaterialFile::Dielectric(file) => {
                 let at = at.key("dielectric");

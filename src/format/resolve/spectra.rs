@@ -20,6 +20,9 @@ pub enum Role {
     /// A reflectance or a transmittance, with values from 0 to 1. It is constant beyond the ends of
     /// a table.
     Reflectance,
+    /// The fraction of the light that a fluorophore absorbs, with values from 0 to 1. Beyond the ends
+    /// of a table, it is 0.
+    Absorptance,
     /// Any other non-negative quantity. It is constant beyond the ends of a table.
     Coefficient,
     /// The mean cosine of a phase function, negative for backward scattering. It is constant beyond
@@ -31,7 +34,7 @@ impl Role {
     /// Returns how a spectrum in this role is extrapolated beyond the ends of a table.
     pub fn outside(self) -> Outside {
         match self {
-            Self::Light => Outside::Zero,
+            Self::Light | Self::Absorptance => Outside::Zero,
             Self::Reflectance | Self::Coefficient | Self::MeanCosine => Outside::Hold,
         }
     }
@@ -107,7 +110,9 @@ impl Spectra<'_> {
             SpectrumFile::Name(name) => return self.spectrum_by_name(at, name, role, depth),
             SpectrumFile::Table { nm, values } => match role {
                 Role::MeanCosine => signed_table(nm, values),
-                Role::Light | Role::Reflectance | Role::Coefficient => Spectrum::table(nm, values, role.outside()),
+                Role::Light | Role::Absorptance | Role::Reflectance | Role::Coefficient => {
+                    Spectrum::table(nm, values, role.outside())
+                }
             },
             SpectrumFile::File(path) => {
                 self.source.file(path).and_then(|path| read::spectrum_file(&path, role.outside()))
@@ -176,7 +181,7 @@ fn signed_table(nm: &[f64], values: &[f64]) -> Result<Spectrum> {
 fn upsampled(rgb: [f64; 3], role: Role) -> Result<Spectrum> {
     match role {
         Role::Light => Spectrum::rgb_light(rgb),
-        Role::Reflectance | Role::Coefficient | Role::MeanCosine => Spectrum::rgb_reflectance(rgb),
+        Role::Reflectance | Role::Absorptance | Role::Coefficient | Role::MeanCosine => Spectrum::rgb_reflectance(rgb),
     }
 }
 
@@ -203,16 +208,16 @@ fn check_role(spectrum: &Spectrum, role: Role) -> Result<()> {
     match role {
         Role::Light if spectrum.integral() <= 0.0 => Err(Error::input("the spectrum has no power within 360–830 nm")
             .expected("a spectrum with power in the visible band")),
-        Role::Reflectance if spectrum.max() > 1.0 + 1e-9 => {
+        Role::Reflectance | Role::Absorptance if spectrum.max() > 1.0 + 1e-9 => {
             Err(Error::input(format!("found values up to {:.4}", spectrum.max())).expected("values from 0 to 1"))
         }
-        Role::Reflectance | Role::Coefficient if spectrum.min() < 0.0 => {
+        Role::Reflectance | Role::Absorptance | Role::Coefficient if spectrum.min() < 0.0 => {
             Err(Error::input(format!("found values down to {:.4}", spectrum.min())).expected("values of at least 0"))
         }
         Role::MeanCosine if spectrum.max().max(-spectrum.min()) > MAX_MEAN_COSINE => {
             let what = format!("found values from {:.4} to {:.4}", spectrum.min(), spectrum.max());
             Err(Error::input(what).expected(format!("mean cosines from {} to {MAX_MEAN_COSINE}", -MAX_MEAN_COSINE)))
         }
-        Role::Light | Role::Reflectance | Role::Coefficient | Role::MeanCosine => Ok(()),
+        Role::Light | Role::Reflectance | Role::Absorptance | Role::Coefficient | Role::MeanCosine => Ok(()),
     }
 }

@@ -66,6 +66,7 @@ impl<'a> CameraPass<'a> {
             Bsdf::Grating(_) => true,
             Bsdf::Absorber
             | Bsdf::Diffuse(_)
+            | Bsdf::Fluorescent(_)
             | Bsdf::Translucent(_)
             | Bsdf::Mirror(_)
             | Bsdf::Conductor(_)

@@ -1,7 +1,7 @@
 //! The records for the pilot: visible points and camera segments.
 
 use crate::geometry::Ray;
-use crate::plan::partition::View;
+use crate::plan::partition::{PhotonSet, View};
 use glam::DVec3;
 
 /// A visible point: a point where a camera path read the photon map, at a diffuse or a glossy
@@ -23,6 +23,9 @@ pub struct VisiblePoint {
     pub shared: bool,
     /// True if the surface is diffuse. The path then ends at the point.
     pub is_diffuse: bool,
+    /// True if the surface is fluorescent. Free photons excite it, also if the path carries a shared
+    /// wavelength.
+    pub is_fluorescent: bool,
 }
 
 /// A segment of a camera path in a scattering medium. The path gathered photons along this segment.
@@ -50,6 +53,11 @@ const LEAST_COSINE: f64 = 0.9;
 const LARGEST_SLOPE: f64 = 0.25;
 
 impl VisiblePoint {
+    /// Returns true if the path reads photons of this set at the point.
+    pub fn reads(&self, set: PhotonSet) -> bool {
+        PhotonSet::of_path(self.shared) == set || (self.is_fluorescent && set == PhotonSet::Free)
+    }
+
     /// Returns true if the surface continues smoothly to another position. `facing` is the normal
     /// at that position.
     pub fn continues_to(&self, position: DVec3, facing: DVec3) -> bool {

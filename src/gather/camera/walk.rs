@@ -196,15 +196,19 @@ impl<'a> CameraPass<'a> {
         if context.buffers.records {
             context.buffers.visible_points.push(self.visible_point(path, interaction));
         }
+        let luminescence = self.luminescence(path, interaction, context);
         if !self.plan.direct.is_absent() {
-            self.gather_direct::<M, S>(path, interaction, context);
+            self.gather_direct::<M, S>(path, interaction, luminescence.as_ref(), context);
         }
         // At a glossy surface, no extra ray is needed, because the continued path itself can hit a
         // light.
         if ends && self.plan.direct.traces_scattered_rays() {
-            self.gather_direct_by_bsdf::<M, S>(path, interaction, context);
+            self.gather_direct_by_bsdf::<M, S>(path, interaction, luminescence.as_ref(), context);
         }
         self.gather_photons(path, interaction, class, context);
+        if let Some(luminescence) = &luminescence {
+            self.gather_excitation(path, interaction, luminescence, context);
+        }
     }
 
     /// Returns the visible point of a path at the interaction.
@@ -223,6 +227,7 @@ impl<'a> CameraPass<'a> {
             view: path.view,
             shared: matches!(path.spectral_mode, SpectralMode::Shared { .. }),
             is_diffuse: interaction.bsdf.class() == BsdfClass::Diffuse,
+            is_fluorescent: interaction.bsdf.model.as_fluorescent().is_some(),
         }
     }
 }

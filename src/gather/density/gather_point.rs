@@ -3,6 +3,7 @@
 use super::responses::SurfaceResponses;
 use crate::gather::camera::path::CameraPath;
 use crate::gather::camera::throughput::{Factor, SpectralMode, product};
+use crate::gather::luminescence::Luminescence;
 use crate::map::kernel::{BoundaryCorrection, DiskKernel, KernelValues};
 use crate::map::{NearbyPhoton, PhotonPower, PhotonSpectra};
 use crate::math::frame::Frame;
@@ -121,8 +122,7 @@ impl<'e> GatherPoint<'e> {
         // differs from the normal at the gather point.
         let own_cosine = to_light.dot(photon_normal) * side;
         let (wi, kernels) = if self.interpolated {
-            let shading_cosine = to_light.dot(self.frame.normal());
-            (to_light, kernels.times(if own_cosine == 0.0 { 0.0 } else { (shading_cosine / own_cosine).abs() }))
+            (to_light, self.kernels_of_interpolated(kernels, to_light, own_cosine))
         } else {
             ((to_light + (own_cosine - to_light.dot(self.facing)) * self.facing).normalize(), kernels)
         };
@@ -137,6 +137,38 @@ impl<'e> GatherPoint<'e> {
         let light = PhotonLight { power: &photon.power, spectra, class };
         let response = |nm: f64| self.bsdf.eval(self.wo, wi, self.sides, TransportMode::Radiance, nm);
         add_photon(light, kernels, self.bias, self.spectral_mode, self.factors, sink, response);
+    }
+
+    /// Corrects the kernels for a shading normal that differs from the geometric normal.
+    #[inline(always)]
+    fn kernels_of_interpolated(&self, kernels: KernelValues, to_light: DVec3, own_cosine: f64) -> KernelValues {
+        let shading_cosine = to_light.dot(self.frame.normal());
+        kernels.times(if own_cosine == 0.0 { 0.0 } else { (shading_cosine / own_cosine).abs() })
+    }
+
+    /// Adds the emission that a nearby photon excites. The photon must be a free photon.
+    #[inline(always)]
+    pub(in crate::gather) fn add_excitation<S: Sink>(
+        &self,
+        nearby: &NearbyPhoton<'_>,
+        (spectra, class): (&PhotonSpectra, PathClass),
+        luminescence: &Luminescence<'_>,
+        sink: &mut S,
+    ) {
+        let photon = nearby.photon;
+        let normal = photon.normal();
+        if self.side_of(normal, nearby.position).is_none() {
+            return;
+        }
+        let mut kernels = self.kernel.at(f64::from(nearby.distance2));
+        if self.interpolated {
+            let to_light = photon.to_light();
+            kernels = self.kernels_of_interpolated(kernels, to_light, to_light.dot(normal));
+        }
+        let excitation: f64 =
+            photon.power.lanes(spectra).map(|(nm, power)| power * luminescence.excitation_at(nm)).sum();
+        let origin = LightOrigin { class, light: spectra.light_of(photon.power.wavelength_code()) };
+        luminescence.add(origin, excitation * kernels.estimate, excitation * biased_by(kernels, self.bias), sink);
     }
 
     /// Returns true if the responses of the sensor to photons are independent of the camera path

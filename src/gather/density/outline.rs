@@ -286,6 +286,7 @@ mod tests {
             view: View::Direct,
             shared: false,
             is_diffuse: true,
+            is_fluorescent: false,
         }
     }
 

@@ -5,11 +5,14 @@
 //! / π × sensitivity. All factors except the power depend only on the surface, on the spectrum of
 //! the light and on the random number that selected the wavelengths. They are tabulated once, so
 //! that a gathered photon costs a few multiplications.
+//!
+//! At a fluorescent surface, the response also contains the emission that the photon excites. The
+//! response of the sensor to the emission is a single integral over the emission spectrum.
 
 use crate::map::{PhotonPower, PhotonSpectra, WavelengthCode};
-use crate::optics::bsdf::Bsdf;
+use crate::optics::bsdf::{Bsdf, Fluorescent};
 use crate::scene::Scene;
-use crate::spectrum::{LANES, Spectrum};
+use crate::spectrum::{BAND_NM, LANES, Spectrum};
 use crate::walk::SurfaceInteraction;
 use std::f64::consts::FRAC_1_PI;
 use wide::f32x4;
@@ -46,7 +49,8 @@ impl SensorResponses {
     /// tables would need too much memory.
     pub fn new(scene: &Scene, spectra: &PhotonSpectra, sensitivity: impl Fn(f64) -> [f64; 3]) -> Option<Self> {
         let diffuse = |surface: &Bsdf| match surface {
-            Bsdf::Diffuse(diffuse) => diffuse.reflectance().uniform().cloned(),
+            Bsdf::Diffuse(diffuse) => diffuse.reflectance().uniform().cloned().map(TabulatedSurface::Diffuse),
+            Bsdf::Fluorescent(surface) => Some(TabulatedSurface::fluorescent(surface, &sensitivity)),
             Bsdf::Absorber
             | Bsdf::Translucent(_)
             | Bsdf::Mirror(_)
@@ -59,7 +63,7 @@ impl SensorResponses {
             | Bsdf::Glossy(_)
             | Bsdf::Mix(_) => None,
         };
-        let materials: Vec<Option<Spectrum>> =
+        let materials: Vec<Option<TabulatedSurface>> =
             scene.materials.iter().map(|material| diffuse(&material.surface)).collect();
         let tables = materials.iter().flatten().count() * spectra.different();
         if tables == 0 || tables > MOST_TABLES {
@@ -70,8 +74,8 @@ impl SensorResponses {
             .collect();
         let mut cells = Vec::with_capacity(tables * CELLS);
         let first_cells = materials.iter().map(|material| {
-            material.as_ref().map(|reflectance| {
-                cells.extend(sampled.iter().map(|samples| samples.reflected_by(reflectance)));
+            material.as_ref().map(|surface| {
+                cells.extend(sampled.iter().map(|samples| samples.returned_by(surface)));
                 cells.len() - sampled.len()
             })
         });
@@ -113,16 +117,59 @@ impl CellSamples {
         Self(std::array::from_fn(|lane| std::array::from_fn(|sample| sampled(lane, sample))))
     }
 
-    /// Returns the mean responses after the reflection by a surface.
-    fn reflected_by(&self, reflectance: &Spectrum) -> Cell {
+    /// Returns the mean responses to the light that a surface returns.
+    fn returned_by(&self, surface: &TabulatedSurface) -> Cell {
         self.0.each_ref().map(|samples| {
             let mut mean = [0.0; 4];
             for (nm, sensitivity) in samples {
-                let factor = reflectance.at(*nm) * FRAC_1_PI / SAMPLES_PER_CELL as f64;
-                (0..3).for_each(|component| mean[component] += sensitivity[component] * factor);
+                let response = surface.response(*nm, *sensitivity);
+                (0..3).for_each(|component| mean[component] += response[component] / SAMPLES_PER_CELL as f64);
             }
             f32x4::from(mean.map(|component| component as f32))
         })
+    }
+}
+
+/// A uniform diffuse surface whose responses are tabulated.
+enum TabulatedSurface {
+    /// A surface with this reflectance.
+    Diffuse(Spectrum),
+    /// A fluorescent surface.
+    Fluorescent {
+        surface: Box<Fluorescent>,
+        /// The response of the sensor to the emission for an excitation of 1 W·nm/m².
+        emission: [f64; 3],
+    },
+}
+
+impl TabulatedSurface {
+    fn fluorescent(surface: &Fluorescent, sensitivity: &impl Fn(f64) -> [f64; 3]) -> Self {
+        /// The number of samples per nm of the integral over the emission.
+        const SAMPLES_PER_NM: f64 = 4.0;
+        let mut emission = [0.0; 3];
+        for sample in 0..((BAND_NM.1 - BAND_NM.0) * SAMPLES_PER_NM) as usize {
+            let nm = BAND_NM.0 + (sample as f64 + 0.5) / SAMPLES_PER_NM;
+            let radiance = surface.emitted_radiance(nm) / SAMPLES_PER_NM;
+            let sensitivity = sensitivity(nm);
+            (0..3).for_each(|component| emission[component] += sensitivity[component] * radiance);
+        }
+        Self::Fluorescent { surface: Box::new(surface.clone()), emission }
+    }
+
+    /// Returns the response of the sensor to the light that the surface returns, for a power of 1
+    /// at the wavelength `nm`. `sensitivity` is the response to light of this wavelength.
+    fn response(&self, nm: f64, sensitivity: [f64; 3]) -> [f64; 3] {
+        match self {
+            Self::Diffuse(reflectance) => {
+                let factor = reflectance.at(nm) * FRAC_1_PI;
+                sensitivity.map(|value| value * factor)
+            }
+            Self::Fluorescent { surface, emission } => {
+                let factor = surface.reflected_fraction(nm) * FRAC_1_PI;
+                let excitation = surface.fluorophore.excitation(nm);
+                std::array::from_fn(|component| sensitivity[component] * factor + emission[component] * excitation)
+            }
+        }
     }
 }
 

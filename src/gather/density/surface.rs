@@ -5,6 +5,7 @@ use super::outline::{Outline, PixelOutline};
 use crate::gather::camera::path::CameraPath;
 use crate::gather::camera::throughput::SpectralMode;
 use crate::gather::camera_pass::{CameraPass, MissingLight, PathContext};
+use crate::gather::luminescence::Luminescence;
 use crate::map::kernel::BoundaryCorrection;
 use crate::map::{SetMaps, radius};
 use crate::optics::bsdf::BsdfClass;
@@ -24,6 +25,15 @@ fn photon_view(path: &CameraPath) -> View {
     }
 }
 
+/// The photons that a camera path gathers at a surface, and their effect.
+#[derive(Clone, Copy)]
+struct Gathered<'l, 'a> {
+    /// The photon set.
+    set: PhotonSet,
+    /// The emission that the photons excite. `None` if the surface scatters the photons.
+    luminescence: Option<&'l Luminescence<'a>>,
+}
+
 impl<'a> CameraPass<'a> {
     /// Gathers the photons around a surface point. Only photons of some path classes are gathered:
     /// the partition assigns these classes to the photon map.
@@ -36,10 +46,30 @@ impl<'a> CameraPass<'a> {
         context: &mut PathContext<'_, 'a, S>,
     ) {
         let set = path.spectral_mode.photon_set();
-        self.gather_set(self.maps[set], path, interaction, bsdf_class, context);
+        let gathered = Gathered { set, luminescence: None };
+        self.gather_set(self.maps[set], gathered, path, interaction, bsdf_class, context);
         if let Some(MissingLight { maps, factor }) = self.missing {
             context.with_lost_light(factor, |lost| {
-                self.gather_set(maps[set], path, interaction, bsdf_class, lost);
+                self.gather_set(maps[set], gathered, path, interaction, bsdf_class, lost);
+            });
+        }
+    }
+
+    /// Adds the light that photons excite at a fluorescent surface. Free photons excite it, because
+    /// their wavelengths represent the whole light, also if the path carries a shared wavelength.
+    #[inline(never)]
+    pub(in crate::gather) fn gather_excitation<S: Sink>(
+        &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        luminescence: &Luminescence<'a>,
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let gathered = Gathered { set: PhotonSet::Free, luminescence: Some(luminescence) };
+        self.gather_set(self.maps.free, gathered, path, interaction, BsdfClass::Diffuse, context);
+        if let Some(MissingLight { maps, factor }) = self.missing {
+            context.with_lost_light(factor, |lost| {
+                self.gather_set(maps.free, gathered, path, interaction, BsdfClass::Diffuse, lost);
             });
         }
     }
@@ -85,12 +115,12 @@ impl<'a> CameraPass<'a> {
     fn gather_set<S: Sink>(
         &self,
         maps: &SetMaps,
+        Gathered { set, luminescence }: Gathered<'_, 'a>,
         path: &CameraPath,
         interaction: &SurfaceInteraction<'a>,
         bsdf_class: BsdfClass,
         context: &mut PathContext<'_, 'a, S>,
     ) {
-        let set = path.spectral_mode.photon_set();
         let view = photon_view(path);
         for class in PhotonClass::ALL {
             let planned = match class {
@@ -130,8 +160,25 @@ impl<'a> CameraPass<'a> {
             let contains = |position| outline.is_none_or(|outline| outline.contains(position));
             let responses = if gather_point.is_plain() { self.responses } else { None };
             let path_class = path.events.class_at_surface(class.light_path());
-            match responses.and_then(|responses| responses.of_surface(interaction)) {
-                Some(surface) => {
+            match (responses.and_then(|responses| responses.of_surface(interaction)), luminescence) {
+                // The tabulated responses contain the emission.
+                (Some(_), Some(_)) => {}
+                (None, Some(luminescence)) => {
+                    let mut gathered = 0;
+                    map.within(centre, radius, |nearby| {
+                        gathered += 1;
+                        if contains(nearby.position) {
+                            gather_point.add_excitation(
+                                &nearby,
+                                (self.spectra, path_class),
+                                luminescence,
+                                context.sink,
+                            );
+                        }
+                    });
+                    context.tally.gathered += gathered;
+                }
+                (Some(surface), None) => {
                     let mut sums = ResponseSums::default();
                     let mut tabulated = 0;
                     if context.sink.separates_lights() {
@@ -155,7 +202,7 @@ impl<'a> CameraPass<'a> {
                     context.sink.respond(path_class, sums.estimate, sums.bias);
                     context.tally.tabulated += tabulated;
                 }
-                None => {
+                (None, None) => {
                     let mut gathered = 0;
                     map.within(centre, radius, |nearby| {
                         gathered += 1;

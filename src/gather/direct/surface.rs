@@ -5,6 +5,7 @@ use super::lighting::{EmitterHit, HitWeighting, LightSampleContext, ShadowLine};
 use crate::gather::camera::path::CameraPath;
 use crate::gather::camera::throughput::each_wavelength;
 use crate::gather::camera_pass::{CameraPass, PathContext};
+use crate::gather::luminescence::{ExcitingLight, Luminescence};
 use crate::geometry::{Hit, Ray};
 use crate::optics::bsdf::TransportMode;
 use crate::plan::LightOrigin;
@@ -38,6 +39,7 @@ impl<'a> CameraPass<'a> {
         &self,
         path: &CameraPath,
         interaction: &SurfaceInteraction<'a>,
+        luminescence: Option<&Luminescence<'a>>,
         context: &mut PathContext<'_, 'a, S>,
     ) {
         let (wavelength, u, nm) = (context.sampler.wavelength, context.sampler.light(), path.reference_nm());
@@ -56,6 +58,19 @@ impl<'a> CameraPass<'a> {
                     throughput * sample.light.spd_at(sample.spd, nm) * sample.strength * f * transmittance(&along, nm);
                 context.sink.biased(origin, nm, weight, weight * bias);
             });
+            if let Some(luminescence) = luminescence
+                && bsdf.pdf(wo, sample.wi, sides, nm) > 0.0
+            {
+                let exciting = ExcitingLight {
+                    number: selected.number,
+                    light: sample.light,
+                    spd: sample.spd,
+                    irradiance: sample.strength,
+                    along: &along,
+                };
+                let excitation = luminescence.excitation(&exciting, self.spectra, wavelength);
+                luminescence.add(origin, excitation, excitation * bias, context.sink);
+            }
         }
     }
 
@@ -65,6 +80,7 @@ impl<'a> CameraPass<'a> {
         &self,
         path: &CameraPath,
         interaction: &SurfaceInteraction<'a>,
+        luminescence: Option<&Luminescence<'a>>,
         context: &mut PathContext<'_, 'a, S>,
     ) {
         let nm = path.reference_nm();
@@ -93,6 +109,17 @@ impl<'a> CameraPass<'a> {
                 let weight = throughput * arriving * response;
                 context.sink.biased(origin, nm, weight, weight * bias);
             });
+            if let Some(luminescence) = luminescence {
+                let exciting = ExcitingLight {
+                    number,
+                    light: emitter.light,
+                    spd: emitter.spd,
+                    irradiance: emitter.radiance * sample.wi.z.abs() / sample.probability,
+                    along: &along,
+                };
+                let excitation = luminescence.excitation(&exciting, self.spectra, wavelength);
+                luminescence.add(origin, excitation, excitation * bias, context.sink);
+            }
         }
     }
 }

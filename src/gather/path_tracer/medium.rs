@@ -77,7 +77,7 @@ impl<'a> PathTracer<'a> {
             for (k, &nm) in path.wavelengths.active().iter().enumerate() {
                 let arriving =
                     sample.light.spd_at(sample.spd, nm) * sample.strength * transmittance(&sample.transmittance, nm);
-                sink.radiance(origin, nm, path.throughput[k] * medium.phase.eval(cosine, nm) * arriving);
+                sink.radiance(origin, path.observed[k], path.throughput[k] * medium.phase.eval(cosine, nm) * arriving);
             }
         }
         let direction = mixture.sample(incoming, sampler.stream.pair());
@@ -120,7 +120,7 @@ impl TracedPath {
         let along = segment.path_transmittance_tracked(t, position.x.to_bits());
         for (k, &nm) in self.wavelengths.active().iter().enumerate() {
             let emitted = medium.emission_per_m(position, nm) * transmittance(&along, nm) * (to - from);
-            sink.radiance(origin, nm, self.throughput[k] * emitted);
+            sink.radiance(origin, self.observed[k], self.throughput[k] * emitted);
         }
     }
 

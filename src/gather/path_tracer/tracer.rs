@@ -10,8 +10,10 @@ use crate::gather::camera::sampler::{PixelSampler, receptor_pdf};
 use crate::gather::camera::throughput::relative_n2;
 use crate::gather::direct::light_tree::ReceivingPoint;
 use crate::gather::direct::lighting::{DirectLighting, HitWeighting, LightSampleContext};
+use crate::gather::luminescence::{ExcitingLight, Luminescence};
 use crate::geometry::{Hit, Ray};
-use crate::optics::bsdf::{BsdfClass, ScatterEvent, TransportMode};
+use crate::map::PhotonSpectra;
+use crate::optics::bsdf::{BsdfClass, Fluorescent, ScatterEvent, TransportMode};
 use crate::plan::partition::LightPath;
 use crate::plan::{CameraEvents, LightOrigin, MediumPlan, PathClass, Tally};
 use crate::scene::Scene;
@@ -39,6 +41,11 @@ pub struct PathTracer<'a> {
     pub direct: DirectLighting<'a>,
     /// Samples a path's wavelengths.
     pub wavelengths: &'a WavelengthDistribution,
+    /// The spectra of the lights.
+    pub spectra: &'a PhotonSpectra,
+    /// For each fluorophore, the distribution of the wavelengths that excite it in the light of all
+    /// lights and fluorophores together.
+    pub excitation: &'a [Option<WavelengthDistribution>],
     /// The number of surface events after which a path ends.
     pub depth_limit: DepthLimit,
     /// The media of the scene. Paths need a medium stack if the scene contains bodies or media.
@@ -49,6 +56,9 @@ pub struct PathTracer<'a> {
 pub(super) struct TracedPath {
     pub(super) ray_state: RayState,
     pub(super) wavelengths: Wavelengths,
+    /// The wavelengths (nm) at which the camera sees the light of each lane. They differ from
+    /// `wavelengths` behind a fluorescent surface.
+    pub(super) observed: Lanes,
     /// The throughput at each wavelength, divided by all sampling densities.
     pub(super) throughput: Lanes,
     /// The throughput at the start of the path, for Russian roulette.
@@ -114,13 +124,20 @@ impl<'a> PathTracer<'a> {
                 // A path from a receptor has used these numbers at the receptor.
                 let first = depth == 0 && path.events == CameraEvents::Specular;
                 let u = if first { sampler.light() } else { sampler.stream.triple() };
-                self.sample_lights(path, &interaction, u, tally, sink);
+                let fluorescent = interaction.bsdf.model.as_fluorescent();
+                let excitation_u = fluorescent.map_or(0.0, |_| sampler.stream.uniform());
+                self.sample_lights(path, &interaction, (u, excitation_u), tally, sink);
             }
-            let Some(scattered) =
+            let Some(mut scattered) =
                 scatter(&interaction, &path.wavelengths, TransportMode::Radiance, &mut sampler.stream)
             else {
                 return false;
             };
+            if let Some(surface) = interaction.bsdf.model.as_fluorescent() {
+                tally.fluorescent_events += 1;
+                let excitation = self.excitation[surface.number].as_ref();
+                path.select_emission(surface, excitation, &mut scattered, depth, sampler);
+            }
             let through_pane = self.direct.passes_panes()
                 && scattered.event == ScatterEvent::Transmission
                 && self.scene.materials[interaction.material].surface.uniform_pane().is_some();
@@ -167,6 +184,7 @@ impl<'a> PathTracer<'a> {
         Some(TracedPath {
             ray_state: RayState { ray, from: None, medium_stack: camera.medium_stack },
             initial_count: wavelengths.count,
+            observed: wavelengths.nm,
             wavelengths,
             throughput,
             initial_throughput: throughput,
@@ -214,6 +232,7 @@ impl<'a> PathTracer<'a> {
             ray_state: start.ray_state,
             initial_count: LANES,
             wavelengths: Wavelengths::new(nm),
+            observed: nm,
             throughput: inverse_pdf.map(|throughput| throughput * start.weight),
             initial_throughput: inverse_pdf,
             hit_weighting: HitWeighting::Mis { from, pdf: start.pdf, caustic: None },
@@ -238,17 +257,18 @@ impl<'a> PathTracer<'a> {
             let origin = LightOrigin { class: path.events.class_of_emission(), light: number };
             for (k, &nm) in path.wavelengths.active().iter().enumerate() {
                 let radiance = path.throughput[k] * emitter.light.spd_at(emitter.spd, nm) * emitter.radiance;
-                sink.radiance(origin, nm, radiance);
+                sink.radiance(origin, path.observed[k], radiance);
             }
         }
     }
 
-    /// Adds direct light at a surface by shadow rays.
+    /// Adds direct light at a surface by shadow rays. `excitation_u` in [0, 1) selects the
+    /// wavelengths that excite a fluorescent surface.
     fn sample_lights<S: Sink>(
         &self,
         path: &TracedPath,
         interaction: &SurfaceInteraction<'a>,
-        u: [f64; 3],
+        (u, excitation_u): ([f64; 3], f64),
         tally: &mut Tally,
         sink: &mut S,
     ) {
@@ -262,7 +282,21 @@ impl<'a> PathTracer<'a> {
             for (k, &nm) in path.wavelengths.active().iter().enumerate() {
                 let f = bsdf.eval(wo, sample.wi, sides, TransportMode::Radiance, nm);
                 let scattered = path.throughput[k] * f * sample.light.spd_at(sample.spd, nm);
-                sink.radiance(origin, nm, scattered * sample.strength * transmittance(&along, nm));
+                sink.radiance(origin, path.observed[k], scattered * sample.strength * transmittance(&along, nm));
+            }
+            if let Some(surface) = bsdf.model.as_fluorescent()
+                && bsdf.pdf(wo, sample.wi, sides, path.wavelengths.hero()) > 0.0
+            {
+                let exciting = ExcitingLight {
+                    number: selected.number,
+                    light: sample.light,
+                    spd: sample.spd,
+                    irradiance: sample.strength,
+                    along: &along,
+                };
+                let luminescence = Luminescence::at_wavelengths(surface, &path.wavelengths, &path.throughput);
+                let excitation = luminescence.excitation(&exciting, self.spectra, excitation_u);
+                luminescence.observed_at(&path.observed).add(origin, excitation, 0.0, sink);
             }
         }
     }
@@ -277,6 +311,7 @@ impl TracedPath {
             self.wavelengths = Wavelengths::single(self.wavelengths.nm[kept]);
             let only = |lanes: Lanes| std::array::from_fn(|k| if k == 0 { lanes[kept] } else { 0.0 });
             (self.throughput, self.initial_throughput) = (only(self.throughput), only(self.initial_throughput));
+            self.observed = only(self.observed);
         }
         self.ray_state = interaction.spawn_scattered(scattered);
         if through_pane {
@@ -289,6 +324,43 @@ impl TracedPath {
         } else {
             HitWeighting::Mis { from: ReceivingPoint::on_surface(interaction), pdf: scattered.pdf, caustic: None }
         };
+    }
+
+    /// Selects at random whether the path continues as reflected light or as light that excites the
+    /// fluorophore of a surface. For excitation, each lane samples a wavelength of its own. `depth` is
+    /// the number of the surface event.
+    fn select_emission(
+        &mut self,
+        surface: &Fluorescent,
+        excitation: Option<&WavelengthDistribution>,
+        scattered: &mut ScatteredRay,
+        depth: u32,
+        sampler: &mut PixelSampler,
+    ) {
+        /// The limits of the probability that the path continues as exciting light.
+        const EXCITATION: (f64, f64) = (0.1, 0.9);
+        let active = || self.wavelengths.active().iter();
+        let emits = active().any(|&nm| surface.fluorophore.emitted(nm) > 0.0);
+        let Some(excitation) = excitation.filter(|_| emits) else { return };
+        // At the first events, both outcomes matter alike. Later, the weight of a reflection must be
+        // at most about 1, so that it does not grow along the path.
+        let reflected = active().map(|&nm| surface.reflected_fraction(nm)).fold(0.0, f64::max);
+        let alike = 0.5 / f64::from(depth + 1);
+        let probability = (1.0 - reflected).max(alike).clamp(EXCITATION.0, EXCITATION.1);
+        if sampler.stream.uniform() >= probability {
+            scattered.weight.iter_mut().for_each(|weight| *weight /= 1.0 - probability);
+            return;
+        }
+        scattered.weight = [1.0; LANES];
+        let u = sampler.stream.uniform();
+        for k in 0..self.wavelengths.count {
+            let lane_u = u + k as f64 / LANES as f64;
+            let (nm, pdf) = excitation.sample(lane_u - lane_u.floor());
+            let factor = surface.fluorophore.bispectral_factor(nm, self.wavelengths.nm[k]);
+            self.throughput[k] *= factor / (pdf * probability);
+            self.initial_throughput[k] = 1.0 / (pdf * self.initial_count as f64);
+            self.wavelengths.nm[k] = nm;
+        }
     }
 
     /// Returns the throughput at each wavelength, relative to the throughput at the start of the

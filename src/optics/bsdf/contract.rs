@@ -12,6 +12,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use self::grid::{Histogram, chi_square_deviations};
 use super::*;
 use crate::math::random::{Purpose, Stream};
+use crate::optics::fluorophore::Fluorophore;
 use crate::spectrum::Outside;
 use glam::DVec3;
 
@@ -70,6 +71,11 @@ fn glass(name: &str) -> RefractiveIndex {
     RefractiveIndex::catalogue(name).unwrap()
 }
 
+fn dyed() -> Bsdf {
+    let dye = Fluorophore::new(ramp(0.9, 0.1), &ramp(0.2, 1.0), 0.7).unwrap();
+    Bsdf::Fluorescent(Box::new(Fluorescent::new(ramp(0.5, 0.95), dye).unwrap()))
+}
+
 /// Returns every BSDF variant, smooth and rough. The spectra of the variants vary with the
 /// wavelength.
 fn cases() -> Vec<BsdfCase> {
@@ -88,6 +94,7 @@ fn cases() -> Vec<BsdfCase> {
         in_air("absorber", Bsdf::Absorber),
         in_air("diffuse", Bsdf::diffuse(ramp(0.0, 1.0)).unwrap()),
         in_air("white diffuse", Bsdf::diffuse(Spectrum::constant(1.0)).unwrap()),
+        in_air("fluorescent", dyed()),
         in_air("translucent", leaf()),
         in_air("black translucent", Bsdf::translucent(ramp(0.0, 0.0), ramp(0.0, 0.0)).unwrap()),
         in_air("mirror", Bsdf::mirror(ramp(0.9, 0.3)).unwrap()),

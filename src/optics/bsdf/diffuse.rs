@@ -34,8 +34,7 @@ impl Diffuse {
     }
 
     pub(super) fn sample(&self, wo: DVec3, u: [f64; 3]) -> BsdfSample {
-        let wi = sample_cosine(z_sign(wo), u[0], u[1]);
-        BsdfSample::lobe(wi, ScatterEvent::Reflection, cosine_pdf(wi))
+        sample(wo, u)
     }
 
     pub(super) fn absorbed_fraction(&self, texel: Texel, nm: f64) -> f64 {
@@ -49,6 +48,12 @@ impl Diffuse {
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         if same_side(wo, wi) { cosine_pdf(wi) } else { 0.0 }
     }
+}
+
+/// Samples a direction on the side of `wo` in proportion to the cosine.
+pub(super) fn sample(wo: DVec3, u: [f64; 3]) -> BsdfSample {
+    let wi = sample_cosine(z_sign(wo), u[0], u[1]);
+    BsdfSample::lobe(wi, ScatterEvent::Reflection, cosine_pdf(wi))
 }
 
 /// Returns f = ρ/π.

@@ -79,6 +79,7 @@ impl<'a> LocalBsdf<'a> {
         match self.model {
             Bsdf::Absorber => None,
             Bsdf::Diffuse(diffuse) => Some(diffuse.sample(wo, u)),
+            Bsdf::Fluorescent(surface) => Some(surface.sample(wo, u)),
             Bsdf::Translucent(translucent) => translucent.sample(wo, self.texels, nm, u),
             Bsdf::Mirror(mirror) => Some(mirror.sample(wo)),
             Bsdf::Conductor(conductor) => Some(conductor.sample(wo, u)),
@@ -139,6 +140,7 @@ impl<'a> LocalBsdf<'a> {
         match self.model {
             Bsdf::Absorber => 1.0,
             Bsdf::Diffuse(diffuse) => diffuse.absorbed_fraction(reflectance, nm),
+            Bsdf::Fluorescent(surface) => 1.0 - surface.reflected_fraction(nm),
             Bsdf::Translucent(translucent) => translucent.absorbed_fraction(self.texels, nm),
             Bsdf::Mirror(mirror) => mirror.absorbed_fraction(reflectance, nm),
             Bsdf::Conductor(conductor) => conductor.absorbed_fraction(wo, sample, iors, self.texels, nm),
@@ -195,6 +197,7 @@ impl<'a> LocalBsdf<'a> {
             | Bsdf::ThinFilm(_)
             | Bsdf::Grating(_) => 0.0,
             Bsdf::Diffuse(diffuse) => diffuse.eval(wo, wi, reflectance, nm),
+            Bsdf::Fluorescent(surface) => surface.eval(wo, wi, nm),
             Bsdf::Translucent(translucent) => translucent.eval(wo, wi, self.texels, nm),
             Bsdf::Conductor(conductor) => conductor.eval(wo, wi, iors, self.texels, nm),
             Bsdf::Dielectric(dielectric) => dielectric.eval(wo, wi, iors, mode, nm),
@@ -219,6 +222,7 @@ impl<'a> LocalBsdf<'a> {
             | Bsdf::ThinFilm(_)
             | Bsdf::Grating(_) => 0.0,
             Bsdf::Diffuse(diffuse) => diffuse.pdf(wo, wi),
+            Bsdf::Fluorescent(surface) => surface.pdf(wo, wi),
             Bsdf::Translucent(translucent) => translucent.pdf(wo, wi, self.texels, nm),
             Bsdf::Conductor(conductor) => conductor.pdf(wo, wi),
             Bsdf::Dielectric(dielectric) => dielectric.pdf(wo, wi, iors, nm),
@@ -244,6 +248,7 @@ impl<'a> LocalBsdf<'a> {
             }
             Bsdf::Absorber
             | Bsdf::Diffuse(_)
+            | Bsdf::Fluorescent(_)
             | Bsdf::Translucent(_)
             | Bsdf::Mirror(_)
             | Bsdf::Conductor(_)
@@ -268,6 +273,7 @@ impl<'a> LocalBsdf<'a> {
             Bsdf::ThinFilm(film) => film.powers(wo, iors, self.texels.thickness_nm, nm).of_event(event),
             Bsdf::Absorber
             | Bsdf::Diffuse(_)
+            | Bsdf::Fluorescent(_)
             | Bsdf::Translucent(_)
             | Bsdf::Grating(_)
             | Bsdf::Glossy(_)

@@ -153,6 +153,11 @@ impl MixBsdf {
         Ok(Self { components, ..self })
     }
 
+    /// Iterates over the components. The caller must not replace a component by a mixture.
+    pub(super) fn components_mut(&mut self) -> impl Iterator<Item = &mut Bsdf> {
+        self.components.iter_mut()
+    }
+
     /// Iterates over the components, each with its normalised weight.
     pub(super) fn weighted_components(&self) -> impl Iterator<Item = (f64, &Bsdf)> {
         self.weights().zip(&self.components)

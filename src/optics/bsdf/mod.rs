@@ -27,6 +27,7 @@ mod conductor;
 mod contract;
 mod dielectric;
 mod diffuse;
+mod fluorescent;
 mod glossy;
 mod grating;
 mod hemisphere;
@@ -49,6 +50,7 @@ pub use coated::{CoatedDielectric, ThinFilm};
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
+pub use fluorescent::Fluorescent;
 pub use glossy::Glossy;
 pub use grating::{DiffractionGrating, Grooves};
 pub use local::{LocalBsdf, Texels};
@@ -66,6 +68,8 @@ pub enum Bsdf {
     Absorber,
     /// See [`Diffuse`].
     Diffuse(Diffuse),
+    /// See [`Fluorescent`].
+    Fluorescent(Box<Fluorescent>),
     /// See [`Translucent`].
     Translucent(Translucent),
     /// See [`Mirror`].
@@ -171,7 +175,7 @@ impl Bsdf {
             Self::Conductor(conductor) => rough_class(conductor.is_rough()),
             Self::Dielectric(dielectric) => rough_class(dielectric.is_rough()),
             Self::Glossy(_) => BsdfClass::Glossy,
-            Self::Diffuse(_) | Self::Translucent(_) => BsdfClass::Diffuse,
+            Self::Diffuse(_) | Self::Fluorescent(_) | Self::Translucent(_) => BsdfClass::Diffuse,
             Self::Mix(mix) => mix.class(),
         }
     }
@@ -187,7 +191,12 @@ impl Bsdf {
             | Self::ThinFilm(_) => true,
             Self::Mix(mix) => mix.components().iter().any(Self::is_transmissive),
             Self::Grating(grating) => grating.transmits(),
-            Self::Absorber | Self::Diffuse(_) | Self::Mirror(_) | Self::Conductor(_) | Self::Glossy(_) => false,
+            Self::Absorber
+            | Self::Diffuse(_)
+            | Self::Fluorescent(_)
+            | Self::Mirror(_)
+            | Self::Conductor(_)
+            | Self::Glossy(_) => false,
         }
     }
 
@@ -201,6 +210,7 @@ impl Bsdf {
             Self::Conductor(metal) => metal.films(),
             Self::Absorber
             | Self::Diffuse(_)
+            | Self::Fluorescent(_)
             | Self::Translucent(_)
             | Self::Mirror(_)
             | Self::Dielectric(_)
@@ -221,12 +231,43 @@ impl Bsdf {
             Self::Mix(mix) => Self::Mix(mix.with_components(Self::without_films)?),
             Self::Absorber
             | Self::Diffuse(_)
+            | Self::Fluorescent(_)
             | Self::Translucent(_)
             | Self::Mirror(_)
             | Self::Dielectric(_)
             | Self::Grating(_)
             | Self::Glossy(_) => self,
         })
+    }
+
+    /// Returns the BSDF without fluorescence. A fluorescent surface keeps its reflection ρ(λ).
+    pub fn without_fluorescence(self) -> Result<Self> {
+        if let Self::Mix(mix) = self {
+            return Ok(Self::Mix(mix.with_components(Self::without_fluorescence)?));
+        }
+        self.as_fluorescent().map_or_else(|| Ok(self.clone()), |surface| surface.without_emission().map(Self::Diffuse))
+    }
+
+    /// Returns the fluorescent surface. A mixture returns `None`.
+    #[inline]
+    pub fn as_fluorescent(&self) -> Option<&Fluorescent> {
+        if let Self::Fluorescent(surface) = self { Some(surface) } else { None }
+    }
+
+    /// Returns the fluorescent surfaces among the components.
+    pub fn fluorescent(&self) -> impl Iterator<Item = &Fluorescent> {
+        self.components().filter_map(Self::as_fluorescent)
+    }
+
+    /// Numbers the fluorophores of the components. `next` is the number of the first fluorophore,
+    /// and then the number after the last fluorophore.
+    pub fn number_fluorophores(&mut self, next: &mut usize) {
+        if let Self::Fluorescent(surface) = self {
+            surface.number = *next;
+            *next += 1;
+        } else if let Self::Mix(mix) = self {
+            mix.components_mut().for_each(|part| part.number_fluorophores(next));
+        }
     }
 
     /// Returns the grating of the BSDF. A mixture returns `None`.
@@ -243,6 +284,7 @@ impl Bsdf {
             Self::Mix(mix) => Self::Mix(mix.with_components(|part| part.without_dispersion(nm))?),
             Self::Absorber
             | Self::Diffuse(_)
+            | Self::Fluorescent(_)
             | Self::Translucent(_)
             | Self::Mirror(_)
             | Self::Conductor(_)
@@ -259,6 +301,7 @@ impl Bsdf {
     pub fn surface_spectra(&self) -> Vec<&SurfaceSpectrum> {
         match self {
             Self::Absorber
+            | Self::Fluorescent(_)
             | Self::Dielectric(_)
             | Self::CoatedDielectric(_)
             | Self::ThinDielectric(_)
@@ -279,6 +322,7 @@ impl Bsdf {
             Self::ThinDielectric(thin) => thin.optical_depth.iter().any(Spectrum::is_upsampled),
             Self::Conductor(metal) => metal.is_upsampled(),
             Self::Grating(grating) => grating.is_upsampled(),
+            Self::Fluorescent(surface) => surface.is_upsampled(),
             Self::Mix(mix) => mix.components().iter().any(Self::is_upsampled),
             Self::Absorber
             | Self::Diffuse(_)
@@ -295,7 +339,7 @@ impl Bsdf {
     #[inline]
     pub fn is_textured(&self) -> bool {
         match self {
-            Self::Absorber | Self::Dielectric(_) | Self::Grating(_) => false,
+            Self::Absorber | Self::Fluorescent(_) | Self::Dielectric(_) | Self::Grating(_) => false,
             Self::CoatedDielectric(coated) => coated.films.is_textured(),
             Self::ThinDielectric(pane) => pane.coating.as_ref().is_some_and(FilmStack::is_textured),
             Self::ThinFilm(film) => film.films.is_textured(),
@@ -324,7 +368,7 @@ impl Bsdf {
                 Self::ThinDielectric(ThinDielectric { coating, ..pane })
             }
             Self::ThinFilm(film) => Self::thin_film(film.films.without_textures()),
-            Self::Absorber | Self::Dielectric(_) | Self::Grating(_) => self,
+            Self::Absorber | Self::Fluorescent(_) | Self::Dielectric(_) | Self::Grating(_) => self,
         }
     }
 
@@ -361,6 +405,7 @@ impl Bsdf {
             Self::Conductor(metal) => Texels::of_reflectance(metal.reflectance().map_or(0, &mut texel)),
             Self::Glossy(glossy) => Texels::of_reflectance(texel(&glossy.reflectance)),
             Self::Absorber
+            | Self::Fluorescent(_)
             | Self::Dielectric(_)
             | Self::CoatedDielectric(_)
             | Self::ThinDielectric(_)
@@ -385,6 +430,7 @@ impl Bsdf {
             Self::Mix(mix) => mix.components(),
             Self::Absorber
             | Self::Diffuse(_)
+            | Self::Fluorescent(_)
             | Self::Translucent(_)
             | Self::Mirror(_)
             | Self::Conductor(_)
