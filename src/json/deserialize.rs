@@ -1,22 +1,18 @@
 //! A serde deserialiser for the values of a scanned text. Each error has the position of the wrong
 //! value or key.
 
-use std::borrow::Cow;
-
-use serde::de::value::StrDeserializer;
-use serde::de::{
-    DeserializeSeed, Deserializer, EnumAccess, IntoDeserializer, MapAccess, SeqAccess, VariantAccess, Visitor,
-};
+use serde::de::{DeserializeSeed, Deserializer, Visitor};
 use serde::forward_to_deserialize_any;
 
+use super::access::{ArrayElements, ObjectEntries, Variant, visit_text};
 use super::describe::one_of;
 use super::deserialize_error::{DeserializeError, DeserializeErrorKind};
-use super::positions::{ChildValues, SpannedValue, ValueKind};
+use super::positions::{SpannedValue, ValueKind};
 use super::repair::Repairs;
 use super::stand_in::StandIn;
 
 /// The result of reading a value.
-type DeserializeResult<T> = Result<T, DeserializeError>;
+pub(super) type DeserializeResult<T> = Result<T, DeserializeError>;
 
 /// Deserialises a value. If the repairs replace the value, the result is a stand-in.
 pub(super) fn deserialize<'de, T: DeserializeSeed<'de>>(
@@ -33,9 +29,9 @@ pub(super) fn deserialize<'de, T: DeserializeSeed<'de>>(
 
 /// A deserialiser of one value.
 #[derive(Debug, Clone, Copy)]
-struct ValueDeserializer<'r, 'de> {
-    value: SpannedValue<'de>,
-    repairs: &'r Repairs,
+pub(super) struct ValueDeserializer<'r, 'de> {
+    pub(super) value: SpannedValue<'de>,
+    pub(super) repairs: &'r Repairs,
 }
 
 impl<'de> ValueDeserializer<'_, 'de> {
@@ -48,7 +44,7 @@ impl<'de> ValueDeserializer<'_, 'de> {
             ValueKind::String => visit_text(self.value.content(), visitor),
             ValueKind::Array => {
                 let mut elements = self.value.children();
-                let value = visitor.visit_seq(ArrayElements { elements: &mut elements, repairs: self.repairs })?;
+                let value = visitor.visit_seq(ArrayElements::Written(&mut elements, self.repairs))?;
                 let left = elements.count();
                 if left == 0 {
                     return Ok(value);
@@ -62,7 +58,7 @@ impl<'de> ValueDeserializer<'_, 'de> {
 
     /// Visits an object.
     fn visit_object<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        let mut entries = ObjectEntries::new(self.value, self.repairs);
+        let mut entries = ObjectEntries::of(self.value, self.repairs);
         let value = visitor.visit_map(&mut entries)?;
         // The visitor of a struct reads all keys. The visitor of an enum reads only the first key.
         match entries.next_kept_key() {
@@ -113,19 +109,11 @@ impl<'de> ValueDeserializer<'_, 'de> {
     }
 
     /// Visits an object with the known keys `fields`.
-    fn visit_fields<V: Visitor<'de>>(self, fields: &[&str], visitor: V) -> DeserializeResult<V::Value> {
+    pub(super) fn visit_fields<V: Visitor<'de>>(self, fields: &[&str], visitor: V) -> DeserializeResult<V::Value> {
         if self.value.kind() != ValueKind::Object {
             return Err(self.not_an_object(fields));
         }
         self.visit_object(visitor).map_err(|error| error.at(self.value))
-    }
-}
-
-/// Visits a string.
-fn visit_text<'de, V: Visitor<'de>>(text: Cow<'de, str>, visitor: V) -> DeserializeResult<V::Value> {
-    match text {
-        Cow::Borrowed(text) => visitor.visit_borrowed_str(text),
-        Cow::Owned(text) => visitor.visit_string(text),
     }
 }
 
@@ -190,12 +178,12 @@ impl<'de> Deserializer<'de> for ValueDeserializer<'_, 'de> {
         visitor: V,
     ) -> DeserializeResult<V::Value> {
         let result = match self.value.kind() {
-            ValueKind::String => visitor.visit_enum(PlainVariant(self.value)),
+            ValueKind::String => visitor.visit_enum(Variant::Plain(self.value)),
             ValueKind::Object => {
                 let mut entries = self.value.entries().filter(|(key, _)| !self.repairs.drops(*key));
                 match (entries.next(), entries.next()) {
                     (Some((key, value)), None) => {
-                        visitor.visit_enum(KeyedVariant { key, value, repairs: self.repairs })
+                        visitor.visit_enum(Variant::Keyed { key, value, repairs: self.repairs })
                     }
                     (Some(_), Some((second, _))) => {
                         Err(DeserializeError::new(DeserializeErrorKind::SecondKey(variants)).at(second))
@@ -213,169 +201,5 @@ impl<'de> Deserializer<'de> for ValueDeserializer<'_, 'de> {
     forward_to_deserialize_any! {
         bool i8 i16 i64 i128 u8 u16 u128 f32 f64 char str string bytes byte_buf unit unit_struct seq tuple_struct
         identifier ignored_any
-    }
-}
-
-/// A deserialiser of a key.
-struct KeyDeserializer<'de>(SpannedValue<'de>);
-
-impl<'de> Deserializer<'de> for KeyDeserializer<'de> {
-    type Error = DeserializeError;
-
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        visit_text(self.0.content(), visitor).map_err(|error| error.at(self.0))
-    }
-
-    forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf option unit unit_struct
-        newtype_struct seq tuple tuple_struct map struct enum identifier ignored_any
-    }
-}
-
-/// Gives the elements of an array to serde.
-struct ArrayElements<'a, 'de> {
-    elements: &'a mut ChildValues<'de>,
-    repairs: &'a Repairs,
-}
-
-impl<'de> SeqAccess<'de> for ArrayElements<'_, 'de> {
-    type Error = DeserializeError;
-
-    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> DeserializeResult<Option<T::Value>> {
-        self.elements.next().map(|value| deserialize(seed, value, self.repairs)).transpose()
-    }
-}
-
-/// Gives the entries of an object to serde: the entries of the text that are not dropped, and then
-/// the added keys.
-struct ObjectEntries<'a, 'de> {
-    entries: ChildValues<'de>,
-    added: Vec<&'static str>,
-    repairs: &'a Repairs,
-    /// The value of the key that was read last. `None` stands for the value of an added key.
-    value: Option<SpannedValue<'de>>,
-}
-
-impl<'a, 'de> ObjectEntries<'a, 'de> {
-    fn new(object: SpannedValue<'de>, repairs: &'a Repairs) -> Self {
-        Self { entries: object.children(), added: repairs.added_to(object).collect(), repairs, value: None }
-    }
-
-    /// Returns the next key of the text that is not dropped.
-    fn next_kept_key(&mut self) -> Option<SpannedValue<'de>> {
-        loop {
-            let key = self.entries.next()?;
-            self.value = self.entries.next();
-            if !self.repairs.drops(key) {
-                return Some(key);
-            }
-        }
-    }
-}
-
-impl<'de> MapAccess<'de> for &mut ObjectEntries<'_, 'de> {
-    type Error = DeserializeError;
-
-    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> DeserializeResult<Option<K::Value>> {
-        if let Some(key) = self.next_kept_key() {
-            return seed.deserialize(KeyDeserializer(key)).map(Some);
-        }
-        self.value = None;
-        let Some(key) = self.added.pop() else { return Ok(None) };
-        let key: StrDeserializer<'_, DeserializeError> = key.into_deserializer();
-        seed.deserialize(key).map(Some)
-    }
-
-    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> DeserializeResult<V::Value> {
-        match self.value.take() {
-            Some(value) => deserialize(seed, value, self.repairs),
-            None => seed.deserialize(StandIn),
-        }
-    }
-}
-
-/// An enum variant without fields, written as a string.
-struct PlainVariant<'de>(SpannedValue<'de>);
-
-impl<'de> EnumAccess<'de> for PlainVariant<'de> {
-    type Error = DeserializeError;
-    type Variant = Self;
-
-    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> DeserializeResult<(V::Value, Self)> {
-        Ok((seed.deserialize(KeyDeserializer(self.0))?, self))
-    }
-}
-
-impl PlainVariant<'_> {
-    /// Returns the error for a variant that has fields but is written as a string.
-    fn needs_fields(&self) -> DeserializeError {
-        DeserializeError::mismatch(format!("an object {{{}: …}}", self.0.written())).at(self.0)
-    }
-}
-
-impl<'de> VariantAccess<'de> for PlainVariant<'de> {
-    type Error = DeserializeError;
-
-    fn unit_variant(self) -> DeserializeResult<()> {
-        Ok(())
-    }
-
-    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, _: T) -> DeserializeResult<T::Value> {
-        Err(self.needs_fields())
-    }
-
-    fn tuple_variant<V: Visitor<'de>>(self, _: usize, _: V) -> DeserializeResult<V::Value> {
-        Err(self.needs_fields())
-    }
-
-    fn struct_variant<V: Visitor<'de>>(self, _: &'static [&'static str], _: V) -> DeserializeResult<V::Value> {
-        Err(self.needs_fields())
-    }
-}
-
-/// An enum variant with fields. In JSON, the variant is an object with one key, and this key is the
-/// name of the variant.
-struct KeyedVariant<'r, 'de> {
-    key: SpannedValue<'de>,
-    value: SpannedValue<'de>,
-    repairs: &'r Repairs,
-}
-
-impl<'de> EnumAccess<'de> for KeyedVariant<'_, 'de> {
-    type Error = DeserializeError;
-    type Variant = Self;
-
-    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> DeserializeResult<(V::Value, Self)> {
-        Ok((seed.deserialize(KeyDeserializer(self.key))?, self))
-    }
-}
-
-impl<'de> VariantAccess<'de> for KeyedVariant<'_, 'de> {
-    type Error = DeserializeError;
-
-    fn unit_variant(self) -> DeserializeResult<()> {
-        Err(DeserializeError::mismatch(format!("just the string {}", self.key.written())).at(self.value))
-    }
-
-    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> DeserializeResult<T::Value> {
-        deserialize(seed, self.value, self.repairs)
-    }
-
-    fn tuple_variant<V: Visitor<'de>>(self, length: usize, visitor: V) -> DeserializeResult<V::Value> {
-        if self.repairs.replaces(self.value) {
-            return StandIn.deserialize_tuple(length, visitor);
-        }
-        ValueDeserializer { value: self.value, repairs: self.repairs }.deserialize_tuple(length, visitor)
-    }
-
-    fn struct_variant<V: Visitor<'de>>(
-        self,
-        fields: &'static [&'static str],
-        visitor: V,
-    ) -> DeserializeResult<V::Value> {
-        if self.repairs.replaces(self.value) {
-            return StandIn.deserialize_struct("", fields, visitor);
-        }
-        ValueDeserializer { value: self.value, repairs: self.repairs }.visit_fields(fields, visitor)
     }
 }

@@ -6,6 +6,7 @@
 //! `deserialize` hands the values to serde. [`JsonSource`] contains the result. If an error is
 //! found later, [`JsonSource`] adds the position to the error.
 
+mod access;
 mod describe;
 mod deserialize;
 mod deserialize_error;
