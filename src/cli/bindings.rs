@@ -1,5 +1,6 @@
 //! The results of commands for the Python package: the same figures as those of `--json`.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -7,7 +8,7 @@ use crate::colour::ColourReport;
 use crate::colour::regress::{RegressionTolerances, judge_given};
 use crate::error::{Error, Result};
 use crate::format::resolve::{self, Role};
-use crate::format::{self, FileAccess};
+use crate::format::{self, FileAccess, JsonSource, SceneFile};
 use crate::optics::glass::Glass;
 use crate::optics::lens::LensAnalysis;
 use crate::optics::lens::image_quality::ImageQuality;
@@ -98,14 +99,31 @@ pub(crate) fn lamps_json(lamps: ComparedLamps, html: Option<&Path>) -> Result<St
     Ok(json(&lamps::json(&compared, warning)))
 }
 
-/// The scene and the options of a study.
+/// The text or the file of a scene.
 #[derive(Debug)]
-pub(crate) struct StudyRequest {
+pub(crate) struct SceneRequest {
     /// The text of the scene, or `None` if `path` names a scene file.
     pub(crate) text: Option<String>,
     pub(crate) path: PathBuf,
     pub(crate) changes: Vec<String>,
     pub(crate) access: FileAccess,
+}
+
+impl SceneRequest {
+    /// Reads the scene, and applies the changes.
+    fn read(&self) -> Result<(SceneFile, JsonSource)> {
+        let text = match &self.text {
+            Some(text) => Cow::Borrowed(text),
+            None => Cow::Owned(format::read_scene_text(&self.path, self.access, None)?.text),
+        };
+        format::parse_with_access(&text, &self.path, &self.changes, self.access)
+    }
+}
+
+/// The scene and the options of a study.
+#[derive(Debug)]
+pub(crate) struct StudyRequest {
+    pub(crate) scene: SceneRequest,
     pub(crate) folder: PathBuf,
     pub(crate) budget: Duration,
     /// The EXR file of the reference, if it is given.
@@ -115,13 +133,9 @@ pub(crate) struct StudyRequest {
 
 /// Runs a study. Returns `None` if the monitor stopped it.
 pub(crate) fn study_json(request: StudyRequest, monitor: &mut (dyn StudyMonitor + Send)) -> Result<Option<String>> {
-    let StudyRequest { text, path, changes, access, folder, budget, reference, threads } = request;
-    let text = match text {
-        Some(text) => text,
-        None => format::read_scene_text(&path, access, None)?.text,
-    };
-    let (scene, source) = format::parse_with_access(&text, &path, &changes, access)?;
-    let files = StudyFiles { scene: &path, output: &folder, reference: reference.as_deref() };
+    let StudyRequest { scene: request, folder, budget, reference, threads } = request;
+    let (scene, source) = request.read()?;
+    let files = StudyFiles { scene: &request.path, output: &folder, reference: reference.as_deref() };
     match study_of(&scene, &source, &files, budget, threads, monitor)? {
         StudyOutcome::Finished(report) => Ok(Some(json(&report))),
         StudyOutcome::Interrupted => Ok(None),
@@ -131,11 +145,7 @@ pub(crate) fn study_json(request: StudyRequest, monitor: &mut (dyn StudyMonitor 
 /// The scene and the options of a measurement.
 #[derive(Debug)]
 pub(crate) struct MeasureRequest {
-    /// The text of the scene, or `None` if `path` names a scene file.
-    pub(crate) text: Option<String>,
-    pub(crate) path: PathBuf,
-    pub(crate) changes: Vec<String>,
-    pub(crate) access: FileAccess,
+    pub(crate) scene: SceneRequest,
     /// The names of the meters. An empty list means all meters.
     pub(crate) meters: Vec<String>,
     pub(crate) integrator: Option<Integrator>,
@@ -144,17 +154,14 @@ pub(crate) struct MeasureRequest {
 
 /// Measures with the meters of a scene. Returns `None` if the monitor stopped the measurement.
 pub(crate) fn measure_json(request: MeasureRequest, monitor: &mut (dyn Monitor + Send)) -> Result<Option<String>> {
-    let MeasureRequest { text, path, changes, access, meters, integrator, stop } = request;
-    let text = match text {
-        Some(text) => text,
-        None => format::read_scene_text(&path, access, None)?.text,
-    };
-    let (mut scene, source) = format::parse_with_access(&text, &path, &changes, access)?;
-    scene.select_meters(&meters).map_err(|error| error.in_file(&path))?;
-    let job = Job::new(resolve::resolve_meters(&scene, &source)?).map_err(|error| error.in_file(&path))?;
+    let MeasureRequest { scene: request, meters, integrator, stop } = request;
+    let path = &request.path;
+    let (mut scene, source) = request.read()?;
+    scene.select_meters(&meters).map_err(|error| error.in_file(path))?;
+    let job = Job::new(resolve::resolve_meters(&scene, &source)?).map_err(|error| error.in_file(path))?;
     memory::check(&job.budget)?;
     let measured = on_threads(job.scene.settings.threads, || job.measure(integrator, stop, monitor))?;
-    let (report, interrupted) = measured.map_err(|error| error.in_file(&path))?;
+    let (report, interrupted) = measured.map_err(|error| error.in_file(path))?;
     Ok((!interrupted).then(|| json(&report)))
 }
 

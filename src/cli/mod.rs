@@ -55,8 +55,8 @@ mod view;
 
 #[cfg(feature = "python")]
 pub(crate) use bindings::{
-    ComparedLamps, MeasureRequest, StudyRequest, colour_json, glass_json, lamps_json, lens_json, measure_json,
-    named_spectrum, regression_json, regression_set_json, study_json,
+    ComparedLamps, MeasureRequest, SceneRequest, StudyRequest, colour_json, glass_json, lamps_json, lens_json,
+    measure_json, named_spectrum, regression_json, regression_set_json, study_json,
 };
 #[cfg(feature = "python")]
 pub(crate) use glass::check_wavelengths as check_glass_wavelengths;

@@ -151,8 +151,8 @@ pub(crate) fn run(arguments: &RenderArgs) -> Result<Outcome> {
     outcome
 }
 
-/// Checks the scene and the options of a render whose parts are jobs of a cluster. Returns the number
-/// of passes of the scene.
+/// Checks the scene and the options of a render whose parts are jobs of a cluster. Returns the
+/// number of passes of the scene.
 ///
 /// # Errors
 /// Returns an input error if the scene is wrong, or if an option is given that the scripts of the

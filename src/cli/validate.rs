@@ -60,24 +60,27 @@ impl Suite {
     }
 }
 
-/// The introduction of the page.
+/// The introduction of the page on CIE 171.
 const CIE_171: &str = "\
-This page compares readings of `abbe measure` with the analytical test cases 5.2–5.14 of CIE 171:2006. The expected
-values were computed from first principles, and the printed values of the report stand beside them. A value passes if
-its deviation and half its 95 % interval are at most 1 % of the expected value, or 0.1 % of the largest value of the
-case. `abbe validate cie171 -o docs/validation/cie171.md` wrote the page.";
+This page compares readings of `abbe measure` with the analytical test cases 5.2–5.14 of CIE
+171:2006. The expected values were computed from first principles, and the printed values of the
+report stand beside them. A value passes if its deviation and half its 95 % interval are at most 1 %
+of the expected value, or 0.1 % of the largest value of the case. `abbe validate cie171 -o
+docs/validation/cie171.md` wrote the page.";
 
-/// The introduction of the page.
+/// The introduction of the page on closed forms.
 const CLOSED_FORMS: &str = "\
-This page compares readings of `abbe measure` with closed forms and with published values: integrating spheres, slabs
-and half-spaces that scatter, and the prism of Newton's letter of 1672 (refracting angle 63° 12′, index 1.5453, a hole
-of ¼ inch, and a wall at 22 feet). A value passes if its deviation and half its 95 % interval are at most 1 % of the
-expected value, or 0.001. `abbe validate closed-forms -o docs/validation/closed-forms.md` wrote the page.
+This page compares readings of `abbe measure` with closed forms and with published values:
+integrating spheres, slabs and half-spaces that scatter, and the prism of Newton's letter of 1672
+(refracting angle 63° 12′, index 1.5453, a hole of ¼ inch, and a wall at 22 feet). A value passes if
+its deviation and half its 95 % interval are at most 1 % of the expected value, or 0.001. `abbe
+validate closed-forms -o docs/validation/closed-forms.md` wrote the page.
 
-The length of Newton's image, 13¼ inches, depends on the dispersion of the glass and on the least illuminance that the
-eye sees. The letter states neither, so the length is no test case. By geometrical optics, the glass LLF1 (n_d 1.548, V_d
-45.8) and sunlight (a black body at 5500 K) give this length for a threshold of 0.064 % of the largest illuminance: the
-ends of the image are at 423 nm and 702 nm. The glass N-BALF5 (V_d 53.6) gives it for a threshold of 0.0074 %.";
+The length of Newton's image, 13¼ inches, depends on the dispersion of the glass and on the least
+illuminance that the eye sees. The letter states neither, so the length is no test case. By
+geometrical optics, the glass LLF1 (n_d 1.548, V_d 45.8) and sunlight (a black body at 5500 K) give
+this length for a threshold of 0.064 % of the largest illuminance: the ends of the image are at 423
+nm and 702 nm. The glass N-BALF5 (V_d 53.6) gives it for a threshold of 0.0074 %.";
 
 pub(crate) fn run(arguments: &ValidateArgs) -> Result<Outcome> {
     interrupt::watch()?;

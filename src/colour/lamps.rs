@@ -83,7 +83,8 @@ impl LampComparison {
     }
 
     /// Returns a sentence that says how different the lights are: the colours of the lights, the
-    /// colours of surfaces, and the pairs of surfaces that split. `names` are the names of the lights.
+    /// colours of surfaces, and the pairs of surfaces that split. `names` are the names of the
+    /// lights.
     pub fn verdict(&self, names: [&str; 2]) -> String {
         let lights = match self.lights.delta_e_2000 {
             ..=ALIKE => "have the same colour",

@@ -91,8 +91,8 @@ impl CameraConnection<'_> {
     }
 }
 
-/// Returns wavelengths (nm) of the emission that a photon excites, and the emitted radiance per unit
-/// of area, divided by the density of the wavelengths. `u` in [0, 1) selects the wavelengths.
+/// Returns wavelengths (nm) of the emission that a photon excites, and the emitted radiance per
+/// unit of area, divided by the density of the wavelengths. `u` in [0, 1) selects the wavelengths.
 fn emission_into_camera(surface: &Fluorescent, photon: &PhotonState, u: f64) -> [(f64, f64); LANES] {
     let powers = photon.wavelengths.active().iter().zip(photon.power);
     let excitation: f64 = powers.map(|(&nm, power)| power * surface.fluorophore.excitation(nm)).sum();

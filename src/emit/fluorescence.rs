@@ -7,8 +7,8 @@
 //! A photon on the shared wavelengths of a pass cannot excite a fluorophore: the same four
 //! wavelengths would be the wavelengths of the absorbed and of the emitted light, and the estimate
 //! would be biased. In a scene with fluorophores, a part of the photons of the shared set are
-//! therefore *excitation photons*. They sample wavelengths of their own and are not recorded. When a
-//! fluorophore absorbs one of them, the emitted photon either gets the shared wavelengths and is
+//! therefore *excitation photons*. They sample wavelengths of their own and are not recorded. When
+//! a fluorophore absorbs one of them, the emitted photon either gets the shared wavelengths and is
 //! recorded from then on, or it gets wavelengths of its own and can excite the next fluorophore.
 
 use super::photon_path::PhotonPath;

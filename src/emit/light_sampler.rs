@@ -14,11 +14,11 @@ pub struct LightSampler {
     /// Samples wavelengths for all lights together: the pass's shared wavelengths, and the
     /// wavelengths of the path tracer. The distribution is a mixture. Half of the wavelengths are
     /// sampled from the power of all lights together. The other half is divided equally among the
-    /// different spectra, so that a dim light with a line spectrum is sampled beside a bright light.
-    /// The emission spectra of fluorophores count among the different spectra.
+    /// different spectra, so that a dim light with a line spectrum is sampled beside a bright
+    /// light. The emission spectra of fluorophores count among the different spectra.
     pub wavelengths: WavelengthDistribution,
-    /// For each fluorophore, the distribution of the wavelengths that excite it. `None` if it absorbs
-    /// no light of the scene. The path tracer samples excitation wavelengths from it.
+    /// For each fluorophore, the distribution of the wavelengths that excite it. `None` if it
+    /// absorbs no light of the scene. The path tracer samples excitation wavelengths from it.
     pub excitation: Vec<Option<WavelengthDistribution>>,
     /// The power of all lights together, in W over the band.
     pub power_w: f64,

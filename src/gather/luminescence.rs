@@ -2,12 +2,13 @@
 //!
 //! The excitation of a fluorophore at a point is the sum of irradiance × a(λ) × λ over all
 //! wavelengths of the arriving light. The emitted radiance at a wavelength is the excitation times
-//! a function of this wavelength alone. The wavelengths of the arriving light and of the camera path
-//! therefore need no relation.
+//! a function of this wavelength alone. The wavelengths of the arriving light and of the camera
+//! path therefore need no relation.
 
 use super::camera::path::CameraPath;
 use super::camera::throughput::{SpectralMode, product};
 use super::camera_pass::{CameraPass, PathContext};
+use super::direct::lighting::LightSample;
 use crate::map::PhotonSpectra;
 use crate::optics::bsdf::Fluorescent;
 use crate::plan::LightOrigin;
@@ -39,6 +40,13 @@ pub(super) struct ExcitingLight<'s> {
     pub(super) along: &'s [SegmentTransmittance<'s>],
 }
 
+impl<'s> ExcitingLight<'s> {
+    /// Returns the light of a sample of the light with the number `number`.
+    pub(super) fn of_sample(number: usize, sample: &LightSample<'s>, along: &'s [SegmentTransmittance<'s>]) -> Self {
+        Self { number, light: sample.light, spd: sample.spd, irradiance: sample.strength, along }
+    }
+}
+
 impl<'a> Luminescence<'a> {
     /// Returns the emission into a path that sees the wavelengths `nm` with these weights. The
     /// weights contain the throughput and the density of the wavelengths.
@@ -49,8 +57,8 @@ impl<'a> Luminescence<'a> {
         Self { surface, seen, count: wavelengths.count }
     }
 
-    /// Returns the same emission, seen at other wavelengths (nm): those at which the camera sees the
-    /// light.
+    /// Returns the same emission, seen at other wavelengths (nm): those at which the camera sees
+    /// the light.
     pub(super) fn observed_at(self, observed: &[f64; LANES]) -> Self {
         let seen = std::array::from_fn(|k| (observed[k], self.seen[k].1));
         Self { seen, ..self }

@@ -143,8 +143,8 @@ impl<'de> MapAccess<'de> for &mut ObjectEntries<'_, 'de> {
 pub(super) enum Variant<'r, 'de> {
     /// A variant without fields, written as a string.
     Plain(SpannedValue<'de>),
-    /// A variant with fields. In JSON, it is an object with one key, and this key is the name of the
-    /// variant.
+    /// A variant with fields. In JSON, it is an object with one key, and this key is the name of
+    /// the variant.
     Keyed {
         /// The name.
         key: SpannedValue<'de>,

@@ -109,8 +109,8 @@ impl PhotonSpectra {
         })
     }
 
-    /// Returns the distribution of the photons that a fluorophore absorbs in the light with the number
-    /// `light`. Returns `None` if it absorbs nothing.
+    /// Returns the distribution of the photons that a fluorophore absorbs in the light with the
+    /// number `light`. Returns `None` if it absorbs nothing.
     pub fn excitation(&self, light: usize, fluorophore: usize) -> Option<&WavelengthDistribution> {
         self.excitation[fluorophore * self.light_spectra + usize::from(self.of_light[light])].as_ref()
     }

@@ -23,8 +23,8 @@ impl IdentityHash {
     }
 }
 
-/// The hash of the sums of a film. It is the sum of the hashes of all rows of all planes, so the rows
-/// may be added in any order.
+/// The hash of the sums of a film. It is the sum of the hashes of all rows of all planes, so the
+/// rows may be added in any order.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct SumsHash(u128);
 

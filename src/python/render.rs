@@ -16,6 +16,7 @@ use pyo3::prelude::*;
 use super::errors::OrException;
 use super::picture::NativePicture;
 use crate::api::{RenderObserver, UnfinishedRender};
+use crate::cli::SceneRequest;
 use crate::error::{Error, Result};
 use crate::format::FileAccess;
 use crate::plan::Budget;
@@ -40,16 +41,24 @@ pub(super) struct SceneArguments {
 
 impl SceneArguments {
     /// Returns the files that the scene may use.
-    pub(super) fn access(allow_outside: bool) -> FileAccess {
-        if allow_outside { FileAccess::Anywhere } else { FileAccess::default() }
+    fn access(&self) -> FileAccess {
+        if self.allow_outside { FileAccess::Anywhere } else { FileAccess::default() }
     }
 
     fn scene(&self) -> Result<Scene> {
-        let access = Self::access(self.allow_outside);
+        let access = self.access();
         match &self.text {
             Some(text) => Scene::parse_with_changes(text, &self.path, &self.changes, access),
             None => Scene::load_with_changes(&self.path, &self.changes, access),
         }
+    }
+}
+
+impl From<SceneArguments> for SceneRequest {
+    fn from(arguments: SceneArguments) -> Self {
+        let access = arguments.access();
+        let SceneArguments { text, path, changes, allow_outside: _ } = arguments;
+        Self { text, path, changes, access }
     }
 }
 

@@ -158,9 +158,7 @@ impl ReportTask {
         threads: Option<u32>,
     ) -> PyResult<Self> {
         let budget = duration(seconds).or_exception(py)?;
-        let SceneArguments { text, path, changes, allow_outside } = scene;
-        let access = SceneArguments::access(allow_outside);
-        let request = StudyRequest { text, path, changes, access, folder, budget, reference, threads };
+        let request = StudyRequest { scene: scene.into(), folder, budget, reference, threads };
         Self::start(py, move |steps| cli::study_json(request, steps))
     }
 
@@ -170,10 +168,8 @@ impl ReportTask {
         let MeasureArguments { meters, integrator: name, passes, seconds, target_error } = options;
         let integrator = name.map(|name| integrator(&name)).transpose().or_exception(py)?;
         let time = seconds.map(duration).transpose().or_exception(py)?;
-        let SceneArguments { text, path, changes, allow_outside } = scene;
-        let access = SceneArguments::access(allow_outside);
         let stop = StopRules { passes, time, target_error };
-        let request = MeasureRequest { text, path, changes, access, meters, integrator, stop };
+        let request = MeasureRequest { scene: scene.into(), meters, integrator, stop };
         Self::start(py, move |steps| cli::measure_json(request, steps))
     }
 

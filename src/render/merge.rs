@@ -60,7 +60,8 @@ impl PartSet {
     }
 
     /// Returns the files to merge while the parts grow. If several files contain the same part, the
-    /// file with the most passes is chosen. Files without exact sums are left out, such as previews.
+    /// file with the most passes is chosen. Files without exact sums are left out, such as
+    /// previews.
     pub fn newest(paths: &[PathBuf]) -> Vec<PathBuf> {
         let mut newest: Vec<(&PathBuf, PassPart, u64)> = Vec::new();
         for path in paths {
@@ -86,8 +87,8 @@ impl PartSet {
 
     /// Adds the sums of all parts. Only the film and a few rows of a part are in memory.
     ///
-    /// A job may have replaced a file by one with more passes of the same part. Then the new file is
-    /// merged.
+    /// A job may have replaced a file by one with more passes of the same part. Then the new file
+    /// is merged.
     ///
     /// # Errors
     /// Returns an input error if a file is damaged, or was replaced by another part.

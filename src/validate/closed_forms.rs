@@ -82,9 +82,9 @@ fn half_space() -> Case {
     case("half-space", title, "1", vec![(from_above(&material), vec![expected("at right angles", value, None)])])
 }
 
-/// The same half-space with the index of refraction 1.5 (Giovanelli 1955, as quoted by Wang, Jacques
-/// and Zheng 1995, MCML). By reciprocity, the reflectance of parallel light at right angles equals
-/// the luminance at right angles in diffuse light.
+/// The same half-space with the index of refraction 1.5 (Giovanelli 1955, as quoted by Wang,
+/// Jacques and Zheng 1995, MCML). By reciprocity, the reflectance of parallel light at right angles
+/// equals the luminance at right angles in diffuse light.
 fn glass_half_space() -> Case {
     let material = json!({"dielectric": {"ior": 1.5, "medium": "medium"}});
     let title = "The reflectance of a half-space of index 1.5 that scatters isotropically, albedo 0.9 (Giovanelli)";
@@ -158,11 +158,11 @@ const SUN_RADIUS_DEG: f64 = 15.5 / 60.0;
 const WIDTH_M: f64 = 2.625 * INCH_M;
 
 impl NewtonsPrism {
-    /// Places the prism so that the middle ray is refracted equally at both faces. This is the least
-    /// deviation.
+    /// Places the prism so that the middle ray is refracted equally at both faces. This is the
+    /// least deviation.
     fn new() -> Self {
-        /// The lengths of the faces, the distance of the middle ray from the refracting edge, and the
-        /// distance of the hole from the prism, in m.
+        /// The lengths of the faces, the distance of the middle ray from the refracting edge, and
+        /// the distance of the hole from the prism, in m.
         const FACE_M: f64 = 0.04;
         const RAY_M: f64 = 0.02;
         const HOLE_DISTANCE_M: f64 = 0.01;
@@ -190,8 +190,8 @@ impl NewtonsPrism {
         }
     }
 
-    /// Returns the scene with strips on the wall. A strip is its name, its middle and its size, both
-    /// along x and z.
+    /// Returns the scene with strips on the wall. A strip is its name, its middle and its size,
+    /// both along x and z.
     fn scene(&self, strips: &[(String, DVec2, DVec2)]) -> String {
         const HALF_WIDTH_M: f64 = 0.03;
         let corner = |z: f64| self.corners.map(|corner| [corner.x, corner.y, z]);

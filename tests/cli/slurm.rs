@@ -1,5 +1,5 @@
-//! `abbe slurm` with a stand-in for Slurm, and `abbe merge --watch`. `tests/run --cluster` tests the
-//! scripts on a real Slurm.
+//! `abbe slurm` with a stand-in for Slurm, and `abbe merge --watch`. `tests/run --cluster` tests
+//! the scripts on a real Slurm.
 
 #![cfg(unix)]
 

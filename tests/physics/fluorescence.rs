@@ -140,8 +140,8 @@ fn one_reflection_is_golden() {
     }
 }
 
-/// A horizontal square of a golden material under a uniform sky of this spectrum, seen from above. A
-/// perfect diffuser would have the luminance 1.
+/// A horizontal square of a golden material under a uniform sky of this spectrum, seen from above.
+/// A perfect diffuser would have the luminance 1.
 fn under_a_sky(name: &str, lamp: &str) -> Value {
     json!({
         "camera": overhead_camera([0.0, 0.0], 4.0, 1.0),
@@ -363,7 +363,8 @@ fn a_dye_seen_through_a_prism_keeps_its_energy() {
     assert_same("dye through a prism, photon against path", &photon, &path, 1.4e-2);
 }
 
-/// Fluorescence is an effect of the plan. If it is forbidden, the surfaces reflect without emission.
+/// Fluorescence is an effect of the plan. If it is forbidden, the surfaces reflect without
+/// emission.
 #[test]
 fn forbidden_fluorescence_leaves_the_reflection() {
     let case = cases("single_reflection")
@@ -375,8 +376,8 @@ fn forbidden_fluorescence_leaves_the_reflection() {
     assert_near("reflected only", found, known, 5e-3 * known);
 }
 
-/// With spectral bands, each wavelength of each photon is evaluated. Without bands, the responses of
-/// the sensor are tabulated. Both give the same picture, on any number of threads.
+/// With spectral bands, each wavelength of each photon is evaluated. Without bands, the responses
+/// of the sensor are tabulated. Both give the same picture, on any number of threads.
 #[test]
 fn bands_and_tables_see_the_same_fluorescence() {
     let case = &cases("integrating_spheres")[3];

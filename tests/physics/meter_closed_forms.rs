@@ -423,8 +423,8 @@ fn photons_beside_walls_are_not_lost() {
     }
 }
 
-/// The sun shines from the direction that its place and time state: the beam of a clear sky falls on
-/// a plane that faces the sun, and no light falls on the opposite plane.
+/// The sun shines from the direction that its place and time state: the beam of a clear sky falls
+/// on a plane that faces the sun, and no light falls on the opposite plane.
 #[test]
 fn the_sun_shines_from_its_place_in_the_sky() {
     // The position of the sun over Berlin from the golden file: 58.156° high, 149.363° from north.

@@ -1,8 +1,8 @@
 #!/bin/bash
 # Renders one part of the picture, as a task of an array job. `abbe slurm` has written this file.
 #
-# The task may be killed and started again at any time. It continues from its checkpoint, and it does
-# nothing if the part is complete.
+# The task may be killed and started again at any time. It continues from its checkpoint, and it
+# does nothing if the part is complete.
 set -euo pipefail
 . ./settings.sh
 

@@ -7,11 +7,11 @@ use serde::Serialize;
 
 /// The tolerances of a judgement.
 ///
-/// The defaults accept every correct sum over samples in steps of 1 nm: with or without half weights
-/// at the ends, with linear or Sprague interpolation of the colour-matching functions at lines, and
-/// with the matrix of IEC 61966-2-1 that is rounded to four digits (at most ΔE2000 0.055 and a
-/// difference of 0.0002). They accept neither samples in steps of 5 nm (up to ΔE2000 1.3 and 0.011)
-/// nor lines that are moved to a whole number of nm (0.49 and 0.011).
+/// The defaults accept every correct sum over samples in steps of 1 nm: with or without half
+/// weights at the ends, with linear or Sprague interpolation of the colour-matching functions at
+/// lines, and with the matrix of IEC 61966-2-1 that is rounded to four digits (at most ΔE2000 0.055
+/// and a difference of 0.0002). They accept neither samples in steps of 5 nm (up to ΔE2000 1.3 and
+/// 0.011) nor lines that are moved to a whole number of nm (0.49 and 0.011).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RegressionTolerances {
     /// The largest ΔE2000. The white is D65 for all cases. If the light were the white, b* would
@@ -119,7 +119,7 @@ pub struct CaseJudgement {
     pub passed: bool,
     /// The judgements of the forms that the converter computed.
     pub colours: Vec<ColourJudgement>,
-    /// What is wrong, if the case failed.
+    /// A sentence that states the fault of a failed case.
     pub fault: Option<String>,
 }
 
@@ -161,8 +161,8 @@ impl RegressionReport {
     }
 }
 
-/// Judges the colours of a converter for all cases of some groups. An empty list of groups means all
-/// groups.
+/// Judges the colours of a converter for all cases of some groups. An empty list of groups means
+/// all groups.
 ///
 /// # Errors
 /// Returns an input error if a case is unknown, occurs twice or is missing, or if a colour is given

@@ -19,9 +19,9 @@ const DEFAULT_AZIMUTH_DEG: f64 = 180.0;
 /// The types of clear skies: the sun has a default illuminance.
 const CLEAR_SKIES: std::ops::RangeInclusive<u32> = 11..=15;
 
-/// A standard sky, with or without its sun. The position of the sun shapes the luminance of the sky.
-/// State the position by `sun_elevation` and `sun_azimuth`, or by `place` and `time`. The sun itself
-/// shines only if the key `sun` is present.
+/// A standard sky, with or without its sun. The position of the sun shapes the luminance of the
+/// sky. State the position by `sun_elevation` and `sun_azimuth`, or by `place` and `time`. The sun
+/// itself shines only if the key `sun` is present.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SkyFile {
@@ -141,8 +141,8 @@ impl SkyFile {
     /// A sky has no transform.
     pub(super) const TRANSFORM: &'static TransformFile = &TransformFile(Vec::new());
 
-    /// Returns the position of the sun in the scene: its azimuth is counted from the axis −z. Returns
-    /// `None` if the sky states no position.
+    /// Returns the position of the sun in the scene: its azimuth is counted from the axis −z.
+    /// Returns `None` if the sky states no position.
     ///
     /// # Errors
     /// Returns an error if `time` is not a time.

@@ -139,23 +139,17 @@ fn malformed(error: serde_json::Error) -> Error {
 /// Adds keys that are optional in glTF, and that the crate `gltf` requires. Removes the channels of
 /// animations that move no node. Returns true if there are such channels.
 fn add_optional_keys(value: &mut Value) -> bool {
-    let list = |value: &mut Value, key: &str| value.get_mut(key).and_then(Value::as_array_mut).map(std::mem::take);
-    let mut scenes = list(value, "scenes").unwrap_or_default();
-    for scene in scenes.iter_mut().filter_map(Value::as_object_mut) {
+    let scenes = value.get_mut("scenes").and_then(Value::as_array_mut);
+    for scene in scenes.into_iter().flatten().filter_map(Value::as_object_mut) {
         scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
     }
+    let animations = value.get_mut("animations").and_then(Value::as_array_mut);
     let mut removed = false;
-    let mut animations = list(value, "animations").unwrap_or_default();
-    for animation in &mut animations {
+    for animation in animations.into_iter().flatten() {
         let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) else { continue };
         let all = channels.len();
         channels.retain(|channel| channel.get("target").is_none_or(|target| target.get("node").is_some()));
         removed |= channels.len() < all;
-    }
-    for (key, entries) in [("scenes", scenes), ("animations", animations)] {
-        if !entries.is_empty() {
-            value[key] = Value::Array(entries);
-        }
     }
     removed
 }
@@ -174,8 +168,8 @@ fn check_extensions(root: &mut Root) -> Result<()> {
         return Err(Error::input(format!("the geometry is compressed by {name}"))
             .expected("a file without compression of meshes; switch it off in the export"));
     }
-    let known = |name: &String| OWN_EXTENSIONS.iter().chain(&gltf_extensions::KNOWN).any(|own| own == name);
-    root.extensions_required.retain(|name| !known(name));
+    root.extensions_required
+        .retain(|name| !OWN_EXTENSIONS.contains(&name.as_str()) && !gltf_extensions::is_accepted(name));
     Ok(())
 }
 

@@ -8,7 +8,7 @@ use super::{MeshCoat, MeshDiffuseTransmission};
 use crate::error::{Error, Result};
 
 /// The extensions that this module reads.
-pub(super) const READ: [&str; 5] = [
+const READ: [&str; 5] = [
     "KHR_materials_dispersion",
     "KHR_materials_clearcoat",
     "KHR_materials_specular",
@@ -19,21 +19,6 @@ pub(super) const READ: [&str; 5] = [
 /// The extension for the specular-glossiness model.
 pub(super) const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 
-/// The extensions without which a file is readable: those that this module reads, and those whose
-/// absence a note states.
-pub(super) const KNOWN: [&str; 10] = [
-    READ[0],
-    READ[1],
-    READ[2],
-    READ[3],
-    READ[4],
-    CONSEQUENCES[0].0,
-    CONSEQUENCES[1].0,
-    CONSEQUENCES[2].0,
-    CONSEQUENCES[3].0,
-    "KHR_materials_variants",
-];
-
 /// The consequences of extensions that are not read.
 const CONSEQUENCES: [(&str, &str); 4] = [
     ("KHR_materials_sheen", "cloth has no bright rim"),
@@ -41,6 +26,12 @@ const CONSEQUENCES: [(&str, &str); 4] = [
     ("KHR_materials_iridescence", "thin films have no colours"),
     ("KHR_materials_unlit", "the surface is lit like any other"),
 ];
+
+/// Returns true if a file may require the extension: this module reads it, or a note states what is
+/// left out.
+pub(super) fn is_accepted(name: &str) -> bool {
+    READ.contains(&name) || CONSEQUENCES.iter().any(|(known, _)| *known == name) || name == "KHR_materials_variants"
+}
 
 /// Returns the Abbe number V_d. The extension KHR_materials_dispersion states 20/V_d, or 0 for no
 /// dispersion.

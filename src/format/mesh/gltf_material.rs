@@ -54,7 +54,7 @@ pub(super) fn read_material(file: &Material<'_>, pictures: &mut GltfPictures<'_>
         roughness,
         metallic_roughness_texture,
         transmission: transmission.map_or(0.0, |it| f64::from(it.transmission_factor())),
-        is_sheet: volume.as_ref().is_none_or(|volume| volume.thickness_factor() <= 0.0),
+        is_sheet: is_sheet(file),
         transmission_texture,
         diffuse_transmission: diffuse_transmission(file),
         coat: coat(file),
@@ -103,14 +103,11 @@ pub(in crate::format) fn ignored(document: &Document) -> Vec<String> {
     let is_tinted = |file: &Material<'_>| {
         let surface = file.pbr_metallic_roughness();
         let [r, g, b, _] = surface.base_color_factor();
-        let is_clear = file.transmission().is_some_and(|it| it.transmission_factor() > 0.0);
-        is_clear && (r.min(g).min(b) < 0.99 || surface.base_color_texture().is_some())
+        is_clear(file) && (r.min(g).min(b) < 0.99 || surface.base_color_texture().is_some())
     };
     let tints = document.materials().any(|file| is_tinted(&file));
     let is_rough_sheet = |file: &Material<'_>| {
-        let is_sheet = file.volume().is_none_or(|volume| volume.thickness_factor() <= 0.0);
-        let is_clear = file.transmission().is_some_and(|it| it.transmission_factor() > 0.0);
-        is_sheet && is_clear && file.pbr_metallic_roughness().roughness_factor() > 0.1
+        is_clear(file) && is_sheet(file) && file.pbr_metallic_roughness().roughness_factor() > 0.1
     };
     let sentences = [
         listed(textures).map(|names| format!("textures are ignored: {names}")),
@@ -127,6 +124,16 @@ pub(in crate::format) fn ignored(document: &Document) -> Vec<String> {
             .then(|| "open sheets of rough glass are smooth".to_owned()),
     ];
     sentences.into_iter().flatten().collect()
+}
+
+/// Returns true if light passes through the surface.
+fn is_clear(file: &Material<'_>) -> bool {
+    file.transmission().is_some_and(|it| it.transmission_factor() > 0.0)
+}
+
+/// Returns true if the material states no thickness.
+fn is_sheet(file: &Material<'_>) -> bool {
+    file.volume().is_none_or(|volume| volume.thickness_factor() <= 0.0)
 }
 
 /// Returns the names of the material's textures that are not read.

@@ -1,8 +1,8 @@
 //! Converts the specular-glossiness model of older glTF files to the metallic-roughness model.
 //!
 //! The conversion finds the metalness for which both models reflect the same diffuse light and the
-//! same light at normal incidence. Source: Khronos, KHR_materials_pbrSpecularGlossiness, appendix on
-//! the conversion between the workflows.
+//! same light at normal incidence. Source: Khronos, KHR_materials_pbrSpecularGlossiness, appendix
+//! on the conversion between the workflows.
 
 use ::gltf::Material;
 use serde_json::Value;
@@ -50,8 +50,8 @@ pub(super) fn convert(file: &Material<'_>, pictures: &mut GltfPictures<'_>, set:
     })
 }
 
-/// Returns the base colour and the metalness of a surface with a diffuse colour and a reflectance at
-/// normal incidence.
+/// Returns the base colour and the metalness of a surface with a diffuse colour and a reflectance
+/// at normal incidence.
 fn metallic_base(diffuse: [f64; 3], specular: [f64; 3]) -> ([f64; 3], f64) {
     let brightness = |[r, g, b]: [f64; 3]| (0.299 * r * r + 0.587 * g * g + 0.114 * b * b).sqrt();
     let not_specular = 1.0 - specular.into_iter().fold(0.0, f64::max);

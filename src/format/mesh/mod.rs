@@ -30,6 +30,9 @@ use std::collections::BTreeMap;
 use std::io::Read as _;
 use std::path::Path;
 
+#[cfg(feature = "meshes")]
+use flate2::read::GzDecoder;
+
 use crate::error::{Error, Result};
 use crate::format::FileAccess;
 
@@ -68,7 +71,8 @@ pub struct MeshFile {
 }
 
 /// Reads a mesh file. The file extension determines the format: `.obj` (with its `.mtl`), `.ply`,
-/// `.stl`, `.serialized`, `.gltf` or `.glb`. `file_access` states which other files the file may name.
+/// `.stl`, `.serialized`, `.gltf` or `.glb`. `file_access` states which other files the file may
+/// name.
 ///
 /// # Errors
 /// Returns an error if the file is missing, has an unknown format, or is truncated or malformed.
@@ -133,7 +137,8 @@ fn read_parts(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes> {
         "obj" => obj::load(path, file_access),
         "ply" => read(path).and_then(|bytes| ply::load(&bytes)).map(PartsAndNotes::of),
         "ply.gz" => {
-            read(path).and_then(|bytes| unpacked(&bytes)).and_then(|bytes| ply::load(&bytes)).map(PartsAndNotes::of)
+            let unpacked = read(path).and_then(|bytes| unpacked(GzDecoder::new(&bytes[..]), "gzip file"));
+            unpacked.and_then(|bytes| ply::load(&bytes)).map(PartsAndNotes::of)
         }
         "stl" => read(path).and_then(stl::load).map(PartsAndNotes::of),
         "serialized" => read(path).and_then(|bytes| serialized::load(&bytes)).map(PartsAndNotes::of),
@@ -168,12 +173,13 @@ fn read(path: &Path) -> Result<Vec<u8>> {
 #[cfg(feature = "meshes")]
 const MAX_UNPACKED_BYTES: u64 = 4 << 30;
 
-/// Unpacks a file that was packed by gzip.
+/// Reads the unpacked data of a decoder. `kind` is the kind of the packed data, such as "gzip
+/// file".
 #[cfg(feature = "meshes")]
-fn unpacked(bytes: &[u8]) -> Result<Vec<u8>> {
+fn unpacked(decoder: impl std::io::Read, kind: &str) -> Result<Vec<u8>> {
     let mut unpacked = Vec::new();
-    let mut reader = flate2::read::GzDecoder::new(bytes).take(MAX_UNPACKED_BYTES + 1);
-    reader.read_to_end(&mut unpacked).map_err(|error| Error::input(format!("not a valid gzip file: {error}")))?;
+    let mut reader = decoder.take(MAX_UNPACKED_BYTES + 1);
+    reader.read_to_end(&mut unpacked).map_err(|error| Error::input(format!("not a valid {kind}: {error}")))?;
     if unpacked.len() as u64 > MAX_UNPACKED_BYTES {
         return Err(Error::input("the unpacked mesh is above 4 GiB").expected("a smaller mesh"));
     }

@@ -4,12 +4,10 @@
 //! the end of the file states where the meshes start. The format is described in the documentation
 //! of Mitsuba 3, plugin `serialized`.
 
-use std::io::Read as _;
-
 use flate2::read::ZlibDecoder;
 use glam::DVec3;
 
-use super::{MAX_UNPACKED_BYTES, MeshPart, TriangleMesh};
+use super::{MeshPart, TriangleMesh, unpacked};
 use crate::error::{Error, Result};
 
 /// The first number of a file and of each mesh.
@@ -65,15 +63,8 @@ fn number(bytes: &[u8], at: usize, size: usize) -> Option<usize> {
 /// Reads the mesh that starts at a position.
 fn part(bytes: &[u8], start: usize) -> Result<MeshPart> {
     let version = header(bytes, start)?;
-    let mut data = Vec::new();
-    // Anything may follow the stream of a mesh, so the decoder must stop at its end.
-    let mut stream = ZlibDecoder::new(&bytes[start + 4..]).take(MAX_UNPACKED_BYTES + 1);
-    stream
-        .read_to_end(&mut data)
-        .map_err(|error| Error::input(format!("a mesh of the serialized file is not a valid zlib stream: {error}")))?;
-    if data.len() as u64 > MAX_UNPACKED_BYTES {
-        return Err(Error::input("an unpacked mesh is above 4 GiB").expected("a smaller mesh"));
-    }
+    // The decoder stops at the end of the stream. Anything may follow it.
+    let data = unpacked(ZlibDecoder::new(&bytes[start + 4..]), "zlib stream of a serialized mesh")?;
     let mut data = MeshData { rest: &data };
     let stated = data.number(4)? as u32;
     let name = if version >= 4 { data.text()? } else { String::new() };
@@ -129,9 +120,9 @@ impl<'d> MeshData<'d> {
 
     /// Takes `count` arrays of `N` floats. A float has `size` bytes.
     fn floats<const N: usize>(&mut self, count: usize, size: usize) -> Result<Vec<[f64; N]>> {
-        let float = |bytes: &[u8]| match bytes.try_into() {
-            Ok(bytes) => f64::from(f32::from_le_bytes(bytes)),
-            Err(_) => f64::from_le_bytes(bytes.try_into().unwrap_or_default()),
+        let float = |bytes: &[u8]| match bytes.first_chunk() {
+            Some(double) => f64::from_le_bytes(*double),
+            None => bytes.first_chunk().map_or(f64::NAN, |single| f64::from(f32::from_le_bytes(*single))),
         };
         let bytes = self.take(count, N * size)?;
         let item = |item: &[u8]| std::array::from_fn(|i| float(&item[i * size..(i + 1) * size]));
@@ -149,8 +140,8 @@ mod tests {
 
     use super::*;
 
-    /// Returns a file with two meshes, each one triangle: one in single precision, and one in double
-    /// precision with texture coordinates and colours.
+    /// Returns a file with two meshes, each one triangle: one in single precision, and one in
+    /// double precision with texture coordinates and colours.
     fn two_meshes(version: u16) -> Vec<u8> {
         let mut file = Vec::new();
         let mut starts = Vec::new();

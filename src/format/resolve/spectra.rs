@@ -20,8 +20,8 @@ pub enum Role {
     /// A reflectance or a transmittance, with values from 0 to 1. It is constant beyond the ends of
     /// a table.
     Reflectance,
-    /// The fraction of the light that a fluorophore absorbs, with values from 0 to 1. Beyond the ends
-    /// of a table, it is 0.
+    /// The fraction of the light that a fluorophore absorbs, with values from 0 to 1. Beyond the
+    /// ends of a table, it is 0.
     Absorptance,
     /// Any other non-negative quantity. It is constant beyond the ends of a table.
     Coefficient,

@@ -23,8 +23,8 @@ pub struct VisiblePoint {
     pub shared: bool,
     /// True if the surface is diffuse. The path then ends at the point.
     pub is_diffuse: bool,
-    /// True if the surface is fluorescent. Free photons excite it, also if the path carries a shared
-    /// wavelength.
+    /// True if the surface is fluorescent. Free photons excite it, also if the path carries a
+    /// shared wavelength.
     pub is_fluorescent: bool,
 }
 

@@ -61,13 +61,7 @@ impl<'a> CameraPass<'a> {
             if let Some(luminescence) = luminescence
                 && bsdf.pdf(wo, sample.wi, sides, nm) > 0.0
             {
-                let exciting = ExcitingLight {
-                    number: selected.number,
-                    light: sample.light,
-                    spd: sample.spd,
-                    irradiance: sample.strength,
-                    along: &along,
-                };
+                let exciting = ExcitingLight::of_sample(selected.number, &sample, &along);
                 let excitation = luminescence.excitation(&exciting, self.spectra, wavelength);
                 luminescence.add(origin, excitation, excitation * bias, context.sink);
             }

@@ -287,13 +287,7 @@ impl<'a> PathTracer<'a> {
             if let Some(surface) = bsdf.model.as_fluorescent()
                 && bsdf.pdf(wo, sample.wi, sides, path.wavelengths.hero()) > 0.0
             {
-                let exciting = ExcitingLight {
-                    number: selected.number,
-                    light: sample.light,
-                    spd: sample.spd,
-                    irradiance: sample.strength,
-                    along: &along,
-                };
+                let exciting = ExcitingLight::of_sample(selected.number, &sample, &along);
                 let luminescence = Luminescence::at_wavelengths(surface, &path.wavelengths, &path.throughput);
                 let excitation = luminescence.excitation(&exciting, self.spectra, excitation_u);
                 luminescence.observed_at(&path.observed).add(origin, excitation, 0.0, sink);
@@ -327,8 +321,8 @@ impl TracedPath {
     }
 
     /// Selects at random whether the path continues as reflected light or as light that excites the
-    /// fluorophore of a surface. For excitation, each lane samples a wavelength of its own. `depth` is
-    /// the number of the surface event.
+    /// fluorophore of a surface. For excitation, each lane samples a wavelength of its own. `depth`
+    /// is the number of the surface event.
     fn select_emission(
         &mut self,
         surface: &Fluorescent,
@@ -342,8 +336,8 @@ impl TracedPath {
         let active = || self.wavelengths.active().iter();
         let emits = active().any(|&nm| surface.fluorophore.emitted(nm) > 0.0);
         let Some(excitation) = excitation.filter(|_| emits) else { return };
-        // At the first events, both outcomes matter alike. Later, the weight of a reflection must be
-        // at most about 1, so that it does not grow along the path.
+        // At the first events, both outcomes matter alike. Later, the weight of a reflection must
+        // be at most about 1, so that it does not grow along the path.
         let reflected = active().map(|&nm| surface.reflected_fraction(nm)).fold(0.0, f64::max);
         let alike = 0.5 / f64::from(depth + 1);
         let probability = (1.0 - reflected).max(alike).clamp(EXCITATION.0, EXCITATION.1);

@@ -1,9 +1,9 @@
 //! The position of the sun by place and time, and the illuminance of its beam.
 //!
 //! The position follows the formulas of low accuracy of Meeus, Astronomical Algorithms, 2nd edition
-//! (1998): chapters 12 (sidereal time), 13 (horizontal coordinates), 16 (refraction), 22 (obliquity)
-//! and 25 (coordinates of the sun). Between 1900 and 2100, the direction is accurate to 0.01°. The
-//! refraction near the horizon depends on the weather, and this error is larger.
+//! (1998): chapters 12 (sidereal time), 13 (horizontal coordinates), 16 (refraction), 22
+//! (obliquity) and 25 (coordinates of the sun). Between 1900 and 2100, the direction is accurate to
+//! 0.01°. The refraction near the horizon depends on the weather, and this error is larger.
 
 use super::sky::SunDirection;
 use crate::math::elementary::{asin, atan2, exp, sin, sin_cos, tan};
@@ -95,9 +95,9 @@ fn refraction_deg(elevation_deg: f64) -> f64 {
     (1.02 / 60.0 / tan((elevation_deg + 10.3 / (elevation_deg + 5.11)).to_radians())).max(0.0)
 }
 
-/// Returns the illuminance of the beam of the sun under a clear sky in lx, on a plane that faces the
-/// sun (IES RP-21-84, Recommended Practice for the Calculation of Daylight Availability): the beam is
-/// attenuated by 0.21 times the relative air mass 1/sin(elevation).
+/// Returns the illuminance of the beam of the sun under a clear sky in lx, on a plane that faces
+/// the sun (IES RP-21-84, Recommended Practice for the Calculation of Daylight Availability): the
+/// beam is attenuated by 0.21 times the relative air mass 1/sin(elevation).
 pub fn clear_beam_lx(elevation: f64, distance_au: f64) -> f64 {
     SOLAR_ILLUMINANCE_LX / (distance_au * distance_au) * exp(-CLEAR_OPTICAL_DEPTH / sin(elevation))
 }

@@ -194,8 +194,8 @@ impl NodeReader<'_> {
     }
 }
 
-/// Returns the transforms of the instances of a node (EXT_mesh_gpu_instancing). Other nodes have one
-/// instance.
+/// Returns the transforms of the instances of a node (EXT_mesh_gpu_instancing). Other nodes have
+/// one instance.
 ///
 /// # Errors
 /// Returns an error if the attributes of the instances cannot be read.
