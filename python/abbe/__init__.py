@@ -27,6 +27,7 @@ from ._lamps import LampsReport, compare_lamps
 from ._measure import Measurement, MeterReport, measure
 from ._native import __version__
 from ._optics import Glass, LensReport, glass, glasses, lens, lenses
+from ._optiland import lens_from_optiland, lens_to_optiland
 from ._picture import Picture, read
 from ._render import Progress, check, explain, passes, render
 from ._report import Report
@@ -61,6 +62,8 @@ __all__ = [
     "glass",
     "glasses",
     "lens",
+    "lens_from_optiland",
+    "lens_to_optiland",
     "lenses",
     "measure",
     "passes",

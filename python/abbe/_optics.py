@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any, Optional, Union, overload
 
 import numpy as np
@@ -87,14 +89,27 @@ class LensReport(Report):
     fields: list[Any]
 
 
+@contextmanager
+def lens_argument(lens: Union[str, os.PathLike[str], Mapping[str, Any]]) -> Iterator[str]:
+    """Yields a name or a path for a lens. A prescription is written to a temporary file."""
+    if not isinstance(lens, Mapping):
+        yield os.fspath(lens)
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "prescription.json")
+        with open(path, "w", encoding="utf-8") as file:
+            json.dump(lens, file)
+        yield path
+
+
 def lens(
-    name: Union[str, os.PathLike[str]],
+    name: Union[str, os.PathLike[str], Mapping[str, Any]],
     *,
     field: Optional[float] = None,
     glasses: Sequence[Union[str, os.PathLike[str]]] = (),
     svg: Optional[Union[str, os.PathLike[str]]] = None,
 ) -> LensReport:
-    """Analyses a built-in lens, or a file with a prescription (JSON or Zemax).
+    """Analyses a built-in lens, a file with a prescription (JSON or Zemax), or a prescription.
 
     `field` is half the field of view in degrees. `glasses` are Zemax catalogues that are searched
     first. `svg` is a file for the cross-section.
@@ -105,7 +120,8 @@ def lens(
     True
     """
     files = [os.fspath(path) for path in glasses]
-    text = _native.lens_report(os.fspath(name), field, files, None if svg is None else os.fspath(svg))
+    with lens_argument(name) as argument:
+        text = _native.lens_report(argument, field, files, None if svg is None else os.fspath(svg))
     return LensReport(json.loads(text))
 
 

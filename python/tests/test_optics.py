@@ -127,3 +127,64 @@ def test_reports_are_read_only() -> None:
         report.a = 1
     with pytest.raises(AttributeError, match="it has a"):
         report.d
+
+
+def first_order(optic: Any) -> list[float]:
+    """Returns the focal length and the f-number at the primary wavelength."""
+    return [float(np.ravel(value)[0]) for value in (optic.paraxial.f2(), optic.paraxial.FNO())]
+
+
+def test_lenses_of_optiland_keep_their_first_order_properties() -> None:
+    objectives = pytest.importorskip("optiland.samples.objectives")
+    for name in ("HeliarLens", "TessarLens"):
+        optic = getattr(objectives, name)()
+        report = abbe.lens(abbe.lens_from_optiland(optic), field=1)
+        assert [report.efl_mm, report.f_number] == pytest.approx(first_order(optic), rel=1e-6)
+
+
+def test_optiland_traces_the_lenses_of_abbe() -> None:
+    pytest.importorskip("optiland")
+    for name in abbe.lenses():
+        report, optic = abbe.lens(name), abbe.lens_to_optiland(name)
+        assert first_order(optic) == pytest.approx([report.efl_mm, report.f_number], rel=1e-6)
+    report, optic = abbe.lens("double gauss"), abbe.lens_to_optiland("double gauss")
+    # The marginal ray of the axis at the d line.
+    fan = report.fields[0].ray_fans[1]
+    ray = optic.trace_generic(0, 0, 0, 1, 0.5875618)
+    assert float(ray.y[0]) == pytest.approx(fan.tangential_mm[-1], rel=1e-3)
+
+
+def test_a_lens_survives_the_way_to_optiland_and_back() -> None:
+    pytest.importorskip("optiland")
+    aspheric = {
+        "surfaces": [
+            {
+                "radius_mm": 50, "conic": -0.6, "aspheric": [1e-7, 2e-10], "thickness_mm": 8, "ior": "N-SF66",
+                "semi_aperture_mm": 12,
+            },
+            {"radius_mm": None, "thickness_mm": 2, "ior": 1, "semi_aperture_mm": 12},
+            {"radius_mm": None, "thickness_mm": 50, "ior": 1, "semi_aperture_mm": 8, "stop": True},
+        ]
+    }
+    there = abbe.lens(aspheric, field=3)
+    back = abbe.lens(abbe.lens_from_optiland(abbe.lens_to_optiland(aspheric)), field=3)
+    assert back.efl_mm == pytest.approx(there.efl_mm, rel=1e-6)
+    assert back.f_number == pytest.approx(there.f_number, rel=1e-6)
+    for one, other in zip(there.fields, back.fields):
+        assert other.image_height_mm == pytest.approx(one.image_height_mm, rel=1e-6)
+        for spot, same in zip(one.spots, other.spots):
+            assert same.rms_mm == pytest.approx(spot.rms_mm, rel=1e-3)
+
+
+def test_mirrors_of_optiland_are_refused() -> None:
+    optic_module = pytest.importorskip("optiland.optic")
+    optic = optic_module.Optic()
+    optic.surfaces.add(index=0, thickness=math.inf)
+    optic.surfaces.add(index=1, radius=-200, thickness=-100, material="mirror", is_stop=True)
+    optic.surfaces.add(index=2)
+    optic.set_aperture("EPD", 20)
+    optic.fields.set_type("angle")
+    optic.fields.add(y=0)
+    optic.wavelengths.add(0.5876, is_primary=True)
+    with pytest.raises(ValueError, match="surface 1 of the lens: a mirror is not supported"):
+        abbe.lens_from_optiland(optic)

@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::format::resolve::{self, Role};
 use crate::format::{self, FileAccess, JsonSource, SceneFile};
 use crate::optics::glass::Glass;
-use crate::optics::lens::LensAnalysis;
+use crate::optics::lens::{LensAnalysis, LensSurface};
 use crate::optics::lens::image_quality::ImageQuality;
 use crate::optics::lens::section::section;
 use crate::optics::lens::zemax::ZmxSystem;
@@ -60,8 +60,7 @@ pub(crate) fn colour_json(
 /// Analyses a lens, and draws its cross-section to the file `svg`. `field` is half the field of
 /// view in degrees.
 pub(crate) fn lens_json(name: &str, field: Option<f64>, glasses: &[PathBuf], svg: Option<&Path>) -> Result<String> {
-    let catalogues = glasses.iter().map(|path| resolve::glass_file(path)).collect::<Result<Vec<_>>>()?;
-    match lens::named(name, &catalogues)? {
+    match lens_of(name, glasses)? {
         ZmxSystem::Lens(lens) => {
             let analysis = LensAnalysis::of(&lens, field)?;
             if let Some(path) = svg {
@@ -77,6 +76,12 @@ pub(crate) fn lens_json(name: &str, field: Option<f64>, glasses: &[PathBuf], svg
     }
 }
 
+/// Returns a built-in lens, or the lens of a file. The catalogues `glasses` are searched first.
+fn lens_of(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
+    let catalogues = glasses.iter().map(|path| resolve::glass_file(path)).collect::<Result<Vec<_>>>()?;
+    lens::named(name, &catalogues)
+}
+
 /// The lamps of a comparison, as the command line names them.
 #[derive(Debug)]
 pub(crate) struct ComparedLamps {
@@ -85,6 +90,55 @@ pub(crate) struct ComparedLamps {
     pub(crate) c: Option<String>,
     pub(crate) primaries: Vec<String>,
     pub(crate) observer: String,
+}
+
+/// The surfaces of a lens, for other programs. The scene file describes the quantities.
+#[derive(Debug, Serialize)]
+struct SurfaceJson<'a> {
+    radius_mm: Option<f64>,
+    conic: f64,
+    /// Coefficients of h², h⁴, …
+    even_terms: &'a [f64],
+    thickness_mm: f64,
+    semi_aperture_mm: f64,
+    obscuration_mm: f64,
+    stop: bool,
+    /// The indices of refraction behind the surface at the given wavelengths.
+    n: Vec<f64>,
+}
+
+impl<'a> SurfaceJson<'a> {
+    fn new(surface: &'a LensSurface, stop: bool, nm: &[f64]) -> Self {
+        let LensSurface { profile, thickness_mm, index, semi_aperture_mm, obscuration_mm } = surface;
+        Self {
+            radius_mm: (profile.curvature_per_mm != 0.0).then(|| 1.0 / profile.curvature_per_mm),
+            conic: profile.conic,
+            even_terms: &profile.even_terms,
+            thickness_mm: *thickness_mm,
+            semi_aperture_mm: *semi_aperture_mm,
+            obscuration_mm: *obscuration_mm,
+            stop,
+            n: nm.iter().map(|nm| index.n(*nm)).collect(),
+        }
+    }
+}
+
+#[derive(Debug, Serialize)]
+struct PrescriptionJson<'a> {
+    name: &'a str,
+    half_field_deg: Option<f64>,
+    surfaces: Vec<SurfaceJson<'a>>,
+}
+
+/// Returns the surfaces of a lens with their indices of refraction at wavelengths in nm. The
+/// arguments are those of [`lens_json`].
+pub(crate) fn prescription_json(name: &str, nm: &[f64], glasses: &[PathBuf]) -> Result<String> {
+    let ZmxSystem::Lens(lens) = lens_of(name, glasses)? else {
+        return Err(Error::input("the system has mirrors or coordinate breaks").expected("a lens with one axis"));
+    };
+    let surfaces = lens.surfaces().iter().enumerate();
+    let surfaces = surfaces.map(|(i, surface)| SurfaceJson::new(surface, i == lens.stop(), nm)).collect();
+    Ok(json(&PrescriptionJson { name: lens.name(), half_field_deg: lens.half_field_deg(), surfaces }))
 }
 
 /// Compares lamps, and writes the HTML page of the comparison to the file `html`.

@@ -56,7 +56,7 @@ mod view;
 #[cfg(feature = "python")]
 pub(crate) use bindings::{
     ComparedLamps, MeasureRequest, SceneRequest, StudyRequest, colour_json, glass_json, lamps_json, lens_json,
-    measure_json, named_spectrum, regression_json, regression_set_json, study_json,
+    measure_json, named_spectrum, prescription_json, regression_json, regression_set_json, study_json,
 };
 #[cfg(feature = "python")]
 pub(crate) use glass::check_wavelengths as check_glass_wavelengths;

@@ -37,6 +37,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(reports::regression_report, module)?)?;
     module.add_function(wrap_pyfunction!(reports::lens_report, module)?)?;
     module.add_function(wrap_pyfunction!(reports::lens_names, module)?)?;
+    module.add_function(wrap_pyfunction!(reports::lens_prescription, module)?)?;
     module.add_function(wrap_pyfunction!(reports::lamps_report, module)?)?;
     module.add_class::<reports::ReportTask>()?;
     Ok(())

@@ -29,6 +29,17 @@ pub(super) fn lens_report(
     py.detach(|| cli::lens_json(name, field, &glasses, svg.as_deref())).or_exception(py)
 }
 
+/// The surfaces of a lens, with their indices of refraction at wavelengths in nm.
+#[pyfunction]
+pub(super) fn lens_prescription(
+    py: Python<'_>,
+    name: &str,
+    nm: Vec<f64>,
+    glasses: Vec<PathBuf>,
+) -> PyResult<String> {
+    py.detach(|| cli::prescription_json(name, &nm, &glasses)).or_exception(py)
+}
+
 /// The names of the built-in lenses.
 #[pyfunction]
 pub(super) fn lens_names() -> Vec<&'static str> {
