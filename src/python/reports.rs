@@ -31,12 +31,7 @@ pub(super) fn lens_report(
 
 /// The surfaces of a lens, with their indices of refraction at wavelengths in nm.
 #[pyfunction]
-pub(super) fn lens_prescription(
-    py: Python<'_>,
-    name: &str,
-    nm: Vec<f64>,
-    glasses: Vec<PathBuf>,
-) -> PyResult<String> {
+pub(super) fn lens_prescription(py: Python<'_>, name: &str, nm: Vec<f64>, glasses: Vec<PathBuf>) -> PyResult<String> {
     py.detach(|| cli::prescription_json(name, &nm, &glasses)).or_exception(py)
 }
 

@@ -34,7 +34,7 @@ fn light_through_a_ball(glass: Value, lamp: Option<f64>, roughness: f64) -> Valu
 /// bound on the standard error of the photons' blocks.
 fn check_shared_light(name: &str, scene: &Value, noise: f64) {
     let photon = Measured::new(scene, (Integrator::Photon, 16), 0..5, colour_blocks(8));
-    let path = Measured::new(scene, (Integrator::Path, 500), 10..15, colour_blocks(8));
+    let path = Measured::new(scene, (Integrator::Path, 300), 10..15, colour_blocks(8));
     assert_same(name, &photon, &path, noise);
 }
 

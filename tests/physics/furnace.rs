@@ -67,7 +67,7 @@ fn closed_box() -> Value {
 
 #[test]
 fn a_closed_box_that_reflects_half_and_emits_half() {
-    check("box", &closed_box(), (Integrator::Photon, 32));
+    check("box", &closed_box(), (Integrator::Photon, 12));
     check("box", &closed_box(), (Integrator::Path, 64));
 }
 
@@ -215,7 +215,7 @@ fn core_in_a_shell(ior: Value, core_radius: f64, gap: bool, fov: f64) -> Value {
 #[test]
 fn a_white_core_in_glass_lit_through_the_photon_map_only() {
     let scene = core_in_a_shell(json!(1.5), 0.5, false, 12.0);
-    check("core in glass, n = 1.5", &scene, (Integrator::Photon, 16));
+    check("core in glass, n = 1.5", &scene, (Integrator::Photon, 6));
     check("core in glass, n = 1.5", &scene, (Integrator::Path, 64));
 }
 
@@ -223,7 +223,7 @@ fn a_white_core_in_glass_lit_through_the_photon_map_only() {
 fn a_large_white_core_in_glass_whose_light_is_partly_shut_in() {
     // Beyond a core radius of 1/n, part of the light from the core is totally reflected back to it.
     let scene = core_in_a_shell(json!(1.5), 0.85, false, 16.0);
-    check("large core in glass, n = 1.5", &scene, (Integrator::Photon, 16));
+    check("large core in glass, n = 1.5", &scene, (Integrator::Photon, 9));
     check("large core in glass, n = 1.5", &scene, (Integrator::Path, 64));
 }
 
@@ -231,13 +231,13 @@ fn a_large_white_core_in_glass_whose_light_is_partly_shut_in() {
 fn a_white_core_in_dispersive_glass_keeps_its_radiance() {
     let scene = core_in_a_shell(json!("SF10"), 0.5, false, 14.0);
     check("core in SF10", &with_setting(&scene, "photons", 10000), (Integrator::Photon, 64));
-    check("core in SF10", &scene, (Integrator::Path, 512));
+    check("core in SF10", &scene, (Integrator::Path, 320));
 }
 
 #[test]
 fn a_white_core_behind_glass_and_air() {
     let scene = core_in_a_shell(json!(1.5), 0.5, true, 8.0);
-    check("core behind glass and air", &scene, (Integrator::Photon, 16));
+    check("core behind glass and air", &scene, (Integrator::Photon, 10));
     check("core behind glass and air", &scene, (Integrator::Path, 64));
 }
 

@@ -197,7 +197,7 @@ fn mirrored_point() -> (Vec<Value>, Value, f64) {
 fn connected_photons_carry_a_mirrored_lamps_irradiance() {
     let (objects, lamp, illuminance) = mirrored_point();
     let scene = with_setting(&floor(&objects, &[lamp]), "photons", 20000);
-    check("mirror image, connected", &scene, illuminance, Integrator::Photon, 24);
+    check("mirror image, connected", &scene, illuminance, Integrator::Photon, 64);
 }
 
 /// Equal energy at all wavelengths is white in every direction. All light passes a pane with index
@@ -230,7 +230,7 @@ fn photons_in_the_map_bring_the_light_of_a_lamps_mirror_image() {
                          "transform": [ { "translate": [MIDDLE, 0.4, 0] } ] }));
     let mut scene = floor(&objects, &[lamp]);
     scene["render"] = json!({ "photons": 20000, "radius": 0.02 });
-    check("mirror image, from the map", &scene, illuminance, Integrator::Photon, 24);
+    check("mirror image, from the map", &scene, illuminance, Integrator::Photon, 64);
 }
 
 fn fog(absorption: f64) -> Value {

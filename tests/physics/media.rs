@@ -95,9 +95,10 @@ fn too_few_steps_through_a_medium_are_reported_as_bias() {
 
 #[test]
 fn tracked_attenuation_is_exact_in_the_mean() {
-    for depth in [1e-8_f64, 0.1, 1.0, 2.0] {
-        for (way, medium) in [(Integrator::Photon, even_grid(depth, "ratio")), (Integrator::Path, absorbing(depth))] {
-            let clear = Measured::new(&slab(absorbing(0.0), 1.0), (way, 256), 0..8, mean_y);
+    for way in [Integrator::Photon, Integrator::Path] {
+        let clear = Measured::new(&slab(absorbing(0.0), 1.0), (way, 256), 0..8, mean_y);
+        for depth in [1e-8_f64, 0.1, 1.0, 2.0] {
+            let medium = if way == Integrator::Photon { even_grid(depth, "ratio") } else { absorbing(depth) };
             let passed = Measured::new(&slab(medium, 1.0), (way, 256), 0..8, mean_y);
             let ratio = Measured::combine(&[&passed, &clear], |y| y[0] / y[1]);
             let (mean, error, truth) = (ratio.mean(0), ratio.error(0), (-depth).exp());
@@ -146,7 +147,7 @@ fn furnaces(depth: f64, way: (Integrator, u64)) {
 
 #[test]
 fn thin_white_fog_in_uniform_surroundings() {
-    furnaces(0.1, (Integrator::Photon, 64));
+    furnaces(0.1, (Integrator::Photon, 32));
     furnaces(0.1, (Integrator::Path, 32));
 }
 
@@ -157,7 +158,7 @@ fn white_fog_in_uniform_surroundings() {
 
 #[test]
 fn dense_white_fog_in_uniform_surroundings() {
-    furnaces(20.0, (Integrator::Path, 400));
+    furnaces(20.0, (Integrator::Path, 200));
 }
 
 #[test]

@@ -55,7 +55,7 @@ fn a_diffuse_box_and_faults_in_it() {
     let scene = cornell(0.73);
     let mask = away_from_edges(&job(&scene).scene, 2.0 * RADIUS);
     let path = Measured::new(&scene, (Integrator::Path, 96), 100..108, blocks(&mask, 8));
-    let photon = photons(&scene, RADIUS, 24, blocks(&mask, 8));
+    let photon = photons(&scene, RADIUS, 14, blocks(&mask, 8));
     assert_same("box, photon against path", &photon, &path, 5e-3);
 
     let brighter =
@@ -65,7 +65,7 @@ fn a_diffuse_box_and_faults_in_it() {
 
     let mut direct_only = scene.clone();
     direct_only["render"]["forbid"] = json!(["indirect"]);
-    let direct = Measured::new(&direct_only, (Integrator::Photon, 24), 0..8, blocks(&mask, 8));
+    let direct = Measured::new(&direct_only, (Integrator::Photon, 14), 0..8, blocks(&mask, 8));
     let twice = compare(&Measured::combine(&[&photon, &direct], |l| l[0] + l[1]), &path);
     println!("box, mutant direct light twice: {twice}");
     assert!(!twice.is_equal());
@@ -130,7 +130,7 @@ fn compare_with_missing_n2(name: &str, passes: [u64; 2], side: usize) {
 
 #[test]
 fn a_ball_of_glass_with_a_core_and_a_missing_n_squared() {
-    compare_with_missing_n2("ball, n = 1.5", [64, 96], 16);
+    compare_with_missing_n2("ball, n = 1.5", [28, 96], 16);
 }
 
 #[test]

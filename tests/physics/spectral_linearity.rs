@@ -58,7 +58,7 @@ fn check(scene: impl Fn(&[f64]) -> Value, way: (Integrator, u64), noise: f64) {
 #[test]
 fn two_lines_scatter_in_coloured_drops_as_each_line_alone() {
     check(ball, (Integrator::Photon, 48), 0.03);
-    check(ball, (Integrator::Path, 1024), 0.045);
+    check(ball, (Integrator::Path, 512), 0.045);
 }
 
 /// A path follows the phase functions of all its wavelengths, so each wavelength needs its weight.

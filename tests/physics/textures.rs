@@ -121,10 +121,10 @@ pub(crate) fn assert_integrators_agree(name: &str, scene: &Value) {
 pub(crate) fn assert_integrators_agree_within(name: &str, scene: &Value, noise: f64) {
     let [whole, half] = [0.1, 0.05].map(|radius| {
         let scene = crate::common::with_setting(scene, "radius", radius);
-        Measured::new(&scene, (Integrator::Photon, 24), 0..8, colour_blocks(8))
+        Measured::new(&scene, (Integrator::Photon, 16), 0..8, colour_blocks(8))
     });
     let photon = Measured::extrapolated(&whole, &half);
-    let path = Measured::new(scene, (Integrator::Path, 192), 100..108, colour_blocks(8));
+    let path = Measured::new(scene, (Integrator::Path, 128), 100..108, colour_blocks(8));
     assert_same(&format!("{name}, photon against path"), &photon, &path, noise);
 }
 

@@ -89,7 +89,7 @@ fn clear_films_are_furnaces() {
             "lights": furnace::surroundings(),
             "render": { "photons": 4000, "radius": 0.3 }
         });
-        furnace::check(name, &scene, (Integrator::Photon, 32));
+        furnace::check(name, &scene, (Integrator::Photon, 16));
         furnace::check(name, &scene, (Integrator::Path, 128));
     }
 }

@@ -77,8 +77,8 @@ fn a_pixel_may_be_as_large_as_a_wall() {
             "lights": [{ "point": { "at": [0.5, 1, 0.2], "spectrum": "E", "luminous_flux": 20000 } }],
             "render": { "photons": 20000 }
         });
-        let photon = mean_y(&render(&scene, Integrator::Photon, 512 / (size * size)))[0];
-        let path = mean_y(&render(&scene, Integrator::Path, 32768 / (size * size)))[0];
+        let photon = mean_y(&render(&scene, Integrator::Photon, 256 / (size * size)))[0];
+        let path = mean_y(&render(&scene, Integrator::Path, 16384 / (size * size)))[0];
         println!("cube on {size} × {size} pixels: photon/path {:.4}", photon / path);
         assert!((photon / path - 1.0).abs() < 0.02, "{size}: {photon} and {path}");
     }

@@ -176,8 +176,8 @@ fn photon_mapping_and_path_tracing_agree_on_the_layers() {
         r#"objects[name=panel].shape={"rectangle": {"width": 3, "height": 3}}"#,
         "render.photons=60000",
     ];
-    let photon = runs(Integrator::Photon, 12, 0..8, &sets);
-    let path = runs(Integrator::Path, 384, 100..108, &sets);
+    let photon = runs(Integrator::Photon, 8, 0..8, &sets);
+    let path = runs(Integrator::Path, 256, 100..108, &sets);
     let mut compared = 0;
     for layer in layers {
         let absent = ["light.point_1", "light.the_sun", "light.environment_3"];
@@ -199,7 +199,7 @@ fn photon_mapping_and_path_tracing_agree_on_the_layers() {
 #[test]
 fn a_group_switched_off_is_a_render_without_its_lights() {
     let with = |seed: u64| {
-        let picture = everything(Integrator::Photon, 48, r#""lights""#, &[&format!("render.seed={seed}")]).picture;
+        let picture = everything(Integrator::Photon, 20, r#""lights""#, &[&format!("render.seed={seed}")]).picture;
         let off = [abbe::output::relight::LightGain { group: "ceiling".to_string(), rgb: [0.0; 3] }];
         abbe::output::relight::relight(&picture, &off).unwrap()
     };
@@ -209,7 +209,7 @@ fn a_group_switched_off_is_a_render_without_its_lights() {
             "lights[0].point.power=0.000001".to_string(),
             format!("render.seed={seed}"),
         ];
-        everything(Integrator::Photon, 48, "", &sets.each_ref().map(String::as_str)).picture
+        everything(Integrator::Photon, 20, "", &sets.each_ref().map(String::as_str)).picture
     };
     let blocks = |picture: Picture| {
         let y: Vec<f64> = picture.xyz.iter().map(|xyz| xyz[1]).collect();

@@ -273,7 +273,7 @@ fn shared_and_free_photons_give_the_same_floor() {
         (0..8)
             .map(|seed| {
                 let job = job_with(text, &[&format!("render.seed={seed}"), force]);
-                let picture = render_job(&job, Integrator::Photon, 24).picture;
+                let picture = render_job(&job, Integrator::Photon, 10).picture;
                 let mut blocks = vec![0.0; (16 / BLOCK) * (16 / BLOCK)];
                 for (pixel, xyz) in picture.xyz.iter().enumerate() {
                     let (x, y) = (pixel % 16 / BLOCK, pixel / 16 / BLOCK);
