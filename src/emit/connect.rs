@@ -4,11 +4,13 @@
 use super::photon_path::PhotonState;
 use super::visitor::SurfaceArrival;
 use crate::math::random::hash64;
-use crate::optics::bsdf::{BsdfClass, Fluorescent, TransportMode};
+use crate::optics::bsdf::{BsdfClass, TransportMode};
+use crate::optics::fluorophore::Fluorophore;
 use crate::plan::MediumPlan;
 use crate::scene::Scene;
 use crate::spectrum::{LANES, REFERENCE_NM};
 use crate::walk::{CausticWeights, RayDensity, path_transmittance, transmittance};
+use std::f64::consts::FRAC_1_PI;
 
 /// The contribution of a connected photon to one pixel.
 #[derive(Debug, Clone, Copy)]
@@ -72,7 +74,7 @@ impl CameraConnection<'_> {
         if let Some(surface) = interaction.bsdf.model.as_fluorescent()
             && interaction.bsdf.pdf(to_camera, to_light, sides, photon.wavelengths.hero()) > 0.0
         {
-            let emitted = emission_into_camera(surface, photon, emission);
+            let emitted = emission_into_camera(&surface.fluorophore, photon, emission);
             lanes[count..count + LANES].copy_from_slice(&emitted.map(|(nm, radiance)| (nm, radiance * geometry)));
             count += LANES;
         }
@@ -93,11 +95,11 @@ impl CameraConnection<'_> {
 
 /// Returns wavelengths (nm) of the emission that a photon excites, and the emitted radiance per
 /// unit of area, divided by the density of the wavelengths. `u` in [0, 1) selects the wavelengths.
-fn emission_into_camera(surface: &Fluorescent, photon: &PhotonState, u: f64) -> [(f64, f64); LANES] {
-    let powers = photon.wavelengths.active().iter().zip(photon.power);
-    let excitation: f64 = powers.map(|(&nm, power)| power * surface.fluorophore.excitation(nm)).sum();
+fn emission_into_camera(fluorophore: &Fluorophore, photon: &PhotonState, u: f64) -> [(f64, f64); LANES] {
     std::array::from_fn(|k| {
-        let (nm, pdf) = surface.fluorophore.wavelengths().sample((u + k as f64) / LANES as f64);
-        (nm, excitation * surface.emitted_radiance(nm) / (pdf * LANES as f64))
+        let (to_nm, pdf) = fluorophore.wavelengths().sample((u + k as f64) / LANES as f64);
+        let powers = photon.wavelengths.active().iter().zip(photon.power);
+        let emitted: f64 = powers.map(|(&nm, power)| power * fluorophore.bispectral_factor(nm, to_nm)).sum();
+        (to_nm, emitted * FRAC_1_PI / (pdf * LANES as f64))
     })
 }

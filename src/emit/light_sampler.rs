@@ -47,7 +47,7 @@ impl LightSampler {
         Some(Self {
             lights: DiscreteDistribution::new((0..powers.len()).map(probability))?,
             wavelengths: WavelengthDistribution::visually_weighted(&mixture, scene.film.observer)?,
-            excitation: scene.fluorescent().map(|surface| surface.fluorophore.absorbed_wavelengths(&mixture)).collect(),
+            excitation: scene.fluorophores().map(|fluorophore| fluorophore.absorbed_wavelengths(&mixture)).collect(),
             power_w,
         })
     }
@@ -82,7 +82,7 @@ fn defensive_mixture<'a>(
 /// Returns the emission spectra of the fluorophores of a scene that the observer can see, each with
 /// its visual importance X + Y + Z.
 fn emission_spectra(scene: &Scene) -> Vec<(f64, Spectrum)> {
-    let spectra = scene.fluorescent().map(|surface| surface.fluorophore.emitted_power().clone());
+    let spectra = scene.fluorophores().map(|fluorophore| fluorophore.emitted_power().clone());
     let weighed = spectra.map(|spectrum| (scene.film.observer.xyz(&spectrum).iter().sum::<f64>(), spectrum));
     weighed.filter(|(visible, _)| *visible > 0.0).collect()
 }

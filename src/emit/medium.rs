@@ -7,13 +7,14 @@
 //! Wavelength Spectral Sampling"). Let f be the fraction of the photon's power at a wavelength. The
 //! weight of this wavelength is at most 1/f, even if the extinction varies strongly over the band.
 
+use super::fluorescence::scatter_in_fluorescent_medium;
 use super::photon_path::PhotonPath;
+use super::source::PhotonSource;
 use super::visitor::{MediumCollision, MediumCrossing, PhotonFlight, PhotonVisitor};
 use crate::geometry::Ray;
 use crate::math::elementary::{exp, exp_m1, ln_1p};
 use crate::math::random::Stream;
 use crate::plan::partition::LightPath;
-use crate::scene::Scene;
 use crate::scene::medium::Medium;
 use crate::spectrum::{LANES, Spectrum};
 use crate::walk::ledger::Ledger;
@@ -27,7 +28,7 @@ use std::ops::ControlFlow;
 /// Advances the photon through media to the next surface. Returns `None` if the photon path ends
 /// before a surface.
 pub(super) fn advance_through_media<'a, V: PhotonVisitor>(
-    scene: &'a Scene,
+    source: &PhotonSource<'a>,
     path: &mut PhotonPath,
     stream: &mut Stream,
     visitor: &mut V,
@@ -36,7 +37,7 @@ pub(super) fn advance_through_media<'a, V: PhotonVisitor>(
     for _ in 0..MAX_EVENTS {
         let lookup = SurfaceLookup::of_line(stream.uniform());
         let (mut collision, mut inside) = (None, false);
-        let end = next_interaction_through_media(scene, path.ray_state, lookup, |segment| {
+        let end = next_interaction_through_media(source.scene, path.ray_state, lookup, |segment| {
             inside = !segment.medium_stack.is_air();
             let Some(distance) = path.sample_segment(segment, stream, visitor, ledger) else {
                 return ControlFlow::Continue(());
@@ -54,7 +55,14 @@ pub(super) fn advance_through_media<'a, V: PhotonVisitor>(
             ControlFlow::Break(()) => {}
         }
         let (segment, distance) = collision?;
-        if !path.scatter_in_medium(&segment, distance, stream, visitor, ledger) {
+        let fluorophore = segment.medium.and_then(|filling| filling.medium.fluorophore.as_deref());
+        let survives = match fluorophore {
+            None => path.scatter_in_medium(&segment, distance, stream, visitor, ledger),
+            Some(dye) => {
+                scatter_in_fluorescent_medium(source, path, (&segment, dye, distance), stream, visitor, ledger)
+            }
+        };
+        if !survives {
             return None;
         }
     }
@@ -170,7 +178,7 @@ impl PhotonPath {
 
     /// Samples a direction from the phase function of the hero, and weights all wavelengths by the
     /// balance heuristic.
-    fn sample_phase_function(&mut self, medium: &Medium, incoming: DVec3, stream: &mut Stream) -> DVec3 {
+    pub(super) fn sample_phase_function(&mut self, medium: &Medium, incoming: DVec3, stream: &mut Stream) -> DVec3 {
         let fractions = self.power_fractions();
         let hero = self.sample_hero(&fractions, stream);
         let direction = medium.phase.sample(incoming, self.photon.wavelengths.nm[hero], stream.pair());

@@ -137,6 +137,12 @@ impl PhotonSource<'_> {
         }
     }
 
+    /// Returns true if the photon can excite a fluorophore.
+    #[inline]
+    pub(super) fn excites(&self, photon: &PhotonState) -> bool {
+        photon.excitation || matches!(self.wavelengths, WavelengthSampling::Free)
+    }
+
     /// Returns true if a part of the photons are excitation photons.
     #[inline]
     fn has_excitation_photons(&self) -> bool {

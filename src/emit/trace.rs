@@ -145,7 +145,7 @@ fn advance<'a, M: BodyMode, V: PhotonVisitor>(
     ledger: &mut Ledger,
 ) -> Option<SurfaceInteraction<'a>> {
     if M::HAS_BODIES && !source.media_plan.is_clear() {
-        return advance_through_media(source.scene, path, stream, visitor, ledger);
+        return advance_through_media(source, path, stream, visitor, ledger);
     }
     let lookup = SurfaceLookup::of_line(stream.uniform());
     let interaction = M::next_interaction(source.scene, path.ray_state, lookup);

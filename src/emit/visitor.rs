@@ -60,7 +60,7 @@ pub struct MediumCollision<'a> {
     /// The medium.
     pub medium: NumberedMedium<'a>,
     /// The photon. Its power is the total power that the medium scatters at this point into all
-    /// directions.
+    /// directions. In a fluorescent medium, it includes the power that the dye absorbs.
     pub photon: &'a PhotonState,
 }
 

@@ -47,6 +47,18 @@ pub enum MaterialFile {
         #[schemars(range(min = 0, max = 1))]
         quantum_yield: f64,
     },
+    /// A Lambertian surface with a measured bispectral matrix (Donaldson matrix).
+    #[schemars(example = json!({"bispectral": {"reflectance": 0.85, "matrix": "paper.csv"}}))]
+    Bispectral {
+        /// Fraction of the light that is reflected without a change of wavelength.
+        #[schemars(extend("minimum" = 0, "maximum" = 1))]
+        reflectance: SpectrumFile,
+        /// Path of a CSV file with the emission. The first row contains the excitation wavelengths
+        /// in nm, after one cell of text. Each other row contains an emission wavelength in nm, and
+        /// the bispectral luminescent radiance factors per nm. Between the wavelengths, factors are
+        /// interpolated. Outside them, they are 0.
+        matrix: String,
+    },
     /// Glass, water or gems: refraction and reflection by Fresnel's equations.
     #[schemars(example = json!({"dielectric": {
         "ior": "N-BK7", "roughness": 0, "absorption": 0.1, "medium": "milk", "priority": 0
@@ -282,6 +294,9 @@ impl MaterialFile {
                     emission.validate(&at.key("emission"), SpectrumUse::NotNegative),
                     check::fraction(&at.key("quantum_yield"), *quantum_yield),
                 ])
+            }
+            Self::Bispectral { reflectance, matrix: _ } => {
+                reflectance.validate(&at.key("bispectral").key("reflectance"), SpectrumUse::Fraction)
             }
             Self::Dielectric(dielectric) => dielectric.validate(&at.key("dielectric")),
             Self::ThinDielectric(pane) => pane.validate(&at.key("thin_dielectric")),

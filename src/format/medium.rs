@@ -55,6 +55,10 @@ pub struct HomogeneousFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no emission"))]
     pub emission: Option<MediumEmissionFile>,
+    /// A fluorescent dye in the medium. Its absorption is added to `absorption`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "no dye"))]
+    pub dye: Option<DyeFile>,
     /// Priority where dielectrics or media overlap: the highest one fills the space. Of equal
     /// priorities, the innermost one fills it.
     #[serde(default, skip_serializing_if = "forms::is_default")]
@@ -99,6 +103,10 @@ pub struct GridFile {
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "forms::never")]
     pub transmittance: TransmittanceFile,
+    /// A fluorescent dye in the medium. Its absorption is added to `absorption`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "no dye"))]
+    pub dye: Option<DyeFile>,
     /// Priority where dielectrics or media overlap: the highest one fills the space. Of equal
     /// priorities, the innermost one fills it.
     #[serde(default, skip_serializing_if = "forms::is_default")]
@@ -112,6 +120,38 @@ pub struct GridFile {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(skip_serializing_if = "forms::never")]
     pub motion: Vec<KeyframeFile>,
+}
+
+/// A fluorescent dye. State either `absorption`, or `molar_absorption` and `concentration`.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "Dye", example = json!({
+    "absorption": {"table": {"nm": [360, 380, 420], "values": [20, 20, 0]}},
+    "emission": {"gaussian": {"peak_nm": 450, "fwhm_nm": 80}}, "quantum_yield": 0.55
+}))]
+#[schemars(example = json!({
+    "molar_absorption": {"gaussian": {"peak_nm": 490, "fwhm_nm": 40}}, "concentration": 1e-5,
+    "emission": {"gaussian": {"peak_nm": 515, "fwhm_nm": 40}}, "quantum_yield": 0.9
+}))]
+pub struct DyeFile {
+    /// Absorption coefficient of the dye. Outside a table, it is 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0, "x-unit" = "1/scene unit"))]
+    pub absorption: Option<SpectrumFile>,
+    /// Decadic molar absorption coefficient of the dye. Outside a table, it is 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0, "x-unit" = "L/mol/cm"))]
+    pub molar_absorption: Option<SpectrumFile>,
+    /// Concentration of the dye.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "mol/L"))]
+    pub concentration: Option<f64>,
+    /// Relative number of emitted photons per nm, at any scale. Outside a table, it is 0.
+    #[schemars(extend("minimum" = 0))]
+    pub emission: SpectrumFile,
+    /// Number of emitted photons, divided by the number of absorbed photons.
+    #[schemars(range(min = 0, max = 1))]
+    pub quantum_yield: f64,
 }
 
 /// The estimator of transmittance through a grid.
@@ -194,12 +234,13 @@ impl MediumFile {
 impl HomogeneousFile {
     /// Checks ranges.
     fn validate(&self, at: &JsonPath) -> Result<()> {
-        let Self { absorption, scattering, phase, emission, priority: _, transform, motion } = self;
+        let Self { absorption, scattering, phase, emission, dye, priority: _, transform, motion } = self;
         check::all([
             absorption.validate(&at.key("absorption"), SpectrumUse::NotNegative),
             scattering.validate(&at.key("scattering"), SpectrumUse::NotNegative),
             phase.validate(&at.key("phase")),
             emission.as_ref().map_or(Ok(()), |emission| emission.validate(&at.key("emission"), false)),
+            dye.as_ref().map_or(Ok(()), |dye| dye.validate(&at.key("dye"))),
             transform.validate(&at.key("transform")),
             validate_motion(&at.key("motion"), motion),
         ])
@@ -222,9 +263,34 @@ impl GridFile {
             scattering.validate(&at.key("scattering"), SpectrumUse::NotNegative),
             phase.validate(&at.key("phase")),
             emission.as_ref().map_or(Ok(()), |emission| emission.validate(&at.key("emission"), has_temperature)),
+            self.dye.as_ref().map_or(Ok(()), |dye| dye.validate(&at.key("dye"))),
             temperature.as_ref().map_or(Ok(()), |field| field.validate(&at.key("temperature"))),
             self.transform.validate(&at.key("transform")),
             validate_motion(&at.key("motion"), &self.motion),
+        ])
+    }
+}
+
+impl DyeFile {
+    /// Checks the ranges of numbers, and that the absorption has exactly one form.
+    fn validate(&self, at: &JsonPath) -> Result<()> {
+        let Self { absorption, molar_absorption, concentration, emission, quantum_yield } = self;
+        let given = [("absorption", absorption.is_some()), ("molar_absorption", molar_absorption.is_some())];
+        check::exactly_one(at, &given)?;
+        if concentration.is_some() != molar_absorption.is_some() {
+            let found =
+                if concentration.is_some() { "found `concentration` alone" } else { "found no `concentration`" };
+            return Err(check::fault(at, found, "`molar_absorption` together with `concentration`"));
+        }
+        let spectrum = |key: &str, file: &Option<SpectrumFile>| {
+            file.as_ref().map_or(Ok(()), |file| file.validate(&at.key(key), SpectrumUse::NotNegative))
+        };
+        check::all([
+            spectrum("absorption", absorption),
+            spectrum("molar_absorption", molar_absorption),
+            concentration.map_or(Ok(()), |value| check::not_negative(&at.key("concentration"), value)),
+            emission.validate(&at.key("emission"), SpectrumUse::NotNegative),
+            check::fraction(&at.key("quantum_yield"), *quantum_yield),
         ])
     }
 }

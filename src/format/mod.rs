@@ -69,7 +69,9 @@ pub use light::LightFile;
 pub use material::{
     ConductorFile, DielectricFile, MaterialFile, PaneTransmittanceFile, ThinDielectricFile, WeightedMaterialFile,
 };
-pub use medium::{GridFile, HomogeneousFile, MediumBlackbodyFile, MediumEmissionFile, MediumFile, TransmittanceFile};
+pub use medium::{
+    DyeFile, GridFile, HomogeneousFile, MediumBlackbodyFile, MediumEmissionFile, MediumFile, TransmittanceFile,
+};
 pub use meter::{
     MeterCylinderFile, MeterFile, MeterGridFile, MeterSphereFile, MeterSpotFile, QuantityKindFile, SideFile,
 };
@@ -283,10 +285,19 @@ fn parse_source(
             // others.
             let further = look_further(scene, &source).map_or_else(Vec::new, Error::into_faults);
             let in_a_part = |fault: &Error| fault.location.path.as_deref().is_some_and(|path| !path.is_empty());
-            // The resolver repeats some checks of `validate`.
+            // The resolver repeats some checks of `validate`. It may find the same fault in a value
+            // that contains the wrong value, such as a table.
             let known = later.clone().map_or_else(Vec::new, Error::into_faults);
+            let contains = |fault: &Error, known: &Error| match (&fault.location.path, &known.location.path) {
+                (Some(whole), Some(part)) => part
+                    .strip_prefix(whole.as_str())
+                    .is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '['])),
+                (None, _) | (_, None) => false,
+            };
             let is_new = |fault: &Error| {
-                !known.iter().any(|known| (&known.what, &known.expected) == (&fault.what, &fault.expected))
+                !known.iter().any(|known| {
+                    (&known.what, &known.expected) == (&fault.what, &fault.expected) || contains(fault, known)
+                })
             };
             let further = further.into_iter().filter(|fault| in_a_part(fault) && is_new(fault));
             later = Error::all(later.into_iter().chain(further));

@@ -48,7 +48,10 @@ pub(super) const CHAPTERS: [(&str, &[&str]); 18] = [
     ("Materials", &["MaterialFile", "PaneTransmittanceFile", "WeightedMaterialFile", "GreenFile"]),
     ("Thin films", &["CoatingFile", "CoatingLayerFile", "CoatingIndexFile", "ComplexIndexFile"]),
     ("Gratings", &["GratingProfileFile", "GroovesFile"]),
-    ("Media", &["MediumFile", "TransmittanceFile", "PhaseFile", "MediumEmissionFile", "MediumBlackbodyFile"]),
+    (
+        "Media",
+        &["MediumFile", "DyeFile", "TransmittanceFile", "PhaseFile", "MediumEmissionFile", "MediumBlackbodyFile"],
+    ),
     (
         "Density and temperature fields",
         &["FieldFile", "ExponentialFieldFile", "PlanetFile", "SphereFieldFile", "NoiseFieldFile"],

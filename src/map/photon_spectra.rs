@@ -1,7 +1,7 @@
 //! The wavelengths of stored photons, in a compact form.
 
 use crate::error::{Error, Result};
-use crate::optics::bsdf::Fluorescent;
+use crate::optics::fluorophore::Fluorophore;
 use crate::scene::Scene;
 use crate::spectrum::{LANES, WavelengthDistribution};
 
@@ -19,7 +19,7 @@ pub struct WavelengthCode {
 /// The spectra from which free photons sample their wavelengths. Lights of equal spectra have the
 /// same number. If the picture separates the lights, lights of different groups have different
 /// numbers, so that a stored photon knows the group of its light. The spectra of the fluorophores
-/// follow: each fluorophore has a number for each group.
+/// follow: each emission has a number for each group.
 #[derive(Debug, Clone)]
 pub struct PhotonSpectra {
     distributions: Vec<WavelengthDistribution>,
@@ -85,16 +85,17 @@ impl PhotonSpectra {
             }
             groups.push(group);
         }
-        for surface in scene.fluorescent() {
-            distributions.extend(group_lights.iter().map(|_| surface.fluorophore.wavelengths().clone()));
+        for emission in scene.fluorophores().flat_map(Fluorophore::emissions) {
+            distributions.extend(group_lights.iter().map(|_| emission.wavelengths().clone()));
             first_lights.extend(&group_lights);
             different += 1;
         }
         let excited =
-            |surface: &Fluorescent, light: &usize| surface.fluorophore.absorbed_wavelengths(&lights[*light].spectrum);
+            |fluorophore: &Fluorophore, light: &usize| fluorophore.absorbed_wavelengths(&lights[*light].spectrum);
         let lights_of_spectra = &first_lights[..light_spectra];
-        let excitation =
-            scene.fluorescent().flat_map(|surface| lights_of_spectra.iter().map(move |light| excited(surface, light)));
+        let excitation = scene
+            .fluorophores()
+            .flat_map(|fluorophore| lights_of_spectra.iter().map(move |light| excited(fluorophore, light)));
         let excitation = excitation.collect();
         let _last = code_number(distributions.len().saturating_sub(1))?;
         Ok(Self {
@@ -116,16 +117,16 @@ impl PhotonSpectra {
     }
 
     /// Returns the code of the wavelengths that a fluorophore samples from the number `u` in
-    /// [0, 1). `excited_by` is the code of the absorbed photon. `fluorophore` is the number of the
-    /// fluorophore in the scene.
+    /// [0, 1). `excited_by` is the code of the absorbed photon. `emission` is the number of the
+    /// emission in the scene.
     #[inline]
-    pub fn code_of_emission(&self, fluorophore: usize, excited_by: WavelengthCode, u: f64) -> WavelengthCode {
+    pub fn code_of_emission(&self, emission: usize, excited_by: WavelengthCode, u: f64) -> WavelengthCode {
         let spectrum = usize::from(excited_by.spectrum);
         let group = match spectrum.checked_sub(self.light_spectra) {
             None => self.groups[spectrum],
-            Some(emission) => emission % self.group_count,
+            Some(number) => number % self.group_count,
         };
-        let number = self.light_spectra + fluorophore * self.group_count + group;
+        let number = self.light_spectra + emission * self.group_count + group;
         WavelengthCode { quantile: quantile(u), spectrum: number as u16 }
     }
 

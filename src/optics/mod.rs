@@ -7,6 +7,7 @@
 //! - [`grating`]: directions and efficiencies of diffraction gratings.
 //! - [`thin_film`]: interference in stacks of thin films.
 //! - [`fluorophore`]: absorption and emission of fluorescent materials.
+//! - [`donaldson`]: measured bispectral matrices.
 //! - [`fluorescent_samples`]: fluorescent surfaces for the comparison of lamps.
 //! - [`bsdf`]: the scattering functions of surfaces.
 //! - [`phase`]: the phase functions of media.
@@ -16,6 +17,7 @@
 
 pub mod aperture;
 pub mod bsdf;
+pub mod donaldson;
 pub(crate) mod embedded;
 pub mod fluorescent_samples;
 pub mod fluorophore;

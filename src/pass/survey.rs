@@ -222,7 +222,7 @@ impl BandSurvey<'_> {
                 let reads = PerSet::from_fn(|set| {
                     let mut in_media = buffers.camera_segments.iter();
                     buffers.visible_points.iter().any(|point| point.reads(set))
-                        || in_media.any(|segment| PhotonSet::of_path(segment.shared) == set)
+                        || in_media.any(|segment| segment.reads(set))
                 });
                 self.readers.free += u64::from(reads.free);
                 self.readers.shared += u64::from(reads.shared);

@@ -102,12 +102,14 @@ impl PixelVolumeCounts {
     ) -> Self {
         let mut counts = Self::default();
         for segment in camera_segments.iter().take(MAX_SEGMENTS) {
-            let set = PhotonSet::of_path(segment.shared);
             let medium = &media[segment.medium];
-            let here =
-                PerClass::from_fn(|class| samples[set][class].count(segment, medium, widths.largest(class, segment)));
-            let known = &mut counts.0[set];
-            *known = Some(known.map_or(here, |known| known.zip_with(here, NearbyPhotons::denser)));
+            for set in [PhotonSet::Free, PhotonSet::Shared].into_iter().filter(|set| segment.reads(*set)) {
+                let samples = samples[set];
+                let here =
+                    PerClass::from_fn(|class| samples[class].count(segment, medium, widths.largest(class, segment)));
+                let known = &mut counts.0[set];
+                *known = Some(known.map_or(here, |known| known.zip_with(here, NearbyPhotons::denser)));
+            }
         }
         counts
     }

@@ -221,7 +221,8 @@ mod tests {
         let mut medium = Medium::new("fog".into(), (clear.clone(), clear), PhaseFunction::Isotropic, Density::Uniform);
         medium.dense = true;
         let ray = Ray::new(DVec3::new(-0.5, 0.45, 0.55), DVec3::X);
-        let segment = CameraSegment { ray, length_m: 2.0, behind_m: 0.0, medium: 0, shared: false };
+        let segment =
+            CameraSegment { ray, length_m: 2.0, behind_m: 0.0, medium: 0, shared: false, is_fluorescent: false };
         for radius_m in [0.2, 0.05, 0.02] {
             let width = KernelWidth::Stated(radius_m);
             let cone = QueryCone::of_camera(ray, 2.0, 0.0, width);
@@ -247,7 +248,8 @@ mod tests {
         let mut medium = Medium::new("fog".into(), (clear.clone(), clear), PhaseFunction::Isotropic, Density::Uniform);
         medium.dense = true;
         let ray = Ray::new(DVec3::new(-0.5, 0.45, 0.55), DVec3::X);
-        let segment = CameraSegment { ray, length_m: 2.0, behind_m: 1.0, medium: 0, shared: false };
+        let segment =
+            CameraSegment { ray, length_m: 2.0, behind_m: 1.0, medium: 0, shared: false, is_fluorescent: false };
         let widths = || [0.02, 0.1, 0.5, 2.5].into_iter().map(KernelWidth::PerDistance);
         for plan in [VolumePlan::Points, VolumePlan::Beams] {
             let width =

@@ -237,11 +237,11 @@ const fn row(id: EffectId) -> Effect {
             id,
             name: "fluorescence",
             field: "fluorescence",
-            cost: "at fluorescent surfaces, four wavelengths of the excitation for each light; half of the photons of a \
-                   shared set",
-            absent: "no surface is fluorescent, so light keeps its wavelength",
-            called_by: "fluorescent surfaces",
-            uncalled: "no surface is fluorescent",
+            cost: "at fluorescent surfaces and in fluorescent media, four wavelengths of the excitation for each light; \
+                   half of the photons of a shared set",
+            absent: "nothing is fluorescent, so light keeps its wavelength",
+            called_by: "fluorescent surfaces and media",
+            uncalled: "no surface and no medium is fluorescent",
             calls: |facts| facts.fluorescent.clone(),
             set: |plan, facts, on| plan.fluorescence = on && !facts.fluorescent.is_empty(),
             events: |tally, _| tally.fluorescent_events,
@@ -250,6 +250,7 @@ const fn row(id: EffectId) -> Effect {
                     let surface = std::mem::replace(&mut material.surface, Bsdf::Absorber);
                     material.surface = surface.without_fluorescence()?;
                 }
+                scene.media.iter_mut().for_each(|medium| medium.fluorophore = None);
                 Ok(())
             }),
         },

@@ -25,7 +25,7 @@ pub struct Plan {
     pub aim: AimPlan,
     /// Objects, lights and cameras that move.
     pub motion: MotionPlan,
-    /// True if surfaces are fluorescent.
+    /// True if surfaces or media are fluorescent.
     pub fluorescence: bool,
 }
 

@@ -10,11 +10,12 @@ use super::effects::{EffectId, listed};
 use crate::math::elementary::tan;
 use crate::math::random::ONE_MINUS_ULP;
 use crate::optics::bsdf::BsdfClass;
+use crate::optics::fluorophore::Fluorophore;
 use crate::optics::glass::RefractiveIndex;
 use crate::scene::camera::{Aperture, DepthOfField};
 use crate::scene::facts::Facts;
-use crate::scene::light::Light;
 use crate::scene::{Material, Scene};
+use crate::spectrum::WavelengthDistribution;
 
 /// An effect that cannot be seen.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -48,16 +49,19 @@ const MAX_LOSS: f64 = 1e-3;
 /// The largest number of straight segments of a path, if the scene does not limit the number.
 const MAX_SEGMENTS: u32 = 10_000;
 
-/// Returns the centre of the wavelength range of the scene's lights, in nm.
+/// Returns the centre of the wavelength range of the scene's lights and fluorophores, in nm.
 pub(super) fn light_centre_nm(scene: &Scene) -> f64 {
     let (from, to) = light_range_nm(scene);
     0.5 * (from + to)
 }
 
-/// Returns the smallest and the largest wavelength of the scene's lights, in nm.
+/// Returns the smallest and the largest wavelength of the scene's lights and fluorophores, in nm.
 fn light_range_nm(scene: &Scene) -> (f64, f64) {
-    let ends = |light: &Light| [0.0, ONE_MINUS_ULP].map(|u| light.wavelengths.sample(u).0);
-    scene.lights.iter().map(ends).fold((f64::INFINITY, 0.0), |(low, high), [from, to]| (low.min(from), high.max(to)))
+    let of_lights = scene.lights.iter().map(|light| &light.wavelengths);
+    let of_fluorophores = scene.fluorophores().map(Fluorophore::wavelengths);
+    let ends = |wavelengths: &WavelengthDistribution| [0.0, ONE_MINUS_ULP].map(|u| wavelengths.sample(u).0);
+    let all = of_lights.chain(of_fluorophores).map(ends);
+    all.fold((f64::INFINITY, 0.0), |(low, high), [from, to]| (low.min(from), high.max(to)))
 }
 
 /// Returns all effects that cannot be seen, each with its reason.
@@ -117,8 +121,8 @@ fn indirect(scene: &Scene, facts: &Facts) -> Option<String> {
     })
 }
 
-/// Returns the reason if dispersion is negligible: the lights emit at nearly one wavelength, or the
-/// glass has nearly the same refractive index at all wavelengths of the lights.
+/// Returns the reason if dispersion is negligible: the lights and fluorophores emit at nearly one
+/// wavelength, or the glass has nearly the same refractive index at all their wavelengths.
 ///
 /// The distance between two wavelengths grows along the path after the refraction. The bound
 /// assumes the longest path in the scene, to a surface as near to the camera as the nearest

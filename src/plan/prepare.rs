@@ -23,7 +23,7 @@ const D_LINE_NM: f64 = 587.5618;
 /// # Errors
 /// Returns an input error in four cases: the name of an effect is unknown, the scene forbids an
 /// effect that cannot be forbidden, the plan contains diffraction without an aperture, or a lens of
-/// real glass photographs fluorescent surfaces.
+/// real glass photographs fluorescent objects.
 pub fn prepare(scene: &mut Scene) -> Result<(Plan, Vec<EffectRow>)> {
     let negligible = negligible(scene);
     let light_nm = light_centre_nm(scene);
@@ -55,8 +55,8 @@ pub fn prepare(scene: &mut Scene) -> Result<(Plan, Vec<EffectRow>)> {
             .expected("a lens with an aperture, or \"diffraction\" forbidden too"));
     }
     if plan.fluorescence && plan.wavelengths == WavelengthPlan::Shared {
-        let surfaces = listed(&facts.fluorescent);
-        let what = format!("the camera has a lens of real glass, and the scene has fluorescent surfaces ({surfaces})");
+        let objects = listed(&facts.fluorescent);
+        let what = format!("the camera has a lens of real glass, and the scene has fluorescent objects ({objects})");
         return Err(Error::input(what).expected(
             "another lens, such as `pinhole` or `thin_lens`, or a render that forbids the effect `fluorescence`",
         ));

@@ -49,7 +49,7 @@ pub struct Tally {
     /// Scattering events of camera paths at surfaces with thin films.
     #[serde(default)]
     pub film_events: u64,
-    /// Arrivals of camera paths at fluorescent surfaces.
+    /// Arrivals of camera paths at fluorescent surfaces and in fluorescent media.
     #[serde(default)]
     pub fluorescent_events: u64,
     /// Scattering events at rough or coated surfaces.

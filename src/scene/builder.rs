@@ -385,9 +385,7 @@ impl SceneBuilder {
         if self.atmosphere.is_none() && !boundaries.is_empty() {
             radius_m = radius_m.max(boundaries.radius_m());
         }
-        let ObjectSet { shapes, objects, mut materials, .. } = self.objects;
-        let mut fluorophores = 0;
-        materials.iter_mut().for_each(|material| material.surface.number_fluorophores(&mut fluorophores));
+        let ObjectSet { shapes, objects, materials, .. } = self.objects;
         let shapes = if shapes.iter().any(|shape| shape.motion.is_some()) { shapes.into() } else { Arc::default() };
         let air = RefractiveIndex::constant(1.0).map_err(|error| ScenePart::Whole.error(error))?;
         let mut scene = Scene {
@@ -412,6 +410,7 @@ impl SceneBuilder {
             notes: self.notes,
             air,
         };
+        scene.number_fluorophores();
         let swept = scene.swept_boxes();
         scene.radius_m = swept.iter().fold(scene.radius_m, |radius, (low, high)| {
             let reach = low.abs().max(high.abs()).length();

@@ -27,7 +27,7 @@ pub struct Facts {
     pub textured: Vec<String>,
     /// Objects with thin films.
     pub films: Vec<String>,
-    /// Objects with a fluorescent component.
+    /// Objects with a fluorescent surface or a fluorescent medium.
     pub fluorescent: Vec<String>,
     /// Objects with a diffuse component.
     pub diffuse: Vec<String>,
@@ -172,6 +172,9 @@ impl Facts {
                 }
                 if let Some(medium) = body.medium.map(|number| &scene.media[number]) {
                     facts.media.push(object.name.clone());
+                    if medium.fluorophore.is_some() {
+                        facts.fluorescent.push(object.name.clone());
+                    }
                     if medium.scatters() {
                         let list = if medium.dense { &mut facts.dense_media } else { &mut facts.thin_media };
                         list.push(object.name.clone());

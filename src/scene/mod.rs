@@ -25,7 +25,8 @@ use crate::colour::gamut::GamutMapping;
 use crate::colour::tone::ToneCurve;
 use crate::colour::{RgbSpace, Xyz};
 use crate::geometry::{Geometry, Hit, Ray};
-use crate::optics::bsdf::{Bsdf, Fluorescent};
+use crate::optics::bsdf::Bsdf;
+use crate::optics::fluorophore::Fluorophore;
 use crate::optics::glass::RefractiveIndex;
 use crate::spectrum::{Observer, Spectrum};
 use crate::texture::NormalMap;
@@ -242,10 +243,22 @@ impl Scene {
         sum
     }
 
-    /// Returns the fluorescent surfaces of the materials, in the order of the numbers of their
-    /// fluorophores.
-    pub fn fluorescent(&self) -> impl Iterator<Item = &Fluorescent> {
-        self.materials.iter().flat_map(|material| material.surface.fluorescent())
+    /// Returns the fluorophores of the surfaces and of the media, in the order of their numbers.
+    pub fn fluorophores(&self) -> impl Iterator<Item = &Fluorophore> {
+        let surfaces = self.materials.iter().flat_map(|material| material.surface.fluorescent());
+        let of_media = self.media.iter().filter_map(|medium| medium.fluorophore.as_deref());
+        surfaces.map(|surface| &surface.fluorophore).chain(of_media)
+    }
+
+    /// Assigns the numbers of the fluorophores and of their emissions.
+    fn number_fluorophores(&mut self) {
+        let mut next = (0, 0);
+        for material in &mut self.materials {
+            material.surface.for_each_fluorophore(&mut |fluorophore| fluorophore.assign_numbers(&mut next));
+        }
+        for medium in &mut self.media {
+            medium.fluorophore.iter_mut().for_each(|fluorophore| fluorophore.assign_numbers(&mut next));
+        }
     }
 
     /// Returns true if the scene is measured: the receptors of its meters take the place of a

@@ -132,3 +132,21 @@ fn at_most_twenty_faults_are_reported() {
     assert_eq!(found.len(), MAX_FAULTS);
     assert!(found[MAX_FAULTS - 1].contains("lights[19].point.power: found -1"), "{found:?}");
 }
+
+/// The resolver checks the largest value of a spectrum, and `validate` checks each value.
+#[test]
+fn a_wrong_absorptance_is_reported_once() {
+    for absorptance in ["1.5", r#"{"table": {"nm": [400, 500], "values": [0, 1.5]}}"#] {
+        let text = format!(
+            r#"{{
+              "camera": {{"from": [0, 1, 5], "at": [0, 0, 0], "lens": {{"pinhole": {{"fov": 40}}}}}},
+              "film": {{"width": 4, "height": 4}},
+              "materials": {{"dye": {{"fluorescent": {{
+                "reflectance": 0.9, "emission": 1, "quantum_yield": 1, "absorptance": {absorptance}}}}}}},
+              "objects": [{{"shape": {{"sphere": {{"radius": 1}}}}, "material": "dye"}}],
+              "lights": [{{"point": {{"at": [0, 3, 0], "spectrum": 1, "power": 1}}}}]
+            }}"#
+        );
+        assert_faults(&text, &[("5", "found 1.5; expected a number from 0 to 1")]);
+    }
+}

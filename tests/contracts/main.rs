@@ -15,6 +15,7 @@ mod bad_scenes;
 mod colour_golden;
 mod colour_properties;
 mod diamond_mesh;
+mod fluorescence_files;
 mod grating_golden;
 mod lens_golden;
 mod lens_properties;

@@ -3,15 +3,19 @@
 
 use crate::common::compare::{Measured, assert_same};
 use crate::common::near::{assert_near, number};
-use crate::common::{colour_blocks, diffuse, glass, overhead_camera, render, with_setting};
+use crate::common::{colour_blocks, diffuse, glass, job, overhead_camera, render, with_setting};
 use crate::golden::golden;
 use crate::textures::assert_integrators_agree;
+use abbe::format::{self, resolve};
 use abbe::optics::bsdf::Fluorescent;
+use abbe::optics::donaldson::DonaldsonMatrix;
 use abbe::optics::fluorophore::Fluorophore;
-use abbe::render::Integrator;
+use abbe::plan::WavelengthPlan;
+use abbe::render::{Integrator, Job};
 use abbe::spectrum::{Observer, Outside, Spectrum};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
+use std::path::Path;
 
 /// Returns the golden material of this name.
 fn golden_material(name: &str) -> Value {
@@ -27,7 +31,7 @@ fn table(material: &Value, key: &str) -> Value {
 
 /// Returns a golden material as a material of a scene file. The name `grey R` is a diffuse material
 /// of reflectance R.
-fn material(name: &str) -> Value {
+pub(crate) fn material(name: &str) -> Value {
     if let Some(reflectance) = name.strip_prefix("grey ") {
         return diffuse(reflectance.parse::<f64>().expect("a reflectance"));
     }
@@ -38,8 +42,27 @@ fn material(name: &str) -> Value {
     } })
 }
 
+/// Returns a golden material as a measured matrix. The files contain q a(λ_i) λ_i e(λ_o)/λ_o at the
+/// wavelengths of the golden tables. A script computed them from the golden file.
+fn matrix_material(name: &str) -> Value {
+    let known = surface(name);
+    let nm: Vec<f64> = (360..=830).map(f64::from).collect();
+    let reflected: Vec<f64> = nm.iter().map(|nm| known.reflected_fraction(*nm)).collect();
+    let matrix = format!("golden/{}", matrix_file(name));
+    json!({ "bispectral": { "reflectance": { "table": { "nm": nm, "values": reflected } }, "matrix": matrix } })
+}
+
+fn matrix_file(name: &str) -> &'static str {
+    match name {
+        "yellow phosphor" => "bispectral_yellow_phosphor.csv",
+        "red day-glow" => "bispectral_red_day_glow.csv",
+        "optical brightener on paper" => "bispectral_brightener.csv",
+        _ => panic!("{name} has no matrix"),
+    }
+}
+
 /// Returns the light of a golden case as a spectrum of a scene file.
-fn light(name: &str) -> Value {
+pub(crate) fn light(name: &str) -> Value {
     let line = |nm: f64, power: f64| json!({ "nm": nm, "power": power });
     if name.starts_with("low-pressure sodium") {
         return json!({ "lines": [line(588.995, 2.0), line(589.5924, 1.0)] });
@@ -77,13 +100,13 @@ fn samples(name: &str) -> Vec<(f64, f64)> {
 }
 
 /// Returns the golden cases of a section whose band begins at 360 nm.
-fn cases(section: &str) -> Vec<Value> {
+pub(crate) fn cases(section: &str) -> Vec<Value> {
     let file = golden("fluorescence.json");
     let cases = file[section].as_array().expect("a list of cases");
     cases.iter().filter(|case| case["band_from_nm"] == 360).cloned().collect()
 }
 
-fn text(value: &Value) -> &str {
+pub(crate) fn text(value: &Value) -> &str {
     value.as_str().expect("a text")
 }
 
@@ -106,6 +129,31 @@ fn bispectral_factors_are_golden() {
     assert!(compared > 20, "{compared}");
 }
 
+/// The file with the matrix of a golden material describes the same fluorophore.
+#[test]
+fn a_matrix_equals_its_factorised_material() {
+    for name in ["yellow phosphor", "red day-glow", "optical brightener on paper"] {
+        let known = surface(name).fluorophore;
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(matrix_file(name));
+        let matrix = DonaldsonMatrix::read(&path).expect("a matrix");
+        let found = Fluorophore::of_matrix(&matrix).expect("a fluorophore");
+        let mut largest = 0.0_f64;
+        for from in 360..=620 {
+            let from = f64::from(from);
+            for to in (380..=820).step_by(7).map(f64::from) {
+                let factors = [&found, &known].map(|fluorophore| fluorophore.bispectral_factor(from, to));
+                assert!((factors[0] - factors[1]).abs() < 1e-7, "{name}, {from} to {to} nm: {factors:?}");
+                largest = largest.max(factors[1]);
+            }
+            let [emitted, expected] = [&found, &known].map(|fluorophore| fluorophore.emitted_fraction(from));
+            assert!((emitted - expected).abs() < 1e-6, "{name}, {from} nm: {emitted} for {expected}");
+            let [stokes, expected] = [&found, &known].map(|fluorophore| fluorophore.losses(from).stokes);
+            assert!((stokes - expected).abs() < 1e-6, "{name}, {from} nm: {stokes} for {expected}");
+        }
+        assert!(largest > 1e-3, "{name}: {largest}");
+    }
+}
+
 /// The model on the grid of the golden file: colours and energies of one reflection.
 #[test]
 fn one_reflection_is_golden() {
@@ -115,12 +163,13 @@ fn one_reflection_is_golden() {
         let (surface, light) = (surface(name), samples(lamp));
         let incident: f64 = light.iter().map(|(_, power)| power).sum();
         let sum = |of: &dyn Fn(f64) -> f64| light.iter().map(|(nm, power)| power * of(*nm)).sum::<f64>();
-        let excitation = sum(&|nm| surface.fluorophore.excitation(nm));
+        let [emission] = surface.fluorophore.emissions() else { panic!("one emission") };
+        let excitation = sum(&|nm| emission.excitation(nm));
         let white = sum(&|nm| observer.xyz_bar(nm)[1]);
         let xyz: [f64; 3] = std::array::from_fn(|c| {
             let reflected = sum(&|nm| surface.reflected_fraction(nm) * observer.xyz_bar(nm)[c]);
             let grid = (360..=830).map(f64::from);
-            let emitted: f64 = grid.map(|nm| surface.fluorophore.emitted(nm) * observer.xyz_bar(nm)[c]).sum();
+            let emitted: f64 = grid.map(|nm| emission.emitted(nm) * observer.xyz_bar(nm)[c]).sum();
             (reflected + excitation * emitted) / white
         });
         let label = format!("{name} under {lamp}");
@@ -142,11 +191,11 @@ fn one_reflection_is_golden() {
 
 /// A horizontal square of a golden material under a uniform sky of this spectrum, seen from above.
 /// A perfect diffuser would have the luminance 1.
-fn under_a_sky(name: &str, lamp: &str) -> Value {
+fn under_a_sky(material: &Value, lamp: &str) -> Value {
     json!({
         "camera": overhead_camera([0.0, 0.0], 4.0, 1.0),
         "film": { "width": 16, "height": 16 },
-        "materials": { "sample": material(name) },
+        "materials": { "sample": material },
         "objects": [{ "shape": { "rectangle": { "width": 9, "height": 9 } }, "material": "sample" }],
         "lights": [{ "environment": { "spectrum": light(lamp), "illuminance": PI } }],
         "render": { "photons": 100 }
@@ -154,7 +203,7 @@ fn under_a_sky(name: &str, lamp: &str) -> Value {
 }
 
 /// Renders single reflections and compares XYZ with the golden values.
-fn check_rendered_colours(chosen: impl Fn(&str, &str) -> bool) {
+fn check_rendered_colours(material: impl Fn(&str) -> Value, chosen: impl Fn(&str, &str) -> bool) {
     for case in cases("single_reflection") {
         let (name, lamp) = (text(&case["material"]), text(&case["light"]));
         if !chosen(name, lamp) {
@@ -166,7 +215,7 @@ fn check_rendered_colours(chosen: impl Fn(&str, &str) -> bool) {
                 (0..3).map(|c| xyz.iter().map(|pixel| pixel[c]).sum::<f64>() / xyz.len() as f64).collect::<Vec<_>>()
             };
             let passes = if integrator == Integrator::Path { 256 } else { 32 };
-            let measured = Measured::new(&under_a_sky(name, lamp), (integrator, passes), 0..4, take);
+            let measured = Measured::new(&under_a_sky(&material(name), lamp), (integrator, passes), 0..4, take);
             let found: Vec<f64> = (0..3).map(|c| measured.mean(c)).collect();
             println!("{name} under {lamp}, {integrator:?}: {found:?} for {:?}", case["XYZ"]);
             let largest = case["XYZ"].as_array().expect("a colour").iter().map(number).fold(0.0, f64::max);
@@ -177,7 +226,7 @@ fn check_rendered_colours(chosen: impl Fn(&str, &str) -> bool) {
 
 #[test]
 fn rendered_fluorescence_has_golden_colours() {
-    check_rendered_colours(|name, lamp| {
+    check_rendered_colours(material, |name, lamp| {
         matches!(
             (name, lamp),
             ("red day-glow", "D65")
@@ -190,12 +239,25 @@ fn rendered_fluorescence_has_golden_colours() {
 #[test]
 #[ignore = "slow: all golden lights"]
 fn rendered_fluorescence_has_golden_colours_in_all_lights() {
-    check_rendered_colours(|_, _| true);
+    check_rendered_colours(material, |_, _| true);
+}
+
+#[test]
+fn a_rendered_matrix_has_golden_colours() {
+    check_rendered_colours(matrix_material, |name, lamp| {
+        matches!((name, lamp), ("red day-glow", "D65") | ("optical brightener on paper", "line 405 nm"))
+    });
+}
+
+#[test]
+#[ignore = "slow: all golden lights"]
+fn a_rendered_matrix_has_golden_colours_in_all_lights() {
+    check_rendered_colours(matrix_material, |_, _| true);
 }
 
 /// A sphere with an isotropic point light of 1 W in its centre. Its wall is a mixture of the
 /// materials of a golden case.
-fn sphere(case: &Value) -> Value {
+fn sphere(case: &Value, material: impl Fn(&str) -> Value) -> Value {
     let walls = case["walls"].as_array().expect("a list of walls");
     let mut materials = serde_json::Map::new();
     let mut parts = Vec::new();
@@ -229,13 +291,14 @@ fn xyz_of_walls(case: &Value) -> [f64; 3] {
     mean
 }
 
-/// Renders golden spheres. Light is reflected and emitted many times there.
-fn check_spheres(chosen: &[usize], passes: u64) {
+/// Renders golden spheres. Light is reflected and emitted many times there. A matrix does not
+/// contain the quantum yield, so its ledger has no quantum loss.
+fn check_spheres(material: fn(&str) -> Value, chosen: &[usize], passes: u64) {
     for (i, case) in cases("integrating_spheres").iter().enumerate().filter(|(i, _)| chosen.contains(i)) {
         let known = xyz_of_walls(case);
         for integrator in [Integrator::Photon, Integrator::Path] {
             let scale = if integrator == Integrator::Path { 16 } else { 1 };
-            let rendered = render(&sphere(case), integrator, scale * passes);
+            let rendered = render(&sphere(case, material), integrator, scale * passes);
             let xyz = &rendered.picture.xyz;
             let found: [f64; 3] =
                 std::array::from_fn(|c| xyz.iter().map(|pixel| pixel[c]).sum::<f64>() / xyz.len() as f64);
@@ -246,7 +309,8 @@ fn check_spheres(chosen: &[usize], passes: u64) {
                 let ledger = &rendered.ledger;
                 assert!(ledger.balance().abs() < 1e-9, "{ledger:?}");
                 assert!(ledger.sampling.abs() < 0.02, "{ledger:?}");
-                assert!(ledger.stokes_loss > 0.01 && ledger.quantum_loss > 0.01, "{ledger:?}");
+                let is_matrix = std::ptr::fn_addr_eq(material, matrix_material as fn(&str) -> Value);
+                assert!(ledger.stokes_loss > 0.01 && (ledger.quantum_loss > 0.01) != is_matrix, "{ledger:?}");
             }
         }
     }
@@ -254,13 +318,34 @@ fn check_spheres(chosen: &[usize], passes: u64) {
 
 #[test]
 fn golden_spheres_have_their_colours() {
-    check_spheres(&[0, 3], 12);
+    check_spheres(material, &[0, 3], 12);
+}
+
+/// A photon selects one of the emissions of a matrix.
+#[test]
+fn golden_spheres_of_matrices_have_their_colours() {
+    check_spheres(matrix_material, &[0], 12);
 }
 
 #[test]
 #[ignore = "slow: all golden spheres"]
 fn all_golden_spheres_have_their_colours() {
-    check_spheres(&[0, 1, 2, 3, 4, 5, 6], 128);
+    check_spheres(material, &[0, 1, 2, 3, 4, 5, 6], 128);
+}
+
+/// A camera with a lens of real glass sees one wavelength per path and has no free photons.
+#[test]
+fn lenses_of_real_glass_refuse_fluorescence() {
+    let mut scene = under_a_sky(&material("red day-glow"), "D65");
+    scene["camera"]["lens"] = json!({ "system": { "prescription": "double-gauss", "focus_distance": 3,
+                                                  "f_number": 4, "sensor_height_mm": 12 } });
+    let planned = |scene: &Value| {
+        let (file, source) = format::parse(&scene.to_string(), Path::new("tests/inline.json"), &[]).expect("a scene");
+        Job::new(resolve::resolve(&file, &source).expect("the scene resolves"))
+    };
+    let error = planned(&scene).map(|_| ()).expect_err("the scene must be refused").to_string();
+    assert!(error.contains("lens of real glass") && error.contains("forbids the effect `fluorescence`"), "{error}");
+    assert!(planned(&with_setting(&scene, "forbid", json!(["fluorescence"]))).is_ok());
 }
 
 /// All light of a beam meets a fluorescent floor once. The ledger contains the golden fractions of
@@ -355,6 +440,8 @@ fn a_dye_seen_through_a_prism_keeps_its_energy() {
         ],
         "render": { "photons": 10000 }
     });
+    // The lamp emits a single line, but the prism disperses the light of the dye.
+    assert_eq!(job(&scene).plan.wavelengths, WavelengthPlan::Both);
     let take = colour_blocks(8);
     let path = Measured::new(&scene, (Integrator::Path, 256), 100..108, &take);
     let [whole, half] = [0.06, 0.03]
@@ -370,7 +457,7 @@ fn forbidden_fluorescence_leaves_the_reflection() {
     let case = cases("single_reflection")
         .into_iter()
         .find(|case| text(&case["material"]) == "red day-glow" && text(&case["light"]) == "D65");
-    let scene = with_setting(&under_a_sky("red day-glow", "D65"), "forbid", json!(["fluorescence"]));
+    let scene = with_setting(&under_a_sky(&material("red day-glow"), "D65"), "forbid", json!(["fluorescence"]));
     let found = render(&scene, Integrator::Photon, 32).picture.mean_y();
     let known = number(&case.expect("a golden case")["XYZ_reflected_only"][1]);
     assert_near("reflected only", found, known, 5e-3 * known);
@@ -381,8 +468,8 @@ fn forbidden_fluorescence_leaves_the_reflection() {
 #[test]
 fn bands_and_tables_see_the_same_fluorescence() {
     let case = &cases("integrating_spheres")[3];
-    let tabulated = Measured::new(&sphere(case), (Integrator::Photon, 4), 0..4, colour_blocks(16));
-    let mut with_bands = sphere(case);
+    let tabulated = Measured::new(&sphere(case, material), (Integrator::Photon, 4), 0..4, colour_blocks(16));
+    let mut with_bands = sphere(case, material);
     with_bands["film"]["spectral_bands"] = json!(12);
     let evaluated = Measured::new(&with_bands, (Integrator::Photon, 4), 100..104, colour_blocks(16));
     assert_same("bands against tables", &tabulated, &evaluated, 1.5e-2);

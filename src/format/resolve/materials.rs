@@ -11,6 +11,7 @@ use crate::format::{
 use crate::optics::bsdf::{
     Bsdf, Conductor, CosinePolynomial, DiffractionGrating, Fluorescent, Glossy, Grooves, ThinDielectric,
 };
+use crate::optics::donaldson::DonaldsonMatrix;
 use crate::optics::fluorophore::Fluorophore;
 use crate::optics::glass::RefractiveIndex;
 use crate::optics::grating::{Grating, GratingProfile};
@@ -72,6 +73,17 @@ impl Resolver<'_> {
                 let (substrate, (absorptance, emission)) = both(substrate, both(absorptance, emission))?;
                 let fluorophore = self.at(&at, Fluorophore::new(absorptance, &emission, *quantum_yield))?;
                 (Fluorescent::new(substrate, fluorophore).map(|surface| Bsdf::Fluorescent(Box::new(surface))), None)
+            }
+            MaterialFile::Bispectral { reflectance, matrix } => {
+                let at = at.key("bispectral");
+                let reflectance = self.spectrum(&at.key("reflectance"), reflectance, Role::Reflectance);
+                let matrix = self.source.file(matrix).and_then(|path| {
+                    let fluorophore = DonaldsonMatrix::read(&path).map(|matrix| Fluorophore::of_matrix(&matrix))?;
+                    fluorophore.map_err(|error| error.in_file(&path))
+                });
+                let (reflectance, fluorophore) = both(reflectance, self.at(&at.key("matrix"), matrix))?;
+                let surface = Fluorescent::measured(reflectance, fluorophore);
+                (surface.map(|surface| Bsdf::Fluorescent(Box::new(surface))), None)
             }
             MaterialFile::Dielectric(file) => {
                 let at = at.key("dielectric");

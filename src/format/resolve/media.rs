@@ -8,9 +8,10 @@ use super::spectra::Role;
 use crate::error::{Error, Result, both};
 use crate::format::volume_file;
 use crate::format::{
-    ExponentialFieldFile, FieldFile, GridFile, HomogeneousFile, JsonPath, MediumFile, NoiseFieldFile, PhaseFile,
-    PlanetFile, SpectrumFile, SphereFieldFile, TransmittanceFile,
+    DyeFile, ExponentialFieldFile, FieldFile, GridFile, HomogeneousFile, JsonPath, MediumFile, NoiseFieldFile,
+    PhaseFile, PlanetFile, SpectrumFile, SphereFieldFile, TransmittanceFile,
 };
+use crate::optics::fluorophore::Fluorophore;
 use crate::optics::glass::RefractiveIndex;
 use crate::optics::phase::mie::MieSpheres;
 use crate::optics::phase::{self, PhaseFunction, PhaseTable};
@@ -32,6 +33,14 @@ struct FieldPlacement {
     /// The transform from scene coordinates, relative to the scene's centre, to the coordinates of
     /// the box.
     to_local: DAffine3,
+}
+
+/// Adds a dye to a medium, if there is one.
+fn with_dye(medium: Medium, dye: Option<Fluorophore>) -> Medium {
+    match dye {
+        Some(dye) => medium.with_fluorophore(dye),
+        None => medium,
+    }
 }
 
 impl Resolver<'_> {
@@ -80,12 +89,15 @@ impl Resolver<'_> {
         notes: &mut Vec<String>,
     ) -> Result<Medium> {
         // The transform and the motion of a uniform medium have no effect.
-        let HomogeneousFile { absorption, scattering, phase, emission, priority: _, transform: _, motion: _ } = file;
+        let HomogeneousFile { absorption, scattering, phase, emission, dye, priority: _, transform: _, motion: _ } =
+            file;
         let phase = self.phase(&at.key("phase"), phase, notes);
-        let (coefficients, phase) = both(self.coefficients(at, absorption, scattering), phase)?;
+        let phase_and_dye = both(phase, self.dye(&at.key("dye"), dye.as_ref()));
+        let (coefficients, (phase, dye)) = both(self.coefficients(at, absorption, scattering), phase_and_dye)?;
         let resolve = |file| self.medium_emission(&at.key("emission"), file, &coefficients.0, None);
         let emission = emission.as_ref().map(resolve).transpose()?;
-        Ok(Medium { emission, ..Medium::new(name.to_owned(), coefficients, phase, Density::Uniform) })
+        let medium = Medium { emission, ..Medium::new(name.to_owned(), coefficients, phase, Density::Uniform) };
+        Ok(with_dye(medium, dye))
     }
 
     fn grid(
@@ -100,7 +112,8 @@ impl Resolver<'_> {
         let GridFile { transmittance, priority: _, transform, motion, .. } = file;
         let ResolvedMotion { start, motion } = self.motion(transform, motion);
         let phase = self.phase(&at.key("phase"), phase, notes);
-        let (coefficients, phase) = both(self.coefficients(at, absorption, scattering), phase)?;
+        let phase_and_dye = both(phase, self.dye(&at.key("dye"), file.dye.as_ref()));
+        let (coefficients, (phase, dye)) = both(self.coefficients(at, absorption, scattering), phase_and_dye)?;
         let place = self.field_placement(*bounds, start, centre);
         let field = |key: &str, file| self.field(&at.key(key), file, &place).map(Arc::new);
         let density = Density::Field(field("density", density)?);
@@ -114,7 +127,26 @@ impl Resolver<'_> {
                 TransmittanceEstimator::March { steps: self.scene.render.march_steps.unwrap_or(DEFAULT_MARCH_STEPS) }
             }
         };
-        Ok(Medium { transmittance, emission, motion, ..Medium::new(name.to_owned(), coefficients, phase, density) })
+        let medium = Medium::new(name.to_owned(), coefficients, phase, density);
+        Ok(with_dye(Medium { transmittance, emission, motion, ..medium }, dye))
+    }
+
+    /// Resolves the dye of a medium. The absorption coefficient is in 1/m.
+    fn dye(&self, at: &JsonPath<'_>, file: Option<&DyeFile>) -> Result<Option<Fluorophore>> {
+        /// Converts a decadic coefficient in 1/cm to a natural coefficient in 1/m.
+        const PER_M: f64 = 100.0 * std::f64::consts::LN_10;
+        let Some(DyeFile { absorption, molar_absorption, concentration, emission, quantum_yield }) = file else {
+            return Ok(None);
+        };
+        let (key, spectrum, factor) = match (absorption, molar_absorption) {
+            (Some(absorption), _) => ("absorption", absorption, 1.0 / self.metres),
+            (None, Some(molar)) => ("molar_absorption", molar, concentration.unwrap_or_default() * PER_M),
+            (None, None) => return Ok(None),
+        };
+        let absorption = self.spectrum(&at.key(key), spectrum, Role::DyeAbsorption);
+        let emission = self.spectrum(&at.key("emission"), emission, Role::Light);
+        let (absorption, emission) = both(absorption, emission)?;
+        self.at(at, Fluorophore::with_absorption(absorption.scaled(factor), &emission, *quantum_yield)).map(Some)
     }
 
     /// The absorption and scattering coefficients in 1/m.

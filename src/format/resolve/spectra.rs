@@ -23,6 +23,8 @@ pub enum Role {
     /// The fraction of the light that a fluorophore absorbs, with values from 0 to 1. Beyond the
     /// ends of a table, it is 0.
     Absorptance,
+    /// The absorption coefficient of a dye. Beyond the ends of a table, it is 0.
+    DyeAbsorption,
     /// Any other non-negative quantity. It is constant beyond the ends of a table.
     Coefficient,
     /// The mean cosine of a phase function, negative for backward scattering. It is constant beyond
@@ -34,7 +36,7 @@ impl Role {
     /// Returns how a spectrum in this role is extrapolated beyond the ends of a table.
     pub fn outside(self) -> Outside {
         match self {
-            Self::Light | Self::Absorptance => Outside::Zero,
+            Self::Light | Self::Absorptance | Self::DyeAbsorption => Outside::Zero,
             Self::Reflectance | Self::Coefficient | Self::MeanCosine => Outside::Hold,
         }
     }
@@ -110,7 +112,7 @@ impl Spectra<'_> {
             SpectrumFile::Name(name) => return self.spectrum_by_name(at, name, role, depth),
             SpectrumFile::Table { nm, values } => match role {
                 Role::MeanCosine => signed_table(nm, values),
-                Role::Light | Role::Absorptance | Role::Reflectance | Role::Coefficient => {
+                Role::Light | Role::Absorptance | Role::DyeAbsorption | Role::Reflectance | Role::Coefficient => {
                     Spectrum::table(nm, values, role.outside())
                 }
             },
@@ -181,7 +183,9 @@ fn signed_table(nm: &[f64], values: &[f64]) -> Result<Spectrum> {
 fn upsampled(rgb: [f64; 3], role: Role) -> Result<Spectrum> {
     match role {
         Role::Light => Spectrum::rgb_light(rgb),
-        Role::Reflectance | Role::Absorptance | Role::Coefficient | Role::MeanCosine => Spectrum::rgb_reflectance(rgb),
+        Role::Reflectance | Role::Absorptance | Role::DyeAbsorption | Role::Coefficient | Role::MeanCosine => {
+            Spectrum::rgb_reflectance(rgb)
+        }
     }
 }
 
@@ -211,13 +215,18 @@ fn check_role(spectrum: &Spectrum, role: Role) -> Result<()> {
         Role::Reflectance | Role::Absorptance if spectrum.max() > 1.0 + 1e-9 => {
             Err(Error::input(format!("found values up to {:.4}", spectrum.max())).expected("values from 0 to 1"))
         }
-        Role::Reflectance | Role::Absorptance | Role::Coefficient if spectrum.min() < 0.0 => {
+        Role::Reflectance | Role::Absorptance | Role::DyeAbsorption | Role::Coefficient if spectrum.min() < 0.0 => {
             Err(Error::input(format!("found values down to {:.4}", spectrum.min())).expected("values of at least 0"))
         }
         Role::MeanCosine if spectrum.max().max(-spectrum.min()) > MAX_MEAN_COSINE => {
             let what = format!("found values from {:.4} to {:.4}", spectrum.min(), spectrum.max());
             Err(Error::input(what).expected(format!("mean cosines from {} to {MAX_MEAN_COSINE}", -MAX_MEAN_COSINE)))
         }
-        Role::Light | Role::Reflectance | Role::Absorptance | Role::Coefficient | Role::MeanCosine => Ok(()),
+        Role::Light
+        | Role::Reflectance
+        | Role::Absorptance
+        | Role::DyeAbsorption
+        | Role::Coefficient
+        | Role::MeanCosine => Ok(()),
     }
 }

@@ -41,6 +41,16 @@ pub struct CameraSegment {
     pub medium: usize,
     /// True if the path carries a shared wavelength.
     pub shared: bool,
+    /// True if the medium is fluorescent. Free photons excite it, also if the path carries a shared
+    /// wavelength.
+    pub is_fluorescent: bool,
+}
+
+impl CameraSegment {
+    /// Returns true if the path reads photons of this set along the segment.
+    pub fn reads(&self, set: PhotonSet) -> bool {
+        PhotonSet::of_path(self.shared) == set || (self.is_fluorescent && set == PhotonSet::Free)
+    }
 }
 
 /// Two points belong to one smooth surface only if the cosine of the angle between their normals is

@@ -9,6 +9,7 @@ use crate::map::{NearbyPhoton, PhotonPower, PhotonSpectra};
 use crate::math::frame::Frame;
 use crate::optics::bsdf::{InterfaceIors, LocalBsdf, TransportMode};
 use crate::plan::{LightOrigin, PathClass};
+use crate::spectrum::LANES;
 use crate::walk::{CausticWeights, SensorResponse, Sink, SurfaceInteraction, bias_of_excess};
 use glam::DVec3;
 
@@ -165,10 +166,10 @@ impl<'e> GatherPoint<'e> {
             let to_light = photon.to_light();
             kernels = self.kernels_of_interpolated(kernels, to_light, to_light.dot(normal));
         }
-        let excitation: f64 =
-            photon.power.lanes(spectra).map(|(nm, power)| power * luminescence.excitation_at(nm)).sum();
+        let mut radiance = [0.0; LANES];
+        photon.power.lanes(spectra).for_each(|(nm, power)| luminescence.excite(nm, power, &mut radiance));
         let origin = LightOrigin { class, light: spectra.light_of(photon.power.wavelength_code()) };
-        luminescence.add(origin, excitation * kernels.estimate, excitation * biased_by(kernels, self.bias), sink);
+        luminescence.add(origin, &radiance, (kernels.estimate, biased_by(kernels, self.bias)), sink);
     }
 
     /// Returns true if the responses of the sensor to photons are independent of the camera path
@@ -219,7 +220,7 @@ pub(in crate::gather) struct PhotonLight<'p> {
 /// Returns the bias of a photon's contribution, per unit of power. `path_bias` is the relative bias
 /// of all factors except the kernel.
 #[inline(always)]
-fn biased_by(kernels: KernelValues, path_bias: f64) -> f64 {
+pub(in crate::gather) fn biased_by(kernels: KernelValues, path_bias: f64) -> f64 {
     kernels.bias() + kernels.estimate * path_bias
 }
 

@@ -137,8 +137,8 @@ enum TabulatedSurface {
     /// A fluorescent surface.
     Fluorescent {
         surface: Box<Fluorescent>,
-        /// The response of the sensor to the emission for an excitation of 1 W·nm/m².
-        emission: [f64; 3],
+        /// For each emission, the response of the sensor for an excitation of 1 W·nm/m².
+        emissions: Vec<[f64; 3]>,
     },
 }
 
@@ -146,14 +146,16 @@ impl TabulatedSurface {
     fn fluorescent(surface: &Fluorescent, sensitivity: &impl Fn(f64) -> [f64; 3]) -> Self {
         /// The number of samples per nm of the integral over the emission.
         const SAMPLES_PER_NM: f64 = 4.0;
-        let mut emission = [0.0; 3];
+        let mut emissions = vec![[0.0; 3]; surface.fluorophore.emissions().len()];
         for sample in 0..((BAND_NM.1 - BAND_NM.0) * SAMPLES_PER_NM) as usize {
             let nm = BAND_NM.0 + (sample as f64 + 0.5) / SAMPLES_PER_NM;
-            let radiance = surface.emitted_radiance(nm) / SAMPLES_PER_NM;
             let sensitivity = sensitivity(nm);
-            (0..3).for_each(|component| emission[component] += sensitivity[component] * radiance);
+            for (emission, response) in surface.fluorophore.emissions().iter().zip(&mut emissions) {
+                let radiance = emission.emitted(nm) * FRAC_1_PI / SAMPLES_PER_NM;
+                (0..3).for_each(|component| response[component] += sensitivity[component] * radiance);
+            }
         }
-        Self::Fluorescent { surface: Box::new(surface.clone()), emission }
+        Self::Fluorescent { surface: Box::new(surface.clone()), emissions }
     }
 
     /// Returns the response of the sensor to the light that the surface returns, for a power of 1
@@ -164,10 +166,14 @@ impl TabulatedSurface {
                 let factor = reflectance.at(nm) * FRAC_1_PI;
                 sensitivity.map(|value| value * factor)
             }
-            Self::Fluorescent { surface, emission } => {
+            Self::Fluorescent { surface, emissions } => {
                 let factor = surface.reflected_fraction(nm) * FRAC_1_PI;
-                let excitation = surface.fluorophore.excitation(nm);
-                std::array::from_fn(|component| sensitivity[component] * factor + emission[component] * excitation)
+                let mut response = sensitivity.map(|value| value * factor);
+                for i in surface.fluorophore.excited_by(nm) {
+                    let excitation = surface.fluorophore.emissions()[i].excitation(nm);
+                    (0..3).for_each(|component| response[component] += emissions[i][component] * excitation);
+                }
+                response
             }
         }
     }

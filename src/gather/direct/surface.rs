@@ -62,8 +62,8 @@ impl<'a> CameraPass<'a> {
                 && bsdf.pdf(wo, sample.wi, sides, nm) > 0.0
             {
                 let exciting = ExcitingLight::of_sample(selected.number, &sample, &along);
-                let excitation = luminescence.excitation(&exciting, self.spectra, wavelength);
-                luminescence.add(origin, excitation, excitation * bias, context.sink);
+                let radiance = luminescence.excited_radiance(&exciting, self.spectra, wavelength);
+                luminescence.add(origin, &radiance, (1.0, bias), context.sink);
             }
         }
     }
@@ -111,8 +111,8 @@ impl<'a> CameraPass<'a> {
                     irradiance: emitter.radiance * sample.wi.z.abs() / sample.probability,
                     along: &along,
                 };
-                let excitation = luminescence.excitation(&exciting, self.spectra, wavelength);
-                luminescence.add(origin, excitation, excitation * bias, context.sink);
+                let radiance = luminescence.excited_radiance(&exciting, self.spectra, wavelength);
+                luminescence.add(origin, &radiance, (1.0, bias), context.sink);
             }
         }
     }

@@ -7,6 +7,7 @@ use crate::gather::camera::throughput::each_wavelength;
 use crate::gather::camera_pass::{CameraPass, PathContext};
 use crate::gather::direct::light_tree::ReceivingSegment;
 use crate::gather::direct::lighting::VolumeLightSampleContext;
+use crate::gather::luminescence::{ExcitingLight, Luminescence};
 use crate::geometry::Ray;
 use crate::plan::LightOrigin;
 use crate::walk::{
@@ -16,12 +17,15 @@ use crate::walk::{
 
 impl<'a> CameraPass<'a> {
     /// Gathers direct light from the lights that have no light map. Each selected light is sampled
-    /// at one distance along the ray.
+    /// at one distance along the ray. There it is scattered, or excites the dye of the medium.
     pub(super) fn gather_direct_in_medium<S: Sink>(
         &self,
         path: &CameraPath,
         segment: &MediumSegment<'a>,
-        NumberedMedium { number: medium_number, medium }: NumberedMedium<'a>,
+        (NumberedMedium { number: medium_number, medium }, luminescence): (
+            NumberedMedium<'a>,
+            Option<&Luminescence<'a>>,
+        ),
         context: &mut PathContext<'_, 'a, S>,
     ) {
         let Some(window) = medium.window(&segment.ray, segment.length_m) else {
@@ -57,6 +61,18 @@ impl<'a> CameraPass<'a> {
                 let weight = throughput * sample.light.spd_at(sample.spd, nm) * strength * scattered * passed;
                 context.sink.biased(origin, nm, weight, weight * bias);
             });
+            if let Some(luminescence) = luminescence {
+                let exciting = ExcitingLight {
+                    number,
+                    light: sample.light,
+                    spd: sample.spd,
+                    irradiance: strength,
+                    along: &sample.transmittance,
+                };
+                let mut radiance = luminescence.excited_radiance(&exciting, self.spectra, wavelength);
+                luminescence.attenuate(&to_point, &mut radiance);
+                luminescence.add(origin, &radiance, (1.0, bias), context.sink);
+            }
         }
     }
 }

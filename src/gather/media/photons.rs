@@ -6,15 +6,17 @@ use crate::gather::camera::path::CameraPath;
 use crate::gather::camera::throughput::SpectralMode;
 use crate::gather::camera::visible_point::CameraSegment;
 use crate::gather::camera_pass::{CameraPass, MissingLight, PathContext};
-use crate::gather::density::gather_point::{PhotonLight, add_photon};
+use crate::gather::density::gather_point::{PhotonLight, add_photon, biased_by};
+use crate::gather::luminescence::Luminescence;
 use crate::geometry::Ray;
 use crate::map::kernel::{KernelDomain, KernelValues};
 use crate::map::{BeamPath, KernelWidth, PhotonNearRay, QueryCone, SetMaps, VolumeMap};
 use crate::math::random::hash64;
-use crate::plan::partition::PhotonClass;
+use crate::plan::LightOrigin;
+use crate::plan::partition::{PhotonClass, PhotonSet};
 use crate::scene::Scene;
 use crate::scene::medium::Medium;
-use crate::spectrum::REFERENCE_NM;
+use crate::spectrum::{LANES, REFERENCE_NM};
 use crate::walk::{
     MediumSegment, NumberedMedium, SegmentTransmittance, Sink, bias_of_excess, excess_optical_depth, transmittance,
 };
@@ -26,6 +28,16 @@ const NEAR_FREE_PATHS: f64 = 0.5;
 /// The least path length that determines a kernel radius, as a fraction of the segment's length.
 const NEAR_SHARE: f64 = 0.1;
 
+/// The photons that a segment gathers, and their effects.
+#[derive(Clone, Copy)]
+struct VolumeGather<'l, 'a> {
+    set: PhotonSet,
+    /// True if the medium scatters these photons into the path.
+    scatters: bool,
+    /// The emission that the photons excite.
+    luminescence: Option<&'l Luminescence<'a>>,
+}
+
 impl<'a> CameraPass<'a> {
     /// Gathers the photons near a segment in a scattering medium. `behind_m` is the length of the
     /// path up to the segment, in m.
@@ -33,7 +45,7 @@ impl<'a> CameraPass<'a> {
         &self,
         path: &CameraPath,
         segment: &MediumSegment<'a>,
-        filling: NumberedMedium<'a>,
+        (filling, luminescence): (NumberedMedium<'a>, Option<&Luminescence<'a>>),
         behind_m: f64,
         context: &mut PathContext<'_, 'a, S>,
     ) {
@@ -46,27 +58,40 @@ impl<'a> CameraPass<'a> {
                 behind_m,
                 medium: filling.number,
                 shared: matches!(path.spectral_mode, SpectralMode::Shared { .. }),
+                is_fluorescent: luminescence.is_some(),
             });
         }
-        self.gather_volume_set(self.maps[set], path, segment, filling, behind_m, context);
-        if let Some(MissingLight { maps, factor }) = self.missing {
-            context.with_lost_light(factor, |lost| {
-                self.gather_volume_set(maps[set], path, segment, filling, behind_m, lost);
-            });
+        // Only free photons excite a dye.
+        let (own, other) = match set {
+            PhotonSet::Free => (luminescence, None),
+            PhotonSet::Shared => (None, luminescence),
+        };
+        let gathered = [
+            VolumeGather { set, scatters: filling.medium.scattering_max > 0.0, luminescence: own },
+            VolumeGather { set: PhotonSet::Free, scatters: false, luminescence: other },
+        ];
+        for gathered in gathered.into_iter().filter(|gathered| gathered.scatters || gathered.luminescence.is_some()) {
+            let set = gathered.set;
+            self.gather_volume_set(self.maps[set], gathered, path, (segment, filling, behind_m), context);
+            if let Some(MissingLight { maps, factor }) = self.missing {
+                context.with_lost_light(factor, |lost| {
+                    self.gather_volume_set(maps[set], gathered, path, (segment, filling, behind_m), lost);
+                });
+            }
         }
     }
 
-    /// Gathers the photons of one set near a segment.
+    /// Gathers the photons of one set near a segment. `behind_m` is the length of the path up to
+    /// the segment, in m.
     fn gather_volume_set<S: Sink>(
         &self,
         maps: &SetMaps,
+        gathered: VolumeGather<'_, 'a>,
         path: &CameraPath,
-        segment: &MediumSegment<'a>,
-        filling: NumberedMedium<'a>,
-        behind_m: f64,
+        (segment, filling, behind_m): (&MediumSegment<'a>, NumberedMedium<'a>, f64),
         context: &mut PathContext<'_, 'a, S>,
     ) {
-        let set = path.spectral_mode.photon_set();
+        let set = gathered.set;
         for class in PhotonClass::ALL {
             let maps = &maps[class].volume;
             let slope = f64::from(context.radii.volume[set][class]);
@@ -84,7 +109,7 @@ impl<'a> CameraPass<'a> {
                     None => KernelWidth::PerDistance(slope * scale),
                 };
                 let cone = QueryCone::of_camera(segment.ray, segment.length_m, behind_m, width);
-                self.gather_volume_map(map, &cone, path, segment, filling, context);
+                self.gather_volume_map((map, &cone), gathered, path, (segment, filling), context);
             }
         }
     }
@@ -93,11 +118,10 @@ impl<'a> CameraPass<'a> {
     /// map.
     fn gather_volume_map<S: Sink>(
         &self,
-        map: &VolumeMap,
-        cone: &QueryCone,
+        (map, cone): (&VolumeMap, &QueryCone),
+        VolumeGather { scatters, luminescence, .. }: VolumeGather<'_, 'a>,
         path: &CameraPath,
-        segment: &MediumSegment<'a>,
-        NumberedMedium { number, medium }: NumberedMedium<'a>,
+        (segment, NumberedMedium { number, medium }): (&MediumSegment<'a>, NumberedMedium<'a>),
         context: &mut PathContext<'_, 'a, S>,
     ) {
         let seed = segment_seed(context, segment.ray.origin);
@@ -125,14 +149,33 @@ impl<'a> CameraPass<'a> {
             let excess = |along: &[SegmentTransmittance<'_>]| excess_optical_depth(along, path.reference_nm());
             let of_beam = along_beam.as_ref().map_or(0.0, |(along, _)| excess(along));
             let bias = bias_of_excess(path.excess_depth + excess(&to_photon) + of_beam);
+            // In a fluorescent medium, the power of a point contains the power that excites the
+            // dye.
+            let per_coefficient = |nm| match &along_beam {
+                Some((along, density)) => transmittance(along, nm) * density,
+                // Rounding of the stored wavelength may lead to a wavelength without events.
+                None => Some(medium.stored_coefficient(nm)).filter(|sigma| *sigma > 0.0).map_or(0.0, f64::recip),
+            };
             let response = |nm| {
-                let scattered = along_beam
-                    .as_ref()
-                    .map_or(1.0, |(along, density)| transmittance(along, nm) * medium.scattering.at(nm) * density);
+                let scattered = if along_beam.is_none() && medium.fluorophore.is_none() {
+                    1.0
+                } else {
+                    per_coefficient(nm) * medium.scattering.at(nm)
+                };
                 scattered * medium.phase.eval(cosine, nm) * transmittance(&to_photon, nm)
             };
-            let light = PhotonLight { power: photon.power, spectra: self.spectra, class };
-            add_photon(light, kernels, bias, path.spectral_mode, factors, sink, response);
+            if scatters {
+                let light = PhotonLight { power: photon.power, spectra: self.spectra, class };
+                add_photon(light, kernels, bias, path.spectral_mode, factors, sink, response);
+            }
+            if let Some(luminescence) = luminescence {
+                let mut radiance = [0.0; LANES];
+                let lanes = photon.power.lanes(self.spectra);
+                lanes.for_each(|(nm, power)| luminescence.excite(nm, power * per_coefficient(nm), &mut radiance));
+                luminescence.attenuate(&to_photon, &mut radiance);
+                let origin = LightOrigin { class, light: self.spectra.light_of(photon.power.wavelength_code()) };
+                luminescence.add(origin, &radiance, (kernels.estimate, biased_by(kernels, bias)), sink);
+            }
         });
         context.tally.volume_gathered += gathered;
     }

@@ -49,11 +49,12 @@ impl<'a> CameraPass<'a> {
                 self.gather_emission(path, segment, filling, context);
             }
             if filling.medium.scatters() && segment.length_m.is_finite() {
+                let luminescence = self.luminescence_of_medium(path, filling.medium, context);
                 if !self.plan.direct.is_absent() {
-                    self.gather_direct_in_medium(path, segment, filling, context);
+                    self.gather_direct_in_medium(path, segment, (filling, luminescence.as_ref()), context);
                     self.gather_mapped_lights(path, segment, filling, context);
                 }
-                self.gather_volume_photons(path, segment, filling, behind_m, context);
+                self.gather_volume_photons(path, segment, (filling, luminescence.as_ref()), behind_m, context);
             }
         }
         context.tally.body_events += u64::from(!segment.medium_stack.is_air());

@@ -9,11 +9,12 @@ use crate::gather::direct::light_tree::ReceivingPoint;
 use crate::gather::direct::lighting::{HitWeighting, VolumeLightSampleContext};
 use crate::geometry::Ray;
 use crate::math::elementary::{exp, ln_1p};
-use crate::optics::phase::PhaseMixture;
+use crate::optics::fluorophore::Fluorophore;
+use crate::optics::phase::{PhaseFunction, PhaseMixture};
 use crate::plan::{LightOrigin, Tally};
 use crate::scene::Scene;
 use crate::scene::medium::Medium;
-use crate::spectrum::LANES;
+use crate::spectrum::{LANES, WavelengthDistribution};
 use crate::walk::{
     MAX_EVENTS, MediumSegment, NumberedMedium, RayState, SegmentEnd, Sink, SurfaceLookup,
     next_interaction_through_media, transmittance,
@@ -38,18 +39,29 @@ impl<'a> PathTracer<'a> {
             let mut collision = None;
             let end = next_interaction_through_media(self.scene, path.ray_state, lookup, |segment| {
                 path.add_emission(self.scene, segment, sampler, sink);
-                collision = path.sample_segment(segment, sampler, tally).map(|t| (*segment, t));
+                let exciting = segment.medium.and_then(|filling| self.exciting_wavelengths(filling.medium));
+                collision = path.sample_segment(segment, exciting, sampler, tally).map(|t| (*segment, t));
                 if collision.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             });
-            let Some((segment, t)) = collision else {
+            let Some((segment, (t, event))) = collision else {
                 return end;
             };
-            if !self.scatter_in_medium(path, &segment, t, sampler, tally, sink) {
+            if !self.scatter_in_medium(path, &segment, (t, event), sampler, tally, sink) {
                 return ControlFlow::Break(());
             }
         }
         tally.capped_paths += 1;
         ControlFlow::Break(())
+    }
+
+    /// Returns the dye of a medium. Returns `None` if the medium has no dye, or if no light excites
+    /// it.
+    fn exciting_wavelengths<'m>(&self, medium: &'m Medium) -> Option<ExcitableDye<'m>>
+    where
+        'a: 'm,
+    {
+        let dye = medium.fluorophore.as_deref()?;
+        Some(ExcitableDye { dye, wavelengths: self.excitation[dye.number].as_ref()? })
     }
 
     /// Adds direct light at a collision, and samples the new direction. Returns whether the path
@@ -58,16 +70,23 @@ impl<'a> PathTracer<'a> {
         &self,
         path: &mut TracedPath,
         segment: &MediumSegment<'a>,
-        t: f64,
+        (t, event): (f64, MediumEvent),
         sampler: &mut PixelSampler,
         tally: &mut Tally,
         sink: &mut S,
     ) -> bool {
         let Some(NumberedMedium { medium, .. }) = segment.medium else { return false };
+        let phase = match event {
+            MediumEvent::Scattering => &medium.phase,
+            MediumEvent::Emission => {
+                tally.fluorescent_events += 1;
+                &PhaseFunction::Isotropic
+            }
+        };
         let incoming = segment.ray.direction;
         let ray = Ray { origin: segment.ray.at(t), direction: incoming };
         let ray_state = RayState { ray, from: None, medium_stack: segment.medium_stack };
-        let mixture = PhaseMixture::new(&medium.phase, &path.wavelengths, &path.importance());
+        let mixture = PhaseMixture::new(phase, &path.wavelengths, &path.importance());
         let (from, u) = (ReceivingPoint::in_medium(ray.origin), sampler.stream.triple());
         for selected in self.direct.select_lights(from, u) {
             let point = VolumeLightSampleContext { ray_state, phase: Some(mixture) };
@@ -77,20 +96,37 @@ impl<'a> PathTracer<'a> {
             for (k, &nm) in path.wavelengths.active().iter().enumerate() {
                 let arriving =
                     sample.light.spd_at(sample.spd, nm) * sample.strength * transmittance(&sample.transmittance, nm);
-                sink.radiance(origin, path.observed[k], path.throughput[k] * medium.phase.eval(cosine, nm) * arriving);
+                sink.radiance(origin, path.observed[k], path.throughput[k] * phase.eval(cosine, nm) * arriving);
             }
         }
         let direction = mixture.sample(incoming, sampler.stream.pair());
         let cosine = incoming.dot(direction);
         let pdf = mixture.eval(cosine);
         for (k, &nm) in path.wavelengths.active().iter().enumerate() {
-            path.throughput[k] *= medium.phase.eval(cosine, nm) / pdf;
+            path.throughput[k] *= phase.eval(cosine, nm) / pdf;
         }
         path.events = path.events.after_medium();
         path.hit_weighting = HitWeighting::Mis { from, pdf, caustic: None };
         path.ray_state = RayState { ray: Ray { origin: ray.origin, direction }, ..ray_state };
         path.survives_collision(sampler)
     }
+}
+
+/// The event at a collision of a path with a medium.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum MediumEvent {
+    /// The medium scatters the light into the path.
+    Scattering,
+    /// The dye of the medium emits light into the path. The path now carries wavelengths of the
+    /// exciting light.
+    Emission,
+}
+
+/// The dye of a medium, and the distribution of the wavelengths that excite it.
+#[derive(Clone, Copy)]
+struct ExcitableDye<'d> {
+    dye: &'d Fluorophore,
+    wavelengths: &'d WavelengthDistribution,
 }
 
 impl TracedPath {
@@ -124,21 +160,22 @@ impl TracedPath {
         }
     }
 
-    /// Advances the path along a segment. If a scattering event happens, returns the distance of
-    /// the event in m. The function multiplies the throughput by the effect of absorption.
+    /// Advances the path along a segment. If an event happens, returns its distance in m. The
+    /// function multiplies the throughput by the effect of absorption.
     fn sample_segment(
         &mut self,
         segment: &MediumSegment<'_>,
+        dye: Option<ExcitableDye<'_>>,
         sampler: &mut PixelSampler,
         tally: &mut Tally,
-    ) -> Option<f64> {
+    ) -> Option<(f64, MediumEvent)> {
         let mut scattered = None;
         if let Some(NumberedMedium { medium, .. }) = segment.medium {
             tally.media_stretches += 1;
-            scattered = self.sample_free_flight(medium, segment, sampler);
+            scattered = self.sample_free_flight((medium, dye), segment, sampler);
         }
         if let Some(absorption) = segment.absorption {
-            let distance = scattered.unwrap_or(segment.length_m);
+            let distance = scattered.map_or(segment.length_m, |(t, _)| t);
             for k in 0..self.wavelengths.count {
                 self.throughput[k] *= exp(-absorption.at(self.wavelengths.nm[k]) * distance);
             }
@@ -151,16 +188,24 @@ impl TracedPath {
     /// density. The probability of a real scattering event is S/(S + N). S is the sum of the
     /// scattering coefficients of all wavelengths, weighted by their importance. N is the same sum
     /// for the coefficients of null collisions.
+    ///
+    /// The emission of a dye into the path is a further event. Its rate is the largest absorption
+    /// coefficient of the dye, which is added to σ̄.
     fn sample_free_flight(
         &mut self,
-        medium: &Medium,
+        (medium, dye): (&Medium, Option<ExcitableDye<'_>>),
         segment: &MediumSegment<'_>,
         sampler: &mut PixelSampler,
-    ) -> Option<f64> {
+    ) -> Option<(f64, MediumEvent)> {
         let (mut t, end) = medium.window(&segment.ray, segment.length_m)?;
         let sigma_s = self.wavelengths.each(|nm| medium.scattering.at(nm));
         let sigma_t = self.wavelengths.each(|nm| medium.extinction.at(nm));
-        let rate = sigma_t.iter().copied().fold(0.0, f64::max) * medium.majorant(&segment.ray, segment.length_m);
+        let visible =
+            |dye: &ExcitableDye<'_>| self.wavelengths.active().iter().any(|&nm| dye.dye.emitted_power().at(nm) > 0.0);
+        let dye = dye.filter(visible);
+        let sigma_dye = dye.map_or(0.0, |dye| dye.dye.absorptance_spectrum().max());
+        let largest = sigma_t.iter().copied().fold(0.0, f64::max) + sigma_dye;
+        let rate = largest * medium.majorant(&segment.ray, segment.length_m);
         if rate <= 0.0 {
             return None;
         }
@@ -171,22 +216,30 @@ impl TracedPath {
             }
             let importance = self.importance();
             let density = medium.density_at(segment.ray.at(t));
-            let (mut scatters, mut either) = (0.0, 0.0);
+            let (mut scatters, mut emits, mut either) = (0.0, 0.0, 0.0);
             for k in 0..LANES {
                 let (collision, null) = (sigma_s[k] * density, (rate - sigma_t[k] * density).max(0.0));
                 scatters += importance[k] * collision;
-                either += importance[k] * (collision + null);
+                emits += importance[k] * sigma_dye * density;
+                either += importance[k] * (collision + sigma_dye * density + null);
             }
             if either <= 0.0 {
                 self.throughput = [0.0; LANES];
                 return None;
             }
-            let probability = scatters / either;
-            if sampler.stream.uniform() < probability {
+            let [probability, emission] = [scatters / either, emits / either];
+            let u = sampler.stream.uniform();
+            if u < probability {
                 (0..LANES).for_each(|k| self.throughput[k] *= sigma_s[k] * density / (rate * probability));
-                return Some(t);
+                return Some((t, MediumEvent::Scattering));
             }
-            let null_rate = rate * (1.0 - probability);
+            if let Some(ExcitableDye { dye, wavelengths }) = dye
+                && u < probability + emission
+            {
+                self.excite(dye, wavelengths, density / (rate * emission), sampler);
+                return Some((t, MediumEvent::Emission));
+            }
+            let null_rate = rate * (1.0 - probability - emission);
             (0..LANES).for_each(|k| self.throughput[k] *= (rate - sigma_t[k] * density).max(0.0) / null_rate);
         }
     }

@@ -14,6 +14,7 @@ use crate::gather::luminescence::{ExcitingLight, Luminescence};
 use crate::geometry::{Hit, Ray};
 use crate::map::PhotonSpectra;
 use crate::optics::bsdf::{BsdfClass, Fluorescent, ScatterEvent, TransportMode};
+use crate::optics::fluorophore::Fluorophore;
 use crate::plan::partition::LightPath;
 use crate::plan::{CameraEvents, LightOrigin, MediumPlan, PathClass, Tally};
 use crate::scene::Scene;
@@ -135,7 +136,7 @@ impl<'a> PathTracer<'a> {
             };
             if let Some(surface) = interaction.bsdf.model.as_fluorescent() {
                 tally.fluorescent_events += 1;
-                let excitation = self.excitation[surface.number].as_ref();
+                let excitation = self.excitation[surface.fluorophore.number].as_ref();
                 path.select_emission(surface, excitation, &mut scattered, depth, sampler);
             }
             let through_pane = self.direct.passes_panes()
@@ -288,9 +289,9 @@ impl<'a> PathTracer<'a> {
                 && bsdf.pdf(wo, sample.wi, sides, path.wavelengths.hero()) > 0.0
             {
                 let exciting = ExcitingLight::of_sample(selected.number, &sample, &along);
-                let luminescence = Luminescence::at_wavelengths(surface, &path.wavelengths, &path.throughput);
-                let excitation = luminescence.excitation(&exciting, self.spectra, excitation_u);
-                luminescence.observed_at(&path.observed).add(origin, excitation, 0.0, sink);
+                let luminescence = Luminescence::of_surface(surface, &path.wavelengths, &path.throughput);
+                let radiance = luminescence.excited_radiance(&exciting, self.spectra, excitation_u);
+                luminescence.observed_at(&path.observed).add(origin, &radiance, (1.0, 0.0), sink);
             }
         }
     }
@@ -334,7 +335,7 @@ impl TracedPath {
         /// The limits of the probability that the path continues as exciting light.
         const EXCITATION: (f64, f64) = (0.1, 0.9);
         let active = || self.wavelengths.active().iter();
-        let emits = active().any(|&nm| surface.fluorophore.emitted(nm) > 0.0);
+        let emits = active().any(|&nm| surface.fluorophore.emitted_power().at(nm) > 0.0);
         let Some(excitation) = excitation.filter(|_| emits) else { return };
         // At the first events, both outcomes matter alike. Later, the weight of a reflection must
         // be at most about 1, so that it does not grow along the path.
@@ -346,12 +347,23 @@ impl TracedPath {
             return;
         }
         scattered.weight = [1.0; LANES];
+        self.excite(&surface.fluorophore, excitation, 1.0 / probability, sampler);
+    }
+
+    /// Continues the path as light that excites a fluorophore. Each lane samples a wavelength of
+    /// its own from the distribution `excitation`. The throughput is multiplied by `factor`.
+    pub(super) fn excite(
+        &mut self,
+        fluorophore: &Fluorophore,
+        excitation: &WavelengthDistribution,
+        factor: f64,
+        sampler: &mut PixelSampler,
+    ) {
         let u = sampler.stream.uniform();
         for k in 0..self.wavelengths.count {
             let lane_u = u + k as f64 / LANES as f64;
             let (nm, pdf) = excitation.sample(lane_u - lane_u.floor());
-            let factor = surface.fluorophore.bispectral_factor(nm, self.wavelengths.nm[k]);
-            self.throughput[k] *= factor / (pdf * probability);
+            self.throughput[k] *= fluorophore.bispectral_factor(nm, self.wavelengths.nm[k]) * factor / pdf;
             self.initial_throughput[k] = 1.0 / (pdf * self.initial_count as f64);
             self.wavelengths.nm[k] = nm;
         }

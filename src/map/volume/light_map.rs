@@ -115,7 +115,9 @@ impl<'a> LightMaps<'a> {
         let virtual_lights = lights.filter_map(|(number, light)| {
             Some(PickedLight { number, virtual_light: light.virtual_light(scene.extent(), numbers(number))? })
         });
-        let is_served = |medium: &Medium| medium.scatters() && medium.is_smooth_in_cells(cells);
+        // A light map contains no wavelengths that could excite a dye.
+        let is_served =
+            |medium: &Medium| medium.scatters() && medium.fluorophore.is_none() && medium.is_smooth_in_cells(cells);
         let media = (0..scene.media.len()).filter(|&number| is_served(&scene.media[number]));
         let boxes: Vec<MediumBox> =
             media.filter_map(|medium| Some(MediumBox { medium, from_unit: scene.box_of_medium(medium)? })).collect();

@@ -1,33 +1,32 @@
 //! A Lambertian surface with a fluorophore.
 
-use std::f64::consts::FRAC_1_PI;
-
 use glam::DVec3;
 
 use super::check::check_within;
 use super::hemisphere::{cosine_pdf, same_side};
 use super::sample::BsdfSample;
 use super::{Diffuse, diffuse};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::optics::fluorophore::Fluorophore;
 use crate::spectrum::Spectrum;
 
-/// A Lambertian surface with a fluorophore on a substrate.
+/// The rounding error that the sum of measured reflectance and emission may have.
+const ROUNDING: f64 = 1e-6;
+
+/// A Lambertian surface with a fluorophore.
 ///
-/// The surface reflects the fraction ρ(λ) = s(λ)·(1 − a(λ)) of the light without a change of
-/// wavelength. s is the reflectance of the substrate and a is the absorptance of the fluorophore.
-/// The methods of [`LocalBsdf`](super::LocalBsdf) describe this reflection alone. The light that
-/// the fluorophore emits leaves the surface on the side of arrival, with equal radiance in all
-/// directions. The code of light transport adds this light.
+/// The surface reflects the fraction ρ(λ) of the light without a change of wavelength. For a dye on
+/// a substrate, this fraction is s(λ)·(1 − a(λ)). s is the reflectance of the substrate and a is
+/// the absorptance of the fluorophore. For a measured surface, ρ is measured. The methods of
+/// [`LocalBsdf`](super::LocalBsdf) describe this reflection alone. The light that the fluorophore
+/// emits leaves the surface on the side of arrival, with equal radiance in all directions. The code
+/// of light transport adds this light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fluorescent {
-    substrate: Spectrum,
     /// The reflectance ρ without a change of wavelength.
     reflected: Spectrum,
     /// The fluorophore.
     pub fluorophore: Fluorophore,
-    /// The number of the fluorophore in the scene. The scene assigns it.
-    pub number: usize,
 }
 
 impl Fluorescent {
@@ -35,8 +34,25 @@ impl Fluorescent {
     /// outside \[0, 1\] at any wavelength.
     pub fn new(substrate: Spectrum, fluorophore: Fluorophore) -> Result<Self> {
         check_within("reflectance", &substrate, 1.0)?;
-        let reflected = substrate.product(&fluorophore.transmittance()).with_origin_of(&substrate);
-        Ok(Self { substrate, reflected, fluorophore, number: 0 })
+        let transmittance = fluorophore.absorptance_spectrum().complement();
+        let reflected = substrate.product(&transmittance).with_origin_of(&substrate);
+        Ok(Self { reflected, fluorophore })
+    }
+
+    /// Creates a surface that reflects the fraction `reflected` of the light without a change of
+    /// wavelength. `fluorophore` has a measured matrix.
+    ///
+    /// # Errors
+    /// Returns an error if the reflectance is outside \[0, 1\], or if more photons leave the
+    /// surface than arrive.
+    pub fn measured(reflected: Spectrum, fluorophore: Fluorophore) -> Result<Self> {
+        check_within("reflectance", &reflected, 1.0)?;
+        let returned = Spectrum::mix(&[(1.0, &reflected), (1.0, fluorophore.absorptance_spectrum())]).max();
+        if returned > 1.0 + ROUNDING {
+            let what = format!("{returned:.4} reflected and emitted photons for each arriving photon");
+            return Err(Error::input(what).expected("at most 1 photon for each arriving photon"));
+        }
+        Ok(Self { reflected, fluorophore })
     }
 
     /// Returns the fraction ρ of the power that is reflected without a change of wavelength.
@@ -45,16 +61,10 @@ impl Fluorescent {
         self.reflected.at(nm)
     }
 
-    /// Returns the fraction of the power that the substrate absorbs.
+    /// Returns the fraction of the power that the surface absorbs without exciting the fluorophore.
     #[inline]
     pub fn absorbed_by_substrate(&self, nm: f64) -> f64 {
-        (1.0 - self.substrate.at(nm)) * (1.0 - self.fluorophore.absorptance(nm))
-    }
-
-    /// Returns the emitted radiance per nm at the wavelength `nm`, for an excitation of 1 W·nm/m².
-    #[inline]
-    pub fn emitted_radiance(&self, nm: f64) -> f64 {
-        self.fluorophore.emitted(nm) * FRAC_1_PI
+        1.0 - self.reflected.at(nm) - self.fluorophore.absorptance(nm)
     }
 
     /// Returns the reflectance ρ without a change of wavelength.

@@ -40,6 +40,7 @@ mod sample;
 mod thin;
 mod translucent;
 
+use super::fluorophore::Fluorophore;
 use super::glass::RefractiveIndex;
 use super::thin_film::FilmStack;
 use crate::error::Result;
@@ -259,14 +260,12 @@ impl Bsdf {
         self.components().filter_map(Self::as_fluorescent)
     }
 
-    /// Numbers the fluorophores of the components. `next` is the number of the first fluorophore,
-    /// and then the number after the last fluorophore.
-    pub fn number_fluorophores(&mut self, next: &mut usize) {
+    /// Calls `change` for the fluorophore of each component.
+    pub fn for_each_fluorophore(&mut self, change: &mut impl FnMut(&mut Fluorophore)) {
         if let Self::Fluorescent(surface) = self {
-            surface.number = *next;
-            *next += 1;
+            change(&mut surface.fluorophore);
         } else if let Self::Mix(mix) = self {
-            mix.components_mut().for_each(|part| part.number_fluorophores(next));
+            mix.components_mut().for_each(|part| part.for_each_fluorophore(change));
         }
     }
 

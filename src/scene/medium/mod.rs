@@ -13,6 +13,7 @@ pub use emission::MediumEmission;
 
 use super::motion::AnimatedTransform;
 use crate::geometry::Ray;
+use crate::optics::fluorophore::Fluorophore;
 use crate::optics::phase::PhaseFunction;
 use crate::spectrum::{REFERENCE_NM, Spectrum};
 use field::ScalarField;
@@ -24,7 +25,7 @@ use std::sync::Arc;
 pub struct Medium {
     /// The name in reports.
     pub name: String,
-    /// The absorption coefficient σ_a.
+    /// The absorption coefficient σ_a. It includes the absorption of the fluorophore.
     pub absorption: Spectrum,
     /// The scattering coefficient σ_s.
     pub scattering: Spectrum,
@@ -45,6 +46,8 @@ pub struct Medium {
     pub transmittance: TransmittanceEstimator,
     /// The emission, if the medium emits light.
     pub emission: Option<MediumEmission>,
+    /// The dye, if the medium is fluorescent. Its absorptance is an absorption coefficient.
+    pub fluorophore: Option<Box<Fluorophore>>,
     /// The motion while the shutter is open, with lengths in m. `None` if the medium does not move.
     pub motion: Option<AnimatedTransform>,
 }
@@ -97,8 +100,18 @@ impl Medium {
             transmittance,
             dense: false,
             emission: None,
+            fluorophore: None,
             motion: None,
         }
+    }
+
+    /// Adds a dye to the medium.
+    #[must_use]
+    pub fn with_fluorophore(self, fluorophore: Fluorophore) -> Self {
+        let absorption = Spectrum::mix(&[(1.0, &self.absorption), (1.0, fluorophore.absorptance_spectrum())]);
+        let extinction = Spectrum::mix(&[(1.0, &absorption), (1.0, &self.scattering)]);
+        let extinction_range = (extinction.min(), extinction.max());
+        Self { absorption, extinction, extinction_range, fluorophore: Some(Box::new(fluorophore)), ..self }
     }
 
     /// The medium transformed by a map of the scene's positions.
@@ -137,9 +150,17 @@ impl Medium {
         }
     }
 
-    /// Returns true if the medium scatters light at any wavelength.
+    /// Returns true if the medium scatters light or emits fluorescent light at any wavelength.
     pub fn scatters(&self) -> bool {
-        self.scattering_max > 0.0
+        self.scattering_max > 0.0 || self.fluorophore.is_some()
+    }
+
+    /// Returns the sum of the scattering coefficient and of the absorption coefficient of the
+    /// fluorophore, in 1/m at density 1. A stored photon point has the power that the medium
+    /// removes by these two processes.
+    #[inline]
+    pub fn stored_coefficient(&self, nm: f64) -> f64 {
+        self.scattering.at(nm) + self.fluorophore.as_ref().map_or(0.0, |fluorophore| fluorophore.absorptance(nm))
     }
 
     /// Returns true if a light map can resolve the density. `cells` is the number of cells along
