@@ -74,13 +74,7 @@ This page compares readings of `abbe measure` with closed forms and with publish
 integrating spheres, slabs and half-spaces that scatter, and the prism of Newton's letter of 1672
 (refracting angle 63° 12′, index 1.5453, a hole of ¼ inch, and a wall at 22 feet). A value passes if
 its deviation and half its 95 % interval are at most 1 % of the expected value, or 0.001. `abbe
-validate closed-forms -o docs/validation/closed-forms.md` wrote the page.
-
-The length of Newton's image, 13¼ inches, depends on the dispersion of the glass and on the least
-illuminance that the eye sees. The letter states neither, so the length is no test case. By
-geometrical optics, the glass LLF1 (n_d 1.548, V_d 45.8) and sunlight (a black body at 5500 K) give
-this length for a threshold of 0.064 % of the largest illuminance: the ends of the image are at 423
-nm and 702 nm. The glass N-BALF5 (V_d 53.6) gives it for a threshold of 0.0074 %.";
+validate closed-forms -o docs/validation/closed-forms.md` wrote the page.";
 
 pub(crate) fn run(arguments: &ValidateArgs) -> Result<Outcome> {
     interrupt::watch()?;
@@ -91,11 +85,12 @@ pub(crate) fn run(arguments: &ValidateArgs) -> Result<Outcome> {
     let machine = |error: std::io::Error| crate::error::Error::machine(format!("{}: {error}", folder.display()));
     std::fs::create_dir_all(&folder).map_err(machine)?;
     let results = write_lamps(&folder).and_then(|()| measure_cases(arguments, &folder));
+    let appendix = results.as_ref().map_or(Ok(String::new()), |_| measure_appendix(arguments, &folder));
     std::fs::remove_dir_all(&folder).map_err(machine)?;
     let (results, interrupted) = results?;
     if let Some(path) = &arguments.output {
         let (title, introduction) = arguments.suite.page();
-        let page = markdown(title, introduction, &results);
+        let page = markdown(title, introduction, &results) + &appendix?;
         files::write_whole(path, page.as_bytes())?;
     }
     if arguments.json {
@@ -118,6 +113,14 @@ pub(crate) fn run(arguments: &ValidateArgs) -> Result<Outcome> {
 
 fn write_lamps(folder: &std::path::Path) -> Result<()> {
     cie171::LAMPS.iter().try_for_each(|(name, text)| files::write_whole(&folder.join(name), text.as_bytes()))
+}
+
+/// Measures what the page reports apart from the cases.
+fn measure_appendix(arguments: &ValidateArgs, folder: &std::path::Path) -> Result<String> {
+    if !matches!(arguments.suite, Suite::ClosedForms) || arguments.output.is_none() {
+        return Ok(String::new());
+    }
+    on_threads(arguments.threads, || closed_forms::newtons_length(folder, &mut ProgressDisplay::new(true, None)))?
 }
 
 /// Measures the selected cases. Also returns true if the user interrupted the command.

@@ -173,6 +173,8 @@ pub enum QuantityKindFile {
     ColourTemperature,
     /// General colour rendering index of the light that arrives (CIE 13.3).
     ColourRendering,
+    /// Unified glare rating (CIE 117) of a view along `normal`, for `points` and `grid`.
+    Ugr,
 }
 
 impl QuantityKindFile {
@@ -196,6 +198,7 @@ impl QuantityKindFile {
             Self::DaylightFactor => Quantity::DaylightFactor,
             Self::ColourTemperature => Quantity::ColourTemperature,
             Self::ColourRendering => Quantity::ColourRendering,
+            Self::Ugr => Quantity::UnifiedGlareRating,
         }
     }
 }
@@ -247,6 +250,9 @@ impl MeterFile {
         } else if quantity.is_flux() && surface.is_none() {
             let found = format!("found {}", quantity.name());
             Err(check::fault(&at.key("quantity"), found, "a flux only with `surface`"))
+        } else if quantity == Quantity::UnifiedGlareRating && !flat {
+            let found = format!("found {}", quantity.name());
+            Err(check::fault(&at.key("quantity"), found, "a glare rating only with `points` or `grid`"))
         } else {
             Ok(())
         };

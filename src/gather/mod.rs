@@ -4,6 +4,7 @@
 //!   surface.
 //! - `direct`: light straight from the lights, by next-event estimation.
 //! - `density`: light that photons brought to surfaces, by density estimation.
+//! - `glare`: the glare of luminaires at an eye.
 //! - `luminescence`: light that fluorophores emit into camera paths.
 //! - `media`: emission, scattering and attenuation along the path.
 //! - `path_tracer`: the reference path tracer, which uses no photons.
@@ -12,6 +13,7 @@ mod camera;
 mod camera_pass;
 mod density;
 mod direct;
+mod glare;
 mod luminescence;
 mod media;
 mod path_tracer;
@@ -26,4 +28,5 @@ pub use density::responses::SensorResponses;
 pub use direct::lighting::{DirectLighting, power_heuristic};
 pub use direct::openings::{OPENINGS_SHARE, OpeningSpheres, Openings};
 pub use direct::selection::LightSelector;
+pub use glare::Glare;
 pub use path_tracer::tracer::PathTracer;

@@ -30,6 +30,18 @@ const BATCH: u64 = 4096;
 /// The largest number of batches. The search traces batches until it has enough lines.
 const MAX_BATCHES: u64 = 16;
 
+/// The largest number of batches of a measurement that finds few lines. Without openings, the sky
+/// behind a tiny hole would need far more samples than the search.
+const MAX_BATCHES_OF_MEASUREMENT: u64 = 256;
+
+/// A measurement stops the longer search when it has this number of lines.
+const FEW_LINES: usize = 8 * MIN_LINES;
+
+/// The radii of the spheres of a measurement are multiplied by this factor if the search has fewer
+/// than [`MAX_LINES`] lines. Few lines do not reach the edges of an opening, and the light beyond a
+/// sphere would be rare and bright.
+const MARGIN_OF_FEW_LINES: f64 = 1.5;
+
 /// The number of paths in one parallel task.
 const TASK: u64 = 256;
 
@@ -82,7 +94,13 @@ pub fn find_openings(context: &PassContext<'_>, seconds: &mut StageSeconds) -> O
     let Some(sky) = scene.lights.iter().find(|light| light.surrounds()) else { return Openings::default() };
     let lines = escaped_lines(scene, seed, |direction| sky.pdf_li_escaped(direction));
     let (open, glazed): (Vec<_>, Vec<_>) = lines.into_iter().partition(|line| !line.glazed);
-    let fit = |lines: &[EscapedLine]| OpeningSpheres(fit_spheres(&thinned(lines), seed));
+    let fit = |lines: &[EscapedLine]| {
+        let mut spheres = fit_spheres(&thinned(lines), seed);
+        if scene.measures() && lines.len() < MAX_LINES {
+            spheres.iter_mut().for_each(|sphere| sphere.radius_m *= MARGIN_OF_FEW_LINES);
+        }
+        OpeningSpheres(spheres)
+    };
     let openings = Openings { open: fit(&open), glazed: fit(&glazed) };
     seconds.pilot += start.elapsed().as_secs_f64();
     openings
@@ -97,12 +115,13 @@ fn thinned(lines: &[EscapedLine]) -> Vec<EscapedLine> {
 /// is the density with which shadow rays find a direction.
 fn escaped_lines(scene: &Scene, seed: u64, density: impl Fn(DVec3) -> f64 + Sync) -> Vec<EscapedLine> {
     let mut lines: Vec<EscapedLine> = Vec::new();
-    for batch in 0..MAX_BATCHES {
+    let batches = if scene.measures() { MAX_BATCHES_OF_MEASUREMENT } else { MAX_BATCHES };
+    for batch in 0..batches {
         let tasks = (0..BATCH / TASK).into_par_iter();
         let first = |task: u64| batch * BATCH + task * TASK;
         let found = tasks.map(|task| trace_lines(scene, seed, first(task)..first(task + 1), &density));
         lines.extend(found.collect::<Vec<_>>().into_iter().flatten());
-        if lines.len() >= MAX_LINES {
+        if lines.len() >= MAX_LINES || (batch + 1 >= MAX_BATCHES && lines.len() >= FEW_LINES) {
             break;
         }
     }

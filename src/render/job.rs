@@ -81,6 +81,11 @@ impl Job {
         if unused { None } else { SensorResponses::new(&self.scene, &self.spectra, |nm| observer.xyz_bar(nm)) }
     }
 
+    /// Returns the selector of the lights when the shutter opens.
+    pub(super) fn selector(&self) -> &LightSelector {
+        &self.selector
+    }
+
     /// Returns the inputs of the job's passes.
     pub(super) fn pass_context(&self) -> PassContext<'_> {
         PassContext {

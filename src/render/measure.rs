@@ -6,11 +6,15 @@ use super::request::{Integrator, Request, StopRules};
 use super::session::Rendered;
 use crate::colour::{cct_duv, cri};
 use crate::error::{Error, Result};
+use crate::gather::{DirectLighting, Glare};
+use crate::geometry::{Hit, Ray};
+use crate::math::elementary::hypot;
+use crate::math::random::REPLICATES;
 use crate::optics::bsdf::{Bsdf, BsdfClass};
 use crate::plan::CausticPlan;
 use crate::scene::light::{Emitter, Light};
-use crate::scene::meter::{Meter, MeterGrid, MeterReading, Quantity, QuantityKind};
-use crate::sensor::{Reading, ReadingSpectrum};
+use crate::scene::meter::{Meter, MeterGrid, MeterReading, Quantity, QuantityKind, Receptor, ReceptorShape, Response};
+use crate::sensor::{Reading, ReadingSpectrum, half_interval_with_degrees};
 use crate::spectrum::{LUMENS_PER_WATT, Observer, Outside, Spectrum};
 use glam::DVec3;
 use serde::Serialize;
@@ -50,10 +54,10 @@ pub struct MeterReport {
     pub grid: Option<MeterGrid>,
     /// The mean of the readings. `None` for spectra.
     pub mean: Option<f64>,
-    /// The uniformity U0: the least reading divided by the mean reading. `None` for spectra, and if
-    /// the mean is 0.
+    /// The uniformity U0: the least reading divided by the mean reading. `None` for spectra, for
+    /// glare ratings, and if the mean is 0.
     pub uniformity: Option<f64>,
-    /// The least reading divided by the largest reading. `None` for spectra, and if the mean is 0.
+    /// The least reading divided by the largest reading. `None` if `uniformity` is `None`.
     pub least_to_largest: Option<f64>,
 }
 
@@ -138,6 +142,59 @@ impl Job {
         ))
     }
 
+    /// Returns a note if a point receptor lies in a hollow, where photons that pass through glass may
+    /// not reach the disk around it.
+    fn note_of_hollows(&self, integrator: Integrator) -> Option<String> {
+        /// The distance at which the surface below a receptor is found, divided by the radius of
+        /// the scene. It is larger than the shift of receptors above surfaces.
+        const REACH: f64 = 1e-6;
+        /// In a hollow, the surface beside a receptor is nearly parallel to the surface below it.
+        const PARALLEL: f64 = 0.5;
+        if integrator == Integrator::Path || self.plan.caustics == CausticPlan::Absent {
+            return None;
+        }
+        let scene = &self.scene;
+        let reach_m = REACH * scene.radius_m;
+        let hollow = |receptor: &Receptor| {
+            let ReceptorShape::Point(position, Response::Plane(normal)) = receptor.shape else { return None };
+            let find = |direction: DVec3, length_m: f64| {
+                scene.geometry.intersect(&Ray { origin: position, direction }, None, length_m)
+            };
+            let below = find(-normal, reach_m)?;
+            let aside = normal.any_orthonormal_vector();
+            let sides = [aside, -aside, normal.cross(aside), -normal.cross(aside)];
+            let around = |hit: Hit| hit.object == below.object && hit.normal.dot(below.normal).abs() > PARALLEL;
+            sides.into_iter().filter_map(|side| find(side, scene.radius_m)).any(around).then_some(below.object)
+        };
+        let object = scene.camera.receptors().iter().find_map(hollow)?;
+        Some(format!(
+            "a meter reads a point of the hollow surface {}; light that glass or mirrors focus there may be missing, \
+             and a meter with `surface` reads it",
+            scene.objects[object as usize].name
+        ))
+    }
+
+    /// Returns an error if a meter measures glare and a lamp has no luminous surface.
+    fn check_luminaires(&self) -> Result<()> {
+        let measures = self.scene.meters.iter().any(|meter| meter.quantity == Quantity::UnifiedGlareRating);
+        match self.scene.lights.iter().find(|light| measures && light.has_infinite_luminance()) {
+            Some(light) => Err(Error::input(format!(
+                "a meter measures the glare rating, but the light {} has no luminous surface",
+                light.name
+            ))
+            .expected("an object with `emission`, or a luminaire with a luminous opening")),
+            None => Ok(()),
+        }
+    }
+
+    /// Returns the estimates of the glare at a receptor. A moving scene is at rest at the moment
+    /// when the shutter opens.
+    fn glare_at(&self, number: usize) -> [Glare; REPLICATES] {
+        let scene = &self.scene;
+        let eye = scene.receptor_point(&scene.camera.receptors()[number], [0.0; 4]);
+        DirectLighting::tracked(scene, self.selector(), self.plan.media_plan).glare(scene, &eye)
+    }
+
     /// Measures with all meters of the scene, on the current thread pool. `integrator` is the
     /// integrator, or `None` for the integrator that suits the meters. Also returns true if the
     /// monitor ended the measurement before a stop rule was satisfied.
@@ -156,30 +213,34 @@ impl Job {
             let error = Error::input("a meter measures the daylight factor, but the scene has no sky");
             return Err(error.expected("a light `sky` or `environment`"));
         }
+        self.check_luminaires()?;
         let integrator = integrator.unwrap_or_else(|| self.integrator_for_meters());
         let stop = if stop == StopRules::default() { default_stop(integrator) } else { stop };
         let Rendered { stats, run, interrupted, .. } = self.render(Request { integrator, stop }, monitor)?;
-        let mut readings = run.readings().into_iter();
+        let readings = run.readings();
+        let mut rest = 0..readings.len();
         let meters = self.scene.meters.iter().map(|meter| {
-            let own = readings.by_ref().take(meter.readings.len());
-            report(meter, &own.collect::<Vec<_>>(), sky_lx)
+            let own: Vec<usize> = rest.by_ref().take(meter.readings.len()).collect();
+            let point = |(known, &number): (&MeterReading, &usize)| {
+                let mut point = point(meter.quantity, known, &readings[number], sky_lx);
+                if meter.quantity == Quantity::UnifiedGlareRating {
+                    with_glare(&mut point, &self.glare_at(number));
+                }
+                point
+            };
+            report(meter, meter.readings.iter().zip(&own).map(point).collect(), &readings[own[0]])
         });
         let meters = meters.collect();
         let (passes, seconds) = (stats.passes, stats.seconds.total);
-        let missing: Vec<String> = self.note_of_missing_light(integrator).into_iter().collect();
+        let missing: Vec<String> =
+            self.note_of_missing_light(integrator).into_iter().chain(self.note_of_hollows(integrator)).collect();
         let notes = [self.scene.notes.as_slice(), &stats.notes, &missing].concat();
         Ok((MeasurementReport { meters, integrator: integrator.word(), passes, seconds, notes }, interrupted))
     }
 }
 
-/// Returns the report of a meter.
-fn report(meter: &Meter, readings: &[Reading], sky_lx: f64) -> MeterReport {
-    let points: Vec<PointReport> = meter
-        .readings
-        .iter()
-        .zip(readings)
-        .map(|(known, reading)| point(meter.quantity, known, reading, sky_lx))
-        .collect();
+/// Returns the report of a meter. `first` is its first reading.
+fn report(meter: &Meter, points: Vec<PointReport>, first: &Reading) -> MeterReport {
     let numbers: Option<Vec<f64>> = points
         .iter()
         .map(|point| match point.value {
@@ -191,11 +252,11 @@ fn report(meter: &Meter, readings: &[Reading], sky_lx: f64) -> MeterReport {
     let least = numbers.iter().flatten().copied().fold(f64::INFINITY, f64::min);
     let largest = numbers.iter().flatten().copied().fold(0.0, f64::max);
     let wavelength_nm = match meter.quantity.kind() {
-        QuantityKind::Spectrum => {
-            readings.first().and_then(|reading| Some(reading.spectrum.as_ref()?.centres_nm.clone()))
-        }
+        QuantityKind::Spectrum => first.spectrum.as_ref().map(|spectrum| spectrum.centres_nm.clone()),
         QuantityKind::Integral | QuantityKind::OfSpectrum => None,
     };
+    // The logarithms of the glare rating have no ratios.
+    let divisor = mean.filter(|&mean| mean > 0.0 && meter.quantity != Quantity::UnifiedGlareRating);
     MeterReport {
         name: meter.name.clone(),
         quantity: meter.quantity.name(),
@@ -204,8 +265,8 @@ fn report(meter: &Meter, readings: &[Reading], sky_lx: f64) -> MeterReport {
         points,
         mean,
         grid: meter.grid,
-        uniformity: mean.filter(|&mean| mean > 0.0).map(|mean| least / mean),
-        least_to_largest: mean.filter(|&mean| mean > 0.0).map(|_| least / largest),
+        uniformity: divisor.map(|mean| least / mean),
+        least_to_largest: divisor.map(|_| least / largest),
     }
 }
 
@@ -242,6 +303,35 @@ fn point(quantity: Quantity, known: &MeterReading, reading: &Reading, sky_lx: f6
     report
 }
 
+/// Replaces the illuminance of a point by the glare rating. `estimates` are independent.
+fn with_glare(point: &mut PointReport, estimates: &[Glare; REPLICATES]) {
+    let number = |value: &Value| match value {
+        Value::Number(number) => *number,
+        Value::Spectrum(_) => f64::NAN,
+    };
+    let lx = number(&point.value);
+    let ends_lx = point.interval_95.as_ref().map(|ends| ends.each_ref().map(number));
+    let count = REPLICATES as f64;
+    let mean = |of: fn(&Glare) -> f64| estimates.iter().map(of).sum::<f64>() / count;
+    let glare = Glare { sum: mean(|glare| glare.sum), direct_lx: mean(|glare| glare.direct_lx) };
+    let Some(rating) = glare.rating(lx) else {
+        (point.value, point.noise, point.bias, point.interval_95) = (Value::Number(f64::NAN), None, None, None);
+        return;
+    };
+    let deviation = |estimate: &Glare| estimate.rating(lx).map_or(f64::INFINITY, |one| one - rating);
+    let squares: f64 = estimates.iter().map(deviation).map(|deviation| deviation * deviation).sum();
+    let of_glare = (squares / (count * (count - 1.0))).sqrt();
+    let half = half_interval_with_degrees(of_glare, 0.0, count - 1.0);
+    // More light in the background means less glare.
+    let end = |lx: f64, sign: f64| Some(Value::Number(rating + sign * hypot(glare.rating(lx)? - rating, half)));
+    point.interval_95 = ends_lx.and_then(|[low, high]| Some([end(high, -1.0)?, end(low, 1.0)?]));
+    let slope = glare.slope(lx);
+    let noise = |lx: &Value| Value::Number(hypot(slope * number(lx), of_glare));
+    let bias = |lx: &Value| Value::Number(slope * number(lx));
+    (point.noise, point.bias) = (point.noise.as_ref().map(noise), point.bias.as_ref().map(bias));
+    point.value = Value::Number(rating);
+}
+
 /// Writes the spectrum of a reading into its report.
 fn with_spectrum(report: &mut PointReport, spectrum: &ReadingSpectrum, factor: f64, reading: &Reading) {
     let scaled = |values: &[f64]| values.iter().map(|value| value * factor).collect::<Vec<f64>>();
@@ -253,10 +343,7 @@ fn with_spectrum(report: &mut PointReport, spectrum: &ReadingSpectrum, factor: f
     let relative_bias = reading.bias.filter(|_| reading.value > 0.0).map_or(0.0, |bias| bias / reading.value);
     let bias: Vec<f64> = values.iter().map(|value| value * relative_bias).collect();
     report.interval_95 = noise.as_ref().map(|noise| {
-        let half = |band: usize| {
-            let (value, noise, bias) = (values[band], noise[band], bias[band]);
-            Reading { value, noise: Some(noise), bias: Some(bias), ..reading.clone() }.half_interval_95().unwrap_or(0.0)
-        };
+        let half = |band: usize| half_interval_with_degrees(noise[band], bias[band], spectrum.degrees());
         let halves: Vec<f64> = (0..values.len()).map(half).collect();
         [-1.0, 1.0].map(|sign| {
             Value::Spectrum(values.iter().zip(&halves).map(|(value, half)| (value + sign * half).max(0.0)).collect())
@@ -287,9 +374,9 @@ fn with_function_of_spectrum(
     report.value = Value::Number(value.unwrap_or(f64::NAN));
     report.noise = noise.map(Value::Number);
     report.bias = None;
-    report.interval_95 = value.zip(noise).and_then(|(value, noise)| {
-        let half = Reading { value, noise: Some(noise), bias: None, ..reading.clone() }.half_interval_95()?;
-        Some([value - half, value + half].map(Value::Number))
+    report.interval_95 = value.zip(noise).map(|(value, noise)| {
+        let half = half_interval_with_degrees(noise, 0.0, spectrum.degrees());
+        [value - half, value + half].map(Value::Number)
     });
 }
 

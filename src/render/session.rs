@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::gather::Openings;
 use crate::map::LightMaps;
 use crate::pass::{PassContext, Pilot, StageSeconds, coarse_path_picture, find_openings, path_pass, photon_pass};
+use crate::plan::MotionPlan;
 use crate::sensor::Picture;
 use crate::walk::ledger::Ledger;
 use std::time::Instant;
@@ -64,6 +65,10 @@ impl Job {
         let mut conditions = StopConditions::new(self, request.stop, &mut run);
         conditions.check(&run)?;
         let mut stopped = run.done > 0 && conditions.hold(&run);
+        if request.integrator == Integrator::Path && self.plan.motion == MotionPlan::Still {
+            // Each row has random numbers of its own. Photons and shutter times belong to all rows.
+            run.sums.film.assume_independent_rows();
+        }
         let context = self.pass_context();
         let openings = if stopped { Openings::default() } else { find_openings(&context, &mut run.sums.seconds) };
         let responses = self.responses(&run.sums.film);

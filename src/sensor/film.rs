@@ -114,7 +114,7 @@ impl Film {
     #[must_use]
     pub fn with_readings(mut self, layout: Arc<ReadingLayout>) -> Self {
         let by_replicate = vec![0.0; self.pixels.len() * self.channels.bands * REPLICATES];
-        self.measurement = Some(Measurement { layout, by_replicate });
+        self.measurement = Some(Measurement { layout, by_replicate, independent_rows: false });
         self
     }
 

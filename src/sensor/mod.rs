@@ -22,5 +22,5 @@ pub use error_bars::ErrorSquares;
 pub use film::Film;
 pub use layers::LayerSet;
 pub use picture::{Picture, SpectralBands};
-pub use readings::{Reading, ReadingLayout, ReadingOwner, ReadingSpectrum};
+pub use readings::{Reading, ReadingLayout, ReadingOwner, ReadingSpectrum, half_interval_with_degrees};
 pub use sink::{FilmRow, PixelSink, SplatSink};

@@ -3,6 +3,12 @@
 //! The film of a measurement has one column. Each reading has the same number of rows, so that few
 //! readings keep all threads busy. The noise of a reading is the standard error of the mean over
 //! the replicates. It uses no neighbours, because these are other readings.
+//!
+//! If the rows of a reading share no random numbers, each row gives its own estimate of the noise,
+//! with seven degrees of freedom. The variance of the reading is the sum over the rows, so it has
+//! more degrees of freedom, and the intervals are narrower. A stop rule for the error needs this:
+//! it stops at the first small estimate of the noise, and with few degrees of freedom this estimate
+//! would often be too small.
 
 use super::channels::band_nm;
 use super::error_bars::{ErrorSquares, PixelMeans};
@@ -38,6 +44,8 @@ pub(super) struct Measurement {
     pub(super) layout: Arc<ReadingLayout>,
     /// The sums of the spectral bands: for each row, for each replicate, one sum for each band.
     pub(super) by_replicate: Vec<f64>,
+    /// True if the rows of a reading share no random numbers.
+    pub(super) independent_rows: bool,
 }
 
 /// A reading: the mean radiance at a receptor over the directions of its response, weighted by an
@@ -54,7 +62,7 @@ pub struct Reading {
     /// the colour-matching observers.
     pub xyz: [f64; 3],
     /// The number of degrees of freedom of the noise.
-    pub degrees: usize,
+    pub degrees: f64,
     /// The spectrum. `None` if the film has no bands.
     pub spectrum: Option<ReadingSpectrum>,
 }
@@ -70,11 +78,14 @@ pub struct ReadingSpectrum {
     pub by_replicate: Vec<Vec<f64>>,
 }
 
-/// The 97.5 % quantiles of Student's t with 1 to 7 degrees of freedom.
-const TWO_SIDED: [f64; REPLICATES - 1] = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365];
+/// The 97.5 % quantiles of Student's t with 1 to 6 degrees of freedom.
+const TWO_SIDED: [f64; REPLICATES - 2] = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447];
 
-/// The 95 % quantiles of Student's t with 1 to 7 degrees of freedom.
-const ONE_SIDED: [f64; REPLICATES - 1] = [6.314, 2.920, 2.353, 2.132, 2.015, 1.943, 1.895];
+/// The 95 % quantiles of Student's t with 1 to 6 degrees of freedom.
+const ONE_SIDED: [f64; REPLICATES - 2] = [6.314, 2.920, 2.353, 2.132, 2.015, 1.943];
+
+/// The 97.5 % and the 95 % quantile of the normal distribution.
+const NORMAL: [f64; 2] = [1.959_964, 1.644_854];
 
 /// A reading is judged relative to its value, or relative to this share of the largest reading of
 /// its meter, if this is more.
@@ -114,14 +125,32 @@ impl ReadingLayout {
 
 impl Reading {
     /// Returns half the width of the 95 % interval of the value. `None` if the noise is unknown.
-    ///
-    /// The bias is a magnitude, so the interval covers both signs of it. If the bias exceeds the
-    /// noise, only one end of the noise matters.
     pub fn half_interval_95(&self) -> Option<f64> {
-        let (noise, bias) = (self.noise?, self.bias.unwrap_or(0.0));
-        let [two, one] = [TWO_SIDED, ONE_SIDED].map(|quantiles| quantiles[self.degrees.clamp(1, REPLICATES - 1) - 1]);
-        Some((bias + one * noise).max(two * noise))
+        Some(half_interval_with_degrees(self.noise?, self.bias.unwrap_or(0.0), self.degrees))
     }
+}
+
+/// Returns half the width of a 95 % interval. `noise` is the standard error, and `degrees` is the
+/// number of its degrees of freedom.
+///
+/// The bias is a magnitude, so the interval covers both signs of it. If the bias exceeds the noise,
+/// only one end of the noise matters.
+pub fn half_interval_with_degrees(noise: f64, bias: f64, degrees: f64) -> f64 {
+    let [two, one] = [(TWO_SIDED, NORMAL[0]), (ONE_SIDED, NORMAL[1])]
+        .map(|(table, z)| table.get((degrees as usize).max(1) - 1).copied().unwrap_or_else(|| student(z, degrees)));
+    (bias + one * noise).max(two * noise)
+}
+
+/// Returns the quantile of Student's t from the quantile `z` of the normal distribution (Fisher &
+/// Cornish 1960). The error is below 0.001 from 7 degrees of freedom.
+fn student(z: f64, degrees: f64) -> f64 {
+    let z2 = z * z;
+    let terms = [
+        (z2 + 1.0) / 4.0,
+        ((5.0 * z2 + 16.0) * z2 + 3.0) / 96.0,
+        (((3.0 * z2 + 19.0) * z2 + 17.0) * z2 - 15.0) / 384.0,
+    ];
+    z * (1.0 + (terms[0] + (terms[1] + terms[2] / degrees) / degrees) / degrees)
 }
 
 impl Film {
@@ -129,31 +158,54 @@ impl Film {
     pub fn readings(&self) -> Vec<Reading> {
         let Some(measurement) = &self.measurement else { return Vec::new() };
         let rows = measurement.layout.rows;
-        (0..measurement.layout.readings.len()).map(|number| self.reading(number * rows..(number + 1) * rows)).collect()
+        let independent = measurement.independent_rows;
+        let of_reading = |number: usize| self.reading(number * rows..(number + 1) * rows, independent);
+        (0..measurement.layout.readings.len()).map(of_reading).collect()
+    }
+
+    /// States that the rows of a reading share no random numbers. A film without meters ignores it.
+    pub fn assume_independent_rows(&mut self) {
+        self.measurement.iter_mut().for_each(|measurement| measurement.independent_rows = true);
     }
 
     /// Returns the reading of these rows.
-    fn reading(&self, rows: std::ops::Range<usize>) -> Reading {
+    fn reading(&self, rows: std::ops::Range<usize>, independent: bool) -> Reading {
         let count = rows.len() as f64;
-        let mut means = PixelMeans { y: [0.0; REPLICATES], bias: [0.0; 2] };
+        let blank = PixelMeans { y: [0.0; REPLICATES], bias: [0.0; 2] };
+        let mut means = blank;
         let (all, halves) = (self.passes(), self.passes_by_half());
         let mean = |sum: f64, passes: u64| sum * LUMENS_PER_WATT / (passes.max(1) as f64 * count);
         let (mut total, mut xz) = (0.0, [0.0; 2]);
+        // The sum of the variances of independent rows, and the sum of their squares.
+        let mut variances = [0.0; 2];
         for row in rows.clone() {
             let sums = self.sums_of(row);
             xz = [xz[0] + sums.x.value(), xz[1] + sums.z.value()];
             let y = sums.y.map(|sum| sum.value());
             total += y.iter().sum::<f64>();
-            (0..REPLICATES).for_each(|r| means.y[r] += mean(y[r], self.passes[r]));
+            let mut of_row = blank;
+            (0..REPLICATES).for_each(|r| of_row.y[r] = mean(y[r], self.passes[r]));
+            (0..REPLICATES).for_each(|r| means.y[r] += of_row.y[r]);
             (0..2).for_each(|h| means.bias[h] += mean(sums.bias[h].value(), halves[h]));
+            let variance = of_row.variance(self.passes).unwrap_or(0.0);
+            variances = [variances[0] + variance, variances[1] + variance * variance];
         }
         let known = halves.map(|passes| passes > 0);
+        let (mut variance, mut degrees) = (
+            means.variance(self.passes),
+            self.passes.iter().filter(|&&passes| passes > 0).count().saturating_sub(1) as f64,
+        );
+        if independent && variance.is_some() && variances[1] > 0.0 {
+            // The degrees of freedom of a sum of variances (Welch 1947).
+            degrees *= variances[0] * variances[0] / variances[1];
+            variance = Some(variances[0]);
+        }
         Reading {
             value: mean(total, all),
             xyz: [xz[0], total, xz[1]].map(|sum| mean(sum, all) / LUMENS_PER_WATT),
-            noise: means.variance(self.passes).map(f64::sqrt),
+            noise: variance.map(f64::sqrt),
             bias: means.squared_bias(known).map(|square| square.max(0.0).sqrt()),
-            degrees: self.passes.iter().filter(|&&passes| passes > 0).count().saturating_sub(1),
+            degrees,
             spectrum: self.spectrum_of(rows),
         }
     }
@@ -189,6 +241,11 @@ impl Film {
 }
 
 impl ReadingSpectrum {
+    /// Returns the number of degrees of freedom of [`Self::noise_of`].
+    pub fn degrees(&self) -> f64 {
+        self.by_replicate.len().saturating_sub(1) as f64
+    }
+
     /// Returns the standard error of a function of the spectrum, from its values at the replicates.
     /// `None` if fewer than two replicates have passes, or if the function has no value for one of
     /// them.
@@ -201,5 +258,21 @@ impl ReadingSpectrum {
         let mean = values.iter().sum::<f64>() / count;
         let spread: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
         Some((spread / (count - 1.0) / count).sqrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The half-widths for a standard error of 1 without bias are the quantiles of Student's t.
+    #[test]
+    fn intervals_have_the_quantiles_of_student() {
+        let known = [(1.0, 12.706), (6.0, 2.447), (7.0, 2.364_6), (10.0, 2.228_1), (21.0, 2.079_6), (224.0, 1.970_6)];
+        for (degrees, expected) in known {
+            assert!((half_interval_with_degrees(1.0, 0.0, degrees) - expected).abs() < 1e-3, "{degrees}");
+        }
+        // A bias far above the noise counts with the one-sided quantile.
+        assert!((half_interval_with_degrees(1.0, 100.0, 7.0) - 101.894_6).abs() < 1e-3);
     }
 }

@@ -1,12 +1,17 @@
 //! Cases with closed forms or published values: integrating spheres, slabs and half-spaces that
-//! scatter, and the prism of Newton's letter of 1672.
+//! scatter, and the prism of Newton's letter of 1672. The length of Newton's image has no closed
+//! form, so it is measured apart from the cases ([`newtons_length`]).
 
-use super::{Case, Expected};
-use crate::math::elementary::{asin, sin, sin_cos, tan};
+use super::{Case, Expected, measure_scene};
+use crate::error::Result;
+use crate::math::elementary::{asin, exp, ln, sin, sin_cos, tan};
 use crate::math::quadrature::gauss16;
+use crate::render::{Monitor, StopRules, Value};
 use glam::DVec2;
 use serde_json::{Value as Json, json};
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::fmt::Write as _;
+use std::path::Path;
 
 /// Returns all cases.
 pub fn cases() -> Vec<Case> {
@@ -190,9 +195,10 @@ impl NewtonsPrism {
         }
     }
 
-    /// Returns the scene with strips on the wall. A strip is its name, its middle and its size,
-    /// both along x and z.
-    fn scene(&self, strips: &[(String, DVec2, DVec2)]) -> String {
+    /// Returns the scene with strips on the wall. `glass` is the index of the prism or the name of
+    /// its glass, and `spectrum` is the spectrum of the sun. A strip is its name, its middle and
+    /// its size, both along x and z.
+    fn scene(&self, [glass, spectrum]: [&Json; 2], strips: &[(String, DVec2, DVec2)]) -> String {
         const HALF_WIDTH_M: f64 = 0.03;
         let corner = |z: f64| self.corners.map(|corner| [corner.x, corner.y, z]);
         let positions = [corner(-HALF_WIDTH_M), corner(HALF_WIDTH_M)].concat();
@@ -213,10 +219,10 @@ impl NewtonsPrism {
             .collect();
         let [from, to] = self.hole.map(|point| [point.x, point.y, 0.0]);
         json!({
-            "materials": {"glass": {"dielectric": {"ior": INDEX}}, "wall": {"diffuse": {"reflectance": 0}}},
+            "materials": {"glass": {"dielectric": {"ior": glass}}, "wall": {"diffuse": {"reflectance": 0}}},
             "objects": objects,
             "lights": [{"beam": {
-                "from": from, "to": to, "radius": 0.5 * HOLE_M, "divergence": SUN_RADIUS_DEG, "spectrum": "E",
+                "from": from, "to": to, "radius": 0.5 * HOLE_M, "divergence": SUN_RADIUS_DEG, "spectrum": spectrum,
                 "luminous_flux": LIGHT
             }}],
             "meters": meters
@@ -274,7 +280,7 @@ fn prism_width() -> Case {
     }
     let title =
         "Newton's letter of 1672: the flux on strips from the middle of the image to its edge at half of 2⅝ inches";
-    case("newton-width", title, "lm/lm", vec![(prism.scene(&strips), values)])
+    case("newton-width", title, "lm/lm", vec![(prism.scene([&json!(INDEX), &json!("E")], &strips), values)])
 }
 
 /// The mean deviation: one half of the light falls on each side of the point at 44° 56′. One minute
@@ -286,7 +292,89 @@ fn prism_deviation() -> Case {
     let strips: Vec<_> = sides.iter().map(|&(name, x)| (name.to_string(), DVec2::new(x, 0.0), SIZE_M)).collect();
     let values = sides.iter().map(|(name, _)| expected(name, 0.5 * prism.transmitted, None)).collect();
     let title = "Newton's letter of 1672: the flux on both sides of the mean deviation of 44° 56′";
-    case("newton-deviation", title, "lm/lm", vec![(prism.scene(&strips), values)])
+    case("newton-deviation", title, "lm/lm", vec![(prism.scene([&json!(INDEX), &json!("E")], &strips), values)])
+}
+
+/// Measures the illuminance along the image of the sun, with sunlight as a black body of 5500 K and
+/// prisms of two glasses of about Newton's index. Returns a section for the page: the share of the
+/// largest illuminance at the ends of an image of 13¼ inches, for each glass. The folder `files`
+/// holds the scene.
+///
+/// # Errors
+/// Returns an error if the scene has a fault. This is a bug.
+pub fn newtons_length(files: &Path, monitor: &mut dyn Monitor) -> Result<String> {
+    /// The number of strips along the image.
+    const STRIPS: usize = 96;
+    /// The number of passes with photons.
+    const PASSES: u64 = 24;
+    /// The length and the width of a strip.
+    const STRIP_M: DVec2 = DVec2::new(0.25 * INCH_M, 1.0 * INCH_M);
+    const LENGTH_M: f64 = 13.25 * INCH_M;
+    let prism = NewtonsPrism::new();
+    let middle = |i: usize| (i as f64 - 0.5 * (STRIPS - 1) as f64) * STRIP_M.x;
+    let strips: Vec<_> = (0..STRIPS).map(|i| (format!("strip {i}"), DVec2::new(middle(i), 0.0), STRIP_M)).collect();
+    let sun = json!({"blackbody": {"temperature": 5500}});
+    let stop = StopRules { passes: Some(PASSES), ..StopRules::default() };
+    let mut text = "
+## newton-length
+
+The length of Newton's image, 13¼ inches, depends on the dispersion of the glass and on the least
+illuminance that the eye sees. The letter states neither, so the length is no test case. Abbe
+measures the illuminance of sunlight (a black body at 5500 K) on strips of ¼ inch along the middle
+of the image. The threshold is the illuminance at both ends of an image of this length, divided by
+the largest illuminance.
+
+| Glass | n_d | V_d | Threshold |
+| --- | ---: | ---: | ---: |
+"
+    .to_string();
+    for (glass, index, number) in [("LLF1", "1.548", "45.8"), ("N-BALF5", "1.547", "53.6")] {
+        let scene = prism.scene([&json!(glass), &sun], &strips);
+        let report = measure_scene(&scene, files, stop, monitor)?;
+        let lumens = report.meters.iter().map(|meter| match meter.points[0].value {
+            Value::Number(lumens) => lumens,
+            Value::Spectrum(_) => 0.0,
+        });
+        let threshold = threshold_of_length(&lumens.collect::<Vec<_>>(), LENGTH_M / STRIP_M.x);
+        let percent = threshold.map_or("–".to_string(), |share| format!("{:.3} %", 100.0 * share));
+        let _ = writeln!(text, "| {glass} | {index} | {number} | {percent} |");
+    }
+    Ok(text)
+}
+
+/// Returns the share of the largest value at which a peak has this length, in steps between values.
+/// The logarithms of the values are interpolated linearly. Returns `None` if the peak is shorter at
+/// all positive values.
+fn threshold_of_length(values: &[f64], length: f64) -> Option<f64> {
+    /// Halvings of the interval of the logarithm.
+    const HALVINGS: u32 = 50;
+    let logarithms: Vec<f64> = values.iter().map(|value| ln(value.max(f64::MIN_POSITIVE))).collect();
+    let largest = (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b]))?;
+    let top = logarithms[largest];
+    // The distance from the peak to the first place below a threshold.
+    let reach = |threshold: f64, outwards: &mut dyn Iterator<Item = usize>| {
+        let (mut before, mut steps) = (top, 0.0);
+        for i in outwards {
+            if logarithms[i] < threshold {
+                return steps + (before - threshold) / (before - logarithms[i]);
+            }
+            (before, steps) = (logarithms[i], steps + 1.0);
+        }
+        steps
+    };
+    let length_at =
+        |threshold: f64| reach(threshold, &mut (0..largest).rev()) + reach(threshold, &mut (largest + 1..values.len()));
+    let dark =
+        logarithms.iter().copied().fold(top, |least, value| if value > -700.0 { least.min(value) } else { least });
+    let (mut low, mut high) = (dark, top);
+    if length_at(low) < length {
+        return None;
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if length_at(middle) < length { high = middle } else { low = middle }
+    }
+    Some(exp(low - top))
 }
 
 #[cfg(test)]
@@ -300,6 +388,16 @@ mod tests {
             let found = h_function(albedo, mu);
             assert!((found - expected).abs() < 2e-5, "{albedo} {mu}: {found} for {expected}");
         }
+    }
+
+    /// An exponential peak with different slopes on both sides.
+    #[test]
+    fn thresholds_give_the_length_of_a_peak() {
+        let values: Vec<f64> =
+            (0..40).map(|i| if i < 10 { exp(f64::from(i - 10)) } else { exp(f64::from(10 - i) / 2.0) }).collect();
+        let share = threshold_of_length(&values, 9.0).unwrap();
+        assert!((share - exp(-3.0)).abs() < 1e-9, "{share}");
+        assert_eq!(threshold_of_length(&values, 60.0), None);
     }
 
     /// The numbers of Newton's letter belong together: the index gives the mean deviation, and the

@@ -12,7 +12,7 @@ pub use report::markdown;
 use crate::error::Result;
 use crate::format::resolve::resolve_meters;
 use crate::format::{FileAccess, parse_with_access};
-use crate::render::{Job, Monitor, StopRules, Value};
+use crate::render::{Job, MeasurementReport, Monitor, StopRules, Value};
 use serde::Serialize;
 use std::path::Path;
 
@@ -109,6 +109,13 @@ impl CaseResult {
     }
 }
 
+/// Measures the scene with this text. The folder `files` contains the files that the scene names.
+fn measure_scene(text: &str, files: &Path, stop: StopRules, monitor: &mut dyn Monitor) -> Result<MeasurementReport> {
+    let (scene, source) = parse_with_access(text, &files.join("case.json"), &[], FileAccess::default())?;
+    let job = Job::new(resolve_meters(&scene, &source)?)?;
+    Ok(job.measure(None, stop, monitor)?.0)
+}
+
 /// Measures a case. The folder `files` contains the files that the scene names. `monitor` may end a
 /// measurement early.
 ///
@@ -117,10 +124,7 @@ impl CaseResult {
 pub fn run(case: &Case, files: &Path, stop: StopRules, monitor: &mut dyn Monitor) -> Result<CaseResult> {
     let (mut values, mut seconds) = (Vec::new(), 0.0);
     for (text, expected) in &case.scenes {
-        let path = files.join("case.json");
-        let (scene, source) = parse_with_access(text, &path, &[], FileAccess::default())?;
-        let job = Job::new(resolve_meters(&scene, &source)?)?;
-        let (report, _) = job.measure(None, stop, monitor)?;
+        let report = measure_scene(text, files, stop, monitor)?;
         seconds += report.seconds;
         let points = report.meters.iter().flat_map(|meter| &meter.points);
         for (expected, point) in expected.iter().zip(points) {

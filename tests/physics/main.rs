@@ -22,6 +22,7 @@ mod fluorescence;
 mod fluorescent_plates;
 mod free_and_shared;
 mod furnace;
+mod glare;
 mod gratings;
 mod irradiance;
 mod large_worlds;

@@ -228,17 +228,25 @@ fn skies() -> Vec<Known> {
 /// A black room with an opening in its roof under a uniform sky, without a pane and with a pane of
 /// constant transmittance.
 fn openings() -> Vec<Known> {
+    let ends = [[-0.35, 0.85], [0.15, 0.6]];
+    vec![room_with_opening("opening", ends, None, 1.0), room_with_opening("glazed opening", ends, Some("glazing"), 0.7)]
+}
+
+/// A black room with an opening between these ends in x and z. `factor` is the transmittance of the
+/// pane.
+fn room_with_opening(name: &str, ends: [[f64; 2]; 2], pane: Option<&str>, factor: f64) -> Known {
     const LX: f64 = 10_000.0;
-    let (left, right, near, far, height) = (-0.35, 0.85, 0.15, 0.6, 1.7);
+    let ([[left, right], [near, far]], height) = (ends, 1.7);
     let plate = |name: &str, material: &str, [x0, x1]: [f64; 2], [z0, z1]: [f64; 2]| {
         json!({
             "name": name, "shape": {"rectangle": {"width": x1 - x0, "height": z1 - z0}}, "material": material,
             "transform": [{"translate": [0.5 * (x0 + x1), height, 0.5 * (z0 + z1)]}]
         })
     };
-    let wall = |name: &str, axis: [f64; 3], to: [f64; 3]| {
+    // The walls end at the roof, so that they hide no part of the sky.
+    let wall = |name: &str, axis: [f64; 3], [width, depth]: [f64; 2], to: [f64; 3]| {
         json!({
-            "name": name, "shape": {"rectangle": {"width": 6, "height": 6}}, "material": "black",
+            "name": name, "shape": {"rectangle": {"width": width, "height": depth}}, "material": "black",
             "transform": [{"rotate": {"axis": axis, "degrees": 90}}, {"translate": to}]
         })
     };
@@ -250,26 +258,23 @@ fn openings() -> Vec<Known> {
         ([2.0, 0.1, 1.0], [-1.0, 0.4, 0.1]),
         ([0.2, 1.5, 0.4], [0.0, 1.0, 0.0]),
     ];
-    let of_opening = |name: &str, pane: Option<&str>, factor: f64| {
-        let mut objects = vec![
-            plate("north", "black", [-3.0, 3.0], [-3.0, near]),
-            plate("south", "black", [-3.0, 3.0], [far, 3.0]),
-            plate("west", "black", [-3.0, left], [near, far]),
-            plate("east", "black", [right, 3.0], [near, far]),
-            wall("wall 1", [1.0, 0.0, 0.0], [0.0, 0.0, -3.0]),
-            wall("wall 2", [1.0, 0.0, 0.0], [0.0, 0.0, 3.0]),
-            wall("wall 3", [0.0, 0.0, 1.0], [-3.0, 0.0, 0.0]),
-            wall("wall 4", [0.0, 0.0, 1.0], [3.0, 0.0, 0.0]),
-        ];
-        objects.extend(pane.map(|material| plate("pane", material, [left, right], [near, far])));
-        let meters = places.map(|(at, normal)| plane(at, normal)).to_vec();
-        let of = |(at, normal): ([f64; 3], [f64; 3])| {
-            factor * from_polygon(LX / PI, &corners, DVec3::from(at), DVec3::from(normal))
-        };
-        let lights = json!([{"sky": {"type": 5, "illuminance": LX}}]);
-        known(name, scene(json!(objects), lights, meters), places.map(of).to_vec())
+    let mut objects = vec![
+        plate("north", "black", [-3.0, 3.0], [-3.0, near]),
+        plate("south", "black", [-3.0, 3.0], [far, 3.0]),
+        plate("west", "black", [-3.0, left], [near, far]),
+        plate("east", "black", [right, 3.0], [near, far]),
+        wall("wall 1", [1.0, 0.0, 0.0], [6.0, 2.0 * height], [0.0, 0.0, -3.0]),
+        wall("wall 2", [1.0, 0.0, 0.0], [6.0, 2.0 * height], [0.0, 0.0, 3.0]),
+        wall("wall 3", [0.0, 0.0, 1.0], [2.0 * height, 6.0], [-3.0, 0.0, 0.0]),
+        wall("wall 4", [0.0, 0.0, 1.0], [2.0 * height, 6.0], [3.0, 0.0, 0.0]),
+    ];
+    objects.extend(pane.map(|material| plate("pane", material, [left, right], [near, far])));
+    let meters = places.map(|(at, normal)| plane(at, normal)).to_vec();
+    let of = |(at, normal): ([f64; 3], [f64; 3])| {
+        factor * from_polygon(LX / PI, &corners, DVec3::from(at), DVec3::from(normal))
     };
-    vec![of_opening("opening", None, 1.0), of_opening("glazed opening", Some("glazing"), 0.7)]
+    let lights = json!([{"sky": {"type": 5, "illuminance": LX}}]);
+    known(name, scene(json!(objects), lights, meters), places.map(of).to_vec())
 }
 
 /// Interreflection in a sphere: every point of its wall receives the same light from the wall.
@@ -313,8 +318,9 @@ fn number(value: Option<&Value>) -> f64 {
 }
 
 /// Every reading deviates from its closed form by at most 4.5 standard errors and its bias.
-fn check(scenes: &[Known], integrator: Integrator, passes: u64) {
-    for known in scenes {
+fn check(mut scenes: Vec<Known>, integrator: Integrator, passes: u64) {
+    for known in &mut scenes {
+        known.scene["render"] = json!({"photons": 20_000, "camera_samples": 1024});
         let report = measure(&known.scene, Some(integrator), passes);
         let points = points(&report);
         assert_eq!(points.len(), known.expected.len());
@@ -324,21 +330,21 @@ fn check(scenes: &[Known], integrator: Integrator, passes: u64) {
             let allowed = 4.5 * noise + 2.0 * bias + 2e-5 * expected;
             let at = format!("{} {i} by {integrator:?}", known.name);
             assert!((value - expected).abs() < allowed, "{at}: {value} ± {noise} ± {bias} for {expected}");
-            assert!(noise < 0.05 * expected, "{at}: {value} ± {noise}");
+            assert!(noise < 0.08 * expected, "{at}: {value} ± {noise}");
         }
     }
 }
 
 #[test]
 fn readings_agree_with_closed_forms() {
-    check(&quick_scenes(), Integrator::Path, 16);
+    check(quick_scenes(), Integrator::Path, 16);
 }
 
 #[test]
 #[ignore = "takes a minute: panes, glass and interreflection by both integrators"]
 fn readings_by_photons_agree_with_closed_forms() {
-    check(&all_scenes(), Integrator::Path, 64);
-    check(&all_scenes(), Integrator::Photon, 64);
+    check(all_scenes(), Integrator::Path, 32);
+    check(all_scenes(), Integrator::Photon, 64);
 }
 
 /// Counts the readings with noise whose intervals contain the closed form, over 20 seeds.
@@ -347,7 +353,7 @@ fn coverage(scenes: &mut [Known], integrator: Integrator, stop: StopRules) -> f6
     for known in scenes {
         let mut of_scene = [0; 2];
         for seed in 1..=20 {
-            known.scene["render"] = json!({"seed": seed, "photons": 20_000});
+            known.scene["render"] = json!({"seed": seed, "photons": 20_000, "camera_samples": 64});
             let report = measure_until(&known.scene, Some(integrator), stop);
             for (point, expected) in points(&report).into_iter().zip(&known.expected) {
                 // Some expected values are sums with errors of a millionth.
@@ -380,11 +386,30 @@ fn intervals_contain_the_closed_forms_in_95_percent() {
     }
 }
 
+/// A stop rule selects runs whose noise is estimated too low, above all if a scene has only one
+/// reading. The rows of the reading give the estimate enough degrees of freedom.
+#[test]
+fn a_single_reading_keeps_its_coverage_with_a_target_error() {
+    const SEEDS: u32 = 200;
+    let Some(known) = integrating_spheres().pop() else { panic!("no sphere") };
+    let (mut scene, expected) = (known.scene, known.expected[1]);
+    scene["meters"] = json!([scene["meters"][1]]);
+    let stop = StopRules { target_error: Some(0.04), passes: Some(256), ..StopRules::default() };
+    let covered = (1..=SEEDS).filter(|seed| {
+        scene["render"] = json!({"seed": seed, "camera_samples": 4});
+        let report = measure_until(&scene, Some(Integrator::Path), stop);
+        let [low, high] = points(&report)[0].interval_95.as_ref().expect("an interval");
+        (number(Some(low))..=number(Some(high))).contains(&expected)
+    });
+    let share = covered.count() as f64 / f64::from(SEEDS);
+    assert!((0.92..=0.98).contains(&share), "{share}");
+}
+
 /// A stop rule for the error does not spoil the intervals.
 #[test]
 #[ignore = "takes minutes: 20 seeds of all scenes"]
 fn intervals_keep_their_coverage_with_a_target_error() {
-    let stop = StopRules { target_error: Some(0.003), passes: Some(512), ..StopRules::default() };
+    let stop = StopRules { target_error: Some(0.01), passes: Some(512), ..StopRules::default() };
     let share = coverage(&mut all_scenes(), Integrator::Path, stop);
     assert!((0.92..=0.98).contains(&share), "{share}");
 }

@@ -147,7 +147,7 @@ fn a_meter_agrees_with_the_camera() {
 /// Parallel light falls along −y through a glass ball onto black ground. The illuminance at a
 /// distance from the axis follows from rays that this test refracts itself.
 #[test]
-#[ignore = "takes minutes: many photons through a ball"]
+#[ignore = "takes a minute: many photons through a ball"]
 fn a_meter_reads_the_caustic_of_a_glass_ball() {
     const N: f64 = 1.5;
     const RADIUS: f64 = 0.5;
@@ -187,7 +187,9 @@ fn a_meter_reads_the_caustic_of_a_glass_ball() {
             {"name": "ground", "shape": {"rectangle": {"width": 20, "height": 20}}, "material": "black"}
         ],
         "lights": [{"directional": {"toward": [0, -1, 0], "spectrum": "D65", "illuminance": LUX}}],
-        "meters": [{"name": "caustic", "points": points}]
+        "meters": [{"name": "caustic", "points": points}],
+        // Black ground sends no paths to the ball, so a few samples of the receptors are enough.
+        "render": {"photons": 100_000, "camera_samples": 16}
     });
     let report = measure(&scene, None, 64);
     assert_eq!(report.integrator, "photon");
@@ -195,7 +197,7 @@ fn a_meter_reads_the_caustic_of_a_glass_ball() {
         let ([value, noise, bias], expected) = (reading(point), expected(r));
         println!("{r}: {value} ± {noise} ± {bias} for {expected}");
         assert!((value - expected).abs() < 4.0 * noise + 2.0 * bias + 0.02 * expected, "{r}: {value} for {expected}");
-        assert!(noise + bias < 0.05 * expected, "{r}: noise {noise}, bias {bias}");
+        assert!(noise + bias < 0.06 * expected, "{r}: noise {noise}, bias {bias}");
     }
 }
 
@@ -225,16 +227,43 @@ fn surfaces_receive_the_flux_of_their_lamps() {
 /// The readings do not depend on the number of threads, and photons agree with paths in a daylit
 /// room with a pane.
 #[test]
-#[ignore = "takes minutes: a daylit room by both integrators"]
+#[ignore = "takes a minute: a daylit room by both integrators"]
 fn readings_are_deterministic_and_both_integrators_agree() {
-    let scene = example("daylit_room");
-    let once = |threads| on_threads(Some(threads), || measure(&scene, None, 16)).unwrap();
+    let mut scene = example("daylit_room");
+    scene["render"] = json!({"photons": 50_000, "camera_samples": 64});
+    let once = |threads| on_threads(Some(threads), || measure(&scene, None, 8)).unwrap();
     let (one, two) = (once(1), once(3));
     assert_eq!(one.meters, two.meters);
-    let photon = measure(&scene, Some(Integrator::Photon), 64);
+    let photon = measure(&scene, Some(Integrator::Photon), 32);
     let path = measure(&scene, Some(Integrator::Path), 64);
     for (a, b) in readings(&photon).into_iter().zip(readings(&path)) {
         let z = (a[0] - b[0]) / (a[1].hypot(b[1]) + a[2]);
         assert!(z.abs() < 4.0, "{a:?} and {b:?}: z = {z}");
+    }
+}
+
+/// A point on the inside of a sphere may miss the light that a glass ball focuses there. A point on
+/// a flat floor, or on the outside of a sphere, does not.
+#[test]
+fn points_in_hollows_are_noted() {
+    let scene = |at: [f64; 3], normal: [f64; 3]| {
+        json!({
+            "materials": {"glass": {"dielectric": {"ior": 1.5}}, "grey": {"diffuse": {"reflectance": 0.5}}},
+            "objects": [
+                {"name": "ball", "shape": {"sphere": {"radius": 0.2}}, "material": "glass"},
+                {"name": "bowl", "shape": {"sphere": {"radius": 1}}, "material": "grey"},
+                {"name": "room", "shape": {"box": {"size": [4, 4, 4]}}, "material": "grey"}
+            ],
+            "lights": [{"point": {"at": [0, 0.5, 0], "spectrum": "E", "luminous_flux": 1000}}],
+            "meters": [{"name": "point", "points": [at], "normal": normal}],
+            "render": {"photons": 1000, "camera_samples": 1}
+        })
+    };
+    let notes = |at, normal| measure(&scene(at, normal), Some(Integrator::Photon), 8).notes.join("\n");
+    let inside = notes([0.0, -1.0, 0.0], [0.0, 1.0, 0.0]);
+    assert!(inside.contains("hollow surface bowl"), "{inside}");
+    for (at, normal) in [([0.0, -2.0, 0.0], [0.0, 1.0, 0.0]), ([0.0, -1.0, 0.0], [0.0, -1.0, 0.0])] {
+        let other = notes(at, normal);
+        assert!(!other.contains("hollow"), "{other}");
     }
 }

@@ -17,7 +17,6 @@ use crate::math::elementary::acos;
 use crate::math::sphere::BoundingSphere;
 use crate::math::warp;
 use glam::{DAffine3, DMat3, DVec3};
-#[cfg(test)]
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -56,6 +55,16 @@ impl LuminousOpening {
                 let place = warp::disk(u);
                 place.x * along + place.y * across
             }
+        }
+    }
+
+    /// Returns the normal of the opening times its area, in m².
+    fn area_vector(&self) -> DVec3 {
+        let of_box = self.half_sides[0].cross(self.half_sides[1]);
+        match self.shape {
+            OpeningShape::Point => DVec3::ZERO,
+            OpeningShape::Rectangle => 4.0 * of_box,
+            OpeningShape::Ellipse => PI * of_box,
         }
     }
 
@@ -128,6 +137,11 @@ impl GoniometricLight {
     /// Returns true if the light is a point.
     pub(super) fn is_point(&self) -> bool {
         self.opening.shape == OpeningShape::Point
+    }
+
+    /// Returns the solid angle of the opening if all its points were at the sampled point.
+    pub(super) fn apparent_solid_angle(&self, sample: &LiSample) -> f64 {
+        self.opening.area_vector().dot(sample.direction).abs() / sample.distance.powi(2)
     }
 
     /// The lowest and the highest corner of a box around the opening.

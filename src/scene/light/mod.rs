@@ -5,8 +5,8 @@
 //! random numbers. At each point, the irradiance from [`Light::sample_li`] equals the irradiance
 //! from the emitted rays.
 //!
-//! Only this file and `intensity_bounds.rs` contain `match` expressions over the variants of
-//! [`Emitter`]. All other code calls the methods of [`Light`].
+//! Only this file, `intensity_bounds.rs` and `luminous_surface.rs` contain `match` expressions over
+//! the variants of [`Emitter`]. All other code calls the methods of [`Light`].
 
 mod area;
 mod beam;
@@ -16,6 +16,7 @@ mod goniometric;
 mod intensity_bounds;
 mod intensity_table;
 mod lit_interval;
+mod luminous_surface;
 mod point;
 mod sample;
 mod sky;

@@ -40,6 +40,8 @@ pub enum Quantity {
     ColourTemperature,
     /// General colour rendering index.
     ColourRendering,
+    /// Unified glare rating (CIE 117) for a view along the normal.
+    UnifiedGlareRating,
 }
 
 /// How the readings of a quantity are computed.
@@ -61,7 +63,7 @@ const MOLAR_PLANCK: f64 = 6.022_140_76e23 * 6.626_070_15e-34 * 299_792_458.0;
 
 impl Quantity {
     /// All quantities.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Illuminance,
         Self::Irradiance,
         Self::SpectralIrradiance,
@@ -79,6 +81,7 @@ impl Quantity {
         Self::DaylightFactor,
         Self::ColourTemperature,
         Self::ColourRendering,
+        Self::UnifiedGlareRating,
     ];
 
     /// The name in scene files and reports.
@@ -101,6 +104,7 @@ impl Quantity {
             Self::DaylightFactor => "daylight_factor",
             Self::ColourTemperature => "colour_temperature",
             Self::ColourRendering => "colour_rendering",
+            Self::UnifiedGlareRating => "ugr",
         }
     }
 
@@ -122,7 +126,7 @@ impl Quantity {
             Self::Ppfd => "µmol/m²/s",
             Self::DaylightFactor => "%",
             Self::ColourTemperature => "K",
-            Self::ColourRendering => "1",
+            Self::ColourRendering | Self::UnifiedGlareRating => "1",
         }
     }
 
@@ -144,7 +148,8 @@ impl Quantity {
             | Self::Rhodopic
             | Self::Melanopic
             | Self::MelanopicEdi
-            | Self::DaylightFactor => QuantityKind::Integral,
+            | Self::DaylightFactor
+            | Self::UnifiedGlareRating => QuantityKind::Integral,
         }
     }
 
@@ -160,7 +165,8 @@ impl Quantity {
     }
 
     /// The observer whose function ȳ weights the wavelengths. The integral times
-    /// [`LUMENS_PER_WATT`] and times [`Self::scale`] is the quantity.
+    /// [`LUMENS_PER_WATT`] and times [`Self::scale`] is the quantity. For a function of the
+    /// spectrum and for the glare rating, it is the illuminance.
     pub fn observer(self) -> &'static Observer {
         match self {
             Self::Illuminance
@@ -168,7 +174,8 @@ impl Quantity {
             | Self::LuminousFlux
             | Self::DaylightFactor
             | Self::ColourTemperature
-            | Self::ColourRendering => Observer::cie1931(),
+            | Self::ColourRendering
+            | Self::UnifiedGlareRating => Observer::cie1931(),
             Self::Irradiance | Self::SpectralIrradiance | Self::Radiance | Self::RadiantFlux => Observer::radiometric(),
             Self::Ppfd => photosynthetic(),
             Self::SConeOpic => Observer::alpha_opic()[0],
@@ -183,7 +190,7 @@ impl Quantity {
     pub fn scale(self) -> f64 {
         match self {
             Self::Illuminance | Self::Luminance | Self::LuminousFlux | Self::DaylightFactor => 1.0,
-            Self::ColourTemperature | Self::ColourRendering => 1.0,
+            Self::ColourTemperature | Self::ColourRendering | Self::UnifiedGlareRating => 1.0,
             Self::MelanopicEdi => 1.0 / (LUMENS_PER_WATT * MELANOPIC_W_PER_LM_OF_D65),
             Self::Irradiance
             | Self::SpectralIrradiance
