@@ -60,7 +60,7 @@ impl CameraConnection<'_> {
         let geometry = if photon.ray_density == RayDensity::NONE || interaction.bsdf.class() != BsdfClass::Glossy {
             geometry
         } else {
-            let pixel_m = scene.camera.pixel_angle() * sighting.distance;
+            let pixel_m = scene.camera.pixel_width_m(sighting.distance);
             let weights = CausticWeights { photons_m2: photons_per_sample * pixel_m * pixel_m };
             let pdf = interaction.bsdf.pdf(to_camera, to_light, sides, REFERENCE_NM);
             geometry * weights.of_photon(photon.ray_density, pdf)

@@ -23,6 +23,14 @@ pub enum LensFile {
         #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180, "x-unit" = "°"))]
         fov: f64,
     },
+    /// An orthographic projection along parallel rays. The rays start on the plane through the
+    /// camera that faces the viewing direction. This plane must not pass through glass or a medium.
+    #[schemars(example = json!({"orthographic": {"height": 2}}))]
+    Orthographic {
+        /// Height of the picture.
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "scene unit"))]
+        height: f64,
+    },
     /// An ideal thin lens with depth of field.
     #[schemars(example = json!({"thin": {
         "focal_length_mm": 50, "f_number": 2.8, "focus_distance": 4, "sensor_height_mm": 24,
@@ -219,6 +227,7 @@ impl LensFile {
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Pinhole { fov } => check::between(&at.key("pinhole").key("fov"), *fov, 0.0, 180.0),
+            Self::Orthographic { height } => check::positive(&at.key("orthographic").key("height"), *height),
             Self::Thin(lens) => lens.validate(&at.key("thin")),
             Self::System(lens) => lens.validate(&at.key("system")),
         }

@@ -39,6 +39,12 @@ impl PictureFile {
         image::load_from_memory(bytes).map(of_image).map_err(|error| unreadable(&error))
     }
 
+    /// Creates a picture of linear sRGB colours, row by row from the top.
+    pub(super) fn of_colours(size: ImageSize, colours: &[[f32; 3]]) -> Self {
+        let pixels = colours.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
+        Self { size, pixels, usual: EncodingFile::Linear }
+    }
+
     /// Returns the linear components of red, green and blue. `encoding` is the encoding of the
     /// file, or `None` for the usual one.
     pub fn linear_rgb(&self, encoding: Option<EncodingFile>) -> Vec<[f32; 3]> {

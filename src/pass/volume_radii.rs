@@ -69,7 +69,8 @@ impl VolumeKernelWidths {
         let of_picture = MAX_VOLUME_RADIUS_OF_PICTURE * width.min(pixels / width) as f64;
         let largest_px =
             PerClass::from_fn(|class| MAX_VOLUME_RADIUS_PX[class].min(of_picture).max(MIN_VOLUME_RADIUS_PX));
-        Self { pixel_angle: camera.pixel_angle(), largest_px, radius_m: context.budget.radius_m }
+        let pixel_angle = camera.pixel_angle_at(context.scene.radius_m);
+        Self { pixel_angle, largest_px, radius_m: context.budget.radius_m }
     }
 
     /// Returns the upper limits of the first kernel width for a class along a camera segment. The

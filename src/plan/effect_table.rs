@@ -136,7 +136,7 @@ const fn row(id: EffectId) -> Effect {
             cost: "a sampled lens point for each camera ray and each connection",
             absent: "all camera rays start at the pinhole, and no lens points are sampled",
             called_by: "the camera's aperture",
-            uncalled: "the camera is a pinhole",
+            uncalled: "the camera is a pinhole or orthographic",
             calls: |facts| {
                 let aperture = facts.aperture_nm.map(|nm| format!("radius {:.3} mm", nm as f64 * 1e-6));
                 aperture.into_iter().collect()

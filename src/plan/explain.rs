@@ -69,6 +69,9 @@ fn motion_text(scene: &Scene, budget: &Budget) -> Option<String> {
 
 /// Describes the field of view, the depth of field and the diffraction of the camera.
 fn camera_text(camera: &Camera) -> String {
+    if let Some([width, height]) = camera.orthographic_size_m() {
+        return format!("Camera: {width:.4} m × {height:.4} m, orthographic: all distances are sharp");
+    }
     let [across, down] = camera.field_of_view().map(f64::to_degrees);
     let view = format!("Camera: {across:.1}° × {down:.1}°");
     let Some(depth) = DepthOfField::of(camera) else {

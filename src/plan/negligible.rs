@@ -132,8 +132,10 @@ fn dispersion(scene: &Scene, facts: &Facts) -> Option<String> {
     /// intervals. Within an interval, a refractive index is assumed to be monotonic.
     const INTERVALS: u32 = 64;
     let (from, to) = light_range_nm(scene);
-    // The bound is in pixels, and a meter has none.
-    let bounded = facts.lens_system.is_none() && facts.meters.is_empty();
+    // The bound is an angle in pixels. A meter has no pixels, and a pixel of an orthographic camera
+    // has no angle.
+    let has_angles = scene.camera.pixel_angle() > 0.0;
+    let bounded = facts.lens_system.is_none() && facts.meters.is_empty() && has_angles;
     if facts.dispersive.is_empty() || !bounded || from > to {
         return None;
     }

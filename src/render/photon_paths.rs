@@ -31,7 +31,7 @@ impl Job {
         let camera = &self.scene.camera;
         let ray = camera.ray(film, [0.5; 2]);
         let hit = self.scene.geometry.intersect(&ray, None, f64::INFINITY)?;
-        Some((hit.position, hit.t * camera.pixel_angle()))
+        Some((hit.position, camera.pixel_width_m(hit.t)))
     }
 
     /// Returns the parts of a segment that the camera sees, as film positions in pixels. Glass does
@@ -53,7 +53,7 @@ impl Job {
         for step in 0..steps {
             let next = camera.project(at(step as f64 + 1.0)).unwrap_or(end);
             let middle = at(step as f64 + 0.5);
-            if is_visible(&self.scene, camera.origin(), middle) {
+            if is_visible(&self.scene, camera.viewpoint_of(middle), middle) {
                 begin = begin.or(Some(end));
             } else if let Some(begin) = begin.take() {
                 parts.push([begin, end]);

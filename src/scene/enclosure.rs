@@ -39,8 +39,11 @@ impl Scene {
     /// One box around the camera or each point of a receptor, and one box around each local light.
     /// `None` if a local light has no box.
     fn boxes_of_camera_and_lights(&self, object_bounds: &BTreeMap<u32, (DVec3, DVec3)>) -> Option<Vec<(DVec3, DVec3)>> {
-        let views = if self.measures() { self.points_of_receptors() } else { vec![self.camera.origin()] };
-        let boxes_of_views = views.into_iter().map(|point| (point, point)).collect();
+        let boxes_of_views = if self.measures() {
+            self.points_of_receptors().into_iter().map(|point| (point, point)).collect()
+        } else {
+            vec![self.camera.viewpoint_bounds()]
+        };
         let local = self.lights.iter().filter(|light| !light.is_distant());
         let of_lights: Option<Vec<_>> = local.map(|light| light.bounds(object_bounds)).collect();
         Some([boxes_of_views, of_lights?].concat())

@@ -201,7 +201,7 @@ impl Facts {
             }
         }
         facts.aperture_nm = match scene.camera.aperture() {
-            Aperture::Pinhole => None,
+            Aperture::Pinhole | Aperture::Orthographic => None,
             Aperture::ThinLens { stop, .. } => Some((stop.radius_m * 1e9) as u64).filter(|&nm| nm > 0),
             Aperture::System(system) => Some((system.pupil_radius_m() * 1e9) as u64),
         };

@@ -36,7 +36,7 @@ impl SurfaceLookup {
     pub fn of_camera(camera: &Camera, path_m: f64, u: f64) -> Self {
         const SHARE_OF_PIXEL: f64 = 0.5;
         let spread = SHARE_OF_PIXEL * camera.pixel_angle();
-        Self { u, width_m: path_m * spread, spread }
+        Self { u, width_m: SHARE_OF_PIXEL * camera.pixel_width_m(path_m), spread }
     }
 }
 

@@ -18,8 +18,8 @@ fn gltf(nodes: &str, rest: &str) -> String {
     )
 }
 
-/// A bare file is rendered with an added camera and an added sky, and the notes say so. `--strict`
-/// refuses it.
+/// A bare file is rendered with an added camera and an added sky with a sun, and the notes say so.
+/// `--strict` refuses it.
 #[test]
 fn a_gltf_file_is_rendered_by_one_command() {
     let folder = tempfile::tempdir().unwrap();
@@ -27,12 +27,13 @@ fn a_gltf_file_is_rendered_by_one_command() {
     let said = abbe(folder.path(), &["render", "bare.gltf", "--size", "24x16", "--passes", "1", "--photons", "1000"]);
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(
-        said.err.contains("note: added a camera") && said.err.contains("note: added a uniform sky"),
+        said.err.contains("note: added a camera") && said.err.contains("note: added an overcast sky"),
         "{}",
         said.err
     );
     assert!(folder.path().join("bare.png").is_file());
-    abbe(folder.path(), &["import", "bare.gltf", "--strict"]).is_error(2, &["bare.gltf", "a uniform sky of 1000 lx"]);
+    abbe(folder.path(), &["import", "bare.gltf", "--strict"])
+        .is_error(2, &["bare.gltf", "an overcast sky of 500 lx and a soft sun of 750 lx"]);
     abbe(folder.path(), &["import", "bare.obj"]).is_error(2, &["bare.obj", ".gltf, .glb"]);
 }
 

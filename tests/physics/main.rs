@@ -42,6 +42,7 @@ mod meter_closed_forms;
 mod meters;
 mod motion;
 mod nesting;
+mod orthographic;
 mod photon_and_path;
 mod prism;
 mod rainbow;

@@ -14,7 +14,7 @@ use std::path::Path;
 use crate::error::{Error, Result};
 use crate::format::FileAccess;
 use overlay::ImportedNames;
-use scene_writer::{ADDED_SKY, SceneWriter};
+use scene_writer::SceneWriter;
 
 /// A converted scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,8 +50,9 @@ impl ImportedScene {
     pub fn with_overlay(mut self, path: &Path) -> Result<Self> {
         let overlaid = overlay::apply(&self.text, &self.names, path)?;
         self.text = overlaid.text;
-        if overlaid.replaces_sky {
-            self.added.retain(|what| what != ADDED_SKY);
+        if overlaid.replaces_lights {
+            let note = self.names.added_lights.as_ref().map(|lights| &lights.note);
+            self.added.retain(|what| Some(what) != note);
         }
         Ok(self)
     }
@@ -81,7 +82,8 @@ pub fn can_import(path: &Path) -> bool {
 /// both are the same. `file_access` states which other files the scene may name.
 ///
 /// If the file has no camera, the camera sees the whole scene from the front. If the file has no
-/// light, a uniform sky of 1000 lx illuminates the scene. `added` says so.
+/// light, a sky illuminates the scene: an overcast sky with a soft sun for glTF, and a uniform sky
+/// for the other formats. `added` says so.
 ///
 /// # Errors
 /// Returns an error if the file cannot be read, or if it is not valid. The error contains the name

@@ -2,6 +2,7 @@
 //! objects, and replaces or changes them.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 use std::path::Path;
 
 use serde::Deserialize;
@@ -17,15 +18,24 @@ pub(super) struct ImportedNames {
     pub(super) lights: Vec<Vec<String>>,
     /// The name of a material in a mesh file, and the position of an object with this material.
     pub(super) mesh_materials: Vec<(String, usize)>,
-    /// The position of the light that was added because the file has none.
-    pub(super) added_sky: Option<usize>,
+    /// The lights that were added because the file has none.
+    pub(super) added_lights: Option<AddedLights>,
+}
+
+/// Lights that an importer added.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct AddedLights {
+    /// The positions in the scene's list of lights.
+    pub(super) positions: Range<usize>,
+    /// The note about these lights.
+    pub(super) note: String,
 }
 
 /// A converted scene with an overlay.
 pub(super) struct OverlaidScene {
     pub(super) text: String,
-    /// True if lights of the overlay replace the sky that was added.
-    pub(super) replaces_sky: bool,
+    /// True if lights of the overlay replace the lights that the importer added.
+    pub(super) replaces_lights: bool,
 }
 
 /// The contents of an overlay.
@@ -68,9 +78,9 @@ pub(super) fn apply(text: &str, names: &ImportedNames, path: &Path) -> Result<Ov
     let overlay: OverlayFile = source.deserialize()?;
     let parsed = serde_json::from_str(text);
     let mut scene: Value = parsed.map_err(|error| Error::input(format!("the converted scene is not JSON: {error}")))?;
-    let replaces_sky = names.added_sky.is_some() && !overlay.add.lights.is_empty();
+    let replaces_lights = names.added_lights.is_some() && !overlay.add.lights.is_empty();
     overlay.apply(&mut scene, names).map_err(|error| source.with_position(error))?;
-    Ok(OverlaidScene { text: pretty(&scene), replaces_sky })
+    Ok(OverlaidScene { text: pretty(&scene), replaces_lights })
 }
 
 impl OverlayFile {
@@ -175,8 +185,9 @@ impl OverlayFile {
                 faults.push(unknown("lights", "light", name, known));
             }
         }
-        if let Some(sky) = names.added_sky.filter(|sky| !self.add.lights.is_empty() && *sky < lights.len()) {
-            lights.remove(sky);
+        if let Some(AddedLights { positions, .. }) = names.added_lights.as_ref().filter(|_| !self.add.lights.is_empty())
+        {
+            lights.drain(positions.start.min(lights.len())..positions.end.min(lights.len()));
         }
     }
 }
@@ -320,7 +331,7 @@ mod tests {
         });
         let lights = vec![vec!["Sun".to_owned()], vec!["Node".to_owned(), "Lamp".to_owned()]];
         let mesh_materials = vec![("Glass".to_owned(), 0)];
-        (scene.to_string(), ImportedNames { lights, mesh_materials, added_sky: None })
+        (scene.to_string(), ImportedNames { lights, mesh_materials, added_lights: None })
     }
 
     fn applied(overlay: &str) -> Result<Value> {

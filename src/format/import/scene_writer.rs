@@ -1,16 +1,26 @@
 //! Collects the parts of a scene file while a scene of another program is read.
 
+use glam::DVec3;
 use serde_json::{Map, Value, json};
 
 use super::ImportedScene;
-use super::overlay::ImportedNames;
+use super::overlay::{AddedLights, ImportedNames};
 use crate::json::pretty;
 
-/// The illuminance (lx) of the sky if the file has no light.
+/// The illuminance (lx) of the uniform sky if the file has no light.
 const SKY_ILLUMINANCE: f64 = 1000.0;
 
-/// The note about a sky that was added.
-pub(super) const ADDED_SKY: &str = "a uniform sky of 1000 lx, because the file has no light";
+/// The angular diameter (degrees) of the sun of a studio light. Its shadows have soft edges.
+const STUDIO_SUN_DIAMETER: f64 = 20.0;
+
+/// The number of the traditional overcast sky. Its luminance is (1 + 2 sin γ)/3 of that of the
+/// zenith.
+const TRADITIONAL_OVERCAST: u32 = 16;
+
+/// The reflectance of the ground below a studio sky. The ground and the horizon of the overcast sky
+/// then have the same luminance, so the horizon is not visible: the luminance at the horizon is
+/// 3/7 of that of a white ground.
+const STUDIO_GROUND: f64 = 3.0 / 7.0;
 
 /// The parts of a scene file. All values have the form that the scene file has.
 #[derive(Debug, Default)]
@@ -31,6 +41,8 @@ pub(super) struct SceneWriter {
     /// occurrences.
     left_out: Vec<(String, String, usize)>,
     added: Vec<String>,
+    /// True if a light was left out.
+    pub(super) left_out_lights: bool,
     /// Sentences about what the mesh reader ignores.
     pub(super) ignored_by_meshes: Vec<String>,
 }
@@ -131,12 +143,36 @@ impl SceneWriter {
         !self.lights.is_empty() || self.objects.iter().any(|object| object.get("emission").is_some())
     }
 
-    /// Adds a uniform sky, because the file has no light.
+    /// Adds a uniform sky, because the file has no light, or because all its lights were left out.
     pub(super) fn add_sky(&mut self) {
-        self.note_added(ADDED_SKY);
         let sky = json!({"environment": {"spectrum": "D65", "illuminance": SKY_ILLUMINANCE}});
-        self.names.added_sky = Some(self.lights.len());
-        self.add_named_light(["sky"], sky);
+        let reason = if self.left_out_lights { "all lights of the file are left out" } else { "the file has no light" };
+        let note = format!("a uniform sky of {SKY_ILLUMINANCE} lx, because {reason}");
+        self.add_surroundings(note, [("sky", sky)]);
+    }
+
+    /// Adds an overcast sky and a soft sun. `toward` is the direction of the sunlight. A surface
+    /// that faces the sun has about the illuminance `lux`.
+    pub(super) fn add_studio_light(&mut self, toward: DVec3, lux: f64, reason: &str) {
+        let (sky_lux, sun_lux) = (0.5 * lux, 0.75 * lux);
+        let sky =
+            json!({"sky": {"type": TRADITIONAL_OVERCAST, "illuminance": sky_lux, "ground_reflectance": STUDIO_GROUND}});
+        let sun = json!({"directional": {
+            "toward": toward.to_array(), "angular_diameter": STUDIO_SUN_DIAMETER, "spectrum": "D65",
+            "illuminance": sun_lux
+        }});
+        let note = format!("an overcast sky of {sky_lux} lx and a soft sun of {sun_lux} lx, because {reason}");
+        self.add_surroundings(note, [("sky", sky), ("sun", sun)]);
+    }
+
+    /// Adds lights that the file lacks. Lights of an overlay replace them.
+    fn add_surroundings<const N: usize>(&mut self, note: String, lights: [(&str, Value); N]) {
+        let first = self.lights.len();
+        self.names.added_lights = Some(AddedLights { positions: first..first + N, note: note.clone() });
+        self.note_added(note);
+        for (name, light) in lights {
+            self.add_named_light([name], light);
+        }
     }
 
     /// Notes a part that the file lacks and that was added.

@@ -15,9 +15,11 @@ use serde_json::Value;
 
 use super::gltf_accessor::GltfAccessors;
 use super::gltf_extensions;
-use super::gltf_material::{ignored, read_material, uv_set};
+use super::gltf_material::{has_textures, ignored, read_material, uv_set};
+use super::gltf_pose::{Deformation, RestPose, VertexData};
 use super::gltf_texture::GltfPictures;
-use super::{MeshPart, PartsAndNotes, TriangleMesh, UnplacedParts};
+use super::vertex_colours::ColourPicture;
+use super::{MeshMaterial, MeshPart, MeshTexture, PartsAndNotes, TriangleMesh, UnplacedParts};
 use crate::error::{Error, Result};
 use crate::format::FileAccess;
 
@@ -57,12 +59,15 @@ pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes
     let mut file = GltfFile::open(path, file_access)?;
     let buffers = file.buffers()?;
     let mut reader = SceneReader::new(&file, &buffers);
+    let pose = RestPose::of(&file.document)?;
     let mut parts = Vec::new();
     for_each_node(&file.document, |node, _, to_world| {
         let Some(mesh) = node.mesh() else { return Ok(()) };
         let name = node.name().or(mesh.name()).unwrap_or_default();
+        let deformation = pose.deformation(node, &mesh, &reader.accessors)?;
+        let placed = if deformation.has_skin() { DAffine3::IDENTITY } else { *to_world };
         for primitive in mesh.primitives() {
-            parts.extend(reader.primitive(&primitive, name, *to_world)?);
+            parts.extend(reader.primitive(&primitive, name, (placed, &deformation))?);
         }
         Ok(())
     })?;
@@ -73,6 +78,7 @@ pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes
 }
 
 /// Reads the parts of a glTF file that the default scene uses, without the transforms of the nodes.
+/// Parts with a skin are in the world. If several nodes deform a mesh, the first one counts.
 /// The number of a part is the position of its primitive in the file. The names of the parts are
 /// empty.
 pub(super) fn load_unplaced(path: &Path, file_access: FileAccess) -> Result<UnplacedParts> {
@@ -80,12 +86,15 @@ pub(super) fn load_unplaced(path: &Path, file_access: FileAccess) -> Result<Unpl
     let buffers = file.buffers()?;
     let mut reader = SceneReader::new(&file, &buffers);
     let firsts = first_parts(&file.document);
+    let pose = RestPose::of(&file.document)?;
     let mut parts = BTreeMap::new();
     for_each_node(&file.document, |node, _, _| {
         let Some(mesh) = node.mesh() else { return Ok(()) };
+        let deformation = pose.deformation(node, &mesh, &reader.accessors)?;
         for (number, primitive) in (firsts[mesh.index()]..).zip(mesh.primitives()) {
             if !parts.contains_key(&number) {
-                let read = reader.primitive(&primitive, mesh.name().unwrap_or_default(), DAffine3::IDENTITY)?;
+                let place = (DAffine3::IDENTITY, &deformation);
+                let read = reader.primitive(&primitive, mesh.name().unwrap_or_default(), place)?;
                 parts.extend(read.map(|part| (number, MeshPart { name: String::new(), ..part })));
             }
         }
@@ -281,8 +290,14 @@ impl<'b> SceneReader<'b> {
         Self { accessors: GltfAccessors::new(buffers), pictures }
     }
 
-    /// Reads a primitive. Returns `None` if it does not consist of triangles.
-    fn primitive(&mut self, primitive: &Primitive<'_>, name: &str, placed: DAffine3) -> Result<Option<MeshPart>> {
+    /// Reads a primitive. Returns `None` if it does not consist of triangles. `place` contains the
+    /// transform after the deformation, and the deformation.
+    fn primitive(
+        &mut self,
+        primitive: &Primitive<'_>,
+        name: &str,
+        place: (DAffine3, &Deformation),
+    ) -> Result<Option<MeshPart>> {
         if !has_triangles(primitive) {
             return Ok(None);
         }
@@ -290,26 +305,56 @@ impl<'b> SceneReader<'b> {
             error.what = format!("mesh \"{name}\": {}", error.what);
             error
         };
-        let mesh = self.mesh(primitive, placed).map_err(of_part)?;
-        let material = primitive.material();
-        let material_number = material.index();
-        let material = material_number.map(|_| read_material(&material, &mut self.pictures)).transpose();
-        Ok(Some(MeshPart { mesh, material: material.map_err(of_part)?, material_number, name: name.to_string() }))
+        let file = primitive.material();
+        let material = file.index().map(|_| read_material(&file, &mut self.pictures)).transpose().map_err(of_part)?;
+        let colours = self.vertex_colours(primitive).map_err(of_part)?;
+        let Some(colours) = colours else {
+            let (mesh, _) = self.mesh(primitive, place, None).map_err(of_part)?;
+            return Ok(Some(MeshPart { mesh, material, material_number: file.index(), name: name.to_string() }));
+        };
+        let white = || MeshMaterial { base_colour: [1.0; 3], ..MeshMaterial::default() };
+        let mut material = material.unwrap_or_else(white);
+        let varies = colours.iter().any(|colour| *colour != colours[0]);
+        let drawn = (varies && !has_textures(&file)).then_some(colours.as_slice());
+        let (mesh, texture) = self.mesh(primitive, place, drawn).map_err(of_part)?;
+        if texture.is_some() {
+            material.base_colour_texture = texture;
+        } else {
+            let mean = |i: usize| colours.iter().map(|colour| f64::from(colour[i])).sum::<f64>() / colours.len() as f64;
+            material.base_colour = std::array::from_fn(|i| material.base_colour[i] * mean(i));
+        }
+        // The colours belong to this part, so no other part shares the material.
+        Ok(Some(MeshPart { mesh, material: Some(material), material_number: None, name: name.to_string() }))
     }
 
-    fn mesh(&self, primitive: &Primitive<'_>, placed: DAffine3) -> Result<TriangleMesh> {
+    /// Returns the vertex colours in linear sRGB, or `None` if the primitive has none.
+    fn vertex_colours(&self, primitive: &Primitive<'_>) -> Result<Option<Vec<[f32; 3]>>> {
+        let Some(accessor) = primitive.get(&Semantic::Colors(0)) else { return Ok(None) };
+        let colours = self.accessors.floats(&accessor)?;
+        // A colour that is not a number becomes 0.
+        let in_range = |[r, g, b, _]: [f64; 4]| [r, g, b].map(|c| if c > 0.0 { c.min(1.0) as f32 } else { 0.0 });
+        Ok((!colours.is_empty()).then(|| colours.into_iter().map(in_range).collect()))
+    }
+
+    /// Reads the geometry. If there are vertex colours, returns a picture of them, and texture
+    /// coordinates into this picture replace those of the file.
+    fn mesh(
+        &self,
+        primitive: &Primitive<'_>,
+        (placed, deformation): (DAffine3, &Deformation),
+        colours: Option<&[[f32; 3]]>,
+    ) -> Result<(TriangleMesh, Option<MeshTexture>)> {
         let accessor = primitive.get(&Semantic::Positions).ok_or_else(|| Error::input("it has no positions"))?;
-        let positions: Vec<DVec3> = self.accessors.vectors(&accessor)?.map(|p| placed.transform_point3(p)).collect();
-        // The cofactor matrix transforms the normals. Up to a factor, it equals the inverse
-        // transpose, but it also exists for singular matrices.
-        let [x, y, z] = [placed.matrix3.x_axis, placed.matrix3.y_axis, placed.matrix3.z_axis];
-        let cofactors = glam::DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
-        let mirrored = placed.matrix3.determinant() < 0.0;
-        let outwards = if mirrored { -1.0 } else { 1.0 };
         let normals = match primitive.get(&Semantic::Normals) {
-            Some(accessor) => Some(self.accessors.vectors(&accessor)?.map(|n| outwards * (cofactors * n)).collect()),
+            Some(accessor) => Some(self.accessors.vectors(&accessor)?.collect()),
             None => None,
         };
+        let mut vertices = VertexData { positions: self.accessors.vectors(&accessor)?.collect(), normals };
+        deformation.apply(primitive, &self.accessors, &mut vertices)?;
+        let VertexData { mut positions, mut normals } = vertices;
+        positions.iter_mut().for_each(|position| *position = placed.transform_point3(*position));
+        normals.iter_mut().flatten().for_each(|normal| *normal = placed_normal(&placed, *normal));
+        let mirrored = placed.matrix3.determinant() < 0.0;
         let uvs = match primitive.get(&Semantic::TexCoords(uv_set(&primitive.material()))) {
             Some(accessor) => Some(self.accessors.pairs(&accessor)?),
             None => None,
@@ -322,8 +367,32 @@ impl<'b> SceneReader<'b> {
         if mirrored {
             triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
         }
-        TriangleMesh::new(positions, normals, uvs, triangles)
+        let Some(colours) = colours else {
+            return TriangleMesh::new(positions, normals, uvs, triangles).map(|mesh| (mesh, None));
+        };
+        if colours.len() != positions.len() || triangles.iter().flatten().any(|&i| i as usize >= positions.len()) {
+            return Err(Error::input("the mesh does not have one colour per vertex"));
+        }
+        let ColourPicture { texture, corners } = ColourPicture::new(colours, &triangles);
+        let vertices: Vec<(u32, [f64; 2])> = corners.into_iter().flatten().collect();
+        let of_vertices = |values: &[DVec3]| vertices.iter().map(|&(vertex, _)| values[vertex as usize]).collect();
+        if normals.as_ref().is_some_and(|normals: &Vec<DVec3>| normals.len() != positions.len()) {
+            return Err(Error::input("the mesh does not have one normal per vertex"));
+        }
+        let triangles = (0..vertices.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let uvs = vertices.iter().map(|&(_, uv)| uv).collect();
+        let normals = normals.map(|normals| of_vertices(&normals));
+        Ok((TriangleMesh::new(of_vertices(&positions), normals, Some(uvs), triangles)?, Some(texture)))
     }
+}
+
+/// Transforms a normal. The result points to the same side of the transformed surface.
+pub(super) fn placed_normal(placed: &DAffine3, normal: DVec3) -> DVec3 {
+    // The cofactor matrix transforms the normals. Up to a factor, it equals the inverse transpose,
+    // but it also exists for singular matrices.
+    let [x, y, z] = [placed.matrix3.x_axis, placed.matrix3.y_axis, placed.matrix3.z_axis];
+    let outwards = if placed.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
+    outwards * (glam::DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * normal)
 }
 
 /// Converts a list of indices to triangles.

@@ -1,8 +1,9 @@
 //! Reads the accessors of glTF files, which are typed views of buffers.
 
 use ::gltf::Accessor;
+use ::gltf::accessor::sparse::IndexType;
 use ::gltf::accessor::{DataType, Dimensions};
-use ::gltf::buffer::Data;
+use ::gltf::buffer::{Data, View};
 use glam::DVec3;
 
 use crate::error::{Error, Result};
@@ -18,24 +19,56 @@ impl<'b> GltfAccessors<'b> {
     }
 
     /// Returns the items of an accessor after checking that all items are inside the buffer. Each
-    /// item has `size` bytes.
+    /// item has `size` bytes. Items without data are 0.
     fn items(&self, accessor: &Accessor<'_>, size: usize) -> Result<impl Iterator<Item = &'b [u8]> + use<'b>> {
-        if accessor.sparse().is_some() {
-            return Err(Error::input("sparse glTF accessors are not supported"));
-        }
+        /// The largest number of items without data.
+        const MOST_ZEROS: usize = 1 << 24;
+        /// An item without data. No item is larger.
+        const ZERO: &[u8] = &[0; 64];
         let short = || Error::input(format!("accessor {} reaches beyond its buffer", accessor.index()));
-        let view = accessor.view().ok_or_else(short)?;
-        let (stride, count) = (view.stride().unwrap_or(size), accessor.count());
-        if stride < size || count == 0 {
-            return Err(Error::input(format!("accessor {} has no items or too small a stride", accessor.index())));
+        let count = accessor.count();
+        let stored = match accessor.view() {
+            Some(view) => self.view_items(&view, accessor.offset(), count, size).ok_or_else(short)?.collect(),
+            None if count <= MOST_ZEROS => vec![&ZERO[..size]; count],
+            None => return Err(short()),
+        };
+        let mut items: Vec<&'b [u8]> = stored;
+        if let Some(sparse) = accessor.sparse() {
+            let (indices, values) = (sparse.indices(), sparse.values());
+            let width = match indices.index_type() {
+                IndexType::U8 => 1,
+                IndexType::U16 => 2,
+                IndexType::U32 => 4,
+            };
+            let indices =
+                self.view_items(&indices.view(), indices.offset(), sparse.count(), width).ok_or_else(short)?;
+            let values = self.view_items(&values.view(), values.offset(), sparse.count(), size).ok_or_else(short)?;
+            for (index, value) in indices.zip(values) {
+                let index = index.iter().rev().fold(0, |index, &byte| index << 8 | usize::from(byte));
+                *items.get_mut(index).ok_or_else(short)? = value;
+            }
         }
-        let data = self.buffers.get(view.buffer().index()).ok_or_else(short)?;
-        let view_end = view.offset().checked_add(view.length()).ok_or_else(short)?;
-        let in_view = data.get(view.offset()..view_end).ok_or_else(short)?;
-        let length = (count - 1).checked_mul(stride).and_then(|length| length.checked_add(size)).ok_or_else(short)?;
-        let end = accessor.offset().checked_add(length).ok_or_else(short)?;
-        let items = in_view.get(accessor.offset()..end).ok_or_else(short)?;
-        Ok(items.chunks(stride).map(move |item| &item[..size]))
+        Ok(items.into_iter())
+    }
+
+    /// Returns `count` items of `size` bytes, from an offset in a view. Returns `None` if they are
+    /// not all inside the view.
+    fn view_items(
+        &self,
+        view: &View<'_>,
+        offset: usize,
+        count: usize,
+        size: usize,
+    ) -> Option<impl Iterator<Item = &'b [u8]> + use<'b>> {
+        let stride = view.stride().unwrap_or(size);
+        if stride < size || count == 0 {
+            return None;
+        }
+        let data = self.buffers.get(view.buffer().index())?;
+        let in_view = data.get(view.offset()..view.offset().checked_add(view.length())?)?;
+        let length = (count - 1).checked_mul(stride)?.checked_add(size)?;
+        let items = in_view.get(offset..offset.checked_add(length)?)?;
+        Some(items.chunks(stride).map(move |item| &item[..size]))
     }
 
     /// Returns vectors of three numbers. The numbers may be integers (KHR_mesh_quantization).
@@ -44,6 +77,14 @@ impl<'b> GltfAccessors<'b> {
             return Err(Error::input(format!("accessor {} does not hold vectors of three numbers", accessor.index())));
         }
         Ok(self.numbers::<3>(accessor)?.map(DVec3::from_array))
+    }
+
+    /// Returns matrices of four rows and four columns, column by column.
+    pub(super) fn matrices(&self, accessor: &Accessor<'_>) -> Result<Vec<[f64; 16]>> {
+        if accessor.dimensions() != Dimensions::Mat4 || accessor.data_type() != DataType::F32 {
+            return Err(Error::input(format!("accessor {} does not hold matrices", accessor.index())));
+        }
+        Ok(self.numbers::<16>(accessor)?.collect())
     }
 
     /// Returns texture coordinates.

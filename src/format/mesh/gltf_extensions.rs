@@ -4,26 +4,33 @@
 use ::gltf::Material;
 use serde_json::Value;
 
-use super::{MeshCoat, MeshDiffuseTransmission};
+use super::gltf_texture::GltfPictures;
+use super::{MeshCoat, MeshDiffuseTransmission, MeshFilm};
 use crate::error::{Error, Result};
 
 /// The extensions that this module reads.
-const READ: [&str; 5] = [
+const READ: [&str; 6] = [
     "KHR_materials_dispersion",
     "KHR_materials_clearcoat",
     "KHR_materials_specular",
     "KHR_materials_diffuse_transmission",
     SPECULAR_GLOSSINESS,
+    IRIDESCENCE,
 ];
+
+/// The extension for thin films.
+const IRIDESCENCE: &str = "KHR_materials_iridescence";
+
+/// The largest perceptual roughness of glass with a thin film. A rougher surface has no film.
+const MAX_FILM_ROUGHNESS: f64 = 0.1;
 
 /// The extension for the specular-glossiness model.
 pub(super) const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 
 /// The consequences of extensions that are not read.
-const CONSEQUENCES: [(&str, &str); 4] = [
+const CONSEQUENCES: [(&str, &str); 3] = [
     ("KHR_materials_sheen", "cloth has no bright rim"),
     ("KHR_materials_anisotropy", "highlights are round"),
-    ("KHR_materials_iridescence", "thin films have no colours"),
     ("KHR_materials_unlit", "the surface is lit like any other"),
 ];
 
@@ -73,6 +80,27 @@ pub(super) fn diffuse_transmission(file: &Material<'_>) -> Option<MeshDiffuseTra
     (factor > 0.0).then_some(MeshDiffuseTransmission { factor, colour })
 }
 
+/// Returns the thin film of smooth glass, or `None` without a film.
+pub(super) fn film(file: &Material<'_>, pictures: &mut GltfPictures<'_>, set: u32) -> Option<MeshFilm> {
+    let extension = file.extension_value(IRIDESCENCE).filter(|_| can_have_film(file))?;
+    let number = |key: &str, default: f64| extension[key].as_f64().unwrap_or(default).max(0.0);
+    let thickness_nm = [number("iridescenceThicknessMinimum", 100.0), number("iridescenceThicknessMaximum", 400.0)];
+    let thickness_texture = extension.get(FILM_THICKNESS).and_then(|info| pictures.stated(info, set));
+    let ior = number("iridescenceIor", 1.3).max(1.0);
+    let film = MeshFilm { factor: share(extension, "iridescenceFactor", 0.0), ior, thickness_nm, thickness_texture };
+    (film.factor > 0.0).then_some(film)
+}
+
+/// The key of the picture of a film's thickness.
+const FILM_THICKNESS: &str = "iridescenceThicknessTexture";
+
+/// Returns true if the surface is smooth glass.
+fn can_have_film(file: &Material<'_>) -> bool {
+    let surface = file.pbr_metallic_roughness();
+    let is_glass = file.transmission().is_some_and(|it| it.transmission_factor() > 0.0);
+    is_glass && surface.metallic_factor() < 1.0 && f64::from(surface.roughness_factor()) <= MAX_FILM_ROUGHNESS
+}
+
 /// Returns the names of the material's extensions that are not read, or are read in part only, with
 /// the consequence.
 pub(super) fn unread(file: &Material<'_>) -> Vec<String> {
@@ -83,6 +111,7 @@ pub(super) fn unread(file: &Material<'_>) -> Vec<String> {
             unread.push(consequence.map_or_else(|| name.clone(), |(name, what)| format!("{name} ({what})")));
         }
         let textures = extension.as_object().into_iter().flatten().filter(|(key, _)| key.ends_with("Texture"));
+        let textures = textures.filter(|(key, _)| key.as_str() != FILM_THICKNESS);
         if name != SPECULAR_GLOSSINESS {
             unread.extend(textures.map(|(key, _)| format!("{key} of {name} (its factor applies everywhere)")));
         } else if extension.get("specularGlossinessTexture").is_some() {
@@ -92,6 +121,9 @@ pub(super) fn unread(file: &Material<'_>) -> Vec<String> {
     let metallic = file.pbr_metallic_roughness().metallic_factor() > 0.5;
     if coat(file).is_some() && metallic && file.pbr_metallic_roughness().metallic_roughness_texture().is_none() {
         unread.push("KHR_materials_clearcoat of a metal (the metal has no coat)".to_owned());
+    }
+    if file.extension_value(IRIDESCENCE).is_some() && !can_have_film(file) {
+        unread.push(format!("{IRIDESCENCE} (thin films on opaque or rough surfaces have no colours)"));
     }
     if let Some(extension) = file.extension_value("KHR_materials_specular") {
         let [r, g, b] = colour(extension, "specularColorFactor");

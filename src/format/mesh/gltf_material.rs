@@ -1,11 +1,12 @@
 //! Materials of glTF files: the metallic-roughness model with the KHR extensions transmission, ior,
 //! volume, emissive_strength and those of `gltf_extensions`.
 
+use ::gltf::accessor::Dimensions;
 use ::gltf::material::AlphaMode;
 use ::gltf::texture::Info;
 use ::gltf::{Document, Material, Semantic};
 
-use super::gltf_extensions::{abbe_number, coat, diffuse_transmission, specular, unread};
+use super::gltf_extensions::{abbe_number, coat, diffuse_transmission, film, specular, unread};
 use super::gltf_specular_glossiness::{self, ConvertedMaterial};
 use super::gltf_texture::{GltfPictures, normal_uv_set_of, uv_set_of};
 use super::{MeshAttenuation, MeshMaterial, MeshOpacity, listed};
@@ -59,6 +60,7 @@ pub(super) fn read_material(file: &Material<'_>, pictures: &mut GltfPictures<'_>
         diffuse_transmission: diffuse_transmission(file),
         coat: coat(file),
         specular: specular(file),
+        film: film(file, pictures, set),
         ior,
         abbe_number: abbe_number(file)?,
         attenuation: volume.as_ref().filter(|volume| volume.attenuation_distance().is_finite()).map(|volume| {
@@ -86,18 +88,34 @@ pub(super) fn uv_set(file: &Material<'_>) -> u32 {
     used.into_iter().flatten().next().map_or(normals, |info| uv_set_of(&info))
 }
 
+/// Returns true if a material uses texture coordinates.
+pub(super) fn has_textures(file: &Material<'_>) -> bool {
+    let surface = file.pbr_metallic_roughness();
+    let transmission = file.transmission().and_then(|it| it.transmission_texture());
+    let used =
+        [surface.base_color_texture(), surface.metallic_roughness_texture(), transmission, file.emissive_texture()];
+    let glossiness = file.extension_value(super::gltf_extensions::SPECULAR_GLOSSINESS);
+    let glossiness = glossiness.is_some_and(|it| it.get("diffuseTexture").is_some());
+    used.iter().any(Option::is_some) || file.normal_texture().is_some() || glossiness
+}
+
 /// Describes what a glTF file states and the reader ignores.
 pub(in crate::format) fn ignored(document: &Document) -> Vec<String> {
     let textures: Vec<&str> = document.materials().flat_map(|file| textures(&file)).collect();
     let extensions: Vec<String> = document.materials().flat_map(|file| unread(&file)).collect();
     let mut primitives = document.meshes().flat_map(|mesh| mesh.primitives().collect::<Vec<_>>());
-    let has_vertex_colours = primitives.any(|primitive| primitive.get(&Semantic::Colors(0)).is_some());
+    let has_colours_and_textures = primitives
+        .any(|primitive| primitive.get(&Semantic::Colors(0)).is_some() && has_textures(&primitive.material()));
     let mut primitives = document.meshes().flat_map(|mesh| mesh.primitives().collect::<Vec<_>>());
-    let has_morph_targets = primitives.any(|primitive| primitive.morph_targets().next().is_some());
+    let has_colours_with_alpha = primitives.any(|primitive| {
+        let colours = primitive.get(&Semantic::Colors(0));
+        colours.is_some_and(|it| it.dimensions() == Dimensions::Vec4)
+            && primitive.material().alpha_mode() != AlphaMode::Opaque
+    });
     let other = [
-        (has_vertex_colours, "vertex colours"),
-        (has_morph_targets, "morph targets"),
-        (document.skins().next().is_some(), "skins"),
+        (has_colours_and_textures, "vertex colours of materials with textures (their mean applies)"),
+        (has_colours_with_alpha, "the alpha of vertex colours"),
+        (document.extension_value("KHR_materials_variants").is_some(), "material variants (the default ones apply)"),
     ];
     let other = other.into_iter().filter(|(is_used, _)| *is_used).map(|(_, what)| what);
     let is_tinted = |file: &Material<'_>| {

@@ -35,6 +35,8 @@ pub struct MeshMaterial {
     pub coat: Option<MeshCoat>,
     /// Factor of the reflectance of the dielectric at normal incidence, from 0 to 1.
     pub specular: f64,
+    /// A thin film on smooth glass.
+    pub film: Option<MeshFilm>,
     /// Index of refraction.
     pub ior: f64,
     /// Abbe number of the glass, or `None` if there is no dispersion.
@@ -126,6 +128,20 @@ pub struct MeshCoat {
     pub roughness: f64,
 }
 
+/// A thin film in which light interferes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshFilm {
+    /// The part of the area that the film covers, from 0 to 1.
+    pub factor: f64,
+    /// Index of refraction.
+    pub ior: f64,
+    /// The thickness in nm where the picture is 0, and where it is 1.
+    pub thickness_nm: [f64; 2],
+    /// A linear picture whose green channel selects the thickness. Without a picture, the film has
+    /// the second thickness.
+    pub thickness_texture: Option<MeshTexture>,
+}
+
 impl Default for MeshMaterial {
     fn default() -> Self {
         Self {
@@ -141,6 +157,7 @@ impl Default for MeshMaterial {
             diffuse_transmission: None,
             coat: None,
             specular: 1.0,
+            film: None,
             ior: 1.5,
             abbe_number: None,
             attenuation: None,

@@ -12,6 +12,8 @@ mod gltf_extensions;
 #[cfg(feature = "meshes")]
 mod gltf_material;
 #[cfg(feature = "meshes")]
+mod gltf_pose;
+#[cfg(feature = "meshes")]
 mod gltf_specular_glossiness;
 #[cfg(feature = "meshes")]
 mod gltf_texture;
@@ -24,6 +26,8 @@ mod ply;
 mod serialized;
 #[cfg(feature = "meshes")]
 mod stl;
+#[cfg(feature = "meshes")]
+mod vertex_colours;
 
 use std::collections::BTreeMap;
 #[cfg(feature = "meshes")]
@@ -43,7 +47,11 @@ use crate::geometry::mesh::TriangleMesh;
 pub(in crate::format) use gltf_accessor::GltfAccessors;
 #[cfg(feature = "meshes")]
 pub(in crate::format) use gltf_material::ignored;
-pub use material::{MeshAttenuation, MeshCoat, MeshDiffuseTransmission, MeshMaterial, MeshOpacity, MeshTexture};
+#[cfg(feature = "meshes")]
+pub(in crate::format) use gltf_pose::RestPose;
+pub use material::{
+    MeshAttenuation, MeshCoat, MeshDiffuseTransmission, MeshFilm, MeshMaterial, MeshOpacity, MeshTexture,
+};
 
 /// One part of a mesh file: triangles with one material.
 #[derive(Debug, Clone)]

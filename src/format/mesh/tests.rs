@@ -362,7 +362,7 @@ fn a_gltf_says_what_is_ignored() {
         .replace("\"buffers\"", "\"textures\": [{\"source\": 0}], \"images\": [{\"uri\": \"a.png\"}], \"buffers\"")
         .replace("\"NORMAL\": 0", "\"NORMAL\": 0, \"COLOR_0\": 0");
     let expected = "textures are ignored: occlusionTexture; material extensions are ignored: KHR_materials_sheen (cloth has no bright rim); ignored \
-                    as well: vertex colours; base colours of clear glass that encloses a volume are ignored; state the \
+                    as well: vertex colours of materials with textures (their mean applies); base colours of clear glass that encloses a volume are ignored; state the \
                     colour as attenuation of the volume; the image 0 cannot be used (";
     let found = ignored(&write(&folder, "textured.gltf", &textured)).unwrap();
     assert!(found.starts_with(expected), "{found}");

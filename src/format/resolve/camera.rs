@@ -22,8 +22,9 @@ impl Resolver<'_> {
     ) -> Result<(Camera, Option<AnimatedLookAt>)> {
         let CameraFile { from: _, at: _, up: _, lens, shutter: _, motion: _ } = file;
         let lens_at = at.key("lens");
-        let (tan_half_height, aperture, diffracts) = match lens {
+        let (half_height, aperture, diffracts) = match lens {
             LensFile::Pinhole { fov } => (tan(0.5 * fov.to_radians()), Aperture::Pinhole, false),
+            LensFile::Orthographic { height } => (0.5 * height * self.metres, Aperture::Orthographic, false),
             LensFile::Thin(file) => {
                 let at = lens_at.key("thin");
                 let form = self.at(&at, file.form())?;
@@ -41,7 +42,7 @@ impl Resolver<'_> {
         notes.extend(implausible_size(lens));
         let (LookAt { from, at: target, up }, motion) = self.camera_motion(file, centre);
         let origin = self.point(from.to_array(), centre);
-        let mut camera = Camera::new(origin, look_at_axes(target - from, up), tan_half_height, size, aperture);
+        let mut camera = Camera::new(origin, look_at_axes(target - from, up), half_height, size, aperture);
         camera.diffracts = diffracts;
         notes.extend(missed_diffraction(&camera));
         Ok((camera, motion))

@@ -86,7 +86,7 @@ impl Resolver<'_> {
     /// 78/S lx·s gives white.
     fn white_luminance(&self, at: &JsonPath<'_>, iso: f64, lens: &LensFile) -> Result<f64> {
         let f_number = match lens {
-            LensFile::Pinhole { fov: _ } => None,
+            LensFile::Pinhole { fov: _ } | LensFile::Orthographic { height: _ } => None,
             LensFile::Thin(lens) => lens.f_number,
             LensFile::System(lens) => lens.f_number,
         };

@@ -3,10 +3,11 @@
 use super::materials::alpha;
 use crate::error::Result;
 use crate::format::EncodingFile;
-use crate::format::mesh::{MeshCoat, MeshDiffuseTransmission, MeshMaterial, MeshOpacity, MeshTexture};
+use crate::format::mesh::{MeshCoat, MeshDiffuseTransmission, MeshFilm, MeshMaterial, MeshOpacity, MeshTexture};
 use crate::math::elementary::ln;
 use crate::optics::bsdf::Bsdf;
 use crate::optics::glass::RefractiveIndex;
+use crate::optics::thin_film::{FilmLayer, FilmStack, OpticalIndex};
 use crate::scene::{Body, Material};
 use crate::spectrum::{BAND_NM, Outside, Spectrum};
 use crate::texture::{ImagePattern, NormalMap, ScalarTexture, SpectralTexture, SurfaceScalar, SurfaceSpectrum};
@@ -48,7 +49,13 @@ pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool, closed:
         }
         let rest = || channel(texture, 0, -file.transmission, 1.0);
         if file.is_sheet && !closed {
-            let pane = pane(file, &index)?;
+            let mut surface = pane(file, &index)?;
+            if let Some(film) = &file.film {
+                let Bsdf::ThinDielectric(bare) = surface.clone() else { return Ok(surface) };
+                let coated = Bsdf::ThinDielectric(bare.with_coating(film_stack(film, textured)?));
+                surface = mixed(coated, film.factor, surface)?;
+            }
+            let pane = surface;
             return if least > 1.0 - LEAST_SHARE {
                 Ok(pane)
             } else {
@@ -60,7 +67,10 @@ pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool, closed:
             Some(attenuation) => Some(absorption(attenuation.colour, attenuation.distance * metres)?),
         };
         body = Some(Body { index: Some(index.clone()), absorption, medium: None, priority: 0 });
-        let glass = rough(&roughness, &Bsdf::dielectric)?;
+        let mut glass = rough(&roughness, &Bsdf::dielectric)?;
+        if let Some(film) = &file.film {
+            glass = mixed(Bsdf::coated_dielectric(film_stack(film, textured)?), film.factor, glass)?;
+        }
         if least > 1.0 - LEAST_SHARE {
             return Ok(glass);
         }
@@ -86,6 +96,15 @@ fn pane(file: &MeshMaterial, index: &RefractiveIndex) -> Result<Bsdf> {
     let colour = file.base_colour.map(|c| c.clamp(0.0, 1.0));
     let depth = if colour == [1.0; 3] { None } else { Some(absorption(colour, 1.0)?) };
     Bsdf::thin_dielectric(index.clone(), depth)
+}
+
+/// Returns the stack of one thin film.
+fn film_stack(film: &MeshFilm, textured: bool) -> Result<FilmStack> {
+    let [thin, thick] = film.thickness_nm;
+    let texture = film.thickness_texture.as_ref().filter(|_| textured);
+    let thickness_nm = map_channel(texture, 1, |x| thin + (thick - thin) * f64::from(x))?;
+    let index = OpticalIndex::Transparent(RefractiveIndex::constant(film.ior)?);
+    FilmStack::new(vec![FilmLayer { index, thickness_nm }])
 }
 
 /// Returns a surface with a roughness. `of_alpha` creates the surface of a microfacet parameter α.

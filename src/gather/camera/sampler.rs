@@ -109,7 +109,7 @@ impl PixelSampler {
     /// Returns the camera ray through a pixel.
     pub fn ray(&self, camera: &Camera, pixel: u64) -> Ray {
         let lens = match camera.aperture() {
-            Aperture::Pinhole | Aperture::System(_) => [0.5; 2],
+            Aperture::Pinhole | Aperture::Orthographic | Aperture::System(_) => [0.5; 2],
             Aperture::ThinLens { .. } => self.lens(),
         };
         camera.ray(corner(camera, pixel) + DVec2::from(self.film()), lens)

@@ -223,7 +223,7 @@ impl<'a> CameraPass<'a> {
             position: interaction.hit.position,
             facing: if interaction.leads_back(normal) { normal } else { -normal },
             object: interaction.hit.object,
-            footprint_m: path.distance_m * self.scene.camera.pixel_angle(),
+            footprint_m: self.scene.camera.pixel_width_m(path.distance_m),
             view: path.view,
             shared: matches!(path.spectral_mode, SpectralMode::Shared { .. }),
             is_diffuse: interaction.bsdf.class() == BsdfClass::Diffuse,

@@ -103,7 +103,7 @@ impl<'a> CameraPass<'a> {
         let set = path.spectral_mode.photon_set();
         let area_m2 = if estimator(LightPath::Caustic, bsdf_class, photon_view(path)) == Estimator::Connection {
             // Each camera sample covers one pixel.
-            (path.distance_m * self.scene.camera.pixel_angle()).powi(2)
+            self.scene.camera.pixel_width_m(path.distance_m).powi(2)
         } else {
             PI * self.kernel_radius(set, PhotonClass::Caustic, interaction, context).powi(2)
         };

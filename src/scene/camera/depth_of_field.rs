@@ -24,10 +24,11 @@ pub struct DepthOfField {
 }
 
 impl DepthOfField {
-    /// The depth of field of a camera. `None` for a pinhole, which has no blur.
+    /// The depth of field of a camera. `None` for a pinhole and for an orthographic camera,
+    /// which have no blur.
     pub fn of(camera: &Camera) -> Option<Self> {
         let (radius_m, focus_m) = match camera.aperture() {
-            Aperture::Pinhole => return None,
+            Aperture::Pinhole | Aperture::Orthographic => return None,
             Aperture::ThinLens { stop, focus_m } => (stop.radius_m, *focus_m),
             Aperture::System(system) => (system.pupil_radius_m(), system.focus_m()),
         };

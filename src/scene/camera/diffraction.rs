@@ -17,10 +17,11 @@ pub struct ApertureDiffraction {
 
 impl ApertureDiffraction {
     /// The diffraction pattern of a camera's aperture. The result does not depend on whether the
-    /// scene enables diffraction. `None` for a pinhole, because its aperture is a single point.
+    /// scene enables diffraction. `None` for a pinhole and for an orthographic camera, which have
+    /// no lens.
     pub fn of(camera: &Camera) -> Option<Self> {
         let (blades, per_metre) = match camera.aperture() {
-            Aperture::Pinhole => return None,
+            Aperture::Pinhole | Aperture::Orthographic => return None,
             // λ divided by the diameter is an angle. The size of a pixel is also an angle.
             Aperture::ThinLens { stop, .. } => (stop.blades, 0.5 / (stop.radius_m * camera.pixel_angle())),
             Aperture::System(system) => {

@@ -30,6 +30,8 @@ use std::sync::Arc;
 pub enum Aperture {
     /// A point: the whole scene is in focus.
     Pinhole,
+    /// Parallel rays that start on the plane of the camera: an orthographic projection.
+    Orthographic,
     /// A thin lens that is focused on a plane.
     ThinLens {
         /// The opening of the lens.
@@ -54,6 +56,7 @@ pub struct Camera {
     aperture: Aperture,
     size: DVec2,
     /// The side length of a pixel after its projection to the plane at distance 1 from the camera.
+    /// For an orthographic camera, the side length in m.
     pixel: f64,
     /// The receptors of meters. Empty for a camera with a picture.
     receptors: Arc<[Receptor]>,
@@ -74,7 +77,8 @@ pub struct CameraConnection {
     pub distance: f64,
     /// The factor that converts the point's intensity along `direction` to the pixel's mean
     /// radiance. The unit is 1/m². The value is 1/(d² Ω), where d is `distance` and Ω is the solid
-    /// angle that the pixel subtends at the lens.
+    /// angle that the pixel subtends at the lens. For an orthographic camera, the value is 1/(area
+    /// of a pixel).
     pub importance: f64,
 }
 
@@ -82,7 +86,8 @@ impl Camera {
     /// Creates a camera at `origin` (m, relative to the scene's centre).
     ///
     /// `forward` and `up` are orthogonal unit vectors; see [`look_at_axes`]. `tan_half_height` is
-    /// the tangent of half the vertical field of view. The film has `width` × `height` pixels.
+    /// the tangent of half the vertical field of view. For an orthographic camera, it is half the
+    /// height of the picture in m. The film has `width` × `height` pixels.
     pub fn new(
         origin: DVec3,
         (forward, up): (DVec3, DVec3),
@@ -148,7 +153,7 @@ impl Camera {
     /// The lens system, if the camera has one.
     pub fn system(&self) -> Option<&SystemLens> {
         match &self.aperture {
-            Aperture::Pinhole | Aperture::ThinLens { .. } => None,
+            Aperture::Pinhole | Aperture::Orthographic | Aperture::ThinLens { .. } => None,
             Aperture::System(system) => Some(system),
         }
     }
@@ -161,20 +166,68 @@ impl Camera {
         Self { size: (self.size / factor).ceil(), pixel: self.pixel * factor, ..self.clone() }
     }
 
-    /// Replaces the aperture by a pinhole.
+    /// Replaces the aperture of a lens by a pinhole.
     pub fn close_aperture(&mut self) {
-        self.aperture = Aperture::Pinhole;
+        if self.aperture != Aperture::Orthographic {
+            self.aperture = Aperture::Pinhole;
+        }
     }
 
-    /// The horizontal and the vertical field of view in radians.
+    /// The horizontal and the vertical field of view in radians. 0 for an orthographic camera.
     pub fn field_of_view(&self) -> [f64; 2] {
-        [self.size.x, self.size.y].map(|pixels| 2.0 * atan(0.5 * pixels * self.pixel))
+        [self.size.x, self.size.y].map(|pixels| 2.0 * atan(0.5 * pixels * self.pixel_angle()))
     }
 
-    /// The angle that a pixel in the middle of the picture subtends, in radians. At distance d, a
-    /// pixel covers a length of d times this angle.
+    /// The width and the height of an orthographic picture in m. `None` for other cameras.
+    pub fn orthographic_size_m(&self) -> Option<[f64; 2]> {
+        (self.aperture == Aperture::Orthographic).then(|| (self.size * self.pixel).to_array())
+    }
+
+    /// The angle that a pixel in the middle of the picture subtends, in radians. 0 for an
+    /// orthographic camera.
     pub fn pixel_angle(&self) -> f64 {
-        self.pixel
+        self.pixel_angle_at(f64::INFINITY)
+    }
+
+    /// The angle that a pixel in the middle of the picture subtends at a distance, in radians. Only
+    /// for an orthographic camera, it depends on the distance.
+    pub fn pixel_angle_at(&self, distance_m: f64) -> f64 {
+        match self.aperture {
+            Aperture::Orthographic => self.pixel / distance_m,
+            Aperture::Pinhole | Aperture::ThinLens { .. } | Aperture::System(_) => self.pixel,
+        }
+    }
+
+    /// The length in m that a pixel in the middle of the picture covers at a distance.
+    #[inline]
+    pub fn pixel_width_m(&self, distance_m: f64) -> f64 {
+        match self.aperture {
+            Aperture::Orthographic => self.pixel,
+            Aperture::Pinhole | Aperture::ThinLens { .. } | Aperture::System(_) => distance_m * self.pixel,
+        }
+    }
+
+    /// The corners of a box around the points from which the camera sees the scene. The opening of
+    /// a lens counts as a point.
+    pub fn viewpoint_bounds(&self) -> (DVec3, DVec3) {
+        match self.aperture {
+            Aperture::Orthographic => {
+                let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(DVec2::from);
+                let corners = corners.map(|corner| self.ray(corner * self.size, [0.5; 2]).origin);
+                corners
+                    .iter()
+                    .fold((self.origin, self.origin), |(low, high), &corner| (low.min(corner), high.max(corner)))
+            }
+            Aperture::Pinhole | Aperture::ThinLens { .. } | Aperture::System(_) => (self.origin, self.origin),
+        }
+    }
+
+    /// The point from which the camera sees a point, in the middle of the lens.
+    pub fn viewpoint_of(&self, point: DVec3) -> DVec3 {
+        match self.aperture {
+            Aperture::Orthographic => point - (point - self.origin).dot(self.forward) * self.forward,
+            Aperture::Pinhole | Aperture::ThinLens { .. } | Aperture::System(_) => self.origin,
+        }
     }
 
     /// The number of pixels.
@@ -197,6 +250,10 @@ impl Camera {
         let through = self.forward + self.right * offset.x - self.up * offset.y;
         match self.aperture {
             Aperture::Pinhole | Aperture::System(_) => Ray { origin: self.origin, direction: through.normalize() },
+            Aperture::Orthographic => {
+                let origin = self.origin + self.right * offset.x - self.up * offset.y;
+                Ray { origin, direction: self.forward }
+            }
             Aperture::ThinLens { stop, focus_m } => {
                 let opening = stop.sample(lens);
                 let shift = self.right * opening.x + self.up * opening.y;
@@ -222,7 +279,8 @@ impl Camera {
     pub fn project(&self, point: DVec3) -> Option<DVec2> {
         let offset = point - self.origin;
         let depth = offset.dot(self.forward);
-        (depth > 0.0).then(|| self.on_film(DVec2::new(offset.dot(self.right), offset.dot(self.up)) / depth))
+        let scale = if self.aperture == Aperture::Orthographic { 1.0 } else { depth };
+        (depth > 0.0).then(|| self.on_film(DVec2::new(offset.dot(self.right), offset.dot(self.up)) / scale))
     }
 
     /// The film position (in pixels) of a point on the plane at distance 1. The components of
@@ -241,6 +299,7 @@ impl Camera {
             return None;
         }
         let (shift, focus_m) = match self.aperture {
+            Aperture::Orthographic => return self.connect_orthographic(point),
             Aperture::Pinhole | Aperture::System(_) => (DVec2::ZERO, 1.0),
             Aperture::ThinLens { stop, focus_m } => (stop.sample(lens), focus_m),
         };
@@ -254,18 +313,33 @@ impl Camera {
         // The line from the lens to the point intersects the plane in focus. `on_plane` is this
         // intersection, projected to the plane at distance 1.
         let on_plane = sideways / depth + shift / focus_m;
-        let film = self.on_film(on_plane);
-        if !(film.x >= 0.0 && film.y >= 0.0 && film.x < self.size.x && film.y < self.size.y) {
-            return None;
-        }
+        let pixel = self.pixel_of(self.on_film(on_plane))?;
         let distance = offset.length();
         let cos = depth / distance;
         Some(CameraConnection {
-            pixel: film.y as u32 * self.size.x as u32 + film.x as u32,
+            pixel,
             direction: offset / distance,
             distance,
             importance: 1.0 / (distance * distance * cos * cos * cos * self.pixel * self.pixel),
         })
+    }
+
+    /// Connects a point of the scene to the film along the axis of an orthographic camera.
+    fn connect_orthographic(&self, point: DVec3) -> Option<CameraConnection> {
+        let pixel = self.pixel_of(self.project(point)?)?;
+        let distance = (point - self.origin).dot(self.forward);
+        Some(CameraConnection {
+            pixel,
+            direction: -self.forward,
+            distance,
+            importance: (self.pixel * self.pixel).recip(),
+        })
+    }
+
+    /// The index of the pixel at a film position, or `None` outside the film.
+    fn pixel_of(&self, film: DVec2) -> Option<u32> {
+        let is_inside = film.x >= 0.0 && film.y >= 0.0 && film.x < self.size.x && film.y < self.size.y;
+        is_inside.then(|| film.y as u32 * self.size.x as u32 + film.x as u32)
     }
 }
 
@@ -326,6 +400,31 @@ mod tests {
         let [camera, ..] = cameras();
         let direction = camera.ray(DVec2::ZERO, [0.5; 2]).direction;
         assert!(direction.x < 0.0 && direction.y > 0.0);
+    }
+
+    /// The rays of an orthographic camera are parallel, and a pixel covers the same length at all
+    /// distances. The picture is 0.8 m high.
+    #[test]
+    fn an_orthographic_camera_sees_along_parallel_rays() {
+        let axes = (DVec3::NEG_Z, DVec3::Y);
+        let camera = Camera::new(DVec3::new(1.0, 2.0, 3.0), axes, 0.4, (40, 20), Aperture::Orthographic);
+        let film = DVec2::new(35.25, 4.75);
+        let ray = camera.ray(film, [0.5; 2]);
+        assert_eq!(ray.direction, DVec3::NEG_Z);
+        assert!((ray.origin - DVec3::new(1.61, 2.21, 3.0)).length() < 1e-12, "{}", ray.origin);
+        for distance in [0.5, 70.0] {
+            let point = ray.origin + distance * ray.direction;
+            assert!((camera.project(point).unwrap() - film).length() < 1e-9);
+            assert!((camera.viewpoint_of(point) - ray.origin).length() < 1e-9);
+            let connection = camera.connect(point, [0.5; 2]).unwrap();
+            assert_eq!((connection.pixel, connection.direction), (4 * 40 + 35, DVec3::Z));
+            assert!((connection.distance - distance).abs() < 1e-9);
+            assert!((connection.importance * 0.04 * 0.04 - 1.0).abs() < 1e-12);
+            assert!((camera.pixel_width_m(distance) - 0.04).abs() < 1e-15);
+        }
+        assert_eq!((camera.pixel_angle(), camera.orthographic_size_m()), (0.0, Some([1.6, 0.8])));
+        assert!(camera.connect(ray.origin + DVec3::Z, [0.5; 2]).is_none(), "behind the camera");
+        assert!(camera.connect(ray.origin + DVec3::new(0.3, 0.0, -1.0), [0.5; 2]).is_none(), "beside the film");
     }
 
     #[test]

@@ -13,15 +13,24 @@ pub(super) const DEFAULT_ASPECT: f64 = 1.5;
 const DEFAULT_FOV: f64 = 35.0;
 
 /// Returns a camera of the scene file, and the ratio of the film's width to its height. Returns
-/// `None` for an orthographic camera.
-pub(super) fn perspective_camera(projection: &Projection<'_>, placed: &PlacedNode) -> Option<(Value, f64)> {
-    let lens = match projection {
-        Projection::Perspective(lens) => lens,
-        Projection::Orthographic(_) => return None,
+/// `None` for an orthographic camera without extent.
+pub(super) fn file_camera(projection: &Projection<'_>, placed: &PlacedNode) -> Option<(Value, f64)> {
+    let (lens, aspect) = match projection {
+        Projection::Perspective(lens) => {
+            let aspect = lens.aspect_ratio().map_or(DEFAULT_ASPECT, f64::from);
+            (json!({"pinhole": {"fov": f64::from(lens.yfov()).to_degrees()}}), aspect)
+        }
+        Projection::Orthographic(lens) => {
+            let [width, height] = [lens.xmag(), lens.ymag()].map(|half| 2.0 * f64::from(half).abs());
+            if !(width > 0.0 && height > 0.0) {
+                return None;
+            }
+            (json!({"orthographic": {"height": height}}), width / height)
+        }
     };
-    let aspect = lens.aspect_ratio().map_or(DEFAULT_ASPECT, f64::from).clamp(0.05, 20.0);
+    let aspect = aspect.clamp(0.05, 20.0);
     let mut camera = pose(&placed.at_start());
-    camera["lens"] = json!({"pinhole": {"fov": f64::from(lens.yfov()).to_degrees()}});
+    camera["lens"] = lens;
     if !placed.motion.is_empty() {
         let keyframe = |(time, at): &(f64, DAffine3)| {
             let mut pose = pose(&(*at * placed.own));
@@ -40,6 +49,16 @@ fn pose(to_world: &DAffine3) -> Value {
     let direction = |local: DVec3| to_world.transform_vector3(local).normalize_or(local);
     let at = from + direction(DVec3::NEG_Z);
     json!({"from": from.to_array(), "at": at.to_array(), "up": direction(DVec3::Y).to_array()})
+}
+
+/// Returns the direction of a light that shines from behind and above, over the left shoulder of
+/// the camera. +y is up.
+pub(super) fn light_from_behind(camera: &Value) -> DVec3 {
+    let point = |key: &str| DVec3::from_array(std::array::from_fn(|i| camera[key][i].as_f64().unwrap_or(0.0)));
+    let view = point("at") - point("from");
+    let ahead = DVec3::new(view.x, 0.0, view.z).try_normalize().unwrap_or(DVec3::NEG_Z);
+    let right = ahead.cross(DVec3::Y);
+    (ahead + right - 1.4 * DVec3::Y).normalize()
 }
 
 /// Returns a camera that sees a box, from the front and slightly from above.

@@ -6,11 +6,14 @@
 
 mod animation;
 mod camera;
+#[cfg(test)]
+mod feature_tests;
 mod light;
 mod node;
 #[cfg(test)]
 mod tests;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use ::gltf::{Document, Node};
@@ -18,16 +21,28 @@ use glam::{DAffine3, DQuat, DVec3};
 use serde_json::{Value, json};
 
 use self::animation::Animations;
-use self::camera::{DEFAULT_ASPECT, perspective_camera, whole_view};
+use self::camera::{DEFAULT_ASPECT, file_camera, light_from_behind, whole_view};
 use self::light::{ies_light, punctual_light};
 use self::node::{NodeTree, PlacedNode, steps, unit};
 use super::{ImportedScene, SceneWriter};
 use crate::error::{Error, Result};
 use crate::format::FileAccess;
-use crate::format::mesh::{GltfAccessors, GltfFile, first_parts, for_each_node, has_triangles, ignored};
+use crate::format::mesh::{GltfAccessors, GltfFile, RestPose, first_parts, for_each_node, has_triangles, ignored};
 
 /// The extension for instances of a mesh.
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+
+/// The largest luminance (cd/m²) of a surface in glTF without KHR_materials_emissive_strength.
+/// Surfaces with such an emission are signs or displays. Stronger ones are lamps that light the
+/// scene.
+const UNSCALED_EMISSION: f64 = 1.0;
+
+/// The illuminance (lx) on a surface that faces the added sun.
+const STUDIO_ILLUMINANCE: f64 = 1000.0;
+
+/// This illuminance (lx) in a file with emission: a white surface then has a luminance of about 1
+/// cd/m², as the emission has.
+const DIM_STUDIO_ILLUMINANCE: f64 = 2.0;
 
 /// The width of the film in pixels.
 const WIDTH: f64 = 960.0;
@@ -37,7 +52,8 @@ pub(super) fn import(path: &Path, folder: &str, file_access: FileAccess) -> Resu
     let mut file = GltfFile::open(path, file_access)?;
     let mut scene = SceneWriter::default();
     let has_instances = file.document.nodes().any(|node| node.extension_value(INSTANCING).is_some());
-    let reads_buffers = has_instances || file.document.animations().next().is_some();
+    let has_animations = file.document.animations().next().is_some();
+    let reads_buffers = has_instances || has_animations || file.document.skins().next().is_some();
     let buffers = if reads_buffers { file.buffers()? } else { Vec::new() };
     let accessors = GltfAccessors::new(&buffers);
     let animations = Animations::read(&file, &accessors, &mut scene);
@@ -46,13 +62,16 @@ pub(super) fn import(path: &Path, folder: &str, file_access: FileAccess) -> Resu
     let mut reader = NodeReader {
         document: &file.document,
         accessors,
+        pose: RestPose::of(&file.document)?,
+        has_animations,
+        shapes: BTreeMap::new(),
         path: format!("{folder}{name}"),
         folder,
         tree: NodeTree::new(animations),
         first_parts: first_parts(&file.document),
         camera: None,
         bounds: (DVec3::INFINITY, DVec3::NEG_INFINITY),
-        has_emission: false,
+        emission: 0.0,
         scene,
     };
     for_each_node(&file.document, |node, parent, to_world| {
@@ -63,13 +82,20 @@ pub(super) fn import(path: &Path, folder: &str, file_access: FileAccess) -> Resu
     if !reader.scene.has_objects() {
         return Err(Error::input("the file has no triangles"));
     }
-    let NodeReader { camera, bounds, has_emission, mut scene, .. } = reader;
+    let NodeReader { camera, bounds, emission, mut scene, .. } = reader;
     let (camera, aspect) = camera.unwrap_or_else(|| {
         scene.note_added("a camera that sees the whole scene, because the file has none");
         (whole_view(bounds), DEFAULT_ASPECT)
     });
-    if !scene.has_light() && !has_emission {
-        scene.add_sky();
+    if !scene.has_light() && emission <= UNSCALED_EMISSION {
+        let toward = light_from_behind(&camera);
+        if emission > 0.0 {
+            let reason = "the file has no light, and its surfaces emit at most 1 cd/m² (no \
+                          KHR_materials_emissive_strength above 1)";
+            scene.add_studio_light(toward, DIM_STUDIO_ILLUMINANCE, reason);
+        } else {
+            scene.add_studio_light(toward, STUDIO_ILLUMINANCE, "the file has no light");
+        }
     }
     scene.camera = camera;
     scene.film = json!({"width": WIDTH as u32, "height": (WIDTH / aspect).round().clamp(1.0, 8.0 * WIDTH) as u32});
@@ -80,6 +106,11 @@ pub(super) fn import(path: &Path, folder: &str, file_access: FileAccess) -> Resu
 struct NodeReader<'d> {
     document: &'d Document,
     accessors: GltfAccessors<'d>,
+    pose: RestPose,
+    has_animations: bool,
+    /// By the number of the mesh: the number of the skin, and the weights of the morph targets, of
+    /// the first node with this mesh.
+    shapes: BTreeMap<usize, (Option<usize>, Option<&'d [f32]>)>,
     /// The path of the file in the scene.
     path: String,
     /// The path from the scene file to the folder of the file.
@@ -91,13 +122,13 @@ struct NodeReader<'d> {
     camera: Option<(Value, f64)>,
     /// The lowest and the highest coordinates of the objects.
     bounds: (DVec3, DVec3),
-    /// True if an object has emission.
-    has_emission: bool,
+    /// The largest component of the emission of all objects, in cd/m².
+    emission: f64,
     scene: SceneWriter,
 }
 
-impl NodeReader<'_> {
-    fn node(&mut self, node: &Node<'_>, to_world: &DAffine3) {
+impl<'d> NodeReader<'d> {
+    fn node(&mut self, node: &Node<'d>, to_world: &DAffine3) {
         let name = node.name().map_or_else(|| format!("node {}", node.index()), str::to_owned);
         let has_light = node.light().is_some() || node.extension_value("EXT_lights_ies").is_some();
         if node.mesh().is_none() && node.camera().is_none() && !has_light {
@@ -113,12 +144,10 @@ impl NodeReader<'_> {
         if let Some(camera) = node.camera() {
             if self.camera.is_some() {
                 self.scene.leave_out(&place, "a further camera is left out, because a scene has one camera");
-            } else if let Some(found) = perspective_camera(&camera.projection(), &placed) {
+            } else if let Some(found) = file_camera(&camera.projection(), &placed) {
                 self.camera = Some(found);
             } else {
-                let what = "the orthographic camera is left out, because the lenses of a camera are perspective; \
-                            another camera of the file or a camera that sees the whole scene replaces it";
-                self.scene.leave_out(&place, what);
+                self.scene.leave_out(&place, "an orthographic camera whose picture has no extent is left out");
             }
         }
         if let Some(light) = node.light() {
@@ -138,15 +167,25 @@ impl NodeReader<'_> {
     }
 
     /// Adds one object for each primitive of a node's mesh.
-    fn mesh(&mut self, node: &Node<'_>, name: &str, placed: &PlacedNode) {
+    fn mesh(&mut self, node: &Node<'d>, name: &str, placed: &PlacedNode) {
         let Some(mesh) = node.mesh() else { return };
         let place = format!("node \"{name}\"");
         let instances = instances(node, self.document, &self.accessors).unwrap_or_else(|reason| {
             self.scene.leave_out(&place, format!("all instances but one are left out: {reason}"));
             vec![DAffine3::IDENTITY]
         });
-        if node.skin().is_some() {
-            self.scene.leave_out(&place, "the skin is left out; the mesh has its rest pose");
+        // The joints of a skin place the mesh in the world.
+        let at_rest = PlacedNode { own: DAffine3::IDENTITY, motion: Vec::new(), is_sheared: false };
+        let deformation = self.pose.deformation(node, &mesh, &self.accessors).ok();
+        let first_joint = deformation.and_then(|deformation| deformation.first_joint());
+        let placed = if first_joint.is_some() { &at_rest } else { placed };
+        let shape = (node.skin().map(|skin| skin.index()), node.weights());
+        if *self.shapes.entry(mesh.index()).or_insert(shape) != shape {
+            let what = "a mesh whose nodes have different skins or weights has the shape of the first node";
+            self.scene.leave_out(&place, what);
+        }
+        if first_joint.is_some() && self.has_animations {
+            self.scene.leave_out(&place, "the motion of the joints is left out; the skin has the pose of the file");
         }
         if !placed.is_invertible() {
             self.scene.leave_out(&place, "a node with a scale of 0 is left out, because its triangles have no area");
@@ -171,7 +210,8 @@ impl NodeReader<'_> {
                 self.scene.add_object(object);
             }
             let material = primitive.material();
-            self.has_emission |= material.emissive_factor().iter().any(|&c| c > 0.0);
+            let brightest = material.emissive_factor().into_iter().fold(0.0, f32::max);
+            self.emission = self.emission.max(f64::from(brightest * material.emissive_strength().unwrap_or(1.0)));
             if let Some(name) = material.name() {
                 self.scene.name_mesh_material(name);
             }
@@ -182,7 +222,8 @@ impl NodeReader<'_> {
             let positions = primitive.get(&::gltf::Semantic::Positions);
             let bounds = positions.and_then(|it| Some((corners(it.min())?, corners(it.max())?)));
             if let Some((low, high)) = bounds {
-                for to_world in instances.iter().map(|instance| placed.at_start() * *instance) {
+                let start = first_joint.unwrap_or_else(|| placed.at_start());
+                for to_world in instances.iter().map(|instance| start * *instance) {
                     for corner in 0..8 {
                         let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
                         let point = to_world.transform_point3(DVec3::new(pick(0), pick(1), pick(2)));

@@ -115,14 +115,14 @@ fn a_gltf_scene_names_no_files_outside_its_folder() {
     assert!(within.unwrap_err().to_string().contains("leads out of the folder") && anywhere.is_ok());
 }
 
-/// A file without a camera and without a light gets both.
+/// A file without a camera and without a light gets a camera, a sky and a sun.
 #[test]
-fn a_bare_gltf_scene_gets_a_camera_and_a_sky() {
+fn a_bare_gltf_scene_gets_a_camera_and_lights() {
     let (_folder, path, imported) = imported(&gltf("", r#", "scenes": [{"nodes": [0]}]"#));
     assert_eq!(imported.added.len(), 2);
     let (file, source) = read(&path, &[]).unwrap();
     let scene = resolve(&file, &source).unwrap();
-    assert_eq!(scene.lights.len(), 1);
+    assert_eq!(scene.lights.len(), 2);
     // The ray through the middle of the film hits the triangle.
     let middle = glam::DVec2::new(480.0, 320.0);
     let ray = scene.camera.ray(middle, [0.5; 2]);
@@ -274,10 +274,10 @@ fn what_is_left_out_is_listed() {
         {"name": "Dim", "extensions": {"EXT_lights_ies": {"light": 0, "multiplier": 0.5}}}"#;
     let rest = r#", "scenes": [{"nodes": [0, 1, 2, 3, 4]}], "extensionsUsed": ["EXT_lights_ies"],
         "extensionsRequired": ["EXT_lights_ies"], "extensions": {"EXT_lights_ies": {"lights": [{"uri": "a%20b.ies"}]}},
-        "cameras": [{"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 9, "znear": 0.1}}]"#;
+        "cameras": [{"type": "orthographic", "orthographic": {"xmag": 0, "ymag": 1, "zfar": 9, "znear": 0.1}}]"#;
     let (_folder, _path, imported) = imported(&gltf(nodes, rest));
     let listed = |part: &str| imported.left_out.iter().any(|what| what.contains(part));
-    assert!(listed("node \"Ortho\": the orthographic camera"), "{imported:?}");
+    assert!(listed("node \"Ortho\": an orthographic camera whose picture has no extent"), "{imported:?}");
     assert!(listed("node \"Flat\": a node with a scale of 0") && listed("node \"Dim\": the IES light"), "{imported:?}");
     let value: Value = serde_json::from_str(&imported.text).unwrap();
     let expected = json!({"at": [0.0, 0.0, 0.0], "toward": [0.0, 0.0, -1.0], "path": "a b.ies", "spectrum": {"rgb": [1.0, 1.0, 1.0]}});

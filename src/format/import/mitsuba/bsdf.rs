@@ -25,6 +25,9 @@ pub(super) enum MitsubaSurface {
     Invisible,
 }
 
+/// The median slope of Beckmann's microfacets with α = 1: √ln 2. That of GGX microfacets is 1.
+const MEDIAN_SLOPE: f64 = 0.832_554_611_157_697_8;
+
 /// The surface that is converted.
 struct BsdfContext<'a> {
     /// The name that the material gets, if it is free.
@@ -195,6 +198,11 @@ impl MitsubaReader<'_> {
             "thindielectric" => {
                 let ior = self.relative_index(properties, 1.5046)?;
                 self.note_factors(properties, &["specular_reflectance", "specular_transmittance"])?;
+                if let Some(medium) = context.medium {
+                    let what = "a thin pane around a medium reflects nothing: it becomes the boundary of the medium";
+                    self.scene.leave_out(bsdf.place(), what);
+                    return Ok(self.add(context, json!({"boundary": {"medium": medium}}), false));
+                }
                 (json!({"thin_dielectric": {"ior": ior}}), false)
             }
             "conductor" => (self.conductor(properties, None)?, true),
@@ -294,7 +302,7 @@ impl MitsubaReader<'_> {
         let what =
             "a BSDF of the type \"principled\" is replaced by a mix of a metal and a glossy surface, or by glass";
         self.scene.leave_out(bsdf.place(), what);
-        let roughness = self.roughness(properties, "roughness", 0.5, false)?;
+        let roughness = self.roughness(properties, "roughness", 0.5, None)?;
         let base = self.reflectance(properties, "base_color", 0.5)?;
         let ior = match properties.optional_number("eta")? {
             Some(eta) => eta.max(1.0),
@@ -326,9 +334,14 @@ impl MitsubaReader<'_> {
         let place = properties.element.place();
         properties.ignore(&["sample_visible"]);
         let distribution = properties.text("distribution")?.unwrap_or("beckmann");
+        let mut scale = 1.0;
         if !distribution.eq_ignore_ascii_case("ggx") {
-            let what = format!("the microfacet distribution \"{distribution}\" is replaced by GGX with the same α");
+            let what = format!(
+                "the microfacet distribution \"{distribution}\" is replaced by GGX with the same median slope: α is \
+                 multiplied by 0.83, unless it is a picture"
+            );
             self.scene.leave_out(place.clone(), what);
+            scale = MEDIAN_SLOPE;
         }
         let [along, across] = ["alpha_u", "alpha_v"].map(|name| self.textured(properties, name));
         if let (Some(along), Some(across)) = (along?, across?) {
@@ -340,9 +353,9 @@ impl MitsubaReader<'_> {
             if along != across {
                 self.scene.leave_out(place, "different roughnesses along u and v are replaced by their geometric mean");
             }
-            return Ok(json!((along * across).clamp(0.0, 1.0).sqrt().sqrt()));
+            return Ok(json!((scale * (along * across).sqrt()).clamp(0.0, 1.0).sqrt()));
         }
-        self.roughness(properties, "alpha", 0.1, true)
+        self.roughness(properties, "alpha", 0.1, Some(scale))
     }
 
     /// Notes factors of reflection and transmission that are not 1.

@@ -28,6 +28,7 @@ impl MitsubaReader<'_> {
             other => {
                 let what = format!("an emitter of the type \"{other}\" is not supported and is left out");
                 self.scene.leave_out(emitter.place(), what);
+                self.scene.left_out_lights = true;
                 return Ok(());
             }
         };

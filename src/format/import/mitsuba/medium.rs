@@ -14,8 +14,22 @@ use crate::error::Result;
 
 /// A property that may vary in space.
 enum MitsubaVolume {
-    Constant(MitsubaSpectrum),
-    Grid { grid: VolumeGrid, transform: Vec<Value> },
+    /// The same value everywhere. As the extinction of a heterogeneous medium, it fills only the
+    /// unit cube after the transform.
+    Constant {
+        value: MitsubaSpectrum,
+        transform: Vec<Value>,
+    },
+    Grid {
+        grid: VolumeGrid,
+        transform: Vec<Value>,
+    },
+}
+
+impl From<MitsubaSpectrum> for MitsubaVolume {
+    fn from(value: MitsubaSpectrum) -> Self {
+        Self::Constant { value, transform: Vec::new() }
+    }
 }
 
 impl MitsubaReader<'_> {
@@ -55,9 +69,9 @@ impl MitsubaReader<'_> {
         }
         let albedo = self.constant_volume(properties, "albedo")?.unwrap_or(MitsubaSpectrum::Number(0.75));
         let extinction = self.volume(properties, "sigma_t")?;
-        let extinction = extinction.unwrap_or(MitsubaVolume::Constant(MitsubaSpectrum::Number(1.0)));
+        let extinction = extinction.unwrap_or(MitsubaSpectrum::Number(1.0).into());
         let density = match &extinction {
-            MitsubaVolume::Constant(spectrum) => spectrum.map(|value| scale * value),
+            MitsubaVolume::Constant { value, .. } => value.map(|value| scale * value),
             MitsubaVolume::Grid { .. } => MitsubaSpectrum::Number(scale),
         };
         let scattering = density.combined(&albedo, |density, albedo| density * albedo.clamp(0.0, 1.0));
@@ -65,14 +79,23 @@ impl MitsubaReader<'_> {
         let mut medium = json!({
             "absorption": absorption.coefficient(), "scattering": scattering.coefficient(), "phase": phase
         });
-        let MitsubaVolume::Grid { grid, transform } = extinction else {
-            return Ok(Some(json!({"homogeneous": medium})));
+        let transform = match extinction {
+            MitsubaVolume::Constant { .. } if properties.element.plugin() == "homogeneous" => {
+                return Ok(Some(json!({"homogeneous": medium})));
+            }
+            MitsubaVolume::Constant { transform, .. } => {
+                (medium["bounds"], medium["density"]) = (json!([[0, 0, 0], [1, 1, 1]]), json!({"constant": 1}));
+                transform
+            }
+            MitsubaVolume::Grid { grid, transform } => {
+                if grid.values.iter().all(|&value| value <= 0.0) {
+                    return Ok(None);
+                }
+                medium["bounds"] = json!(grid.bounds);
+                medium["density"] = json!({"values": grid.values, "resolution": grid.resolution});
+                transform
+            }
         };
-        if grid.values.iter().all(|&value| value <= 0.0) {
-            return Ok(None);
-        }
-        medium["bounds"] = json!(grid.bounds);
-        medium["density"] = json!({"values": grid.values, "resolution": grid.resolution});
         if !transform.is_empty() {
             medium["transform"] = json!(transform);
         }
@@ -83,7 +106,7 @@ impl MitsubaReader<'_> {
     fn constant_volume(&mut self, properties: &Properties<'_>, name: &str) -> Result<Option<MitsubaSpectrum>> {
         Ok(match self.volume(properties, name)? {
             None => None,
-            Some(MitsubaVolume::Constant(spectrum)) => Some(spectrum),
+            Some(MitsubaVolume::Constant { value, .. }) => Some(value),
             Some(MitsubaVolume::Grid { grid, .. }) => {
                 let what = format!("the grid of \"{name}\" is replaced by its mean");
                 self.scene.leave_out(properties.element.place(), what);
@@ -97,20 +120,21 @@ impl MitsubaReader<'_> {
         let Some(element) = properties.find(name) else { return Ok(None) };
         let element = self.document.resolve(element);
         if element.tag != "volume" {
-            return Ok(Some(MitsubaVolume::Constant(self.spectrum(&element)?)));
+            return Ok(Some(self.spectrum(&element)?.into()));
         }
         let inner = Properties::new(&element);
         let volume = match element.plugin() {
             "constvolume" => {
                 let value = inner.find("value").map(|value| self.document.resolve(value));
                 let value = value.map(|value| self.spectrum(&value)).transpose()?;
-                MitsubaVolume::Constant(value.unwrap_or(MitsubaSpectrum::Number(1.0)))
+                let transform = steps(affine(&element, inner.transform("to_world")?)?);
+                MitsubaVolume::Constant { value: value.unwrap_or(MitsubaSpectrum::Number(1.0)), transform }
             }
             "gridvolume" => self.grid(&inner)?,
             other => {
                 let what = format!("a volume of the type \"{other}\" is not supported and becomes 1");
                 self.scene.leave_out(element.place(), what);
-                return Ok(Some(MitsubaVolume::Constant(MitsubaSpectrum::Number(1.0))));
+                return Ok(Some(MitsubaSpectrum::Number(1.0).into()));
             }
         };
         self.note_unread(&inner);
@@ -135,7 +159,7 @@ impl MitsubaReader<'_> {
         let to_world = affine(element, properties.transform("to_world")?)?;
         if let Some(reason) = grid.unusable() {
             self.scene.leave_out(element.place(), format!("{reason} and is replaced by its mean"));
-            return Ok(MitsubaVolume::Constant(MitsubaSpectrum::Number(grid.mean())));
+            return Ok(MitsubaSpectrum::Number(grid.mean()).into());
         }
         Ok(MitsubaVolume::Grid { grid, transform: steps(to_world) })
     }

@@ -24,11 +24,11 @@ const FILM_MM: [f64; 2] = [36.0, 24.0];
 impl MitsubaReader<'_> {
     /// Converts the first sensor of the scene.
     pub(super) fn sensor(&mut self, sensors: &[Rc<XmlElement>]) -> Result<()> {
-        let usable = |sensor: &&Rc<XmlElement>| ["perspective", "thinlens"].contains(&sensor.plugin());
+        let usable = |sensor: &&Rc<XmlElement>| ["perspective", "thinlens", "orthographic"].contains(&sensor.plugin());
         let Some(sensor) = sensors.iter().find(usable) else {
             let other = sensors.first().map_or(&self.document.root, |sensor| sensor);
             let error = other.error("the scene has no sensor that can be converted");
-            return Err(error.expected("a sensor of the type \"perspective\" or \"thinlens\""));
+            return Err(error.expected("a sensor of the type \"perspective\", \"thinlens\" or \"orthographic\""));
         };
         for other in sensors.iter().filter(|other| !Rc::ptr_eq(other, sensor)) {
             self.scene.leave_out(other.place(), "a further sensor is left out");
@@ -41,8 +41,16 @@ impl MitsubaReader<'_> {
         }
         // A Mitsuba camera looks along +z, +y is up, and +x is to the left.
         let direction = |local: DVec3| to_world.transform_vector3(local).normalize_or(local);
-        let fov = vertical_fov(&properties, width / height)?;
-        let lens = if sensor.plugin() == "thinlens" {
+        let lens = if sensor.plugin() == "orthographic" {
+            // The picture is 2 wide before the transform.
+            let half_width = to_world.transform_vector3(DVec3::X).length();
+            let pictured = to_world.transform_vector3(DVec3::Y).length() / half_width;
+            if (pictured - 1.0).abs() > 1e-6 {
+                self.scene.leave_out(sensor.place(), "the vertical stretch of an orthographic sensor is left out");
+            }
+            json!({"orthographic": {"height": 2.0 * half_width * height / width}})
+        } else if sensor.plugin() == "thinlens" {
+            let fov = vertical_fov(&properties, width / height)?;
             let focus = properties.optional_number("focus_distance")?.filter(|&distance| distance > 0.0);
             let focus = focus.ok_or_else(|| sensor.error("a thin lens without a focus distance above 0"))?;
             let radius = properties.number("aperture_radius", 0.0)?;
@@ -51,7 +59,7 @@ impl MitsubaReader<'_> {
         } else {
             // A pinhole camera has no focus.
             properties.ignore(&["focus_distance"]);
-            json!({"pinhole": {"fov": fov}})
+            json!({"pinhole": {"fov": vertical_fov(&properties, width / height)?}})
         };
         self.scene.camera = json!({
             "from": to_world.translation.to_array(), "at": (to_world.translation + direction(DVec3::Z)).to_array(),

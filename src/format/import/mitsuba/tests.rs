@@ -355,6 +355,36 @@ fn media_fill_bodies_and_the_space_around_the_sensor() {
     assert_eq!(imported.left_out(), "");
 }
 
+/// In Mitsuba, a heterogeneous medium ends at the box of its extinction. The box of a constant is
+/// the unit cube after the transform.
+#[test]
+fn a_constant_extinction_fills_a_box() {
+    let imported = Imported::of(
+        r#"<medium type="heterogeneous" id="m"><float name="scale" value="4"/><float name="albedo" value="0.25"/>
+        <volume name="sigma_t" type="constvolume"><float name="value" value="0.5"/><transform name="to_world">
+        <translate x="-0.5"/></transform></volume></medium>
+        <shape type="sphere"><bsdf type="null"/><ref name="interior" id="m"/></shape>"#,
+    );
+    let medium = &imported.scene()["media"]["m"]["grid"];
+    assert_eq!((&medium["bounds"], &medium["density"]), (&json!([[0, 0, 0], [1, 1, 1]]), &json!({"constant": 1})));
+    close(&medium["absorption"], 1.5);
+    close(&medium["scattering"], 0.5);
+    assert_eq!(medium["transform"], json!([{"translate": [-0.5, 0.0, 0.0]}]));
+}
+
+/// Light enters a thin pane, so the medium behind it is seen.
+#[test]
+fn a_thin_pane_around_a_medium_is_its_boundary() {
+    let imported = Imported::of(
+        r#"<medium type="homogeneous" id="m"/>
+        <shape type="sphere"><bsdf type="thindielectric"/><ref name="interior" id="m"/></shape>"#,
+    );
+    let scene = imported.scene();
+    let name = scene["objects"][0]["material"].as_str().unwrap();
+    assert_eq!(scene["materials"][name], json!({"boundary": {"medium": "m"}}));
+    assert!(imported.left_out().contains("a thin pane around a medium reflects nothing"));
+}
+
 #[test]
 fn a_grid_of_densities_becomes_a_grid_medium() {
     let mut vol = b"VOL\x03".to_vec();

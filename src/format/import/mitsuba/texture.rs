@@ -178,16 +178,19 @@ impl MitsubaReader<'_> {
         }))
     }
 
-    /// Reads a roughness. `root` states that the number is the microfacet parameter α, and not the
-    /// roughness √α of the scene file.
+    /// Reads a roughness. If there is an `alpha_scale`, the number is the microfacet parameter α,
+    /// and not the roughness √α of the scene file. The scale multiplies α, unless it is a picture.
     pub(super) fn roughness(
         &mut self,
         properties: &Properties<'_>,
         name: &str,
         default: f64,
-        root: bool,
+        alpha_scale: Option<f64>,
     ) -> Result<Value> {
-        let convert = |value: f64| if root { value.clamp(0.0, 1.0).sqrt() } else { value.clamp(0.0, 1.0) };
+        let convert = |value: f64| match alpha_scale {
+            Some(scale) => (scale * value).clamp(0.0, 1.0).sqrt(),
+            None => value.clamp(0.0, 1.0),
+        };
         let Some(textured) = self.textured(properties, name)? else { return Ok(json!(convert(default))) };
         let place = properties.element.place();
         Ok(match &textured {
@@ -196,7 +199,7 @@ impl MitsubaReader<'_> {
                 let [b, a] = [0, 1].map(|i| convert(colours[i].mean()));
                 checker(&json!(a), &json!(b), uv.as_ref())
             }
-            Textured::Bitmap(bitmap) if !root => json!({"image": bitmap.value("number", bitmap.raw)}),
+            Textured::Bitmap(bitmap) if alpha_scale.is_none() => json!({"image": bitmap.value("number", bitmap.raw)}),
             // The square root of the decoded value is nearly the encoded value.
             Textured::Bitmap(bitmap) if !bitmap.raw => {
                 self.scene.leave_out(place, "a picture of roughnesses is decoded approximately");

@@ -14,6 +14,7 @@ pub(super) const DEFAULT_FILM: [f64; 2] = [1280.0, 720.0];
 #[derive(Debug)]
 pub(super) struct ReadCamera {
     world_from_camera: DMat4,
+    is_orthographic: bool,
     /// The field of view in degrees along the shorter side of the picture.
     fov: f64,
     /// The ratio of width to height, if the file states one.
@@ -34,7 +35,8 @@ pub(super) fn read_camera(
     camera_from_world: &DMat4,
     left_out: &mut Vec<String>,
 ) -> Result<Option<ReadCamera>> {
-    if class != "perspective" {
+    let is_orthographic = class == "orthographic";
+    if !is_orthographic && class != "perspective" {
         parameters.ignore_all();
         left_out.push(format!("camera \"{class}\" is left out"));
         return Ok(None);
@@ -46,6 +48,7 @@ pub(super) fn read_camera(
     let half = parameters.number("halffov")?.map(|half| 2.0 * half);
     Ok(Some(ReadCamera {
         world_from_camera: camera_from_world.inverse(),
+        is_orthographic,
         fov: half.unwrap_or(parameters.number_or("fov", 90.0)?),
         aspect: parameters.number("frameaspectratio")?,
         window: parameters.tuple("screenwindow")?,
@@ -58,6 +61,7 @@ impl Default for ReadCamera {
     fn default() -> Self {
         Self {
             world_from_camera: DMat4::IDENTITY,
+            is_orthographic: false,
             fov: 90.0,
             aspect: None,
             window: None,
@@ -95,7 +99,12 @@ impl ReadCamera {
         }
         let (sin, cos) = sin_cos(0.5 * self.fov.to_radians());
         let fov = 2.0 * atan2(top * sin, cos).to_degrees();
-        let lens = if self.lens_radius > 0.0 {
+        let lens = if self.is_orthographic {
+            if self.lens_radius > 0.0 {
+                left_out.push("the lens of an orthographic camera is left out: all distances are sharp".into());
+            }
+            json!({"orthographic": {"height": 2.0 * top * to_world.transform_vector3(DVec3::Y).length()}})
+        } else if self.lens_radius > 0.0 {
             let defocus = 2.0 * atan2(self.lens_radius, self.focal_distance).to_degrees();
             json!({"thin": {"fov": fov, "focus_distance": self.focal_distance, "defocus_angle": defocus}})
         } else {

@@ -76,7 +76,7 @@ pub(super) fn read_light(
             }
             let stated = parameters.number("illuminance")?.filter(|&lux| lux > 0.0);
             let mut light = json!({});
-            if let Some(file) = parameters.string("filename")? {
+            if let Some(file) = parameters.file("filename", spectra.folder, spectra.file_access)? {
                 light["image"] = json!(format!("{folder}{file}"));
                 light["projection"] = json!("equal_area");
                 if let Some(illuminance) = stated {

@@ -31,7 +31,9 @@ pub(super) fn read(class: &str, parameters: &Parameters, textures: &mut TextureR
     if parameters.get("displacement").is_some() {
         textures.left_out.push("a displacement is left out".into());
     }
-    let normal_map = parameters.string("normalmap")?.map(|file| json!({"path": format!("{}{file}", textures.folder)}));
+    let spectra = &textures.spectra;
+    let file = parameters.file("normalmap", spectra.folder, spectra.file_access)?;
+    let normal_map = file.map(|file| json!({"path": format!("{}{file}", textures.folder)}));
     let surface = match class {
         "" | "interface" | "none" => return Ok(ReadMaterial::Interface),
         "mix" => {

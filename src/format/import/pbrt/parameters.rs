@@ -1,9 +1,11 @@
 //! The parameters of a pbrt directive.
 
 use std::cell::Cell;
+use std::path::Path;
 
 use super::token::{Place, Token, Tokens};
 use crate::error::Result;
+use crate::format::FileAccess;
 
 /// The values of a parameter.
 #[derive(Debug, Clone, PartialEq)]
@@ -156,6 +158,21 @@ impl Parameters {
     /// Returns a string.
     pub(super) fn string(&self, name: &str) -> Result<Option<&str>> {
         self.get(name).map(Parameter::string).transpose()
+    }
+
+    /// Returns the name of a file of which the scene file will contain the path.
+    ///
+    /// # Errors
+    /// Returns an error if the parameter is not one string, or if the file may not be read or does
+    /// not exist.
+    pub(super) fn file(&self, name: &str, base: &Path, file_access: FileAccess) -> Result<Option<&str>> {
+        let Some(parameter) = self.get(name) else { return Ok(None) };
+        let file = parameter.string()?;
+        match file_access.file(base, Path::new(file)) {
+            Ok(path) if path.is_file() => Ok(Some(file)),
+            Ok(_) => Err(parameter.place.error(format!("the file \"{file}\" does not exist"))),
+            Err(error) => Err(parameter.place.error(error.what)),
+        }
     }
 
     /// Returns a list of strings.

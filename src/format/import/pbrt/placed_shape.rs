@@ -31,7 +31,14 @@ impl Reader<'_> {
         place: &Place,
         left_out: &mut Vec<String>,
     ) -> Result<()> {
-        let mut reader = ShapeReader { folder: self.folder, reverse: self.state.reverse, left_out: Vec::new() };
+        let spectra = self.spectra();
+        let mut reader = ShapeReader {
+            folder: self.folder,
+            base: spectra.folder,
+            file_access: spectra.file_access,
+            reverse: self.state.reverse,
+            left_out: Vec::new(),
+        };
         let shape = reader.read(class, parameters)?;
         left_out.extend(reader.left_out);
         let Some(ReadShape { shape, local, area }) = shape else { return Ok(()) };
@@ -41,7 +48,6 @@ impl Reader<'_> {
             return Ok(());
         }
         let scale = cbrt(self.state.ctm.determinant().abs());
-        let spectra = self.spectra();
         let area = area.map(|area| area * scale * scale);
         let lit = self.state.area_light.as_ref();
         let emission = lit.map(|light| read_emission(light, area, &spectra, left_out)).transpose()?;
@@ -50,6 +56,9 @@ impl Reader<'_> {
             return Ok(());
         };
         let alpha = self.with_textures(left_out, |textures| textures.value(parameters, "alpha", true, 1.0))?;
+        if emission.is_some() && alpha == json!(0.0) {
+            left_out.push("an area light with an alpha of 0 is visible".into());
+        }
         let material = self.scene.with_holes(&material, &alpha, &complement(&alpha)).unwrap_or_else(|| {
             left_out.push("the opacity of a body, or of a mix of materials, is left out".into());
             material

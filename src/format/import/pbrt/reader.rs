@@ -284,6 +284,7 @@ impl<'a> Reader<'a> {
             "LightSource" => {
                 let to_world = self.world * self.state.ctm;
                 let light = read_light(&class, &parameters, &to_world, self.folder, &self.spectra(), &mut left_out)?;
+                self.scene.left_out_lights |= light.is_none();
                 light.into_iter().for_each(|light| self.scene.add_light(light));
             }
             "AreaLightSource" => {

@@ -2,11 +2,14 @@
 
 use std::f64::consts::{PI, TAU};
 
+use std::path::Path;
+
 use glam::{DMat4, DVec2, DVec3};
 use serde_json::{Value, json};
 
 use super::parameters::Parameters;
 use crate::error::Result;
+use crate::format::FileAccess;
 use crate::math::elementary::sin_cos;
 
 /// A shape in its local coordinates.
@@ -30,6 +33,9 @@ const PATCH_SEGMENTS: usize = 8;
 pub(super) struct ShapeReader<'a> {
     /// The path from the folder of the scene file to the folder of the main file.
     pub(super) folder: &'a str,
+    /// The folder of the main file.
+    pub(super) base: &'a Path,
+    pub(super) file_access: FileAccess,
     /// True if the front and the back of the shape are exchanged.
     pub(super) reverse: bool,
     /// Sentences about the parts that were left out.
@@ -160,7 +166,7 @@ impl ShapeReader<'_> {
             self.left_out.push("the displacement of a mesh is left out".into());
         }
         parameters.ignore(&["edgelength", "displacement.edgelength", "displacement.uvscale"]);
-        let Some(file) = parameters.string("filename")? else {
+        let Some(file) = parameters.file("filename", self.base, self.file_access)? else {
             self.left_out.push("a mesh without a file name is left out".into());
             return Ok(None);
         };

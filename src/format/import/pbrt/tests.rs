@@ -17,8 +17,12 @@ fn scene(world: &str) -> String {
     )
 }
 
+/// Converts a file. Its folder contains two empty pictures, which the importer does not read.
 fn imported(text: &str) -> (TempDir, ImportedScene) {
     let folder = TempDir::new().unwrap();
+    for name in ["leaf.png", "n.png"] {
+        std::fs::write(folder.path().join(name), "").unwrap();
+    }
     let path = folder.path().join("a.pbrt");
     std::fs::write(&path, text).unwrap();
     let imported = import(&path, "", FileAccess::WithinFolder);
@@ -42,6 +46,32 @@ fn fault(text: &str) -> String {
 fn near(value: &Value, expected: f64) {
     let found = value.as_f64().unwrap_or(f64::NAN);
     assert!((found - expected).abs() < 1e-4 * (1.0 + expected.abs()), "{found} instead of {expected}");
+}
+
+/// A missing file is named with the place of the statement.
+#[test]
+fn missing_files_are_errors_with_a_place() {
+    for statement in [
+        "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"lost.png\"",
+        "Shape \"plymesh\" \"string filename\" \"lost.ply\"",
+        "LightSource \"infinite\" \"string filename\" \"lost.exr\"",
+        "Material \"diffuse\" \"string normalmap\" \"lost.png\"",
+    ] {
+        let found = fault(&scene(statement));
+        assert!(found.contains("a.pbrt: line 6: the file \"lost.") && found.contains("does not exist"), "{found}");
+    }
+}
+
+/// The window is 4 high along the shorter side of the picture. A scale of the camera's transform
+/// scales the picture.
+#[test]
+fn orthographic_cameras_are_read() {
+    let text = scene("Shape \"sphere\"").replace("\"perspective\" \"float fov\" 40", "\"orthographic\"");
+    near(&value(&text)["camera"]["lens"]["orthographic"]["height"], 2.0);
+    let window = text.replace("\"orthographic\"", "\"orthographic\" \"float screenwindow\" [-4 4 -2 2]");
+    near(&value(&window)["camera"]["lens"]["orthographic"]["height"], 4.0);
+    let scaled = window.replace("LookAt", "Scale 0.5 0.5 0.5 LookAt");
+    near(&value(&scaled)["camera"]["lens"]["orthographic"]["height"], 8.0);
 }
 
 /// In pbrt, +x is to the right of a camera that looks along +z.

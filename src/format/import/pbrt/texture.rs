@@ -144,7 +144,7 @@ impl TextureReader<'_> {
     }
 
     fn picture(&mut self, parameters: &Parameters, is_scalar: bool) -> Result<TextureValue> {
-        let Some(file) = parameters.string("filename")? else {
+        let Some(file) = parameters.file("filename", self.spectra.folder, self.spectra.file_access)? else {
             self.left_out.push("a picture without a file name is replaced by 0.5".into());
             return Ok(json!(0.5));
         };

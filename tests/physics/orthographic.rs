@@ -1,0 +1,47 @@
+//! Orthographic cameras: the area of a picture, and photons against camera paths.
+
+use crate::common::{diffuse, glass, render};
+use crate::textures::assert_integrators_agree;
+use abbe::render::Integrator;
+use serde_json::json;
+
+/// A luminous disk covers the same part of the picture at each distance: its area divided by that
+/// of the picture.
+#[test]
+fn an_orthographic_picture_shows_true_areas() {
+    for distance in [0.5, 50.0] {
+        let scene = json!({
+            "camera": { "from": [0, 0, distance], "at": [0, 0, 0], "lens": { "orthographic": { "height": 2 } } },
+            "film": { "width": 48, "height": 32 },
+            "materials": { "black": "absorber" },
+            "objects": [{ "shape": { "disk": { "radius": 0.8 } }, "material": "black",
+                "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": 90 } }],
+                "emission": { "spectrum": "D65", "luminance": 100 } }],
+            "render": { "photons": 100 }
+        });
+        let picture = render(&scene, Integrator::Photon, 64).picture;
+        let mean = picture.xyz.iter().map(|xyz| xyz[1]).sum::<f64>() / picture.xyz.len() as f64;
+        let expected = 100.0 * std::f64::consts::PI * 0.8 * 0.8 / (3.0 * 2.0);
+        assert!((mean / expected - 1.0).abs() < 0.003, "{distance}: {mean} for {expected}");
+    }
+}
+
+/// A glass ball focuses the light of a lamp onto a floor. Photons are connected to
+/// the camera along its axis.
+#[test]
+fn photons_and_paths_agree_in_orthographic_pictures() {
+    let scene = json!({
+        "camera": { "from": [0.2, 4, 5], "at": [0.2, 0.6, 0], "lens": { "orthographic": { "height": 3 } } },
+        "film": { "width": 32, "height": 32 },
+        "materials": { "grey": diffuse(json!(0.7)), "black": "absorber", "glass": glass(1.5) },
+        "objects": [
+            { "shape": { "rectangle": { "width": 12, "height": 12 } }, "material": "grey" },
+            { "shape": { "sphere": { "radius": 1, "center": [0, 1.01, 0] } }, "material": "glass" },
+            { "shape": { "disk": { "radius": 1.8 } }, "material": "black",
+              "emission": { "spectrum": "D65", "luminance": 10 },
+              "transform": [ { "rotate": { "axis": [1, 0, 0], "degrees": 180 } }, { "translate": [-0.4, 2.8, 0] } ] }
+        ],
+        "render": { "photons": 8000 }
+    });
+    assert_integrators_agree("orthographic camera", &scene);
+}
