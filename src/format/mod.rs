@@ -91,7 +91,7 @@ pub use transform::{KeyframeFile, ScaleFile, TransformFile, TransformStepFile};
 
 use crate::error::{Error, Result};
 pub use crate::json::{FileAccess, JsonPath, JsonSource, MAX_BYTES, PATCH_LABEL, read_text};
-use crate::optics::embedded::unpack;
+use crate::spectrum::embedded::unpack;
 use spectrum::SpectrumUse;
 
 /// A scene.

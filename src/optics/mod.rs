@@ -18,7 +18,6 @@
 pub mod aperture;
 pub mod bsdf;
 pub mod donaldson;
-pub(crate) mod embedded;
 pub mod fluorescent_samples;
 pub mod fluorophore;
 pub mod fresnel;

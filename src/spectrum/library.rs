@@ -7,6 +7,7 @@
 
 use std::sync::OnceLock;
 
+use super::embedded::unpack;
 use super::line::SpectralLine;
 use super::table::Outside;
 use super::value::Spectrum;
@@ -90,7 +91,7 @@ pub struct LibrarySpectrum {
 struct LibraryFile {
     path: &'static str,
     source: &'static str,
-    text: &'static str,
+    packed: &'static [u8],
 }
 
 /// The file of spectral lines. All other files are tables with one column per entry.
@@ -104,72 +105,72 @@ static FILES: [LibraryFile; 14] = [
     LibraryFile {
         path: "illuminants/cie_standard_1nm.csv",
         source: "CIE 15; A by its formula, D beyond 780 nm from the CIE daylight components",
-        text: include_str!("../../data/illuminants/cie_standard_1nm.csv"),
+        packed: include_bytes!("../../data/packed/cie_standard_1nm.csv.gz"),
     },
     LibraryFile {
         path: "illuminants/cie_C.csv",
         source: "CIE 15",
-        text: include_str!("../../data/illuminants/cie_C.csv"),
+        packed: include_bytes!("../../data/packed/cie_C.csv.gz"),
     },
     LibraryFile {
         path: "illuminants/cie_fl.csv",
         source: "CIE 15, sets of 1986 and 2004",
-        text: include_str!("../../data/illuminants/cie_fl.csv"),
+        packed: include_bytes!("../../data/packed/cie_fl.csv.gz"),
     },
     LibraryFile {
         path: "illuminants/cie_hp.csv",
         source: "CIE 15",
-        text: include_str!("../../data/illuminants/cie_hp.csv"),
+        packed: include_bytes!("../../data/packed/cie_hp.csv.gz"),
     },
     LibraryFile {
         path: "illuminants/cie_led.csv",
         source: "CIE 15:2018",
-        text: include_str!("../../data/illuminants/cie_led.csv"),
+        packed: include_bytes!("../../data/packed/cie_led.csv.gz"),
     },
     LibraryFile {
         path: "illuminants/lamps_measured_5nm.csv",
         source: "NIST Colour Quality Scale lamps (Davis and Ohno 2008)",
-        text: include_str!("../../data/illuminants/lamps_measured_5nm.csv"),
+        packed: include_bytes!("../../data/packed/lamps_measured_5nm.csv.gz"),
     },
     LibraryFile {
         path: "illuminants/led_models_1nm.csv",
         source: "model of Ohno 2005",
-        text: include_str!("../../data/illuminants/led_models_1nm.csv"),
+        packed: include_bytes!("../../data/packed/led_models_1nm.csv.gz"),
     },
     LibraryFile {
         path: "illuminants/solar_astm_g173.csv",
         source: "ASTM G173-03 (SMARTS 2.9.2, NREL)",
-        text: include_str!("../../data/illuminants/solar_astm_g173.csv"),
+        packed: include_bytes!("../../data/packed/solar_astm_g173.csv.gz"),
     },
     LibraryFile {
         path: LINES_FILE,
         source: "NIST Atomic Spectra Database, wavelengths in air; makers' tables",
-        text: include_str!("../../data/illuminants/lines.csv"),
+        packed: include_bytes!("../../data/packed/lines.csv.gz"),
     },
     LibraryFile {
         path: "reflectance/colorchecker_ohta_5nm.csv",
         source: "N. Ohta, The Basis of Color Reproduction Engineering",
-        text: include_str!("../../data/reflectance/colorchecker_ohta_5nm.csv"),
+        packed: include_bytes!("../../data/packed/colorchecker_ohta_5nm.csv.gz"),
     },
     LibraryFile {
         path: "reflectance/colorchecker_babelcolor_10nm.csv",
         source: "BabelColor (D. Pascale), mean of 30 charts",
-        text: include_str!("../../data/reflectance/colorchecker_babelcolor_10nm.csv"),
+        packed: include_bytes!("../../data/packed/colorchecker_babelcolor_10nm.csv.gz"),
     },
     LibraryFile {
         path: "reflectance/cie_tcs_5nm.csv",
         source: "CIE 13.3-1995",
-        text: include_str!("../../data/reflectance/cie_tcs_5nm.csv"),
+        packed: include_bytes!("../../data/packed/cie_tcs_5nm.csv.gz"),
     },
     LibraryFile {
         path: "reflectance/leaf_prospectD.csv",
         source: "PROSPECT-D (Féret et al. 2017), computed",
-        text: include_str!("../../data/reflectance/leaf_prospectD.csv"),
+        packed: include_bytes!("../../data/packed/leaf_prospectD.csv.gz"),
     },
     LibraryFile {
         path: "reflectance/sky_zenith_single_scatter.csv",
         source: "ASTM G173 sunlight with single Rayleigh scattering, computed",
-        text: include_str!("../../data/reflectance/sky_zenith_single_scatter.csv"),
+        packed: include_bytes!("../../data/packed/sky_zenith_single_scatter.csv.gz"),
     },
 ];
 
@@ -177,12 +178,12 @@ static MEDIA: [LibraryFile; 2] = [
     LibraryFile {
         path: "media/water.csv",
         source: "Pope and Fry 1997, Hale and Querry 1973; Morel 1974, Smith and Baker 1981",
-        text: include_str!("../../data/media/water.csv"),
+        packed: include_bytes!("../../data/packed/water.csv.gz"),
     },
     LibraryFile {
         path: "media/rayleigh_air.csv",
         source: "Bodhaine et al. 1999, computed",
-        text: include_str!("../../data/media/rayleigh_air.csv"),
+        packed: include_bytes!("../../data/packed/rayleigh_air.csv.gz"),
     },
 ];
 
@@ -210,8 +211,8 @@ pub fn find(name: &str) -> Result<LibrarySpectrum> {
         .find(|listing| listing.name.eq_ignore_ascii_case(name))
         .ok_or_else(|| Error::unknown_name("spectrum", name, names()).expected(EXPECTED_NAME))?;
     let LibraryListing { name, kind, description, source, file, column } = *listing;
-    let spectrum =
-        if file.path == LINES_FILE { lines(file.text, column) } else { table(file.text, column, kind.outside()) };
+    let text = unpack(file.packed);
+    let spectrum = if file.path == LINES_FILE { lines(&text, column) } else { table(&text, column, kind.outside()) };
     Ok(LibrarySpectrum { name, kind, description, source, spectrum })
 }
 

@@ -6,6 +6,7 @@
 //! exactly that function, so no line is lost between samples. When a table, formula or colour is
 //! read, it is converted to such a function once.
 
+pub(crate) mod embedded;
 pub mod library;
 pub mod read;
 

@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 
 use super::continuum::Continuum;
+use super::embedded::unpack;
 use super::{BAND_NM, Spectrum, library, sweep};
 use crate::error::{Error, Result};
 
@@ -64,7 +65,8 @@ impl Observer {
     pub fn alpha_opic() -> [&'static Self; 5] {
         static OBSERVERS: OnceLock<[Observer; 5]> = OnceLock::new();
         let observers = OBSERVERS.get_or_init(|| {
-            let [nm, s, m, l, rod, melanopsin] = library::columns(include_str!("../../data/cie/alpha_opic_1nm.csv"));
+            let [nm, s, m, l, rod, melanopsin] =
+                library::columns(&unpack(include_bytes!("../../data/packed/alpha_opic_1nm.csv.gz")));
             let of = |name, values: Vec<f64>| {
                 let at = |wanted: f64| nm.iter().position(|&nm| nm == wanted).map_or(0.0, |i| values[i]);
                 Self::with_luminosity(name, at)

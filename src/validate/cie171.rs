@@ -7,7 +7,7 @@
 use super::{Case, Expected};
 use crate::error::{Error, Result};
 use crate::math::elementary::sin_cos;
-use crate::optics::embedded;
+use crate::spectrum::embedded;
 use serde::Deserialize;
 use serde_json::{Value as Json, json};
 

@@ -106,7 +106,7 @@ const CRATES: [(&str, &[&str]); 37] = [
     ("tobj", &["format/mesh/"]),
     ("stl_io", &["format/mesh/"]),
     ("gltf", &["format/mesh/", "format/import/"]),
-    ("flate2", &["optics/embedded.rs", "format/mesh/mod.rs", "format/mesh/serialized.rs"]),
+    ("flate2", &["spectrum/embedded.rs", "format/mesh/mod.rs", "format/mesh/serialized.rs"]),
     ("ply_rs_bw", &["format/mesh/"]),
     ("libm", &["math/elementary.rs"]),
     ("pyo3", &["python/"]),

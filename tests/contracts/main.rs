@@ -22,6 +22,7 @@ mod lens_properties;
 mod media_golden;
 mod media_scene;
 mod optics_golden;
+mod packed_tables;
 mod pure_properties;
 mod regress_golden;
 mod scene_file;

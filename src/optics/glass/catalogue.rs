@@ -9,6 +9,7 @@ use super::extinction::Extinction;
 use super::index::{ReferenceMedium, RefractiveIndex};
 use crate::error::{Error, Result};
 use crate::spectrum::BAND_NM;
+use crate::spectrum::embedded::unpack;
 use glam::{DMat3, DVec3};
 
 /// The kind of a material.
@@ -164,8 +165,8 @@ pub fn find(name: &str) -> Result<&'static Glass> {
 }
 
 static GLASSES: LazyLock<Vec<Glass>> = LazyLock::new(|| {
-    let text = include_str!("../../../data/glass/glasses.json");
-    let file: GlassesFile = serde_json::from_str(text).expect("a test parses the embedded catalogue");
+    let text = unpack(include_bytes!("../../../data/packed/glasses.json.gz"));
+    let file: GlassesFile = serde_json::from_str(&text).expect("a test parses the embedded catalogue");
     file.glasses.into_iter().map(Glass::from).collect()
 });
 

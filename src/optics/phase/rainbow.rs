@@ -8,7 +8,7 @@
 //! rendered bows are blurred as in the sky.
 
 use super::table::{self, PhaseTable};
-use crate::optics::embedded::unpack;
+use crate::spectrum::embedded::unpack;
 use std::sync::{Arc, OnceLock};
 
 /// The packed file of the table.
@@ -25,8 +25,8 @@ mod tests {
     use super::super::PhaseFunction;
     use super::super::mie::{MieSpheres, lognormal};
     use super::*;
-    use crate::optics::embedded::pack;
     use crate::optics::glass::RefractiveIndex;
+    use crate::spectrum::embedded::pack;
     use std::fmt::Write;
 
     fn rain() -> MieSpheres {

@@ -7,8 +7,8 @@
 use super::FacetKind;
 use crate::math::cubic::CubicStencil;
 use crate::math::elementary::{asin, exp, ln, powf, sin};
-use crate::optics::embedded::unpack;
 use crate::optics::microfacet::{Ggx, MIN_ALPHA};
+use crate::spectrum::embedded::unpack;
 use std::sync::OnceLock;
 
 /// The packed file of the table.
@@ -141,7 +141,7 @@ fn angle_position(cos: f64, alpha: f64) -> f64 {
 mod tests {
     use super::super::quadrature::{mean_transmitted, missing_and_transmitted};
     use super::*;
-    use crate::optics::embedded::pack;
+    use crate::spectrum::embedded::pack;
     use rayon::prelude::*;
     use std::fmt::Write;
 

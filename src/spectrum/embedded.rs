@@ -1,5 +1,5 @@
 //! Reads the packed files that the program embeds. Unpacked, they would be a twentieth of the
-//! program.
+//! program. `data/packed` contains packed copies of tables of `data`.
 
 use std::io::Read;
 
@@ -15,7 +15,7 @@ pub(crate) fn unpack(packed: &[u8]) -> String {
 
 /// Packs a table for embedding.
 #[cfg(test)]
-pub(super) fn pack(text: &str) -> Vec<u8> {
+pub(crate) fn pack(text: &str) -> Vec<u8> {
     let mut packed = Vec::new();
     let mut encoder = flate2::read::GzEncoder::new(text.as_bytes(), flate2::Compression::best());
     encoder.read_to_end(&mut packed).expect("memory does not fail");
