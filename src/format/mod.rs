@@ -227,6 +227,7 @@ pub struct SceneText {
 /// program that cannot be converted. In the last case, the error says how to bring the file into a
 /// scene. Also returns an error if the overlay is wrong, or if there is an overlay for a file that
 /// is not converted.
+#[cfg_attr(not(feature = "meshes"), expect(unused_variables, reason = "only converted scenes name files"))]
 pub fn read_scene_text(path: &Path, file_access: FileAccess, overlay: Option<&Path>) -> Result<SceneText> {
     #[cfg(feature = "meshes")]
     if import::can_import(path) {

@@ -40,6 +40,7 @@ impl PictureFile {
     }
 
     /// Creates a picture of linear sRGB colours, row by row from the top.
+    #[cfg(feature = "meshes")]
     pub(super) fn of_colours(size: ImageSize, colours: &[[f32; 3]]) -> Self {
         let pixels = colours.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
         Self { size, pixels, usual: EncodingFile::Linear }
