@@ -26,6 +26,12 @@ pub enum MediumFile {
         "absorption": 1, "scattering": 0, "phase": "isotropic", "emission": {"spectrum": "neon-glow", "power": 5},
         "priority": 2, "transform": [], "motion": []
     }}))]
+    #[schemars(example = json!({"homogeneous": {
+        "absorption": 0, "scattering": 0, "phase": "isotropic", "dye": {
+            "molar_absorption": {"table": {"nm": [380, 400, 420], "values": [1900, 230, 10]}}, "concentration": 1e-3,
+            "emission": {"gaussian": {"peak_nm": 450, "fwhm_nm": 80}}, "quantum_yield": 0.55
+        }
+    }}))]
     Homogeneous(Box<HomogeneousFile>),
     /// A medium whose density varies over a box.
     #[schemars(example = json!({"grid": {
@@ -35,6 +41,12 @@ pub enum MediumFile {
     #[schemars(example = json!({"grid": {
         "bounds": [[-1, 0, -1], [1, 2, 1]], "density": {"path": "soot.npy"}, "absorption": 1, "scattering": 0,
         "phase": "isotropic", "emission": {"blackbody": {}}, "temperature": {"constant": 1800}, "priority": 1, "motion": []
+    }}))]
+    #[schemars(example = json!({"grid": {
+        "bounds": [[-1, 0, -1], [1, 2, 1]], "density": {"constant": 2}, "absorption": 0, "scattering": 0,
+        "phase": "isotropic", "dye": {
+            "absorption": 3, "emission": {"gaussian": {"peak_nm": 515, "fwhm_nm": 40}}, "quantum_yield": 0.9
+        }
     }}))]
     Grid(Box<GridFile>),
 }

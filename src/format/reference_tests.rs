@@ -15,7 +15,7 @@ const MINIMAL_SCENE: &str = r#"{
 
 /// For each definition with examples, the patch that puts an example into the minimal scene. In the
 /// patch, `%` stands for the example.
-const PLACES: [(&str, &str); 52] = [
+const PLACES: [(&str, &str); 53] = [
     ("CameraFile", "camera=%"),
     ("CameraKeyframeFile", "camera.motion=[%]"),
     ("ShutterFile", "camera.shutter=%"),
@@ -54,6 +54,7 @@ const PLACES: [(&str, &str); 52] = [
     ("WeightedMaterialFile", r#"materials.x={"mix": [%]}"#),
     ("MediumFile", "media.x=%"),
     ("PhaseFile", r#"media.x.homogeneous={"absorption": 0, "scattering": 1, "phase": %}"#),
+    ("DyeFile", r#"media.x.homogeneous={"absorption": 0, "scattering": 1, "phase": "isotropic", "dye": %}"#),
     (
         "MediumEmissionFile",
         r#"media.x.homogeneous={"absorption": 0, "scattering": 1, "phase": "isotropic", "emission": %}"#,
