@@ -27,10 +27,8 @@ pub enum MediumFile {
         "priority": 2, "transform": [], "motion": []
     }}))]
     #[schemars(example = json!({"homogeneous": {
-        "absorption": 0, "scattering": 0, "phase": "isotropic", "dye": {
-            "molar_absorption": {"table": {"nm": [380, 400, 420], "values": [1900, 230, 10]}}, "concentration": 1e-3,
-            "emission": {"gaussian": {"peak_nm": 450, "fwhm_nm": 80}}, "quantum_yield": 0.55
-        }
+        "absorption": 0, "scattering": 0, "phase": "isotropic",
+        "dye": {"absorption": 20, "emission": "blue glow", "quantum_yield": 0.55}
     }}))]
     Homogeneous(Box<HomogeneousFile>),
     /// A medium whose density varies over a box.
@@ -44,9 +42,7 @@ pub enum MediumFile {
     }}))]
     #[schemars(example = json!({"grid": {
         "bounds": [[-1, 0, -1], [1, 2, 1]], "density": {"constant": 2}, "absorption": 0, "scattering": 0,
-        "phase": "isotropic", "dye": {
-            "absorption": 3, "emission": {"gaussian": {"peak_nm": 515, "fwhm_nm": 40}}, "quantum_yield": 0.9
-        }
+        "phase": "isotropic", "dye": {"absorption": 3, "emission": "green glow", "quantum_yield": 0.9}
     }}))]
     Grid(Box<GridFile>),
 }

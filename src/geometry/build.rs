@@ -247,15 +247,19 @@ impl PlacedSolid {
         // ellipsoid with an axis ratio of 1000 : 1.
         const AXIAL_PIECES: u32 = 256;
         const AZIMUTH_STEPS: u32 = 512;
+        let around = |u: f64| -> f64 {
+            let steps = (0..AZIMUTH_STEPS).map(|i| (f64::from(i) + 0.5) / f64::from(AZIMUTH_STEPS));
+            steps.map(|azimuth| scale_at([u, azimuth])).sum::<f64>() / f64::from(AZIMUTH_STEPS)
+        };
+        if self.solid.has_straight_sides() {
+            return local * around(0.5);
+        }
         let gauss = [(-0.6_f64.sqrt(), 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.6_f64.sqrt(), 5.0 / 18.0)];
         let mut mean = 0.0;
         for piece in 0..AXIAL_PIECES {
             for (node, weight) in gauss {
                 let (sin, cos) = sin_cos(PI * (f64::from(piece) + 0.5 + 0.5 * node) / f64::from(AXIAL_PIECES));
-                let u = 0.5 * (1.0 - cos);
-                let around: f64 =
-                    (0..AZIMUTH_STEPS).map(|i| scale_at([u, (f64::from(i) + 0.5) / f64::from(AZIMUTH_STEPS)])).sum();
-                mean += 0.5 * PI * sin * weight * around / f64::from(AZIMUTH_STEPS * AXIAL_PIECES);
+                mean += 0.5 * PI * sin * weight * around(0.5 * (1.0 - cos)) / f64::from(AXIAL_PIECES);
             }
         }
         local * mean

@@ -202,6 +202,15 @@ impl Solid {
         }
     }
 
+    /// Returns true if a linear map scales the area of a face alike at all points that differ only
+    /// in their distance along the axis, or from the axis.
+    pub(crate) fn has_straight_sides(&self) -> bool {
+        match self {
+            Self::Flat(_) | Self::Polyhedron(_) | Self::Cylinder(_) => true,
+            Self::Sphere(_) | Self::Lens(_) => false,
+        }
+    }
+
     /// Returns the radius of a sphere, or `None` for other shapes.
     pub(crate) fn sphere_radius(&self) -> Option<f64> {
         match self {
