@@ -60,7 +60,7 @@ pub(crate) fn colour_json(
 /// Analyses a lens, and draws its cross-section to the file `svg`. `field` is half the field of
 /// view in degrees.
 pub(crate) fn lens_json(name: &str, field: Option<f64>, glasses: &[PathBuf], svg: Option<&Path>) -> Result<String> {
-    match lens_of(name, glasses)? {
+    match lens::named(name, glasses)? {
         ZmxSystem::Lens(lens) => {
             let analysis = LensAnalysis::of(&lens, field)?;
             if let Some(path) = svg {
@@ -74,12 +74,6 @@ pub(crate) fn lens_json(name: &str, field: Option<f64>, glasses: &[PathBuf], svg
         }
         ZmxSystem::Folded(system) => folded_lens::json(&system, field),
     }
-}
-
-/// Returns a built-in lens, or the lens of a file. The catalogues `glasses` are searched first.
-fn lens_of(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
-    let catalogues = glasses.iter().map(|path| resolve::glass_file(path)).collect::<Result<Vec<_>>>()?;
-    lens::named(name, &catalogues)
 }
 
 /// The lamps of a comparison, as the command line names them.
@@ -133,7 +127,7 @@ struct PrescriptionJson<'a> {
 /// Returns the surfaces of a lens with their indices of refraction at wavelengths in nm. The
 /// arguments are those of [`lens_json`].
 pub(crate) fn prescription_json(name: &str, nm: &[f64], glasses: &[PathBuf]) -> Result<String> {
-    let ZmxSystem::Lens(lens) = lens_of(name, glasses)? else {
+    let ZmxSystem::Lens(lens) = lens::named(name, glasses)? else {
         return Err(Error::input("the system has mirrors or coordinate breaks").expected("a lens with one axis"));
     };
     let surfaces = lens.surfaces().iter().enumerate();

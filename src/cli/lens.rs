@@ -133,9 +133,7 @@ pub(crate) fn run(arguments: &LensArgs) -> Result<Outcome> {
 }
 
 fn one(name: &str, arguments: &LensArgs) -> Result<()> {
-    let catalogues: Vec<AgfCatalogue> =
-        arguments.glasses.iter().map(|path| resolve::glass_file(path)).collect::<Result<_>>()?;
-    let lens = match named(name, &catalogues)? {
+    let lens = match named(name, &arguments.glasses)? {
         ZmxSystem::Lens(lens) => lens,
         ZmxSystem::Folded(system) => {
             if arguments.svg.is_some() {
@@ -160,8 +158,9 @@ pub(crate) fn notes(notes: &[String]) {
     notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
 }
 
-/// Returns the lens given by an argument.
-pub(super) fn named(name: &str, catalogues: &[AgfCatalogue]) -> Result<ZmxSystem> {
+/// Returns the lens given by an argument. The catalogues in the files `glasses` are searched first.
+pub(super) fn named(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
+    let catalogues: Vec<AgfCatalogue> = glasses.iter().map(|path| resolve::glass_file(path)).collect::<Result<_>>()?;
     let unknown = match catalogue::find(name) {
         Ok(lens) => return Ok(ZmxSystem::Lens(lens.clone())),
         Err(unknown) => unknown,
@@ -172,7 +171,7 @@ pub(super) fn named(name: &str, catalogues: &[AgfCatalogue]) -> Result<ZmxSystem
     let is_lens_file =
         |ending: &std::ffi::OsStr| ["json", "zmx"].iter().any(|known| ending.eq_ignore_ascii_case(known));
     if path.exists() || path.extension().is_some_and(is_lens_file) {
-        return resolve::lens_system_file(path, catalogues);
+        return resolve::lens_system_file(path, &catalogues);
     }
     Err(unknown.expected("a name of `abbe lens --list`, or a file"))
 }

@@ -108,8 +108,8 @@ impl DirectLighting<'_> {
 /// to the luminaire. Vertical is +y.
 ///
 /// Above the line of sight, the formula is that of Guth's index in the IES Lighting Handbook. Below
-/// it, the formula is that of Iwata and Tokura (1997). Both are quoted by Wienold and Christoffersen
-/// (Energy and Buildings 38, 2006).
+/// it, the formula is that of Iwata and Tokura (1997). Both are quoted by Wienold and
+/// Christoffersen (Energy and Buildings 38, 2006).
 fn position_index(view: DVec3, to_light: DVec3) -> f64 {
     let right = view.cross(DVec3::Y);
     // In a vertical view, north is up.

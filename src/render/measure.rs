@@ -142,8 +142,8 @@ impl Job {
         ))
     }
 
-    /// Returns a note if a point receptor lies in a hollow, where photons that pass through glass may
-    /// not reach the disk around it.
+    /// Returns a note if a point receptor lies in a hollow, where photons that pass through glass
+    /// may not reach the disk around it.
     fn note_of_hollows(&self, integrator: Integrator) -> Option<String> {
         /// The distance at which the surface below a receptor is found, divided by the radius of
         /// the scene. It is larger than the shift of receptors above surfaces.

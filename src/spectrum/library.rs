@@ -92,6 +92,18 @@ struct LibraryFile {
     path: &'static str,
     source: &'static str,
     packed: &'static [u8],
+    /// The text, after its first use.
+    text: OnceLock<String>,
+}
+
+impl LibraryFile {
+    const fn new(path: &'static str, source: &'static str, packed: &'static [u8]) -> Self {
+        Self { path, source, packed, text: OnceLock::new() }
+    }
+
+    fn text(&self) -> &str {
+        self.text.get_or_init(|| unpack(self.packed))
+    }
 }
 
 /// The file of spectral lines. All other files are tables with one column per entry.
@@ -102,89 +114,77 @@ static METALS: &str = include_str!("../../data/metals/metals.csv");
 static METALS_NK: &str = include_str!("../../data/metals/metals_nk.csv");
 
 static FILES: [LibraryFile; 14] = [
-    LibraryFile {
-        path: "illuminants/cie_standard_1nm.csv",
-        source: "CIE 15; A by its formula, D beyond 780 nm from the CIE daylight components",
-        packed: include_bytes!("../../data/packed/cie_standard_1nm.csv.gz"),
-    },
-    LibraryFile {
-        path: "illuminants/cie_C.csv",
-        source: "CIE 15",
-        packed: include_bytes!("../../data/packed/cie_C.csv.gz"),
-    },
-    LibraryFile {
-        path: "illuminants/cie_fl.csv",
-        source: "CIE 15, sets of 1986 and 2004",
-        packed: include_bytes!("../../data/packed/cie_fl.csv.gz"),
-    },
-    LibraryFile {
-        path: "illuminants/cie_hp.csv",
-        source: "CIE 15",
-        packed: include_bytes!("../../data/packed/cie_hp.csv.gz"),
-    },
-    LibraryFile {
-        path: "illuminants/cie_led.csv",
-        source: "CIE 15:2018",
-        packed: include_bytes!("../../data/packed/cie_led.csv.gz"),
-    },
-    LibraryFile {
-        path: "illuminants/lamps_measured_5nm.csv",
-        source: "NIST Colour Quality Scale lamps (Davis and Ohno 2008)",
-        packed: include_bytes!("../../data/packed/lamps_measured_5nm.csv.gz"),
-    },
-    LibraryFile {
-        path: "illuminants/led_models_1nm.csv",
-        source: "model of Ohno 2005",
-        packed: include_bytes!("../../data/packed/led_models_1nm.csv.gz"),
-    },
-    LibraryFile {
-        path: "illuminants/solar_astm_g173.csv",
-        source: "ASTM G173-03 (SMARTS 2.9.2, NREL)",
-        packed: include_bytes!("../../data/packed/solar_astm_g173.csv.gz"),
-    },
-    LibraryFile {
-        path: LINES_FILE,
-        source: "NIST Atomic Spectra Database, wavelengths in air; makers' tables",
-        packed: include_bytes!("../../data/packed/lines.csv.gz"),
-    },
-    LibraryFile {
-        path: "reflectance/colorchecker_ohta_5nm.csv",
-        source: "N. Ohta, The Basis of Color Reproduction Engineering",
-        packed: include_bytes!("../../data/packed/colorchecker_ohta_5nm.csv.gz"),
-    },
-    LibraryFile {
-        path: "reflectance/colorchecker_babelcolor_10nm.csv",
-        source: "BabelColor (D. Pascale), mean of 30 charts",
-        packed: include_bytes!("../../data/packed/colorchecker_babelcolor_10nm.csv.gz"),
-    },
-    LibraryFile {
-        path: "reflectance/cie_tcs_5nm.csv",
-        source: "CIE 13.3-1995",
-        packed: include_bytes!("../../data/packed/cie_tcs_5nm.csv.gz"),
-    },
-    LibraryFile {
-        path: "reflectance/leaf_prospectD.csv",
-        source: "PROSPECT-D (Féret et al. 2017), computed",
-        packed: include_bytes!("../../data/packed/leaf_prospectD.csv.gz"),
-    },
-    LibraryFile {
-        path: "reflectance/sky_zenith_single_scatter.csv",
-        source: "ASTM G173 sunlight with single Rayleigh scattering, computed",
-        packed: include_bytes!("../../data/packed/sky_zenith_single_scatter.csv.gz"),
-    },
+    LibraryFile::new(
+        "illuminants/cie_standard_1nm.csv",
+        "CIE 15; A by its formula, D beyond 780 nm from the CIE daylight components",
+        include_bytes!("../../data/packed/cie_standard_1nm.csv.gz"),
+    ),
+    LibraryFile::new("illuminants/cie_C.csv", "CIE 15", include_bytes!("../../data/packed/cie_C.csv.gz")),
+    LibraryFile::new(
+        "illuminants/cie_fl.csv",
+        "CIE 15, sets of 1986 and 2004",
+        include_bytes!("../../data/packed/cie_fl.csv.gz"),
+    ),
+    LibraryFile::new("illuminants/cie_hp.csv", "CIE 15", include_bytes!("../../data/packed/cie_hp.csv.gz")),
+    LibraryFile::new("illuminants/cie_led.csv", "CIE 15:2018", include_bytes!("../../data/packed/cie_led.csv.gz")),
+    LibraryFile::new(
+        "illuminants/lamps_measured_5nm.csv",
+        "NIST Colour Quality Scale lamps (Davis and Ohno 2008)",
+        include_bytes!("../../data/packed/lamps_measured_5nm.csv.gz"),
+    ),
+    LibraryFile::new(
+        "illuminants/led_models_1nm.csv",
+        "model of Ohno 2005",
+        include_bytes!("../../data/packed/led_models_1nm.csv.gz"),
+    ),
+    LibraryFile::new(
+        "illuminants/solar_astm_g173.csv",
+        "ASTM G173-03 (SMARTS 2.9.2, NREL)",
+        include_bytes!("../../data/packed/solar_astm_g173.csv.gz"),
+    ),
+    LibraryFile::new(
+        LINES_FILE,
+        "NIST Atomic Spectra Database, wavelengths in air; makers' tables",
+        include_bytes!("../../data/packed/lines.csv.gz"),
+    ),
+    LibraryFile::new(
+        "reflectance/colorchecker_ohta_5nm.csv",
+        "N. Ohta, The Basis of Color Reproduction Engineering",
+        include_bytes!("../../data/packed/colorchecker_ohta_5nm.csv.gz"),
+    ),
+    LibraryFile::new(
+        "reflectance/colorchecker_babelcolor_10nm.csv",
+        "BabelColor (D. Pascale), mean of 30 charts",
+        include_bytes!("../../data/packed/colorchecker_babelcolor_10nm.csv.gz"),
+    ),
+    LibraryFile::new(
+        "reflectance/cie_tcs_5nm.csv",
+        "CIE 13.3-1995",
+        include_bytes!("../../data/packed/cie_tcs_5nm.csv.gz"),
+    ),
+    LibraryFile::new(
+        "reflectance/leaf_prospectD.csv",
+        "PROSPECT-D (Féret et al. 2017), computed",
+        include_bytes!("../../data/packed/leaf_prospectD.csv.gz"),
+    ),
+    LibraryFile::new(
+        "reflectance/sky_zenith_single_scatter.csv",
+        "ASTM G173 sunlight with single Rayleigh scattering, computed",
+        include_bytes!("../../data/packed/sky_zenith_single_scatter.csv.gz"),
+    ),
 ];
 
 static MEDIA: [LibraryFile; 2] = [
-    LibraryFile {
-        path: "media/water.csv",
-        source: "Pope and Fry 1997, Hale and Querry 1973; Morel 1974, Smith and Baker 1981",
-        packed: include_bytes!("../../data/packed/water.csv.gz"),
-    },
-    LibraryFile {
-        path: "media/rayleigh_air.csv",
-        source: "Bodhaine et al. 1999, computed",
-        packed: include_bytes!("../../data/packed/rayleigh_air.csv.gz"),
-    },
+    LibraryFile::new(
+        "media/water.csv",
+        "Pope and Fry 1997, Hale and Querry 1973; Morel 1974, Smith and Baker 1981",
+        include_bytes!("../../data/packed/water.csv.gz"),
+    ),
+    LibraryFile::new(
+        "media/rayleigh_air.csv",
+        "Bodhaine et al. 1999, computed",
+        include_bytes!("../../data/packed/rayleigh_air.csv.gz"),
+    ),
 ];
 
 /// Returns the whole catalogue in its order.
@@ -211,8 +211,8 @@ pub fn find(name: &str) -> Result<LibrarySpectrum> {
         .find(|listing| listing.name.eq_ignore_ascii_case(name))
         .ok_or_else(|| Error::unknown_name("spectrum", name, names()).expected(EXPECTED_NAME))?;
     let LibraryListing { name, kind, description, source, file, column } = *listing;
-    let text = unpack(file.packed);
-    let spectrum = if file.path == LINES_FILE { lines(&text, column) } else { table(&text, column, kind.outside()) };
+    let text = file.text();
+    let spectrum = if file.path == LINES_FILE { lines(text, column) } else { table(text, column, kind.outside()) };
     Ok(LibrarySpectrum { name, kind, description, source, spectrum })
 }
 

@@ -1,7 +1,7 @@
 //! Statistical comparison of renders: values measured with independent seeds, and Welch's test with
 //! Šidák's correction.
 
-use super::render;
+use super::{render, with_setting};
 use abbe::render::{Integrator, Rendered};
 use serde_json::Value;
 
@@ -41,6 +41,19 @@ impl Measured {
             (0..count).map(|i| combine(&parts.iter().map(|part| part.runs[run][i]).collect::<Vec<_>>())).collect()
         });
         Self { runs: runs.collect() }
+    }
+
+    /// Measures a scene by photon mapping with 8 seeds, extrapolated to kernels of radius 0 from the
+    /// radii `radius` and half of it.
+    pub(crate) fn extrapolated_photons(
+        scene: &Value,
+        radius: f64,
+        passes: u64,
+        take: impl Fn(&Rendered) -> Vec<f64>,
+    ) -> Self {
+        let [whole, half] = [radius, 0.5 * radius]
+            .map(|radius| Self::new(&with_setting(scene, "radius", radius), (Integrator::Photon, passes), 0..8, &take));
+        Self::extrapolated(&whole, &half)
     }
 
     /// Extrapolates to radius 0 from renders with radius r and r/2: (4·L_{r/2} − L_r)/3 removes a

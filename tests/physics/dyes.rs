@@ -116,8 +116,8 @@ fn a_layer_of_a_solution_has_its_luminance() {
     let irradiance = 1.0 / (4.0 * PI * 40.0 * 40.0) * (-3.0 * ABSORPTION).exp();
     let radiance = 0.8 * ABSORPTION * THICKNESS * irradiance * NM / TO / (4.0 * PI);
     let known = 683.0 * Observer::cie1931().xyz_bar(TO)[1] * radiance;
-    // The standard error of the path tracer is 0.8 %, because few of its wavelengths are in the narrow
-    // emission.
+    // The standard error of the path tracer is 0.8 %, because few of its wavelengths are in the
+    // narrow emission.
     for (integrator, passes, tolerance) in [(Integrator::Photon, 64, 5e-3), (Integrator::Path, 16384, 3e-2)] {
         let measured = Measured::new(&scene, (integrator, passes), 0..4, mean_y);
         println!("{integrator:?}: {} for {known}", measured.mean(0));
@@ -181,9 +181,7 @@ fn photons_and_paths_agree_on_a_dye_behind_a_prism() {
     assert_eq!(job(&scene).plan.wavelengths, WavelengthPlan::Both);
     let take = colour_blocks(8);
     let path = Measured::new(&scene, (Integrator::Path, 512), 100..108, &take);
-    let [whole, half] = [0.06, 0.03]
-        .map(|radius| Measured::new(&with_setting(&scene, "radius", radius), (Integrator::Photon, 32), 0..8, &take));
-    let photon = Measured::extrapolated(&whole, &half);
+    let photon = Measured::extrapolated_photons(&scene, 0.06, 32, &take);
     assert_same("dye behind a prism, photon against path", &photon, &path, 2e-2);
 }
 

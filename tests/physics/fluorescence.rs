@@ -444,9 +444,7 @@ fn a_dye_seen_through_a_prism_keeps_its_energy() {
     assert_eq!(job(&scene).plan.wavelengths, WavelengthPlan::Both);
     let take = colour_blocks(8);
     let path = Measured::new(&scene, (Integrator::Path, 256), 100..108, &take);
-    let [whole, half] = [0.06, 0.03]
-        .map(|radius| Measured::new(&with_setting(&scene, "radius", radius), (Integrator::Photon, 32), 0..8, &take));
-    let photon = Measured::extrapolated(&whole, &half);
+    let photon = Measured::extrapolated_photons(&scene, 0.06, 32, &take);
     assert_same("dye through a prism, photon against path", &photon, &path, 1.4e-2);
 }
 

@@ -64,9 +64,7 @@ fn a_caustic_seen_through_a_dispersive_prism_keeps_its_energy() {
     let take = colour_blocks(8);
     let scene = through_a_prism();
     let path = Measured::new(&scene, (Integrator::Path, 160), 100..108, &take);
-    let [whole, half] = [0.06, 0.03]
-        .map(|radius| Measured::new(&with_setting(&scene, "radius", radius), (Integrator::Photon, 20), 0..8, &take));
-    let photon = Measured::extrapolated(&whole, &half);
+    let photon = Measured::extrapolated_photons(&scene, 0.06, 20, &take);
     assert_same("caustic through a prism, photon against path", &photon, &path, 1.4e-2);
 }
 

@@ -254,9 +254,7 @@ fn photons_on_a_moving_receiver_give_the_path_tracers_picture() {
     let mask = masks.reduce(|a, b| a.iter().zip(&b).map(|(a, b)| *a && *b).collect()).unwrap();
     let blocks = |rendered: &Rendered| block_means(&all_y(rendered), FILM, 8, &mask);
     let path = Measured::new(&scene, (Integrator::Path, 128), 100..108, blocks);
-    let [whole, half] = [RADIUS, 0.5 * RADIUS]
-        .map(|radius| Measured::new(&with_setting(&scene, "radius", radius), (Integrator::Photon, 32), 0..8, blocks));
-    let photon = Measured::extrapolated(&whole, &half);
+    let photon = Measured::extrapolated_photons(&scene, RADIUS, 32, blocks);
     assert_same("rising floor, photon against path", &photon, &path, 5e-3);
     // A renderer that froze the floor at the shutter's opening would fail.
     let frozen = with_setting(&scene, "forbid", json!(["motion"]));

@@ -1,7 +1,7 @@
 //! Orthographic cameras: the area of a picture, and photons against camera paths.
 
-use crate::common::{diffuse, glass, render};
-use crate::textures::assert_integrators_agree;
+use crate::common::render;
+use crate::textures::{assert_integrators_agree, ball_under_a_lamp};
 use abbe::render::Integrator;
 use serde_json::json;
 
@@ -26,22 +26,11 @@ fn an_orthographic_picture_shows_true_areas() {
     }
 }
 
-/// A glass ball focuses the light of a lamp onto a floor. Photons are connected to
-/// the camera along its axis.
+/// A glass ball focuses the light of a lamp onto a floor. Photons are connected to the camera along
+/// its axis.
 #[test]
 fn photons_and_paths_agree_in_orthographic_pictures() {
-    let scene = json!({
-        "camera": { "from": [0.2, 4, 5], "at": [0.2, 0.6, 0], "lens": { "orthographic": { "height": 3 } } },
-        "film": { "width": 32, "height": 32 },
-        "materials": { "grey": diffuse(json!(0.7)), "black": "absorber", "glass": glass(1.5) },
-        "objects": [
-            { "shape": { "rectangle": { "width": 12, "height": 12 } }, "material": "grey" },
-            { "shape": { "sphere": { "radius": 1, "center": [0, 1.01, 0] } }, "material": "glass" },
-            { "shape": { "disk": { "radius": 1.8 } }, "material": "black",
-              "emission": { "spectrum": "D65", "luminance": 10 },
-              "transform": [ { "rotate": { "axis": [1, 0, 0], "degrees": 180 } }, { "translate": [-0.4, 2.8, 0] } ] }
-        ],
-        "render": { "photons": 8000 }
-    });
+    let mut scene = ball_under_a_lamp();
+    scene["camera"] = json!({ "from": [0.2, 4, 5], "at": [0.2, 0.6, 0], "lens": { "orthographic": { "height": 3 } } });
     assert_integrators_agree("orthographic camera", &scene);
 }

@@ -3,7 +3,7 @@
 
 use crate::common::compare::{Measured, assert_same, compare};
 use crate::common::edges::away_from_edges;
-use crate::common::{all_y, block_means, diffuse, glass, job, with_setting};
+use crate::common::{all_y, block_means, diffuse, glass, job};
 use abbe::render::{Integrator, Rendered};
 use serde_json::{Value, json};
 
@@ -13,13 +13,6 @@ const FILM: usize = 32;
 /// Returns Y in blocks of `side` × `side` pixels without the masked edges.
 fn blocks(mask: &[bool], side: usize) -> impl Fn(&Rendered) -> Vec<f64> + '_ {
     move |rendered| block_means(&all_y(rendered), FILM, side, mask)
-}
-
-/// Extrapolates photon mapping to radius 0 from two fixed radii.
-fn photons(scene: &Value, radius: f64, passes: u64, take: impl Fn(&Rendered) -> Vec<f64>) -> Measured {
-    let [whole, half] = [radius, 0.5 * radius]
-        .map(|radius| Measured::new(&with_setting(scene, "radius", radius), (Integrator::Photon, passes), 0..8, &take));
-    Measured::extrapolated(&whole, &half)
 }
 
 /// A white box with a red and a green wall, a white ball, and a light under the ceiling. `albedo`
@@ -55,7 +48,7 @@ fn a_diffuse_box_and_faults_in_it() {
     let scene = cornell(0.73);
     let mask = away_from_edges(&job(&scene).scene, 2.0 * RADIUS);
     let path = Measured::new(&scene, (Integrator::Path, 96), 100..108, blocks(&mask, 8));
-    let photon = photons(&scene, RADIUS, 14, blocks(&mask, 8));
+    let photon = Measured::extrapolated_photons(&scene, RADIUS, 14, blocks(&mask, 8));
     assert_same("box, photon against path", &photon, &path, 5e-3);
 
     let brighter =
@@ -109,7 +102,7 @@ fn compare_balls(name: &str, scene: &Value, passes: [u64; 2], side: usize) -> (M
     const RADIUS: f64 = 0.1;
     let everything = vec![true; FILM * FILM];
     let path = Measured::new(scene, (Integrator::Path, passes[1]), 100..108, blocks(&everything, side));
-    let photon = photons(scene, RADIUS, passes[0], blocks(&everything, side));
+    let photon = Measured::extrapolated_photons(scene, RADIUS, passes[0], blocks(&everything, side));
     assert_same(&format!("{name}, photon against path"), &photon, &path, 5e-3);
     (photon, path)
 }

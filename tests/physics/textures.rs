@@ -119,21 +119,15 @@ pub(crate) fn assert_integrators_agree(name: &str, scene: &Value) {
 /// Does the same as [`assert_integrators_agree`]. The standard errors relative to the mean must be
 /// below `noise`.
 pub(crate) fn assert_integrators_agree_within(name: &str, scene: &Value, noise: f64) {
-    let [whole, half] = [0.1, 0.05].map(|radius| {
-        let scene = crate::common::with_setting(scene, "radius", radius);
-        Measured::new(&scene, (Integrator::Photon, 16), 0..8, colour_blocks(8))
-    });
-    let photon = Measured::extrapolated(&whole, &half);
+    let photon = Measured::extrapolated_photons(scene, 0.1, 16, colour_blocks(8));
     let path = Measured::new(scene, (Integrator::Path, 128), 100..108, colour_blocks(8));
     assert_same(&format!("{name}, photon against path"), &photon, &path, noise);
 }
 
-/// A lamp with coloured stripes above a glass ball: the floor receives direct light, and the light
-/// that the ball focuses.
-#[test]
-fn photons_and_paths_agree_under_a_lamp_with_a_slide() {
-    let slide = json!({ "stripes": { "a": { "rgb": [0.9, 0.2, 0.1] }, "b": { "rgb": [0.1, 0.3, 0.9] }, "scale": 3 } });
-    let scene = json!({
+/// A glass ball on a grey floor under a large lamp: the floor receives direct light, and the light
+/// that the ball focuses. The lamp is the last object.
+pub(crate) fn ball_under_a_lamp() -> Value {
+    json!({
         "camera": { "from": [0, 2.2, 5], "at": [0.2, 0.6, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 32 } } },
         "film": { "width": 32, "height": 32 },
         "materials": { "grey": diffuse(json!(0.7)), "black": "absorber", "glass": glass(1.5) },
@@ -141,11 +135,19 @@ fn photons_and_paths_agree_under_a_lamp_with_a_slide() {
             { "shape": { "rectangle": { "width": 12, "height": 12 } }, "material": "grey" },
             { "shape": { "sphere": { "radius": 1, "center": [0, 1.01, 0] } }, "material": "glass" },
             { "shape": { "disk": { "radius": 1.8 } }, "material": "black",
-              "emission": { "spectrum": "D65", "luminance": 10, "slide": slide },
+              "emission": { "spectrum": "D65", "luminance": 10 },
               "transform": [ { "rotate": { "axis": [1, 0, 0], "degrees": 180 } }, { "translate": [-0.4, 2.8, 0] } ] }
         ],
         "render": { "photons": 8000 }
-    });
+    })
+}
+
+/// A lamp with coloured stripes above a glass ball.
+#[test]
+fn photons_and_paths_agree_under_a_lamp_with_a_slide() {
+    let mut scene = ball_under_a_lamp();
+    scene["objects"][2]["emission"]["slide"] =
+        json!({ "stripes": { "a": { "rgb": [0.9, 0.2, 0.1] }, "b": { "rgb": [0.1, 0.3, 0.9] }, "scale": 3 } });
     assert_integrators_agree("lamp with a slide", &scene);
 }
 
@@ -153,21 +155,10 @@ fn photons_and_paths_agree_under_a_lamp_with_a_slide() {
 /// also tests the filter of the camera paths.
 #[test]
 fn photons_and_paths_agree_on_a_textured_floor_under_a_glass_ball() {
-    let floor =
-        json!({ "image": { "path": "textures/tiles.png", "wrap": "mirror", "uv": { "scale": [3, 3], "rotate": 20 } } });
-    let scene = json!({
-        "camera": { "from": [0, 2.2, 5], "at": [0.2, 0.6, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 32 } } },
-        "film": { "width": 32, "height": 32 },
-        "materials": { "tiles": diffuse(floor), "black": "absorber", "glass": glass(1.5) },
-        "objects": [
-            { "name": "floor", "shape": { "rectangle": { "width": 12, "height": 12 } }, "material": "tiles" },
-            { "name": "ball", "shape": { "sphere": { "radius": 1, "center": [0, 1.01, 0] } }, "material": "glass" },
-            { "name": "lamp", "shape": { "disk": { "radius": 1.8 } }, "material": "black",
-              "emission": { "spectrum": "D65", "luminance": 10 },
-              "transform": [ { "rotate": { "axis": [1, 0, 0], "degrees": 180 } }, { "translate": [-0.4, 2.8, 0] } ] }
-        ],
-        "render": { "photons": 8000 }
-    });
+    let mut scene = ball_under_a_lamp();
+    scene["materials"]["grey"] = diffuse(
+        json!({ "image": { "path": "textures/tiles.png", "wrap": "mirror", "uv": { "scale": [3, 3], "rotate": 20 } } }),
+    );
     assert_integrators_agree("textured floor under a glass ball", &scene);
 }
 
