@@ -19,11 +19,14 @@ use crate::map::SphereTree;
 use crate::map::kernel::{DiskKernel, KernelDomain, KernelValues};
 use crate::map::radius::RadiusScales;
 use crate::math::random::{Purpose, Stream};
+use crate::math::sphere::BoundingSphere;
 use crate::optics::bsdf::BsdfClass;
 use crate::plan::partition::LightPath;
 use crate::plan::{CausticPlan, PathClass};
 use crate::scene::Scene;
+
 use crate::scene::meter::{ReceivingSide, Receptor, ReceptorShape, Response};
+use crate::scene::view::RECEPTOR_MARGIN;
 use crate::sensor::SplatSink;
 use crate::spectrum::LANES;
 use crate::walk::ledger::Ledger;
@@ -116,13 +119,22 @@ pub(super) fn first_radii(context: &PassContext<'_>, scene: &Scene, strata: &Emi
     trace(&source, &source.points(), 0..paths, &mut survey, &mut ledger);
     // A pass has more photon paths than the survey.
     let nearest = (context.budget.nearest as f64 * paths as f64 / photons.max(1) as f64).max(1.0) as usize;
-    let radius_m = |mut distances2: Vec<f64>| {
-        if distances2.len() < nearest {
-            return most_m;
-        }
-        distances2.select_nth_unstable_by(nearest - 1, f64::total_cmp).1.sqrt()
+    let view = scene.visible_sphere();
+    let radius_m = |(receptor, mut distances2): (&Receptor, Vec<f64>)| {
+        let enough = distances2.len() >= nearest;
+        let found_m =
+            if enough { distances2.select_nth_unstable_by(nearest - 1, f64::total_cmp).1.sqrt() } else { most_m };
+        receptor.position().map_or(found_m, |position| found_m.min(largest_radius_m(view, position)))
     };
-    survey.distances2.into_iter().map(radius_m).collect()
+    receptors.iter().zip(survey.distances2).map(radius_m).collect()
+}
+
+/// Returns the largest radius of the kernel of a receptor at a position, in m. `view` is the sphere
+/// around the receptors. Photons are denser inside of it, and a kernel lies on one side of its edge.
+fn largest_radius_m(view: Option<BoundingSphere>, position: DVec3) -> f64 {
+    let Some(view) = view else { return f64::INFINITY };
+    let inner_m = view.radius_m / RECEPTOR_MARGIN;
+    if position.distance(view.centre) <= inner_m { view.radius_m - inner_m } else { f64::INFINITY }
 }
 
 impl<'a> ReceptorKernels<'a> {

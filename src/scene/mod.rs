@@ -19,7 +19,7 @@ pub mod medium_stack;
 pub mod meter;
 pub mod motion;
 pub mod sweep;
-mod view;
+pub mod view;
 
 use crate::colour::gamut::GamutMapping;
 use crate::colour::tone::ToneCurve;

@@ -16,6 +16,14 @@ const VISIBLE_SHARE: f64 = 0.9;
 /// distance between the view and the scene's centre is at most this multiple of the view's radius.
 const FARTHEST_VIEW: f64 = 256.0;
 
+/// The radius of the sphere around the receptors of a measurement, divided by the radius of the
+/// sphere that contains most of them. Photons are denser inside of a sphere at which they are aimed.
+/// With the margin, the kernel of a receptor does not reach beyond the edge.
+pub const RECEPTOR_MARGIN: f64 = 2.0;
+
+/// Receptors closer together than this fraction of the scene's radius count as one point.
+const SAME_POINT: f64 = 1e-6;
+
 impl Scene {
     /// Visible points, sampled over the whole picture at the moment when the shutter opens.
     pub(super) fn visible_points(&self) -> Vec<DVec3> {
@@ -49,9 +57,16 @@ impl Scene {
         self.camera.receptors().iter().flat_map(points).collect()
     }
 
-    /// A sphere around most of the visible points, or `None` if no surface is visible.
+    /// A sphere around most of the visible points, or `None` if no surface is visible. The sphere of
+    /// a measurement has a margin around most of the receptors, and `None` means that all of them
+    /// are at the same point.
     pub fn visible_sphere(&self) -> Option<BoundingSphere> {
-        around_most(&self.visible_points())
+        let around = around_most(&self.visible_points())?;
+        if !self.measures() {
+            return Some(around);
+        }
+        let apart = around.radius_m > SAME_POINT * self.radius_m;
+        apart.then_some(BoundingSphere { radius_m: RECEPTOR_MARGIN * around.radius_m, ..around })
     }
 
     /// The centre of the view in the world, in m, if it is so far from the scene's centre that the
