@@ -53,6 +53,37 @@ impl LightSampler {
     }
 }
 
+/// The number of wavelengths of a spectrum at which [`LightSampler::wavelengths_per_useful_one`]
+/// compares densities.
+const COMPARED_WAVELENGTHS: u32 = 64;
+
+impl LightSampler {
+    /// Returns how many sampled wavelengths correspond to one wavelength that is sampled from a
+    /// single spectrum, for the spectrum with the largest number. It is 1 if all lights have the
+    /// same spectrum. It is large if many lights have different lines.
+    ///
+    /// The number is the relative second moment ∫ p²/q of the estimate of the spectrum's light: p
+    /// is the density of wavelengths for the spectrum alone, and q is the density for all lights
+    /// (Kong 1992, "A note on importance sampling using standardized weights").
+    pub fn wavelengths_per_useful_one(&self, scene: &Scene) -> f64 {
+        let mut lights: Vec<&Light> = Vec::new();
+        for light in scene.lights.iter().filter(|light| light.importance_per_watt > 0.0) {
+            if !lights.iter().any(|known| known.spectrum == light.spectrum) {
+                lights.push(light);
+            }
+        }
+        let second_moment = |light: &&Light| {
+            let alone = WavelengthDistribution::visually_weighted(&light.spectrum, scene.film.observer)?;
+            let ratio = |i: u32| {
+                let (nm, density) = alone.sample((f64::from(i) + 0.5) / f64::from(COMPARED_WAVELENGTHS));
+                density / self.wavelengths.pdf(nm)
+            };
+            Some((0..COMPARED_WAVELENGTHS).map(ratio).sum::<f64>() / f64::from(COMPARED_WAVELENGTHS))
+        };
+        lights.iter().filter_map(second_moment).fold(1.0, f64::max)
+    }
+}
+
 /// Returns the different spectra of the lights, and their weights in the mixture from which
 /// wavelengths are sampled. `visible_sum` is the visual importance of all lights together.
 /// `emissions` contains the emission spectra of fluorophores, each with its visual importance.

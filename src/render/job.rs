@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::gather::{LightSelector, Openings, SensorResponses};
 use crate::map::PhotonSpectra;
 use crate::pass::PassContext;
-use crate::plan::{Budget, EffectRow, IndirectPlan, Plan};
+use crate::plan::{Budget, EffectRow, IndirectPlan, Plan, WavelengthPlan};
 use crate::scene::Scene;
 use crate::scene::meter::Meter;
 use crate::sensor::{Film, LayerSet, ReadingLayout, ReadingOwner};
@@ -71,6 +71,16 @@ impl Job {
     /// closed form.
     pub fn light_power_w(&self) -> f64 {
         self.lights.power_w
+    }
+
+    /// Returns how many wavelengths of camera paths behind dispersive glass correspond to one that
+    /// suits the light whose spectrum is sampled least. Returns 1 if no camera path is limited to
+    /// one wavelength.
+    pub(super) fn wavelengths_per_useful_one(&self) -> f64 {
+        match self.plan.wavelengths {
+            WavelengthPlan::Free => 1.0,
+            WavelengthPlan::Shared | WavelengthPlan::Both => self.lights.wavelengths_per_useful_one(&self.scene),
+        }
     }
 
     /// Returns the responses of the sensor to photons at diffuse surfaces. Returns `None` if the

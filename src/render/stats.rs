@@ -221,6 +221,10 @@ impl Run {
     }
 }
 
+/// A note names the different spectra of the lights if only one in so many wavelengths suits one of
+/// them. A pass has four wavelengths, so four passes may lack its light.
+const MANY_WAVELENGTHS: f64 = 16.0;
+
 /// Returns notes on light that the picture lacks. A note contains no measured number, so that the
 /// parts of a picture have the same notes.
 fn notes(job: &Job, run: &Run, unlit: &[String]) -> Vec<String> {
@@ -251,7 +255,14 @@ fn notes(job: &Job, run: &Run, unlit: &[String]) -> Vec<String> {
          ledger_w.escaped_inside states the power"
             .to_string()
     });
-    limited.into_iter().chain(capped).chain(open).chain(unlit).collect()
+    let wavelengths = job.wavelengths_per_useful_one();
+    let rare = (wavelengths >= MANY_WAVELENGTHS).then(|| {
+        format!(
+            "the lights have very different spectra: behind dispersive glass, a camera path has one wavelength, and about \
+             one in {wavelengths:.0} suits the spectrum that is sampled least; a short render may lack its light"
+        )
+    });
+    limited.into_iter().chain(capped).chain(open).chain(unlit).chain(rare).collect()
 }
 
 /// Returns all different notes of several runs.

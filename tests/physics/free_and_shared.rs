@@ -180,3 +180,26 @@ fn dispersion_adds_only_colour_noise_to_a_caustic() {
         assert!(all_shared > 3.0 * ratio, "{channel}: {all_shared} and {ratio}");
     }
 }
+
+/// Lamps with different lines share the wavelengths of camera paths behind dispersive glass. With
+/// many such lamps, a note says how few of the wavelengths suit one of them.
+#[test]
+fn a_note_names_spectra_that_few_wavelengths_suit() {
+    let notes = |lamps: u32, width_nm: f64| {
+        let lamp = |i: u32| {
+            let line =
+                json!({ "nm": 450.0 + 180.0 * f64::from(i) / f64::from(lamps), "power": 1, "fwhm_nm": width_nm });
+            json!({ "point": { "at": [f64::from(i), 4, 0], "spectrum": { "lines": [line] }, "power": 1 } })
+        };
+        let mut scene = through_a_prism();
+        scene["lights"] = (0..lamps).map(lamp).collect();
+        scene["objects"].as_array_mut().unwrap().pop();
+        render(&scene, Integrator::Photon, 1).stats.notes
+    };
+    let notes_of_30 = notes(30, 0.1);
+    // Half of the wavelengths are divided equally among the lamps, and the other half by power.
+    let number: f64 = notes_of_30[0].split("one in ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!(notes_of_30.len() == 1 && (30.0..=60.0).contains(&number), "{notes_of_30:?}");
+    assert!(notes(2, 0.1).is_empty());
+    assert!(notes(30, 100.0).is_empty(), "wide lines overlap");
+}
