@@ -18,6 +18,13 @@ fn numbers(point: &PointReport) -> [f64; 3] {
     [number(&point.value), low, high]
 }
 
+/// Prepares a scene whose files lie in a folder.
+fn job_in(folder: &Path, scene: &Json) -> Job {
+    let path = folder.join("scene.json");
+    let (file, source) = parse_with_access(&scene.to_string(), &path, &[], FileAccess::default()).unwrap();
+    Job::new(resolve_meters(&file, &source).unwrap()).unwrap()
+}
+
 fn lamp(name: &str, shape: Json, luminance: f64, transform: Json) -> Json {
     json!({
         "name": name, "shape": shape, "material": "black", "transform": transform,
@@ -90,6 +97,37 @@ fn intervals_of_glare_ratings_contain_the_quadrature() {
     assert!((34..=40).contains(&covered), "{covered} of 40");
 }
 
+/// A luminaire file with a small luminous opening of area A: L = I/(A cos γ) and ω = A cos γ/r².
+#[test]
+fn a_luminaire_file_has_the_glare_of_its_intensity_and_opening() {
+    const BACKGROUND: f64 = 40.0;
+    let file = "IESNA:LM-63-2002\n[TEST] none\nTILT=NONE\n1 -1 1 4 1 1 2 0.2 0.2 0\n1 1 10\n\
+                0 30 60 90\n0\n1000 800 400 0\n";
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("lamp.ies"), file).unwrap();
+    let luminaire = json!({
+        "ies": {"at": [4, 2.8, 0], "toward": [0, -1, 0], "path": "lamp.ies", "area": true, "spectrum": "A"}
+    });
+    let scene = json!({
+        "objects": [],
+        "lights": [{"environment": {"spectrum": "D65", "luminance": BACKGROUND}}, luminaire],
+        "meters": [{"name": "glare", "quantity": "ugr", "points": [[0, 1.2, 0]], "normal": [1, 0, 0]}]
+    });
+    let (height, r2) = (1.6_f64, 18.56_f64);
+    let cosine = height / r2.sqrt();
+    let intensity = 400.0 * (90.0 - cosine.acos().to_degrees()) / 30.0;
+    let sigma = (height / 4.0).atan().to_degrees();
+    let position_index = ((35.2 - 1.22) * 1e-3 * sigma + 21e-5 * sigma * sigma).exp();
+    let glare = intensity.powi(2) / (0.04 * cosine * r2 * position_index.powi(2));
+    let expected = 8.0 * (0.25 / BACKGROUND * glare).log10();
+    for integrator in [Integrator::Path, Integrator::Photon] {
+        let stop = StopRules { passes: Some(16), ..StopRules::default() };
+        let (report, _) = job_in(folder.path(), &scene).measure(Some(integrator), stop, &mut NoMonitor).unwrap();
+        let [rating, ..] = numbers(&report.meters[0].points[0]);
+        assert!((rating - expected).abs() < 0.02, "{integrator:?}: {rating} for {expected}");
+    }
+}
+
 /// Without visible luminaires, the rating has no value.
 #[test]
 fn no_luminaire_gives_no_glare_rating() {
@@ -108,10 +146,8 @@ fn luminaires_without_luminous_surface_are_errors() {
     let mut scene = office();
     let lamp = json!({"point": {"at": [2, 2, 0], "spectrum": "E", "luminous_intensity": 10}});
     scene["lights"].as_array_mut().unwrap().push(lamp);
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/scene.json");
-    let (file, source) = parse_with_access(&scene.to_string(), &folder, &[], FileAccess::default()).unwrap();
-    let job = Job::new(resolve_meters(&file, &source).unwrap()).unwrap();
     let stop = StopRules { passes: Some(1), ..StopRules::default() };
-    let error = job.measure(None, stop, &mut NoMonitor).unwrap_err().to_string();
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let error = job_in(&scenes, &scene).measure(None, stop, &mut NoMonitor).unwrap_err().to_string();
     assert!(error.contains("has no luminous surface"), "{error}");
 }
