@@ -1,10 +1,15 @@
 //! Atomic writing of files: a file is written completely or not at all.
 
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{self, Cursor, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
+
+/// A file while it is written.
+pub trait WritableFile: Read + Write + Seek {}
+
+impl<T: Read + Write + Seek> WritableFile for T {}
 
 /// Writes a file atomically. The data is first written to a temporary file in the same folder. Then
 /// the temporary file is renamed. Readers never see a partial file, and a failure leaves the
@@ -14,13 +19,26 @@ use crate::error::{Error, Result};
 /// Returns a machine error that names `path` if the folder is missing or not writable, or the disk
 /// is full.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
+    write_whole_with(path, |file| file.write_all(bytes))
+}
+
+/// Writes a file atomically, like [`write_whole`]. The function `fill` writes the data into the
+/// empty file, so that the memory need not hold all of it. Only the data of pipes and devices is
+/// collected first.
+///
+/// # Errors
+/// Returns the errors of [`write_whole`] and of `fill`.
+pub fn write_whole_with(path: &Path, fill: impl FnOnce(&mut dyn WritableFile) -> io::Result<()>) -> Result<()> {
     let target = followed(path);
     if is_special(&target) {
-        return fs::write(&target, bytes).map_err(|error| unwritable(path, &error));
+        let mut bytes = Cursor::new(Vec::new());
+        let written = fill(&mut bytes).and_then(|()| fs::write(&target, bytes.get_ref()));
+        return written.map_err(|error| unwritable(path, &error));
     }
     let temporary_path = temporary_path(&target);
-    let written = File::create(&temporary_path).and_then(|mut file| {
-        file.write_all(bytes)?;
+    let created = File::options().read(true).write(true).create(true).truncate(true).open(&temporary_path);
+    let written = created.and_then(|mut file| {
+        fill(&mut file)?;
         file.sync_all()
     });
     written.and_then(|()| fs::rename(&temporary_path, &target)).map_err(|error| {

@@ -60,9 +60,7 @@ impl Job {
             let error = Error::input("the layers `paths` and `lights` do not contain the diffraction at the aperture");
             return Err(error.expected("other layers, or a render that forbids the effect `diffraction`"));
         }
-        // To save the film, the program needs two more blocks of the film's size: one for a copy in
-        // words, and one for the file.
-        let budget = Budget::of(&scene, &plan, (film_bytes as u64).saturating_mul(3));
+        let budget = Budget::of(&scene, &plan, memory_bytes(film_bytes as u64, slices > 0));
         let readings = reading_layout(&scene).map(Arc::new);
         Ok(Self { scene, plan, rows, budget, diffraction, layers, readings, lights, selector, spectra })
     }
@@ -109,6 +107,14 @@ impl Job {
             openings: Openings::NONE,
         }
     }
+}
+
+/// Returns the memory of a film and of its picture in bytes. A picture has at most a quarter of the
+/// film's bytes. The convolution with the diffraction at the aperture needs up to two more blocks of
+/// the film's size.
+fn memory_bytes(film_bytes: u64, diffraction: bool) -> u64 {
+    let more = if diffraction { film_bytes.saturating_mul(2) } else { 0 };
+    film_bytes.saturating_add(film_bytes / 4).saturating_add(more)
 }
 
 /// Returns the readings of the scene's meters, or `None` if the scene has a picture.

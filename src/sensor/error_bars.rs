@@ -71,6 +71,13 @@ const BIAS_REACH: usize = 2;
 /// seldom exceeds this threshold.
 const EDGE_THRESHOLD: f64 = 3.0;
 
+/// The largest distance (pixels) at which a neighbour contributes to any estimate.
+const REACH: usize = if NOISE_REACH > BIAS_REACH { NOISE_REACH } else { BIAS_REACH };
+
+/// Error bars are computed for this number of rows at a time, so that the estimates of single pixels
+/// need little memory.
+const ROWS_PER_BLOCK: usize = 64;
+
 /// The bias changes its sign at an edge. Therefore a pixel is marked as an edge only if the mean
 /// bias around the pixel is below this share of the root mean square bias.
 const EDGE_MEAN_SHARE: f64 = 0.5;
@@ -86,38 +93,31 @@ impl ErrorBars {
         let replicates = passes.iter().filter(|&&passes| passes > 0).count();
         let half = |parity: usize| passes.iter().skip(parity).step_by(2).any(|&passes| passes > 0);
         let halves = [half(0), half(1)];
-        let (mut variances, mut squares) = (vec![None; count], vec![None; count]);
-        let (mut signed, mut noise_of_bias) = (vec![None; count], vec![None; count]);
-        let (mut kernel_noise, mut lit) = (0.0, 0_usize);
-        for pixel in 0..count {
-            let Some(measured) = measured(pixel) else { continue };
-            variances[pixel] = measured.variance(passes);
-            squares[pixel] = measured.squared_bias(halves);
-            let variance = measured.kernel_variance(halves);
-            kernel_noise += variance;
-            (signed[pixel], noise_of_bias[pixel]) = (Some(0.5 * (measured.bias[0] + measured.bias[1])), Some(variance));
-            lit += 1;
+        let degrees = replicates.saturating_sub(1) as f64;
+        let (noise, bias, edge) = (Vec::with_capacity(count), Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut bars = Self { noise, bias, edge, kernel_noise: 0.0 };
+        let (rows, mut lit) = (count / width.max(1), 0_usize);
+        for first in (0..rows).step_by(ROWS_PER_BLOCK) {
+            let own = first..(first + ROWS_PER_BLOCK).min(rows);
+            let around = own.start.saturating_sub(REACH)..(own.end + REACH).min(rows);
+            let estimates =
+                PixelEstimates::new(width, (around.start * width..around.end * width).map(&measured), |m| {
+                    (m.variance(passes), m.squared_bias(halves), m.kernel_variance(halves))
+                });
+            for pixel in (own.start - around.start) * width..(own.end - around.start) * width {
+                if let Some(variance) = estimates.noise_of_bias[pixel] {
+                    bars.kernel_noise += variance;
+                    lit += 1;
+                }
+                let bar = |square: f64| square.max(0.0).sqrt() as f32;
+                bars.noise.push(estimates.noise(pixel, degrees).map(bar));
+                let square = estimates.smooth_square(pixel);
+                bars.bias.push(square.map(bar));
+                bars.edge.push(square.map(|square| halves == [true; 2] && estimates.is_edge(pixel, square)));
+            }
         }
-        let own = replicates.saturating_sub(1) as f64;
-        let noise = |pixel: usize| {
-            let around = mean_around(&variances, width, pixel, NOISE_REACH);
-            variances[pixel].map(|variance| (own * variance + NEIGHBOUR_DEGREES * around) / (own + NEIGHBOUR_DEGREES))
-        };
-        let around = |values: &[Option<f64>], pixel: usize| mean_around(values, width, pixel, BIAS_REACH);
-        let smooth: Vec<Option<f64>> =
-            (0..count).map(|pixel| squares[pixel].map(|_| around(&squares, pixel))).collect();
-        let bias = |pixel: usize| smooth[pixel];
-        let edge = |pixel: usize| {
-            smooth[pixel].map(|square| {
-                let is_significant = halves == [true; 2] && square > EDGE_THRESHOLD * around(&noise_of_bias, pixel);
-                is_significant && around(&signed, pixel).powi(2) < EDGE_MEAN_SHARE * EDGE_MEAN_SHARE * square
-            })
-        };
-        let edge = (0..count).map(edge).collect();
-        let bars = |of: &dyn Fn(usize) -> Option<f64>| {
-            (0..count).map(|pixel| of(pixel).map(|square| square.max(0.0).sqrt() as f32)).collect()
-        };
-        Self { noise: bars(&noise), bias: bars(&bias), edge, kernel_noise: kernel_noise / lit.max(1) as f64 }
+        bars.kernel_noise /= lit.max(1) as f64;
+        bars
     }
 
     /// Returns the parts of the picture's squared relative error. `mean_y` is the mean of Y over
@@ -183,6 +183,60 @@ impl PixelMeans {
     fn kernel_variance(&self, halves: [bool; 2]) -> f64 {
         let [even, odd] = self.bias;
         if halves == [true; 2] { (0.5 * (even - odd)).powi(2) } else { 0.0 }
+    }
+}
+
+/// The estimates of single pixels in some rows. Pixels without light have none.
+struct PixelEstimates {
+    width: usize,
+    /// The variance of the mean of Y.
+    variances: Vec<Option<f64>>,
+    /// The squared bias.
+    squares: Vec<Option<f64>>,
+    /// The bias with its sign.
+    signed: Vec<Option<f64>>,
+    /// The variance of the kernel estimates.
+    noise_of_bias: Vec<Option<f64>>,
+}
+
+impl PixelEstimates {
+    /// Collects the estimates of pixels. `estimates` returns the variance of the mean, the squared
+    /// bias and the variance of the kernel estimates.
+    fn new(
+        width: usize,
+        pixels: impl Iterator<Item = Option<PixelMeans>>,
+        estimates: impl Fn(&PixelMeans) -> (Option<f64>, Option<f64>, f64),
+    ) -> Self {
+        let [variances, squares, signed, noise_of_bias] = [(); 4].map(|()| Vec::new());
+        let mut all = Self { width, variances, squares, signed, noise_of_bias };
+        for measured in pixels {
+            let found = measured.as_ref().map(&estimates);
+            all.variances.push(found.and_then(|(variance, ..)| variance));
+            all.squares.push(found.and_then(|(_, square, _)| square));
+            all.noise_of_bias.push(found.map(|(.., variance)| variance));
+            all.signed.push(measured.map(|measured| 0.5 * (measured.bias[0] + measured.bias[1])));
+        }
+        all
+    }
+
+    /// Returns the squared noise of a pixel, whose own variance has some degrees of freedom.
+    fn noise(&self, pixel: usize, degrees: f64) -> Option<f64> {
+        let around = mean_around(&self.variances, self.width, pixel, NOISE_REACH);
+        self.variances[pixel]
+            .map(|variance| (degrees * variance + NEIGHBOUR_DEGREES * around) / (degrees + NEIGHBOUR_DEGREES))
+    }
+
+    /// Returns the mean squared bias around a pixel.
+    fn smooth_square(&self, pixel: usize) -> Option<f64> {
+        self.squares[pixel].map(|_| mean_around(&self.squares, self.width, pixel, BIAS_REACH))
+    }
+
+    /// Returns true if an edge of the illumination is within the reach of a kernel. `square` is the
+    /// mean squared bias around the pixel.
+    fn is_edge(&self, pixel: usize, square: f64) -> bool {
+        let around = |values: &[Option<f64>]| mean_around(values, self.width, pixel, BIAS_REACH);
+        square > EDGE_THRESHOLD * around(&self.noise_of_bias)
+            && around(&self.signed).powi(2) < EDGE_MEAN_SHARE * EDGE_MEAN_SHARE * square
     }
 }
 

@@ -255,16 +255,22 @@ impl Film {
     /// Returns the sums of one plane, pixel by pixel. `plane` is an index into
     /// [`Self::plane_names`].
     pub fn plane(&self, plane: usize) -> impl Iterator<Item = ExactSum> {
+        (0..self.pixels.len()).map(self.plane_sums(plane))
+    }
+
+    /// Returns a function that returns the sum of one plane at a pixel. `plane` is an index into
+    /// [`Self::plane_names`].
+    pub fn plane_sums(&self, plane: usize) -> impl Fn(usize) -> ExactSum {
         let count = self.channels.count();
         let names = plane.checked_sub(FIRST_CHANNEL + count).and_then(|plane| self.list_of_names(plane));
-        (0..self.pixels.len()).map(move |pixel| match plane {
+        move |pixel| match plane {
             _ if let Some((layer, place)) = names => layer.pixels[pixel].to_sum(place),
             0 => self.pixels[pixel].x,
             1 => self.pixels[pixel].z,
             _ if plane < FIRST_Y => self.pixels[pixel].bias[plane - FIRST_BIAS],
             _ if plane < FIRST_CHANNEL => self.pixels[pixel].y[plane - FIRST_Y],
             _ => self.by_channel[pixel * count + plane - FIRST_CHANNEL],
-        })
+        }
     }
 
     /// Returns the list of names of a plane, and the place of the plane's entries in the lists of

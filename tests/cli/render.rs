@@ -80,6 +80,36 @@ fn the_pilot_is_announced_and_its_time_counts() {
     assert!(!quiet.err.contains("pilot"), "{}", quiet.err);
 }
 
+/// Returns the largest memory of a render of a part with a film of this size, until the file is
+/// written.
+#[cfg(target_os = "linux")]
+fn peak_memory_bytes(folder: &Path, size: &str) -> f64 {
+    let arguments = ["render", "ball.json", "--quiet", "--passes", "2", "--part", "1/2", "--size", size];
+    let more = ["--set", "render.camera_samples=1"];
+    let mut child = command(folder).args(arguments).args(more).spawn().unwrap();
+    let status = Path::new("/proc").join(child.id().to_string()).join("status");
+    let mut peak_kilobytes = 0.0;
+    while child.try_wait().unwrap().is_none() {
+        let text = std::fs::read_to_string(&status).unwrap_or_default();
+        let number = text.split("VmHWM:").nth(1).and_then(|rest| rest.split_whitespace().next()?.parse::<f64>().ok());
+        peak_kilobytes = number.unwrap_or(peak_kilobytes);
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    assert!(child.wait().unwrap().success());
+    1024.0 * peak_kilobytes
+}
+
+/// The film has 192 bytes for each pixel. The words of its sums and the samples of the picture are
+/// computed while the file is written, so that they take no memory.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_part_is_written_without_a_copy_of_the_film() {
+    let folder = scene();
+    let [small, large] = ["40x30", "1200x800"].map(|size| peak_memory_bytes(folder.path(), size));
+    let bytes = (large - small) / (1200.0 * 800.0 - 40.0 * 30.0);
+    assert!(bytes > 192.0 && bytes < 500.0, "{bytes} bytes per pixel");
+}
+
 #[test]
 fn the_same_command_gives_the_same_pixels_on_any_threads() {
     let folder = scene();

@@ -18,6 +18,7 @@ mod channel_names;
 mod cryptomatte;
 mod open;
 mod read;
+mod samples;
 mod sums;
 mod write;
 

@@ -10,10 +10,11 @@ use ::exr::block::lines::LineRef;
 use ::exr::block::reader::ChunksReader;
 use ::exr::meta::attribute::{ChannelList, SampleType};
 use ::exr::meta::header::Header;
-use ::exr::prelude::{AnyChannel, FlatSamples, Vec2};
+use ::exr::prelude::{AnyChannel, Vec2};
 
 use super::channel_names::SUMS_PREFIX;
 use super::open::{header_texts, open_blocks, read_headers, unreadable};
+use super::samples::ChannelSamples;
 use crate::error::{Error, Result};
 use crate::math::sum::ExactSum;
 use crate::output::Metadata;
@@ -29,15 +30,14 @@ fn name(plane: &str, word: usize) -> String {
 }
 
 /// Returns the channels of a film's sums.
-pub(super) fn channels(film: &Film) -> Vec<AnyChannel<FlatSamples>> {
-    let mut channels = Vec::new();
-    for (plane, plane_name) in film.plane_names().iter().enumerate() {
-        for word in 0..WORDS_PER_SUM {
-            let words = film.plane(plane).map(|sum| (sum.bits() >> (32 * word)) as u32).collect();
-            channels.push(AnyChannel::new(name(plane_name, word).as_str(), FlatSamples::U32(words)));
-        }
-    }
-    channels
+pub(super) fn channels(film: &Film) -> impl Iterator<Item = AnyChannel<ChannelSamples<'_>>> {
+    film.plane_names().into_iter().enumerate().flat_map(move |(plane, plane_name)| {
+        (0..WORDS_PER_SUM).map(move |word| {
+            let sum = film.plane_sums(plane);
+            let samples = ChannelSamples::words(move |pixel| (sum(pixel).bits() >> (32 * word)) as u32);
+            AnyChannel::new(name(&plane_name, word).as_str(), samples)
+        })
+    })
 }
 
 /// Reads the texts of the header without the pixels.

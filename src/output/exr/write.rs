@@ -1,19 +1,20 @@
 //! Writes EXR pictures.
 
-use std::io::Cursor;
+use std::io::{self, BufRead, BufReader, BufWriter, Cursor, SeekFrom, Write};
 use std::path::Path;
 
 use ::exr::meta::attribute::Chromaticities;
 use ::exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes, Text, Vec2,
-    WritableImage,
+    AnyChannel, AnyChannels, AttributeValue, Encoding, Image, Layer, LayerAttributes, Text, Vec2, WritableImage,
 };
 
 use super::channel_names::{BIAS, EDGE, NOISE, XYZ};
+use super::samples::ChannelSamples;
 use super::{cryptomatte, sums};
 use crate::colour::{RgbSpace, xyz_to_linear_srgb};
 use crate::error::{Error, Result};
-use crate::output::{Metadata, file};
+use crate::output::Metadata;
+use crate::output::file::{WritableFile, write_whole_with};
 use crate::sensor::{Film, Picture, SpectralBands};
 use crate::spectrum::emissive_channel;
 
@@ -22,8 +23,7 @@ use crate::spectrum::emissive_channel;
 /// # Errors
 /// Returns a machine error if the folder is missing or not writable, or the disk is full.
 pub fn write(path: &Path, picture: &Picture, metadata: &Metadata) -> Result<()> {
-    let bytes = encode(picture, metadata).map_err(|error| error.in_file(path))?;
-    file::write_whole(path, &bytes)
+    write_whole_with(path, |file| write_channels(file, channels(picture), picture, metadata, Encoding::SMALL_LOSSLESS))
 }
 
 /// Atomically writes a picture that another picture will soon replace. The file is not compressed,
@@ -32,9 +32,7 @@ pub fn write(path: &Path, picture: &Picture, metadata: &Metadata) -> Result<()> 
 /// # Errors
 /// Returns the errors of [`write()`].
 pub fn write_uncompressed(path: &Path, picture: &Picture, metadata: &Metadata) -> Result<()> {
-    let bytes = encode_channels(channels(picture), picture, metadata, Encoding::UNCOMPRESSED)
-        .map_err(|error| error.in_file(path))?;
-    file::write_whole(path, &bytes)
+    write_whole_with(path, |file| write_channels(file, channels(picture), picture, metadata, Encoding::UNCOMPRESSED))
 }
 
 /// Atomically writes a file that contains the exact sums of a film and the film's current picture.
@@ -43,9 +41,7 @@ pub fn write_uncompressed(path: &Path, picture: &Picture, metadata: &Metadata) -
 /// Returns the errors of [`write()`].
 pub fn write_with_sums(path: &Path, film: &Film, picture: &Picture, metadata: &Metadata) -> Result<()> {
     let channels = channels(picture).into_iter().chain(sums::channels(film)).collect();
-    let bytes =
-        encode_channels(channels, picture, metadata, Encoding::SMALL_LOSSLESS).map_err(|error| error.in_file(path))?;
-    file::write_whole(path, &bytes)
+    write_whole_with(path, |file| write_channels(file, channels, picture, metadata, Encoding::SMALL_LOSSLESS))
 }
 
 /// Returns the bytes of a picture's file.
@@ -53,15 +49,19 @@ pub fn write_with_sums(path: &Path, film: &Film, picture: &Picture, metadata: &M
 /// # Errors
 /// Returns a machine error if the picture cannot be encoded.
 pub fn encode(picture: &Picture, metadata: &Metadata) -> Result<Vec<u8>> {
-    encode_channels(channels(picture), picture, metadata, Encoding::SMALL_LOSSLESS)
+    let mut bytes = Cursor::new(Vec::new());
+    write_channels(&mut bytes, channels(picture), picture, metadata, Encoding::SMALL_LOSSLESS)
+        .map_err(|error| Error::machine(format!("cannot be written as EXR: {error}")))?;
+    Ok(bytes.into_inner())
 }
 
-fn encode_channels(
-    channels: Vec<AnyChannel<FlatSamples>>,
+fn write_channels(
+    file: &mut dyn WritableFile,
+    channels: Vec<AnyChannel<ChannelSamples<'_>>>,
     picture: &Picture,
     metadata: &Metadata,
     encoding: Encoding,
-) -> Result<Vec<u8>> {
+) -> io::Result<()> {
     let size = Vec2(picture.width, picture.height);
     let channels = AnyChannels::sort(channels.into_iter().collect());
     let mut attributes = LayerAttributes {
@@ -77,82 +77,79 @@ fn encode_channels(
     }
     let mut image = Image::from_layer(Layer::new(size, attributes, encoding, channels));
     image.attributes.chromaticities = Some(chromaticities());
-    let mut bytes = Cursor::new(Vec::new());
-    image
-        .write()
-        .to_buffered(&mut bytes)
-        .map_err(|error| Error::machine(format!("cannot be written as EXR: {error}")))?;
-    let mut bytes = bytes.into_inner();
-    sort_attributes(&mut bytes);
-    Ok(bytes)
+    let mut buffered = BufWriter::new(&mut *file);
+    image.write().to_buffered(&mut buffered).map_err(|error| match error {
+        ::exr::error::Error::Io(error) => error,
+        other => io::Error::other(other.to_string()),
+    })?;
+    buffered.flush()?;
+    drop(buffered);
+    sort_attributes(file)
 }
 
 /// The length of the magic number and of the version field.
-const PREAMBLE: usize = 8;
+const PREAMBLE: u64 = 8;
 
 /// Sorts the attributes in the header of a file with a single part. The crate writes them in a
 /// random order, but equal pictures must be equal files. The length of the header does not change.
-fn sort_attributes(file: &mut [u8]) {
-    let mut attributes: Vec<&[u8]> = Vec::new();
-    let mut rest = &file[PREAMBLE..];
-    // An attribute is a name, a type, the size of its value (four bytes), and the value. An empty
-    // name ends the header.
-    while rest.first().is_some_and(|&first| first != 0) {
-        let Some(length) = attribute_length(rest).filter(|&length| length <= rest.len()) else { return };
-        let (attribute, after) = rest.split_at(length);
+fn sort_attributes(file: &mut dyn WritableFile) -> io::Result<()> {
+    file.seek(SeekFrom::Start(PREAMBLE))?;
+    let mut reader = BufReader::new(&mut *file);
+    let mut attributes = Vec::new();
+    while let Some(attribute) = read_attribute(&mut reader)? {
         attributes.push(attribute);
-        rest = after;
     }
     attributes.sort_unstable();
-    let sorted = attributes.concat();
-    file[PREAMBLE..][..sorted.len()].copy_from_slice(&sorted);
+    file.seek(SeekFrom::Start(PREAMBLE))?;
+    file.write_all(&attributes.concat())
 }
 
-/// Returns the length of the attribute at the beginning of `bytes`. Returns `None` if the attribute
-/// is incomplete.
-fn attribute_length(bytes: &[u8]) -> Option<usize> {
-    let name = bytes.iter().position(|&byte| byte == 0)? + 1;
-    let kind = bytes[name..].iter().position(|&byte| byte == 0)? + 1;
-    let size = bytes.get(name + kind..name + kind + 4)?.try_into().ok()?;
-    Some(name + kind + 4 + u32::from_le_bytes(size) as usize)
+/// Reads an attribute: a name, a type, the size of its value (four bytes), and the value. Returns
+/// `None` for the empty name that ends the header.
+fn read_attribute(reader: &mut impl BufRead) -> io::Result<Option<Vec<u8>>> {
+    let mut attribute = Vec::new();
+    reader.read_until(0, &mut attribute)?;
+    if attribute.len() <= 1 {
+        return Ok(None);
+    }
+    reader.read_until(0, &mut attribute)?;
+    let mut size = [0; 4];
+    reader.read_exact(&mut size)?;
+    attribute.extend(size);
+    let value = attribute.len();
+    attribute.resize(value + u32::from_le_bytes(size) as usize, 0);
+    reader.read_exact(&mut attribute[value..])?;
+    Ok(Some(attribute))
 }
 
-fn channels(picture: &Picture) -> Vec<AnyChannel<FlatSamples>> {
-    let of_each =
-        |value: &dyn Fn(&[f64; 3]) -> f64| FlatSamples::F32(picture.xyz.iter().map(|xyz| value(xyz) as f32).collect());
-    let mut channels = vec![
-        AnyChannel::new(NOISE, error_samples(picture.noise.iter().copied())),
-        AnyChannel::new(BIAS, error_samples(picture.bias.iter().copied())),
-        AnyChannel::new(
-            EDGE,
-            error_samples(picture.edge.iter().map(|edge| edge.map(|edge| f32::from(u8::from(edge))))),
-        ),
-    ];
+fn channels<'a>(picture: &'a Picture) -> Vec<AnyChannel<ChannelSamples<'a>>> {
+    let mut channels = Vec::new();
+    let mut add = |name: Text, samples: ChannelSamples<'a>| channels.push(AnyChannel::new(name, samples));
+    for (name, errors) in [(NOISE, &picture.noise), (BIAS, &picture.bias)] {
+        add(text(name), ChannelSamples::floats(|pixel| errors[pixel].unwrap_or(UNKNOWN_ERROR)));
+    }
+    let edge = |pixel: usize| picture.edge[pixel].map_or(UNKNOWN_ERROR, |edge| f32::from(u8::from(edge)));
+    add(text(EDGE), ChannelSamples::floats(edge));
     for (c, name) in XYZ.into_iter().enumerate() {
-        channels.push(AnyChannel::new(name, of_each(&|xyz| xyz[c])));
+        add(text(name), ChannelSamples::floats(move |pixel| picture.xyz[pixel][c] as f32));
     }
     for (c, name) in ["R", "G", "B"].into_iter().enumerate() {
-        channels.push(AnyChannel::new(name, of_each(&|xyz| xyz_to_linear_srgb(*xyz)[c])));
+        add(text(name), ChannelSamples::floats(move |pixel| xyz_to_linear_srgb(picture.xyz[pixel])[c] as f32));
     }
     if let Some(SpectralBands { centres_nm, values }) = &picture.bands {
         for (band, &nm) in centres_nm.iter().enumerate() {
-            let samples = values.iter().skip(band).step_by(centres_nm.len()).copied().collect();
-            channels.push(AnyChannel::new(text(&emissive_channel(nm)), FlatSamples::F32(samples)));
+            let of_band = move |pixel: usize| values[pixel * centres_nm.len() + band];
+            add(text(&emissive_channel(nm)), ChannelSamples::floats(of_band));
         }
     }
     for layer in &picture.layers.channels {
-        channels.push(AnyChannel::new(text(&layer.name), FlatSamples::F32(layer.values.clone())));
+        add(text(&layer.name), ChannelSamples::floats(|pixel| layer.values[pixel]));
     }
     channels
 }
 
 /// The value of an unknown error in an error channel.
 const UNKNOWN_ERROR: f32 = -1.0;
-
-/// Returns the samples of an error channel.
-fn error_samples(errors: impl Iterator<Item = Option<f32>>) -> FlatSamples {
-    FlatSamples::F32(errors.map(|error| error.unwrap_or(UNKNOWN_ERROR)).collect())
-}
 
 /// Returns the attributes required by the spectral layout. The layout defines the values as
 /// radiance per nm, although its attribute `emissiveUnits` does not mention nm. `abbe.bandUnits`
