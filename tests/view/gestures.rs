@@ -147,8 +147,8 @@ fn sliders_update_the_picture() {
     browser.wait("picture?.passes > 0");
     browser.run("showTab('scene')");
     for path in ["objects[3].shape.prism.apex", "objects[3].shape.prism.side"] {
-        // The slider moves at each frame of the screen, as under a mouse: until four pictures followed,
-        // or for 5 s. The first second does not count.
+        // The slider moves at each frame of the screen, as under a mouse: for 5 s, or until four
+        // pictures have followed. The first second does not count.
         let seen = browser.run(&format!(
             "(async () => {{ const slider = document.querySelector('input[type=range][aria-label=\"{path}\"]');
               const middle = Number(slider.value), begin = performance.now(), seen = new Set();
