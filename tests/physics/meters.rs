@@ -83,9 +83,7 @@ fn planes_spheres_cylinders_and_spots_have_their_closed_forms() {
 #[test]
 fn cie_171_cases_are_within_their_tolerances() {
     let chosen = ["5.2/lambertian-3m", "5.3/square-ceiling", "5.5/pane", "5.6/s2-4m", "5.9/roof-4x4/type-12"];
-    // Twice the default target error, which is small beside the tolerances.
-    let stop = StopRules { passes: Some(512), target_error: Some(0.006), ..StopRules::default() };
-    check_cases(|id| chosen.contains(&id), stop);
+    check_cases(|id| chosen.contains(&id), StopRules::default());
 }
 
 /// All cases of CIE 171.
