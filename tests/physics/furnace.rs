@@ -215,7 +215,7 @@ fn core_in_a_shell(ior: Value, core_radius: f64, gap: bool, fov: f64) -> Value {
 #[test]
 fn a_white_core_in_glass_lit_through_the_photon_map_only() {
     let scene = core_in_a_shell(json!(1.5), 0.5, false, 12.0);
-    check("core in glass, n = 1.5", &scene, (Integrator::Photon, 6));
+    check("core in glass, n = 1.5", &scene, (Integrator::Photon, 4));
     check("core in glass, n = 1.5", &scene, (Integrator::Path, 64));
 }
 

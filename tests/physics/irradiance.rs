@@ -229,8 +229,8 @@ fn photons_in_the_map_bring_the_light_of_a_lamps_mirror_image() {
     objects.push(json!({ "name": "pane", "shape": { "box": { "size": [0.5, 0.02, 0.5] } }, "material": "clear",
                          "transform": [ { "translate": [MIDDLE, 0.4, 0] } ] }));
     let mut scene = floor(&objects, &[lamp]);
-    scene["render"] = json!({ "photons": 20000, "radius": 0.02 });
-    check("mirror image, from the map", &scene, illuminance, Integrator::Photon, 64);
+    scene["render"] = json!({ "photons": 5000, "radius": 0.02 });
+    check("mirror image, from the map", &scene, illuminance, Integrator::Photon, 32);
 }
 
 fn fog(absorption: f64) -> Value {
@@ -357,7 +357,7 @@ fn light_passes_hidden_faces_before_and_after_a_floor() {
 fn shared_photons_carry_a_mirrored_lamps_irradiance() {
     let (objects, lamp, illuminance) = mirrored_point();
     let mut scene = floor(&objects, &[lamp]);
-    scene["render"] = json!({ "photons": 20000, "radius": 0.02, "force": ["shared"] });
+    scene["render"] = json!({ "photons": 5000, "radius": 0.02, "force": ["shared"] });
     check("mirror image, shared wavelengths", &scene, illuminance, Integrator::Photon, 64);
 }
 

@@ -34,9 +34,9 @@ fn a_caustic_does_not_depend_on_the_world_around_it() {
     for (world_m, at) in [(200.0, [0.0, 0.0]), (20e3, [7000.0, -5000.0]), (2e6, [3e5, -1e5])] {
         let scene = ball(&sun, world_m, at);
         let of_seed = |seed: u64| mean_y(&render(&with_setting(&scene, "seed", seed), Integrator::Photon, 16))[0];
-        let mut means: Vec<f64> = (0..5).map(of_seed).collect();
+        let mut means: Vec<f64> = (0..3).map(of_seed).collect();
         means.sort_by(f64::total_cmp);
-        let ratio = means[2] / truth;
+        let ratio = means[1] / truth;
         println!("world of {world_m} m, ball at {at:?}: photon/path {ratio:.4}");
         assert!((ratio - 1.0).abs() < 0.015, "{world_m} m, {at:?}: {ratio}");
     }
@@ -49,7 +49,7 @@ fn a_lamp_beside_the_sun_keeps_its_caustic() {
     let lit = |world_m, lights: &[&Value]| {
         let mut scene = ball(&lamp, world_m, [0.0, 0.0]);
         scene["lights"] = json!(lights);
-        mean_y(&render(&scene, Integrator::Photon, 16))[0]
+        mean_y(&render(&scene, Integrator::Photon, 8))[0]
     };
     let alone = lit(12.0, &[&lamp]);
     // This sun lights the far side of the ground from below, where no camera looks.
@@ -90,7 +90,7 @@ fn indirect_light_is_seen_on_a_wall_close_to_the_camera() {
         "render": { "photons": 20000 }
     });
     let photon = Measured::new(&scene, (Integrator::Photon, 24), 0..6, mean_y);
-    let path = Measured::new(&scene, (Integrator::Path, 1024), 10..16, mean_y);
+    let path = Measured::new(&scene, (Integrator::Path, 256), 10..16, mean_y);
     assert_same("a wall close to the camera", &photon, &path, 0.06);
 }
 
@@ -106,7 +106,7 @@ fn a_camera_in_the_fog_of_a_large_world_sees_a_furnace() {
         "objects": [{ "shape": { "rectangle": { "width": 20, "height": 20 } }, "material": "ground" }],
         "lights": surroundings(), "atmosphere": "fog", "render": { "photons": 5000 }
     });
-    let measured = Measured::new(&scene, (Integrator::Photon, 16), 0..12, mean_y);
+    let measured = Measured::new(&scene, (Integrator::Photon, 12), 0..12, mean_y);
     let (mean, error) = (measured.mean(0), measured.error(0));
     println!("furnace of fog in a large world: {mean:.3} ± {error:.3}");
     assert!(error < 0.1, "too noisy to tell");

@@ -90,7 +90,7 @@ fn rendered_focus_mm(name: &str, f_number: f64, nm: f64, point: DVec3, step_mm: 
         let focus_mm = paraxial.efl_mm.powi(2) / (image_mm - paraxial.bfd_mm) - paraxial.front_focus_z_mm;
         let ball = (point, 4.0 * pixel_mm / magnification);
         let scene = points(&json!(name), f_number, focus_mm, (nm, sensor_mm), &[ball]);
-        let spot = rendered(&scene, 128, pixel_mm);
+        let spot = rendered(&scene, 64, pixel_mm);
         let whole: f64 = spot.iter().map(|(_, y)| y).sum();
         let centre = spot.iter().map(|(place, y)| *place * *y).sum::<DVec2>() / whole;
         spot.iter().map(|(place, y)| place.distance_squared(centre) * y).sum::<f64>() / whole
@@ -178,7 +178,7 @@ fn falloff(prescription: &Value, lens: &Lens, sensor_mm: f64) -> Vec<[f64; 3]> {
         "lights": [ { "environment": { "spectrum": { "lines": [{ "nm": 587.5618, "power": 1 }] }, "illuminance": 100 } } ],
         "render": { "photons": 100 }
     });
-    let pixels = rendered(&scene, 512, pixel_mm);
+    let pixels = rendered(&scene, 256, pixel_mm);
     let at = lens.at(lines::D_NM);
     let distance_mm = at.image_distance_mm(1e6).unwrap();
     let last_mm = lens.length_mm();

@@ -122,8 +122,8 @@ fn fog_beside_all_kinds_of_faces_is_like_the_path_tracers() {
     ];
     for (name, objects) in cases {
         let scene = with_setting(&scene(&objects), "photons", 4000);
-        let photon = Measured::new(&scene, (Integrator::Photon, 16), 0..8, mean_y);
-        let path = Measured::new(&scene, (Integrator::Path, 128), 100..108, mean_y);
+        let photon = Measured::new(&scene, (Integrator::Photon, 8), 0..8, mean_y);
+        let path = Measured::new(&scene, (Integrator::Path, 64), 100..108, mean_y);
         assert_same(&format!("{name}, photon against path"), &photon, &path, 1.5e-2);
     }
 }

@@ -279,7 +279,7 @@ fn liquid_in_a_glass(scattering: f64, radius: f64) -> Value {
 
 #[test]
 fn a_dense_white_liquid_in_a_glass_in_uniform_surroundings() {
-    furnace::check("milk in a glass", &liquid_in_a_glass(20.0, 0.1), (Integrator::Path, 256));
+    furnace::check("milk in a glass", &liquid_in_a_glass(20.0, 0.1), (Integrator::Path, 128));
 }
 
 /// A kernel loses the part that reaches beyond the liquid's surface. The loss vanishes with the

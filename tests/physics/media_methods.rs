@@ -62,7 +62,7 @@ fn a_room_of_thin_fog() {
 
 #[test]
 fn fog_may_end_inside_walls_or_behind_them() {
-    for way in [(Integrator::Photon, 8), (Integrator::Path, 128)] {
+    for way in [(Integrator::Photon, 2), (Integrator::Path, 64)] {
         // Beams would only add noise to this comparison.
         let [flush, wider] = [2.0, 2.02].map(|wide| {
             let scene = with_setting(&room(0.4, wide), "forbid", json!(["photon-beams"]));

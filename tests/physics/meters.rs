@@ -53,7 +53,8 @@ fn planes_spheres_cylinders_and_spots_have_their_closed_forms() {
         json!({
             "objects": [],
             "lights": [{"point": {"at": [3, 4, 0], "spectrum": "E", "luminous_intensity": 100}}],
-            "meters": [meter]
+            "meters": [meter],
+            "render": {"photons": 1000}
         })
     };
     let (distance2, to) = (25.0, [0.6, 0.8]);

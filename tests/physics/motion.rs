@@ -269,7 +269,7 @@ fn a_caustic_that_moves_is_that_of_the_path_tracer() {
     let mut scene = ball(json!([]), keys);
     scene["materials"]["glass"] = glass(1.5);
     let blocks = |rendered: &Rendered| block_means(&all_y(rendered), 16, 4, &[true; 256]);
-    let photon = Measured::new(&scene, (Integrator::Photon, 128), 0..8, blocks);
-    let path = Measured::new(&scene, (Integrator::Path, 512), 100..108, blocks);
+    let photon = Measured::new(&scene, (Integrator::Photon, 64), 0..8, blocks);
+    let path = Measured::new(&scene, (Integrator::Path, 256), 100..108, blocks);
     assert_same("moving caustic, photon against path", &photon, &path, 1e-2);
 }

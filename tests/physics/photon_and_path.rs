@@ -38,7 +38,7 @@ fn cornell(albedo: f64) -> Value {
               "emission": { "spectrum": "D65", "luminance": 10 },
               "transform": [ { "rotate": { "axis": [1, 0, 0], "degrees": 180 } }, { "translate": [0, 0.99, 0] } ] }
         ],
-        "render": { "photons": 20000 }
+        "render": { "photons": 10000 }
     })
 }
 
@@ -47,18 +47,18 @@ fn a_diffuse_box_and_faults_in_it() {
     const RADIUS: f64 = 0.12;
     let scene = cornell(0.73);
     let mask = away_from_edges(&job(&scene).scene, 2.0 * RADIUS);
-    let path = Measured::new(&scene, (Integrator::Path, 96), 100..108, blocks(&mask, 8));
-    let photon = Measured::extrapolated_photons(&scene, RADIUS, 14, blocks(&mask, 8));
+    let path = Measured::new(&scene, (Integrator::Path, 64), 100..108, blocks(&mask, 8));
+    let photon = Measured::extrapolated_photons(&scene, RADIUS, 16, blocks(&mask, 8));
     assert_same("box, photon against path", &photon, &path, 5e-3);
 
     let brighter =
-        compare(&photon, &Measured::new(&cornell(0.73 * 1.02), (Integrator::Path, 96), 100..108, blocks(&mask, 8)));
+        compare(&photon, &Measured::new(&cornell(0.73 * 1.02), (Integrator::Path, 64), 100..108, blocks(&mask, 8)));
     println!("box, mutant albedo × 1.02: {brighter}");
     assert!(!brighter.is_equal());
 
     let mut direct_only = scene.clone();
     direct_only["render"]["forbid"] = json!(["indirect"]);
-    let direct = Measured::new(&direct_only, (Integrator::Photon, 14), 0..8, blocks(&mask, 8));
+    let direct = Measured::new(&direct_only, (Integrator::Photon, 2), 0..8, blocks(&mask, 8));
     let twice = compare(&Measured::combine(&[&photon, &direct], |l| l[0] + l[1]), &path);
     println!("box, mutant direct light twice: {twice}");
     assert!(!twice.is_equal());

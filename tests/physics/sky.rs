@@ -169,7 +169,7 @@ fn chromaticity(rendered: &Rendered) -> [f64; 2] {
 fn the_zenith_matches_the_single_scattering_integral() {
     let sun = json!({ "lines": [{ "nm": 450, "power": 1 }, { "nm": 650, "power": 1 }] });
     for sun_deg in [60.0, 5.0, 1.0] {
-        let rendered = render(&sky(sun.clone(), [sun_deg, 90.0], 16), Integrator::Photon, 96);
+        let rendered = render(&sky(sun.clone(), [sun_deg, 90.0], 16), Integrator::Photon, 32);
         let nm = [450.0, 650.0];
         let truth = zenith(sun_deg, nm);
         let [blue, red] = [0, 1].map(|i| (band(&rendered, nm[i]), 0.5 * truth[i]));
@@ -200,7 +200,7 @@ fn sky_and_low_sun_have_the_colours_of_the_air_mass() {
     };
     let above = through([0.0; 2]);
     for sun_deg in [0.3, 1.0, 5.0, 30.0] {
-        let found = chromaticity(&render(&sky(sun.clone(), [sun_deg; 2], 4), Integrator::Photon, 64));
+        let found = chromaticity(&render(&sky(sun.clone(), [sun_deg; 2], 4), Integrator::Photon, 32));
         let truth = through(column(GROUND + CAMERA, sun_deg.to_radians().sin(), 20_000));
         println!("the sun at {sun_deg}°: {found:.4?}, integrated {truth:.4?}; above the air {above:.4?}");
         assert!((found[0] - truth[0]).hypot(found[1] - truth[1]) < 0.01, "{found:?} for {truth:?}");

@@ -32,7 +32,7 @@ fn a_white_textured_ball_is_a_furnace() {
         "lights": furnace::surroundings(),
         "render": { "photons": 4000, "radius": 0.3 }
     });
-    furnace::check("textured ball", &scene, (Integrator::Photon, 32));
+    furnace::check("textured ball", &scene, (Integrator::Photon, 16));
     furnace::check("textured ball", &scene, (Integrator::Path, 64));
 }
 

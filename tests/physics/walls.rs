@@ -75,7 +75,7 @@ fn a_pixel_may_be_as_large_as_a_wall() {
             "materials": { "white": diffuse(0.6) },
             "objects": [{ "shape": { "box": { "size": [4, 4, 4] } }, "material": "white" }],
             "lights": [{ "point": { "at": [0.5, 1, 0.2], "spectrum": "E", "luminous_flux": 20000 } }],
-            "render": { "photons": 20000 }
+            "render": { "photons": 5000 }
         });
         let photon = mean_y(&render(&scene, Integrator::Photon, 256 / (size * size)))[0];
         let path = mean_y(&render(&scene, Integrator::Path, 16384 / (size * size)))[0];

@@ -174,7 +174,7 @@ fn photon_mapping_and_path_tracing_agree_on_the_layers() {
         r#"lights=[{"environment": {"spectrum": "D65", "illuminance": 20}}]"#,
         r#"objects[name=bulb].shape={"sphere": {"center": [-0.9, 1.8, 2], "radius": 0.4}}"#,
         r#"objects[name=panel].shape={"rectangle": {"width": 3, "height": 3}}"#,
-        "render.photons=60000",
+        "render.photons=30000",
     ];
     let photon = runs(Integrator::Photon, 8, 0..8, &sets);
     let path = runs(Integrator::Path, 256, 100..108, &sets);
@@ -199,7 +199,7 @@ fn photon_mapping_and_path_tracing_agree_on_the_layers() {
 #[test]
 fn a_group_switched_off_is_a_render_without_its_lights() {
     let with = |seed: u64| {
-        let picture = everything(Integrator::Photon, 20, r#""lights""#, &[&format!("render.seed={seed}")]).picture;
+        let picture = everything(Integrator::Photon, 12, r#""lights""#, &[&format!("render.seed={seed}")]).picture;
         let off = [abbe::output::relight::LightGain { group: "ceiling".to_string(), rgb: [0.0; 3] }];
         abbe::output::relight::relight(&picture, &off).unwrap()
     };
@@ -209,7 +209,7 @@ fn a_group_switched_off_is_a_render_without_its_lights() {
             "lights[0].point.power=0.000001".to_string(),
             format!("render.seed={seed}"),
         ];
-        everything(Integrator::Photon, 20, "", &sets.each_ref().map(String::as_str)).picture
+        everything(Integrator::Photon, 12, "", &sets.each_ref().map(String::as_str)).picture
     };
     let blocks = |picture: Picture| {
         let y: Vec<f64> = picture.xyz.iter().map(|xyz| xyz[1]).collect();

@@ -116,7 +116,7 @@ fn every_example_scene_balances_and_rejects_nothing() {
     let names = example_names();
     assert!(names.len() >= 8, "{names:?}");
     for name in names {
-        let job = example_job(&name, &["film.width=48", "film.height=30", "render.photons=20000"]);
+        let job = example_job(&name, &["film.width=24", "film.height=15", "render.photons=5000"]);
         let rendered = render_job(&job, Integrator::Photon, 2);
         let (ledger, stats) = (&rendered.ledger, &rendered.stats);
         assert!(ledger.balance().abs() < 1e-6, "{}: {}", name, ledger.balance());
@@ -217,7 +217,7 @@ fn a_lamp_centred_in_a_glass_ball_keeps_its_irradiance() {
     {"shape": {"rectangle": {"width": 4, "height": 4}}, "material": "grey"},
     {"shape": {"sphere": {"center": [0, 1.2, 0], "radius": 0.3}}, "material": "glass"}],
   "lights": [{"point": {"at": [0, 1.2, 0], "spectrum": "E", "luminous_intensity": 100}}],
-  "render": {"photons": 150000}}"#;
+  "render": {"photons": 40000}}"#;
     // The camera looks past the ball at the floor in front of it. There cos θ and d vary little,
     // and their average is exact.
     let job = job_with(text, &["camera.from=[0, 0.4, 1.2]"]);
@@ -267,7 +267,7 @@ fn shared_and_free_photons_give_the_same_floor() {
     {"shape": {"rectangle": {"width": 8, "height": 8}}, "material": "grey"},
     {"shape": {"sphere": {"center": [0, 0.7, 0], "radius": 0.6}}, "material": "flint"}],
   "lights": [{"spot": {"at": [-3, 2.4, 0], "to": [0, 0.7, 0], "half_angle": 20, "spectrum": "D65", "luminous_intensity": 1000}}],
-  "render": {"photons": 20000, "radius": 0.05}}"#;
+  "render": {"photons": 10000, "radius": 0.05}}"#;
     const BLOCK: usize = 4;
     let runs = |force: &str| -> Vec<Vec<f64>> {
         (0..8)
