@@ -4,7 +4,7 @@ use super::job::Job;
 use super::monitor::Monitor;
 use super::request::{Integrator, Request, StopRules};
 use super::session::Rendered;
-use crate::colour::{cct_duv, cri};
+use crate::colour::{cct_duv, cri, rendition};
 use crate::error::{Error, Result};
 use crate::gather::{DirectLighting, Glare};
 use crate::geometry::{Hit, Ray};
@@ -363,10 +363,11 @@ fn with_function_of_spectrum(
     let of = |values: &[f64], xyz: Option<[f64; 3]>| {
         let light = Spectrum::table(&spectrum.centres_nm, values, Outside::Zero).ok()?;
         let temperature = cct_duv(xyz.unwrap_or_else(|| Observer::cie1931().xyz(&light)))?;
-        if quantity == Quantity::ColourRendering {
-            cri(&light, temperature).map(|rendering| rendering.ra)
-        } else {
-            Some(temperature.cct_k)
+        match quantity {
+            Quantity::ColourRendering => cri(&light, temperature).map(|rendering| rendering.ra),
+            Quantity::Tm30Rf => rendition(&light, temperature).map(|rendition| rendition.rf),
+            Quantity::Tm30Rg => rendition(&light, temperature).map(|rendition| rendition.rg),
+            _ => Some(temperature.cct_k),
         }
     };
     let value = of(&spectrum.values, Some(reading.xyz));
