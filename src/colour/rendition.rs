@@ -96,7 +96,7 @@ impl ColourRendition {
         if bins.iter().any(|bin| bin.count == 0.0) {
             return None;
         }
-        let bins = bins.map(|bin| bin.mean());
+        let bins = bins.map(HueBin::mean);
         let area = |colour: fn(&HueBin) -> [f64; 2]| polygon_area(&bins.map(|bin| colour(&bin)));
         let shifts: [[f64; 2]; HUE_BINS] = std::array::from_fn(|i| bins[i].relative_shift(i));
         Some(Self {
@@ -127,13 +127,13 @@ struct HueBin {
 }
 
 impl HueBin {
+    /// Adds a sample by its J′, a′ and b′ under the light and under the reference.
     fn add(&mut self, light: [f64; 3], reference: [f64; 3], shift: f64) {
         self.count += 1.0;
         self.shift += shift;
-        for i in 0..2 {
-            self.light[i] += light[i + 1];
-            self.reference[i] += reference[i + 1];
-        }
+        let add = |sum: &mut [f64; 2], [_, a, b]: [f64; 3]| *sum = [sum[0] + a, sum[1] + b];
+        add(&mut self.light, light);
+        add(&mut self.reference, reference);
     }
 
     fn mean(self) -> Self {
