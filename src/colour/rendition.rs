@@ -1,17 +1,16 @@
 //! Colour rendition of ANSI/IES TM-30-20. Its fidelity index is the index Rf of CIE 224:2017.
 //!
-//! The 99 colour evaluation samples are tabulated every 5 nm, with four decimals. Between these
-//! nodes, a cubic polynomial through four nodes interpolates a reflectance. Interpolation is
-//! linear, so a light is first distributed over the nodes, and then all samples are evaluated at
-//! the nodes alone.
+//! The 99 colour evaluation samples are tabulated every 5 nm. Between these nodes, a cubic
+//! polynomial through four nodes interpolates a reflectance. The interpolated reflectance is a
+//! linear function of the reflectances at the nodes. Therefore a light is first distributed over
+//! the nodes, and then all samples are evaluated at the nodes alone.
 
 use std::sync::OnceLock;
 
 use super::Xyz;
 use super::matrix::{Matrix3, apply, diagonal, inverse, product};
 use super::rendering::RANGE_K;
-use super::report;
-use super::temperature::CorrelatedTemperature;
+use super::temperature::{CorrelatedTemperature, cct_duv};
 use crate::math::elementary::{atan2, cbrt, exp, hypot, ln_1p, powf, sin_cos};
 use crate::spectrum::embedded::unpack;
 use crate::spectrum::{Observer, Outside, Spectrum, daylight_extended, library};
@@ -59,21 +58,22 @@ pub struct ColourRendition {
     pub arrows: [[[f64; 2]; 2]; HUE_BINS],
 }
 
-/// Computes the colour rendition of a light with a known correlated colour temperature. Returns
-/// `None` if the temperature is below 1000 K or above 50,000 K, as [`super::cri`] does, or if a hue
-/// bin contains no sample. Below 1200 K, some black bodies leave a hue bin empty.
+/// Computes the colour rendition of a light. Returns `None` if the light has no correlated colour
+/// temperature, if this temperature is below 1000 K or above 50,000 K, as for [`super::cri`], or if
+/// a hue bin contains no sample. Below 1200 K, some black bodies leave a hue bin empty.
 ///
-/// The samples are summed from 380 to 780 nm. As in the standard, the step of the sums is that of
-/// the light: it is 5 nm if the continuum is linear between multiples of 5 nm, and 1 nm otherwise.
+/// The light is summed from 380 to 780 nm. As in the standard, the step of the sums is that of the
+/// light: it is 5 nm if the continuum is linear between multiples of 5 nm, and 1 nm otherwise.
 /// Peaks of the continuum that are narrower than 5 nm are integrated. Each line is evaluated at its
-/// wavelength.
-pub fn rendition(light: &Spectrum, temperature: CorrelatedTemperature) -> Option<ColourRendition> {
-    let cct_k = temperature.cct_k;
+/// wavelength. The same sums determine the correlated colour temperature, so it may differ slightly
+/// from the temperature in a [`super::ColourReport`].
+pub fn rendition(light: &Spectrum) -> Option<ColourRendition> {
+    let step_nm = sum_step_nm(light);
+    let CorrelatedTemperature { cct_k, .. } = cct_duv(white(&node_weights(light, Observer::cie1931(), step_nm)))?;
     if !(RANGE_K.0..=RANGE_K.1).contains(&cct_k) {
         return None;
     }
-    let step_nm = sum_step_nm(light);
-    let of_light = node_weights(light, step_nm);
+    let of_light = node_weights(light, Observer::cie1964(), step_nm);
     let of_reference = reference_weights(cct_k, step_nm)?;
     ColourRendition::of_colours(&sample_colours(&of_light), &sample_colours(&of_reference))
 }
@@ -201,8 +201,7 @@ fn sum_step_nm(light: &Spectrum) -> u32 {
 }
 
 /// Distributes a light over the nodes. The light is summed in steps of `step_nm`.
-fn node_weights(light: &Spectrum, step_nm: u32) -> NodeWeights {
-    let observer = Observer::cie1964();
+fn node_weights(light: &Spectrum, observer: &Observer, step_nm: u32) -> NodeWeights {
     let mut nodes = [[0.0; 3]; NODES];
     let narrow = light.narrow_part();
     for nm in (RANGE_NM.0..=RANGE_NM.1).step_by(step_nm as usize).map(f64::from) {
@@ -251,8 +250,8 @@ fn reference_weights(cct_k: f64, step_nm: u32) -> Option<NodeWeights> {
     let mut nodes = [[0.0; 3]; NODES];
     let mut add = |light: &Spectrum, share: f64| {
         // Both parts of a mix have equal luminance before they are weighted.
-        let factor = share / report::xyz(light, Observer::cie1931())[1];
-        let weights = node_weights(light, step_nm);
+        let factor = share / white(&node_weights(light, Observer::cie1931(), step_nm))[1];
+        let weights = node_weights(light, Observer::cie1964(), step_nm);
         nodes.as_flattened_mut().iter_mut().zip(weights.as_flattened()).for_each(|(sum, of)| *sum += factor * of);
     };
     if daylight < 1.0 {
@@ -264,19 +263,25 @@ fn reference_weights(cct_k: f64, step_nm: u32) -> Option<NodeWeights> {
     Some(nodes)
 }
 
+/// Returns the XYZ of a reflectance with these values at the nodes.
+fn total(nodes: &NodeWeights, reflectance: impl Iterator<Item = f64>) -> Xyz {
+    let mut sum = [0.0; 3];
+    for (node, value) in nodes.iter().zip(reflectance) {
+        sum.iter_mut().zip(node).for_each(|(sum, node)| *sum += value * node);
+    }
+    sum
+}
+
+/// Returns the XYZ of a reflectance of 1.
+fn white(nodes: &NodeWeights) -> Xyz {
+    total(nodes, std::iter::repeat(1.0))
+}
+
 /// Returns the colours of all samples under a light.
 fn sample_colours(nodes: &NodeWeights) -> SampleColours {
-    let total = |reflectance: &dyn Fn(usize) -> f64| {
-        let mut sum = [0.0; 3];
-        for (i, node) in nodes.iter().enumerate() {
-            let value = reflectance(i);
-            sum.iter_mut().zip(node).for_each(|(sum, node)| *sum += value * node);
-        }
-        sum
-    };
-    let appearance = ColourAppearance::new(total(&|_| 1.0));
+    let appearance = ColourAppearance::new(white(nodes));
     let samples = samples();
-    std::array::from_fn(|i| appearance.cam02_ucs(total(&|node| samples[i][node])))
+    std::array::from_fn(|i| appearance.cam02_ucs(total(nodes, samples[i].iter().copied())))
 }
 
 /// CIECAM02 with the viewing conditions of TM-30: the adapting luminance is 100 cd/m², the
@@ -361,12 +366,7 @@ fn achromatic([red, green, blue]: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::colour::cct_duv;
     use crate::spectrum::SpectralLine;
-
-    fn rendition_of(light: &Spectrum) -> ColourRendition {
-        rendition(light, cct_duv(report::xyz(light, Observer::cie1931())).unwrap()).unwrap()
-    }
 
     #[test]
     fn bins_average_the_samples_of_the_reference_hue() {
@@ -414,7 +414,7 @@ mod tests {
     fn a_reference_illuminant_has_the_indices_100() {
         for cct_k in [1200.0, 2000.0, 2856.0, 3999.0, 5001.0, 6504.0, 10_000.0, 20_000.0] {
             let light = if cct_k < 4500.0 { Spectrum::blackbody(cct_k).unwrap() } else { daylight_extended(cct_k) };
-            let found = rendition_of(&light);
+            let found = rendition(&light).unwrap();
             assert!((found.rf - 100.0).abs() < 0.01 && (found.rg - 100.0).abs() < 0.01, "{cct_k}: {found:?}");
             assert!(found.samples.iter().all(|sample| *sample > 99.9), "{cct_k}: {found:?}");
         }
@@ -427,7 +427,7 @@ mod tests {
             let line = |nm, power| SpectralLine { nm, power, fwhm_nm };
             Spectrum::lines(&[line(450.3, 0.8), line(533.0, 1.0), line(612.4, 1.3)]).unwrap()
         };
-        let (lines, peaks) = (rendition_of(&light(None)), rendition_of(&light(Some(0.3))));
+        let (lines, peaks) = (rendition(&light(None)).unwrap(), rendition(&light(Some(0.3))).unwrap());
         assert!((lines.rf - peaks.rf).abs() < 0.1 && (lines.rg - peaks.rg).abs() < 0.1, "{lines:?} {peaks:?}");
     }
 }

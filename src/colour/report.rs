@@ -115,7 +115,7 @@ impl ColourReport {
             dominant: dominant(coordinates::xy(unit), [1.0 / 3.0; 2], observer),
             temperature,
             rendering: temperature.and_then(|temperature| cri(light, temperature)),
-            rendition: temperature.and_then(|temperature| rendition(light, temperature)),
+            rendition: temperature.and_then(|_| rendition(light)),
             efficacy_lm_per_w: Some(LUMENS_PER_WATT * raw[1] / power(light)),
         })
     }

@@ -101,14 +101,13 @@ fn point((x, y): (f64, f64)) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::colour::{cct_duv, rendition, report};
-    use crate::spectrum::{Observer, library};
+    use crate::colour::rendition;
+    use crate::spectrum::library;
 
     #[test]
     fn the_polygon_joins_the_tips_of_the_arrows() {
         let light = library::find("FL12").unwrap().spectrum;
-        let temperature = cct_duv(report::xyz(&light, Observer::cie1931())).unwrap();
-        let found = rendition(&light, temperature).unwrap();
+        let found = rendition(&light).unwrap();
         let svg = colour_vector_graphic(&found);
         for arrow in &found.arrows {
             let (from, to) = (point(place(arrow[0])), point(place(arrow[1])));

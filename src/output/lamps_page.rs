@@ -167,8 +167,8 @@ fn rendition(comparison: &LampComparison) -> Markup {
 /// Returns the local fidelity index, chroma shift and hue shift of a hue bin.
 fn bin_cells(rendition: Option<&ColourRendition>, bin: usize) -> [String; 3] {
     let Some(found) = rendition else { return ["", "", ""].map(String::from) };
-    let hue_shift = format!("{:.2}", found.hue_shift[bin]).replace('-', "−");
-    [signed(found.rf_bins[bin]), signed(found.chroma_shift_percent[bin]) + " %", hue_shift]
+    let hue_shift = signed(found.hue_shift[bin], 2);
+    [signed(found.rf_bins[bin], 1), signed(found.chroma_shift_percent[bin], 1) + " %", hue_shift]
 }
 
 fn charts(comparison: &LampComparison) -> Markup {
@@ -263,7 +263,7 @@ fn table(patches: &[PatchDifference], largest: f64) -> Markup {
             tbody { @for patch in patches { tr {
                 th scope="row" { (patch.short_name()) }
                 td { (halves("swatch", &adapted(patch))) }
-                @for value in patch.lab.as_flattened() { td.number { (signed(*value)) } }
+                @for value in patch.lab.as_flattened() { td.number { (signed(*value, 1)) } }
                 td.number { (format!("{:.2}", patch.delta_e_2000)) }
                 td.bar { div style={"width:" (format!("{:.1}", 100.0 * patch.delta_e_2000 / widest)) "%"} {} }
             } } }
@@ -271,11 +271,14 @@ fn table(patches: &[PatchDifference], largest: f64) -> Markup {
     }
 }
 
-/// Formats a number with one decimal. A negative number has the minus sign (−) instead of a hyphen.
-/// Zero has no sign.
-fn signed(value: f64) -> String {
-    let text = format!("{value:.1}");
-    if text == "-0.0" { "0.0".to_string() } else { text.replace('-', "−") }
+/// Formats a number. A negative number has the minus sign (−) instead of a hyphen. Zero has no sign.
+fn signed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(zero) if zero.chars().all(|digit| digit == '0' || digit == '.') => zero.to_string(),
+        Some(positive) => format!("−{positive}"),
+        None => text,
+    }
 }
 
 fn notes(observer: &Observer) -> Markup {

@@ -365,8 +365,8 @@ fn with_function_of_spectrum(
         let temperature = cct_duv(xyz.unwrap_or_else(|| Observer::cie1931().xyz(&light)))?;
         match quantity {
             Quantity::ColourRendering => cri(&light, temperature).map(|rendering| rendering.ra),
-            Quantity::Tm30Rf => rendition(&light, temperature).map(|rendition| rendition.rf),
-            Quantity::Tm30Rg => rendition(&light, temperature).map(|rendition| rendition.rg),
+            Quantity::Tm30Rf => rendition(&light).map(|rendition| rendition.rf),
+            Quantity::Tm30Rg => rendition(&light).map(|rendition| rendition.rg),
             _ => Some(temperature.cct_k),
         }
     };

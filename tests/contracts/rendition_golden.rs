@@ -1,23 +1,17 @@
 //! Colour rendition of TM-30 against colour-science.
 //!
-//! Colour-science takes the step of the light, 1 nm or 5 nm, and so does Abbe. Abbe's samples have
-//! four decimals and a step of 5 nm. A sample near the border of a hue bin may therefore fall into
-//! the neighbouring bin.
+//! Colour-science takes the step of the light, 1 nm or 5 nm, and so does Abbe. For steps of 1 nm,
+//! colour-science has samples every 1 nm, and Abbe interpolates samples of 5 nm.
 
 use crate::golden::golden;
-use abbe::colour::{ColourRendition, cct_duv, rendition, report};
-use abbe::spectrum::{Observer, SpectralLine, Spectrum, library};
+use abbe::colour::rendition;
+use abbe::spectrum::{SpectralLine, Spectrum, library};
 use serde_json::Value;
 
 /// The tolerances of Rf and Rg, of the local fidelity and chroma shift, and of the hue shift.
 const INDEX: f64 = 0.05;
 const LOCAL: f64 = 0.2;
 const HUE_SHIFT: f64 = 0.002;
-
-fn found(light: &Spectrum) -> ColourRendition {
-    let temperature = cct_duv(report::xyz(light, Observer::cie1931())).unwrap();
-    rendition(light, temperature).unwrap()
-}
 
 fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
@@ -32,7 +26,7 @@ fn largest(found: &[f64], known: &Value) -> f64 {
 
 /// Returns what differs by more than its tolerance.
 fn faults(name: &str, light: &Spectrum, known: &Value) -> Vec<String> {
-    let found = found(light);
+    let found = rendition(light).unwrap();
     let mut differences = vec![
         ("rf", (found.rf - number(&known["rf"])).abs(), INDEX),
         ("rg", (found.rg - number(&known["rg"])).abs(), INDEX),
