@@ -363,11 +363,14 @@ fn with_function_of_spectrum(
     let of = |values: &[f64], xyz: Option<[f64; 3]>| {
         let light = Spectrum::table(&spectrum.centres_nm, values, Outside::Zero).ok()?;
         let temperature = cct_duv(xyz.unwrap_or_else(|| Observer::cie1931().xyz(&light)))?;
-        match quantity {
-            Quantity::ColourRendering => cri(&light, temperature).map(|rendering| rendering.ra),
-            Quantity::Tm30Rf => rendition(&light).map(|rendition| rendition.rf),
-            Quantity::Tm30Rg => rendition(&light).map(|rendition| rendition.rg),
-            _ => Some(temperature.cct_k),
+        if quantity == Quantity::ColourRendering {
+            cri(&light, temperature).map(|rendering| rendering.ra)
+        } else if quantity == Quantity::Tm30Rf {
+            rendition(&light).map(|rendition| rendition.rf)
+        } else if quantity == Quantity::Tm30Rg {
+            rendition(&light).map(|rendition| rendition.rg)
+        } else {
+            Some(temperature.cct_k)
         }
     };
     let value = of(&spectrum.values, Some(reading.xyz));
