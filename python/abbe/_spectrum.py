@@ -37,6 +37,8 @@ class ColourReport(Report):
     duv: Optional[float]
     #: The general colour rendering index.
     ra: Optional[float]
+    #: The colour rendition of TM-30: `rf`, `rg`, `rf_bins`, `chroma_shift_percent` and `hue_shift`.
+    tm30: Optional[Report]
     efficacy_lm_per_w: Optional[float]
 
 

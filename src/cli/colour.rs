@@ -1,6 +1,6 @@
 //! The JSON form of a colour report.
 
-use crate::colour::ColourReport;
+use crate::colour::{ColourRendition, ColourReport};
 use crate::spectrum::Observer;
 use serde::Serialize;
 
@@ -28,6 +28,8 @@ pub(crate) struct ColourJson<'a> {
     ra: Option<f64>,
     /// The special colour rendering index of a saturated red (CIE 13.3).
     r9: Option<f64>,
+    /// The colour rendition of a light (TM-30).
+    tm30: Option<&'a ColourRendition>,
     efficacy_lm_per_w: Option<f64>,
 }
 
@@ -40,8 +42,8 @@ impl<'a> ColourJson<'a> {
         observer: &'static Observer,
         under: Option<&'a str>,
     ) -> Self {
-        let ColourReport { xyz, xy, linear_srgb, srgb_hex, dominant, temperature, rendering, efficacy_lm_per_w } =
-            report;
+        let ColourReport { xyz, xy, linear_srgb, srgb_hex, dominant, temperature, .. } = report;
+        let ColourReport { rendering, rendition, efficacy_lm_per_w, .. } = report;
         Self {
             name,
             observer: observer.name(),
@@ -57,6 +59,7 @@ impl<'a> ColourJson<'a> {
             duv: temperature.map(|temperature| temperature.duv),
             ra: rendering.as_ref().map(|rendering| rendering.ra),
             r9: rendering.as_ref().map(|rendering| rendering.special[8]),
+            tm30: rendition.as_ref(),
             efficacy_lm_per_w: *efficacy_lm_per_w,
         }
     }

@@ -10,7 +10,7 @@ use crate::spectrum::{Observer, Spectrum, daylight_extended, library};
 const TEST_COLOURS: usize = 14;
 
 /// The range of colour temperatures in K for which the index is computed.
-const RANGE_K: (f64, f64) = (1000.0, 50_000.0);
+pub(super) const RANGE_K: (f64, f64) = (1000.0, 50_000.0);
 
 /// The reference illuminant is daylight at this temperature in K and above. Below this temperature,
 /// it is a black body.

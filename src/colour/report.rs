@@ -9,6 +9,7 @@
 use super::adaptation::{AdaptationTransform, adapt};
 use super::dominant::{DominantWavelength, dominant};
 use super::rendering::{ColourRendering, cri};
+use super::rendition::{ColourRendition, rendition};
 use super::space::{RgbSpace, srgb_hex, xyz_to_linear_srgb};
 use super::temperature::{CorrelatedTemperature, cct_duv};
 use super::{Rgb, Xyz, coordinates, gamut};
@@ -89,6 +90,8 @@ pub struct ColourReport {
     pub temperature: Option<CorrelatedTemperature>,
     /// Colour rendering indices of a light, if these indices are defined.
     pub rendering: Option<ColourRendering>,
+    /// Colour rendition of a light by TM-30, if it is defined.
+    pub rendition: Option<ColourRendition>,
     /// The luminous efficacy of the radiation, in lumens per watt. Only radiation within the band
     /// is counted. `None` for a reflectance.
     pub efficacy_lm_per_w: Option<f64>,
@@ -112,6 +115,7 @@ impl ColourReport {
             dominant: dominant(coordinates::xy(unit), [1.0 / 3.0; 2], observer),
             temperature,
             rendering: temperature.and_then(|temperature| cri(light, temperature)),
+            rendition: temperature.and_then(|_| rendition(light)),
             efficacy_lm_per_w: Some(LUMENS_PER_WATT * raw[1] / power(light)),
         })
     }
@@ -133,6 +137,7 @@ impl ColourReport {
             dominant: dominant(coordinates::xy(unit), coordinates::xy(white_unit), observer),
             temperature: None,
             rendering: None,
+            rendition: None,
             efficacy_lm_per_w: None,
         })
     }

@@ -173,6 +173,10 @@ pub enum QuantityKindFile {
     ColourTemperature,
     /// General colour rendering index of the light that arrives (CIE 13.3).
     ColourRendering,
+    /// Fidelity index Rf of the light that arrives (TM-30, CIE 224).
+    Tm30Rf,
+    /// Gamut index Rg of the light that arrives (TM-30).
+    Tm30Rg,
     /// Unified glare rating (CIE 117) of a view along `normal`, for `points` and `grid`.
     Ugr,
 }
@@ -198,6 +202,8 @@ impl QuantityKindFile {
             Self::DaylightFactor => Quantity::DaylightFactor,
             Self::ColourTemperature => Quantity::ColourTemperature,
             Self::ColourRendering => Quantity::ColourRendering,
+            Self::Tm30Rf => Quantity::Tm30Rf,
+            Self::Tm30Rg => Quantity::Tm30Rg,
             Self::Ugr => Quantity::UnifiedGlareRating,
         }
     }

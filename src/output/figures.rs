@@ -5,7 +5,8 @@ use crate::colour::{ColourReport, LightDifference};
 /// Returns the names and values of a colour report. Undefined values are given as "undefined".
 /// Colour temperature, colour rendering and efficacy are listed only for a light.
 pub fn report_rows(report: &ColourReport) -> Vec<(&'static str, String)> {
-    let ColourReport { xyz, xy, linear_srgb, srgb_hex, dominant, temperature, rendering, efficacy_lm_per_w } = report;
+    let ColourReport { xyz, xy, linear_srgb, srgb_hex, dominant, temperature, .. } = report;
+    let ColourReport { rendering, rendition, efficacy_lm_per_w, .. } = report;
     let three = |values: &[f64; 3], decimals: usize| values.map(|value| format!("{value:.decimals$}")).join("  ");
     let undefined = || "undefined".to_string();
     let dominant = dominant.map_or_else(undefined, |dominant| {
@@ -24,6 +25,8 @@ pub fn report_rows(report: &ColourReport) -> Vec<(&'static str, String)> {
         rows.push(("Duv", temperature.map_or_else(undefined, |found| format!("{:+.5}", found.duv))));
         rows.push(("Ra", rendering.as_ref().map_or_else(undefined, |found| format!("{:.1}", found.ra))));
         rows.push(("R9", rendering.as_ref().map_or_else(undefined, |found| format!("{:.1}", found.special[8]))));
+        rows.push(("Rf", rendition.as_ref().map_or_else(undefined, |found| format!("{:.1}", found.rf))));
+        rows.push(("Rg", rendition.as_ref().map_or_else(undefined, |found| format!("{:.1}", found.rg))));
         rows.push(("efficacy", format!("{efficacy:.2} lm/W")));
     }
     rows

@@ -4,12 +4,13 @@
 use maud::{Markup, PreEscaped, html};
 
 use super::chromaticity::ChromaticityDiagram;
+use super::colour_vectors::colour_vector_graphic;
 use super::figures::{difference_text, report_rows};
 use super::page::document;
 use super::plot::SpectralPlot;
 use crate::colour::gamut::desaturate;
 use crate::colour::lamps::{ALIKE, DIFFERENT, LampComparison, PatchDifference, SplitPair};
-use crate::colour::{RgbSpace, Xyz, from_lab, report, srgb_hex, xy, xyz_to_linear_srgb};
+use crate::colour::{ColourRendition, RgbSpace, Xyz, from_lab, report, srgb_hex, xy, xyz_to_linear_srgb};
 use crate::error::Result;
 use crate::spectrum::{LUMENS_PER_WATT, Observer, Spectrum};
 
@@ -67,6 +68,7 @@ pub fn page(page: &LampsPage<'_>) -> Result<String> {
             @for (badge, lamp) in [("A", a), ("B", b)] { figure { (PreEscaped(plot(badge, lamp, observer).svg())) } }
         }
         p.soft { "Spectral power of each lamp for one lumen. The height of a line is its power relative to the strongest line. The two plots have different scales." }
+        (rendition(comparison))
         (charts(comparison))
         (pairs(comparison))
         h2 { "All patches" }
@@ -127,6 +129,46 @@ fn plot(badge: &str, lamp: &NamedLamp<'_>, observer: &Observer) -> SpectralPlot 
         "mW/(nm lm)",
         Some("mW/lm"),
     )
+}
+
+/// Renders the section with the colour rendition of both lamps.
+fn rendition(comparison: &LampComparison) -> Markup {
+    let lamps = [0, 1].map(|i| (["A", "B"][i], comparison.reports[i].rendition.as_ref()));
+    let bins = lamps.iter().find_map(|(_, found)| *found).map_or(0, |found| found.rf_bins.len());
+    html! {
+        h2 { "Colour rendition (TM-30)" }
+        div.two {
+            @for (badge, found) in lamps {
+                figure.diagram {
+                    @if let Some(found) = found { (PreEscaped(colour_vector_graphic(found))) }
+                    figcaption {
+                        span.badge { (badge) }
+                        @if let Some(found) = found { (format!(" Rf {:.1}, Rg {:.1}", found.rf, found.rg)) } @else { " undefined" }
+                    }
+                }
+            }
+        }
+        p.soft { "The circle is the reference illuminant of the same colour temperature. The red polygon is the lamp. The numbers are "
+            "hue bins. An arrow that points outwards means that surfaces of this hue look more saturated. The grey circles are "
+            "chroma shifts of ±20 %." }
+        @if bins > 0 { div.table { table.patches {
+            thead {
+                tr { th {} th.group colspan="3" { "A" } th.group colspan="3" { "B" } }
+                tr { th { "hue bin" } @for name in [["Rf", "chroma shift", "hue shift"]; 2].as_flattened() { th.number { (name) } } }
+            }
+            tbody { @for bin in 0..bins { tr {
+                th scope="row" { (bin + 1) }
+                @for (_, found) in lamps { @for cell in bin_cells(found, bin) { td.number { (cell) } } }
+            } } }
+        } } }
+    }
+}
+
+/// Returns the local fidelity index, chroma shift and hue shift of a hue bin.
+fn bin_cells(rendition: Option<&ColourRendition>, bin: usize) -> [String; 3] {
+    let Some(found) = rendition else { return ["", "", ""].map(String::from) };
+    let hue_shift = signed(found.hue_shift[bin], 2);
+    [signed(found.rf_bins[bin], 1), signed(found.chroma_shift_percent[bin], 1) + " %", hue_shift]
 }
 
 fn charts(comparison: &LampComparison) -> Markup {
@@ -221,7 +263,7 @@ fn table(patches: &[PatchDifference], largest: f64) -> Markup {
             tbody { @for patch in patches { tr {
                 th scope="row" { (patch.short_name()) }
                 td { (halves("swatch", &adapted(patch))) }
-                @for value in patch.lab.as_flattened() { td.number { (signed(*value)) } }
+                @for value in patch.lab.as_flattened() { td.number { (signed(*value, 1)) } }
                 td.number { (format!("{:.2}", patch.delta_e_2000)) }
                 td.bar { div style={"width:" (format!("{:.1}", 100.0 * patch.delta_e_2000 / widest)) "%"} {} }
             } } }
@@ -229,11 +271,14 @@ fn table(patches: &[PatchDifference], largest: f64) -> Markup {
     }
 }
 
-/// Formats a number with one decimal. A negative number has the minus sign (−) instead of a hyphen.
-/// Zero has no sign.
-fn signed(value: f64) -> String {
-    let text = format!("{value:.1}");
-    if text == "-0.0" { "0.0".to_string() } else { text.replace('-', "−") }
+/// Formats a number. A negative number has the minus sign (−) instead of a hyphen. Zero has no sign.
+fn signed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(zero) if zero.chars().all(|digit| digit == '0' || digit == '.') => zero.to_string(),
+        Some(positive) => format!("−{positive}"),
+        None => text,
+    }
 }
 
 fn notes(observer: &Observer) -> Markup {
@@ -244,7 +289,7 @@ fn notes(observer: &Observer) -> Markup {
             "use the XYZ of that lamp as white; the perfect diffuser has Y = 100. Adapted swatches show the same L*a*b* with D65 as "
             "white. Colours outside sRGB are desaturated at constant luminance. Patches: N. Ohta's measurement of the "
             "ColorChecker; test colours: CIE 13.3; leaves: PROSPECT-D. Ra by CIE 13.3 is undefined farther than 0.05 from the "
-            "Planckian locus. Written by abbe " (env!("CARGO_PKG_VERSION")) "."
+            "Planckian locus, and so are Rf and Rg by TM-30. Written by abbe " (env!("CARGO_PKG_VERSION")) "."
         }
     }
 }

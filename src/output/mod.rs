@@ -6,6 +6,7 @@
 pub mod axis;
 mod block_test;
 pub mod chromaticity;
+pub mod colour_vectors;
 pub mod compare;
 #[cfg(feature = "pages")]
 pub mod comparison_page;

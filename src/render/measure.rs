@@ -4,7 +4,7 @@ use super::job::Job;
 use super::monitor::Monitor;
 use super::request::{Integrator, Request, StopRules};
 use super::session::Rendered;
-use crate::colour::{cct_duv, cri};
+use crate::colour::{cct_duv, cri, rendition};
 use crate::error::{Error, Result};
 use crate::gather::{DirectLighting, Glare};
 use crate::geometry::{Hit, Ray};
@@ -365,6 +365,10 @@ fn with_function_of_spectrum(
         let temperature = cct_duv(xyz.unwrap_or_else(|| Observer::cie1931().xyz(&light)))?;
         if quantity == Quantity::ColourRendering {
             cri(&light, temperature).map(|rendering| rendering.ra)
+        } else if quantity == Quantity::Tm30Rf {
+            rendition(&light).map(|rendition| rendition.rf)
+        } else if quantity == Quantity::Tm30Rg {
+            rendition(&light).map(|rendition| rendition.rg)
         } else {
             Some(temperature.cct_k)
         }

@@ -152,12 +152,13 @@ fn the_lamp_page_is_complete_and_self_contained() {
         "prefers-color-scheme: dark",
         "orange-yellow",
         "Metameric pairs that split",
+        "Colour rendition (TM-30)",
     ] {
         assert!(page.contains(words), "{words}");
     }
-    // Two spectra and the chromaticity diagram; 24 patches with and without adaptation, 12 pairs
+    // Two spectra, the chromaticity diagram and two colour vector graphics; 24 patches with and without adaptation, 12 pairs
     // under two lamps, 24 in the table, and two fluorescent surfaces.
-    assert_eq!(page.matches("<svg ").count(), 3);
+    assert_eq!(page.matches("<svg ").count(), 5);
     assert_eq!(page.matches("class=\"pair\"").count(), 2 * 24 + 2 * 12);
     assert_eq!(page.matches("class=\"swatch\"").count(), 24 + 2);
     let elsewhere = page.replace("http://www.w3.org/2000/svg", "");
@@ -170,6 +171,38 @@ fn the_lamp_page_is_complete_and_self_contained() {
     assert!(page.contains("&lt;b&gt;&amp;.csv") && !page.contains("<b>&.csv"));
 }
 
+/// The values of FL2 and LED-B1 are those of `tests/golden/rendition.json`.
+#[test]
+fn lamps_have_their_colour_rendition() {
+    let folder = tempfile::tempdir().unwrap();
+    let compared = abbe(folder.path(), &["lamps", "FL2", "LED-B1", "--json"]).json();
+    for (lamp, rf, rg) in [("a", 70.1, 86.4), ("b", 84.1, 96.1)] {
+        let tm30 = &compared[lamp]["tm30"];
+        let near = |key: &str, known: f64| (tm30[key].as_f64().unwrap() - known).abs() < 0.1;
+        assert!(near("rf", rf) && near("rg", rg), "{tm30}");
+        for key in ["rf_bins", "chroma_shift_percent", "hue_shift"] {
+            assert_eq!(tm30[key].as_array().unwrap().len(), 16, "{key}: {tm30}");
+        }
+    }
+    let text = abbe(folder.path(), &["lamps", "FL2", "LED-B1"]).out;
+    let row = |name: &str| {
+        let line = text.lines().find(|line| line.split_whitespace().next() == Some(name)).unwrap();
+        line.split_whitespace().map(str::to_string).collect::<Vec<_>>()
+    };
+    assert_eq!(
+        (row("Rf"), row("Rg")),
+        (vec!["Rf".into(), "70.1".into(), "84.1".into()], vec!["Rg".into(), "86.4".into(), "96.1".into()])
+    );
+    // Green light has no colour temperature, and so it has no rendition.
+    let green = r#"{"lines": [{"nm": 532, "power": 1}]}"#;
+    let arguments = ["lamps", "FL2", green, "--json", "--html", "page.html"];
+    assert!(abbe(folder.path(), &arguments).json()["b"]["tm30"].is_null());
+    let page = std::fs::read_to_string(folder.path().join("page.html")).unwrap();
+    assert!(
+        page.matches("<svg ").count() == 4 && page.contains("Rf 70.1, Rg 86.4") && page.contains("</span> undefined")
+    );
+}
+
 #[test]
 fn a_third_lamp_is_compared_with_the_first() {
     let folder = tempfile::tempdir().unwrap();
@@ -180,6 +213,7 @@ fn a_third_lamp_is_compared_with_the_first() {
         assert_eq!(three["c"][key], two[key], "{key}");
     }
     assert_eq!(three["c"]["ra"], two["b"]["ra"]);
+    assert_eq!(three["c"]["tm30"], two["b"]["tm30"]);
     let text = abbe(folder.path(), &["lamps", "D65", "A", "FL2"]).out;
     for words in ["\nC  FL2\n", "D65 and FL2 differ clearly in colour; ", "A from C ", "ΔE2000 between A and C"] {
         assert!(text.contains(words), "{words}: {text}");

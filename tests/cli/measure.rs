@@ -55,6 +55,32 @@ fn a_target_error_may_name_a_meter() {
     assert!(zero.status == 2 && zero.err.contains("expected a ratio above 0"), "{}", zero.err);
 }
 
+/// A meter under one lamp has the colour rendition of the lamp. The meter knows the spectrum in
+/// bands of 5 nm, so a smooth lamp is nearly exact.
+#[test]
+fn a_meter_has_the_colour_rendition_of_its_lamp() {
+    let folder = tempfile::tempdir().unwrap();
+    for lamp in ["LED-B1", "FL2"] {
+        let at = |name: &str| json!({"name": name, "quantity": name, "points": [[0, 0, 0]]});
+        let scene = json!({
+            "objects": [],
+            "lights": [{"point": {"at": [0, 2, 0], "spectrum": lamp, "luminous_intensity": 400}}],
+            "meters": [at("tm30_rf"), at("tm30_rg"), at("colour_rendering")]
+        });
+        std::fs::write(folder.path().join("scene.json"), scene.to_string()).unwrap();
+        let report = measured(folder.path(), &["--passes", "64"]);
+        let lamps = abbe(folder.path(), &["lamps", lamp, "D65", "--json"]).json();
+        let known = [&lamps["a"]["tm30"]["rf"], &lamps["a"]["tm30"]["rg"], &lamps["a"]["ra"]];
+        for (meter, known) in report["meters"].as_array().unwrap().iter().zip(known) {
+            let point = &meter["points"][0];
+            let [value, noise] = [&point["value"], &point["noise"]].map(|number| number.as_f64().unwrap());
+            let difference = (value - known.as_f64().unwrap()).abs();
+            assert!(difference < 0.5 + 4.0 * noise && noise < 0.5, "{lamp}: {known} {meter}");
+            assert!(point["interval_95"][0].as_f64().unwrap() <= value, "{meter}");
+        }
+    }
+}
+
 #[test]
 fn a_grid_has_its_mean_and_its_uniformity() {
     let folder = tempfile::tempdir().unwrap();

@@ -25,6 +25,7 @@ mod optics_golden;
 mod packed_tables;
 mod pure_properties;
 mod regress_golden;
+mod rendition_golden;
 mod scene_file;
 mod spectrum_contract;
 mod srgb_colours;

@@ -40,6 +40,10 @@ pub enum Quantity {
     ColourTemperature,
     /// General colour rendering index.
     ColourRendering,
+    /// Fidelity index Rf of TM-30.
+    Tm30Rf,
+    /// Gamut index Rg of TM-30.
+    Tm30Rg,
     /// Unified glare rating (CIE 117) for a view along the normal.
     UnifiedGlareRating,
 }
@@ -63,7 +67,7 @@ const MOLAR_PLANCK: f64 = 6.022_140_76e23 * 6.626_070_15e-34 * 299_792_458.0;
 
 impl Quantity {
     /// All quantities.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 20] = [
         Self::Illuminance,
         Self::Irradiance,
         Self::SpectralIrradiance,
@@ -81,6 +85,8 @@ impl Quantity {
         Self::DaylightFactor,
         Self::ColourTemperature,
         Self::ColourRendering,
+        Self::Tm30Rf,
+        Self::Tm30Rg,
         Self::UnifiedGlareRating,
     ];
 
@@ -104,6 +110,8 @@ impl Quantity {
             Self::DaylightFactor => "daylight_factor",
             Self::ColourTemperature => "colour_temperature",
             Self::ColourRendering => "colour_rendering",
+            Self::Tm30Rf => "tm30_rf",
+            Self::Tm30Rg => "tm30_rg",
             Self::UnifiedGlareRating => "ugr",
         }
     }
@@ -126,7 +134,7 @@ impl Quantity {
             Self::Ppfd => "µmol/m²/s",
             Self::DaylightFactor => "%",
             Self::ColourTemperature => "K",
-            Self::ColourRendering | Self::UnifiedGlareRating => "1",
+            Self::ColourRendering | Self::Tm30Rf | Self::Tm30Rg | Self::UnifiedGlareRating => "1",
         }
     }
 
@@ -134,7 +142,7 @@ impl Quantity {
     pub fn kind(self) -> QuantityKind {
         match self {
             Self::SpectralIrradiance => QuantityKind::Spectrum,
-            Self::ColourTemperature | Self::ColourRendering => QuantityKind::OfSpectrum,
+            Self::ColourTemperature | Self::ColourRendering | Self::Tm30Rf | Self::Tm30Rg => QuantityKind::OfSpectrum,
             Self::Illuminance
             | Self::Irradiance
             | Self::Luminance
@@ -175,6 +183,8 @@ impl Quantity {
             | Self::DaylightFactor
             | Self::ColourTemperature
             | Self::ColourRendering
+            | Self::Tm30Rf
+            | Self::Tm30Rg
             | Self::UnifiedGlareRating => Observer::cie1931(),
             Self::Irradiance | Self::SpectralIrradiance | Self::Radiance | Self::RadiantFlux => Observer::radiometric(),
             Self::Ppfd => photosynthetic(),
@@ -190,7 +200,11 @@ impl Quantity {
     pub fn scale(self) -> f64 {
         match self {
             Self::Illuminance | Self::Luminance | Self::LuminousFlux | Self::DaylightFactor => 1.0,
-            Self::ColourTemperature | Self::ColourRendering | Self::UnifiedGlareRating => 1.0,
+            Self::ColourTemperature
+            | Self::ColourRendering
+            | Self::Tm30Rf
+            | Self::Tm30Rg
+            | Self::UnifiedGlareRating => 1.0,
             Self::MelanopicEdi => 1.0 / (LUMENS_PER_WATT * MELANOPIC_W_PER_LM_OF_D65),
             Self::Irradiance
             | Self::SpectralIrradiance
