@@ -283,6 +283,27 @@ mod tests {
         assert!(flat.noise.iter().flatten().all(|&noise| (f64::from(noise) - own(0.2).sqrt()).abs() < 1e-7));
     }
 
+    /// The bars of a pixel do not depend on the block of rows that contains it.
+    #[test]
+    fn blocks_of_rows_have_no_seams() {
+        const WIDTH: usize = 3;
+        let rows = 2 * ROWS_PER_BLOCK + 20;
+        let value = |pixel: usize| ((pixel * 37 % 101) as f64 - 50.0) * 1e-3;
+        let pixel = |pixel: usize| {
+            let y = std::array::from_fn(|r| 1.0 + value(pixel + 7 * r));
+            (pixel % 11 > 0).then(|| PixelMeans { y, bias: [value(pixel), value(pixel + 3)] })
+        };
+        let whole = ErrorBars::new((WIDTH, WIDTH * rows), pixel, EVEN);
+        let cut = ROWS_PER_BLOCK / 2;
+        let part = ErrorBars::new((WIDTH, WIDTH * (rows - cut)), |i| pixel(i + WIDTH * cut), EVEN);
+        // The rows at the cut lack neighbours.
+        for i in WIDTH * REACH..WIDTH * (rows - cut) {
+            let of = |bars: &ErrorBars, i: usize| (bars.noise[i], bars.bias[i], bars.edge[i]);
+            assert_eq!(of(&part, i), of(&whole, i + WIDTH * cut), "pixel {i}");
+        }
+        assert_eq!(whole.noise.len(), WIDTH * rows);
+    }
+
     /// Checks that a measured bias is reported as bias if the even and the odd replicates agree. If
     /// they do not agree, it is treated as noise.
     #[test]

@@ -78,9 +78,9 @@ fn write_channels(
     let mut image = Image::from_layer(Layer::new(size, attributes, encoding, channels));
     image.attributes.chromaticities = Some(chromaticities());
     let mut buffered = BufWriter::new(&mut *file);
-    image.write().to_buffered(&mut buffered).map_err(|error| match error {
-        ::exr::error::Error::Io(error) => error,
-        other => io::Error::other(other.to_string()),
+    let written = image.write().to_buffered(&mut buffered);
+    written.map_err(|error| {
+        if let ::exr::error::Error::Io(error) = error { error } else { io::Error::other(error.to_string()) }
     })?;
     buffered.flush()?;
     drop(buffered);
