@@ -291,7 +291,7 @@ mod tests {
         let value = |pixel: usize| ((pixel * 37 % 101) as f64 - 50.0) * 1e-3;
         let pixel = |pixel: usize| {
             let y = std::array::from_fn(|r| 1.0 + value(pixel + 7 * r));
-            (pixel % 11 > 0).then(|| PixelMeans { y, bias: [value(pixel), value(pixel + 3)] })
+            (!pixel.is_multiple_of(11)).then(|| PixelMeans { y, bias: [value(pixel), value(pixel + 3)] })
         };
         let whole = ErrorBars::new((WIDTH, WIDTH * rows), pixel, EVEN);
         let cut = ROWS_PER_BLOCK / 2;
