@@ -21,8 +21,10 @@ fn numbers(point: &PointReport) -> [f64; 3] {
 /// Prepares a scene whose files lie in a folder.
 fn job_in(folder: &Path, scene: &Json) -> Job {
     let path = folder.join("scene.json");
-    let (file, source) = parse_with_access(&scene.to_string(), &path, &[], FileAccess::default()).unwrap();
-    Job::new(resolve_meters(&file, &source).unwrap()).unwrap()
+    let (file, source) =
+        parse_with_access(&scene.to_string(), &path, &[], FileAccess::default()).expect("the scene is valid");
+    let scene = resolve_meters(&file, &source).expect("the files of the scene are valid");
+    Job::new(scene).expect("the scene has light")
 }
 
 fn lamp(name: &str, shape: Json, luminance: f64, transform: Json) -> Json {
