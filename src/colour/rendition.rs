@@ -69,25 +69,13 @@ pub struct ColourRendition {
 /// from the temperature in a [`super::ColourReport`].
 pub fn rendition(light: &Spectrum) -> Option<ColourRendition> {
     let step_nm = sum_step_nm(light);
-    let cct_k = reference_temperature(light, step_nm)?;
+    let CorrelatedTemperature { cct_k, .. } = cct_duv(white(&node_weights(light, Observer::cie1931(), step_nm)))?;
     if !(RANGE_K.0..=RANGE_K.1).contains(&cct_k) {
         return None;
     }
     let of_light = node_weights(light, Observer::cie1964(), step_nm);
     let of_reference = reference_weights(cct_k, step_nm)?;
     ColourRendition::of_colours(&sample_colours(&of_light), &sample_colours(&of_reference))
-}
-
-/// Returns the temperature of the reference illuminant in K. It is the temperature of the black body
-/// whose sums have the same correlated colour temperature as the sums of the light. The sums lack
-/// the light above 780 nm, so this temperature differs slightly from that of the sums.
-fn reference_temperature(light: &Spectrum, step_nm: u32) -> Option<f64> {
-    let of_sums = |light: &Spectrum| {
-        let CorrelatedTemperature { cct_k, .. } = cct_duv(white(&node_weights(light, Observer::cie1931(), step_nm)))?;
-        Some(cct_k)
-    };
-    let cct_k = of_sums(light)?;
-    Some(cct_k * cct_k / of_sums(&Spectrum::blackbody(cct_k).ok()?)?)
 }
 
 /// The coordinates J′, a′ and b′ of all samples in CAM02-UCS.
