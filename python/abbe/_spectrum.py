@@ -39,6 +39,8 @@ class ColourReport(Report):
     ra: Optional[float]
     #: The colour rendition of TM-30: `rf`, `rg`, `rf_bins`, `chroma_shift_percent` and `hue_shift`.
     tm30: Optional[Report]
+    #: The melanopic daylight efficacy ratio (CIE S 026).
+    melanopic_ratio: Optional[float]
     efficacy_lm_per_w: Optional[float]
 
 

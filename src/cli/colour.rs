@@ -30,6 +30,8 @@ pub(crate) struct ColourJson<'a> {
     r9: Option<f64>,
     /// The colour rendition of a light (TM-30).
     tm30: Option<&'a ColourRendition>,
+    /// The melanopic daylight efficacy ratio of a light (CIE S 026).
+    melanopic_ratio: Option<f64>,
     efficacy_lm_per_w: Option<f64>,
 }
 
@@ -43,7 +45,7 @@ impl<'a> ColourJson<'a> {
         under: Option<&'a str>,
     ) -> Self {
         let ColourReport { xyz, xy, linear_srgb, srgb_hex, dominant, temperature, .. } = report;
-        let ColourReport { rendering, rendition, efficacy_lm_per_w, .. } = report;
+        let ColourReport { rendering, rendition, melanopic_ratio, efficacy_lm_per_w, .. } = report;
         Self {
             name,
             observer: observer.name(),
@@ -60,6 +62,7 @@ impl<'a> ColourJson<'a> {
             ra: rendering.as_ref().map(|rendering| rendering.ra),
             r9: rendering.as_ref().map(|rendering| rendering.special[8]),
             tm30: rendition.as_ref(),
+            melanopic_ratio: *melanopic_ratio,
             efficacy_lm_per_w: *efficacy_lm_per_w,
         }
     }

@@ -92,6 +92,8 @@ pub struct ColourReport {
     pub rendering: Option<ColourRendering>,
     /// Colour rendition of a light by TM-30, if it is defined.
     pub rendition: Option<ColourRendition>,
+    /// The melanopic daylight efficacy ratio of a light (CIE S 026). `None` for a reflectance.
+    pub melanopic_ratio: Option<f64>,
     /// The luminous efficacy of the radiation, in lumens per watt. Only radiation within the band
     /// is counted. `None` for a reflectance.
     pub efficacy_lm_per_w: Option<f64>,
@@ -116,6 +118,7 @@ impl ColourReport {
             temperature,
             rendering: temperature.and_then(|temperature| cri(light, temperature)),
             rendition: temperature.and_then(|_| rendition(light)),
+            melanopic_ratio: Observer::melanopic_ratio(light),
             efficacy_lm_per_w: Some(LUMENS_PER_WATT * raw[1] / power(light)),
         })
     }
@@ -138,6 +141,7 @@ impl ColourReport {
             temperature: None,
             rendering: None,
             rendition: None,
+            melanopic_ratio: None,
             efficacy_lm_per_w: None,
         })
     }

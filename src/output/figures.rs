@@ -6,7 +6,7 @@ use crate::colour::{ColourReport, LightDifference};
 /// Colour temperature, colour rendering and efficacy are listed only for a light.
 pub fn report_rows(report: &ColourReport) -> Vec<(&'static str, String)> {
     let ColourReport { xyz, xy, linear_srgb, srgb_hex, dominant, temperature, .. } = report;
-    let ColourReport { rendering, rendition, efficacy_lm_per_w, .. } = report;
+    let ColourReport { rendering, rendition, melanopic_ratio, efficacy_lm_per_w, .. } = report;
     let three = |values: &[f64; 3], decimals: usize| values.map(|value| format!("{value:.decimals$}")).join("  ");
     let undefined = || "undefined".to_string();
     let dominant = dominant.map_or_else(undefined, |dominant| {
@@ -27,6 +27,7 @@ pub fn report_rows(report: &ColourReport) -> Vec<(&'static str, String)> {
         rows.push(("R9", rendering.as_ref().map_or_else(undefined, |found| format!("{:.1}", found.special[8]))));
         rows.push(("Rf", rendition.as_ref().map_or_else(undefined, |found| format!("{:.1}", found.rf))));
         rows.push(("Rg", rendition.as_ref().map_or_else(undefined, |found| format!("{:.1}", found.rg))));
+        rows.push(("melanopic", melanopic_ratio.map_or_else(undefined, |ratio| format!("{ratio:.3}"))));
         rows.push(("efficacy", format!("{efficacy:.2} lm/W")));
     }
     rows

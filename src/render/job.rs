@@ -55,12 +55,13 @@ impl Job {
         let diffraction = DiffractionSetup::of(&scene.camera, &plan, &lights);
         let slices = diffraction.as_ref().map_or(0, DiffractionSetup::slices);
         let [width, height, bands] = [film.width, film.height, film.spectral_bands].map(|count| count as usize);
-        let film_bytes = Film::memory_bytes(width.saturating_mul(height), bands, slices, &layers);
+        let pixels = width.saturating_mul(height);
+        let film_bytes = Film::memory_bytes(pixels, bands, slices, &layers) as u64;
         if slices > 0 && layers.separates_light() {
             let error = Error::input("the layers `paths` and `lights` do not contain the diffraction at the aperture");
             return Err(error.expected("other layers, or a render that forbids the effect `diffraction`"));
         }
-        let budget = Budget::of(&scene, &plan, memory_bytes(film_bytes as u64, slices > 0));
+        let budget = Budget::of(&scene, &plan, memory_bytes(film_bytes, pixels as u64, slices > 0));
         let readings = reading_layout(&scene).map(Arc::new);
         Ok(Self { scene, plan, rows, budget, diffraction, layers, readings, lights, selector, spectra })
     }
@@ -109,12 +110,15 @@ impl Job {
     }
 }
 
-/// Returns the memory of a film and of its picture in bytes. A picture has at most a quarter of the
-/// film's bytes. The convolution with the diffraction at the aperture needs up to two more blocks of
-/// the film's size.
-fn memory_bytes(film_bytes: u64, diffraction: bool) -> u64 {
-    let more = if diffraction { film_bytes.saturating_mul(2) } else { 0 };
-    film_bytes.saturating_add(film_bytes / 4).saturating_add(more)
+/// The memory of the convolution with the diffraction at the aperture, in bytes per pixel: five
+/// arrays with four complex numbers for each pixel.
+const CONVOLUTION_BYTES_PER_PIXEL: u64 = 5 * 64;
+
+/// Returns the memory of a film with this number of pixels and of its picture, in bytes. A picture
+/// has at most a quarter of the film's bytes.
+fn memory_bytes(film_bytes: u64, pixels: u64, diffraction: bool) -> u64 {
+    let convolution = if diffraction { pixels.saturating_mul(CONVOLUTION_BYTES_PER_PIXEL) } else { 0 };
+    film_bytes.saturating_add(film_bytes / 4).saturating_add(convolution)
 }
 
 /// Returns the readings of the scene's meters, or `None` if the scene has a picture.

@@ -34,7 +34,7 @@ pub(crate) use daylight::daylight_extended;
 pub use distribution::WavelengthDistribution;
 pub use lanes::{LANES, Lanes, Wavelengths};
 pub use line::{DEFAULT_LINE_WIDTH_NM, LineSegment, MIN_WIDTH_NM, SpectralLine};
-pub use observer::{LUMENS_PER_WATT, OBSERVER_NAMES, Observer};
+pub use observer::{LUMENS_PER_WATT, MELANOPIC_W_PER_LM_OF_D65, OBSERVER_NAMES, Observer};
 pub use planck::planck;
 pub use smooth_reflectance::SmoothReflectance;
 pub use table::Outside;

@@ -10,6 +10,9 @@ use crate::error::{Error, Result};
 /// The maximum luminous efficacy of radiation (at ȳ = 1), in lm/W.
 pub const LUMENS_PER_WATT: f64 = 683.0;
 
+/// The melanopic efficacy of luminous radiation of D65, in W/lm (CIE S 026:2018, table 3).
+pub const MELANOPIC_W_PER_LM_OF_D65: f64 = 1.3262e-3;
+
 /// The names of the observers.
 pub const OBSERVER_NAMES: [&str; 4] = ["cie1931", "cie1964", "cie2015_2", "cie2015_10"];
 
@@ -74,6 +77,14 @@ impl Observer {
             [of("s_cone", s), of("m_cone", m), of("l_cone", l), of("rod", rod), of("melanopsin", melanopsin)]
         });
         observers.each_ref()
+    }
+
+    /// Returns the melanopic daylight efficacy ratio of a light (CIE S 026:2018): its melanopic
+    /// irradiance per illuminance, divided by that of D65. Returns `None` for a light without
+    /// luminance.
+    pub fn melanopic_ratio(light: &Spectrum) -> Option<f64> {
+        let [melanopic, luminous] = [Self::alpha_opic()[4], Self::cie1931()].map(|observer| observer.xyz(light)[1]);
+        (luminous > 0.0).then(|| melanopic / (LUMENS_PER_WATT * luminous * MELANOPIC_W_PER_LM_OF_D65))
     }
 
     /// Returns the CIE 1931 observer with another function ȳ. `luminosity` returns its value at a
@@ -160,5 +171,21 @@ impl Observer {
         let bars = [spectrum(&|bar| bar[0]), spectrum(&|bar| bar[1]), spectrum(&|bar| bar[2])];
         let sum = spectrum(&|bar| bar[0] + bar[1] + bar[2]);
         Self { name, every_nm, bars, sum }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The toolbox of CIE S 026 states 0.496 for illuminant A.
+    #[test]
+    fn the_melanopic_ratio_is_1_for_d65_and_half_for_incandescent_light() {
+        for (name, expected) in [("D65", 1.0), ("A", 0.496)] {
+            let light = library::find(name).unwrap().spectrum;
+            let ratio = Observer::melanopic_ratio(&light).unwrap();
+            assert!((ratio - expected).abs() < 1e-3, "{name}: {ratio}");
+        }
+        assert_eq!(Observer::melanopic_ratio(&Spectrum::constant(0.0)), None);
     }
 }

@@ -48,9 +48,9 @@ fn the_lamp_page_renders_in_every_scheme_and_width() {
     let swatches = swatches(&page);
     assert!(swatches.len() > 150, "{}", swatches.len());
     let cases = [
-        ((1280, 4200), Scheme::Light, [255, 255, 255]),
-        ((1280, 4200), Scheme::Dark, [22, 24, 27]),
-        ((420, 9000), Scheme::Light, [255, 255, 255]),
+        ((1280, 5600), Scheme::Light, [255, 255, 255]),
+        ((1280, 5600), Scheme::Dark, [22, 24, 27]),
+        ((420, 12_000), Scheme::Light, [255, 255, 255]),
     ];
     for (size, scheme, paper) in cases {
         let Seen { picture, console, requests } = open(browser, &page, size, scheme);

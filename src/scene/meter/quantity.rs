@@ -1,6 +1,6 @@
 //! The quantities that a meter measures.
 
-use crate::spectrum::{LUMENS_PER_WATT, Observer};
+use crate::spectrum::{LUMENS_PER_WATT, MELANOPIC_W_PER_LM_OF_D65, Observer};
 use std::sync::OnceLock;
 
 /// A quantity of a meter.
@@ -58,9 +58,6 @@ pub enum QuantityKind {
     /// A function of the spectrum.
     OfSpectrum,
 }
-
-/// The melanopic efficacy of luminous radiation of D65, in W/lm (CIE S 026:2018, table 3).
-const MELANOPIC_W_PER_LM_OF_D65: f64 = 1.3262e-3;
 
 /// The Avogadro constant times the Planck constant times the speed of light, in J·m/mol.
 const MOLAR_PLANCK: f64 = 6.022_140_76e23 * 6.626_070_15e-34 * 299_792_458.0;
