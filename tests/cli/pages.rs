@@ -48,8 +48,8 @@ fn the_lamp_page_renders_in_every_scheme_and_width() {
     let swatches = swatches(&page);
     assert!(swatches.len() > 150, "{}", swatches.len());
     let cases = [
-        ((1280, 5600), Scheme::Light, [255, 255, 255]),
-        ((1280, 5600), Scheme::Dark, [22, 24, 27]),
+        ((1280, 6000), Scheme::Light, [255, 255, 255]),
+        ((1280, 6000), Scheme::Dark, [22, 24, 27]),
         ((420, 12_000), Scheme::Light, [255, 255, 255]),
     ];
     for (size, scheme, paper) in cases {
