@@ -114,11 +114,15 @@ impl Job {
 /// arrays with four complex numbers for each pixel.
 const CONVOLUTION_BYTES_PER_PIXEL: u64 = 5 * 64;
 
-/// Returns the memory of a film with this number of pixels and of its picture, in bytes. A picture
-/// has at most a quarter of the film's bytes.
+/// The memory of the pilot in bytes per pixel: the kernel radii and the visible points.
+const PILOT_BYTES_PER_PIXEL: u64 = 168;
+
+/// Returns the memory of a film with this number of pixels, of its picture and of the pilot, in
+/// bytes. A picture has at most a quarter of the film's bytes.
 fn memory_bytes(film_bytes: u64, pixels: u64, diffraction: bool) -> u64 {
-    let convolution = if diffraction { pixels.saturating_mul(CONVOLUTION_BYTES_PER_PIXEL) } else { 0 };
-    film_bytes.saturating_add(film_bytes / 4).saturating_add(convolution)
+    let convolution = if diffraction { CONVOLUTION_BYTES_PER_PIXEL } else { 0 };
+    let others = pixels.saturating_mul(PILOT_BYTES_PER_PIXEL + convolution);
+    film_bytes.saturating_add(film_bytes / 4).saturating_add(others)
 }
 
 /// Returns the readings of the scene's meters, or `None` if the scene has a picture.
