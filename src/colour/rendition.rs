@@ -52,8 +52,8 @@ pub struct ColourRendition {
     #[serde(skip)]
     pub samples: [f64; SAMPLES],
     /// The arrows of the colour vector graphic, one for each hue bin. An arrow begins on the unit
-    /// circle, at the mean a′, b′ under the reference. It ends at the mean a′, b′ under the light, on
-    /// the same scale.
+    /// circle, at the mean a′, b′ under the reference. It ends at the mean a′, b′ under the light,
+    /// on the same scale.
     #[serde(skip)]
     pub arrows: [[[f64; 2]; 2]; HUE_BINS],
 }
@@ -285,8 +285,8 @@ fn sample_colours(nodes: &NodeWeights) -> SampleColours {
 }
 
 /// CIECAM02 with the viewing conditions of TM-30: the adapting luminance is 100 cd/m², the
-/// background has 20 % of the luminance of white, the surround is average, and the adaptation to the
-/// light is complete.
+/// background has 20 % of the luminance of white, the surround is average, and the adaptation to
+/// the light is complete.
 struct ColourAppearance {
     /// The matrix from XYZ to the adapted cone responses.
     cones: Matrix3,

@@ -66,13 +66,9 @@ impl LightSampler {
     /// is the density of wavelengths for the spectrum alone, and q is the density for all lights
     /// (Kong 1992, "A note on importance sampling using standardized weights").
     pub fn wavelengths_per_useful_one(&self, scene: &Scene) -> f64 {
-        let mut lights: Vec<&Light> = Vec::new();
-        for light in scene.lights.iter().filter(|light| light.importance_per_watt > 0.0) {
-            if !lights.iter().any(|known| known.spectrum == light.spectrum) {
-                lights.push(light);
-            }
-        }
-        let second_moment = |light: &&Light| {
+        let powers: Vec<f64> = scene.lights.iter().map(|light| light.power_w(scene.extent())).collect();
+        let groups = spectrum_groups(&scene.lights, &powers);
+        let second_moment = |(_, light): &(f64, &Light)| {
             let alone = WavelengthDistribution::visually_weighted(&light.spectrum, scene.film.observer)?;
             let ratio = |i: u32| {
                 let (nm, density) = alone.sample((f64::from(i) + 0.5) / f64::from(COMPARED_WAVELENGTHS));
@@ -80,7 +76,7 @@ impl LightSampler {
             };
             Some((0..COMPARED_WAVELENGTHS).map(ratio).sum::<f64>() / f64::from(COMPARED_WAVELENGTHS))
         };
-        lights.iter().filter_map(second_moment).fold(1.0, f64::max)
+        groups.iter().filter(is_visible).filter_map(second_moment).fold(1.0, f64::max)
     }
 }
 
@@ -93,6 +89,19 @@ fn defensive_mixture<'a>(
     visible_sum: f64,
     emissions: &'a [(f64, Spectrum)],
 ) -> Vec<(f64, &'a Spectrum)> {
+    let groups = spectrum_groups(lights, powers);
+    let count = (groups.iter().filter(is_visible).count() + emissions.len()) as f64;
+    let weight = |group: &(f64, &Light)| {
+        let equal = if is_visible(&group) { EQUAL_SHARE / (count * group.1.importance_per_watt) } else { 0.0 };
+        (1.0 - EQUAL_SHARE) * group.0 / visible_sum + equal
+    };
+    let of_emissions = emissions.iter().map(|(visible, spectrum)| (EQUAL_SHARE / (count * visible), spectrum));
+    groups.iter().map(|group| (weight(group), &group.1.spectrum)).chain(of_emissions).collect()
+}
+
+/// Returns one light of each different spectrum, with the power in W of all lights of this
+/// spectrum.
+fn spectrum_groups<'a>(lights: &'a [Light], powers: &[f64]) -> Vec<(f64, &'a Light)> {
     let mut groups: Vec<(f64, &Light)> = Vec::new();
     for (light, &power_w) in lights.iter().zip(powers) {
         match groups.iter_mut().find(|(_, known)| known.spectrum == light.spectrum) {
@@ -100,14 +109,12 @@ fn defensive_mixture<'a>(
             None => groups.push((power_w, light)),
         }
     }
-    let visible = |(power_w, light): &&(f64, &Light)| *power_w > 0.0 && light.importance_per_watt > 0.0;
-    let count = (groups.iter().filter(visible).count() + emissions.len()) as f64;
-    let weight = |group: &(f64, &Light)| {
-        let equal = if visible(&group) { EQUAL_SHARE / (count * group.1.importance_per_watt) } else { 0.0 };
-        (1.0 - EQUAL_SHARE) * group.0 / visible_sum + equal
-    };
-    let of_emissions = emissions.iter().map(|(visible, spectrum)| (EQUAL_SHARE / (count * visible), spectrum));
-    groups.iter().map(|group| (weight(group), &group.1.spectrum)).chain(of_emissions).collect()
+    groups
+}
+
+/// Returns true if the observer can see the light of a group.
+fn is_visible((power_w, light): &&(f64, &Light)) -> bool {
+    *power_w > 0.0 && light.importance_per_watt > 0.0
 }
 
 /// Returns the emission spectra of the fluorophores of a scene that the observer can see, each with

@@ -271,7 +271,8 @@ fn table(patches: &[PatchDifference], largest: f64) -> Markup {
     }
 }
 
-/// Formats a number. A negative number has the minus sign (−) instead of a hyphen. Zero has no sign.
+/// Formats a number. A negative number has the minus sign (−) instead of a hyphen. Zero has no
+/// sign.
 fn signed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {

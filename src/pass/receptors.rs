@@ -24,7 +24,6 @@ use crate::optics::bsdf::BsdfClass;
 use crate::plan::partition::LightPath;
 use crate::plan::{CausticPlan, PathClass};
 use crate::scene::Scene;
-
 use crate::scene::meter::{ReceivingSide, Receptor, ReceptorShape, Response};
 use crate::scene::view::RECEPTOR_MARGIN;
 use crate::sensor::SplatSink;
@@ -130,7 +129,8 @@ pub(super) fn first_radii(context: &PassContext<'_>, scene: &Scene, strata: &Emi
 }
 
 /// Returns the largest radius of the kernel of a receptor at a position, in m. `view` is the sphere
-/// around the receptors. Photons are denser inside of it, and a kernel lies on one side of its edge.
+/// around the receptors. Photons are denser inside of it, and a kernel lies on one side of its
+/// edge.
 fn largest_radius_m(view: Option<BoundingSphere>, position: DVec3) -> f64 {
     let Some(view) = view else { return f64::INFINITY };
     let inner_m = view.radius_m / RECEPTOR_MARGIN;

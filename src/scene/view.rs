@@ -17,8 +17,8 @@ const VISIBLE_SHARE: f64 = 0.9;
 const FARTHEST_VIEW: f64 = 256.0;
 
 /// The radius of the sphere around the receptors of a measurement, divided by the radius of the
-/// sphere that contains most of them. Photons are denser inside of a sphere at which they are aimed.
-/// With the margin, the kernel of a receptor does not reach beyond the edge.
+/// sphere that contains most of them. Photons are denser inside of a sphere at which they are
+/// aimed. With the margin, the kernel of a receptor does not reach beyond the edge.
 pub const RECEPTOR_MARGIN: f64 = 2.0;
 
 /// Receptors closer together than this fraction of the scene's radius count as one point.
@@ -57,9 +57,9 @@ impl Scene {
         self.camera.receptors().iter().flat_map(points).collect()
     }
 
-    /// A sphere around most of the visible points, or `None` if no surface is visible. The sphere of
-    /// a measurement has a margin around most of the receptors, and `None` means that all of them
-    /// are at the same point.
+    /// A sphere around most of the visible points, or `None` if no surface is visible. The sphere
+    /// of a measurement has a margin around most of the receptors, and `None` means that all of
+    /// them are at the same point.
     pub fn visible_sphere(&self) -> Option<BoundingSphere> {
         let around = around_most(&self.visible_points())?;
         if !self.measures() {

@@ -74,8 +74,8 @@ const EDGE_THRESHOLD: f64 = 3.0;
 /// The largest distance (pixels) at which a neighbour contributes to any estimate.
 const REACH: usize = if NOISE_REACH > BIAS_REACH { NOISE_REACH } else { BIAS_REACH };
 
-/// Error bars are computed for this number of rows at a time, so that the estimates of single pixels
-/// need little memory.
+/// Error bars are computed for this number of rows at a time, so that the estimates of single
+/// pixels need little memory.
 const ROWS_PER_BLOCK: usize = 64;
 
 /// The bias changes its sign at an edge. Therefore a pixel is marked as an edge only if the mean

@@ -156,8 +156,8 @@ fn the_lamp_page_is_complete_and_self_contained() {
     ] {
         assert!(page.contains(words), "{words}");
     }
-    // Two spectra, the chromaticity diagram and two colour vector graphics; 24 patches with and without adaptation, 12 pairs
-    // under two lamps, 24 in the table, and two fluorescent surfaces.
+    // Two spectra, the chromaticity diagram and two colour vector graphics; 24 patches with and
+    // without adaptation, 12 pairs under two lamps, 24 in the table, and two fluorescent surfaces.
     assert_eq!(page.matches("<svg ").count(), 5);
     assert_eq!(page.matches("class=\"pair\"").count(), 2 * 24 + 2 * 12);
     assert_eq!(page.matches("class=\"swatch\"").count(), 24 + 2);

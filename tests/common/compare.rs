@@ -43,10 +43,10 @@ impl Measured {
         Self { runs: runs.collect() }
     }
 
-    /// Measures a scene by photon mapping with 8 seeds, extrapolated to kernels of radius 0 from the
-    /// radii `radius` and half of it. The wider kernels have a small weight in the result and more
-    /// photons each, so they get a quarter of the scene's photons. The number of photons does not
-    /// change the bias.
+    /// Measures a scene by photon mapping with 8 seeds, extrapolated to kernels of radius 0 from
+    /// the radii `radius` and half of it. The wider kernels have a small weight in the result and
+    /// more photons each, so they get a quarter of the scene's photons. The number of photons does
+    /// not change the bias.
     pub(crate) fn extrapolated_photons(
         scene: &Value,
         radius: f64,

@@ -347,8 +347,8 @@ fn readings_by_photons_agree_with_closed_forms() {
     check(all_scenes(), Integrator::Photon, 64);
 }
 
-/// Planes at the same point lie a tiny distance apart. Photons are not aimed at a sphere around them
-/// that is as small as their kernels: the readings would be 8 % too low.
+/// Planes at the same point lie a tiny distance apart. Photons are not aimed at a sphere around
+/// them that is as small as their kernels: the readings would be 8 % too low.
 #[test]
 fn planes_at_the_same_point_read_all_light_through_panes() {
     const L: f64 = 1000.0;
