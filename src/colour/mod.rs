@@ -26,8 +26,8 @@ pub use difference::{LightDifference, delta_e_76, delta_e_2000, light_difference
 pub use dominant::{DominantWavelength, dominant};
 pub use lamps::{LampComparison, PatchDifference, compare_lights};
 pub use matching::{PrimaryMatch, match_primaries};
-pub use rendering::{ColourRendering, cri};
-pub use rendition::{ColourRendition, rendition};
+pub use rendering::{ColourRendering, cri, cri_in_steps};
+pub use rendition::{ColourRendition, rendition, rendition_in_steps};
 pub use report::ColourReport;
 pub use space::{RgbSpace, decode_srgb, encode_srgb, encode_srgb_u8, linear_srgb_to_xyz, srgb_hex, xyz_to_linear_srgb};
 pub use temperature::{CorrelatedTemperature, cct_duv};

@@ -16,6 +16,9 @@ pub(super) const RANGE_K: (f64, f64) = (1000.0, 50_000.0);
 /// it is a black body.
 const DAYLIGHT_FROM_K: f64 = 5000.0;
 
+/// The step of the sums over wavelengths in CIE 13.3, in nm.
+const CIE_STEP_NM: u32 = 5;
+
 /// The colour rendering indices of a light. The reference illuminant has the same colour
 /// temperature as the light.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,12 +34,19 @@ pub struct ColourRendering {
 /// every 5 nm from 380 to 780 nm, and the samples are summed, as in CIE 13.3. Each line is
 /// evaluated at the wavelength of the line.
 pub fn cri(lamp: &Spectrum, temperature: CorrelatedTemperature) -> Option<ColourRendering> {
+    cri_in_steps(lamp, temperature, CIE_STEP_NM)
+}
+
+/// Computes the colour rendering indices of a light as [`cri`] does, but the continuum of the light
+/// and the reference illuminant are summed in steps of `step_nm`.
+pub fn cri_in_steps(lamp: &Spectrum, temperature: CorrelatedTemperature, step_nm: u32) -> Option<ColourRendering> {
     let cct_k = temperature.cct_k;
     if !(RANGE_K.0..=RANGE_K.1).contains(&cct_k) {
         return None;
     }
     let reference = if cct_k < DAYLIGHT_FROM_K { Spectrum::blackbody(cct_k).ok()? } else { daylight_extended(cct_k) };
     let white = Spectrum::constant(1.0);
+    let xyz = |reflectance: &Spectrum, light: &Spectrum| xyz(reflectance, light, step_nm);
     let (lamp_white, reference_white) = (xyz(&white, lamp), xyz(&white, &reference));
     let adaptation = VonKriesAdaptation::new(lamp_white, reference_white);
     let special = std::array::from_fn(|i| {
@@ -51,9 +61,9 @@ pub fn cri(lamp: &Spectrum, temperature: CorrelatedTemperature) -> Option<Colour
     Some(ColourRendering { ra: special[..8].iter().sum::<f64>() / 8.0, special })
 }
 
-/// Returns the XYZ of a reflectance under a light. The XYZ are sums over samples that are 5 nm
+/// Returns the XYZ of a reflectance under a light. The XYZ are sums over samples that are `step_nm`
 /// apart.
-fn xyz(reflectance: &Spectrum, light: &Spectrum) -> Xyz {
+fn xyz(reflectance: &Spectrum, light: &Spectrum, step_nm: u32) -> Xyz {
     let observer = Observer::cie1931();
     let narrow = light.narrow_part();
     let mut sum = narrow.as_ref().map_or([0.0; 3], |narrow| observer.xyz_under(reflectance, narrow));
@@ -61,9 +71,9 @@ fn xyz(reflectance: &Spectrum, light: &Spectrum) -> Xyz {
         let reflected = power * reflectance.at(nm);
         sum.iter_mut().zip(observer.xyz_bar(nm)).for_each(|(sum, bar)| *sum += reflected * bar);
     };
-    for nm in (380..=780).step_by(5).map(f64::from) {
+    for nm in (380..=780).step_by(step_nm as usize).map(f64::from) {
         let density = light.continuum_at(nm) - narrow.as_ref().map_or(0.0, |narrow| narrow.continuum_at(nm));
-        add(nm, 5.0 * density);
+        add(nm, f64::from(step_nm) * density);
     }
     for line in light.line_segments() {
         add(line.centre(), line.power);

@@ -68,7 +68,12 @@ pub struct ColourRendition {
 /// wavelength. The same sums determine the correlated colour temperature, so it may differ slightly
 /// from the temperature in a [`super::ColourReport`].
 pub fn rendition(light: &Spectrum) -> Option<ColourRendition> {
-    let step_nm = sum_step_nm(light);
+    rendition_in_steps(light, sum_step_nm(light))
+}
+
+/// Computes the colour rendition of a light as [`rendition`] does, but the continuum of the light
+/// and the reference illuminant are summed in steps of `step_nm`.
+pub fn rendition_in_steps(light: &Spectrum, step_nm: u32) -> Option<ColourRendition> {
     let CorrelatedTemperature { cct_k, .. } = cct_duv(white(&node_weights(light, Observer::cie1931(), step_nm)))?;
     if !(RANGE_K.0..=RANGE_K.1).contains(&cct_k) {
         return None;

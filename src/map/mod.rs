@@ -18,7 +18,7 @@ pub use photon::{Photon, PhotonPower};
 pub use photon_map::{NearbyPhoton, PhotonMap};
 pub use photon_spectra::{PhotonSpectra, WavelengthCode};
 pub use query_cone::{KernelWidth, QueryCone};
-pub use radius::PixelRadii;
+pub use radius::{FirstRadii, PixelRadii};
 pub use set_maps::{ClassMaps, SetMaps};
 pub use sphere_tree::SphereTree;
 pub use volume::{

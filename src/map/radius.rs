@@ -16,6 +16,63 @@ pub struct PixelRadii<T = f32> {
     pub volume: PerSet<PerClass<T>>,
 }
 
+/// The first radii of all pixels.
+#[derive(Debug, Default)]
+pub struct FirstRadii {
+    /// The radii of each kind, in the order of [`PixelRadii::all`].
+    kinds: [RadiiOfKind; 8],
+}
+
+/// The first radii of one kind.
+#[derive(Debug)]
+enum RadiiOfKind {
+    /// One radius for all pixels.
+    Same(f32),
+    /// A radius for each pixel.
+    Each(Vec<f32>),
+}
+
+impl Default for RadiiOfKind {
+    fn default() -> Self {
+        Self::Same(f32::MIN_POSITIVE)
+    }
+}
+
+impl FirstRadii {
+    /// Completes radii that are known in some of the pixels. An unknown radius becomes the median
+    /// of the radii that have the same kind and are known in other pixels. If `all` is true, all
+    /// radii become the median.
+    pub fn with_medians(radii: &[PixelRadii<Option<f32>>], all: bool) -> Self {
+        let of_kind = |kind: usize| {
+            let radius = |radii: &PixelRadii<Option<f32>>| radii.all()[kind];
+            let mut known: Vec<f32> = radii.iter().filter_map(radius).collect();
+            if known.is_empty() {
+                return RadiiOfKind::default();
+            }
+            let middle = known.len() / 2;
+            let median = *known.select_nth_unstable_by(middle, f32::total_cmp).1;
+            if all {
+                return RadiiOfKind::Same(median);
+            }
+            RadiiOfKind::Each(radii.iter().map(|radii| radius(radii).unwrap_or(median)).collect())
+        };
+        Self { kinds: std::array::from_fn(of_kind) }
+    }
+
+    /// Returns the radii of a pixel.
+    #[inline]
+    pub fn of(&self, pixel: usize) -> PixelRadii {
+        let mut radii = PixelRadii::default();
+        for (radius, kind) in radii.all_mut().into_iter().zip(&self.kinds) {
+            *radius = match kind {
+                RadiiOfKind::Same(radius) => *radius,
+                RadiiOfKind::Each(radii) => radii[pixel],
+            };
+        }
+        radii
+    }
+}
+
 /// The factors by which a pass scales the first radii.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RadiusScales {
@@ -126,6 +183,24 @@ pub fn least(position: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn unknown_radii_become_the_median_of_their_kind() {
+        let mut radii = [PixelRadii::splat(None); 4];
+        for (pixel, radius) in [(0, 3.0), (1, 1.0), (3, 2.0)] {
+            radii[pixel].surface.free.caustic = Some(radius);
+        }
+        let caustic = |all: bool| {
+            let filled = FirstRadii::with_medians(&radii, all);
+            [0, 1, 2, 3].map(|pixel| {
+                let PixelRadii { surface, .. } = filled.of(pixel);
+                assert_eq!(surface.free.indirect, f32::MIN_POSITIVE, "no radius of this kind is known");
+                surface.free.caustic
+            })
+        };
+        assert_eq!(caustic(false), [3.0, 1.0, 2.0, 2.0]);
+        assert_eq!(caustic(true), [2.0; 4]);
+    }
 
     /// The factors satisfy the recurrence of the radii, even in passes for which they are computed
     /// approximately.

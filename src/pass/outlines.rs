@@ -4,7 +4,7 @@ use super::context::PassContext;
 use super::survey::MAX_SURFACE_RADIUS_PX;
 use crate::gather::{Outline, OutlineSurvey, Outlines, VisiblePoint};
 use crate::geometry::Geometry;
-use crate::map::PixelRadii;
+use crate::map::FirstRadii;
 use crate::plan::WavelengthPlan;
 use crate::plan::partition::PhotonSet;
 use crate::scene::Scene;
@@ -36,12 +36,12 @@ pub(super) fn outlines(
     scene: &Scene,
     visible: &[Option<VisiblePoint>],
     swept: &[Bounds],
-    radii: &[PixelRadii],
+    radii: &FirstRadii,
 ) -> Outlines {
     let set = PhotonSet::of_path(context.plan.wavelengths == WavelengthPlan::Shared);
     let width = scene.camera.width();
     let survey = |pixel: usize| {
-        let radius_m = f64::from(radii[pixel].surface[set].indirect);
+        let radius_m = f64::from(radii.of(pixel).surface[set].indirect);
         let crossing = visible[pixel].as_ref().filter(|_| may_cross_edge(visible, pixel, radius_m, width));
         let Some(point) = crossing else { return Need::Nothing };
         let moves = |bounds: &Bounds| distance_to_box(point.position, bounds) <= 2.0 * radius_m;

@@ -83,7 +83,7 @@ pub fn photon_pass<'a>(
         row.expose(pass, samples, |pixel, sink| {
             for nth in 0..samples {
                 let sampler = || PixelSampler::nth(budget.seed, pass, pixel as u64, (nth, samples));
-                camera_pass.sample(pixel as u64, sampler(), &pilot.radii[pixel], &mut buffers, tally, sink);
+                camera_pass.sample(pixel as u64, sampler(), &pilot.radii.of(pixel), &mut buffers, tally, sink);
                 if records_surfaces {
                     sink.add_surface(first_surface(&scene, pixel as u64, sampler()).as_ref());
                 }

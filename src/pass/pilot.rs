@@ -25,7 +25,7 @@ use super::volume_radii::{VolumeKernelWidths, keep_probabilities};
 use crate::emit::{EmissionStrata, PhotonSource};
 use crate::error::Result;
 use crate::gather::{CameraPass, LightSelector, Outlines};
-use crate::map::{LightMaps, PixelRadii, SetMaps};
+use crate::map::{FirstRadii, LightMaps, SetMaps};
 use crate::optics::bsdf::BsdfClass;
 use crate::plan::partition::{PerClass, PerSet, PhotonSet};
 use crate::plan::{AimPlan, Budget, CausticPlan, IndirectPlan, MotionPlan, WavelengthPlan};
@@ -55,7 +55,7 @@ pub struct Pilot {
     /// The densities of the emitted rays. `None` if no photon competes with camera paths.
     pub(super) ray_densities: Option<RayDensities>,
     /// The first kernel radii of each pixel.
-    pub(super) radii: Vec<PixelRadii>,
+    pub(super) radii: FirstRadii,
     /// The first kernel radius of each receptor in m. Empty if there are no receptors or caustics.
     pub(super) receptor_radii: Vec<f64>,
     /// The outlines of directly visible surfaces.
@@ -138,7 +138,7 @@ impl Pilot {
             strata,
             unlit,
             ray_densities: None,
-            radii: Vec::new(),
+            radii: FirstRadii::default(),
             receptor_radii: Vec::new(),
             outlines: Outlines::default(),
             photons: PerSet::default(),
@@ -190,7 +190,9 @@ impl Pilot {
         for (radii, counts) in radii.iter_mut().zip(volume) {
             counts.set_radii(radii, self.keep, &widths);
         }
-        self.radii = with_medians(&radii, context.scene.measures());
+        // The paths of a receptor reach surfaces everywhere, so the radius of one of its paths does
+        // not suit the others.
+        self.radii = FirstRadii::with_medians(&radii, context.scene.measures());
         drop(radii);
         // If the camera moves, the visible point of a pixel changes from pass to pass, so no
         // outlines are stored.
@@ -290,44 +292,9 @@ fn divided(photons: u64, readers: PerSet<u64>) -> PerSet<u64> {
     PerSet { free: (photons - shared.min(photons)).max(1), shared }
 }
 
-/// Replaces the unknown radii. An unknown radius becomes the median of the radii that have the same
-/// kind and are known in other pixels. If `all` is true, all radii become the median: the paths of
-/// a receptor reach surfaces everywhere, so the radius of one of its paths does not suit the
-/// others.
-fn with_medians(radii: &[PixelRadii<Option<f32>>], all: bool) -> Vec<PixelRadii> {
-    let mut known: [Vec<f32>; 8] = Default::default();
-    for radii in radii {
-        known.iter_mut().zip(radii.all()).for_each(|(known, radius)| known.extend(radius));
-    }
-    let mut medians = PixelRadii::splat(f32::MIN_POSITIVE);
-    for (median, known) in medians.all_mut().into_iter().zip(&mut known) {
-        let middle = known.len() / 2;
-        if !known.is_empty() {
-            *median = *known.select_nth_unstable_by(middle, f32::total_cmp).1;
-        }
-    }
-    let filled = |radius: Option<f32>, median| radius.filter(|_| !all).unwrap_or(median);
-    radii.iter().map(|radii| radii.zip_with(medians, filled)).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn unknown_radii_become_the_median_of_their_kind() {
-        let mut radii = [PixelRadii::splat(None); 4];
-        for (pixel, radius) in [(0, 3.0), (1, 1.0), (3, 2.0)] {
-            radii[pixel].surface.free.caustic = Some(radius);
-        }
-        let filled = with_medians(&radii, false);
-        let caustic: Vec<f32> = filled.iter().map(|radii| radii.surface.free.caustic).collect();
-        assert_eq!(caustic, [3.0, 1.0, 2.0, 2.0]);
-        assert!(
-            filled.iter().all(|radii| radii.surface.free.indirect == f32::MIN_POSITIVE),
-            "no radius of this kind is known"
-        );
-    }
 
     #[test]
     fn photons_are_divided_by_the_pixels_that_read_them() {

@@ -179,7 +179,7 @@ impl SmallPass {
             let pass = number * TRIALS as u64 + nth as u64;
             let sampler = PixelSampler::new(budget.seed ^ CAMERA_SEED_MASK, pass, pixel as u64);
             Film::measure(observer, |sink| {
-                camera_pass.sample(pixel as u64, sampler, &pilot.radii[pixel], &mut buffers, tally, sink);
+                camera_pass.sample(pixel as u64, sampler, &pilot.radii.of(pixel), &mut buffers, tally, sink);
             })
         };
         let measured: Vec<(Vec<PixelLight>, Tally)> = tiles

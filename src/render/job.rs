@@ -9,7 +9,7 @@ use crate::map::PhotonSpectra;
 use crate::pass::PassContext;
 use crate::plan::{Budget, EffectRow, IndirectPlan, Plan, WavelengthPlan};
 use crate::scene::Scene;
-use crate::scene::meter::Meter;
+use crate::scene::meter::{Meter, QuantityKind};
 use crate::sensor::{Film, LayerSet, ReadingLayout, ReadingOwner};
 use std::sync::Arc;
 
@@ -56,13 +56,14 @@ impl Job {
         let slices = diffraction.as_ref().map_or(0, DiffractionSetup::slices);
         let [width, height, bands] = [film.width, film.height, film.spectral_bands].map(|count| count as usize);
         let pixels = width.saturating_mul(height);
-        let film_bytes = Film::memory_bytes(pixels, bands, slices, &layers) as u64;
+        let readings = reading_layout(&scene).map(Arc::new);
+        let channels = readings.as_ref().map_or(bands, |layout| layout.equivalent_channels(bands));
+        let film_bytes = Film::memory_bytes(pixels, channels, slices, &layers) as u64;
         if slices > 0 && layers.separates_light() {
             let error = Error::input("the layers `paths` and `lights` do not contain the diffraction at the aperture");
             return Err(error.expected("other layers, or a render that forbids the effect `diffraction`"));
         }
         let budget = Budget::of(&scene, &plan, memory_bytes(film_bytes, pixels as u64, slices > 0));
-        let readings = reading_layout(&scene).map(Arc::new);
         Ok(Self { scene, plan, rows, budget, diffraction, layers, readings, lights, selector, spectra })
     }
 
@@ -114,15 +115,21 @@ impl Job {
 /// arrays with four complex numbers for each pixel.
 const CONVOLUTION_BYTES_PER_PIXEL: u64 = 5 * 64;
 
-/// The memory of the pilot in bytes per pixel: the kernel radii and the visible points.
-const PILOT_BYTES_PER_PIXEL: u64 = 168;
+/// The memory of the pilot in bytes per pixel: the kernel radii, the visible points, and the photons
+/// in media. It is free again when the film is allocated.
+const PILOT_BYTES_PER_PIXEL: u64 = 310;
 
-/// Returns the memory of a film with this number of pixels, of its picture and of the pilot, in
-/// bytes. A picture has at most a quarter of the film's bytes.
+/// The memory of the results of the pilot and of a preview in bytes per pixel: the kernel radii, the
+/// outlines and the display codes.
+const PASS_BYTES_PER_PIXEL: u64 = 36;
+
+/// Returns the largest memory of a render whose film has this number of pixels, in bytes. A picture
+/// has at most a quarter of the film's bytes.
 fn memory_bytes(film_bytes: u64, pixels: u64, diffraction: bool) -> u64 {
     let convolution = if diffraction { CONVOLUTION_BYTES_PER_PIXEL } else { 0 };
-    let others = pixels.saturating_mul(PILOT_BYTES_PER_PIXEL + convolution);
-    film_bytes.saturating_add(film_bytes / 4).saturating_add(others)
+    let others = pixels.saturating_mul(PASS_BYTES_PER_PIXEL + convolution);
+    let passes = film_bytes.saturating_add(film_bytes / 4).saturating_add(others);
+    passes.max(pixels.saturating_mul(PILOT_BYTES_PER_PIXEL))
 }
 
 /// Returns the readings of the scene's meters, or `None` if the scene has a picture.
@@ -133,5 +140,10 @@ fn reading_layout(scene: &Scene) -> Option<ReadingLayout> {
         std::iter::repeat_n(ReadingOwner { meter, observer, decides_stop }, data.readings.len())
     };
     let readings: Vec<ReadingOwner> = scene.meters.iter().enumerate().flat_map(owners).collect();
-    (!readings.is_empty()).then(|| ReadingLayout { rows: scene.camera.pixel_count() / readings.len(), readings })
+    let moments = scene.meters.iter().any(|meter| meter.quantity.kind() == QuantityKind::OfSpectrum);
+    (!readings.is_empty()).then(|| ReadingLayout {
+        rows: scene.camera.pixel_count() / readings.len(),
+        readings,
+        moments,
+    })
 }

@@ -4,7 +4,7 @@ use super::job::Job;
 use super::monitor::Monitor;
 use super::request::{Integrator, Request, StopRules};
 use super::session::Rendered;
-use crate::colour::{cct_duv, cri, rendition};
+use crate::colour::{cct_duv, cri_in_steps, rendition_in_steps};
 use crate::error::{Error, Result};
 use crate::gather::{DirectLighting, Glare};
 use crate::geometry::{Hit, Ray};
@@ -14,8 +14,8 @@ use crate::optics::bsdf::{Bsdf, BsdfClass};
 use crate::plan::CausticPlan;
 use crate::scene::light::{Emitter, Light};
 use crate::scene::meter::{Meter, MeterGrid, MeterReading, Quantity, QuantityKind, Receptor, ReceptorShape, Response};
-use crate::sensor::{Reading, ReadingSpectrum, half_interval_with_degrees};
-use crate::spectrum::{LUMENS_PER_WATT, Observer, Outside, Spectrum};
+use crate::sensor::{Reading, ReadingBands, ReadingSpectrum, SpectralBands, half_interval_with_degrees};
+use crate::spectrum::{LUMENS_PER_WATT, Observer};
 use glam::DVec3;
 use serde::Serialize;
 use std::f64::consts::{PI, TAU};
@@ -72,8 +72,8 @@ pub struct PointReport {
     pub value: Value,
     /// The standard error.
     pub noise: Option<Value>,
-    /// The magnitude of the estimated bias. `None` if the quantity is not an integral of the
-    /// spectrum.
+    /// The magnitude of the estimated bias. For a function of the spectrum, it is the effect of the
+    /// spectral bands.
     pub bias: Option<Value>,
     /// The interval that contains the true value with a probability of 95 %.
     pub interval_95: Option<[Value; 2]>,
@@ -222,13 +222,28 @@ impl Job {
         let meters = self.scene.meters.iter().map(|meter| {
             let own: Vec<usize> = rest.by_ref().take(meter.readings.len()).collect();
             let point = |(known, &number): (&MeterReading, &usize)| {
-                let mut point = point(meter.quantity, known, &readings[number], sky_lx);
-                if meter.quantity == Quantity::UnifiedGlareRating {
+                let (quantity, reading) = (meter.quantity, &readings[number]);
+                let mut point = point(quantity, known, reading, sky_lx);
+                match (quantity.kind(), run.reading_spectrum(number)) {
+                    (QuantityKind::Spectrum, Some(spectrum)) => {
+                        with_spectrum(
+                            &mut point,
+                            &spectrum.merged(QuantityKind::Spectrum.bands() as usize),
+                            known.factor,
+                            reading,
+                        );
+                    }
+                    (QuantityKind::OfSpectrum, Some(spectrum)) => {
+                        with_function_of_spectrum(&mut point, &spectrum, quantity, reading);
+                    }
+                    (QuantityKind::Integral, _) | (_, None) => {}
+                }
+                if quantity == Quantity::UnifiedGlareRating {
                     with_glare(&mut point, &self.glare_at(number));
                 }
                 point
             };
-            report(meter, meter.readings.iter().zip(&own).map(point).collect(), &readings[own[0]])
+            report(meter, meter.readings.iter().zip(&own).map(point).collect())
         });
         let meters = meters.collect();
         let (passes, seconds) = (stats.passes, stats.seconds.total);
@@ -239,8 +254,8 @@ impl Job {
     }
 }
 
-/// Returns the report of a meter. `first` is its first reading.
-fn report(meter: &Meter, points: Vec<PointReport>, first: &Reading) -> MeterReport {
+/// Returns the report of a meter.
+fn report(meter: &Meter, points: Vec<PointReport>) -> MeterReport {
     let numbers: Option<Vec<f64>> = points
         .iter()
         .map(|point| match point.value {
@@ -251,10 +266,8 @@ fn report(meter: &Meter, points: Vec<PointReport>, first: &Reading) -> MeterRepo
     let mean = numbers.as_ref().map(|numbers| numbers.iter().sum::<f64>() / numbers.len() as f64);
     let least = numbers.iter().flatten().copied().fold(f64::INFINITY, f64::min);
     let largest = numbers.iter().flatten().copied().fold(0.0, f64::max);
-    let wavelength_nm = match meter.quantity.kind() {
-        QuantityKind::Spectrum => first.spectrum.as_ref().map(|spectrum| spectrum.centres_nm.clone()),
-        QuantityKind::Integral | QuantityKind::OfSpectrum => None,
-    };
+    let spectral = meter.quantity.kind() == QuantityKind::Spectrum;
+    let wavelength_nm = spectral.then(|| SpectralBands::centres_nm(QuantityKind::Spectrum.bands() as usize));
     // The logarithms of the glare rating have no ratios.
     let divisor = mean.filter(|&mean| mean > 0.0 && meter.quantity != Quantity::UnifiedGlareRating);
     MeterReport {
@@ -281,7 +294,7 @@ fn point(quantity: Quantity, known: &MeterReading, reading: &Reading, sky_lx: f6
         mean
     };
     let half_interval = reading.half_interval_95();
-    let mut report = PointReport {
+    PointReport {
         position: known.position.to_array(),
         normal: known.normal.map(|normal| normal.to_array()),
         value: Value::Number(reading.value * per_value),
@@ -293,14 +306,7 @@ fn point(quantity: Quantity, known: &MeterReading, reading: &Reading, sky_lx: f6
         }),
         flux: flux.filter(|_| !quantity.is_flux()).map(|area| reading.value * mean * area),
         area_m2: flux,
-    };
-    let Some(spectrum) = &reading.spectrum else { return report };
-    match quantity.kind() {
-        QuantityKind::Integral => {}
-        QuantityKind::Spectrum => with_spectrum(&mut report, spectrum, known.factor, reading),
-        QuantityKind::OfSpectrum => with_function_of_spectrum(&mut report, spectrum, quantity, reading),
     }
-    report
 }
 
 /// Replaces the illuminance of a point by the glare rating. `estimates` are independent.
@@ -334,11 +340,10 @@ fn with_glare(point: &mut PointReport, estimates: &[Glare; REPLICATES]) {
 
 /// Writes the spectrum of a reading into its report.
 fn with_spectrum(report: &mut PointReport, spectrum: &ReadingSpectrum, factor: f64, reading: &Reading) {
-    let scaled = |values: &[f64]| values.iter().map(|value| value * factor).collect::<Vec<f64>>();
-    let values = scaled(&spectrum.values);
+    let values: Vec<f64> = spectrum.mean.values.iter().map(|value| value * factor).collect();
     report.value = Value::Spectrum(values.clone());
     let noise: Option<Vec<f64>> =
-        (0..values.len()).map(|band| spectrum.noise_of(|values| Some(values[band] * factor))).collect();
+        (0..values.len()).map(|band| spectrum.noise_of(|bands| Some(bands.values[band] * factor))).collect();
     // The bias is known only for the sum of all bands. Every band gets the same relative bias.
     let relative_bias = reading.bias.filter(|_| reading.value > 0.0).map_or(0.0, |bias| bias / reading.value);
     let bias: Vec<f64> = values.iter().map(|value| value * relative_bias).collect();
@@ -352,6 +357,9 @@ fn with_spectrum(report: &mut PointReport, spectrum: &ReadingSpectrum, factor: f
     (report.noise, report.bias) = (noise.map(Value::Spectrum), Some(Value::Spectrum(bias)));
 }
 
+/// The step in nm in which a reference illuminant is summed.
+const REFERENCE_STEP_NM: u32 = 1;
+
 /// Writes a function of the spectrum of a reading into its report.
 fn with_function_of_spectrum(
     report: &mut PointReport,
@@ -359,27 +367,30 @@ fn with_function_of_spectrum(
     quantity: Quantity,
     reading: &Reading,
 ) {
-    // The bands approximate the spectrum, but the colour is known exactly.
-    let of = |values: &[f64], xyz: Option<[f64; 3]>| {
-        let light = Spectrum::table(&spectrum.centres_nm, values, Outside::Zero).ok()?;
+    let of = |bands: &ReadingBands, xyz: Option<[f64; 3]>| {
+        let light = bands.light();
         let temperature = cct_duv(xyz.unwrap_or_else(|| Observer::cie1931().xyz(&light)))?;
         if quantity == Quantity::ColourRendering {
-            cri(&light, temperature).map(|rendering| rendering.ra)
+            cri_in_steps(&light, temperature, REFERENCE_STEP_NM).map(|rendering| rendering.ra)
         } else if quantity == Quantity::Tm30Rf {
-            rendition(&light).map(|rendition| rendition.rf)
+            rendition_in_steps(&light, REFERENCE_STEP_NM).map(|rendition| rendition.rf)
         } else if quantity == Quantity::Tm30Rg {
-            rendition(&light).map(|rendition| rendition.rg)
+            rendition_in_steps(&light, REFERENCE_STEP_NM).map(|rendition| rendition.rg)
         } else {
             Some(temperature.cct_k)
         }
     };
-    let value = of(&spectrum.values, Some(reading.xyz));
-    let noise = spectrum.noise_of(|values| of(values, None));
+    // The bands approximate the spectrum, but the colour is known exactly. The error of the bands is
+    // estimated by its change when the bands become twice as wide.
+    let value = of(&spectrum.mean, Some(reading.xyz));
+    let wide_bands = spectrum.mean.merged(spectrum.mean.values.len() / 2);
+    let of_wide_bands = of(&wide_bands, Some(reading.xyz));
+    let bias = value.zip(of_wide_bands).map(|(value, wide)| (value - wide).abs());
+    let noise = spectrum.noise_of(|bands| of(bands, None));
     report.value = Value::Number(value.unwrap_or(f64::NAN));
-    report.noise = noise.map(Value::Number);
-    report.bias = None;
+    (report.noise, report.bias) = (noise.map(Value::Number), bias.map(Value::Number));
     report.interval_95 = value.zip(noise).map(|(value, noise)| {
-        let half = half_interval_with_degrees(noise, 0.0, spectrum.degrees());
+        let half = half_interval_with_degrees(noise, bias.unwrap_or(0.0), spectrum.degrees());
         [value - half, value + half].map(Value::Number)
     });
 }

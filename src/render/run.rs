@@ -4,7 +4,7 @@ use super::job::Job;
 use super::part::PassPart;
 use crate::pass::{PassSums, StageSeconds};
 use crate::plan::Tally;
-use crate::sensor::{Film, Picture, Reading};
+use crate::sensor::{Film, Picture, Reading, ReadingSpectrum};
 use crate::walk::ledger::Ledger;
 
 /// The state of a render between two passes. From this state, the render can continue later or
@@ -50,6 +50,11 @@ impl Run {
     /// Returns the readings of the meters, if the job has any.
     pub fn readings(&self) -> Vec<Reading> {
         self.sums.film.readings()
+    }
+
+    /// Returns the spectrum of a reading. Returns `None` if no meter needs a spectrum.
+    pub fn reading_spectrum(&self, number: usize) -> Option<ReadingSpectrum> {
+        self.sums.film.reading_spectrum(number)
     }
 
     /// Returns the number of passes that are done.

@@ -106,12 +106,12 @@ impl Job {
         if run.sums.film.overflowed() {
             return Err(Error::input("the radiance in a pixel exceeds 9e18 W/m²/sr").expected("lights of lower power"));
         }
+        let unlit = pilot.map_or_else(Vec::new, |pilot| pilot.unlit);
         let develop_start = Instant::now();
         let (picture, squares) = run.sums.film.picture_and_error();
         run.sums.seconds.develop += develop_start.elapsed().as_secs_f64();
         clock.update(&mut run);
-        let unlit = pilot.as_ref().map_or(&[][..], |pilot| &pilot.unlit);
-        let stats = Stats::new(self, &run, &picture, conditions.forecast_at_end(&run, squares), unlit);
+        let stats = Stats::new(self, &run, &picture, conditions.forecast_at_end(&run, squares), &unlit);
         let mut ledger = run.sums.ledger.clone();
         ledger.scale(1.0 / run.done.max(1) as f64);
         Ok(Rendered { picture, ledger, stats, interrupted, run })

@@ -9,12 +9,15 @@ use std::sync::Arc;
 /// The number of components of a slice: X, Y and Z.
 const COMPONENTS_OF_SLICE: usize = 3;
 
-/// The additional channels of a pixel: radiance in each spectral band, then X, Y and Z of each
-/// slice, then X, Y and Z of each path class and of each light group, and then the sums over first
+/// The additional channels of a pixel: radiance in each spectral band, then the first moment of each
+/// band if the film needs it, then X, Y and Z of each slice, then X, Y and Z of each path class and of each light group, and then the sums over first
 /// surfaces.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Channels {
     pub(super) bands: usize,
+    /// True if each band also has the sum of its radiance times the distance from the band's centre
+    /// in nm. The bands then know where their light lies.
+    pub(super) moments: bool,
     pub(super) diffraction: Option<Arc<DiffractionPsf>>,
     /// The layers. `None` if the film records no layers.
     pub(super) layers: Option<Arc<LayerSet>>,
@@ -28,7 +31,12 @@ impl Channels {
 
     /// Returns the number of channels that need the wavelength of each contribution.
     pub(super) fn spectral_count(&self) -> usize {
-        self.bands + COMPONENTS_OF_SLICE * self.slices()
+        self.band_channels() + COMPONENTS_OF_SLICE * self.slices()
+    }
+
+    /// Returns the number of channels of the spectral bands.
+    pub(super) fn band_channels(&self) -> usize {
+        if self.moments { 2 * self.bands } else { self.bands }
     }
 
     /// Returns the number of channels that contain light. The sums over first surfaces follow them.
@@ -42,7 +50,7 @@ impl Channels {
 
     /// Returns the index of the channel that stores one component of a slice.
     pub(super) fn of_slice(&self, slice: usize, component: usize) -> usize {
-        self.bands + COMPONENTS_OF_SLICE * slice + component
+        self.band_channels() + COMPONENTS_OF_SLICE * slice + component
     }
 
     /// Returns the names of the channels in their order.
@@ -56,7 +64,8 @@ impl Channels {
         };
         let surfaces = layers.map(LayerSet::surface_channels).unwrap_or_default().into_iter().map(String::from);
         let bands = (0..self.bands).map(|band| format!("band{band}"));
-        bands.chain(slices).chain(xyz("path", paths)).chain(xyz("light", groups)).chain(surfaces)
+        let moments = (self.bands..self.band_channels()).map(|channel| format!("moment{}", channel - self.bands));
+        bands.chain(moments).chain(slices).chain(xyz("path", paths)).chain(xyz("light", groups)).chain(surfaces)
     }
 
     /// Returns true if the film separates the lights.
@@ -86,7 +95,11 @@ impl Channels {
     /// functions.
     pub(super) fn distribute(&self, nm: f64, weight: f64, xyz: [f64; 3], mut add: impl FnMut(usize, f64)) {
         if self.bands > 0 {
-            add(band_of(nm, self.bands), weight);
+            let band = band_of(nm, self.bands);
+            add(band, weight);
+            if self.moments {
+                add(self.bands + band, weight * (nm - band_centre_nm(band, self.bands)));
+            }
         }
         if let Some(diffraction) = &self.diffraction {
             let slice = diffraction.slice_of(nm);
@@ -99,6 +112,12 @@ impl Channels {
 fn band_of(nm: f64, count: usize) -> usize {
     let share = (nm - BAND_NM.0) / (BAND_NM.1 - BAND_NM.0);
     ((share * count as f64) as usize).min(count - 1)
+}
+
+/// Returns the centre of a band in nm.
+pub(super) fn band_centre_nm(band: usize, count: usize) -> f64 {
+    let (from, to) = band_nm(band, count);
+    0.5 * (from + to)
 }
 
 /// Returns the lower and the upper wavelength of a band, in nm. The simulated range is divided into

@@ -47,14 +47,18 @@ impl PixelSums {
 }
 
 /// The sums of all pixels. Adding passes in any order gives the same bits.
+///
+/// A film allocates the memory of its sums when light is added first. The pilot of a render runs
+/// before this, so the memory of the pilot and that of the film are not needed at the same time.
 #[derive(Debug)]
 pub struct Film {
     width: usize,
     height: usize,
     observer: &'static Observer,
+    /// The sums of the pixels. Empty if the film is unexposed.
     pixels: Vec<PixelSums>,
     channels: Channels,
-    /// The sums of the channels, pixel by pixel.
+    /// The sums of the channels, pixel by pixel. Empty if the film is unexposed.
     by_channel: Vec<ExactSum>,
     /// The names that camera samples hit: one layer for each requested kind of names.
     names: Vec<NameLayer>,
@@ -75,53 +79,55 @@ const FIRST_CHANNEL: usize = FIRST_Y + REPLICATES;
 impl Film {
     /// Returns an unexposed film with `bands` spectral bands.
     pub fn new(width: usize, height: usize, observer: &'static Observer, bands: usize) -> Self {
-        let pixels = vec![PixelSums::default(); width * height];
-        let passes = [0; REPLICATES];
-        let channels = Channels::default();
         Self {
             width,
             height,
             observer,
-            pixels,
-            channels,
+            pixels: Vec::new(),
+            channels: Channels { bands, ..Channels::default() },
             by_channel: Vec::new(),
             names: Vec::new(),
             measurement: None,
-            passes,
+            passes: [0; REPLICATES],
         }
-        .with_channels(Channels { bands, diffraction: None, layers: None })
     }
 
     /// Adds this diffraction to the film. The film must still be unexposed.
     #[must_use]
-    pub fn with_diffraction(self, diffraction: Option<Arc<DiffractionPsf>>) -> Self {
-        let channels = Channels { diffraction, ..self.channels.clone() };
-        self.with_channels(channels)
+    pub fn with_diffraction(mut self, diffraction: Option<Arc<DiffractionPsf>>) -> Self {
+        self.channels.diffraction = diffraction;
+        self
     }
 
     /// Adds these layers to the film. The film must still be unexposed.
     #[must_use]
     pub fn with_layers(mut self, layers: &LayerSet) -> Self {
-        let pixels = self.pixels.len();
+        let pixels = self.pixel_count();
         self.names = layers.name_tables().map(|(kind, names)| NameLayer::new(kind, names, pixels)).collect();
-        let layers = Some(layers.clone().into()).filter(|_| !layers.is_empty());
-        let channels = Channels { layers, ..self.channels.clone() };
-        self.with_channels(channels)
+        self.channels.layers = Some(layers.clone().into()).filter(|_| !layers.is_empty());
+        self
     }
 
     /// Turns the film into the film of a measurement. The film must still be unexposed. Its width
     /// must be 1, and the layout must cover all its rows.
     #[must_use]
     pub fn with_readings(mut self, layout: Arc<ReadingLayout>) -> Self {
-        let by_replicate = vec![0.0; self.pixels.len() * self.channels.bands * REPLICATES];
+        self.channels.moments = layout.moments;
+        let by_replicate = vec![0.0; self.pixel_count() * self.channels.band_channels() * REPLICATES];
         self.measurement = Some(Measurement { layout, by_replicate, independent_rows: false });
         self
     }
 
-    fn with_channels(mut self, channels: Channels) -> Self {
-        self.by_channel = vec![ExactSum::default(); self.pixels.len() * channels.count()];
-        self.channels = channels;
-        self
+    /// Allocates the sums of an unexposed film.
+    fn allocate(&mut self) {
+        if self.pixels.is_empty() {
+            self.pixels = vec![PixelSums::default(); self.pixel_count()];
+            self.by_channel = vec![ExactSum::default(); self.pixel_count() * self.channels.count()];
+        }
+    }
+
+    fn pixel_count(&self) -> usize {
+        self.width * self.height
     }
 
     /// Returns the number of pixels per row.
@@ -179,10 +185,11 @@ impl Film {
     /// Returns the rows of the film. Each row can be exposed by a different thread with
     /// [`FilmRow::expose`].
     pub fn rows(&mut self) -> impl Iterator<Item = FilmRow<'_>> {
+        self.allocate();
         let (observer, width, channels) = (self.observer, self.width, &self.channels);
         let mut by_channel = self.by_channel.chunks_mut((width * channels.count()).max(1));
         let mut names: Vec<_> = self.names.iter_mut().map(|layer| layer.rows(width)).collect();
-        let bands = self.channels.bands * REPLICATES;
+        let bands = self.channels.band_channels() * REPLICATES;
         let (layout, mut by_replicate) = match &mut self.measurement {
             Some(measurement) => (Some(&measurement.layout), measurement.by_replicate.chunks_mut(bands.max(1))),
             None => (None, [].chunks_mut(1)),
@@ -207,6 +214,7 @@ impl Film {
     /// Adds the light of a sink. Returns the number of samples that were NaN, infinite or negative
     /// and were discarded.
     pub fn add_splats(&mut self, pass: u64, sink: &SplatSink) -> u64 {
+        self.allocate();
         let replicate = replicate(pass);
         for &(xyz, pixel) in &sink.splats {
             let sums = &mut self.pixels[pixel as usize];
@@ -217,8 +225,9 @@ impl Film {
         let count = self.channels.count();
         for &(value, pixel, channel) in &sink.channel_splats {
             self.by_channel[pixel as usize * count + channel as usize] += f64::from(value);
-            if let Some(measurement) = self.measurement.as_mut().filter(|_| (channel as usize) < self.channels.bands) {
-                let place = (pixel as usize * REPLICATES + replicate) * self.channels.bands + channel as usize;
+            let bands = self.channels.band_channels();
+            if let Some(measurement) = self.measurement.as_mut().filter(|_| (channel as usize) < bands) {
+                let place = (pixel as usize * REPLICATES + replicate) * bands + channel as usize;
                 measurement.by_replicate[place] += f64::from(value);
             }
         }
@@ -231,6 +240,7 @@ impl Film {
     /// Adds the light of a sink to the estimated bias. The light is not part of the picture, so the
     /// bias is negative.
     pub fn add_lost_splats(&mut self, pass: u64, sink: &SplatSink) {
+        self.allocate();
         let half = replicate(pass) % 2;
         for &(xyz, pixel) in &sink.splats {
             self.pixels[pixel as usize].bias[half] += -f64::from(xyz[1]);
@@ -255,7 +265,7 @@ impl Film {
     /// Returns the sums of one plane, pixel by pixel. `plane` is an index into
     /// [`Self::plane_names`].
     pub fn plane(&self, plane: usize) -> impl Iterator<Item = ExactSum> {
-        (0..self.pixels.len()).map(self.plane_sums(plane))
+        (0..self.pixel_count()).map(self.plane_sums(plane))
     }
 
     /// Returns a function that returns the sum of one plane at a pixel. `plane` is an index into
@@ -265,11 +275,11 @@ impl Film {
         let names = plane.checked_sub(FIRST_CHANNEL + count).and_then(|plane| self.list_of_names(plane));
         move |pixel| match plane {
             _ if let Some((layer, place)) = names => layer.pixels[pixel].to_sum(place),
-            0 => self.pixels[pixel].x,
-            1 => self.pixels[pixel].z,
-            _ if plane < FIRST_Y => self.pixels[pixel].bias[plane - FIRST_BIAS],
-            _ if plane < FIRST_CHANNEL => self.pixels[pixel].y[plane - FIRST_Y],
-            _ => self.by_channel[pixel * count + plane - FIRST_CHANNEL],
+            0 => self.sums_of(pixel).x,
+            1 => self.sums_of(pixel).z,
+            _ if plane < FIRST_Y => self.sums_of(pixel).bias[plane - FIRST_BIAS],
+            _ if plane < FIRST_CHANNEL => self.sums_of(pixel).y[plane - FIRST_Y],
+            _ => self.channel_sum(pixel, plane - FIRST_CHANNEL),
         }
     }
 
@@ -301,6 +311,7 @@ impl Film {
     /// Adds sums to one plane, pixel by pixel from the pixel `first`. `plane` is an index into
     /// [`Self::light_plane_names`]. [`Self::add_names`] adds the planes of names.
     pub fn add_plane(&mut self, plane: usize, first: usize, sums: impl Iterator<Item = ExactSum>) {
+        self.allocate();
         let count = self.channels.count();
         for ((pixel, own), sum) in self.pixels.iter_mut().enumerate().skip(first).zip(sums) {
             *match plane {
@@ -336,12 +347,13 @@ impl Film {
 
     fn picture_without_layers(&self) -> (Picture, Option<ErrorSquares>) {
         let passes = self.passes() as f64;
-        let mut picture = Picture::black(self.width, self.height);
         let diffracted = self.channels.diffraction.as_deref().map(|diffraction| self.diffracted_light(diffraction));
         let light =
-            |pixel: usize| diffracted.as_ref().map_or_else(|| self.pixels[pixel].light(), |(light, _)| light[pixel]);
+            |pixel: usize| diffracted.as_ref().map_or_else(|| self.sums_of(pixel).light(), |(light, _)| light[pixel]);
         let scale = LUMENS_PER_WATT / self.passes().max(1) as f64;
-        picture.xyz.iter_mut().enumerate().for_each(|(pixel, xyz)| *xyz = light(pixel).xyz.map(|sum| sum * scale));
+        let xyz: Vec<_> = (0..self.pixel_count()).map(|pixel| light(pixel).xyz.map(|sum| sum * scale)).collect();
+        let (width, height) = (self.width, self.height);
+        let mut picture = Picture { width, height, xyz, ..Picture::black(0, 0) };
         let bars = self.error_bars(light);
         let squares = bars.squares(picture.mean_y());
         (picture.noise, picture.bias, picture.edge) = (bars.noise, bars.bias, bars.edge);
@@ -352,7 +364,7 @@ impl Film {
             let scale = if passes > 0.0 { 1.0 / (passes * (to - from)) } else { 0.0 };
             let values = match diffracted {
                 Some((_, values)) => values.into_iter().map(|value| (value * scale) as f32).collect(),
-                None => (0..self.pixels.len() * bands)
+                None => (0..self.pixel_count() * bands)
                     .into_par_iter()
                     .map(|i| (self.channel(i / bands, i % bands) * scale) as f32)
                     .collect(),
@@ -364,7 +376,12 @@ impl Film {
 
     /// Returns the value of a channel at a pixel.
     fn channel(&self, pixel: usize, channel: usize) -> f64 {
-        self.by_channel[pixel * self.channels.count() + channel].value()
+        self.channel_sum(pixel, channel).value()
+    }
+
+    /// Returns the sum of a channel at a pixel.
+    fn channel_sum(&self, pixel: usize, channel: usize) -> ExactSum {
+        self.by_channel.get(pixel * self.channels.count() + channel).copied().unwrap_or_default()
     }
 
     /// Returns the layers of the picture so far.
@@ -377,10 +394,10 @@ impl Film {
         let names = names.chain(set.light_groups.iter().map(|name| format!("light.{name}")));
         for (number, name) in names.enumerate() {
             let xyz = |pixel: usize| [0, 1, 2].map(|c| self.channel(pixel, light + 3 * number + c) * scale);
-            let rgb: Vec<_> = (0..self.pixels.len()).map(|pixel| xyz_to_linear_srgb(xyz(pixel))).collect();
+            let rgb: Vec<_> = (0..self.pixel_count()).map(|pixel| xyz_to_linear_srgb(xyz(pixel))).collect();
             layers.add_colours(&name, &rgb);
         }
-        layers.add_surfaces(set, self.pixels.len(), |pixel, channel| self.channel(pixel, surfaces + channel));
+        layers.add_surfaces(set, self.pixel_count(), |pixel, channel| self.channel(pixel, surfaces + channel));
         for names in &self.names {
             layers.add_names(names, |pixel| self.channel(pixel, surfaces));
         }
@@ -388,8 +405,8 @@ impl Film {
     }
 
     /// Returns the sums of a pixel.
-    pub(super) fn sums_of(&self, pixel: usize) -> &PixelSums {
-        &self.pixels[pixel]
+    pub(super) fn sums_of(&self, pixel: usize) -> PixelSums {
+        self.pixels.get(pixel).copied().unwrap_or_default()
     }
 
     /// Returns the number of passes of the even replicates and of the odd replicates.
@@ -397,9 +414,9 @@ impl Film {
         [0, 1].map(|parity| self.passes.iter().skip(parity).step_by(2).sum())
     }
 
-    /// Returns the number of spectral bands.
-    pub(super) fn bands(&self) -> usize {
-        self.channels.bands
+    /// Returns the number of spectral bands, and the number of their channels.
+    pub(super) fn bands(&self) -> (usize, usize) {
+        (self.channels.bands, self.channels.band_channels())
     }
 
     fn error_bars(&self, light: impl Fn(usize) -> PixelLight) -> ErrorBars {
@@ -412,7 +429,7 @@ impl Film {
                 bias: [0, 1].map(|half| mean(bias[half], passes_by_half[half])),
             })
         };
-        ErrorBars::new((self.width, self.pixels.len()), measured, self.passes)
+        ErrorBars::new((self.width, self.pixel_count()), measured, self.passes)
     }
 
     /// Returns the light of all pixels and their spectral bands after diffraction. Each slice and
@@ -421,22 +438,21 @@ impl Film {
     /// kernels of all slices, weighted by the Y of each slice.
     fn diffracted_light(&self, diffraction: &DiffractionPsf) -> (Vec<PixelLight>, Vec<f64>) {
         let convolution = Convolution::new(diffraction, (self.width, self.height));
-        let count = self.channels.count();
-        let value = |pixel: usize, channel: usize| self.by_channel[pixel * count + channel].value();
-        let blank = || vec![Default::default(); 4 * self.pixels.len()];
+        let value = |pixel: usize, channel: usize| self.channel(pixel, channel);
+        let blank = || vec![Default::default(); 4 * self.pixel_count()];
         let (mut xy, mut z, mut mean, mut whole) = (blank(), blank(), blank(), 0.0);
         for slice in 0..diffraction.slices() {
             let [of_x, of_y, of_z] = [0, 1, 2].map(|component| self.channels.of_slice(slice, component));
             let kernel = convolution.kernel(diffraction.slice_nm(slice));
             add_product(&mut xy, &kernel, &convolution.transform(|pixel| [value(pixel, of_x), value(pixel, of_y)]));
             add_product(&mut z, &kernel, &convolution.transform(|pixel| [value(pixel, of_z), 0.0]));
-            let y = (0..self.pixels.len()).map(|pixel| value(pixel, of_y)).sum::<f64>().max(f64::MIN_POSITIVE);
+            let y = (0..self.pixel_count()).map(|pixel| value(pixel, of_y)).sum::<f64>().max(f64::MIN_POSITIVE);
             mean.iter_mut().zip(kernel).for_each(|(mean, kernel)| *mean += kernel * y);
             whole += y;
         }
         mean.iter_mut().for_each(|value| *value = *value * (1.0 / whole));
         let (xy, z) = (convolution.planes(xy), convolution.planes(z));
-        let mut light: Vec<PixelLight> = self.pixels.iter().map(PixelSums::light).collect();
+        let mut light: Vec<PixelLight> = (0..self.pixel_count()).map(|pixel| self.sums_of(pixel).light()).collect();
         // Rounding may give values slightly below 0.
         let positive = |value: f64| value.max(0.0);
         for ((light, xy), z) in light.iter_mut().zip(xy).zip(z) {
@@ -448,16 +464,16 @@ impl Film {
             convolution.planes(sum)
         };
         for replicate in (0..REPLICATES).step_by(2) {
-            let both = spread(&|pixel| [0, 1].map(|next| self.pixels[pixel].y[replicate + next].value()));
+            let both = spread(&|pixel| [0, 1].map(|next| self.sums_of(pixel).y[replicate + next].value()));
             light
                 .iter_mut()
                 .zip(both)
                 .for_each(|(light, both)| light.y[replicate..replicate + 2].copy_from_slice(&both));
         }
-        let bias = spread(&|pixel| self.pixels[pixel].bias.map(|half| half.value()));
+        let bias = spread(&|pixel| self.sums_of(pixel).bias.map(|half| half.value()));
         light.iter_mut().zip(bias).for_each(|(light, bias)| light.bias = bias);
         let bands = self.channels.bands;
-        let mut values = vec![0.0; bands * self.pixels.len()];
+        let mut values = vec![0.0; bands * self.pixel_count()];
         for band in 0..bands {
             let mut sum = blank();
             let kernel = convolution.kernel(band_nm(band, bands));

@@ -13,6 +13,7 @@ pub mod exposure;
 pub mod film;
 pub mod layers;
 pub mod picture;
+mod reading_spectrum;
 mod readings;
 mod sink;
 
@@ -22,5 +23,6 @@ pub use error_bars::ErrorSquares;
 pub use film::Film;
 pub use layers::LayerSet;
 pub use picture::{Picture, SpectralBands};
-pub use readings::{Reading, ReadingLayout, ReadingOwner, ReadingSpectrum, half_interval_with_degrees};
+pub use reading_spectrum::{ReadingBands, ReadingSpectrum};
+pub use readings::{Reading, ReadingLayout, ReadingOwner, half_interval_with_degrees};
 pub use sink::{FilmRow, PixelSink, SplatSink};

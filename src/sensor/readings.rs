@@ -10,10 +10,8 @@
 //! it stops at the first small estimate of the noise, and with few degrees of freedom this estimate
 //! would often be too small.
 
-use super::channels::band_nm;
 use super::error_bars::{ErrorSquares, PixelMeans};
 use super::film::Film;
-use super::picture::SpectralBands;
 use crate::math::random::REPLICATES;
 use crate::spectrum::{LUMENS_PER_WATT, Observer};
 use std::sync::Arc;
@@ -25,6 +23,9 @@ pub struct ReadingLayout {
     pub rows: usize,
     /// The owners of the readings, in the order of their rows.
     pub readings: Vec<ReadingOwner>,
+    /// True if the bands of a spectrum have first moments, so that the wavelengths of lines are
+    /// known.
+    pub moments: bool,
 }
 
 /// The meter to which a reading belongs.
@@ -42,7 +43,8 @@ pub struct ReadingOwner {
 #[derive(Debug)]
 pub(super) struct Measurement {
     pub(super) layout: Arc<ReadingLayout>,
-    /// The sums of the spectral bands: for each row, for each replicate, one sum for each band.
+    /// The sums of the spectral bands: for each row, for each replicate, one sum for each band, and
+    /// then one moment for each band if the layout has moments.
     pub(super) by_replicate: Vec<f64>,
     /// True if the rows of a reading share no random numbers.
     pub(super) independent_rows: bool,
@@ -63,19 +65,6 @@ pub struct Reading {
     pub xyz: [f64; 3],
     /// The number of degrees of freedom of the noise.
     pub degrees: f64,
-    /// The spectrum. `None` if the film has no bands.
-    pub spectrum: Option<ReadingSpectrum>,
-}
-
-/// The mean spectral radiance at a receptor.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ReadingSpectrum {
-    /// The centres of the bands in nm.
-    pub centres_nm: Vec<f64>,
-    /// The mean of each band in W/m²/sr/nm.
-    pub values: Vec<f64>,
-    /// The mean of each band and replicate in W/m²/sr/nm. Only replicates with passes are listed.
-    pub by_replicate: Vec<Vec<f64>>,
 }
 
 /// The 97.5 % quantiles of Student's t with 1 to 6 degrees of freedom.
@@ -92,6 +81,13 @@ const NORMAL: [f64; 2] = [1.959_964, 1.644_854];
 const LEAST_SHARE: f64 = 0.1;
 
 impl ReadingLayout {
+    /// Returns the number of channels of a film that need the memory of `bands` bands of readings:
+    /// the sums over all passes, and sums for each replicate in half the precision.
+    pub fn equivalent_channels(&self, bands: usize) -> usize {
+        let channels = if self.moments { 2 * bands } else { bands };
+        channels * (1 + REPLICATES / 2)
+    }
+
     /// Returns the observer of a row.
     pub(super) fn observer(&self, row: usize) -> &'static Observer {
         self.readings[row / self.rows].observer
@@ -206,58 +202,7 @@ impl Film {
             noise: variance.map(f64::sqrt),
             bias: means.squared_bias(known).map(|square| square.max(0.0).sqrt()),
             degrees,
-            spectrum: self.spectrum_of(rows),
         }
-    }
-
-    fn spectrum_of(&self, rows: std::ops::Range<usize>) -> Option<ReadingSpectrum> {
-        let (bands, measurement) = (self.bands(), self.measurement.as_ref()?);
-        if bands == 0 {
-            return None;
-        }
-        let (from_nm, to_nm) = band_nm(0, bands);
-        let width_nm = to_nm - from_nm;
-        let sums = |replicate: usize| -> Vec<f64> {
-            let mut sums = vec![0.0; bands];
-            for row in rows.clone() {
-                let first = (row * REPLICATES + replicate) * bands;
-                let of_row = &measurement.by_replicate[first..first + bands];
-                sums.iter_mut().zip(of_row).for_each(|(sum, value)| *sum += value);
-            }
-            sums
-        };
-        let mut total = vec![0.0; bands];
-        let mut by_replicate = Vec::new();
-        for (replicate, &passes) in self.passes.iter().enumerate().filter(|(_, passes)| **passes > 0) {
-            let sums = sums(replicate);
-            total.iter_mut().zip(&sums).for_each(|(total, sum)| *total += sum);
-            let scale = 1.0 / (passes as f64 * rows.len() as f64 * width_nm);
-            by_replicate.push(sums.into_iter().map(|sum| sum * scale).collect());
-        }
-        let scale = 1.0 / (self.passes().max(1) as f64 * rows.len() as f64 * width_nm);
-        let values = total.into_iter().map(|sum| sum * scale).collect();
-        Some(ReadingSpectrum { centres_nm: SpectralBands::centres_nm(bands), values, by_replicate })
-    }
-}
-
-impl ReadingSpectrum {
-    /// Returns the number of degrees of freedom of [`Self::noise_of`].
-    pub fn degrees(&self) -> f64 {
-        self.by_replicate.len().saturating_sub(1) as f64
-    }
-
-    /// Returns the standard error of a function of the spectrum, from its values at the replicates.
-    /// `None` if fewer than two replicates have passes, or if the function has no value for one of
-    /// them.
-    pub fn noise_of(&self, of: impl Fn(&[f64]) -> Option<f64>) -> Option<f64> {
-        let values: Vec<f64> = self.by_replicate.iter().map(|spectrum| of(spectrum)).collect::<Option<_>>()?;
-        let count = values.len() as f64;
-        if count < 2.0 {
-            return None;
-        }
-        let mean = values.iter().sum::<f64>() / count;
-        let spread: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-        Some((spread / (count - 1.0) / count).sqrt())
     }
 }
 

@@ -93,7 +93,7 @@ impl FilmRow<'_> {
             hits = sink.hits;
             let (of_light, of_surfaces) = self.by_channel[column * count..(column + 1) * count].split_at_mut(surfaces);
             of_light.iter_mut().zip(&values).for_each(|(sum, &value)| *sum += weight * value);
-            let bands = self.channels.bands;
+            let bands = self.channels.band_channels();
             if let Some(sums) = self.by_replicate.get_mut(replicate * bands..(replicate + 1) * bands) {
                 sums.iter_mut().zip(&values).for_each(|(sum, &value)| *sum += weight * value);
             }

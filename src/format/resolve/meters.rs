@@ -9,13 +9,10 @@ use crate::format::{JsonPath, MeterFile, MeterGridFile};
 use crate::math::warp;
 use crate::scene::builder::SceneBuilder;
 use crate::scene::camera::Camera;
-use crate::scene::meter::{Meter, MeterReading, QuantityKind, ReceivingSide, Receptor, Response};
+use crate::scene::meter::{Meter, MeterReading, ReceivingSide, Receptor, Response};
 use crate::scene::{Exposure, FilmSpec};
 use crate::spectrum::Observer;
 use glam::DVec3;
-
-/// The number of spectral bands of a measurement of spectra. Each band has 5 nm.
-const BANDS: u32 = 94;
 
 /// A measurement has at least this number of rows of receptors, so that few readings keep many
 /// threads busy.
@@ -51,14 +48,14 @@ impl Resolver<'_> {
         }
         let rows = LEAST_ROWS.div_ceil(receptors.len()) as u32;
         let height = receptors.len() as u32 * rows;
-        let spectral = meters.iter().any(|meter| meter.quantity.kind() != QuantityKind::Integral);
+        let spectral_bands = meters.iter().map(|meter| meter.quantity.kind().bands()).max().unwrap_or(0);
         let visual = meters.iter().all(|meter| meter.quantity.observer().name() == Observer::cie1931().name());
         let film = FilmSpec {
             width: 1,
             height,
             // The wavelengths of light are sampled by the importance to this observer.
             observer: if visual { Observer::cie1931() } else { Observer::radiometric() },
-            spectral_bands: if spectral { BANDS } else { 0 },
+            spectral_bands,
             space: RgbSpace::Srgb,
             white: None,
             gamut: GamutMapping::Clip,

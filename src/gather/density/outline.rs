@@ -235,7 +235,8 @@ impl Outlines {
     /// Collects the outlines of all pixels from bands of rows. The bands are listed from the top of
     /// the image.
     pub fn of_bands(width: usize, bands: Vec<Self>) -> Self {
-        let mut all = Self { width, ..Self::default() };
+        let pixels = bands.iter().map(|band| band.numbers.len()).sum();
+        let mut all = Self { width, numbers: Vec::with_capacity(pixels), list: Vec::new() };
         for band in bands {
             let before = all.list.len() as u32;
             let after_the_others =

@@ -59,6 +59,18 @@ pub enum QuantityKind {
     OfSpectrum,
 }
 
+impl QuantityKind {
+    /// The number of spectral bands of a measurement: none, bands of 5 nm for a spectrum, and bands
+    /// of 2.5 nm for a function of the spectrum.
+    pub fn bands(self) -> u32 {
+        match self {
+            Self::Integral => 0,
+            Self::Spectrum => 94,
+            Self::OfSpectrum => 188,
+        }
+    }
+}
+
 /// The Avogadro constant times the Planck constant times the speed of light, in J·m/mol.
 const MOLAR_PLANCK: f64 = 6.022_140_76e23 * 6.626_070_15e-34 * 299_792_458.0;
 
