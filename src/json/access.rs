@@ -11,6 +11,7 @@ use super::deserialize::{DeserializeResult, ValueDeserializer, deserialize};
 use super::deserialize_error::DeserializeError;
 use super::positions::{ChildValues, SpannedValue};
 use super::repair::Repairs;
+use super::stand_in::StandIn;
 
 /// A deserialiser of a key, or of the name of a variant.
 pub(super) struct KeyDeserializer<'de> {
@@ -72,7 +73,7 @@ impl<'de> SeqAccess<'de> for ArrayElements<'_, 'de> {
             Self::StandIns(0) => Ok(None),
             Self::StandIns(left) => {
                 *left -= 1;
-                seed.deserialize(ValueDeserializer::StandIn).map(Some)
+                seed.deserialize(StandIn).map(Some)
             }
         }
     }
@@ -133,7 +134,7 @@ impl<'de> MapAccess<'de> for &mut ObjectEntries<'_, 'de> {
     fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> DeserializeResult<V::Value> {
         match (self.value.take(), &self.written) {
             (Some(value), Some((_, repairs))) => deserialize(seed, value, repairs),
-            _ => seed.deserialize(ValueDeserializer::StandIn),
+            _ => seed.deserialize(StandIn),
         }
     }
 }
@@ -191,17 +192,17 @@ impl<'de> VariantAccess<'de> for Variant<'_, 'de> {
         match self {
             Self::Plain(name) => Err(needs_fields(name)),
             Self::Keyed { value, repairs, .. } => deserialize(seed, value, repairs),
-            Self::StandIn(_) => seed.deserialize(ValueDeserializer::StandIn),
+            Self::StandIn(_) => seed.deserialize(StandIn),
         }
     }
 
     fn tuple_variant<V: Visitor<'de>>(self, length: usize, visitor: V) -> DeserializeResult<V::Value> {
         match self {
             Self::Plain(name) => Err(needs_fields(name)),
-            Self::Keyed { value, repairs, .. } => {
-                ValueDeserializer::of(value, repairs).deserialize_tuple(length, visitor)
+            Self::Keyed { value, repairs, .. } if !repairs.replaces(value) => {
+                ValueDeserializer { value, repairs }.deserialize_tuple(length, visitor)
             }
-            Self::StandIn(_) => ValueDeserializer::StandIn.deserialize_tuple(length, visitor),
+            Self::Keyed { .. } | Self::StandIn(_) => StandIn.deserialize_tuple(length, visitor),
         }
     }
 
@@ -212,10 +213,10 @@ impl<'de> VariantAccess<'de> for Variant<'_, 'de> {
     ) -> DeserializeResult<V::Value> {
         match self {
             Self::Plain(name) => Err(needs_fields(name)),
-            Self::Keyed { value, repairs, .. } => {
-                ValueDeserializer::of(value, repairs).deserialize_struct("", fields, visitor)
+            Self::Keyed { value, repairs, .. } if !repairs.replaces(value) => {
+                ValueDeserializer { value, repairs }.visit_fields(fields, visitor)
             }
-            Self::StandIn(_) => ValueDeserializer::StandIn.deserialize_struct("", fields, visitor),
+            Self::Keyed { .. } | Self::StandIn(_) => StandIn.deserialize_struct("", fields, visitor),
         }
     }
 }

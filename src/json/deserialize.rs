@@ -1,5 +1,5 @@
 //! A serde deserialiser for the values of a scanned text. Each error has the position of the wrong
-//! value or key. A value that could not be read is replaced by a stand-in.
+//! value or key.
 
 use serde::de::{DeserializeSeed, Deserializer, Visitor};
 use serde::forward_to_deserialize_any;
@@ -9,7 +9,7 @@ use super::describe::one_of;
 use super::deserialize_error::{DeserializeError, DeserializeErrorKind};
 use super::positions::{SpannedValue, ValueKind};
 use super::repair::Repairs;
-use super::stand_in;
+use super::stand_in::StandIn;
 
 /// The result of reading a value.
 pub(super) type DeserializeResult<T> = Result<T, DeserializeError>;
@@ -20,34 +20,21 @@ pub(super) fn deserialize<'de, T: DeserializeSeed<'de>>(
     value: SpannedValue<'de>,
     repairs: &Repairs,
 ) -> DeserializeResult<T::Value> {
-    seed.deserialize(ValueDeserializer::of(value, repairs))
-}
-
-/// A deserialiser of one value. Values of the text and stand-ins have the same deserialiser, so that
-/// the code of a type exists only once in the program.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum ValueDeserializer<'r, 'de> {
-    /// A value of the text.
-    Written(WrittenValue<'r, 'de>),
-    /// Some value of any type; see [`stand_in`].
-    StandIn,
-}
-
-impl<'r, 'de> ValueDeserializer<'r, 'de> {
-    /// Returns the deserialiser of a value, or of a stand-in if the repairs replace the value.
-    pub(super) fn of(value: SpannedValue<'de>, repairs: &'r Repairs) -> Self {
-        if repairs.replaces(value) { Self::StandIn } else { Self::Written(WrittenValue { value, repairs }) }
+    if repairs.replaces(value) {
+        seed.deserialize(StandIn)
+    } else {
+        seed.deserialize(ValueDeserializer { value, repairs })
     }
 }
 
-/// A value of the text.
+/// A deserialiser of one value.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct WrittenValue<'r, 'de> {
-    value: SpannedValue<'de>,
-    repairs: &'r Repairs,
+pub(super) struct ValueDeserializer<'r, 'de> {
+    pub(super) value: SpannedValue<'de>,
+    pub(super) repairs: &'r Repairs,
 }
 
-impl<'de> WrittenValue<'_, 'de> {
+impl<'de> ValueDeserializer<'_, 'de> {
     /// Calls the visitor's method that matches the kind of this value.
     fn visit<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
         match self.value.kind() {
@@ -122,42 +109,74 @@ impl<'de> WrittenValue<'_, 'de> {
     }
 
     /// Visits an object with the known keys `fields`.
-    fn visit_fields<V: Visitor<'de>>(self, fields: &[&str], visitor: V) -> DeserializeResult<V::Value> {
+    pub(super) fn visit_fields<V: Visitor<'de>>(self, fields: &[&str], visitor: V) -> DeserializeResult<V::Value> {
         if self.value.kind() != ValueKind::Object {
             return Err(self.not_an_object(fields));
         }
         self.visit_object(visitor).map_err(|error| error.at(self.value))
     }
+}
 
-    /// Visits any value.
-    fn visit_any<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+impl<'de> Deserializer<'de> for ValueDeserializer<'_, 'de> {
+    type Error = DeserializeError;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
         self.visit(visitor).map_err(|error| error.at(self.value))
     }
 
-    /// Visits a whole number without a sign.
-    fn visit_unsigned<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        // Floats above 2⁵³ cannot represent every integer, so integers are read from the digits of
-        // the text.
-        if self.value.written().parse::<u64>().is_ok() { self.visit_any(visitor) } else { self.visit_whole(visitor) }
+    fn deserialize_u32<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+        self.visit_whole(visitor)
     }
 
-    fn visit_option<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        let result = match self.value.kind() {
-            ValueKind::Null => visitor.visit_none(),
-            _ => visitor.visit_some(ValueDeserializer::Written(self)),
-        };
+    fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+        // Floats above 2⁵³ cannot represent every integer, so integers are read from the digits of
+        // the text.
+        if self.value.written().parse::<u64>().is_ok() {
+            self.deserialize_any(visitor)
+        } else {
+            self.visit_whole(visitor)
+        }
+    }
+
+    fn deserialize_i32<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+        self.visit_whole(visitor)
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+        let result = if self.value.kind() == ValueKind::Null { visitor.visit_none() } else { visitor.visit_some(self) };
         result.map_err(|error| error.at(self.value))
     }
 
-    fn visit_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> DeserializeResult<V::Value> {
+        visitor.visit_newtype_struct(self)
+    }
+
+    fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> DeserializeResult<V::Value> {
         if self.value.kind() == ValueKind::Array && self.value.children().count() == length {
-            return self.visit_any(visitor);
+            return self.deserialize_any(visitor);
         }
         Err(DeserializeError::mismatch(format!("an array of {length}")).at(self.value))
     }
 
-    /// Visits an enum with the known `variants`.
-    fn visit_enum<V: Visitor<'de>>(self, variants: &'static [&'static str], visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+        self.visit_fields(&[], visitor)
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> DeserializeResult<V::Value> {
+        self.visit_fields(fields, visitor)
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        variants: &'static [&'static str],
+        visitor: V,
+    ) -> DeserializeResult<V::Value> {
         let result = match self.value.kind() {
             ValueKind::String => visitor.visit_enum(Variant::Plain(self.value)),
             ValueKind::Object => {
@@ -178,108 +197,9 @@ impl<'de> WrittenValue<'_, 'de> {
         };
         result.map_err(|error| error.at(self.value))
     }
-}
-
-impl<'de> Deserializer<'de> for ValueDeserializer<'_, 'de> {
-    type Error = DeserializeError;
-
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        match self {
-            Self::Written(value) => value.visit_any(visitor),
-            Self::StandIn => stand_in::number(visitor),
-        }
-    }
-
-    fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        match self {
-            Self::Written(value) => value.visit_any(visitor),
-            Self::StandIn => visitor.visit_bool(false),
-        }
-    }
-
-    fn deserialize_u32<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        match self {
-            Self::Written(value) => value.visit_whole(visitor),
-            Self::StandIn => visitor.visit_u64(1),
-        }
-    }
-
-    fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        match self {
-            Self::Written(value) => value.visit_unsigned(visitor),
-            Self::StandIn => visitor.visit_u64(1),
-        }
-    }
-
-    fn deserialize_i32<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        self.deserialize_u32(visitor)
-    }
-
-    fn deserialize_str<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        match self {
-            Self::Written(value) => value.visit_any(visitor),
-            Self::StandIn => visitor.visit_borrowed_str(""),
-        }
-    }
-
-    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        self.deserialize_str(visitor)
-    }
-
-    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        match self {
-            Self::Written(value) => value.visit_option(visitor),
-            Self::StandIn => visitor.visit_none(),
-        }
-    }
-
-    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> DeserializeResult<V::Value> {
-        visitor.visit_newtype_struct(self)
-    }
-
-    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        match self {
-            Self::Written(value) => value.visit_any(visitor),
-            Self::StandIn => visitor.visit_seq(ArrayElements::StandIns(0)),
-        }
-    }
-
-    fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> DeserializeResult<V::Value> {
-        match self {
-            Self::Written(value) => value.visit_tuple(length, visitor),
-            Self::StandIn => visitor.visit_seq(ArrayElements::StandIns(length)),
-        }
-    }
-
-    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        self.deserialize_struct("", &[], visitor)
-    }
-
-    fn deserialize_struct<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        fields: &'static [&'static str],
-        visitor: V,
-    ) -> DeserializeResult<V::Value> {
-        match self {
-            Self::Written(value) => value.visit_fields(fields, visitor),
-            Self::StandIn => visitor.visit_map(&mut ObjectEntries::stand_ins(fields)),
-        }
-    }
-
-    fn deserialize_enum<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        variants: &'static [&'static str],
-        visitor: V,
-    ) -> DeserializeResult<V::Value> {
-        match self {
-            Self::Written(value) => value.visit_enum(variants, visitor),
-            Self::StandIn => stand_in::variant(variants, visitor),
-        }
-    }
 
     forward_to_deserialize_any! {
-        i8 i16 i64 i128 u8 u16 u128 f32 f64 char bytes byte_buf unit unit_struct tuple_struct identifier ignored_any
+        bool i8 i16 i64 i128 u8 u16 u128 f32 f64 char str string bytes byte_buf unit unit_struct seq tuple_struct
+        identifier ignored_any
     }
 }
