@@ -36,6 +36,11 @@ const PASSES: [u64; 2] = [8, 192];
 /// one.
 const COMPARISONS: u32 = 3;
 
+/// Scenes whose first comparisons are left out. In scene 126, the path tracer seldom finds the light
+/// that shines through balls of rough glass in balls of rough glass, but this light is bright. The
+/// spread of few passes is then much smaller than their error.
+const HEAVY_TAILS: [(u64, u32); 1] = [(126, 5)];
+
 /// Pictures are compared again if equal pictures differ so much with this probability or less.
 const SUSPICIOUS: f64 = 0.01;
 
@@ -66,7 +71,8 @@ fn judge(seed: u64) -> Verdict {
     }
     let mut job = common::job(&scene);
     let mut before = 1.0;
-    for stage in 0..COMPARISONS {
+    let first = HEAVY_TAILS.iter().find(|(of, _)| *of == seed).map_or(0, |(_, first)| *first);
+    for stage in first..first + COMPARISONS {
         let start = cpu_time::ProcessTime::now();
         let found = verdict::compare(&mut job, PASSES.map(|passes| passes << (2 * stage)), u64::from(stage));
         println!("{seed:4}.{stage} {:5.1} s  {found}", start.elapsed().as_secs_f64());
@@ -76,7 +82,7 @@ fn judge(seed: u64) -> Verdict {
         if decisive && p >= SUSPICIOUS {
             return Verdict::Agrees;
         }
-        if stage + 1 == COMPARISONS {
+        if stage + 1 == first + COMPARISONS {
             return match (p * before < UNEXPLAINED, decisive) {
                 (true, _) => Verdict::Differs,
                 (false, true) => Verdict::Agrees,
