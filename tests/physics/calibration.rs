@@ -228,14 +228,21 @@ impl Monitor for Watching {
 /// The number of seeds per scene.
 const SEEDS: u64 = 12;
 
-/// Renders a scene with several seeds. Returns the ratios of the forecast error to the true error
-/// after forty passes.
-fn forecast_ratios(scene: &Value, name: &str) -> Vec<f64> {
+/// Renders an example scene on a small film with several seeds. Returns the ratios of the forecast
+/// error to the true error after forty passes.
+fn forecast_ratios(name: &str, [width, height]: [u64; 2]) -> Vec<f64> {
     let ratio = |seed: u64| {
+        let sets = [
+            format!("film.width={width}"),
+            format!("film.height={height}"),
+            format!("render.photons={PHOTONS}"),
+            format!("render.seed={seed}"),
+        ];
         let mut watching = Watching::default();
         let stop = StopRules { passes: Some(65), ..StopRules::default() };
         let request = Request { integrator: Integrator::Photon, stop };
-        common::job(&seeded(scene, seed)).render(request, &mut watching).expect("the scene renders");
+        let job = common::example_job(name, &sets.each_ref().map(String::as_str));
+        job.render(request, &mut watching).expect("the scene renders");
         let falls = watching.doubled.windows(2).all(|pair| pair[1] <= 1.02 * pair[0]);
         assert!(falls && watching.doubled.len() == 4, "{name}, seed {seed}: {:?}", watching.doubled);
         watching.foretold.expect("a forecast") / watching.came.expect("an error")
@@ -247,10 +254,10 @@ fn forecast_ratios(scene: &Value, name: &str) -> Vec<f64> {
 
 /// Checks the forecasts of several scenes. One render of twelve may fail by chance: after ten
 /// passes most replicates hold a single pass.
-fn check_forecasts(scenes: impl Iterator<Item = (&'static str, Value)>) {
+fn check_forecasts(scenes: impl Iterator<Item = (&'static str, [u64; 2])>) {
     let mut fell_short = Vec::new();
-    for (name, scene) in scenes {
-        let ratios = forecast_ratios(&scene, name);
+    for (name, film) in scenes {
+        let ratios = forecast_ratios(name, film);
         let within = ratios.iter().filter(|ratio| (*ratio - 1.0).abs() <= 0.25).count();
         let (least, most) = (ratios[0], ratios[ratios.len() - 1]);
         println!("{name}: foretold over true {least:.2} to {most:.2}; {within} of {SEEDS} within 25 %");
@@ -263,7 +270,7 @@ fn check_forecasts(scenes: impl Iterator<Item = (&'static str, Value)>) {
 #[ignore = "48 renders of 65 passes: 3 minutes"]
 fn ten_passes_forecast_the_error_after_forty_within_25_percent() {
     let measures = [PRISM, GLASS_BALL, CORNELL, PRISM_IN_FOG];
-    check_forecasts(measures.iter().map(|measure| (measure.name, scene(measure, PHOTONS))));
+    check_forecasts(measures.iter().map(|measure| (measure.name, measure.film)));
 }
 
 /// The constants of the forecast were chosen with the scenes of the test above. These scenes were
@@ -272,10 +279,5 @@ fn ten_passes_forecast_the_error_after_forty_within_25_percent() {
 #[ignore = "72 renders of 65 passes: 6 minutes"]
 fn forecasts_hold_in_scenes_that_did_not_choose_their_constants() {
     const HELD_OUT: [&str; 6] = ["two_prisms", "diamond", "sodium", "moving_caustic", "rainbow", "light_shafts"];
-    let small = |name| {
-        let mut scene = common::example(name);
-        (scene["film"]["width"], scene["film"]["height"]) = (48.into(), 32.into());
-        (name, common::with_setting(&scene, "photons", PHOTONS))
-    };
-    check_forecasts(HELD_OUT.into_iter().map(small));
+    check_forecasts(HELD_OUT.into_iter().map(|name| (name, [48, 32])));
 }
