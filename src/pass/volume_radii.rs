@@ -147,8 +147,9 @@ impl NearbyPhotons {
     /// probabilities of storing photons in a pass.
     fn first_radius(&self, keep: KeepProbability) -> f64 {
         let within = |found: f64, dimensions: f64| powf(PHOTONS_PER_RAY / found.max(PHOTONS_PER_RAY), 1.0 / dimensions);
-        let narrow = within(self.points * keep.points, 2.0).min(within(self.beams * keep.beams, 1.0));
-        (self.width * narrow).min(MAX_RADIUS_FREE_PATHS / self.free_paths)
+        let [points, beams, free_paths, width] = [self.points, self.beams, self.free_paths, self.width].map(f64::from);
+        let narrow = within(points * keep.points, 2.0).min(within(beams * keep.beams, 1.0));
+        (width * narrow).min(MAX_RADIUS_FREE_PATHS / free_paths)
     }
 }
 
@@ -167,7 +168,7 @@ pub(super) fn keep_probabilities(
 ) -> PerClass<KeepProbability> {
     let beams_per_ray = |class: PhotonClass| {
         let all = pixels.iter().flat_map(|counts| [counts.0.free, counts.0.shared]).flatten();
-        let counts = all.map(|nearby| nearby[class].beams).filter(|&beams| beams > 0.0);
+        let counts = all.map(|nearby| f64::from(nearby[class].beams)).filter(|&beams| beams > 0.0);
         let (rays, sum) = counts.fold((0.0, 0.0), |(rays, sum), beams| (rays + 1.0, sum + beams));
         sum / f64::max(rays, 1.0)
     };

@@ -32,20 +32,21 @@ const ENOUGH_HIDDEN: u32 = 256;
 
 /// The photons of one set and class near a camera ray. A photon is near if its distance from the
 /// ray is within the upper limit of the first radius. The counts are scaled as if the media stored
-/// all photons of a pass.
+/// all photons of a pass. The values have single precision, because the pilot keeps them for each
+/// pixel.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct NearbyPhotons {
     /// The weighted number of points. The weight of a point is the transmittance of the medium
     /// between the point and the start of the camera segment.
-    pub(super) points: f64,
+    pub(super) points: f32,
     /// The number of beams.
-    pub(super) beams: f64,
+    pub(super) beams: f32,
     /// The mean optical depth around the points, with the same weights as `points`. It is measured
     /// at each point, along a length that appears one radian wide from the camera.
-    pub(super) free_paths: f64,
+    pub(super) free_paths: f32,
     /// The kernel width within which the photons were counted. If the scene does not fix the
     /// radius, this is the ratio of the radius to the distance from the camera.
-    pub(super) width: f64,
+    pub(super) width: f32,
 }
 
 /// Samples of the photons of one set and class that the pilot traced in media.
@@ -102,7 +103,8 @@ impl VolumeSamples {
         let mut nearby = NearbyPhotons::default();
         for width in widths {
             nearby = self.count_within(segment, medium, width);
-            if nearby.points * self.keep.points + nearby.beams * self.keep.beams >= FEWEST {
+            let stored = f64::from(nearby.points) * self.keep.points + f64::from(nearby.beams) * self.keep.beams;
+            if stored >= FEWEST {
                 break;
             }
         }
@@ -113,9 +115,9 @@ impl VolumeSamples {
     fn count_within(&self, segment: &CameraSegment, medium: &Medium, width: KernelWidth) -> NearbyPhotons {
         let cone = QueryCone::of_camera(segment.ray, segment.length_m, segment.behind_m, width);
         let (KernelWidth::Stated(number) | KernelWidth::PerDistance(number)) = width;
-        let mut nearby = NearbyPhotons { width: number, ..NearbyPhotons::default() };
+        let mut nearby = NearbyPhotons { width: number as f32, ..NearbyPhotons::default() };
         if self.plan.keeps_beams(medium.dense) {
-            nearby.beams = self.count_beams(&cone, segment.medium);
+            nearby.beams = self.count_beams(&cone, segment.medium) as f32;
         }
         if self.plan.keeps_points(medium.dense) {
             self.count_points(segment, medium, &cone, &mut nearby);
@@ -156,8 +158,8 @@ impl VolumeSamples {
                     free_paths += transmittance * medium.optical_depth(REFERENCE_NM, across_m);
                 }
             });
-            nearby.points = visible * pass_per_point;
-            nearby.free_paths = if visible > 0.0 { free_paths / visible } else { 0.0 };
+            nearby.points = (visible * pass_per_point) as f32;
+            nearby.free_paths = if visible > 0.0 { (free_paths / visible) as f32 } else { 0.0 };
             if visible >= ENOUGH || found >= ENOUGH_HIDDEN {
                 return;
             }
@@ -233,8 +235,8 @@ mod tests {
                 VolumeSamples::new(&all, VolumePlan::Points, 4.0).count(&segment, &medium, iter::once(width));
             let of_beams = VolumeSamples::new(&all, VolumePlan::Beams, 4.0).count(&segment, &medium, iter::once(width));
             println!("{radius_m} m: {} of {points} points, {} of {beams} beams", of_points.points, of_beams.beams);
-            assert!((of_points.points / (4.0 * points) - 1.0).abs() < 0.5);
-            assert!((of_beams.beams / (4.0 * beams) - 1.0).abs() < 0.6);
+            assert!((f64::from(of_points.points) / (4.0 * points) - 1.0).abs() < 0.5);
+            assert!((f64::from(of_beams.beams) / (4.0 * beams) - 1.0).abs() < 0.6);
             assert_eq!((of_points.beams, of_beams.points), (0.0, 0.0));
         }
         let samples = VolumeSamples::new(&all, VolumePlan::ByDensity, 1.0);

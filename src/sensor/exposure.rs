@@ -19,6 +19,10 @@ const CONTRAST: f64 = 1000.0;
 /// The largest influence of a pixel on the metered luminance, as a natural logarithm: two stops.
 const LARGEST_INFLUENCE: f64 = 2.0 * std::f64::consts::LN_2;
 
+/// The log-average is computed from at most this number of pixels. They are evenly spaced in the
+/// order of luminance.
+const MOST_METERED: usize = 1 << 16;
+
 /// Returns the exposure of a picture. The exposure is a factor that multiplies the luminance, and
 /// its unit is 1/(cd/m²). With this factor, the developed picture has a suitable brightness.
 ///
@@ -31,16 +35,17 @@ const LARGEST_INFLUENCE: f64 = 2.0 * std::f64::consts::LN_2;
 /// is raised until its highlights reach half of the range of the display. Visible light sources do
 /// not influence the exposure, because any suitable exposure shows them as white.
 pub fn automatic(picture: &Picture) -> f64 {
-    let lit = picture.xyz.iter().map(|xyz| xyz[1]).filter(|y| *y > 0.0 && y.is_finite());
-    let mut luminances: Vec<f64> = lit.collect();
+    let luminances = picture.xyz.iter().map(|xyz| xyz[1] as f32);
+    let mut luminances: Vec<f32> = luminances.filter(|y| *y > 0.0 && y.is_finite()).collect();
     if luminances.is_empty() {
         return 1.0;
     }
-    luminances.sort_by(f64::total_cmp);
+    luminances.sort_unstable_by(f32::total_cmp);
     let metered = without_light_sources(&luminances);
-    let highlight = metered[((metered.len() - 1) as f64 * (1.0 - ABOVE_HIGHLIGHT)) as usize];
-    let weighted: Vec<(f64, f64)> =
-        metered.iter().map(|y| (ln(*y), (y * CONTRAST / highlight).min(1.0).powi(2))).collect();
+    let highlight = f64::from(metered[((metered.len() - 1) as f64 * (1.0 - ABOVE_HIGHLIGHT)) as usize]);
+    let step = metered.len().div_ceil(MOST_METERED);
+    let sample = metered.iter().skip(step / 2).step_by(step).map(|y| f64::from(*y));
+    let weighted: Vec<(f64, f64)> = sample.map(|y| (ln(y), (y * CONTRAST / highlight).min(1.0).powi(2))).collect();
     (MIDDLE_GREY / exp(robust_mean(&weighted))).max(LEAST_HIGHLIGHT / highlight)
 }
 
@@ -67,13 +72,13 @@ fn robust_mean(values: &[(f64, f64)]) -> f64 {
 /// the other pixels. The ends of the gap differ by a factor of eight, and few pixels are inside the
 /// gap. Illuminated surfaces and caustics become gradually darker towards their surroundings, so
 /// they leave no such gap. A spectrum on a black wall leaves a gap, but its own brightness varies.
-fn without_light_sources(sorted: &[f64]) -> &[f64] {
-    const GAP: f64 = 8.0;
+fn without_light_sources(sorted: &[f32]) -> &[f32] {
+    const GAP: f32 = 8.0;
     const LARGEST_SHARE: f64 = 0.1;
     /// The largest ratio of the number of pixels in the gap to the number of pixels of light
     /// sources. The pixels in the gap are at the edges of light sources.
     const EDGES: f64 = 0.25;
-    let below = |y: f64| sorted.partition_point(|&other| other < y);
+    let below = |y: f32| sorted.partition_point(|&other| other < y);
     let mut top = sorted[sorted.len() - 1];
     let first = sorted[((sorted.len() - 1) as f64 * (1.0 - LARGEST_SHARE)) as usize];
     while top / GAP >= first {
@@ -82,14 +87,14 @@ fn without_light_sources(sorted: &[f64]) -> &[f64] {
         if lamps > 0 && (between as f64) < EDGES * lamps as f64 && is_uniform(&sorted[sorted.len() - lamps..]) {
             return &sorted[..rest];
         }
-        top /= 2.0_f64.sqrt();
+        top /= 2.0_f32.sqrt();
     }
     sorted
 }
 
 /// Returns true if half of the brightnesses differ from their median by at most a tenth, as the
 /// brightness of a lamp does.
-fn is_uniform(sorted: &[f64]) -> bool {
+fn is_uniform(sorted: &[f32]) -> bool {
     let median = sorted[sorted.len() / 2];
     let near = sorted.partition_point(|&y| y <= 1.1 * median) - sorted.partition_point(|&y| y < 0.9 * median);
     2 * near >= sorted.len()
