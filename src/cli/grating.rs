@@ -7,7 +7,8 @@ use crate::error::{Error, Result};
 use crate::math::elementary::{atan2, sin_cos};
 use crate::optics::bsdf::ScatterEvent;
 use crate::optics::glass::RefractiveIndex;
-use crate::optics::grating::{DiffractedOrder, Grating, GratingProfile};
+use crate::optics::grating::{DiffractedOrder, EfficiencyTable, Grating, GratingProfile};
+use crate::spectrum::Spectrum;
 use glam::DVec3;
 use serde::Serialize;
 
@@ -49,12 +50,28 @@ pub(crate) struct GratingArgs {
     /// The fraction of the period that is raised (lamellar) or clear (slits), from 0 to 1
     #[arg(long, value_name = "D", default_value_t = 0.5)]
     duty: f64,
+    /// Measured efficiencies of single orders, instead of a profile, such as 0=0.1,1=0.75
+    #[arg(long, value_name = "LIST", value_parser = efficiencies, allow_hyphen_values = true, conflicts_with = "profile")]
+    efficiencies: Option<OrderEfficiencies>,
     /// The index of the medium behind the grating: a number or the name of a glass
     #[arg(long, value_name = "N|NAME", default_value = "1")]
     substrate: String,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
+}
+
+/// Numbers of orders with their efficiencies.
+#[derive(Debug, Clone)]
+struct OrderEfficiencies(Vec<(i32, f64)>);
+
+fn efficiencies(text: &str) -> std::result::Result<OrderEfficiencies, String> {
+    let pair = |text: &str| {
+        let (order, efficiency) = text.split_once('=')?;
+        Some((order.trim().parse().ok()?, efficiency.trim().parse().ok()?))
+    };
+    let orders: Option<Vec<(i32, f64)>> = text.split(',').map(pair).collect();
+    orders.map(OrderEfficiencies).ok_or_else(|| "expected orders with their efficiencies, such as 0=0.1,1=0.75".into())
 }
 
 /// The name of a profile.
@@ -110,6 +127,10 @@ fn within(option: &str, value: f64, (low, high): (f64, f64)) -> Result<()> {
 
 fn profile(arguments: &GratingArgs) -> Result<GratingProfile> {
     within("--duty", arguments.duty, (0.0, 1.0))?;
+    if let Some(OrderEfficiencies(orders)) = &arguments.efficiencies {
+        let orders = orders.iter().map(|&(order, efficiency)| (order, Spectrum::constant(efficiency)));
+        return Ok(GratingProfile::Table(EfficiencyTable::new(orders.collect())?));
+    }
     let phase = |default: f64| arguments.phase.unwrap_or(default);
     Ok(match arguments.profile {
         ProfileName::Blazed => GratingProfile::Blazed { order: arguments.blaze_order, blaze_nm: arguments.blaze },

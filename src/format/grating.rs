@@ -93,6 +93,10 @@ pub enum GratingProfileFile {
         #[schemars(extend("minimum" = 0, "maximum" = 1))]
         duty: f64,
     },
+    /// Measured efficiencies of single orders. All other orders have the efficiency 0. The grating
+    /// absorbs the rest of the light, and the light of orders that do not propagate.
+    #[schemars(example = json!({"table": [{"order": 0, "efficiency": 0.1}, {"order": 1, "efficiency": 0.75}]}))]
+    Table(Vec<OrderEfficiencyFile>),
     /// Opaque lines with clear gaps. The lines absorb the rest of the light.
     #[schemars(example = json!({"slits": {"duty": 0.5}}))]
     Slits {
@@ -100,6 +104,19 @@ pub enum GratingProfileFile {
         #[schemars(extend("minimum" = 0, "maximum" = 1))]
         duty: f64,
     },
+}
+
+/// The measured efficiency of an order of a grating.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "Efficiency of an order")]
+pub struct OrderEfficiencyFile {
+    /// Number of the order.
+    pub order: i32,
+    /// Fraction of the light in this order: a number, or a spectrum. The sum over all orders is at
+    /// most 1.
+    #[schemars(extend("minimum" = 0, "maximum" = 1))]
+    pub efficiency: SpectrumFile,
 }
 
 fn half() -> f64 {
@@ -139,6 +156,12 @@ impl GratingFile {
                 check::all([check::positive(&at.key("nm"), *nm), check::fraction(&at.key("duty"), *duty)])
             }
             GratingProfileFile::Slits { duty } => check::fraction(&at_profile.key("slits").key("duty"), *duty),
+            GratingProfileFile::Table(orders) => {
+                let at = at_profile.key("table");
+                check::all(orders.iter().enumerate().map(|(place, OrderEfficiencyFile { order: _, efficiency })| {
+                    efficiency.validate(&at.index(place).key("efficiency"), SpectrumUse::Fraction)
+                }))
+            }
         };
         let fraction = |key: &str, file: &Option<SpectrumFile>| {
             file.as_ref().map_or(Ok(()), |file| file.validate(&at.key(key), SpectrumUse::Fraction))

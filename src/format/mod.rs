@@ -62,7 +62,7 @@ pub use field::{ExponentialFieldFile, FieldFile, NoiseFieldFile, PlanetFile, Sph
 pub use film::{
     ExposureFile, FilmFile, GamutFile, LayerFile, ObserverFile, OutputSpaceFile, ToneFile, WhiteBalanceFile,
 };
-pub use grating::{GratingFile, GratingProfileFile, GroovesFile};
+pub use grating::{GratingFile, GratingProfileFile, GroovesFile, OrderEfficiencyFile};
 pub use index::{FormulaFile, IndexFile};
 pub use lens::{LensFile, LensSurfaceFile, PrescriptionFile, SystemLensFile, ThinLensFile, ThinLensForm};
 pub use light::LightFile;

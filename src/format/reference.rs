@@ -47,7 +47,7 @@ pub(super) const CHAPTERS: [(&str, &[&str]); 18] = [
     ("Indices of refraction", &["IndexFile", "FormulaFile"]),
     ("Materials", &["MaterialFile", "PaneTransmittanceFile", "WeightedMaterialFile", "GreenFile"]),
     ("Thin films", &["CoatingFile", "CoatingLayerFile", "CoatingIndexFile", "ComplexIndexFile"]),
-    ("Gratings", &["GratingProfileFile", "GroovesFile"]),
+    ("Gratings", &["GratingProfileFile", "OrderEfficiencyFile", "GroovesFile"]),
     (
         "Media",
         &["MediumFile", "DyeFile", "TransmittanceFile", "PhaseFile", "MediumEmissionFile", "MediumBlackbodyFile"],

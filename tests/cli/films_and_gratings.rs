@@ -98,4 +98,11 @@ fn a_grating_lists_its_orders_on_both_sides() {
     assert!(run(&[]).out.contains("efficiency"));
     let wrong = run(&["--reflectance", "2"]);
     assert!(wrong.status == 2 && wrong.err.contains("--reflectance 2"), "{}", wrong.err);
+    let measured = run(&["--efficiencies", "-1=0.25,0=0.5", "--reflectance", "0", "--json"]).json();
+    let efficiencies = measured["orders"].as_array().unwrap().iter().map(|it| it["efficiency"].as_f64().unwrap());
+    assert_eq!(efficiencies.collect::<Vec<_>>(), [0.0, 0.25, 0.5, 0.0, 0.0], "orders −2 to 2");
+    for (list, what) in [("0=0.9,1=0.2", "a sum of 1.1"), ("0:0.9", "0=0.1,1=0.75")] {
+        let wrong = run(&["--efficiencies", list]);
+        assert!(wrong.status == 2 && wrong.err.contains(what), "{}", wrong.err);
+    }
 }

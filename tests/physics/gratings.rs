@@ -96,6 +96,26 @@ fn orders_lie_where_the_grating_equation_says() {
     }
 }
 
+/// Measured efficiencies are the shares of the arriving light: an order with the efficiency 1 has
+/// all of it.
+#[test]
+fn measured_efficiencies_are_the_shares_of_the_orders() {
+    let nm = 550.0;
+    let ramp = json!({ "table": { "nm": [500, 600], "values": [0, 0.2] } });
+    let shares = json!([{ "order": 0, "efficiency": 0.2 }, { "order": 1, "efficiency": 0.6 },
+                        { "order": -1, "efficiency": ramp }]);
+    let brightness = |table: Value, order: i32| {
+        let grating = json!({ "lines_per_mm": 600, "profile": { "table": table }, "transmittance": 1 });
+        let x = f64::from(order) * nm * 600e-6;
+        spot(&spot_scene(&grating, nm, DVec2::NEG_Y, DVec2::new(x, -(1.0 - x * x).sqrt())), Integrator::Photon).0
+    };
+    for (order, expected) in [(0, 0.2), (1, 0.6), (-1, 0.1)] {
+        let all = brightness(json!([{ "order": order, "efficiency": 1 }]), order);
+        let share = brightness(shares.clone(), order) / all;
+        assert!((share - expected).abs() < 0.01, "order {order}: {share} for {expected}");
+    }
+}
+
 /// Grooves that are turned by 90° diffract along z, and circular grooves diffract along the radius.
 #[test]
 fn grooves_follow_the_texture_coordinates() {

@@ -6,7 +6,7 @@ use super::spectra::Role;
 use crate::error::{Error, Result, both};
 use crate::format::{
     ConductorFile, DielectricFile, GratingFile, GratingProfileFile, GroovesFile, IndexFile, JsonPath, MaterialFile,
-    PaneTransmittanceFile, ScalarFile, SpectrumFile, ThinDielectricFile,
+    OrderEfficiencyFile, PaneTransmittanceFile, ScalarFile, SpectrumFile, ThinDielectricFile,
 };
 use crate::optics::bsdf::{
     Bsdf, Conductor, CosinePolynomial, DiffractionGrating, Fluorescent, Glossy, Grooves, ThinDielectric,
@@ -14,7 +14,7 @@ use crate::optics::bsdf::{
 use crate::optics::donaldson::DonaldsonMatrix;
 use crate::optics::fluorophore::Fluorophore;
 use crate::optics::glass::RefractiveIndex;
-use crate::optics::grating::{Grating, GratingProfile};
+use crate::optics::grating::{EfficiencyTable, Grating, GratingProfile};
 use crate::optics::thin_film::OpticalIndex;
 use crate::scene::{Body, Material};
 use crate::spectrum::{Spectrum, library};
@@ -199,15 +199,25 @@ impl Resolver<'_> {
 
     fn grating(&self, at: &JsonPath<'_>, file: &GratingFile) -> Result<Bsdf> {
         let GratingFile { lines_per_mm, profile, reflectance, transmittance, grooves, angle } = file;
-        let profile = match *profile {
-            GratingProfileFile::Blazed { order, nm } => GratingProfile::Blazed { order, blaze_nm: nm },
-            GratingProfileFile::Sinusoidal { amplitude, nm } => {
+        let profile = match profile {
+            GratingProfileFile::Table(orders) => {
+                let efficiency = |(place, file): (usize, &OrderEfficiencyFile)| {
+                    let (profile, role) = (at.key("profile"), Role::Reflectance);
+                    let spectrum =
+                        self.spectrum(&profile.key("table").index(place).key("efficiency"), &file.efficiency, role)?;
+                    Ok((file.order, spectrum))
+                };
+                let orders: Vec<(i32, Spectrum)> = orders.iter().enumerate().map(efficiency).collect::<Result<_>>()?;
+                GratingProfile::Table(EfficiencyTable::new(orders)?)
+            }
+            &GratingProfileFile::Blazed { order, nm } => GratingProfile::Blazed { order, blaze_nm: nm },
+            &GratingProfileFile::Sinusoidal { amplitude, nm } => {
                 GratingProfile::Sinusoidal { amplitude_rad: amplitude, at_nm: nm }
             }
-            GratingProfileFile::Lamellar { phase, nm, duty } => {
+            &GratingProfileFile::Lamellar { phase, nm, duty } => {
                 GratingProfile::BinaryPhase { phase_rad: phase, at_nm: nm, duty }
             }
-            GratingProfileFile::Slits { duty } => GratingProfile::BinaryAmplitude { duty },
+            &GratingProfileFile::Slits { duty } => GratingProfile::BinaryAmplitude { duty },
         };
         let fraction = |key: &str, file: &Option<SpectrumFile>, default: f64| match file {
             Some(file) => self.spectrum(&at.key(key), file, Role::Reflectance),

@@ -87,7 +87,8 @@ impl DiffractionGrating {
 
     /// Returns true if the reflectance or the transmittance was made from an RGB colour.
     pub(super) fn is_upsampled(&self) -> bool {
-        self.reflectance.is_upsampled() || self.transmittance.is_upsampled()
+        let upsampled = self.reflectance.is_upsampled() || self.transmittance.is_upsampled();
+        upsampled || self.grating.profile().is_upsampled()
     }
 
     /// Returns true if the grating transmits light.
@@ -148,9 +149,10 @@ impl DiffractionGrating {
         share * self.grating.efficiency(incident, order.round() as i32, index, wave_nm)
     }
 
-    pub(super) fn absorbed_fraction(&self, nm: f64) -> f64 {
-        let kept = self.grating.profile().total() * (self.reflectance.at(nm) + self.transmittance.at(nm));
-        (1.0 - kept).max(0.0)
+    pub(super) fn absorbed_fraction(&self, wo: DVec3, iors: InterfaceIors<'_>, angle: f32, nm: f64) -> f64 {
+        let incident = -GrooveFrame::new(angle).to_grooves(flip_z(wo, z_sign(wo)));
+        let total = self.grating.total_efficiency(incident, iors.here.n(nm), self.fixed_nm.unwrap_or(nm));
+        (1.0 - total * (self.reflectance.at(nm) + self.transmittance.at(nm))).max(0.0)
     }
 }
 

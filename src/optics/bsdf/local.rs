@@ -148,7 +148,7 @@ impl<'a> LocalBsdf<'a> {
             Bsdf::CoatedDielectric(coated) => coated.powers(wo, iors, self.texels.thickness_nm, nm).absorbed(),
             Bsdf::ThinDielectric(thin) => thin.absorbed_fraction(wo, iors, self.texels.thickness_nm, nm),
             Bsdf::ThinFilm(film) => film.powers(wo, iors, self.texels.thickness_nm, nm).absorbed(),
-            Bsdf::Grating(grating) => grating.absorbed_fraction(nm),
+            Bsdf::Grating(grating) => grating.absorbed_fraction(wo, iors, self.texels.groove_angle, nm),
             Bsdf::Glossy(glossy) => glossy.absorbed_fraction(wo, reflectance, nm),
             Bsdf::Mix(mix) => self.component(mix, sample.component).absorbed_fraction(wo, sample, iors, nm),
         }

@@ -7,7 +7,7 @@
 
 mod profile;
 
-pub use profile::GratingProfile;
+pub use profile::{EfficiencyTable, GratingProfile};
 
 use crate::error::{Error, Result};
 use crate::optics::bsdf::ScatterEvent;
@@ -115,7 +115,12 @@ impl Grating {
     pub fn efficiency(&self, incident: DVec3, order: i32, index: f64, nm: f64) -> f64 {
         let sum = self.scalar_sum(incident, index, nm);
         let share = if sum > 0.0 { self.profile.efficiency(order, nm) / sum } else { f64::from(u8::from(order == 0)) };
-        self.profile.total() * share
+        self.profile.total(|| sum) * share
+    }
+
+    /// Returns the fraction of the power that all orders that propagate share; see [`Self::orders`].
+    pub fn total_efficiency(&self, incident: DVec3, index: f64, nm: f64) -> f64 {
+        self.profile.total(|| self.scalar_sum(incident, index, nm))
     }
 
     /// Selects an order that propagates in proportion to its efficiency, by the random number `u`
@@ -145,7 +150,7 @@ impl Grating {
     /// The scalar efficiencies of the orders that propagate are scaled, so that a phase grating
     /// loses no power to evanescent orders. If all of them are 0, the order 0 receives the power.
     /// These efficiencies are not reciprocal, because a beam in the opposite direction has other
-    /// evanescent orders.
+    /// evanescent orders. Measured efficiencies are not scaled.
     pub fn orders(&self, incident: DVec3, event: ScatterEvent, indices: [f64; 2], nm: f64) -> Vec<DiffractedOrder> {
         let numbers = self.propagating(incident, indices, nm);
         let found = numbers.filter_map(|order| {
@@ -154,7 +159,8 @@ impl Grating {
             Some(DiffractedOrder { order, direction, efficiency: 0.0, scalar_efficiency })
         });
         let mut orders: Vec<DiffractedOrder> = found.collect();
-        let (sum, total) = (orders.iter().map(|it| it.scalar_efficiency).sum::<f64>(), self.profile.total());
+        let sum = orders.iter().map(|it| it.scalar_efficiency).sum::<f64>();
+        let total = self.profile.total(|| sum);
         for it in &mut orders {
             let share = if sum > 0.0 { it.scalar_efficiency / sum } else { f64::from(u8::from(it.order == 0)) };
             it.efficiency = total * share;
@@ -166,6 +172,7 @@ impl Grating {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spectrum::Spectrum;
 
     #[test]
     fn the_orders_of_a_phase_grating_share_all_the_power() {
@@ -184,6 +191,36 @@ mod tests {
                 assert!(orders.iter().all(|it| (it.direction.length() - 1.0).abs() < 1e-12));
             }
         }
+    }
+
+    /// At 30° and 700 nm, the order 1 of 1000 lines per mm is evanescent.
+    #[test]
+    fn measured_efficiencies_are_not_scaled() {
+        let spectrum = |value: f64| Spectrum::constant(value);
+        let table = EfficiencyTable::new(vec![(-1, spectrum(0.5)), (0, spectrum(0.1)), (1, spectrum(0.3))]).unwrap();
+        let grating = Grating::new(1000.0, GratingProfile::Table(table)).unwrap();
+        let incident = DVec3::new(0.5, 0.0, -0.75_f64.sqrt());
+        let orders = grating.orders(incident, ScatterEvent::Reflection, [1.0; 2], 700.0);
+        let found: Vec<(i32, f64)> = orders.iter().map(|it| (it.order, it.efficiency)).collect();
+        for ((order, efficiency), (expected_order, expected)) in found.iter().zip([(-2, 0.0), (-1, 0.5), (0, 0.1)]) {
+            assert!(*order == expected_order && (efficiency - expected).abs() < 1e-15, "{found:?}");
+        }
+        assert_eq!(found.len(), 3);
+        assert!((grating.total_efficiency(incident, 1.0, 700.0) - 0.6).abs() < 1e-15);
+        for u in [0.0, 0.5, 0.9, 0.99] {
+            let (order, share) = grating.sample_order(incident, 1.0, 700.0, u);
+            let efficiency = grating.efficiency(incident, order, 1.0, 700.0);
+            assert!((efficiency / share - 0.6).abs() < 1e-15, "{order}");
+        }
+    }
+
+    #[test]
+    fn wrong_efficiencies_are_refused() {
+        let spectrum = |value: f64| Spectrum::constant(value);
+        let message = |orders| EfficiencyTable::new(orders).unwrap_err().to_string();
+        assert!(message(vec![(0, spectrum(0.7)), (1, spectrum(0.4))]).contains("a sum of 1.1"));
+        assert!(message(vec![(1, spectrum(0.2)), (1, spectrum(0.4))]).contains("order 1 twice"));
+        assert!(message(vec![(1, spectrum(-0.2))]).contains("-0.2 in order 1"));
     }
 
     #[test]

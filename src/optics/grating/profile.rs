@@ -2,8 +2,10 @@
 
 use std::f64::consts::PI;
 
+use crate::error::{Error, Result};
 use crate::math::elementary::{bessel_j, cos, sin};
 use crate::optics::glass::RefractiveIndex;
+use crate::spectrum::Spectrum;
 
 /// The profile of the grooves of a grating. Phases scale with 1/λ and do not depend on the angle.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,6 +45,47 @@ pub enum GratingProfile {
         /// The clear fraction of the period, from 0 to 1.
         duty: f64,
     },
+    /// Measured efficiencies.
+    Table(EfficiencyTable),
+}
+
+/// The measured efficiencies of some orders. All other orders have the efficiency 0.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EfficiencyTable(Vec<(i32, Spectrum)>);
+
+impl EfficiencyTable {
+    /// Creates a table of orders with their efficiencies.
+    ///
+    /// # Errors
+    /// Returns an error if an order is listed twice, if an efficiency is negative, or if the sum of
+    /// all efficiencies exceeds 1 at a wavelength.
+    pub fn new(orders: Vec<(i32, Spectrum)>) -> Result<Self> {
+        for (place, (order, efficiency)) in orders.iter().enumerate() {
+            if orders[..place].iter().any(|(other, _)| other == order) {
+                return Err(Error::input(format!("order {order} twice")).expected("each order once"));
+            }
+            if efficiency.min() < 0.0 {
+                let what = format!("an efficiency of {} in order {order}", efficiency.min());
+                return Err(Error::input(what).expected("efficiencies from 0 to 1"));
+            }
+        }
+        let parts: Vec<(f64, &Spectrum)> = orders.iter().map(|(_, efficiency)| (1.0, efficiency)).collect();
+        let most = Spectrum::mix(&parts).max();
+        if most > 1.0 + 1e-9 {
+            let error = Error::input(format!("efficiencies with a sum of {most}"));
+            return Err(error.expected("a sum of at most 1 at each wavelength"));
+        }
+        Ok(Self(orders))
+    }
+
+    fn efficiency(&self, order: i32, nm: f64) -> f64 {
+        self.0.iter().find(|(other, _)| *other == order).map_or(0.0, |(_, efficiency)| efficiency.at(nm))
+    }
+
+    /// Returns true if an efficiency was made from an RGB colour.
+    fn is_upsampled(&self) -> bool {
+        self.0.iter().any(|(_, efficiency)| efficiency.is_upsampled())
+    }
 }
 
 /// Returns the absolute value of sin(πu)/(πu). The result is exactly 0 for whole numbers except 0.
@@ -73,15 +116,31 @@ impl GratingProfile {
                 }
             }
             Self::BinaryAmplitude { duty } => duty * duty * sinc_squared(m * duty),
+            Self::Table(table) => table.efficiency(order, nm),
         }
     }
 
-    /// Returns the fraction of the power that all orders share, from 0 to 1. The opaque lines of an
-    /// amplitude grating absorb the rest.
-    pub fn total(&self) -> f64 {
+    /// Returns the fraction of the power that the orders that propagate share, from 0 to 1. `sum`
+    /// returns the sum of their efficiencies. The opaque lines of an amplitude grating absorb the
+    /// rest. Measured efficiencies are not scaled, so the grating absorbs the power of evanescent
+    /// orders.
+    pub(super) fn total(&self, sum: impl FnOnce() -> f64) -> f64 {
         match self {
             Self::Blazed { .. } | Self::BlazedGlass { .. } | Self::Sinusoidal { .. } | Self::BinaryPhase { .. } => 1.0,
             Self::BinaryAmplitude { duty } => *duty,
+            Self::Table(_) => sum(),
+        }
+    }
+
+    /// Returns true if an efficiency was made from an RGB colour.
+    pub fn is_upsampled(&self) -> bool {
+        match self {
+            Self::Blazed { .. }
+            | Self::BlazedGlass { .. }
+            | Self::Sinusoidal { .. }
+            | Self::BinaryPhase { .. }
+            | Self::BinaryAmplitude { .. } => false,
+            Self::Table(table) => table.is_upsampled(),
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::{BsdfCase, glass, ramp};
 use crate::optics::bsdf::{Bsdf, Conductor, DiffractionGrating, Grooves, ThinDielectric};
 use crate::optics::glass::RefractiveIndex;
-use crate::optics::grating::{Grating, GratingProfile};
+use crate::optics::grating::{EfficiencyTable, Grating, GratingProfile};
 use crate::optics::thin_film::{FilmLayer, FilmStack, OpticalIndex};
 use crate::spectrum::Spectrum;
 use crate::texture::SurfaceScalar;
@@ -29,11 +29,17 @@ pub(super) fn cases() -> Vec<BsdfCase> {
         let grating = Grating::new(600.0, profile).unwrap();
         Bsdf::Grating(DiffractionGrating::new(grating, reflected, transmitted, Grooves::Parallel(0.0)).unwrap())
     };
+    // At oblique incidence, some of these orders do not propagate.
+    let measured = vec![(-2, ramp(0.1, 0.2)), (0, ramp(0.3, 0.1)), (1, ramp(0.2, 0.5))];
     vec![
         in_air("blazed grating", grating(GratingProfile::Blazed { order: 1, blaze_nm: 500.0 }, 1.0, 0.0)),
         in_air(
             "sinusoidal grating",
             grating(GratingProfile::Sinusoidal { amplitude_rad: 1.8, at_nm: 550.0 }, 0.3, 0.6),
+        ),
+        in_air(
+            "grating with measured efficiencies",
+            grating(GratingProfile::Table(EfficiencyTable::new(measured).unwrap()), 0.5, 0.4),
         ),
         in_air("slits", grating(GratingProfile::BinaryAmplitude { duty: 0.4 }, 0.0, 1.0)),
         into("coated glass", Bsdf::coated_dielectric(stack(600.0, false)), glass("N-SF10")),
