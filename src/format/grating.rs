@@ -109,7 +109,7 @@ pub enum GratingProfileFile {
 /// The measured efficiency of an order of a grating.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Efficiency of an order")]
+#[schemars(title = "Efficiency of an order", example = json!({"order": 1, "efficiency": 0.75}))]
 pub struct OrderEfficiencyFile {
     /// Number of the order.
     pub order: i32,

@@ -15,7 +15,7 @@ const MINIMAL_SCENE: &str = r#"{
 
 /// For each definition with examples, the patch that puts an example into the minimal scene. In the
 /// patch, `%` stands for the example.
-const PLACES: [(&str, &str); 53] = [
+const PLACES: [(&str, &str); 54] = [
     ("CameraFile", "camera=%"),
     ("CameraKeyframeFile", "camera.motion=[%]"),
     ("ShutterFile", "camera.shutter=%"),
@@ -51,6 +51,7 @@ const PLACES: [(&str, &str); 53] = [
     ("CoatingIndexFile", r#"materials.x={"thin_film": {"layers": [{"ior": %, "thickness_nm": 10}]}}"#),
     ("ComplexIndexFile", r#"materials.x={"thin_film": {"layers": [{"ior": %, "thickness_nm": 10}]}}"#),
     ("GratingProfileFile", r#"materials.x={"grating": {"lines_per_mm": 600, "profile": %}}"#),
+    ("OrderEfficiencyFile", r#"materials.x={"grating": {"lines_per_mm": 600, "profile": {"table": [%]}}}"#),
     ("WeightedMaterialFile", r#"materials.x={"mix": [%]}"#),
     ("MediumFile", "media.x=%"),
     ("PhaseFile", r#"media.x.homogeneous={"absorption": 0, "scattering": 1, "phase": %}"#),
