@@ -262,6 +262,7 @@ fn forecasts(name: &str, [width, height]: [u64; 2]) -> Forecasts {
         let request = Request { integrator: Integrator::Photon, stop };
         let job = common::example_job(name, &sets.each_ref().map(String::as_str));
         job.render(request, &mut watching).expect("the scene renders");
+        assert_eq!(watching.doubled.len(), 4, "{name}, seed {seed}: {:?}", watching.doubled);
         let falls = watching.doubled.windows(2).all(|pair| pair[1] <= 1.02 * pair[0]);
         (watching.foretold.expect("a forecast") / watching.came.expect("an error"), falls)
     };
@@ -281,27 +282,38 @@ fn forecasts(name: &str, [width, height]: [u64; 2]) -> Forecasts {
     forecasts
 }
 
-/// Checks that the median of the forecasts is right within 25 %. A single forecast may fail, because
-/// rare bright samples change the error of a small film.
+/// Checks the forecasts of a scene. One render of twelve may fail by chance: after ten passes most
+/// replicates hold a single pass.
 fn check_forecasts(name: &str, film: [u64; 2]) {
     let found = forecasts(name, film);
+    assert!(found.within_25_percent() >= SEEDS - 2 && found.rises == 0, "{name}: {:?}", found.ratios);
+}
+
+/// Checks only the median of the forecasts of a scene whose single forecasts fall short.
+fn check_median_forecast(name: &str, film: [u64; 2]) -> Forecasts {
+    let found = forecasts(name, film);
     assert!((found.median() - 1.0).abs() <= 0.25, "{name}: {:?}", found.ratios);
+    found
 }
 
 #[test]
 #[ignore = "48 renders of 65 passes: 3 minutes"]
-fn ten_passes_forecast_the_median_error_after_forty_within_25_percent() {
-    for measure in [PRISM, GLASS_BALL, CORNELL, PRISM_IN_FOG] {
+fn ten_passes_forecast_the_error_after_forty_within_25_percent() {
+    for measure in [PRISM, GLASS_BALL, PRISM_IN_FOG] {
         check_forecasts(measure.name, measure.film);
     }
+    assert_eq!(check_median_forecast(CORNELL.name, CORNELL.film).rises, 0);
 }
 
 /// The constants of the forecast were chosen with the scenes of the test above. These scenes were
-/// not used for that.
+/// not used for that. In four of them, rare bright samples change the error of a small film.
 #[test]
 #[ignore = "72 renders of 65 passes: 2 minutes"]
 fn forecasts_hold_in_scenes_that_did_not_choose_their_constants() {
-    for name in ["two_prisms", "diamond", "sodium", "moving_caustic", "rainbow", "light_shafts"] {
+    for name in ["two_prisms", "sodium"] {
         check_forecasts(name, [48, 32]);
+    }
+    for name in ["diamond", "moving_caustic", "rainbow", "light_shafts"] {
+        check_median_forecast(name, [48, 32]);
     }
 }
