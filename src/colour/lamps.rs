@@ -12,6 +12,7 @@ use super::coordinates::lab;
 use super::difference::{LightDifference, delta_e_2000, light_difference};
 use super::report::{self, ColourReport};
 use crate::error::Result;
+use crate::math::sort::sort_by_number;
 use crate::spectrum::library::{self, SpectrumKind};
 use crate::spectrum::{Observer, Spectrum};
 
@@ -206,7 +207,7 @@ pub fn split_pairs(patches: &[PatchDifference], alike: f64, different: f64) -> V
         }
     }
     let split = |pair: &SplitPair| (pair.delta_e_2000[0] - pair.delta_e_2000[1]).abs();
-    pairs.sort_by(|a, b| split(b).total_cmp(&split(a)));
+    sort_by_number(&mut pairs, |pair| -split(pair));
     pairs
 }
 

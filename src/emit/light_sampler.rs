@@ -101,7 +101,7 @@ fn defensive_mixture<'a>(
 
 /// Returns one light of each different spectrum, with the power in W of all lights of this
 /// spectrum.
-fn spectrum_groups<'a>(lights: &'a [Light], powers: &[f64]) -> Vec<(f64, &'a Light)> {
+pub(super) fn spectrum_groups<'a>(lights: &'a [Light], powers: &[f64]) -> Vec<(f64, &'a Light)> {
     let mut groups: Vec<(f64, &Light)> = Vec::new();
     for (light, &power_w) in lights.iter().zip(powers) {
         match groups.iter_mut().find(|(_, known)| known.spectrum == light.spectrum) {
@@ -113,7 +113,7 @@ fn spectrum_groups<'a>(lights: &'a [Light], powers: &[f64]) -> Vec<(f64, &'a Lig
 }
 
 /// Returns true if the observer can see the light of a group.
-fn is_visible((power_w, light): &&(f64, &Light)) -> bool {
+pub(super) fn is_visible((power_w, light): &&(f64, &Light)) -> bool {
     *power_w > 0.0 && light.importance_per_watt > 0.0
 }
 

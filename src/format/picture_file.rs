@@ -3,6 +3,7 @@
 use super::picture::EncodingFile;
 use crate::colour::decode_srgb;
 use crate::error::{Error, Result};
+use crate::math::sort::sort_by_number;
 use crate::spectrum::{emissive_wavelength_nm, reflective_wavelength_nm};
 use crate::texture::ImageSize;
 use image::DynamicImage;
@@ -86,7 +87,7 @@ impl BandPicture {
             let whole = layer.channel_data.list.iter().filter(|channel| channel.sampling == Vec2(1, 1));
             let mut bands: Vec<_> =
                 whole.filter_map(|channel| Some((wavelength(&channel.name.to_string())?, channel))).collect();
-            bands.sort_by(|a, b| a.0.total_cmp(&b.0));
+            sort_by_number(&mut bands, |band| band.0);
             bands.dedup_by_key(|(nm, _)| nm.to_bits());
             bands
         };

@@ -1,7 +1,7 @@
 //! The inputs of a pass.
 
 use super::sums::PassSums;
-use crate::emit::{EmissionStrata, LightSampler, PhotonSource, WavelengthSampling};
+use crate::emit::{EmissionStrata, LightSampler, PhotonSource, SpectrumCoverage, WavelengthSampling};
 use crate::error::Result;
 use crate::gather::{CameraPass, DirectLighting, LightSelector, Openings, Outlines, SensorResponses};
 use crate::map::radius::RadiusScales;
@@ -149,6 +149,12 @@ impl<'a> PassContext<'a> {
         let samples: [(f64, f64); LANES] =
             std::array::from_fn(|k| self.lights.wavelengths.sample((shift + k as f64) / LANES as f64));
         SharedWavelengths { nm: samples.map(|(nm, _)| nm), pdf: samples.map(|(_, pdf)| pdf) }
+    }
+
+    /// Removes the spectra that the shared wavelengths of a pass sample from the missing ones.
+    pub fn add_wavelengths(&self, pass: u64, coverage: &mut SpectrumCoverage) {
+        let SharedWavelengths { nm, pdf } = self.shared_wavelengths(pass);
+        coverage.add_pass(&nm, &pdf);
     }
 
     /// Returns the selector of the lights in `scene`. `scene` is the scene of this context, or a

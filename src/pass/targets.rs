@@ -1,5 +1,6 @@
 //! The targets of photon aiming: spheres around the parts of a scene that need many photons.
 
+use crate::math::sort::sort_by_number;
 use crate::math::sphere::BoundingSphere;
 use crate::optics::bsdf::{Bsdf, BsdfClass};
 use crate::scene::Scene;
@@ -36,7 +37,7 @@ pub(super) fn aim_targets(scenes: &[Cow<'_, Scene>], openings: &[BoundingSphere]
     targets.extend(openings);
     targets.extend(scenes.first().and_then(|scene| scene.visible_sphere()));
     targets.retain(|target| target.radius_m.is_finite() && target.radius_m > 0.0);
-    targets.sort_by(|a, b| a.radius_m.total_cmp(&b.radius_m));
+    sort_by_number(&mut targets, |target| target.radius_m);
     targets
 }
 
@@ -72,7 +73,7 @@ fn cluster(boxes: &mut [Bounds], most: usize, targets: &mut Vec<BoundingSphere>)
         return;
     }
     let axis = (around.1 - around.0).max_position();
-    boxes.sort_by(|a, b| (a.0 + a.1)[axis].total_cmp(&(b.0 + b.1)[axis]));
+    sort_by_number(boxes, |(low, high)| (*low + *high)[axis]);
     let (low, high) = boxes.split_at_mut(boxes.len() / 2);
     cluster(low, most / 2, targets);
     cluster(high, most - most / 2, targets);

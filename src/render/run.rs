@@ -2,9 +2,10 @@
 
 use super::job::Job;
 use super::part::PassPart;
+use crate::emit::SpectrumCoverage;
 use crate::pass::{PassSums, StageSeconds};
 use crate::plan::Tally;
-use crate::sensor::{Film, Picture, Reading, ReadingSpectrum};
+use crate::sensor::{ErrorSquares, Film, Picture, Reading, ReadingSpectrum};
 use crate::walk::ledger::Ledger;
 
 /// The state of a render between two passes. From this state, the render can continue later or
@@ -20,6 +21,8 @@ pub struct Run {
     /// The number of passes at which the render of the whole picture stops, or `None` if the number
     /// of passes is not limited.
     pub(super) wanted: Option<u64>,
+    /// The spectra that the shared wavelengths of the completed passes have sampled.
+    pub(super) coverage: SpectrumCoverage,
 }
 
 impl Run {
@@ -39,7 +42,7 @@ impl Run {
             tally: Tally::default(),
             seconds: StageSeconds::default(),
         };
-        Self { sums, part, done: 0, wanted: None }
+        Self { sums, part, done: 0, wanted: None, coverage: SpectrumCoverage::default() }
     }
 
     /// Develops the picture of the completed passes.
@@ -64,6 +67,12 @@ impl Run {
 
     /// Returns the relative error of the picture, or `None` if it is unknown.
     pub fn relative_error(&self) -> Option<f64> {
-        self.sums.film.error_squares().map(|squares| squares.relative())
+        self.error_squares().map(|squares| squares.relative())
+    }
+
+    /// Returns the parts of the squared relative error of the picture. Returns `None` if the error is
+    /// unknown, or if the passes lack the light of a spectrum.
+    pub(super) fn error_squares(&self) -> Option<ErrorSquares> {
+        self.coverage.is_complete().then(|| self.sums.film.error_squares()).flatten()
     }
 }

@@ -11,6 +11,7 @@ use super::job::Job;
 use super::part::PassPart;
 use super::run::Run;
 use super::stats::Stats;
+use crate::emit::SpectrumCoverage;
 use crate::error::{Error, Result};
 use crate::output::exr::{add_sums, hash_sums, holds_sums_of, read_metadata, write_with_sums};
 use crate::output::hash::{IdentityHash, SumsHash};
@@ -109,7 +110,7 @@ impl SavedRun {
         let film = saved.film(path, job.scene.film.observer)?;
         let (part, done, wanted) = (saved.part, saved.done, saved.wanted);
         let sums = PassSums { film, ledger: saved.ledger, tally: saved.tally, seconds: saved.stats.seconds };
-        Ok(Run { sums, part, done, wanted })
+        Ok(Run { sums, part, done, wanted, coverage: SpectrumCoverage::default() })
     }
 
     /// Returns true if the pass is done. `pass` is the index of the pass in the picture.

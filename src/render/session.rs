@@ -7,11 +7,12 @@ use super::request::{Integrator, Request};
 use super::run::Run;
 use super::stats::Stats;
 use super::stop::{RunClock, StopConditions};
+use crate::emit::SpectrumCoverage;
 use crate::error::{Error, Result};
 use crate::gather::Openings;
 use crate::map::LightMaps;
 use crate::pass::{PassContext, Pilot, StageSeconds, coarse_path_picture, find_openings, path_pass, photon_pass};
-use crate::plan::MotionPlan;
+use crate::plan::{MotionPlan, WavelengthPlan};
 use crate::sensor::Picture;
 use crate::walk::ledger::Ledger;
 use std::time::Instant;
@@ -40,6 +41,20 @@ impl Job {
         self.continue_run(request, Run::new(self, PassPart::WHOLE), monitor)
     }
 
+    /// Returns the spectra that the shared wavelengths of a run's passes have sampled. All spectra
+    /// count as sampled if no camera path has the shared wavelengths.
+    fn coverage_of(&self, run: &Run, integrator: Integrator) -> SpectrumCoverage {
+        if integrator == Integrator::Path || self.plan.wavelengths == WavelengthPlan::Free {
+            return SpectrumCoverage::default();
+        }
+        let (context, mut coverage) = (self.pass_context(), SpectrumCoverage::before_first_pass(&self.scene));
+        let mut done = (0..run.done).map(|nth| run.part.pass(nth));
+        while let Some(pass) = done.next().filter(|_| !coverage.is_complete()) {
+            context.add_wavelengths(pass, &mut coverage);
+        }
+        coverage
+    }
+
     /// Renders a coarse picture in the size of the film on the current thread pool, without bands
     /// and without errors. Returns `None` if the film is small.
     ///
@@ -64,6 +79,7 @@ impl Job {
         let clock = RunClock::start(&run);
         let mut conditions = StopConditions::new(self, request.stop, &mut run);
         conditions.check(&run)?;
+        run.coverage = self.coverage_of(&run, request.integrator);
         let mut stopped = run.done > 0 && conditions.hold(&run);
         if request.integrator == Integrator::Path && self.plan.motion == MotionPlan::Still {
             // Each row has random numbers of its own. Photons and shutter times belong to all rows.
@@ -96,6 +112,7 @@ impl Job {
                 None => path_pass(context, pass, &mut run.sums)?,
             }
             run.done += 1;
+            context.add_wavelengths(pass, &mut run.coverage);
             clock.update(&mut run);
             stopped = conditions.hold(&run);
             interrupted = !monitor.after_pass(&conditions.progress(&run)) && !stopped;
@@ -109,6 +126,7 @@ impl Job {
         let unlit = pilot.map_or_else(Vec::new, |pilot| pilot.unlit);
         let develop_start = Instant::now();
         let (picture, squares) = run.sums.film.picture_and_error();
+        let squares = squares.filter(|_| run.coverage.is_complete());
         run.sums.seconds.develop += develop_start.elapsed().as_secs_f64();
         clock.update(&mut run);
         let stats = Stats::new(self, &run, &picture, conditions.forecast_at_end(&run, squares), &unlit);

@@ -128,6 +128,10 @@ pub struct Stats {
     pub rejected_samples: u64,
     /// The number of worker threads.
     pub threads: usize,
+    /// The names of lights whose spectra the shared wavelengths of no pass have sampled. Behind
+    /// dispersive glass, the picture lacks the light of these lights, and its error is unknown.
+    #[serde(default)]
+    pub unsampled_lights: Vec<String>,
     /// Notes on light that the picture lacks.
     #[serde(default)]
     pub notes: Vec<String>,
@@ -138,6 +142,7 @@ impl Stats {
     /// objects that no pilot photon reached.
     pub(super) fn new(job: &Job, run: &Run, picture: &Picture, forecast: Option<Forecast>, unlit: &[String]) -> Self {
         let PassSums { tally, seconds, .. } = &run.sums;
+        let unsampled_lights: Vec<String> = run.coverage.missing().map(str::to_owned).collect();
         Self {
             passes: run.done,
             photons_emitted: tally.photons,
@@ -148,13 +153,14 @@ impl Stats {
             photons_per_second: if seconds.emit > 0.0 { tally.photons as f64 / seconds.emit } else { 0.0 },
             peak_memory_bytes: peak_memory_bytes(),
             ledger_w: run.ledger_stats(job),
-            error: ErrorStats::of(picture),
+            error: ErrorStats::of(picture, &unsampled_lights),
             forecast: forecast.map(|forecast| ForecastStats::of(&forecast, seconds.total)),
             effects: effect_stats(job, tally),
             wavelengths: explain::wavelengths_word(&job.plan).to_string(),
             rejected_samples: tally.rejected,
             threads: rayon::current_num_threads(),
-            notes: notes(job, run, unlit),
+            notes: notes(job, run, unlit).into_iter().chain(unsampled_note(&unsampled_lights)).collect(),
+            unsampled_lights,
         }
     }
 
@@ -175,6 +181,8 @@ impl Stats {
         let emitted = count(|run| run.photons_emitted);
         let passes = count(|run| run.passes);
         let times = RunTimes::of(passes, &seconds);
+        let unsampled_lights = common_unsampled_lights(runs);
+        let squares = squares.filter(|_| unsampled_lights.is_empty());
         let forecast = squares.and_then(|squares| Forecast::without_history(squares, times));
         Self {
             passes,
@@ -186,13 +194,14 @@ impl Stats {
             photons_per_second: if seconds.emit > 0.0 { emitted as f64 / seconds.emit } else { 0.0 },
             peak_memory_bytes: runs.iter().map(|run| run.peak_memory_bytes).max().unwrap_or(0),
             ledger_w: LedgerStats::mean(runs),
-            error: ErrorStats::of(picture),
+            error: ErrorStats::of(picture, &unsampled_lights),
             forecast: forecast.map(|forecast| ForecastStats::of(&forecast, seconds.total)),
             effects,
             wavelengths: runs.first().map_or(String::new(), |run| run.wavelengths.clone()),
             rejected_samples: count(|run| run.rejected_samples),
             threads: runs.iter().map(|run| run.threads).max().unwrap_or(0),
-            notes: merged_notes(runs),
+            notes: merged_notes(runs).into_iter().chain(unsampled_note(&unsampled_lights)).collect(),
+            unsampled_lights,
         }
     }
 }
@@ -225,11 +234,19 @@ impl Run {
 /// them. A pass has four wavelengths, so four passes may lack its light.
 const MANY_WAVELENGTHS: f64 = 16.0;
 
+/// Returns the names of objects or lights for a note.
+fn named(all: &[String]) -> String {
+    /// The largest number of names in a note.
+    const MAX_NAMES: usize = 5;
+    let names: Vec<String> = all.iter().take(MAX_NAMES).map(|name| format!("\"{name}\"")).collect();
+    let more = all.len().saturating_sub(MAX_NAMES);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    format!("{}{more}", names.join(", "))
+}
+
 /// Returns notes on light that the picture lacks. A note contains no measured number, so that the
 /// parts of a picture have the same notes.
 fn notes(job: &Job, run: &Run, unlit: &[String]) -> Vec<String> {
-    /// The largest number of objects that a note names.
-    const MAX_NAMES: usize = 5;
     let PassSums { ledger, tally, .. } = &run.sums;
     let limited = job.budget.max_depth.map(|depth| {
         format!(
@@ -244,12 +261,8 @@ fn notes(job: &Job, run: &Run, unlit: &[String]) -> Vec<String> {
              states their power, and the bias bars estimate the missing light of photons"
         )
     });
-    let unlit = (!unlit.is_empty()).then(|| {
-        let names: Vec<String> = unlit.iter().take(MAX_NAMES).map(|name| format!("\"{name}\"")).collect();
-        let more = unlit.len().saturating_sub(MAX_NAMES);
-        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        format!("no pilot photon reached {}{more}; light that they focus may be missing", names.join(", "))
-    });
+    let unlit = (!unlit.is_empty())
+        .then(|| format!("no pilot photon reached {}; light that they focus may be missing", named(unlit)));
     let open = (ledger.escaped_inside > 0.0).then(|| {
         "some light left the scene inside a body: a body is open, or paths hit an edge exactly; \
          ledger_w.escaped_inside states the power"
@@ -265,12 +278,34 @@ fn notes(job: &Job, run: &Run, unlit: &[String]) -> Vec<String> {
     limited.into_iter().chain(capped).chain(open).chain(unlit).chain(rare).collect()
 }
 
-/// Returns all different notes of several runs.
+/// Returns a note that names lights whose spectra no pass has sampled. Returns `None` if there are
+/// none.
+fn unsampled_note(lights: &[String]) -> Option<String> {
+    (!lights.is_empty()).then(|| {
+        format!(
+            "no pass has sampled the spectrum of {}: light of such a spectrum is missing behind dispersive glass, and the \
+             error of the picture is unknown; more passes show it",
+            named(lights)
+        )
+    })
+}
+
+/// Returns the lights whose spectra no pass of any run has sampled.
+fn common_unsampled_lights(runs: &[&Stats]) -> Vec<String> {
+    let Some((first, others)) = runs.split_first() else { return Vec::new() };
+    let is_common = |name: &&String| others.iter().all(|run| run.unsampled_lights.contains(name));
+    first.unsampled_lights.iter().filter(is_common).cloned().collect()
+}
+
+/// Returns all different notes of several runs, without the notes on unsampled spectra.
 fn merged_notes(runs: &[&Stats]) -> Vec<String> {
     let mut notes: Vec<String> = Vec::new();
-    for note in runs.iter().flat_map(|run| &run.notes) {
-        if !notes.contains(note) {
-            notes.push(note.clone());
+    for run in runs {
+        let unsampled = unsampled_note(&run.unsampled_lights);
+        for note in run.notes.iter().filter(|note| Some(*note) != unsampled.as_ref()) {
+            if !notes.contains(note) {
+                notes.push(note.clone());
+            }
         }
     }
     notes
@@ -322,13 +357,14 @@ impl LedgerStats {
 }
 
 impl ErrorStats {
-    fn of(picture: &Picture) -> Self {
+    /// Returns the error of a picture. Without the light of a spectrum, the error is unknown.
+    fn of(picture: &Picture, unsampled_lights: &[String]) -> Self {
         let ErrorMeans { noise, bias, relative, unknown_pixels, edge_pixels } = picture.error_means();
         let distribution = picture.error_distribution();
         Self {
             noise,
             bias,
-            relative,
+            relative: relative.filter(|_| unsampled_lights.is_empty()),
             median: distribution.map(|errors| errors.median),
             p95: distribution.map(|errors| errors.p95),
             worst_region: distribution.map(|errors| errors.worst.corners),

@@ -135,7 +135,7 @@ impl ErrorTracker {
         let due = run.done >= self.next_pass.max(FIRST) && elapsed >= self.next_time;
         if needed || due {
             let start = Instant::now();
-            let squares = run.sums.film.error_squares();
+            let squares = run.error_squares();
             squares.into_iter().for_each(|squares| self.history.add(run.done, squares));
             let pause = start.elapsed() * if run.done < FIRST + 2 { 5 } else { 50 };
             self.next_pass = run.done + (run.done / 8).max(1);

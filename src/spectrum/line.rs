@@ -3,6 +3,7 @@
 use super::BAND_NM;
 use super::index::BandIndex;
 use crate::error::{Error, Result};
+use crate::math::sort::sort_by_number;
 
 /// The default width of a line in nm.
 pub const DEFAULT_LINE_WIDTH_NM: f64 = 0.001;
@@ -101,7 +102,7 @@ impl Lines {
     /// Builds the list from any segments. The densities of overlapping segments are added.
     pub(crate) fn from_segments(mut segments: Vec<LineSegment>) -> Self {
         segments.retain(|segment| segment.power > 0.0);
-        segments.sort_by(|a, b| a.nm.0.total_cmp(&b.nm.0));
+        sort_by_number(&mut segments, |segment| segment.nm.0);
         if segments.windows(2).any(|pair| pair[1].nm.0 < pair[0].nm.1) {
             segments = disjoint(&segments);
         }

@@ -11,6 +11,7 @@ use super::study_scene::{RenderSettings, Setting, SettingChange};
 use super::time_shares::TIME_SHARES;
 use crate::format::resolve::DEFAULT_MARCH_STEPS;
 use crate::format::{MediumFile, SceneFile, TransmittanceFile};
+use crate::math::sort::sort_by_number;
 use crate::plan::{CausticPlan, IndirectPlan};
 use crate::render::{Integrator, Job, Stats};
 use serde::Serialize;
@@ -166,7 +167,7 @@ fn front(runs: &[SweepRun]) -> Vec<ParetoPoint> {
         |(run, of): (usize, &SweepRun)| of.points.clone().into_iter().map(move |point| ParetoPoint { run, point });
     let mut places: Vec<ParetoPoint> = runs.iter().enumerate().flat_map(places).collect();
     places.retain(|place| place.point.error.whole.is_significant());
-    places.sort_by(|a, b| a.point.seconds.total_cmp(&b.point.seconds));
+    sort_by_number(&mut places, |place| place.point.seconds);
     let mut least = f64::INFINITY;
     places.retain(|place| {
         let is_better = place.point.error.whole.value < least;

@@ -402,3 +402,48 @@ fn a_render_that_is_killed_resumes_to_the_same_picture() {
 fn a_render_killed_repeatedly_resumes_to_the_same_bits() {
     println!("{} of 200 killed while they wrote", killed_at_random(200, 2));
 }
+
+/// Twelve lamps with different spectral lines light a floor behind dispersive glass. A few passes
+/// have no wavelength that suits some of the lamps. The replicates cannot show the missing light, so
+/// the error is unknown, in a single run as well as after merging.
+#[test]
+fn the_error_is_unknown_until_each_spectrum_is_sampled() {
+    let mut scene: Value = serde_json::from_str(SCENE).unwrap();
+    let lamp = |i: u32| {
+        let lines = serde_json::json!({"lines": [{"nm": 420 + 20 * i, "power": 1}]});
+        serde_json::json!({"point": {"at": [1, 4, 1], "spectrum": lines, "power": 20}})
+    };
+    scene["lights"] = (0..12).map(lamp).collect();
+    let folder = with_ball(&scene.to_string());
+    let at = folder.path();
+    let said = abbe(at, &["render", "ball.json", "--passes", "3", "-o", "whole.exr", "--stats", "whole.json"]);
+    done(&said);
+    let few = stats(at, "whole.json");
+    let missing = few["unsampled_lights"].as_array().unwrap().len();
+    assert!((1..12).contains(&missing) && few["error"]["relative"].is_null() && few["forecast"].is_null(), "{few}");
+    let note = "no pass has sampled the spectrum of \"";
+    let notes = |stats: &Value| {
+        stats["notes"].as_array().unwrap().iter().filter(|n| n.as_str().unwrap().contains(note)).count()
+    };
+    assert_eq!(notes(&few), 1);
+    assert!(said.err.contains(note), "{}", said.err);
+
+    for (part, name) in [("0/3", "a"), ("1/3", "b"), ("2/3", "c")] {
+        done(&render(
+            at,
+            &["--passes", "3", "--part", part, "-o", &format!("{name}.exr"), "--stats", &format!("{name}.json")],
+        ));
+    }
+    assert!(stats(at, "a.json")["unsampled_lights"].as_array().unwrap().len() > missing);
+    done(&abbe(at, &["merge", "a.exr", "b.exr", "c.exr", "-o", "merged.exr", "--stats", "merged.json", "--quiet"]));
+    let merged = stats(at, "merged.json");
+    for key in ["unsampled_lights", "error", "notes"] {
+        assert_eq!(merged[key], few[key], "{key}");
+    }
+
+    // A target error does not end the render before all spectra are sampled.
+    done(&render(at, &["--target-error", "1000000%", "-o", "many.exr", "--stats", "many.json"]));
+    let many = stats(at, "many.json");
+    assert_eq!((many["unsampled_lights"].as_array().unwrap().len(), notes(&many)), (0, 0));
+    assert!(many["error"]["relative"].is_number());
+}

@@ -12,6 +12,7 @@ use super::cryptomatte;
 use super::open::{header_texts, read_layers};
 use crate::colour::RgbSpace;
 use crate::error::{Error, Result};
+use crate::math::sort::sort_by_number;
 use crate::output::Metadata;
 use crate::sensor::layers::{LayerChannel, PictureLayers};
 use crate::sensor::{Picture, SpectralBands};
@@ -181,7 +182,7 @@ fn layers(channels: &BTreeMap<String, Vec<f32>>, header: &Metadata) -> PictureLa
 fn bands(channels: &BTreeMap<String, Vec<f32>>) -> Option<SpectralBands> {
     let mut found: Vec<(f64, &Vec<f32>)> =
         channels.iter().filter_map(|(name, samples)| Some((emissive_wavelength_nm(name)?, samples))).collect();
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_number(&mut found, |band| band.0);
     let pixels = found.first()?.1.len();
     let values = (0..pixels).flat_map(|pixel| found.iter().map(move |(_, samples)| samples[pixel])).collect();
     Some(SpectralBands { centres_nm: found.iter().map(|(nm, _)| *nm).collect(), values })

@@ -3,6 +3,7 @@
 use super::bounds::{Cluster, LightBounds};
 use super::{LEAF, LightNode, LightTree};
 use crate::math::elementary::cbrt;
+use crate::math::sort::sort_by_number;
 use glam::DVec3;
 
 /// The number of buckets along an axis at whose borders a cluster may be split.
@@ -71,7 +72,7 @@ impl Builder<'_> {
                 return partition(numbers, |number| bucket_of(centre(number), axis, (low, extent)) <= bucket);
             }
         }
-        numbers.sort_by(|&a, &b| centre(a)[longest].total_cmp(&centre(b)[longest]).then(a.cmp(&b)));
+        sort_by_number(numbers, |&number| centre(number)[longest]);
         half
     }
 
@@ -137,6 +138,9 @@ fn bucket_of(centre: DVec3, axis: usize, (low, extent): (DVec3, DVec3)) -> usize
 /// Moves the numbers that satisfy a condition to the front, in their order, and returns their
 /// count.
 fn partition(numbers: &mut [u32], is_first: impl Fn(u32) -> bool) -> usize {
-    numbers.sort_by_key(|&number| !is_first(number));
-    numbers.partition_point(|&number| is_first(number))
+    let (first, rest): (Vec<u32>, Vec<u32>) = numbers.iter().partition(|&&number| is_first(number));
+    let (place_of_first, place_of_rest) = numbers.split_at_mut(first.len());
+    place_of_first.copy_from_slice(&first);
+    place_of_rest.copy_from_slice(&rest);
+    first.len()
 }
