@@ -11,9 +11,10 @@ use crate::error::Result;
 use crate::math::complex::Complex;
 use crate::math::quadrature::gauss4;
 use crate::optics::fresnel;
+use crate::optics::glass::RefractiveIndex;
 use crate::optics::microfacet::{Ggx, MIN_ALPHA};
 use crate::optics::thin_film::FilmStack;
-use crate::spectrum::Spectrum;
+use crate::spectrum::{BAND_NM, Spectrum};
 use crate::texture::SurfaceSpectrum;
 
 /// A metal.
@@ -36,6 +37,21 @@ pub struct Conductor {
 struct RoughMetal {
     ggx: Ggx,
     compensation: ConductorCompensation,
+    /// The mean reflectances in air at the whole nanometres of the band. Empty if the reflectance
+    /// varies over the surface, or if its mean has a closed form.
+    mean_in_air: Box<[f64]>,
+}
+
+impl RoughMetal {
+    /// Returns the mean reflectance in air, interpolated linearly. Returns `None` if the table does
+    /// not contain the wavelength.
+    #[inline]
+    fn mean_in_air(&self, nm: f64) -> Option<f64> {
+        let place = nm - BAND_NM.0;
+        let [low, high] = [0, 1].map(|next| self.mean_in_air.get(place as usize + next));
+        let fraction = place - place.floor();
+        (place >= 0.0).then_some(low? + fraction * (high? - low?))
+    }
 }
 
 /// The source of a metal's reflectance.
@@ -92,8 +108,23 @@ impl Conductor {
 
     fn with_fresnel(fresnel: MetalFresnel, alpha: f64) -> Result<Self> {
         check_alpha(alpha)?;
-        let rough = |ggx: Ggx| RoughMetal { ggx, compensation: ConductorCompensation::new(&ggx) };
-        Ok(Self { fresnel, facets: (alpha >= MIN_ALPHA).then(|| rough(Ggx::new(alpha))) })
+        let mut metal = Self { fresnel, facets: None };
+        if alpha >= MIN_ALPHA {
+            let (ggx, mean_in_air) = (Ggx::new(alpha), metal.means_in_air()?);
+            metal.facets = Some(RoughMetal { ggx, compensation: ConductorCompensation::new(&ggx), mean_in_air });
+        }
+        Ok(metal)
+    }
+
+    /// Returns the mean reflectances for [`RoughMetal::mean_in_air`].
+    fn means_in_air(&self) -> Result<Box<[f64]>> {
+        if self.is_textured() || self.reflectance().is_some() {
+            return Ok(Box::default());
+        }
+        let air = RefractiveIndex::constant(1.0)?;
+        let iors = InterfaceIors { here: &air, there: &air };
+        let whole_nm = BAND_NM.0 as u32..=BAND_NM.1 as u32;
+        Ok(whole_nm.map(|nm| self.integrated_reflectance(iors, Texels::NONE, f64::from(nm))).collect())
     }
 
     /// Returns the reflectance at normal incidence, if it was stated.
@@ -167,7 +198,19 @@ impl Conductor {
     }
 
     /// Returns the cosine-weighted mean of the reflectance, F̄ = ∫ 2μ·F(μ) dμ.
+    ///
+    /// Photons in a kernel ask for it at each of their wavelengths. Therefore a table holds it for
+    /// metals in air.
+    #[inline]
     fn mean_reflectance(&self, iors: InterfaceIors<'_>, texels: Texels, nm: f64) -> f64 {
+        let tabulated =
+            self.facets.as_ref().filter(|_| iors.here.n(nm) == 1.0).and_then(|facets| facets.mean_in_air(nm));
+        tabulated.unwrap_or_else(|| self.integrated_reflectance(iors, texels, nm))
+    }
+
+    /// Integrates [`Self::mean_reflectance`].
+    #[inline(never)]
+    fn integrated_reflectance(&self, iors: InterfaceIors<'_>, texels: Texels, nm: f64) -> f64 {
         match &self.fresnel {
             MetalFresnel::Index { n, k } => {
                 let (n, k, outside) = (n.at(nm), k.at(nm), iors.here.n(nm));
@@ -243,7 +286,26 @@ impl Conductor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optics::glass::RefractiveIndex;
+    use crate::spectrum::Outside;
+
+    /// The table of a metal in air agrees with the integral between its wavelengths, and it is not
+    /// used in water.
+    #[test]
+    fn the_tabulated_mean_reflectance_is_the_integral() {
+        let table = |values: [f64; 3]| Spectrum::table(&[360.0, 500.0, 830.0], &values, Outside::Hold).unwrap();
+        let rough = Conductor::new(table([1.6, 0.9, 0.2]), table([1.9, 1.8, 5.4]), 0.3).unwrap();
+        let mean = |outside: f64, nm: f64| {
+            let index = RefractiveIndex::constant(outside).unwrap();
+            let iors = InterfaceIors { here: &index, there: &index };
+            [rough.mean_reflectance(iors, Texels::NONE, nm), rough.integrated_reflectance(iors, Texels::NONE, nm)]
+        };
+        for nm in [360.0, 499.7, 517.3, 829.9, 830.0] {
+            let [tabulated, integral] = mean(1.0, nm);
+            assert!((tabulated - integral).abs() < 2e-5, "{nm} nm: {tabulated} for {integral}");
+            let [in_water, integral] = mean(1.33, nm);
+            assert!(in_water == integral && in_water < tabulated, "{nm} nm: {in_water} for {integral}");
+        }
+    }
 
     /// The mean reflectance is 2∫ F cos θ d(cos θ). F follows from Fresnel's amplitudes with a
     /// complex cosine of refraction.
