@@ -39,7 +39,7 @@ fn plate(nm: f64, coating: Option<&Value>, keys: &Value) -> Value {
 }
 
 fn mean_y(scene: &Value, integrator: Integrator) -> f64 {
-    let xyz = render(scene, integrator, 32).picture.xyz;
+    let xyz = render(scene, integrator, 1024).picture.xyz;
     xyz.iter().map(|xyz| xyz[1]).sum::<f64>() / xyz.len() as f64
 }
 
@@ -65,8 +65,8 @@ fn reflectance(layers: &[(f64, f64)], nm: f64) -> f64 {
 fn a_plate_has_the_image_and_the_ghost_of_a_closed_form() {
     let layers = [(1.5, 120.0), (2.4, 50.0)];
     let films = json!({ "layers": layers.map(|(n, nm)| json!({ "ior": n, "thickness_nm": nm })) });
-    for integrator in [Integrator::Photon, Integrator::Path] {
-        for nm in LINES_NM {
+    for (integrator, lines_nm) in [(Integrator::Photon, &LINES_NM[..]), (Integrator::Path, &LINES_NM[1..2])] {
+        for &nm in lines_nm {
             let ideal = mean_y(&plate(nm, None, &json!({})), integrator);
             for (name, coating, layers) in [("bare", None, &[][..]), ("coated", Some(&films), &layers)] {
                 let keys = |ghosts: bool| json!({ "transmission": "fresnel", "ghosts": ghosts });

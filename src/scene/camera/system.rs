@@ -11,7 +11,7 @@
 use crate::error::{Error, Result};
 use crate::optics::aperture::Blades;
 use crate::optics::glass::lines;
-use crate::optics::lens::{ApertureCheck, GhostPair, Lens, LensRay, MonochromaticLens, TraceDirection};
+use crate::optics::lens::{ApertureCheck, GhostPair, Lens, LensRay, LensSurface, MonochromaticLens, TraceDirection};
 use glam::DVec2;
 use std::f64::consts::PI;
 
@@ -76,6 +76,8 @@ pub struct SystemLens {
     reflections: LensReflections,
     /// The ghosts that rays sample. Empty if the lens has no ghosts.
     ghosts: Vec<GhostPair>,
+    /// The least and the largest sag of the last surface within its semi-aperture, in mm.
+    last_sag_mm: [f64; 2],
 }
 
 /// A lens system at one wavelength.
@@ -112,6 +114,7 @@ impl SystemLens {
             on_axis_round,
             reflections: LensReflections::Absent,
             ghosts: Vec::new(),
+            last_sag_mm: [0.0; 2],
         };
         if sensor_mm <= 0.0 {
             let error = Error::input("the sensor would be inside the lens");
@@ -136,6 +139,9 @@ impl SystemLens {
     pub fn with_reflections(mut self, reflections: LensReflections) -> Self {
         self.reflections = reflections;
         self.ghosts = if reflections == LensReflections::Ghosts { self.lens.ghost_pairs() } else { Vec::new() };
+        let LensSurface { profile, semi_aperture_mm, .. } = self.last_surface();
+        let sag_mm = (0..=64).map(|i| profile.sag_mm((f64::from(i) / 64.0 * semi_aperture_mm).powi(2)));
+        self.last_sag_mm = sag_mm.fold([0.0; 2], |[least, most], sag: f64| [least.min(sag), most.max(sag)]);
         self
     }
 
@@ -219,7 +225,24 @@ impl SystemLens {
     /// Half the side length of both grids of rays, in mm. The grids lie on the plane of the last
     /// vertex.
     fn grid_extent_mm(&self) -> f64 {
-        GRID_EXTENT * self.lens.surfaces()[self.lens.surfaces().len() - 1].semi_aperture_mm
+        GRID_EXTENT * self.last_surface().semi_aperture_mm
+    }
+
+    fn last_surface(&self) -> &LensSurface {
+        &self.lens.surfaces()[self.lens.surfaces().len() - 1]
+    }
+
+    /// The bounds, on the plane of the last vertex, of all rays from a sensor position through the
+    /// aperture of the last surface.
+    fn bounds_of_last_surface(&self, place: DVec2) -> [DVec2; 2] {
+        // A line from the position through a point of the surface crosses the plane at
+        // position + k·(point − position), where k depends on the sag of the point.
+        let reach = DVec2::splat(self.last_surface().semi_aperture_mm);
+        let [low, high] = self.last_sag_mm.map(|sag_mm| {
+            let k = self.sensor_mm / (self.sensor_mm - sag_mm);
+            [place * (1.0 - k) - reach * k, place * (1.0 - k) + reach * k]
+        });
+        [low[0].min(high[0]), low[1].max(high[1])]
     }
 
     /// Measures the integral ∫ cos⁴θ/z² dA over the exit pupil. The integral is for the middle of
@@ -289,7 +312,7 @@ impl SystemAt<'_> {
     ///
     /// The arguments are those of [`ray`](Self::ray). The number `choice` in [0, 1) selects the two
     /// surfaces that reflect. Light of a ghost may reach the sensor from every part of the last
-    /// surface, so `u` samples a square around this surface. The ghosts add the mean of weight ×
+    /// surface, so `u` samples a rectangle around this surface. The ghosts add the mean of weight ×
     /// radiance over all `u` and `choice` to the value of a pixel.
     pub fn ghost_ray(&self, picture_mm: DVec2, u: [f64; 2], mut choice: f64) -> Option<(LensRay, f64)> {
         let system = self.system;
@@ -298,10 +321,11 @@ impl SystemAt<'_> {
             choice < 0.0
         });
         let pair = found.or(system.ghosts.last())?;
-        let side = 2.0 * system.grid_extent_mm();
-        let (ray, geometry) = system.ray_to_pupil(-picture_mm, side * (DVec2::from(u) - 0.5));
+        let [least, most] = system.bounds_of_last_surface(-picture_mm);
+        let size = most - least;
+        let (ray, geometry) = system.ray_to_pupil(-picture_mm, least + size * DVec2::from(u));
         let (out, fraction) = self.glass.trace_with_losses(ray, Some(pair.surfaces)).ok()?;
-        Some((out, side * side * geometry / system.on_axis * fraction / pair.probability))
+        Some((out, size.x * size.y * geometry / system.on_axis * fraction / pair.probability))
     }
 }
 
