@@ -49,8 +49,8 @@ pub struct Tally {
     /// Camera paths that start with a ghost of the camera's lens.
     #[serde(default)]
     pub ghost_rays: u64,
-    /// Scattering events of camera paths at surfaces with thin films, and camera paths that start in
-    /// a lens with coatings.
+    /// Scattering events of camera paths at surfaces with thin films, and camera paths through a
+    /// lens with coatings.
     #[serde(default)]
     pub film_events: u64,
     /// Arrivals of camera paths at fluorescent surfaces and in fluorescent media.

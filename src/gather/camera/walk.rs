@@ -46,7 +46,7 @@ impl<'a> CameraPass<'a> {
         match (&self.lens_systems, self.plan.wavelengths) {
             (Some(systems), _) => {
                 let [lens, ..] = systems.each_ref().map(SystemAt::system);
-                // At each wavelength, a sample traces a path of the image, and then a path of a ghost.
+                // A sample traces image paths at all wavelengths, and then ghost paths.
                 let kinds = if lens.has_ghosts() { 0..2 * LANES } else { 0..LANES };
                 for number in kinds {
                     let (lane, is_ghost) = (number % LANES, number >= LANES);

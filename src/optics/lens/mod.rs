@@ -9,8 +9,8 @@
 //! returns a [`MonochromaticLens`]. [`MonochromaticLens::trace`] traces rays without allocation.
 //! [`MonochromaticLens::paraxial`] computes the focal length, the foci and the pupils
 //! ([`Paraxial`]). [`LensAnalysis`] computes the usual figures of a lens design. [`section`]
-//! computes a drawing of the cross-section. [`MonochromaticLens::trace_with_losses`] traces rays with
-//! the losses at coated and uncoated surfaces, and ghosts.
+//! computes a drawing of the cross-section. [`MonochromaticLens::trace_with_losses`] traces rays
+//! with the losses at coated and uncoated surfaces, and ghosts.
 
 mod analysis;
 pub mod catalogue;

@@ -147,7 +147,7 @@ impl Lens {
         &self.surfaces
     }
 
-    /// Replaces the coating of each surface. `coating` returns the new coating of a surface from its
+    /// Replaces the coating of each surface. `coating` returns the new coating of the surface with an
     /// index.
     ///
     /// # Errors

@@ -285,8 +285,8 @@ impl SystemAt<'_> {
     ///
     /// The position is in mm on the sensor. Its first component increases to the right of the
     /// picture, and its second component increases upwards. The random numbers `u` sample the exit
-    /// pupil. The value of a pixel is the mean of weight × radiance over all `u`. The weight contains
-    /// the transmittance of all surfaces if the lens has losses.
+    /// pupil. The value of a pixel is the mean of weight × radiance over all `u`. If the lens has
+    /// losses, the weight contains the transmittance of all surfaces.
     pub fn ray(&self, picture_mm: DVec2, u: [f64; 2]) -> Option<(LensRay, f64)> {
         let system = self.system;
         // The image on the sensor is upside down.
