@@ -147,8 +147,8 @@ impl Lens {
         &self.surfaces
     }
 
-    /// Replaces the coating of each surface. `coating` returns the new coating of the surface with an
-    /// index.
+    /// Replaces the coating of each surface. The function `coating` returns the new coating of the
+    /// surface with an index.
     ///
     /// # Errors
     /// Returns the first error of `coating`.
