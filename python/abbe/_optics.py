@@ -85,6 +85,7 @@ class LensReport(Report):
     fc_shift_mm: float
     f_number: Optional[float]
     half_field_deg: float
+    #: The foci and the transmittance on the axis in the F, d and C lines.
     lines: list[Any]
     fields: list[Any]
 

@@ -103,7 +103,7 @@ struct SurfaceJson<'a> {
 
 impl<'a> SurfaceJson<'a> {
     fn new(surface: &'a LensSurface, stop: bool, nm: &[f64]) -> Self {
-        let LensSurface { profile, thickness_mm, index, semi_aperture_mm, obscuration_mm } = surface;
+        let LensSurface { profile, thickness_mm, index, semi_aperture_mm, obscuration_mm, coating: _ } = surface;
         Self {
             radius_mm: (profile.curvature_per_mm != 0.0).then(|| 1.0 / profile.curvature_per_mm),
             conic: profile.conic,

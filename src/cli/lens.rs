@@ -71,6 +71,7 @@ struct LineReport {
     nm: f64,
     efl_mm: f64,
     bfd_mm: f64,
+    transmittance: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -242,6 +243,7 @@ pub(super) fn report<'a>(lens: &'a Lens, analysis: &LensAnalysis, quality: &[Ima
                 nm: line.wavelength_nm,
                 efl_mm: line.efl_mm,
                 bfd_mm: line.bfd_mm,
+                transmittance: line.transmittance,
             })
             .collect(),
         half_field_deg: *half_field_deg,
@@ -268,9 +270,10 @@ fn text(report: &LensReport<'_>) -> String {
     ] {
         text += &format!("{name:<15} {value}\n");
     }
-    text += "\nline         nm   focal length     back focus\n";
-    for LineReport { line, nm, efl_mm, bfd_mm } in &report.lines {
-        text += &format!("{line:<4} {nm:>10.4} {efl_mm:>11.4} mm {bfd_mm:>11.4} mm\n");
+    text += "\nline         nm   focal length     back focus   transmittance\n";
+    for LineReport { line, nm, efl_mm, bfd_mm, transmittance } in &report.lines {
+        let percent = 100.0 * transmittance;
+        text += &format!("{line:<4} {nm:>10.4} {efl_mm:>11.4} mm {bfd_mm:>11.4} mm {percent:>13.3} %\n");
     }
     text += "\nfield       height  distortion  lateral colour   spot radius (RMS) in F, d, C\n";
     for field in &report.fields {

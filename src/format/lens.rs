@@ -6,6 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::json;
 
 use super::check;
+use super::coating::CoatingFile;
 use super::forms::{self, Form, Forms};
 use super::index::IndexFile;
 use crate::error::{Error, Result};
@@ -141,6 +142,30 @@ pub struct SystemLensFile {
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "forms::never")]
     pub diffraction: bool,
+    /// The light that the surfaces transmit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "fresnel with coatings or ghosts, ideal otherwise"))]
+    pub transmission: Option<LensTransmissionFile>,
+    /// Thin films on each surface between glass and air that has no coating of its own, from the
+    /// air to the glass.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "no coating"))]
+    pub coating: Option<CoatingFile>,
+    /// True if light that two surfaces of the lens reflect reaches the sensor.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub ghosts: bool,
+}
+
+/// The light that the surfaces of a lens system transmit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(title = "Transmission of a lens")]
+pub enum LensTransmissionFile {
+    /// All light.
+    Ideal,
+    /// The transmittance of each surface, from Fresnel's equations or from its coating.
+    Fresnel,
 }
 
 /// A lens prescription: the name of a built-in prescription, the path of a file (JSON or Zemax
@@ -220,6 +245,11 @@ pub struct LensSurfaceFile {
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "forms::never")]
     pub stop: bool,
+    /// Thin films on the surface, from the air to the glass. Between two glasses, from the scene to
+    /// the sensor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "the coating of the lens"))]
+    pub coating: Option<CoatingFile>,
 }
 
 impl LensFile {
@@ -311,9 +341,28 @@ impl ThinLensFile {
 impl SystemLensFile {
     /// Checks the surfaces of the lens, and checks that all values are in range.
     fn validate(&self, at: &JsonPath) -> Result<()> {
-        let Self { prescription, focus_distance, f_number, sensor_height_mm, blades, rotation: _, diffraction: _ } =
-            self;
+        let Self {
+            prescription,
+            focus_distance,
+            f_number,
+            sensor_height_mm,
+            blades,
+            rotation: _,
+            diffraction: _,
+            transmission,
+            coating,
+            ghosts,
+        } = self;
+        let ideal = *transmission == Some(LensTransmissionFile::Ideal);
+        let lossless = if ideal && (*ghosts || coating.is_some()) {
+            let what = "found \"ideal\" together with `coating` or `ghosts`";
+            Err(check::fault(&at.key("transmission"), what, "\"fresnel\", or no `transmission`"))
+        } else {
+            Ok(())
+        };
         check::all([
+            lossless,
+            coating.as_ref().map_or(Ok(()), |coating| coating.validate(&at.key("coating"))),
             prescription.validate(&at.key("prescription")),
             check::positive(&at.key("focus_distance"), *focus_distance),
             f_number.map_or(Ok(()), |f_number| check::positive(&at.key("f_number"), f_number)),
@@ -340,7 +389,7 @@ fn validate_surfaces(at: &JsonPath, surfaces: &[LensSurfaceFile]) -> Result<()> 
     let mut stop = None;
     for (i, surface) in surfaces.iter().enumerate() {
         let at = at.index(i);
-        let LensSurfaceFile { radius_mm, conic, aspheric, thickness_mm, ior, semi_aperture_mm, stop: is_stop } =
+        let LensSurfaceFile { radius_mm, conic, aspheric, thickness_mm, ior, semi_aperture_mm, stop: is_stop, coating } =
             surface;
         check::not_negative(&at.key("thickness_mm"), *thickness_mm)?;
         check::positive(&at.key("semi_aperture_mm"), *semi_aperture_mm)?;
@@ -358,6 +407,7 @@ fn validate_surfaces(at: &JsonPath, surfaces: &[LensSurfaceFile]) -> Result<()> 
             return Err(check::fault(&at.key("aspheric"), found, "at most 8 coefficients, of h⁴ to h¹⁸"));
         }
         ior.validate(&at.key("ior"))?;
+        coating.as_ref().map_or(Ok(()), |coating| coating.validate(&at.key("coating")))?;
         if *is_stop && let Some(first) = stop.replace(i) {
             let found = format!("found a second stop, after surface {first}");
             return Err(check::fault(&at.key("stop"), found, "at most one"));

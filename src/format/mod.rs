@@ -64,7 +64,9 @@ pub use film::{
 };
 pub use grating::{GratingFile, GratingProfileFile, GroovesFile, OrderEfficiencyFile};
 pub use index::{FormulaFile, IndexFile};
-pub use lens::{LensFile, LensSurfaceFile, PrescriptionFile, SystemLensFile, ThinLensFile, ThinLensForm};
+pub use lens::{
+    LensFile, LensSurfaceFile, LensTransmissionFile, PrescriptionFile, SystemLensFile, ThinLensFile, ThinLensForm,
+};
 pub use light::LightFile;
 pub use material::{
     ConductorFile, DielectricFile, MaterialFile, PaneTransmittanceFile, ThinDielectricFile, WeightedMaterialFile,

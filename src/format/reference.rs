@@ -13,7 +13,7 @@ use serde_json::{Map, Value};
 pub(super) const CHAPTERS: [(&str, &[&str]); 18] = [
     ("The scene", &["", "UnitFile"]),
     ("The camera", &["CameraFile", "CameraKeyframeFile", "ShutterFile"]),
-    ("Camera lenses", &["LensFile", "PrescriptionFile", "LensSurfaceFile"]),
+    ("Camera lenses", &["LensFile", "PrescriptionFile", "LensSurfaceFile", "LensTransmissionFile"]),
     (
         "The film",
         &[

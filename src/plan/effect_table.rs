@@ -9,6 +9,7 @@ use super::fields::{
 };
 use crate::optics::bsdf::Bsdf;
 use crate::optics::glass::RefractiveIndex;
+use crate::scene::camera::SystemLens;
 use crate::scene::light::{Emitter, Light};
 use crate::scene::{Body, Scene};
 
@@ -175,6 +176,22 @@ const fn row(id: EffectId) -> Effect {
             events: |tally, plan| if plan.aperture.diffracts() { tally.lens_rays } else { 0 },
             removal: Removal::FromPlan,
         },
+        EffectId::Ghosts => Effect {
+            id,
+            name: "ghosts",
+            field: "scene.camera",
+            cost: "a second camera path for each image path, which is reflected twice in the lens",
+            absent: "light that a surface of the lens reflects does not reach the sensor",
+            called_by: "a camera lens with ghosts",
+            uncalled: "the scene does not ask for ghosts of a camera lens",
+            calls: |facts| facts.ghosts.iter().cloned().collect(),
+            set: |_, _, _| {},
+            events: |tally, _| tally.ghost_rays,
+            removal: Removal::FromScene(|scene, _| {
+                scene.camera.system_mut().into_iter().for_each(SystemLens::remove_ghosts);
+                Ok(())
+            }),
+        },
         EffectId::Environment => Effect {
             id,
             name: "environment",
@@ -218,7 +235,8 @@ const fn row(id: EffectId) -> Effect {
             id,
             name: "thin-films",
             field: "scene.materials",
-            cost: "the amplitudes of all films for each arrival and wavelength at a surface with films",
+            cost: "the amplitudes of all films for each arrival and wavelength at a surface with films, and for each ray \
+                   through a coated lens",
             absent: "no surface has thin films, so no amplitudes are computed",
             called_by: "coatings and free-standing films",
             uncalled: "no surface has thin films",
@@ -230,6 +248,7 @@ const fn row(id: EffectId) -> Effect {
                     let surface = std::mem::replace(&mut material.surface, Bsdf::Absorber);
                     material.surface = surface.without_films()?;
                 }
+                scene.camera.system_mut().into_iter().for_each(SystemLens::remove_coatings);
                 Ok(())
             }),
         },

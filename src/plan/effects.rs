@@ -27,6 +27,8 @@ pub enum EffectId {
     DepthOfField,
     /// The rim of the camera's aperture diffracts light.
     Diffraction,
+    /// The surfaces of the camera's lens reflect light to the sensor.
+    Ghosts,
     /// Lights at infinity shine on the scene.
     Environment,
     /// Properties of materials vary over surfaces.
@@ -103,7 +105,7 @@ pub(super) enum Removal {
 
 impl EffectId {
     /// All effects, in the order of decision.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::Dispersion,
         Self::Shared,
         Self::Caustics,
@@ -111,6 +113,7 @@ impl EffectId {
         Self::Direct,
         Self::DepthOfField,
         Self::Diffraction,
+        Self::Ghosts,
         Self::Environment,
         Self::Textures,
         Self::ThinFilms,

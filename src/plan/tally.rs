@@ -46,7 +46,11 @@ pub struct Tally {
     /// Arrivals of camera paths at surfaces with textures.
     #[serde(default)]
     pub texture_lookups: u64,
-    /// Scattering events of camera paths at surfaces with thin films.
+    /// Camera paths that start with a ghost of the camera's lens.
+    #[serde(default)]
+    pub ghost_rays: u64,
+    /// Scattering events of camera paths at surfaces with thin films, and camera paths through a
+    /// lens with coatings.
     #[serde(default)]
     pub film_events: u64,
     /// Arrivals of camera paths at fluorescent surfaces and in fluorescent media.
@@ -99,6 +103,7 @@ impl Tally {
         self.lens_rays += other.lens_rays;
         self.receptor_samples += other.receptor_samples;
         self.texture_lookups += other.texture_lookups;
+        self.ghost_rays += other.ghost_rays;
         self.film_events += other.film_events;
         self.fluorescent_events += other.fluorescent_events;
         self.rough_events += other.rough_events;

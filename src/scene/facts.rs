@@ -25,7 +25,7 @@ pub struct Facts {
     pub glossy: Vec<String>,
     /// Objects with a material that varies over the surface.
     pub textured: Vec<String>,
-    /// Objects with thin films.
+    /// Objects with thin films, and a coated lens of the camera.
     pub films: Vec<String>,
     /// Objects with a fluorescent surface or a fluorescent medium.
     pub fluorescent: Vec<String>,
@@ -60,6 +60,8 @@ pub struct Facts {
     pub aperture_nm: Option<u64>,
     /// The name of the camera's lens system, or `None` if the camera has no lens system.
     pub lens_system: Option<String>,
+    /// The name of the camera's lens system if it has ghosts.
+    pub ghosts: Option<String>,
     /// The size of the diffraction pattern of the aperture. `None` for a pinhole, or if the scene
     /// does not enable diffraction.
     pub diffracting: Option<String>,
@@ -218,7 +220,10 @@ impl Facts {
         let no_specular = facts.specular.is_empty();
         facts.light_map.extend(object_with_light_maps(scene).filter(|_| no_specular).map(str::to_owned));
         facts.light_map.extend(scene.settings.light_map.map(|cells| format!("`render.light_map` of {cells} cells")));
-        facts.lens_system = scene.camera.system().map(|system| system.name().to_owned());
+        let lens = scene.camera.system();
+        facts.lens_system = lens.map(|system| system.name().to_owned());
+        facts.ghosts = lens.filter(|system| system.has_ghosts()).map(|system| system.name().to_owned());
+        facts.films.extend(lens.filter(|system| system.is_coated()).map(|_| "the camera's lens".to_owned()));
         facts
     }
 }

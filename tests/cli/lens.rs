@@ -47,6 +47,30 @@ fn files_are_read_as_built_in_lenses_are() {
     assert_eq!(own["fields"][2]["angle_deg"], 5.0);
 }
 
+/// Bare surfaces of index 1.5 reflect 4 %. A quarter-wave film of index √1.5 reflects nothing at its
+/// wavelength, the d line.
+#[test]
+fn the_transmittance_on_the_axis_follows_from_coatings() {
+    let folder = tempfile::tempdir().unwrap();
+    let n = 1.5_f64.sqrt();
+    let films = format!(r#", "coating": {{"layers": [{{"ior": {n}, "thickness_nm": {}}}]}}"#, 587.5618 / (4.0 * n));
+    let surfaces = |films: &str| {
+        LENS.replace("\"N-BK7\"", "1.5").replace("10.2", "10").replace(", \"semi", &format!("{films}, \"semi"))
+    };
+    std::fs::write(folder.path().join("bare.json"), surfaces("")).unwrap();
+    std::fs::write(folder.path().join("coated.json"), surfaces(&films)).unwrap();
+    let lens = |name: &str| abbe(folder.path(), &["lens", name, "--json"]).json();
+    let (bare, coated) = (lens("bare.json"), lens("coated.json"));
+    let at = |lens: &serde_json::Value, line: usize| lens["lines"][line]["transmittance"].as_f64().unwrap();
+    for line in 0..3 {
+        assert!((at(&bare, line) - 0.96 * 0.96).abs() < 1e-12);
+    }
+    assert!((at(&coated, 1) - 1.0).abs() < 1e-9, "{}", at(&coated, 1));
+    assert!(at(&coated, 0) < 0.9995 && at(&coated, 0) > 0.96 && at(&coated, 2) < 0.9999);
+    let text = abbe(folder.path(), &["lens", "bare.json"]);
+    assert!(text.out.contains("transmittance") && text.out.contains("92.160 %"), "{}", text.out);
+}
+
 const AGF: &str = "CC own glasses\nNM OWN-7 2 517642 1.5168 64.17 0 1\nCD 1.03961212 6.00069867E-3 0.231792344 2.00179144E-2 1.01046945 1.03560653E+2 0 0 0 0\n\
     LD 0.31 2.325\nNM ODD 14 0 1.5 60\nCD 1\nLD 0.3 2\n";
 

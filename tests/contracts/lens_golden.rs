@@ -100,6 +100,7 @@ fn lens(semi_aperture_mm: f64, surfaces: &[(f64, f64, RefractiveIndex)]) -> Lens
         index: index.clone(),
         semi_aperture_mm,
         obscuration_mm: 0.0,
+        coating: None,
     };
     Lens::new(Prescription {
         name: "simple".to_string(),

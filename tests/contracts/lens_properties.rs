@@ -19,6 +19,7 @@ fn prescription(surfaces: &[(f64, f64, &str, f64)]) -> Prescription {
         index: medium(name).unwrap(),
         semi_aperture_mm,
         obscuration_mm: 0.0,
+        coating: None,
     };
     Prescription {
         name: "test".to_string(),
@@ -158,6 +159,7 @@ fn an_ellipsoid_of_glass_focuses_without_spherical_aberration() {
         index: RefractiveIndex::constant(n).unwrap(),
         semi_aperture_mm: 12.0,
         obscuration_mm: 0.0,
+        coating: None,
     };
     let lens = Lens::new(Prescription { surfaces: vec![surface], ..prescription(&SINGLET) }).unwrap();
     let at = lens.at(500.0);
@@ -216,6 +218,7 @@ proptest! {
             index: RefractiveIndex::constant(index).unwrap(),
             semi_aperture_mm: 1.0,
             obscuration_mm: 0.0,
+        coating: None,
         };
         let power: f64 = (n - 1.0) * (c1 - c2 + (n - 1.0) * thickness_mm * c1 * c2 / n);
         prop_assume!(power.abs() > 1e-5);

@@ -28,6 +28,7 @@ mod irradiance;
 mod large_worlds;
 mod lens_foci;
 mod lens_objects;
+mod lens_reflections;
 mod lens_system;
 mod long_paths;
 mod many_lights;

@@ -2,10 +2,12 @@
 
 use super::context::{Resolver, unsupported};
 use crate::error::{Error, Result};
-use crate::format::{CameraFile, JsonPath, LensFile, SystemLensFile, ThinLensForm};
+use crate::format::{CameraFile, JsonPath, LensFile, LensTransmissionFile, SystemLensFile, ThinLensForm};
 use crate::math::elementary::{hypot, tan};
 use crate::optics::aperture::Blades;
-use crate::scene::camera::{Aperture, ApertureDiffraction, ApertureStop, Camera, SystemLens, look_at_axes};
+use crate::scene::camera::{
+    Aperture, ApertureDiffraction, ApertureStop, Camera, LensReflections, SystemLens, look_at_axes,
+};
 use crate::scene::motion::{AnimatedLookAt, LookAt};
 use glam::DVec3;
 
@@ -64,6 +66,9 @@ impl Resolver<'_> {
             blades: count,
             rotation,
             diffraction,
+            transmission,
+            coating,
+            ghosts,
         } = file;
         let open = self.lens(&at.key("prescription"), prescription)?;
         let name = open.name().to_string();
@@ -78,8 +83,20 @@ impl Resolver<'_> {
         };
         let half = 0.5 * sensor_height_mm;
         let sensor_radius_mm = hypot(half, half * f64::from(size.0) / f64::from(size.1));
+        let lens = self.spectra().lens_coatings(&at.key("coating"), coating.as_ref(), lens)?;
+        let reflections = match (ghosts, transmission) {
+            (false, Some(LensTransmissionFile::Ideal)) if lens.is_coated() => {
+                let error = Error::input("found \"ideal\", but the prescription has a coating");
+                return self.at(&at.key("transmission"), Err(error.expected("\"fresnel\", or no `transmission`")));
+            }
+            (true, _) => LensReflections::Ghosts,
+            (false, Some(LensTransmissionFile::Fresnel)) => LensReflections::Lost,
+            (false, None) if lens.is_coated() => LensReflections::Lost,
+            (false, None | Some(LensTransmissionFile::Ideal)) => LensReflections::Absent,
+        };
         let lens = lens.with_blades(blades(*count, *rotation));
-        self.at(&at.key("focus_distance"), SystemLens::new(lens, focus_distance * self.metres, sensor_radius_mm))
+        let system = SystemLens::new(lens, focus_distance * self.metres, sensor_radius_mm);
+        Ok(self.at(&at.key("focus_distance"), system)?.with_reflections(reflections))
     }
 
     /// The tangent of half the vertical field of view, and the aperture.

@@ -8,6 +8,7 @@ use crate::format::{
     CoatingFile, CoatingIndexFile, CoatingLayerFile, ComplexIndexFile, IndexFile, JsonPath, JsonSource, ScalarFile,
 };
 use crate::optics::glass::{RefractiveIndex, catalogue};
+use crate::optics::lens::Lens;
 use crate::optics::thin_film::{FilmLayer, FilmStack, OpticalIndex};
 use crate::spectrum::library;
 use crate::texture::SurfaceScalar;
@@ -38,20 +39,9 @@ pub fn lone_coating(file: &CoatingFile, source: &JsonSource) -> Result<FilmSyste
     let medium = |key: &str, file: &Option<CoatingIndexFile>| {
         file.as_ref().map_or(Ok(air.clone()), |file| spectra.film_index(&root.key(key), file))
     };
-    let number = |at: &JsonPath<'_>, file: &ScalarFile| match file {
-        ScalarFile::Number(number) => Ok(SurfaceScalar::Uniform(*number)),
-        ScalarFile::Image(_)
-        | ScalarFile::Checker(_)
-        | ScalarFile::Stripes(_)
-        | ScalarFile::Noise(_)
-        | ScalarFile::Gradient(_) => {
-            let error = Error::input("found a texture, but there is no surface").expected("a number");
-            spectra.at(at, Err(error))
-        }
-    };
     let (media, films) = both(
         both(medium("incident", &file.incident), medium("substrate", &file.substrate)),
-        spectra.films(&root, file, number),
+        spectra.films(&root, file, |at, file| spectra.number(at, file)),
     )?;
     let (incident, substrate) = media;
     match incident {
@@ -63,7 +53,81 @@ pub fn lone_coating(file: &CoatingFile, source: &JsonSource) -> Result<FilmSyste
     }
 }
 
+/// Returns whether a medium is air.
+fn is_air(index: &RefractiveIndex) -> bool {
+    [400.0, 550.0, 700.0].iter().all(|&nm| index.n(nm) == 1.0)
+}
+
 impl Spectra<'_> {
+    /// Resolves the coating of a surface of a lens. The indices are those on the side of the scene
+    /// and on the side of the sensor. In the result, the first film is on the side of the scene.
+    pub(super) fn lens_coating(
+        &self,
+        at: &JsonPath<'_>,
+        file: &CoatingFile,
+        [front, behind]: [&RefractiveIndex; 2],
+    ) -> Result<FilmStack> {
+        let reversed = is_air(behind) && !is_air(front);
+        let media = if reversed { [behind, front] } else { [front, behind] };
+        let media = media.map(|index| OpticalIndex::Transparent(index.clone()));
+        let films = self.films_between(at, file, &media, |at, file| self.number(at, file))?;
+        Ok(if reversed { films.reversed() } else { films })
+    }
+
+    /// Resolves the coating of all surfaces of a lens between air and glass that have none.
+    pub(super) fn lens_coatings(&self, at: &JsonPath<'_>, file: Option<&CoatingFile>, lens: Lens) -> Result<Lens> {
+        let Some(file) = file else { return Ok(lens) };
+        let air = RefractiveIndex::constant(1.0)?;
+        lens.with_coatings(|lens, i| {
+            let surface = &lens.surfaces()[i];
+            let front = if i == 0 { &air } else { &lens.surfaces()[i - 1].index };
+            if surface.coating.is_some() || is_air(front) == is_air(&surface.index) {
+                return Ok(surface.coating.clone());
+            }
+            self.lens_coating(at, file, [front, &surface.index]).map(Some)
+        })
+    }
+
+    /// Resolves the thickness of a film that must not vary.
+    fn number(&self, at: &JsonPath<'_>, file: &ScalarFile) -> Result<SurfaceScalar> {
+        match file {
+            ScalarFile::Number(number) => Ok(SurfaceScalar::Uniform(*number)),
+            ScalarFile::Image(_)
+            | ScalarFile::Checker(_)
+            | ScalarFile::Stripes(_)
+            | ScalarFile::Noise(_)
+            | ScalarFile::Gradient(_) => {
+                let error = Error::input("found a texture, but there is no surface of an object").expected("a number");
+                self.at(at, Err(error))
+            }
+        }
+    }
+
+    /// Resolves the films between two media. If the file states a medium, it must be the given one.
+    fn films_between(
+        &self,
+        at: &JsonPath<'_>,
+        file: &CoatingFile,
+        [incident, substrate]: &[OpticalIndex; 2],
+        thickness: impl Fn(&JsonPath<'_>, &ScalarFile) -> Result<SurfaceScalar>,
+    ) -> Result<FilmStack> {
+        let same = |key: &str, file: &Option<CoatingIndexFile>, wanted: &OpticalIndex, expected: &str| {
+            let Some(file) = file else { return Ok(()) };
+            let at = at.key(key);
+            let found = self.film_index(&at, file)?;
+            if [400.0, 550.0, 700.0].iter().all(|&nm| found.at(nm) == wanted.at(nm)) {
+                return Ok(());
+            }
+            let error = Error::input("found another medium than that of the scene").expected(expected);
+            self.at(&at, Err(error))
+        };
+        let beside = both(
+            same("incident", &file.incident, incident, "air, or no `incident`"),
+            same("substrate", &file.substrate, substrate, "the coated material, or no `substrate`"),
+        );
+        both(beside, self.films(at, file, thickness)).map(|(_, films)| films)
+    }
+
     /// Resolves the index of a film or of a medium.
     fn film_index(&self, at: &JsonPath<'_>, file: &CoatingIndexFile) -> Result<OpticalIndex> {
         match file {
@@ -128,23 +192,7 @@ impl Resolver<'_> {
     /// Resolves the films of a coating. `substrate` is the index of the coated material. The films
     /// of a free-standing film lie in air.
     pub(super) fn coating(&self, at: &JsonPath<'_>, file: &CoatingFile, substrate: &OpticalIndex) -> Result<FilmStack> {
-        let spectra = self.spectra();
-        let air = OpticalIndex::Transparent(RefractiveIndex::constant(1.0)?);
-        let same = |key: &str, file: &Option<CoatingIndexFile>, wanted: &OpticalIndex, expected: &str| {
-            let Some(file) = file else { return Ok(()) };
-            let at = at.key(key);
-            let found = spectra.film_index(&at, file)?;
-            if [400.0, 550.0, 700.0].iter().all(|&nm| found.at(nm) == wanted.at(nm)) {
-                return Ok(());
-            }
-            let error = Error::input("found another medium than that of the scene").expected(expected);
-            self.at(&at, Err(error))
-        };
-        let beside = both(
-            same("incident", &file.incident, &air, "air, or no `incident`"),
-            same("substrate", &file.substrate, substrate, "the coated material, or no `substrate`"),
-        );
-        let films = spectra.films(at, file, |at, file| self.scalar(at, file));
-        both(beside, films).map(|(_, films)| films)
+        let media = [OpticalIndex::Transparent(RefractiveIndex::constant(1.0)?), substrate.clone()];
+        self.spectra().films_between(at, file, &media, |at, file| self.scalar(at, file))
     }
 }

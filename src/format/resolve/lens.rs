@@ -2,11 +2,13 @@
 
 use super::context::Resolver;
 use super::index::{glass_file, index_of, read_bytes};
+use super::spectra::Spectra;
 use crate::error::Result;
 use crate::format::{self, IndexFile, JsonPath, JsonSource, LensSurfaceFile, PrescriptionFile};
-use crate::optics::glass::AgfCatalogue;
+use crate::optics::glass::{AgfCatalogue, RefractiveIndex};
 use crate::optics::lens::zemax::{self, ZmxSystem};
 use crate::optics::lens::{ApertureSpec, Lens, LensSurface, Prescription, SurfaceProfile, catalogue, medium};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Reads a lens from a file.
@@ -74,7 +76,7 @@ fn has_ending(path: &Path, ending: &str) -> bool {
 /// Returns an error if the name is unknown or if the surfaces do not describe a lens. The error
 /// states the place in `source`.
 pub fn lone_lens(prescription: &PrescriptionFile, source: &JsonSource) -> Result<Lens> {
-    lens_at(&JsonPath::Root, prescription, source)
+    lens_at(&JsonPath::Root, prescription, &Spectra { named: &BTreeMap::new(), source })
 }
 
 impl Resolver<'_> {
@@ -87,12 +89,13 @@ impl Resolver<'_> {
                 return lens_file(&self.at(at, self.source.file(name))?, &[]);
             }
         }
-        lens_at(at, prescription, self.source)
+        lens_at(at, prescription, &self.spectra())
     }
 }
 
 /// Resolves the lens prescription at the path `at` of a file.
-fn lens_at(at: &JsonPath<'_>, prescription: &PrescriptionFile, source: &JsonSource) -> Result<Lens> {
+fn lens_at(at: &JsonPath<'_>, prescription: &PrescriptionFile, spectra: &Spectra<'_>) -> Result<Lens> {
+    let source = spectra.source;
     let files = match prescription {
         PrescriptionFile::Name(name) => {
             return catalogue::find(name).cloned().map_err(|error| source.error_at(&at.to_string(), error));
@@ -102,7 +105,7 @@ fn lens_at(at: &JsonPath<'_>, prescription: &PrescriptionFile, source: &JsonSour
     let lens = Lens::new(Prescription {
         name: source.path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         source: None,
-        surfaces: surfaces(&at.key("surfaces"), files, source)?,
+        surfaces: surfaces(&at.key("surfaces"), files, spectra)?,
         stop: files.iter().position(|surface| surface.stop),
         opening: ApertureSpec::Stop,
         half_field_deg: None,
@@ -116,10 +119,13 @@ fn lens_at(at: &JsonPath<'_>, prescription: &PrescriptionFile, source: &JsonSour
     })
 }
 
-fn surfaces(at: &JsonPath<'_>, files: &[LensSurfaceFile], source: &JsonSource) -> Result<Vec<LensSurface>> {
+fn surfaces(at: &JsonPath<'_>, files: &[LensSurfaceFile], spectra: &Spectra<'_>) -> Result<Vec<LensSurface>> {
+    let source = spectra.source;
+    let mut front = RefractiveIndex::constant(1.0)?;
     let mut surfaces = Vec::new();
     for (i, file) in files.iter().enumerate() {
-        let LensSurfaceFile { radius_mm, conic, aspheric, thickness_mm, ior, semi_aperture_mm, stop: _ } = file;
+        let LensSurfaceFile { radius_mm, conic, aspheric, thickness_mm, ior, semi_aperture_mm, stop: _, coating } =
+            file;
         let index = match ior {
             IndexFile::Name(name) => medium(name),
             IndexFile::Number(_)
@@ -136,8 +142,14 @@ fn surfaces(at: &JsonPath<'_>, files: &[LensSurfaceFile], source: &JsonSource) -
         let even_terms =
             if aspheric.is_empty() { [].into() } else { std::iter::once(&0.0).chain(aspheric).copied().collect() };
         let profile = SurfaceProfile { conic: *conic, even_terms, ..SurfaceProfile::sphere(*radius_mm) };
+        let coating = coating.as_ref().map(|file| {
+            let at = at.index(i);
+            spectra.lens_coating(&at.key("coating"), file, [&front, &index])
+        });
+        let coating = coating.transpose()?;
+        front = index.clone();
         let (thickness_mm, semi_aperture_mm) = (*thickness_mm, *semi_aperture_mm);
-        surfaces.push(LensSurface { profile, thickness_mm, index, semi_aperture_mm, obscuration_mm: 0.0 });
+        surfaces.push(LensSurface { profile, thickness_mm, index, semi_aperture_mm, obscuration_mm: 0.0, coating });
     }
     Ok(surfaces)
 }

@@ -125,21 +125,23 @@ impl PixelSampler {
             return Some((start.ray_state, Some(start.pdf)));
         }
         let ray = match camera.system() {
-            Some(system) => self.ray_through_lens(&system.at(nm), camera, pixel)?.0,
+            Some(system) => self.ray_through_lens(&system.at(nm), camera, pixel, None)?.0,
             None => self.ray(camera, pixel),
         };
         Some((RayState { ray, from: None, medium_stack: camera.medium_stack }, None))
     }
 
     /// Returns a camera ray and its weight. The ray passes through a pixel and a lens system at one
-    /// wavelength. Returns `None` if the lens stops the ray.
+    /// wavelength. Returns `None` if the lens stops the ray. The number `ghost` in [0, 1) selects a
+    /// ghost of the lens; `None` stands for the image.
     pub(in crate::gather) fn ray_through_lens(
         &self,
         system: &SystemAt<'_>,
         camera: &Camera,
         pixel: u64,
+        ghost: Option<f64>,
     ) -> Option<(Ray, f64)> {
-        camera.ray_through(system, corner(camera, pixel) + DVec2::from(self.film()), self.lens())
+        camera.ray_through(system, corner(camera, pixel) + DVec2::from(self.film()), self.lens(), ghost)
     }
 }
 

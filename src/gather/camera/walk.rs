@@ -15,6 +15,7 @@ use crate::map::PixelRadii;
 use crate::optics::bsdf::BsdfClass;
 use crate::plan::partition::View;
 use crate::plan::{MediumPlan, Tally, WavelengthPlan};
+use crate::scene::camera::SystemAt;
 use crate::spectrum::LANES;
 use crate::walk::{BodyMode, MAX_EVENTS, Sink, SurfaceInteraction, SurfaceLookup, WithBodies, WithoutBodies};
 
@@ -44,9 +45,16 @@ impl<'a> CameraPass<'a> {
         }
         match (&self.lens_systems, self.plan.wavelengths) {
             (Some(systems), _) => {
-                for (lane, system) in systems.iter().enumerate() {
-                    let ray = context.sampler.ray_through_lens(system, camera, pixel);
+                let [lens, ..] = systems.each_ref().map(SystemAt::system);
+                // A sample traces image paths at all wavelengths, and then ghost paths.
+                let kinds = if lens.has_ghosts() { 0..2 * LANES } else { 0..LANES };
+                for number in kinds {
+                    let (lane, is_ghost) = (number % LANES, number >= LANES);
+                    let choice = is_ghost.then(|| context.sampler.stream.uniform());
+                    let ray = context.sampler.ray_through_lens(&systems[lane], camera, pixel, choice);
                     let Some((ray, weight)) = ray else { continue };
+                    context.tally.ghost_rays += u64::from(is_ghost);
+                    context.tally.film_events += u64::from(lens.is_coated());
                     if let Some(mut single) = self.to_shared_wavelength(path(ray), lane, &mut context) {
                         single.multiply(Factor::Grey(weight), context.buffers);
                         self.follow_shared(&single, &mut context);

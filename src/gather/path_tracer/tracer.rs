@@ -18,6 +18,7 @@ use crate::optics::fluorophore::Fluorophore;
 use crate::plan::partition::LightPath;
 use crate::plan::{CameraEvents, LightOrigin, MediumPlan, PathClass, Tally};
 use crate::scene::Scene;
+use crate::scene::camera::SystemLens;
 use crate::scene::meter::Receptor;
 use crate::spectrum::{LANES, Lanes, WavelengthDistribution, Wavelengths};
 use crate::walk::{
@@ -77,13 +78,30 @@ impl<'a> PathTracer<'a> {
         tally.camera_samples += 1;
         let started = match self.scene.camera.receptor(pixel) {
             Some((_, receptor)) => Some(self.start_at_receptor(receptor, &sampler, tally, sink)),
-            None => self.start_path(pixel, &sampler),
+            None => self.start_path(pixel, &sampler, None, tally),
         };
-        let Some(mut path) = started else {
-            return;
-        };
+        if let Some(path) = started {
+            self.follow_to_end(path, &mut sampler, tally, sink);
+        }
+        if self.scene.camera.system().is_some_and(SystemLens::has_ghosts) {
+            let choice = sampler.stream.uniform();
+            if let Some(path) = self.start_path(pixel, &sampler, Some(choice), tally) {
+                self.follow_to_end(path, &mut sampler, tally, sink);
+            }
+        }
+    }
+
+    /// Follows a path to its end.
+    #[inline(never)]
+    fn follow_to_end<S: Sink>(
+        &self,
+        mut path: TracedPath,
+        sampler: &mut PixelSampler,
+        tally: &mut Tally,
+        sink: &mut S,
+    ) {
         let limit = self.depth_limit.events();
-        if !self.follow(&mut path, 0..limit, &mut sampler, tally, sink) {
+        if !self.follow(&mut path, 0..limit, sampler, tally, sink) {
             return;
         }
         if !self.depth_limit.is_stated() {
@@ -91,7 +109,7 @@ impl<'a> PathTracer<'a> {
         } else if let Some(factor) = self.depth_limit.sample_lost_path(&mut sampler.stream) {
             path.throughput.iter_mut().for_each(|throughput| *throughput *= factor);
             path.initial_throughput.iter_mut().for_each(|throughput| *throughput *= factor);
-            self.follow(&mut path, limit..MAX_EVENTS, &mut sampler, tally, &mut LostLight { sink, factor: 1.0 });
+            self.follow(&mut path, limit..MAX_EVENTS, sampler, tally, &mut LostLight { sink, factor: 1.0 });
         }
     }
 
@@ -168,13 +186,22 @@ impl<'a> PathTracer<'a> {
     }
 
     /// Starts a path at the camera. The path carries four stratified wavelengths, or one wavelength
-    /// if the camera has a lens system. Returns `None` if the lens system stops the ray.
-    fn start_path(&self, pixel: u64, sampler: &PixelSampler) -> Option<TracedPath> {
+    /// if the camera has a lens system. Returns `None` if the lens system stops the ray. The number
+    /// `ghost` in [0, 1) selects a ghost of the lens; `None` stands for the image.
+    fn start_path(
+        &self,
+        pixel: u64,
+        sampler: &PixelSampler,
+        ghost: Option<f64>,
+        tally: &mut Tally,
+    ) -> Option<TracedPath> {
         let camera = &self.scene.camera;
         let (ray, wavelengths, throughput) = match camera.system() {
             Some(system) => {
                 let (sampled, pdf) = self.wavelengths.sample(sampler.wavelength);
-                let (ray, weight) = sampler.ray_through_lens(&system.at(sampled), camera, pixel)?;
+                let (ray, weight) = sampler.ray_through_lens(&system.at(sampled), camera, pixel, ghost)?;
+                tally.ghost_rays += u64::from(ghost.is_some());
+                tally.film_events += u64::from(system.is_coated());
                 (ray, Wavelengths::single(sampled), std::array::from_fn(|k| if k == 0 { weight / pdf } else { 0.0 }))
             }
             None => {

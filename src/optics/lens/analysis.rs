@@ -29,6 +29,8 @@ pub struct LineFocus {
     pub efl_mm: f64,
     /// Back focal distance in mm.
     pub bfd_mm: f64,
+    /// Transmittance of all surfaces on the axis.
+    pub transmittance: f64,
 }
 
 /// The image of a distant point at an angle to the axis.
@@ -74,7 +76,8 @@ impl LensAnalysis {
         let mut foci = Vec::new();
         for (line, at) in LINES.iter().zip(&at) {
             let Paraxial { efl_mm, bfd_mm, .. } = at.paraxial()?;
-            foci.push(LineFocus { line: line.0, wavelength_nm: line.1, efl_mm, bfd_mm });
+            let transmittance = at.axial_transmittance();
+            foci.push(LineFocus { line: line.0, wavelength_nm: line.1, efl_mm, bfd_mm, transmittance });
         }
         let half_field_deg = half_field_deg.or(lens.half_field_deg()).unwrap_or_else(|| widest_field_deg(d));
         // The edge of the field is analysed first. If the field is too wide, the error then names

@@ -73,7 +73,14 @@ fn prescription(entry: LensEntry) -> Result<Prescription> {
     let surface = |row: LensSurfaceEntry| {
         let LensSurfaceEntry { radius_mm, thickness_mm, glass, semi_aperture_mm, stop: _ } = row;
         let profile = SurfaceProfile::sphere(radius_mm.unwrap_or(0.0));
-        Ok(LensSurface { profile, thickness_mm, index: medium(&glass)?, semi_aperture_mm, obscuration_mm: 0.0 })
+        Ok(LensSurface {
+            profile,
+            thickness_mm,
+            index: medium(&glass)?,
+            semi_aperture_mm,
+            obscuration_mm: 0.0,
+            coating: None,
+        })
     };
     Ok(Prescription {
         name,

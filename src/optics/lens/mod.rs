@@ -9,7 +9,8 @@
 //! returns a [`MonochromaticLens`]. [`MonochromaticLens::trace`] traces rays without allocation.
 //! [`MonochromaticLens::paraxial`] computes the focal length, the foci and the pupils
 //! ([`Paraxial`]). [`LensAnalysis`] computes the usual figures of a lens design. [`section`]
-//! computes a drawing of the cross-section.
+//! computes a drawing of the cross-section. [`MonochromaticLens::trace_with_losses`] traces rays
+//! with the losses at coated and uncoated surfaces, and ghosts.
 
 mod analysis;
 pub mod catalogue;
@@ -17,6 +18,7 @@ mod clear_apertures;
 mod field;
 pub mod folded;
 pub mod image_quality;
+mod losses;
 mod paraxial;
 mod prescription;
 mod profile;
@@ -26,6 +28,7 @@ pub mod zemax;
 
 pub use analysis::{FieldPoint, LINES, LensAnalysis, LineFocus};
 pub use field::LensSpot;
+pub use losses::GhostPair;
 pub use paraxial::{Paraxial, Pupil};
 pub use prescription::{ApertureSpec, Lens, LensSurface, MAX_SURFACES, Prescription, medium};
 pub use profile::{SurfaceProfile, TraceDirection};

@@ -4,6 +4,7 @@ use super::profile::SurfaceProfile;
 use crate::error::{Error, Result};
 use crate::optics::aperture::Blades;
 use crate::optics::glass::{RefractiveIndex, lines};
+use crate::optics::thin_film::FilmStack;
 use glam::DVec2;
 
 /// Maximum number of surfaces.
@@ -23,6 +24,8 @@ pub struct LensSurface {
     pub semi_aperture_mm: f64,
     /// Radius of the central obscuration in mm, or 0. Rays nearer to the axis are blocked.
     pub obscuration_mm: f64,
+    /// Thin films on the surface, from the side of the scene to the side of the sensor.
+    pub coating: Option<FilmStack>,
 }
 
 /// The size of the stop, specified in one of four ways.
@@ -142,6 +145,27 @@ impl Lens {
     /// Returns the surfaces from the scene to the sensor.
     pub fn surfaces(&self) -> &[LensSurface] {
         &self.surfaces
+    }
+
+    /// Replaces the coating of each surface. The function `coating` returns the new coating of the
+    /// surface with an index.
+    ///
+    /// # Errors
+    /// Returns the first error of `coating`.
+    pub fn with_coatings(mut self, coating: impl Fn(&Self, usize) -> Result<Option<FilmStack>>) -> Result<Self> {
+        let coatings = (0..self.surfaces.len()).map(|i| coating(&self, i)).collect::<Result<Vec<_>>>()?;
+        self.surfaces.iter_mut().zip(coatings).for_each(|(surface, coating)| surface.coating = coating);
+        Ok(self)
+    }
+
+    /// Removes the coatings of all surfaces.
+    pub fn remove_coatings(&mut self) {
+        self.surfaces.iter_mut().for_each(|surface| surface.coating = None);
+    }
+
+    /// Returns true if a surface has a coating.
+    pub fn is_coated(&self) -> bool {
+        self.surfaces.iter().any(|surface| surface.coating.is_some())
     }
 
     /// Returns the index of the stop's surface. The first surface has the index 0.
@@ -264,7 +288,7 @@ fn on_surface(i: usize, error: Error) -> Error {
 }
 
 fn check_numbers(surface: &LensSurface) -> Result<()> {
-    let LensSurface { profile, thickness_mm, index: _, semi_aperture_mm, obscuration_mm } = surface;
+    let LensSurface { profile, thickness_mm, index: _, semi_aperture_mm, obscuration_mm, coating: _ } = surface;
     let SurfaceProfile { curvature_per_mm, conic, even_terms } = profile;
     if !(curvature_per_mm.is_finite() && conic.is_finite() && even_terms.iter().all(|term| term.is_finite())) {
         return Err(Error::input("found a shape whose numbers are not finite"));

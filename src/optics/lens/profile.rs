@@ -19,6 +19,23 @@ impl TraceDirection {
             Self::ToScene => -1.0,
         }
     }
+
+    /// Returns the opposite direction.
+    pub(super) fn reversed(self) -> Self {
+        match self {
+            Self::ToSensor => Self::ToScene,
+            Self::ToScene => Self::ToSensor,
+        }
+    }
+
+    /// Orders two values: the value on the side from which the light comes, and the other one.
+    /// `front` belongs to the side of the scene.
+    pub(super) fn order(self, front: f64, behind: f64) -> (f64, f64) {
+        match self {
+            Self::ToSensor => (front, behind),
+            Self::ToScene => (behind, front),
+        }
+    }
 }
 
 /// A surface of revolution about the z axis, with the vertex at the origin.

@@ -107,21 +107,35 @@ impl<'a> MonochromaticLens<'a> {
     ) -> Result<LensRay, RayLoss> {
         let count = self.lens.surfaces().len();
         for step in 0..count {
-            let (i, n_i, n_t) = match travel {
-                TraceDirection::ToSensor => (step, self.n[step], self.n[step + 1]),
-                TraceDirection::ToScene => (count - 1 - step, self.n[count - step], self.n[count - 1 - step]),
+            let i = match travel {
+                TraceDirection::ToSensor => step,
+                TraceDirection::ToScene => count - 1 - step,
             };
-            let surface = &self.lens.surfaces()[i];
-            let vertex = DVec3::new(0.0, 0.0, self.lens.vertex_z_mm(i));
-            let met = surface.profile.intersect(ray.origin - vertex, ray.direction, travel);
-            let point = met.ok_or(RayLoss::Missed(i))?;
-            if limits == ApertureCheck::Enforced && !self.lens.aperture_contains(i, point.truncate()) {
-                return Err(RayLoss::Vignetted(i));
-            }
-            visit(i, point + vertex);
-            let refracted = fresnel::refract(-ray.direction, surface.profile.normal(point), n_i, n_t);
-            ray = LensRay { origin: point + vertex, direction: refracted.ok_or(RayLoss::Reflected(i))? };
+            let (point, normal) = self.meet(&ray, i, travel, limits)?;
+            visit(i, point);
+            let (n_i, n_t) = travel.order(self.n[i], self.n[i + 1]);
+            let refracted = fresnel::refract(-ray.direction, normal, n_i, n_t);
+            ray = LensRay { origin: point, direction: refracted.ok_or(RayLoss::Reflected(i))? };
         }
         Ok(ray)
+    }
+
+    /// Intersects a ray with surface `i`. Returns the point in mm and the unit normal towards +z.
+    #[inline]
+    pub(super) fn meet(
+        &self,
+        ray: &LensRay,
+        i: usize,
+        travel: TraceDirection,
+        limits: ApertureCheck,
+    ) -> Result<(DVec3, DVec3), RayLoss> {
+        let surface = &self.lens.surfaces()[i];
+        let vertex = DVec3::new(0.0, 0.0, self.lens.vertex_z_mm(i));
+        let met = surface.profile.intersect(ray.origin - vertex, ray.direction, travel);
+        let point = met.ok_or(RayLoss::Missed(i))?;
+        if limits == ApertureCheck::Enforced && !self.lens.aperture_contains(i, point.truncate()) {
+            return Err(RayLoss::Vignetted(i));
+        }
+        Ok((point + vertex, surface.profile.normal(point)))
     }
 }

@@ -105,6 +105,14 @@ impl FilmStack {
         Ok(Self { layers, absorbs, varying })
     }
 
+    /// Returns the stack with the layers in the opposite order.
+    #[must_use]
+    pub fn reversed(mut self) -> Self {
+        self.layers.reverse();
+        self.varying = self.varying.map(|number| self.layers.len() - 1 - number);
+        self
+    }
+
     /// Returns the layers from the side of the incident light to the substrate.
     pub fn layers(&self) -> &[FilmLayer] {
         &self.layers

@@ -15,7 +15,7 @@ pub use aperture::ApertureStop;
 pub use depth_of_field::DepthOfField;
 pub use diffraction::ApertureDiffraction;
 pub use shutter::Shutter;
-pub use system::{SystemAt, SystemLens};
+pub use system::{LensReflections, SystemAt, SystemLens};
 
 use crate::geometry::Ray;
 use crate::math::elementary::atan;
@@ -158,6 +158,14 @@ impl Camera {
         }
     }
 
+    /// The lens system, if the camera has one, for changes.
+    pub fn system_mut(&mut self) -> Option<&mut SystemLens> {
+        match &mut self.aperture {
+            Aperture::Pinhole | Aperture::Orthographic | Aperture::ThinLens { .. } => None,
+            Aperture::System(system) => Some(system),
+        }
+    }
+
     /// Returns this camera with a coarser film. Each pixel covers `factor` × `factor` pixels of
     /// this camera. The centres of the films coincide, and the coarse film is not smaller.
     #[must_use]
@@ -266,10 +274,21 @@ impl Camera {
 
     /// Traces a ray of one wavelength from a film position (in pixels) through the lens system.
     /// Returns the ray that leaves the lens, and the ray's weight. `None` if the lens blocks the
-    /// ray. The random numbers `lens` sample the exit pupil.
-    pub fn ray_through(&self, glass: &SystemAt<'_>, film: DVec2, lens: [f64; 2]) -> Option<(Ray, f64)> {
+    /// ray. The random numbers `lens` sample the exit pupil. The number `ghost` selects a ghost;
+    /// `None` stands for the image.
+    pub fn ray_through(
+        &self,
+        glass: &SystemAt<'_>,
+        film: DVec2,
+        lens: [f64; 2],
+        ghost: Option<f64>,
+    ) -> Option<(Ray, f64)> {
         let offset = (film - 0.5 * self.size) * (self.pixel * glass.system().image_mm());
-        let (ray, weight) = glass.ray(DVec2::new(offset.x, -offset.y), lens)?;
+        let place = DVec2::new(offset.x, -offset.y);
+        let (ray, weight) = match ghost {
+            None => glass.ray(place, lens)?,
+            Some(choice) => glass.ghost_ray(place, lens, choice)?,
+        };
         let to_world = |v: DVec3| self.right * v.x + self.up * v.y - self.forward * v.z;
         Some((Ray { origin: self.origin + to_world(ray.origin) * 1e-3, direction: to_world(ray.direction) }, weight))
     }

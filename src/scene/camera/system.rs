@@ -11,7 +11,7 @@
 use crate::error::{Error, Result};
 use crate::optics::aperture::Blades;
 use crate::optics::glass::lines;
-use crate::optics::lens::{ApertureCheck, Lens, LensRay, MonochromaticLens, TraceDirection};
+use crate::optics::lens::{ApertureCheck, GhostPair, Lens, LensRay, LensSurface, MonochromaticLens, TraceDirection};
 use glam::DVec2;
 use std::f64::consts::PI;
 
@@ -34,6 +34,18 @@ const GRID_EXTENT: f64 = 1.5;
 /// The wavelengths (in nm) of the rays that determine the exit-pupil bounds. Several wavelengths
 /// are needed because dispersion moves the exit pupil.
 const BOUNDING_NM: [f64; 3] = [400.0, lines::D_NM, 760.0];
+
+/// What happens to the light that the surfaces of a lens reflect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LensReflections {
+    /// The surfaces reflect nothing: all light is transmitted.
+    Absent,
+    /// The reflected light is lost.
+    Lost,
+    /// Light that is reflected at two surfaces reaches the sensor as ghosts. Other reflected light
+    /// is lost.
+    Ghosts,
+}
 
 /// A lens and the sensor behind it.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,6 +73,11 @@ pub struct SystemLens {
     on_axis: f64,
     /// The integral `on_axis` for the same lens without blades.
     on_axis_round: f64,
+    reflections: LensReflections,
+    /// The ghosts that rays sample. Empty if the lens has no ghosts.
+    ghosts: Vec<GhostPair>,
+    /// The least and the largest sag of the last surface within its semi-aperture, in mm.
+    last_sag_mm: [f64; 2],
 }
 
 /// A lens system at one wavelength.
@@ -85,8 +102,20 @@ impl SystemLens {
         let pupil_mm = paraxial.entrance_pupil.map_or(0.0, |pupil| 0.5 * pupil.diameter_mm);
         let pupils = Vec::new();
         let (on_axis, on_axis_round) = (0.0, 0.0);
-        let mut system =
-            Self { lens, sensor_mm, focus_m, focal_mm, pupil_mm, sensor_radius_mm, pupils, on_axis, on_axis_round };
+        let mut system = Self {
+            lens,
+            sensor_mm,
+            focus_m,
+            focal_mm,
+            pupil_mm,
+            sensor_radius_mm,
+            pupils,
+            on_axis,
+            on_axis_round,
+            reflections: LensReflections::Absent,
+            ghosts: Vec::new(),
+            last_sag_mm: [0.0; 2],
+        };
         if sensor_mm <= 0.0 {
             let error = Error::input("the sensor would be inside the lens");
             return Err(error.expected("a lens with its image behind the last surface"));
@@ -103,6 +132,42 @@ impl SystemLens {
         system.pupils = bounds.windows(2).map(|pair| union(pair[0], pair[1])).collect();
         system.on_axis_round = if system.blades().is_some() { round.measure_axis() } else { system.on_axis };
         Ok(system)
+    }
+
+    /// Returns this lens system with other reflections.
+    #[must_use]
+    pub fn with_reflections(mut self, reflections: LensReflections) -> Self {
+        self.reflections = reflections;
+        self.ghosts = if reflections == LensReflections::Ghosts { self.lens.ghost_pairs() } else { Vec::new() };
+        let LensSurface { profile, semi_aperture_mm, .. } = self.last_surface();
+        let sag_mm = (0..=64).map(|i| profile.sag_mm((f64::from(i) / 64.0 * semi_aperture_mm).powi(2)));
+        self.last_sag_mm = sag_mm.fold([0.0; 2], |[least, most], sag: f64| [least.min(sag), most.max(sag)]);
+        self
+    }
+
+    /// Removes all ghosts. Reflected light is then lost.
+    pub fn remove_ghosts(&mut self) {
+        if self.reflections == LensReflections::Ghosts {
+            *self = self.clone().with_reflections(LensReflections::Lost);
+        }
+    }
+
+    /// Removes the coatings of all surfaces.
+    pub fn remove_coatings(&mut self) {
+        if self.is_coated() {
+            self.lens.remove_coatings();
+            *self = self.clone().with_reflections(self.reflections);
+        }
+    }
+
+    /// Returns true if the lens has ghosts.
+    pub fn has_ghosts(&self) -> bool {
+        !self.ghosts.is_empty()
+    }
+
+    /// Returns true if a surface has a coating.
+    pub fn is_coated(&self) -> bool {
+        self.lens.is_coated()
     }
 
     /// The distance in m from the first vertex to the plane in focus. This distance is for the
@@ -160,7 +225,24 @@ impl SystemLens {
     /// Half the side length of both grids of rays, in mm. The grids lie on the plane of the last
     /// vertex.
     fn grid_extent_mm(&self) -> f64 {
-        GRID_EXTENT * self.lens.surfaces()[self.lens.surfaces().len() - 1].semi_aperture_mm
+        GRID_EXTENT * self.last_surface().semi_aperture_mm
+    }
+
+    fn last_surface(&self) -> &LensSurface {
+        &self.lens.surfaces()[self.lens.surfaces().len() - 1]
+    }
+
+    /// The bounds, on the plane of the last vertex, of all rays from a sensor position through the
+    /// aperture of the last surface.
+    fn bounds_of_last_surface(&self, place: DVec2) -> [DVec2; 2] {
+        // A line from the position through a point of the surface crosses the plane at
+        // position + k·(point − position), where k depends on the sag of the point.
+        let reach = DVec2::splat(self.last_surface().semi_aperture_mm);
+        let [low, high] = self.last_sag_mm.map(|sag_mm| {
+            let k = self.sensor_mm / (self.sensor_mm - sag_mm);
+            [place * (1.0 - k) - reach * k, place * (1.0 - k) + reach * k]
+        });
+        [low[0].min(high[0]), low[1].max(high[1])]
     }
 
     /// Measures the integral ∫ cos⁴θ/z² dA over the exit pupil. The integral is for the middle of
@@ -203,7 +285,8 @@ impl SystemAt<'_> {
     ///
     /// The position is in mm on the sensor. Its first component increases to the right of the
     /// picture, and its second component increases upwards. The random numbers `u` sample the exit
-    /// pupil. The value of a pixel is the mean of weight × radiance over all `u`.
+    /// pupil. The value of a pixel is the mean of weight × radiance over all `u`. If the lens has
+    /// losses, the weight contains the transmittance of all surfaces.
     pub fn ray(&self, picture_mm: DVec2, u: [f64; 2]) -> Option<(LensRay, f64)> {
         let system = self.system;
         // The image on the sensor is upside down.
@@ -215,8 +298,34 @@ impl SystemAt<'_> {
         let along = if radius > 0.0 { place / radius } else { DVec2::X };
         let pupil = along.rotate(least + size * DVec2::from(u));
         let (ray, geometry) = system.ray_to_pupil(place, pupil);
-        let out = self.glass.trace(ray, TraceDirection::ToScene, ApertureCheck::Enforced).ok()?;
-        Some((out, size.x * size.y * geometry / system.on_axis))
+        let (out, transmitted) = match system.reflections {
+            LensReflections::Absent => {
+                (self.glass.trace(ray, TraceDirection::ToScene, ApertureCheck::Enforced).ok()?, 1.0)
+            }
+            LensReflections::Lost | LensReflections::Ghosts => self.glass.trace_with_losses(ray, None).ok()?,
+        };
+        Some((out, size.x * size.y * geometry / system.on_axis * transmitted))
+    }
+
+    /// The ray of a ghost from a position of the picture into the scene, and the ray's weight.
+    /// `None` if the lens blocks the ray, or if it has no ghosts.
+    ///
+    /// The arguments are those of [`ray`](Self::ray). The number `choice` in [0, 1) selects the two
+    /// surfaces that reflect. Light of a ghost may reach the sensor from every part of the last
+    /// surface, so `u` samples a rectangle around this surface. The ghosts add the mean of weight ×
+    /// radiance over all `u` and `choice` to the value of a pixel.
+    pub fn ghost_ray(&self, picture_mm: DVec2, u: [f64; 2], mut choice: f64) -> Option<(LensRay, f64)> {
+        let system = self.system;
+        let found = system.ghosts.iter().find(|pair| {
+            choice -= pair.probability;
+            choice < 0.0
+        });
+        let pair = found.or(system.ghosts.last())?;
+        let [least, most] = system.bounds_of_last_surface(-picture_mm);
+        let size = most - least;
+        let (ray, geometry) = system.ray_to_pupil(-picture_mm, least + size * DVec2::from(u));
+        let (out, fraction) = self.glass.trace_with_losses(ray, Some(pair.surfaces)).ok()?;
+        Some((out, size.x * size.y * geometry / system.on_axis * fraction / pair.probability))
     }
 }
 

@@ -156,6 +156,7 @@ impl ZmxSurface {
             index: self.index.clone().map_or_else(|| medium("air"), Ok)?,
             semi_aperture_mm: self.aperture().unwrap_or(0.0) * unit_mm,
             obscuration_mm: self.obscuration * unit_mm,
+            coating: None,
         })
     }
 }
