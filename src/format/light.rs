@@ -36,7 +36,7 @@ pub enum LightFile {
     Point(PointFile),
     /// A point light that shines into a cone.
     #[schemars(example = json!({"spot": {
-        "at": [0, 3, 0], "to": [0, 0, 0], "half_angle": 20, "penumbra": 5, "spectrum": "D65", "power": 10,
+        "at": [0, 3, 0], "to": [0, 0, 0], "half_angle": 20, "penumbra": 5, "falloff": "linear", "spectrum": "D65", "power": 10,
         "group": "lamps", "transform": [], "motion": []
     }}))]
     #[schemars(example = json!({"spot": {"at": [0, 3, 0], "to": [0, 0, 0], "half_angle": 20, "spectrum": "A", "luminous_flux": 800}}))]
@@ -128,6 +128,20 @@ pub struct PointFile {
     pub motion: Vec<KeyframeFile>,
 }
 
+/// How the intensity of a spot light falls from 1 to 0 over its penumbra. θ is the angle to the
+/// axis.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SpotFalloffFile {
+    /// As a smoothstep in cos θ, as in pbrt.
+    #[default]
+    Smooth,
+    /// Linearly in θ, as in Mitsuba.
+    Linear,
+    /// As the square of a linear function of cos θ, as in glTF.
+    Square,
+}
+
 /// A spotlight. State exactly one of `power`, `luminous_flux`, `intensity` and
 /// `luminous_intensity`.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -142,11 +156,15 @@ pub struct SpotFile {
     /// Half-angle of the cone.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180, "x-unit" = "°"))]
     pub half_angle: f64,
-    /// Angle over which the intensity falls to 0 at the edge of the cone, as a smoothstep in cos θ.
-    /// It is at most `half_angle`.
+    /// Angle over which the intensity falls to 0 at the edge of the cone. It is at most
+    /// `half_angle`.
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "forms::never", range(min = 0), extend("x-unit" = "°"))]
     pub penumbra: f64,
+    /// How the intensity falls over the penumbra.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub falloff: SpotFalloffFile,
     /// Relative distribution of the light over wavelength. The given quantity sets the scale.
     #[schemars(extend("minimum" = 0))]
     pub spectrum: SpectrumFile,

@@ -59,7 +59,7 @@ pub(super) const CHAPTERS: [(&str, &[&str]); 18] = [
     ("Objects", &["ObjectFile", "EmissionFile"]),
     ("Shapes", &["ShapeFile"]),
     ("Transforms and motion", &["TransformFile", "TransformStepFile", "ScaleFile", "KeyframeFile"]),
-    ("Lights", &["LightFile", "ProjectionFile", "PlaceFile", "SunFile"]),
+    ("Lights", &["LightFile", "SpotFalloffFile", "ProjectionFile", "PlaceFile", "SunFile"]),
     (
         "Meters",
         &[

@@ -11,10 +11,15 @@ mod scene_writer;
 
 use std::path::Path;
 
+use serde_json::{Value, json};
+
 use crate::error::{Error, Result};
 use crate::format::FileAccess;
 use overlay::ImportedNames;
 use scene_writer::SceneWriter;
+
+/// The wavelengths (nm) that pbrt and Mitsuba simulate.
+const VISIBLE_NM: [f64; 2] = [360.0, 830.0];
 
 /// A converted scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,6 +75,25 @@ const READERS: [(&str, Reader); 4] =
 fn reader(path: &Path) -> Option<Reader> {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     READERS.iter().find(|(known, _)| extension.eq_ignore_ascii_case(known)).map(|&(_, reader)| reader)
+}
+
+/// Returns the table of a reflectance or of a coefficient. In pbrt and in Mitsuba, it is 0 beyond
+/// its ends, and in a scene file, it is constant there.
+fn dark_outside(nm: &[f64], values: &[f64]) -> Value {
+    /// The distance (nm) from the end of a table to the first wavelength with the value 0.
+    const EDGE_NM: f64 = 0.01;
+    let (mut nm, mut values) = (nm.to_vec(), values.to_vec());
+    if nm.first().is_some_and(|&first| first > VISIBLE_NM[0]) {
+        nm.insert(0, nm[0] - EDGE_NM);
+        values.insert(0, 0.0);
+    }
+    if let Some(&last) = nm.last()
+        && last < VISIBLE_NM[1]
+    {
+        nm.push(last + EDGE_NM);
+        values.push(0.0);
+    }
+    json!({"table": {"nm": nm, "values": values}})
 }
 
 /// Returns true if the extension of a file says that [`import`] can read it.

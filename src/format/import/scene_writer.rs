@@ -54,6 +54,11 @@ impl SceneWriter {
         add(&mut self.materials, wanted, material)
     }
 
+    /// Returns the material of this name.
+    pub(super) fn material(&self, name: &str) -> Option<&Value> {
+        self.materials.get(name)
+    }
+
     /// Adds a material that covers the part `covered` of a surface, and returns its name. Light
     /// passes straight through the part `open`, which is a pane with the index of refraction 1.
     /// Returns `None` if the material encloses a space, or is a mix.

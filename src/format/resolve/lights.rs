@@ -7,7 +7,8 @@ use super::objects::{EmissionSource, EmittingObject};
 use super::spectra::Role;
 use crate::error::{Error, Result};
 use crate::format::light::{
-    BeamFile, DirectionalFile, EnvironmentFile, IesFile, LightFile, PointFile, SkyFile, SpotFile, SunFile,
+    BeamFile, DirectionalFile, EnvironmentFile, IesFile, LightFile, PointFile, SkyFile, SpotFalloffFile, SpotFile,
+    SunFile,
 };
 use crate::format::luminaire::{self, Photometry};
 use crate::format::{EmissionFile, JsonPath, QuantityFile, SpectrumFile};
@@ -15,8 +16,8 @@ use crate::math::elementary::acos;
 use crate::scene::builder::SceneBuilder;
 use crate::scene::light::{
     AreaLight, BeamLight, DirectionalLight, Emitter, EnvironmentLight, EnvironmentPattern, GoniometricLight, Light,
-    LightSpectrum, LuminousOpening, OpeningShape, PointLight, SpotLight, StandardSky, SunDirection, SunPosition,
-    clear_beam_lx, mean_scale,
+    LightSpectrum, LuminousOpening, OpeningShape, PointLight, SpotFalloff, SpotLight, StandardSky, SunDirection,
+    SunPosition, clear_beam_lx, mean_scale,
 };
 use crate::spectrum::{Observer, Spectrum};
 use glam::{DAffine3, DVec3};
@@ -195,13 +196,18 @@ impl Resolver<'_> {
         let SpotFile { at, to, half_angle, penumbra, spectrum, .. } = file;
         let spectrum = self.light_spectrum(path, spectrum, context.notes)?;
         let (half_angle, penumbra) = (half_angle.to_radians(), penumbra.to_radians());
-        let intensity = match self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))? {
-            Radiometric::Power(power) => power / SpotLight::power_per_intensity(half_angle, penumbra),
-            Radiometric::Density(intensity) => intensity,
+        let falloff = match file.falloff {
+            SpotFalloffFile::Smooth => SpotFalloff::Smooth,
+            SpotFalloffFile::Linear => SpotFalloff::Linear,
+            SpotFalloffFile::Square => SpotFalloff::Square,
         };
         let (at, to) = (self.point_of_light(context, *at), self.point_of_light(context, *to));
-        let spot = SpotLight::new(at, (to - at).normalize(), half_angle, penumbra, intensity);
-        Ok((Emitter::Spot(spot), spectrum))
+        let spot = SpotLight::new(at, (to - at).normalize(), half_angle, penumbra, 1.0).with_falloff(falloff);
+        let intensity = match self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))? {
+            Radiometric::Power(power) => power / spot.power_w(),
+            Radiometric::Density(intensity) => intensity,
+        };
+        Ok((Emitter::Spot(spot.with_intensity(intensity)), spectrum))
     }
 
     fn beam_light(

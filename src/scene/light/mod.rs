@@ -36,7 +36,7 @@ pub use goniometric::{GoniometricLight, LuminousOpening, OpeningShape};
 pub use intensity_bounds::IntensityBounds;
 pub use intensity_table::{IntensityTable, PhotometricType};
 pub use lit_interval::LitInterval;
-pub use point::{PointLight, SpotLight};
+pub use point::{PointLight, SpotFalloff, SpotLight};
 pub use sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoint, SceneExtent};
 pub use sky::{StandardSky, SunDirection};
 pub use spectrum::LightSpectrum;

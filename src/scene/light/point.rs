@@ -6,6 +6,7 @@ use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample};
 #[cfg(test)]
 use super::{Emitter, contract_tests::TestLight};
 use crate::geometry::Ray;
+use crate::math::elementary::sin;
 use crate::math::frame::Frame;
 use crate::math::sphere::BoundingSphere;
 use crate::math::warp;
@@ -46,10 +47,20 @@ impl PointLight {
     }
 }
 
-/// A spot light: a point that shines into a cone with a smooth edge.
+/// How the intensity of a spot light falls between its two cones.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SpotFalloff {
+    /// A smoothstep function of cos θ, where θ is the angle to the axis (pbrt).
+    Smooth,
+    /// Linear in θ (Mitsuba).
+    Linear,
+    /// The square of a linear function of cos θ (glTF).
+    Square,
+}
+
+/// A spot light: a point that shines into a cone with a soft edge.
 ///
-/// The intensity is constant inside the inner cone and 0 outside the outer cone. Between the two
-/// cones, the intensity is a smoothstep function of cos θ, where θ is the angle to the axis.
+/// The intensity is constant inside the inner cone and 0 outside the outer cone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpotLight {
     position: DVec3,
@@ -59,6 +70,7 @@ pub struct SpotLight {
     /// itself would be too inaccurate.
     inner: f64,
     outer: f64,
+    falloff: SpotFalloff,
 }
 
 impl SpotLight {
@@ -70,7 +82,19 @@ impl SpotLight {
     /// the cone.
     pub fn new(position: DVec3, axis: DVec3, half_angle: f64, penumbra: f64, intensity: f64) -> Self {
         let inner = warp::one_minus_cos((half_angle - penumbra).max(0.0));
-        Self { position, axis, intensity, inner, outer: warp::one_minus_cos(half_angle) }
+        Self { position, axis, intensity, inner, outer: warp::one_minus_cos(half_angle), falloff: SpotFalloff::Smooth }
+    }
+
+    /// Returns the light with another falloff between its cones.
+    #[must_use]
+    pub fn with_falloff(self, falloff: SpotFalloff) -> Self {
+        Self { falloff, ..self }
+    }
+
+    /// Returns the light with another intensity on the axis (W/sr).
+    #[must_use]
+    pub fn with_intensity(self, intensity: f64) -> Self {
+        Self { intensity, ..self }
     }
 
     pub(super) fn moved(&self, map: &DAffine3) -> Self {
@@ -78,21 +102,25 @@ impl SpotLight {
         Self { position, axis, ..*self }
     }
 
-    /// The power of a spot light whose intensity on the axis is 1 W/sr. The power in W is 2π ∫ f
-    /// d(cos θ), where f is the intensity at the angle θ to the axis. The mean of the smoothstep is
-    /// one half. Angles are in radians.
-    pub fn power_per_intensity(half_angle: f64, penumbra: f64) -> f64 {
-        let spot = Self::new(DVec3::ZERO, DVec3::Z, half_angle, penumbra, 1.0);
-        spot.power_w()
-    }
-
     /// The position, relative to the scene's centre, in m.
     pub fn position(&self) -> DVec3 {
         self.position
     }
 
-    pub(super) fn power_w(&self) -> f64 {
-        self.intensity * TAU * 0.5 * (self.inner + self.outer)
+    /// The power in W: 2π ∫ f d(cos θ), where f is the intensity at the angle θ to the axis. The
+    /// mean of the smoothstep is one half, and that of the square is one third.
+    pub fn power_w(&self) -> f64 {
+        let solid_angle = match self.falloff {
+            SpotFalloff::Smooth => 0.5 * (self.inner + self.outer),
+            SpotFalloff::Square => (2.0 * self.inner + self.outer) / 3.0,
+            SpotFalloff::Linear => {
+                let [inner, outer] = [self.inner, self.outer].map(warp::half_angle);
+                // The integral of sin θ · (outer − θ)/(outer − inner) over the edge.
+                let edge = outer - inner;
+                if edge > 0.0 { 1.0 - (sin(outer) - sin(inner)) / edge } else { self.outer }
+            }
+        };
+        self.intensity * TAU * solid_angle
     }
 
     /// The intensity in a direction, in W/sr. `one_minus_cos` is 1 − cos of the angle between this
@@ -104,7 +132,15 @@ impl SpotLight {
             0.0
         } else {
             let t = (self.outer - one_minus_cos) / (self.outer - self.inner);
-            self.intensity * t * t * (3.0 - 2.0 * t)
+            let part = match self.falloff {
+                SpotFalloff::Smooth => t * t * (3.0 - 2.0 * t),
+                SpotFalloff::Square => t * t,
+                SpotFalloff::Linear => {
+                    let [angle, inner, outer] = [one_minus_cos, self.inner, self.outer].map(warp::half_angle);
+                    (outer - angle) / (outer - inner)
+                }
+            };
+            self.intensity * part
         }
     }
 
@@ -172,6 +208,9 @@ pub(super) fn sample_li_from_point(position: DVec3, from: DVec3, intensity: impl
 #[cfg(test)]
 pub(super) fn test_lights(at: DVec3, axis: DVec3) -> Vec<TestLight> {
     let spot = |half_angle, penumbra| Emitter::Spot(SpotLight::new(at, axis, half_angle, penumbra, 5.0));
+    let edge = |half_angle, penumbra, falloff| {
+        Emitter::Spot(SpotLight::new(at, axis, half_angle, penumbra, 5.0).with_falloff(falloff))
+    };
     let light = |name, emitter, cone_rad, irradiance| TestLight {
         name,
         emitter,
@@ -184,5 +223,7 @@ pub(super) fn test_lights(at: DVec3, axis: DVec3) -> Vec<TestLight> {
         light("spot", spot(0.35, 0.0), 0.35, 1.25),
         light("soft spot", spot(0.4, 0.25), 0.4, 1.25),
         light("wide spot", spot(2.0, 2.0), 2.0, 1.25),
+        light("linear spot", edge(1.2, 0.7, SpotFalloff::Linear), 1.2, 1.25),
+        light("square spot", edge(0.4, 0.25, SpotFalloff::Square), 0.4, 1.25),
     ]
 }

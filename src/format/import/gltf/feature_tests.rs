@@ -230,3 +230,18 @@ fn thin_films_cover_smooth_glass() {
     let (paint, ignored) = of(0.0);
     assert!(paint.films().is_none() && ignored.contains("thin films on opaque or rough surfaces"), "{ignored}");
 }
+
+/// A hidden node hides the nodes below it.
+#[test]
+fn hidden_nodes_are_left_out() {
+    let mut file = SmallGltf::new();
+    file.root["scenes"][0]["nodes"] = json!([0, 1]);
+    file.root["nodes"] = json!([
+        {"mesh": 0, "name": "seen", "extensions": {"KHR_node_visibility": {"visible": true}}},
+        {"extensions": {"KHR_node_visibility": {"visible": false}}, "children": [2]},
+        {"mesh": 0, "name": "below"}
+    ]);
+    file.root["extensionsUsed"] = json!(["KHR_node_visibility"]);
+    let text = file.import().0.text;
+    assert!(text.contains("seen") && !text.contains("below"), "{text}");
+}

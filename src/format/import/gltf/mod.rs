@@ -13,7 +13,7 @@ mod node;
 #[cfg(test)]
 mod tests;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use ::gltf::{Document, Node};
@@ -72,11 +72,17 @@ pub(super) fn import(path: &Path, folder: &str, file_access: FileAccess) -> Resu
         camera: None,
         bounds: (DVec3::INFINITY, DVec3::NEG_INFINITY),
         emission: 0.0,
+        hidden: BTreeSet::new(),
         scene,
     };
     for_each_node(&file.document, |node, parent, to_world| {
         reader.tree.add(node, parent);
-        reader.node(node, to_world);
+        let visible = node.extension_value("KHR_node_visibility").and_then(|it| it["visible"].as_bool());
+        if visible == Some(false) || parent.is_some_and(|parent| reader.hidden.contains(&parent)) {
+            reader.hidden.insert(node.index());
+        } else {
+            reader.node(node, to_world);
+        }
         Ok(())
     })?;
     if !reader.scene.has_objects() {
@@ -124,6 +130,8 @@ struct NodeReader<'d> {
     bounds: (DVec3, DVec3),
     /// The largest component of the emission of all objects, in cd/m².
     emission: f64,
+    /// The nodes that `KHR_node_visibility` hides, by their number.
+    hidden: BTreeSet<usize>,
     scene: SceneWriter,
 }
 

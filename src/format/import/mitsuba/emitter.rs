@@ -50,8 +50,9 @@ impl MitsubaReader<'_> {
         let textured = self.light_texture(&properties, "radiance")?;
         if let Some((slide, peak)) = textured.slide() {
             self.note_unread(&properties);
-            let white = MitsubaSpectrum::Rgb([peak; 3]).light().map_err(|error| emitter.locate(error))?;
-            return Ok(Some(json!({"spectrum": white.spectrum, "luminance": white.quantity, "slide": slide})));
+            // Without a filter of D65, Mitsuba emits the reflectance spectra of the texels.
+            let spectrum = if textured.filters_d65() { json!("D65") } else { json!(1) };
+            return Ok(Some(json!({"spectrum": spectrum, "luminance": peak, "slide": slide})));
         }
         let light = self.mean_light(&properties, "radiance", &textured)?;
         self.note_unread(&properties);
@@ -98,14 +99,10 @@ impl MitsubaReader<'_> {
         if !(cutoff > 0.0 && cutoff < 180.0) {
             return Err(element.error(format!("found the cutoff angle {cutoff}")).expected("above 0 and below 180"));
         }
-        if beam < cutoff {
-            let what = "the intensity of a spot light falls as a smoothstep instead of linearly in the angle";
-            self.scene.leave_out(element.place(), what);
-        }
         let axis = to_world.transform_vector3(DVec3::Z).normalize_or(DVec3::Z);
         let spot = json!({
             "at": to_world.translation.to_array(), "to": (to_world.translation + axis).to_array(),
-            "half_angle": cutoff, "penumbra": cutoff - beam,
+            "half_angle": cutoff, "penumbra": cutoff - beam, "falloff": "linear",
             "spectrum": light.spectrum, "luminous_intensity": light.quantity
         });
         Ok((!light.is_dark()).then(|| json!({"spot": spot})))

@@ -121,7 +121,7 @@ impl MitsubaReader<'_> {
             }
             [eta, k] => {
                 let value = |textured: Option<Textured>, default: f64| {
-                    textured.map_or(json!(default), |textured| textured.mean().coefficient())
+                    textured.map_or(json!(default), |textured| textured.mean().held())
                 };
                 Ok(Some(json!({"eta": value(eta, 0.0), "k": value(k, 1.0)})))
             }

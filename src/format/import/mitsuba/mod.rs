@@ -18,11 +18,12 @@ mod volume;
 mod xml;
 
 #[cfg(test)]
+mod note_tests;
+#[cfg(test)]
 mod picture_tests;
 #[cfg(test)]
 mod tests;
 
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::rc::Rc;
 
@@ -47,8 +48,6 @@ struct MitsubaReader<'a> {
     folder: &'a str,
     /// The surfaces of the BSDFs that are converted already.
     surfaces: Vec<(SurfaceKey, MitsubaSurface)>,
-    /// The materials by name.
-    materials: BTreeMap<String, Value>,
     /// The names of the media that are converted already.
     media: Vec<(*const XmlElement, Option<String>)>,
     /// The medium around the sensor.
@@ -63,7 +62,6 @@ pub(super) fn import(path: &Path, folder: &str, file_access: FileAccess) -> Resu
         scene: SceneWriter::default(),
         folder,
         surfaces: Vec::new(),
-        materials: BTreeMap::new(),
         media: Vec::new(),
         outside: None,
     };
@@ -102,14 +100,18 @@ impl MitsubaReader<'_> {
 
     /// Adds a material, and returns its name.
     fn add_material(&mut self, wanted: &str, material: Value) -> String {
-        let name = self.scene.add_material(wanted, material.clone());
-        self.materials.insert(name.clone(), material);
-        name
+        self.scene.add_material(wanted, material)
     }
 
     /// Notes settings of the integrator that change the picture.
     fn integrator(&mut self, integrator: &XmlElement) -> Result<()> {
         let properties = Properties::new(integrator);
+        // These follow light over any number of interactions.
+        let complete = ["path", "volpath", "volpathmip", "ptracer", "aov", "moment", "stokes", "prb", "prbvolpath"];
+        if !complete.contains(&integrator.plugin()) {
+            let what = format!("the integrator \"{}\" is replaced: Abbe renders all light", integrator.plugin());
+            self.scene.leave_out(integrator.place(), what);
+        }
         if properties.number("max_depth", -1.0)? > 0.0 {
             let what = "`max_depth` is left out: Abbe follows light over any number of interactions";
             self.scene.leave_out(integrator.place(), what);

@@ -72,5 +72,37 @@ fn pictures_of_radiance_become_slides() {
     let peak = 0.502_886;
     assert!((emission["luminance"].as_f64().unwrap() - peak).abs() < 1e-5, "{emission}");
     assert!((emission["slide"]["image"]["factor"][0].as_f64().unwrap() - 1.0 / peak).abs() < 1e-4, "{emission}");
+    // The light of a white texel has the same value at each wavelength, unless it filters D65.
+    assert_eq!(emission["spectrum"], 1);
     assert_eq!(imported.left_out(), "");
+    let filter = body.replace("<texture", r#"<texture name="radiance" type="d65"><texture"#);
+    let filter = filter
+        .replace("</texture>", "</texture></texture>")
+        .replace(r#"<texture name="radiance" type="bitmap""#, r#"<texture type="bitmap""#);
+    let imported = Imported::with_files(&filter, &[("a.png", &picture([188, 0, 0]))]);
+    assert_eq!(
+        (&imported.scene()["objects"][0]["emission"]["spectrum"], imported.left_out().as_str()),
+        (&json!("D65"), "")
+    );
+}
+
+/// A picture of radiance and a normal map need Mitsuba's texture coordinates as much as a picture
+/// of reflectances. On a rectangle, the lower edge has v = 0. On a disk, u is the radius.
+#[test]
+fn every_kind_of_picture_has_mitsubas_coordinates() {
+    let file = r#"type="bitmap"><string name="filename" value="a.png"/><boolean name="raw" value="true"/></texture>"#;
+    let light = format!(r#"<emitter type="area"><texture name="radiance" {file}</emitter>"#);
+    let normals = format!(r#"<bsdf type="normalmap"><texture name="normalmap" {file}<bsdf type="diffuse"/></bsdf>"#);
+    let mask = format!(r#"<bsdf type="mask"><texture name="opacity" {file}<bsdf type="diffuse"/></bsdf>"#);
+    for inside in [&light, &normals, &mask] {
+        let body = format!(r#"<shape type="rectangle">{inside}</shape><shape type="disk">{inside}</shape>"#);
+        let scene = Imported::with_files(&body, &[("a.png", &picture([128, 128, 255]))]).scene();
+        let triangles = |object: usize| scene["objects"][object]["shape"]["triangles"].clone();
+        assert_eq!((&triangles(0)["positions"][0], &triangles(0)["uv"][0]), (&json!([-1, -1, 0]), &json!([0, 0])));
+        let disk = triangles(1);
+        // A quarter turn from +x is +y.
+        let quarter = 2 * (disk["uv"].as_array().unwrap().len() / 2 / 4) + 1;
+        assert!((disk["positions"][quarter][1].as_f64().unwrap() - 1.0).abs() < 1e-9, "{}", disk["positions"][quarter]);
+        assert_eq!(disk["uv"][quarter], json!([1.0, 0.25]));
+    }
 }

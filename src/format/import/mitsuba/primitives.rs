@@ -13,6 +13,9 @@ use crate::math::elementary::sin_cos;
 /// The number of flat strips that replace a cylinder.
 const STRIPS: u32 = 96;
 
+/// The number of triangles that replace a disk with a texture. Its area is 0.9998 of the disk's.
+const FAN: u32 = 192;
+
 /// A shape, and the transform steps that come before the transform of the Mitsuba shape.
 pub(super) struct BasicShape {
     pub(super) shape: Value,
@@ -43,9 +46,24 @@ pub(super) fn rectangle(textured: bool, flipped: bool) -> BasicShape {
     }}))
 }
 
-/// Returns the disk of radius 1 in the plane z = 0, which faces +z.
-pub(super) fn disk(flipped: bool) -> BasicShape {
-    BasicShape { shape: json!({"disk": {"radius": 1}}), steps: vec![facing_z(flipped)] }
+/// Returns the disk of radius 1 in the plane z = 0, which faces +z. In Mitsuba, u is the distance
+/// from the centre, and v is the angle. A disk with a texture becomes a fan of triangles.
+pub(super) fn disk(textured: bool, flipped: bool) -> BasicShape {
+    if !textured {
+        return BasicShape { shape: json!({"disk": {"radius": 1}}), steps: vec![facing_z(flipped)] };
+    }
+    let (mut positions, mut uv, mut indices) = (Vec::new(), Vec::new(), Vec::new());
+    for segment in 0..=FAN {
+        let turn = f64::from(segment) / f64::from(FAN);
+        let (sin, cos) = sin_cos(TAU * turn);
+        positions.extend([[0.0; 3], [cos, sin, 0.0]]);
+        uv.extend([[0.0, turn + 0.5 / f64::from(FAN)], [1.0, turn]]);
+        if segment < FAN {
+            let rim = 2 * segment + 1;
+            indices.push(if flipped { [rim - 1, rim + 2, rim] } else { [rim - 1, rim, rim + 2] });
+        }
+    }
+    BasicShape::new(json!({"triangles": {"positions": positions, "indices": indices, "uv": uv}}))
 }
 
 /// Returns a sphere. Its poles are on the z axis if the sphere has a texture.

@@ -65,7 +65,13 @@ impl MitsubaReader<'_> {
             "from": to_world.translation.to_array(), "at": (to_world.translation + direction(DVec3::Z)).to_array(),
             "up": direction(DVec3::Y).to_array(), "lens": lens
         });
-        properties.ignore(&["near_clip", "far_clip"]);
+        let [near, far] = [properties.number("near_clip", 1e-2)?, properties.number("far_clip", 1e4)?];
+        if near > 0.1 || far < 100.0 {
+            let what = format!(
+                "the clip planes of the sensor are left out: surfaces nearer than {near} or farther than {far} are visible"
+            );
+            self.scene.leave_out(sensor.place(), what);
+        }
         properties.take(|child| child.tag == "sampler");
         let is_medium = |child: &Rc<XmlElement>| self.document.resolve(child).tag == "medium";
         if let Some(medium) = properties.take(is_medium).pop() {

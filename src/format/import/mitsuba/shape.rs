@@ -91,7 +91,7 @@ impl MitsubaReader<'_> {
         };
         let form = ShapePlacement {
             to_world: outer * properties.transform("to_world")?,
-            textured: self.is_textured(&material),
+            textured: self.is_textured(&material) || emission.as_ref().is_some_and(|it| it.get("slide").is_some()),
             flipped: properties.boolean("flip_normals", false)?,
         };
         let Some(BasicShape { shape: converted, steps: mut transform }) = self.form(&properties, &form)? else {
@@ -127,13 +127,7 @@ impl MitsubaReader<'_> {
                 let centre = properties.vector("center")?.unwrap_or(DVec3::ZERO);
                 primitives::sphere(centre, self.radius(properties)?, form.textured)
             }
-            "disk" => {
-                if form.textured {
-                    let what = "a texture on a disk is placed differently: Mitsuba has polar coordinates";
-                    self.scene.leave_out(shape.place(), what);
-                }
-                primitives::disk(form.flipped)
-            }
+            "disk" => primitives::disk(form.textured, form.flipped),
             "cylinder" => {
                 let from = properties.vector("p0")?.unwrap_or(DVec3::ZERO);
                 let to = properties.vector("p1")?.unwrap_or(DVec3::Z);
@@ -213,13 +207,14 @@ impl MitsubaReader<'_> {
         fn has_texture(value: &Value) -> bool {
             match value {
                 Value::Object(entries) => {
-                    entries.iter().any(|(key, value)| key == "image" || key == "checker" || has_texture(value))
+                    let is_texture = |key: &str| ["image", "checker", "normal_map"].contains(&key);
+                    entries.iter().any(|(key, value)| is_texture(key) || has_texture(value))
                 }
                 Value::Array(items) => items.iter().any(has_texture),
                 Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => false,
             }
         }
-        let Some(material) = self.materials.get(material) else { return false };
+        let Some(material) = self.scene.material(material) else { return false };
         let parts = material.get("mix").and_then(Value::as_array).into_iter().flatten();
         let mut names = parts.filter_map(|part| part.get("material")?.as_str());
         has_texture(material) || names.any(|name| self.is_textured(name))
@@ -230,7 +225,7 @@ impl MitsubaReader<'_> {
         if !["rectangle", "disk", "cylinder"].contains(&shape.plugin()) {
             return;
         }
-        let has = |kind: &str| self.materials.get(material).is_some_and(|material| material.get(kind).is_some());
+        let has = |kind: &str| self.scene.material(material).is_some_and(|material| material.get(kind).is_some());
         let needs_body = has("dielectric") || has("boundary");
         if needs_body {
             let what = "glass or a medium behind an open shape needs a closed shape in Abbe";

@@ -12,6 +12,7 @@ use super::properties::{Properties, number, numbers, parse};
 use super::xml::XmlElement;
 use crate::colour::decode_srgb;
 use crate::error::Result;
+use crate::format::import::dark_outside;
 use crate::spectrum::{Observer, Outside, SmoothReflectance, Spectrum};
 
 /// The wavelengths (nm) at which products of spectra are tabulated.
@@ -301,10 +302,18 @@ impl MitsubaSpectrum {
                 }
                 _ => json!({"rgb": rgb}),
             },
-            Self::Table { nm, values } => json!({"table": {"nm": nm, "values": values}}),
+            Self::Table { nm, values } => dark_outside(nm, values),
             Self::Blackbody { temperature, .. } => json!({"blackbody": {"temperature": temperature}}),
             Self::Number(_) | Self::Uniform(_) | Self::Rgb(_) => json!(self.constant().unwrap_or_default()),
         }
+    }
+
+    /// Returns the spectrum as the index of a metal. Beyond its ends, a table is constant.
+    pub(super) fn held(&self) -> Value {
+        if let Self::Table { nm, values } = self {
+            return json!({"table": {"nm": nm, "values": values}});
+        }
+        self.coefficient()
     }
 
     /// Returns the value at a wavelength.
@@ -317,7 +326,7 @@ impl MitsubaSpectrum {
                 scale * SmoothReflectance::of_rgb(rgb.map(|c| c / scale)).at(nm)
             }
             Self::Table { nm: known, values } => {
-                Spectrum::table(known, values, Outside::Hold).map_or(0.0, |spectrum| spectrum.at(nm))
+                Spectrum::table(known, values, Outside::Zero).map_or(0.0, |spectrum| spectrum.at(nm))
             }
             Self::Blackbody { .. } => 0.0,
         }

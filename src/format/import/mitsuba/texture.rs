@@ -33,6 +33,8 @@ pub(super) struct Bitmap {
     file: PathBuf,
     /// True if the picture has numbers instead of colours.
     raw: bool,
+    /// True if the picture filters D65, as a light.
+    filters_d65: bool,
     wrap: &'static str,
     filter: &'static str,
     uv: Option<Value>,
@@ -51,6 +53,11 @@ impl Textured {
     /// Returns true if the value is the same everywhere.
     pub(super) fn is_uniform(&self) -> bool {
         matches!(self, Self::Spectrum(_))
+    }
+
+    /// Returns true for a picture that filters D65. Other pictures filter a constant spectrum.
+    pub(super) fn filters_d65(&self) -> bool {
+        matches!(self, Self::Bitmap(bitmap) if bitmap.filters_d65)
     }
 
     /// Returns the picture of a normal map in the form of the scene file.
@@ -218,6 +225,13 @@ impl MitsubaReader<'_> {
             return self.spectrum(element).map(Textured::Spectrum);
         }
         let properties = Properties::new(element);
+        if element.plugin() == "d65"
+            && let Some(mut picture) = self.picture_before_d65(&properties)?
+        {
+            picture.filters_d65 = true;
+            self.note_unread(&properties);
+            return Ok(Textured::Bitmap(picture));
+        }
         let textured = match element.plugin() {
             "bitmap" => Textured::Bitmap(self.bitmap(&properties)?),
             "checkerboard" => {
@@ -246,6 +260,18 @@ impl MitsubaReader<'_> {
         Ok(textured)
     }
 
+    /// Reads the picture inside a spectrum of the type "d65", if there is one.
+    fn picture_before_d65(&mut self, properties: &Properties<'_>) -> Result<Option<Bitmap>> {
+        let is_picture = |child: &Rc<XmlElement>| self.document.resolve(child).plugin() == "bitmap";
+        let Some(picture) = properties.take(is_picture).pop().map(|it| self.document.resolve(it)) else {
+            return Ok(None);
+        };
+        let inner = Properties::new(&picture);
+        let bitmap = self.bitmap(&inner)?;
+        self.note_unread(&inner);
+        Ok(Some(bitmap))
+    }
+
     fn bitmap(&mut self, properties: &Properties<'_>) -> Result<Bitmap> {
         let element = properties.element;
         let (path, file) = self.document.file(element, properties.required_text("filename")?)?;
@@ -253,7 +279,15 @@ impl MitsubaReader<'_> {
         let wrap = choice(properties, "wrap_mode", &["repeat", "mirror", "clamp"])?;
         let filter = choice(properties, "filter_type", &["bilinear", "nearest"])?;
         properties.ignore(&["format", "accel"]);
-        Ok(Bitmap { path: format!("{}{path}", self.folder), file, raw, wrap, filter, uv: self.uv_map(properties)? })
+        Ok(Bitmap {
+            path: format!("{}{path}", self.folder),
+            file,
+            raw,
+            filters_d65: false,
+            wrap,
+            filter,
+            uv: self.uv_map(properties)?,
+        })
     }
 
     /// Reads the map of texture coordinates. `None` is the identity.

@@ -120,7 +120,7 @@ impl ReadCamera {
 /// # Errors
 /// Returns an error if a parameter has a wrong type or a wrong number of values.
 pub(super) fn read_film(parameters: &Parameters, left_out: &mut Vec<String>) -> Result<[f64; 2]> {
-    parameters.ignore(&["filename", "savefp16", "diagonal", "maxcomponentvalue", "iso", "exposuretime"]);
+    parameters.ignore(&["filename", "savefp16", "diagonal", "maxcomponentvalue"]);
     let sensor = parameters.string("sensor")?.unwrap_or("cie1931");
     if sensor != "cie1931" {
         left_out.push(format!("the sensor \"{sensor}\" is replaced by the CIE 1931 observer"));
@@ -128,7 +128,13 @@ pub(super) fn read_film(parameters: &Parameters, left_out: &mut Vec<String>) -> 
     if ["cropwindow", "pixelbounds"].iter().filter(|key| parameters.get(key).is_some()).count() > 0 {
         left_out.push("the crop of the film is left out: the whole picture is rendered".into());
     }
-    parameters.ignore(&["whitebalance"]);
+    let exposure = parameters.number_or("iso", 100.0)? * parameters.number_or("exposuretime", 1.0)? / 100.0;
+    if exposure != 1.0 {
+        left_out.push(format!("the exposure of the film is left out: pbrt's values are {exposure} times as large"));
+    }
+    if parameters.number_or("whitebalance", 0.0)? != 0.0 {
+        left_out.push("the white balance of the film is left out".into());
+    }
     let size =
         [parameters.number_or("xresolution", DEFAULT_FILM[0])?, parameters.number_or("yresolution", DEFAULT_FILM[1])?];
     Ok(size.map(|pixels| pixels.round().clamp(1.0, 100_000.0)))

@@ -119,9 +119,12 @@ pub(super) fn read_emission(
 ) -> Result<Value> {
     let LightSpectrum { spectrum, luminance } = spectrum(parameters, "L", spectra)?;
     let scale = parameters.number_or("scale", 1.0)?;
-    if parameters.flag_or("twosided", false)? {
+    let twosided = parameters.flag_or("twosided", false)?;
+    if twosided {
         left_out.push("a two-sided area light shines only to the front".into());
     }
+    // pbrt divides the power between the two sides.
+    let scale = if twosided && parameters.number_or("power", 0.0)? > 0.0 { 0.5 * scale } else { scale };
     if parameters.get("filename").is_some() {
         left_out.push("the picture of an area light is left out".into());
     }

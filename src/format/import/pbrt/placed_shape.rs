@@ -9,7 +9,7 @@ use super::parameters::Parameters;
 use super::reader::Reader;
 use super::shape::{ReadShape, ShapeReader};
 use super::state::{is_placement, transform};
-use super::texture::map_numbers;
+use super::texture::{is_uniform, map_numbers};
 use super::token::{Place, Tokens};
 use crate::error::Result;
 use crate::math::elementary::cbrt;
@@ -37,6 +37,8 @@ impl Reader<'_> {
             base: spectra.folder,
             file_access: spectra.file_access,
             reverse: self.state.reverse,
+            textured: self.is_textured(&self.state.material.1)
+                || parameters.get("alpha").is_some_and(|alpha| alpha.kind == "texture"),
             left_out: Vec::new(),
         };
         let shape = reader.read(class, parameters)?;
@@ -79,6 +81,19 @@ impl Reader<'_> {
             None => self.add_object(placed),
         }
         Ok(())
+    }
+
+    /// Returns true if a material has a texture or a normal map.
+    fn is_textured(&self, material: &ReadMaterial) -> bool {
+        match material {
+            ReadMaterial::Interface => false,
+            ReadMaterial::Surface { material, normal_map } => normal_map.is_some() || has_texture(material),
+            ReadMaterial::Mix(names, amount) => {
+                let mut parts = names.iter().filter_map(|name| self.materials.get(name));
+                has_texture(amount)
+                    || parts.any(|part| !matches!(**part, ReadMaterial::Mix(..)) && self.is_textured(part))
+            }
+        }
     }
 
     /// Adds the material of a shape to the scene, and returns its name. Returns `None` if the shape
@@ -169,6 +184,11 @@ impl Reader<'_> {
         }
         Ok(())
     }
+}
+
+/// Returns true if a form of the scene file contains a value that varies over the surface.
+fn has_texture(form: &Value) -> bool {
+    !is_uniform(form) || form.as_object().is_some_and(|entries| entries.values().any(has_texture))
 }
 
 /// Returns 1 minus a number or a texture of numbers.

@@ -180,7 +180,13 @@ impl<'a> Reader<'a> {
                     }
                 };
             }
-            "Option" => drop(Parameters::read(tokens)?),
+            "Option" => {
+                // The other options change only how pbrt renders.
+                if Parameters::read(tokens)?.flag_or("forcediffuse", false)? {
+                    self.scene
+                        .leave_out(place.text(), "the option \"forcediffuse\" is left out: materials stay as they are");
+                }
+            }
             "MediumInterface" => {
                 let inside = self.string(tokens, directive)?;
                 let outside = match tokens.peek()? {
@@ -208,6 +214,10 @@ impl<'a> Reader<'a> {
             "ObjectInstance" => self.instance(tokens, place)?,
             "Attribute" => {
                 let target = self.string(tokens, directive)?;
+                if !["shape", "light", "material", "medium", "texture"].contains(&target.as_str()) {
+                    let error = place.error(format!("found the attributes of \"{target}\""));
+                    return Err(error.expected("shape, light, material, medium or texture"));
+                }
                 let mut parameters = Parameters::read(tokens)?;
                 if let Some(earlier) = self.state.defaults.get(&target) {
                     parameters.add_defaults(earlier);
@@ -328,7 +338,10 @@ impl<'a> Reader<'a> {
     fn texture(&mut self, tokens: &mut Tokens, place: &Place) -> Result<()> {
         let [name, kind, class] =
             [self.string(tokens, "Texture")?, self.string(tokens, "Texture")?, self.string(tokens, "Texture")?];
-        let parameters = Parameters::read(tokens)?;
+        let mut parameters = Parameters::read(tokens)?;
+        if let Some(defaults) = self.state.defaults.get("texture") {
+            parameters.add_defaults(defaults);
+        }
         let is_scalar = kind == "float";
         let mut left_out = Vec::new();
         let value = self.with_textures(&mut left_out, |textures| textures.read(&class, is_scalar, &parameters))?;

@@ -26,6 +26,9 @@ pub(super) struct ReadShape {
 /// The number of segments of a circle that is replaced by straight lines.
 const SEGMENTS: usize = 64;
 
+/// The number of segments of a disk that is replaced by triangles.
+const DISK_SEGMENTS: u32 = 192;
+
 /// The number of segments along each side of a curved bilinear patch.
 const PATCH_SEGMENTS: usize = 8;
 
@@ -38,6 +41,8 @@ pub(super) struct ShapeReader<'a> {
     pub(super) file_access: FileAccess,
     /// True if the front and the back of the shape are exchanged.
     pub(super) reverse: bool,
+    /// True if the material has a texture.
+    pub(super) textured: bool,
     /// Sentences about the parts that were left out.
     pub(super) left_out: Vec<String>,
 }
@@ -82,10 +87,34 @@ impl ShapeReader<'_> {
 
     fn disk(&mut self, parameters: &Parameters) -> Result<ReadShape> {
         let (radius, height) = (parameters.number_or("radius", 1.0)?, parameters.number_or("height", 0.0)?);
-        self.note_partial("disk", parameters, &["innerradius", "phimax"]);
+        let inner = parameters.number_or("innerradius", 0.0)?.clamp(0.0, radius);
+        let sweep = parameters.number_or("phimax", 360.0)?.clamp(0.0, 360.0).to_radians();
+        if self.textured || inner > 0.0 || sweep < TAU {
+            return Ok(self.ring([inner, radius], height, sweep));
+        }
         let turn = if self.reverse { DMat4::from_rotation_x(PI) } else { DMat4::IDENTITY };
         let local = DMat4::from_translation(DVec3::new(0.0, 0.0, height)) * y_to_z() * turn;
         Ok(ReadShape { shape: json!({"disk": {"radius": radius}}), local, area: Some(PI * radius * radius) })
+    }
+
+    /// A disk with a hole, a part of a disk, or a disk with pbrt's texture coordinates: u is the
+    /// angle, and v is 0 at the rim and 1 at the inner edge.
+    fn ring(&self, radii: [f64; 2], height: f64, sweep: f64) -> ReadShape {
+        let mut mesh = Triangles::default();
+        for i in 0..=DISK_SEGMENTS {
+            let turn = f64::from(i) / f64::from(DISK_SEGMENTS);
+            let (sin, cos) = sin_cos(sweep * turn);
+            for (radius, v) in radii.into_iter().zip([1.0, 0.0]) {
+                mesh.add_vertex(DVec3::new(radius * cos, radius * sin, height), None, Some([turn, v]));
+            }
+        }
+        for i in (0..2 * DISK_SEGMENTS).step_by(2) {
+            mesh.indices.push([i, i + 1, i + 3]);
+            if radii[0] > 0.0 {
+                mesh.indices.push([i, i + 3, i + 2]);
+            }
+        }
+        self.finish(mesh)
     }
 
     /// A cylinder in pbrt has no caps.

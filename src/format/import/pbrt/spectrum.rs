@@ -9,6 +9,7 @@ use super::token::{Token, Tokens};
 use crate::colour::RgbSpace;
 use crate::error::Result;
 use crate::format::FileAccess;
+use crate::format::import::dark_outside;
 use crate::json::read_text;
 
 /// The folder, the file access and the colour space with which spectra are read.
@@ -52,8 +53,12 @@ impl SpectrumContext<'_> {
             "float" => Ok(json!(one_number(parameter)?.clamp(0.0, 1.0))),
             "spectrum" => {
                 let mut spectrum = self.spectrum(parameter)?;
-                if let Some(values) = spectrum.pointer_mut("/table/values").and_then(Value::as_array_mut) {
-                    values.iter_mut().for_each(|x| *x = json!(x.as_f64().unwrap_or(0.0).clamp(0.0, 1.0)));
+                let mut list = |key: &str| -> Option<Vec<f64>> {
+                    spectrum.pointer_mut(key)?.as_array()?.iter().map(Value::as_f64).collect()
+                };
+                if let (Some(nm), Some(mut values)) = (list("/table/nm"), list("/table/values")) {
+                    values.iter_mut().for_each(|x| *x = x.clamp(0.0, 1.0));
+                    return Ok(dark_outside(&nm, &values));
                 }
                 Ok(spectrum)
             }

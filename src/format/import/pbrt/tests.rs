@@ -185,7 +185,7 @@ fn materials_become_those_of_abbe() {
     near(&materials["gold"]["conductor"]["roughness"], 0.3);
     near(&materials["both"]["mix"][0]["weight"], 0.75);
     assert_eq!(materials["dielectric"]["dielectric"]["ior"], "SF11");
-    assert_eq!(materials["diffuse"]["diffuse"]["reflectance"]["table"]["nm"], json!([400.0, 700.0]));
+    assert_eq!(materials["diffuse"]["diffuse"]["reflectance"]["table"]["values"], json!([0.0, 0.2, 0.8, 0.0]));
 }
 
 /// Opacity becomes a mix with a pane of index 1.
@@ -297,4 +297,46 @@ fn errors_name_the_line() {
         let error = fault(text);
         assert!(error.contains(expected), "{text}: {error}");
     }
+}
+
+/// A disk with a hole or with a texture has pbrt's texture coordinates: u is the angle, and v is 1 at
+/// the inner edge. Abbe's v points down.
+#[test]
+fn disks_keep_their_hole_and_their_coordinates() {
+    let checker = "Texture \"c\" \"spectrum\" \"checkerboard\"\nMaterial \"diffuse\" \"texture reflectance\" \"c\"\n";
+    let ring = value(&scene("Shape \"disk\" \"float radius\" 2 \"float innerradius\" 1 \"float phimax\" 180"));
+    let triangles = &ring["objects"][0]["shape"]["triangles"];
+    let rim = triangles["positions"].as_array().unwrap().len() - 1;
+    near(&triangles["positions"][0][0], 1.0);
+    near(&triangles["positions"][rim][0], -2.0);
+    assert_eq!((&triangles["uv"][0], &triangles["uv"][rim]), (&json!([0.0, 0.0]), &json!([1.0, 1.0])));
+    let whole = value(&scene(&format!("{checker}Shape \"disk\"")));
+    assert!(whole["objects"][0]["shape"]["triangles"]["uv"].is_array(), "{whole}");
+}
+
+/// The attributes of textures hold for `Texture`. Each target has a known name.
+#[test]
+fn attributes_of_textures_are_applied() {
+    let text = scene(
+        "Attribute \"texture\" \"float uscale\" 4\nTexture \"c\" \"spectrum\" \"checkerboard\"\n\
+         Material \"diffuse\" \"texture reflectance\" \"c\"\nShape \"sphere\"",
+    );
+    near(&value(&text)["materials"]["diffuse"]["diffuse"]["reflectance"]["checker"]["uv"]["scale"][0], 4.0);
+    assert!(fault(&scene("Attribute \"shapes\" \"float radius\" 2")).contains("shape, light"));
+}
+
+/// pbrt divides the power of a two-sided light between its sides, and multiplies all values by the
+/// exposure of the film.
+#[test]
+fn two_sided_power_and_exposure_are_known() {
+    let light = |flag: &str| {
+        let text = format!("AreaLightSource \"diffuse\" \"float power\" 100 {flag}\nShape \"disk\"");
+        value(&scene(&text))["objects"][0]["emission"]["luminance"].as_f64().unwrap()
+    };
+    assert!((light("") / light("\"bool twosided\" true") - 2.0).abs() < 1e-12);
+    let exposed = scene("Shape \"sphere\"").replace("\"rgb\"", "\"rgb\" \"float iso\" 200 \"float exposuretime\" 3");
+    let left_out = imported(&exposed).1.left_out.join("\n");
+    assert!(left_out.contains("6 times as large"), "{left_out}");
+    let (_, forced) = imported(&format!("Option \"bool forcediffuse\" true\n{}", scene("Shape \"sphere\"")));
+    assert!(forced.left_out.join("\n").contains("a.pbrt:1: the option"), "{:?}", forced.left_out);
 }

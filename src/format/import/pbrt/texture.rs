@@ -211,7 +211,7 @@ impl TextureReader<'_> {
 }
 
 /// Returns true if a value does not vary over the surface.
-fn is_uniform(value: &Value) -> bool {
+pub(super) fn is_uniform(value: &Value) -> bool {
     !["image", "checker", "noise", "stripes", "bands"].iter().any(|key| value.get(key).is_some())
 }
 
