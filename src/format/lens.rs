@@ -42,7 +42,8 @@ pub enum LensFile {
     /// A system of real glass elements. Rays are traced through it at each wavelength.
     #[schemars(example = json!({"system": {
         "prescription": "double-gauss", "focus_distance": 4, "f_number": 4, "sensor_height_mm": 24,
-        "blades": 6, "rotation": 15, "diffraction": false
+        "blades": 6, "rotation": 15, "diffraction": false, "transmission": "fresnel",
+        "coating": {"layers": [{"ior": "MgF2", "thickness_nm": 100}]}, "ghosts": true
     }}))]
     System(SystemLensFile),
 }
@@ -215,7 +216,8 @@ impl Serialize for PrescriptionFile {
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Lens surface", example = json!({
     "radius_mm": 60, "conic": -0.2, "aspheric": [1e-9], "thickness_mm": 6, "ior": "N-BK7",
-    "semi_aperture_mm": 20, "stop": false
+    "semi_aperture_mm": 20, "stop": false,
+    "coating": {"layers": [{"ior": "MgF2", "thickness_nm": 100}]}
 }))]
 pub struct LensSurfaceFile {
     /// Radius of curvature, positive if the centre of curvature lies towards the sensor. 0 or null

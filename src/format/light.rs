@@ -132,6 +132,7 @@ pub struct PointFile {
 /// axis.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[schemars(title = "Falloff of a spot light")]
 pub enum SpotFalloffFile {
     /// As a smoothstep in cos θ, as in pbrt.
     #[default]
