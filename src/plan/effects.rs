@@ -35,6 +35,8 @@ pub enum EffectId {
     ThinFilms,
     /// Surfaces emit light at other wavelengths than they absorb.
     Fluorescence,
+    /// Light below 360 nm excites fluorophores.
+    Ultraviolet,
     /// Camera paths continue at rough and coated surfaces.
     Roughness,
     /// Objects have interiors.
@@ -103,7 +105,7 @@ pub(super) enum Removal {
 
 impl EffectId {
     /// All effects, in the order of decision.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::Dispersion,
         Self::Shared,
         Self::Caustics,
@@ -115,6 +117,7 @@ impl EffectId {
         Self::Textures,
         Self::ThinFilms,
         Self::Fluorescence,
+        Self::Ultraviolet,
         Self::Roughness,
         Self::Bodies,
         Self::Absorption,
