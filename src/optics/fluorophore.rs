@@ -173,7 +173,7 @@ impl Fluorophore {
             let near = i.saturating_sub(1)..(i + 2).min(excitation_nm.len());
             let triangle: Vec<f64> = near.clone().map(|k| if k == i { yields[i] } else { 0.0 }).collect();
             let triangle = Spectrum::table(&excitation_nm[near], &triangle, Outside::Zero)?;
-            if triangle.integral() > 0.0 {
+            if triangle.integral() + triangle.ultraviolet_sum(&|_| 1.0) > 0.0 {
                 emissions.push(FluorescentEmission::new(&triangle, spectrum, 1.0)?);
                 rows_nm.push(excitation_nm[i]);
             }

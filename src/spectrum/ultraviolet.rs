@@ -166,6 +166,17 @@ impl Spectrum {
         Self::combined(&|nm| 1.0 - self.ultraviolet_continuum_at(nm), Vec::new())
     }
 
+    /// Returns the spectrum with values below the band of at most 1 minus another continuum.
+    #[must_use]
+    pub fn limited_below_band(self, other: &Self) -> Self {
+        let limited = |nm: f64| {
+            let most = (1.0 - other.ultraviolet_continuum_at(nm)).max(0.0);
+            self.ultraviolet_continuum_at(nm).min(most)
+        };
+        let part = Self::combined(&limited, Vec::new());
+        self.with_part_below(part)
+    }
+
     /// Returns the ultraviolet part without lines.
     pub(super) fn ultraviolet_continuum(&self) -> Option<Box<Ultraviolet>> {
         self.ultraviolet.as_ref().map(|part| Box::new(Ultraviolet { values: part.values, ..Ultraviolet::NONE }))
