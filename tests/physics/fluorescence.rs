@@ -188,7 +188,7 @@ fn one_reflection_is_golden() {
         let per_watt: [f64; 3] = std::array::from_fn(|c| xyz[c] * white / stated);
         let known = case["XYZ_per_incident_watt"].as_array().expect("a colour");
         let known: Vec<f64> = known.iter().map(|value| number(value) * incident / stated).collect();
-        assert_near(&label, &per_watt, &known, 3e-6 * known[1].max(1.0));
+        assert_near(&label, per_watt, &known, 3e-6 * known[1].max(1.0));
         assert_near(&label, xyz, &case["XYZ"], 3e-6 * number(&case["XYZ"][1]).max(1.0));
         let losses = |of: &dyn Fn(f64) -> f64| sum(of) / incident;
         for (key, found) in [
