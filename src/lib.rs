@@ -100,7 +100,7 @@
 //!
 //! Abbe simulates the geometrical optics of unpolarised light. Diffraction is simulated only at the
 //! camera's aperture. Abbe does not simulate polarisation. Surfaces and media may be fluorescent,
-//! but light below 360 nm excites nothing. Abbe simulates surfaces, homogeneous and heterogeneous
+//! and light from 300 nm on excites them. Abbe simulates surfaces, homogeneous and heterogeneous
 //! scattering media, and glowing media. All rays and photons of a pass share one shutter time, so
 //! nothing moves during a pass. The mean over the passes contains the motion blur.
 //!

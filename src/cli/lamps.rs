@@ -134,6 +134,7 @@ fn xyz_of_fluorescent(surface: &Fluorescent, light: &Spectrum, observer: &Observ
     let reflected = report::xyz_under(surface.reflectance(), light, observer);
     let fluorophore = &surface.fluorophore;
     let [_, excitation, _] = report::xyz_under(fluorophore.excitation_spectrum(), light, Observer::radiometric());
+    let excitation = excitation + light.ultraviolet_sum(&|nm| fluorophore.excitation_spectrum().at(nm));
     let emitted = report::xyz(fluorophore.emitted_power(), observer);
     std::array::from_fn(|c| reflected[c] + excitation * fluorophore.quantum_yield() * emitted[c])
 }

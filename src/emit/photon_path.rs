@@ -3,7 +3,7 @@
 use crate::map::WavelengthCode;
 use crate::math::random::Stream;
 use crate::plan::partition::LightPath;
-use crate::spectrum::{LANES, Lanes, Wavelengths};
+use crate::spectrum::{BAND_NM, LANES, Lanes, Wavelengths};
 use crate::walk::{RayDensity, RayState};
 
 /// The state of a photon at one vertex of its path.
@@ -46,6 +46,13 @@ impl PhotonPath {
     pub(super) fn total_w(&self) -> f64 {
         // Lanes that are not in use hold no power.
         (0..LANES).map(|k| self.photon.power[k] * self.watts[k]).sum()
+    }
+
+    /// Returns the power of the wavelengths below the band, in W.
+    #[cold]
+    pub(super) fn ultraviolet_w(&self) -> f64 {
+        let below = (0..LANES).filter(|&k| self.photon.wavelengths.nm[k] < BAND_NM.0);
+        below.map(|k| self.photon.power[k] * self.watts[k]).sum()
     }
 
     /// Continues the path beyond the depth limit, and multiplies its power by `factor`.

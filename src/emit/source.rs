@@ -128,7 +128,7 @@ impl PhotonSource<'_> {
                 let mut nm = [0.0; LANES];
                 let mut power = [0.0; LANES];
                 for k in 0..LANES {
-                    let (sampled, pdf) = light.wavelengths.sample((u + k as f64) / LANES as f64);
+                    let (sampled, pdf) = light.photon_wavelengths().sample((u + k as f64) / LANES as f64);
                     nm[k] = sampled;
                     power[k] = light.spd_at(emission.spd, sampled) / (pdf * LANES as f64);
                 }

@@ -10,7 +10,7 @@ use crate::math::sobol::Sobol;
 use crate::optics::bsdf::{BsdfClass, TransportMode};
 use crate::plan::MediumPlan;
 use crate::plan::partition::LightPath;
-use crate::spectrum::LANES;
+use crate::spectrum::{BAND_NM, LANES};
 use crate::walk::SurfaceLookup;
 use crate::walk::ledger::Ledger;
 use crate::walk::{
@@ -55,6 +55,10 @@ fn trace_one<M: BodyMode, V: PhotonVisitor>(
         return;
     }
     ledger.emitted += emitted;
+    // The wavelengths of a photon ascend.
+    if path.photon.wavelengths.nm[0] < BAND_NM.0 {
+        ledger.ultraviolet += path.ultraviolet_w();
+    }
     visitor.on_start(&path.ray_state.ray, &path.photon);
     if !follow::<M, V>(source, &mut path, 1..source.depth_limit.events() + 1, &mut stream, visitor, ledger) {
         return;

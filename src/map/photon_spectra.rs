@@ -63,14 +63,14 @@ impl PhotonSpectra {
         let mut first_lights: Vec<usize> = Vec::new();
         let mut different = 0;
         let of_light = lights.iter().enumerate().map(|(light_number, light)| {
-            let spectrum = |number: &usize| distributions[*number] == light.wavelengths;
+            let spectrum = |number: &usize| &distributions[*number] == light.photon_wavelengths();
             let group = |number: &usize| !by_group || lights[first_lights[*number]].group == light.group;
             let numbers = 0..distributions.len();
             let known = numbers.clone().find(|number| group(number) && spectrum(number));
             let is_new = known.is_none() && !numbers.clone().any(|number| spectrum(&number));
             different += usize::from(is_new);
             if known.is_none() {
-                distributions.push(light.wavelengths.clone());
+                distributions.push(light.photon_wavelengths().clone());
                 first_lights.push(light_number);
             }
             code_number(known.unwrap_or(numbers.end))

@@ -46,6 +46,8 @@ pub struct Fluorophore {
     /// The mean emitted power per nm of all terms.
     mean_power: Spectrum,
     wavelengths: WavelengthDistribution,
+    /// True if light below the band excites the fluorophore in this render.
+    ultraviolet: bool,
     /// The number of the fluorophore in the scene. The scene assigns it.
     pub number: usize,
     /// The number of the first emission in the scene. The scene assigns it.
@@ -114,8 +116,9 @@ impl Fluorophore {
     /// Returns an error if the absorptance or the quantum yield is outside \[0, 1\], or if the
     /// emission is negative or has no power in the band, or if one of them contains spectral lines.
     pub fn new(absorptance: Spectrum, emission: &Spectrum, quantum_yield: f64) -> Result<Self> {
-        if !(absorptance.min() >= 0.0 && absorptance.max() <= 1.0) {
-            let [least, most] = [absorptance.min(), absorptance.max()];
+        let below = absorptance.ultraviolet_range();
+        let [least, most] = [absorptance.min().min(below.0), absorptance.max().max(below.1)];
+        if !(least >= 0.0 && most <= 1.0) {
             return Err(
                 Error::input(format!("an absorptance between {least} and {most}")).expected("values from 0 to 1")
             );
@@ -170,7 +173,7 @@ impl Fluorophore {
             let near = i.saturating_sub(1)..(i + 2).min(excitation_nm.len());
             let triangle: Vec<f64> = near.clone().map(|k| if k == i { yields[i] } else { 0.0 }).collect();
             let triangle = Spectrum::table(&excitation_nm[near], &triangle, Outside::Zero)?;
-            if triangle.integral() > 0.0 {
+            if triangle.integral() + triangle.ultraviolet_sum(&|_| 1.0) > 0.0 {
                 emissions.push(FluorescentEmission::new(&triangle, spectrum, 1.0)?);
                 rows_nm.push(excitation_nm[i]);
             }
@@ -202,6 +205,7 @@ impl Fluorophore {
             excitation_nm,
             mean_power,
             wavelengths,
+            ultraviolet: false,
             number: 0,
             first_emission: 0,
         })
@@ -260,7 +264,32 @@ impl Fluorophore {
     /// Returns the distribution of the absorbed photons in light of this power spectrum. Returns
     /// `None` if the fluorophore absorbs nothing.
     pub fn absorbed_wavelengths(&self, light: &Spectrum) -> Option<WavelengthDistribution> {
-        WavelengthDistribution::new(&light.product(&self.absorptance))
+        let absorbed = light.product(&self.absorptance);
+        let band = WavelengthDistribution::new(&absorbed);
+        if !self.ultraviolet {
+            return band;
+        }
+        absorbed.extended_wavelengths(band.as_ref(), absorbed.integral(), &|_| 1.0, 1.0)
+    }
+
+    /// Returns the power that the fluorophore absorbs below the band in this light.
+    pub fn absorbed_ultraviolet(&self, light: &Spectrum) -> f64 {
+        light.ultraviolet_sum(&|nm| self.absorptance.at(nm))
+    }
+
+    /// Lets light below the band excite the fluorophore.
+    pub fn add_ultraviolet(&mut self) {
+        self.ultraviolet = true;
+    }
+
+    /// Returns the visual importance X + Y + Z of the emission that light of 1 W at a wavelength
+    /// excites, as a function of the wavelength in nm. Where the fluorophore absorbs most, it
+    /// absorbs all light.
+    pub fn visual_value(&self, observer: &Observer) -> impl Fn(f64) -> f64 + '_ {
+        let most = self.absorptance.max().max(self.absorptance.ultraviolet_range().1);
+        let emitted: f64 = observer.xyz(&self.mean_power).iter().sum();
+        let per_excitation = if most > 0.0 { self.quantum_yield * emitted / most } else { 0.0 };
+        move |nm| per_excitation * self.excitation.at(nm)
     }
 
     /// Returns the sum of a_r(λ)·λ as a spectrum, in nm.

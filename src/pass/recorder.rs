@@ -7,12 +7,14 @@ use crate::emit::{
     MediumCollision, MediumCrossing, PhotonFlight, PhotonState, PhotonVisitor, SurfaceArrival,
     connect::CameraConnection,
 };
+use crate::geometry::Ray;
 use crate::map::{Photon, PhotonBeam, PhotonPower, PhotonSpectra, VolumePhoton};
 use crate::math::random::Stream;
 use crate::plan::partition::{Estimator, PerClass, PhotonClass, PhotonSet, View, estimator, kept_in_map};
 use crate::plan::{AimPlan, AperturePlan, CausticPlan, IndirectPlan, PathClass, Plan, Tally, WavelengthPlan};
 use crate::scene::Scene;
 use crate::sensor::SplatSink;
+use crate::spectrum::BAND_NM;
 use crate::walk::{LONG_PATH, NumberedMedium};
 
 /// The number of surface events of a photon path after which only some of its photons are recorded.
@@ -187,6 +189,10 @@ impl PhotonVisitor for PhotonRecorder<'_> {
         self.tally.photons += 1;
         self.tally.shared_photons += u64::from(self.set == PhotonSet::Shared);
         self.tally.aimed += u64::from(self.plan.aim == AimPlan::Learned);
+    }
+
+    fn on_start(&mut self, _ray: &Ray, photon: &PhotonState) {
+        self.tally.ultraviolet_photons += u64::from(photon.wavelengths.nm[0] < BAND_NM.0);
     }
 }
 

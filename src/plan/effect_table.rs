@@ -273,6 +273,19 @@ const fn row(id: EffectId) -> Effect {
                 Ok(())
             }),
         },
+        EffectId::Ultraviolet => Effect {
+            id,
+            name: "ultraviolet",
+            field: "ultraviolet",
+            cost: "wavelengths from 300 to 360 nm, for a share of at most one half of each light's photons",
+            absent: "the simulated band begins at 360 nm",
+            called_by: "fluorescent objects that absorb ultraviolet of the lights",
+            uncalled: "no fluorescent object absorbs light of the scene below 360 nm",
+            calls: |facts| facts.ultraviolet.clone(),
+            set: |plan, facts, on| plan.ultraviolet = on && plan.fluorescence && !facts.ultraviolet.is_empty(),
+            events: |tally, _| tally.ultraviolet_photons,
+            removal: Removal::FromPlan,
+        },
         EffectId::Roughness => Effect {
             id,
             name: "roughness",

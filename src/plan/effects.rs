@@ -37,6 +37,8 @@ pub enum EffectId {
     ThinFilms,
     /// Surfaces emit light at other wavelengths than they absorb.
     Fluorescence,
+    /// Light below 360 nm excites fluorophores.
+    Ultraviolet,
     /// Camera paths continue at rough and coated surfaces.
     Roughness,
     /// Objects have interiors.
@@ -118,6 +120,7 @@ impl EffectId {
         Self::Textures,
         Self::ThinFilms,
         Self::Fluorescence,
+        Self::Ultraviolet,
         Self::Roughness,
         Self::Bodies,
         Self::Absorption,

@@ -27,6 +27,8 @@ pub struct Plan {
     pub motion: MotionPlan,
     /// True if surfaces or media are fluorescent.
     pub fluorescence: bool,
+    /// True if light from 300 to 360 nm excites fluorophores.
+    pub ultraviolet: bool,
 }
 
 impl Plan {
@@ -42,6 +44,7 @@ impl Plan {
         aim: AimPlan::Plain,
         motion: MotionPlan::Still,
         fluorescence: false,
+        ultraviolet: false,
     };
 }
 

@@ -191,9 +191,12 @@ fn absorption(scene: &Scene, facts: &Facts) -> Option<String> {
     if facts.absorbing_bodies.is_empty() || scene.moves() {
         return None;
     }
+    let fluorescent = !facts.fluorescent.is_empty();
     let bodies = diagonals(scene).filter_map(|(material, diagonal_m)| {
         let absorption = scene.materials[material].body.as_ref()?.absorption.as_ref()?;
-        Some(absorption.max() * diagonal_m)
+        // A fluorophore can also receive light below the band.
+        let below = if fluorescent { absorption.ultraviolet_range().1 } else { 0.0 };
+        Some(absorption.max().max(below) * diagonal_m)
     });
     // A segment may cross all bodies.
     if_thin(scene, bodies.sum())

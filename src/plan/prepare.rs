@@ -61,6 +61,9 @@ pub fn prepare(scene: &mut Scene) -> Result<(Plan, Vec<EffectRow>)> {
             "another lens, such as `pinhole` or `thin_lens`, or a render that forbids the effect `fluorescence`",
         ));
     }
+    if plan.ultraviolet {
+        scene.add_ultraviolet();
+    }
     scene.notes.extend(upsampled_colours_note(&facts));
     Ok((plan, rows))
 }

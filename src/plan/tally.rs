@@ -56,6 +56,9 @@ pub struct Tally {
     /// Arrivals of camera paths at fluorescent surfaces and in fluorescent media.
     #[serde(default)]
     pub fluorescent_events: u64,
+    /// Emitted photon paths with at least one wavelength below 360 nm.
+    #[serde(default)]
+    pub ultraviolet_photons: u64,
     /// Scattering events at rough or coated surfaces.
     pub rough_events: u64,
     /// Arrivals at the faces of bodies and at gratings, and segments of camera paths inside bodies.
@@ -106,6 +109,7 @@ impl Tally {
         self.ghost_rays += other.ghost_rays;
         self.film_events += other.film_events;
         self.fluorescent_events += other.fluorescent_events;
+        self.ultraviolet_photons += other.ultraviolet_photons;
         self.rough_events += other.rough_events;
         self.body_events += other.body_events;
         self.absorptions += other.absorptions;

@@ -17,6 +17,9 @@ use std::collections::BTreeMap;
 pub struct LedgerStats {
     /// The emitted power.
     pub emitted: f64,
+    /// The part of `emitted` below 360 nm. `lamps` does not include it.
+    #[serde(default)]
+    pub ultraviolet: f64,
     /// The power gained (positive) or lost by random decisions, such as Russian roulette.
     pub sampling: f64,
     /// The power absorbed by surfaces and bodies.
@@ -340,6 +343,7 @@ impl LedgerStats {
             .map(|name| (name.clone(), mean(&|ledger| ledger.by_material.get(&name).copied().unwrap_or(0.0))));
         Self {
             emitted: mean(&|ledger| ledger.emitted),
+            ultraviolet: mean(&|ledger| ledger.ultraviolet),
             sampling: mean(&|ledger| ledger.sampling),
             absorbed: mean(&|ledger| ledger.absorbed),
             stokes_loss: mean(&|ledger| ledger.stokes_loss),
@@ -386,6 +390,7 @@ fn ledger_stats(job: &Job, ledger: &Ledger) -> LedgerStats {
     let names = job.scene.materials.iter().map(|material| material.name.clone());
     LedgerStats {
         emitted: ledger.emitted,
+        ultraviolet: ledger.ultraviolet,
         sampling: ledger.sampling,
         absorbed: ledger.absorbed_total(),
         stokes_loss: ledger.stokes_loss,

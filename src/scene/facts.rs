@@ -4,6 +4,7 @@ use super::camera::{Aperture, ApertureDiffraction};
 use super::light::Light;
 use super::{Object, Scene};
 use crate::optics::bsdf::{Bsdf, BsdfClass};
+use crate::optics::fluorophore::Fluorophore;
 use crate::optics::glass::RefractiveIndex;
 use crate::spectrum::Spectrum;
 use crate::texture::SurfaceSpectrum;
@@ -29,6 +30,8 @@ pub struct Facts {
     pub films: Vec<String>,
     /// Objects with a fluorescent surface or a fluorescent medium.
     pub fluorescent: Vec<String>,
+    /// Fluorescent objects that absorb light of the scene below the band.
+    pub ultraviolet: Vec<String>,
     /// Objects with a diffuse component.
     pub diffuse: Vec<String>,
     /// Objects with a body, and gratings. The body consists of glass or liquid, or it is filled
@@ -153,6 +156,9 @@ impl Facts {
             if material.surface.fluorescent().next().is_some() {
                 facts.fluorescent.push(object.name.clone());
             }
+            if material.surface.fluorescent().any(|surface| ultraviolet_excites(scene, &surface.fluorophore)) {
+                facts.ultraviolet.push(object.name.clone());
+            }
             if material.surface.components().any(|part| part.grating().is_some()) {
                 facts.dispersive.push(object.name.clone());
                 facts.bodies.push(object.name.clone());
@@ -174,8 +180,11 @@ impl Facts {
                 }
                 if let Some(medium) = body.medium.map(|number| &scene.media[number]) {
                     facts.media.push(object.name.clone());
-                    if medium.fluorophore.is_some() {
+                    if let Some(dye) = &medium.fluorophore {
                         facts.fluorescent.push(object.name.clone());
+                        if ultraviolet_excites(scene, dye) {
+                            facts.ultraviolet.push(object.name.clone());
+                        }
                     }
                     if medium.scatters() {
                         let list = if medium.dense { &mut facts.dense_media } else { &mut facts.thin_media };
@@ -226,4 +235,9 @@ impl Facts {
         facts.films.extend(lens.filter(|system| system.is_coated()).map(|_| "the camera's lens".to_owned()));
         facts
     }
+}
+
+/// Returns true if a light of the scene has power below the band where a fluorophore absorbs.
+fn ultraviolet_excites(scene: &Scene, fluorophore: &Fluorophore) -> bool {
+    scene.lights.iter().any(|light| fluorophore.absorbed_ultraviolet(&light.spectrum) > 0.0)
 }

@@ -28,7 +28,7 @@ use crate::geometry::{Geometry, Hit, Ray};
 use crate::optics::bsdf::Bsdf;
 use crate::optics::fluorophore::Fluorophore;
 use crate::optics::glass::RefractiveIndex;
-use crate::spectrum::{Observer, Spectrum};
+use crate::spectrum::{BAND_NM, Observer, Spectrum, ULTRAVIOLET_FROM_NM};
 use crate::texture::NormalMap;
 use camera::{Camera, Shutter};
 use glam::{DAffine3, DVec3};
@@ -248,6 +248,29 @@ impl Scene {
         let surfaces = self.materials.iter().flat_map(|material| material.surface.fluorescent());
         let of_media = self.media.iter().filter_map(|medium| medium.fluorophore.as_deref());
         surfaces.map(|surface| &surface.fluorophore).chain(of_media)
+    }
+
+    /// Adds the ultraviolet of the lights, which excites fluorophores.
+    ///
+    /// A light samples photons below the band in proportion to the power and the importance of the
+    /// light that they can excite. Wavelengths of little importance keep a small density, so that
+    /// the estimate is unbiased.
+    pub(crate) fn add_ultraviolet(&mut self) {
+        /// The smallest importance of a wavelength, as a fraction of the largest importance.
+        const LEAST: f64 = 0.02;
+        let observer = self.film.observer;
+        let mut lights = std::mem::take(&mut self.lights);
+        let values: Vec<_> = self.fluorophores().map(|fluorophore| fluorophore.visual_value(observer)).collect();
+        let value = |nm: f64| values.iter().map(|value| value(nm)).fold(0.0, f64::max);
+        let nm = (ULTRAVIOLET_FROM_NM as u32..BAND_NM.0 as u32).map(f64::from);
+        let least = LEAST * nm.map(value).fold(0.0, f64::max);
+        lights.iter_mut().for_each(|light| light.add_ultraviolet(&|nm| value(nm).max(least)));
+        drop(values);
+        self.lights = lights;
+        for material in &mut self.materials {
+            material.surface.for_each_fluorophore(&mut Fluorophore::add_ultraviolet);
+        }
+        self.media.iter_mut().for_each(Medium::add_ultraviolet);
     }
 
     /// Assigns the numbers of the fluorophores and of their emissions.

@@ -94,7 +94,8 @@ impl Channels {
     /// for each channel. `weight` is the radiance. `xyz` is the radiance times the colour-matching
     /// functions.
     pub(super) fn distribute(&self, nm: f64, weight: f64, xyz: [f64; 3], mut add: impl FnMut(usize, f64)) {
-        if self.bands > 0 {
+        // Light below the band only excites fluorophores.
+        if self.bands > 0 && nm >= BAND_NM.0 {
             let band = band_of(nm, self.bands);
             add(band, weight);
             if self.moments {

@@ -4,6 +4,7 @@ use super::continuum::Continuum;
 use super::index::BandIndex;
 use super::observer::Observer;
 use super::sweep::sweep;
+use super::ultraviolet::WeightedPiece;
 use super::{BAND_NM, Spectrum};
 
 /// This share of the density of [`WavelengthDistribution::visually_weighted`] follows the product
@@ -150,6 +151,49 @@ impl WavelengthDistribution {
                 total += mass;
             }
         });
+        (total > 0.0 && total.is_finite()).then(|| Self::normalised(&parts, total))
+    }
+
+    /// Returns a density with a share below the band, or `None` if nothing has power. `band` is
+    /// the density within the band. Its weight is `band_mass`. Below the band, the density is
+    /// proportional to the pieces. Their integral is their weight, but their share is at most
+    /// `most`. The share is rounded up to a multiple of 1/1024. The edge between the two parts then
+    /// lies between two cells of a table of photons.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn with_ultraviolet(
+        band: Option<&Self>,
+        band_mass: f64,
+        pieces: &[WeightedPiece],
+        most: f64,
+    ) -> Option<Self> {
+        const SHARES: f64 = 1024.0;
+        let mass = |((from, to), values): &WeightedPiece| (to - from) * (0.5 * values.0 + 0.5 * values.1);
+        let ultraviolet: f64 = pieces.iter().map(mass).sum();
+        let Some(band) = band.filter(|_| ultraviolet > 0.0) else {
+            let share = f64::from(u8::from(ultraviolet > 0.0));
+            return if share > 0.0 { Self::of_pieces(pieces, &[], (ultraviolet, share)) } else { band.cloned() };
+        };
+        let share = ((SHARES * ultraviolet / (ultraviolet + band_mass)).ceil() / SHARES).min(most);
+        Self::of_pieces(pieces, &band.segments, (ultraviolet, share))
+    }
+
+    fn of_pieces(pieces: &[WeightedPiece], band: &[DensitySegment], (ultraviolet, share): (f64, f64)) -> Option<Self> {
+        let scale = share / ultraviolet;
+        let below = pieces.iter().map(|&(ends, values)| (ends, (scale * values.0, scale * values.1)));
+        let within = band.iter().map(|segment| {
+            let values = (segment.density, segment.density + segment.rise);
+            let ends = (segment.lower, segment.last.next_up());
+            (ends, ((1.0 - share) * values.0, (1.0 - share) * values.1))
+        });
+        let (mut parts, mut total) = (Vec::new(), 0.0);
+        for (ends, weights) in below.chain(within) {
+            let mass = (ends.1 - ends.0) * (0.5 * weights.0 + 0.5 * weights.1);
+            if mass > 0.0 {
+                parts.push(UnscaledSegment { ends, weights, before: total, mass });
+                total += mass;
+            }
+        }
         (total > 0.0 && total.is_finite()).then(|| Self::normalised(&parts, total))
     }
 

@@ -29,7 +29,7 @@ impl BandIndex {
         let buckets = count.clamp(1, MAX_BUCKETS);
         let buckets_per_nm = buckets as f64 / (BAND_NM.1 - BAND_NM.0);
         let mut first = Vec::with_capacity(buckets + 1);
-        let mut rest = lower.skip(1).peekable();
+        let mut rest = lower.clone().skip(1).peekable();
         let mut segment = 0_u32;
         for bucket in 0..=buckets {
             // Rounding may put a wavelength into the next bucket. Because of the margin, the search
@@ -39,6 +39,10 @@ impl BandIndex {
                 segment += 1;
             }
             first.push(segment);
+        }
+        if lower.clone().next().is_some_and(|lowest| lowest < BAND_NM.0) {
+            // The first bucket also contains the segments below the band.
+            first[0] = 0;
         }
         if let Some(last) = first.last_mut() {
             *last = (count.max(1) - 1) as u32;

@@ -1,7 +1,7 @@
 //! Spectral lines: narrow segments of the band. Each line has an exact power.
 
-use super::BAND_NM;
 use super::index::BandIndex;
+use super::{BAND_NM, ULTRAVIOLET_FROM_NM};
 use crate::error::{Error, Result};
 use crate::math::sort::sort_by_number;
 
@@ -45,10 +45,11 @@ impl SpectralLine {
 
     /// Returns the line as a segment of constant density, clipped to the band. The power outside
     /// the band is lost. Returns `None` if no part of the line is left.
-    fn segment(&self) -> Option<LineSegment> {
+    /// Returns the part of the line within an interval of wavelengths.
+    fn segment(&self, (from, to): (f64, f64)) -> Option<LineSegment> {
         let half = 0.5 * self.fwhm_nm.unwrap_or(DEFAULT_LINE_WIDTH_NM);
         let (lower, upper) = (self.nm - half, self.nm + half);
-        let kept = (lower.max(BAND_NM.0), upper.min(BAND_NM.1));
+        let kept = (lower.max(from), upper.min(to));
         let share = (kept.1 - kept.0) / (upper - lower);
         (share > 0.0 && self.power > 0.0).then_some(LineSegment { nm: kept, power: self.power * share.min(1.0) })
     }
@@ -96,7 +97,12 @@ impl Lines {
     /// index of the line.
     pub(crate) fn new(lines: &[SpectralLine]) -> Result<Self> {
         lines.iter().enumerate().try_for_each(|(i, line)| line.check(i))?;
-        Ok(Self::from_segments(lines.iter().filter_map(SpectralLine::segment).collect()))
+        Ok(Self::from_segments(lines.iter().filter_map(|line| line.segment(BAND_NM)).collect()))
+    }
+
+    /// Returns the parts of lines that lie in the ultraviolet.
+    pub(super) fn below_band(lines: &[SpectralLine]) -> Vec<LineSegment> {
+        lines.iter().filter_map(|line| line.segment((ULTRAVIOLET_FROM_NM, BAND_NM.0))).collect()
     }
 
     /// Builds the list from any segments. The densities of overlapping segments are added.

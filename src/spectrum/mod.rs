@@ -25,6 +25,7 @@ mod smooth;
 mod smooth_reflectance;
 mod sweep;
 mod table;
+mod ultraviolet;
 mod value;
 
 pub use band_channel::{emissive_channel, emissive_wavelength_nm, reflective_wavelength_nm};
@@ -38,6 +39,7 @@ pub use observer::{LUMENS_PER_WATT, MELANOPIC_W_PER_LM_OF_D65, OBSERVER_NAMES, O
 pub use planck::planck;
 pub use smooth_reflectance::SmoothReflectance;
 pub use table::Outside;
+pub use ultraviolet::ULTRAVIOLET_FROM_NM;
 pub use value::Spectrum;
 
 /// The simulated band of wavelengths in nm. All powers and integrals refer to this band.

@@ -3,7 +3,7 @@
 use super::continuum::{Continuum, LinearPiece};
 use super::line::LineSegment;
 use super::sweep::sweep;
-use super::{Spectrum, planck, smooth};
+use super::{Spectrum, planck};
 
 /// The largest relative error of the linear pieces of a product. The error is relative to the
 /// product of the maxima of the two spectra.
@@ -28,7 +28,8 @@ impl Spectrum {
             }
         });
         let lines = Self::from_segments(&lines);
-        Self::mix(&[(1.0, &Self::from_continuum(Continuum::from_pieces(&pieces))), (1.0, &lines)])
+        let product = Self::mix(&[(1.0, &Self::from_continuum(Continuum::from_pieces(&pieces))), (1.0, &lines)]);
+        product.with_part_below(self.ultraviolet_of_product(other))
     }
 
     /// Returns 1 minus the continuum of the spectrum: the transmittance of an absorptance.
@@ -37,14 +38,15 @@ impl Spectrum {
         let complement =
             |piece: LinearPiece| LinearPiece { values: (1.0 - piece.values.0, 1.0 - piece.values.1), ..piece };
         let pieces: Vec<LinearPiece> = self.continuum().map(complement).collect();
-        Self::from_continuum(Continuum::from_pieces(&pieces))
+        let complement = Self::from_continuum(Continuum::from_pieces(&pieces));
+        complement.with_part_below(self.ultraviolet_of_complement())
     }
 
     /// Returns the sum of weighted black-body radiances in W m⁻² sr⁻¹ nm⁻¹. `bodies` lists pairs of
     /// a temperature in K (above 0) and a weight.
     pub fn blackbodies(bodies: &[(f64, f64)]) -> Self {
         let radiance = |nm: f64| bodies.iter().map(|&(kelvin, weight)| weight * planck(nm, kelvin)).sum::<f64>() * 1e-9;
-        Self::from_continuum(smooth::sampled(radiance, &[]))
+        Self::of_formula(radiance)
     }
 }
 

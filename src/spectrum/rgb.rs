@@ -27,7 +27,8 @@ impl Spectrum {
 
     /// Returns a light of the given linear sRGB colour: D65 times a smooth filter. Its XYZ values,
     /// computed without the factor 683, match the colour. The error is at most 10⁻³ times the
-    /// largest component of the colour.
+    /// largest component of the colour. A colour says nothing about the ultraviolet, so the light
+    /// has none.
     ///
     /// # Errors
     /// Returns an error if a component is negative or not finite.
@@ -42,11 +43,11 @@ impl Spectrum {
         let scale = 2.0 * rgb.iter().copied().fold(0.0, f64::max);
         let d65 = &basis().d65;
         if scale == 0.0 || rgb == [rgb[0]; 3] {
-            return Ok(d65.scaled(rgb[0]));
+            return Ok(d65.scaled(rgb[0]).without_ultraviolet());
         }
         let filter = SmoothReflectance::of_rgb(rgb.map(|component| component / scale));
         let light = |nm: f64| scale * filter.at(nm) * d65.at(nm);
-        Ok(Self::upsampled(smooth::sampled(light, &[])))
+        Ok(Self::upsampled(smooth::sampled(light, &[])).without_ultraviolet())
     }
 }
 

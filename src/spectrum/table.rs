@@ -42,7 +42,12 @@ pub(crate) fn first_fault(nm: &[f64], values: &[f64]) -> Option<(usize, Error)> 
 /// Returns whether two adjacent samples of a table in the band are too close for a sum with one
 /// sample per nm.
 pub(crate) fn is_fine(nm: &[f64]) -> bool {
-    nm.windows(2).any(|pair| pair[1] - pair[0] < FINE_STEP_NM && pair[1] > BAND_NM.0 && pair[0] < BAND_NM.1)
+    is_fine_within(nm, BAND_NM)
+}
+
+/// Returns true if the table has finer steps than 0.49 nm somewhere in an interval of wavelengths.
+pub(super) fn is_fine_within(nm: &[f64], (from, to): (f64, f64)) -> bool {
+    nm.windows(2).any(|pair| pair[1] - pair[0] < FINE_STEP_NM && pair[1] > from && pair[0] < to)
 }
 
 /// Converts a table to a function over the band.

@@ -4,6 +4,7 @@ use super::continuum::{Continuum, LinearPiece};
 use super::line::{LineSegment, Lines, MIN_WIDTH_NM, SpectralLine};
 use super::sweep::{self, SpectrumParts};
 use super::table::{self, Outside};
+use super::ultraviolet::Ultraviolet;
 use super::{BAND_NM, planck, smooth};
 use crate::error::{Error, Result};
 use crate::math::elementary::{exp, ln, powf};
@@ -17,6 +18,10 @@ const NARROW_NM: f64 = 5.0;
 /// A spectrum is the sum of a piecewise-linear continuum, which may be discontinuous, and narrow
 /// lines of exact power. Every integral is exact for this function. [`at`](Self::at) takes constant
 /// time.
+///
+/// A spectrum also has values from 300 to 360 nm. Only fluorophores absorb light of these
+/// wavelengths. Integrals, extremes and products with colour-matching functions cover the band
+/// alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrum {
     /// The spectrum without its lines.
@@ -26,6 +31,8 @@ pub struct Spectrum {
     narrow: Option<Box<Continuum>>,
     /// True if a part of the spectrum was made from an RGB colour.
     upsampled: bool,
+    /// The part below the band. `None` if the value at the lower end of the band is held.
+    pub(super) ultraviolet: Option<Box<Ultraviolet>>,
 }
 
 impl Spectrum {
@@ -45,7 +52,9 @@ impl Spectrum {
     pub fn table(nm: &[f64], values: &[f64], outside: Outside) -> Result<Self> {
         let continuum = table::continuum(nm, values, outside)?;
         let fine = table::is_fine(nm);
-        Ok(Self { narrow: fine.then(|| Box::new(continuum.clone())), ..Self::from_continuum(continuum) })
+        let ultraviolet = Ultraviolet::of_table(nm, values, outside);
+        let narrow = fine.then(|| Box::new(continuum.clone()));
+        Ok(Self { narrow, ultraviolet, ..Self::from_continuum(continuum) })
     }
 
     /// Builds a spectrum from lines of exact power. Each line is a box of constant density. If the
@@ -56,7 +65,8 @@ impl Spectrum {
     /// Returns an error if a wavelength is not positive, a power is negative or not finite, or a
     /// width is below 10⁻⁶ nm.
     pub fn lines(lines: &[SpectralLine]) -> Result<Self> {
-        Ok(Self { lines: Lines::new(lines)?, ..Self::constant(0.0) })
+        let ultraviolet = Ultraviolet::of_lines(Lines::below_band(lines));
+        Ok(Self { lines: Lines::new(lines)?, ultraviolet, ..Self::constant(0.0) })
     }
 
     /// Returns the spectral radiance of a black body. The unit is W m⁻² sr⁻¹ nm⁻¹.
@@ -68,7 +78,7 @@ impl Spectrum {
             let what = format!("a black body at {temperature_k} K");
             return Err(Error::input(what).expected("a positive temperature in K"));
         }
-        Ok(Self::from_continuum(smooth::sampled(|nm| planck::planck(nm, temperature_k) * 1e-9, &[])))
+        Ok(Self::of_formula(|nm| planck::planck(nm, temperature_k) * 1e-9))
     }
 
     /// Returns a Gaussian peak of height 1. `peak_nm` is its centre. `fwhm_nm` is its full width at
@@ -94,7 +104,8 @@ impl Spectrum {
         let found = pieces.integral();
         let continuum = if found > 0.0 { pieces.scaled(area / found) } else { pieces };
         let narrow = (fwhm_nm < NARROW_NM).then(|| Box::new(continuum.clone()));
-        Ok(Self { narrow, ..Self::from_continuum(continuum) })
+        let ultraviolet = Ultraviolet::sampled(&shape, narrow.is_some());
+        Ok(Self { narrow, ultraviolet, ..Self::from_continuum(continuum) })
     }
 
     /// Returns a power law of the wavelength: `value` · (λ/`reference_nm`)^`exponent`. Rayleigh
@@ -117,7 +128,7 @@ impl Spectrum {
             let what = format!("a power law with the exponent {exponent}, which is not finite over the band");
             return Err(Error::input(what).expected("an exponent for which the power law is finite from 360 to 830 nm"));
         }
-        Ok(Self::from_continuum(smooth::sampled(law, &[])))
+        Ok(Self::of_formula(law))
     }
 
     /// Returns the weighted sum of spectra. Weights must be finite and not negative.
@@ -133,9 +144,9 @@ impl Spectrum {
             let mut segments = sum.lines.segments().to_vec();
             segments.extend(scaled_segments(&part.lines, *weight));
             let upsampled = sum.upsampled || (part.upsampled && *weight > 0.0);
-            sum = Self { continuum, narrow, lines: Lines::from_segments(segments), upsampled };
+            sum = Self { continuum, narrow, lines: Lines::from_segments(segments), upsampled, ultraviolet: None };
         }
-        sum
+        Self { ultraviolet: Self::ultraviolet_of_mix(parts), ..sum }
     }
 
     /// Returns the spectrum multiplied by a factor.
@@ -146,17 +157,19 @@ impl Spectrum {
             lines: Lines::from_segments(scaled_segments(&self.lines, factor).collect()),
             narrow: self.narrow.as_ref().map(|narrow| Box::new(narrow.scaled(factor))),
             upsampled: self.upsampled,
+            ultraviolet: self.ultraviolet.as_ref().map(|part| part.scaled(factor)),
         }
     }
 
     /// Returns the value at a wavelength in nm. Within a line, the value is the sum of the
-    /// continuum and the line's power per nm. Outside the band, the value is 0. At a discontinuity,
+    /// continuum and the line's power per nm. Below 300 nm and above the band, the value is 0. At a
+    /// discontinuity,
     /// the value is the limit from the side of longer wavelengths. The end of a table is an
     /// exception: the value there is the last sample of the table.
     #[inline]
     pub fn at(&self, nm: f64) -> f64 {
         if !(nm >= BAND_NM.0 && nm <= BAND_NM.1) {
-            return 0.0;
+            return self.ultraviolet_at(nm);
         }
         self.continuum.at(nm) + self.lines.at(nm)
     }
@@ -253,7 +266,7 @@ impl Spectrum {
     /// Returns the spectrum without its lines.
     #[must_use]
     pub fn continuum_only(&self) -> Self {
-        Self { lines: Lines::none(), ..self.clone() }
+        Self { lines: Lines::none(), ultraviolet: self.ultraviolet_continuum(), ..self.clone() }
     }
 
     /// Builds a spectrum from line segments. The densities of overlapping segments are added.
@@ -268,7 +281,18 @@ impl Spectrum {
 
     /// Creates a spectrum from a continuum. It has no lines and no narrow part.
     pub(crate) fn from_continuum(continuum: Continuum) -> Self {
-        Self { continuum, lines: Lines::none(), narrow: None, upsampled: false }
+        Self { continuum, lines: Lines::none(), narrow: None, upsampled: false, ultraviolet: None }
+    }
+
+    /// Replaces the part below the band.
+    pub(super) fn with_part_below(self, ultraviolet: Option<Box<Ultraviolet>>) -> Self {
+        Self { ultraviolet, ..self }
+    }
+
+    /// Converts a smooth function.
+    pub(super) fn of_formula(function: impl Fn(f64) -> f64 + Sync) -> Self {
+        let ultraviolet = Ultraviolet::sampled(&function, false);
+        Self { ultraviolet, ..Self::from_continuum(smooth::sampled(function, &[])) }
     }
 
     /// Returns references to the continuum and the lines.

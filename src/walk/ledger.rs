@@ -13,6 +13,9 @@ use serde::{Deserialize, Serialize};
 pub struct Ledger {
     /// Power emitted by the lights.
     pub emitted: f64,
+    /// The part of `emitted` below 360 nm. The stated powers of the lights do not include it.
+    #[serde(default)]
+    pub ultraviolet: f64,
     /// Power that was added (positive) or removed (negative) by Russian roulette, by the choice of
     /// one wavelength and by importance sampling.
     pub sampling: f64,
@@ -71,6 +74,7 @@ impl Ledger {
     pub fn scale(&mut self, factor: f64) {
         for entry in [
             &mut self.emitted,
+            &mut self.ultraviolet,
             &mut self.sampling,
             &mut self.absorbed_inside,
             &mut self.stokes_loss,
@@ -89,6 +93,7 @@ impl Ledger {
     /// sum.
     pub fn add(&mut self, other: &Self) {
         self.emitted += other.emitted;
+        self.ultraviolet += other.ultraviolet;
         self.sampling += other.sampling;
         self.absorbed_inside += other.absorbed_inside;
         self.stokes_loss += other.stokes_loss;

@@ -87,23 +87,32 @@ fn surface(name: &str) -> Fluorescent {
     Fluorescent::new(substrate, fluorophore.expect("a fluorophore")).expect("a surface")
 }
 
-/// Returns the wavelengths and powers of a golden light: samples at whole nanometres, or lines.
-fn samples(name: &str) -> Vec<(f64, f64)> {
+/// Returns the wavelengths and powers of a golden light: samples at whole nanometres from
+/// `from_nm`, or lines.
+fn samples(name: &str, from_nm: u32) -> Vec<(f64, f64)> {
     let spectrum = light(name);
     match spectrum["lines"].as_array() {
         Some(lines) => lines.iter().map(|line| (number(&line["nm"]), number(&line["power"]))).collect(),
         None => {
             let spectrum = abbe::spectrum_by_name(name).expect("a lamp of the library");
-            (360..=830).map(|nm| (f64::from(nm), spectrum.at(f64::from(nm)))).collect()
+            (from_nm..=830).map(|nm| (f64::from(nm), spectrum.at(f64::from(nm)))).collect()
         }
     }
 }
 
+/// Returns the golden cases of a section.
+pub(crate) fn all_cases(section: &str) -> Vec<Value> {
+    golden("fluorescence.json")[section].as_array().expect("a list of cases").clone()
+}
+
 /// Returns the golden cases of a section whose band begins at 360 nm.
 pub(crate) fn cases(section: &str) -> Vec<Value> {
-    let file = golden("fluorescence.json");
-    let cases = file[section].as_array().expect("a list of cases");
-    cases.iter().filter(|case| case["band_from_nm"] == 360).cloned().collect()
+    all_cases(section).into_iter().filter(|case| case["band_from_nm"] == 360).collect()
+}
+
+/// Forbids ultraviolet light, which a golden case with a band from 360 nm does not contain.
+pub(crate) fn without_ultraviolet(scene: &Value) -> Value {
+    with_setting(scene, "forbid", json!(["ultraviolet"]))
 }
 
 pub(crate) fn text(value: &Value) -> &str {
@@ -117,7 +126,7 @@ fn bispectral_factors_are_golden() {
     for case in file["bispectral_samples"].as_array().expect("a list of cases") {
         let surface = surface(text(&case["material"]));
         let list = |key: &str| case[key].as_array().expect("a list").iter().map(number).collect::<Vec<f64>>();
-        for (i, &from) in list("excitation_nm").iter().enumerate().filter(|(_, nm)| **nm >= 360.0) {
+        for (i, &from) in list("excitation_nm").iter().enumerate() {
             for (j, &to) in list("emission_nm").iter().enumerate() {
                 let known = number(&case["phi_per_nm"][i][j]);
                 let found = surface.fluorophore.bispectral_factor(from, to);
@@ -138,7 +147,7 @@ fn a_matrix_equals_its_factorised_material() {
         let matrix = DonaldsonMatrix::read(&path).expect("a matrix");
         let found = Fluorophore::of_matrix(&matrix).expect("a fluorophore");
         let mut largest = 0.0_f64;
-        for from in 360..=620 {
+        for from in 300..=620 {
             let from = f64::from(from);
             for to in (380..=820).step_by(7).map(f64::from) {
                 let factors = [&found, &known].map(|fluorophore| fluorophore.bispectral_factor(from, to));
@@ -158,9 +167,10 @@ fn a_matrix_equals_its_factorised_material() {
 #[test]
 fn one_reflection_is_golden() {
     let observer = Observer::cie1931();
-    for case in cases("single_reflection") {
+    for case in all_cases("single_reflection") {
         let (name, lamp) = (text(&case["material"]), text(&case["light"]));
-        let (surface, light) = (surface(name), samples(lamp));
+        let from_nm = case["band_from_nm"].as_u64().expect("a whole number") as u32;
+        let (surface, light) = (surface(name), samples(lamp, from_nm));
         let incident: f64 = light.iter().map(|(_, power)| power).sum();
         let sum = |of: &dyn Fn(f64) -> f64| light.iter().map(|(nm, power)| power * of(*nm)).sum::<f64>();
         let [emission] = surface.fluorophore.emissions() else { panic!("one emission") };
@@ -172,7 +182,13 @@ fn one_reflection_is_golden() {
             let emitted: f64 = grid.map(|nm| emission.emitted(nm) * observer.xyz_bar(nm)[c]).sum();
             (reflected + excitation * emitted) / white
         });
-        let label = format!("{name} under {lamp}");
+        let label = format!("{name} under {lamp} from {from_nm} nm");
+        // The golden file divides by all light. Abbe's powers are those of the band from 360 nm.
+        let stated: f64 = light.iter().filter(|(nm, _)| *nm >= 360.0).map(|(_, power)| power).sum();
+        let per_watt: [f64; 3] = std::array::from_fn(|c| xyz[c] * white / stated);
+        let known = case["XYZ_per_incident_watt"].as_array().expect("a colour");
+        let known: Vec<f64> = known.iter().map(|value| number(value) * incident / stated).collect();
+        assert_near(&label, per_watt, &known, 3e-6 * known[1].max(1.0));
         assert_near(&label, xyz, &case["XYZ"], 3e-6 * number(&case["XYZ"][1]).max(1.0));
         let losses = |of: &dyn Fn(f64) -> f64| sum(of) / incident;
         for (key, found) in [
@@ -203,11 +219,16 @@ fn under_a_sky(material: &Value, lamp: &str) -> Value {
 }
 
 /// Renders single reflections and compares XYZ with the golden values.
-fn check_rendered_colours(material: impl Fn(&str) -> Value, chosen: impl Fn(&str, &str) -> bool) {
-    for case in cases("single_reflection") {
+fn check_rendered_colours(material: impl Fn(&str) -> Value, chosen: impl Fn(&str, &str, u64) -> bool) {
+    for case in all_cases("single_reflection") {
         let (name, lamp) = (text(&case["material"]), text(&case["light"]));
-        if !chosen(name, lamp) {
+        let from_nm = case["band_from_nm"].as_u64().expect("a whole number");
+        if !chosen(name, lamp, from_nm) {
             continue;
+        }
+        let mut scene = under_a_sky(&material(name), lamp);
+        if from_nm == 360 {
+            scene = without_ultraviolet(&scene);
         }
         for integrator in [Integrator::Photon, Integrator::Path] {
             let take = |rendered: &abbe::render::Rendered| {
@@ -215,9 +236,9 @@ fn check_rendered_colours(material: impl Fn(&str) -> Value, chosen: impl Fn(&str
                 (0..3).map(|c| xyz.iter().map(|pixel| pixel[c]).sum::<f64>() / xyz.len() as f64).collect::<Vec<_>>()
             };
             let passes = if integrator == Integrator::Path { 256 } else { 32 };
-            let measured = Measured::new(&under_a_sky(&material(name), lamp), (integrator, passes), 0..4, take);
+            let measured = Measured::new(&scene, (integrator, passes), 0..4, take);
             let found: Vec<f64> = (0..3).map(|c| measured.mean(c)).collect();
-            println!("{name} under {lamp}, {integrator:?}: {found:?} for {:?}", case["XYZ"]);
+            println!("{name} under {lamp} from {from_nm} nm, {integrator:?}: {found:?} for {:?}", case["XYZ"]);
             let largest = case["XYZ"].as_array().expect("a colour").iter().map(number).fold(0.0, f64::max);
             assert_near(name, &found, &case["XYZ"], 5e-3 * largest);
         }
@@ -226,12 +247,13 @@ fn check_rendered_colours(material: impl Fn(&str) -> Value, chosen: impl Fn(&str
 
 #[test]
 fn rendered_fluorescence_has_golden_colours() {
-    check_rendered_colours(material, |name, lamp| {
+    check_rendered_colours(material, |name, lamp, from_nm| {
         matches!(
-            (name, lamp),
-            ("red day-glow", "D65")
-                | ("yellow phosphor", "line 450 nm")
-                | ("optical brightener on paper", "line 405 nm")
+            (name, lamp, from_nm),
+            ("red day-glow", "D65", 360)
+                | ("yellow phosphor", "line 450 nm", 360)
+                | ("optical brightener on paper", "line 405 nm", 360)
+                | ("optical brightener on paper", "D65", 300)
         )
     });
 }
@@ -239,12 +261,12 @@ fn rendered_fluorescence_has_golden_colours() {
 #[test]
 #[ignore = "slow: all golden lights"]
 fn rendered_fluorescence_has_golden_colours_in_all_lights() {
-    check_rendered_colours(material, |_, _| true);
+    check_rendered_colours(material, |_, _, _| true);
 }
 
 #[test]
 fn a_rendered_matrix_has_golden_colours() {
-    check_rendered_colours(matrix_material, |name, lamp| {
+    check_rendered_colours(matrix_material, |name, lamp, _| {
         matches!((name, lamp), ("red day-glow", "D65") | ("optical brightener on paper", "line 405 nm"))
     });
 }
@@ -252,12 +274,13 @@ fn a_rendered_matrix_has_golden_colours() {
 #[test]
 #[ignore = "slow: all golden lights"]
 fn a_rendered_matrix_has_golden_colours_in_all_lights() {
-    check_rendered_colours(matrix_material, |_, _| true);
+    // The matrix files begin at 360 nm.
+    check_rendered_colours(matrix_material, |_, _, from_nm| from_nm == 360);
 }
 
 /// A sphere with an isotropic point light of 1 W in its centre. Its wall is a mixture of the
 /// materials of a golden case.
-fn sphere(case: &Value, material: impl Fn(&str) -> Value) -> Value {
+pub(crate) fn sphere(case: &Value, material: impl Fn(&str) -> Value) -> Value {
     let walls = case["walls"].as_array().expect("a list of walls");
     let mut materials = serde_json::Map::new();
     let mut parts = Vec::new();
@@ -298,7 +321,7 @@ fn check_spheres(material: fn(&str) -> Value, chosen: &[usize], passes: u64) {
         let known = xyz_of_walls(case);
         for integrator in [Integrator::Photon, Integrator::Path] {
             let scale = if integrator == Integrator::Path { 16 } else { 1 };
-            let rendered = render(&sphere(case, material), integrator, scale * passes);
+            let rendered = render(&without_ultraviolet(&sphere(case, material)), integrator, scale * passes);
             let xyz = &rendered.picture.xyz;
             let found: [f64; 3] =
                 std::array::from_fn(|c| xyz.iter().map(|pixel| pixel[c]).sum::<f64>() / xyz.len() as f64);

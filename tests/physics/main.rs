@@ -54,4 +54,5 @@ mod spectral_linearity;
 mod textures;
 mod thin_films;
 mod thin_lens;
+mod ultraviolet;
 mod walls;

@@ -15,5 +15,6 @@ mod plan_films;
 mod plan_forced;
 mod plan_light_map;
 mod plan_negligible;
+mod plan_ultraviolet;
 mod responses;
 mod whole;

@@ -10,7 +10,7 @@ pub(super) fn whole_nm() -> impl Iterator<Item = f64> {
     (0..=(BAND_NM.1 - BAND_NM.0) as usize).map(|step| BAND_NM.0 + step as f64)
 }
 
-/// Returns an error if the spectrum has a value outside \[0, `most`\] within the band. The error
+/// Returns an error if the spectrum has a value outside \[0, `most`\] from 300 to 830 nm. The error
 /// contains the name `what`.
 pub(super) fn check_within(what: &str, spectrum: &Spectrum, most: f64) -> Result<()> {
     let possible = |value: f64| value.is_finite() && (0.0..=most).contains(&value);
@@ -18,7 +18,10 @@ pub(super) fn check_within(what: &str, spectrum: &Spectrum, most: f64) -> Result
     // and the maximum also detects faults between whole nanometres.
     let at_nm = whole_nm().find(|nm| !possible(spectrum.at(*nm)));
     let at_nm = at_nm.map(|nm| (spectrum.at(nm), format!(" at {nm} nm")));
-    let extreme = || [spectrum.min(), spectrum.max()].into_iter().find(|value| !possible(*value));
+    let extreme = || {
+        let below = spectrum.ultraviolet_range();
+        [spectrum.min(), spectrum.max(), below.0, below.1].into_iter().find(|value| !possible(*value))
+    };
     let Some((value, place)) = at_nm.or_else(|| extreme().map(|value| (value, String::new()))) else {
         return Ok(());
     };

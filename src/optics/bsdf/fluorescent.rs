@@ -52,6 +52,8 @@ impl Fluorescent {
             let what = format!("{returned:.4} reflected and emitted photons for each arriving photon");
             return Err(Error::input(what).expected("at most 1 photon for each arriving photon"));
         }
+        // A reflectance that is held below its table may be too large for the absorptance there.
+        let reflected = reflected.limited_below_band(fluorophore.absorptance_spectrum());
         Ok(Self { reflected, fluorophore })
     }
 

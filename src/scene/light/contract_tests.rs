@@ -94,6 +94,7 @@ fn light(emitter: Emitter, spectrum: Spectrum) -> Light {
         emitter,
         spectrum,
         wavelengths,
+        ultraviolet: None,
         importance_per_watt: 1.0,
         medium_stack: MediumStack::AIR,
         crosses_bodies: false,

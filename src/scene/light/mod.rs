@@ -22,6 +22,7 @@ mod sample;
 mod sky;
 mod spectrum;
 mod sun;
+mod ultraviolet;
 mod virtual_light;
 mod volume;
 
@@ -68,7 +69,11 @@ pub struct Light {
     /// The sampling distribution of photon wavelengths. It is proportional to the product of the
     /// spectrum and the visual importance.
     pub wavelengths: WavelengthDistribution,
-    /// The visual importance of one watt: ∫ S(λ)(x̄+ȳ+z̄)(λ) dλ.
+    /// The distribution with the ultraviolet that excites fluorophores. `None` if no fluorophore of
+    /// the scene needs it.
+    pub ultraviolet: Option<Box<WavelengthDistribution>>,
+    /// The visual importance of one watt: ∫ S(λ)(x̄+ȳ+z̄)(λ) dλ. It includes the light that the
+    /// ultraviolet excites.
     pub importance_per_watt: f64,
     /// The bodies that contain the light. If the light crosses bodies, these are the bodies around
     /// one of its points.
@@ -149,6 +154,7 @@ impl Light {
             emitter,
             spectrum: spectrum.clone(),
             wavelengths,
+            ultraviolet: None,
             importance_per_watt,
             medium_stack: MediumStack::AIR,
             crosses_bodies: false,

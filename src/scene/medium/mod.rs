@@ -114,6 +114,13 @@ impl Medium {
         Self { absorption, extinction, extinction_range, fluorophore: Some(Box::new(fluorophore)), ..self }
     }
 
+    /// Lets light below the band enter the medium and excite its dye.
+    pub fn add_ultraviolet(&mut self) {
+        let below = self.extinction.ultraviolet_range();
+        self.extinction_range = (self.extinction_range.0.min(below.0), self.extinction_range.1.max(below.1));
+        self.fluorophore.iter_mut().for_each(|dye| dye.add_ultraviolet());
+    }
+
     /// The medium transformed by a map of the scene's positions.
     #[must_use]
     pub fn moved(&self, map: &DAffine3) -> Self {
