@@ -75,13 +75,12 @@ fn luminescent_slabs_are_golden() {
     }
 }
 
-/// The share of the emitted light that total reflection traps, for each golden index of
-/// refraction with air on both sides.
-#[test]
-fn golden_escape_cones_trap_the_emission() {
+/// Compares the share of the emitted light that total reflection traps with golden values. Both
+/// sides of the glass are in air.
+fn check_escape_cones(chosen: impl Fn(f64) -> bool) {
     let mut compared = 0;
     for cone in golden("fluorescence.json")["escape_cones"].as_array().expect("a list") {
-        if cone["n_above"] != 1.0 || cone["n_below"] != 1.0 {
+        if cone["n_above"] != 1.0 || cone["n_below"] != 1.0 || !chosen(number(&cone["n"])) {
             continue;
         }
         let ledger = ledger_of_slab(number(&cone["n"]), &narrow_dye(3.0, (450.0, 600.0), 1.0), 450.0, 3);
@@ -92,6 +91,17 @@ fn golden_escape_cones_trap_the_emission() {
         compared += 1;
     }
     assert!(compared > 2, "{compared}");
+}
+
+#[test]
+fn golden_escape_cones_trap_the_emission() {
+    check_escape_cones(|n| [1.333, 1.5, 2.4175].contains(&n));
+}
+
+#[test]
+#[ignore = "slow: 10 seconds of CPU time"]
+fn all_golden_escape_cones_trap_the_emission() {
+    check_escape_cones(|_| true);
 }
 
 /// A layer of a solution, seen at right angles. The light arrives along the layer. At the
@@ -174,6 +184,7 @@ fn points_and_beams_agree_with_paths_in_a_scattering_dye() {
 /// A dye under a blue line, seen through a prism of flint glass: free photons excite the dye, and
 /// camera paths on shared wavelengths see it.
 #[test]
+#[ignore = "slow: 12 seconds of CPU time"]
 fn photons_and_paths_agree_on_a_dye_behind_a_prism() {
     let mut scene = tank(0.0, &json!({ "lines": [{ "nm": 450, "power": 1 }] }));
     scene["camera"] = json!({ "from": [0, 0.2, 5], "at": [0, 0.05, 2.5], "lens": { "pinhole": { "fov": 12 } } });

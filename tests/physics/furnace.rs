@@ -216,7 +216,7 @@ fn core_in_a_shell(ior: Value, core_radius: f64, gap: bool, fov: f64) -> Value {
 fn a_white_core_in_glass_lit_through_the_photon_map_only() {
     let scene = core_in_a_shell(json!(1.5), 0.5, false, 12.0);
     check("core in glass, n = 1.5", &scene, (Integrator::Photon, 4));
-    check("core in glass, n = 1.5", &scene, (Integrator::Path, 64));
+    check("core in glass, n = 1.5", &scene, (Integrator::Path, 16));
 }
 
 #[test]
@@ -224,7 +224,7 @@ fn a_large_white_core_in_glass_whose_light_is_partly_shut_in() {
     // Beyond a core radius of 1/n, part of the light from the core is totally reflected back to it.
     let scene = core_in_a_shell(json!(1.5), 0.85, false, 16.0);
     check("large core in glass, n = 1.5", &scene, (Integrator::Photon, 9));
-    check("large core in glass, n = 1.5", &scene, (Integrator::Path, 64));
+    check("large core in glass, n = 1.5", &scene, (Integrator::Path, 16));
 }
 
 #[test]
@@ -238,7 +238,7 @@ fn a_white_core_in_dispersive_glass_keeps_its_radiance() {
 fn a_white_core_behind_glass_and_air() {
     let scene = core_in_a_shell(json!(1.5), 0.5, true, 8.0);
     check("core behind glass and air", &scene, (Integrator::Photon, 10));
-    check("core behind glass and air", &scene, (Integrator::Path, 64));
+    check("core behind glass and air", &scene, (Integrator::Path, 16));
 }
 
 #[test]

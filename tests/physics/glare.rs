@@ -76,7 +76,7 @@ fn office() -> Json {
 #[test]
 fn glare_ratings_agree_with_a_quadrature() {
     for integrator in [Integrator::Path, Integrator::Photon] {
-        let report = measure(&office(), Some(integrator), 32);
+        let report = measure(&office(), Some(integrator), 16);
         let [rating, low, high] = numbers(&report.meters[0].points[0]);
         assert!((rating - RATING).abs() < 0.02, "{integrator:?}: {rating} for {RATING}");
         assert!(low < rating && rating < high && high - low < 0.05, "{low} to {high}");

@@ -197,7 +197,7 @@ fn mirrored_point() -> (Vec<Value>, Value, f64) {
 fn connected_photons_carry_a_mirrored_lamps_irradiance() {
     let (objects, lamp, illuminance) = mirrored_point();
     let scene = with_setting(&floor(&objects, &[lamp]), "photons", 20000);
-    check("mirror image, connected", &scene, illuminance, Integrator::Photon, 64);
+    check("mirror image, connected", &scene, illuminance, Integrator::Photon, 16);
 }
 
 /// Equal energy at all wavelengths is white in every direction. All light passes a pane with index
