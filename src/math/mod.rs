@@ -1,6 +1,7 @@
 //! General mathematics that does not deal with light: elementary functions, random streams,
 //! low-discrepancy points, sampling routines and their densities, distributions, quadrature,
-//! complex numbers, Fourier transforms, gradient noise, exact sums, sorting, frames and rotations.
+//! complex numbers, Fourier transforms, gradient noise, exact sums, sorting, parallel tasks, frames and
+//! rotations.
 
 pub mod complex;
 pub mod cubic;
@@ -10,6 +11,7 @@ pub mod fourier;
 pub mod frame;
 pub mod kronecker;
 pub mod noise;
+pub mod parallel;
 pub mod quadrature;
 pub mod random;
 pub mod rotation;

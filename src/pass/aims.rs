@@ -6,11 +6,11 @@ use super::importance::{GridLayout, Importance};
 use super::targets::{aim_targets, surroundings};
 use crate::emit::{EmissionStrata, WavelengthSampling, trace};
 use crate::math::distribution::DiscreteDistribution;
+use crate::math::parallel;
 use crate::math::random::Purpose;
 use crate::optics::bsdf::BsdfClass;
 use crate::scene::Scene;
 use crate::walk::ledger::Ledger;
-use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// The number of pilot paths per stratum in each round. Each round except the first emits photons
@@ -122,22 +122,19 @@ fn trace_round<'a>(
         purpose: Purpose::Pilot,
         pass: FIRST_STREAM_PASS + round,
     };
-    let parts: Vec<Importance<'_>> = (0..tasks)
-        .into_par_iter()
-        .map(|task| {
-            // Each shutter time gets an equal share of the tasks.
-            let scene = &scenes[(task * scenes.len() as u64 / tasks) as usize];
-            let source = context.photon_source(scene, strata, request);
-            let points = source.points();
-            let mut part = Importance::new(scene, layout, task);
-            let mut ledger = Ledger::new(context.scene.materials.len());
-            for index in task * PATHS_PER_TASK..((task + 1) * PATHS_PER_TASK).min(count) {
-                trace(&source, &points, index..index + 1, &mut part, &mut ledger);
-                part.end_path();
-            }
-            part
-        })
-        .collect();
+    let parts = parallel::map((0..tasks).collect(), |task: u64| {
+        // Each shutter time gets an equal share of the tasks.
+        let scene = &scenes[(task * scenes.len() as u64 / tasks) as usize];
+        let source = context.photon_source(scene, strata, request);
+        let points = source.points();
+        let mut part = Importance::new(scene, layout, task);
+        let mut ledger = Ledger::new(context.scene.materials.len());
+        for index in task * PATHS_PER_TASK..((task + 1) * PATHS_PER_TASK).min(count) {
+            trace(&source, &points, index..index + 1, &mut part, &mut ledger);
+            part.end_path();
+        }
+        part
+    });
     let mut whole = Importance::new(context.scene, layout, 0);
     parts.iter().for_each(|part| whole.add(part));
     whole

@@ -1,10 +1,10 @@
 //! Exposes the film: traces the camera paths of all pixels in parallel.
 
 use super::sums::PassSums;
+use crate::math::parallel;
 use crate::plan::{LightOrigin, PathClass, Tally};
 use crate::sensor::{FilmRow, PixelSink};
 use crate::walk::{SensorResponse, Sink};
-use rayon::prelude::*;
 
 /// Adds the radiance of camera paths to a pixel.
 impl Sink for PixelSink<'_> {
@@ -32,14 +32,11 @@ impl Sink for PixelSink<'_> {
 /// Exposes all rows of the film in parallel. `expose` returns the number of rejected samples.
 pub(super) fn expose_rows(sums: &mut PassSums, expose: impl Fn(&mut FilmRow<'_>, &mut Tally) -> u64 + Sync) {
     let rows: Vec<FilmRow<'_>> = sums.film.rows().collect();
-    let tallies: Vec<Tally> = rows
-        .into_par_iter()
-        .map(|mut row| {
-            let mut tally = Tally::default();
-            let rejected = expose(&mut row, &mut tally);
-            tally.rejected += rejected;
-            tally
-        })
-        .collect();
+    let tallies = parallel::map(rows, |mut row| {
+        let mut tally = Tally::default();
+        let rejected = expose(&mut row, &mut tally);
+        tally.rejected += rejected;
+        tally
+    });
     tallies.iter().for_each(|tally| sums.tally.add(tally));
 }

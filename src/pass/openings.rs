@@ -12,6 +12,7 @@ use super::sums::StageSeconds;
 use crate::gather::{OPENINGS_SHARE, OpeningSpheres, Openings, PixelSampler};
 use crate::geometry::Ray;
 use crate::math::elementary::ln;
+use crate::math::parallel;
 use crate::math::random::hash64;
 use crate::math::sphere::BoundingSphere;
 use crate::optics::bsdf::TransportMode;
@@ -20,7 +21,6 @@ use crate::spectrum::{REFERENCE_NM, Wavelengths};
 use crate::walk::SurfaceLookup;
 use crate::walk::{BodyMode, WithBodies, scatter};
 use glam::{DMat3, DVec3};
-use rayon::prelude::*;
 use std::ops::Range;
 use std::time::Instant;
 
@@ -117,10 +117,9 @@ fn escaped_lines(scene: &Scene, seed: u64, density: impl Fn(DVec3) -> f64 + Sync
     let mut lines: Vec<EscapedLine> = Vec::new();
     let batches = if scene.measures() { MAX_BATCHES_OF_MEASUREMENT } else { MAX_BATCHES };
     for batch in 0..batches {
-        let tasks = (0..BATCH / TASK).into_par_iter();
         let first = |task: u64| batch * BATCH + task * TASK;
-        let found = tasks.map(|task| trace_lines(scene, seed, first(task)..first(task + 1), &density));
-        lines.extend(found.collect::<Vec<_>>().into_iter().flatten());
+        let trace = |task: u64| trace_lines(scene, seed, first(task)..first(task + 1), &density);
+        lines.extend(parallel::map((0..BATCH / TASK).collect(), trace).into_iter().flatten());
         if lines.len() >= MAX_LINES || (batch + 1 >= MAX_BATCHES && lines.len() >= FEW_LINES) {
             break;
         }

@@ -5,12 +5,12 @@ use super::survey::MAX_SURFACE_RADIUS_PX;
 use crate::gather::{Outline, OutlineSurvey, Outlines, VisiblePoint};
 use crate::geometry::Geometry;
 use crate::map::FirstRadii;
+use crate::math::parallel;
 use crate::plan::WavelengthPlan;
 use crate::plan::partition::PhotonSet;
 use crate::scene::Scene;
 use crate::scene::sweep::Bounds;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// If a kernel's radius is below this number of pixels, its outline varies within a pixel.
 const PIXELS_PER_OUTLINE: f64 = 3.0;
@@ -54,7 +54,7 @@ pub(super) fn outlines(
         }
     };
     let rows: Vec<usize> = (0..visible.len() / width).step_by(BLOCK).collect();
-    let of_band = |&row: &usize| {
+    let of_band = |row: usize| {
         let rows = row..(row + BLOCK).min(visible.len() / width);
         let mut of_pixels = vec![OutlineSurvey::Absent; rows.len() * width];
         for column in (0..width).step_by(BLOCK) {
@@ -65,8 +65,7 @@ pub(super) fn outlines(
         }
         Outlines::new(width, of_pixels)
     };
-    let bands: Vec<Outlines> = rows.par_iter().map(of_band).collect();
-    Outlines::of_bands(width, bands)
+    Outlines::of_bands(width, parallel::map(rows, of_band))
 }
 
 /// The outline that a pixel needs for the correction of its kernel.

@@ -9,6 +9,7 @@ use crate::emit::{EmissionStrata, MediumCollision, PhotonState, PhotonVisitor, S
 use crate::emit::{WavelengthSampling, trace};
 use crate::geometry::Ray;
 use crate::math::distribution::DiscreteDistribution;
+use crate::math::parallel;
 use crate::math::random::{Purpose, Stream};
 use crate::math::sphere::BoundingSphere;
 use crate::plan::AimPlan;
@@ -16,7 +17,6 @@ use crate::scene::Scene;
 use crate::spectrum::{Lanes, Wavelengths};
 use crate::walk::ledger::Ledger;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// The number of paths that one task traces.
@@ -96,18 +96,15 @@ pub fn photon_paths(context: &PassContext<'_>, query: &PathQuery) -> PhotonPaths
     while traced < most && paths.len() < wanted {
         let end = (traced + TASKS_PER_ROUND * PATHS_PER_TASK).min(most);
         let firsts: Vec<u64> = (traced..end).step_by(PATHS_PER_TASK as usize).collect();
-        let tasks: Vec<Vec<RecordedPath>> = firsts
-            .into_par_iter()
-            .map(|first| {
-                let mut recorder = PathRecorder::new(context.scene, query.target);
-                let mut ledger = Ledger::new(context.scene.materials.len());
-                for index in first..(first + PATHS_PER_TASK).min(end) {
-                    trace(&source, &points, index..index + 1, &mut recorder, &mut ledger);
-                    recorder.end_path();
-                }
-                recorder.paths
-            })
-            .collect();
+        let tasks = parallel::map(firsts, |first| {
+            let mut recorder = PathRecorder::new(context.scene, query.target);
+            let mut ledger = Ledger::new(context.scene.materials.len());
+            for index in first..(first + PATHS_PER_TASK).min(end) {
+                trace(&source, &points, index..index + 1, &mut recorder, &mut ledger);
+                recorder.end_path();
+            }
+            recorder.paths
+        });
         paths.extend(tasks.into_iter().flatten());
         traced = end;
     }

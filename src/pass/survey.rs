@@ -11,13 +11,13 @@ use crate::emit::EmissionStrata;
 use crate::gather::{CameraPass, CameraSegment, Outlines, PathBuffers, PixelSampler, VisiblePoint};
 use crate::map::radius;
 use crate::map::{LightMaps, PhotonMap, PixelRadii};
+use crate::math::parallel;
 use crate::math::random::Purpose;
 use crate::plan::partition::{PerClass, PerSet, PhotonClass, PhotonSet, View};
 use crate::plan::{DirectPlan, LightOrigin, PathClass, Plan, Tally};
 use crate::scene::Scene;
 use crate::sensor::Film;
 use crate::walk::{SensorResponse, Sink};
-use rayon::prelude::*;
 use std::f64::consts::SQRT_2;
 use std::num::NonZero;
 
@@ -122,11 +122,12 @@ impl PixelSurvey {
         };
         let extents = object_extents(scene);
         let mut all = Self::blank(scene);
-        let readers = all.bands(scene.camera.width()).into_par_iter().map(|mut band| {
+        let readers = parallel::map(all.bands(scene.camera.width()), |mut band| {
             band.measure(context, &camera_pass, &maps, &extents, moment);
             band.readers
         });
-        all.readers = readers.reduce(PerSet::default, |one, other| one.zip_with(other, |one, other| one + other));
+        let sum = |one: PerSet<u64>, other| one.zip_with(other, |one, other| one + other);
+        all.readers = readers.into_iter().fold(PerSet::default(), sum);
         all.stored = stored;
         all
     }

@@ -3,11 +3,11 @@
 use super::deposits::PhotonDeposits;
 use super::recorder::{PhotonRecorder, RecordingOptions};
 use crate::emit::{PhotonSource, trace};
+use crate::math::parallel;
 use crate::plan::partition::{PhotonClass, PhotonSet};
 use crate::plan::{Plan, Tally};
 use crate::sensor::SplatSink;
 use crate::walk::ledger::Ledger;
-use rayon::prelude::*;
 
 /// The number of photon paths in one parallel task. The photons of a task are recorded together, so
 /// this number fixes the order of the stored photons.
@@ -42,16 +42,13 @@ pub(super) fn trace_photons(
     splat_sink: impl Fn() -> SplatSink + Sync,
 ) -> TracedPhotons {
     let points = source.points();
-    let tasks: Vec<(PhotonRecorder<'_>, Ledger)> = (0..source.count.div_ceil(PHOTONS_PER_TASK))
-        .into_par_iter()
-        .map(|task| {
-            let mut recorder = PhotonRecorder::new((source.scene, source.spectra), plan, set, options, &splat_sink);
-            let mut ledger = Ledger::new(source.scene.materials.len());
-            let indices = task * PHOTONS_PER_TASK..((task + 1) * PHOTONS_PER_TASK).min(source.count);
-            trace(source, &points, indices, &mut recorder, &mut ledger);
-            (recorder, ledger)
-        })
-        .collect();
+    let tasks = parallel::map((0..source.count.div_ceil(PHOTONS_PER_TASK)).collect(), |task: u64| {
+        let mut recorder = PhotonRecorder::new((source.scene, source.spectra), plan, set, options, &splat_sink);
+        let mut ledger = Ledger::new(source.scene.materials.len());
+        let indices = task * PHOTONS_PER_TASK..((task + 1) * PHOTONS_PER_TASK).min(source.count);
+        trace(source, &points, indices, &mut recorder, &mut ledger);
+        (recorder, ledger)
+    });
     let mut traced = TracedPhotons::default();
     for class in PhotonClass::ALL {
         let count = tasks.iter().map(|(recorder, _)| recorder.deposits.surface[class].len()).sum();

@@ -12,12 +12,12 @@ use super::trace::trace_photons;
 use crate::gather::{PathBuffers, PixelSampler};
 use crate::map::LightMaps;
 use crate::math::kronecker::golden_ratio;
+use crate::math::parallel;
 use crate::math::random::Purpose;
 use crate::plan::Tally;
 use crate::plan::partition::PerSet;
 use crate::scene::Scene;
 use crate::sensor::{Film, SplatSink};
-use rayon::prelude::*;
 
 /// The number of passes in the trial, and the number of camera samples per pixel in each pass.
 const TRIALS: usize = 2;
@@ -182,17 +182,14 @@ impl SmallPass {
                 camera_pass.sample(pixel as u64, sampler, &pilot.radii.of(pixel), &mut buffers, tally, sink);
             })
         };
-        let measured: Vec<(Vec<PixelLight>, Tally)> = tiles
-            .par_iter()
-            .map(|tile| {
-                let mut tally = Tally::default();
-                let mut light = |pixel: usize| PixelLight {
-                    samples: std::array::from_fn(|nth| sample(pixel, nth, &mut tally)),
-                    splats: splats[pixel],
-                };
-                (tile.iter().map(|&pixel| light(pixel)).collect(), tally)
-            })
-            .collect();
+        let measured: Vec<(Vec<PixelLight>, Tally)> = parallel::map(tiles.iter().collect(), |tile: &Vec<usize>| {
+            let mut tally = Tally::default();
+            let mut light = |pixel: usize| PixelLight {
+                samples: std::array::from_fn(|nth| sample(pixel, nth, &mut tally)),
+                splats: splats[pixel],
+            };
+            (tile.iter().map(|&pixel| light(pixel)).collect(), tally)
+        });
         measured.iter().for_each(|(_, tally)| camera_tally.add(tally));
         let tiles = measured.into_iter().map(|(pixels, _)| pixels).collect();
         Self { tiles, splats, photon_tally, camera_tally }

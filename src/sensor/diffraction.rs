@@ -8,6 +8,7 @@
 
 use crate::math::elementary::{exp, ln};
 use crate::math::fourier::{self, Complex, Direction, FourierBuffers, FourierTransform};
+use crate::math::parallel;
 use crate::spectrum::BAND_NM;
 use glam::DVec2;
 use rayon::prelude::*;
@@ -74,7 +75,7 @@ impl DiffractionPsf {
         // The Fraunhofer pattern of a stop is point-symmetric, so half of the samples are
         // sufficient.
         let middle = across * across / 2;
-        let mut pattern: Vec<f32> = (0..=middle).into_par_iter().map(sample).collect();
+        let mut pattern = parallel::map_range(0..middle + 1, across, sample);
         pattern.extend_from_within(..middle);
         pattern[middle + 1..].reverse();
         let edges_nm = edges_nm(&light_nm);

@@ -22,7 +22,7 @@ impl Spectrum {
             return Ok(Self::constant(rgb[0]));
         }
         let smooth_reflectance = SmoothReflectance::of_rgb(rgb);
-        Ok(Self::upsampled(smooth::sampled(|nm| smooth_reflectance.at(nm), &[])))
+        Ok(Self::upsampled(smooth::sampled(&|nm| smooth_reflectance.at(nm), &[])))
     }
 
     /// Returns a light of the given linear sRGB colour: D65 times a smooth filter. Its XYZ values,
@@ -47,7 +47,7 @@ impl Spectrum {
         }
         let filter = SmoothReflectance::of_rgb(rgb.map(|component| component / scale));
         let light = |nm: f64| scale * filter.at(nm) * d65.at(nm);
-        Ok(Self::upsampled(smooth::sampled(light, &[])).without_ultraviolet())
+        Ok(Self::upsampled(smooth::sampled(&light, &[])).without_ultraviolet())
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::BAND_NM;
 use super::continuum::Continuum;
-use rayon::prelude::*;
+use crate::math::parallel;
 
 /// The largest relative error of the linear pieces. The error is relative to the maximum of the
 /// function. The promised error is 10⁻⁶. The tolerance is less than half of it, because a peak may
@@ -15,33 +15,33 @@ const MAX_DIVISIONS: u32 = 12;
 /// The largest number of parts into which one step of the recursion divides an interval.
 const MAX_PARTS: f64 = 8.0;
 
-/// A thread converts at least this number of intervals at a time.
+/// A task converts this number of intervals at a time.
 const SHARE: usize = 64;
 
 /// Converts a smooth function to pieces. The initial knots are all whole numbers of nm in the band,
 /// and the wavelengths `extra`. More knots are added until the error is at most 10⁻⁶ times the
 /// maximum of the function.
-pub(crate) fn sampled(function: impl Fn(f64) -> f64 + Sync, extra: &[f64]) -> Continuum {
+pub(crate) fn sampled(function: &(dyn Fn(f64) -> f64 + Sync), extra: &[f64]) -> Continuum {
     let mut knots: Vec<f64> = (BAND_NM.0 as u32..=BAND_NM.1 as u32).map(f64::from).collect();
     knots.extend(extra.iter().filter(|nm| (BAND_NM.0..=BAND_NM.1).contains(*nm)));
     knots.sort_by(f64::total_cmp);
     knots.dedup();
-    let values: Vec<f64> = knots.par_iter().with_min_len(SHARE).map(|&nm| function(nm)).collect();
+    let values = parallel::map_range(0..knots.len(), SHARE, |i| function(knots[i]));
     let tolerance = SAMPLING_TOLERANCE * values.iter().copied().fold(0.0, f64::max);
     let refined = |i: usize| {
         let (from, to) = ((knots[i - 1], values[i - 1]), (knots[i], values[i]));
         let mut pieces = Vec::new();
-        refine(&function, [from, to], (tolerance, MAX_DIVISIONS), &mut pieces);
+        refine(function, [from, to], (tolerance, MAX_DIVISIONS), &mut pieces);
         pieces
     };
-    let added: Vec<_> = (1..knots.len()).into_par_iter().with_min_len(SHARE).map(refined).collect();
+    let added = parallel::map_range(1..knots.len(), SHARE, refined);
     let pieces: Vec<(f64, f64)> = std::iter::once((knots[0], values[0])).chain(added.into_iter().flatten()).collect();
     Continuum::from_knots(&pieces)
 }
 
 /// Appends the knots after `from`, up to and including `to`.
 fn refine(
-    function: &impl Fn(f64) -> f64,
+    function: &dyn Fn(f64) -> f64,
     [from, to]: [(f64, f64); 2],
     (tolerance, divisions): (f64, u32),
     knots: &mut Vec<(f64, f64)>,

@@ -97,7 +97,7 @@ impl Spectrum {
         let sigma_nm = fwhm_nm / (8.0 * ln(2.0_f64)).sqrt();
         let shape = |nm: f64| exp(-0.5 * ((nm - peak_nm) / sigma_nm).powi(2));
         let knots: Vec<f64> = (-32..=32).map(|i| peak_nm + 0.25 * f64::from(i) * sigma_nm).collect();
-        let pieces = smooth::sampled(shape, &knots);
+        let pieces = smooth::sampled(&shape, &knots);
         let whole = BAND_NM.0 < peak_nm - 9.0 * sigma_nm && peak_nm + 9.0 * sigma_nm < BAND_NM.1;
         let area =
             if whole { sigma_nm * (2.0 * std::f64::consts::PI).sqrt() } else { smooth::integral_of(shape, &pieces) };
@@ -292,7 +292,7 @@ impl Spectrum {
     /// Converts a smooth function.
     pub(super) fn of_formula(function: impl Fn(f64) -> f64 + Sync) -> Self {
         let ultraviolet = Ultraviolet::sampled(&function, false);
-        Self { ultraviolet, ..Self::from_continuum(smooth::sampled(function, &[])) }
+        Self { ultraviolet, ..Self::from_continuum(smooth::sampled(&function, &[])) }
     }
 
     /// Returns references to the continuum and the lines.

@@ -9,13 +9,13 @@ use super::lit_interval::LitInterval;
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoint};
 use crate::geometry::{Geometry, Ray};
 use crate::math::distribution::DiscreteDistribution;
+use crate::math::parallel;
 use crate::math::sphere::BoundingSphere;
 use crate::math::warp;
 use crate::scene::medium::Medium;
 use crate::scene::motion::AnimatedTransform;
 use crate::spectrum::Spectrum;
 use glam::{DAffine3, DVec3};
-use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -104,7 +104,7 @@ impl VolumeLight {
             power_w: 0.0,
             spectrum: Spectrum::constant(0.0),
         };
-        let layers: Vec<ProbedLayer> = (0..CELLS).into_par_iter().map(|layer| light.probe_layer(layer)).collect();
+        let layers = parallel::map_range(0..CELLS, 1, |layer| light.probe_layer(layer));
         let emitted: Vec<f64> = layers.iter().flat_map(|layer| &layer.emitted).copied().collect();
         let sum: f64 = emitted.iter().sum();
         let mean = sum / emitted.len() as f64;

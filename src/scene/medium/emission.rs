@@ -2,9 +2,9 @@
 
 use super::field::ScalarField;
 use crate::math::elementary::{exp, ln};
+use crate::math::parallel;
 use crate::spectrum::{Spectrum, planck};
 use glam::{DAffine3, DVec3};
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// The emission coefficient of a medium at density 1.
@@ -67,7 +67,7 @@ impl MediumEmission {
             let body = Spectrum::blackbodies(&[(1.0 / (first + i as f64 * step), 1.0)]);
             ln(absorption.product_integral(&body).max(f64::MIN_POSITIVE))
         };
-        let log_band = (0..=STEPS).into_par_iter().map(band).collect();
+        let log_band = parallel::map_range(0..STEPS + 1, 1, band);
         Self::Thermal(Box::new(ThermalEmission { temperature, absorption, log_band, inverse: (first, step) }))
     }
 
