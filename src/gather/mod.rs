@@ -25,6 +25,7 @@ pub use camera_pass::{CameraPass, MissingLight};
 pub use density::gather_point::{NORMAL_TOLERANCE, PLANE_TOLERANCE};
 pub use density::outline::{Outline, OutlineSurvey, Outlines};
 pub use density::responses::SensorResponses;
+pub use direct::learned_lights::LightTrial;
 pub use direct::lighting::{DirectLighting, power_heuristic};
 pub use direct::openings::{OPENINGS_SHARE, OpeningSpheres, Openings};
 pub use direct::selection::LightSelector;

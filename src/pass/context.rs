@@ -162,7 +162,9 @@ impl<'a> PassContext<'a> {
     pub(super) fn light_selector(&self, scene: &Scene) -> Cow<'a, LightSelector> {
         match self.plan.motion {
             MotionPlan::Still => Cow::Borrowed(self.selector),
-            MotionPlan::PosedPerPass => Cow::Owned(LightSelector::new(scene, &self.lights.lights)),
+            MotionPlan::PosedPerPass => {
+                Cow::Owned(LightSelector::new(scene, &self.lights.lights).with_learned_of(self.selector))
+            }
         }
     }
 

@@ -14,6 +14,7 @@ mod exposure;
 mod first_surface;
 mod importance;
 mod keep_probability;
+mod learned_lights;
 mod openings;
 mod outlines;
 mod path_pass;
@@ -32,6 +33,7 @@ mod volume_samples;
 
 pub use coarse::coarse_path_picture;
 pub use context::PassContext;
+pub use learned_lights::learn_lights;
 pub use openings::find_openings;
 pub use path_pass::path_pass;
 pub use photon_pass::photon_pass;

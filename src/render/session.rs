@@ -11,10 +11,13 @@ use crate::emit::SpectrumCoverage;
 use crate::error::{Error, Result};
 use crate::gather::Openings;
 use crate::map::LightMaps;
-use crate::pass::{PassContext, Pilot, StageSeconds, coarse_path_picture, find_openings, path_pass, photon_pass};
+use crate::pass::{
+    PassContext, Pilot, StageSeconds, coarse_path_picture, find_openings, learn_lights, path_pass, photon_pass,
+};
 use crate::plan::{MotionPlan, WavelengthPlan};
 use crate::sensor::Picture;
 use crate::walk::ledger::Ledger;
+use std::borrow::Cow;
 use std::time::Instant;
 
 /// The result of a render.
@@ -89,6 +92,9 @@ impl Job {
         let openings = if stopped { Openings::default() } else { find_openings(&context, &mut run.sums.seconds) };
         let responses = self.responses(&run.sums.film);
         let context = PassContext { openings: &openings, responses: responses.as_ref(), ..context };
+        let selector =
+            if stopped { Cow::Borrowed(context.selector) } else { learn_lights(&context, &mut run.sums.seconds) };
+        let context = PassContext { selector: &selector, ..context };
         // The pilot depends only on the scene and the seed. The pilot of a resumed run therefore
         // gives the same results.
         let wants_coarse_picture = run.done == 0 && monitor.wants_coarse_picture();

@@ -56,13 +56,11 @@ const CRATES: [(&str, &[&str]); 37] = [
     (
         "rayon",
         &[
-            "pass/",
+            "math/parallel.rs",
             "render/",
             "map/",
             "sensor/",
-            "scene/light/volume.rs",
-            "scene/medium/emission.rs",
-            "spectrum/smooth.rs",
+            "optics/bsdf/missing_energy/table.rs",
             "texture/palette.rs",
         ],
     ),

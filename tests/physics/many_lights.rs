@@ -2,8 +2,8 @@
 //! the radiance of an integral. Shadow rays to lights of a light tree, scattered rays that hit
 //! lights, and photons must all count these lights with the correct weights.
 
-use crate::common::compare::Measured;
-use crate::common::{diffuse, mean_y, overhead_camera};
+use crate::common::compare::{Measured, assert_same};
+use crate::common::{colour_blocks, diffuse, mean_y, overhead_camera};
 use abbe::render::Integrator;
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -118,4 +118,40 @@ fn a_luminous_mesh_lights_a_floor() {
         .collect();
     let of_points = mean_over_view(|floor| points.iter().map(|&at| under_point(at, 30.0, floor)).sum());
     check("mesh and points", &floor(mesh, &lights), of_mesh + of_points, 256);
+}
+
+/// A closed room with ten lamps. If `surrounded` is true, 60 brighter lamps are behind its walls.
+fn room(surrounded: bool) -> Value {
+    let lamp = |at: [f64; 3], intensity: f64| json!({ "point": { "at": at, "spectrum": "D65", "luminous_intensity": intensity } });
+    let inside = (0..10).map(|i| {
+        let turn = 0.6 * f64::from(i);
+        lamp([1.6 * turn.cos(), 2.2, 1.6 * turn.sin()], 10.0 + f64::from(i))
+    });
+    let behind = (0..60).map(|i| {
+        let (along, height) = (f64::from(i / 4) * 0.25 - 1.75, 0.3 + f64::from(i * 7 % 15) * 0.15);
+        let [x, z] = [[2.2, along], [-2.2, along], [along, 2.2], [along, -2.2]][i as usize % 4];
+        lamp([x, height, z], 400.0)
+    });
+    let lights: Vec<Value> = inside.chain(behind.filter(|_| surrounded)).collect();
+    json!({
+        "camera": overhead_camera([0.0, 0.0], 2.5, 3.2),
+        "film": { "width": 24, "height": 24 },
+        "materials": { "grey": diffuse(ALBEDO) },
+        "objects": [{ "shape": { "box": { "size": [4, 3, 4] } }, "material": "grey",
+                      "transform": [{ "translate": [0, 1.5, 0] }] }],
+        "lights": lights, "render": { "photons": 1000, "forbid": ["indirect"] }
+    })
+}
+
+/// Lamps behind walls do not change the light in a room, and few shadow rays go to them. If the tree
+/// alone selected the lamps, the noise would be about 100 times as large as without these lamps.
+#[test]
+fn lamps_behind_walls_take_few_shadow_rays() {
+    let blocks =
+        |surrounded: bool, seeds| Measured::new(&room(surrounded), (Integrator::Photon, 4), seeds, colour_blocks(4));
+    let (alone, surrounded) = (blocks(false, 0..8), blocks(true, 10..18));
+    let errors = [&alone, &surrounded].map(Measured::relative_error);
+    println!("relative errors {:.4} without and {:.4} with lamps behind the walls", errors[0], errors[1]);
+    assert_same("lamps behind walls", &surrounded, &alone, 2e-2);
+    assert!(errors[1] < 6.0 * errors[0], "{errors:?}");
 }

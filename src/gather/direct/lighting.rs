@@ -23,8 +23,8 @@ use glam::DVec3;
 /// Next-event estimation in one scene.
 #[derive(Debug)]
 pub struct DirectLighting<'a> {
-    scene: &'a Scene,
-    selector: &'a LightSelector,
+    pub(super) scene: &'a Scene,
+    pub(super) selector: &'a LightSelector,
     attenuation: ShadowAttenuation,
     /// The openings of the scene.
     pub(in crate::gather) openings: &'a Openings,
@@ -179,7 +179,7 @@ impl<'a> DirectLighting<'a> {
     /// Returns the straight line from the ray's origin to a light, or `None` if a surface blocks
     /// it. `from` is the surface that the ray leaves, and `target` is the surface of the light.
     #[inline(always)]
-    fn line_to_light(
+    pub(super) fn line_to_light(
         &self,
         ray: Ray,
         from: Option<SurfaceId>,
@@ -436,7 +436,7 @@ impl<'a> DirectLighting<'a> {
 
     /// Samples a direction from a point towards a light; see [`Light::sample_li`].
     #[inline(always)]
-    fn sample_li(&self, light: &Light, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
+    pub(super) fn sample_li(&self, light: &Light, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
         if self.openings.open.count() == 0 || !light.surrounds() {
             return light.sample_li(self.scene.extent(), from, u);
         }

@@ -1,13 +1,15 @@
 //! The selection of the lights that a point samples.
 //!
 //! If a scene has at most eight lights, each point samples all of them. If a scene has more lights,
-//! each point samples one emitter of a light tree. Distant lights and parallel beams are not in the
+//! each point samples one emitter of a light tree, or one of the emitters that light the surfaces
+//! around the point, as the pilot learned. Distant lights and parallel beams are not in the
 //! tree, because their irradiance does not fall with the distance. If there are such lights, each
 //! point also samples one of them, in proportion to their powers.
 //!
 //! A luminous mesh counts as many lights. In a scene with at most eight lights, a mesh of more than
 //! eight triangles has a tree of its own, which selects the triangle that a point samples.
 
+use super::learned_lights::{LearnedLights, LearnedWeights, LightTrial};
 use super::light_tree::{Emitters, Receiver, ReceivingPoint};
 use crate::geometry::Hit;
 use crate::math::distribution::DiscreteDistribution;
@@ -29,6 +31,8 @@ pub struct LightSelector {
     emitters: Emitters,
     /// Selects one of the lights that are not in the tree. `None` if there are none.
     outside: Option<DiscreteDistribution>,
+    /// The learned weights of the emitters in the tree over all local lights.
+    learned: LearnedLights,
 }
 
 /// One sample that each point takes.
@@ -72,8 +76,14 @@ impl LightSelector {
     /// lights.
     pub fn new(scene: &Scene, powers: &DiscreteDistribution) -> Self {
         let light_count = scene.lights.len();
-        let selector =
-            Self { light_count, samples: Vec::new(), lights: Vec::new(), emitters: Emitters::default(), outside: None };
+        let selector = Self {
+            light_count,
+            samples: Vec::new(),
+            lights: Vec::new(),
+            emitters: Emitters::default(),
+            outside: None,
+            learned: LearnedLights::default(),
+        };
         if light_count > SAMPLE_ALL_LIGHTS {
             selector.with_tree(scene, powers)
         } else {
@@ -119,6 +129,29 @@ impl LightSelector {
         self
     }
 
+    /// Returns true if there is a tree over all local lights, so that trials can teach the
+    /// selector.
+    pub fn learns(&self) -> bool {
+        self.light_count > SAMPLE_ALL_LIGHTS && !self.emitters.list.is_empty()
+    }
+
+    /// Returns the selector with the weights that follow from trials.
+    #[must_use]
+    pub fn taught_by(&self, trials: &[LightTrial]) -> Self {
+        let importance = |emitter: u32, trial: &LightTrial| {
+            let receiver = ReceivingPoint { position: trial.position, normal: trial.normal };
+            receiver.importance(self.emitters.tree.cluster_of(emitter as usize))
+        };
+        Self { learned: LearnedLights::new(trials, &importance), ..self.clone() }
+    }
+
+    /// Returns the selector with the learned weights of another selector. Both belong to the
+    /// same scene at different times, so the numbers of their emitters agree.
+    #[must_use]
+    pub fn with_learned_of(self, other: &Self) -> Self {
+        Self { learned: other.learned.clone(), ..self }
+    }
+
     /// Returns true if each point samples all lights, and no light has a tree.
     #[inline]
     fn samples_all(&self) -> bool {
@@ -132,6 +165,34 @@ impl LightSelector {
         LightSelection { selector: self, receiver, u, samples: 0..count }
     }
 
+    /// Selects an emitter of the tree over all local lights for a trial. Returns the light, with the
+    /// probability 1 if the emitter is the whole light, the number of the emitter and its
+    /// importance. Returns `None` if the tree has no light for the receiver, or if the receiver is
+    /// not a side of a surface.
+    pub(super) fn select_for_trial(
+        &self,
+        receiver: ReceivingPoint,
+        mut u: [f64; 3],
+    ) -> Option<(SelectedLight, u32, f64)> {
+        receiver.surface()?;
+        let in_tree = |sample: &Sampled| if let Sampled::Tree { root, by } = *sample { Some((root, by)) } else { None };
+        let (root, by) = self.samples.iter().find_map(in_tree)?;
+        let emitter = self.emitters.tree.sample_for_trial(root, &receiver, &mut u[by])?;
+        let importance = receiver.importance(self.emitters.tree.cluster_of(emitter));
+        Some((self.selected(emitter, 1.0, u), emitter as u32, importance))
+    }
+
+    /// Returns the light of an emitter that was selected with this probability.
+    fn selected(&self, emitter: usize, probability: f64, u: [f64; 3]) -> SelectedLight {
+        let emitter = self.emitters.list[emitter];
+        let mut selected = SelectedLight { number: emitter.light as usize, u, probability };
+        if let Some(triangle) = emitter.triangle {
+            selected.u[0] = triangle.selecting;
+            selected.probability /= triangle.probability;
+        }
+        selected
+    }
+
     /// Takes one sample. Returns `None` if the receiver gets no light from the tree.
     #[inline(never)]
     fn take(&self, sample: usize, receiver: &impl Receiver, mut u: [f64; 3]) -> Option<SelectedLight> {
@@ -142,16 +203,39 @@ impl LightSelector {
                 Some(SelectedLight { number, u, probability: self.outside_probability(number) })
             }
             Sampled::Tree { root, by } => {
-                let (emitter, probability) = self.emitters.tree.sample(root, receiver, &mut u[by])?;
-                let emitter = self.emitters.list[emitter];
-                let mut selected = SelectedLight { number: emitter.light as usize, u, probability };
-                if let Some(triangle) = emitter.triangle {
-                    selected.u[0] = triangle.selecting;
-                    selected.probability /= triangle.probability;
-                }
-                Some(selected)
+                let (emitter, probability) = self.sample_emitter(root, receiver, &mut u[by])?;
+                Some(self.selected(emitter, probability, u))
             }
         }
+    }
+
+    /// Samples an emitter of a tree, from the learned weights or from the tree. Returns the number of
+    /// the emitter and its probability. Replaces `u` by a new uniform number.
+    fn sample_emitter(&self, root: usize, receiver: &impl Receiver, u: &mut f64) -> Option<(usize, f64)> {
+        let tree = &self.emitters.tree;
+        let Some(learned) = self.learned_weights(receiver) else { return tree.sample(root, receiver, u) };
+        let (emitter, in_tree);
+        if *u < learned.share {
+            *u /= learned.share;
+            emitter = learned.sample(u);
+            in_tree = tree.probability(root, emitter, receiver);
+        } else {
+            *u = (*u - learned.share) / (1.0 - learned.share);
+            (emitter, in_tree) = tree.sample(root, receiver, u)?;
+        }
+        Some((emitter, learned.mixed(emitter, in_tree)))
+    }
+
+    /// Returns the probability with which a receiver samples an emitter of a tree.
+    fn emitter_probability(&self, root: usize, emitter: usize, receiver: &impl Receiver) -> f64 {
+        let in_tree = self.emitters.tree.probability(root, emitter, receiver);
+        self.learned_weights(receiver).map_or(in_tree, |learned| learned.mixed(emitter, in_tree))
+    }
+
+    /// Returns the learned weights of the emitters in the cell of a receiver.
+    fn learned_weights(&self, receiver: &impl Receiver) -> Option<LearnedWeights<'_>> {
+        let importance = |emitter| receiver.importance(self.emitters.tree.cluster_of(emitter));
+        self.learned.weights(receiver.surface()?, importance)
     }
 
     fn outside_probability(&self, number: usize) -> f64 {
@@ -179,12 +263,12 @@ impl LightSelector {
             SampledBy::Tree { root, emitter } => (root, emitter),
         };
         if self.emitters.list[first].triangle.is_none() {
-            return self.emitters.tree.probability(root, first, receiver);
+            return self.emitter_probability(root, first, receiver);
         }
         let face = hit.and_then(|hit| scene.geometry.number_of_face(hit.object, hit.surface));
         let Some(emitter) = face.map(|face| first + face) else { return 0.0 };
         let in_mesh = self.emitters.list[emitter].triangle.map_or(1.0, |triangle| triangle.probability);
-        self.emitters.tree.probability(root, emitter, receiver) / in_mesh
+        self.emitter_probability(root, emitter, receiver) / in_mesh
     }
 }
 

@@ -113,6 +113,9 @@ pub(in crate::gather) trait Receiver {
     /// Returns a bound of the light that the place receives from a cluster. It is 0 only if the
     /// place receives no light.
     fn importance(&self, cluster: &Cluster) -> f64;
+
+    /// Returns the position and the normal if the place is on one side of a surface.
+    fn surface(&self) -> Option<(DVec3, DVec3)>;
 }
 
 /// The bounds of a cluster in single precision. They contain the exact bounds.
@@ -253,6 +256,11 @@ impl Receiver for ReceivingPoint {
         let cosines = cosine(above_light, distance2) * cosine(above_surface, distance2);
         f64::from(cluster.intensity) * cosines / distance2
     }
+
+    #[inline]
+    fn surface(&self) -> Option<(DVec3, DVec3)> {
+        (self.normal != DVec3::ZERO).then_some((self.position, self.normal))
+    }
 }
 
 /// Returns the cosine of the angle to a normal from a height above the plane of the normal.
@@ -299,6 +307,10 @@ impl Receiver for ReceivingSegment {
         let sin_b = radius / nearest_m;
         let axis = DVec3::from(cluster.axis.map(f64::from));
         cluster.intensity_within(largest_cosine(axis, a, b), (sin_b, (1.0 - sin_b * sin_b).sqrt())) * received
+    }
+
+    fn surface(&self) -> Option<(DVec3, DVec3)> {
+        None
     }
 }
 

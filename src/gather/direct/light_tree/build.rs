@@ -39,6 +39,7 @@ impl Builder<'_> {
             let (bounds, emitter) = (self.bounds[number as usize], self.first + number as usize);
             self.tree.nodes.push(LightNode { cluster: Cluster::new(&bounds), link: LEAF | emitter as u32 });
             self.tree.trails[emitter] = trail;
+            self.tree.leaves[emitter] = self.tree.nodes.len() as u32 - 1;
             return bounds;
         }
         let (count, middle) = (numbers.len(), self.split(numbers, depth));

@@ -58,6 +58,8 @@ pub(super) struct LightTree {
     /// For each emitter, the path from the root to its leaf. The lowest bit belongs to the root. A
     /// bit is 1 if the path goes to the second child.
     trails: Vec<u64>,
+    /// For each emitter, the position of its leaf in the list.
+    leaves: Vec<u32>,
 }
 
 impl LightTree {
@@ -66,6 +68,7 @@ impl LightTree {
     fn add(&mut self, bounds: &[LightBounds]) -> usize {
         let (root, first) = (self.nodes.len(), self.trails.len());
         self.trails.resize(first + bounds.len(), 0);
+        self.leaves.resize(first + bounds.len(), 0);
         build::build(self, bounds, first);
         root
     }
@@ -87,6 +90,29 @@ impl LightTree {
             };
             *u = u.min(ONE_MINUS_ULP);
         }
+    }
+
+    /// Samples an emitter for a trial, as [`Self::sample`] does. The children of a node are selected
+    /// in proportion to the square roots of their importance, so that the trials find weak emitters
+    /// in front of strong emitters behind a wall.
+    pub(super) fn sample_for_trial(&self, root: usize, receiver: &ReceivingPoint, u: &mut f64) -> Option<usize> {
+        let mut index = root;
+        while self.nodes[index].link & LEAF == 0 {
+            let [first, second] = self.probabilities(index, receiver)?.map(f64::sqrt);
+            let first = first / (first + second);
+            (*u, index) = if *u < first {
+                (*u / first, index + 1)
+            } else {
+                ((*u - first) / (1.0 - first), self.nodes[index].link as usize)
+            };
+            *u = u.min(ONE_MINUS_ULP);
+        }
+        Some((self.nodes[index].link & !LEAF) as usize)
+    }
+
+    /// Returns the bounds of an emitter.
+    pub(super) fn cluster_of(&self, emitter: usize) -> &Cluster {
+        &self.nodes[self.leaves[emitter] as usize].cluster
     }
 
     /// Returns the probability with which [`Self::sample`] samples an emitter for this receiver.
