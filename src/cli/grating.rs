@@ -56,6 +56,14 @@ pub(crate) struct GratingArgs {
     /// The index of the medium behind the grating: a number or the name of a glass
     #[arg(long, value_name = "N|NAME", default_value = "1")]
     substrate: String,
+    /// The diameter of a round stop across each order, in mm. The output then contains the
+    /// resolving power that diffraction at the stop allows
+    #[arg(long, value_name = "MM")]
+    stop_mm: Option<f64>,
+    /// The width of a slit, seen from the grating, in degrees. The output then contains the width of
+    /// its image in nm
+    #[arg(long, value_name = "DEG")]
+    slit_deg: Option<f64>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -97,6 +105,14 @@ struct OrderReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     azimuth_degrees: Option<f64>,
     efficiency: f64,
+    /// The resolving power mN/1.22 of N grooves in front of a round stop (Rayleigh's criterion).
+    /// Omitted without a stop.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    resolving_power: Option<f64>,
+    /// The difference of the wavelengths whose images of the slit are side by side, in nm. Omitted
+    /// without a slit, and for the order 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    slit_nm: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -149,6 +165,7 @@ fn report(arguments: &GratingArgs) -> Result<GratingReport> {
     within("--angle", *angle, (-90.0, 90.0))?;
     within("--azimuth", *azimuth, (-360.0, 360.0))?;
     within("--reflectance", *reflectance, (0.0, 1.0))?;
+    let spectroscope = Spectroscope::new(arguments)?;
     let grating = Grating::new(*lines_per_mm, profile(arguments)?)?;
     let behind = match substrate.trim().parse() {
         Ok(n) => RefractiveIndex::constant(n)?,
@@ -166,10 +183,48 @@ fn report(arguments: &GratingArgs) -> Result<GratingReport> {
         for order in grating.orders(incident, event, [1.0, index], *wavelength) {
             let (degrees, azimuth_degrees) = angles(&order, *azimuth != 0.0);
             let efficiency = share * order.efficiency;
-            orders.push(OrderReport { order: order.order, side, degrees, azimuth_degrees, efficiency });
+            let (resolving_power, slit_nm) = (spectroscope.resolving_power(&order), spectroscope.slit_nm(&order));
+            let order = order.order;
+            orders.push(OrderReport { order, side, degrees, azimuth_degrees, efficiency, resolving_power, slit_nm });
         }
     }
     Ok(GratingReport { orders })
+}
+
+/// A slit, a grating and a round stop behind it. All light travels across the grooves.
+struct Spectroscope {
+    lines_per_mm: f64,
+    cos_incidence: f64,
+    stop_mm: Option<f64>,
+    slit_rad: Option<f64>,
+}
+
+impl Spectroscope {
+    fn new(arguments: &GratingArgs) -> Result<Self> {
+        let GratingArgs { lines_per_mm, angle, azimuth, stop_mm, slit_deg, .. } = *arguments;
+        for (option, value, most) in [("--stop-mm", stop_mm, f64::MAX), ("--slit-deg", slit_deg, 90.0)] {
+            let Some(value) = value else { continue };
+            within(option, value, (f64::MIN_POSITIVE, most))?;
+            if azimuth != 0.0 {
+                return Err(Error::input(format!("{option} with --azimuth {azimuth}"))
+                    .expected("incidence across the grooves, without --azimuth"));
+            }
+        }
+        let (cos_incidence, slit_rad) = (sin_cos(angle.to_radians()).1, slit_deg.map(f64::to_radians));
+        Ok(Self { lines_per_mm, cos_incidence, stop_mm, slit_rad })
+    }
+
+    /// Returns the resolving power. The stop is across the light of the order, so the order
+    /// illuminates it through a longer part of the grating.
+    fn resolving_power(&self, order: &DiffractedOrder) -> Option<f64> {
+        let grooves = self.stop_mm? * self.lines_per_mm / order.direction.z.abs();
+        Some(f64::from(order.order.abs()) * grooves / 1.22)
+    }
+
+    fn slit_nm(&self, order: &DiffractedOrder) -> Option<f64> {
+        let per_nm = f64::from(order.order.abs()) * self.lines_per_mm * 1e-6;
+        self.slit_rad.filter(|_| order.order != 0).map(|slit| slit * self.cos_incidence / per_nm)
+    }
 }
 
 /// Returns the angles of an order in degrees.
@@ -183,9 +238,13 @@ fn angles(order: &DiffractedOrder, conical: bool) -> (f64, Option<f64>) {
 
 fn text(report: &GratingReport) -> String {
     let mut text = " order  side            degrees  efficiency\n".to_string();
-    for OrderReport { order, side, degrees, azimuth_degrees, efficiency } in &report.orders {
+    for it in &report.orders {
+        let OrderReport { order, side, degrees, azimuth_degrees, efficiency, resolving_power, slit_nm } = it;
         let azimuth = azimuth_degrees.map_or(String::new(), |azimuth| format!("  azimuth {azimuth:.4}"));
-        text += &format!("{order:>6}  {side:<12} {degrees:>10.5} {:>9.4} %{azimuth}\n", 100.0 * efficiency);
+        text += &format!("{order:>6}  {side:<12} {degrees:>10.5} {:>9.4} %{azimuth}", 100.0 * efficiency);
+        text += &resolving_power.map_or(String::new(), |power| format!("  resolving power {power:.0}"));
+        text += &slit_nm.map_or(String::new(), |nm| format!("  slit {nm:.4} nm"));
+        text += "\n";
     }
     text
 }

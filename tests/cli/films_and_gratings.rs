@@ -101,6 +101,13 @@ fn a_grating_lists_its_orders_on_both_sides() {
     let measured = run(&["--efficiencies", "-1=0.25,0=0.5", "--reflectance", "0", "--json"]).json();
     let efficiencies = measured["orders"].as_array().unwrap().iter().map(|it| it["efficiency"].as_f64().unwrap());
     assert_eq!(efficiencies.collect::<Vec<_>>(), [0.0, 0.25, 0.5, 0.0, 0.0], "orders −2 to 2");
+    let spectroscope = run(&["--stop-mm", "2", "--slit-deg", "0.05", "--json"]).json();
+    let order = spectroscope["orders"].as_array().unwrap().iter().find(|it| it["order"] == -2).unwrap();
+    let cos = (1.0 - (2.0 * 600.0 * 589.3e-6_f64).powi(2)).sqrt();
+    assert_near("resolving power", &order["resolving_power"], 2.0 * 2.0 * 600.0 / cos / 1.22, 1e-6);
+    assert_near("slit", &order["slit_nm"], 0.05_f64.to_radians() / (2.0 * 600e-6), 1e-9);
+    let wrong = run(&["--stop-mm", "2", "--azimuth", "10"]);
+    assert!(wrong.status == 2 && wrong.err.contains("--azimuth"), "{}", wrong.err);
     for (list, what) in [("0=0.9,1=0.2", "a sum of 1.1"), ("0:0.9", "0=0.1,1=0.75")] {
         let wrong = run(&["--efficiencies", list]);
         assert!(wrong.status == 2 && wrong.err.contains(what), "{}", wrong.err);

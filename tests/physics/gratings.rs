@@ -175,3 +175,102 @@ fn photons_and_paths_agree_on_gratings() {
     // All light arrives at the shared wavelengths of a pass, so its colour is noisy.
     assert_integrators_agree_within("gratings", &scene, 2e-2);
 }
+
+/// A spectroscope: a slit at a distance of 50 m, a transmission grating, and a camera behind it that
+/// looks along the order `order` of `nm`. Its round stop has the diameter `stop_mm`. A pixel is a
+/// sixteenth of the radius of the first dark ring.
+struct Spectroscope {
+    lines_per_mm: f64,
+    order: f64,
+    stop_mm: f64,
+    nm: f64,
+}
+
+impl Spectroscope {
+    const DISTANCE_M: f64 = 50.0;
+    const FILM: usize = 97;
+    const RING_PX: f64 = 16.0;
+
+    fn sin_cos(&self) -> (f64, f64) {
+        let sin = self.order * self.nm * 1e-6 * self.lines_per_mm;
+        (sin, (1.0 - sin * sin).sqrt())
+    }
+
+    fn pixel_rad(&self) -> f64 {
+        1.22 * self.nm * 1e-6 / self.stop_mm / Self::RING_PX
+    }
+
+    /// Returns Y along the spectrum, from the middle row of the picture. The slit emits a line.
+    fn row(&self, line_nm: f64, slit_mm: f64) -> Vec<f64> {
+        let ((sin, cos), film) = (self.sin_cos(), Self::FILM);
+        // The light of an order diverges from a point at this distance, across the grooves.
+        let focus_m = Self::DISTANCE_M * cos * cos;
+        let scene = json!({
+            "camera": { "from": [0.005 * sin, -0.005 * cos, 0], "at": [-sin, cos, 0], "up": [0, 0, 1],
+                "lens": { "thin": {
+                    "fov": 2.0 * (0.5 * film as f64 * self.pixel_rad()).atan().to_degrees(), "focus_distance": focus_m,
+                    "defocus_angle": 2.0 * (0.5e-3 * self.stop_mm / focus_m).atan().to_degrees(), "diffraction": true
+                } } },
+            "film": { "width": film, "height": film },
+            "materials": { "black": "absorber", "grating": { "grating": {
+                "lines_per_mm": self.lines_per_mm, "profile": { "blazed": { "order": self.order, "nm": self.nm } },
+                "transmittance": 1
+            } } },
+            "objects": [
+                { "shape": { "rectangle": { "width": 0.05, "height": 0.05 } }, "material": "grating" },
+                { "shape": { "rectangle": { "width": 1e-3 * slit_mm, "height": 1e-3 } }, "material": "black",
+                  "emission": { "spectrum": { "lines": [{ "nm": line_nm, "power": 1, "fwhm_nm": 1e-4 }] },
+                                "luminance": 1e6 },
+                  "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": 180 } },
+                                { "translate": [0, Self::DISTANCE_M, 0] }] }
+            ],
+            "render": { "photons": 100 }
+        });
+        let picture = render(&scene, Integrator::Photon, 32).picture;
+        picture.xyz[film * (film / 2)..film * (film / 2 + 1)].iter().map(|xyz| xyz[1]).collect()
+    }
+}
+
+/// Returns the place of an extreme value of a row between two places, from a parabola through three
+/// pixels. `sign` is 1 for a maximum and −1 for a minimum.
+fn extreme(row: &[f64], (from, to): (usize, usize), sign: f64) -> f64 {
+    let place = (from..to).max_by(|&i, &j| (sign * row[i]).total_cmp(&(sign * row[j]))).unwrap();
+    let [before, here, after] = [row[place - 1], row[place], row[place + 1]];
+    place as f64 + 0.5 * (before - after) / (before - 2.0 * here + after)
+}
+
+/// The resolving power is the wavelength, divided by the difference of wavelengths that moves the
+/// picture of a narrow slit to its own first dark ring. It is mN/1.22 for N grooves in front of the
+/// stop.
+#[test]
+fn a_grating_before_a_round_stop_has_its_resolving_power() {
+    for (lines_per_mm, order, stop_mm) in [(600.0, 1.0, 2.0), (300.0, 2.0, 3.0)] {
+        let spectroscope = Spectroscope { lines_per_mm, order, stop_mm, nm: 500.0 };
+        const STEP_NM: f64 = 0.3;
+        let [row, moved] = [500.0, 500.0 + STEP_NM].map(|nm| spectroscope.row(nm, 1.0));
+        let whole = (1, Spectroscope::FILM - 1);
+        let (at, next) = (extreme(&row, whole, 1.0), extreme(&moved, whole, 1.0));
+        let ring = extreme(&row, (at as usize + 12, at as usize + 21), -1.0) - at;
+        let found = 500.0 / (STEP_NM * ring / (next - at).abs());
+        let expected = order * stop_mm * lines_per_mm / spectroscope.sin_cos().1 / 1.22;
+        println!(
+            "{lines_per_mm} per mm, order {order}: dark ring at {ring:.2} pixels, resolving power {found:.0} of {expected:.0}"
+        );
+        assert!((ring / Spectroscope::RING_PX - 1.0).abs() < 0.1, "{ring}");
+        assert!((found / expected - 1.0).abs() < 0.1, "{found} of {expected}");
+    }
+}
+
+/// The picture of a slit that is much wider than the dark ring has the width of the slit, divided by
+/// the cosine of the angle of the order.
+#[test]
+fn a_wide_slit_limits_the_resolving_power() {
+    let spectroscope = Spectroscope { lines_per_mm: 600.0, order: 1.0, stop_mm: 4.0, nm: 500.0 };
+    const SLIT_MM: f64 = 24.0;
+    let row = spectroscope.row(500.0, SLIT_MM);
+    let half = 0.5 * row[Spectroscope::FILM / 2];
+    let width = row.iter().filter(|&&y| y > half).count() as f64;
+    let expected = 1e-3 * SLIT_MM / Spectroscope::DISTANCE_M / spectroscope.sin_cos().1 / spectroscope.pixel_rad();
+    println!("a slit of {expected:.1} pixels has the width of {width} pixels");
+    assert!((width / expected - 1.0).abs() < 0.05, "{width} and {expected} pixels");
+}
