@@ -219,4 +219,7 @@ fn fan(polygon: &[u32]) -> impl Iterator<Item = [u32; 3]> {
 
 #[cfg(test)]
 #[cfg(feature = "meshes")]
+mod obj_tests;
+#[cfg(test)]
+#[cfg(feature = "meshes")]
 mod tests;

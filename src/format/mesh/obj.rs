@@ -1,5 +1,6 @@
 //! Wavefront OBJ files with MTL materials.
 
+use std::borrow::Cow;
 use std::cell::RefCell;
 use std::io::Cursor;
 use std::path::Path;
@@ -16,11 +17,12 @@ use crate::texture::{Filter, UvTransform, Wrap};
 pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes> {
     let bytes = super::read(path)?;
     let text = String::from_utf8_lossy(&bytes);
+    let text = joined_lines(&text);
     check_faces(&text)?;
     let used = used_materials(&text);
     let options = tobj::LoadOptions { triangulate: true, single_index: true, ignore_points: true, ignore_lines: true };
     let missing = RefCell::new(Vec::new());
-    let (models, materials) = tobj::load_obj_buf(&mut Cursor::new(&bytes), &options, |library| {
+    let (models, materials) = tobj::load_obj_buf(&mut Cursor::new(text.as_bytes()), &options, |library| {
         let unusable = |why: &dyn std::fmt::Display| {
             let sentence = format!("the material library \"{}\" cannot be used ({why})", library.display());
             missing.borrow_mut().push(sentence);
@@ -62,14 +64,61 @@ pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes
     Ok(PartsAndNotes { parts: parts?, ignored, has_lights: false })
 }
 
-/// Reads the picture of a material's diffuse colour. `name` is the value of the key `map_Kd`.
-fn diffuse_texture(name: &str, obj: &Path, file_access: FileAccess) -> Result<MeshTexture> {
-    if name.starts_with('-') {
-        return Err(Error::input(format!("the options of \"{name}\" are not supported")));
+/// Joins each line that ends with a backslash to the next line. The other lines keep their numbers.
+fn joined_lines(text: &str) -> Cow<'_, str> {
+    if !text.lines().any(|line| line.trim_end().ends_with('\\')) {
+        return Cow::Borrowed(text);
     }
+    let (mut joined, mut ends) = (String::with_capacity(text.len()), String::new());
+    for line in text.lines() {
+        ends.push('\n');
+        match line.trim_end().strip_suffix('\\') {
+            Some(begin) => joined += &format!("{begin} "),
+            None => joined += &format!("{line}{}", std::mem::take(&mut ends)),
+        }
+    }
+    Cow::Owned(joined)
+}
+
+/// Splits the value of a texture key into the name of the file, the map of texture coordinates, and
+/// what the picture looks like outside the unit square.
+fn texture_options(value: &str) -> Result<(&str, UvTransform, Wrap)> {
+    let (mut rest, mut scale, mut offset, mut wrap) = (value.trim(), [1.0; 2], [0.0; 2], Wrap::Repeat);
+    while rest.starts_with('-') {
+        let (option, mut after) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
+        match option {
+            "-s" | "-o" => {
+                let pair = if option == "-s" { &mut scale } else { &mut offset };
+                // One to three numbers follow, of which the third one is for volumes.
+                for place in 0..3 {
+                    let (word, left) = after.trim_start().split_once(char::is_whitespace).unwrap_or((after, ""));
+                    let Ok(number) = word.parse::<f64>() else { break };
+                    if let Some(component) = pair.get_mut(place) {
+                        *component = number;
+                    }
+                    after = left;
+                }
+            }
+            "-clamp" => {
+                let (word, left) = after.trim_start().split_once(char::is_whitespace).unwrap_or((after, ""));
+                wrap = if word == "on" { Wrap::Clamp } else { Wrap::Repeat };
+                after = left;
+            }
+            _ => return Err(Error::input(format!("the option {option} of \"{value}\" is not supported"))),
+        }
+        rest = after.trim_start();
+    }
+    // In OBJ files, v increases upwards.
+    let offset = [offset[0], 1.0 - scale[1] - offset[1]];
+    Ok((rest, UvTransform::new(scale, 0.0, offset), wrap))
+}
+
+/// Reads the picture of a material's diffuse colour. `value` is the value of the key `map_Kd`.
+fn diffuse_texture(value: &str, obj: &Path, file_access: FileAccess) -> Result<MeshTexture> {
+    let (name, transform, wrap) = texture_options(value)?;
     let file = file_access.file(obj.parent().unwrap_or(Path::new("")), Path::new(&name.replace('\\', "/")))?;
     let picture = Arc::new(PictureFile::read(&file)?);
-    Ok(MeshTexture { picture, wrap: [Wrap::Repeat; 2], filter: Filter::Bilinear, transform: UvTransform::IDENTITY })
+    Ok(MeshTexture { picture, wrap: [wrap; 2], filter: Filter::Bilinear, transform })
 }
 
 /// Returns the names of the materials that the faces use.
@@ -186,7 +235,8 @@ fn check_corner(corner: &str, counts: [i64; 3]) -> Result<()> {
 /// the file states neither `d` nor `Tr`, a material with the illumination model 4, 6, 7 or 9
 /// becomes glass. The Phong exponent `Ns` corresponds to the microfacet parameter α = √(2/(Ns + 2))
 /// (Walter et al. 2007). The extension key `Pm` states the metalness directly, and `Pr` states the
-/// roughness.
+/// roughness. An opaque material with a black `Kd` and a specular colour `Ks` is a metal of this
+/// colour, as in files with mirrors.
 fn material(file: &tobj::Material) -> MeshMaterial {
     let extension = |name: &str| file.unknown_param.get(name).and_then(|value| value.trim().parse::<f64>().ok());
     let glass = matches!(file.illumination_model, Some(4 | 6 | 7 | 9));
@@ -196,10 +246,14 @@ fn material(file: &tobj::Material) -> MeshMaterial {
     let shininess = file.shininess.filter(|_| shines || transmission > 0.0);
     let of_shininess = shininess.map(|ns| (2.0 / (ns.max(0.0) + 2.0)).sqrt().sqrt());
     let roughness = extension("Pr").or(of_shininess).unwrap_or(if transmission > 0.0 { 0.0 } else { 1.0 });
+    let is_black = file.diffuse.is_some_and(|colour| colour == [0.0; 3]) && file.diffuse_texture.is_none();
+    let emits = file.emissive.is_some_and(|colour| colour != [0.0; 3]);
+    let metal = file.specular.filter(|_| is_black && shines && transmission < 0.5 && !emits);
+    let colour = metal.map(|colour| colour.map(|component| component.min(1.0))).or(file.diffuse);
     MeshMaterial {
         name: file.name.clone(),
-        base_colour: file.diffuse.unwrap_or(MeshMaterial::default().base_colour),
-        metallic: extension("Pm").unwrap_or(0.0).clamp(0.0, 1.0),
+        base_colour: colour.unwrap_or(MeshMaterial::default().base_colour),
+        metallic: extension("Pm").unwrap_or(if metal.is_some() { 1.0 } else { 0.0 }).clamp(0.0, 1.0),
         roughness: roughness.clamp(0.0, 1.0),
         // A surface of an OBJ file is either glass or opaque.
         transmission: if transmission >= 0.5 { 1.0 } else { 0.0 },

@@ -7,12 +7,12 @@ use tempfile::TempDir;
 
 use super::*;
 
-fn load(path: &Path) -> Result<Vec<MeshPart>> {
+pub(super) fn load(path: &Path) -> Result<Vec<MeshPart>> {
     super::load(path, FileAccess::WithinFolder).map(|file| file.parts)
 }
 
 /// Returns what the reader says about ignored parts of a file.
-fn ignored(path: &Path) -> Option<String> {
+pub(super) fn ignored(path: &Path) -> Option<String> {
     super::load(path, FileAccess::WithinFolder).unwrap().ignored
 }
 
@@ -33,7 +33,7 @@ fn cube_triangles() -> Vec<[u32; 3]> {
     QUADS.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect()
 }
 
-fn write(folder: &TempDir, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
+pub(super) fn write(folder: &TempDir, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).unwrap();
     path
@@ -47,7 +47,7 @@ fn is_the_cube(mesh: &TriangleMesh) {
     assert!((mesh.area() - 6.0).abs() < 1e-12);
 }
 
-fn obj() -> String {
+pub(super) fn obj() -> String {
     let mut text = String::from("mtllib cube.mtl\no cube\nusemtl glass\n");
     for [x, y, z] in CORNERS {
         text += &format!("v {x} {y} {z}\n");
@@ -221,41 +221,6 @@ fn a_gltf_glass_keeps_all_its_extensions() {
     assert_eq!(parts[0].material.as_ref(), Some(&expected));
 }
 
-#[test]
-fn an_obj_has_its_materials_or_a_note_that_they_are_missing() {
-    let folder = TempDir::new().unwrap();
-    let path = write(&folder, "cube.obj", obj());
-    let without = load(&path).unwrap();
-    assert!(without[0].material.is_none());
-    let note = ignored(&path).unwrap();
-    assert!(note.starts_with("the material library \"cube.mtl\" cannot be used"), "{note}");
-    assert!(note.ends_with("; unknown materials became matt grey: glass"), "{note}");
-    write(
-        &folder,
-        "cube.mtl",
-        "newmtl glass\nKd 0.5 0.5 1\nNi 1.5168\nTr 0.75\nillum 2\nKs 1 1 1\nNs 2046\nKe 1 2 3\n",
-    );
-    let part = &load(&path).unwrap()[0];
-    let material = part.material.as_ref().unwrap();
-    assert_eq!((material.base_colour, material.ior, material.transmission), ([0.5, 0.5, 1.0], 1.5168, 1.0));
-    assert_eq!((material.emission, part.name.as_str(), ignored(&path)), ([1.0, 2.0, 3.0], "cube", None));
-    // The roughness is the square root of α, and α = √(2/2048) = 1/32.
-    assert!((material.roughness - 32.0_f64.sqrt().recip()).abs() < 1e-15);
-}
-
-/// Vertices of OBJ files keep their normals and their texture coordinates in double precision. The
-/// coordinate v is reversed, because it increases upwards in OBJ files.
-#[test]
-fn an_obj_keeps_normals_and_texture_coordinates() {
-    let folder = TempDir::new().unwrap();
-    let text =
-        "v 0 0 0\nv 1 0 0\nv 0 0 -1\nvn 0 1 0\nvt 0 0\nvt 1 0\nvt 0 0.3333333333333333\nf 1/1/1 2/2/1 -1/-1/-1\n";
-    let mesh = &load(&write(&folder, "triangle.obj", text)).unwrap()[0].mesh;
-    assert_eq!(mesh.normals(), Some([DVec3::Y; 3].as_slice()));
-    // Double precision is kept.
-    assert_eq!(mesh.uvs(), Some([[0.0, 1.0], [1.0, 1.0], [0.0, 0.666_666_666_666_666_7]].as_slice()));
-}
-
 /// If a file is cut after any byte, the error names the file.
 #[test]
 fn truncated_files_are_errors() {
@@ -322,28 +287,6 @@ fn a_mesh_file_names_no_files_outside_its_folder() {
     assert!(note.contains("../cube.mtl") && note.contains(FileAccess::EXPECTED_WITHIN_FOLDER), "{note}");
     assert!(within.parts[0].material.is_none());
     assert!(anywhere.parts[0].material.is_some() && anywhere.ignored.is_none());
-}
-
-#[test]
-fn an_obj_says_which_textures_and_keys_are_ignored() {
-    let folder = TempDir::new().unwrap();
-    let path = write(&folder, "cube.obj", obj().replace("f 1", "usemtl wood\nf 1"));
-    let textures = "map_Kd a.png\nmap_Bump b.png\nmap_Pr c.png\nnorm d.png\n";
-    write(
-        &folder,
-        "cube.mtl",
-        format!("newmtl glass\nKd 1 1 1\n{textures}Tf 0.5 1 1\nPc 0.5\nnewmtl other\nmap_Kd e\n"),
-    );
-    image::RgbImage::new(2, 2).save(folder.path().join("a.png")).unwrap();
-    let expected = "textures are ignored: map_Bump, map_Pr, norm; material keys are ignored: Pc, Tf; unknown materials \
-                    became matt grey: wood; the texture map_Kd of \"other\" cannot be used (";
-    let found = ignored(&path).unwrap();
-    assert!(found.starts_with(expected), "{found}");
-    let parts = load(&write(&folder, "glass.obj", obj())).unwrap();
-    let textured = |part: &MeshPart| part.material.as_ref().is_some_and(|own| own.base_colour_texture.is_some());
-    assert!(parts.iter().any(textured));
-    write(&folder, "cube.mtl", "newmtl glass\nTf 1 1 1\nPc 0\nnewmtl wood\n");
-    assert_eq!(ignored(&path), None);
 }
 
 #[test]
