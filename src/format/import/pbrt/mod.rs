@@ -32,8 +32,7 @@ use token::Tokens;
 
 /// Reads a pbrt file.
 pub(super) fn import(path: &Path, folder: &str, file_access: FileAccess) -> Result<ImportedScene> {
-    let tokens = Tokens::new(read_text(path)?, path.to_path_buf());
-    let mut reader = Reader::new(path.parent().unwrap_or(Path::new("")), folder, file_access);
-    reader.execute(tokens)?;
-    reader.finish(&path.file_name().unwrap_or_default().to_string_lossy())
+    let tokens = || Ok(Tokens::new(read_text(path)?, path.to_path_buf()));
+    let reader = || Reader::new(path.parent().unwrap_or(Path::new("")), folder, file_access);
+    Reader::executed(reader, tokens)?.finish(&path.file_name().unwrap_or_default().to_string_lossy())
 }

@@ -89,7 +89,7 @@ impl Reader<'_> {
             ReadMaterial::Interface => false,
             ReadMaterial::Surface { material, normal_map } => normal_map.is_some() || has_texture(material),
             ReadMaterial::Mix(names, amount) => {
-                let mut parts = names.iter().filter_map(|name| self.materials.get(name));
+                let mut parts = names.iter().filter_map(|name| self.named_material(name));
                 has_texture(amount)
                     || parts.any(|part| !matches!(**part, ReadMaterial::Mix(..)) && self.is_textured(part))
             }
@@ -131,7 +131,8 @@ impl Reader<'_> {
             ReadMaterial::Mix(names, amount) => {
                 let mut parts = Vec::new();
                 for part in names {
-                    let Some(material) = self.materials.get(part).cloned() else {
+                    let Some(material) = self.named_material(part).cloned() else {
+                        self.unknown_material.get_or_insert_with(|| part.clone());
                         left_out.push(format!("the part \"{part}\" of a mix does not exist and is left out"));
                         continue;
                     };

@@ -41,7 +41,13 @@ pub(super) struct Reader<'a> {
     /// Maps pbrt's world to Abbe's.
     pub(super) world: DMat4,
     coordinate_systems: BTreeMap<String, DMat4>,
-    pub(super) materials: BTreeMap<String, Rc<ReadMaterial>>,
+    pub(super) materials: NamedMaterials,
+    /// The materials of the whole file, if some are used before they are defined.
+    later_materials: NamedMaterials,
+    /// The first material that was used but is not known.
+    pub(super) unknown_material: Option<String>,
+    /// True if unknown materials are no errors.
+    allows_unknown_materials: bool,
     /// The textures by name. The flag is true for textures of numbers.
     textures: BTreeMap<(String, bool), TextureValue>,
     /// The name in the scene file for each named medium.
@@ -51,6 +57,9 @@ pub(super) struct Reader<'a> {
     /// The name of the object that is being defined.
     pub(super) defining: Option<String>,
 }
+
+/// The materials by name.
+type NamedMaterials = BTreeMap<String, Rc<ReadMaterial>>;
 
 impl<'a> Reader<'a> {
     pub(super) fn new(base: &'a Path, folder: &'a str, file_access: FileAccess) -> Self {
@@ -65,7 +74,10 @@ impl<'a> Reader<'a> {
             film: DEFAULT_FILM,
             world: DMat4::IDENTITY,
             coordinate_systems: BTreeMap::new(),
-            materials: BTreeMap::new(),
+            materials: NamedMaterials::new(),
+            later_materials: BTreeMap::new(),
+            unknown_material: None,
+            allows_unknown_materials: false,
             textures: BTreeMap::new(),
             media: BTreeMap::new(),
             objects: BTreeMap::new(),
@@ -73,11 +85,34 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// Returns a reader of a file. If the file uses materials before it defines them, the reader
+    /// knows all materials of the file. `main` opens the file.
+    ///
+    /// # Errors
+    /// See [`Self::execute`].
+    pub(super) fn executed(new: impl Fn() -> Self, main: impl Fn() -> Result<Tokens>) -> Result<Self> {
+        let mut reader = new();
+        let result = reader.execute(main()?);
+        let Some(name) = &reader.unknown_material else { return result.map(|()| reader) };
+        let mut scan = Self { allows_unknown_materials: true, ..new() };
+        if scan.execute(main()?).is_err() || !scan.materials.contains_key(name) {
+            return result.map(|()| reader);
+        }
+        let mut reader = Self { later_materials: scan.materials, ..new() };
+        reader.execute(main()?)?;
+        Ok(reader)
+    }
+
+    /// Returns the material of a name.
+    pub(super) fn named_material(&self, name: &str) -> Option<&Rc<ReadMaterial>> {
+        self.materials.get(name).or_else(|| self.later_materials.get(name))
+    }
+
     /// Executes all directives of a file and of the files that it includes.
     ///
     /// # Errors
     /// Returns an error with the file and the line of the first directive that is not valid.
-    pub(super) fn execute(&mut self, main: Tokens) -> Result<()> {
+    fn execute(&mut self, main: Tokens) -> Result<()> {
         // Each file has the state to which its end returns, if it was imported.
         let mut files: Vec<(Tokens, Option<GraphicsState>)> = vec![(main, None)];
         while let Some((tokens, _)) = files.last_mut() {
@@ -197,9 +232,13 @@ impl<'a> Reader<'a> {
             }
             "NamedMaterial" => {
                 let name = self.string(tokens, directive)?;
-                let material = self.materials.get(&name).cloned();
-                let material = material.ok_or_else(|| place.error(format!("there is no material \"{name}\"")))?;
-                self.state.material = (name, material);
+                if let Some(material) = self.named_material(&name).cloned() {
+                    self.state.material = (name, material);
+                } else if !self.allows_unknown_materials {
+                    let error = place.error(format!("there is no material \"{name}\""));
+                    self.unknown_material = Some(name);
+                    return Err(error);
+                }
             }
             "ObjectBegin" => {
                 let name = self.string(tokens, directive)?;

@@ -188,6 +188,19 @@ fn materials_become_those_of_abbe() {
     assert_eq!(materials["diffuse"]["diffuse"]["reflectance"]["table"]["values"], json!([0.0, 0.2, 0.8, 0.0]));
 }
 
+/// As in pbrt-v4, a file may use a named material before it defines it.
+#[test]
+fn a_material_may_be_defined_after_its_use() {
+    let world = r#"
+        AttributeBegin NamedMaterial "wood" Shape "sphere" AttributeEnd
+        NamedMaterial "both" Shape "sphere" "float radius" .2
+        MakeNamedMaterial "both" "string type" "mix" "string materials" ["wood" "wood"]
+        MakeNamedMaterial "wood" "string type" "diffuse" "spectrum reflectance" [400 .2 700 .8]"#;
+    let value = value(&scene(world));
+    assert_eq!(value["materials"]["wood"]["diffuse"]["reflectance"]["table"]["values"], json!([0.0, 0.2, 0.8, 0.0]));
+    assert_eq!((&value["objects"][0]["material"], &value["objects"][1]["material"]), (&json!("wood"), &json!("both")));
+}
+
 /// Opacity becomes a mix with a pane of index 1.
 #[test]
 fn opacity_becomes_holes() {
