@@ -228,6 +228,7 @@ fn a_large_white_core_in_glass_whose_light_is_partly_shut_in() {
 }
 
 #[test]
+#[ignore = "slow: 8 seconds of CPU time"]
 fn a_white_core_in_dispersive_glass_keeps_its_radiance() {
     let scene = core_in_a_shell(json!("SF10"), 0.5, false, 14.0);
     check("core in SF10", &with_setting(&scene, "photons", 10000), (Integrator::Photon, 64));

@@ -144,6 +144,7 @@ pub(crate) fn ball_under_a_lamp() -> Value {
 
 /// A lamp with coloured stripes above a glass ball.
 #[test]
+#[ignore = "slow: 5 seconds of CPU time"]
 fn photons_and_paths_agree_under_a_lamp_with_a_slide() {
     let mut scene = ball_under_a_lamp();
     scene["objects"][2]["emission"]["slide"] =

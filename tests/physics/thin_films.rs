@@ -116,6 +116,7 @@ fn coated_still_life(coated: &Value, silvered: &Value) -> Value {
 }
 
 #[test]
+#[ignore = "slow: 12 seconds of CPU time"]
 fn photons_and_paths_agree_on_coated_glass_and_a_bubble() {
     let layers = json!([{ "ior": 2.35, "thickness_nm": 58.5 }, { "ior": 1.38, "thickness_nm": 99.6 },
                         { "ior": 2.35, "thickness_nm": 58.5 }]);
