@@ -1,5 +1,6 @@
 //! Tests of OBJ files and their materials.
 
+use super::MeshPart;
 use super::tests::{ignored, load, obj, write};
 use crate::texture::{UvTransform, Wrap};
 use glam::DVec3;
