@@ -172,7 +172,8 @@ pub struct DielectricFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "x-unit" = "1/scene unit", "x-default" = "no absorption"))]
     pub absorption: Option<SpectrumFile>,
-    /// Thin films on the surface, from the outside to the glass. The surface must be polished.
+    /// Thin films on the surface, from the outside to the glass. Each microfacet of a rough surface
+    /// has these films.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no coating"))]
     pub coating: Option<CoatingFile>,
@@ -360,18 +361,14 @@ impl DielectricFile {
             ior.validate(&at.key("ior")),
             roughness.validate(&at.key("roughness"), check::fraction),
             absorption.as_ref().map_or(Ok(()), |it| it.validate(&at.key("absorption"), SpectrumUse::NotNegative)),
-            coating_on(at, coating.as_ref(), *roughness != ScalarFile::Number(0.0)),
+            coating_on(at, coating.as_ref()),
         ])
     }
 }
 
-/// Checks the coating of a surface, which may be rough.
-fn coating_on(at: &JsonPath, coating: Option<&CoatingFile>, rough: bool) -> Result<()> {
-    let (Some(coating), at) = (coating, at.key("coating")) else { return Ok(()) };
-    if rough {
-        return Err(check::fault(&at, "found a coating on rough glass", "a coating, or a roughness above 0"));
-    }
-    coating.validate(&at)
+/// Checks the coating of a surface.
+fn coating_on(at: &JsonPath, coating: Option<&CoatingFile>) -> Result<()> {
+    coating.map_or(Ok(()), |coating| coating.validate(&at.key("coating")))
 }
 
 impl ThinDielectricFile {
@@ -399,7 +396,7 @@ impl ThinDielectricFile {
                 absorption.validate(&at.key("absorption"), SpectrumUse::NotNegative),
             ]),
         };
-        check::all([ior.validate(&at.key("ior")), layer, measured, coating_on(at, coating.as_ref(), false)])
+        check::all([ior.validate(&at.key("ior")), layer, measured, coating_on(at, coating.as_ref())])
     }
 }
 
@@ -433,7 +430,7 @@ impl ConductorFile {
             k.as_ref().map_or(Ok(()), |it| it.validate(&at.key("k"), SpectrumUse::NotNegative)),
             reflectance.as_ref().map_or(Ok(()), |it| it.validate(&at.key("reflectance"))),
             roughness.validate(&at.key("roughness"), check::fraction),
-            coating_on(at, coating.as_ref(), false),
+            coating_on(at, coating.as_ref()),
         ])
     }
 }

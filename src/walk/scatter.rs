@@ -53,12 +53,18 @@ pub fn scatter(
     if matches!(interaction.bsdf.model, Bsdf::Grating(_)) && wavelengths.count > 1 {
         return split_at_dispersive_facets(interaction, wavelengths, transport, stream);
     }
+    let disperses = || interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive();
     if let Bsdf::CoatedDielectric(coated) = interaction.bsdf.model {
-        return scatter_at_coated_interface(interaction, coated, wavelengths, transport, stream);
+        match (coated.is_rough(), wavelengths.count > 1 && disperses()) {
+            (false, _) => {
+                return scatter_at_coated_interface(interaction, coated, wavelengths, transport, stream);
+            }
+            (true, true) => return split_at_dispersive_facets(interaction, wavelengths, transport, stream),
+            (true, false) => {}
+        }
     }
     if let Bsdf::Dielectric(dielectric) = interaction.bsdf.model {
-        let disperses = interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive();
-        match (wavelengths.count > 1 && disperses, dielectric.is_rough()) {
+        match (wavelengths.count > 1 && disperses(), dielectric.is_rough()) {
             (true, false) => return split_at_dispersive_interface(interaction, wavelengths, transport, stream),
             (true, true) => return split_at_dispersive_facets(interaction, wavelengths, transport, stream),
             (false, false) if wavelengths.count == 1 => {

@@ -129,7 +129,7 @@ pub(crate) fn blender_export() -> Vec<u8> {
             {"name": "Floor", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0, "roughnessFactor": 0.8}},
             {"name": "Panel", "emissiveFactor": [1, 1, 0.9], "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 2000}}},
             {"name": "Paint", "pbrMetallicRoughness": {"baseColorFactor": [0.7, 0.05, 0.03, 1], "metallicFactor": 0, "roughnessFactor": 0.6},
-                "extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatRoughnessFactor": 0.05}, "KHR_materials_sheen": {}}}
+                "extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatRoughnessFactor": 0.05}, "KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1]}}}
         ],
         "textures": [{"source": 0}], "images": [{"bufferView": picture, "mimeType": "image/png"}],
         "animations": [{"name": "Jump", "channels": [{"sampler": 0, "target": {"node": 4, "path": "translation"}}],

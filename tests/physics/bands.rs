@@ -85,6 +85,7 @@ fn photons_of_a_flat_spectrum_are_flat_in_any_number_of_bands() {
 }
 
 #[test]
+#[ignore = "slow: 8 seconds of CPU time"]
 fn a_flat_spectrum_on_shared_wavelengths_is_flat_in_16_bands() {
     check("shared wavelengths", &[16], (Integrator::Photon, 128), &["shared"], 0.15);
 }

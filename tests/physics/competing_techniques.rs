@@ -39,6 +39,7 @@ fn check_shared_light(name: &str, scene: &Value, noise: f64) {
 }
 
 #[test]
+#[ignore = "slow: 7 seconds of CPU time"]
 fn rough_metal_reflects_a_lamp_in_glass() {
     let clear = json!({ "dielectric": { "ior": 1.5 } });
     check_shared_light("lamp in glass", &light_through_a_ball(clear.clone(), Some(0.1), 0.2), 0.07);

@@ -60,6 +60,7 @@ fn through_a_prism() -> Value {
 }
 
 #[test]
+#[ignore = "slow: 4 seconds of CPU time"]
 fn a_caustic_seen_through_a_dispersive_prism_keeps_its_energy() {
     let take = colour_blocks(8);
     let scene = through_a_prism();

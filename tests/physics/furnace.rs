@@ -144,17 +144,21 @@ fn a_dispersive_ball_of_glass_in_uniform_surroundings() {
     check("ball, SF10", &ball(json!("SF10")), (Integrator::Path, 512));
 }
 
-/// Camera paths meet the glass after a mirror, so each path selects reflection or refraction.
+/// Camera paths pass a dark filter before they meet the glass. Their weight is then so small that
+/// each path selects reflection or refraction.
 #[test]
-fn a_dispersive_ball_in_a_mirror_is_a_furnace() {
-    let mut scene = ball(json!("SF10"));
-    scene["materials"]["mirror"] = json!({ "mirror": { "reflectance": 1 } });
-    scene["objects"].as_array_mut().expect("objects").push(json!({
-        "shape": { "rectangle": { "width": 20, "height": 20 } }, "material": "mirror",
-        "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": 90 } }, { "translate": [0, 0, -3] }] }));
-    scene["camera"] =
-        json!({ "from": [2, 0, 0], "at": [1, 0, -3], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 20 } } });
-    check_within("ball in a mirror, SF10", &scene, (Integrator::Photon, 32), 0.01);
+fn a_dispersive_block_behind_a_dark_filter_is_a_furnace() {
+    let (mut scene, dark) = (ball(json!("SF10")), 0.005);
+    scene["materials"]["filter"] =
+        json!({ "thin_dielectric": { "ior": 1, "transmittance": { "cosine_polynomial": [dark] } } });
+    scene["objects"] = json!([
+        { "shape": { "box": { "size": [4, 4, 1] } }, "material": "glass",
+          "transform": [{ "translate": [0, -0.5, 0] }, { "rotate": { "axis": [0, 1, 0], "degrees": 35 } }] },
+        { "shape": { "rectangle": { "width": 0.1, "height": 0.1 } }, "material": "filter",
+          "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": 90 } }, { "translate": [0, 0, 4.9] }] }]);
+    scene["lights"][0]["environment"]["illuminance"] = json!(std::f64::consts::PI / dark);
+    scene["camera"]["lens"]["pinhole"]["fov"] = json!(16);
+    check_within("block behind a filter, SF10", &scene, (Integrator::Photon, 96), 0.01);
 }
 
 /// The camera is inside a ball of rough glass. A shell with index 1 around the ball makes photons

@@ -90,6 +90,22 @@ fn lamps_of_all_kinds_light_a_floor() {
     check("all kinds", &floor(&objects, &lights), illuminance, 512);
 }
 
+/// A hundred equal lamps in a circle. Each of them lights the view with the same illuminance, so
+/// most of the light comes from lamps that the trials before pass 0 do not name.
+#[test]
+fn a_hundred_equal_lamps_light_a_floor() {
+    let places: Vec<DVec3> = (0..100)
+        .map(|i| {
+            let (sin, cos) = (2.0 * PI * f64::from(i) / 100.0).sin_cos();
+            DVec3::new(8.0 * cos, 3.0, 8.0 * sin)
+        })
+        .collect();
+    let lamp = |at: &DVec3| json!({ "point": { "at": at.to_array(), "spectrum": "D65", "luminous_intensity": 5 } });
+    let lights: Vec<Value> = places.iter().map(lamp).collect();
+    let illuminance = mean_over_view(|floor| places.iter().map(|&at| under_point(at, 5.0, floor)).sum());
+    check("equal lamps", &floor(&[], &lights), illuminance, 64);
+}
+
 /// A rectangle of 32 triangles. A light tree selects one of the triangles. With more than eight
 /// lights, the triangles are in the tree of all lights.
 #[test]

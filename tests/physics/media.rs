@@ -154,6 +154,8 @@ fn thin_white_fog_in_uniform_surroundings() {
 
 #[test]
 fn white_fog_in_uniform_surroundings() {
+    // The photons are more than the largest number of beams, so only a part of them is stored.
+    furnace::check("fog, g = 0, optical depth 2", &white_ball(2.0, 0.0), (Integrator::Photon, 64));
     furnaces(2.0, (Integrator::Path, 128));
 }
 

@@ -185,6 +185,7 @@ fn with_obstacles(mut scene: Value) -> Value {
 }
 
 #[test]
+#[ignore = "slow: 4 seconds of CPU time"]
 fn maps_and_shadow_rays_find_the_same_light() {
     let sphere = json!({ "shape": { "sphere": { "radius": 0.2 } }, "material": "black", "transform": [{ "translate": LAMP.to_array() }],
                          "emission": { "spectrum": "E", "luminance": 8 } });

@@ -122,6 +122,7 @@ fn compare_with_missing_n2(name: &str, passes: [u64; 2], side: usize) {
 }
 
 #[test]
+#[ignore = "slow: 10 seconds of CPU time"]
 fn a_ball_of_glass_with_a_core_and_a_missing_n_squared() {
     compare_with_missing_n2("ball, n = 1.5", [28, 96], 16);
 }

@@ -97,6 +97,7 @@ fn s2_spectrum() {
 }
 
 #[test]
+#[ignore = "slow: 10 seconds of CPU time"]
 fn s3_walls() {
     let walls = [("red", [10, 50]), ("green", [206, 246]), ("back", [60, 100])];
     let regions = walls.map(|(name, columns)| (name, pixels([60, 190], columns)));

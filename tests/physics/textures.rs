@@ -192,6 +192,7 @@ fn a_leaning_normal_map_shades_like_a_leaning_plane() {
 
 /// A floor and a glossy ball with waves in their normal maps, and a mirror ball.
 #[test]
+#[ignore = "slow: 6 seconds of CPU time"]
 fn photons_and_paths_agree_on_a_floor_with_a_normal_map() {
     let scene = json!({
         "camera": { "from": [0, 2.2, 5], "at": [0.2, 0.6, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 32 } } },

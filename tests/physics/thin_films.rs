@@ -80,6 +80,11 @@ fn clear_films_are_furnaces() {
         ("dichroic ball", json!({ "dielectric": { "ior": "F2", "coating": { "layers": mirror } } })),
         ("dichroic pane", json!({ "thin_dielectric": { "ior": 1.5, "coating": { "layers": mirror } } })),
         ("bubble", bubble),
+        (
+            "frosted coated ball",
+            json!({ "dielectric": { "ior": 1.5, "roughness": 0.4, "coating": { "layers": [
+            { "ior": 2.35, "thickness_nm": 60 }, { "ior": "MgF2", "thickness_nm": 100 } ] } } }),
+        ),
     ] {
         let scene = json!({
             "camera": { "from": [0, 0.4, 3], "at": [0, 0, 0], "lens": { "pinhole": { "fov": 40 } } },
@@ -89,8 +94,9 @@ fn clear_films_are_furnaces() {
             "lights": furnace::surroundings(),
             "render": { "photons": 100 }
         });
-        furnace::check(name, &scene, (Integrator::Photon, 16));
-        furnace::check(name, &scene, (Integrator::Path, 128));
+        let (photons, paths) = if name.starts_with("frosted") { (48, 256) } else { (16, 128) };
+        furnace::check(name, &scene, (Integrator::Photon, photons));
+        furnace::check(name, &scene, (Integrator::Path, paths));
     }
 }
 
@@ -127,6 +133,17 @@ fn photons_and_paths_agree_on_coated_glass_and_a_bubble() {
         "coated glass, silvered dispersive glass and a bubble",
         &coated_still_life(&plain, &silvered),
     );
+}
+
+#[test]
+#[ignore = "slow: 12 seconds of CPU time"]
+fn photons_and_paths_agree_on_frosted_coated_glass() {
+    let layers = json!([{ "ior": 2.35, "thickness_nm": 58.5 }, { "ior": 1.38, "thickness_nm": 99.6 },
+                        { "ior": 2.35, "thickness_nm": 58.5 }]);
+    let frosted = json!({ "dielectric": { "ior": 1.5, "roughness": 0.5, "coating": { "layers": layers } } });
+    let silvered = json!({ "dielectric": { "ior": "F2", "roughness": 0.3,
+                           "coating": { "layers": [{ "ior": "Ag", "thickness_nm": 15 }] } } });
+    assert_integrators_agree("frosted coated glass", &coated_still_life(&frosted, &silvered));
 }
 
 /// A gap of air between a lens of radius 10 m and a plate, in the light of a line. The phase of the

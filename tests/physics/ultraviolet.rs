@@ -29,6 +29,7 @@ fn lamp(at: [f64; 3], spectrum: Value) -> Value {
 /// Paper under the lamp, with a box of paper, a grey wall and a glass ball. The ball and the wall
 /// pass ultraviolet on to the paper.
 #[test]
+#[ignore = "slow: 12 seconds of CPU time"]
 fn photons_and_paths_agree_on_brightened_paper() {
     let scene = json!({
         "camera": { "from": [0, 2.2, 5], "at": [0.2, 0.6, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 32 } } },

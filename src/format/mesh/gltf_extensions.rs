@@ -21,9 +21,6 @@ const READ: [&str; 6] = [
 /// The extension for thin films.
 const IRIDESCENCE: &str = "KHR_materials_iridescence";
 
-/// The largest perceptual roughness of glass with a thin film. A rougher surface has no film.
-const MAX_FILM_ROUGHNESS: f64 = 0.1;
-
 /// The extension for the specular-glossiness model.
 pub(super) const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 
@@ -98,7 +95,7 @@ const FILM_THICKNESS: &str = "iridescenceThicknessTexture";
 fn can_have_film(file: &Material<'_>) -> bool {
     let surface = file.pbr_metallic_roughness();
     let is_glass = file.transmission().is_some_and(|it| it.transmission_factor() > 0.0);
-    is_glass && surface.metallic_factor() < 1.0 && f64::from(surface.roughness_factor()) <= MAX_FILM_ROUGHNESS
+    is_glass && surface.metallic_factor() < 1.0
 }
 
 /// Returns the names of the material's extensions that are not read, or are read in part only, with
@@ -106,7 +103,7 @@ fn can_have_film(file: &Material<'_>) -> bool {
 pub(super) fn unread(file: &Material<'_>) -> Vec<String> {
     let mut unread = Vec::new();
     for (name, extension) in file.extensions().into_iter().flatten() {
-        if !READ.contains(&name.as_str()) {
+        if !READ.contains(&name.as_str()) && has_effect(name, extension) {
             let consequence = CONSEQUENCES.iter().find(|(known, _)| known == name);
             unread.push(consequence.map_or_else(|| name.clone(), |(name, what)| format!("{name} ({what})")));
         }
@@ -123,7 +120,7 @@ pub(super) fn unread(file: &Material<'_>) -> Vec<String> {
         unread.push("KHR_materials_clearcoat of a metal (the metal has no coat)".to_owned());
     }
     if file.extension_value(IRIDESCENCE).is_some() && !can_have_film(file) {
-        unread.push(format!("{IRIDESCENCE} (thin films on opaque or rough surfaces have no colours)"));
+        unread.push(format!("{IRIDESCENCE} (thin films on opaque surfaces have no colours)"));
     }
     if let Some(extension) = file.extension_value("KHR_materials_specular") {
         let [r, g, b] = colour(extension, "specularColorFactor");
@@ -132,6 +129,18 @@ pub(super) fn unread(file: &Material<'_>) -> Vec<String> {
         }
     }
     unread
+}
+
+/// Returns false if the factor of an extension switches it off.
+fn has_effect(name: &str, extension: &Value) -> bool {
+    match name {
+        "KHR_materials_anisotropy" => extension["anisotropyStrength"].as_f64().unwrap_or(0.0) != 0.0,
+        "KHR_materials_sheen" => {
+            let colour = extension["sheenColorFactor"].as_array();
+            colour.is_some_and(|colour| colour.iter().any(|part| part.as_f64() != Some(0.0)))
+        }
+        _ => true,
+    }
 }
 
 /// Returns a number from 0 to 1.

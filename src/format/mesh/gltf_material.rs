@@ -123,7 +123,8 @@ pub(in crate::format) fn ignored(document: &Document) -> Vec<String> {
         let [r, g, b, _] = surface.base_color_factor();
         is_clear(file) && (r.min(g).min(b) < 0.99 || surface.base_color_texture().is_some())
     };
-    let tints = document.materials().any(|file| is_tinted(&file));
+    let tinted = |sheet: bool| document.materials().any(|file| is_tinted(&file) && is_sheet(&file) == sheet);
+    let is_double_sided_light = |file: &Material<'_>| file.double_sided() && file.emissive_factor() != [0.0; 3];
     let is_rough_sheet = |file: &Material<'_>| {
         is_clear(file) && is_sheet(file) && file.pbr_metallic_roughness().roughness_factor() > 0.1
     };
@@ -131,11 +132,17 @@ pub(in crate::format) fn ignored(document: &Document) -> Vec<String> {
         listed(textures).map(|names| format!("textures are ignored: {names}")),
         listed(extensions.iter().map(String::as_str)).map(|names| format!("material extensions are ignored: {names}")),
         listed(other).map(|names| format!("ignored as well: {names}")),
-        tints.then(|| {
+        tinted(false).then(|| {
             "base colours of clear glass that encloses a volume are ignored; state the colour as attenuation of the \
              volume"
                 .to_owned()
         }),
+        tinted(true)
+            .then(|| "on closed meshes, base colours of clear glass without a thickness are ignored".to_owned()),
+        document
+            .materials()
+            .any(|file| is_double_sided_light(&file))
+            .then(|| "on open meshes, double-sided lights shine to the front only".to_owned()),
         document
             .materials()
             .any(|file| is_rough_sheet(&file))

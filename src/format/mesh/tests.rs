@@ -301,7 +301,10 @@ fn a_gltf_says_what_is_ignored() {
             "\"name\": \"flint\"",
             "\"name\": \"flint\", \"alphaMode\": \"BLEND\", \"occlusionTexture\": {\"index\": 0}",
         )
-        .replace("\"KHR_materials_ior\": {", "\"KHR_materials_sheen\": {}, \"KHR_materials_ior\": {")
+        .replace(
+            "\"KHR_materials_ior\": {",
+            "\"KHR_materials_sheen\": {\"sheenColorFactor\": [1, 1, 1]}, \"KHR_materials_ior\": {",
+        )
         .replace("\"buffers\"", "\"textures\": [{\"source\": 0}], \"images\": [{\"uri\": \"a.png\"}], \"buffers\"")
         .replace("\"NORMAL\": 0", "\"NORMAL\": 0, \"COLOR_0\": 0");
     let expected = "textures are ignored: occlusionTexture; material extensions are ignored: KHR_materials_sheen (cloth has no bright rim); ignored \

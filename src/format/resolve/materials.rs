@@ -91,7 +91,8 @@ impl Resolver<'_> {
                 let surface = match (&file.coating, &body.index) {
                     (Some(coating), Some(index)) => {
                         let glass = OpticalIndex::Transparent(index.clone());
-                        Ok(Bsdf::coated_dielectric(self.coating(&at.key("coating"), coating, &glass)?))
+                        let films = self.coating(&at.key("coating"), coating, &glass)?;
+                        self.rough(&at, &file.roughness, |alpha| Bsdf::coated_dielectric(films.clone(), index, alpha))
                     }
                     (None, _) | (_, None) => self.rough(&at, &file.roughness, Bsdf::dielectric),
                 };

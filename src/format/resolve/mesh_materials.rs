@@ -69,7 +69,9 @@ pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool, closed:
         body = Some(Body { index: Some(index.clone()), absorption, medium: None, priority: 0 });
         let mut glass = rough(&roughness, &Bsdf::dielectric)?;
         if let Some(film) = &file.film {
-            glass = mixed(Bsdf::coated_dielectric(film_stack(film, textured)?), film.factor, glass)?;
+            let films = film_stack(film, textured)?;
+            let coated = rough(&roughness, &|alpha| Bsdf::coated_dielectric(films.clone(), &index, alpha))?;
+            glass = mixed(coated, film.factor, glass)?;
         }
         if least > 1.0 - LEAST_SHARE {
             return Ok(glass);

@@ -239,7 +239,7 @@ impl Conductor {
         let wi = flip_z(if multiple { facets.compensation.sample([u[0], u[1]]) } else { mirrored }, sign);
         let density = self.pdf(wo, wi);
         let sample = BsdfSample::lobe(wi, ScatterEvent::Reflection, if density > 0.0 { density } else { 1.0 });
-        BsdfSample { cos_microfacet: up.dot(m), shadowed, ..sample }
+        BsdfSample { cos_microfacet: up.dot(m), shadowed: [shadowed, 0.0], ..sample }
     }
 
     pub(super) fn coefficient(&self, wo: DVec3, iors: InterfaceIors<'_>, texels: Texels, nm: f64) -> f64 {
@@ -259,7 +259,8 @@ impl Conductor {
         };
         let kept = facets.compensation.reflected(self.mean_reflectance(iors, texels, nm));
         let absorbed_once = 1.0 - self.fresnel(sample.cos_microfacet, iors, texels, nm);
-        absorbed_once * (1.0 - sample.shadowed) + sample.shadowed * (1.0 - kept)
+        let [shadowed, _] = sample.shadowed;
+        absorbed_once * (1.0 - shadowed) + shadowed * (1.0 - kept)
     }
 
     pub(super) fn eval(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, texels: Texels, nm: f64) -> f64 {

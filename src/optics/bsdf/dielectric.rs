@@ -3,12 +3,12 @@
 use glam::DVec3;
 
 use super::check::check_alpha;
-use super::compensation::{DielectricCompensation, MultipleScattering};
 use super::hemisphere::{flip_z, z_sign};
+use super::rough_interface::{BareFacet, FacetScattering, RoughInterface, event_towards};
 use super::sample::{BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
 use crate::error::Result;
 use crate::optics::fresnel;
-use crate::optics::microfacet::{Ggx, MIN_ALPHA};
+use crate::optics::microfacet::MIN_ALPHA;
 
 /// A dielectric interface that reflects by Fresnel's equations and refracts by Snell's law.
 ///
@@ -19,13 +19,7 @@ use crate::optics::microfacet::{Ggx, MIN_ALPHA};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dielectric {
     /// `None` if the interface is smooth.
-    facets: Option<RoughInterface>,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-struct RoughInterface {
-    ggx: Ggx,
-    compensation: DielectricCompensation,
+    pub(super) facets: Option<RoughInterface>,
 }
 
 impl Dielectric {
@@ -33,8 +27,7 @@ impl Dielectric {
     /// interface is smooth. Returns an error if `alpha` lies outside \[0, 1\].
     pub fn new(alpha: f64) -> Result<Self> {
         check_alpha(alpha)?;
-        let rough = |ggx: Ggx| RoughInterface { ggx, compensation: DielectricCompensation::new(ggx) };
-        Ok(Self { facets: (alpha >= MIN_ALPHA).then(|| rough(Ggx::new(alpha))) })
+        Ok(Self { facets: (alpha >= MIN_ALPHA).then(|| RoughInterface::new(alpha)) })
     }
 
     /// Returns whether the interface is rough, so that its lobes have a finite width.
@@ -49,8 +42,11 @@ impl Dielectric {
         }
         let sign = z_sign(wo);
         let up = flip_z(wo, sign);
-        if let Some(facets) = &self.facets {
-            return facets.sample(up, iors, nm, u).map(|sample| BsdfSample { wi: flip_z(sample.wi, sign), ..sample });
+        if let Some(facets) = self.facets_between([n_i, n_t]) {
+            let sample = facets.sample(up, u)?;
+            let disperses =
+                sample.event == ScatterEvent::Transmission && (iors.here.is_dispersive() || iors.there.is_dispersive());
+            return Some(BsdfSample { wi: flip_z(sample.wi, sign), disperses, ..sample });
         }
         let reflected = fresnel::dielectric(up.z, n_i, n_t);
         let sample = if u[2] < reflected {
@@ -64,120 +60,32 @@ impl Dielectric {
     }
 
     pub(super) fn eval(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
-        let sign = z_sign(wo);
-        self.facets.as_ref().map_or(0.0, |facets| facets.eval(flip_z(wo, sign), flip_z(wi, sign), iors, mode, nm))
+        let (up, wi) = (flip_z(wo, z_sign(wo)), flip_z(wi, z_sign(wo)));
+        let indices = [iors.here.n(nm), iors.there.n(nm)];
+        let Some(facets) = self.facets_between(indices).filter(|_| wi.z != 0.0) else {
+            return 0.0;
+        };
+        let scale = match event_towards(wi) {
+            ScatterEvent::Reflection => 1.0,
+            ScatterEvent::Transmission => radiance_scale(iors, mode, nm),
+        };
+        facets.eval(up, wi) * scale
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
-        let sign = z_sign(wo);
-        self.facets.as_ref().map_or(0.0, |facets| facets.pdf(flip_z(wo, sign), flip_z(wi, sign), iors, nm))
-    }
-}
-
-/// In all methods, `wo` lies in the upper hemisphere, and the two indices differ in `sample`.
-impl RoughInterface {
-    fn sample(&self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64, u: [f64; 3]) -> Option<BsdfSample> {
-        let (n_i, n_t) = (iors.here.n(nm), iors.there.n(nm));
-        let multiple = self.compensation.between(n_i, n_t);
-        let probability = multiple.albedo(wo.z);
-        let (wi, event) = if u[2] < probability {
-            let (wi, event) = multiple.sample([u[0], u[1], u[2] / probability]);
-            (if event == ScatterEvent::Transmission { flip_z(wi, -1.0) } else { wi }, event)
-        } else {
-            let choice = (u[2] - probability) / (1.0 - probability);
-            let m = self.ggx.sample_visible(wo, u[0], u[1]);
-            if choice < fresnel::dielectric(wo.dot(m), n_i, n_t) {
-                (fresnel::reflect(wo, m), ScatterEvent::Reflection)
-            } else {
-                (fresnel::refract(wo, m, n_i, n_t)?, ScatterEvent::Transmission)
-            }
-        };
-        let sample = BsdfSample::lobe(wi, event, 1.0);
-        let density = if sample.on_event_side(wo) { self.mixed_pdf(wo, wi, &multiple, [n_i, n_t]) } else { 1.0 };
-        let disperses =
-            event == ScatterEvent::Transmission && (iors.here.is_dispersive() || iors.there.is_dispersive());
-        (density > 0.0).then_some(BsdfSample { probability: density, disperses, ..sample })
-    }
-
-    fn eval(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
-        let (n_i, n_t) = (iors.here.n(nm), iors.there.n(nm));
-        if n_i == n_t || wi.z == 0.0 {
-            return 0.0;
-        }
-        let single = self.half_vector(wo, wi, [n_i, n_t]).map_or(0.0, |half_vector| {
-            let masking = self.ggx.g2_per_cos(wo.z, wi.z.abs());
-            half_vector.fraction * self.ggx.eval(half_vector.m) * half_vector.jacobian * masking * half_vector.cos_o
-        });
-        let event = event_towards(wi);
-        let multiple = self.compensation.between(n_i, n_t).eval(wo.z, wi.z.abs(), event);
-        match event {
-            ScatterEvent::Reflection => single + multiple,
-            ScatterEvent::Transmission => (single + multiple) * radiance_scale(iors, mode, nm),
-        }
-    }
-
-    fn pdf(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
+        let (up, wi) = (flip_z(wo, z_sign(wo)), flip_z(wi, z_sign(wo)));
         let indices = [iors.here.n(nm), iors.there.n(nm)];
-        if indices[0] == indices[1] || wi.z == 0.0 {
-            return 0.0;
-        }
-        self.mixed_pdf(wo, wi, &self.compensation.between(indices[0], indices[1]), indices)
+        let facets = self.facets_between(indices).filter(|_| wi.z != 0.0);
+        facets.map_or(0.0, |facets| facets.pdf(up, wi))
     }
 
-    /// Returns the density of `wi` per solid angle. The lobe of multiple scattering is sampled with
-    /// the probability of its albedo.
-    fn mixed_pdf(&self, wo: DVec3, wi: DVec3, multiple: &MultipleScattering<'_>, indices: [f64; 2]) -> f64 {
-        let single = self.half_vector(wo, wi, indices).map_or(0.0, |half_vector| {
-            let visible = self.ggx.g1_per_cos(wo.z) * self.ggx.eval(half_vector.m) * half_vector.cos_o;
-            half_vector.fraction * visible * half_vector.jacobian
-        });
-        let probability = multiple.albedo(wo.z);
-        (1.0 - probability) * single + probability * multiple.pdf(wi.z.abs(), event_towards(wi))
+    /// Returns the facets at one wavelength. The indices are those of the medium on the side of `wo`
+    /// and of the other medium. Returns `None` if the interface is smooth or the indices are equal.
+    fn facets_between(&self, indices: [f64; 2]) -> Option<FacetScattering<'_, BareFacet>> {
+        let RoughInterface { ggx, compensation } = self.facets.as_ref().filter(|_| indices[0] != indices[1])?;
+        let multiple = compensation.between(indices[0], indices[1]);
+        Some(FacetScattering { ggx, facet: BareFacet { indices }, multiple, indices })
     }
-
-    /// Returns the half vector of `wo` and `wi`, or `None` if no facet connects the two directions.
-    /// The indices are those of the media on the side of `wo` and on the other side.
-    fn half_vector(&self, wo: DVec3, wi: DVec3, [n_i, n_t]: [f64; 2]) -> Option<HalfVector> {
-        if wi.z > 0.0 {
-            let m = (wo + wi).normalize_or_zero();
-            let cos_o = wo.dot(m);
-            if cos_o <= 0.0 {
-                return None;
-            }
-            let fraction = fresnel::dielectric(cos_o, n_i, n_t);
-            // dω_m/dω_i = 1/(4·|o·m|) (Walter et al. 2007, equation 14).
-            return Some(HalfVector { m, cos_o, fraction, jacobian: 0.25 / cos_o });
-        }
-        // The generalised half vector of refraction is h = n_i·o + n_t·i (Walter et al. 2007,
-        // equation 16). The Jacobian is n_t²·|i·m|/(n_i(o·m) + n_t(i·m))² (equation 17). Its
-        // denominator equals |h|².
-        let along = wo * n_i + wi * n_t;
-        let m = along.normalize_or_zero() * along.z.signum();
-        let (cos_o, cos_i) = (wo.dot(m), -wi.dot(m));
-        if !(cos_o > 0.0 && cos_i > 0.0) {
-            return None;
-        }
-        let fraction = 1.0 - fresnel::dielectric(cos_o, n_i, n_t);
-        Some(HalfVector { m, cos_o, fraction, jacobian: n_t * n_t * cos_i / along.length_squared() })
-    }
-}
-
-/// Returns the event that leads to `wi` from the upper hemisphere.
-fn event_towards(wi: DVec3) -> ScatterEvent {
-    if wi.z > 0.0 { ScatterEvent::Reflection } else { ScatterEvent::Transmission }
-}
-
-/// The microfacet normal that connects two directions. The frame of this normal is chosen so that
-/// `wo` lies in the upper hemisphere.
-struct HalfVector {
-    m: DVec3,
-    /// |o·m|, > 0.
-    cos_o: f64,
-    /// The probability of the event. It is F for reflection and 1 − F for transmission, where F is
-    /// the Fresnel reflectance.
-    fraction: f64,
-    /// The Jacobian dω_m/dω_i.
-    jacobian: f64,
 }
 
 /// Returns the coefficient of a smooth interface. For reflection, it is the reflectance. For

@@ -84,7 +84,7 @@ impl<'a> LocalBsdf<'a> {
             Bsdf::Mirror(mirror) => Some(mirror.sample(wo)),
             Bsdf::Conductor(conductor) => Some(conductor.sample(wo, u)),
             Bsdf::Dielectric(dielectric) => dielectric.sample(wo, iors, nm, u),
-            Bsdf::CoatedDielectric(coated) => Some(coated.sample(wo, iors, self.texels.thickness_nm, nm, u)),
+            Bsdf::CoatedDielectric(coated) => coated.sample(wo, iors, self.texels.thickness_nm, nm, u),
             Bsdf::ThinDielectric(thin) => Some(thin.sample(wo, iors, self.texels.thickness_nm, nm, u)),
             Bsdf::ThinFilm(film) => Some(film.sample(wo, iors, self.texels.thickness_nm, nm, u)),
             Bsdf::Grating(grating) => grating.sample(wo, iors, self.texels.groove_angle, nm, u),
@@ -145,7 +145,7 @@ impl<'a> LocalBsdf<'a> {
             Bsdf::Mirror(mirror) => mirror.absorbed_fraction(reflectance, nm),
             Bsdf::Conductor(conductor) => conductor.absorbed_fraction(wo, sample, iors, self.texels, nm),
             Bsdf::Dielectric(_) => 0.0,
-            Bsdf::CoatedDielectric(coated) => coated.powers(wo, iors, self.texels.thickness_nm, nm).absorbed(),
+            Bsdf::CoatedDielectric(coated) => coated.absorbed_fraction(wo, sample, iors, self.texels.thickness_nm, nm),
             Bsdf::ThinDielectric(thin) => thin.absorbed_fraction(wo, iors, self.texels.thickness_nm, nm),
             Bsdf::ThinFilm(film) => film.powers(wo, iors, self.texels.thickness_nm, nm).absorbed(),
             Bsdf::Grating(grating) => grating.absorbed_fraction(wo, iors, self.texels.groove_angle, nm),
@@ -190,17 +190,13 @@ impl<'a> LocalBsdf<'a> {
     pub fn eval(self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
         let reflectance = self.texels.reflectance;
         match self.model {
-            Bsdf::Absorber
-            | Bsdf::Mirror(_)
-            | Bsdf::CoatedDielectric(_)
-            | Bsdf::ThinDielectric(_)
-            | Bsdf::ThinFilm(_)
-            | Bsdf::Grating(_) => 0.0,
+            Bsdf::Absorber | Bsdf::Mirror(_) | Bsdf::ThinDielectric(_) | Bsdf::ThinFilm(_) | Bsdf::Grating(_) => 0.0,
             Bsdf::Diffuse(diffuse) => diffuse.eval(wo, wi, reflectance, nm),
             Bsdf::Fluorescent(surface) => surface.eval(wo, wi, nm),
             Bsdf::Translucent(translucent) => translucent.eval(wo, wi, self.texels, nm),
             Bsdf::Conductor(conductor) => conductor.eval(wo, wi, iors, self.texels, nm),
             Bsdf::Dielectric(dielectric) => dielectric.eval(wo, wi, iors, mode, nm),
+            Bsdf::CoatedDielectric(coated) => coated.eval(wo, wi, iors, self.texels.thickness_nm, (mode, nm)),
             Bsdf::Glossy(glossy) => glossy.eval(wo, wi, reflectance, nm),
             Bsdf::Mix(mix) => mix
                 .weighted_components()
@@ -215,17 +211,13 @@ impl<'a> LocalBsdf<'a> {
     pub fn pdf(self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
         let reflectance = self.texels.reflectance;
         match self.model {
-            Bsdf::Absorber
-            | Bsdf::Mirror(_)
-            | Bsdf::CoatedDielectric(_)
-            | Bsdf::ThinDielectric(_)
-            | Bsdf::ThinFilm(_)
-            | Bsdf::Grating(_) => 0.0,
+            Bsdf::Absorber | Bsdf::Mirror(_) | Bsdf::ThinDielectric(_) | Bsdf::ThinFilm(_) | Bsdf::Grating(_) => 0.0,
             Bsdf::Diffuse(diffuse) => diffuse.pdf(wo, wi),
             Bsdf::Fluorescent(surface) => surface.pdf(wo, wi),
             Bsdf::Translucent(translucent) => translucent.pdf(wo, wi, self.texels, nm),
             Bsdf::Conductor(conductor) => conductor.pdf(wo, wi),
             Bsdf::Dielectric(dielectric) => dielectric.pdf(wo, wi, iors, nm),
+            Bsdf::CoatedDielectric(coated) => coated.pdf(wo, wi, iors, self.texels.thickness_nm, nm),
             Bsdf::Glossy(glossy) => glossy.pdf(wo, wi, reflectance, nm),
             Bsdf::Mix(mix) => mix
                 .weighted_components()
@@ -235,14 +227,13 @@ impl<'a> LocalBsdf<'a> {
     }
 
     /// Returns the probability with which a path of the wavelength `nm` should be reflected by a
-    /// coated interface or by a film. `None` stands for a path that carries the whole band. Returns
+    /// smooth coated interface or by a film. `None` stands for a path that carries the whole band. Returns
     /// `None` for all other surfaces.
     pub fn film_reflection_probability(self, wo: DVec3, iors: InterfaceIors<'_>, nm: Option<f64>) -> Option<f64> {
         let thickness_nm = self.texels.thickness_nm;
         match self.model {
-            Bsdf::CoatedDielectric(coated) => {
-                Some(coated::reflection_probability(nm, |nm| coated.powers(wo, iors, thickness_nm, nm)))
-            }
+            Bsdf::CoatedDielectric(coated) => (!coated.is_rough())
+                .then(|| coated::reflection_probability(nm, |nm| coated.powers(wo, iors, thickness_nm, nm))),
             Bsdf::ThinFilm(film) => {
                 Some(coated::reflection_probability(nm, |nm| film.powers(wo, iors, thickness_nm, nm)))
             }

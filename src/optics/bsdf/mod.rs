@@ -27,6 +27,7 @@ mod conductor;
 mod contract;
 mod dielectric;
 mod diffuse;
+mod film_moments;
 mod fluorescent;
 mod glossy;
 mod grating;
@@ -36,6 +37,7 @@ mod mirror;
 mod missing_energy;
 mod mix;
 mod power;
+mod rough_interface;
 mod sample;
 mod thin;
 mod translucent;
@@ -133,8 +135,8 @@ impl Bsdf {
     }
 
     /// Creates a [`CoatedDielectric`] BSDF; see [`CoatedDielectric::new`].
-    pub fn coated_dielectric(films: FilmStack) -> Self {
-        Self::CoatedDielectric(CoatedDielectric::new(films))
+    pub fn coated_dielectric(films: FilmStack, index: &RefractiveIndex, alpha: f64) -> Result<Self> {
+        CoatedDielectric::new(films, index, alpha).map(Self::CoatedDielectric)
     }
 
     /// Creates a [`ThinFilm`] BSDF; see [`ThinFilm::new`].
@@ -168,12 +170,9 @@ impl Bsdf {
     pub fn class(&self) -> BsdfClass {
         match self {
             Self::Absorber => BsdfClass::Absorbing,
-            Self::Mirror(_)
-            | Self::CoatedDielectric(_)
-            | Self::ThinDielectric(_)
-            | Self::ThinFilm(_)
-            | Self::Grating(_) => BsdfClass::Specular,
+            Self::Mirror(_) | Self::ThinDielectric(_) | Self::ThinFilm(_) | Self::Grating(_) => BsdfClass::Specular,
             Self::Conductor(conductor) => rough_class(conductor.is_rough()),
+            Self::CoatedDielectric(coated) => rough_class(coated.is_rough()),
             Self::Dielectric(dielectric) => rough_class(dielectric.is_rough()),
             Self::Glossy(_) => BsdfClass::Glossy,
             Self::Diffuse(_) | Self::Fluorescent(_) | Self::Translucent(_) => BsdfClass::Diffuse,
@@ -225,7 +224,7 @@ impl Bsdf {
     /// Returns the BSDF without its thin films. A free-standing film lets all light pass.
     pub fn without_films(self) -> Result<Self> {
         Ok(match self {
-            Self::CoatedDielectric(_) => Self::dielectric(0.0)?,
+            Self::CoatedDielectric(coated) => Self::Dielectric(coated.without_films()),
             Self::ThinFilm(_) => Self::thin_film(FilmStack::new(Vec::new())?),
             Self::ThinDielectric(pane) => Self::ThinDielectric(ThinDielectric { coating: None, ..pane }),
             Self::Conductor(metal) => Self::Conductor(metal.without_films()),
@@ -361,7 +360,7 @@ impl Bsdf {
             Self::Conductor(metal) => Self::Conductor(metal.without_textures()),
             Self::Glossy(glossy) => Self::Glossy(glossy.without_textures()),
             Self::Mix(mix) => Self::Mix(mix.without_textures()),
-            Self::CoatedDielectric(coated) => Self::coated_dielectric(coated.films.without_textures()),
+            Self::CoatedDielectric(coated) => Self::CoatedDielectric(coated.without_textures()),
             Self::ThinDielectric(pane) => {
                 let coating = pane.coating.map(FilmStack::without_textures);
                 Self::ThinDielectric(ThinDielectric { coating, ..pane })

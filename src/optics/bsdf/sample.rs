@@ -72,18 +72,28 @@ pub struct BsdfSample {
     /// value is true only if the event is refraction and at least one of the two media is
     /// dispersive.
     pub disperses: bool,
-    /// The cosine between `wo` and a sampled microfacet normal. Only rough metals use this field.
+    /// The cosine between `wo` and a sampled microfacet normal. Only rough metals and rough coated
+    /// interfaces use this field.
     pub(super) cos_microfacet: f64,
-    /// The fraction of the light reflected by this microfacet that hits another microfacet. Only
-    /// rough metals use this field.
-    pub(super) shadowed: f64,
+    /// The fractions of the light reflected and of the light refracted by this microfacet that hit
+    /// another microfacet. Rough metals use the first one, and rough coated interfaces use both.
+    pub(super) shadowed: [f64; 2],
     /// Index of the scattering component, if the BSDF is a [`MixBsdf`](super::MixBsdf).
     pub(super) component: usize,
 }
 
 impl BsdfSample {
     pub(super) fn delta(wi: DVec3, event: ScatterEvent, probability: f64) -> Self {
-        Self { wi, event, delta: true, probability, disperses: false, cos_microfacet: 1.0, shadowed: 0.0, component: 0 }
+        Self {
+            wi,
+            event,
+            delta: true,
+            probability,
+            disperses: false,
+            cos_microfacet: 1.0,
+            shadowed: [0.0; 2],
+            component: 0,
+        }
     }
 
     pub(super) fn lobe(wi: DVec3, event: ScatterEvent, density: f64) -> Self {
@@ -94,7 +104,7 @@ impl BsdfSample {
             probability: density,
             disperses: false,
             cos_microfacet: 1.0,
-            shadowed: 0.0,
+            shadowed: [0.0; 2],
             component: 0,
         }
     }

@@ -209,13 +209,13 @@ fn morph_targets_have_the_weights_of_the_file() {
     assert!((low - DVec3::ZERO).length() < 1e-9 && (high - DVec3::new(1.0, 1.0, 1.0)).length() < 1e-9, "{low} {high}");
 }
 
-/// Smooth glass gets a film. Paint does not, and a note says so.
+/// Polished and frosted glass get a film. Paint does not, and a note says so.
 #[test]
-fn thin_films_cover_smooth_glass() {
-    let of = |transmission: f64| {
+fn thin_films_cover_glass() {
+    let of = |transmission: f64, roughness: f64| {
         let mut file = SmallGltf::new();
         file.root["materials"][0] = json!({
-            "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0},
+            "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": roughness},
             "extensions": {
                 "KHR_materials_transmission": {"transmissionFactor": transmission},
                 "KHR_materials_iridescence": {"iridescenceFactor": 1, "iridescenceIor": 1.4, "iridescenceThicknessMaximum": 550}
@@ -224,11 +224,35 @@ fn thin_films_cover_smooth_glass() {
         let (imported, scene) = file.import();
         (scene.materials[scene.objects[0].material].surface.clone(), imported.ignored_by_meshes.join("; "))
     };
-    let (pane, ignored) = of(1.0);
+    let (frosted, ignored) = of(1.0, 0.5);
+    assert!(frosted.films().is_some() && !ignored.contains("thin films"), "{ignored}");
+    let (pane, ignored) = of(1.0, 0.0);
     let layer = &pane.films().unwrap().layers()[0];
     assert_eq!((layer.thickness_nm.range(), ignored.as_str()), ((550.0, 550.0), ""));
-    let (paint, ignored) = of(0.0);
-    assert!(paint.films().is_none() && ignored.contains("thin films on opaque or rough surfaces"), "{ignored}");
+    let (paint, ignored) = of(0.0, 0.0);
+    assert!(paint.films().is_none() && ignored.contains("thin films on opaque surfaces"), "{ignored}");
+}
+
+/// A note says what is different, and only if the file uses it.
+#[test]
+fn notes_name_used_features_only() {
+    let ignored = |material: Value| {
+        let mut file = SmallGltf::new();
+        file.root["materials"][0] = material;
+        file.import().0.ignored_by_meshes.join("; ")
+    };
+    let anisotropy = |strength: f64| {
+        json!({"extensions": {
+            "KHR_materials_anisotropy": {"anisotropyStrength": strength}, "KHR_materials_sheen": {"sheenColorFactor": [0, 0, 0]} }})
+    };
+    assert_eq!(ignored(anisotropy(0.0)), "");
+    assert!(ignored(anisotropy(0.5)).contains("highlights are round"));
+    let light = |double_sided: bool| json!({"emissiveFactor": [1, 1, 0], "doubleSided": double_sided});
+    assert_eq!(ignored(light(false)), "");
+    assert!(ignored(light(true)).contains("double-sided lights"));
+    let sheet = json!({"pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 1, 1]},
+                       "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}});
+    assert!(ignored(sheet).starts_with("on closed meshes, base colours"));
 }
 
 /// A hidden node hides the nodes below it.

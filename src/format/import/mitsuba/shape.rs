@@ -98,7 +98,7 @@ impl MitsubaReader<'_> {
             return Ok(());
         };
         self.note_unread(&properties);
-        self.note_open_shape(shape, &material, one_sided && emission.is_none());
+        self.note_open_shape(&properties, &material, one_sided && emission.is_none())?;
         transform.extend(steps(affine(shape, form.to_world)?));
         let mut object = json!({"shape": converted, "material": material});
         if let Some(name) = shape.attribute("id") {
@@ -221,18 +221,38 @@ impl MitsubaReader<'_> {
     }
 
     /// Notes what is different on a shape that is not closed.
-    fn note_open_shape(&mut self, shape: &XmlElement, material: &str, one_sided: bool) {
-        if !["rectangle", "disk", "cylinder"].contains(&shape.plugin()) {
-            return;
-        }
+    fn note_open_shape(&mut self, properties: &Properties<'_>, material: &str, one_sided: bool) -> Result<()> {
         let has = |kind: &str| self.scene.material(material).is_some_and(|material| material.get(kind).is_some());
         let needs_body = has("dielectric") || has("boundary");
-        if needs_body {
-            let what = "glass or a medium behind an open shape needs a closed shape in Abbe";
-            self.scene.leave_out(shape.place(), what);
-        } else if one_sided {
-            let what = "a surface that is black from behind scatters light on both sides";
-            self.scene.leave_out(shape.place(), what);
+        if !(needs_body || one_sided) || !self.is_open(properties)? {
+            return Ok(());
         }
+        let what = if needs_body {
+            "glass or a medium behind an open shape needs a closed shape in Abbe"
+        } else {
+            "a surface that is black from behind scatters light on both sides"
+        };
+        self.scene.leave_out(properties.element.place(), what);
+        Ok(())
+    }
+
+    /// Returns true if a shape is not closed. Reads the file of a mesh.
+    fn is_open(&self, properties: &Properties<'_>) -> Result<bool> {
+        let shape = properties.element;
+        Ok(match shape.plugin() {
+            "rectangle" | "disk" | "cylinder" => true,
+            "obj" | "ply" | "serialized" => {
+                let (_, file) = self.document.file(shape, properties.required_text("filename")?)?;
+                let parts =
+                    mesh::load_unplaced(&file, self.document.file_access).map_err(|error| shape.locate(error))?;
+                let chosen = match shape.plugin() {
+                    "serialized" => Some(properties.number("shape_index", 0.0)? as u32),
+                    _ => None,
+                };
+                let is_chosen = |number: u32| chosen.is_none_or(|chosen| chosen == number);
+                parts.parts.iter().any(|(&number, part)| is_chosen(number) && !part.mesh.is_closed())
+            }
+            _ => false,
+        })
     }
 }

@@ -279,6 +279,11 @@ fn meshes_keep_their_side_and_their_texture_coordinates() {
     let switches = r#"<boolean name="face_normals" value="true"/><boolean name="flip_normals" value="true"/>
         <boolean name="flip_tex_coords" value="false"/>"#;
     assert_eq!(mesh(switches), json!({"path": "q.obj", "flat": true, "reverse": true, "flip_v": true}));
+    let one_sided = |bsdf: &str| {
+        let shape = r#"<shape type="obj"><string name="filename" value="q.obj"/>"#;
+        object(&format!("{shape}{bsdf}</shape>")).1.contains("black from behind")
+    };
+    assert!(one_sided("") && !one_sided(r#"<bsdf type="twosided"><bsdf type="diffuse"/></bsdf>"#));
     // Without vertex normals, a mirrored mesh faces the other way.
     let mirrored = r#"<transform name="to_world"><scale x="-1"/></transform>"#;
     assert_eq!(mesh(mirrored), json!({"path": "q.obj", "smooth": true, "reverse": true}));
@@ -489,7 +494,7 @@ fn deep_and_circular_files_end_with_an_error() {
     let error = Imported::whole(&includes, &[("b.xml", b"<scene/>")]).error();
     assert!(error.contains("more than 1000 files"), "{error}");
     let parameter = |i: u32| format!("<default name=\"p{i}\" value=\"{}\"/>", format!("$p{}", i - 1).repeat(10));
-    let parameters: String = (1..12).map(parameter).collect();
+    let parameters = (1..12).map(parameter).collect::<String>();
     let text = format!("<scene version=\"3.0.0\"><default name=\"p0\" value=\"xxxx\"/>{parameters}</scene>");
     assert!(Imported::whole(&text, &[]).error().contains("the parameters insert more than"));
 }

@@ -16,7 +16,7 @@ use crate::optics::microfacet::Ggx;
 const ANGLES: usize = 96;
 /// The table is lowered by this factor. The factor exceeds the error of the quadrature and of the
 /// interpolation, so that the compensated albedo stays below 1.
-const MARGIN: f64 = 0.998;
+pub(super) const MARGIN: f64 = 0.998;
 
 /// The cosines at which the missing energy is tabulated: the squares of evenly spaced numbers. The
 /// grid is dense at grazing angles, where l(μ) is largest and changes fast.
@@ -38,11 +38,21 @@ impl AngleGrid {
         Self { cosines: (0..ANGLES).map(|i| (i as f64 / (ANGLES - 1) as f64).powi(2)).collect() }
     }
 
+    /// Returns the cosines of the nodes.
+    pub(super) fn cosines(&self) -> impl Iterator<Item = f64> {
+        self.cosines.iter().copied()
+    }
+
     /// Finds the nodes around a cosine in \[0, 1\].
     pub(super) fn locate(&self, cos: f64) -> GridPoint {
         let cell = (((ANGLES - 1) as f64 * cos.sqrt()) as usize).min(ANGLES - 2);
         let (from, to) = (self.cosines[cell], self.cosines[cell + 1]);
         GridPoint { cell, fraction: ((cos - from) / (to - from)).clamp(0.0, 1.0) }
+    }
+
+    /// Returns ∫ 2μ·f(μ) dμ, for the linear interpolation of f between its values at the nodes.
+    pub(super) fn mean(&self, values: &[f64]) -> f64 {
+        (0..ANGLES - 1).map(|cell| self.moment(cell, values)).sum()
     }
 
     /// Returns ∫ 2μ·f(μ) dμ over a cell, for the linear interpolation of f between its values at
@@ -51,6 +61,14 @@ impl AngleGrid {
         let (from, to) = (self.cosines[cell], self.cosines[cell + 1]);
         let (low, high) = (values[cell], values[cell + 1]);
         (to - from) * (low * (2.0 * from + to) + high * (from + 2.0 * to)) / 3.0
+    }
+}
+
+impl GridPoint {
+    /// Interpolates linearly between the values at the nodes.
+    pub(super) fn between(self, value: impl Fn(usize) -> f64) -> f64 {
+        let (low, high) = (value(self.cell), value(self.cell + 1));
+        low + (high - low) * self.fraction
     }
 }
 
@@ -77,15 +95,13 @@ pub(super) struct MissingEnergy {
 impl MissingEnergy {
     pub(super) fn new(facets: &Ggx, grid: &AngleGrid, kind: FacetKind) -> Self {
         let column = MissingEnergyTable::built_in().column(facets, kind);
-        let by_angle: Vec<f64> = grid.cosines.iter().map(|&cos| MARGIN * column.at(cos)).collect();
-        let mean = (0..ANGLES - 1).map(|cell| grid.moment(cell, &by_angle)).sum();
-        Self { mean, transmitted: column.transmitted, by_angle }
+        let by_angle: Vec<f64> = grid.cosines().map(|cos| MARGIN * column.at(cos)).collect();
+        Self { mean: grid.mean(&by_angle), transmitted: column.transmitted, by_angle }
     }
 
     /// Returns l(μ), linearly interpolated.
     pub(super) fn at(&self, point: GridPoint) -> f64 {
-        let (low, high) = (self.by_angle[point.cell], self.by_angle[point.cell + 1]);
-        low + (high - low) * point.fraction
+        point.between(|node| self.by_angle[node])
     }
 }
 
