@@ -138,7 +138,10 @@ fn surfaces() -> f64 {
         let index = OpticalIndex::absorbing(Spectrum::constant(n), Spectrum::constant(k)).unwrap();
         FilmStack::new(vec![FilmLayer { index, thickness_nm: SurfaceScalar::Uniform(100.0) }]).unwrap()
     };
-    all.extend([Bsdf::coated_dielectric(films(1.3, 0.0)), Bsdf::coated_dielectric(films(0.1, 4.0))]);
+    for alpha in [0.0, 1e-3, 0.3, 1.0] {
+        let coated = |films| Bsdf::coated_dielectric(films, &index(1.5), alpha).unwrap();
+        all.extend([coated(films(1.3, 0.0)), coated(films(0.1, 4.0))]);
+    }
     all.extend([Bsdf::thin_film(films(1.3, 0.0)), Bsdf::thin_film(films(0.1, 4.0))]);
     for profile in [GratingProfile::Blazed { order: 1, blaze_nm: 550.0 }, GratingProfile::BinaryAmplitude { duty: 0.5 }]
     {
