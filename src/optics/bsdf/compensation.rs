@@ -11,7 +11,7 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 
 use super::film_moments::{CosineFit, FilmMoments, MOMENTS, NODES, SideMoments};
-use super::missing_energy::{AngleGrid, FacetKind, GridPoint, MissingEnergy};
+use super::missing_energy::{AngleGrid, FacetKind, GridPoint, MARGIN, MissingEnergy};
 use super::power::PowerFractions;
 use super::rough_interface::FacetResponse;
 use super::sample::ScatterEvent;
@@ -29,6 +29,9 @@ const LAST: usize = 144;
 /// of the polynomials in `film_moments.rs` for films of usual thickness, so that the surface does
 /// not gain energy.
 const FIT_MARGIN: f64 = 0.996;
+
+/// Films leave at least this fraction of the missing energy.
+const LEAST_CHANGE: f64 = 0.1;
 
 /// The missing energy of a rough dielectric of one roughness, at every relative index.
 ///
@@ -262,7 +265,8 @@ impl OneSide<'_> {
     fn with_films(&self, bare: f64, change: impl Fn(&SideMoments, &[f64; MOMENTS]) -> f64) -> f64 {
         let Some(FilmChange { low, high, coefficients, .. }) = &self.films else { return bare };
         let change = (1.0 - self.share) * change(low, coefficients) + self.share * change(high, coefficients);
-        (FIT_MARGIN * (bare + change)).clamp(f64::MIN_POSITIVE, 1.0)
+        // On nearly smooth surfaces, the sum may be negative, because the moments are not exact.
+        (FIT_MARGIN * (bare + change)).clamp(LEAST_CHANGE * bare, MARGIN)
     }
 
     fn at(&self, point: GridPoint) -> f64 {

@@ -91,7 +91,8 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
         let single = self.half_vector(wo, wi).map_or(0.0, |half_vector| {
             let masking = self.ggx.g2_per_cos(wo.z, wi.z.abs());
             let fraction = self.facet.powers(half_vector.cos_o).of_event(event);
-            fraction * self.ggx.eval(half_vector.m) * half_vector.jacobian * masking * half_vector.cos_o
+            // At grazing angles, the Jacobian alone may be so large that other products overflow.
+            fraction * self.ggx.eval(half_vector.m) * (half_vector.jacobian * half_vector.cos_o) * masking
         });
         single + self.multiple.eval(wo.z, wi.z.abs(), event)
     }
