@@ -234,7 +234,7 @@ impl Spectroscope {
 /// Returns the place of an extreme value of a row between two places, from a parabola through three
 /// pixels. `sign` is 1 for a maximum and −1 for a minimum.
 fn extreme(row: &[f64], (from, to): (usize, usize), sign: f64) -> f64 {
-    let place = (from..to).max_by(|&i, &j| (sign * row[i]).total_cmp(&(sign * row[j]))).unwrap();
+    let place = (from..to).max_by(|&i, &j| (sign * row[i]).total_cmp(&(sign * row[j]))).expect("a row");
     let [before, here, after] = [row[place - 1], row[place], row[place + 1]];
     place as f64 + 0.5 * (before - after) / (before - 2.0 * here + after)
 }
