@@ -240,6 +240,7 @@ fn a_white_core_in_dispersive_glass_keeps_its_radiance() {
 }
 
 #[test]
+#[ignore = "slow: 10 seconds of CPU time"]
 fn a_white_core_behind_glass_and_air() {
     let scene = core_in_a_shell(json!(1.5), 0.5, true, 8.0);
     check("core behind glass and air", &scene, (Integrator::Photon, 10));

@@ -43,6 +43,7 @@ fn cornell(albedo: f64) -> Value {
 }
 
 #[test]
+#[ignore = "slow: 15 seconds of CPU time"]
 fn a_diffuse_box_and_faults_in_it() {
     const RADIUS: f64 = 0.12;
     let scene = cornell(0.73);

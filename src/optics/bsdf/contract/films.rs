@@ -74,7 +74,7 @@ fn clear_films_on_rough_glass_keep_the_energy() {
     };
     let stacks = [vec![layer(1.38, 100.0)], vec![layer(2.35, 60.0), layer(1.46, 95.0), layer(2.35, 60.0)]];
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
-    for (alpha, n) in [(0.2, 1.5), (0.36, 1.8), (1.0, 1.1), (1.0, 1.5), (1.0, 2.4)] {
+    for (alpha, n) in [(0.2, 1.5), (1.0, 1.1), (1.0, 2.4)] {
         let glass = RefractiveIndex::constant(n).unwrap();
         for films in &stacks {
             let bsdf = Bsdf::coated_dielectric(FilmStack::new(films.clone()).unwrap(), &glass, alpha).unwrap();
