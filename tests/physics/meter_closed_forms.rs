@@ -1,6 +1,5 @@
-//! Readings of meters against closed forms: lamps of several shapes, uniform and standard skies,
-//! panes, media, openings and interreflection, by both integrators. The 95 % intervals must contain
-//! the closed forms with their stated probability.
+//! Readings of meters against closed forms, by both integrators. The 95 % intervals must contain the
+//! closed forms with their stated probability.
 
 use crate::meters::{measure, measure_until};
 use abbe::render::{Integrator, MeasurementReport, PointReport, StopRules, Value};
