@@ -60,8 +60,8 @@ pub(crate) struct GratingArgs {
     /// resolving power that diffraction at the stop allows
     #[arg(long, value_name = "MM")]
     stop_mm: Option<f64>,
-    /// The width of a slit, seen from the grating, in degrees. The output then contains the width of
-    /// its image in nm
+    /// The width of a slit, seen from the grating, in degrees. The output then contains the width
+    /// of its image in nm
     #[arg(long, value_name = "DEG")]
     slit_deg: Option<f64>,
     /// Print one JSON object

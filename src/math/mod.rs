@@ -1,7 +1,7 @@
 //! General mathematics that does not deal with light: elementary functions, random streams,
 //! low-discrepancy points, sampling routines and their densities, distributions, quadrature,
-//! complex numbers, Fourier transforms, gradient noise, exact sums, sorting, parallel tasks, frames and
-//! rotations.
+//! complex numbers, Fourier transforms, gradient noise, exact sums, sorting, parallel tasks, frames
+//! and rotations.
 
 pub mod complex;
 pub mod cubic;

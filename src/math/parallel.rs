@@ -21,7 +21,8 @@ pub fn map<I: Send, T: Send>(items: Vec<I>, convert: impl Fn(I) -> T + Sync) -> 
     slots.into_iter().filter_map(|slot| slot.into_inner().unwrap_or_else(PoisonError::into_inner).1).collect()
 }
 
-/// Returns the results of a function for each number of a range. Each task computes `share` results.
+/// Returns the results of a function for each number of a range. Each task computes `share`
+/// results.
 pub fn map_range<T: Send>(range: Range<usize>, share: usize, result: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let tasks = range.clone().step_by(share).collect();
     let of_task = |first: usize| (first..(first + share).min(range.end)).map(&result).collect::<Vec<T>>();

@@ -176,9 +176,9 @@ fn photons_and_paths_agree_on_gratings() {
     assert_integrators_agree_within("gratings", &scene, 2e-2);
 }
 
-/// A spectroscope: a slit at a distance of 50 m, a transmission grating, and a camera behind it that
-/// looks along the order `order` of `nm`. Its round stop has the diameter `stop_mm`. A pixel is a
-/// sixteenth of the radius of the first dark ring.
+/// A spectroscope: a slit at a distance of 50 m, a transmission grating, and a camera behind it
+/// that looks along the order `order` of `nm`. Its round stop has the diameter `stop_mm`. A pixel
+/// is a sixteenth of the radius of the first dark ring.
 struct Spectroscope {
     lines_per_mm: f64,
     order: f64,
@@ -261,8 +261,8 @@ fn a_grating_before_a_round_stop_has_its_resolving_power() {
     }
 }
 
-/// The picture of a slit that is much wider than the dark ring has the width of the slit, divided by
-/// the cosine of the angle of the order.
+/// The picture of a slit that is much wider than the dark ring has the width of the slit, divided
+/// by the cosine of the angle of the order.
 #[test]
 fn a_wide_slit_limits_the_resolving_power() {
     let spectroscope = Spectroscope { lines_per_mm: 600.0, order: 1.0, stop_mm: 4.0, nm: 500.0 };

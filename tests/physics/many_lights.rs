@@ -162,8 +162,9 @@ fn room(surrounded: bool) -> Value {
     })
 }
 
-/// Lamps behind walls do not change the light in a room, and few shadow rays go to them. If the tree
-/// alone selected the lamps, the noise would be about 100 times as large as without these lamps.
+/// Lamps behind walls do not change the light in a room, and few shadow rays go to them. If the
+/// tree alone selected the lamps, the noise would be about 100 times as large as without these
+/// lamps.
 #[test]
 fn lamps_behind_walls_take_few_shadow_rays() {
     let blocks =

@@ -1,5 +1,5 @@
-//! Readings of meters against closed forms, by both integrators. The 95 % intervals must contain the
-//! closed forms with their stated probability.
+//! Readings of meters against closed forms, by both integrators. The 95 % intervals must contain
+//! the closed forms with their stated probability.
 
 use crate::meters::{measure, measure_until};
 use abbe::render::{Integrator, MeasurementReport, PointReport, StopRules, Value};

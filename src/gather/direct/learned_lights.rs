@@ -1,10 +1,10 @@
 //! The learned visibility of the lights: which emitters light which part of the scene (compare
-//! Vévoda, Kondapaneni & Křivánek 2018, "Bayesian Online Regression for Adaptive Direct Illumination
-//! Sampling").
+//! Vévoda, Kondapaneni & Křivánek 2018, "Bayesian Online Regression for Adaptive Direct
+//! Illumination Sampling").
 //!
 //! A light tree does not know that a wall hides a light. Before pass 0, trials from camera paths
-//! measure the light that reaches surfaces. The surfaces are divided into cells: by the axis that is
-//! nearest to the normal, and then at the medians of the positions. Each cell keeps the emitters
+//! measure the light that reaches surfaces. The surfaces are divided into cells: by the axis that
+//! is nearest to the normal, and then at the medians of the positions. Each cell keeps the emitters
 //! that brought most light, with the ratio between this light and their importance. The trials of
 //! the cells around it also count, with a small weight. The product of the ratio and of the
 //! importance at a point is the weight with which the point samples the emitter. Other samples
@@ -21,8 +21,8 @@ const LEARNED_SHARE: f64 = 0.9;
 /// A cell with twice this number of trials is divided.
 const TRIALS_OF_CELL: usize = 256;
 
-/// The number of trials in a group of cells is between this number and twice this number, unless the
-/// group is a whole direction.
+/// The number of trials in a group of cells is between this number and twice this number, unless
+/// the group is a whole direction.
 const TRIALS_OF_GROUP: usize = 2048;
 
 /// The trials of the group count as much as this number of trials of an emitter in the cell. They

@@ -165,8 +165,8 @@ impl LightSelector {
         LightSelection { selector: self, receiver, u, samples: 0..count }
     }
 
-    /// Selects an emitter of the tree over all local lights for a trial. Returns the light, with the
-    /// probability 1 if the emitter is the whole light, the number of the emitter and its
+    /// Selects an emitter of the tree over all local lights for a trial. Returns the light, with
+    /// the probability 1 if the emitter is the whole light, the number of the emitter and its
     /// importance. Returns `None` if the tree has no light for the receiver, or if the receiver is
     /// not a side of a surface.
     pub(super) fn select_for_trial(
@@ -209,8 +209,8 @@ impl LightSelector {
         }
     }
 
-    /// Samples an emitter of a tree, from the learned weights or from the tree. Returns the number of
-    /// the emitter and its probability. Replaces `u` by a new uniform number.
+    /// Samples an emitter of a tree, from the learned weights or from the tree. Returns the number
+    /// of the emitter and its probability. Replaces `u` by a new uniform number.
     fn sample_emitter(&self, root: usize, receiver: &impl Receiver, u: &mut f64) -> Option<(usize, f64)> {
         let tree = &self.emitters.tree;
         let Some(learned) = self.learned_weights(receiver) else { return tree.sample(root, receiver, u) };

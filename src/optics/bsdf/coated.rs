@@ -372,8 +372,8 @@ mod tests {
         }
     }
 
-    /// The fractions of the power that a coated rough interface reflects and transmits, from samples
-    /// with evenly spread random numbers.
+    /// The fractions of the power that a coated rough interface reflects and transmits, from
+    /// samples with evenly spread random numbers.
     fn scattered(coated: &CoatedDielectric, wo: DVec3, iors: InterfaceIors<'_>, nm: f64) -> [f64; 2] {
         const SAMPLES: u32 = 1 << 16;
         let spread = [0.819_172_513_396, 0.671_043_606_703, 0.549_700_477_901];

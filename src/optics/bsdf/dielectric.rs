@@ -79,8 +79,9 @@ impl Dielectric {
         facets.map_or(0.0, |facets| facets.pdf(up, wi))
     }
 
-    /// Returns the facets at one wavelength. The indices are those of the medium on the side of `wo`
-    /// and of the other medium. Returns `None` if the interface is smooth or the indices are equal.
+    /// Returns the facets at one wavelength. The indices are those of the medium on the side of
+    /// `wo` and of the other medium. Returns `None` if the interface is smooth or the indices are
+    /// equal.
     fn facets_between(&self, indices: [f64; 2]) -> Option<FacetScattering<'_, BareFacet>> {
         let RoughInterface { ggx, compensation } = self.facets.as_ref().filter(|_| indices[0] != indices[1])?;
         let multiple = compensation.between(indices[0], indices[1]);

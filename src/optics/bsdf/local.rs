@@ -227,8 +227,8 @@ impl<'a> LocalBsdf<'a> {
     }
 
     /// Returns the probability with which a path of the wavelength `nm` should be reflected by a
-    /// smooth coated interface or by a film. `None` stands for a path that carries the whole band. Returns
-    /// `None` for all other surfaces.
+    /// smooth coated interface or by a film. `None` stands for a path that carries the whole band.
+    /// Returns `None` for all other surfaces.
     pub fn film_reflection_probability(self, wo: DVec3, iors: InterfaceIors<'_>, nm: Option<f64>) -> Option<f64> {
         let thickness_nm = self.texels.thickness_nm;
         match self.model {

@@ -26,7 +26,7 @@ impl RoughInterface {
     }
 }
 
-/// What a facet does with light at one wavelength.
+/// The response of a facet to light at one wavelength.
 pub(super) trait FacetResponse {
     /// Returns the reflected and the transmitted fraction for an angle of incidence of this cosine.
     fn powers(&self, cos: f64) -> PowerFractions;

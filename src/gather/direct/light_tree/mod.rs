@@ -92,9 +92,9 @@ impl LightTree {
         }
     }
 
-    /// Samples an emitter for a trial, as [`Self::sample`] does. The children of a node are selected
-    /// in proportion to the square roots of their importance, so that the trials find weak emitters
-    /// in front of strong emitters behind a wall.
+    /// Samples an emitter for a trial, as [`Self::sample`] does. The children of a node are
+    /// selected in proportion to the square roots of their importance, so that the trials find weak
+    /// emitters in front of strong emitters behind a wall.
     pub(super) fn sample_for_trial(&self, root: usize, receiver: &ReceivingPoint, u: &mut f64) -> Option<usize> {
         let mut index = root;
         while self.nodes[index].link & LEAF == 0 {
