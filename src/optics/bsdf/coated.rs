@@ -7,7 +7,7 @@ use super::compensation::FilmMean;
 use super::dielectric::{Dielectric, radiance_scale};
 use super::hemisphere::{flip_z, z_sign};
 use super::power::PowerFractions;
-use super::rough_interface::{FacetResponse, FacetScattering, RoughInterface, event_towards};
+use super::rough_interface::{FacetResponse, FacetScattering, RoughInterface};
 use super::sample::{BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
 use crate::error::Result;
 use crate::math::complex::Complex;
@@ -89,13 +89,10 @@ impl CoatedDielectric {
     ) -> Option<BsdfSample> {
         let sign = z_sign(wo);
         let up = flip_z(wo, sign);
-        let disperses = iors.here.is_dispersive() || iors.there.is_dispersive();
         if let Some(facets) = self.facets_at(wo, iors, thickness_nm, nm) {
             let m = facets.ggx.sample_visible(up, u[0], u[1]);
-            let sample = facets.sample(up, u)?;
-            let disperses = disperses && sample.event == ScatterEvent::Transmission;
             let (cos_microfacet, shadowed) = (up.dot(m), facets.shadowed(up, m));
-            return Some(BsdfSample { wi: flip_z(sample.wi, sign), disperses, cos_microfacet, shadowed, ..sample });
+            return Some(BsdfSample { cos_microfacet, shadowed, ..facets.sample(wo, iors, u)? });
         }
         let mirrored = DVec3::new(-wo.x, -wo.y, wo.z);
         let Some(refracted) = fresnel::refract(up, DVec3::Z, iors.here.n(nm), iors.there.n(nm)) else {
@@ -106,6 +103,7 @@ impl CoatedDielectric {
             return Some(BsdfSample::delta(mirrored, ScatterEvent::Reflection, probability));
         }
         let sample = BsdfSample::delta(flip_z(refracted, sign), ScatterEvent::Transmission, 1.0 - probability);
+        let disperses = iors.here.is_dispersive() || iors.there.is_dispersive();
         Some(BsdfSample { disperses, ..sample })
     }
 
@@ -117,20 +115,12 @@ impl CoatedDielectric {
         thickness_nm: f32,
         (mode, nm): (TransportMode, f64),
     ) -> f64 {
-        let (up, down) = (flip_z(wo, z_sign(wo)), flip_z(wi, z_sign(wo)));
-        let Some(facets) = self.facets_at(wo, iors, thickness_nm, nm).filter(|_| wi.z != 0.0) else {
-            return 0.0;
-        };
-        let scale = match event_towards(down) {
-            ScatterEvent::Reflection => 1.0,
-            ScatterEvent::Transmission => radiance_scale(iors, mode, nm),
-        };
-        facets.eval(up, down) * scale
+        let facets = self.facets_at(wo, iors, thickness_nm, nm);
+        facets.map_or(0.0, |facets| facets.eval(wo, wi, iors, (mode, nm)))
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> f64 {
-        let facets = self.facets_at(wo, iors, thickness_nm, nm).filter(|_| wi.z != 0.0);
-        facets.map_or(0.0, |facets| facets.pdf(flip_z(wo, z_sign(wo)), flip_z(wi, z_sign(wo))))
+        self.facets_at(wo, iors, thickness_nm, nm).map_or(0.0, |facets| facets.pdf(wo, wi))
     }
 
     pub(super) fn coefficient(

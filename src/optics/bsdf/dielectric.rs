@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::check::check_alpha;
 use super::hemisphere::{flip_z, z_sign};
-use super::rough_interface::{BareFacet, FacetScattering, RoughInterface, event_towards};
+use super::rough_interface::{BareFacet, FacetScattering, RoughInterface};
 use super::sample::{BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
 use crate::error::Result;
 use crate::optics::fresnel;
@@ -40,14 +40,11 @@ impl Dielectric {
         if n_i == n_t {
             return Some(BsdfSample::delta(-wo, ScatterEvent::Transmission, 1.0));
         }
+        if let Some(facets) = self.facets_between([n_i, n_t]) {
+            return facets.sample(wo, iors, u);
+        }
         let sign = z_sign(wo);
         let up = flip_z(wo, sign);
-        if let Some(facets) = self.facets_between([n_i, n_t]) {
-            let sample = facets.sample(up, u)?;
-            let disperses =
-                sample.event == ScatterEvent::Transmission && (iors.here.is_dispersive() || iors.there.is_dispersive());
-            return Some(BsdfSample { wi: flip_z(sample.wi, sign), disperses, ..sample });
-        }
         let reflected = fresnel::dielectric(up.z, n_i, n_t);
         let sample = if u[2] < reflected {
             BsdfSample::delta(flip_z(DVec3::new(-up.x, -up.y, up.z), sign), ScatterEvent::Reflection, reflected)
@@ -60,23 +57,13 @@ impl Dielectric {
     }
 
     pub(super) fn eval(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
-        let (up, wi) = (flip_z(wo, z_sign(wo)), flip_z(wi, z_sign(wo)));
-        let indices = [iors.here.n(nm), iors.there.n(nm)];
-        let Some(facets) = self.facets_between(indices).filter(|_| wi.z != 0.0) else {
-            return 0.0;
-        };
-        let scale = match event_towards(wi) {
-            ScatterEvent::Reflection => 1.0,
-            ScatterEvent::Transmission => radiance_scale(iors, mode, nm),
-        };
-        facets.eval(up, wi) * scale
+        let facets = self.facets_between([iors.here.n(nm), iors.there.n(nm)]);
+        facets.map_or(0.0, |facets| facets.eval(wo, wi, iors, (mode, nm)))
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
-        let (up, wi) = (flip_z(wo, z_sign(wo)), flip_z(wi, z_sign(wo)));
-        let indices = [iors.here.n(nm), iors.there.n(nm)];
-        let facets = self.facets_between(indices).filter(|_| wi.z != 0.0);
-        facets.map_or(0.0, |facets| facets.pdf(up, wi))
+        let facets = self.facets_between([iors.here.n(nm), iors.there.n(nm)]);
+        facets.map_or(0.0, |facets| facets.pdf(wo, wi))
     }
 
     /// Returns the facets at one wavelength. The indices are those of the medium on the side of

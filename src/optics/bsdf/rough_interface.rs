@@ -3,9 +3,10 @@
 use glam::DVec3;
 
 use super::compensation::{DielectricCompensation, MultipleScattering};
-use super::hemisphere::flip_z;
+use super::dielectric::radiance_scale;
+use super::hemisphere::{flip_z, z_sign};
 use super::power::PowerFractions;
-use super::sample::{BsdfSample, ScatterEvent};
+use super::sample::{BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
 use crate::optics::fresnel;
 use crate::optics::microfacet::Ggx;
 
@@ -52,8 +53,9 @@ impl FacetResponse for BareFacet {
     }
 }
 
-/// A rough interface at one wavelength, for light from one side. In all methods, `wo` lies in the
-/// upper hemisphere.
+/// A rough interface at one wavelength, for light from the side of `wo`. The methods `sample`,
+/// `eval` and `pdf` accept directions on both sides. In all other methods, `wo` lies in the upper
+/// hemisphere.
 pub(super) struct FacetScattering<'a, R> {
     pub(super) ggx: &'a Ggx,
     pub(super) facet: R,
@@ -65,7 +67,33 @@ pub(super) struct FacetScattering<'a, R> {
 impl<R: FacetResponse> FacetScattering<'_, R> {
     /// Samples a direction. The probability of the sample is the density per solid angle. Returns
     /// `None` if the density is 0.
-    pub(super) fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
+    pub(super) fn sample(&self, wo: DVec3, iors: InterfaceIors<'_>, u: [f64; 3]) -> Option<BsdfSample> {
+        let sample = self.sample_upper(flip_z(wo, z_sign(wo)), u)?;
+        let disperses =
+            sample.event == ScatterEvent::Transmission && (iors.here.is_dispersive() || iors.there.is_dispersive());
+        Some(BsdfSample { wi: flip_z(sample.wi, z_sign(wo)), disperses, ..sample })
+    }
+
+    /// Evaluates f(wo, wi) in 1/sr at the wavelength `nm`.
+    pub(super) fn eval(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, (mode, nm): (TransportMode, f64)) -> f64 {
+        let (wo, wi) = (flip_z(wo, z_sign(wo)), flip_z(wi, z_sign(wo)));
+        if wi.z == 0.0 {
+            return 0.0;
+        }
+        let scale = match event_towards(wi) {
+            ScatterEvent::Reflection => 1.0,
+            ScatterEvent::Transmission => radiance_scale(iors, mode, nm),
+        };
+        self.eval_upper(wo, wi) * scale
+    }
+
+    /// Returns the density of `wi` per solid angle.
+    pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let (wo, wi) = (flip_z(wo, z_sign(wo)), flip_z(wi, z_sign(wo)));
+        if wi.z == 0.0 { 0.0 } else { self.pdf_upper(wo, wi) }
+    }
+
+    fn sample_upper(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
         let [n_i, n_t] = self.indices;
         let probability = self.multiple.albedo(wo.z);
         let (wi, event) = if u[2] < probability {
@@ -81,12 +109,12 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
             }
         };
         let sample = BsdfSample::lobe(wi, event, 1.0);
-        let density = if sample.on_event_side(wo) { self.pdf(wo, wi) } else { 1.0 };
+        let density = if sample.on_event_side(wo) { self.pdf_upper(wo, wi) } else { 1.0 };
         (density > 0.0).then_some(BsdfSample { probability: density, ..sample })
     }
 
     /// Evaluates f(wo, wi) in 1/sr for power.
-    pub(super) fn eval(&self, wo: DVec3, wi: DVec3) -> f64 {
+    fn eval_upper(&self, wo: DVec3, wi: DVec3) -> f64 {
         let event = event_towards(wi);
         let single = self.half_vector(wo, wi).map_or(0.0, |half_vector| {
             let masking = self.ggx.g2_per_cos(wo.z, wi.z.abs());
@@ -99,7 +127,7 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
 
     /// Returns the density of `wi` per solid angle. The lobe of multiple scattering is sampled with
     /// the probability of its albedo.
-    pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+    fn pdf_upper(&self, wo: DVec3, wi: DVec3) -> f64 {
         let event = event_towards(wi);
         let single = self.half_vector(wo, wi).map_or(0.0, |half_vector| {
             let visible = self.ggx.g1_per_cos(wo.z) * self.ggx.eval(half_vector.m) * half_vector.cos_o;
@@ -140,7 +168,7 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
 }
 
 /// Returns the event that leads to `wi` from the upper hemisphere.
-pub(super) fn event_towards(wi: DVec3) -> ScatterEvent {
+fn event_towards(wi: DVec3) -> ScatterEvent {
     if wi.z > 0.0 { ScatterEvent::Reflection } else { ScatterEvent::Transmission }
 }
 
