@@ -28,7 +28,7 @@ use crate::gather::{CameraPass, LightSelector, Outlines};
 use crate::map::{FirstRadii, LightMaps, SetMaps};
 use crate::optics::bsdf::BsdfClass;
 use crate::plan::partition::{PerClass, PerSet, PhotonSet};
-use crate::plan::{AimPlan, Budget, CausticPlan, IndirectPlan, MotionPlan, WavelengthPlan};
+use crate::plan::{AimPlan, Budget, CausticPlan, IndirectPlan, MotionPlan};
 use crate::scene::Scene;
 use crate::sensor::Picture;
 use crate::walk::RayDensities;
@@ -178,7 +178,7 @@ impl Pilot {
     /// Measures the radii, the outlines, the probabilities of storing photons in media, and the
     /// division of the photons between the sets.
     pub(super) fn measure(&mut self, context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) {
-        (self.photons, self.camera_samples) = (even_division(context.plan.wavelengths, context.budget.photons), 1);
+        (self.photons, self.camera_samples) = (even_division(context.plan.photon_sets(), context.budget.photons), 1);
         let mut survey = PixelSurvey::default();
         for (moment, scene) in (0..).zip(scenes) {
             let moment = (moment, scenes.len());
@@ -200,7 +200,7 @@ impl Pilot {
             let swept = context.scene.swept_boxes();
             self.outlines = outlines(context, &scenes[0], &visible, &swept, &self.radii);
         }
-        if context.plan.wavelengths == WavelengthPlan::Both {
+        if context.plan.photon_sets() == (PerSet { free: true, shared: true }) {
             self.photons = divided(context.budget.photons, readers);
         }
     }
@@ -276,12 +276,9 @@ fn has_competition(context: &PassContext<'_>) -> bool {
 }
 
 /// Divides the photons evenly between the sets that are in use.
-fn even_division(wavelengths: WavelengthPlan, photons: u64) -> PerSet<u64> {
-    match wavelengths {
-        WavelengthPlan::Free => PerSet { free: photons, shared: 0 },
-        WavelengthPlan::Shared => PerSet { free: 0, shared: photons },
-        WavelengthPlan::Both => PerSet::from_fn(|_| (photons / 2).max(1)),
-    }
+fn even_division(in_use: PerSet<bool>, photons: u64) -> PerSet<u64> {
+    let share = if in_use.free && in_use.shared { (photons / 2).max(1) } else { photons };
+    PerSet::from_fn(|set| if in_use[set] { share } else { 0 })
 }
 
 /// Divides the photons between the sets in proportion to the number of pixels that read each set.

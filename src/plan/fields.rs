@@ -1,5 +1,7 @@
 //! The plan and the types of its fields.
 
+use super::partition::PerSet;
+
 /// The choices that fix how a scene is simulated.
 ///
 /// [`EFFECTS`](super::EFFECTS) lists the effects. Each entry names three things: the fact that
@@ -46,6 +48,15 @@ impl Plan {
         fluorescence: false,
         ultraviolet: false,
     };
+
+    /// Returns the photon sets of a pass. Free photons excite fluorophores, also if all camera paths
+    /// carry shared wavelengths.
+    pub(crate) fn photon_sets(&self) -> PerSet<bool> {
+        PerSet {
+            free: self.wavelengths != WavelengthPlan::Shared || self.fluorescence,
+            shared: self.wavelengths != WavelengthPlan::Free,
+        }
+    }
 }
 
 /// The sharing of wavelengths between photons and camera paths.

@@ -5,7 +5,7 @@
 
 use super::decide::{EffectRow, EffectState, decide};
 use super::effects::{EffectId, Removal, listed};
-use super::fields::{Plan, WavelengthPlan};
+use super::fields::Plan;
 use super::negligible::{light_centre_nm, negligible};
 use crate::error::{Error, Result};
 use crate::scene::Scene;
@@ -21,9 +21,8 @@ const D_LINE_NM: f64 = 587.5618;
 /// Returns the plan and one row per effect. Adds notes to the scene.
 ///
 /// # Errors
-/// Returns an input error in four cases: the name of an effect is unknown, the scene forbids an
-/// effect that cannot be forbidden, the plan contains diffraction without an aperture, or a lens of
-/// real glass photographs fluorescent objects.
+/// Returns an input error in three cases: the name of an effect is unknown, the scene forbids an
+/// effect that cannot be forbidden, or the plan contains diffraction without an aperture.
 pub fn prepare(scene: &mut Scene) -> Result<(Plan, Vec<EffectRow>)> {
     let negligible = negligible(scene);
     let light_nm = light_centre_nm(scene);
@@ -53,13 +52,6 @@ pub fn prepare(scene: &mut Scene) -> Result<(Plan, Vec<EffectRow>)> {
     {
         return Err(Error::input("diffraction is on, but the camera has no aperture")
             .expected("a lens with an aperture, or \"diffraction\" forbidden too"));
-    }
-    if plan.fluorescence && plan.wavelengths == WavelengthPlan::Shared {
-        let objects = listed(&facts.fluorescent);
-        let what = format!("the camera has a lens of real glass, and the scene has fluorescent objects ({objects})");
-        return Err(Error::input(what).expected(
-            "another lens, such as `pinhole` or `thin_lens`, or a render that forbids the effect `fluorescence`",
-        ));
     }
     if plan.ultraviolet {
         scene.add_ultraviolet();

@@ -5,12 +5,11 @@ use crate::common::near::{assert_near, number};
 use crate::common::{colour_blocks, diffuse, glass, job, overhead_camera, render, with_setting};
 use crate::golden::golden;
 use crate::textures::assert_integrators_agree;
-use abbe::format::{self, resolve};
 use abbe::optics::bsdf::Fluorescent;
 use abbe::optics::donaldson::DonaldsonMatrix;
 use abbe::optics::fluorophore::Fluorophore;
 use abbe::plan::WavelengthPlan;
-use abbe::render::{Integrator, Job};
+use abbe::render::Integrator;
 use abbe::spectrum::{Observer, Outside, Spectrum};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -206,7 +205,7 @@ fn one_reflection_is_golden() {
 
 /// A horizontal square of a golden material under a uniform sky of this spectrum, seen from above.
 /// A perfect diffuser would have the luminance 1.
-fn under_a_sky(material: &Value, lamp: &str) -> Value {
+pub(crate) fn under_a_sky(material: &Value, lamp: &str) -> Value {
     json!({
         "camera": overhead_camera([0.0, 0.0], 4.0, 1.0),
         "film": { "width": 16, "height": 16 },
@@ -355,21 +354,6 @@ fn all_golden_spheres_have_their_colours() {
     check_spheres(material, &[0, 1, 2, 3, 4, 5, 6], 128);
 }
 
-/// A camera with a lens of real glass sees one wavelength per path and has no free photons.
-#[test]
-fn lenses_of_real_glass_refuse_fluorescence() {
-    let mut scene = under_a_sky(&material("red day-glow"), "D65");
-    scene["camera"]["lens"] = json!({ "system": { "prescription": "double-gauss", "focus_distance": 3,
-                                                  "f_number": 4, "sensor_height_mm": 12 } });
-    let planned = |scene: &Value| {
-        let (file, source) = format::parse(&scene.to_string(), Path::new("tests/inline.json"), &[]).expect("a scene");
-        Job::new(resolve::resolve(&file, &source).expect("the scene resolves"))
-    };
-    let error = planned(&scene).map(|_| ()).expect_err("the scene must be refused").to_string();
-    assert!(error.contains("lens of real glass") && error.contains("forbids the effect `fluorescence`"), "{error}");
-    assert!(planned(&with_setting(&scene, "forbid", json!(["fluorescence"]))).is_ok());
-}
-
 /// All light of a beam meets a fluorescent floor once. The ledger contains the golden fractions of
 /// the energy.
 #[test]
@@ -401,7 +385,7 @@ fn the_ledger_contains_stokes_loss_and_quantum_loss() {
 
 /// A still life of fluorescent surfaces: a glass ball focuses light on one of them, and their light
 /// reaches a grey wall.
-fn still_life(ior: &str, lamp: Value) -> Value {
+pub(crate) fn still_life(ior: &str, lamp: Value) -> Value {
     json!({
         "camera": { "from": [0, 2.2, 5], "at": [0.2, 0.6, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 32 } } },
         "film": { "width": 32, "height": 32 },

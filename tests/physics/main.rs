@@ -19,6 +19,7 @@ mod competing_techniques;
 mod diffraction;
 mod dyes;
 mod fluorescence;
+mod fluorescence_through_lenses;
 mod fluorescent_plates;
 mod free_and_shared;
 mod furnace;
