@@ -64,7 +64,9 @@ fn films_are_named_measured_and_plotted() {
 #[test]
 fn a_wrong_stack_is_refused_with_its_place() {
     let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("noise.csv"), "nm,n,k\n360,1.6,0.1\n500,1.6,-0.01\n830,1.6,0\n").unwrap();
     for (stack, what) in [
+        (r#"{"layers": [], "substrate": {"file": "noise.csv"}}"#, "negative value -0.01 at 500 nm"),
         (r#"{"layers": [{"ior": "MgF3", "thickness_nm": 100}]}"#, "layers[0].ior"),
         (r#"{"layers": [{"ior": "MgF3", "thickness_nm": 100}]}"#, "MgF2"),
         (r#"{"layers": [{"ior": 1.4, "thickness": 100}]}"#, "thickness_nm"),

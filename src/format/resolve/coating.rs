@@ -134,9 +134,10 @@ impl Spectra<'_> {
             CoatingIndexFile::Index(IndexFile::Name(name)) => self.at(at, named_index(name)),
             CoatingIndexFile::Index(IndexFile::File(path)) => {
                 let data = self.at(&at.key("file"), index_file(path, self.source))?;
-                let index = match data.n_and_k() {
-                    Ok((n, k)) => OpticalIndex::absorbing(n, k),
-                    Err(_) => data.index().map(OpticalIndex::Transparent),
+                let index = if data.is_complex() {
+                    data.n_and_k().and_then(|(n, k)| OpticalIndex::absorbing(n, k))
+                } else {
+                    data.index().map(OpticalIndex::Transparent)
                 };
                 self.at(&at.key("file"), index)
             }

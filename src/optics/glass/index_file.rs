@@ -12,10 +12,20 @@ use yaml_rust2::{Yaml, YamlLoader};
 use super::index::{ReferenceMedium, RefractiveIndex};
 use crate::error::{Error, Result};
 use crate::math::elementary::powf;
-use crate::spectrum::{BAND_NM, Outside, Spectrum};
+use crate::spectrum::{BAND_NM, Outside, Spectrum, ULTRAVIOLET_FROM_NM};
 
 /// Step in nm between the wavelengths at which a formula is evaluated.
 const STEP_NM: f64 = 1.0;
+
+/// Pairs of a wavelength in nm and a value, as a file states them.
+type Points = Vec<(f64, f64)>;
+
+/// The points of n and of k in a file.
+#[derive(Debug, Default)]
+struct Columns {
+    n: Option<Points>,
+    k: Option<Points>,
+}
 
 /// A function of wavelength as a table.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +33,38 @@ struct Table {
     /// Wavelengths in nm, in rising order.
     nm: Vec<f64>,
     values: Vec<f64>,
+}
+
+impl Table {
+    /// Creates a table from points in any order. Files with rounded wavelengths contain several
+    /// points of equal wavelength. The table contains the mean of their values. It contains the
+    /// points from 300 to 830 nm, and the nearest point on each side.
+    fn new(mut points: Points) -> Result<Self> {
+        if points.iter().any(|(nm, value)| !(nm.is_finite() && value.is_finite())) {
+            return Err(Error::input("a wavelength or a value is not finite"));
+        }
+        points.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let (Some(&(first, _)), Some(&(last, _))) = (points.first(), points.last()) else {
+            return Err(Error::input("the table has no rows"));
+        };
+        check_range(first, last)?;
+        let (nm, values): (Vec<f64>, Vec<f64>) = points
+            .chunk_by(|one, other| one.0 == other.0)
+            .map(|equal| (equal[0].0, equal.iter().map(|(_, value)| value).sum::<f64>() / equal.len() as f64))
+            .unzip();
+        let from = nm.partition_point(|&nm| nm <= ULTRAVIOLET_FROM_NM).saturating_sub(1);
+        let to = (nm.partition_point(|&nm| nm < BAND_NM.1) + 1).min(nm.len());
+        Ok(Self { nm: nm[from..to].to_vec(), values: values[from..to].to_vec() })
+    }
+}
+
+/// Returns an error if no wavelength of the band lies between `first` and `last` (nm).
+fn check_range(first: f64, last: f64) -> Result<()> {
+    if first > BAND_NM.1 || last < BAND_NM.0 {
+        let what = format!("the data ranges from {first} to {last} nm");
+        return Err(Error::input(what).expected("wavelengths from 360 to 830 nm"));
+    }
+    Ok(())
 }
 
 /// The contents of a file with indices of refraction.
@@ -43,27 +85,16 @@ impl IndexFileData {
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
         let extension = path.extension().and_then(|name| name.to_str()).unwrap_or_default();
         let is_yaml = ["yml", "yaml"].iter().any(|known| extension.eq_ignore_ascii_case(known));
-        let data = if is_yaml { of_yaml(text) } else { of_csv(text) };
-        data.and_then(Self::checked).map_err(|error| error.in_file(path))
+        let columns = if is_yaml { of_yaml(text) } else { of_csv(text) };
+        let data = columns.and_then(|Columns { n, k }| {
+            Ok(Self { n: n.map(Table::new).transpose()?, k: k.map(Table::new).transpose()? })
+        });
+        data.map_err(|error| error.in_file(path))
     }
 
-    fn checked(self) -> Result<Self> {
-        for table in self.n.iter().chain(&self.k) {
-            if table.nm.windows(2).any(|pair| pair[0] >= pair[1]) {
-                return Err(Error::input("the wavelengths do not rise").expected("wavelengths in rising order"));
-            }
-            if table.nm.iter().chain(&table.values).any(|x| !x.is_finite()) {
-                return Err(Error::input("a wavelength or a value is not finite"));
-            }
-            let (Some(first), Some(last)) = (table.nm.first(), table.nm.last()) else {
-                return Err(Error::input("the table has no rows"));
-            };
-            if *first > BAND_NM.1 || *last < BAND_NM.0 {
-                return Err(Error::input(format!("the data ranges from {first} to {last} nm"))
-                    .expected("wavelengths from 360 to 830 nm"));
-            }
-        }
-        Ok(self)
+    /// Returns true if the file contains both n and k.
+    pub fn is_complex(&self) -> bool {
+        self.n.is_some() && self.k.is_some()
     }
 
     /// Returns the index of refraction of a transparent material.
@@ -91,7 +122,7 @@ impl IndexFileData {
 }
 
 /// Reads an entry of refractiveindex.info.
-fn of_yaml(text: &str) -> Result<IndexFileData> {
+fn of_yaml(text: &str) -> Result<Columns> {
     let malformed = |error: yaml_rust2::ScanError| Error::input(format!("not a valid YAML file: {error}"));
     // Aliases could expand to a text of any size, and the database uses none.
     let mut parser = Parser::new_from_str(text);
@@ -109,20 +140,17 @@ fn of_yaml(text: &str) -> Result<IndexFileData> {
     let entries = entries.ok_or_else(|| {
         Error::input("the file has no list DATA").expected("an entry of the database refractiveindex.info")
     })?;
-    let mut data = IndexFileData { n: None, k: None };
+    let mut data = Columns::default();
     for entry in entries {
         let kind = entry["type"].as_str().unwrap_or_default();
         match kind.split_once(' ') {
             Some(("tabulated", columns)) => {
                 let rows = rows(&text_of(&entry["data"]), columns.len() + 1)?;
                 for (column, name) in columns.chars().enumerate() {
-                    let table = Table {
-                        nm: rows.iter().map(|row| 1e3 * row[0]).collect(),
-                        values: rows.iter().map(|row| row[column + 1]).collect(),
-                    };
+                    let points = rows.iter().map(|row| (1e3 * row[0], row[column + 1])).collect();
                     match name {
-                        'n' => data.n = Some(table),
-                        'k' => data.k = Some(table),
+                        'n' => data.n = Some(points),
+                        'k' => data.k = Some(points),
                         _ => return Err(Error::input(format!("unknown columns \"{columns}\"")).expected("n, k or nk")),
                     }
                 }
@@ -163,18 +191,18 @@ fn rows(text: &str, columns: usize) -> Result<Vec<Vec<f64>>> {
     text.lines().filter(|line| !line.trim().is_empty()).map(row).collect()
 }
 
-/// Evaluates a formula at the wavelengths of the band at which it is valid.
-fn of_formula(number: &str, entry: &Yaml) -> Result<Table> {
+/// Evaluates a formula at the wavelengths from 300 to 830 nm at which it is valid.
+fn of_formula(number: &str, entry: &Yaml) -> Result<Points> {
     let range = [&entry["wavelength_range"], &entry["range"]].map(text_of).concat();
     let [from, to]: [f64; 2] = numbers(&range)?
         .try_into()
         .map_err(|_| Error::input("the formula has no wavelength range").expected("wavelength_range: MIN MAX"))?;
+    check_range(1e3 * from, 1e3 * to)?;
     let c = numbers(&text_of(&entry["coefficients"]))?;
-    let (from, to) = ((1e3 * from).max(BAND_NM.0), (1e3 * to).min(BAND_NM.1));
+    let (from, to) = ((1e3 * from).max(ULTRAVIOLET_FROM_NM), (1e3 * to).min(BAND_NM.1));
     let steps = ((to - from) / STEP_NM).max(0.0).ceil() as usize;
-    let nm: Vec<f64> = (0..=steps).map(|i| (from + STEP_NM * i as f64).min(to)).collect();
-    let values: Result<Vec<f64>> = nm.iter().map(|&nm| formula(number, &c, 1e-3 * nm)).collect();
-    Ok(Table { nm, values: values? })
+    let at = |i: usize| (from + STEP_NM * i as f64).min(to);
+    (0..=steps).map(at).map(|nm| Ok((nm, formula(number, &c, 1e-3 * nm)?))).collect()
 }
 
 /// Evaluates a formula at the wavelength `um` in µm. The coefficients `c` start with C1.
@@ -216,8 +244,8 @@ fn formula(number: &str, c: &[f64], um: f64) -> Result<f64> {
 
 /// Reads a table. A header row names the columns. Another header row starts another table, as in
 /// the CSV files of refractiveindex.info.
-fn of_csv(text: &str) -> Result<IndexFileData> {
-    let mut data = IndexFileData { n: None, k: None };
+fn of_csv(text: &str) -> Result<Columns> {
+    let mut data = Columns::default();
     let mut header: Vec<String> = Vec::new();
     for (number, line) in (1..).zip(text.lines()) {
         let line = line.trim_start_matches('\u{feff}').trim();
@@ -240,14 +268,12 @@ fn of_csv(text: &str) -> Result<IndexFileData> {
             |cell: &str| cell.parse::<f64>().map_err(|_| fault(format!("found \"{cell}\"")).expected("a number"));
         let nm = scale * number(cells[0])?;
         for (name, cell) in header.iter().zip(&cells).skip(1) {
-            let table = match name.as_str() {
+            let points = match name.as_str() {
                 "n" => &mut data.n,
                 "k" => &mut data.k,
                 _ => return Err(fault(format!("unknown column \"{name}\"")).expected("n or k")),
             };
-            let table = table.get_or_insert_with(|| Table { nm: Vec::new(), values: Vec::new() });
-            table.nm.push(nm);
-            table.values.push(number(cell)?);
+            points.get_or_insert_default().push((nm, number(cell)?));
         }
     }
     Ok(data)
@@ -322,6 +348,31 @@ mod tests {
         }
     }
 
+    /// The rows of a file may have any order. Rounded wavelengths may be equal. Rows far outside the
+    /// band have no effect, also if their values are not those of a transparent material.
+    #[test]
+    fn tables_keep_the_rows_of_the_band_in_rising_order() {
+        let rows = "nm,n\n9000,0.9\n900,1.4\n600,1.5\n600,1.52\n400,1.6\n250,1.7\n200,0.8\n";
+        let data = parse(rows, "a.csv").unwrap();
+        assert_eq!(data.n.as_ref().unwrap().nm, [250.0, 400.0, 600.0, 900.0]);
+        let index = data.index().unwrap();
+        for (nm, n) in [(600.0, 1.51), (500.0, 1.555), (750.0, 1.455), (325.0, 1.65)] {
+            assert!((index.n(nm) - n).abs() < 1e-12, "{nm}: {}", index.n(nm));
+        }
+    }
+
+    /// A formula reaches into the ultraviolet as far as it is valid.
+    #[test]
+    fn formulas_reach_into_the_ultraviolet() {
+        let n = |range: &str, nm: f64| {
+            let text =
+                format!("DATA:\n  - type: formula 5\n    wavelength_range: {range}\n    coefficients: 1.5 0.004 -2\n");
+            parse(&text, "a.yml").unwrap().index().unwrap().n(nm)
+        };
+        assert!((n("0.2 2", 310.0) - (1.5 + 0.004 / 0.0961)).abs() < 1e-12);
+        assert!((n("0.4 2", 310.0) - 1.525).abs() < 1e-12);
+    }
+
     #[test]
     fn malformed_files_give_errors_that_name_the_file() {
         for (text, name, expected) in [
@@ -336,9 +387,13 @@ mod tests {
             ("DATA:\n  - type: formula 2\n    coefficients: 1", "a.yml", "no wavelength range"),
             ("DATA:\n  - type: tabulated nk\n    data: |\n        0.4 1.5\n", "a.yml", "2 numbers"),
             ("DATA:\n  - type: tabulated n\n    data: |\n        4 1.5\n        8 1.4\n", "a.yml", "360 to 830"),
+            (
+                "DATA:\n  - type: formula 5\n    wavelength_range: 2 5\n    coefficients: 1.5",
+                "a.yml",
+                "from 2000 to 5000 nm",
+            ),
             ("400,1.5\n", "a.csv", "no header"),
             ("nm,n\n400,x\n", "a.csv", "line 2"),
-            ("nm,n\n500,1.5\n400,1.5\n", "a.csv", "do not rise"),
         ] {
             let error = parse(text, name).unwrap_err().to_string();
             assert!(error.contains(expected) && error.contains(name), "{error}");
